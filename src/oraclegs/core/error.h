@@ -1,0 +1,60 @@
+#pragma once
+// Errors are typed by who can mend them; the program's exit code follows from the type.
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace oraclegs {
+
+/// Base of everything the library throws on purpose. what() is one line: where, what was found, what would mend it.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  virtual int exit_code() const { return 4; }
+};
+
+/// The command line or a configuration file is wrong: the user's to mend, exit code 2.
+class UsageError : public Error {
+ public:
+  template <class... Args>
+  explicit UsageError(fmt::format_string<Args...> format, Args&&... args)
+      : Error(fmt::format(format, std::forward<Args>(args)...)) {}
+  int exit_code() const override { return 2; }
+};
+
+/// A file or folder given as input is wrong: the user's to mend, exit code 3. The message names the file and the mend.
+class InputError : public Error {
+ public:
+  template <class... Args>
+  explicit InputError(fmt::format_string<Args...> format, Args&&... args)
+      : Error(fmt::format(format, std::forward<Args>(args)...)) {}
+  int exit_code() const override { return 3; }
+};
+
+/// The run failed for a reason outside the input (disk full, a child program died, out of memory): exit code 4.
+class RunError : public Error {
+ public:
+  template <class... Args>
+  explicit RunError(fmt::format_string<Args...> format, Args&&... args)
+      : Error(fmt::format(format, std::forward<Args>(args)...)) {}
+};
+
+/// SIGINT or SIGTERM was received and the work stopped at a safe point: exit code 130.
+class Interrupted : public Error {
+ public:
+  using Error::Error;
+  int exit_code() const override { return 130; }
+};
+
+/// A tensor has the wrong shape: a bug of the caller.
+class ShapeError : public std::logic_error {
+ public:
+  template <class... Args>
+  explicit ShapeError(fmt::format_string<Args...> format, Args&&... args)
+      : std::logic_error(fmt::format(format, std::forward<Args>(args)...)) {}
+};
+
+}  // namespace oraclegs

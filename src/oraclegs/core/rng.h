@@ -1,0 +1,66 @@
+#pragma once
+// Random numbers that are a pure function of (seed, stream, counter): nothing to synchronise between threads, the same
+// numbers on every device, and a checkpoint stores a counter instead of a generator.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "oraclegs/core/device_macros.h"
+
+namespace oraclegs {
+
+/// Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): four 32-bit words.
+struct Philox {
+  uint32_t x[4];
+
+  ORACLEGS_HD static Philox Draw(uint64_t seed, uint64_t stream, uint64_t counter) {
+    uint32_t k0 = static_cast<uint32_t>(seed), k1 = static_cast<uint32_t>(seed >> 32);
+    Philox c{{static_cast<uint32_t>(counter), static_cast<uint32_t>(counter >> 32), static_cast<uint32_t>(stream),
+              static_cast<uint32_t>(stream >> 32)}};
+    for (int round = 0; round < 10; ++round) {
+      const uint64_t p0 = uint64_t{0xD2511F53} * c.x[0], p1 = uint64_t{0xCD9E8D57} * c.x[2];
+      c = Philox{{static_cast<uint32_t>(p1 >> 32) ^ c.x[1] ^ k0, static_cast<uint32_t>(p1),
+                  static_cast<uint32_t>(p0 >> 32) ^ c.x[3] ^ k1, static_cast<uint32_t>(p0)}};
+      k0 += 0x9E3779B9u;
+      k1 += 0xBB67AE85u;
+    }
+    return c;
+  }
+};
+
+/// The independent streams of one run's seed. A new use of randomness gets a new name here.
+enum class RandomStream : uint64_t {
+  kInitialPoints = 1,
+  kViewOrder = 2,
+  kRelocate = 3,
+  kAdd = 4,
+  kNoise = 5,
+  kDemoScene = 6,
+};
+
+/// Sequential reader of one stream; its whole state is the counter.
+class Rng {
+ public:
+  Rng(uint64_t seed, RandomStream stream, uint64_t counter = 0)
+      : seed_(seed), stream_(static_cast<uint64_t>(stream)), counter_(counter) {}
+
+  /// Uniform in [0, 1), 53 bits.
+  double Uniform() {
+    const Philox r = Philox::Draw(seed_, stream_, counter_++);
+    return static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
+  }
+  double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
+  /// Uniform integer in [0, n), n >= 1.
+  int64_t Index(int64_t n) { return static_cast<int64_t>(Uniform() * static_cast<double>(n)); }
+
+  uint64_t counter() const { return counter_; }
+
+ private:
+  uint64_t seed_, stream_, counter_;
+};
+
+/// Uniform in (0, 1): safe under a logarithm.
+ORACLEGS_HD inline float OpenUniform(uint32_t bits) { return (static_cast<float>(bits >> 8) + 0.5f) * 0x1.0p-24f; }
+
+}  // namespace oraclegs

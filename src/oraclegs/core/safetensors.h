@@ -1,0 +1,55 @@
+#pragma once
+// The safetensors container: 8-byte little-endian header length, JSON header, raw little-endian tensors. Torch-free.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace oraclegs {
+
+/// One tensor of a file: dtype as the format spells it ("F32", "F64", "I32", "I64", "U8", "F16", "BF16", ...).
+struct TensorEntry {
+  std::string dtype;
+  std::vector<int64_t> shape;
+  std::string_view bytes;  ///< row-major, little-endian; valid as long as the SafetensorsFile lives
+
+  int64_t numel() const;
+};
+
+/// A file opened for reading. Every offset, length and product of sizes is checked against the file before use.
+class SafetensorsFile {
+ public:
+  /// Memory-maps `path`. Throws InputError naming it and what is wrong.
+  static SafetensorsFile Open(const std::filesystem::path& path);
+  /// Parses bytes already in memory; `name` stands for the file in errors.
+  static SafetensorsFile Parse(std::string bytes, const std::string& name);
+
+  const std::map<std::string, TensorEntry>& tensors() const { return tensors_; }
+  const std::map<std::string, std::string>& metadata() const { return metadata_; }
+  bool Has(const std::string& name) const { return tensors_.count(name) > 0; }
+  /// Throws InputError naming the file and the missing tensor.
+  const TensorEntry& Get(const std::string& name) const;
+  /// The values converted from F32, F64, I32, I64 or U8.
+  template <class T>
+  std::vector<T> Values(const std::string& name) const;
+
+ private:
+  void ParseHeader(std::string_view bytes);
+
+  std::string name_;
+  std::shared_ptr<const void> storage_;
+  std::map<std::string, TensorEntry> tensors_;
+  std::map<std::string, std::string> metadata_;
+};
+
+/// Serialises tensors (in map order, each aligned to 8 bytes) and metadata. Throws std::logic_error when an entry's
+/// byte count disagrees with its shape.
+std::string SerializeSafetensors(const std::map<std::string, TensorEntry>& tensors,
+                                 const std::map<std::string, std::string>& metadata);
+
+}  // namespace oraclegs

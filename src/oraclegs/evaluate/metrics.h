@@ -1,0 +1,20 @@
+#pragma once
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+/// Clamp to [0,1] and round to 8 bit: what a picture file would hold (spec/gaussian_core.md 11).
+Tensor Quantized(const Tensor& image);
+
+/// 20 log10(1 / sqrt(MSE)) over the pixels with mask 1 and all channels; images [H,W,3], mask [H,W] or undefined.
+/// Identical images give +inf.
+double Psnr(const Tensor& a, const Tensor& b, const Tensor& mask = {});
+
+/// Mean SSIM over the pixels with mask 1 (11x11 Gaussian window, zero padding).
+double Ssim(const Tensor& a, const Tensor& b, const Tensor& mask = {});
+
+/// PSNR after the affine 3x4 colour map (least squares over the masked pixels) that best takes `render` to `target`.
+double ColorCorrectedPsnr(const Tensor& render, const Tensor& target, const Tensor& mask = {});
+
+}  // namespace oraclegs

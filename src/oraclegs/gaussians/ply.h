@@ -1,0 +1,25 @@
+#pragma once
+// The de-facto 3DGS point cloud file (spec/gaussian_core.md 7).
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "oraclegs/gaussians/gaussians.h"
+
+namespace oraclegs {
+
+/// Writes binary little-endian PLY of SH degree `sh_degree` (0..3), atomically. Throws RunError.
+void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree = kMaxShDegree);
+
+struct GaussianPly {
+  Gaussians gaussians;
+  int sh_degree = 0;  ///< of the file; higher coefficients are zero
+};
+
+/// Reads such a file from any trainer: properties found by name in any order, other properties and elements skipped,
+/// ascii and both binary byte orders, float or double. Throws InputError naming the file: no such element or
+/// property, a vertex count that the file cannot hold, values that are not finite.
+GaussianPly ReadGaussianPly(const std::filesystem::path& path);
+
+}  // namespace oraclegs

@@ -1,0 +1,70 @@
+#pragma once
+// The one rasteriser interface. Semantics: spec/gaussian_core.md 3 to 6; what runs underneath is the device's affair.
+
+#include <array>
+#include <memory>
+
+#include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/scene/camera.h"
+
+namespace oraclegs {
+
+struct RenderOptions {
+  std::array<float, 3> background{0, 0, 0};  ///< RGB, [0, 1]
+  int sh_degree = kMaxShDegree;              ///< active degree, 0..3; higher coefficients are neither read nor written
+  bool antialiased = false;                  ///< opacity compensation (3.8); a model is rendered as it was trained
+};
+
+enum class RenderPass {
+  kInference,  ///< nothing is kept
+  kTrain,      ///< what Backward needs is kept until the next Forward
+};
+
+/// Images of one camera. Valid until the rasteriser's next Forward: buffers are reused.
+struct RenderOutput {
+  Tensor image;      ///< [H,W,3] composited on the background, not clamped
+  Tensor alpha;      ///< [H,W] 1 - transmittance
+  Tensor inv_depth;  ///< [H,W] sum of weight / z, not divided by alpha, 1/world unit
+};
+
+/// dL/d(output). An undefined tensor means zero.
+struct RenderGrads {
+  Tensor image;      ///< [H,W,3]
+  Tensor alpha;      ///< [H,W]
+  Tensor inv_depth;  ///< [H,W]
+};
+
+/// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
+struct RenderTimings {
+  double project = 0, bin = 0, blend = 0;               ///< Forward
+  double blend_backward = 0, gaussian_backward = 0;     ///< Backward
+};
+
+/// How much work the last Forward found.
+struct RenderStats {
+  int64_t visible = 0;     ///< Gaussians that reach at least one tile
+  int64_t tile_pairs = 0;  ///< (tile, Gaussian) pairs
+};
+
+/// Renders Gaussians and differentiates the render. One object serves one thread of work; its buffers grow to the
+/// largest use and are then reused. Results have the same bits for any number of CPU threads.
+class Rasterizer {
+ public:
+  virtual ~Rasterizer() = default;
+
+  /// Throws ShapeError for tensors that do not fit, before any work.
+  virtual RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
+                               RenderPass pass) = 0;
+
+  /// Writes dL/d(raw parameter) of the last Forward(kTrain), with the same `gaussians`, into `grads` (same shapes; rows of
+  /// unseen Gaussians are zero). Of grads.sh only coefficients of the active degree are written.
+  virtual void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) = 0;
+
+  virtual RenderTimings timings() const = 0;
+  virtual RenderStats stats() const = 0;
+};
+
+/// The rasteriser of a device. Throws UsageError when this build has none for it.
+std::unique_ptr<Rasterizer> MakeRasterizer(torch::Device device);
+
+}  // namespace oraclegs

@@ -1,0 +1,51 @@
+#pragma once
+// From files to pixels: read, undistort, downscale, composite.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/scene/camera.h"
+#include "oraclegs/scene/image.h"
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+struct PhotoOptions {
+  int downscale = 1;                ///< whole factor
+  std::string background = "black";  ///< what transparent pixels are composited on
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("downscale", downscale,
+          "Divide the photographs' size by this (antialiased; an existing images_N folder is used)", Range{1, 64});
+    visit("background", background, "Colour behind transparent pixels and behind the scene",
+          Choice{{"black", "white", "grey"}});
+  }
+};
+
+/// RGB in [0, 1] of PhotoOptions::background.
+std::array<float, 3> BackgroundColor(const std::string& name);
+
+/// A photograph ready for use: pinhole, at working resolution.
+struct Photo {
+  std::string name;
+  Camera camera;
+  ImageF rgb;                 ///< 3 channels, composited on the background
+  std::vector<uint8_t> mask;  ///< height * width, 1 = counts in losses and metrics; empty = all count
+};
+
+/// Loads the given views of a scene with poses, in their order, on all threads. Undistortion happens at full size, then
+/// the area filter; sizes are round(size / downscale). The alpha channel composites onto the background; it masks
+/// nothing (a Blender scene's background is part of what is scored) unless the scene is a photograph scene, where
+/// alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128.
+/// Throws InputError naming the file: unreadable, or of another size than its lens says.
+std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views, const PhotoOptions& options,
+                              const Listener& listener);
+
+/// The camera that LoadPhotos gives the view, without reading pixels.
+Camera WorkingCamera(const SceneView& view, const PhotoOptions& options);
+
+}  // namespace oraclegs

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+struct SplitOptions {
+  int test_every = 8;      ///< every n-th view by name is a test view, 0 = no test views
+  int views = 0;           ///< training views, 0 = all that are not test views
+  std::string test_views;  ///< comma-separated names (with or without extension); replaces test_every
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("test-every", test_every,
+          "Every n-th view in name order, from the first, is held out for testing; 0 = none. Blender scenes use their "
+          "own test file",
+          Range{0, 1e6});
+    visit("views", views, "Training views, picked evenly from the rest: linspace(0, n-1, N) truncated; 0 = all",
+          Range{0, 1e6});
+    visit("test-views", test_views, "Comma-separated names of the test views; replaces --test-every");
+  }
+};
+
+/// Indices into Scene::views, ascending by name.
+struct Split {
+  std::vector<int> train, test;
+};
+
+/// The protocol of the sparse-view papers (spec/gaussian_core.md 11, shared/data/README.md). Throws InputError when
+/// fewer than two training views are left or more are asked for than exist, or a named view does not.
+Split SplitViews(const Scene& scene, const SplitOptions& options);
+
+/// {"train": [names], "test": [names]}
+nlohmann::json SplitToJson(const Scene& scene, const Split& split);
+
+}  // namespace oraclegs

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/scene/image.h"
+#include "oraclegs/scene/lens.h"
+
+namespace oraclegs {
+
+/// The pinhole camera (identity pose) of the same size that sees as much as possible of what `lens` sees without a
+/// blank pixel at the border: the principal point is kept, the focal length is scaled. A pinhole lens is returned as
+/// it is.
+Camera UndistortedCamera(const Lens& lens);
+
+struct UndistortedImage {
+  ImageF image;
+  std::vector<uint8_t> valid;  ///< height * width, 1 where the source was seen; empty when all are
+};
+
+/// Resamples `source` (any channel count, taken by `lens`) as `target` sees it, bilinearly.
+UndistortedImage Undistort(const ImageF& source, const Lens& lens, const Camera& target);
+
+}  // namespace oraclegs

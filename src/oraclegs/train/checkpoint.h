@@ -1,0 +1,33 @@
+#pragma once
+// A run that was stopped continues to the same bits. One safetensors file, readable with any tool, with a checksum.
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "oraclegs/train/adam.h"
+#include "oraclegs/train/view_sampler.h"
+
+namespace oraclegs {
+
+struct Checkpoint {
+  int64_t iteration = 0;   ///< finished iterations
+  Gaussians gaussians;
+  Adam adam{0};
+  ViewSampler::State sampler;
+  double seconds = 0;      ///< training time so far
+  double loss = 0;         ///< smoothed loss shown to the user
+  nlohmann::json options;  ///< what the run was started with; resuming compares
+};
+
+/// Writes, flushes, renames. Throws RunError.
+void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+
+/// Throws InputError naming the file: wrong format version, checksum, shapes or keys.
+Checkpoint ReadCheckpoint(const std::filesystem::path& path);
+
+/// The newest checkpoint of a folder ("iteration_0003000.safetensors"), nullopt when there is none.
+std::optional<std::filesystem::path> NewestCheckpoint(const std::filesystem::path& dir);
+
+}  // namespace oraclegs

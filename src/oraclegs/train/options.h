@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+
+#include "oraclegs/core/options.h"
+
+namespace oraclegs {
+
+/// Everything that decides the numbers of a training run.
+struct TrainOptions {
+  int iterations = 7000;
+  int max_gaussians = 100000;
+  double opacity_reg = 0.01;
+  double scale_reg = 0.01;
+  double ssim_weight = 0.2;
+  double init_scale = 0.1;
+  double init_opacity = 0.5;
+  int refine_start = 500;
+  int refine_every = 100;
+  double refine_stop = 25.0 / 30;
+  int sh_degree_interval = 1000;
+  int sh_degree = 3;
+  bool antialiased = false;
+  int random_points = 100000;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("iterations", iterations, "Training steps, one photograph each", Range{1, 1e7});
+    visit("max-gaussians", max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
+    visit("sh-degree", sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
+    visit("sh-degree-interval", sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
+    visit("antialiased", antialiased, "Train and render with opacity compensation for small Gaussians");
+    visit("ssim-weight", ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
+    visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
+    visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours", Range{1e-3, 10});
+    visit("init-opacity", init_opacity, "Start opacity", Range{0.006, 0.99});
+    visit("random-points", random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});
+    visit("refine-start", refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
+    visit("refine-every", refine_every, "Iterations between relocations", Range{1, 1e7});
+    visit("refine-stop", refine_stop, "Share of the iterations after which they end", Range{0, 1});
+  }
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,19 @@
+#pragma once
+// What changes with the iteration (spec/gaussian_core.md 8 and 9). Iterations count from 1.
+
+#include <cstdint>
+
+namespace oraclegs {
+
+/// extent * log-linear 1.6e-4 -> 1.6e-6 over `iterations`.
+double MeansLearningRate(int64_t iteration, int64_t iterations, double extent);
+/// Active SH degree: raised by one at every multiple of `interval`, to at most 3.
+int ActiveShDegree(int64_t iteration, int64_t interval = 1000);
+/// 0.01^t, t = iteration / iterations.
+double DepthWeight(int64_t iteration, int64_t iterations);
+/// Probability of drawing a proposal, 0.1 + t (1-t)^3.
+double SyntheticProbability(int64_t iteration, int64_t iterations);
+/// clip(0.9 - t (1-t)^3, 0, 1)
+double PhotographProbability(int64_t iteration, int64_t iterations);
+
+}  // namespace oraclegs

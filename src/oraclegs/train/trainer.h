@@ -1,0 +1,74 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/render/render.h"
+#include "oraclegs/scene/photos.h"
+#include "oraclegs/train/checkpoint.h"
+#include "oraclegs/train/options.h"
+
+namespace oraclegs {
+
+/// A training image on the device.
+struct TrainView {
+  std::string name;
+  Camera camera;
+  Tensor image;       ///< [H,W,3]
+  Tensor confidence;  ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
+};
+
+TrainView ToTrainView(const Photo& photo);
+
+/// Mean milliseconds per iteration by stage.
+struct TrainTimings {
+  RenderTimings render;
+  double loss = 0, adam = 0, refine = 0, noise = 0, total = 0;
+};
+
+struct TrainResult {
+  int64_t iterations = 0;
+  double seconds = 0;  ///< of training, summed over resumed runs
+  TrainTimings timings;
+};
+
+/// Where and how often to save. An empty folder saves nothing.
+struct CheckpointPolicy {
+  std::filesystem::path dir;
+  int64_t every = 0;       ///< iterations; 0 = only on an interrupt
+  nlohmann::json options;  ///< stored, compared on resume
+};
+
+/// 3DGS-MCMC on photographs. One iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step ->
+/// relocate, add -> noise. Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes neither a
+/// step nor noise.
+class Trainer {
+ public:
+  /// Throws ShapeError / UsageError before any work.
+  Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, std::vector<TrainView> photographs,
+          Gaussians start);
+  ~Trainer();
+
+  /// Continues from here instead of from the start. Throws InputError when it does not fit.
+  void Restore(const Checkpoint& checkpoint);
+
+  /// Runs the remaining iterations. On an interrupt saves a checkpoint and throws Interrupted.
+  TrainResult Run(const CheckpointPolicy& policy, const Listener& listener);
+
+  /// One iteration; returns the loss. For tests and benchmarks.
+  double Step();
+
+  const Gaussians& gaussians() const;
+  int64_t iteration() const;
+  Checkpoint MakeCheckpoint() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace oraclegs

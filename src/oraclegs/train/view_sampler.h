@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/core/rng.h"
+
+namespace oraclegs {
+
+/// A kind of training image: photographs are certain, proposals are weighted by confidence.
+enum class ViewKind { kPhotograph, kProposal };
+
+struct SampledView {
+  ViewKind kind;
+  int index;  ///< within its kind
+};
+
+/// Draws training views (spec/gaussian_core.md 9): one number decides the kind, then a view leaves that kind's stack at
+/// random; an empty stack is refilled. Its state is the two stacks and the random counter.
+class ViewSampler {
+ public:
+  ViewSampler(uint64_t seed, int photographs, int proposals);
+
+  /// p_synthetic: probability of a proposal; ignored when there are none.
+  SampledView Next(double p_synthetic);
+
+  struct State {
+    std::vector<int64_t> photographs, proposals;
+    uint64_t counter = 0;
+  };
+  State state() const;
+  void Restore(const State& state);
+
+ private:
+  uint64_t seed_;
+  int num_photographs_, num_proposals_;
+  std::vector<int64_t> photographs_, proposals_;
+  Rng rng_;
+};
+
+}  // namespace oraclegs
