@@ -1,0 +1,85 @@
+// Which tiles, and which 4 x 4 blocks in them, a Gaussian reaches: the exact minimum of its quadratic form over each
+// block's pixel centres, one block a lane.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "oraclegs/render/cpu/cover_tiles.cpp"
+#include "oraclegs/render/cpu/hwy_targets.h"
+// clang-format off: foreach_target must come before the other Highway headers
+#include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/highway.h>
+
+#include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+
+/// Offsets of the 16 blocks' first pixel centres from the tile's corner.
+struct BlockOffsets {
+  HWY_ALIGN float x[16], y[16];
+};
+constexpr BlockOffsets MakeBlockOffsets() {
+  BlockOffsets o{};
+  for (int i = 0; i < 16; ++i) {
+    o.x[i] = static_cast<float>(i % 4 * cpu::kBlock) + 0.5f;
+    o.y[i] = static_cast<float>(i / 4 * cpu::kBlock) + 0.5f;
+  }
+  return o;
+}
+HWY_ALIGN constexpr BlockOffsets kBlockOffsets = MakeBlockOffsets();
+
+HWY_NOINLINE int64_t CoveredTiles(const cpu::Splat& s, const cpu::TileRect& rect, uint32_t id, int tiles_x,
+                                  cpu::TileEntry* entries, uint32_t* tiles) {
+  const FloatTag d;
+  const Lanes qxx(s.qxx), qxy(s.qxy), qyy(s.qyy), zero(0.f), span(static_cast<float>(cpu::kBlock - 1));
+  // On an edge of fixed dx the form is largest at dy = slope_y dx, and the other way round.
+  const Lanes slope_y(-s.qxy / (2 * s.qyy)), slope_x(-s.qxy / (2 * s.qxx));
+  // alpha >= 1/255 <=> form >= bound. The slack covers rounding here and in the blend loop: a fixed part and, for
+  // needles whose terms cancel, a part relative to the terms.
+  const Lanes bound(-7.99435343685886f - s.log2_opacity - 1e-4f), relative(2e-6f);
+  int64_t n = 0;
+  for (int ty = rect.y0; ty < rect.y1; ++ty) {
+    for (int tx = rect.x0; tx < rect.x1; ++tx) {
+      const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx), corner_y(static_cast<float>(ty * cpu::kTile) - s.my);
+      uint32_t mask = 0;
+      for (int v = 0; v < 16; v += kLanes) {
+        const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;
+        const Lanes y0 = corner_y + Lanes(hn::Load(d, kBlockOffsets.y + v)), y1 = y0 + span;
+        const Lanes near_x = Max(x0, Min(x1, zero)), near_y = Max(y0, Min(y1, zero));
+        // The maximum over the block lies on the edge nearest in x or on the one nearest in y.
+        const Lanes best_y = Max(y0, Min(y1, slope_y * near_x)), best_x = Max(x0, Min(x1, slope_x * near_y));
+        const Lanes xx1 = qxx * near_x * near_x, yy1 = qyy * best_y * best_y;
+        const Lanes xx2 = qxx * best_x * best_x, yy2 = qyy * near_y * near_y;
+        const Lanes f1 = xx1 + yy1 + qxy * near_x * best_y - relative * (xx1 + yy1);
+        const Lanes f2 = xx2 + yy2 + qxy * best_x * near_y - relative * (xx2 + yy2);
+        const LanesMask reached = Max(f1, f2) >= bound;
+        uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, reached.m, bits);
+        constexpr uint32_t kUsed = (1u << kLanes) - 1;
+        mask |= ((bits[0] | static_cast<uint32_t>(bits[1]) << 8) & kUsed) << v;
+      }
+      if (mask == 0) continue;
+      entries[n] = {id, mask};
+      tiles[n] = static_cast<uint32_t>(ty * tiles_x + tx);
+      ++n;
+    }
+  }
+  return n;
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace oraclegs {
+HWY_EXPORT(CoveredTiles);
+
+namespace cpu {
+int64_t CoveredTiles(const Splat& splat, const TileRect& rect, uint32_t id, int tiles_x, TileEntry* entries,
+                     uint32_t* tiles) {
+  return HWY_DYNAMIC_DISPATCH(oraclegs::CoveredTiles)(splat, rect, id, tiles_x, entries, tiles);
+}
+}  // namespace cpu
+}  // namespace oraclegs
+#endif

@@ -1,0 +1,183 @@
+#include "oraclegs/render/cpu/cpu_rasterizer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/render/constants.h"
+#include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/tile_lists.h"
+
+namespace oraclegs::cpu {
+namespace {
+
+constexpr int64_t kProjectGrain = 1024;  // Gaussians a task
+
+/// Milliseconds since the last call.
+class StageClock {
+ public:
+  double Lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+ProjectInput MakeInput(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options) {
+  ProjectInput in{};
+  in.means = gaussians.means.data_ptr<float>();
+  in.log_scales = gaussians.log_scales.data_ptr<float>();
+  in.quats = gaussians.quats.data_ptr<float>();
+  in.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
+  in.sh = gaussians.sh.data_ptr<float>();
+  const Eigen::Matrix3d r = camera.cam_from_world.linear();
+  const Eigen::Vector3d t = camera.cam_from_world.translation(), eye = camera.Center();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) in.r[3 * i + j] = static_cast<float>(r(i, j));
+    in.t[i] = static_cast<float>(t[i]);
+    in.eye[i] = static_cast<float>(eye[i]);
+  }
+  in.width = camera.width, in.height = camera.height;
+  in.fx = static_cast<float>(camera.fx), in.fy = static_cast<float>(camera.fy);
+  in.cx = static_cast<float>(camera.cx), in.cy = static_cast<float>(camera.cy);
+  const double margin_u = kFrustumMargin * camera.width / (2 * camera.fx);
+  const double margin_v = kFrustumMargin * camera.height / (2 * camera.fy);
+  in.min_u = static_cast<float>(-camera.cx / camera.fx - margin_u);
+  in.max_u = static_cast<float>((camera.width - camera.cx) / camera.fx + margin_u);
+  in.min_v = static_cast<float>(-camera.cy / camera.fy - margin_v);
+  in.max_v = static_cast<float>((camera.height - camera.cy) / camera.fy + margin_v);
+  in.tiles_x = (camera.width + kTile - 1) / kTile;
+  in.tiles_y = (camera.height + kTile - 1) / kTile;
+  in.sh_degree = options.sh_degree;
+  in.antialiased = options.antialiased;
+  return in;
+}
+
+const float* DataOrNull(const char* name, const Tensor& t, std::initializer_list<int64_t> shape) {
+  if (!t.defined()) return nullptr;
+  RequireFloat("Rasterizer::Backward", name, t, shape);
+  return t.data_ptr<float>();
+}
+
+class CpuRasterizer final : public Rasterizer {
+ public:
+  RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
+                       RenderPass pass) override {
+    gaussians.Check("Rasterizer::Forward");
+    if (camera.width < 1 || camera.height < 1 || camera.width > 32768 || camera.height > 32768) {
+      throw ShapeError("Rasterizer::Forward: image is {} x {}, each side must be in 1 .. 32768", camera.width,
+                       camera.height);
+    }
+    if (options.sh_degree < 0 || options.sh_degree > kMaxShDegree) {
+      throw ShapeError("Rasterizer::Forward: sh_degree is {}, must be in 0 .. {}", options.sh_degree, kMaxShDegree);
+    }
+    StageClock clock;
+    const int64_t n = gaussians.size();
+    input_ = MakeInput(gaussians, camera, options);
+    if (static_cast<int64_t>(splats_.size()) < n) {
+      splats_.resize(n);
+      rects_.resize(n);
+    }
+    ParallelBlocks(n, kProjectGrain,
+                   [&](int64_t begin, int64_t end) { ProjectSplats(input_, begin, end, splats_.data(), rects_.data()); });
+    timings_.project = clock.Lap();
+
+    lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
+    timings_.bin = clock.Lap();
+
+    AllocateImages(camera.height, camera.width);
+    const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
+    const bool train = pass == RenderPass::kTrain;
+    if (train && static_cast<int64_t>(transmittance_.size()) < tiles * kTilePixels) {
+      transmittance_.resize(tiles * kTilePixels);
+      last_.resize(tiles * kTilePixels);
+    }
+    blend_ = {camera.width,
+              camera.height,
+              {options.background[0], options.background[1], options.background[2]},
+              output_.image.data_ptr<float>(),
+              output_.alpha.data_ptr<float>(),
+              output_.inv_depth.data_ptr<float>(),
+              train ? transmittance_.data() : nullptr,
+              train ? last_.data() : nullptr};
+    ParallelFor(tiles, [&](int64_t tile) {
+      const int64_t begin = lists_.tile_begin[tile];
+      BlendTile(splats_.data(), lists_.entries.data() + begin, lists_.tile_begin[tile + 1] - begin,
+                static_cast<int>(tile % input_.tiles_x), static_cast<int>(tile / input_.tiles_x), tile, blend_);
+    });
+    timings_.blend = clock.Lap();
+    trained_size_ = train ? n : -1;
+    return output_;
+  }
+
+  void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
+    if (gaussians.size() != trained_size_) {
+      throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
+                       trained_size_);
+    }
+    grads->Check("Rasterizer::Backward, grads");
+    const int64_t n = gaussians.size(), h = blend_.height, w = blend_.width;
+    if (grads->size() != n) throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), n);
+    const BlendUpstream up{DataOrNull("upstream.image", upstream.image, {h, w, 3}),
+                           DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
+                           DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
+    StageClock clock;
+    if (static_cast<int64_t>(records_.size()) < lists_.pairs * kGradStride) {
+      records_.resize(lists_.pairs * kGradStride + lists_.pairs * kGradStride / 4);
+    }
+    const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
+    ParallelFor(tiles, [&](int64_t tile) {
+      const int64_t begin = lists_.tile_begin[tile];
+      BlendTileBackward(splats_.data(), lists_.entries.data() + begin, lists_.tile_begin[tile + 1] - begin,
+                        static_cast<int>(tile % input_.tiles_x), static_cast<int>(tile / input_.tiles_x), tile, blend_,
+                        up, records_.data() + begin * kGradStride);
+    });
+    timings_.blend_backward = clock.Lap();
+
+    // The parameters may have moved to other memory since Forward, but not changed.
+    input_.means = gaussians.means.data_ptr<float>();
+    input_.log_scales = gaussians.log_scales.data_ptr<float>();
+    input_.quats = gaussians.quats.data_ptr<float>();
+    input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
+    input_.sh = gaussians.sh.data_ptr<float>();
+    const GradInput in{lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.data(),
+                       splats_.data()};
+    const GradOutput out{grads->means.data_ptr<float>(), grads->log_scales.data_ptr<float>(),
+                         grads->quats.data_ptr<float>(), grads->opacity_logits.data_ptr<float>(),
+                         grads->sh.data_ptr<float>()};
+    ParallelBlocks(n, kProjectGrain,
+                   [&](int64_t begin, int64_t end) { ProjectSplatsBackward(input_, in, begin, end, out); });
+    timings_.gaussian_backward = clock.Lap();
+  }
+
+  RenderTimings timings() const override { return timings_; }
+  RenderStats stats() const override { return {static_cast<int64_t>(lists_.order.size()), lists_.pairs}; }
+
+ private:
+  void AllocateImages(int64_t height, int64_t width) {
+    if (output_.image.defined() && output_.image.size(0) == height && output_.image.size(1) == width) return;
+    output_ = {torch::empty({height, width, 3}), torch::empty({height, width}), torch::empty({height, width})};
+  }
+
+  ProjectInput input_{};
+  BlendImage blend_{};
+  RenderOutput output_;
+  TileLists lists_;
+  std::vector<Splat> splats_;
+  std::vector<TileRect> rects_;
+  std::vector<float> transmittance_, records_;
+  std::vector<uint32_t> last_;
+  int64_t trained_size_ = -1;
+  RenderTimings timings_;
+};
+
+}  // namespace
+
+std::unique_ptr<Rasterizer> MakeCpuRasterizer() { return std::make_unique<CpuRasterizer>(); }
+
+}  // namespace oraclegs::cpu

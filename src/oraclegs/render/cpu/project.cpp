@@ -1,0 +1,304 @@
+// Per-Gaussian work, forward and backward: the shared mathematics of splat_math-inl.h with one Gaussian a lane.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "oraclegs/render/cpu/project.cpp"
+#include "oraclegs/render/cpu/hwy_targets.h"
+// clang-format off: foreach_target must come before the other Highway headers
+#include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/lanes-inl.h"
+#include "oraclegs/render/splat_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+
+inline constexpr float kLog2E = 1.442695040888963f;
+inline constexpr int kShFloats = 48;  // 16 coefficients of 3 channels
+
+/// `count` rows of `kColumns` floats from a row-major array, one row a lane; the last row fills the lanes past the end.
+template <int kColumns>
+HWY_INLINE void LoadRows(const float* HWY_RESTRICT rows, int count, Lanes* HWY_RESTRICT columns) {
+  HWY_ALIGN float buffer[kColumns * kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const float* row = rows + static_cast<int64_t>(lane < count ? lane : count - 1) * kColumns;
+    for (int c = 0; c < kColumns; ++c) buffer[c * kLanes + lane] = row[c];
+  }
+  for (int c = 0; c < kColumns; ++c) columns[c] = hn::Load(FloatTag(), buffer + c * kLanes);
+}
+
+template <int kColumns>
+HWY_INLINE void StoreRows(const Lanes* HWY_RESTRICT columns, int count, float* HWY_RESTRICT rows) {
+  HWY_ALIGN float buffer[kColumns * kLanes];
+  for (int c = 0; c < kColumns; ++c) hn::Store(columns[c].v, FloatTag(), buffer + c * kLanes);
+  for (int lane = 0; lane < count; ++lane) {
+    for (int c = 0; c < kColumns; ++c) rows[static_cast<int64_t>(lane) * kColumns + c] = buffer[c * kLanes + lane];
+  }
+}
+
+HWY_INLINE RawSplat<Lanes> LoadRaw(const cpu::ProjectInput& in, int64_t i, int count) {
+  Lanes mean[3], scale[3], quat[4], logit[1];
+  LoadRows<3>(in.means + 3 * i, count, mean);
+  LoadRows<3>(in.log_scales + 3 * i, count, scale);
+  LoadRows<4>(in.quats + 4 * i, count, quat);
+  LoadRows<1>(in.opacity_logits + i, count, logit);
+  return {{mean[0], mean[1], mean[2]}, {scale[0], scale[1], scale[2]}, quat[0], quat[1], quat[2], quat[3], logit[0]};
+}
+
+HWY_INLINE SplatCamera<float> CameraOf(const cpu::ProjectInput& in) {
+  SplatCamera<float> c;
+  std::memcpy(c.r, in.r, sizeof(c.r));
+  std::memcpy(c.t, in.t, sizeof(c.t));
+  std::memcpy(c.eye, in.eye, sizeof(c.eye));
+  c.fx = in.fx, c.fy = in.fy, c.cx = in.cx, c.cy = in.cy;
+  c.min_u = in.min_u, c.max_u = in.max_u, c.min_v = in.min_v, c.max_v = in.max_v;
+  return c;
+}
+
+/// Gathers coefficient `k`, channel `c` for the lanes' Gaussians.
+struct ShReader {
+  const float* base;
+  IntVec offset;
+  HWY_INLINE ShReader(const float* sh, int64_t i, int count) : base(sh + i * kShFloats) {
+    const IntTag di;
+    const IntVec last = hn::Set(di, count - 1);
+    offset = hn::Mul(hn::Min(hn::Iota(di, 0), last), hn::Set(di, kShFloats));
+  }
+  HWY_INLINE Lanes Get(int k, int c) const { return hn::GatherIndex(FloatTag(), base + 3 * k + c, offset); }
+};
+
+HWY_INLINE Vec3<Lanes> ViewDirection(const Vec3<Lanes>& mean, const SplatCamera<float>& camera, Lanes* inv_distance) {
+  const Vec3<Lanes> d{mean.x - Lanes(camera.eye[0]), mean.y - Lanes(camera.eye[1]), mean.z - Lanes(camera.eye[2])};
+  *inv_distance = Lanes(1.f) / Sqrt(Dot(d, d));
+  return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
+}
+
+/// Colour before the clamp at zero.
+HWY_INLINE Vec3<Lanes> RawColor(const ShReader& sh, const Lanes* basis, int coefficients) {
+  Vec3<Lanes> c{Lanes(0.5f), Lanes(0.5f), Lanes(0.5f)};
+  for (int k = 0; k < coefficients; ++k) {
+    c.x = hn::MulAdd(basis[k].v, sh.Get(k, 0).v, c.x.v);
+    c.y = hn::MulAdd(basis[k].v, sh.Get(k, 1).v, c.y.v);
+    c.z = hn::MulAdd(basis[k].v, sh.Get(k, 2).v, c.z.v);
+  }
+  return c;
+}
+
+/// Exact pixel range of the ellipse alpha >= 1/255, widened by rounding, in tiles (spec 4). Scalar: it is branches.
+cpu::TileRect RectOf(const cpu::ProjectInput& in, float mx, float my, float rx, float ry) {
+  const float slack = 1e-3f;  // of a pixel: many ulp at any image size
+  const float x0 = std::ceil(mx - rx - 0.5f - slack), x1 = std::floor(mx + rx - 0.5f + slack);
+  const float y0 = std::ceil(my - ry - 0.5f - slack), y1 = std::floor(my + ry - 0.5f + slack);
+  const float right = static_cast<float>(in.width - 1), bottom = static_cast<float>(in.height - 1);
+  if (!(x0 <= x1 && y0 <= y1 && x1 >= 0 && y1 >= 0 && x0 <= right && y0 <= bottom)) return {};
+  const int left = static_cast<int>(std::max(x0, 0.f)), top = static_cast<int>(std::max(y0, 0.f));
+  return {static_cast<uint16_t>(left / cpu::kTile), static_cast<uint16_t>(top / cpu::kTile),
+          static_cast<uint16_t>(static_cast<int>(std::min(x1, right)) / cpu::kTile + 1),
+          static_cast<uint16_t>(static_cast<int>(std::min(y1, bottom)) / cpu::kTile + 1)};
+}
+
+HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int64_t end, cpu::Splat* splats,
+                                cpu::TileRect* rects) {
+  const FloatTag d;
+  const SplatCamera<float> camera = CameraOf(in);
+  const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
+  for (int64_t i = begin; i < end; i += kLanes) {
+    const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
+    const RawSplat<Lanes> raw = LoadRaw(in, i, count);
+    const SplatChain<Lanes> chain = EvaluateChain(raw, camera, in.antialiased);
+    const ProjectedSplat<Lanes> p = Project(chain, camera);
+
+    // alpha >= 1/255 inside |d|_K <= k, k^2 = 2 ln(255 o'), whose bounding box is k sqrt(diag(cov)).
+    const Lanes log_opacity = Log(Max(p.opacity, Lanes(1e-30f)));
+    const Lanes k2 = Max(Lanes(2.f) * (log_opacity + Lanes(5.541263545158426f)), Lanes(0.f));
+    const LanesMask visible = And(p.z > Lanes(kNearPlane), p.opacity >= Lanes(kAlphaMin));
+    HWY_ALIGN float mx[kLanes], my[kLanes], rx[kLanes], ry[kLanes], seen[kLanes];
+    hn::Store(p.mx.v, d, mx);
+    hn::Store(p.my.v, d, my);
+    hn::Store(Sqrt(k2 * p.cov_a).v, d, rx);
+    hn::Store(Sqrt(k2 * p.cov_c).v, d, ry);
+    hn::Store(Select(visible, Lanes(1.f), Lanes(0.f)).v, d, seen);
+    bool any = false;
+    for (int lane = 0; lane < count; ++lane) {
+      rects[i + lane] = seen[lane] != 0 ? RectOf(in, mx[lane], my[lane], rx[lane], ry[lane]) : cpu::TileRect{};
+      any |= rects[i + lane].Count() > 0;
+    }
+    if (!any) continue;
+
+    Lanes basis[16], inv_distance;
+    ShBasis(in.sh_degree, ViewDirection(raw.mean, camera, &inv_distance), basis);
+    const Vec3<Lanes> color = RawColor(ShReader(in.sh, i, count), basis, coefficients);
+    const Lanes columns[12] = {p.mx,
+                               p.my,
+                               Lanes(-0.5f * kLog2E) * p.conic_a,
+                               Lanes(-kLog2E) * p.conic_b,
+                               Lanes(-0.5f * kLog2E) * p.conic_c,
+                               Lanes(kLog2E) * log_opacity,
+                               Max(color.x, Lanes(0.f)),
+                               Max(color.y, Lanes(0.f)),
+                               Max(color.z, Lanes(0.f)),
+                               Lanes(1.f) / p.z,
+                               p.z,
+                               p.opacity};
+    StoreRows<12>(columns, count, reinterpret_cast<float*>(splats + i));
+  }
+}
+
+/// Sum of a Gaussian's records, moved from each tile's centre to the Gaussian's.
+struct Moments {
+  float h = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, g = 0, b = 0, inv_z = 0;
+};
+
+HWY_INLINE Moments SumRecords(const cpu::GradInput& grads, int tiles_x, int64_t i) {
+  Moments sum;
+  const cpu::PairRange range = grads.ranges[i];
+  for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
+    const float* HWY_RESTRICT s = grads.records + static_cast<int64_t>(grads.pair_slot[j]) * cpu::kGradStride;
+    const int tile = static_cast<int>(grads.pair_tile[j]);
+    const float dx = static_cast<float>(tile % tiles_x * cpu::kTile + cpu::kTile / 2) - grads.splats[i].mx;
+    const float dy = static_cast<float>(tile / tiles_x * cpu::kTile + cpu::kTile / 2) - grads.splats[i].my;
+    sum.h += s[0];
+    sum.x += s[1] + dx * s[0];
+    sum.y += s[2] + dy * s[0];
+    sum.xx += s[3] + dx * (2 * s[1] + dx * s[0]);
+    sum.xy += s[4] + dx * s[2] + dy * (s[1] + dx * s[0]);
+    sum.yy += s[5] + dy * (2 * s[2] + dy * s[0]);
+    sum.r += s[8];
+    sum.g += s[9];
+    sum.b += s[10];
+    sum.inv_z += s[11];
+  }
+  return sum;
+}
+
+HWY_INLINE void ZeroRows(const cpu::GradOutput& out, int64_t i, int count, int coefficients) {
+  std::memset(out.means + 3 * i, 0, sizeof(float) * 3 * count);
+  std::memset(out.log_scales + 3 * i, 0, sizeof(float) * 3 * count);
+  std::memset(out.quats + 4 * i, 0, sizeof(float) * 4 * count);
+  std::memset(out.opacity_logits + i, 0, sizeof(float) * count);
+  for (int lane = 0; lane < count; ++lane) {
+    std::memset(out.sh + (i + lane) * kShFloats, 0, sizeof(float) * 3 * coefficients);
+  }
+}
+
+/// Gradient rows of SH, and the part of d/d(mean) that comes through the viewing direction (6.4).
+HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const cpu::PairRange* ranges,
+                                     const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color, int64_t i, int count,
+                                     float* sh_grad) {
+  const FloatTag d;
+  const SplatCamera<float> camera = CameraOf(in);
+  const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
+  Lanes basis[16], inv_distance;
+  const Vec3<Lanes> direction = ViewDirection(mean, camera, &inv_distance);
+  ShBasis(in.sh_degree, direction, basis);
+  const ShReader sh(in.sh, i, count);
+  const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
+  const Lanes zero(0.f);
+  const Vec3<Lanes> g{Select(color.x > zero, g_color.x, zero), Select(color.y > zero, g_color.y, zero),
+                      Select(color.z > zero, g_color.z, zero)};
+
+  HWY_ALIGN float b[16 * kLanes], rgb[3 * kLanes];
+  Lanes weight[16];
+  for (int k = 0; k < coefficients; ++k) {
+    hn::Store(basis[k].v, d, b + k * kLanes);
+    if (k > 0) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
+  }
+  hn::Store(g.x.v, d, rgb);
+  hn::Store(g.y.v, d, rgb + kLanes);
+  hn::Store(g.z.v, d, rgb + 2 * kLanes);
+  for (int lane = 0; lane < count; ++lane) {
+    float* HWY_RESTRICT row = sh_grad + (i + lane) * kShFloats;
+    if (ranges[i + lane].count == 0) {  // its direction may be undefined
+      std::memset(row, 0, sizeof(float) * 3 * coefficients);
+      continue;
+    }
+    for (int k = 0; k < coefficients; ++k) {
+      const float basis_k = b[k * kLanes + lane];
+      row[3 * k] = basis_k * rgb[lane];
+      row[3 * k + 1] = basis_k * rgb[kLanes + lane];
+      row[3 * k + 2] = basis_k * rgb[2 * kLanes + lane];
+    }
+  }
+  const Vec3<Lanes> gd = ShGradient(in.sh_degree, direction, weight);
+  const Lanes radial = Dot(direction, gd);
+  return {(gd.x - direction.x * radial) * inv_distance, (gd.y - direction.y * radial) * inv_distance,
+          (gd.z - direction.z * radial) * inv_distance};
+}
+
+HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
+                                        int64_t end, const cpu::GradOutput& out) {
+  const FloatTag d;
+  const SplatCamera<float> camera = CameraOf(in);
+  const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
+  for (int64_t i = begin; i < end; i += kLanes) {
+    const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
+    bool any = false;
+    for (int lane = 0; lane < count; ++lane) any |= grads.ranges[i + lane].count > 0;
+    if (!any) {
+      ZeroRows(out, i, count, coefficients);
+      continue;
+    }
+    HWY_ALIGN float m[11 * kLanes] = {};
+    for (int lane = 0; lane < count; ++lane) {
+      const Moments s = SumRecords(grads, in.tiles_x, i + lane);
+      const float values[11] = {s.h, s.x, s.y, s.xx, s.xy, s.yy, s.r, s.g, s.b, s.inv_z,
+                                grads.ranges[i + lane].count > 0 ? 1.f : 0.f};
+      for (int c = 0; c < 11; ++c) m[c * kLanes + lane] = values[c];
+    }
+    const auto column = [&](int c) HWY_ATTR { return Lanes(hn::Load(d, m + c * kLanes)); };
+
+    const RawSplat<Lanes> raw = LoadRaw(in, i, count);
+    const SplatChain<Lanes> chain = EvaluateChain(raw, camera, in.antialiased);
+    const ProjectedSplat<Lanes> p = Project(chain, camera);
+    const Lanes x = column(1), y = column(2);
+    ProjectedGrad<Lanes> g;
+    g.mx = p.conic_a * x + p.conic_b * y;  // offsets point from the Gaussian to the pixel: the sign of 6.1 turns
+    g.my = p.conic_c * y + p.conic_b * x;
+    g.conic_a = Lanes(-0.5f) * column(3);
+    g.conic_b = -column(4);
+    g.conic_c = Lanes(-0.5f) * column(5);
+    g.opacity = column(0) / p.opacity;
+    g.inv_z = column(9);
+    const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, in.antialiased, g);
+    const Vec3<Lanes> through_color =
+        ColorBackward(in, grads.ranges, raw.mean, {column(6), column(7), column(8)}, i, count, out.sh);
+
+    // Lanes without records hold zeros or, behind the camera, whatever a division by zero gave.
+    const LanesMask seen = column(10) > Lanes(0.f);
+    const auto keep = [&](Lanes value) HWY_ATTR { return Select(seen, value, Lanes(0.f)); };
+    const Lanes means[3] = {keep(raw_grad.mean.x + through_color.x), keep(raw_grad.mean.y + through_color.y),
+                            keep(raw_grad.mean.z + through_color.z)};
+    const Lanes scales[3] = {keep(raw_grad.log_scale.x), keep(raw_grad.log_scale.y), keep(raw_grad.log_scale.z)};
+    const Lanes quats[4] = {keep(raw_grad.qw), keep(raw_grad.qx), keep(raw_grad.qy), keep(raw_grad.qz)};
+    const Lanes logit[1] = {keep(raw_grad.logit)};
+    StoreRows<3>(means, count, out.means + 3 * i);
+    StoreRows<3>(scales, count, out.log_scales + 3 * i);
+    StoreRows<4>(quats, count, out.quats + 4 * i);
+    StoreRows<1>(logit, count, out.opacity_logits + i);
+  }
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace oraclegs {
+HWY_EXPORT(ProjectSplats);
+HWY_EXPORT(ProjectSplatsBackward);
+
+namespace cpu {
+void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, Splat* splats, TileRect* rects) {
+  HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplats)(in, begin, end, splats, rects);
+}
+void ProjectSplatsBackward(const ProjectInput& in, const GradInput& grads, int64_t begin, int64_t end,
+                           const GradOutput& out) {
+  HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplatsBackward)(in, grads, begin, end, out);
+}
+}  // namespace cpu
+}  // namespace oraclegs
+#endif
