@@ -12,7 +12,7 @@
 namespace oraclegs {
 
 struct Checkpoint {
-  int64_t iteration = 0;   ///< finished iterations
+  int64_t iteration = 0;  ///< finished iterations
   Gaussians gaussians;
   Adam adam{0};
   ViewSampler::State sampler;

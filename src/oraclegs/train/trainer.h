@@ -43,14 +43,14 @@ struct CheckpointPolicy {
   nlohmann::json options;  ///< stored, compared on resume
 };
 
-/// 3DGS-MCMC on photographs. One iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step ->
-/// relocate, add -> noise. Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes neither a
-/// step nor noise.
+/// 3DGS-MCMC on photographs. One iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step
+/// -> relocate, add -> noise. Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes
+/// neither a step nor noise.
 class Trainer {
  public:
   /// Throws ShapeError / UsageError before any work.
-  Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, std::vector<TrainView> photographs,
-          Gaussians start);
+  Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background,
+          std::vector<TrainView> photographs, Gaussians start);
   ~Trainer();
 
   /// Continues from here instead of from the start. Throws InputError when it does not fit.

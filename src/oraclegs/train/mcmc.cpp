@@ -1,0 +1,194 @@
+#include "oraclegs/train/mcmc.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/train/rows.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kMaxOpacity = 1 - 0x1p-23;
+constexpr double kMinOpacity = 0.005;
+constexpr int64_t kGrain = 4096;
+
+double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+double Logit(double p) { return std::log(p) - std::log1p(-p); }
+
+std::vector<double> Opacities(const Gaussians& gaussians) {
+  std::vector<double> opacities(gaussians.size());
+  const float* logits = gaussians.opacity_logits.data_ptr<float>();
+  ParallelBlocks(gaussians.size(), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) opacities[i] = Sigmoid(logits[i]);
+  });
+  return opacities;
+}
+
+/// Draws indices with probability proportional to their weights.
+class WeightedDraw {
+ public:
+  /// Weights that are zero, negative or not a number are never drawn.
+  WeightedDraw(const std::vector<double>& weights, uint64_t seed, RandomStream stream, int64_t iteration)
+      : seed_(seed), stream_(static_cast<uint64_t>(stream)), counter_(static_cast<uint64_t>(iteration) << 32) {
+    double sum = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+      if (!(weights[i] > 0)) continue;
+      sum += weights[i];
+      sums_.push_back(sum);
+      indices_.push_back(static_cast<int64_t>(i));
+    }
+  }
+
+  bool empty() const { return sums_.empty(); }
+
+  /// The draw of this number; a pure function of seed, stream, iteration and number.
+  int64_t operator()(int64_t number) const {
+    const Philox r = Philox::Draw(seed_, stream_, counter_ | static_cast<uint64_t>(number));
+    const double u = static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
+    const auto found = std::upper_bound(sums_.begin(), sums_.end(), u * sums_.back());
+    return indices_[std::min<size_t>(found - sums_.begin(), sums_.size() - 1)];
+  }
+
+ private:
+  uint64_t seed_, stream_, counter_;
+  std::vector<double> sums_;
+  std::vector<int64_t> indices_;
+};
+
+/// sources[k] = the draw numbered k.
+std::vector<int64_t> DrawSources(const WeightedDraw& draw, int64_t count) {
+  std::vector<int64_t> sources(count);
+  ParallelBlocks(count, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) sources[k] = draw(k);
+  });
+  return sources;
+}
+
+void CopyRow(Gaussians* gaussians, int64_t from, int64_t to) {
+  gaussians->ForEach([&](const char*, Tensor& t) {
+    const int64_t row = t.numel() / t.size(0);
+    float* data = t.data_ptr<float>();
+    std::memcpy(data + to * row, data + from * row, row * sizeof(float));
+  });
+}
+
+void ZeroRow(Gaussians* gaussians, int64_t at) {
+  gaussians->ForEach([&](const char*, Tensor& t) {
+    const int64_t row = t.numel() / t.size(0);
+    std::memset(t.data_ptr<float>() + at * row, 0, row * sizeof(float));
+  });
+}
+
+/// Gives every source that was drawn its new opacity and scale and zero moments, then makes Gaussian targets[k] a copy
+/// of sources[k].
+struct Sharing {
+  const std::vector<double>& opacities;
+  const std::vector<int64_t>& sources;
+  const std::vector<int64_t>& targets;
+};
+void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
+  std::vector<int> draws(sharing.opacities.size(), 0);
+  for (const int64_t source : sharing.sources) ++draws[source];
+  float* logits = gaussians->opacity_logits.data_ptr<float>();
+  float* log_scales = gaussians->log_scales.data_ptr<float>();
+  ParallelBlocks(static_cast<int64_t>(draws.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      if (draws[i] == 0) continue;
+      const Relocated relocated = Relocate(sharing.opacities[i], 1 + draws[i]);
+      logits[i] = static_cast<float>(Logit(relocated.opacity));
+      const double shrink = std::log(relocated.scale_ratio);
+      for (int axis = 0; axis < 3; ++axis) log_scales[3 * i + axis] += static_cast<float>(shrink);
+      ZeroRow(&adam->m, i);
+      ZeroRow(&adam->v, i);
+    }
+  });
+  // Targets are all different and none is a source.
+  ParallelBlocks(static_cast<int64_t>(sharing.sources.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) CopyRow(gaussians, sharing.sources[k], sharing.targets[k]);
+  });
+}
+
+/// C(n, k) for n, k <= kMaxShare; exact in double.
+using BinomialTable = std::array<std::array<double, kMaxShare + 1>, kMaxShare + 1>;
+const BinomialTable& Binomials() {
+  static const BinomialTable table = [] {
+    BinomialTable t{};
+    for (int n = 0; n <= kMaxShare; ++n) {
+      t[n][0] = 1;
+      for (int k = 1; k <= n; ++k) t[n][k] = t[n - 1][k - 1] + t[n - 1][k];
+    }
+    return t;
+  }();
+  return table;
+}
+
+void CheckSizes(const char* who, const Gaussians& gaussians, const Adam& adam) {
+  gaussians.Check(who);
+  adam.m.Check(who);
+  adam.v.Check(who);
+  if (adam.m.size() != gaussians.size() || adam.v.size() != gaussians.size()) {
+    throw ShapeError("{}: moments of {} and {} Gaussians, expected {}", who, adam.m.size(), adam.v.size(),
+                     gaussians.size());
+  }
+}
+
+}  // namespace
+
+Relocated Relocate(double opacity, int n) {
+  n = std::clamp(n, 1, kMaxShare);
+  Relocated r;
+  r.opacity_unclamped = -std::expm1(std::log1p(-opacity) / n);
+  double sum = 0, power = 1;
+  for (int k = 0; k < n; ++k) {
+    power *= r.opacity_unclamped;
+    sum += Binomials()[n][k + 1] * (k % 2 ? -power : power) / std::sqrt(k + 1.0);
+  }
+  // The sum tends to the opacity where that tends to zero; there 0/0 stands for 1.
+  r.scale_ratio = opacity > 0 ? opacity / sum : 1;
+  r.opacity = std::clamp(r.opacity_unclamped, kMinOpacity, kMaxOpacity);
+  return r;
+}
+
+int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Adam* adam) {
+  CheckSizes("RelocateDead", *gaussians, *adam);
+  const std::vector<double> opacities = Opacities(*gaussians);
+  std::vector<double> weights = opacities;
+  std::vector<int64_t> dead;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] > static_cast<double>(kDeadOpacity)) continue;
+    weights[i] = 0;
+    dead.push_back(static_cast<int64_t>(i));
+  }
+  const WeightedDraw draw(weights, seed, RandomStream::kRelocate, iteration);
+  if (dead.empty() || draw.empty()) return 0;
+  const std::vector<int64_t> sources = DrawSources(draw, static_cast<int64_t>(dead.size()));
+  Share({opacities, sources, dead}, gaussians, adam);
+  return static_cast<int64_t>(dead.size());
+}
+
+int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Gaussians* gaussians, Adam* adam) {
+  CheckSizes("AddGaussians", *gaussians, *adam);
+  const int64_t n = gaussians->size();
+  const int64_t added = std::max<int64_t>(0, std::min(max_gaussians, n + n / 20) - n);
+  if (added == 0) return 0;
+  const std::vector<double> opacities = Opacities(*gaussians);
+  const WeightedDraw draw(opacities, seed, RandomStream::kAdd, iteration);
+  if (draw.empty()) return 0;
+  const std::vector<int64_t> sources = DrawSources(draw, added);
+  std::vector<int64_t> targets(added);
+  for (int64_t k = 0; k < added; ++k) targets[k] = n + k;
+  GrowRows(gaussians, n + added);
+  for (Gaussians* moments : {&adam->m, &adam->v}) {
+    GrowRows(moments, n + added);
+    moments->ForEach([&](const char*, Tensor& t) { t.narrow(0, n, added).zero_(); });
+  }
+  Share({opacities, sources, targets}, gaussians, adam);
+  return added;
+}
+
+}  // namespace oraclegs

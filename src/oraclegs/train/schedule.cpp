@@ -1,0 +1,45 @@
+#include "oraclegs/train/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oraclegs {
+namespace {
+
+constexpr double kFirstMeansRate = 1.6e-4;  // per unit of scene extent
+constexpr double kLastMeansRate = 1.6e-6;
+constexpr double kLastDepthWeight = 0.01;
+constexpr double kSyntheticFloor = 0.1;
+constexpr int kHighestShDegree = 3;
+
+double Progress(int64_t iteration, int64_t iterations) {
+  return std::clamp(static_cast<double>(iteration) / static_cast<double>(iterations), 0.0, 1.0);
+}
+
+/// Beta(2,4)'s density over 20: 0 at both ends, largest at t = 1/4.
+double Bump(double t) { return t * (1 - t) * (1 - t) * (1 - t); }
+
+}  // namespace
+
+double MeansLearningRate(int64_t iteration, int64_t iterations, double extent) {
+  const double t = Progress(iteration, iterations);
+  return extent * std::exp((1 - t) * std::log(kFirstMeansRate) + t * std::log(kLastMeansRate));
+}
+
+int ActiveShDegree(int64_t iteration, int64_t interval) {
+  return static_cast<int>(std::min<int64_t>(iteration / interval, kHighestShDegree));
+}
+
+double DepthWeight(int64_t iteration, int64_t iterations) {
+  return std::pow(kLastDepthWeight, Progress(iteration, iterations));
+}
+
+double SyntheticProbability(int64_t iteration, int64_t iterations) {
+  return kSyntheticFloor + Bump(Progress(iteration, iterations));
+}
+
+double PhotographProbability(int64_t iteration, int64_t iterations) {
+  return std::clamp(1 - kSyntheticFloor - Bump(Progress(iteration, iterations)), 0.0, 1.0);
+}
+
+}  // namespace oraclegs
