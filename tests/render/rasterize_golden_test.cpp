@@ -1,0 +1,98 @@
+// Parity with the reference numbers of spec/gaussian_core.md 12, on every instruction set this machine has.
+
+#include <hwy/targets.h>
+
+#include "oraclegs/render/render.h"
+#include "support/tensors.h"
+
+namespace oraclegs {
+namespace {
+
+struct Fixture {
+  SafetensorsFile file = OpenGolden("rasterize");
+  Gaussians gaussians;
+  Camera camera;
+  RenderOptions options;
+  RenderGrads upstream;
+  Tensor visible;
+
+  Fixture() {
+    gaussians = {GoldenFloat(file, "means"), GoldenFloat(file, "log_scales"), GoldenFloat(file, "quats"),
+                 GoldenFloat(file, "opacity_logits"), GoldenFloat(file, "sh")};
+    const auto size = file.Values<int32_t>("image_size");
+    const bool width_first = std::to_string(size[0]) == file.metadata().at("width");
+    camera.width = size[width_first ? 0 : 1];
+    camera.height = size[width_first ? 1 : 0];
+    const auto k = file.Values<double>("K");
+    camera.fx = k[0], camera.cx = k[2], camera.fy = k[4], camera.cy = k[5];
+    const auto view = file.Values<double>("viewmat");
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) camera.cam_from_world.linear()(i, j) = view[4 * i + j];
+      camera.cam_from_world.translation()[i] = view[4 * i + 3];
+    }
+    const auto background = file.Values<float>("background");
+    std::copy_n(background.begin(), 3, options.background.begin());
+    upstream = {GoldenFloat(file, "upstream_image"), GoldenFloat(file, "upstream_alpha"),
+                GoldenFloat(file, "upstream_inv_depth")};
+    visible = GoldenTensor(file, "visible").to(torch::kBool);
+  }
+
+  void Select(const std::string& variant) {
+    options.sh_degree = variant == "sh0" ? 0 : std::stoi(file.metadata().at("sh_degree_stored"));
+    options.antialiased = variant == "aa";
+  }
+};
+
+/// Row by row: |error| <= 0.02 (|ref| + 0.01 median |ref| over visible).
+void ExpectRowsAgree(const Tensor& x, const Tensor& ref, const Tensor& visible, const std::string& what) {
+  const int64_t n = ref.size(0);
+  const Tensor r = ref.reshape({n, -1});
+  const Tensor error = (x.to(torch::kDouble).reshape({n, -1}) - r).norm(2, {1}), norm = r.norm(2, {1});
+  const double median = norm.index({visible}).median().item<double>();
+  const Tensor excess = error / (0.02 * (norm + 0.01 * median));
+  EXPECT_LE(excess.max().item<double>(), 1.0) << what << ", Gaussian " << excess.argmax().item<int64_t>();
+}
+
+class RasterizeGolden : public testing::TestWithParam<std::tuple<int64_t, std::string>> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(std::get<0>(GetParam())); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+  std::string variant() const { return std::get<1>(GetParam()); }
+};
+
+TEST_P(RasterizeGolden, ImagesMatch) {
+  Fixture f;
+  f.Select(variant());
+  const RenderOutput out =
+      MakeRasterizer(torch::kCPU)->Forward(f.gaussians, f.camera, f.options, RenderPass::kInference);
+  EXPECT_LE(MaxAbsError(out.image, GoldenTensor(f.file, variant() + ".image")), 2e-5);
+  EXPECT_LE(MaxAbsError(out.inv_depth, GoldenTensor(f.file, variant() + ".inv_depth")), 2e-5);
+  EXPECT_LE(MaxAbsError(out.alpha, GoldenTensor(f.file, variant() + ".alpha")), 2e-5);
+}
+
+TEST_P(RasterizeGolden, GradientsMatch) {
+  Fixture f;
+  f.Select(variant());
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(f.gaussians, f.camera, f.options, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Zeros(f.gaussians.size());
+  rasterizer->Backward(f.gaussians, f.upstream, &grads);
+  grads.ForEach([&](const char* name, const Tensor& grad) {
+    const std::string key = variant() + ".grad_" + name;
+    const Tensor ref = GoldenTensor(f.file, key);
+    EXPECT_LE(RelativeL2(grad, ref), 2e-4) << key;
+    EXPECT_LE(MaxAbsError(grad, ref), 4e-4 * ref.abs().max().item<double>()) << key;
+    ExpectRowsAgree(grad, ref, f.visible, key);
+  });
+}
+
+std::vector<int64_t> Targets() { return hwy::SupportedAndGeneratedTargets(); }
+
+INSTANTIATE_TEST_SUITE_P(EveryTarget, RasterizeGolden,
+                         testing::Combine(testing::ValuesIn(Targets()), testing::Values("sh3", "sh0", "aa")),
+                         [](const auto& info) {
+                           return std::string(hwy::TargetName(std::get<0>(info.param))) + "_" + std::get<1>(info.param);
+                         });
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,252 @@
+// The rasteriser against its slow twin, closed forms, finite differences, and the promises of render.h.
+
+#include <cstring>
+
+#include "oraclegs/core/parallel.h"
+#include "render/reference_raster.h"
+#include "render/scenes.h"
+#include "support/tensors.h"
+
+namespace oraclegs {
+namespace {
+
+double MaxError(const Tensor& x, const std::vector<double>& ref) {
+  const float* v = x.data_ptr<float>();
+  double worst = 0;
+  for (size_t i = 0; i < ref.size(); ++i) worst = std::max(worst, std::abs(v[i] - ref[i]));
+  return worst;
+}
+
+bool SameBits(const Tensor& a, const Tensor& b) {
+  return a.sizes() == b.sizes() && std::memcmp(a.data_ptr(), b.data_ptr(), a.nbytes()) == 0;
+}
+
+/// Share of values further than `tolerance` from the reference: decisions at a threshold may fall the other way.
+double FlippedShare(const Tensor& x, const std::vector<double>& ref, double tolerance) {
+  const float* v = x.data_ptr<float>();
+  int64_t flips = 0;
+  for (size_t i = 0; i < ref.size(); ++i) flips += std::abs(v[i] - ref[i]) > tolerance;
+  return static_cast<double>(flips) / static_cast<double>(ref.size());
+}
+
+struct SceneCase {
+  const char* name;
+  int64_t gaussians;
+  double scale;
+  int width, height;
+  bool antialiased;
+};
+
+class RasterizeReference : public testing::TestWithParam<SceneCase> {};
+
+TEST_P(RasterizeReference, AgreesWithTheSlowTwin) {
+  const SceneCase& c = GetParam();
+  const Gaussians g = RandomGaussians(c.gaussians, c.scale, 11);
+  const Camera camera = FrontCamera(c.width, c.height);
+  const RenderOptions options{{0.3f, 0.1f, 0.6f}, 3, c.antialiased};
+  const RenderOutput out = MakeRasterizer(torch::kCPU)->Forward(g, camera, options, RenderPass::kInference);
+  const ReferenceImage ref = ReferenceScene(g, camera, options).Render();
+  // One contributor at alpha = 1/255 weighs up to 0.4 % of a colour; anything larger is a mistake.
+  EXPECT_LE(MaxError(out.image, ref.image), 0.02);
+  EXPECT_LE(FlippedShare(out.image, ref.image, 3e-5), 0.002);
+  EXPECT_LE(FlippedShare(out.alpha, ref.alpha, 3e-5), 0.002);
+  EXPECT_LE(FlippedShare(out.inv_depth, ref.inv_depth, 3e-5), 0.002);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RasterizeReference,
+                         testing::Values(SceneCase{"small", 400, 0.02, 80, 64, false},
+                                         SceneCase{"needles_and_sheets", 300, 0.2, 67, 45, false},
+                                         SceneCase{"huge", 60, 3.0, 50, 50, false},
+                                         SceneCase{"long_lists", 3000, 0.15, 33, 35, false},
+                                         SceneCase{"antialiased", 400, 0.01, 64, 48, true},
+                                         SceneCase{"one_pixel", 50, 0.3, 1, 1, false}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(RasterizeClosedForm, OneGaussianIsItsFormula) {
+  Gaussians g = Gaussians::Zeros(1);
+  const double z = 4, scale = 0.3, opacity = 0.8;
+  g.means.data_ptr<float>()[2] = static_cast<float>(z);
+  g.log_scales.fill_(std::log(scale));
+  g.quats.data_ptr<float>()[0] = 2;  // any length is the identity
+  g.opacity_logits.fill_(std::log(opacity / (1 - opacity)));
+  Camera camera;
+  camera.width = 40, camera.height = 30;
+  camera.fx = 50, camera.fy = 60, camera.cx = 19.5, camera.cy = 15.25;
+  const RenderOutput out = MakeRasterizer(torch::kCPU)->Forward(g, camera, {{1, 0, 0}, 0, false}, RenderPass::kInference);
+  const double var_x = std::pow(50 / z * scale, 2) + 0.3, var_y = std::pow(60 / z * scale, 2) + 0.3;
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      const double dx = x + 0.5 - 19.5, dy = y + 0.5 - 15.25;
+      double alpha = opacity * std::exp(-0.5 * (dx * dx / var_x + dy * dy / var_y));
+      if (alpha < 1.0 / 255) alpha = 0;
+      EXPECT_NEAR(out.alpha.data_ptr<float>()[y * 40 + x], alpha, 1e-5);
+      EXPECT_NEAR(out.inv_depth.data_ptr<float>()[y * 40 + x], alpha / z, 1e-5);
+      EXPECT_NEAR(out.image.data_ptr<float>()[3 * (y * 40 + x)], 0.5 * alpha + (1 - alpha), 1e-5);
+      EXPECT_NEAR(out.image.data_ptr<float>()[3 * (y * 40 + x) + 1], 0.5 * alpha, 1e-5);
+    }
+  }
+}
+
+TEST(RasterizeClosedForm, OneColourStaysOneColour) {
+  Gaussians g = RandomGaussians(500, 0.1, 5);
+  g.sh.zero_();
+  g.sh.select(1, 0).fill_((0.7 - 0.5) / 0.28209479177387814);
+  const RenderOutput out =
+      MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(64, 48), {{0, 0, 0}, 3, false}, RenderPass::kInference);
+  EXPECT_LE(MaxAbsError(out.image, out.alpha.unsqueeze(-1).expand({48, 64, 3}) * 0.7), 1e-5);
+}
+
+TEST(RasterizeClosedForm, NothingInViewIsBackground) {
+  Gaussians g = RandomGaussians(20, 0.1, 5);
+  g.means.select(1, 2).neg_();
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  const RenderOutput out = rasterizer->Forward(g, FrontCamera(20, 20), {{0.2f, 0.4f, 0.6f}, 3, false}, RenderPass::kTrain);
+  EXPECT_LE(MaxAbsError(out.image, torch::tensor({0.2f, 0.4f, 0.6f}).expand({20, 20, 3})), 0);
+  EXPECT_EQ(rasterizer->stats().visible, 0);
+  Gaussians grads = Gaussians::Zeros(20);
+  rasterizer->Backward(g, {torch::ones({20, 20, 3}), {}, {}}, &grads);
+  grads.ForEach([](const char*, const Tensor& t) { EXPECT_EQ(t.abs().sum().item<float>(), 0); });
+}
+
+TEST(RasterizeClosedForm, NoGaussiansAtAll) {
+  const Gaussians none = Gaussians::Zeros(0);
+  const RenderOutput out =
+      MakeRasterizer(torch::kCPU)->Forward(none, FrontCamera(17, 9), {{1, 1, 1}, 3, false}, RenderPass::kInference);
+  EXPECT_EQ(out.image.min().item<float>(), 1);
+  EXPECT_EQ(out.alpha.max().item<float>(), 0);
+}
+
+/// L = sum upstream . output of the slow twin, as a function of one raw parameter.
+class RasterizeGradient : public testing::TestWithParam<bool> {};
+
+TEST_P(RasterizeGradient, MatchesCentralDifferences) {
+  const Gaussians g = RandomGaussians(12, 0.25, 21);
+  const Camera camera = FrontCamera(24, 20);
+  const RenderOptions options{{0.1f, 0.5f, 0.9f}, 3, GetParam()};
+  torch::manual_seed(1);
+  const RenderGrads up{torch::randn({20, 24, 3}), torch::randn({20, 24}), torch::randn({20, 24})};
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(g, camera, options, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Zeros(g.size());
+  rasterizer->Backward(g, up, &grads);
+
+  ReferenceScene scene(g, camera, options);
+  const auto loss = [&] {
+    const ReferenceImage out = scene.Render();
+    double sum = 0;
+    for (size_t i = 0; i < out.image.size(); ++i) sum += up.image.data_ptr<float>()[i] * out.image[i];
+    for (size_t i = 0; i < out.alpha.size(); ++i) {
+      sum += up.alpha.data_ptr<float>()[i] * out.alpha[i] + up.inv_depth.data_ptr<float>()[i] * out.inv_depth[i];
+    }
+    return sum;
+  };
+  const auto check = [&](const char* name, std::vector<double>& values, const Tensor& grad, size_t stride) {
+    // A pixel that crosses a threshold between the two sides is a jump, not a slope: take the best of three steps.
+    const double scale = grad.abs().max().item<double>();
+    for (size_t k = 0; k < values.size(); k += stride) {
+      double best = 1e30;
+      for (const double step : {1e-4, 1e-5, 1e-6}) {
+        const double keep = values[k];
+        values[k] = keep + step;
+        const double up_loss = loss();
+        values[k] = keep - step;
+        const double numeric = (up_loss - loss()) / (2 * step);
+        values[k] = keep;
+        best = std::min(best, std::abs(numeric - grad.data_ptr<float>()[k]));
+      }
+      EXPECT_LE(best, 2e-3 * scale) << name << " " << k;
+    }
+  };
+  check("means", scene.means, grads.means, 1);
+  check("log_scales", scene.log_scales, grads.log_scales, 1);
+  check("quats", scene.quats, grads.quats, 1);
+  check("opacity_logits", scene.opacity_logits, grads.opacity_logits, 1);
+  check("sh", scene.sh, grads.sh, 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, RasterizeGradient, testing::Bool(),
+                         [](const auto& info) { return info.param ? "antialiased" : "plain"; });
+
+TEST(RasterizePromises, SameBitsForAnyNumberOfThreads) {
+  const Gaussians g = RandomGaussians(20000, 0.05, 3);
+  const Camera camera = FrontCamera(150, 110);
+  torch::manual_seed(2);
+  const RenderGrads up{torch::randn({110, 150, 3}), torch::randn({110, 150}), torch::randn({110, 150})};
+  const auto run = [&](int threads) {
+    SetNumThreads(threads);
+    auto rasterizer = MakeRasterizer(torch::kCPU);
+    const RenderOutput out = rasterizer->Forward(g, camera, {}, RenderPass::kTrain);
+    Gaussians grads = Gaussians::Zeros(g.size());
+    rasterizer->Backward(g, up, &grads);
+    return std::pair(out, grads);
+  };
+  const auto [one, one_grads] = run(1);
+  for (const int threads : {2, 3, 7}) {
+    const auto [many, many_grads] = run(threads);
+    EXPECT_TRUE(SameBits(one.image, many.image));
+    EXPECT_TRUE(SameBits(one.inv_depth, many.inv_depth));
+    EXPECT_TRUE(SameBits(one_grads.means, many_grads.means));
+    EXPECT_TRUE(SameBits(one_grads.log_scales, many_grads.log_scales));
+    EXPECT_TRUE(SameBits(one_grads.quats, many_grads.quats));
+    EXPECT_TRUE(SameBits(one_grads.opacity_logits, many_grads.opacity_logits));
+    EXPECT_TRUE(SameBits(one_grads.sh, many_grads.sh));
+  }
+  SetNumThreads(0);
+}
+
+TEST(RasterizePromises, BuffersOfALargerViewDoNotLeakIntoASmallerOne) {
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(RandomGaussians(5000, 0.1, 1), FrontCamera(200, 160), {}, RenderPass::kTrain);
+  const Gaussians g = RandomGaussians(300, 0.1, 2);
+  const RenderOutput reused = rasterizer->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
+  const RenderOutput fresh = MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
+  EXPECT_TRUE(SameBits(reused.image, fresh.image));
+  EXPECT_TRUE(SameBits(reused.inv_depth, fresh.inv_depth));
+}
+
+TEST(RasterizePromises, HigherCoefficientsAreNeitherReadNorWritten) {
+  Gaussians g = RandomGaussians(200, 0.1, 9);
+  g.sh.slice(1, 4).fill_(std::numeric_limits<float>::quiet_NaN());
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  const RenderOutput out = rasterizer->Forward(g, FrontCamera(32, 32), {{0, 0, 0}, 1, false}, RenderPass::kTrain);
+  EXPECT_TRUE(torch::isfinite(out.image).all().item<bool>());
+  Gaussians grads = Gaussians::Zeros(200);
+  grads.sh.fill_(7);
+  rasterizer->Backward(g, {torch::ones({32, 32, 3}), {}, {}}, &grads);
+  EXPECT_EQ(grads.sh.slice(1, 4).min().item<float>(), 7);
+  EXPECT_TRUE(torch::isfinite(grads.sh).all().item<bool>());
+}
+
+TEST(RasterizePromises, OddParametersDoNoHarm) {
+  // Infinite, denormal and undefined numbers must neither crash nor reach another Gaussian's pixels' bits.
+  Gaussians g = RandomGaussians(64, 0.1, 4);
+  const float odd[] = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+                       std::numeric_limits<float>::quiet_NaN(), 1e38f, -1e38f, 1e-40f};
+  for (int i = 0; i < 6; ++i) {
+    g.means.data_ptr<float>()[3 * i + i % 3] = odd[i];
+    g.log_scales.data_ptr<float>()[3 * (i + 8)] = odd[i];
+    g.quats.data_ptr<float>()[4 * (i + 16)] = odd[i];
+    g.opacity_logits.data_ptr<float>()[i + 24] = odd[i];
+  }
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(g, FrontCamera(48, 48), {}, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Zeros(64);
+  rasterizer->Backward(g, {torch::ones({48, 48, 3}), {}, {}}, &grads);
+  EXPECT_TRUE(torch::isfinite(grads.means.slice(0, 32)).all().item<bool>());
+}
+
+TEST(RasterizePromises, WrongShapesAreRefusedByName) {
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  Gaussians g = RandomGaussians(10, 0.1, 1);
+  g.quats = torch::zeros({10, 3});
+  EXPECT_THROW(rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain), ShapeError);
+  g = RandomGaussians(10, 0.1, 1);
+  EXPECT_THROW(rasterizer->Forward(g, FrontCamera(0, 8), {}, RenderPass::kTrain), ShapeError);
+  Gaussians grads = Gaussians::Zeros(10);
+  EXPECT_THROW(rasterizer->Backward(g, {}, &grads), ShapeError);  // no forward pass yet
+  rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain);
+  EXPECT_THROW(rasterizer->Backward(g, {torch::zeros({8, 9, 3}), {}, {}}, &grads), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,36 @@
+#pragma once
+// Seeded scenes for the rasteriser's tests and benchmarks.
+
+#include "oraclegs/core/rng.h"
+#include "oraclegs/render/render.h"
+
+namespace oraclegs {
+
+inline Camera FrontCamera(int width, int height) {
+  Camera camera;
+  camera.width = width, camera.height = height;
+  camera.fx = 0.9 * width, camera.fy = 0.92 * width;
+  camera.cx = 0.5 * width - 1.3, camera.cy = 0.5 * height + 0.7;  // off centre, so that a swap shows
+  return camera;
+}
+
+/// n Gaussians in front of FrontCamera: world scales around `scale`, opacities over the whole range, all SH filled.
+inline Gaussians RandomGaussians(int64_t n, double scale, uint64_t seed) {
+  Rng rng(seed, RandomStream::kInitialPoints);
+  Gaussians g = Gaussians::Empty(n);
+  float *mean = g.means.data_ptr<float>(), *log_scale = g.log_scales.data_ptr<float>();
+  float *quat = g.quats.data_ptr<float>(), *logit = g.opacity_logits.data_ptr<float>(), *sh = g.sh.data_ptr<float>();
+  for (int64_t i = 0; i < n; ++i) {
+    const double z = rng.Uniform(1.5, 6);
+    mean[3 * i] = static_cast<float>(rng.Uniform(-0.7, 0.7) * z);
+    mean[3 * i + 1] = static_cast<float>(rng.Uniform(-0.6, 0.6) * z);
+    mean[3 * i + 2] = static_cast<float>(z);
+    for (int k = 0; k < 3; ++k) log_scale[3 * i + k] = static_cast<float>(std::log(scale) + rng.Uniform(-1.2, 0.8));
+    for (int k = 0; k < 4; ++k) quat[4 * i + k] = static_cast<float>(rng.Uniform(-1, 1));
+    logit[i] = static_cast<float>(rng.Uniform(-4, 4));
+    for (int k = 0; k < 48; ++k) sh[48 * i + k] = static_cast<float>(rng.Uniform(-1, 1) * (k < 3 ? 1.2 : 0.25));
+  }
+  return g;
+}
+
+}  // namespace oraclegs
