@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/view_sampler.h"
@@ -21,6 +22,13 @@ struct Checkpoint {
   nlohmann::json options;  ///< what the run was started with; resuming compares
 };
 
+/// The text that stands for the options in the file; two runs with the same text may continue each other. Bytes of a
+/// path that are not UTF-8 are replaced.
+std::string DumpOptions(const nlohmann::json& options);
+
+/// DIR/iteration_0003000.safetensors
+std::filesystem::path CheckpointPath(const std::filesystem::path& dir, int64_t iteration);
+
 /// Writes, flushes, renames. Throws RunError.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
@@ -29,5 +37,9 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& path);
 
 /// The newest checkpoint of a folder ("iteration_0003000.safetensors"), nullopt when there is none.
 std::optional<std::filesystem::path> NewestCheckpoint(const std::filesystem::path& dir);
+
+/// Removes what a run that has just saved `iteration` needs no more: all but the two newest up to there, and those of
+/// later iterations, which an abandoned run has left and NewestCheckpoint would mistake for this one's.
+void RemoveOldCheckpoints(const std::filesystem::path& dir, int64_t iteration);
 
 }  // namespace oraclegs

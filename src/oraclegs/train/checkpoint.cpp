@@ -1,0 +1,238 @@
+#include "oraclegs/train/checkpoint.h"
+
+#include <zlib.h>
+
+#include <charconv>
+#include <cstring>
+#include <map>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/safetensors.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "oraclegs-checkpoint";
+constexpr int64_t kFormatVersion = 1;
+constexpr std::string_view kPrefix = "iteration_", kSuffix = ".safetensors";
+constexpr size_t kCheckpointsKept = 2;
+// The checksum is that of the whole file with these digits at zero, so that no byte of it is left unguarded.
+constexpr std::string_view kChecksumMark = "crc32=", kNoChecksum = "00000000";
+
+std::string Checksum(std::string_view bytes) {
+  uLong crc = crc32_z(0, nullptr, 0);
+  crc = crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  return fmt::format("{:08x}", static_cast<uint32_t>(crc));
+}
+
+/// Where the digits of the checksum stand in the file's header, npos when there are none.
+size_t FindChecksum(std::string_view bytes) {
+  uint64_t header = 0;
+  if (bytes.size() < sizeof(header)) return std::string_view::npos;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  const std::string_view text = bytes.substr(sizeof(header));
+  const size_t found = text.substr(0, std::min<uint64_t>(header, text.size())).find(kChecksumMark);
+  if (found == std::string_view::npos) return found;
+  const size_t digits = sizeof(header) + found + kChecksumMark.size();
+  return digits + kNoChecksum.size() <= bytes.size() ? digits : std::string_view::npos;
+}
+
+template <class T>
+TensorEntry Entry(const char* dtype, std::vector<int64_t> shape, const T* data, int64_t count) {
+  return {dtype, std::move(shape), {reinterpret_cast<const char*>(data), count * sizeof(T)}};
+}
+
+void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std::string, TensorEntry>* tensors) {
+  gaussians.Check("WriteCheckpoint");
+  gaussians.ForEach([&](const char* name, const Tensor& t) {
+    tensors->emplace(group + name, Entry("F32", t.sizes().vec(), t.data_ptr<float>(), t.numel()));
+  });
+}
+
+/// An opened checkpoint; every access that fails names the file.
+struct Reader {
+  const fs::path& path;
+  SafetensorsFile file;
+
+  const std::string& Text(const std::string& key) const {
+    const auto found = file.metadata().find(key);
+    if (found == file.metadata().end()) throw InputError("{}: the metadata has no '{}'", path.string(), key);
+    return found->second;
+  }
+
+  template <class T>
+  T Number(const std::string& key) const {
+    const std::string& text = Text(key);
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      throw InputError("{}: {} is '{}', must be a {}number", path.string(), key, text,
+                       std::is_integral_v<T> ? "whole " : "");
+    }
+    return value;
+  }
+
+  nlohmann::json Json(const std::string& key) const {
+    const nlohmann::json value = nlohmann::json::parse(Text(key), nullptr, false);
+    if (value.is_discarded()) throw InputError("{}: {} is not valid JSON", path.string(), key);
+    return value;
+  }
+
+  const TensorEntry& Typed(const std::string& name, const char* dtype) const {
+    const TensorEntry& entry = file.Get(name);
+    if (entry.dtype != dtype) {
+      throw InputError("{}: {} is of type {}, expected {}", path.string(), name, entry.dtype, dtype);
+    }
+    return entry;
+  }
+
+  std::vector<int64_t> Integers(const std::string& name) const {
+    const TensorEntry& entry = Typed(name, "I64");
+    if (entry.shape.size() != 1) throw InputError("{}: {} must have one axis", path.string(), name);
+    std::vector<int64_t> values(entry.bytes.size() / sizeof(int64_t));
+    if (!values.empty()) std::memcpy(values.data(), entry.bytes.data(), entry.bytes.size());
+    return values;
+  }
+
+  /// The five tensors of a group, each of `n` Gaussians.
+  Gaussians Group(const std::string& group, int64_t n) const {
+    Gaussians result = Gaussians::Empty(0);  // for the shapes
+    result.ForEach([&](const char* name, Tensor& t) {
+      const TensorEntry& entry = Typed(group + name, "F32");
+      std::vector<int64_t> shape = t.sizes().vec();
+      shape[0] = n;
+      if (entry.shape != shape) {
+        throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), group + name,
+                         fmt::join(entry.shape, ", "), fmt::join(shape, ", "));
+      }
+      t = torch::empty(shape, torch::kFloat);
+      if (!entry.bytes.empty()) std::memcpy(t.data_ptr<float>(), entry.bytes.data(), entry.bytes.size());
+    });
+    return result;
+  }
+};
+
+/// Throws unless the checksum that stands in the file is that of its bytes.
+void VerifyChecksum(const fs::path& path, std::string* bytes) {
+  const size_t at = FindChecksum(*bytes);
+  if (at == std::string::npos) {
+    throw InputError("{}: is not a checkpoint of oraclegs; delete it to start from the one before it", path.string());
+  }
+  const std::string stored = bytes->substr(at, kNoChecksum.size());
+  bytes->replace(at, kNoChecksum.size(), kNoChecksum);
+  if (Checksum(*bytes) != stored) {
+    throw InputError("{}: is damaged (checksum mismatch); delete it to continue from the one before it", path.string());
+  }
+}
+
+/// The iteration in a checkpoint's name, -1 for any other file.
+int64_t IterationOf(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (name.size() <= kPrefix.size() + kSuffix.size() || name.rfind(kPrefix, 0) != 0) return -1;
+  const char* const end = name.data() + name.size() - kSuffix.size();
+  if (std::string_view(end, kSuffix.size()) != kSuffix) return -1;
+  int64_t iteration = -1;
+  const auto [stop, error] = std::from_chars(name.data() + kPrefix.size(), end, iteration);
+  return error == std::errc() && stop == end ? iteration : -1;
+}
+
+/// Checkpoints of a folder by iteration.
+std::map<int64_t, fs::path> ListCheckpoints(const fs::path& dir) {
+  std::map<int64_t, fs::path> found;
+  std::error_code ignored;  // a folder that is not there has none
+  for (const auto& entry : fs::directory_iterator(dir, ignored)) {
+    const int64_t iteration = IterationOf(entry.path());
+    if (iteration >= 0) found[iteration] = entry.path();
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string DumpOptions(const nlohmann::json& options) {
+  return options.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+fs::path CheckpointPath(const fs::path& dir, int64_t iteration) {
+  return dir / fmt::format("{}{:07}{}", kPrefix, iteration, kSuffix);
+}
+
+void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
+  std::map<std::string, TensorEntry> tensors;
+  AddGroup("", checkpoint.gaussians, &tensors);
+  AddGroup("adam.m.", checkpoint.adam.m, &tensors);
+  AddGroup("adam.v.", checkpoint.adam.v, &tensors);
+  const auto add_stack = [&](const char* name, const std::vector<int64_t>& stack) {
+    const auto size = static_cast<int64_t>(stack.size());
+    tensors.emplace(name, Entry("I64", {size}, stack.data(), size));
+  };
+  add_stack("sampler.photographs", checkpoint.sampler.photographs);
+  add_stack("sampler.proposals", checkpoint.sampler.proposals);
+  std::string bytes =
+      SerializeSafetensors(tensors, {{"format", kFormat},
+                                     {"format_version", std::to_string(kFormatVersion)},
+                                     {"iteration", std::to_string(checkpoint.iteration)},
+                                     {"adam.step", std::to_string(checkpoint.adam.step)},
+                                     {"sampler.counter", std::to_string(checkpoint.sampler.counter)},
+                                     {"seconds", fmt::format("{}", checkpoint.seconds)},
+                                     {"loss", fmt::format("{}", checkpoint.loss)},
+                                     {"options", DumpOptions(checkpoint.options)},
+                                     {"checksum", std::string(kChecksumMark) + std::string(kNoChecksum)}});
+  const size_t at = FindChecksum(bytes);
+  if (at == std::string::npos) throw std::logic_error("WriteCheckpoint: the header lost the checksum");
+  bytes.replace(at, kNoChecksum.size(), Checksum(bytes));
+  WriteFileAtomically(path, bytes);
+}
+
+Checkpoint ReadCheckpoint(const fs::path& path) {
+  std::string bytes = ReadFile(path);
+  VerifyChecksum(path, &bytes);
+  const Reader reader{path, SafetensorsFile::Parse(std::move(bytes), path.string())};
+  if (reader.Text("format") != kFormat) throw InputError("{}: is not a checkpoint of oraclegs", path.string());
+  const auto version = reader.Number<int64_t>("format_version");
+  if (version != kFormatVersion) {
+    throw InputError("{}: has format version {}, this program reads {}; continue with the program that wrote it",
+                     path.string(), version, kFormatVersion);
+  }
+  const TensorEntry& means = reader.Typed("means", "F32");
+  const int64_t n = means.shape.empty() ? 0 : means.shape[0];
+  Checkpoint checkpoint;
+  checkpoint.iteration = reader.Number<int64_t>("iteration");
+  checkpoint.gaussians = reader.Group("", n);
+  checkpoint.adam.m = reader.Group("adam.m.", n);
+  checkpoint.adam.v = reader.Group("adam.v.", n);
+  checkpoint.adam.step = reader.Number<int64_t>("adam.step");
+  checkpoint.sampler = {reader.Integers("sampler.photographs"), reader.Integers("sampler.proposals"),
+                        reader.Number<uint64_t>("sampler.counter")};
+  checkpoint.seconds = reader.Number<double>("seconds");
+  checkpoint.loss = reader.Number<double>("loss");
+  checkpoint.options = reader.Json("options");
+  if (checkpoint.iteration < 0 || checkpoint.adam.step < 0) {
+    throw InputError("{}: iteration {} and step {} must not be negative", path.string(), checkpoint.iteration,
+                     checkpoint.adam.step);
+  }
+  return checkpoint;
+}
+
+std::optional<fs::path> NewestCheckpoint(const fs::path& dir) {
+  const auto found = ListCheckpoints(dir);
+  if (found.empty()) return std::nullopt;
+  return found.rbegin()->second;
+}
+
+void RemoveOldCheckpoints(const fs::path& dir, int64_t iteration) {
+  std::error_code ignored;  // what cannot be removed does no harm
+  size_t kept = 0;
+  const auto found = ListCheckpoints(dir);
+  for (auto it = found.rbegin(); it != found.rend(); ++it) {
+    if (it->first <= iteration && kept++ < kCheckpointsKept) continue;
+    fs::remove(it->second, ignored);
+  }
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,345 @@
+#include "oraclegs/train/trainer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/gaussians/initialize.h"
+#include "oraclegs/loss/photometric.h"
+#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/rows.h"
+#include "oraclegs/train/schedule.h"
+
+namespace oraclegs {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLossSmoothing = 0.9;  // share of the past in the loss that is shown
+constexpr int64_t kReportEvery = 100;   // iterations
+constexpr double kReportSeconds = 0.5;
+
+double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Adds the milliseconds since the last lap to a stage.
+class Lap {
+ public:
+  void To(double* milliseconds) {
+    const auto now = Clock::now();
+    *milliseconds += std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
+/// A contiguous tensor of this shape, all of them in one storage that grows to the largest use.
+class ImageBuffer {
+ public:
+  Tensor Get(std::initializer_list<int64_t> shape) {
+    int64_t count = 1;
+    for (const int64_t s : shape) count *= s;
+    if (!storage_.defined() || storage_.numel() < count) storage_ = torch::empty({count}, torch::kFloat);
+    return storage_.narrow(0, 0, count).view(shape);
+  }
+
+ private:
+  Tensor storage_;
+};
+
+/// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
+void SelectByMask(const Tensor& mask, const Tensor& inside, const Tensor& outside, const Tensor& out) {
+  const float* m = mask.data_ptr<float>();
+  const float* a = inside.data_ptr<float>();
+  const float* b = outside.defined() ? outside.data_ptr<float>() : nullptr;
+  float* o = out.data_ptr<float>();
+  ParallelBlocks(mask.numel(), 1 << 14, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      for (int64_t c = 3 * i; c < 3 * i + 3; ++c) o[c] = m[i] > 0 ? a[c] : (b ? b[c] : 0.f);
+    }
+  });
+}
+
+std::vector<Camera> Cameras(const std::vector<TrainView>& views) {
+  std::vector<Camera> cameras;
+  for (const TrainView& view : views) cameras.push_back(view.camera);
+  return cameras;
+}
+
+void CheckViews(const std::vector<TrainView>& views) {
+  if (views.empty()) throw UsageError("there is no photograph to train on");
+  for (const TrainView& view : views) {
+    const int64_t height = view.camera.height, width = view.camera.width;
+    RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
+    if (view.confidence.defined()) {
+      RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
+    }
+  }
+}
+
+void AddTo(const RenderTimings& one, RenderTimings* sum) {
+  sum->project += one.project;
+  sum->bin += one.bin;
+  sum->blend += one.blend;
+  sum->blend_backward += one.blend_backward;
+  sum->gaussian_backward += one.gaussian_backward;
+}
+
+/// Throws unless the options a checkpoint was saved with are these; names the first that differs.
+void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now) {
+  if (DumpOptions(saved) == DumpOptions(now)) return;
+  std::string difference = "other options";
+  for (const auto& [name, value] : saved.items()) {
+    if (!now.is_object() || !now.contains(name) || DumpOptions(now[name]) == DumpOptions(value)) continue;
+    difference = fmt::format("{} {}, not {}", name, DumpOptions(value), DumpOptions(now[name]));
+    break;
+  }
+  throw InputError("{}: the checkpoint was made with {}; continue with those options or choose another folder",
+                   dir.string(), difference);
+}
+
+void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
+  gaussians.ForEach([&](const char* name, const Tensor& t) {
+    if (torch::isfinite(t).all().item<bool>()) return;
+    throw RunError(
+        "{} of a Gaussian are not finite at iteration {}: training has diverged; check the poses and the "
+        "scale of the scene",
+        name, iteration);
+  });
+}
+
+TrainTimings Mean(TrainTimings sum, int64_t iterations) {
+  for (double* stage : {&sum.render.project, &sum.render.bin, &sum.render.blend, &sum.render.blend_backward,
+                        &sum.render.gaussian_backward, &sum.loss, &sum.adam, &sum.refine, &sum.noise, &sum.total}) {
+    *stage /= static_cast<double>(std::max<int64_t>(iterations, 1));
+  }
+  return sum;
+}
+
+}  // namespace
+
+TrainView ToTrainView(const Photo& photo) {
+  TrainView view{photo.name, photo.camera, {}, {}};
+  const int64_t height = photo.rgb.height, width = photo.rgb.width;
+  if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {
+    throw ShapeError("ToTrainView: {} has {} channels, expected 3", photo.name, photo.rgb.channels);
+  }
+  view.image = torch::empty({height, width, 3}, torch::kFloat);
+  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data_ptr<float>());
+  if (photo.mask.empty()) return view;
+  if (photo.mask.size() != static_cast<size_t>(height * width)) {
+    throw ShapeError("ToTrainView: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
+                     height * width);
+  }
+  view.confidence = torch::empty({height, width}, torch::kFloat);
+  std::transform(photo.mask.begin(), photo.mask.end(), view.confidence.data_ptr<float>(),
+                 [](uint8_t counts) { return counts ? 1.f : 0.f; });
+  return view;
+}
+
+struct Trainer::State {
+  State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color,
+        std::vector<TrainView> photographs, const Gaussians& start)
+      : options(train_options),
+        seed(run_seed),
+        background(color),
+        views(std::move(photographs)),
+        extent(SpatialExtent(Cameras(views))),
+        gaussians(Clone(start)),
+        adam(start.size()),
+        sampler(run_seed, static_cast<int>(views.size()), 0),
+        grads(Gaussians::Zeros(start.size())),
+        rasterizer(MakeRasterizer(torch::kCPU)) {}
+
+  double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
+  void Refine(int64_t i);
+  bool Refines(int64_t i) const {
+    return i > options.refine_start && static_cast<double>(i) < options.refine_stop * options.iterations &&
+           i % options.refine_every == 0;
+  }
+
+  // What a run is.
+  TrainOptions options;
+  uint64_t seed;
+  std::array<float, 3> background;
+  std::vector<TrainView> views;
+  double extent;
+
+  // What a checkpoint holds.
+  int64_t iteration = 0;
+  Gaussians gaussians;
+  Adam adam;
+  ViewSampler sampler;
+  double seconds = 0, loss = 0;
+  nlohmann::json run_options;
+  bool restored = false;
+
+  // What is only reused.
+  Gaussians grads;
+  std::unique_ptr<Rasterizer> rasterizer;
+  PhotometricLoss photometric;
+  ImageBuffer grad_image, masked_image;
+  TrainTimings timings;  // sums
+};
+
+double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad) {
+  const PhotometricWeights weights{static_cast<float>(1 - options.ssim_weight),
+                                   static_cast<float>(options.ssim_weight)};
+  if (!view.confidence.defined()) return photometric(image, view.image, {}, weights, grad).loss;
+  // SSIM looks 5 pixels around: where the mask is zero the render is replaced by the photograph, so that what stands
+  // there says nothing about the pixels that count, and takes no gradient from them.
+  const Tensor masked = masked_image.Get({view.camera.height, view.camera.width, 3});
+  SelectByMask(view.confidence, image, view.image, masked);
+  const double value = photometric(masked, view.image, view.confidence, weights, grad).loss;
+  SelectByMask(view.confidence, *grad, {}, *grad);
+  return value;
+}
+
+void Trainer::State::Refine(int64_t i) {
+  RelocateDead(seed, i, &gaussians, &adam);
+  AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
+  GrowRows(&grads, gaussians.size());
+}
+
+Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background,
+                 std::vector<TrainView> photographs, Gaussians start) {
+  CheckOptions(options);
+  CheckViews(photographs);
+  start.Check("Trainer");
+  if (start.size() == 0) throw UsageError("there is no Gaussian to start from");
+  state_ = std::make_unique<State>(options, seed, background, std::move(photographs), start);
+}
+
+Trainer::~Trainer() = default;
+
+void Trainer::Restore(const Checkpoint& checkpoint) {
+  State& s = *state_;
+  if (checkpoint.iteration > s.options.iterations) {
+    throw InputError("the checkpoint stands at iteration {}, this run ends at {}", checkpoint.iteration,
+                     s.options.iterations);
+  }
+  checkpoint.gaussians.Check("Trainer::Restore");
+  const int64_t n = checkpoint.gaussians.size();
+  if (n == 0 || checkpoint.adam.m.size() != n || checkpoint.adam.v.size() != n) {
+    throw InputError("the checkpoint holds {} Gaussians and moments of {} and {}", n, checkpoint.adam.m.size(),
+                     checkpoint.adam.v.size());
+  }
+  s.sampler.Restore(checkpoint.sampler);
+  s.iteration = checkpoint.iteration;
+  s.gaussians = Clone(checkpoint.gaussians);
+  s.adam.m = Clone(checkpoint.adam.m);
+  s.adam.v = Clone(checkpoint.adam.v);
+  s.adam.step = checkpoint.adam.step;
+  s.grads = Gaussians::Zeros(n);
+  s.seconds = checkpoint.seconds;
+  s.loss = checkpoint.loss;
+  s.run_options = checkpoint.options;
+  s.restored = true;
+}
+
+double Trainer::Step() {
+  State& s = *state_;
+  const int64_t i = s.iteration + 1;
+  const bool last = i >= s.options.iterations;
+  Lap lap;
+  LearningRates rates;
+  rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
+  const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
+  const TrainView& view = s.views[s.sampler.Next(0).index];
+
+  const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera,
+                                                 {s.background, degree, s.options.antialiased}, RenderPass::kTrain);
+  double ignored = 0;
+  lap.To(&ignored);
+  Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
+  double loss = s.PhotographLoss(view, out.image, &grad_image);
+  lap.To(&s.timings.loss);
+  s.rasterizer->Backward(s.gaussians, {grad_image, {}, {}}, &s.grads);
+  AddTo(s.rasterizer->timings(), &s.timings.render);
+  lap.To(&ignored);
+  loss += AddRegularizers(s.gaussians, s.options.opacity_reg, s.options.scale_reg, &s.grads);
+  lap.To(&s.timings.loss);
+  if (!std::isfinite(loss)) {
+    throw RunError(
+        "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the "
+        "scene",
+        loss, i, view.name);
+  }
+
+  if (!last) s.adam.Step(s.grads, rates, degree, &s.gaussians);
+  lap.To(&s.timings.adam);
+  if (s.Refines(i)) s.Refine(i);
+  lap.To(&s.timings.refine);
+  if (!last) AddNoise(s.seed, i, rates.means, &s.gaussians);
+  lap.To(&s.timings.noise);
+  s.iteration = i;
+  s.loss = i == 1 ? loss : kLossSmoothing * s.loss + (1 - kLossSmoothing) * loss;
+  return loss;
+}
+
+TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listener) {
+  State& s = *state_;
+  if (s.restored) CheckSameOptions(policy.dir, s.run_options, policy.options);
+  s.run_options = policy.options;
+  s.timings = {};
+  if (s.extent == 0) {
+    listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
+  }
+  const int64_t first = s.iteration, total = s.options.iterations;
+  const double seconds_before = s.seconds;
+  const auto start = Clock::now();
+  const auto save = [&] {
+    CheckFinite(s.gaussians, s.iteration);
+    WriteCheckpoint(CheckpointPath(policy.dir, s.iteration), MakeCheckpoint());
+    RemoveOldCheckpoints(policy.dir, s.iteration);
+  };
+  int64_t reported = first;
+  auto report_time = start;
+  while (s.iteration < total) {
+    if (InterruptRequested()) {
+      if (policy.dir.empty())
+        throw Interrupted(fmt::format("interrupted at iteration {} of {}; nothing was saved", s.iteration, total));
+      save();
+      throw Interrupted(
+          fmt::format("interrupted at iteration {} of {}, saved in {}; run the same command again to "
+                      "continue",
+                      s.iteration, total, CheckpointPath(policy.dir, s.iteration).string()));
+    }
+    Step();
+    s.seconds = seconds_before + SecondsSince(start);
+    if (!policy.dir.empty() && policy.every > 0 && s.iteration % policy.every == 0) save();
+    if (s.iteration - reported >= kReportEvery || SecondsSince(report_time) >= kReportSeconds || s.iteration == total) {
+      reported = s.iteration;
+      report_time = Clock::now();
+      listener(StepDone{"train", s.iteration, total, "iterations",
+                        fmt::format("loss {:.4f}, {} Gaussians", s.loss, s.gaussians.size())});
+    }
+  }
+  CheckFinite(s.gaussians, s.iteration);
+  s.timings.total = SecondsSince(start) * 1000;
+  return {s.iteration, s.seconds, Mean(s.timings, s.iteration - first)};
+}
+
+const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
+
+int64_t Trainer::iteration() const { return state_->iteration; }
+
+Checkpoint Trainer::MakeCheckpoint() const {
+  const State& s = *state_;
+  Checkpoint checkpoint;
+  checkpoint.iteration = s.iteration;
+  checkpoint.gaussians = Clone(s.gaussians);
+  checkpoint.adam.m = Clone(s.adam.m);
+  checkpoint.adam.v = Clone(s.adam.v);
+  checkpoint.adam.step = s.adam.step;
+  checkpoint.sampler = s.sampler.state();
+  checkpoint.seconds = s.seconds;
+  checkpoint.loss = s.loss;
+  checkpoint.options = s.run_options;
+  return checkpoint;
+}
+
+}  // namespace oraclegs
