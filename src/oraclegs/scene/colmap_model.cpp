@@ -1,0 +1,193 @@
+#include "oraclegs/scene/colmap_model.h"
+
+#include <algorithm>
+#include <system_error>
+#include <unordered_map>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_binary.h"
+#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/view_list.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsFile(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+/// dir/STEM.bin, or dir/STEM.txt, or empty.
+fs::path FindPart(const fs::path& dir, const char* stem) {
+  for (const char* extension : {".bin", ".txt"}) {
+    const fs::path path = dir / (std::string(stem) + extension);
+    if (IsFile(path)) return path;
+  }
+  return {};
+}
+
+fs::path RequirePart(const fs::path& dir, const char* stem) {
+  fs::path path = FindPart(dir, stem);
+  if (path.empty()) {
+    throw InputError("{}: has neither {}.bin nor {}.txt; a COLMAP model needs cameras, images and points3D",
+                     dir.string(), stem, stem);
+  }
+  return path;
+}
+
+/// Parses a part with the parser of its encoding.
+template <class Binary, class Text>
+auto ParsePart(const fs::path& path, Binary binary, Text text) {
+  const std::string bytes = ReadFile(path);
+  return path.extension() == ".bin" ? binary(bytes, path.string()) : text(bytes, path.string());
+}
+
+std::vector<ColmapPoint> ReadPoints(const fs::path& model_dir, const Listener& listener) {
+  const fs::path path = FindPart(model_dir, "points3D");
+  if (path.empty()) {
+    listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", model_dir.string())});
+    return {};
+  }
+  return ParsePart(path, ParsePointsBinary, ParsePointsText);
+}
+
+std::vector<SceneView> MakeViews(const fs::path& model_dir, const fs::path& image_dir,
+                                 const std::vector<ColmapImage>& images) {
+  const fs::path cameras_path = RequirePart(model_dir, "cameras");
+  const ColmapCameras cameras = ParsePart(cameras_path, ParseCamerasBinary, ParseCamerasText);
+  std::vector<SceneView> views;
+  views.reserve(images.size());
+  for (const ColmapImage& image : images) {
+    const auto camera = cameras.find(image.camera_id);
+    if (camera == cameras.end()) {
+      throw InputError("{}: lacks camera {}, which image '{}' was taken with; the files belong to different models",
+                       cameras_path.string(), image.camera_id, image.name);
+    }
+    SceneView view;
+    view.name = ViewName(image.name);
+    view.lens = camera->second;
+    view.cam_from_world = image.cam_from_world;
+    if (IsFile(image_dir / image.name)) view.image_path = image_dir / image.name;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+/// Image ids as indices of scene.views; images that were left out have none.
+std::unordered_map<uint32_t, int> ViewOfImage(const Scene& scene, const std::vector<ColmapImage>& images,
+                                              const std::string& source) {
+  std::unordered_map<std::string, int> view_of_name;
+  for (size_t i = 0; i < scene.views.size(); ++i) view_of_name[scene.views[i].name] = static_cast<int>(i);
+  std::unordered_map<uint32_t, int> view_of_image;
+  for (const ColmapImage& image : images) {
+    const auto view = view_of_name.find(ViewName(image.name));
+    const int index = view == view_of_name.end() ? -1 : view->second;
+    if (!view_of_image.emplace(image.id, index).second) {
+      throw InputError("{}: image id {} is there twice", source, image.id);
+    }
+  }
+  return view_of_image;
+}
+
+std::vector<ScenePoint> MakePoints(const std::vector<ColmapPoint>& points,
+                                   const std::unordered_map<uint32_t, int>& view_of_image) {
+  std::vector<ScenePoint> kept;
+  kept.reserve(points.size());
+  for (const ColmapPoint& point : points) {
+    if (!point.xyz.allFinite()) continue;
+    ScenePoint made;
+    made.xyz = point.xyz;
+    made.rgb = point.rgb;
+    for (const uint32_t id : point.image_ids) {
+      const auto view = view_of_image.find(id);
+      if (view != view_of_image.end() && view->second >= 0) made.views.push_back(view->second);
+    }
+    if (made.views.empty()) continue;
+    std::sort(made.views.begin(), made.views.end());
+    made.views.erase(std::unique(made.views.begin(), made.views.end()), made.views.end());
+    kept.push_back(std::move(made));
+  }
+  return kept;
+}
+
+}  // namespace
+
+bool IsColmapModel(const fs::path& dir) {
+  return !FindPart(dir, "cameras").empty() && !FindPart(dir, "images").empty();
+}
+
+std::vector<ColmapImage> ReadColmapImages(const fs::path& model_dir) {
+  const fs::path path = RequirePart(model_dir, "images");
+  std::vector<ColmapImage> images = ParsePart(path, ParseImagesBinary, ParseImagesText);
+  for (const ColmapImage& image : images) {
+    if (ViewName(image.name).empty()) throw InputError("{}: image {} has no name", path.string(), image.id);
+  }
+  return images;
+}
+
+Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, const Listener& listener) {
+  Scene scene;
+  scene.root = model_dir;
+  scene.format = SceneFormat::kColmap;
+  const std::vector<ColmapImage> images = ReadColmapImages(model_dir);
+  const std::string source = model_dir.string();
+  KeepViewsWithImages(MakeViews(model_dir, image_dir, images), source, image_dir.string(), listener, &scene);
+  const std::vector<ColmapPoint> points = ReadPoints(model_dir, listener);
+  scene.points = MakePoints(points, ViewOfImage(scene, images, source));
+  const size_t dropped = points.size() - scene.points.size();
+  if (dropped > 0) {
+    listener(Warning{fmt::format("{}: {} of {} points are left out: not finite, or seen by no photograph that is here",
+                                 source, dropped, points.size())});
+  }
+  return scene;
+}
+
+void WriteColmapText(const fs::path& dir, const ColmapCameras& cameras, const std::vector<ColmapImage>& images) {
+  std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
+  for (const auto& [id, lens] : cameras) {
+    text += fmt::format("{} {} {} {} {}\n", id, LensModelName(lens.model), lens.width, lens.height,
+                        fmt::join(lens.params, " "));
+  }
+  WriteFileAtomically(dir / "cameras.txt", text);
+
+  text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of keypoints\n";
+  for (const ColmapImage& image : images) {
+    if (image.name.empty() || image.name.find_first_of(" \t\r\n\v\f") != std::string::npos) {
+      throw InputError("{}: COLMAP's text format cannot hold the image name '{}'; rename the photograph without blanks",
+                       (dir / "images.txt").string(), image.name);
+    }
+    Eigen::Quaterniond q(image.cam_from_world.linear());
+    q.normalize();
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const Eigen::Vector3d t = image.cam_from_world.translation();
+    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", image.id, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(),
+                        image.camera_id, image.name);
+  }
+  WriteFileAtomically(dir / "images.txt", text);
+  WriteFileAtomically(dir / "points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n");
+}
+
+Eigen::Isometry3d PoseFromQuaternion(const std::array<double, 4>& wxyz, const Eigen::Vector3d& translation,
+                                     const std::string& file, const std::string& image) {
+  constexpr double kSmallestNorm = 1e-9;  // below it the direction is rounding noise
+  const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (!q.coeffs().allFinite() || !translation.allFinite()) {
+    throw InputError("{}: the pose of image '{}' is not finite; remove the image from the model or register it again",
+                     file, image);
+  }
+  const double norm = q.coeffs().stableNorm();
+  if (!(norm > kSmallestNorm) || !std::isfinite(norm)) {
+    throw InputError(
+        "{}: the rotation of image '{}' is not one (its quaternion has length {}); register the image again", file,
+        image, norm);
+  }
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(q.coeffs() / norm).normalized().toRotationMatrix();
+  pose.translation() = translation;
+  return pose;
+}
+
+}  // namespace oraclegs

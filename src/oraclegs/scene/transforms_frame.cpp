@@ -1,0 +1,182 @@
+#include "oraclegs/scene/transforms_frame.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <numbers>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMaxImageSide = 1 << 20;  // pixels; more is a mistake
+constexpr double kRotationTolerance = 1e-4;
+
+const json* FindIn(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || found->is_null() ? nullptr : &*found;
+}
+
+double Number(const json& value, const char* key, const std::string& place) {
+  const double number = value.is_number() ? value.get<double>() : std::nan("");
+  if (!std::isfinite(number)) throw InputError("{}: \"{}\" is not a finite number", place, key);
+  return number;
+}
+
+std::optional<double> NumberIn(const json& object, const char* key, const std::string& place) {
+  const json* value = FindIn(object, key);
+  if (!value) return std::nullopt;
+  return Number(*value, key, place);
+}
+
+std::optional<int> FindSide(const TransformsFrame& frame, const char* key) {
+  const auto side = frame.FindNumber(key);
+  if (!side) return std::nullopt;
+  if (*side < 1 || *side > kMaxImageSide || std::abs(*side - std::round(*side)) > 1e-6) {
+    throw InputError("{}: \"{}\" is {}, must be a whole number of pixels", frame.place, key, *side);
+  }
+  return static_cast<int>(std::round(*side));
+}
+
+void ReadSize(const TransformsFrame& frame, const std::filesystem::path& image_path, Lens* lens) {
+  const auto width = FindSide(frame, "w"), height = FindSide(frame, "h");
+  if (!width || !height) ReadImageSize(image_path, &lens->width, &lens->height);
+  if (width) lens->width = *width;
+  if (height) lens->height = *height;
+}
+
+/// The focal length that `object` itself gives for an axis of `side` pixels.
+std::optional<double> FocalIn(const json& object, const char* focal_key, const char* angle_key, int side,
+                              const std::string& place) {
+  if (const auto focal = NumberIn(object, focal_key, place)) return focal;
+  const auto angle = NumberIn(object, angle_key, place);
+  if (!angle) return std::nullopt;
+  if (!(*angle > 0 && *angle < std::numbers::pi)) {
+    throw InputError("{}: \"{}\" is {}, must be an angle in radians between 0 and pi", place, angle_key, *angle);
+  }
+  return side / 2.0 / std::tan(*angle / 2);
+}
+
+/// fx and fy from the frame if it says anything about focal lengths, else from the file; one missing equals the other.
+std::pair<double, double> ReadFocals(const TransformsFrame& frame, const Lens& lens) {
+  for (const json* object : {&frame.frame, &frame.file}) {
+    const auto fx = FocalIn(*object, "fl_x", "camera_angle_x", lens.width, frame.place);
+    if (!fx && !FindIn(*object, "fl_y")) continue;
+    const auto fy = FocalIn(*object, "fl_y", "camera_angle_y", lens.height, frame.place);
+    return {fx ? *fx : *fy, fy ? *fy : *fx};
+  }
+  throw InputError("{}: no focal length; add \"fl_x\" in pixels or \"camera_angle_x\" in radians", frame.place);
+}
+
+/// Throws for a camera_model that is neither fisheye nor perspective.
+bool IsFisheye(const TransformsFrame& frame) {
+  const std::string model = frame.FindText("camera_model").value_or("OPENCV");
+  if (model == "OPENCV_FISHEYE") return true;
+  for (const char* known : {"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "FULL_OPENCV"}) {
+    if (model != known) continue;
+    const json* flag = frame.Find("is_fisheye");  // instant-ngp's way to say it
+    return flag && flag->is_boolean() && flag->get<bool>();
+  }
+  throw InputError("{}: camera_model '{}' is not supported; undistort the photographs to PINHOLE first", frame.place,
+                   model);
+}
+
+/// What R R' or the determinant says is wrong with a matrix that is not a rotation.
+std::string WhyNoRotation(const Eigen::Matrix3d& r, double deviation) {
+  const double det = r.determinant();
+  const double scale = std::cbrt(std::abs(det));
+  if (scale > 0 && ((r / scale) * (r / scale).transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3) {
+    if (det < 0) return "is a mirror image of a rotation (determinant < 0); its axes are not those of OpenGL";
+    return fmt::format("is a rotation scaled by {:.6g}; divide its first three columns by that", scale);
+  }
+  return fmt::format("is not a rotation (R R' differs from the identity by {:.3g})", deviation);
+}
+
+}  // namespace
+
+const json* TransformsFrame::Find(const char* key) const {
+  const json* value = FindIn(frame, key);
+  return value ? value : FindIn(file, key);
+}
+
+std::optional<double> TransformsFrame::FindNumber(const char* key) const {
+  const json* value = Find(key);
+  if (!value) return std::nullopt;
+  return Number(*value, key, place);
+}
+
+std::optional<std::string> TransformsFrame::FindText(const char* key) const {
+  const json* value = Find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_string()) throw InputError("{}: \"{}\" is not text", place, key);
+  return value->get<std::string>();
+}
+
+Lens ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path) {
+  Lens lens;
+  ReadSize(frame, image_path, &lens);
+  const auto [fx, fy] = ReadFocals(frame, lens);
+  const double cx = frame.FindNumber("cx").value_or(lens.width / 2.0);
+  const double cy = frame.FindNumber("cy").value_or(lens.height / 2.0);
+  const auto coefficient = [&](const char* key) { return frame.FindNumber(key).value_or(0); };
+  const double k1 = coefficient("k1"), k2 = coefficient("k2"), k3 = coefficient("k3"), k4 = coefficient("k4");
+  const double p1 = coefficient("p1"), p2 = coefficient("p2");
+
+  if (IsFisheye(frame)) {
+    lens.model = LensModel::kOpenCvFisheye;
+    lens.params = {fx, fy, cx, cy, k1, k2, k3, k4};
+  } else if (k4 != 0) {
+    throw InputError("{}: \"k4\" of a lens that is not OPENCV_FISHEYE cannot be undistorted; set it to 0", frame.place);
+  } else if (k3 != 0) {
+    lens.model = LensModel::kFullOpenCv;
+    lens.params = {fx, fy, cx, cy, k1, k2, p1, p2, k3, 0, 0, 0};
+  } else if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
+    lens.model = LensModel::kOpenCv;
+    lens.params = {fx, fy, cx, cy, k1, k2, p1, p2};
+  } else {
+    lens.model = LensModel::kPinhole;
+    lens.params = {fx, fy, cx, cy};
+  }
+  lens.Check(frame.place);
+  return lens;
+}
+
+Eigen::Isometry3d ReadTransformsPose(const TransformsFrame& frame) {
+  const json* rows = FindIn(frame.frame, "transform_matrix");
+  if (!rows || !rows->is_array() || (rows->size() != 3 && rows->size() != 4)) {
+    throw InputError("{}: \"transform_matrix\" is missing or has not 3 or 4 rows", frame.place);
+  }
+  Eigen::Matrix4d world_from_cam = Eigen::Matrix4d::Identity();
+  for (size_t r = 0; r < rows->size(); ++r) {
+    const json& row = (*rows)[r];
+    if (!row.is_array() || row.size() != 4) {
+      throw InputError("{}: row {} of \"transform_matrix\" has not 4 numbers", frame.place, r);
+    }
+    for (size_t c = 0; c < 4; ++c) {
+      world_from_cam(static_cast<int>(r), static_cast<int>(c)) = Number(row[c], "transform_matrix", frame.place);
+    }
+  }
+  if ((world_from_cam.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kRotationTolerance) {
+    throw InputError("{}: the last row of \"transform_matrix\" is not 0 0 0 1", frame.place);
+  }
+  const Eigen::Matrix3d r = world_from_cam.topLeftCorner<3, 3>();
+  const double deviation = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(deviation <= kRotationTolerance) || r.determinant() < 0) {
+    throw InputError("{}: \"transform_matrix\" {}", frame.place, WhyNoRotation(r, deviation));
+  }
+  // Decimals in the file leave the matrix slightly off; the nearest rotation makes its transpose the exact inverse.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  rotation.col(1) *= -1;  // OpenGL's y up and z backward become y down and z forward
+  rotation.col(2) *= -1;
+  Eigen::Isometry3d cam_from_world = Eigen::Isometry3d::Identity();
+  cam_from_world.linear() = rotation.transpose();
+  cam_from_world.translation() = -(rotation.transpose() * world_from_cam.topRightCorner<3, 1>());
+  return cam_from_world;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,34 @@
+#pragma once
+// One frame of a transforms.json: its lens and its pose.
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+/// A frame with the file it stands in; `place` ("FILE: frame 'NAME'") opens every error message.
+struct TransformsFrame {
+  const nlohmann::json& file;
+  const nlohmann::json& frame;
+  std::string place;
+
+  /// The frame's value, or else the file's; nullptr when neither has it (or it is null).
+  const nlohmann::json* Find(const char* key) const;
+  /// The same as a finite number; throws InputError when it is something else.
+  std::optional<double> FindNumber(const char* key) const;
+  /// The same as text.
+  std::optional<std::string> FindText(const char* key) const;
+};
+
+/// The lens; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
+Lens ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path);
+
+/// transform_matrix (3x4 or 4x4, camera to world, OpenGL axes) as a pose. Throws InputError when it is not finite, not
+/// a rotation (a scale, a mirror), or of another shape.
+Eigen::Isometry3d ReadTransformsPose(const TransformsFrame& frame);
+
+}  // namespace oraclegs
