@@ -1,0 +1,109 @@
+#include "oraclegs/demo/demo_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/demo/raytracer.h"
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kStage[] = "demo-scene";
+constexpr char kMarker[] = "demo_scene.json";  // first file written: tells a former demo scene from a user's folder
+constexpr Vec3 kTarget{.02, .05, .6};
+
+/// View i of n: a 120 degree arc, every other view from higher up, the radius swinging slowly.
+RayCamera ArcCamera(int i, const DemoSceneOptions& options) {
+  const double along = static_cast<double>(i) / (options.views - 1);
+  const SinCos azimuth = SinCosOfTurns((along - .5) / 3);
+  const double radius = 2.95 + .2 * SinCosOfTurns(1.5 * along).sin;
+  const double height = i % 2 == 0 ? 1.05 : 1.75;
+  RayCamera camera;
+  camera.width = options.width;
+  camera.height = options.height;
+  camera.focal = .92 * options.width;
+  camera.center = {kTarget.x + radius * azimuth.sin, kTarget.y - radius * azimuth.cos, height};
+  camera.forward = Normalized(kTarget - camera.center);
+  camera.right = Normalized(Cross(camera.forward, {0, 0, 1}));
+  camera.down = Cross(camera.forward, camera.right);
+  return camera;
+}
+
+/// Camera to world with OpenGL axes (x right, y up, z backward), as transforms.json has it.
+nlohmann::json TransformMatrix(const RayCamera& c) {
+  return {{c.right.x, -c.down.x, -c.forward.x, c.center.x},
+          {c.right.y, -c.down.y, -c.forward.y, c.center.y},
+          {c.right.z, -c.down.z, -c.forward.z, c.center.z},
+          {0.0, 0.0, 0.0, 1.0}};
+}
+
+std::string NumberedPng(int i) { return fmt::format("{:03}.png", i); }
+
+bool IsFormerDemoScene(const fs::path& dir) {
+  try {
+    return nlohmann::json::parse(ReadFile(dir / kMarker, 1 << 20)).at("generator") == "oraclegs demo-scene";
+  } catch (const std::exception&) {
+    return false;  // missing or not ours
+  }
+}
+
+/// Takes over an empty folder or a former demo scene. The photographs and depth maps of a former one go, since it may
+/// have had more views; anything else in the folder stays.
+void ClaimFolder(const fs::path& dir, const DemoSceneOptions& options) {
+  std::error_code error;
+  const bool exists = fs::exists(dir, error);
+  if (exists && !fs::is_directory(dir, error)) throw RunError("{}: is not a folder; name another", dir.string());
+  if (exists && !fs::is_empty(dir, error) && !IsFormerDemoScene(dir)) {
+    throw RunError("{}: already holds something that is not a demo scene; name a new or empty folder", dir.string());
+  }
+  RequireWritableFolder(dir);
+  fs::remove(dir / "transforms.json", error);
+  for (const char* sub : {"images", "depth"}) {
+    for (int i = 0; fs::remove(dir / sub / NumberedPng(i), error); ++i) continue;
+  }
+  nlohmann::json marker = OptionsToJson(options);
+  marker["generator"] = "oraclegs demo-scene";
+  WriteFileAtomically(dir / kMarker, marker.dump(2) + "\n");
+}
+
+}  // namespace
+
+void WriteDemoScene(const fs::path& dir, const DemoSceneOptions& options, const Listener& listener) {
+  CheckOptions(options);
+  ClaimFolder(dir, options);
+  listener(StageStarted{kStage});
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<SceneObject> objects = DemoObjects();
+  nlohmann::json scene = {{"camera_model", "PINHOLE"},   {"w", options.width},          {"h", options.height},
+                          {"fl_x", .92 * options.width}, {"fl_y", .92 * options.width}, {"cx", .5 * options.width},
+                          {"cy", .5 * options.height},   {"integer_depth_scale", .001}};
+  for (int i = 0; i < options.views; ++i) {
+    ThrowIfInterrupted();
+    const RayCamera camera = ArcCamera(i, options);
+    const RayTracedView view = TraceView(objects, camera, options.samples, i);
+    const std::string image = "images/" + NumberedPng(i), depth = "depth/" + NumberedPng(i);
+    WritePng(dir / image, view.rgb);
+    WritePng16(dir / depth, options.width, options.height, view.depth);
+    scene["frames"].push_back(
+        {{"file_path", image}, {"depth_file_path", depth}, {"transform_matrix", TransformMatrix(camera)}});
+    listener(StepDone{kStage, i + 1, options.views, "views", ""});
+  }
+  // Last, so that a folder with this file is a whole scene.
+  WriteFileAtomically(dir / "transforms.json", scene.dump(1) + "\n");
+  listener(FileWritten{dir / "transforms.json"});
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  listener(StageFinished{kStage, seconds.count()});
+}
+
+}  // namespace oraclegs

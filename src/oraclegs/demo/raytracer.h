@@ -1,0 +1,37 @@
+#pragma once
+// A small Whitted-style ray tracer: one area light, ambient light with contact shadows, one mirror bounce.
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/demo/shapes.h"
+#include "oraclegs/demo/textures.h"
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+
+struct SceneObject {
+  Shape shape;
+  Texture texture = Texture::kRoom;
+  double mirror = 0;  ///< share of light reflected at normal incidence; 0 = matt
+};
+
+/// The objects of the demo scene; z is up, the floor is z = 0, the room's inside is about 7 units wide.
+std::vector<SceneObject> DemoObjects();
+
+/// A pinhole camera for rays. right, down, forward are orthonormal (the camera frame of scene/camera.h).
+struct RayCamera {
+  int width = 0, height = 0;
+  double focal = 0;  ///< pixels; the principal point is the image's centre
+  Vec3 center, right, down, forward;
+};
+
+struct RayTracedView {
+  Image8 rgb;
+  std::vector<uint16_t> depth;  ///< z along the optical axis at the pixel's centre, 1/1000 scene unit; 0 = none
+};
+
+/// Traces samples x samples rays a pixel. `view` picks the random numbers. The same bytes for any number of threads.
+RayTracedView TraceView(const std::vector<SceneObject>& objects, const RayCamera& camera, int samples, int view);
+
+}  // namespace oraclegs
