@@ -1,5 +1,7 @@
 #include "oraclegs/render/cpu/cpu_rasterizer.h"
 
+#include <hwy/aligned_allocator.h>
+
 #include <algorithm>
 #include <chrono>
 #include <vector>
@@ -127,15 +129,16 @@ class CpuRasterizer final : public Rasterizer {
                            DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
                            DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
     StageClock clock;
-    if (static_cast<int64_t>(records_.size()) < lists_.pairs * kGradStride) {
-      records_.resize(lists_.pairs * kGradStride + lists_.pairs * kGradStride / 4);
+    if (record_capacity_ < lists_.pairs) {
+      record_capacity_ = lists_.pairs + lists_.pairs / 4;
+      records_ = hwy::AllocateAligned<float>(record_capacity_ * kGradStride);
     }
     const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
     ParallelFor(tiles, [&](int64_t tile) {
       const int64_t begin = lists_.tile_begin[tile];
       BlendTileBackward(splats_.data(), lists_.entries.data() + begin, lists_.tile_begin[tile + 1] - begin,
                         static_cast<int>(tile % input_.tiles_x), static_cast<int>(tile / input_.tiles_x), tile, blend_,
-                        up, records_.data() + begin * kGradStride);
+                        up, records_.get() + begin * kGradStride);
     });
     timings_.blend_backward = clock.Lap();
 
@@ -145,7 +148,7 @@ class CpuRasterizer final : public Rasterizer {
     input_.quats = gaussians.quats.data_ptr<float>();
     input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
     input_.sh = gaussians.sh.data_ptr<float>();
-    const GradInput in{lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.data(),
+    const GradInput in{lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.get(),
                        splats_.data()};
     const GradOutput out{grads->means.data_ptr<float>(), grads->log_scales.data_ptr<float>(),
                          grads->quats.data_ptr<float>(), grads->opacity_logits.data_ptr<float>(),
@@ -170,7 +173,9 @@ class CpuRasterizer final : public Rasterizer {
   TileLists lists_;
   std::vector<Splat> splats_;
   std::vector<TileRect> rects_;
-  std::vector<float> transmittance_, records_;
+  std::vector<float> transmittance_;
+  hwy::AlignedFreeUniquePtr<float[]> records_;  // one cache line a pair
+  int64_t record_capacity_ = 0;                 // pairs
   std::vector<uint32_t> last_;
   int64_t trained_size_ = -1;
   RenderTimings timings_;
