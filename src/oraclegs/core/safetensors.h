@@ -34,7 +34,8 @@ class SafetensorsFile {
   bool Has(const std::string& name) const { return tensors_.count(name) > 0; }
   /// Throws InputError naming the file and the missing tensor.
   const TensorEntry& Get(const std::string& name) const;
-  /// The values converted from F32, F64, I32, I64 or U8.
+  /// The values converted from F32, F64, I32, I64 or U8 to float, double, int32_t, int64_t or uint8_t. Throws
+  /// InputError for another dtype and for a number that an integer T cannot hold.
   template <class T>
   std::vector<T> Values(const std::string& name) const;
 
@@ -47,8 +48,8 @@ class SafetensorsFile {
   std::map<std::string, std::string> metadata_;
 };
 
-/// Serialises tensors (in map order, each aligned to 8 bytes) and metadata. Throws std::logic_error when an entry's
-/// byte count disagrees with its shape.
+/// Serialises tensors (widest elements first, then by name, so that each is aligned to its element without a gap) and
+/// metadata. Throws std::logic_error when an entry's byte count disagrees with its shape.
 std::string SerializeSafetensors(const std::map<std::string, TensorEntry>& tensors,
                                  const std::map<std::string, std::string>& metadata);
 

@@ -12,8 +12,8 @@ namespace oraclegs {
 
 using torch::Tensor;
 
-/// Throws ShapeError "WHO: NAME is [3, 4] float64, expected [N, 3] float32" unless `t` is a contiguous float32 tensor
-/// of that shape; -1 stands for any size.
+/// Throws ShapeError "WHO: NAME is [3, 4] Double, expected contiguous float32 [any, 3]" unless `t` is a contiguous
+/// float32 tensor of that shape; -1 stands for any size.
 inline void RequireFloat(const char* who, const char* name, const Tensor& t, std::initializer_list<int64_t> shape) {
   bool ok = t.defined() && t.scalar_type() == torch::kFloat && t.is_contiguous() &&
             t.dim() == static_cast<int64_t>(shape.size());
@@ -24,10 +24,10 @@ inline void RequireFloat(const char* who, const char* name, const Tensor& t, std
     ++i;
   }
   if (ok) return;
-  std::string want = "[";
-  for (const int64_t s : shape) want += (s == -1 ? std::string("any") : std::to_string(s)) + ", ";
-  if (!t.defined()) throw ShapeError("{}: {} is undefined, expected float32 {}]", who, name, want);
-  throw ShapeError("{}: {} is [{}] {}{}, expected contiguous float32 {}]", who, name, fmt::join(t.sizes(), ", "),
+  std::string want;
+  for (const int64_t s : shape) want += (want.empty() ? "" : ", ") + (s == -1 ? std::string("any") : std::to_string(s));
+  if (!t.defined()) throw ShapeError("{}: {} is undefined, expected float32 [{}]", who, name, want);
+  throw ShapeError("{}: {} is [{}] {}{}, expected contiguous float32 [{}]", who, name, fmt::join(t.sizes(), ", "),
                    c10::toString(t.scalar_type()), t.is_contiguous() ? "" : " (not contiguous)", want);
 }
 

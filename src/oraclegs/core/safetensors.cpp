@@ -1,0 +1,303 @@
+#include "oraclegs/core/safetensors.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+
+constexpr uint64_t kLengthBytes = 8;
+constexpr uint64_t kMaxHeaderBytes = 100'000'000;  // the limit of the format's own library
+constexpr const char* kMetadataKey = "__metadata__";
+
+/// Bytes of one element; nothing for a type the format does not have.
+std::optional<uint64_t> ElementBytes(const std::string& dtype) {
+  static const std::map<std::string, uint64_t> kBytes = {
+      {"BOOL", 1}, {"U8", 1},  {"I8", 1},  {"F8_E4M3", 1}, {"F8_E5M2", 1}, {"U16", 2}, {"I16", 2}, {"F16", 2},
+      {"BF16", 2}, {"U32", 4}, {"I32", 4}, {"F32", 4},     {"U64", 8},     {"I64", 8}, {"F64", 8}};
+  const auto it = kBytes.find(dtype);
+  if (it == kBytes.end()) return std::nullopt;
+  return it->second;
+}
+
+/// Product of the sizes and of one element's bytes; nothing when it does not fit or a size is negative.
+std::optional<uint64_t> TensorBytes(const std::vector<int64_t>& shape, uint64_t element_bytes) {
+  int64_t bytes = static_cast<int64_t>(element_bytes);
+  for (const int64_t size : shape) {
+    if (size < 0 || __builtin_mul_overflow(bytes, size, &bytes)) return std::nullopt;
+  }
+  return static_cast<uint64_t>(bytes);
+}
+
+/// A name out of a file, made fit for a one-line message.
+std::string Quoted(const std::string& name) {
+  return json(name.substr(0, 120)).dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
+/// Parses JSON that says nothing twice: the library alone would keep the last of two equal keys.
+json ParseUniqueJson(std::string_view text, const std::string& file) {
+  std::vector<std::set<std::string>> keys;
+  const auto check = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) keys.emplace_back();
+    if (event == json::parse_event_t::object_end) keys.pop_back();
+    if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
+      throw InputError("{}: the header names {} twice; write the file again", file, Quoted(value.get<std::string>()));
+    }
+    return true;
+  };
+  try {
+    return json::parse(text.begin(), text.end(), check);
+  } catch (const json::parse_error& error) {
+    throw InputError("{}: the header is not valid JSON (at byte {}); the file is damaged, get it again", file,
+                     error.byte);
+  } catch (const json::exception&) {
+    throw InputError("{}: the header is not valid JSON; the file is damaged, get it again", file);
+  }
+}
+
+std::optional<uint64_t> AsUnsigned(const json& value) {
+  if (!value.is_number_unsigned()) return std::nullopt;
+  const uint64_t number = value.get<uint64_t>();
+  if (number > static_cast<uint64_t>(std::numeric_limits<int64_t>::max())) return std::nullopt;
+  return number;
+}
+
+struct Extent {
+  uint64_t begin = 0, end = 0;
+  std::string name;
+
+  bool operator<(const Extent& other) const {
+    return std::tie(begin, end, name) < std::tie(other.begin, other.end, other.name);
+  }
+};
+
+/// Reads {"dtype": ..., "shape": [...], "data_offsets": [begin, end]} and checks it against `data`.
+TensorEntry ParseTensor(const json& value, std::string_view data, const std::string& where, Extent* extent) {
+  const bool complete = value.is_object() && value.contains("dtype") && value.contains("shape") &&
+                        value.contains("data_offsets") && value["dtype"].is_string() && value["shape"].is_array() &&
+                        value["data_offsets"].is_array() && value["data_offsets"].size() == 2;
+  if (!complete) throw InputError("{} lacks a dtype, a shape or two data_offsets; write the file again", where);
+  TensorEntry entry;
+  entry.dtype = value["dtype"].get<std::string>();
+  const auto element_bytes = ElementBytes(entry.dtype);
+  if (!element_bytes) throw InputError("{} has the unknown dtype {}", where, Quoted(entry.dtype));
+  for (const json& size : value["shape"]) {
+    const auto number = AsUnsigned(size);
+    if (!number) throw InputError("{} has a size in its shape that is no count; write the file again", where);
+    entry.shape.push_back(static_cast<int64_t>(*number));
+  }
+  const auto begin = AsUnsigned(value["data_offsets"][0]), end = AsUnsigned(value["data_offsets"][1]);
+  if (!begin || !end || *begin > *end || *end > data.size()) {
+    throw InputError("{} lies outside the file's {} data bytes; the file is incomplete, get it again", where,
+                     data.size());
+  }
+  const auto bytes = TensorBytes(entry.shape, *element_bytes);
+  if (!bytes || *bytes != *end - *begin) {
+    throw InputError("{} has {} bytes, which its shape [{}] of {} disagrees with; write the file again", where,
+                     *end - *begin, fmt::join(entry.shape, ", "), entry.dtype);
+  }
+  entry.bytes = data.substr(*begin, *end - *begin);
+  extent->begin = *begin;
+  extent->end = *end;
+  return entry;
+}
+
+template <class T, class From>
+bool Represents(From value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return true;
+  } else if constexpr (std::is_floating_point_v<From>) {
+    // 2^digits is exact in every floating type, the largest integer below it often is not.
+    const double above = std::ldexp(1.0, std::numeric_limits<T>::digits);
+    return value >= static_cast<double>(std::numeric_limits<T>::min()) && value < above;
+  } else {
+    return std::in_range<T>(value);
+  }
+}
+
+template <class T, class From>
+std::vector<T> Convert(std::string_view bytes, const std::string& where) {
+  std::vector<T> values(bytes.size() / sizeof(From));
+  for (size_t i = 0; i < values.size(); ++i) {
+    From value;
+    std::memcpy(&value, bytes.data() + i * sizeof(From), sizeof(From));  // a file need not align its tensors
+    if (!Represents<T>(value))
+      throw InputError("{} holds {} at element {}, where a whole number that fits is needed", where, value, i);
+    values[i] = static_cast<T>(value);
+  }
+  return values;
+}
+
+struct Closer {
+  int fd;
+  ~Closer() { close(fd); }
+};
+
+std::shared_ptr<const void> MapFile(const std::filesystem::path& path, std::string_view* bytes) {
+  const std::string name = path.string();
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0) throw InputError("{}: cannot open: {}", name, std::strerror(errno));
+  const Closer closer{fd};
+  struct stat info {};
+  if (fstat(fd, &info) != 0) throw InputError("{}: cannot read: {}", name, std::strerror(errno));
+  if (!S_ISREG(info.st_mode)) throw InputError("{}: is not a regular file", name);
+  const size_t size = static_cast<size_t>(info.st_size);
+  if (size == 0) throw InputError("{}: is empty; get the file again", name);
+  void* address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
+  if (address == MAP_FAILED) throw InputError("{}: cannot map into memory: {}", name, std::strerror(errno));
+  *bytes = std::string_view(static_cast<const char*>(address), size);
+  return std::shared_ptr<const void>(address, [size](const void* a) { munmap(const_cast<void*>(a), size); });
+}
+
+}  // namespace
+
+int64_t TensorEntry::numel() const {
+  int64_t n = 1;
+  for (const int64_t size : shape) n *= size;
+  return n;
+}
+
+SafetensorsFile SafetensorsFile::Open(const std::filesystem::path& path) {
+  SafetensorsFile file;
+  file.name_ = path.string();
+  std::string_view bytes;
+  file.storage_ = MapFile(path, &bytes);
+  file.ParseHeader(bytes);
+  return file;
+}
+
+SafetensorsFile SafetensorsFile::Parse(std::string bytes, const std::string& name) {
+  SafetensorsFile file;
+  file.name_ = name;
+  const auto storage = std::make_shared<const std::string>(std::move(bytes));
+  file.storage_ = storage;
+  file.ParseHeader(*storage);
+  return file;
+}
+
+void SafetensorsFile::ParseHeader(std::string_view bytes) {
+  if (bytes.size() < kLengthBytes) {
+    throw InputError("{}: has {} bytes, too few for a safetensors file; get it again", name_, bytes.size());
+  }
+  uint64_t header_bytes = 0;
+  for (uint64_t i = 0; i < kLengthBytes; ++i) {
+    header_bytes |= uint64_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
+  }
+  if (header_bytes > kMaxHeaderBytes || header_bytes > bytes.size() - kLengthBytes) {
+    throw InputError("{}: announces a header of {} bytes in a file of {}; it is cut off or no safetensors file", name_,
+                     header_bytes, bytes.size());
+  }
+  const json header = ParseUniqueJson(bytes.substr(kLengthBytes, header_bytes), name_);
+  if (!header.is_object()) throw InputError("{}: the header is not a JSON object; get the file again", name_);
+  const std::string_view data = bytes.substr(kLengthBytes + header_bytes);
+  std::vector<Extent> extents;
+  for (const auto& [name, value] : header.items()) {
+    if (name == kMetadataKey) {
+      if (!value.is_object()) throw InputError("{}: {} is not a JSON object", name_, kMetadataKey);
+      for (const auto& [key, text] : value.items()) {
+        if (!text.is_string()) throw InputError("{}: metadata {} is not a text", name_, Quoted(key));
+        metadata_[key] = text.get<std::string>();
+      }
+      continue;
+    }
+    Extent extent{0, 0, name};
+    tensors_[name] = ParseTensor(value, data, fmt::format("{}: tensor {}", name_, Quoted(name)), &extent);
+    extents.push_back(extent);
+  }
+  // The format has no gaps and no overlaps: each tensor begins where the one before it ends.
+  std::sort(extents.begin(), extents.end());
+  uint64_t end = 0;
+  for (const Extent& extent : extents) {
+    if (extent.begin != end) {
+      throw InputError("{}: tensor {} begins at data byte {}, expected {}; the file is damaged, get it again", name_,
+                       Quoted(extent.name), extent.begin, end);
+    }
+    end = extent.end;
+  }
+  if (end != data.size()) {
+    throw InputError("{}: has {} bytes after its last tensor; the file is damaged, get it again", name_,
+                     data.size() - end);
+  }
+}
+
+const TensorEntry& SafetensorsFile::Get(const std::string& name) const {
+  const auto it = tensors_.find(name);
+  if (it == tensors_.end()) throw InputError("{}: has no tensor {}; is it the right file?", name_, Quoted(name));
+  return it->second;
+}
+
+template <class T>
+std::vector<T> SafetensorsFile::Values(const std::string& name) const {
+  const TensorEntry& entry = Get(name);
+  const std::string where = fmt::format("{}: tensor {}", name_, Quoted(name));
+  if (entry.dtype == "F32") return Convert<T, float>(entry.bytes, where);
+  if (entry.dtype == "F64") return Convert<T, double>(entry.bytes, where);
+  if (entry.dtype == "I32") return Convert<T, int32_t>(entry.bytes, where);
+  if (entry.dtype == "I64") return Convert<T, int64_t>(entry.bytes, where);
+  if (entry.dtype == "U8") return Convert<T, uint8_t>(entry.bytes, where);
+  throw InputError("{} is {}, can read F32, F64, I32, I64 and U8; convert the file", where, entry.dtype);
+}
+
+template std::vector<float> SafetensorsFile::Values<float>(const std::string&) const;
+template std::vector<double> SafetensorsFile::Values<double>(const std::string&) const;
+template std::vector<int32_t> SafetensorsFile::Values<int32_t>(const std::string&) const;
+template std::vector<int64_t> SafetensorsFile::Values<int64_t>(const std::string&) const;
+template std::vector<uint8_t> SafetensorsFile::Values<uint8_t>(const std::string&) const;
+
+std::string SerializeSafetensors(const std::map<std::string, TensorEntry>& tensors,
+                                 const std::map<std::string, std::string>& metadata) {
+  std::vector<std::pair<uint64_t, const std::string*>> order;  // wide elements first: all aligned, and no gaps
+  for (const auto& [name, entry] : tensors) {
+    const auto element_bytes = ElementBytes(entry.dtype);
+    if (name == kMetadataKey || !element_bytes) {
+      throw std::logic_error(fmt::format("safetensors: cannot store '{}' of dtype '{}'", name, entry.dtype));
+    }
+    const auto bytes = TensorBytes(entry.shape, *element_bytes);
+    if (!bytes || *bytes != entry.bytes.size()) {
+      throw std::logic_error(fmt::format("safetensors: '{}' has {} bytes, its shape is [{}] of {}", name,
+                                         entry.bytes.size(), fmt::join(entry.shape, ", "), entry.dtype));
+    }
+    order.emplace_back(*element_bytes, &name);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+
+  nlohmann::ordered_json header = nlohmann::ordered_json::object();
+  if (!metadata.empty()) header[kMetadataKey] = metadata;
+  uint64_t offset = 0;
+  for (const auto& [width, name] : order) {
+    const TensorEntry& entry = tensors.at(*name);
+    const uint64_t end = offset + entry.bytes.size();
+    header[*name] = {{"dtype", entry.dtype}, {"shape", entry.shape}, {"data_offsets", {offset, end}}};
+    offset = end;
+  }
+  std::string text = header.dump();
+  text.resize((text.size() + 7) / 8 * 8, ' ');
+
+  std::string out;
+  out.reserve(kLengthBytes + text.size() + offset);
+  for (uint64_t i = 0; i < kLengthBytes; ++i) out.push_back(static_cast<char>(text.size() >> (8 * i)));
+  out += text;
+  for (const auto& [width, name] : order) out += tensors.at(*name).bytes;
+  return out;
+}
+
+}  // namespace oraclegs
