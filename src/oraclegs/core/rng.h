@@ -60,7 +60,7 @@ class Rng {
   uint64_t seed_, stream_, counter_;
 };
 
-/// Uniform in (0, 1): safe under a logarithm.
-ORACLEGS_HD inline float OpenUniform(uint32_t bits) { return (static_cast<float>(bits >> 8) + 0.5f) * 0x1.0p-24f; }
+/// Uniform in (0, 1): safe under a logarithm. 23 bits, so that the half added is exact and the largest stays below 1.
+ORACLEGS_HD inline float OpenUniform(uint32_t bits) { return (static_cast<float>(bits >> 9) + 0.5f) * 0x1.0p-23f; }
 
 }  // namespace oraclegs

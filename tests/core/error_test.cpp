@@ -1,0 +1,31 @@
+#include "oraclegs/core/error.h"
+
+#include <gtest/gtest.h>
+
+namespace oraclegs {
+namespace {
+
+TEST(Error, ExitCodeFollowsFromTheType) {
+  EXPECT_EQ(UsageError("x").exit_code(), 2);
+  EXPECT_EQ(InputError("x").exit_code(), 3);
+  EXPECT_EQ(RunError("x").exit_code(), 4);
+  EXPECT_EQ(Interrupted("x").exit_code(), 130);
+}
+
+TEST(Error, KeepsItsTypeThroughTheBase) {
+  try {
+    throw InputError("{}: has {} views", "scene", 1);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code(), 3);
+    EXPECT_STREQ(error.what(), "scene: has 1 views");
+  }
+}
+
+TEST(Error, WrongShapeIsABugAndNotTheUsers) {
+  const ShapeError error("Render: means is {}", 4);
+  EXPECT_STREQ(error.what(), "Render: means is 4");
+  EXPECT_EQ(dynamic_cast<const Error*>(static_cast<const std::exception*>(&error)), nullptr);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,110 @@
+#include "oraclegs/core/subprocess.h"
+
+#include <csignal>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/interrupt.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+ProcessResult Shell(const std::string& script) { return RunProcess({"sh", "-c", script}); }
+
+TEST(Subprocess, GathersBothStreamsAndTheExitCode) {
+  const auto result = Shell("echo out; echo err >&2; exit 7");
+  EXPECT_EQ(result.exit_code, 7);
+  EXPECT_THAT(result.output, AllOf(HasSubstr("out\n"), HasSubstr("err\n")));
+}
+
+TEST(Subprocess, NoShellTouchesTheArguments) {
+  const auto result = RunProcess({"printf", "%s|", "a b", "$HOME", "*", ";false", ""});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.output, "a b|$HOME|*|;false||");
+}
+
+TEST(Subprocess, ProgramThatDoesNotExist) {
+  const auto result = RunProcess({"oraclegs-no-such-program"});
+  EXPECT_EQ(result.exit_code, 127);
+  EXPECT_EQ(result.output, "cannot start oraclegs-no-such-program: No such file or directory\n");
+  EXPECT_THROW(RunProcess({}), std::logic_error);
+}
+
+TEST(Subprocess, DeathBySignalIsTold) { EXPECT_EQ(Shell("kill -9 $$").exit_code, 128 + 9); }
+
+TEST(Subprocess, StdinIsEmpty) {
+  const auto result = RunProcess({"cat"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.output, "");
+}
+
+TEST(Subprocess, LinesArriveWhole) {
+  std::vector<std::string> lines;
+  RunProcess({"printf", "one\\r\\n\\ntwo\\nthree"}, {}, [&](const std::string& line) { lines.push_back(line); });
+  EXPECT_THAT(lines, ElementsAre("one", "", "two", "three"));
+}
+
+TEST(Subprocess, LogIsAppendedTo) {
+  const TempDir dir;
+  const auto log = dir / "log.txt";
+  RunProcess({"echo", "first"}, log);
+  RunProcess({"echo", "second"}, log);
+  EXPECT_EQ(ReadFile(log), "first\nsecond\n");
+  EXPECT_THAT([&] { RunProcess({"true"}, dir / "none/log.txt"); },
+              ThrowsMessage<RunError>(HasSubstr("none/log.txt: cannot write")));
+}
+
+TEST(Subprocess, OnlyTheTailOfMuchOutputIsKept) {
+  const auto result = Shell("seq 1 100000; echo the end");
+  EXPECT_EQ(result.output.size(), 64u * 1024);
+  EXPECT_THAT(result.output, testing::EndsWith("100000\nthe end\n"));
+}
+
+TEST(Subprocess, GrandchildThatLivesOnDoesNotHoldUsUp) {
+  const TempDir dir;
+  const auto started = std::chrono::steady_clock::now();
+  const auto result = Shell("sleep 60 & echo $! > " + (dir / "pid").string() + "; echo done");
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(30));
+  EXPECT_EQ(result.output, "done\n");
+  kill(std::stoi(ReadFile(dir / "pid")), SIGKILL);
+}
+
+TEST(Subprocess, AThrowingListenerEndsTheChild) {
+  const auto throws = [](const std::string&) { throw RunError("enough"); };
+  const auto started = std::chrono::steady_clock::now();
+  EXPECT_THROW(RunProcess({"sh", "-c", "echo line; sleep 60"}, {}, throws), RunError);
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(30));
+}
+
+TEST(Subprocess, InterruptEndsTheChildAndItsChildren) {
+  std::string pid;
+  const auto interrupt = [&](const std::string& line) {
+    pid = line;
+    RequestInterrupt(true);
+  };
+  EXPECT_THROW(RunProcess({"sh", "-c", "sleep 60 & echo $!; wait"}, {}, interrupt), Interrupted);
+  RequestInterrupt(false);
+  const std::string stat = "/proc/" + pid + "/stat";  // gone, or a zombie nobody has waited for
+  if (std::filesystem::exists(stat)) {
+    EXPECT_THAT(RunProcess({"cat", stat}).output, testing::AnyOf(HasSubstr(") Z "), HasSubstr("No such file")));
+  }
+}
+
+TEST(Subprocess, FindsProgramsInPath) {
+  EXPECT_TRUE(std::filesystem::exists(FindProgram("sh")));
+  EXPECT_TRUE(FindProgram("sh").is_absolute());
+  EXPECT_EQ(FindProgram("/bin/sh"), "/bin/sh");
+  EXPECT_EQ(FindProgram("oraclegs-no-such-program"), "");
+  EXPECT_EQ(FindProgram(""), "");
+  EXPECT_EQ(FindProgram("/etc/passwd"), "") << "a file that is no program";
+  EXPECT_EQ(FindProgram("/tmp"), "") << "a folder";
+}
+
+}  // namespace
+}  // namespace oraclegs
