@@ -1,0 +1,59 @@
+#include "oraclegs/loss/depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kGrain = 1 << 14;  // pixels a task
+constexpr int kSums = 8;             // independent sums, so that additions need not wait for each other
+
+double MaskedDistance(const float* a, const float* b, const float* mask, int64_t begin, int64_t end) {
+  double sums[kSums] = {};
+  int64_t i = begin;
+  for (; i + kSums <= end; i += kSums) {
+    for (int k = 0; k < kSums; ++k) sums[k] += static_cast<double>(std::abs(a[i + k] - b[i + k]) * mask[i + k]);
+  }
+  for (; i < end; ++i) sums[0] += static_cast<double>(std::abs(a[i] - b[i]) * mask[i]);
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return total;
+}
+
+}  // namespace
+
+double DepthLoss(const Tensor& inv_depth, const Tensor& target, const Tensor& mask, double weight, Tensor* grad) {
+  RequireFloat("DepthLoss", "inv_depth", inv_depth, {-1, -1});
+  const int64_t height = inv_depth.size(0), width = inv_depth.size(1), n = height * width;
+  RequireFloat("DepthLoss", "target", target, {height, width});
+  RequireFloat("DepthLoss", "mask", mask, {height, width});
+  float* g = nullptr;
+  if (grad != nullptr && grad->defined()) {
+    RequireFloat("DepthLoss", "grad", *grad, {height, width});
+    g = grad->data_ptr<float>();
+  }
+  if (n == 0) throw ShapeError("DepthLoss: inv_depth is empty");
+
+  const float* a = inv_depth.data_ptr<float>();
+  const float* b = target.data_ptr<float>();
+  const float* m = mask.data_ptr<float>();
+  const float step = static_cast<float>(weight / static_cast<double>(n));
+  std::vector<double> sums((n + kGrain - 1) / kGrain);
+  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+    sums[begin / kGrain] = MaskedDistance(a, b, m, begin, end);
+    if (g == nullptr) return;
+    for (int64_t i = begin; i < end; ++i) {
+      const float sign = static_cast<float>(a[i] > b[i]) - static_cast<float>(a[i] < b[i]);
+      g[i] = step * sign * m[i];
+    }
+  });
+  double total = 0;
+  for (const double sum : sums) total += sum;
+  return weight * total / static_cast<double>(n);
+}
+
+}  // namespace oraclegs

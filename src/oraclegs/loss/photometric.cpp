@@ -1,0 +1,137 @@
+#include "oraclegs/loss/photometric.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/loss/photometric_kernel.h"
+
+namespace oraclegs {
+namespace {
+
+using photometric::Picture;
+using photometric::Scratch;
+using photometric::Tile;
+using photometric::TileSums;
+
+constexpr int kTileHeight = 48;  // rows; ten more are worked on for each tile's halo
+constexpr int kWidthStep = 16;   // pixels; keeps the inner tiles' rows whole vectors
+
+int CeilDiv(int a, int b) { return (a + b - 1) / b; }
+
+/// The tiles depend on the picture's size only, so the sums have the same bits for any number of threads.
+void CutTiles(int width, int height, std::vector<Tile>* tiles) {
+  tiles->clear();
+  const int strips = CeilDiv(width, photometric::kMaxTileWidth);
+  const int step = CeilDiv(CeilDiv(width, strips), kWidthStep) * kWidthStep;
+  for (int y = 0; y < height; y += kTileHeight) {
+    for (int x = 0; x < width; x += step) {
+      tiles->push_back({x, y, std::min(x + step, width), std::min(y + kTileHeight, height)});
+    }
+  }
+}
+
+void RequireImage(const char* who, const char* name, const Tensor& image) {
+  RequireFloat(who, name, image, {-1, -1, 3});
+  if (!image.is_cpu()) throw ShapeError("{}: {} is not on the CPU", who, name);
+  if (image.numel() == 0) throw ShapeError("{}: {} is empty", who, name);
+}
+
+Picture PictureOf(const Tensor& render, const Tensor& target) {
+  Picture picture;
+  picture.height = static_cast<int>(render.size(0));
+  picture.width = static_cast<int>(render.size(1));
+  picture.render = render.data_ptr<float>();
+  picture.target = target.data_ptr<float>();
+  return picture;
+}
+
+}  // namespace
+
+struct PhotometricLoss::Buffers {
+  std::vector<Tile> tiles;
+  std::vector<TileSums> sums;
+
+  TileSums Run(const Picture& picture) {
+    CutTiles(picture.width, picture.height, &tiles);
+    sums.resize(tiles.size());
+    ParallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
+      std::unique_ptr<Scratch> scratch = Take();
+      sums[i] = photometric::RunTile(picture, tiles[i], scratch.get());
+      Return(std::move(scratch));
+    });
+    TileSums total;
+    for (const TileSums& s : sums) {
+      total.l1 += s.l1;
+      total.dssim += s.dssim;
+    }
+    return total;
+  }
+
+ private:
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Scratch>> idle;  // as many as threads were ever busy at once
+
+  std::unique_ptr<Scratch> Take() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (idle.empty()) return std::make_unique<Scratch>();
+    std::unique_ptr<Scratch> scratch = std::move(idle.back());
+    idle.pop_back();
+    return scratch;
+  }
+
+  void Return(std::unique_ptr<Scratch> scratch) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    idle.push_back(std::move(scratch));
+  }
+};
+
+PhotometricLoss::PhotometricLoss() : buffers_(std::make_unique<Buffers>()) {}
+PhotometricLoss::~PhotometricLoss() = default;
+PhotometricLoss::PhotometricLoss(PhotometricLoss&&) noexcept = default;
+PhotometricLoss& PhotometricLoss::operator=(PhotometricLoss&&) noexcept = default;
+
+PhotometricValue PhotometricLoss::operator()(const Tensor& render, const Tensor& target, const Tensor& confidence,
+                                             const PhotometricWeights& weights, Tensor* grad) {
+  constexpr const char* kWho = "PhotometricLoss";
+  RequireImage(kWho, "render", render);
+  const int64_t height = render.size(0), width = render.size(1);
+  RequireFloat(kWho, "target", target, {height, width, 3});
+  if (confidence.defined()) RequireFloat(kWho, "confidence", confidence, {height, width});
+  const bool with_grad = grad != nullptr && grad->defined();
+  if (with_grad) RequireFloat(kWho, "grad", *grad, {height, width, 3});
+
+  const double entries = 3.0 * static_cast<double>(height) * static_cast<double>(width);
+  Picture picture = PictureOf(render, target);
+  if (confidence.defined()) picture.confidence = confidence.data_ptr<float>();
+  if (with_grad) picture.grad = grad->data_ptr<float>();
+  picture.l1_scale = static_cast<float>(weights.l1 / entries);
+  picture.dssim_scale = static_cast<float>(weights.dssim / entries);
+
+  const TileSums total = buffers_->Run(picture);
+  PhotometricValue value;
+  value.l1 = total.l1 / entries;
+  value.dssim = total.dssim / entries;
+  value.loss = static_cast<double>(weights.l1) * value.l1 + static_cast<double>(weights.dssim) * value.dssim;
+  return value;
+}
+
+Tensor SsimMap(const Tensor& a, const Tensor& b) {
+  RequireImage("SsimMap", "a", a);
+  RequireFloat("SsimMap", "b", b, {a.size(0), a.size(1), 3});
+  Tensor map = torch::empty_like(a);
+  Picture picture = PictureOf(a, b);
+  picture.ssim = map.data_ptr<float>();
+  const int64_t tall = picture.height;
+  ParallelBlocks(tall, kTileHeight, [&](int64_t begin, int64_t end) {
+    const auto scratch = std::make_unique<Scratch>();
+    for (int x = 0; x < picture.width; x += photometric::kMaxTileWidth) {
+      const int right = std::min(x + photometric::kMaxTileWidth, picture.width);
+      photometric::RunTile(picture, {x, static_cast<int>(begin), right, static_cast<int>(end)}, scratch.get());
+    }
+  });
+  return map;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,299 @@
+// Fused L1 + SSIM with gradient (spec/gaussian_core.md 9). A tile is read top to bottom, once. Rows hold interleaved
+// RGB, so a pixel to the right is three floats on and no channel is ever taken apart. Per group of four rows:
+//   1. input rows are fetched with ten pixels of halo, zero outside the picture (the confidence too, so that nothing
+//      outside contributes): render x, target y, x^2 + y^2, x y. The SSIM needs both variances only as a sum.
+//   2. the vertical window makes four rows at once: 14 loads serve 44 multiplications.
+//   3. horizontal window, SSIM and its three derivatives, then the horizontal window over those.
+//   4. twelve rows later the vertical window over the derivatives finishes four rows of gradient.
+// With the first group of statistics at row y0 - 5, group j fetches input up to row y0 + 3 + 4 j and finishes
+// statistics up to y0 - 2 + 4 j. Gradient rows y0 + 4 m ... + 3 need statistics from y0 - 5 + 4 m to y0 + 8 + 4 m,
+// hence j = m + 3: of both the input and the derivatives exactly 16 rows are alive.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "oraclegs/loss/photometric_kernel.cpp"
+#include "oraclegs/render/cpu/hwy_targets.h"
+// clang-format off: foreach_target must come before the other Highway headers
+#include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "oraclegs/loss/photometric_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using photometric::kGroup;
+using photometric::kRadius;
+using photometric::kRingRows;
+using photometric::kStride;
+using photometric::kTaps;
+using photometric::Picture;
+using photometric::Scratch;
+using photometric::Tile;
+using photometric::TileSums;
+
+using FloatTag = hn::CappedTag<float, 16>;
+using FloatVec = hn::Vec<FloatTag>;
+inline constexpr int kVector = static_cast<int>(hn::MaxLanes(FloatTag()));
+inline constexpr int kSlots = kRingRows - 1;  // mask from a row's number to its place in a ring
+inline constexpr int kGradientLag = 3;        // groups
+inline constexpr int kGroupInputs = kGroup + kTaps - 1;
+
+inline constexpr float kC1 = 1e-4f, kC2 = 9e-4f;  // 0.01^2, 0.03^2: the SSIM's guards against small denominators
+
+// exp(-i^2 / (2 * 1.5^2)), normalised to sum 1; by distance from the centre.
+inline constexpr double kWindow[kRadius + 1] = {0.26601172486179436, 0.2130055377112537,   0.10936068950970002,
+                                                0.03600077212843083, 0.007598758135239185, 0.00102838008447911};
+
+HWY_INLINE constexpr float Tap(int k) { return static_cast<float>(kWindow[k < kRadius ? kRadius - k : k - kRadius]); }
+
+/// Floats rounded up to whole vectors.
+HWY_INLINE constexpr int WholeVectors(int n) { return (n + kVector - 1) / kVector * kVector; }
+
+/// Writes one picture row of the tile with its halo into `out`, zero where there is no picture.
+HWY_INLINE void CopyColumns(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
+  const int left = tile.x0 - 2 * kRadius, right = tile.x1 + 2 * kRadius;
+  const int begin = std::max(left, 0), end = std::min(right, width);
+  std::fill_n(out, 3 * (begin - left), 0.f);
+  std::memcpy(out + 3 * (begin - left), row + 3 * static_cast<int64_t>(begin), sizeof(float) * 3 * (end - begin));
+  std::fill_n(out + 3 * (end - left), WholeVectors(3 * (right - left)) - 3 * (end - left), 0.f);
+}
+
+/// The same for the confidence, once for each channel.
+HWY_INLINE void SpreadConfidence(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
+  const FloatTag d;
+  const int left = tile.x0 - 2 * kRadius, right = tile.x1 + 2 * kRadius;
+  const int begin = std::max(left, 0), end = std::min(right, width);
+  std::fill_n(out, 3 * (begin - left), 0.f);
+  int x = begin;
+  if (row == nullptr) {
+    std::fill_n(out + 3 * (begin - left), 3 * (end - begin), 1.f);
+    x = end;
+  }
+  for (; x + kVector <= end; x += kVector) {
+    const FloatVec u = hn::LoadU(d, row + x);
+    hn::StoreInterleaved3(u, u, u, d, out + 3 * (x - left));
+  }
+  for (; x < end; ++x) std::fill_n(out + 3 * (x - left), 3, row[x]);
+  std::fill_n(out + 3 * (end - left), WholeVectors(3 * (right - left)) - 3 * (end - left), 0.f);
+}
+
+/// Step 1 for row y of the picture.
+HWY_INLINE void FetchRow(const Picture& picture, const Tile& tile, int y, int slot, Scratch* HWY_RESTRICT s) {
+  const FloatTag d;
+  const int columns = WholeVectors(3 * (tile.x1 - tile.x0 + 4 * kRadius));
+  if (y < 0 || y >= picture.height) {
+    for (auto& plane : s->input) std::fill_n(plane[slot], columns, 0.f);
+    return;
+  }
+  const int64_t row = static_cast<int64_t>(y) * picture.width;
+  float* HWY_RESTRICT xs = s->input[Scratch::kRender][slot];
+  float* HWY_RESTRICT ys = s->input[Scratch::kTarget][slot];
+  CopyColumns(picture.render + 3 * row, picture.width, tile, xs);
+  CopyColumns(picture.target + 3 * row, picture.width, tile, ys);
+  SpreadConfidence(picture.confidence == nullptr ? nullptr : picture.confidence + row, picture.width, tile,
+                   s->input[Scratch::kConfidence][slot]);
+  for (int i = 0; i < columns; i += kVector) {
+    const FloatVec x = hn::Load(d, xs + i), y_value = hn::Load(d, ys + i);
+    hn::Store(hn::MulAdd(x, x, hn::Mul(y_value, y_value)), d, s->input[Scratch::kSquares][slot] + i);
+    hn::Store(hn::Mul(x, y_value), d, s->input[Scratch::kProduct][slot] + i);
+  }
+}
+
+/// The window down the columns: out[r] = sum_k Tap(k) in[r + k], kGroup rows at once.
+HWY_INLINE void FilterColumns(const float* const* in, int i, FloatVec* out) {
+  const FloatTag d;
+  for (int r = 0; r < kGroup; ++r) out[r] = hn::Zero(d);
+  HWY_UNROLL(14)
+  for (int n = 0; n < kGroupInputs; ++n) {
+    const FloatVec row = hn::LoadU(d, in[n] + i);
+    HWY_UNROLL(4)
+    for (int r = 0; r < kGroup; ++r) {
+      const int k = n - r;
+      if (k >= 0 && k < kTaps) out[r] = hn::MulAdd(row, hn::Set(d, Tap(k)), out[r]);
+    }
+  }
+}
+
+/// The window along a row of interleaved pixels: sum_k Tap(k) in[i + 3 k].
+HWY_INLINE FloatVec FilterRow(const float* HWY_RESTRICT in) {
+  const FloatTag d;
+  // Two sums, so that a multiplication need not wait for the one before.
+  FloatVec even = hn::Mul(hn::LoadU(d, in), hn::Set(d, Tap(0)));
+  FloatVec odd = hn::Mul(hn::LoadU(d, in + 3), hn::Set(d, Tap(1)));
+  HWY_UNROLL(4)
+  for (int k = 2; k + 1 < kTaps; k += 2) {
+    even = hn::MulAdd(hn::LoadU(d, in + 3 * k), hn::Set(d, Tap(k)), even);
+    odd = hn::MulAdd(hn::LoadU(d, in + 3 * k + 3), hn::Set(d, Tap(k + 1)), odd);
+  }
+  even = hn::MulAdd(hn::LoadU(d, in + 3 * (kTaps - 1)), hn::Set(d, Tap(kTaps - 1)), even);
+  return hn::Add(even, odd);
+}
+
+/// Pointers to kGroupInputs rows of a ring, from the row numbered `first`.
+HWY_INLINE void RingRows(const float (*ring)[kStride], int first, const float** rows) {
+  for (int n = 0; n < kGroupInputs; ++n) rows[n] = ring[(first + n) & kSlots];
+}
+
+/// Step 2: all planes of the group whose window starts at ring row `first`.
+HWY_INLINE void FilterGroup(int columns, int first, Scratch* HWY_RESTRICT s) {
+  const FloatTag d;
+  for (int plane = 0; plane < Scratch::kFiltered; ++plane) {
+    const float* rows[kGroupInputs];
+    RingRows(s->input[plane], first, rows);
+    for (int i = 0; i < columns; i += kVector) {
+      FloatVec out[kGroup];
+      FilterColumns(rows, i, out);
+      for (int r = 0; r < kGroup; ++r) hn::Store(out[r], d, s->vertical[plane][r] + i);
+    }
+  }
+}
+
+/// Step 3, first half: the SSIM of row r of the group and dL/d(mean, variance, covariance) of its windows. `u` is the
+/// confidence of the first column.
+HWY_INLINE void StatisticsRow(int columns, int r, const float* HWY_RESTRICT u, float dssim_scale,
+                              Scratch* HWY_RESTRICT s) {
+  const FloatTag d;
+  const FloatVec two = hn::Set(d, 2.f), c1 = hn::Set(d, kC1), c2 = hn::Set(d, kC2);
+  const FloatVec upstream = hn::Set(d, -2.f * dssim_scale);
+  for (int i = 0; i < columns; i += kVector) {
+    const FloatVec mx = FilterRow(s->vertical[Scratch::kRender][r] + i);
+    const FloatVec my = FilterRow(s->vertical[Scratch::kTarget][r] + i);
+    const FloatVec squares = FilterRow(s->vertical[Scratch::kSquares][r] + i);
+    const FloatVec product = FilterRow(s->vertical[Scratch::kProduct][r] + i);
+    const FloatVec mxy = hn::Mul(mx, my), mm = hn::MulAdd(mx, mx, hn::Mul(my, my));
+    const FloatVec p = hn::MulAdd(two, mxy, c1), q = hn::MulAdd(two, hn::Sub(product, mxy), c2);
+    const FloatVec a = hn::Add(mm, c1), b = hn::Add(hn::Max(hn::Sub(squares, mm), hn::Zero(d)), c2);
+    const FloatVec inv_ab = hn::Div(hn::Set(d, 1.f), hn::Mul(a, b));
+    const FloatVec ssim = hn::Mul(hn::Mul(p, q), inv_ab);
+    // 1/b - 1/a = (a - b) / (a b), and 1/b = a / (a b): one division serves all.
+    const FloatVec by_my = hn::Mul(hn::Mul(my, hn::Sub(q, p)), inv_ab);
+    const FloatVec by_mx = hn::Mul(hn::Mul(mx, ssim), hn::Mul(hn::Sub(a, b), inv_ab));
+    const FloatVec g = hn::Mul(upstream, hn::LoadU(d, u + i));
+    hn::Store(ssim, d, s->ssim + i);
+    hn::Store(hn::Mul(g, hn::Add(by_my, by_mx)), d, s->coefficient[Scratch::kMean] + i);
+    hn::Store(hn::Neg(hn::Mul(g, hn::Mul(ssim, hn::Mul(a, inv_ab)))), d, s->coefficient[Scratch::kVariance] + i);
+    hn::Store(hn::Mul(g, hn::Mul(p, inv_ab)), d, s->coefficient[Scratch::kCovariance] + i);
+  }
+}
+
+/// Adds a finished row's own pixels to the sums. `center` is the row's place in the input ring.
+HWY_INLINE void AddRow(int columns, int center, const Scratch& s, TileSums* sums) {
+  const FloatTag d;
+  const float* HWY_RESTRICT x = s.input[Scratch::kRender][center] + 6 * kRadius;
+  const float* HWY_RESTRICT y = s.input[Scratch::kTarget][center] + 6 * kRadius;
+  const float* HWY_RESTRICT u = s.input[Scratch::kConfidence][center] + 6 * kRadius;
+  const float* HWY_RESTRICT ssim = s.ssim + 3 * kRadius;
+  FloatVec l1 = hn::Zero(d), dssim = hn::Zero(d);
+  for (int i = 0; i < columns; i += kVector) {
+    const auto mine = hn::FirstN(d, static_cast<size_t>(columns - i));
+    const FloatVec weight = hn::IfThenElseZero(mine, hn::LoadU(d, u + i));
+    const FloatVec away = hn::IfThenElseZero(mine, hn::Sub(hn::Set(d, 1.f), hn::LoadU(d, ssim + i)));
+    l1 = hn::MulAdd(hn::Abs(hn::Sub(hn::LoadU(d, x + i), hn::LoadU(d, y + i))), weight, l1);
+    dssim = hn::MulAdd(away, weight, dssim);
+  }
+  sums->l1 += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, l1)));
+  sums->dssim += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, dssim)));
+}
+
+/// Step 3 for row y. `row` counts from the first row of statistics, y0 - kRadius.
+HWY_INLINE void FinishRow(const Picture& picture, const Tile& tile, int row, Scratch* HWY_RESTRICT s, TileSums* sums) {
+  const FloatTag d;
+  const int own = 3 * (tile.x1 - tile.x0), y = tile.y0 - kRadius + row;
+  const int center = (row + kRadius) & kSlots;
+  StatisticsRow(own + 6 * kRadius, row % kGroup, s->input[Scratch::kConfidence][center] + 3 * kRadius,
+                picture.dssim_scale, s);
+  if (y >= tile.y0 && y < tile.y1) {
+    AddRow(own, center, *s, sums);
+    if (picture.ssim != nullptr) {
+      float* out = picture.ssim + 3 * (static_cast<int64_t>(y) * picture.width + tile.x0);
+      std::memcpy(out, s->ssim + 3 * kRadius, sizeof(float) * own);
+    }
+  }
+  if (picture.grad == nullptr) return;
+  for (int c = 0; c < Scratch::kCoefficients; ++c) {
+    float* HWY_RESTRICT out = s->backward[c][row & kSlots];
+    for (int i = 0; i < own; i += kVector) hn::Store(FilterRow(s->coefficient[c] + i), d, out + i);
+  }
+}
+
+/// dL/d(render) of kGroup rows at one vector of columns, from the derivatives and the input itself.
+HWY_INLINE void GradientVector(const Scratch& s, const float* const (*rows)[kGroupInputs], int first, int i,
+                               float l1_scale, FloatVec* out) {
+  const FloatTag d;
+  FloatVec variance[kGroup], covariance[kGroup];
+  FilterColumns(rows[Scratch::kMean], i, out);
+  FilterColumns(rows[Scratch::kVariance], i, variance);
+  FilterColumns(rows[Scratch::kCovariance], i, covariance);
+  for (int r = 0; r < kGroup; ++r) {
+    const int slot = (first + 2 * kRadius + r) & kSlots, column = i + 6 * kRadius;
+    const FloatVec x = hn::LoadU(d, s.input[Scratch::kRender][slot] + column);
+    const FloatVec y = hn::LoadU(d, s.input[Scratch::kTarget][slot] + column);
+    const FloatVec u = hn::LoadU(d, s.input[Scratch::kConfidence][slot] + column);
+    const FloatVec step = hn::Mul(u, hn::Set(d, l1_scale));
+    const FloatVec l1 = hn::IfThenElseZero(hn::Ne(x, y), hn::CopySign(step, hn::Sub(x, y)));
+    out[r] = hn::MulAdd(x, variance[r], hn::MulAdd(y, covariance[r], hn::Add(out[r], l1)));
+  }
+}
+
+/// Step 4: the gradient of rows y0 + first ... + kGroup - 1, as far as they are the tile's.
+HWY_INLINE void GradientGroup(const Picture& picture, const Tile& tile, int first, const Scratch& s) {
+  const FloatTag d;
+  const float* rows[Scratch::kCoefficients][kGroupInputs];
+  for (int c = 0; c < Scratch::kCoefficients; ++c) RingRows(s.backward[c], first, rows[c]);
+  const int own = 3 * (tile.x1 - tile.x0), count = std::min(kGroup, tile.y1 - tile.y0 - first);
+  float* out = picture.grad + 3 * ((static_cast<int64_t>(tile.y0) + first) * picture.width + tile.x0);
+  for (int i = 0; i < own; i += kVector) {
+    FloatVec grad[kGroup];
+    GradientVector(s, rows, first, i, picture.l1_scale, grad);
+    for (int r = 0; r < count; ++r) {
+      float* to = out + 3 * static_cast<int64_t>(r) * picture.width + i;
+      if (own - i >= kVector) {
+        hn::StoreU(grad[r], d, to);
+      } else {
+        HWY_ALIGN float last[kVector];
+        hn::Store(grad[r], d, last);
+        std::memcpy(to, last, sizeof(float) * (own - i));
+      }
+    }
+  }
+}
+
+TileSums RunTileKernel(const Picture& picture, const Tile& tile, Scratch* s) {
+  TileSums sums;
+  const int columns = 3 * (tile.x1 - tile.x0 + 4 * kRadius);
+  const int groups = (tile.y1 - tile.y0 + kGroup - 1) / kGroup + kGradientLag;
+  int fetched = 0;  // rows in the ring, counted from y0 - 2 kRadius
+  for (int group = 0; group < groups; ++group) {
+    const int first = group * kGroup;
+    for (; fetched < first + kGroupInputs; ++fetched) {
+      FetchRow(picture, tile, tile.y0 - 2 * kRadius + fetched, fetched & kSlots, s);
+    }
+    FilterGroup(columns, first, s);
+    for (int row = first; row < first + kGroup; ++row) FinishRow(picture, tile, row, s, &sums);
+    if (picture.grad != nullptr && group >= kGradientLag) {
+      GradientGroup(picture, tile, (group - kGradientLag) * kGroup, *s);
+    }
+  }
+  return sums;
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace oraclegs {
+HWY_EXPORT(RunTileKernel);
+
+namespace photometric {
+
+TileSums RunTile(const Picture& picture, const Tile& tile, Scratch* scratch) {
+  return HWY_DYNAMIC_DISPATCH(RunTileKernel)(picture, tile, scratch);
+}
+
+}  // namespace photometric
+}  // namespace oraclegs
+#endif

@@ -1,0 +1,66 @@
+#include "oraclegs/loss/depth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "oraclegs/core/parallel.h"
+#include "support/tensors.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(DepthLoss, MeanRunsOverAllPixelsNotOverTheMask) {
+  const Tensor inv_depth = torch::full({4, 5}, 0.5f), target = torch::full({4, 5}, 0.25f);
+  Tensor mask = torch::zeros({4, 5}), grad = torch::full({4, 5}, 9.f);
+  mask[1][2] = 1;
+  mask[3][4] = 1;
+  EXPECT_NEAR(DepthLoss(inv_depth, target, mask, 0.5, &grad), 0.5 * 2 * 0.25 / 20, 1e-9);
+  EXPECT_LT(MaxAbsError(grad, mask * (0.5 / 20)), 1e-9);
+}
+
+TEST(DepthLoss, EqualityHasNoGradient) {
+  const Tensor same = torch::rand({6, 7});
+  Tensor grad = torch::full({6, 7}, 9.f);
+  EXPECT_EQ(DepthLoss(same, same, torch::ones({6, 7}), 1, &grad), 0);
+  EXPECT_EQ(grad.abs().max().item<float>(), 0);
+}
+
+TEST(DepthLoss, MatchesTensorAlgebraAndCentralDifferences) {
+  torch::manual_seed(1);
+  const Tensor a = torch::rand({150, 230}), b = torch::rand({150, 230});  // several blocks and a remainder
+  const Tensor mask = (torch::rand({150, 230}) > 0.4).to(torch::kFloat);
+  Tensor grad = torch::empty({150, 230});
+  const double value = DepthLoss(a, b, mask, 0.7, &grad);
+  const auto loss_at = [&](const Tensor& x) {
+    return 0.7 * ((x - b.to(torch::kDouble)).abs() * mask.to(torch::kDouble)).mean().item<double>();
+  };
+  const Tensor wide = a.to(torch::kDouble);
+  EXPECT_NEAR(value, loss_at(wide), 1e-7);
+  Tensor up = wide.clone(), down = wide.clone();
+  up[77][99] += 1e-7;
+  down[77][99] -= 1e-7;
+  EXPECT_NEAR(grad[77][99].item<float>(), (loss_at(up) - loss_at(down)) / 2e-7, 1e-8);
+  EXPECT_LT(MaxAbsError(grad, (a - b).sign() * mask * (0.7 / (150 * 230))), 1e-10);
+}
+
+TEST(DepthLoss, SameBitsForAnyNumberOfThreads) {
+  const Tensor a = torch::rand({300, 301}), b = torch::rand({300, 301}), mask = torch::ones({300, 301});
+  SetNumThreads(1);
+  const double one = DepthLoss(a, b, mask, 1, nullptr);
+  SetNumThreads(3);
+  EXPECT_EQ(DepthLoss(a, b, mask, 1, nullptr), one);
+  SetNumThreads(0);
+}
+
+TEST(DepthLoss, RefusesTensorsThatDoNotFit) {
+  const Tensor a = torch::rand({3, 4});
+  Tensor grad = torch::empty({4, 3});
+  EXPECT_THROW(DepthLoss(a, torch::rand({4, 3}), a, 1, nullptr), ShapeError);
+  EXPECT_THROW(DepthLoss(a, a, torch::rand({3, 3}), 1, nullptr), ShapeError);
+  EXPECT_THROW(DepthLoss(a, a, a, 1, &grad), ShapeError);
+  EXPECT_THROW(DepthLoss(torch::empty({0, 4}), torch::empty({0, 4}), torch::empty({0, 4}), 1, nullptr), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs
