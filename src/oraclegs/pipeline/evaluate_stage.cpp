@@ -1,0 +1,115 @@
+#include "oraclegs/pipeline/evaluate_stage.h"
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/metrics.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Scores {
+  nlohmann::json test;
+  int64_t gaussians = 0;
+};
+
+Scores Score(const Model& model, const std::vector<Photo>& photos, const fs::path& renders, const Listener& listener) {
+  Scores scores;
+  scores.gaussians = model.gaussians.size();
+  if (photos.empty()) {
+    listener(Warning{"there are no test views: nothing is scored (see --test-every)"});
+    scores.test = {
+        {"psnr", nullptr}, {"ssim", nullptr}, {"psnr_color_corrected", nullptr}, {"views", nlohmann::json::array()}};
+    return scores;
+  }
+  scores.test = ToJson(Evaluate(model.gaussians, photos, model.render, renders, listener));
+  return scores;
+}
+
+void RemoveOldRenders(const fs::path& dir) {
+  std::error_code error;
+  fs::remove_all(dir, error);
+  if (error) throw RunError("{}: cannot be removed: {}", dir.string(), error.message());
+}
+
+}  // namespace
+
+Model LoadModel(const fs::path& ply, const RunOptions& options) {
+  GaussianPly file = ReadGaussianPly(ply);
+  return {std::move(file.gaussians),
+          {BackgroundColor(options.photo.background), file.sh_degree, options.train.antialiased}};
+}
+
+void RunEvaluate(Run* run) {
+  const Workspace& workspace = run->workspace;
+  std::error_code ignored;
+  if (!fs::exists(workspace.point_cloud(), ignored)) {
+    throw InputError("{}: does not exist; run `oraclegs train` first, or name a point cloud with --ply",
+                     workspace.point_cloud().string());
+  }
+  const std::string key = Fingerprint()
+                              .Add(ShapingOptionsToJson(run->options).dump())
+                              .Add(ViewsFingerprint(run->scene, run->split.test))
+                              .AddFile(workspace.point_cloud())
+                              .Hex();
+  if (workspace.IsDone("evaluate", key)) {
+    run->listener(Note{"evaluate: nothing has changed, metrics.json is kept"});
+    return;
+  }
+  const StageClock clock("evaluate", run->listener);
+  RemoveOldRenders(workspace.renders("test"));
+  const Scores scores = Score(LoadModel(workspace.point_cloud(), run->options),
+                              LoadPhotos(run->scene, run->split.test, run->options.photo, run->listener),
+                              workspace.renders("test"), run->listener);
+  const double seconds = clock.Finish();
+  nlohmann::json record = {{"key", key},
+                           {"seconds", seconds},
+                           {"test", scores.test},
+                           {"gaussians", scores.gaussians},
+                           {"peak_memory_bytes", PeakMemoryBytes()},
+                           {"files", {"metrics.json"}}};
+  WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
+  run->workspace.MarkDone("evaluate", record);
+  run->listener(FileWritten{workspace.metrics()});
+}
+
+nlohmann::json EvaluatePly(const EvaluateRequest& request, const Listener& listener) {
+  CheckRunOptions(request.options);
+  const Model model = LoadModel(request.ply, request.options);
+  SceneReadOptions read;
+  read.images = request.options.input.images;
+  const Scene scene = ReadScene(request.scene, read, listener);
+  if (!scene.HasPoses()) {
+    throw InputError("{}: these photographs have no poses; evaluate the workspace that `oraclegs reconstruct` made",
+                     request.scene.string());
+  }
+  const Split split = SplitViews(scene, request.options.split);
+  fs::path renders;
+  if (!request.out.empty()) {
+    RequireOutsideScene(request.out, request.scene);
+    if (IsWorkspace(request.out)) {
+      throw InputError("{}: holds a run with its own metrics.json; choose another -o", request.out.string());
+    }
+    RequireWritableFolder(request.out);
+    renders = WorkspacePaths(request.out).renders("test");
+  }
+  const StageClock clock("evaluate", listener);
+  const Scores scores = Score(model, LoadPhotos(scene, split.test, request.options.photo, listener), renders, listener);
+  nlohmann::json metrics = {{"test", scores.test},
+                            {"stages", {{"evaluate", {{"seconds", clock.Finish()}}}}},
+                            {"gaussians", scores.gaussians},
+                            {"peak_memory_bytes", PeakMemoryBytes()},
+                            {"ply", request.ply.string()},
+                            {"scene", request.scene.string()},
+                            {"options", RunOptionsToJson(request.options)}};
+  if (!request.out.empty()) {
+    const fs::path path = WorkspacePaths(request.out).metrics();
+    WriteFileAtomically(path, metrics.dump(2) + "\n");
+    listener(FileWritten{path});
+  }
+  return metrics;
+}
+
+}  // namespace oraclegs

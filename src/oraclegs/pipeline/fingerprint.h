@@ -1,0 +1,33 @@
+#pragma once
+// Does a stage have to run again? A short name of everything its result depends on answers that.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+/// 64-bit FNV-1a, as 16 hexadecimal digits. Tells changed inputs from unchanged ones; no defence against forgery.
+class Fingerprint {
+ public:
+  Fingerprint& Add(std::string_view bytes);
+  Fingerprint& Add(double value);
+  /// The content of a file. Throws InputError naming it.
+  Fingerprint& AddFile(const std::filesystem::path& path);
+  std::string Hex() const;
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325ull;
+};
+
+/// Names, photographs (their bytes), masks, lenses and poses of these views.
+std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views);
+
+/// The content of a file.
+std::string FileFingerprint(const std::filesystem::path& path);
+
+}  // namespace oraclegs

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/core/progress.h"
+
+namespace oraclegs {
+
+/// A summary of what a path is, by its "kind":
+///   "scene"      format, views, lenses, sizes, points, missing images
+///   "workspace"  scene, options, split sizes, finished stages, metrics
+///   "gaussians"  a PLY: number, SH degree, bounding box, opacities
+/// Throws InputError when it is none of them.
+nlohmann::json Describe(const std::filesystem::path& path, const Listener& listener);
+
+}  // namespace oraclegs

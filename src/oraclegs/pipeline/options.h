@@ -1,0 +1,113 @@
+#pragma once
+// Every option of a run, in groups. Each group lists its fields once (core/options.h).
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/split.h"
+#include "oraclegs/train/options.h"
+
+namespace oraclegs {
+
+struct InputOptions {
+  std::filesystem::path images;  ///< empty = where the format usually has it
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("images", images, "Folder of the photographs, where it is not the scene's usual one");
+  }
+};
+
+struct StartOptions {
+  std::string init = "auto";
+  uint64_t seed = 0;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("init", init,
+          "Where the Gaussians start: sfm = points triangulated from the training views, random = in the volume they "
+          "look at, auto = sfm, or random where that gives fewer than 100 points",
+          Choice{{"auto", "sfm", "random"}});
+    visit("seed", seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
+  }
+};
+
+/// What changes how a run goes, but not one bit of its result: free to differ when a run is continued.
+struct MachineOptions {
+  int threads = 0;
+  int checkpoint_every = 1000;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("threads", threads, "Threads to compute with, 0 = all cores", Range{0, 4096});
+    visit("checkpoint-every", checkpoint_every,
+          "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted",
+          Range{0, 1e7});
+  }
+};
+
+struct RunOptions {
+  InputOptions input;
+  SplitOptions split;
+  PhotoOptions photo;
+  StartOptions start;
+  TrainOptions train;
+  MachineOptions machine;
+
+  /// Calls f("Group title", group) for the groups whose options shape the result.
+  template <class F>
+  void ForEachShapingGroup(F&& f) {
+    f("Scene", input);
+    f("Split", split);
+    f("Photographs", photo);
+    f("Start", start);
+    f("Training", train);
+  }
+  template <class F>
+  void ForEachGroup(F&& f) {
+    ForEachShapingGroup(f);
+    f("Machine", machine);
+  }
+};
+
+/// {"views": 12, ...} of the options that shape the result.
+inline nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
+  nlohmann::json json = nlohmann::json::object();
+  const_cast<RunOptions&>(options).ForEachShapingGroup(
+      [&](const char*, const auto& group) { json.update(OptionsToJson(group)); });
+  return json;
+}
+
+/// The same of all options.
+inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
+  nlohmann::json json = ShapingOptionsToJson(options);
+  json.update(OptionsToJson(options.machine));
+  return json;
+}
+
+/// Throws UsageError for the first option out of its range.
+inline void CheckRunOptions(const RunOptions& options) {
+  const_cast<RunOptions&>(options).ForEachGroup([](const char*, const auto& group) { CheckOptions(group); });
+}
+
+/// Sets the options that `json` names, which a run has saved; keys that no longer exist are passed over.
+/// Throws nlohmann::json::exception when a value has another type.
+inline void RunOptionsFromJson(const nlohmann::json& json, RunOptions* options) {
+  options->ForEachGroup([&](const char*, auto& group) {
+    group.Visit([&](const char* name, auto& value, auto&&...) {
+      using T = std::decay_t<decltype(value)>;
+      if (!json.contains(name)) return;
+      if constexpr (std::is_same_v<T, std::filesystem::path>) {
+        value = json.at(name).template get<std::string>();
+      } else {
+        value = json.at(name).template get<T>();
+      }
+    });
+  });
+}
+
+}  // namespace oraclegs

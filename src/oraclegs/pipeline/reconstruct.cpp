@@ -1,0 +1,19 @@
+#include "oraclegs/pipeline/reconstruct.h"
+
+#include "oraclegs/pipeline/evaluate_stage.h"
+#include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/train_stage.h"
+
+namespace oraclegs {
+
+nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener) {
+  Run run = StartRun(request, listener);
+  if (!IsTrained(run)) {
+    for (const int view : run.split.test) LoadPhotos(run.scene, {view}, run.options.photo, Silent());
+    RunTrain(&run);
+  }
+  RunEvaluate(&run);
+  return ReadMetrics(request.out);
+}
+
+}  // namespace oraclegs

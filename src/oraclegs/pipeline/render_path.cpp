@@ -1,0 +1,101 @@
+#include "oraclegs/pipeline/render_path.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/subprocess.h"
+#include "oraclegs/pipeline/camera_path.h"
+#include "oraclegs/pipeline/run.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string PictureName(const std::string& view_name) {
+  std::string name = fs::path(view_name).replace_extension().string();
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+}
+
+/// A list that ffmpeg's concat demuxer reads, which takes pictures of any name.
+std::string FfmpegList(const std::vector<fs::path>& pictures, int fps) {
+  std::string list = "ffconcat version 1.0\n";
+  for (const fs::path& picture : pictures) {
+    std::string quoted;
+    for (const char c : picture.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    list += fmt::format("file '{}'\nduration {:.9f}\n", quoted, 1.0 / fps);
+  }
+  return list;
+}
+
+void WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, int fps, const Listener& listener) {
+  const fs::path ffmpeg = FindProgram("ffmpeg");
+  if (ffmpeg.empty()) {
+    listener(Note{"ffmpeg is not installed: no video, the pictures are there"});
+    return;
+  }
+  const fs::path list = fs::path(video).replace_extension(".txt.tmp"),
+                 part = fs::path(video).replace_extension(".mp4.tmp");
+  WriteFileAtomically(list, FfmpegList(pictures, fps));
+  const ProcessResult result = RunProcess({ffmpeg.string(), "-y", "-loglevel", "error", "-f", "concat", "-safe", "0",
+                                           "-i", list.string(), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-r",
+                                           std::to_string(fps), "-pix_fmt", "yuv420p", "-f", "mp4", part.string()});
+  std::error_code error;
+  fs::remove(list, error);
+  if (result.exit_code == 0) fs::rename(part, video, error);
+  if (result.exit_code != 0 || error) {
+    fs::remove(part, error);
+    listener(Warning{fmt::format("{}: ffmpeg failed (exit code {}): no video, the pictures are there", video.string(),
+                                 result.exit_code)});
+    return;
+  }
+  listener(FileWritten{video});
+}
+
+}  // namespace
+
+std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const PhotoOptions& photo,
+                                     const RenderPathOptions& options) {
+  const std::vector<int>& views = options.path == "test" ? split.test : split.train;
+  std::vector<NamedCamera> named;
+  std::vector<Camera> cameras;
+  for (const int i : views) {
+    const SceneView& view = scene.views[static_cast<size_t>(i)];
+    cameras.push_back(WorkingCamera(view, photo));
+    named.push_back({PictureName(view.name), cameras.back()});
+  }
+  if (options.path != "orbit") return named;
+  named.clear();
+  for (const Camera& camera : OrbitPath(cameras, options.frames)) {
+    named.push_back({fmt::format("{:04d}", named.size()), camera});
+  }
+  return named;
+}
+
+void RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const fs::path& out,
+                   const RenderPathOptions& options, const Listener& listener) {
+  CheckOptions(options);
+  RequireWritableFolder(out);
+  const StageClock clock("render", listener);
+  const auto rasterizer = MakeRasterizer(torch::kCPU);
+  std::vector<fs::path> pictures;
+  for (const NamedCamera& named : cameras) {
+    ThrowIfInterrupted();
+    const RenderOutput render =
+        rasterizer->Forward(model.gaussians, named.camera, model.render, RenderPass::kInference);
+    pictures.push_back(fs::absolute(out / (named.name + ".png")));
+    WritePng(pictures.back(), ToImage8(render.image));
+    listener(StepDone{"render", static_cast<int64_t>(pictures.size()), static_cast<int64_t>(cameras.size()), "pictures",
+                      ""});
+  }
+  if (options.video && pictures.size() > 1) {
+    const fs::path folder = out.has_filename() ? out : out.parent_path();
+    WriteVideo(pictures, fs::path(folder.string() + ".mp4"), options.fps, listener);
+  }
+  clock.Finish();
+  listener(FileWritten{out});
+}
+
+}  // namespace oraclegs

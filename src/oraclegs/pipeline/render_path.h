@@ -1,0 +1,44 @@
+#pragma once
+// Pictures and a video along a camera path.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/core/progress.h"
+#include "oraclegs/pipeline/evaluate_stage.h"
+
+namespace oraclegs {
+
+struct RenderPathOptions {
+  std::string path = "orbit";
+  int frames = 120;
+  int fps = 30;
+  bool video = true;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("path", path, "Cameras to render: the training views, the test views, or a flight among the training views",
+          Choice{{"train", "test", "orbit"}});
+    visit("frames", frames, "Pictures of the orbit", Range{1, 1e5});
+    visit("fps", fps, "Pictures per second of the video", Range{1, 240});
+    visit("video", video, "Also write an .mp4 beside the pictures, when ffmpeg is installed");
+  }
+};
+
+struct NamedCamera {
+  std::string name;  ///< of the picture file, without extension
+  Camera camera;
+};
+
+/// The cameras of a path through a scene.
+std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const PhotoOptions& photo,
+                                     const RenderPathOptions& options);
+
+/// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out.mp4. A video that fails is a
+/// warning. Throws RunError when the folder cannot be written.
+void RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const std::filesystem::path& out,
+                   const RenderPathOptions& options, const Listener& listener);
+
+}  // namespace oraclegs

@@ -1,0 +1,114 @@
+#include "oraclegs/pipeline/run.h"
+
+#include <utility>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/scene/sfm.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<int> AllViews(const Scene& scene) {
+  std::vector<int> all(scene.views.size());
+  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+  return all;
+}
+
+Scene Register(Workspace* workspace, const Scene& photos, const Listener& listener) {
+  const std::string key = ViewsFingerprint(photos, AllViews(photos));
+  const bool done = workspace->IsDone("register", key);
+  if (!done) {
+    if (!workspace->Record("register").is_null())
+      listener(Warning{"the photographs have changed: poses are found anew"});
+    std::error_code ignored;  // what cannot be removed cannot be written either, which is told then
+    fs::remove_all(workspace->sfm(), ignored);
+  }
+  const StageClock clock("register", listener);
+  Scene scene = RegisterPhotos(photos, workspace->sfm(), listener);
+  const double seconds = clock.Finish();
+  if (!done) {
+    workspace->MarkDone("register", {{"key", key},
+                                     {"seconds", seconds},
+                                     {"photographs", photos.views.size()},
+                                     {"registered", scene.views.size()},
+                                     {"files", {"sfm"}}});
+  }
+  return scene;
+}
+
+void TellSplit(const nlohmann::json& split, const Listener& listener) {
+  for (const char* part : {"train", "test"}) {
+    const auto names = split.at(part).get<std::vector<std::string>>();
+    listener(Note{fmt::format("{} {} views{}{}", names.size(), std::string(part) == "train" ? "training" : "test",
+                              names.empty() ? "" : ": ", fmt::join(names, ", "))});
+  }
+}
+
+void WriteSplit(const Run& run) {
+  const nlohmann::json json = SplitToJson(run.scene, run.split);
+  TellSplit(json, run.listener);
+  WriteFileAtomically(run.workspace.split(), json.dump(2) + "\n");
+}
+
+Scene Read(const fs::path& root, const RunOptions& options, const Listener& listener) {
+  SceneReadOptions read;
+  read.images = options.input.images;
+  return ReadScene(root, read, listener);
+}
+
+Run WithPosesAndSplit(const RunRequest& request, Workspace workspace, Scene scene, const Listener& listener) {
+  if (!scene.HasPoses()) scene = Register(&workspace, scene, listener);
+  Split split = SplitViews(scene, request.options.split);
+  Run run{request.options, request.version, std::move(workspace), std::move(scene), std::move(split), listener};
+  WriteSplit(run);
+  return run;
+}
+
+}  // namespace
+
+std::vector<Camera> Run::TrainCameras() const {
+  std::vector<Camera> cameras;
+  for (const int i : split.train) cameras.push_back(WorkingCamera(scene.views[static_cast<size_t>(i)], options.photo));
+  return cameras;
+}
+
+Run StartRun(const RunRequest& request, const Listener& listener) {
+  CheckRunOptions(request.options);
+  RequireOutsideScene(request.out, request.scene);
+  Scene scene = Read(request.scene, request.options, listener);
+  // A registered photograph is not yet known, but what all of them together cannot fill is refused at once.
+  SplitViews(scene, request.options.split);
+  Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);
+  return WithPosesAndSplit(request, std::move(workspace), std::move(scene), listener);
+}
+
+Run OpenRun(const RunRequest& request, const Listener& listener) {
+  CheckRunOptions(request.options);
+  const SavedRun saved = ReadSavedRun(request.out);
+  const std::string difference = DescribeDifference(saved.options, request.options);
+  if (!difference.empty()) {
+    throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
+  }
+  Scene scene = Read(saved.scene, request.options, listener);
+  return WithPosesAndSplit(request, Workspace::Open(request.out), std::move(scene), listener);
+}
+
+StageClock::StageClock(std::string stage, const Listener& listener)
+    : stage_(std::move(stage)), listener_(listener), start_(std::chrono::steady_clock::now()) {
+  listener_(StageStarted{stage_});
+}
+
+double StageClock::Seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+double StageClock::Finish() const {
+  const double seconds = Seconds();
+  listener_(StageFinished{stage_, seconds});
+  return seconds;
+}
+
+}  // namespace oraclegs

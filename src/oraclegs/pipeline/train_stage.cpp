@@ -1,0 +1,109 @@
+#include "oraclegs/pipeline/train_stage.h"
+
+#include <optional>
+#include <utility>
+
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/start_points.h"
+#include "oraclegs/train/trainer.h"
+
+namespace oraclegs {
+namespace {
+
+std::string TrainKey(const Run& run) {
+  return Fingerprint()
+      .Add(ShapingOptionsToJson(run.options).dump())
+      .Add(ViewsFingerprint(run.scene, run.split.train))
+      .Hex();
+}
+
+std::vector<TrainView> LoadTrainViews(const Run& run) {
+  std::vector<TrainView> views;
+  for (const Photo& photo : LoadPhotos(run.scene, run.split.train, run.options.photo, run.listener)) {
+    views.push_back(ToTrainView(photo));
+  }
+  return views;
+}
+
+/// The newest checkpoint, when it belongs to these inputs; those of other photographs are removed.
+std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& saved_options) {
+  const auto path = NewestCheckpoint(run.workspace.checkpoints());
+  if (!path) return std::nullopt;
+  Checkpoint checkpoint = ReadCheckpoint(*path);
+  if (checkpoint.options == saved_options) {
+    run.listener(Note{fmt::format("continuing from iteration {} ({})", checkpoint.iteration, path->string())});
+    return checkpoint;
+  }
+  const std::string difference = DescribeDifference(checkpoint.options, run.options);
+  if (!difference.empty()) {
+    throw InputError(
+        "{}: was saved with other options ({}); give the same options to continue, or start anew with "
+        "--overwrite",
+        path->string(), difference);
+  }
+  run.listener(Warning{"the photographs or poses have changed since the last run: training starts anew"});
+  std::error_code error;
+  std::filesystem::remove_all(run.workspace.checkpoints(), error);
+  if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
+  return std::nullopt;
+}
+
+Gaussians StartGaussians(Run* run) {
+  const StartPoints start = RunSfm(run);
+  return InitializeGaussians(start.cloud, {run->options.train.init_scale, run->options.train.init_opacity});
+}
+
+nlohmann::json TimingsToJson(const TrainTimings& t) {
+  return {{"project", t.render.project},
+          {"bin", t.render.bin},
+          {"blend", t.render.blend},
+          {"blend_backward", t.render.blend_backward},
+          {"gaussian_backward", t.render.gaussian_backward},
+          {"loss", t.loss},
+          {"adam", t.adam},
+          {"refine", t.refine},
+          {"noise", t.noise},
+          {"total", t.total}};
+}
+
+}  // namespace
+
+bool IsTrained(const Run& run) { return run.workspace.IsDone("train", TrainKey(run)); }
+
+void RunTrain(Run* run) {
+  if (IsTrained(*run)) {
+    run->listener(Note{"train: nothing has changed, point_cloud.ply is kept"});
+    return;
+  }
+  const std::string key = TrainKey(*run);
+  nlohmann::json saved_options = ShapingOptionsToJson(run->options);
+  saved_options["inputs"] = key;
+  const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
+  Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run);
+
+  std::error_code ignored;  // scores of an older point cloud would be mistaken for those of the new one
+  std::filesystem::remove(run->workspace.metrics(), ignored);
+  const StageClock clock("train", run->listener);
+  const RunOptions& options = run->options;
+  Trainer trainer(options.train, options.start.seed, BackgroundColor(options.photo.background), LoadTrainViews(*run),
+                  std::move(start));
+  if (checkpoint) trainer.Restore(*checkpoint);
+  const double loading = clock.Seconds();
+  const TrainResult result = trainer.Run(
+      {run->workspace.checkpoints(), options.machine.checkpoint_every, std::move(saved_options)}, run->listener);
+  WriteGaussianPly(run->workspace.point_cloud(), trainer.gaussians(), options.train.sh_degree);
+  clock.Finish();
+  run->workspace.MarkDone("train", {{"key", key},
+                                    {"seconds", loading + result.seconds},
+                                    {"training_seconds", result.seconds},
+                                    {"iterations", result.iterations},
+                                    {"milliseconds_per_iteration", TimingsToJson(result.timings)},
+                                    {"gaussians", trainer.gaussians().size()},
+                                    {"peak_memory_bytes", PeakMemoryBytes()},
+                                    {"files", {"point_cloud.ply"}}});
+  run->listener(FileWritten{run->workspace.point_cloud()});
+}
+
+}  // namespace oraclegs
