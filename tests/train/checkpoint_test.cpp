@@ -1,0 +1,147 @@
+#include "oraclegs/train/checkpoint.h"
+
+#include <cstring>
+#include <fstream>
+
+#include "oraclegs/core/files.h"
+#include "support/golden.h"
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::HasSubstr;
+
+Checkpoint Example(int64_t n) {
+  Checkpoint c;
+  c.iteration = 1234;
+  c.gaussians = RandomGaussians(n, 1);
+  c.gaussians.means[0][0] = -0.f;
+  c.adam.m = RandomGaussians(n, 2);
+  c.adam.v = RandomGaussians(n, 3);
+  c.adam.step = 1233;
+  c.sampler = {{5, 0, 3}, {}, 0xfedcba9876543210};
+  c.seconds = 0.1 + 0.2;
+  c.loss = 1 / 3.0;
+  c.options = {{"iterations", 7000}, {"opacity-reg", 0.01}, {"path", "caf\u00e9"}, {"on", true}};
+  return c;
+}
+
+void ExpectSame(const Checkpoint& a, const Checkpoint& b) {
+  EXPECT_EQ(a.iteration, b.iteration);
+  EXPECT_TRUE(SameBits(a.gaussians, b.gaussians));
+  EXPECT_TRUE(SameBits(a.adam.m, b.adam.m));
+  EXPECT_TRUE(SameBits(a.adam.v, b.adam.v));
+  EXPECT_EQ(a.adam.step, b.adam.step);
+  EXPECT_EQ(a.sampler.photographs, b.sampler.photographs);
+  EXPECT_EQ(a.sampler.proposals, b.sampler.proposals);
+  EXPECT_EQ(a.sampler.counter, b.sampler.counter);
+  EXPECT_EQ(std::memcmp(&a.seconds, &b.seconds, sizeof(double)), 0);
+  EXPECT_EQ(std::memcmp(&a.loss, &b.loss, sizeof(double)), 0);
+  EXPECT_EQ(a.options, b.options);
+}
+
+void Overwrite(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+/// "" when the file is accepted, else the message of the InputError.
+std::string Refusal(const std::filesystem::path& path) {
+  try {
+    ReadCheckpoint(path);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(CheckpointTest, RoundTripIsExact) {
+  TempDir dir;
+  for (const int64_t n : {1, 2, 101}) {
+    const auto path = CheckpointPath(dir / "made", n);
+    const Checkpoint before = Example(n);
+    WriteCheckpoint(path, before);
+    ExpectSame(ReadCheckpoint(path), before);
+  }
+}
+
+TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {
+  TempDir dir;
+  WriteCheckpoint(dir / "c.safetensors", Example(3));
+  const auto file = SafetensorsFile::Open(dir / "c.safetensors");
+  EXPECT_THAT(file.Get("sh").shape, testing::ElementsAre(3, 16, 3));
+  EXPECT_THAT(file.Get("adam.v.quats").shape, testing::ElementsAre(3, 4));
+  EXPECT_EQ(file.metadata().at("iteration"), "1234");
+  EXPECT_EQ(file.metadata().at("format_version"), "1");
+}
+
+TEST(CheckpointTest, EveryFlippedByteIsFound) {
+  TempDir dir;
+  const auto path = dir / "c.safetensors";
+  WriteCheckpoint(path, Example(1));
+  const std::string good = ReadFile(path);
+  for (size_t at = 0; at < good.size(); ++at) {
+    for (const int bit : {0, 5, 7}) {
+      std::string bad = good;
+      bad[at] = static_cast<char>(bad[at] ^ (1 << bit));
+      Overwrite(path, bad);
+      ASSERT_THAT(Refusal(path), HasSubstr(path.string())) << "byte " << at << " bit " << bit;
+    }
+  }
+  Overwrite(path, good);
+  EXPECT_EQ(Refusal(path), "");
+}
+
+TEST(CheckpointTest, EveryTruncationIsFound) {
+  TempDir dir;
+  const auto path = dir / "c.safetensors";
+  WriteCheckpoint(path, Example(1));
+  const std::string good = ReadFile(path);
+  for (size_t size = 0; size < good.size(); size += size < 2000 ? 1 : 37) {
+    Overwrite(path, good.substr(0, size));
+    ASSERT_THAT(Refusal(path), HasSubstr(path.string())) << size;
+  }
+  Overwrite(path, good + "x");
+  EXPECT_NE(Refusal(path), "");
+}
+
+TEST(CheckpointTest, RefusesForeignFiles) {
+  TempDir dir;
+  EXPECT_THAT(Refusal(dir / "missing.safetensors"), HasSubstr("missing.safetensors"));
+  EXPECT_THAT(Refusal(GoldenDir() / "schedule.safetensors"), HasSubstr("not a checkpoint"));
+  Overwrite(dir / "huge", std::string(8, '\xff') + "crc32=00000000");
+  EXPECT_THAT(Refusal(dir / "huge"), HasSubstr("huge"));
+}
+
+TEST(CheckpointTest, NewestIsByNumberAndStrangersAreIgnored) {
+  TempDir dir;
+  EXPECT_FALSE(NewestCheckpoint(dir / "none").has_value());
+  EXPECT_FALSE(NewestCheckpoint(dir.path()).has_value());
+  for (const char* name :
+       {"iteration_0000900.safetensors", "iteration_10000000.safetensors", "iteration_0009000.safetensors",
+        "iteration_99999999.safetensors.tmp", "iteration_.safetensors", "iteration_9999999x.safetensors",
+        "iteration_-1.safetensors", "zzz.safetensors"}) {
+    Overwrite(dir / name, "");
+  }
+  EXPECT_EQ(NewestCheckpoint(dir.path()), dir / "iteration_10000000.safetensors");
+}
+
+TEST(CheckpointTest, KeepsTheTwoNewestOfThisRun) {
+  TempDir dir;
+  for (const int64_t i : {100, 200, 300, 400, 9000}) Overwrite(CheckpointPath(dir.path(), i), "");
+  Overwrite(dir / "notes.txt", "");
+  RemoveOldCheckpoints(dir.path(), 400);
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(dir.path())) left.push_back(entry.path().filename());
+  EXPECT_THAT(left, testing::UnorderedElementsAre("iteration_0000300.safetensors", "iteration_0000400.safetensors",
+                                                  "notes.txt"));
+}
+
+TEST(CheckpointTest, UnwritableFolderIsARunError) {
+  TempDir dir;
+  Overwrite(dir / "file", "");
+  EXPECT_THROW(WriteCheckpoint(dir / "file" / "c.safetensors", Example(1)), RunError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,69 @@
+#pragma once
+// What the tests of this floor share: random Gaussians, comparisons to the bit, every instruction set.
+
+#include <hwy/targets.h>
+
+#include <functional>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/gaussians/gaussians.h"
+
+namespace oraclegs {
+
+/// n Gaussians of sizes around exp(-2), opacities over (0, 1), all sh set.
+inline Gaussians RandomGaussians(int64_t n, uint64_t seed) {
+  auto generator = torch::make_generator<torch::CPUGeneratorImpl>(seed);
+  const auto normal = [&](std::vector<int64_t> shape) { return torch::randn(shape, generator); };
+  Gaussians g;
+  g.means = normal({n, 3});
+  g.log_scales = normal({n, 3}) * 0.5f - 2;
+  g.quats = normal({n, 4});
+  g.opacity_logits = normal({n}) * 3;
+  g.sh = normal({n, 16, 3}) * 0.3f;
+  return g;
+}
+
+inline Gaussians Copy(const Gaussians& gaussians) {
+  Gaussians copy = gaussians;
+  copy.ForEach([](const char*, Tensor& t) { t = t.clone(); });
+  return copy;
+}
+
+inline std::vector<Tensor> Tensors(const Gaussians& gaussians) {
+  std::vector<Tensor> all;
+  gaussians.ForEach([&](const char*, const Tensor& t) { all.push_back(t); });
+  return all;
+}
+
+inline bool SameBits(const Gaussians& a, const Gaussians& b) {
+  const auto x = Tensors(a), y = Tensors(b);
+  for (size_t i = 0; i < x.size(); ++i) {
+    if (x[i].sizes() != y[i].sizes() || !torch::equal(x[i].view(torch::kInt), y[i].view(torch::kInt))) return false;
+  }
+  return true;
+}
+
+/// Runs body once for every instruction set that this build has and this machine can run.
+inline void ForEachTarget(const std::function<void(int64_t target)>& body) {
+  const auto choose = [](int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  };
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    choose(target);
+    body(target);
+  }
+  choose(0);
+}
+
+/// Sets the number of threads for a scope.
+class Threads {
+ public:
+  explicit Threads(int n) : before_(NumThreads()) { SetNumThreads(n); }
+  ~Threads() { SetNumThreads(before_); }
+
+ private:
+  int before_;
+};
+
+}  // namespace oraclegs

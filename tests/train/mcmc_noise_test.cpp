@@ -1,0 +1,175 @@
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "oraclegs/core/rng.h"
+#include "oraclegs/train/mcmc.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr uint64_t kSeed = 0x123456789abcdef0;
+
+/// Identity rotation and unit scales, so that the displacement is the noise itself.
+Gaussians UnitGaussians(int64_t n, float logit) {
+  Gaussians g = Gaussians::Zeros(n);
+  g.quats.narrow(1, 0, 1).fill_(1.f);
+  g.opacity_logits.fill_(logit);
+  return g;
+}
+
+TEST(NoiseTest, MatchesGoldenOnEveryTarget) {
+  const SafetensorsFile golden = OpenGolden("mcmc_relocation");
+  const double lr = golden.Values<double>("noise_lr_xyz").at(0);
+  const Tensor epsilon = GoldenFloat(golden, "noise_epsilon");
+  const Tensor wanted = GoldenTensor(golden, "noise_displacement");
+  const Tensor wanted_means = GoldenTensor(golden, "noise_means_out");
+  ForEachTarget([&](int64_t target) {
+    Gaussians g = Gaussians::Zeros(epsilon.size(0));
+    g.log_scales = GoldenFloat(golden, "noise_log_scales");
+    g.quats = GoldenFloat(golden, "noise_quats");
+    g.opacity_logits = GoldenFloat(golden, "noise_opacity_logits");
+    AddNoiseFrom(epsilon, lr, &g);
+    const Tensor allowed = 2e-4 * wanted.abs() + 1e-6 * wanted.abs().max();
+    EXPECT_TRUE(((g.means.to(torch::kDouble) - wanted).abs() <= allowed).all().item<bool>()) << target;
+    g.means = GoldenFloat(golden, "noise_means");
+    AddNoiseFrom(epsilon, lr, &g);
+    const Tensor rounding = 1e-6 * wanted_means.abs();
+    EXPECT_TRUE(((g.means.to(torch::kDouble) - wanted_means).abs() <= allowed + rounding).all().item<bool>()) << target;
+  });
+}
+
+TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
+  constexpr int64_t kCount = 53, kIteration = 77;
+  constexpr double kRate = 1e-5;  // 5e5 times this is 5
+  constexpr double kPi = 3.14159265358979323846;
+  Tensor wanted = torch::empty({kCount, 3}, torch::kDouble);
+  for (int64_t i = 0; i < kCount; ++i) {
+    const Philox w = Philox::Draw(kSeed, static_cast<uint64_t>(RandomStream::kNoise), uint64_t{kIteration} << 32 | i);
+    const auto uniform = [&](int k) { return (static_cast<double>(w.x[k] >> 8) + 0.5) * 0x1.0p-24; };
+    const double r0 = std::sqrt(-2 * std::log(uniform(0))), r1 = std::sqrt(-2 * std::log(uniform(2)));
+    wanted[i][0] = 5 * r0 * std::cos(2 * kPi * uniform(1));
+    wanted[i][1] = 5 * r0 * std::sin(2 * kPi * uniform(1));
+    wanted[i][2] = 5 * r1 * std::cos(2 * kPi * uniform(3));
+  }
+  const double gate = 1 / (1 + std::exp(-0.5));  // opacity 0
+  ForEachTarget([&](int64_t target) {
+    Gaussians g = UnitGaussians(kCount, -40);
+    AddNoise(kSeed, kIteration, kRate, &g);
+    EXPECT_LT(MaxAbsError(g.means, gate * wanted), 2e-5) << target;
+  });
+}
+
+TEST(NoiseTest, IsStandardNormal) {
+  constexpr int64_t kCount = 100000;
+  Gaussians g = UnitGaussians(kCount, -40);
+  const double gate = 1 / (1 + std::exp(-0.5));
+  AddNoise(1, 9, 1 / (5e5 * gate), &g);
+  const Tensor x = g.means.to(torch::kDouble);
+  EXPECT_LT(x.mean(0).abs().max().item<double>(), 0.02);
+  const Tensor covariance = x.t().mm(x) / kCount;
+  EXPECT_LT(MaxAbsError(covariance, torch::eye(3)), 0.03);
+  EXPECT_NEAR(x.pow(4).mean().item<double>(), 3, 0.1);
+}
+
+TEST(NoiseTest, MultipliesByTheCovarianceItself) {
+  Gaussians g = RandomGaussians(31, 4);
+  g.opacity_logits.fill_(-40);
+  const Tensor before = g.means.to(torch::kDouble);
+  const Tensor epsilon = torch::ones({31, 3});
+  AddNoiseFrom(epsilon, 1e-6, &g);
+  const Tensor q = g.quats.to(torch::kDouble) / g.quats.to(torch::kDouble).norm(2, 1, true);
+  const double gate = 1 / (1 + std::exp(-0.5));
+  for (int64_t i = 0; i < 31; ++i) {
+    const Eigen::Quaterniond rotation(q[i][0].item<double>(), q[i][1].item<double>(), q[i][2].item<double>(),
+                                      q[i][3].item<double>());
+    Eigen::Vector3d scale;
+    for (int k = 0; k < 3; ++k) scale[k] = std::exp(g.log_scales[i][k].item<double>());
+    const Eigen::Matrix3d r = rotation.toRotationMatrix();
+    const Eigen::Vector3d wanted =
+        0.5 * gate * (r * scale.cwiseAbs2().asDiagonal() * r.transpose()) * Eigen::Vector3d::Ones();
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(g.means[i][k].item<double>() - before[i][k].item<double>(), wanted[k], 1e-6);
+    }
+  }
+}
+
+TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
+  Gaussians g = RandomGaussians(100, 4);
+  g.log_scales.fill_(2);
+  g.opacity_logits.narrow(0, 0, 99).fill_(0);  // gate exp(-49.5)
+  g.opacity_logits[99] = -6;
+  const Tensor before = g.means.clone();
+  AddNoise(1, 9, 1e-4, &g);
+  EXPECT_TRUE(torch::equal(g.means.narrow(0, 0, 99), before.narrow(0, 0, 99)));
+  EXPECT_FALSE(torch::equal(g.means[99], before[99]));
+}
+
+TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
+  const auto run = [](int threads) {
+    const Threads scope(threads);
+    Gaussians g = RandomGaussians(5003, 4);
+    AddNoise(1, 9, 1e-4, &g);
+    return g;
+  };
+  const Gaussians one = run(1);
+  EXPECT_TRUE(SameBits(one, run(2)));
+  EXPECT_TRUE(SameBits(one, run(5)));
+}
+
+TEST(NoiseTest, IterationAndSeedMatter) {
+  const auto run = [](uint64_t seed, int64_t iteration) {
+    Gaussians g = UnitGaussians(8, -40);
+    AddNoise(seed, iteration, 1e-4, &g);
+    return g.means;
+  };
+  EXPECT_TRUE(torch::equal(run(1, 5), run(1, 5)));
+  EXPECT_FALSE(torch::equal(run(1, 5), run(1, 6)));
+  EXPECT_FALSE(torch::equal(run(1, 5), run(2, 5)));
+}
+
+TEST(NoiseTest, RefusesEpsilonOfAnotherShape) {
+  Gaussians g = RandomGaussians(8, 4);
+  EXPECT_THROW(AddNoiseFrom(torch::zeros({7, 3}), 1e-4, &g), ShapeError);
+}
+
+TEST(RegularizerTest, AgreesWithAutogradOnEveryTarget) {
+  constexpr double kOpacityReg = 0.3, kScaleReg = 0.7;
+  for (const int64_t n : {1, 37, 3001}) {
+    const Gaussians g = RandomGaussians(n, 8);
+    const Tensor logits = g.opacity_logits.to(torch::kDouble).requires_grad_();
+    const Tensor log_scales = g.log_scales.to(torch::kDouble).requires_grad_();
+    const Tensor value = kOpacityReg * torch::sigmoid(logits).mean() + kScaleReg * log_scales.exp().mean();
+    value.backward();
+    const Gaussians start = RandomGaussians(n, 9);
+    ForEachTarget([&](int64_t target) {
+      Gaussians grads = Copy(start);
+      EXPECT_NEAR(AddRegularizers(g, kOpacityReg, kScaleReg, &grads), value.item<double>(), 1e-6) << target;
+      EXPECT_LT(MaxAbsError(grads.opacity_logits - start.opacity_logits, logits.grad()), 2e-6);
+      EXPECT_LT(MaxAbsError(grads.log_scales - start.log_scales, log_scales.grad()), 2e-6);
+      EXPECT_TRUE(torch::equal(grads.means, start.means) && torch::equal(grads.sh, start.sh));
+      // From zero, the gradient is seen without the rounding of the sum.
+      grads = Gaussians::Zeros(n);
+      AddRegularizers(g, kOpacityReg, kScaleReg, &grads);
+      EXPECT_LT(RelativeL2(grads.opacity_logits, logits.grad()), 1e-6) << target;
+      EXPECT_LT(RelativeL2(grads.log_scales, log_scales.grad()), 1e-6) << target;
+    });
+  }
+}
+
+TEST(RegularizerTest, ValueHasTheSameBitsForAnyNumberOfThreads) {
+  const Gaussians g = RandomGaussians(50001, 8);
+  const auto run = [&](int threads) {
+    const Threads scope(threads);
+    Gaussians grads = Gaussians::Zeros(g.size());
+    return AddRegularizers(g, 0.01, 0.01, &grads);
+  };
+  const double one = run(1);
+  EXPECT_EQ(one, run(2));
+  EXPECT_EQ(one, run(5));
+}
+
+}  // namespace
+}  // namespace oraclegs

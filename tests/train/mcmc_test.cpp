@@ -1,0 +1,246 @@
+#include "oraclegs/train/mcmc.h"
+
+#include <cmath>
+
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+float Logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
+
+Adam RandomMoments(int64_t n) {
+  Adam adam(n);
+  adam.m = RandomGaussians(n, 91);
+  adam.v = RandomGaussians(n, 92);
+  adam.step = 600;
+  return adam;
+}
+
+/// Row i of every tensor, one after the other.
+Tensor Row(const Gaussians& g, int64_t i) {
+  std::vector<Tensor> parts;
+  for (const Tensor& t : Tensors(g)) parts.push_back(t[i].reshape({-1}));
+  return torch::cat(parts);
+}
+
+bool IsCopy(const Gaussians& a, int64_t i, const Gaussians& b, int64_t j) {
+  return torch::equal(a.means[i], b.means[j]) && torch::equal(a.quats[i], b.quats[j]) && torch::equal(a.sh[i], b.sh[j]);
+}
+
+TEST(RelocateTest, MatchesGolden) {
+  const SafetensorsFile golden = OpenGolden("mcmc_relocation");
+  const auto opacities = golden.Values<double>("opacities");
+  const auto counts = golden.Values<int64_t>("counts");
+  const auto scales = golden.Values<double>("scales");
+  const auto new_opacities = golden.Values<double>("new_opacities");
+  const auto clamped = golden.Values<double>("new_opacities_clamped");
+  const auto logits = golden.Values<double>("new_opacity_logits");
+  const auto new_scales = golden.Values<double>("new_scales");
+  ASSERT_FALSE(opacities.empty());
+  for (size_t i = 0; i < opacities.size(); ++i) {
+    const Relocated r = Relocate(opacities[i], static_cast<int>(counts[i]));
+    EXPECT_NEAR(r.opacity_unclamped, new_opacities[i], 1e-5 * new_opacities[i]) << i;
+    EXPECT_NEAR(r.opacity, clamped[i], 1e-5 * clamped[i]) << i;
+    EXPECT_NEAR(std::log(r.opacity / (1 - r.opacity)), logits[i], 1e-4) << i;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double wanted = new_scales[3 * i + axis];
+      EXPECT_NEAR(r.scale_ratio * scales[3 * i + axis], wanted, 1e-5 * wanted) << i;
+    }
+  }
+}
+
+TEST(RelocateTest, AloneKeepsEverything) {
+  const Relocated r = Relocate(0.37, 1);
+  EXPECT_DOUBLE_EQ(r.opacity, 0.37);
+  EXPECT_DOUBLE_EQ(r.scale_ratio, 1);
+}
+
+TEST(RelocateTest, SharesComposeToTheOldOpacity) {
+  for (const int n : {2, 3, 10, 51}) {
+    const Relocated r = Relocate(0.9, n);
+    EXPECT_NEAR(std::pow(1 - r.opacity_unclamped, n), 0.1, 1e-12);
+    EXPECT_LT(r.scale_ratio, 1);
+  }
+}
+
+TEST(RelocateTest, EdgesStayFinite) {
+  EXPECT_DOUBLE_EQ(Relocate(0.5, 51).scale_ratio, Relocate(0.5, 500).scale_ratio);
+  for (const double o : {0.0, 1e-300, 1e-30, 0.005, 1 - 1e-16, 1.0}) {
+    for (const int n : {-1, 1, 2, 51}) {
+      const Relocated r = Relocate(o, n);
+      EXPECT_TRUE(std::isfinite(r.scale_ratio) && r.scale_ratio > 0) << o << " " << n;
+      EXPECT_GE(r.opacity, 0.005);
+      EXPECT_LT(r.opacity, 1);
+    }
+  }
+}
+
+TEST(RelocateDeadTest, DeadBecomeCopiesOfSources) {
+  constexpr int64_t kCount = 400;
+  const Gaussians before = RandomGaussians(kCount, 5);
+  for (int64_t i = 0; i < kCount; i += 7) before.opacity_logits[i] = Logit(0.001);
+  Gaussians after = Copy(before);
+  Adam adam = RandomMoments(kCount);
+  const Gaussians m_before = Copy(adam.m), v_before = Copy(adam.v);
+  const Tensor opacity = torch::sigmoid(before.opacity_logits.to(torch::kDouble));
+  const Tensor dead = opacity <= 0.005;
+  EXPECT_EQ(RelocateDead(3, 600, &after, &adam), dead.sum().item<int64_t>());
+  EXPECT_EQ(adam.step, 600);
+
+  std::vector<int> draws(kCount, 0);
+  for (int64_t i = 0; i < kCount; ++i) {
+    if (!dead[i].item<bool>()) continue;
+    int64_t source = -1;
+    for (int64_t j = 0; j < kCount && source < 0; ++j) {
+      if (IsCopy(after, i, before, j)) source = j;
+    }
+    ASSERT_GE(source, 0);
+    EXPECT_FALSE(dead[source].item<bool>());
+    EXPECT_TRUE(torch::equal(Row(after, i), Row(after, source)));  // opacity and scale as well
+    ++draws[source];
+    EXPECT_TRUE(torch::equal(Row(adam.m, i), Row(m_before, i)));  // the relocated keep their moments
+    EXPECT_TRUE(torch::equal(Row(adam.v, i), Row(v_before, i)));
+  }
+  for (int64_t j = 0; j < kCount; ++j) {
+    if (dead[j].item<bool>()) continue;
+    EXPECT_TRUE(IsCopy(after, j, before, j));
+    if (draws[j] == 0) {
+      EXPECT_TRUE(torch::equal(Row(after, j), Row(before, j)));
+      EXPECT_TRUE(torch::equal(Row(adam.m, j), Row(m_before, j)));
+      continue;
+    }
+    const Relocated r = Relocate(opacity[j].item<double>(), 1 + draws[j]);
+    EXPECT_NEAR(Sigmoid(after.opacity_logits[j].item<double>()), r.opacity, 1e-6);
+    const Tensor ratio = (after.log_scales[j] - before.log_scales[j]).exp();
+    EXPECT_LT(MaxAbsError(ratio, torch::full({3}, r.scale_ratio)), 1e-5);
+    EXPECT_EQ(Row(adam.m, j).abs().sum().item<float>(), 0);
+    EXPECT_EQ(Row(adam.v, j).abs().sum().item<float>(), 0);
+  }
+}
+
+TEST(RelocateDeadTest, NothingHappensWhenAllLiveOrAllAreDead) {
+  for (const double opacity : {0.5, 0.001}) {
+    Gaussians g = RandomGaussians(50, 5);
+    g.opacity_logits.fill_(Logit(opacity));
+    const Gaussians before = Copy(g);
+    Adam adam = RandomMoments(50);
+    EXPECT_EQ(RelocateDead(3, 600, &g, &adam), 0);
+    EXPECT_TRUE(SameBits(g, before));
+  }
+}
+
+TEST(RelocateDeadTest, NotANumberIsNeverASource) {
+  Gaussians g = RandomGaussians(20, 5);
+  g.opacity_logits.fill_(Logit(0.001));
+  g.opacity_logits[3] = Logit(0.4);
+  g.opacity_logits[7] = std::nanf("");
+  const Gaussians before = Copy(g);
+  Adam adam = RandomMoments(20);
+  EXPECT_EQ(RelocateDead(3, 600, &g, &adam), 19);
+  for (int64_t i = 0; i < 20; ++i) EXPECT_TRUE(IsCopy(g, i, before, 3));
+}
+
+TEST(RelocateDeadTest, SourcesAreDrawnByOpacity) {
+  constexpr int64_t kCount = 40003;
+  Gaussians g = RandomGaussians(kCount, 5);
+  g.opacity_logits.fill_(Logit(0.001));
+  g.opacity_logits[0] = Logit(0.2);
+  g.opacity_logits[1] = Logit(0.6);
+  g.opacity_logits[2] = Logit(0.8);
+  const Gaussians before = Copy(g);
+  Adam adam(kCount);
+  EXPECT_EQ(RelocateDead(3, 600, &g, &adam), kCount - 3);
+  const double draws = kCount - 3;
+  const double wanted[3] = {0.125, 0.375, 0.5};
+  for (int64_t j = 0; j < 3; ++j) {
+    const auto copies = (g.means == before.means[j]).all(1).sum().item<int64_t>() - 1;
+    EXPECT_NEAR(static_cast<double>(copies) / draws, wanted[j], 5 * std::sqrt(0.25 / draws));
+  }
+}
+
+TEST(AddGaussiansTest, AppendsCopiesWithZeroMoments) {
+  constexpr int64_t kCount = 230;
+  const Gaussians before = RandomGaussians(kCount, 5);
+  Gaussians after = Copy(before);
+  Adam adam = RandomMoments(kCount);
+  const Gaussians m_before = Copy(adam.m);
+  const Tensor opacity = torch::sigmoid(before.opacity_logits.to(torch::kDouble));
+  EXPECT_EQ(AddGaussians(3, 600, 100000, &after, &adam), 11);  // floor(1.05 * 230) = 241
+  ASSERT_EQ(after.size(), kCount + 11);
+  after.Check("after");
+  adam.m.Check("m");
+  ASSERT_EQ(adam.m.size(), kCount + 11);
+  ASSERT_EQ(adam.v.size(), kCount + 11);
+  std::vector<int> draws(kCount, 0);
+  for (int64_t i = kCount; i < after.size(); ++i) {
+    int64_t source = -1;
+    for (int64_t j = 0; j < kCount && source < 0; ++j) {
+      if (IsCopy(after, i, before, j)) source = j;
+    }
+    ASSERT_GE(source, 0);
+    ++draws[source];
+    EXPECT_TRUE(torch::equal(Row(after, i), Row(after, source)));
+    EXPECT_EQ(Row(adam.m, i).abs().sum().item<float>(), 0);
+    EXPECT_EQ(Row(adam.v, i).abs().sum().item<float>(), 0);
+  }
+  for (int64_t j = 0; j < kCount; ++j) {
+    EXPECT_TRUE(torch::equal(Row(adam.m, j), draws[j] ? torch::zeros_like(Row(m_before, j)) : Row(m_before, j)));
+    if (draws[j] == 0) {
+      EXPECT_TRUE(torch::equal(Row(after, j), Row(before, j)));
+      continue;
+    }
+    const Relocated r = Relocate(opacity[j].item<double>(), 1 + draws[j]);
+    EXPECT_NEAR(Sigmoid(after.opacity_logits[j].item<double>()), r.opacity, 1e-6);
+  }
+}
+
+TEST(AddGaussiansTest, GrowsByFivePercentToTheCap) {
+  Gaussians g = RandomGaussians(100, 5);
+  Adam adam(100);
+  std::vector<int64_t> sizes;
+  for (int i = 1; i <= 5; ++i) {
+    AddGaussians(3, 100 * i, 117, &g, &adam);
+    sizes.push_back(g.size());
+  }
+  EXPECT_THAT(sizes, testing::ElementsAre(105, 110, 115, 117, 117));
+  EXPECT_EQ(AddGaussians(3, 700, 50, &g, &adam), 0);  // more than the cap to begin with: none is lost
+  EXPECT_EQ(g.size(), 117);
+}
+
+TEST(AddGaussiansTest, NoOpacityNoGrowth) {
+  Gaussians g = RandomGaussians(100, 5);
+  g.opacity_logits.fill_(std::nanf(""));
+  Adam adam(100);
+  EXPECT_EQ(AddGaussians(3, 600, 1000, &g, &adam), 0);
+  EXPECT_EQ(g.size(), 100);
+}
+
+TEST(McmcTest, SameBitsForAnyNumberOfThreadsAndOtherBitsForAnotherIteration) {
+  const auto run = [](int threads, int64_t iteration) {
+    const Threads scope(threads);
+    Gaussians g = RandomGaussians(20000, 5);
+    g.opacity_logits.narrow(0, 100, 9000).fill_(-9.f);
+    Adam adam(g.size());
+    RelocateDead(3, iteration, &g, &adam);
+    AddGaussians(3, iteration, 100000, &g, &adam);
+    return g;
+  };
+  const Gaussians one = run(1, 600);
+  EXPECT_TRUE(SameBits(one, run(2, 600)));
+  EXPECT_TRUE(SameBits(one, run(5, 600)));
+  EXPECT_FALSE(SameBits(one, run(1, 700)));
+}
+
+TEST(McmcTest, RefusesMomentsOfAnotherSize) {
+  Gaussians g = RandomGaussians(10, 5);
+  Adam adam(9);
+  EXPECT_THROW(RelocateDead(3, 600, &g, &adam), ShapeError);
+  EXPECT_THROW(AddGaussians(3, 600, 100, &g, &adam), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,58 @@
+#include "oraclegs/train/schedule.h"
+
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kTolerance = 1e-6;  // relative
+
+TEST(ScheduleTest, MatchesGolden) {
+  const SafetensorsFile golden = OpenGolden("schedule");
+  const auto t = golden.Values<double>("t");
+  const auto iteration = golden.Values<int64_t>("iteration");
+  const double extent = golden.Values<double>("spatial_extent").at(0);
+  const auto expect = [&](const char* name, const std::function<double(int64_t, int64_t)>& f) {
+    const auto wanted = golden.Values<double>(name);
+    ASSERT_EQ(wanted.size(), t.size());
+    for (size_t k = 0; k < t.size(); ++k) {
+      // The run's length follows from t; where t is 0 any does.
+      const int64_t iterations = t[k] > 0 ? std::llround(static_cast<double>(iteration[k]) / t[k]) : 30000;
+      EXPECT_NEAR(f(iteration[k], iterations), wanted[k], kTolerance * std::abs(wanted[k])) << name << " " << t[k];
+    }
+  };
+  expect("p_synthetic", SyntheticProbability);
+  expect("p_photograph", PhotographProbability);
+  expect("depth_weight", DepthWeight);
+  expect("lr_xyz", [&](int64_t i, int64_t n) { return MeansLearningRate(i, n, extent); });
+  expect("active_sh_degree", [](int64_t i, int64_t) { return ActiveShDegree(i); });
+}
+
+TEST(ScheduleTest, ShDegreeRisesAtMultiplesOfTheInterval) {
+  EXPECT_EQ(ActiveShDegree(1), 0);
+  EXPECT_EQ(ActiveShDegree(999), 0);
+  EXPECT_EQ(ActiveShDegree(1000), 1);
+  EXPECT_EQ(ActiveShDegree(2999), 2);
+  EXPECT_EQ(ActiveShDegree(3000), 3);
+  EXPECT_EQ(ActiveShDegree(1000000), 3);
+  EXPECT_EQ(ActiveShDegree(20, 10), 2);
+}
+
+TEST(ScheduleTest, LearningRateEndsAreExactAndStayThere) {
+  EXPECT_DOUBLE_EQ(MeansLearningRate(0, 100, 2), 3.2e-4);
+  EXPECT_DOUBLE_EQ(MeansLearningRate(50, 100, 1), 1.6e-5);
+  EXPECT_DOUBLE_EQ(MeansLearningRate(100, 100, 1), 1.6e-6);
+  EXPECT_DOUBLE_EQ(MeansLearningRate(200, 100, 1), 1.6e-6);
+}
+
+TEST(ScheduleTest, ProposalsAreLikeliestAtAQuarter) {
+  const double peak = SyntheticProbability(250, 1000);
+  EXPECT_NEAR(peak, 0.20547, 1e-5);
+  for (int64_t i = 0; i <= 1000; ++i) {
+    EXPECT_LE(SyntheticProbability(i, 1000), peak);
+    EXPECT_NEAR(SyntheticProbability(i, 1000) + PhotographProbability(i, 1000), 1, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs
