@@ -1,0 +1,68 @@
+#include "oraclegs/scene/colmap_runner.h"
+
+#include <cstdio>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/scene/colmap_database.h"
+
+namespace oraclegs {
+namespace {
+
+/// Follows one command's lines: "Processed file [3/12]", "Matching block [1/1, 1/1]", "Registering image #7 (4)".
+class ProgressReader {
+ public:
+  ProgressReader(std::string what, const Listener& listener) : what_(std::move(what)), listener_(listener) {}
+
+  void operator()(const std::string& line) {
+    if (line.find_first_not_of(" \t") != std::string::npos) last_line_ = line;
+    int done = 0, total = 0;
+    if (std::sscanf(line.c_str(), "Processed file [%d/%d]", &done, &total) == 2) {
+      listener_(StepDone{"sfm", done, total, "photographs", what_});
+    } else if (std::sscanf(line.c_str(), "Matching block [%d/%d", &done, &total) == 2) {
+      listener_(StepDone{"sfm", done, total, "blocks", what_});
+    } else if (line.rfind("Registering image #", 0) == 0 || line.rfind("Triangulating image #", 0) == 0) {
+      listener_(StepDone{"sfm", ++images_, 0, "photographs", what_});
+    }
+  }
+
+  const std::string& last_line() const { return last_line_; }
+
+ private:
+  std::string what_;
+  const Listener& listener_;
+  std::string last_line_;
+  int images_ = 0;
+};
+
+}  // namespace
+
+void ColmapRunner::Run(const std::string& command, const ColmapOptions& options, const std::string& what) const {
+  std::vector<std::string> argv{"colmap", command, "--database_path", database().string()};
+  for (const auto& [name, value] : options) {
+    argv.push_back("--" + name);
+    argv.push_back(value);
+  }
+  ProgressReader progress(what, listener_);
+  const ProcessResult result =
+      RunProcess(argv, work_dir_ / "colmap.log", [&](const std::string& line) { progress(line); });
+  if (result.exit_code != 0) throw ColmapFailure{command, result.exit_code, progress.last_line()};
+}
+
+void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_masks) const {
+  ColmapOptions options{{"image_path", images().string()},
+                        {"ImageReader.single_camera_per_folder", "1"},
+                        {"ImageReader.camera_model", camera_model},
+                        {"SiftExtraction.use_gpu", "0"},
+                        {"SiftExtraction.num_threads", std::to_string(NumThreads())}};
+  if (has_masks) options["ImageReader.mask_path"] = (work_dir_ / "masks").string();
+  Run("feature_extractor", options, "finding features");
+}
+
+void ColmapRunner::MatchExhaustively() const {
+  ColmapOptions options{{"SiftMatching.use_gpu", "0"},
+                        {"SiftMatching.guided_matching", "1"},
+                        {"SiftMatching.num_threads", std::to_string(NumThreads())}};
+  Run("exhaustive_matcher", options, "matching");
+}
+
+}  // namespace oraclegs

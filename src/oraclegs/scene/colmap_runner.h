@@ -1,0 +1,44 @@
+#pragma once
+// Runs the colmap program's commands in a workspace folder and turns its output into events.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/core/subprocess.h"
+
+namespace oraclegs {
+
+/// A command of colmap ended with an error.
+struct ColmapFailure {
+  std::string command;
+  int exit_code = 0;
+  std::string last_line;  ///< of its output
+};
+
+using ColmapOptions = std::map<std::string, std::string>;  ///< "SiftMatching.use_gpu" -> "0"
+
+/// One workspace: work_dir/database.db, the photographs in work_dir/images, all output appended to work_dir/colmap.log.
+class ColmapRunner {
+ public:
+  ColmapRunner(std::filesystem::path work_dir, const Listener& listener)
+      : work_dir_(std::move(work_dir)), listener_(listener) {}
+
+  std::filesystem::path database() const { return work_dir_ / "database.db"; }
+  std::filesystem::path images() const { return work_dir_ / "images"; }
+
+  /// One camera per folder below images/; masks/ is used when has_masks.
+  void ExtractFeatures(const std::string& camera_model, bool has_masks) const;
+  /// Every pair of photographs, with guided matching. The same matches for any number of threads.
+  void MatchExhaustively() const;
+  /// Any command that works on the database. Throws ColmapFailure when it ends with an error; an interrupt ends it.
+  void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;
+
+ private:
+  std::filesystem::path work_dir_;
+  const Listener& listener_;
+};
+
+}  // namespace oraclegs

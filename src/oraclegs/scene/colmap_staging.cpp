@@ -1,0 +1,218 @@
+#include "oraclegs/scene/colmap_staging.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kHeaderBytes = 128 * 1024;  // an EXIF segment holds 64 KiB at most and stands near the start
+constexpr uint8_t kMaskThreshold = 128;
+
+std::string ReadHeader(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kHeaderBytes, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return bytes;
+}
+
+/// Whole numbers at any offset of a buffer; 0 past its end.
+class Numbers {
+ public:
+  Numbers(std::string_view bytes, bool big_endian) : bytes_(bytes), big_(big_endian) {}
+  uint32_t Get(size_t at, int size) const {
+    if (at > bytes_.size() || bytes_.size() - at < static_cast<size_t>(size)) return 0;
+    uint32_t value = 0;
+    for (int i = 0; i < size; ++i) value = value << 8 | static_cast<uint8_t>(bytes_[at + (big_ ? i : size - 1 - i)]);
+    return value;
+  }
+
+ private:
+  std::string_view bytes_;
+  bool big_;
+};
+
+/// The orientation tag of a TIFF header, 1 (upright) when there is none.
+uint32_t TiffOrientation(std::string_view tiff) {
+  constexpr uint32_t kOrientationTag = 0x0112;
+  const Numbers numbers(tiff, tiff.substr(0, 2) == "MM");
+  const size_t directory = numbers.Get(4, 4);
+  const uint32_t entries = numbers.Get(directory, 2);
+  for (uint32_t i = 0; i < entries; ++i) {
+    const size_t entry = directory + 2 + size_t{12} * i;
+    if (numbers.Get(entry, 2) == kOrientationTag) return numbers.Get(entry + 8, 2);
+  }
+  return 1;
+}
+
+bool TurnedByExif(std::string_view bytes) {
+  const Numbers numbers(bytes, true);
+  if (numbers.Get(0, 2) != 0xFFD8) return false;  // not a JPEG
+  for (size_t at = 2; at + 4 <= bytes.size();) {
+    const uint32_t marker = numbers.Get(at, 2), length = numbers.Get(at + 2, 2);
+    if (marker >> 8 != 0xFF || marker == 0xFFDA || length < 2) return false;
+    const std::string_view segment = bytes.substr(at + 4, length - 2);
+    if (marker == 0xFFE1 && segment.substr(0, 6) == std::string_view("Exif\0\0", 6)) {
+      const uint32_t orientation = TiffOrientation(segment.substr(6));
+      return orientation >= 2 && orientation <= 8;
+    }
+    at += 2 + size_t{length};
+  }
+  return false;
+}
+
+/// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
+bool MayBeTransparent(std::string_view bytes) {
+  if (bytes.size() < 26 || bytes.substr(1, 3) != "PNG") return false;
+  const int color_type = bytes[25];
+  return color_type == 3 || color_type == 4 || color_type == 6;
+}
+
+/// The name as one path component that colmap's text files can hold.
+std::string PlainName(const SceneView& view) {
+  std::string name = view.name;
+  for (char& c : name) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
+  }
+  if (name.empty() || name[0] == '.') name.insert(0, "_");
+  if (!HasImageExtension(name)) name += view.image_path.extension().string();
+  return name;
+}
+
+/// Views with equal keys were taken by one camera.
+using CameraKey = std::tuple<int, int, int, std::vector<double>>;
+
+CameraKey CameraKeyOf(const SceneView& view) {
+  if (!view.lens.params.empty()) {
+    return {static_cast<int>(view.lens.model), view.lens.width, view.lens.height, view.lens.params};
+  }
+  int width = 0, height = 0;
+  ReadImageSize(view.image_path, &width, &height);
+  return {-1, width, height, {}};
+}
+
+void PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
+  if (staged.turned) {
+    WritePng(target, ReadImage(view.image_path));
+    return;
+  }
+  std::error_code error;
+  fs::create_symlink(fs::absolute(view.image_path), target, error);
+  if (error) fs::copy_file(view.image_path, target, error);
+  if (error) throw RunError("{}: cannot be written: {}", target.string(), error.message());
+}
+
+/// 255 where features may be found; no data when they may be anywhere.
+Image8 FeatureMask(const SceneView& view) {
+  Image8 mask;
+  if (MayBeTransparent(ReadHeader(view.image_path))) {
+    const Image8 image = ReadImage(view.image_path);
+    if (image.channels == 4) {
+      mask = {image.width, image.height, 1, std::vector<uint8_t>(image.data.size() / 4)};
+      for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = image.data[4 * i + 3] < kMaskThreshold ? 0 : 255;
+    }
+  }
+  if (view.mask_path.empty()) return mask;
+  const Image8 drawn = ReadImage(view.mask_path);
+  if (mask.data.empty()) {
+    mask = {drawn.width, drawn.height, 1, std::vector<uint8_t>(drawn.data.size() / drawn.channels, 255)};
+  }
+  if (mask.width != drawn.width || mask.height != drawn.height) {
+    throw InputError("{}: is {} x {}, but its photograph is {} x {}; make them the same size", view.mask_path.string(),
+                     drawn.width, drawn.height, mask.width, mask.height);
+  }
+  for (size_t i = 0; i < mask.data.size(); ++i) {
+    if (drawn.data[i * drawn.channels] < kMaskThreshold) mask.data[i] = 0;
+  }
+  return mask;
+}
+
+nlohmann::json DescribeFile(const fs::path& path) {
+  if (path.empty()) return nullptr;
+  std::error_code error;
+  const auto bytes = fs::file_size(path, error);
+  const auto changed = fs::last_write_time(path, error).time_since_epoch().count();
+  return {{"path", fs::absolute(path).string()}, {"bytes", bytes}, {"changed", changed}};
+}
+
+}  // namespace
+
+std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views) {
+  std::vector<StagedView> plan;
+  std::vector<CameraKey> cameras;
+  std::set<std::string> taken;
+  for (const int v : views) {
+    const SceneView& view = scene.views.at(v);
+    const CameraKey key = CameraKeyOf(view);
+    const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
+    if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
+    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera,
+                      TurnedByExif(ReadHeader(view.image_path))};
+    if (staged.turned) staged.name += ".png";
+    if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
+      staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
+      taken.insert(staged.name);
+    }
+    plan.push_back(std::move(staged));
+  }
+  return plan;
+}
+
+bool StageImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                 const fs::path& work_dir) {
+  std::error_code error;
+  fs::remove_all(work_dir / "images", error);
+  fs::remove_all(work_dir / "masks", error);
+  for (const StagedView& staged : plan) {
+    fs::create_directories((work_dir / "images" / staged.name).parent_path(), error);
+    if (error) throw RunError("{}: cannot be made: {}", (work_dir / "images").string(), error.message());
+  }
+  std::vector<uint8_t> masked(views.size(), 0);
+  ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
+    const SceneView& view = scene.views.at(views[i]);
+    PlaceImage(view, plan[i], work_dir / "images" / plan[i].name);
+    const Image8 mask = FeatureMask(view);
+    if (mask.data.empty()) return;
+    WritePng(work_dir / "masks" / (plan[i].name + ".png"), mask);
+    masked[i] = 1;
+  });
+  return std::count(masked.begin(), masked.end(), 1) > 0;
+}
+
+nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views) {
+  nlohmann::json images = nlohmann::json::array();
+  for (const int v : views) {
+    const SceneView& view = scene.views.at(v);
+    nlohmann::json entry = {
+        {"name", view.name}, {"file", DescribeFile(view.image_path)}, {"mask", DescribeFile(view.mask_path)}};
+    if (!view.lens.params.empty()) {
+      entry["lens"] = {{"model", LensModelName(view.lens.model)},
+                       {"width", view.lens.width},
+                       {"height", view.lens.height},
+                       {"params", view.lens.params}};
+    }
+    if (view.cam_from_world) {
+      const Eigen::Matrix<double, 3, 4> pose = view.cam_from_world->matrix().topRows<3>();
+      for (int row = 0; row < 3; ++row) {
+        entry["cam_from_world"].push_back({pose(row, 0), pose(row, 1), pose(row, 2), pose(row, 3)});
+      }
+    }
+    images.push_back(std::move(entry));
+  }
+  return {{"format", 1}, {"images", std::move(images)}};
+}
+
+}  // namespace oraclegs
