@@ -12,8 +12,8 @@
 namespace oraclegs {
 namespace {
 
-/// Args: Gaussians, width, height, threads. Scales shrink with the count, as training makes them: the scene stays as deep
-/// in overlap as a trained one, about 8 contributing Gaussians a pixel.
+/// Args: Gaussians, width, height, threads. Scales shrink with the count, as training makes them: the scene stays as
+/// deep in overlap as a trained one, about 8 contributing Gaussians a pixel.
 void BM_RenderForwardBackward(benchmark::State& state) {
   const int64_t n = state.range(0);
   const int width = static_cast<int>(state.range(1)), height = static_cast<int>(state.range(2));

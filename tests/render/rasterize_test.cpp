@@ -72,7 +72,8 @@ TEST(RasterizeClosedForm, OneGaussianIsItsFormula) {
   Camera camera;
   camera.width = 40, camera.height = 30;
   camera.fx = 50, camera.fy = 60, camera.cx = 19.5, camera.cy = 15.25;
-  const RenderOutput out = MakeRasterizer(torch::kCPU)->Forward(g, camera, {{1, 0, 0}, 0, false}, RenderPass::kInference);
+  const RenderOutput out =
+      MakeRasterizer(torch::kCPU)->Forward(g, camera, {{1, 0, 0}, 0, false}, RenderPass::kInference);
   const double var_x = std::pow(50 / z * scale, 2) + 0.3, var_y = std::pow(60 / z * scale, 2) + 0.3;
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 40; ++x) {
@@ -100,7 +101,8 @@ TEST(RasterizeClosedForm, NothingInViewIsBackground) {
   Gaussians g = RandomGaussians(20, 0.1, 5);
   g.means.select(1, 2).neg_();
   auto rasterizer = MakeRasterizer(torch::kCPU);
-  const RenderOutput out = rasterizer->Forward(g, FrontCamera(20, 20), {{0.2f, 0.4f, 0.6f}, 3, false}, RenderPass::kTrain);
+  const RenderOutput out =
+      rasterizer->Forward(g, FrontCamera(20, 20), {{0.2f, 0.4f, 0.6f}, 3, false}, RenderPass::kTrain);
   EXPECT_LE(MaxAbsError(out.image, torch::tensor({0.2f, 0.4f, 0.6f}).expand({20, 20, 3})), 0);
   EXPECT_EQ(rasterizer->stats().visible, 0);
   Gaussians grads = Gaussians::Zeros(20);
@@ -220,8 +222,12 @@ TEST(RasterizePromises, HigherCoefficientsAreNeitherReadNorWritten) {
 TEST(RasterizePromises, OddParametersDoNoHarm) {
   // Infinite, denormal and undefined numbers must neither crash nor reach another Gaussian's pixels' bits.
   Gaussians g = RandomGaussians(64, 0.1, 4);
-  const float odd[] = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
-                       std::numeric_limits<float>::quiet_NaN(), 1e38f, -1e38f, 1e-40f};
+  const float odd[] = {std::numeric_limits<float>::infinity(),
+                       -std::numeric_limits<float>::infinity(),
+                       std::numeric_limits<float>::quiet_NaN(),
+                       1e38f,
+                       -1e38f,
+                       1e-40f};
   for (int i = 0; i < 6; ++i) {
     g.means.data_ptr<float>()[3 * i + i % 3] = odd[i];
     g.log_scales.data_ptr<float>()[3 * (i + 8)] = odd[i];

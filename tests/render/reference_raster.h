@@ -1,6 +1,7 @@
 #pragma once
-// The slow twin of the rasteriser: double precision, one pixel after another, every Gaussian tried on every pixel, straight
-// from spec/gaussian_core.md 3 to 5. No tiles, no bounds, no tricks. The per-Gaussian mathematics is the shared header.
+// The slow twin of the rasteriser: double precision, one pixel after another, every Gaussian tried on every pixel,
+// straight from spec/gaussian_core.md 3 to 5. No tiles, no bounds, no tricks. The per-Gaussian mathematics is the
+// shared header.
 
 #include <algorithm>
 #include <vector>
@@ -57,7 +58,8 @@ struct ReferenceScene {
     std::vector<Item> items;
     for (int64_t i = 0; i < size(); ++i) {
       const double *m = &means[3 * i], *s = &log_scales[3 * i], *q = &quats[4 * i];
-      const math::RawSplat<double> raw{{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, q[0], q[1], q[2], q[3], opacity_logits[i]};
+      const math::RawSplat<double> raw{{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, q[0], q[1], q[2], q[3],
+                                       opacity_logits[i]};
       Item item{math::Project(math::EvaluateChain(raw, cam, options.antialiased), cam), {}};
       if (item.p.z <= kNearPlane) continue;
       math::Vec3<double> d{m[0] - eye[0], m[1] - eye[1], m[2] - eye[2]};
@@ -80,8 +82,7 @@ struct ReferenceScene {
         double t = 1, c[3] = {}, inv_depth = 0;
         for (const Item& item : items) {
           const double dx = item.p.mx - (x + 0.5), dy = item.p.my - (y + 0.5);
-          const double power =
-              -0.5 * (item.p.conic_a * dx * dx + item.p.conic_c * dy * dy) - item.p.conic_b * dx * dy;
+          const double power = -0.5 * (item.p.conic_a * dx * dx + item.p.conic_c * dy * dy) - item.p.conic_b * dx * dy;
           const double alpha = std::min(0.99, item.p.opacity * std::exp(power));
           if (power > 0 || alpha < 1.0 / 255) continue;
           const double next = t * (1 - alpha);

@@ -1,16 +1,16 @@
 #pragma once
-// The constants of the rasteriser (spec/gaussian_core.md 3, 4), each once. Plain floats, so that kernels of every device
-// can include this.
+// The constants of the rasteriser (spec/gaussian_core.md 3, 4), each once. Plain floats, so that kernels of every
+// device can include this.
 
 namespace oraclegs {
 
-inline constexpr float kNearPlane = 0.2f;              // world units; nearer Gaussians are culled
-inline constexpr float kLowPass = 0.3f;                // px^2 added to the covariance's diagonal
-inline constexpr float kCompensationFloor = 2.5e-5f;   // under the root of the antialiasing factor
-inline constexpr float kAlphaMin = 1.f / 255;          // below one 8-bit step: skipped
-inline constexpr float kAlphaMax = 0.99f;              // the backward pass divides by 1 - alpha
-inline constexpr float kTransmittanceEnd = 1e-4f;      // what is left cannot move an 8-bit pixel
-inline constexpr float kFrustumMargin = 0.3f;          // clamp of the linearisation point, in half image widths
+inline constexpr float kNearPlane = 0.2f;             // world units; nearer Gaussians are culled
+inline constexpr float kLowPass = 0.3f;               // px^2 added to the covariance's diagonal
+inline constexpr float kCompensationFloor = 2.5e-5f;  // under the root of the antialiasing factor
+inline constexpr float kAlphaMin = 1.f / 255;         // below one 8-bit step: skipped
+inline constexpr float kAlphaMax = 0.99f;             // the backward pass divides by 1 - alpha
+inline constexpr float kTransmittanceEnd = 1e-4f;     // what is left cannot move an 8-bit pixel
+inline constexpr float kFrustumMargin = 0.3f;         // clamp of the linearisation point, in half image widths
 
 static_assert(255 * kTransmittanceEnd < 0.5f && kAlphaMax < 1);
 

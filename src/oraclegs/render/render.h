@@ -36,8 +36,8 @@ struct RenderGrads {
 
 /// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
 struct RenderTimings {
-  double project = 0, bin = 0, blend = 0;               ///< Forward
-  double blend_backward = 0, gaussian_backward = 0;     ///< Backward
+  double project = 0, bin = 0, blend = 0;            ///< Forward
+  double blend_backward = 0, gaussian_backward = 0;  ///< Backward
 };
 
 /// How much work the last Forward found.
@@ -56,8 +56,8 @@ class Rasterizer {
   virtual RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                                RenderPass pass) = 0;
 
-  /// Writes dL/d(raw parameter) of the last Forward(kTrain), with the same `gaussians`, into `grads` (same shapes; rows of
-  /// unseen Gaussians are zero). Of grads.sh only coefficients of the active degree are written.
+  /// Writes dL/d(raw parameter) of the last Forward(kTrain), with the same `gaussians`, into `grads` (same shapes; rows
+  /// of unseen Gaussians are zero). Of grads.sh only coefficients of the active degree are written.
   virtual void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) = 0;
 
   virtual RenderTimings timings() const = 0;

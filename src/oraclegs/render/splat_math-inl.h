@@ -28,11 +28,11 @@ namespace oraclegs::cuda {
 /// A pinhole camera as the kernels read it. T: float or double.
 template <class T>
 struct SplatCamera {
-  T r[9];                                  ///< world-to-camera rotation, row-major
-  T t[3];                                  ///< translation
-  T eye[3];                                ///< centre, -R' t
-  T fx, fy, cx, cy;                        ///< pixels
-  T min_u, max_u, min_v, max_v;            ///< clamp of the linearisation point (3.3)
+  T r[9];                        ///< world-to-camera rotation, row-major
+  T t[3];                        ///< translation
+  T eye[3];                      ///< centre, -R' t
+  T fx, fy, cx, cy;              ///< pixels
+  T min_u, max_u, min_v, max_v;  ///< clamp of the linearisation point (3.3)
 };
 
 /// Raw parameters of one Gaussian without SH.
@@ -45,23 +45,23 @@ struct RawSplat {
 /// What the rasteriser needs of one Gaussian, and intermediate values that its derivative reads again.
 template <class F>
 struct ProjectedSplat {
-  F mx, my;                       ///< projected centre, px
-  F z;                            ///< camera depth
-  F conic_a, conic_b, conic_c;    ///< inverse covariance, 1/px^2
-  F cov_a, cov_c;                 ///< diagonal of the dilated covariance, px^2
-  F opacity;                      ///< effective
+  F mx, my;                     ///< projected centre, px
+  F z;                          ///< camera depth
+  F conic_a, conic_b, conic_c;  ///< inverse covariance, 1/px^2
+  F cov_a, cov_c;               ///< diagonal of the dilated covariance, px^2
+  F opacity;                    ///< effective
 };
 
 /// The chain from raw parameters to the 2-D covariance, kept for the derivative.
 template <class F>
 struct SplatChain {
-  Vec3<F> cam;          ///< camera-space centre
-  F u, v, cu, cv;       ///< x/z, y/z and their clamped values
+  Vec3<F> cam;     ///< camera-space centre
+  F u, v, cu, cv;  ///< x/z, y/z and their clamped values
   Vec3<F> scale;
   F qw, qx, qy, qz, inv_norm;
-  F w[9];               ///< R_w R(q)
-  F m[9];               ///< w times the scales, column by column
-  F n0[3], n1[3];       ///< rows of J m: the square root of the covariance
+  F w[9];          ///< R_w R(q)
+  F m[9];          ///< w times the scales, column by column
+  F n0[3], n1[3];  ///< rows of J m: the square root of the covariance
   F a0, b, c0, det0, a, c, det;
   F opacity, compensation, ratio;
 };
@@ -99,7 +99,8 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
   const F s[3] = {c.scale.x, c.scale.y, c.scale.z};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      c.w[3 * i + j] = F(camera.r[3 * i]) * q[j] + F(camera.r[3 * i + 1]) * q[3 + j] + F(camera.r[3 * i + 2]) * q[6 + j];
+      c.w[3 * i + j] =
+          F(camera.r[3 * i]) * q[j] + F(camera.r[3 * i + 1]) * q[3 + j] + F(camera.r[3 * i + 2]) * q[6 + j];
       c.m[3 * i + j] = c.w[3 * i + j] * s[j];
     }
   }
@@ -130,8 +131,14 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
 template <class F, class T>
 ORACLEGS_HD inline ProjectedSplat<F> Project(const SplatChain<F>& c, const SplatCamera<T>& camera) {
   const F inv_det = F(1.f) / c.det;
-  return {F(camera.fx) * c.u + F(camera.cx), F(camera.fy) * c.v + F(camera.cy), c.cam.z, c.c * inv_det,
-          -c.b * inv_det,                    c.a * inv_det,                     c.a,     c.c,
+  return {F(camera.fx) * c.u + F(camera.cx),
+          F(camera.fy) * c.v + F(camera.cy),
+          c.cam.z,
+          c.c * inv_det,
+          -c.b * inv_det,
+          c.a * inv_det,
+          c.a,
+          c.c,
           c.opacity * c.compensation};
 }
 

@@ -95,7 +95,8 @@ HWY_INLINE void BackwardBlock(const Segment& segment, int block, int32_t first, 
       behind[v] = hn::MulAdd(alpha, difference, behind[v]);
       hn::Store(weight, d, w + v * kLanes);
       // At the cap alpha no longer moves with the Gaussian.
-      hn::Store(hn::IfThenZeroElse(hn::Ge(c.raw, hn::Set(d, kAlphaMax)), hn::Mul(weight, difference)), d, h + v * kLanes);
+      hn::Store(hn::IfThenZeroElse(hn::Ge(c.raw, hn::Set(d, kAlphaMax)), hn::Mul(weight, difference)), d,
+                h + v * kLanes);
     }
     if (any) Accumulate(h, w, *state, records + static_cast<int64_t>(first + positions[j]) * cpu::kGradStride);
   }
@@ -171,8 +172,8 @@ HWY_EXPORT(BlendTileBackward);
 namespace cpu {
 void BlendTileBackward(const Splat* splats, const TileEntry* entries, int64_t count, int tile_x, int tile_y,
                        int64_t tile, const BlendImage& forward, const BlendUpstream& upstream, float* records) {
-  HWY_DYNAMIC_DISPATCH(oraclegs::BlendTileBackward)(splats, entries, count, tile_x, tile_y, tile, forward, upstream,
-                                                    records);
+  HWY_DYNAMIC_DISPATCH(oraclegs::BlendTileBackward)
+  (splats, entries, count, tile_x, tile_y, tile, forward, upstream, records);
 }
 }  // namespace cpu
 }  // namespace oraclegs

@@ -41,7 +41,8 @@ HWY_NOINLINE int64_t CoveredTiles(const cpu::Splat& s, const cpu::TileRect& rect
   int64_t n = 0;
   for (int ty = rect.y0; ty < rect.y1; ++ty) {
     for (int tx = rect.x0; tx < rect.x1; ++tx) {
-      const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx), corner_y(static_cast<float>(ty * cpu::kTile) - s.my);
+      const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx),
+          corner_y(static_cast<float>(ty * cpu::kTile) - s.my);
       uint32_t mask = 0;
       for (int v = 0; v < 16; v += kLanes) {
         const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;

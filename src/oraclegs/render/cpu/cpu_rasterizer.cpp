@@ -85,8 +85,9 @@ class CpuRasterizer final : public Rasterizer {
       splats_.resize(n);
       rects_.resize(n);
     }
-    ParallelBlocks(n, kProjectGrain,
-                   [&](int64_t begin, int64_t end) { ProjectSplats(input_, begin, end, splats_.data(), rects_.data()); });
+    ParallelBlocks(n, kProjectGrain, [&](int64_t begin, int64_t end) {
+      ProjectSplats(input_, begin, end, splats_.data(), rects_.data());
+    });
     timings_.project = clock.Lap();
 
     lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);

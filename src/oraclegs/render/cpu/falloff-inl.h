@@ -50,8 +50,8 @@ struct BlockPixels {
 };
 
 struct Coverage {
-  FloatVec alpha;   ///< capped; meaningless where not covered
-  FloatVec raw;     ///< before the cap
+  FloatVec alpha;  ///< capped; meaningless where not covered
+  FloatVec raw;    ///< before the cap
   FloatMask covered;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Instruction sets that the kernels are not built for: their vectors have no compile-time size, which lanes-inl.h needs,
-// and HWY_SCALAR exists for compilers we do not support.
+// Instruction sets that the kernels are not built for: their vectors have no compile-time size, which lanes-inl.h
+// needs.
 
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)

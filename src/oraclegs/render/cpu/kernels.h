@@ -8,11 +8,11 @@
 
 namespace oraclegs::cpu {
 
-inline constexpr int kTile = 16;            ///< pixels a side
-inline constexpr int kBlock = 4;            ///< pixels a side
+inline constexpr int kTile = 16;  ///< pixels a side
+inline constexpr int kBlock = 4;  ///< pixels a side
 inline constexpr int kTilePixels = kTile * kTile;
 inline constexpr int kBlocksPerTile = 16;
-inline constexpr int kGradStride = 16;      ///< floats of one pair's gradient record (one cache line)
+inline constexpr int kGradStride = 16;  ///< floats of one pair's gradient record (one cache line)
 
 /// One Gaussian as the blend loop reads it. The falloff is exp2(log2_opacity + qxx dx^2 + qxy dx dy + qyy dy^2), d from
 /// the centre in pixels; log2(e) and the factors 1/2 are folded into q.
@@ -61,11 +61,11 @@ int64_t CoveredTiles(const Splat& splat, const TileRect& rect, uint32_t id, int 
 struct BlendImage {
   int width, height;
   float background[3];
-  float* image;            ///< [H,W,3]
-  float* alpha;            ///< [H,W]
-  float* inv_depth;        ///< [H,W]
-  float* transmittance;    ///< [tiles, 16 blocks, 16 pixels] final T, or null
-  uint32_t* last;          ///< the same layout: 1 + position in the tile's list of the last contributor, or null
+  float* image;          ///< [H,W,3]
+  float* alpha;          ///< [H,W]
+  float* inv_depth;      ///< [H,W]
+  float* transmittance;  ///< [tiles, 16 blocks, 16 pixels] final T, or null
+  uint32_t* last;        ///< the same layout: 1 + position in the tile's list of the last contributor, or null
 };
 
 /// Blends one tile's list, near to far (spec/gaussian_core.md 4).

@@ -15,7 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// 16 lanes at most: a block of 4 x 4 pixels or tiles' blocks is one vector on AVX-512, two on AVX2, four on SSE4 and NEON.
+/// 16 lanes at most: a block of 4 x 4 pixels or tiles' blocks is one vector on AVX-512, two on AVX2, four on SSE4 and
+/// NEON.
 using FloatTag = hn::CappedTag<float, 16>;
 using IntTag = hn::RebindToSigned<FloatTag>;
 using FloatVec = hn::Vec<FloatTag>;
@@ -31,8 +32,8 @@ struct Lanes {
   FloatVec v;
 
   HWY_INLINE Lanes() = default;
-  HWY_INLINE Lanes(FloatVec x) : v(x) {}                               // NOLINT: implicit as between numbers
-  HWY_INLINE Lanes(float x) : v(hn::Set(FloatTag(), x)) {}             // NOLINT
+  HWY_INLINE Lanes(FloatVec x) : v(x) {}                                         // NOLINT: implicit as between numbers
+  HWY_INLINE Lanes(float x) : v(hn::Set(FloatTag(), x)) {}                       // NOLINT
   HWY_INLINE Lanes(double x) : v(hn::Set(FloatTag(), static_cast<float>(x))) {}  // NOLINT
 };
 

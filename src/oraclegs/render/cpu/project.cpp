@@ -13,6 +13,7 @@
 
 #include "oraclegs/render/cpu/kernels.h"
 #include "oraclegs/render/cpu/lanes-inl.h"
+#include "oraclegs/render/cpu/rows-inl.h"
 #include "oraclegs/render/splat_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -20,26 +21,6 @@ namespace oraclegs::HWY_NAMESPACE {
 
 inline constexpr float kLog2E = 1.442695040888963f;
 inline constexpr int kShFloats = 48;  // 16 coefficients of 3 channels
-
-/// `count` rows of `kColumns` floats from a row-major array, one row a lane; the last row fills the lanes past the end.
-template <int kColumns>
-HWY_INLINE void LoadRows(const float* HWY_RESTRICT rows, int count, Lanes* HWY_RESTRICT columns) {
-  HWY_ALIGN float buffer[kColumns * kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const float* row = rows + static_cast<int64_t>(lane < count ? lane : count - 1) * kColumns;
-    for (int c = 0; c < kColumns; ++c) buffer[c * kLanes + lane] = row[c];
-  }
-  for (int c = 0; c < kColumns; ++c) columns[c] = hn::Load(FloatTag(), buffer + c * kLanes);
-}
-
-template <int kColumns>
-HWY_INLINE void StoreRows(const Lanes* HWY_RESTRICT columns, int count, float* HWY_RESTRICT rows) {
-  HWY_ALIGN float buffer[kColumns * kLanes];
-  for (int c = 0; c < kColumns; ++c) hn::Store(columns[c].v, FloatTag(), buffer + c * kLanes);
-  for (int lane = 0; lane < count; ++lane) {
-    for (int c = 0; c < kColumns; ++c) rows[static_cast<int64_t>(lane) * kColumns + c] = buffer[c * kLanes + lane];
-  }
-}
 
 HWY_INLINE RawSplat<Lanes> LoadRaw(const cpu::ProjectInput& in, int64_t i, int count) {
   Lanes mean[3], scale[3], quat[4], logit[1];
@@ -60,16 +41,15 @@ HWY_INLINE SplatCamera<float> CameraOf(const cpu::ProjectInput& in) {
   return c;
 }
 
-/// Gathers coefficient `k`, channel `c` for the lanes' Gaussians.
-struct ShReader {
-  const float* base;
-  IntVec offset;
-  HWY_INLINE ShReader(const float* sh, int64_t i, int count) : base(sh + i * kShFloats) {
-    const IntTag di;
-    const IntVec last = hn::Set(di, count - 1);
-    offset = hn::Mul(hn::Min(hn::Iota(di, 0), last), hn::Set(di, kShFloats));
+/// The lanes' SH rows, one vector a coefficient and channel.
+struct ShColumns {
+  FloatVec v[kShFloats];
+
+  static HWY_INLINE int Tiles(int coefficients) { return (3 * coefficients + kLanes - 1) / kLanes; }
+  HWY_INLINE void Load(const float* sh, int64_t i, int count, int coefficients) {
+    LoadWideRows(sh + i * kShFloats, kShFloats, count, Tiles(coefficients), v);
   }
-  HWY_INLINE Lanes Get(int k, int c) const { return hn::GatherIndex(FloatTag(), base + 3 * k + c, offset); }
+  HWY_INLINE Lanes Get(int k, int c) const { return v[3 * k + c]; }
 };
 
 HWY_INLINE Vec3<Lanes> ViewDirection(const Vec3<Lanes>& mean, const SplatCamera<float>& camera, Lanes* inv_distance) {
@@ -79,7 +59,7 @@ HWY_INLINE Vec3<Lanes> ViewDirection(const Vec3<Lanes>& mean, const SplatCamera<
 }
 
 /// Colour before the clamp at zero.
-HWY_INLINE Vec3<Lanes> RawColor(const ShReader& sh, const Lanes* basis, int coefficients) {
+HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coefficients) {
   Vec3<Lanes> c{Lanes(0.5f), Lanes(0.5f), Lanes(0.5f)};
   for (int k = 0; k < coefficients; ++k) {
     c.x = hn::MulAdd(basis[k].v, sh.Get(k, 0).v, c.x.v);
@@ -100,6 +80,17 @@ cpu::TileRect RectOf(const cpu::ProjectInput& in, float mx, float my, float rx, 
   return {static_cast<uint16_t>(left / cpu::kTile), static_cast<uint16_t>(top / cpu::kTile),
           static_cast<uint16_t>(static_cast<int>(std::min(x1, right)) / cpu::kTile + 1),
           static_cast<uint16_t>(static_cast<int>(std::min(y1, bottom)) / cpu::kTile + 1)};
+}
+
+HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::Splat* splats) {
+  constexpr int kFields = sizeof(cpu::Splat) / sizeof(float);
+  float* HWY_RESTRICT to = reinterpret_cast<float*>(splats);
+  for (int first = 0; first < kFields; first += 4) {
+    HWY_ALIGN float quads[4 * kLanes];
+    StoreRows<4>(columns + first, kLanes, quads);
+    for (int lane = 0; lane < count; ++lane)
+      std::memcpy(to + lane * kFields + first, quads + 4 * lane, 4 * sizeof(float));
+  }
 }
 
 HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int64_t end, cpu::Splat* splats,
@@ -132,7 +123,9 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
 
     Lanes basis[16], inv_distance;
     ShBasis(in.sh_degree, ViewDirection(raw.mean, camera, &inv_distance), basis);
-    const Vec3<Lanes> color = RawColor(ShReader(in.sh, i, count), basis, coefficients);
+    ShColumns sh;
+    sh.Load(in.sh, i, count, coefficients);
+    const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
     const Lanes columns[12] = {p.mx,
                                p.my,
                                Lanes(-0.5f * kLog2E) * p.conic_a,
@@ -145,7 +138,7 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
                                Lanes(1.f) / p.z,
                                p.z,
                                p.opacity};
-    StoreRows<12>(columns, count, reinterpret_cast<float*>(splats + i));
+    StoreSplats(columns, count, splats + i);
   }
 }
 
@@ -186,45 +179,56 @@ HWY_INLINE void ZeroRows(const cpu::GradOutput& out, int64_t i, int count, int c
   }
 }
 
+/// Neighbouring Gaussians in the lanes of one vector.
+struct LaneGroup {
+  int64_t first;   ///< row of lane 0
+  int count;       ///< rows; later lanes repeat the last
+  LanesMask seen;  ///< reached a pixel; elsewhere results may be undefined and must come out as zero
+};
+
+HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const LaneGroup& group, int coefficients,
+                                float* sh_grad) {
+  const Lanes zero(0.f);
+  FloatVec columns[kShFloats];
+  for (int k = 0; k < coefficients; ++k) {
+    const Lanes b = Select(group.seen, basis[k], zero);  // the direction of an unseen one may be undefined
+    columns[3 * k] = (b * g.x).v;
+    columns[3 * k + 1] = (b * g.y).v;
+    columns[3 * k + 2] = (b * g.z).v;
+  }
+  float* rows = sh_grad + group.first * kShFloats;
+  const int whole = 3 * coefficients / kLanes, rest = 3 * coefficients % kLanes;
+  StoreWideRows(columns, kShFloats, group.count, whole, rows);
+  if (rest == 0) return;
+  // Columns above the active degree are not ours to write.
+  HWY_ALIGN float buffer[kLanes * kLanes];
+  FloatVec* last = columns + whole * kLanes;
+  for (int c = rest; c < kLanes; ++c) last[c] = zero.v;
+  StoreWideRows(last, kLanes, kLanes, 1, buffer);
+  for (int lane = 0; lane < group.count; ++lane) {
+    std::memcpy(rows + lane * kShFloats + whole * kLanes, buffer + lane * kLanes, sizeof(float) * rest);
+  }
+}
+
 /// Gradient rows of SH, and the part of d/d(mean) that comes through the viewing direction (6.4).
-HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const cpu::PairRange* ranges,
-                                     const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color, int64_t i, int count,
-                                     float* sh_grad) {
-  const FloatTag d;
+HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
+                                     const LaneGroup& group, float* sh_grad) {
   const SplatCamera<float> camera = CameraOf(in);
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
   Lanes basis[16], inv_distance;
   const Vec3<Lanes> direction = ViewDirection(mean, camera, &inv_distance);
   ShBasis(in.sh_degree, direction, basis);
-  const ShReader sh(in.sh, i, count);
+  ShColumns sh;
+  sh.Load(in.sh, group.first, group.count, coefficients);
   const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
   const Lanes zero(0.f);
   const Vec3<Lanes> g{Select(color.x > zero, g_color.x, zero), Select(color.y > zero, g_color.y, zero),
                       Select(color.z > zero, g_color.z, zero)};
 
-  HWY_ALIGN float b[16 * kLanes], rgb[3 * kLanes];
   Lanes weight[16];
-  for (int k = 0; k < coefficients; ++k) {
-    hn::Store(basis[k].v, d, b + k * kLanes);
-    if (k > 0) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
-  }
-  hn::Store(g.x.v, d, rgb);
-  hn::Store(g.y.v, d, rgb + kLanes);
-  hn::Store(g.z.v, d, rgb + 2 * kLanes);
-  for (int lane = 0; lane < count; ++lane) {
-    float* HWY_RESTRICT row = sh_grad + (i + lane) * kShFloats;
-    if (ranges[i + lane].count == 0) {  // its direction may be undefined
-      std::memset(row, 0, sizeof(float) * 3 * coefficients);
-      continue;
-    }
-    for (int k = 0; k < coefficients; ++k) {
-      const float basis_k = b[k * kLanes + lane];
-      row[3 * k] = basis_k * rgb[lane];
-      row[3 * k + 1] = basis_k * rgb[kLanes + lane];
-      row[3 * k + 2] = basis_k * rgb[2 * kLanes + lane];
-    }
-  }
+  for (int k = 1; k < coefficients; ++k) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
   const Vec3<Lanes> gd = ShGradient(in.sh_degree, direction, weight);
+  StoreShGradient(basis, g, group, coefficients, sh_grad);
   const Lanes radial = Dot(direction, gd);
   return {(gd.x - direction.x * radial) * inv_distance, (gd.y - direction.y * radial) * inv_distance,
           (gd.z - direction.z * radial) * inv_distance};
@@ -246,8 +250,8 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     HWY_ALIGN float m[11 * kLanes] = {};
     for (int lane = 0; lane < count; ++lane) {
       const Moments s = SumRecords(grads, in.tiles_x, i + lane);
-      const float values[11] = {s.h, s.x, s.y, s.xx, s.xy, s.yy, s.r, s.g, s.b, s.inv_z,
-                                grads.ranges[i + lane].count > 0 ? 1.f : 0.f};
+      const float values[11] = {
+          s.h, s.x, s.y, s.xx, s.xy, s.yy, s.r, s.g, s.b, s.inv_z, grads.ranges[i + lane].count > 0 ? 1.f : 0.f};
       for (int c = 0; c < 11; ++c) m[c * kLanes + lane] = values[c];
     }
     const auto column = [&](int c) HWY_ATTR { return Lanes(hn::Load(d, m + c * kLanes)); };
@@ -265,12 +269,11 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     g.opacity = column(0) / p.opacity;
     g.inv_z = column(9);
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, in.antialiased, g);
-    const Vec3<Lanes> through_color =
-        ColorBackward(in, grads.ranges, raw.mean, {column(6), column(7), column(8)}, i, count, out.sh);
+    const LaneGroup group{i, count, column(10) > Lanes(0.f)};
+    const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {column(6), column(7), column(8)}, group, out.sh);
 
     // Lanes without records hold zeros or, behind the camera, whatever a division by zero gave.
-    const LanesMask seen = column(10) > Lanes(0.f);
-    const auto keep = [&](Lanes value) HWY_ATTR { return Select(seen, value, Lanes(0.f)); };
+    const auto keep = [&](Lanes value) HWY_ATTR { return Select(group.seen, value, Lanes(0.f)); };
     const Lanes means[3] = {keep(raw_grad.mean.x + through_color.x), keep(raw_grad.mean.y + through_color.y),
                             keep(raw_grad.mean.z + through_color.z)};
     const Lanes scales[3] = {keep(raw_grad.log_scale.x), keep(raw_grad.log_scale.y), keep(raw_grad.log_scale.z)};

@@ -75,8 +75,9 @@ void TileLists::Build(const Splat* splats, const TileRect* rects, int64_t n, int
   for (int64_t i = 0; i < visible; ++i) candidate_begin_[i + 1] = candidate_begin_[i] + rects[order[i]].Count();
   const int64_t candidates = candidate_begin_[visible];
   if (candidates > UINT32_MAX) {
-    throw RunError("{} Gaussians cover {} tiles in one view, more than 2^32: lower --max-gaussians or raise --downscale",
-                   visible, candidates);
+    throw RunError(
+        "{} Gaussians cover {} tiles in one view, more than 2^32: lower --max-gaussians or raise --downscale", visible,
+        candidates);
   }
   Grow(&local_entries_, candidates);
   Grow(&pair_tile, candidates);
@@ -93,8 +94,7 @@ void TileLists::Build(const Splat* splats, const TileRect* rects, int64_t n, int
     for (int64_t i = visible * c / chunks; i < visible * (c + 1) / chunks; ++i) {
       const uint32_t id = order[i];
       const int64_t begin = candidate_begin_[i];
-      const int64_t count =
-          CoveredTiles(splats[id], rects[id], id, tiles_x, &local_entries_[begin], &pair_tile[begin]);
+      const int64_t count = CoveredTiles(splats[id], rects[id], id, tiles_x, &local_entries_[begin], &pair_tile[begin]);
       for (int64_t j = begin; j < begin + count; ++j) ++counts[pair_tile[j]];
       ranges[id] = {static_cast<uint32_t>(begin), static_cast<uint32_t>(count)};
     }

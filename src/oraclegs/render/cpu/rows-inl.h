@@ -1,0 +1,126 @@
+// Rows of numbers in memory <-> one row a lane: square transposes in registers, several times faster than gathers.
+
+#if defined(ORACLEGS_RENDER_CPU_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ORACLEGS_RENDER_CPU_ROWS_INL_H_
+#undef ORACLEGS_RENDER_CPU_ROWS_INL_H_
+#else
+#define ORACLEGS_RENDER_CPU_ROWS_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstdint>
+
+#include "oraclegs/render/cpu/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+
+static_assert(kLanes == 1 || kLanes == 4 || kLanes == 8 || kLanes == 16);
+
+#if HWY_TARGET == HWY_SCALAR  // has one lane, and none of the operations below
+HWY_INLINE void Transpose(FloatVec*) {}
+#else
+
+/// Transposes within each 128-bit block: out[c] block b = (r0[4b+c], r1[4b+c], r2[4b+c], r3[4b+c]).
+HWY_INLINE void TransposeBlocks4(FloatVec* r) {
+  const FloatTag d;
+  const hn::Repartition<double, FloatTag> dd;
+  const auto lo01 = hn::BitCast(dd, hn::InterleaveLower(d, r[0], r[1]));
+  const auto hi01 = hn::BitCast(dd, hn::InterleaveUpper(d, r[0], r[1]));
+  const auto lo23 = hn::BitCast(dd, hn::InterleaveLower(d, r[2], r[3]));
+  const auto hi23 = hn::BitCast(dd, hn::InterleaveUpper(d, r[2], r[3]));
+  r[0] = hn::BitCast(d, hn::InterleaveLower(dd, lo01, lo23));
+  r[1] = hn::BitCast(d, hn::InterleaveUpper(dd, lo01, lo23));
+  r[2] = hn::BitCast(d, hn::InterleaveLower(dd, hi01, hi23));
+  r[3] = hn::BitCast(d, hn::InterleaveUpper(dd, hi01, hi23));
+}
+
+/// (even blocks of a, even blocks of b) and (odd blocks of a, odd blocks of b), interleaved.
+HWY_INLINE void ExchangeBlocks(FloatVec* a, FloatVec* b) {
+  const FloatVec even = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(*b), *a);
+  *b = hn::OddEvenBlocks(*b, hn::SwapAdjacentBlocks(*a));
+  *a = even;
+}
+
+/// v as a kLanes x kLanes matrix, transposed in place.
+HWY_INLINE void Transpose(FloatVec* v) {
+  for (int group = 0; group < kLanes; group += 4) TransposeBlocks4(v + group);
+  if constexpr (kLanes == 8) {
+    for (int c = 0; c < 4; ++c) ExchangeBlocks(v + c, v + 4 + c);
+  }
+  if constexpr (kLanes == 16) {
+    const FloatTag d;
+    for (int c = 0; c < 4; ++c) {
+      FloatVec low02 = hn::ConcatLowerLower(d, v[8 + c], v[c]), high02 = hn::ConcatUpperUpper(d, v[8 + c], v[c]);
+      FloatVec low13 = hn::ConcatLowerLower(d, v[12 + c], v[4 + c]),
+               high13 = hn::ConcatUpperUpper(d, v[12 + c], v[4 + c]);
+      ExchangeBlocks(&low02, &low13);
+      ExchangeBlocks(&high02, &high13);
+      v[c] = low02;
+      v[4 + c] = low13;
+      v[8 + c] = high02;
+      v[12 + c] = high13;
+    }
+  }
+}
+
+#endif
+
+/// Columns [0, kLanes * tiles) of `count` rows that are `stride` floats apart, one row a lane; the last row fills the
+/// lanes past the end.
+HWY_INLINE void LoadWideRows(const float* HWY_RESTRICT rows, int stride, int count, int tiles,
+                             FloatVec* HWY_RESTRICT columns) {
+  for (int tile = 0; tile < tiles; ++tile) {
+    FloatVec* v = columns + tile * kLanes;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      v[lane] = hn::LoadU(FloatTag(), rows + static_cast<int64_t>(std::min(lane, count - 1)) * stride + tile * kLanes);
+    }
+    Transpose(v);
+  }
+}
+
+/// The inverse for the first `count` rows; overwrites `columns`. Writes all kLanes * tiles columns.
+HWY_INLINE void StoreWideRows(FloatVec* HWY_RESTRICT columns, int stride, int count, int tiles,
+                              float* HWY_RESTRICT rows) {
+  for (int tile = 0; tile < tiles; ++tile) {
+    FloatVec* v = columns + tile * kLanes;
+    Transpose(v);
+    for (int lane = 0; lane < count; ++lane) {
+      hn::StoreU(v[lane], FloatTag(), rows + static_cast<int64_t>(lane) * stride + tile * kLanes);
+    }
+  }
+}
+
+/// Rows of one, three or four floats packed without gaps.
+template <int kColumns>
+HWY_INLINE void LoadRows(const float* HWY_RESTRICT rows, int count, Lanes* HWY_RESTRICT columns) {
+  static_assert(kColumns == 1 || kColumns == 3 || kColumns == 4);
+  const FloatTag d;
+  HWY_ALIGN float padded[kColumns * kLanes];
+  if (count < kLanes) {
+    for (int i = 0; i < kColumns * kLanes; ++i) {
+      const int row = std::min(i / kColumns, count - 1);
+      padded[i] = rows[row * kColumns + i % kColumns];
+    }
+    rows = padded;
+  }
+  if constexpr (kColumns == 1) columns[0].v = hn::LoadU(d, rows);
+  if constexpr (kColumns == 3) hn::LoadInterleaved3(d, rows, columns[0].v, columns[1].v, columns[2].v);
+  if constexpr (kColumns == 4) hn::LoadInterleaved4(d, rows, columns[0].v, columns[1].v, columns[2].v, columns[3].v);
+}
+
+template <int kColumns>
+HWY_INLINE void StoreRows(const Lanes* HWY_RESTRICT columns, int count, float* HWY_RESTRICT rows) {
+  static_assert(kColumns == 1 || kColumns == 3 || kColumns == 4);
+  const FloatTag d;
+  HWY_ALIGN float padded[kColumns * kLanes];
+  float* HWY_RESTRICT to = count < kLanes ? padded : rows;
+  if constexpr (kColumns == 1) hn::StoreU(columns[0].v, d, to);
+  if constexpr (kColumns == 3) hn::StoreInterleaved3(columns[0].v, columns[1].v, columns[2].v, d, to);
+  if constexpr (kColumns == 4) hn::StoreInterleaved4(columns[0].v, columns[1].v, columns[2].v, columns[3].v, d, to);
+  if (count < kLanes) std::copy_n(padded, kColumns * count, rows);
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
