@@ -11,6 +11,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int kMaxImageSide = 1 << 20;  // pixels; more is a damaged file
+constexpr size_t kMaxShown = 40;        // characters of a word in an error message
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
 std::string_view Trim(std::string_view s) {
@@ -21,7 +22,6 @@ std::string_view Trim(std::string_view s) {
 
 /// A word for an error message: short and printable, whatever the file holds.
 std::string Shown(std::string_view word) {
-  constexpr size_t kMaxShown = 40;
   std::string shown(word.substr(0, kMaxShown));
   std::replace_if(
       shown.begin(), shown.end(), [](unsigned char c) { return c < ' '; }, '?');
@@ -150,8 +150,10 @@ std::vector<ColmapImage> ParseImagesText(std::string_view text, const std::strin
     for (double& q : wxyz) q = fields.Number<double>("the rotation");
     const Eigen::Vector3d translation = fields.Vector3("the translation");
     image.camera_id = fields.Number<uint32_t>("the camera id");
-    if (fields.empty()) throw InputError("{}: ends before the image's name", lines.Place());
     image.name = std::string(fields.Rest());
+    if (image.name.empty() || Shown(image.name) != image.name.substr(0, kMaxShown)) {
+      throw InputError("{}: the image's name is missing or has control characters", lines.Place());
+    }
     image.cam_from_world = PoseFromQuaternion(wxyz, translation, file, image.name);
     images.push_back(std::move(image));
     const auto keypoints = lines.NextRaw();

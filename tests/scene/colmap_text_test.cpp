@@ -1,0 +1,91 @@
+#include "oraclegs/scene/colmap_text.h"
+
+#include "scene/tiny_scenes.h"
+
+namespace oraclegs {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(ColmapText, ReadsCamerasWithCommentsBlankLinesAndWindowsLineEnds) {
+  const auto cameras = ParseCamerasText(
+      "# Camera list\r\n\r\n1 OPENCV 6 4 5 5.5 3 2 0.1 -2e-1 0.01 0.02\r\n  7\tSIMPLE_PINHOLE 6 4 5 3 2",
+      "cameras.txt");
+  ASSERT_EQ(cameras.size(), 2u);
+  EXPECT_EQ(cameras.at(1).model, LensModel::kOpenCv);
+  EXPECT_THAT(cameras.at(1).params, ElementsAre(5, 5.5, 3, 2, 0.1, -0.2, 0.01, 0.02));
+  EXPECT_THAT(cameras.at(7).params, ElementsAre(5, 3, 2));
+}
+
+TEST(ColmapText, ImageLinesComeInPairsAndTheSecondMayBeEmpty) {
+  const auto images = ParseImagesText(
+      "# header\n"
+      "1 1 0 0 0 0 0 0 1 first.jpg\n"
+      "\n"
+      "\n"
+      "2 1 0 0 0 0 0 5 1 folder/my photo.jpg\n"
+      "1.5 2.5 -1 3.5 4.5 17\n"
+      "3 0 1 0 0 1 2 3 1 last.jpg",  // no second line at all at the end of the file
+      "images.txt");
+  ASSERT_EQ(images.size(), 3u);
+  EXPECT_EQ(images[0].name, "first.jpg");
+  EXPECT_EQ(images[1].name, "folder/my photo.jpg");
+  EXPECT_EQ(images[1].cam_from_world.translation(), Eigen::Vector3d(0, 0, 5));
+  EXPECT_EQ(images[2].id, 3u);
+  EXPECT_TRUE(images[2].cam_from_world.linear().isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()));
+}
+
+TEST(ColmapText, ReadsPoints) {
+  const auto points =
+      ParsePointsText("# POINT3D_ID\n5 1 2 3 10 20 255 0.7 4 0 3 1\n6 4 5 6 0 0 0 -1\n", "points3D.txt");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[0].xyz, Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(points[0].rgb, ElementsAre(10, 20, 255));
+  EXPECT_THAT(points[0].image_ids, ElementsAre(4, 3));
+  EXPECT_TRUE(points[1].image_ids.empty());
+}
+
+TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
+  const auto cameras = [](const char* text) { return InputErrorOf([&] { ParseCamerasText(text, "cameras.txt"); }); };
+  EXPECT_THAT(cameras("#\n1 OPENCV 6 4 5 five 3 2"), HasSubstr("cameras.txt line 2: 'five' is not a number"));
+  EXPECT_THAT(cameras("1 FANCY 6 4 5 3 2"), HasSubstr("cameras.txt line 1: unknown camera model 'FANCY'"));
+  EXPECT_THAT(cameras("1 PINHOLE 6 4 5 3 2"), HasSubstr("cameras.txt: camera 1"));
+  EXPECT_THAT(cameras("1 PINHOLE 6 4 0 5 3 2"), HasSubstr("cameras.txt: camera 1"));
+  EXPECT_THAT(cameras("1 PINHOLE 6"), HasSubstr("line 1: ends before the image size"));
+  EXPECT_THAT(cameras("1 PINHOLE 6 4 5 5 3 2\n1 PINHOLE 6 4 5 5 3 2"), HasSubstr("camera 1 is there twice"));
+
+  const auto images = [](const char* text) { return InputErrorOf([&] { ParseImagesText(text, "images.txt"); }); };
+  EXPECT_THAT(images("1 0 0 0 0 0 0 0 1 a.jpg\n\n"), HasSubstr("images.txt: the rotation of image 'a.jpg' is not one"));
+  EXPECT_THAT(images("1 nan 0 0 0 0 0 0 1 a.jpg\n\n"),
+              HasSubstr("images.txt: the pose of image 'a.jpg' is not finite"));
+  EXPECT_THAT(images("1 1 0 0 0 0 0 0 1\n\n"), HasSubstr("line 1: the image's name is missing"));
+  EXPECT_THAT(images("1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 0 0 0 1 b.jpg\n"),
+              HasSubstr("line 2: expected the keypoints"));
+
+  const auto points = [](const char* text) { return InputErrorOf([&] { ParsePointsText(text, "points3D.txt"); }); };
+  EXPECT_THAT(points("1 1 2 3 10 20 256 0.5"), HasSubstr("points3D.txt line 1: '256' is not a number"));
+  EXPECT_THAT(points("1 1 2 3 10 20 25 0.5 4"), HasSubstr("ends before a keypoint index"));
+}
+
+TEST(ColmapText, EveryPrefixIsParsedOrRefused) {
+  const std::string cameras = "1 OPENCV 6 4 5 5.5 3 2 0.1 -2e-1 0.01 0.02\n";
+  const std::string images = "1 1 0 0 0 0 0 0 1 a.jpg\n1 2 -1\n";
+  const std::string points = "5 1 2 3 10 20 255 0.7 4 0 3 1\n";
+  const auto survive = [](const std::string& text, auto parse) {
+    for (size_t n = 0; n <= text.size(); ++n) {
+      try {
+        parse(text.substr(0, n), "f");
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("f"));
+      }
+    }
+  };
+  survive(cameras, ParseCamerasText);
+  survive(images, ParseImagesText);
+  survive(points, ParsePointsText);
+  survive(TinyImagesBin(), ParseImagesText);  // a .bin under the wrong name
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,197 @@
+#include "oraclegs/scene/transforms.h"
+
+#include <nlohmann/json.hpp>
+
+#include "scene/tiny_scenes.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+json Frame(const std::string& file_path) {
+  const json identity = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+  return {{"file_path", file_path}, {"transform_matrix", identity}};
+}
+
+class TransformsTest : public ::testing::Test {
+ protected:
+  void Write(const std::vector<json>& frames, const char* name = "transforms.json") {
+    WriteText(root() / name, json{{"fl_x", 5}, {"frames", frames}}.dump(1));
+  }
+  Scene Read(const SceneReadOptions& options = {}) { return ReadTransformsScene(root(), options, heard_.listener()); }
+  std::string ReadError() {
+    return InputErrorOf([&] { Read(); });
+  }
+  const fs::path& root() const { return dir_.path(); }
+
+  TempDir dir_;
+  Heard heard_;
+};
+
+std::vector<std::string> Names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneView& view : scene.views) names.push_back(view.name);
+  return names;
+}
+
+TEST_F(TransformsTest, FindsImagesWithAndWithoutExtension) {
+  for (const char* name : {"images/a.jpeg", "images/b.PNG", "images/c.v2.jpg"}) WritePicture(root() / name);
+  Write({Frame("images/c.v2"), Frame("./images/a.jpeg"), Frame("images/b")});
+  const Scene scene = Read();
+  EXPECT_EQ(scene.format, SceneFormat::kTransforms);
+  EXPECT_THAT(Names(scene), ElementsAre("images/a.jpeg", "images/b.PNG", "images/c.v2.jpg"));
+  EXPECT_TRUE(fs::exists(scene.views[2].image_path));
+  EXPECT_EQ(scene.views[0].lens.width, 6);
+  EXPECT_EQ(scene.views[0].lens.cx(), 3);
+  EXPECT_THAT(heard_.warnings, IsEmpty());
+}
+
+TEST_F(TransformsTest, FramesWithoutImageAreLeftOutWithOneWarning) {
+  WritePicture(root() / "images/h.png");
+  std::vector<json> frames{Frame("images/h.png")};
+  for (const char* name : {"a", "b", "c", "d", "e", "f", "g"}) frames.push_back(Frame(name));
+  Write(frames);
+  const Scene scene = Read();
+  EXPECT_THAT(Names(scene), ElementsAre("images/h.png"));
+  EXPECT_EQ(scene.missing_images.size(), 7u);
+  ASSERT_EQ(heard_.warnings.size(), 1u);
+  EXPECT_THAT(heard_.warnings[0], AllOf(HasSubstr("7 of 8 views"), HasSubstr(": a, b, c, d, e and 2 more")));
+}
+
+TEST_F(TransformsTest, AnotherImageFolder) {
+  WritePicture(root() / "half/a.png", 3, 2);
+  Write({Frame("images/a.png")});
+  EXPECT_THAT(ReadError(), HasSubstr("none of its 1 views has an image file"));
+  const Scene scene = Read({.images = "half"});
+  EXPECT_EQ(scene.views.at(0).image_path, root() / "half/a.png");
+  EXPECT_EQ(scene.views[0].name, "images/a.png");
+}
+
+TEST_F(TransformsTest, PathsThatLeaveTheSceneCountWhenTheyExist) {
+  WritePicture(root() / "inside/../outside.png");
+  fs::create_directories(root() / "inside");
+  WriteText(root() / "inside/transforms.json",
+            json{{"fl_x", 5}, {"frames", {Frame("../outside.png"), Frame("../no")}}}.dump());
+  const Scene scene = ReadTransformsScene(root() / "inside", {}, heard_.listener());
+  EXPECT_THAT(Names(scene), ElementsAre("outside.png"));
+  EXPECT_THAT(scene.missing_images, ElementsAre("no"));
+}
+
+TEST_F(TransformsTest, MasksOfFrames) {
+  for (const char* name : {"a.png", "b.png", "m/a.png"}) WritePicture(root() / name);
+  json a = Frame("a.png"), b = Frame("b.png");
+  a["mask_path"] = "m/a.png";
+  b["mask_path"] = "m/b.png";
+  Write({a, b});
+  const Scene scene = Read();
+  EXPECT_EQ(scene.views[0].mask_path, root() / "m/a.png");
+  EXPECT_TRUE(scene.views[1].mask_path.empty());
+  ASSERT_EQ(heard_.warnings.size(), 1u);
+  EXPECT_THAT(heard_.warnings[0], HasSubstr("1 mask files do not exist, those views use all pixels: m/b.png"));
+}
+
+TEST_F(TransformsTest, SyntaxErrorsHaveAPlace) {
+  WriteText(root() / "transforms.json", "{\n \"frames\": [\n  }\n");
+  EXPECT_THAT(ReadError(), AllOf(HasSubstr("transforms.json: is not valid JSON"), HasSubstr("line 3")));
+  WriteText(root() / "transforms.json", "");
+  EXPECT_THAT(ReadError(), HasSubstr("is not valid JSON"));
+  WriteText(root() / "transforms.json", "{\"frames\": [1e999]}");
+  EXPECT_THAT(ReadError(), HasSubstr("is not valid JSON"));
+  WriteText(root() / "transforms.json", "{\"frames\": \"\xff\"}");
+  EXPECT_THAT(ReadError(), HasSubstr("is not valid JSON"));
+}
+
+TEST_F(TransformsTest, TheFrameWithANaNIsNamed) {
+  for (const char* name : {"a.png", "NaN\"b.png"}) WritePicture(root() / name);
+  const char* start = R"({"fl_x": 5, "frames": [{"file_path": ")";
+  const char* matrix = R"(", "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, )";
+  WriteText(root() / "transforms.json", std::string(start) + "a" + matrix + "NaN], [0, 0, 1, 0]]}]}");
+  EXPECT_THAT(ReadError(), HasSubstr("frame 'a': \"transform_matrix\" is not a finite number"));
+  WriteText(root() / "transforms.json", std::string(start) + "a" + matrix + "-Infinity], [0, 0, 1, 0]]}]}");
+  EXPECT_THAT(ReadError(), HasSubstr("frame 'a': \"transform_matrix\" is not a finite number"));
+  // The same letters inside a string are a name.
+  WriteText(root() / "transforms.json", std::string(start) + "NaN\\\"b" + matrix + "0], [0, 0, 1, 0]]}]}");
+  EXPECT_THAT(Names(Read()), ElementsAre("NaN\"b.png"));
+}
+
+TEST_F(TransformsTest, RefusesOtherLayouts) {
+  for (const char* text : {"[]", "3", "{}", "{\"frames\": []}", "{\"frames\": {}}"}) {
+    WriteText(root() / "transforms.json", text);
+    EXPECT_THAT(ReadError(), HasSubstr("transforms.json: has no \"frames\"")) << text;
+  }
+  for (const char* frame : {"3", "{}", "{\"file_path\": 3}"}) {
+    WriteText(root() / "transforms.json", std::string("{\"frames\": [") + frame + "]}");
+    EXPECT_THAT(ReadError(), HasSubstr("frame 0: has no \"file_path\"")) << frame;
+  }
+  WriteText(root() / "transforms.json", "{\"frames\": [{\"file_path\": \"..\"}]}");
+  EXPECT_THAT(ReadError(), HasSubstr("\"file_path\" is empty"));
+  WriteText(root() / "transforms.json", "{\"frames\": [{\"file_path\": \"a\\u0000b\"}]}");
+  EXPECT_THAT(ReadError(), HasSubstr("control characters"));
+}
+
+TEST_F(TransformsTest, RefusesBadFramesByName) {
+  WritePicture(root() / "a.png");
+  json scaled = Frame("a");
+  for (int i = 0; i < 3; ++i) scaled["transform_matrix"][i][i] = 2;
+  Write({scaled});
+  EXPECT_THAT(ReadError(), HasSubstr("transforms.json: frame 'a': \"transform_matrix\" is a rotation scaled by 2"));
+  json zero_focal = Frame("a");
+  zero_focal["fl_x"] = 0;
+  Write({zero_focal});
+  EXPECT_THAT(ReadError(), HasSubstr("transforms.json: frame 'a'"));
+  Write({Frame("a"), Frame("a.png")});
+  EXPECT_THAT(ReadError(), HasSubstr("'a.png' twice"));
+}
+
+TEST_F(TransformsTest, EveryPrefixIsRefused) {
+  WritePicture(root() / "a.png");
+  const std::string text = json{{"fl_x", 5}, {"frames", json::array({Frame("a")})}}.dump();
+  for (size_t n = 0; n < text.size(); ++n) {
+    WriteText(root() / "transforms.json", text.substr(0, n));
+    EXPECT_THROW(Read(), InputError) << n;
+  }
+}
+
+class BlenderTest : public TransformsTest {
+ protected:
+  Scene ReadBlender() { return ReadBlenderScene(root(), {}, heard_.listener()); }
+};
+
+TEST_F(BlenderTest, ViewsRememberTheirFile) {
+  for (const char* name : {"train/r_0.png", "train/r_1.png", "test/r_0.png", "val/r_0.png"})
+    WritePicture(root() / name);
+  Write({Frame("./train/r_1"), Frame("./train/r_0")}, "transforms_train.json");
+  Write({Frame("./test/r_0")}, "transforms_test.json");
+  Write({Frame("./val/r_0"), Frame("./test/r_0")}, "transforms_val.json");
+  const Scene scene = ReadBlender();
+  EXPECT_EQ(scene.format, SceneFormat::kBlender);
+  EXPECT_THAT(Names(scene), ElementsAre("test/r_0.png", "train/r_0.png", "train/r_1.png", "val/r_0.png"));
+  EXPECT_EQ(scene.views[0].role, DeclaredRole::kTest);
+  EXPECT_EQ(scene.views[1].role, DeclaredRole::kTrain);
+  EXPECT_EQ(scene.views[3].role, DeclaredRole::kVal);
+  EXPECT_THAT(heard_.warnings, IsEmpty());
+}
+
+TEST_F(BlenderTest, TrainAloneIsReadAndTold) {
+  WritePicture(root() / "train/r_0.png");
+  Write({Frame("./train/r_0")}, "transforms_train.json");
+  EXPECT_EQ(ReadBlender().views.size(), 1u);
+  ASSERT_EQ(heard_.warnings.size(), 1u);
+  EXPECT_THAT(heard_.warnings[0], HasSubstr("no view is held out"));
+}
+
+TEST_F(BlenderTest, AViewCannotBeTrainAndTest) {
+  WritePicture(root() / "train/r_0.png");
+  Write({Frame("./train/r_0")}, "transforms_train.json");
+  Write({Frame("./train/r_0")}, "transforms_test.json");
+  EXPECT_THAT(InputErrorOf([&] { ReadBlender(); }), HasSubstr("'train/r_0.png' twice"));
+}
+
+}  // namespace
+}  // namespace oraclegs
