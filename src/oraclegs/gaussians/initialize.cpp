@@ -1,0 +1,212 @@
+#include "oraclegs/gaussians/initialize.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "oraclegs/core/rng.h"
+#include "oraclegs/gaussians/neighbors.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kC0 = 0.28209479177387814;            // the constant spherical harmonic
+constexpr double kMinSquaredDistance = 1e-7;           // duplicates would have no size at all
+constexpr double kBlenderHalfSide = 1.3;               // world units
+constexpr double kTooClose = 0.2;                      // of the radius: nothing starts right in front of a lens
+constexpr double kParallelAxes = 1e-3;                 // below, the point nearest to all axes is ill-determined
+constexpr int64_t kProbes = 20000, kEnoughHits = 200;  // 1%: a sparser overlap would cost too many draws
+
+/// A grey that is not quite the same for any two points.
+Eigen::Vector3f NearGrey(Rng* rng) {
+  Eigen::Vector3f rgb;
+  for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(0.5 + kC0 * rng->Uniform() / 255);
+  return rgb;
+}
+
+Eigen::Vector3d UniformInBall(Rng* rng) {
+  const double z = rng->Uniform(-1, 1), angle = rng->Uniform(0, 2 * M_PI), r = std::cbrt(rng->Uniform());
+  const double flat = std::sqrt(std::max(0.0, 1 - z * z));
+  return r * Eigen::Vector3d(flat * std::cos(angle), flat * std::sin(angle), z);
+}
+
+bool Sees(const Camera& camera, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d p = camera.cam_from_world * point;
+  if (!(p.z() > 0)) return false;
+  const double x = camera.fx * p.x() / p.z() + camera.cx, y = camera.fy * p.y() / p.z() + camera.cy;
+  return x >= 0 && x < camera.width && y >= 0 && y < camera.height;
+}
+
+struct Ball {
+  Eigen::Vector3d center;
+  double radius;
+};
+
+double MedianDistance(const std::vector<Camera>& cameras, const Eigen::Vector3d& point) {
+  std::vector<double> distances;
+  for (const Camera& c : cameras) distances.push_back((c.Center() - point).norm());
+  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+/// What the cameras look at: around the point nearest to all optical axes, or, when the axes are parallel or meet
+/// behind the cameras, ahead of the mean camera.
+Ball LookedAt(const std::vector<Camera>& cameras) {
+  const auto n = static_cast<double>(cameras.size());
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero(), eye = right, forward = right;
+  for (const Camera& c : cameras) {
+    const Eigen::Vector3d f = c.Forward();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - f * f.transpose();
+    normal += across / n;
+    right += across * c.Center() / n;
+    eye += c.Center() / n;
+    forward += f / n;
+  }
+  if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal).eigenvalues()[0] > kParallelAxes) {
+    const Eigen::Vector3d center = normal.ldlt().solve(right);
+    size_t ahead = 0;
+    for (const Camera& c : cameras) ahead += c.Forward().dot(center - c.Center()) > 0 ? 1 : 0;
+    if (2 * ahead > cameras.size()) return {center, MedianDistance(cameras, center)};
+  }
+  double extent = SpatialExtent(cameras);
+  if (!(extent > 0)) extent = 1;  // one camera, or several in one place: any scale is as good
+  return {eye + extent * forward, extent};
+}
+
+class ViewVolume {
+ public:
+  explicit ViewVolume(const std::vector<Camera>& cameras) : cameras_(cameras), ball_(LookedAt(cameras)) {}
+
+  /// Draws a candidate; true when at least `views` cameras see it and none is too close.
+  bool Draw(Rng* rng, int views, Eigen::Vector3d* point) const {
+    *point = ball_.center + ball_.radius * UniformInBall(rng);
+    for (const Camera& c : cameras_) {
+      if ((c.Center() - *point).norm() < kTooClose * ball_.radius) return false;
+    }
+    int seen = 0;
+    for (const Camera& c : cameras_) {
+      if (seen >= views) break;
+      seen += Sees(c, *point) ? 1 : 0;
+    }
+    return seen >= views;
+  }
+
+  /// The largest number of views, up to two, that a fair share of the ball is seen by. Zero (cameras that see nothing
+  /// of it) keeps the draw from running for ever.
+  int AttainableViews(uint64_t seed) const {
+    for (const int views : {2, 1}) {
+      Rng rng(seed, RandomStream::kInitialPoints);
+      Eigen::Vector3d ignored;
+      int64_t hits = 0;
+      for (int64_t i = 0; i < kProbes; ++i) hits += Draw(&rng, views, &ignored) ? 1 : 0;
+      if (hits >= kEnoughHits) return views;
+    }
+    return 0;
+  }
+
+  Eigen::Vector3d Anywhere(Rng* rng) const { return ball_.center + ball_.radius * UniformInBall(rng); }
+
+ private:
+  const std::vector<Camera>& cameras_;
+  Ball ball_;
+};
+
+}  // namespace
+
+PointCloud ToPointCloud(const std::vector<ScenePoint>& points) {
+  PointCloud cloud;
+  cloud.xyz.reserve(points.size());
+  cloud.rgb.reserve(points.size());
+  for (const ScenePoint& p : points) {
+    cloud.xyz.push_back(p.xyz.cast<float>());
+    cloud.rgb.push_back(Eigen::Vector3f(p.rgb[0], p.rgb[1], p.rgb[2]) / 255.f);
+  }
+  return cloud;
+}
+
+double SpatialExtent(const std::vector<Camera>& cameras) {
+  if (cameras.empty()) return 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Camera& c : cameras) mean += c.Center();
+  mean /= static_cast<double>(cameras.size());
+  double farthest = 0;
+  for (const Camera& c : cameras) farthest = std::max(farthest, (c.Center() - mean).norm());
+  return 1.1 * farthest;
+}
+
+PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed) {
+  Rng rng(seed, RandomStream::kInitialPoints);
+  PointCloud cloud;
+  cloud.xyz.resize(n);
+  cloud.rgb.resize(n);
+  for (int64_t i = 0; i < n; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      cloud.xyz[i][axis] = static_cast<float>(rng.Uniform(-kBlenderHalfSide, kBlenderHalfSide));
+    }
+    cloud.rgb[i] = NearGrey(&rng);
+  }
+  return cloud;
+}
+
+PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uint64_t seed) {
+  if (cameras.empty()) throw std::invalid_argument("RandomPointsInView: no cameras");
+  const ViewVolume volume(cameras);
+  const int views = volume.AttainableViews(seed);
+  Rng rng(seed, RandomStream::kInitialPoints);
+  PointCloud cloud;
+  cloud.xyz.reserve(n);
+  cloud.rgb.reserve(n);
+  while (static_cast<int64_t>(cloud.xyz.size()) < n) {
+    Eigen::Vector3d point;
+    if (views == 0) {
+      point = volume.Anywhere(&rng);
+    } else if (!volume.Draw(&rng, views, &point)) {
+      continue;
+    }
+    cloud.xyz.push_back(point.cast<float>());
+    cloud.rgb.push_back(NearGrey(&rng));
+  }
+  return cloud;
+}
+
+std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points) {
+  for (const Eigen::Vector3f& p : points) {
+    if (!p.allFinite()) throw std::invalid_argument("MeanSquaredNeighborDistance: a coordinate is not finite");
+  }
+  const std::vector<double> means = KdTree(points).MeanSquaredDistanceToThree();
+  std::vector<float> out(means.size());
+  std::transform(means.begin(), means.end(), out.begin(), [](double d2) {
+    return static_cast<float>(
+        std::clamp(d2, kMinSquaredDistance, static_cast<double>(std::numeric_limits<float>::max())));
+  });
+  return out;
+}
+
+Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options) {
+  if (points.rgb.size() != points.xyz.size()) {
+    throw ShapeError("InitializeGaussians: {} colours for {} points", points.rgb.size(), points.xyz.size());
+  }
+  const std::vector<float> d2 = MeanSquaredNeighborDistance(points.xyz);
+  const auto n = static_cast<int64_t>(points.xyz.size());
+  Gaussians g = Gaussians::Zeros(n);
+  g.opacity_logits.fill_(std::log(options.opacity / (1 - options.opacity)));
+  auto means = g.means.accessor<float, 2>(), log_scales = g.log_scales.accessor<float, 2>();
+  auto quats = g.quats.accessor<float, 2>();
+  auto sh = g.sh.accessor<float, 3>();
+  for (int64_t i = 0; i < n; ++i) {
+    const auto log_scale = static_cast<float>(std::log(options.scale_factor * std::sqrt(static_cast<double>(d2[i]))));
+    quats[i][0] = 1;
+    for (int k = 0; k < 3; ++k) {
+      means[i][k] = points.xyz[i][k];
+      log_scales[i][k] = log_scale;
+      sh[i][0][k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kC0);
+    }
+  }
+  return g;
+}
+
+}  // namespace oraclegs

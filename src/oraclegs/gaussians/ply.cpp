@@ -1,0 +1,163 @@
+#include "oraclegs/gaussians/ply.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/gaussians/ply_reader.h"
+
+namespace oraclegs {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "rows are written as the machine stores them");
+
+constexpr int64_t kGrain = 4096;   // rows a task
+constexpr int kFixedColumns = 14;  // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
+
+void Append(std::vector<std::string>* names, const char* stem, int count) {
+  for (int i = 0; i < count; ++i) names->push_back(stem + std::to_string(i));
+}
+
+/// The properties in the order of the format, without the normals: 14 + 3 K.
+std::vector<std::string> PropertyNames(int rest) {
+  std::vector<std::string> names = {"x", "y", "z"};
+  Append(&names, "f_dc_", 3);
+  Append(&names, "f_rest_", rest);
+  names.push_back("opacity");
+  Append(&names, "scale_", 3);
+  Append(&names, "rot_", 4);
+  return names;
+}
+
+/// Floats of f_rest for a degree: three channels of all but the constant coefficient.
+int RestCount(int degree) { return 3 * (ShCount(degree) - 1); }
+
+std::string HeaderText(int64_t count, const std::vector<std::string>& names) {
+  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", count);
+  for (const std::string& name : names) {
+    text += "property float " + name + "\n";
+    if (name == "z") text += "property float nx\nproperty float ny\nproperty float nz\n";
+  }
+  return text + "end_header\n";
+}
+
+/// Raw pointers to the five parameters.
+struct Rows {
+  float *means, *log_scales, *quats, *opacity_logits, *sh;
+
+  explicit Rows(const Gaussians& g)
+      : means(g.means.data_ptr<float>()),
+        log_scales(g.log_scales.data_ptr<float>()),
+        quats(g.quats.data_ptr<float>()),
+        opacity_logits(g.opacity_logits.data_ptr<float>()),
+        sh(g.sh.data_ptr<float>()) {}
+  float* ShOf(int64_t i) const { return sh + i * kShCoefficients * 3; }
+};
+
+/// One Gaussian to a row of PropertyNames order, with three zeros for the normal after the position.
+void PackRow(const Rows& rows, int64_t i, int rest, float* out) {
+  const int per_channel = rest / 3;
+  const float* sh = rows.ShOf(i);
+  out = std::copy_n(rows.means + 3 * i, 3, out);
+  out = std::fill_n(out, 3, 0.f);
+  out = std::copy_n(sh, 3, out);
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 1; k <= per_channel; ++k) *out++ = sh[3 * k + c];
+  }
+  *out++ = rows.opacity_logits[i];
+  out = std::copy_n(rows.log_scales + 3 * i, 3, out);
+  std::copy_n(rows.quats + 4 * i, 4, out);
+}
+
+/// The reverse, of a row without the normal.
+void UnpackRow(const float* in, int rest, int64_t i, const Rows& rows) {
+  const int per_channel = rest / 3;
+  float* sh = rows.ShOf(i);
+  std::copy_n(in, 3, rows.means + 3 * i);
+  std::copy_n(in + 3, 3, sh);
+  in += 6;
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 1; k <= per_channel; ++k) sh[3 * k + c] = *in++;
+  }
+  rows.opacity_logits[i] = *in++;
+  std::copy_n(in, 3, rows.log_scales + 3 * i);
+  std::copy_n(in + 3, 4, rows.quats + 4 * i);
+}
+
+int DegreeOf(const PlyElement& vertex, const std::string& file) {
+  int rest = 0;
+  for (const PlyProperty& p : vertex.properties) rest += p.name.rfind("f_rest_", 0) == 0 ? 1 : 0;
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    if (RestCount(degree) == rest) return degree;
+  }
+  throw InputError("{}: has {} f_rest properties, expected 0, 9, 24 or 45 (spherical harmonics of degree 0 to 3)", file,
+                   rest);
+}
+
+/// Throws for a number that would poison every render.
+void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i, const std::string& file) {
+  for (size_t c = 0; c < names.size(); ++c) {
+    if (std::isfinite(row[c])) continue;
+    throw InputError("{}: {} of vertex {} is {}; the training that wrote it diverged, export it again", file, names[c],
+                     i, row[c]);
+  }
+  const float* q = row + names.size() - 4;
+  if (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0) return;
+  throw InputError("{}: rot_0 .. rot_3 of vertex {} are all zero, which is no rotation; export it again", file, i);
+}
+
+}  // namespace
+
+void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree) {
+  gaussians.Check("WriteGaussianPly");
+  if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("WriteGaussianPly: degree {}", sh_degree);
+  Gaussians host = gaussians;
+  host.ForEach([](const char*, Tensor& t) { t = t.detach().to(torch::kCPU); });
+  const int64_t n = host.size();
+  const int rest = RestCount(sh_degree);
+  const size_t columns = kFixedColumns + 3 + rest, row_bytes = columns * sizeof(float);
+  std::string bytes = HeaderText(n, PropertyNames(rest));
+  const size_t header = bytes.size();
+  bytes.resize(header + static_cast<size_t>(n) * row_bytes);
+  const Rows rows(host);
+  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+    std::vector<float> row(columns);
+    for (int64_t i = begin; i < end; ++i) {
+      PackRow(rows, i, rest, row.data());
+      std::memcpy(bytes.data() + header + static_cast<size_t>(i) * row_bytes, row.data(), row_bytes);
+    }
+  });
+  WriteFileAtomically(path, bytes);
+}
+
+GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const std::string bytes = ReadFile(path);
+  const PlyHeader header = ParsePlyHeader(bytes, file);
+  const int vertex = header.Find("vertex");
+  if (vertex < 0) throw InputError("{}: has no element 'vertex'; give a Gaussian point cloud", file);
+  const PlyElement& element = header.elements[vertex];
+  if (element.count == 0) throw InputError("{}: holds no Gaussians (element vertex 0)", file);
+
+  GaussianPly out;
+  out.sh_degree = DegreeOf(element, file);
+  const int rest = RestCount(out.sh_degree);
+  const std::vector<std::string> names = PropertyNames(rest);
+  const std::vector<float> values = ReadPlyColumns(bytes, header, vertex, names, file);
+  const auto n = static_cast<int64_t>(element.count);
+  const auto columns = static_cast<int64_t>(names.size());
+  out.gaussians = Gaussians::Zeros(n);
+  const Rows rows(out.gaussians);
+  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      CheckRow(values.data() + i * columns, names, i, file);
+      UnpackRow(values.data() + i * columns, rest, i, rows);
+    }
+  });
+  return out;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <charconv>
+#include <set>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/gaussians/ply_reader.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
+    {"char", PlyType::kInt8},     {"int8", PlyType::kInt8},     {"uchar", PlyType::kUint8},
+    {"uint8", PlyType::kUint8},   {"short", PlyType::kInt16},   {"int16", PlyType::kInt16},
+    {"ushort", PlyType::kUint16}, {"uint16", PlyType::kUint16}, {"int", PlyType::kInt32},
+    {"int32", PlyType::kInt32},   {"uint", PlyType::kUint32},   {"uint32", PlyType::kUint32},
+    {"float", PlyType::kFloat},   {"float32", PlyType::kFloat}, {"double", PlyType::kDouble},
+    {"float64", PlyType::kDouble}};
+constexpr size_t kShownChars = 60;  // of a line quoted in a message
+
+/// The words of a line, separated by blanks and tabs.
+std::vector<std::string_view> Words(std::string_view line) {
+  std::vector<std::string_view> words;
+  size_t begin = 0;
+  while ((begin = line.find_first_not_of(" \t", begin)) != std::string_view::npos) {
+    const size_t end = std::min(line.find_first_of(" \t", begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = end;
+  }
+  return words;
+}
+
+/// What may be shown on a terminal: one line, no control characters, not the whole of a binary file.
+std::string Printable(std::string_view text) {
+  std::string out(text.substr(0, kShownChars));
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return out;
+}
+
+class HeaderParser {
+ public:
+  HeaderParser(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+
+  PlyHeader Parse() {
+    if (NextLine() != "ply") {
+      throw InputError("{}: not a PLY file (the first line is not 'ply'); give a .ply point cloud", file_);
+    }
+    while (true) {
+      const std::string_view line = NextLine();
+      const std::vector<std::string_view> words = Words(line);
+      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words[0] == "end_header") break;
+      if (!Take(words)) {
+        throw InputError("{}: line {} of the header is not understood: '{}'", file_, line_, Printable(line));
+      }
+    }
+    if (!has_format_) throw InputError("{}: the header has no format line; write the file anew", file_);
+    header_.body = position_;
+    return std::move(header_);
+  }
+
+ private:
+  std::string_view NextLine() {
+    const size_t end = bytes_.find('\n', position_);
+    if (end == std::string_view::npos) {
+      throw InputError("{}: ends within the PLY header (no end_header); copy the whole file again", file_);
+    }
+    std::string_view line = bytes_.substr(position_, end - position_);
+    position_ = end + 1;
+    ++line_;
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    return line;
+  }
+
+  bool Take(const std::vector<std::string_view>& words) {
+    if (words[0] == "format") return TakeFormat(words);
+    if (words[0] == "element") return TakeElement(words);
+    if (words[0] == "property") return TakeProperty(words);
+    return false;
+  }
+
+  bool TakeFormat(const std::vector<std::string_view>& words) {
+    if (words.size() != 3 || words[2] != "1.0" || has_format_) return false;
+    has_format_ = true;
+    if (words[1] == "ascii") {
+      header_.format = PlyFormat::kAscii;
+    } else if (words[1] == "binary_little_endian") {
+      header_.format = PlyFormat::kLittleEndian;
+    } else if (words[1] == "binary_big_endian") {
+      header_.format = PlyFormat::kBigEndian;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  bool TakeElement(const std::vector<std::string_view>& words) {
+    if (words.size() != 3 || header_.Find(words[1]) >= 0) return false;
+    PlyElement element;
+    element.name = words[1];
+    const char* end = words[2].data() + words[2].size();
+    const auto [stop, error] = std::from_chars(words[2].data(), end, element.count);
+    if (error != std::errc() || stop != end) return false;
+    header_.elements.push_back(std::move(element));
+    return true;
+  }
+
+  bool TakeProperty(const std::vector<std::string_view>& words) {
+    if (header_.elements.empty()) return false;
+    PlyElement& element = header_.elements.back();
+    PlyProperty property;
+    property.is_list = words.size() == 5 && words[1] == "list";
+    if (!property.is_list && words.size() != 3) return false;
+    if (property.is_list && (!TypeOf(words[2], &property.count_type) || property.count_type >= PlyType::kFloat)) {
+      return false;
+    }
+    if (!TypeOf(words[words.size() - 2], &property.type)) return false;
+    property.name = words.back();
+    if (!names_.insert({header_.elements.size(), property.name}).second) return false;
+    element.properties.push_back(std::move(property));
+    return true;
+  }
+
+  static bool TypeOf(std::string_view word, PlyType* type) {
+    for (const auto& [name, value] : kTypeNames) {
+      if (name != word) continue;
+      *type = value;
+      return true;
+    }
+    return false;
+  }
+
+  std::string_view bytes_;
+  const std::string& file_;
+  size_t position_ = 0;
+  int64_t line_ = 0;
+  bool has_format_ = false;
+  std::set<std::pair<size_t, std::string>> names_;  // (element, property), to find one given twice
+  PlyHeader header_;
+};
+
+}  // namespace
+
+int PlyElement::Find(std::string_view property) const {
+  for (size_t i = 0; i < properties.size(); ++i) {
+    if (properties[i].name == property) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int PlyHeader::Find(std::string_view element) const {
+  for (size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i].name == element) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& file) { return HeaderParser(bytes, file).Parse(); }
+
+}  // namespace oraclegs
