@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Each rule of check_house.py fires on a tree that breaks it, and is silent on one that does not."""
+
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import check_house
+
+LATER = "TO" + "DO"
+
+
+def violations(files):
+    """`file:line: what` for a tree of the given files."""
+    with tempfile.TemporaryDirectory() as root:
+        for name, text in files.items():
+            path = Path(root, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return ["{}:{}: {}".format(*v) for v in check_house.House(Path(root)).check()]
+
+
+@mock.patch.object(check_house, "WITHOUT_TEST", {})
+class CheckHouseTest(unittest.TestCase):
+    def assert_refused(self, files, *wanted):
+        found = violations(files)
+        self.assertEqual(len(found), len(wanted), found)
+        for line, want in zip(found, sorted(wanted)):
+            self.assertTrue(line.startswith(want), f"{line!r} does not start with {want!r}")
+
+    def assert_accepted(self, files):
+        self.assertEqual(violations(files), [])
+
+    def test_good_tree_passes(self):
+        self.assert_accepted({
+            "src/oraclegs/core/tensor.h": "#include <torch/types.h>\n",
+            "src/oraclegs/core/files.h": "#include <string>\n",
+            "src/oraclegs/core/files.cpp": '#include "oraclegs/core/files.h"\n',
+            "src/oraclegs/render/cpu/blend.h": '#include "oraclegs/core/tensor.h"\n#include "oraclegs/scene/a.h"\n',
+            "src/oraclegs/render/cuda/blend.cu": '#include "oraclegs/core/files.h"\n',
+            "tests/core/files_test.cpp": "TEST(Files, Reads) {}\n",
+            "apps/oraclegs/main.cpp": "std::cout << 1; std::exit(2);\n",
+        })
+
+    def test_long_file(self):
+        self.assert_accepted({"src/oraclegs/core/a.h": "\n" * 500})
+        for name in ["src/oraclegs/core/a.h", "tests/core/a_test.cpp", "scripts/a.sh", "apps/oraclegs/a.cpp"]:
+            self.assert_refused({name: "\n" * 501}, f"{name}:501: has 501 lines")
+
+    def test_include_climbs_a_floor(self):
+        names = [floor for floors in check_house.FLOORS for floor in floors]
+        for low, high in zip(names, names[1:]):
+            up = {f"src/oraclegs/{low}/a.h": f'\n#include "oraclegs/{high}/b.h"\n'}
+            self.assert_refused(up, f"src/oraclegs/{low}/a.h:2: floor {low} includes from {high}")
+        self.assert_refused({"src/oraclegs/gaussians/a.h": '#include "oraclegs/demo/b.h"\n'},
+                            "src/oraclegs/gaussians/a.h:1: floor gaussians includes from demo")
+        self.assert_refused({"src/oraclegs/loss/a.h": '#define HWY_TARGET_INCLUDE "oraclegs/train/b.h"\n'},
+                            "src/oraclegs/loss/a.h:1: floor loss includes from train")
+        self.assert_refused({"src/oraclegs/core/a.h": '#include "oraclegs/attic/b.h"\n'},
+                            "src/oraclegs/core/a.h:1: includes from attic")
+        self.assert_accepted({"src/oraclegs/pipeline/a.h": '#include "oraclegs/core/b.h"\n'})
+
+    def test_unknown_floor(self):
+        self.assert_refused({"src/oraclegs/attic/a.h": "\n"}, "src/oraclegs/attic/a.h:1: is on no floor")
+        self.assert_refused({"src/other/a.h": "\n"}, "src/other/a.h:1: is on no floor")
+
+    def test_torch_where_it_must_not_be(self):
+        for name in ["core/a.h", "scene/a.h", "demo/a.h", "render/a.cu", "render/a.cuh"]:
+            for header in ["torch/types.h", "ATen/ATen.h", "c10/core/Device.h"]:
+                self.assert_refused({f"src/oraclegs/{name}": f"#include <{header}>\n"},
+                                    f"src/oraclegs/{name}:1: <{header}> brings libtorch")
+        self.assert_accepted({"src/oraclegs/render/a.h": "#include <torch/types.h>\n"})
+
+    def test_torch_through_another_header(self):
+        tensor = {"src/oraclegs/core/tensor.h": "#include <torch/types.h>\n"}
+        middle = {"src/oraclegs/gaussians/g.h": '#include "oraclegs/core/tensor.h"\n'}
+        self.assert_refused({**tensor, "src/oraclegs/scene/a.h": '#include "oraclegs/core/tensor.h"\n'},
+                            "src/oraclegs/scene/a.h:1: <oraclegs/core/tensor.h> brings libtorch into floor scene")
+        self.assert_refused({**tensor, **middle, "src/oraclegs/render/a.cu": '#include "oraclegs/gaussians/g.h"\n'},
+                            "src/oraclegs/render/a.cu:1: <oraclegs/gaussians/g.h> brings libtorch into a .cu file")
+
+    def test_printing_and_exiting(self):
+        bad = ["std::cout << 1;", "std::cerr << 1;", 'printf("x");', 'std::fprintf(stderr, "x");', 'puts("x");',
+               "exit(1);", "std::exit(1);", "_exit(1);", "abort();", 'fmt::print("x");']
+        for line in bad:
+            self.assert_refused({"src/oraclegs/core/a.h": f"\n  {line}\n"}, "src/oraclegs/core/a.h:2: ")
+        good = ['snprintf(b, 1, "x");', "// exit(1) and std::cout", 'Say("std::cout, exit(1)");', "OnExit(1);",
+                "child.exit(1);", "child->exit(1);", "int exit_code() const;"]
+        for line in good:
+            self.assert_accepted({"src/oraclegs/core/a.h": f"{line}\n"})
+
+    def test_skipped_tests(self):
+        name = "tests/core/a_test.cpp"
+        self.assert_refused({name: "GTEST_SKIP();\n"}, f"{name}:1: GTEST_SKIP")
+        self.assert_accepted({name: 'GTEST_SKIP() << "needs an NVIDIA GPU";\n'})
+        self.assert_refused({name: "\nTEST(A, DISABLED_B) {}\n"}, f"{name}:2: a DISABLED_ test")
+        self.assert_accepted({name: "// Needs 64 GB.\nTEST(A, DISABLED_B) {}\n"})
+
+    def test_source_without_test(self):
+        source = {"src/oraclegs/render/cpu/blend.cpp": "\n"}
+        self.assert_refused(source, "src/oraclegs/render/cpu/blend.cpp:1: has no test")
+        self.assert_refused({**source, "tests/core/blend_test.cpp": "\n"}, "src/oraclegs/render/cpu/blend.cpp:1: has no")
+        for test in ["render/blend_test.cpp", "render/cpu/blend_test.cpp", "render/blend_golden_test.cpp"]:
+            self.assert_accepted({**source, f"tests/{test}": "\n"})
+
+    def test_excused_source(self):
+        with mock.patch.object(check_house, "WITHOUT_TEST", {"core/a.cpp": "reason"}):
+            self.assert_accepted({"src/oraclegs/core/a.cpp": "\n"})
+            self.assert_refused({}, "scripts/check_house.py:1: core/a.cpp is excused")
+
+    def test_notes_for_later(self):
+        for name in ["src/oraclegs/core/a.h", "tests/core/a_test.cpp", "scripts/a.sh", "cmake/A.cmake"]:
+            self.assert_refused({name: f"// {LATER}: later\n"}, f"{name}:1: {LATER}")
+
+    def test_deep_folder(self):
+        self.assert_accepted({"src/oraclegs/render/cpu/x/a.h": "\n"})
+        self.assert_refused({"src/oraclegs/render/cpu/x/y/a.h": "\n"}, "src/oraclegs/render/cpu/x/y/a.h:1: lies 5")
+
+
+if __name__ == "__main__":
+    unittest.main()
