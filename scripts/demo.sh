@@ -12,7 +12,8 @@ cmake --preset release >/dev/null
 cmake --build --preset release --target oraclegs --parallel "$(nproc)"
 
 build/release/bin/oraclegs demo-scene "$folder/scene"
-build/release/bin/oraclegs reconstruct "$folder/scene" -o "$folder/run" --preset demo --overwrite
+build/release/bin/oraclegs reconstruct "$folder/scene" -o "$folder/run" --overwrite \
+  --views 12 --iterations 3000 --max-gaussians 30000 --sh-degree-interval 500
 
 echo
 echo "Photographs:          $folder/scene/images"

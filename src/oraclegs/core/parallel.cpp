@@ -44,8 +44,7 @@ void ParallelFor(int64_t tasks, const std::function<void(int64_t)>& body) {
 }
 
 void ParallelBlocks(int64_t n, int64_t grain, const std::function<void(int64_t, int64_t)>& body) {
-  ParallelFor((n + grain - 1) / grain,
-              [&](int64_t block) { body(block * grain, std::min(n, (block + 1) * grain)); });
+  ParallelFor((n + grain - 1) / grain, [&](int64_t block) { body(block * grain, std::min(n, (block + 1) * grain)); });
 }
 
 }  // namespace oraclegs
