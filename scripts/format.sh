@@ -17,4 +17,7 @@ done
 # A newer clang-format breaks lines elsewhere: the version of Debian 12 decides where it is installed.
 program=$(command -v clang-format-14 || command -v clang-format)
 find "${folders[@]}" -type f \( -name '*.cpp' -o -name '*.h' -o -name '*.cu' -o -name '*.cuh' \) -print0 |
-  xargs -0 -r -n 16 -P "$(nproc)" "$program" "${mode[@]}"
+  xargs -0 -r -n 16 -P "$(nproc)" "$program" "${mode[@]}" || {
+  echo "scripts/format.sh: not formatted as clang-format 14 does it; run scripts/format.sh" >&2
+  exit 1
+}
