@@ -98,6 +98,21 @@ void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Lens>
   open.Execute("COMMIT");
 }
 
-void ClearTwoViewGeometries(const fs::path& database) { Database(database).Execute("DELETE FROM two_view_geometries"); }
+void NumberImagesByName(const fs::path& database) {
+  constexpr int64_t kOutOfTheWay = int64_t{1} << 30;  // colmap allows ids up to 2^31 - 2
+  const auto images = ReadDatabaseImages(database);
+  const Database open(database);
+  open.Execute("BEGIN");
+  for (const char* table : {"images", "keypoints", "descriptors"}) {
+    open.Execute(fmt::format("UPDATE {} SET image_id = image_id + {}", table, kOutOfTheWay).c_str());
+    int64_t number = 0;
+    for (const auto& [name, image] : images) {
+      open.Execute(
+          fmt::format("UPDATE {} SET image_id = {} WHERE image_id = {}", table, ++number, image.image_id + kOutOfTheWay)
+              .c_str());
+    }
+  }
+  open.Execute("COMMIT");
+}
 
 }  // namespace oraclegs

@@ -21,7 +21,8 @@ std::map<std::string, DatabaseImage> ReadDatabaseImages(const std::filesystem::p
 /// Replaces the cameras of those ids, marked as calibrated. Throws RunError naming the database.
 void SetDatabaseCameras(const std::filesystem::path& database, const std::map<uint32_t, Lens>& cameras);
 
-/// Forgets which matches were verified and keeps the matches. Throws RunError naming the database.
-void ClearTwoViewGeometries(const std::filesystem::path& database);
+/// Numbers the images 1, 2, ... in the order of their names, before there are matches: colmap numbers them as its
+/// threads finish, and what follows depends on the numbers. Throws RunError naming the database.
+void NumberImagesByName(const std::filesystem::path& database);
 
 }  // namespace oraclegs

@@ -31,7 +31,7 @@ class ColmapRunner {
 
   /// One camera per folder below images/; masks/ is used when has_masks.
   void ExtractFeatures(const std::string& camera_model, bool has_masks) const;
-  /// Every pair of photographs, with guided matching. The same matches for any number of threads.
+  /// Every pair of photographs. Not the same matches in every run.
   void MatchExhaustively() const;
   /// Any command that works on the database. Throws ColmapFailure when it ends with an error; an interrupt ends it.
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;

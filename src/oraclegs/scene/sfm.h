@@ -13,8 +13,12 @@ namespace oraclegs {
 /// True when the colmap program is installed.
 bool ColmapAvailable();
 
+/// Both functions below own their work_dir: each is given a folder of its own, which also gets images/ (links to the
+/// photographs, as colmap sees them), masks/ and inputs.json (what the result depends on; written last).
+
 /// Poses for a plain folder of photographs: feature extraction, exhaustive matching, mapper; the largest model wins.
-/// Writes work_dir/{database.db,sparse/0,colmap.log}; a finished model there is read instead of made again.
+/// Photographs of one size share one camera. Writes work_dir/{database.db,sparse/0,colmap.log}; a finished model of the
+/// same photographs there is read instead of made again.
 /// Returns a scene of format kColmap whose views are the registered photographs, and tells `listener` which of the n
 /// photographs registered. Throws InputError when colmap is missing or fewer than two registered, naming those that
 /// failed and what to retake.

@@ -1,0 +1,83 @@
+#include "oraclegs/scene/sfm_workspace.h"
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_model.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kInputs[] = "inputs.json";
+
+}  // namespace
+
+bool IsUnchanged(const fs::path& work_dir, const nlohmann::json& inputs) {
+  if (!fs::exists(work_dir / kInputs)) return false;
+  try {
+    return nlohmann::json::parse(ReadFile(work_dir / kInputs)) == inputs;
+  } catch (const std::exception&) {
+    return false;  // damaged: made anew
+  }
+}
+
+void MarkDone(const fs::path& work_dir, const nlohmann::json& inputs) {
+  WriteFileAtomically(work_dir / kInputs, inputs.dump(1) + "\n");
+}
+
+void ClearWorkDir(const fs::path& work_dir) {
+  RequireWritableFolder(work_dir);
+  std::error_code error;
+  for (const char* name : {kInputs, "database.db", "database.db-wal", "database.db-shm", "colmap.log", "points.ply",
+                           "sparse", "poses", "models", "images", "masks"}) {
+    fs::remove_all(work_dir / name, error);
+    if (error) throw RunError("{}: cannot be removed: {}", (work_dir / name).string(), error.message());
+  }
+}
+
+void MoveFolder(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_directories(to.parent_path(), error);
+  fs::remove_all(to, error);
+  fs::rename(from, to, error);
+  if (error) throw RunError("{}: cannot be renamed to {}: {}", from.string(), to.string(), error.message());
+}
+
+void MakeFolder(const fs::path& dir) {
+  std::error_code error;
+  fs::create_directories(dir, error);
+  if (error) throw RunError("{}: cannot be made: {}", dir.string(), error.message());
+}
+
+ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                       const fs::path& work_dir, const Listener& listener) {
+  const Scene model = ReadColmapScene(work_dir / "sparse" / "0", work_dir / "images", listener);
+  std::map<std::string, int> index_of;
+  for (size_t i = 0; i < plan.size(); ++i) index_of[plan[i].name] = views[i];
+  ModelInScene out;
+  std::vector<int> scene_index;
+  for (const SceneView& registered : model.views) {
+    const auto found = index_of.find(registered.name);
+    if (found == index_of.end()) {
+      throw InputError("{}: holds the unknown photograph {}; delete the folder", work_dir.string(), registered.name);
+    }
+    SceneView view = scene.views[found->second];
+    view.lens = registered.lens;
+    view.cam_from_world = registered.cam_from_world;
+    out.views[found->second] = std::move(view);
+    scene_index.push_back(found->second);
+  }
+  for (ScenePoint point : model.points) {
+    for (int& v : point.views) v = scene_index[v];
+    std::sort(point.views.begin(), point.views.end());
+    out.points.push_back(std::move(point));
+  }
+  return out;
+}
+
+}  // namespace oraclegs
