@@ -80,15 +80,13 @@ TEST(CheckpointTest, EveryFlippedByteIsFound) {
   const auto path = dir / "c.safetensors";
   WriteCheckpoint(path, Example(1));
   const std::string good = ReadFile(path);
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  const auto put = [&](size_t at, char byte) { file.seekp(static_cast<std::streamoff>(at)).put(byte).flush(); };
   for (size_t at = 0; at < good.size(); ++at) {
-    for (const int bit : {0, 5, 7}) {
-      std::string bad = good;
-      bad[at] = static_cast<char>(bad[at] ^ (1 << bit));
-      Overwrite(path, bad);
-      ASSERT_THAT(Refusal(path), HasSubstr(path.string())) << "byte " << at << " bit " << bit;
-    }
+    put(at, static_cast<char>(good[at] ^ (1 << at % 8)));
+    ASSERT_THAT(Refusal(path), HasSubstr(path.string())) << "byte " << at;
+    put(at, good[at]);
   }
-  Overwrite(path, good);
   EXPECT_EQ(Refusal(path), "");
 }
 
@@ -97,8 +95,8 @@ TEST(CheckpointTest, EveryTruncationIsFound) {
   const auto path = dir / "c.safetensors";
   WriteCheckpoint(path, Example(1));
   const std::string good = ReadFile(path);
-  for (size_t size = 0; size < good.size(); size += size < 2000 ? 1 : 37) {
-    Overwrite(path, good.substr(0, size));
+  for (size_t size = good.size() - 1; size < good.size(); size -= size < 2000 ? 1 : 37) {
+    std::filesystem::resize_file(path, size);
     ASSERT_THAT(Refusal(path), HasSubstr(path.string())) << size;
   }
   Overwrite(path, good + "x");

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/render/cpu/hwy_targets.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"
 #include <hwy/foreach_target.h>
@@ -112,8 +112,14 @@ namespace {
 HWY_EXPORT(UpdateFlat);
 HWY_EXPORT(UpdateSh);
 
-constexpr int64_t kFloatsPerTask = 1 << 15;
-constexpr int64_t kRowsPerTask = 512;
+constexpr int64_t kGrain = 4096;  // Gaussians; whole vectors of every tensor
+
+/// A tensor with one learning rate.
+struct FlatGroup {
+  AdamArrays arrays;
+  int64_t row;  ///< floats of a Gaussian
+  double rate;
+};
 
 AdamArrays Arrays(const Tensor& g, const Tensor& p, const Tensor& m, const Tensor& v) {
   return {g.data_ptr<float>(), p.data_ptr<float>(), m.data_ptr<float>(), v.data_ptr<float>()};
@@ -141,22 +147,21 @@ void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degre
   const double t = static_cast<double>(step);
   const AdamStep constants{static_cast<float>(1 / (1 - std::pow(kBeta1, t))),
                            static_cast<float>(1 / std::sqrt(1 - std::pow(kBeta2, t)))};
-  const auto flat = [&](const AdamArrays& a, int64_t n, double rate) {
-    ParallelBlocks(n, kFloatsPerTask, [&](int64_t begin, int64_t end) {
-      HWY_DYNAMIC_DISPATCH(UpdateFlat)(a, begin, end, rate, constants);
-    });
+  const FlatGroup flat[] = {
+      {Arrays(grads.means, params->means, m.means, v.means), 3, rates.means},
+      {Arrays(grads.log_scales, params->log_scales, m.log_scales, v.log_scales), 3, rates.log_scales},
+      {Arrays(grads.quats, params->quats, m.quats, v.quats), 4, rates.quats},
+      {Arrays(grads.opacity_logits, params->opacity_logits, m.opacity_logits, v.opacity_logits), 1,
+       rates.opacity_logits},
   };
-  flat(Arrays(grads.means, params->means, m.means, v.means), params->means.numel(), rates.means);
-  flat(Arrays(grads.log_scales, params->log_scales, m.log_scales, v.log_scales), params->log_scales.numel(),
-       rates.log_scales);
-  flat(Arrays(grads.quats, params->quats, m.quats, v.quats), params->quats.numel(), rates.quats);
-  flat(Arrays(grads.opacity_logits, params->opacity_logits, m.opacity_logits, v.opacity_logits), params->size(),
-       rates.opacity_logits);
-
+  const AdamArrays sh = Arrays(grads.sh, params->sh, m.sh, v.sh);
   float sh_rates[kShRow];
   for (int k = 0; k < kShRow; ++k) sh_rates[k] = static_cast<float>(k < 3 ? rates.sh0 : rates.sh_rest);
-  const AdamArrays sh = Arrays(grads.sh, params->sh, m.sh, v.sh);
-  ParallelBlocks(params->size(), kRowsPerTask, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(params->size(), kGrain, [&](int64_t begin, int64_t end) {
+    for (const FlatGroup& group : flat) {
+      HWY_DYNAMIC_DISPATCH(UpdateFlat)
+      (group.arrays, begin * group.row, end * group.row, group.rate, constants);
+    }
     HWY_DYNAMIC_DISPATCH(UpdateSh)(sh, begin, end, 3 * ShCount(sh_degree), sh_rates, constants);
   });
 }

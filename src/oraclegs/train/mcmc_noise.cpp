@@ -7,9 +7,9 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/render/cpu/hwy_targets.h"
 #include "oraclegs/train/mcmc.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/mcmc_noise.cpp"
 #include <hwy/foreach_target.h>

@@ -1,0 +1,314 @@
+#include "oraclegs/train/trainer.h"
+
+#include <cmath>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/train/rows.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWidth = 37, kHeight = 29;
+constexpr uint64_t kSeed = 11;
+
+/// Looks at the origin from a circle of radius 3.
+Camera CameraOnCircle(double angle) {
+  Camera camera{kWidth, kHeight, 40, 40, kWidth / 2.0, kHeight / 2.0, Eigen::Isometry3d::Identity()};
+  camera.cam_from_world.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  camera.cam_from_world.translation() = Eigen::Vector3d(0, 0, 3);
+  return camera;
+}
+
+/// A few coloured Gaussians around the origin.
+Gaussians Truth() {
+  Gaussians truth = RandomGaussians(40, 21);
+  truth.means *= 0.4f;
+  truth.opacity_logits.fill_(2);
+  truth.sh.narrow(1, 1, 15).zero_();
+  return truth;
+}
+
+/// Photographs of them, taken by the rasteriser itself.
+std::vector<TrainView> Photographs(int count) {
+  const Gaussians truth = Truth();
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  std::vector<TrainView> views;
+  for (int i = 0; i < count; ++i) {
+    TrainView view{"photo" + std::to_string(i), CameraOnCircle(0.3 * i), {}, {}};
+    view.image = rasterizer->Forward(truth, view.camera, {}, RenderPass::kInference).image.clone();
+    views.push_back(view);
+  }
+  return views;
+}
+
+Gaussians Start(int64_t n = 60) {
+  Gaussians start = RandomGaussians(n, 22);
+  start.means *= 0.5f;
+  start.log_scales.fill_(-2.5f);
+  start.opacity_logits.zero_();
+  start.opacity_logits.narrow(0, 0, 5).fill_(-7);  // dead, to be relocated
+  start.sh.zero_();
+  return start;
+}
+
+/// Refines at 40, 50, ..., so that everything that can happen happens within 100 iterations.
+TrainOptions Options(int iterations = 100) {
+  TrainOptions options;
+  options.iterations = iterations;
+  options.max_gaussians = 80;
+  options.refine_start = 30;
+  options.refine_every = 10;
+  options.sh_degree_interval = 20;
+  return options;
+}
+
+Trainer MakeTrainer(const TrainOptions& options, int views = 4) {
+  return Trainer(options, kSeed, {0, 0, 0}, Photographs(views), Start());
+}
+
+TEST(TrainerTest, LearnsTheScene) {
+  constexpr int kIterations = 200;
+  Trainer trainer = MakeTrainer(Options(kIterations));
+  double first = 0, last = 0;
+  for (int i = 0; i < kIterations; ++i) {
+    const double loss = trainer.Step();
+    if (i < 20) first += loss;
+    if (i >= kIterations - 20) last += loss;
+  }
+  EXPECT_LT(last, 0.5 * first) << first << " " << last;
+  EXPECT_EQ(trainer.iteration(), kIterations);
+  EXPECT_EQ(trainer.gaussians().size(), 80);
+}
+
+TEST(TrainerTest, SameBitsForAnyNumberOfThreads) {
+  const auto run = [](int threads) {
+    const Threads scope(threads);
+    Trainer trainer = MakeTrainer(Options());
+    trainer.Run({}, Silent());
+    return Clone(trainer.gaussians());
+  };
+  const Gaussians one = run(1);
+  EXPECT_TRUE(SameBits(one, run(2)));
+  EXPECT_TRUE(SameBits(one, run(5)));
+}
+
+TEST(TrainerTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
+  TempDir dir;
+  const nlohmann::json options = {{"iterations", 100}};
+  Trainer whole = MakeTrainer(Options());
+  whole.Run({}, Silent());
+  {
+    Trainer first = MakeTrainer(Options());
+    first.Run({dir.path(), 45, options}, Silent());
+    EXPECT_TRUE(SameBits(first.gaussians(), whole.gaussians()));  // saving changes nothing
+  }
+  for (const int64_t from : {45, 90}) {
+    Trainer resumed = MakeTrainer(Options());
+    const Checkpoint checkpoint = ReadCheckpoint(CheckpointPath(dir.path(), from));
+    resumed.Restore(checkpoint);
+    EXPECT_EQ(resumed.iteration(), from);
+    const TrainResult result = resumed.Run({dir.path(), 0, options}, Silent());
+    EXPECT_EQ(result.iterations, 100);
+    EXPECT_GT(result.seconds, checkpoint.seconds);
+    EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians())) << from;
+    EXPECT_TRUE(SameBits(resumed.MakeCheckpoint().adam.v, whole.MakeCheckpoint().adam.v)) << from;
+  }
+}
+
+TEST(TrainerTest, InterruptSavesAndTheRunContinuesToTheSameBits) {
+  TempDir dir;
+  Trainer whole = MakeTrainer(Options());
+  whole.Run({}, Silent());
+  Trainer stopped = MakeTrainer(Options());
+  for (int i = 0; i < 33; ++i) stopped.Step();
+  RequestInterrupt(true);
+  try {
+    stopped.Run({dir.path(), 0, {}}, Silent());
+    ADD_FAILURE() << "was not interrupted";
+  } catch (const Interrupted& e) {
+    EXPECT_THAT(e.what(), HasSubstr("iteration 33 of 100"));
+    EXPECT_THAT(e.what(), HasSubstr("iteration_0000033.safetensors"));
+    EXPECT_THAT(e.what(), HasSubstr("again to continue"));
+  }
+  EXPECT_THROW(stopped.Run({}, Silent()), Interrupted);  // nowhere to save
+  RequestInterrupt(false);
+  Trainer resumed = MakeTrainer(Options());
+  resumed.Restore(ReadCheckpoint(*NewestCheckpoint(dir.path())));
+  resumed.Run({dir.path(), 0, {}}, Silent());
+  EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));
+}
+
+TEST(TrainerTest, KeepsTwoCheckpoints) {
+  TempDir dir;
+  MakeTrainer(Options()).Run({dir.path(), 20, {}}, Silent());
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(dir.path())) left.push_back(entry.path().filename());
+  EXPECT_THAT(left, testing::UnorderedElementsAre("iteration_0000080.safetensors", "iteration_0000100.safetensors"));
+}
+
+TEST(TrainerTest, TheLastIterationMovesNothing) {
+  Trainer trainer = MakeTrainer(Options(35));
+  for (int i = 0; i < 34; ++i) trainer.Step();
+  const Gaussians before = Clone(trainer.gaussians());
+  EXPECT_GT(trainer.Step(), 0);
+  EXPECT_TRUE(SameBits(before, trainer.gaussians()));
+  EXPECT_EQ(trainer.MakeCheckpoint().adam.step, 34);
+}
+
+TEST(TrainerTest, GrowsOnScheduleOnly) {
+  TrainOptions options = Options(100);
+  options.refine_stop = 0.6;
+  options.max_gaussians = 1000;
+  Trainer trainer = MakeTrainer(options);
+  int64_t size = trainer.gaussians().size();
+  for (int i = 1; i <= 100; ++i) {
+    trainer.Step();
+    const bool refines = i == 40 || i == 50;  // 30 < i < 60
+    EXPECT_EQ(trainer.gaussians().size() > size, refines) << i;
+    size = trainer.gaussians().size();
+  }
+}
+
+TEST(TrainerTest, ShDegreeFollowsTheScheduleAndItsLimit) {
+  TrainOptions options = Options(100);
+  options.sh_degree = 1;
+  Trainer trainer = MakeTrainer(options);
+  for (int i = 1; i <= 19; ++i) trainer.Step();
+  EXPECT_EQ(trainer.gaussians().sh.narrow(1, 1, 15).abs().max().item<float>(), 0);
+  for (int i = 20; i <= 100; ++i) trainer.Step();
+  EXPECT_GT(trainer.gaussians().sh.narrow(1, 1, 3).abs().max().item<float>(), 0);
+  EXPECT_EQ(trainer.gaussians().sh.narrow(1, 4, 12).abs().max().item<float>(), 0);
+}
+
+TEST(TrainerTest, WhatTheMaskHidesIsNoLoss) {
+  // The true Gaussians, and photographs that are wrong in their masked half only: SSIM windows that reach across must
+  // not see the difference.
+  auto views = Photographs(3);
+  for (TrainView& view : views) {
+    view.confidence = torch::ones({kHeight, kWidth});
+    view.confidence.narrow(1, 20, kWidth - 20).zero_();
+    view.image.narrow(1, 20, kWidth - 20).fill_(0.9);
+  }
+  TrainOptions options = Options();
+  options.opacity_reg = options.scale_reg = 0;
+  Trainer trainer(options, kSeed, {0, 0, 0}, views, Truth());
+  EXPECT_NEAR(trainer.Step(), 0, 1e-5);
+  for (TrainView& view : views) view.confidence = Tensor();
+  Trainer unmasked(options, kSeed, {0, 0, 0}, views, Truth());
+  EXPECT_GT(unmasked.Step(), 0.1);
+}
+
+TEST(TrainerTest, WhatTheMaskHidesGivesNoGradient) {
+  auto views = Photographs(2);
+  for (TrainView& view : views) view.confidence = torch::zeros({kHeight, kWidth});
+  Trainer blind(Options(60), kSeed, {0, 0, 0}, views, Start());
+  for (int i = 0; i < 25; ++i) blind.Step();  // regularisers and noise only: no colour changes
+  EXPECT_EQ(blind.gaussians().sh.abs().max().item<float>(), 0);
+}
+
+TEST(TrainerTest, AMaskOfOnesIsNoMask) {
+  const auto run = [](bool masked) {
+    auto views = Photographs(3);
+    for (TrainView& view : views) {
+      if (masked) view.confidence = torch::ones({kHeight, kWidth});
+    }
+    Trainer trainer(Options(60), kSeed, {0, 0, 0}, views, Start());
+    for (int i = 0; i < 5; ++i) trainer.Step();
+    return Clone(trainer.gaussians());
+  };
+  const Gaussians with = run(true), without = run(false);
+  EXPECT_LT(MaxAbsError(with.sh, without.sh), 1e-3);
+}
+
+TEST(TrainerTest, NotFiniteLossNamesIterationAndView) {
+  auto views = Photographs(1);
+  views[0].image[3][4][0] = std::nanf("");
+  Trainer trainer(Options(), kSeed, {0, 0, 0}, views, Start());
+  try {
+    trainer.Step();
+    ADD_FAILURE() << "a loss that is not a number was accepted";
+  } catch (const RunError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("iteration 1 on photo0"));
+  }
+}
+
+TEST(TrainerTest, ReportsProgress) {
+  Trainer trainer = MakeTrainer(Options(250));
+  std::vector<int64_t> done;
+  trainer.Run({}, [&](const Event& event) {
+    if (const auto* step = std::get_if<StepDone>(&event)) {
+      done.push_back(step->done);
+      EXPECT_EQ(step->total, 250);
+      EXPECT_EQ(step->stage, "train");
+      EXPECT_THAT(step->detail, HasSubstr("80 Gaussians"));
+    }
+  });
+  EXPECT_GE(done.size(), 3u);
+  EXPECT_EQ(done.back(), 250);
+}
+
+TEST(TrainerTest, OneViewpointIsWarnedOf) {
+  Trainer trainer(Options(2), kSeed, {0, 0, 0}, Photographs(1), Start());
+  int warnings = 0;
+  trainer.Run({}, [&](const Event& event) { warnings += std::holds_alternative<Warning>(event); });
+  EXPECT_EQ(warnings, 1);
+}
+
+TEST(TrainerTest, RefusesWhatDoesNotFit) {
+  EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, {}, Start()), UsageError);
+  EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, Photographs(2), Gaussians::Zeros(0)), UsageError);
+  TrainOptions options = Options();
+  options.ssim_weight = 2;
+  EXPECT_THROW(Trainer(options, kSeed, {0, 0, 0}, Photographs(2), Start()), UsageError);
+  auto views = Photographs(2);
+  views[1].image = views[1].image.narrow(0, 0, 5);
+  EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, views, Start()), ShapeError);
+}
+
+TEST(TrainerTest, RefusesCheckpointsOfAnotherRun) {
+  Trainer trainer = MakeTrainer(Options());
+  for (int i = 0; i < 10; ++i) trainer.Step();
+  const Checkpoint good = trainer.MakeCheckpoint();
+  EXPECT_THROW(MakeTrainer(Options(9)).Restore(good), InputError);
+  Checkpoint bad = trainer.MakeCheckpoint();
+  bad.sampler.photographs = {17};
+  EXPECT_THROW(MakeTrainer(Options()).Restore(bad), InputError);
+  bad = trainer.MakeCheckpoint();
+  bad.adam = Adam(3);
+  EXPECT_THROW(MakeTrainer(Options()).Restore(bad), InputError);
+
+  bad = trainer.MakeCheckpoint();
+  bad.options = {{"seed", 1}, {"iterations", 7000}};
+  Trainer resumed = MakeTrainer(Options());
+  resumed.Restore(bad);
+  try {
+    resumed.Run({"", 0, {{"seed", 2}, {"iterations", 7000}}}, Silent());
+    ADD_FAILURE() << "other options were accepted";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("seed 1, not 2"));
+  }
+}
+
+TEST(ToTrainViewTest, CopiesPixelsAndMask) {
+  Photo photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
+  photo.rgb.data[3 * (kWidth + 2) + 1] = 0.75f;  // row 1, column 2, green
+  EXPECT_FALSE(ToTrainView(photo).confidence.defined());
+  photo.mask.assign(kWidth * kHeight, 1);
+  photo.mask[5] = 0;
+  const TrainView view = ToTrainView(photo);
+  EXPECT_EQ(view.name, "a");
+  EXPECT_EQ(view.image[1][2][1].item<float>(), 0.75f);
+  EXPECT_EQ(view.image.sum().item<float>(), 0.25f * kWidth * kHeight * 3 + 0.5f);
+  EXPECT_EQ(view.confidence[0][5].item<float>(), 0);
+  EXPECT_EQ(view.confidence.sum().item<float>(), kWidth * kHeight - 1);
+  photo.mask.pop_back();
+  EXPECT_THROW(ToTrainView(photo), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs
