@@ -17,6 +17,7 @@ constexpr double kMinSquaredDistance = 1e-7;           // duplicates would have 
 constexpr double kBlenderHalfSide = 1.3;               // world units
 constexpr double kTooClose = 0.2;                      // of the radius: nothing starts right in front of a lens
 constexpr double kParallelAxes = 1e-3;                 // below, the point nearest to all axes is ill-determined
+constexpr double kFallbackReach = 3;                   // extents; scenes seen side by side begin about there
 constexpr int64_t kProbes = 20000, kEnoughHits = 200;  // 1%: a sparser overlap would cost too many draws
 
 /// A grey that is not quite the same for any two points.
@@ -72,9 +73,9 @@ Ball LookedAt(const std::vector<Camera>& cameras) {
     for (const Camera& c : cameras) ahead += c.Forward().dot(center - c.Center()) > 0 ? 1 : 0;
     if (2 * ahead > cameras.size()) return {center, MedianDistance(cameras, center)};
   }
-  double extent = SpatialExtent(cameras);
-  if (!(extent > 0)) extent = 1;  // one camera, or several in one place: any scale is as good
-  return {eye + extent * forward, extent};
+  double reach = kFallbackReach * SpatialExtent(cameras);
+  if (!(reach > 0)) reach = 1;  // one camera, or several in one place: any scale is as good
+  return {eye + reach * forward, reach};
 }
 
 class ViewVolume {

@@ -146,7 +146,7 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   out.sh_degree = DegreeOf(element, file);
   const int rest = RestCount(out.sh_degree);
   const std::vector<std::string> names = PropertyNames(rest);
-  const std::vector<float> values = ReadPlyColumns(bytes, header, vertex, names, file);
+  const std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
   const auto n = static_cast<int64_t>(element.count);
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);

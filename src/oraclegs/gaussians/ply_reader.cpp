@@ -103,6 +103,7 @@ class BodyReader {
 
   void Read(const PlyElement& element, const std::vector<Column>& columns, std::vector<float>* out) {
     RequireRows(element);
+    if (columns.empty()) return;  // rows may then take no bytes, and their number be any lie
     out->resize(element.count * columns.size());
     if (format_ != PlyFormat::kAscii && !HasList(element)) return ReadFixedRows(element, columns, out->data());
     std::vector<int> place(element.properties.size(), -1);
@@ -222,9 +223,11 @@ size_t PlySize(PlyType type) {
   return 0;
 }
 
-std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& header, int element,
+std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& header, std::string_view element,
                                   const std::vector<std::string>& names, const std::string& file) {
-  const PlyElement& wanted = header.elements.at(element);
+  const int index = header.Find(element);
+  if (index < 0) throw InputError("{}: has no element '{}'; is it a Gaussian point cloud?", file, element);
+  const PlyElement& wanted = header.elements[index];
   std::vector<Column> columns;
   for (size_t i = 0; i < names.size(); ++i) {
     const int property = wanted.Find(names[i]);
@@ -238,7 +241,7 @@ std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& heade
     columns.push_back({property, i});
   }
   BodyReader reader(bytes, header, file);
-  for (int i = 0; i < element; ++i) reader.Skip(header.elements[i]);
+  for (int i = 0; i < index; ++i) reader.Skip(header.elements[i]);
   std::vector<float> values;
   reader.Read(wanted, columns, &values);
   return values;

@@ -44,10 +44,10 @@ struct PlyHeader {
 /// before end_header.
 PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& file);
 
-/// The named scalar properties of elements[element] as rows * names floats, row-major. Throws InputError naming `file`:
-/// no such property, a list among them, more rows than the bytes can hold (nothing is allocated before that is known),
-/// something that is not a number.
-std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& header, int element,
+/// The named scalar properties of an element as rows * names floats, row-major. Throws InputError naming `file`: no
+/// such element or property, a list among them, more rows than the bytes can hold (nothing is allocated before that is
+/// known), something that is not a number.
+std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& header, std::string_view element,
                                   const std::vector<std::string>& names, const std::string& file);
 
 }  // namespace oraclegs

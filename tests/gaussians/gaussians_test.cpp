@@ -1,0 +1,47 @@
+#include "oraclegs/gaussians/gaussians.h"
+
+#include <gtest/gtest.h>
+
+namespace oraclegs {
+namespace {
+
+TEST(Gaussians, FreshOnesPassTheirOwnCheck) {
+  for (const int64_t n : {0, 1, 7}) {
+    const Gaussians g = Gaussians::Zeros(n);
+    g.Check("test");
+    Gaussians::Empty(n).Check("test");
+    EXPECT_EQ(g.size(), n);
+    g.ForEach([](const char*, const Tensor& t) { EXPECT_EQ(t.abs().sum().item<float>(), 0); });
+  }
+  EXPECT_EQ(Gaussians().size(), 0);
+}
+
+TEST(Gaussians, NamesComeInTheOrderOfTheCheckpoint) {
+  std::vector<std::string> names;
+  Gaussians::Zeros(2).ForEach([&](const char* name, const Tensor&) { names.push_back(name); });
+  EXPECT_EQ(names, (std::vector<std::string>{"means", "log_scales", "quats", "opacity_logits", "sh"}));
+}
+
+TEST(Gaussians, CheckNamesTheCallerAndTheTensor) {
+  const auto message = [](const Gaussians& g) -> std::string {
+    try {
+      g.Check("Caller");
+    } catch (const ShapeError& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  Gaussians g = Gaussians::Zeros(5);
+  g.quats = torch::zeros({5, 3});
+  EXPECT_NE(message(g).find("Caller: quats is [5, 3]"), std::string::npos) << message(g);
+  g = Gaussians::Zeros(5);
+  g.sh = torch::zeros({4, 16, 3});
+  EXPECT_NE(message(g).find("Caller: sh is [4, 16, 3]"), std::string::npos);
+  g = Gaussians::Zeros(5);
+  g.means = g.means.to(torch::kDouble);
+  EXPECT_NE(message(g).find("means"), std::string::npos);
+  EXPECT_NE(message(Gaussians()).find("undefined"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,203 @@
+#include "oraclegs/gaussians/ply.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "oraclegs/core/files.h"
+#include "support/tensors.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::HasSubstr;
+
+Gaussians RandomGaussians(int64_t n) {
+  torch::manual_seed(2);
+  Gaussians g = Gaussians::Empty(n);
+  g.ForEach([](const char*, Tensor& t) { t.normal_(); });
+  return g;
+}
+
+void ExpectSameBits(const Gaussians& a, const Gaussians& b) {
+  std::vector<Tensor> left;
+  a.ForEach([&](const char*, const Tensor& t) { left.push_back(t); });
+  size_t i = 0;
+  b.ForEach([&](const char* name, const Tensor& t) { EXPECT_TRUE(torch::equal(left[i++], t)) << name; });
+}
+
+/// The message of the InputError that reading gives.
+std::string ReadError(const std::filesystem::path& path) {
+  try {
+    ReadGaussianPly(path);
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr(path.string()));
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+    return e.what();
+  }
+  return "no error";
+}
+
+class GaussianPlyFile : public testing::Test {
+ protected:
+  std::filesystem::path Write(const std::string& bytes) {
+    std::ofstream(path_, std::ios::binary) << bytes;
+    return path_;
+  }
+
+  TempDir dir_;
+  std::filesystem::path path_ = dir_ / "cloud.ply";
+};
+
+TEST_F(GaussianPlyFile, RoundTripsBitsAtEveryDegree) {
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    const Gaussians g = RandomGaussians(37);
+    WriteGaussianPly(path_, g, degree);
+    const GaussianPly read = ReadGaussianPly(path_);
+    EXPECT_EQ(read.sh_degree, degree);
+    Gaussians expected = g;
+    expected.sh = g.sh.clone();
+    expected.sh.slice(1, ShCount(degree)).zero_();
+    ExpectSameBits(read.gaussians, expected);
+  }
+}
+
+TEST_F(GaussianPlyFile, HasTheLayoutThatViewersExpect) {
+  Gaussians g = Gaussians::Zeros(1);
+  g.means[0][1] = 2;
+  g.sh[0][0][2] = 3;
+  g.sh[0][1][0] = 4;   // red of the first higher coefficient
+  g.sh[0][15][2] = 5;  // blue of the last
+  g.opacity_logits[0] = 6;
+  g.log_scales[0][0] = 7;
+  g.quats[0][0] = 1;
+  WriteGaussianPly(path_, g);
+  const std::string bytes = ReadFile(path_);
+  const std::string end = "end_header\n";
+  const size_t body = bytes.find(end) + end.size();
+  EXPECT_THAT(bytes, testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\n"));
+  EXPECT_THAT(bytes,
+              HasSubstr("float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float f_dc_0\n"));
+  ASSERT_EQ(bytes.size() - body, 62 * sizeof(float));
+  float row[62];
+  std::memcpy(row, bytes.data() + body, sizeof(row));
+  EXPECT_EQ(row[1], 2);
+  EXPECT_EQ(row[3] + row[4] + row[5], 0);  // normals
+  EXPECT_EQ(row[8], 3);
+  EXPECT_EQ(row[9], 4);   // f_rest_0
+  EXPECT_EQ(row[53], 5);  // f_rest_44
+  EXPECT_EQ(row[54], 6);
+  EXPECT_EQ(row[55], 7);
+  EXPECT_EQ(row[58], 1);
+}
+
+TEST_F(GaussianPlyFile, FindsPropertiesByNameInAnyOrderAndTypeAndSkipsTheRest) {
+  Write(
+      "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info x\r\nelement camera 2\r\nproperty float f\r\n"
+      "property list uchar int ids\r\nelement vertex 2\r\nproperty float rot_3\r\nproperty double rot_2\r\n"
+      "property float rot_1\r\nproperty float rot_0\r\nproperty uchar red\r\nproperty float opacity\r\n"
+      "property list uchar float extra\r\nproperty float scale_2\r\nproperty float scale_1\r\nproperty float "
+      "scale_0\r\n"
+      "property float f_dc_2\r\nproperty float f_dc_0\r\nproperty float f_dc_1\r\nproperty double z\r\n"
+      "property float y\r\nproperty short x\r\nelement face 1\r\nproperty list uchar int v\r\nend_header\r\n"
+      "1.5 3 7 8 9\n2.5 0\n"
+      "0 0 0 1 255 -1.5 2 8 9 30 20 10 3 1 2 +0.25 -7 -3\n"
+      "0 0 1e0 0 255 1.5 0 31 21 11\t6 4 5 1e-3 7 3\n3 0 1 2\n");
+  const GaussianPly read = ReadGaussianPly(path_);
+  ASSERT_EQ(read.gaussians.size(), 2);
+  EXPECT_EQ(read.sh_degree, 0);
+  EXPECT_TRUE(torch::equal(read.gaussians.means, torch::tensor({{-3.f, -7.f, 0.25f}, {3.f, 7.f, 1e-3f}})));
+  EXPECT_TRUE(torch::equal(read.gaussians.quats[1], torch::tensor({0.f, 1.f, 0.f, 0.f})));
+  EXPECT_TRUE(torch::equal(read.gaussians.log_scales[0], torch::tensor({10.f, 20.f, 30.f})));
+  EXPECT_TRUE(
+      torch::equal(read.gaussians.sh.slice(1, 0, 1).squeeze(1), torch::tensor({{1.f, 2.f, 3.f}, {4.f, 5.f, 6.f}})));
+  EXPECT_TRUE(torch::equal(read.gaussians.opacity_logits, torch::tensor({-1.5f, 1.5f})));
+}
+
+TEST_F(GaussianPlyFile, TruncationIsAnInputError) {
+  WriteGaussianPly(path_, RandomGaussians(2), 0);
+  const std::string whole = ReadFile(path_);
+  for (size_t length = 0; length < whole.size(); length += 37) {
+    EXPECT_NE(ReadError(Write(whole.substr(0, length))), "no error") << length;
+  }
+  EXPECT_EQ(ReadError(Write(whole)), "no error");
+}
+
+TEST_F(GaussianPlyFile, ALyingCountIsRefusedBeforeAnythingIsAllocated) {
+  WriteGaussianPly(path_, RandomGaussians(2), 3);
+  const std::string good = ReadFile(path_);
+  for (const char* count : {"3", "1000000000000000000", "18446744073709551615"}) {
+    std::string bad = good;
+    bad.replace(bad.find("vertex 2"), 8, std::string("vertex ") + count);
+    EXPECT_THAT(ReadError(Write(bad)), HasSubstr("cut short"));
+    std::string ascii = bad;
+    ascii.replace(ascii.find("binary_little_endian"), 20, "ascii");
+    EXPECT_NE(ReadError(Write(ascii)), "no error");
+    std::string earlier = bad;  // the same lie told of an element that is only skipped
+    earlier.replace(earlier.find("element vertex"), 14,
+                    std::string("element other ") + count + "\nproperty int i\nelement vertex");
+    EXPECT_NE(ReadError(Write(earlier)), "no error");
+  }
+}
+
+TEST_F(GaussianPlyFile, NamesWhatIsWrong) {
+  EXPECT_THAT(ReadError(dir_ / "absent.ply"), HasSubstr("absent.ply"));
+  EXPECT_THAT(ReadError(Write("PNG\n")), HasSubstr("not a PLY"));
+  EXPECT_THAT(ReadError(Write("ply\nend_header\n")), HasSubstr("format"));
+  EXPECT_THAT(ReadError(Write("ply\nformat ascii 2.0\nend_header\n")), HasSubstr("line 2"));
+  EXPECT_THAT(ReadError(Write("ply\nformat ascii 1.0\nend_header\n")), HasSubstr("no element 'vertex'"));
+  EXPECT_THAT(ReadError(Write("ply\nformat ascii 1.0\nelement vertex -1\nend_header\n")), HasSubstr("line 3"));
+  EXPECT_THAT(ReadError(Write("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")), HasSubstr("no Gaussians"));
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 1\n";
+  EXPECT_THAT(ReadError(Write(head + "property float x\nend_header\n1\n")), HasSubstr("no property 'y'"));
+  EXPECT_THAT(ReadError(Write(head + "property float x\nproperty float x\nend_header\n1\n")), HasSubstr("line 5"));
+  EXPECT_THAT(ReadError(Write(head + "property quad x\nend_header\n1\n")), HasSubstr("line 4"));
+  EXPECT_THAT(ReadError(Write(head + "property list float int x\nend_header\n1\n")), HasSubstr("line 4"));
+  EXPECT_THAT(ReadError(Write(head + "property float f_rest_0\nend_header\n1\n")), HasSubstr("1 f_rest"));
+  EXPECT_THAT(ReadError(Write("ply\nformat ascii 1.0\nproperty float x\nend_header\n")), HasSubstr("line 3"));
+  EXPECT_THAT(ReadError(Write("ply\nwhat \x1b[31mis this\nend_header\n")), HasSubstr("?[31m"));
+}
+
+TEST_F(GaussianPlyFile, RefusesNumbersThatWouldPoisonARender) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Gaussians g = RandomGaussians(5);
+    g.log_scales[3][1] = bad;
+    WriteGaussianPly(path_, g);
+    EXPECT_THAT(ReadError(path_), HasSubstr("scale_1 of vertex 3"));
+  }
+  Gaussians g = RandomGaussians(5);
+  g.quats[4].zero_();
+  WriteGaussianPly(path_, g);
+  EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
+}
+
+TEST_F(GaussianPlyFile, AsciiOutOfRangeAndWords) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+      "f_dc_0\n"
+      "property float f_dc_1\nproperty float f_dc_2\nproperty float opacity\nproperty float scale_0\nproperty float "
+      "scale_1\n"
+      "property float scale_2\nproperty float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\n"
+      "end_header\n";
+  EXPECT_THAT(ReadError(Write(head + "1 2 nan 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("z of vertex 0"));
+  EXPECT_THAT(ReadError(Write(head + "1 1e400 0 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("y of vertex 0"));
+  EXPECT_THAT(ReadError(Write(head + "1 1e50 0 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("y of vertex 0"));
+  EXPECT_THAT(ReadError(Write(head + "1 2 3x 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("not a number"));
+  EXPECT_EQ(ReadError(Write(head + "1 1e-400 0 0 0 0 0 0 0 0 1 0 0 0")), "no error");  // the last needs no newline
+}
+
+TEST_F(GaussianPlyFile, WriterRefusesWrongShapesAndUnwritablePlaces) {
+  Gaussians g = RandomGaussians(3);
+  EXPECT_THROW(WriteGaussianPly(path_, g, 4), ShapeError);
+  EXPECT_THROW(WriteGaussianPly(dir_.path(), g, 0), RunError);
+  g.sh = torch::zeros({3, 9, 3});
+  EXPECT_THROW(WriteGaussianPly(path_, g), ShapeError);
+  EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+}  // namespace
+}  // namespace oraclegs
