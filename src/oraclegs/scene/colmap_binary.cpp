@@ -5,15 +5,15 @@
 #include <cstring>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the .bin files are read by memcpy");
 
-constexpr uint64_t kMaxImageSide = 1 << 20;  // pixels; more is a damaged file
-constexpr size_t kKeypointBytes = 24;        // x f64, y f64, point id u64
-constexpr size_t kTrackElementBytes = 8;     // image u32, keypoint u32
+constexpr size_t kKeypointBytes = 24;     // x f64, y f64, point id u64
+constexpr size_t kTrackElementBytes = 8;  // image u32, keypoint u32
 
 /// Reads numbers off the front of a file's bytes and refuses to read past their end.
 class ByteReader {

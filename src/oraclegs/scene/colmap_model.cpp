@@ -1,7 +1,6 @@
 #include "oraclegs/scene/colmap_model.h"
 
 #include <algorithm>
-#include <system_error>
 #include <unordered_map>
 
 #include "oraclegs/core/error.h"
@@ -14,11 +13,6 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool IsFile(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
 
 /// dir/STEM.bin, or dir/STEM.txt, or empty.
 fs::path FindPart(const fs::path& dir, const char* stem) {

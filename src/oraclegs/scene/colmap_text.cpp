@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int kMaxImageSide = 1 << 20;  // pixels; more is a damaged file
-constexpr size_t kMaxShown = 40;        // characters of a word in an error message
+constexpr size_t kMaxShown = 40;  // characters of a word in an error message
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
 std::string_view Trim(std::string_view s) {

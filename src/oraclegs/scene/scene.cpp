@@ -20,11 +20,6 @@ bool IsFolder(const fs::path& path) {
   return fs::is_directory(path, error);
 }
 
-bool IsFile(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
-
 /// What a folder holds, sorted; empty when it is not a folder.
 std::vector<fs::path> ListFolder(const fs::path& dir) {
   if (!IsFolder(dir)) return {};

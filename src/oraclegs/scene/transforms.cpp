@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <system_error>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -15,11 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-bool IsFile(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
 
 /// Puts the words NaN, Infinity and -Infinity, which Python writes and JSON does not know, in quotes, so that the error
 /// names the frame that has one and not only a byte.

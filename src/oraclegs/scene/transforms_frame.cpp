@@ -7,13 +7,13 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/scene/image.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxImageSide = 1 << 20;  // pixels; more is a mistake
 constexpr double kRotationTolerance = 1e-4;
 
 const json* FindIn(const json& object, const char* key) {

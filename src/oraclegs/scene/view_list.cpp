@@ -11,11 +11,6 @@ namespace {
 constexpr size_t kNamesShown = 5;
 constexpr std::string_view kImageFolder = "images/";
 
-bool IsFile(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
-
 std::filesystem::path FindMask(const std::filesystem::path& mask_dir, const std::string& name) {
   std::vector<std::string> names{name};
   if (name.starts_with(kImageFolder)) names.push_back(name.substr(kImageFolder.size()));
@@ -32,6 +27,11 @@ std::filesystem::path FindMask(const std::filesystem::path& mask_dir, const std:
 }
 
 }  // namespace
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
 
 std::string ViewName(const std::string& written_path) {
   std::string name;

@@ -1,6 +1,7 @@
 #pragma once
 // What every scene reader does with the views it found.
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
+
+inline constexpr int kMaxImageSide = 1 << 20;  // pixels; more in a scene file is a damaged or mistaken number
+
+/// True for a regular file; false, not an exception, for a path that cannot be looked at.
+bool IsFile(const std::filesystem::path& path);
 
 /// A photograph's path as written in a scene file, as a view's name: "./", "../" and a leading "/" are dropped, so that
 /// a file named after the view stays inside the folder it is written to.
