@@ -9,8 +9,8 @@ namespace oraclegs {
 /// One pinhole image's intrinsics and pose. Camera frame: x right, y down, z forward (COLMAP, OpenCV). Pixel (0,0)
 /// covers [0,1) x [0,1), so its centre is (0.5, 0.5). Lengths are in scene units.
 struct Camera {
-  int width = 0, height = 0;                ///< pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;    ///< pixels; (cx, cy) from the image's top-left corner
+  int width = 0, height = 0;              ///< pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels; (cx, cy) from the image's top-left corner
   Eigen::Isometry3d cam_from_world = Eigen::Isometry3d::Identity();  ///< x_cam = R x_world + t
 
   Eigen::Vector3d Center() const { return -(cam_from_world.linear().transpose() * cam_from_world.translation()); }

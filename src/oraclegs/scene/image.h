@@ -23,9 +23,14 @@ struct ImageF {
   const float* row(int y) const { return data.data() + static_cast<size_t>(y) * width * channels; }
 };
 
-/// Reads a JPEG or PNG (by content, not by name). The EXIF orientation of a JPEG is applied. 16-bit PNG is reduced to
-/// 8; palette, grey and CMYK become RGB; an alpha channel is kept. Throws InputError naming the file and the damage.
-Image8 ReadImage(const std::filesystem::path& path);
+enum class Orientation {
+  kUpright,   ///< as the EXIF tag of a JPEG says
+  kAsStored,  ///< the tag is ignored
+};
+
+/// Reads a JPEG or PNG (by content, not by name) as RGB or RGBA. 16-bit PNG is reduced to 8; palette, grey and CMYK
+/// become RGB; transparency of any kind becomes an alpha channel. Throws InputError naming the file and the damage.
+Image8 ReadImage(const std::filesystem::path& path, Orientation orientation = Orientation::kUpright);
 /// Width and height as ReadImage would return them, from the header alone.
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height);
 

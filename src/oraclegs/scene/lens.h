@@ -51,4 +51,8 @@ struct Lens {
   void Check(const std::string& name) const;
 };
 
+/// The same lens on an image of another size. The axes may scale differently, so a model of one focal length becomes
+/// the one of two that takes the same coefficients.
+Lens Resized(const Lens& lens, int width, int height);
+
 }  // namespace oraclegs

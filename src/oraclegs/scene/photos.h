@@ -14,7 +14,7 @@
 namespace oraclegs {
 
 struct PhotoOptions {
-  int downscale = 1;                ///< whole factor
+  int downscale = 1;                 ///< whole factor
   std::string background = "black";  ///< what transparent pixels are composited on
 
   template <class V>

@@ -1,0 +1,203 @@
+#include "oraclegs/scene/photos.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/scene/undistort.h"
+#include "oraclegs/scene/view_list.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint8_t kMaskThreshold = 128;
+constexpr float kCoverage = 0.5f;  // of a working pixel's area that must count for it to count
+constexpr int kKeep = 3;           // the channel beside RGB that says what counts, 0 or 1 before filtering
+constexpr const char* kImageFolder = "images";
+
+int WorkingSize(int size, int downscale) { return std::max(1, (2 * size + downscale) / (2 * downscale)); }
+
+/// The file of an images_N folder that stands for `path` at the given downscale; empty when there is none.
+fs::path DownscaledFile(const fs::path& path, int downscale) {
+  fs::path inside = path.filename();
+  for (fs::path folder = path.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
+    if (folder.filename() == kImageFolder) {
+      const fs::path file = folder.parent_path() / fmt::format("{}_{}", kImageFolder, downscale) / inside;
+      std::error_code error;
+      return fs::is_regular_file(file, error) ? file : fs::path();
+    }
+    inside = folder.filename() / inside;
+  }
+  return {};
+}
+
+/// A photograph and the lens it fits.
+struct Source {
+  Image8 image;
+  Lens lens;
+};
+
+/// The file of images_N, if there is one of just the working size.
+std::optional<Source> ReadDownscaled(const SceneView& view, int downscale) {
+  if (downscale == 1) return std::nullopt;
+  const fs::path file = DownscaledFile(view.image_path, downscale);
+  if (file.empty()) return std::nullopt;
+  const int width = WorkingSize(view.lens.width, downscale), height = WorkingSize(view.lens.height, downscale);
+  Image8 image = ReadImage(file);
+  if (image.width != width || image.height != height) return std::nullopt;
+  return Source{std::move(image), Resized(view.lens, width, height)};
+}
+
+Source ReadSource(const SceneView& view, int downscale) {
+  if (auto small = ReadDownscaled(view, downscale)) return std::move(*small);
+  const auto fits = [&view](const Image8& image) {
+    return image.width == view.lens.width && image.height == view.lens.height;
+  };
+  Image8 image = ReadImage(view.image_path);
+  if (fits(image)) return {std::move(image), view.lens};
+  if (image.width == view.lens.height && image.height == view.lens.width) {
+    // COLMAP ignores the EXIF orientation, so its cameras describe the picture as it is stored.
+    Image8 stored = ReadImage(view.image_path, Orientation::kAsStored);
+    if (fits(stored)) return {std::move(stored), view.lens};
+  }
+  throw InputError("{}: is {} x {}, but its camera was made for {} x {}; use the photographs the poses were made from",
+                   view.image_path.string(), image.width, image.height, view.lens.width, view.lens.height);
+}
+
+/// RGB on the background, with a fourth channel of ones when asked for.
+ImageF Composite(const Image8& image, const std::array<float, 3>& background, bool with_keep) {
+  const size_t in_channels = static_cast<size_t>(image.channels), out_channels = with_keep ? 4 : 3;
+  const size_t pixels = image.data.size() / in_channels;
+  ImageF result{image.width, image.height, static_cast<int>(out_channels),
+                std::vector<float>(pixels * out_channels, 1)};
+  const uint8_t* in = image.data.data();
+  float* out = result.data.data();
+  for (size_t i = 0; i < pixels; ++i, in += in_channels, out += out_channels) {
+    const float alpha = in_channels == 4 ? static_cast<float>(in[3]) / 255 : 1.f;
+    for (size_t c = 0; c < 3; ++c) out[c] = alpha * (static_cast<float>(in[c]) / 255) + (1 - alpha) * background[c];
+  }
+  return result;
+}
+
+void ExcludeTransparent(const Image8& image, ImageF* composite) {
+  for (size_t i = 0; i < image.data.size() / 4; ++i) {
+    if (image.data[4 * i + 3] < kMaskThreshold) composite->data[4 * i + kKeep] = 0;
+  }
+}
+
+/// Which pixels the view's mask file keeps, one channel of the size of `lens`.
+ImageF ReadMask(const SceneView& view, const Lens& lens) {
+  const Image8 mask = ReadImage(view.mask_path);
+  const bool is_full = mask.width == view.lens.width && mask.height == view.lens.height;
+  if (!is_full && (mask.width != lens.width || mask.height != lens.height)) {
+    throw InputError("{}: is {} x {}, but its photograph {} is {} x {}; make them the same size",
+                     view.mask_path.string(), mask.width, mask.height, view.name, view.lens.width, view.lens.height);
+  }
+  const size_t channels = static_cast<size_t>(mask.channels);
+  ImageF keep{mask.width, mask.height, 1, std::vector<float>(mask.data.size() / channels)};
+  for (size_t i = 0; i < keep.data.size(); ++i) keep.data[i] = mask.data[i * channels] < kMaskThreshold ? 0.f : 1.f;
+  return ResizeArea(keep, lens.width, lens.height);
+}
+
+/// Multiplies the keep channel by other pictures of what counts.
+template <class Values>
+void Exclude(const Values& keep, ImageF* image) {
+  for (size_t i = 0; i < keep.size(); ++i) image->data[4 * i + kKeep] *= static_cast<float>(keep[i]);
+}
+
+/// The photograph as its lens took it, composited; 4 channels when some pixels may not count.
+ImageF ComposeSource(const Scene& scene, const SceneView& view, const Source& source, const PhotoOptions& options) {
+  const bool alpha_masks = source.image.channels == 4 && scene.format != SceneFormat::kBlender;
+  const bool with_keep = alpha_masks || !view.mask_path.empty() || !view.lens.IsPinhole();
+  ImageF image = Composite(source.image, BackgroundColor(options.background), with_keep);
+  if (alpha_masks) ExcludeTransparent(source.image, &image);
+  if (!view.mask_path.empty()) Exclude(ReadMask(view, source.lens).data, &image);
+  return image;
+}
+
+/// Splits off the keep channel.
+void Store(ImageF image, Photo* photo) {
+  if (image.channels == 3) {
+    photo->rgb = std::move(image);
+    return;
+  }
+  const size_t pixels = image.data.size() / 4;
+  photo->rgb = {image.width, image.height, 3, std::vector<float>(pixels * 3)};
+  photo->mask.resize(pixels);
+  for (size_t i = 0; i < pixels; ++i) {
+    std::copy_n(image.data.data() + 4 * i, 3, photo->rgb.data.data() + 3 * i);
+    photo->mask[i] = image.data[4 * i + kKeep] >= kCoverage;
+  }
+  if (std::find(photo->mask.begin(), photo->mask.end(), 0) == photo->mask.end()) photo->mask.clear();
+}
+
+Photo LoadPhoto(const Scene& scene, const SceneView& view, const PhotoOptions& options) {
+  Photo photo{view.name, WorkingCamera(view, options), {}, {}};
+  Source source = ReadSource(view, options.downscale);
+  ImageF image = ComposeSource(scene, view, source, options);
+  source.image = {};  // the 8-bit picture is not needed beside the float ones
+  if (!source.lens.IsPinhole()) {
+    // The camera comes from the full size also when a downscaled file is read, so that both give the same one.
+    const Camera target = Resized(UndistortedCamera(view.lens), source.lens.width, source.lens.height);
+    UndistortedImage undistorted = Undistort(image, source.lens, target);
+    image = std::move(undistorted.image);
+    Exclude(undistorted.valid, &image);
+  }
+  if (image.width != photo.camera.width || image.height != photo.camera.height) {
+    image = ResizeArea(image, photo.camera.width, photo.camera.height);
+  }
+  Store(std::move(image), &photo);
+  return photo;
+}
+
+bool ExcludesAll(const Photo& photo) {
+  return !photo.mask.empty() && std::find(photo.mask.begin(), photo.mask.end(), 1) == photo.mask.end();
+}
+
+}  // namespace
+
+std::array<float, 3> BackgroundColor(const std::string& name) {
+  if (name == "black") return {0, 0, 0};
+  if (name == "white") return {1, 1, 1};
+  if (name == "grey") return {0.5f, 0.5f, 0.5f};
+  throw UsageError("--background is '{}', must be one of: black, white, grey", name);
+}
+
+Camera WorkingCamera(const SceneView& view, const PhotoOptions& options) {
+  Camera camera = UndistortedCamera(view.lens);
+  camera.cam_from_world = view.cam_from_world.value();
+  return Resized(camera, WorkingSize(camera.width, options.downscale), WorkingSize(camera.height, options.downscale));
+}
+
+std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views, const PhotoOptions& options,
+                              const Listener& listener) {
+  std::vector<Photo> photos(views.size());
+  std::mutex mutex;
+  int64_t done = 0;
+  const auto total = static_cast<int64_t>(views.size());
+  ParallelFor(total, [&](int64_t i) {
+    ThrowIfInterrupted();
+    const auto index = static_cast<size_t>(i);
+    photos[index] = LoadPhoto(scene, scene.views[static_cast<size_t>(views[index])], options);
+    const std::lock_guard lock(mutex);
+    listener(StepDone{"load", ++done, total, "photographs", ""});
+  });
+  std::vector<std::string> excluded;
+  for (const Photo& photo : photos) {
+    if (ExcludesAll(photo)) excluded.push_back(photo.name);
+  }
+  if (!excluded.empty()) {
+    listener(Warning{fmt::format("no pixel of these photographs counts, their mask or alpha channel excludes all: {}",
+                                 SomeNames(excluded))});
+  }
+  return photos;
+}
+
+}  // namespace oraclegs
