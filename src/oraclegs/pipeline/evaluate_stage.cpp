@@ -75,20 +75,12 @@ void RunEvaluate(Run* run) {
   run->listener(FileWritten{workspace.metrics()});
 }
 
-nlohmann::json EvaluatePly(const EvaluateRequest& request, const Listener& listener) {
+nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& posed, const Listener& listener) {
   CheckRunOptions(request.options);
   const Model model = LoadModel(request.ply, request.options);
-  SceneReadOptions read;
-  read.images = request.options.input.images;
-  const Scene scene = ReadScene(request.scene, read, listener);
-  if (!scene.HasPoses()) {
-    throw InputError("{}: these photographs have no poses; evaluate the workspace that `oraclegs reconstruct` made",
-                     request.scene.string());
-  }
-  const Split split = SplitViews(scene, request.options.split);
   fs::path renders;
   if (!request.out.empty()) {
-    RequireOutsideScene(request.out, request.scene);
+    RequireOutsideScene(request.out, posed.scene.root);
     if (IsWorkspace(request.out)) {
       throw InputError("{}: holds a run with its own metrics.json; choose another -o", request.out.string());
     }
@@ -96,13 +88,13 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const Listener& liste
     renders = WorkspacePaths(request.out).renders("test");
   }
   const StageClock clock("evaluate", listener);
-  const Scores scores = Score(model, LoadPhotos(scene, split.test, request.options.photo, listener), renders, listener);
+  const Scores scores = Score(model, LoadPhotos(posed.scene, posed.split.test, request.options.photo, listener), renders, listener);
   nlohmann::json metrics = {{"test", scores.test},
                             {"stages", {{"evaluate", {{"seconds", clock.Finish()}}}}},
                             {"gaussians", scores.gaussians},
                             {"peak_memory_bytes", PeakMemoryBytes()},
                             {"ply", request.ply.string()},
-                            {"scene", request.scene.string()},
+                            {"scene", posed.scene.root.string()},
                             {"options", RunOptionsToJson(request.options)}};
   if (!request.out.empty()) {
     const fs::path path = WorkspacePaths(request.out).metrics();

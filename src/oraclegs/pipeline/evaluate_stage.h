@@ -22,15 +22,15 @@ Model LoadModel(const std::filesystem::path& ply, const RunOptions& options);
 /// again when point cloud and test photographs are unchanged. Throws InputError when there is no point cloud.
 void RunEvaluate(Run* run);
 
-/// What a point cloud of any trainer is scored on, without a workspace.
+/// A point cloud of any trainer, to be scored without touching a run.
 struct EvaluateRequest {
   std::filesystem::path ply;
-  std::filesystem::path scene;
   RunOptions options;
   std::filesystem::path out;  ///< receives metrics.json and renders/test/*.png; empty = nothing is written
 };
 
-/// {"test": {...}, "gaussians": n, "ply", "options", ...}. Throws InputError when the scene has no poses.
-nlohmann::json EvaluatePly(const EvaluateRequest& request, const Listener& listener);
+/// {"test": {...}, "gaussians": n, "ply", "options", ...}. Throws InputError for a file that is no such point cloud, or
+/// when `out` holds a run or lies in the scene folder.
+nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& scene, const Listener& listener);
 
 }  // namespace oraclegs

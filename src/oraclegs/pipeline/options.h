@@ -36,17 +36,24 @@ struct StartOptions {
   }
 };
 
-/// What changes how a run goes, but not one bit of its result: free to differ when a run is continued.
+/// What changes how fast a run goes, but not one bit of its result: free to differ when a run is continued.
 struct MachineOptions {
   int threads = 0;
-  int checkpoint_every = 1000;
 
   template <class V>
   void Visit(V&& visit) {
     visit("threads", threads, "Threads to compute with, 0 = all cores", Range{0, 4096});
+  }
+};
+
+/// Likewise.
+struct CheckpointOptions {
+  int checkpoint_every = 1000;
+
+  template <class V>
+  void Visit(V&& visit) {
     visit("checkpoint-every", checkpoint_every,
-          "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted",
-          Range{0, 1e7});
+          "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted", Range{0, 1e7});
   }
 };
 
@@ -56,6 +63,7 @@ struct RunOptions {
   PhotoOptions photo;
   StartOptions start;
   TrainOptions train;
+  CheckpointOptions checkpoints;
   MachineOptions machine;
 
   /// Calls f("Group title", group) for the groups whose options shape the result.
@@ -70,6 +78,7 @@ struct RunOptions {
   template <class F>
   void ForEachGroup(F&& f) {
     ForEachShapingGroup(f);
+    f("Checkpoints", checkpoints);
     f("Machine", machine);
   }
 };
@@ -85,6 +94,7 @@ inline nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
 /// The same of all options.
 inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
   nlohmann::json json = ShapingOptionsToJson(options);
+  json.update(OptionsToJson(options.checkpoints));
   json.update(OptionsToJson(options.machine));
   return json;
 }
@@ -92,22 +102,6 @@ inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
 /// Throws UsageError for the first option out of its range.
 inline void CheckRunOptions(const RunOptions& options) {
   const_cast<RunOptions&>(options).ForEachGroup([](const char*, const auto& group) { CheckOptions(group); });
-}
-
-/// Sets the options that `json` names, which a run has saved; keys that no longer exist are passed over.
-/// Throws nlohmann::json::exception when a value has another type.
-inline void RunOptionsFromJson(const nlohmann::json& json, RunOptions* options) {
-  options->ForEachGroup([&](const char*, auto& group) {
-    group.Visit([&](const char* name, auto& value, auto&&...) {
-      using T = std::decay_t<decltype(value)>;
-      if (!json.contains(name)) return;
-      if constexpr (std::is_same_v<T, std::filesystem::path>) {
-        value = json.at(name).template get<std::string>();
-      } else {
-        value = json.at(name).template get<T>();
-      }
-    });
-  });
 }
 
 }  // namespace oraclegs

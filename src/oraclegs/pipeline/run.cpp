@@ -69,10 +69,14 @@ Run WithPosesAndSplit(const RunRequest& request, Workspace workspace, Scene scen
 
 }  // namespace
 
-std::vector<Camera> Run::TrainCameras() const {
-  std::vector<Camera> cameras;
-  for (const int i : split.train) cameras.push_back(WorkingCamera(scene.views[static_cast<size_t>(i)], options.photo));
-  return cameras;
+PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const Listener& listener) {
+  Scene scene = Read(root, options, listener);
+  if (!scene.HasPoses()) {
+    throw InputError("{}: these photographs have no poses; run `oraclegs reconstruct` and name its workspace instead",
+                     root.string());
+  }
+  Split split = SplitViews(scene, options.split);
+  return {std::move(scene), std::move(split)};
 }
 
 Run StartRun(const RunRequest& request, const Listener& listener) {

@@ -22,6 +22,15 @@ struct RunRequest {
   std::string version;     ///< of the program, for metrics.json
 };
 
+/// A scene with poses, and which of its views train and test.
+struct PosedScene {
+  Scene scene;
+  Split split;
+};
+
+/// Reads a scene that has poses of its own. Throws InputError for a plain folder of photographs.
+PosedScene ReadPosedScene(const std::filesystem::path& root, const RunOptions& options, const Listener& listener);
+
 struct Run {
   RunOptions options;
   std::string version;
@@ -29,8 +38,6 @@ struct Run {
   Scene scene;  ///< has poses
   Split split;
   Listener listener;
-
-  std::vector<Camera> TrainCameras() const;
 };
 
 /// Reads the scene, claims the workspace (workspace.h says when that is refused), finds poses for a plain folder of

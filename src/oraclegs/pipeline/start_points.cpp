@@ -34,7 +34,11 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
 PointCloud RandomPoints(const Run& run) {
   const int n = std::min(run.options.train.random_points, run.options.train.max_gaussians);
   if (run.scene.format == SceneFormat::kBlender) return RandomPointsInBlenderCube(n, run.options.start.seed);
-  return RandomPointsInView(run.TrainCameras(), n, run.options.start.seed);
+  std::vector<Camera> cameras;
+  for (const int view : run.split.train) {
+    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.options.photo));
+  }
+  return RandomPointsInView(cameras, n, run.options.start.seed);
 }
 
 StartPoints FindStartPoints(const Run& run) {

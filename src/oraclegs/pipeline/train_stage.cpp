@@ -92,7 +92,7 @@ void RunTrain(Run* run) {
   if (checkpoint) trainer.Restore(*checkpoint);
   const double loading = clock.Seconds();
   const TrainResult result = trainer.Run(
-      {run->workspace.checkpoints(), options.machine.checkpoint_every, std::move(saved_options)}, run->listener);
+      {run->workspace.checkpoints(), options.checkpoints.checkpoint_every, std::move(saved_options)}, run->listener);
   WriteGaussianPly(run->workspace.point_cloud(), trainer.gaussians(), options.train.sh_degree);
   clock.Finish();
   run->workspace.MarkDone("train", {{"key", key},

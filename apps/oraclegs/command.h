@@ -1,0 +1,95 @@
+#pragma once
+// What all subcommands share: how one is declared, and how it starts.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "option_binder.h"
+#include "oraclegs/pipeline/options.h"
+#include "terminal.h"
+
+namespace oraclegs {
+
+struct OutputOptions {
+  bool quiet = false;
+  bool verbose = false;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("quiet", quiet, "Print warnings and errors only");
+    visit("verbose", verbose, "Also print the options in force");
+  }
+};
+
+struct WorkspaceOptions {
+  std::filesystem::path out;
+  bool overwrite = false;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("out", out, "Workspace: the folder that receives all results; a run that was stopped there is continued");
+    visit("overwrite", overwrite, "Start anew: remove what an earlier run left in the workspace");
+  }
+};
+
+/// A subcommand: options structs bound to groups of flags, and a body. --config, --quiet and --verbose are there
+/// always.
+class Command {
+ public:
+  Command(CLI::App* app, const std::string& name, const std::string& help, const std::string& example);
+  virtual ~Command() = default;
+
+  /// True when the command line named this command.
+  bool Chosen() const { return app_->parsed(); }
+  /// Reads --config, --preset and the like, checks all options, runs the body.
+  void Run();
+
+ protected:
+  template <class Options>
+  void Bind(const char* group, Options* options) {
+    options->Visit(OptionBinder(app_, group));
+    checks_.push_back([options] { CheckOptions(*options); });
+  }
+  /// All groups of a run, and --preset.
+  void BindRun(RunOptions* options);
+  /// --threads, for commands that are no run.
+  void BindMachine(MachineOptions* options);
+  void BindInput(const char* name, std::filesystem::path* path, const char* help);
+
+  /// May set options that no file and no flag has set, from what the command works on.
+  virtual void ApplyDefaults() {}
+  virtual void Body(const Listener& listener) = 0;
+
+  CLI::App* app() { return app_; }
+  /// Prints to stdout, unless --quiet was given.
+  void Print(const std::string& text) const;
+
+ private:
+  CLI::App* app_;
+  OutputOptions output_;
+  const MachineOptions* machine_ = nullptr;  ///< of the derived class
+  std::filesystem::path config_;
+  std::string preset_;
+  std::vector<std::function<void()>> checks_;
+};
+
+/// Throws UsageError when -o was not given.
+void RequireOut(const std::filesystem::path& out);
+
+/// The lines that end a run: scores, sizes, times, and where the files are.
+std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path& workspace);
+
+// One per file of this folder.
+std::unique_ptr<Command> MakeReconstruct(CLI::App* app);
+std::unique_ptr<Command> MakeSfm(CLI::App* app);
+std::unique_ptr<Command> MakeTrain(CLI::App* app);
+std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
+std::unique_ptr<Command> MakeRender(CLI::App* app);
+std::unique_ptr<Command> MakeExport(CLI::App* app);
+std::unique_ptr<Command> MakeInfo(CLI::App* app);
+std::unique_ptr<Command> MakeDemoScene(CLI::App* app);
+
+}  // namespace oraclegs

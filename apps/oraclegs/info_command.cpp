@@ -1,0 +1,65 @@
+#include <cstdio>
+
+#include "command.h"
+#include "oraclegs/pipeline/info.h"
+
+namespace oraclegs {
+namespace {
+
+struct InfoOptions {
+  bool json = false;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("json", json, "Print JSON instead of lines");
+  }
+};
+
+std::string Shown(const nlohmann::json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (!value.is_structured()) return value.dump();
+  std::string text;
+  for (const auto& [key, item] : value.items()) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ",
+                        value.is_object() ? fmt::format("{} {}", key, Shown(item)) : Shown(item));
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string Lines(const nlohmann::json& info) {
+  std::string text = info.at("kind").get<std::string>();
+  for (const auto& [key, value] : info.items()) {
+    if (key == "kind" || key == "metrics") continue;
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    text += fmt::format("\n  {:16} {}", name, Shown(value));
+  }
+  return text;
+}
+
+class InfoCommand : public Command {
+ public:
+  explicit InfoCommand(CLI::App* app)
+      : Command(app, "info", "Say what a scene folder, a workspace or a .ply holds", "oraclegs info scene/ --json") {
+    BindInput("path", &path_, "Scene folder, workspace or .ply file");
+    Bind("Output", &options_);
+  }
+
+ private:
+  void Body(const Listener& listener) override {
+    const nlohmann::json info = Describe(path_, listener);
+    std::string text = options_.json ? info.dump(2) : Lines(info);
+    if (!options_.json && info.contains("metrics")) text += "\n" + SummaryOf(info["metrics"], path_);
+    std::fputs((text + "\n").c_str(), stdout);  // it was asked for: also with --quiet
+  }
+
+  std::filesystem::path path_;
+  InfoOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeInfo(CLI::App* app) { return std::make_unique<InfoCommand>(app); }
+
+}  // namespace oraclegs

@@ -1,0 +1,36 @@
+#include "oraclegs/pipeline/render_path.h"
+#include "source_command.h"
+
+namespace oraclegs {
+namespace {
+
+class RenderCommand : public SourceCommand {
+ public:
+  explicit RenderCommand(CLI::App* app)
+      : SourceCommand(app, "render", "Pictures (and a video when ffmpeg is installed) along a camera path",
+                      "oraclegs render out/ --path orbit --frames 240") {
+    Bind("Path", &path_);
+  }
+
+ private:
+  void Body(const Listener& listener) override {
+    std::filesystem::path out = out_.out;
+    if (out.empty() && InputIsWorkspace()) out = WorkspacePaths(input_).renders(path_.path);
+    RequireOut(out);
+    const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
+    const Model model = LoadModel(ply, options_);
+    const PosedScene posed = OpenScene(listener);
+    RequireOutsideScene(out, posed.scene.root);
+    const auto cameras = PathCameras(posed.scene, posed.split, options_.photo, path_);
+    RenderCameras(model, cameras, out, path_, listener);
+    Print(fmt::format("pictures   {} in {}", cameras.size(), out.string()));
+  }
+
+  RenderPathOptions path_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeRender(CLI::App* app) { return std::make_unique<RenderCommand>(app); }
+
+}  // namespace oraclegs

@@ -1,0 +1,43 @@
+#include "source_command.h"
+
+#include "config_file.h"
+
+namespace oraclegs {
+
+SourceCommand::SourceCommand(CLI::App* app, const std::string& name, const std::string& help,
+                             const std::string& example)
+    : Command(app, name, help, example) {
+  BindInput("input", &input_, "Workspace of a run, or a scene folder together with --ply");
+  Bind("Model", &model_);
+  Bind("Output", &out_);
+  BindRun(&options_);
+}
+
+bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }
+
+void SourceCommand::ApplyDefaults() {
+  if (InputIsWorkspace()) {
+    nlohmann::json saved = ReadSavedRun(input_).options;
+    saved.erase("threads");  // belongs to the machine, not to the run
+    ApplySavedOptions(saved, WorkspacePaths(input_).options(), app());
+  } else if (model_.ply.empty()) {
+    throw UsageError("{}: holds no run of oraclegs; name a workspace, or a point cloud with --ply", input_.string());
+  }
+}
+
+std::optional<oraclegs::Run> SourceCommand::OpenRunOfInput(const Listener& listener) const {
+  if (!InputIsWorkspace()) return std::nullopt;
+  RunRequest request;
+  request.out = input_;
+  request.options = options_;
+  request.version = ORACLEGS_VERSION;
+  return OpenRun(request, listener);
+}
+
+PosedScene SourceCommand::OpenScene(const Listener& listener) const {
+  auto run = OpenRunOfInput(listener);
+  if (run) return {std::move(run->scene), std::move(run->split)};
+  return ReadPosedScene(input_, options_, listener);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,49 @@
+#pragma once
+// Commands that look at a finished model: of a workspace, or a PLY with a scene.
+
+#include <optional>
+
+#include "command.h"
+#include "oraclegs/pipeline/run.h"
+
+namespace oraclegs {
+
+struct ModelOptions {
+  std::filesystem::path ply;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("ply", ply,
+          "Point cloud to use, of any 3DGS trainer; needed with a scene, in place of the run's own otherwise");
+  }
+};
+
+struct OutOptions {
+  std::filesystem::path out;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("out", out, "Folder that receives the results");
+  }
+};
+
+/// Has a positional that is a workspace (whose options are then in force) or a scene folder, and --ply.
+class SourceCommand : public Command {
+ protected:
+  SourceCommand(CLI::App* app, const std::string& name, const std::string& help, const std::string& example);
+
+  void ApplyDefaults() override;
+  /// The run of the workspace; nullopt when the positional is a scene.
+  std::optional<oraclegs::Run> OpenRunOfInput(const Listener& listener) const;
+  /// The scene: the run's, or the folder's own.
+  PosedScene OpenScene(const Listener& listener) const;
+
+  bool InputIsWorkspace() const;
+
+  std::filesystem::path input_;
+  RunOptions options_;
+  ModelOptions model_;
+  OutOptions out_;
+};
+
+}  // namespace oraclegs

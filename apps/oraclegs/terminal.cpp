@@ -1,0 +1,136 @@
+#include "terminal.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace oraclegs {
+namespace {
+
+using std::chrono::duration;
+
+constexpr double kRateWindow = 20;  // seconds over which the rate is measured: it falls as Gaussians grow
+constexpr double kRedrawSeconds = 0.1;
+constexpr double kLineSeconds = 10;  // between plain lines, unless a tenth of the work is done sooner
+constexpr double kLeastLineSeconds = 1;
+constexpr int kBarWidth = 24;
+
+size_t TerminalWidth() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+}
+
+std::string RateText(double per_second) {
+  if (per_second <= 0) return "";
+  return per_second >= 1 ? fmt::format(", {:.1f}/s", per_second) : fmt::format(", {:.1f} s each", 1 / per_second);
+}
+
+}  // namespace
+
+std::string FormatSeconds(double seconds) {
+  const auto s = static_cast<int64_t>(std::llround(std::clamp(seconds, 0.0, 1e9)));
+  if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+  return fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+Terminal::Terminal(Verbosity verbosity)
+    : verbosity_(verbosity), bar_(verbosity != Verbosity::kQuiet && isatty(STDERR_FILENO)) {
+  SetVerbosity(verbosity);
+}
+
+Terminal::~Terminal() { EraseBar(); }
+
+Listener Terminal::AsListener() {
+  return [this](const Event& event) { std::visit([this](const auto& e) { On(e); }, event); };
+}
+
+void Terminal::On(const StageStarted& event) {
+  EraseBar();
+  stage_.clear();
+  Log().info("{}: started", event.stage);
+}
+
+void Terminal::On(const StageFinished& event) {
+  EraseBar();
+  stage_.clear();
+  Log().info("{}: done in {}", event.stage, FormatSeconds(event.seconds));
+}
+
+void Terminal::On(const FileWritten& event) {
+  EraseBar();
+  Log().info("wrote {}", event.path.string());
+}
+
+void Terminal::On(const Warning& event) {
+  EraseBar();
+  Log().warn("{}", event.text);
+}
+
+void Terminal::On(const Note& event) {
+  EraseBar();
+  Log().info("{}", event.text);
+}
+
+void Terminal::On(const StepDone& event) {
+  if (verbosity_ == Verbosity::kQuiet) return;
+  const Rate rate = Measure(event);
+  if (!IsTimeForALine(event)) return;
+  if (bar_) return DrawBar(event, rate);
+  const std::string left = rate.seconds_left > 0 ? ", " + FormatSeconds(rate.seconds_left) + " left" : "";
+  Log().info("{}: {}/{} {} ({}%){}{}{}{}", event.stage, event.done, event.total, event.unit,
+             100 * event.done / std::max<int64_t>(event.total, 1), event.detail.empty() ? "" : ", ", event.detail,
+             RateText(rate.per_second), left);
+}
+
+Terminal::Rate Terminal::Measure(const StepDone& event) {
+  const auto now = Clock::now();
+  if (event.stage != stage_) {
+    stage_ = event.stage;
+    recent_.clear();
+    last_line_ = bar_ ? Clock::time_point{} : now;
+    last_tenth_ = event.total > 0 ? 10 * event.done / event.total : 0;
+  }
+  recent_.emplace_back(now, event.done);
+  while (recent_.size() > 2 && duration<double>(now - recent_[1].first).count() > kRateWindow) recent_.pop_front();
+  const double seconds = duration<double>(now - recent_.front().first).count();
+  const auto steps = static_cast<double>(event.done - recent_.front().second);
+  if (seconds <= 0 || steps <= 0) return {};
+  return {steps / seconds, static_cast<double>(event.total - event.done) * seconds / steps};
+}
+
+bool Terminal::IsTimeForALine(const StepDone& event) {
+  const double waited = duration<double>(Clock::now() - last_line_).count();
+  const int64_t tenth = event.total > 0 ? 10 * event.done / event.total : 0;
+  const bool due = bar_ ? waited >= kRedrawSeconds || event.done == event.total
+                        : waited >= kLineSeconds || (tenth > last_tenth_ && waited >= kLeastLineSeconds);
+  if (!due) return false;
+  last_line_ = Clock::now();
+  last_tenth_ = tenth;
+  return true;
+}
+
+void Terminal::DrawBar(const StepDone& event, const Rate& rate) {
+  const double share = event.total > 0 ? static_cast<double>(event.done) / static_cast<double>(event.total) : 0;
+  const int filled = static_cast<int>(share * kBarWidth);
+  std::string line =
+      fmt::format("{} [{:#>{}}{:->{}}] {:3.0f}% {}/{} {}{}", event.stage, "", filled, "", kBarWidth - filled,
+                  100 * share, event.done, event.total, event.unit, RateText(rate.per_second));
+  if (!event.detail.empty()) line += ", " + event.detail;
+  if (rate.seconds_left > 0) line += ", " + FormatSeconds(rate.seconds_left) + " left";
+  line.resize(std::min(line.size(), TerminalWidth() - 1));
+  std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void Terminal::EraseBar() {
+  if (!drawn_) return;
+  std::fputs("\r\x1b[K", stderr);
+  std::fflush(stderr);
+  drawn_ = false;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,56 @@
+#pragma once
+// What the user sees while a stage runs.
+
+#include <chrono>
+#include <deque>
+#include <string>
+#include <utility>
+
+#include "oraclegs/core/log.h"
+#include "oraclegs/core/progress.h"
+
+namespace oraclegs {
+
+/// "9:05", "1:02:33"
+std::string FormatSeconds(double seconds);
+
+/// Shows events on stderr: on a terminal one line that is drawn again and again, elsewhere a plain line about every ten
+/// seconds or ten percent; with kQuiet only warnings.
+class Terminal {
+ public:
+  explicit Terminal(Verbosity verbosity);
+  ~Terminal();
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  Listener AsListener();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Rate {
+    double per_second = 0;  ///< 0 = not known yet
+    double seconds_left = 0;
+  };
+
+  void On(const StageStarted& event);
+  void On(const StepDone& event);
+  void On(const StageFinished& event);
+  void On(const FileWritten& event);
+  void On(const Warning& event);
+  void On(const Note& event);
+
+  Rate Measure(const StepDone& event);
+  bool IsTimeForALine(const StepDone& event);
+  void DrawBar(const StepDone& event, const Rate& rate);
+  void EraseBar();
+
+  Verbosity verbosity_;
+  bool bar_;                                                  ///< stderr is a terminal
+  bool drawn_ = false;                                        ///< the cursor stands on a drawn line
+  std::string stage_;                                         ///< whose steps are counted now
+  std::deque<std::pair<Clock::time_point, int64_t>> recent_;  ///< steps of the last seconds, for the rate
+  Clock::time_point last_line_;
+  int64_t last_tenth_ = 0;
+};
+
+}  // namespace oraclegs
