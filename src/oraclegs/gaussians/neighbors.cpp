@@ -11,6 +11,7 @@ namespace {
 
 constexpr int64_t kLeafItems = 12;  // at most; about where scanning and descending cost the same
 constexpr int64_t kGrain = 1024;    // queries a task
+constexpr int kTopLevels = 6;       // split one after the other; the 64 subtrees below are then built side by side
 
 }  // namespace
 
@@ -37,9 +38,15 @@ KdTree::KdTree(const std::vector<Eigen::Vector3f>& points) {
   for (int64_t i = 0; i < n; ++i) items_[i] = {points[i], i};
   while ((n >> levels_) > kLeafItems) ++levels_;
   nodes_.resize((size_t{1} << levels_) - 1);
-  for (int level = 0; level < levels_; ++level) {
+  const int top = std::min(levels_, kTopLevels);
+  for (int level = 0; level < top; ++level) {
     ParallelFor(int64_t{1} << level, [&](int64_t node) { Split(level, node); });
   }
+  ParallelFor(int64_t{1} << top, [&](int64_t root) {
+    for (int down = 0; top + down < levels_; ++down) {
+      for (int64_t j = 0; j < int64_t{1} << down; ++j) Split(top + down, (root << down) + j);
+    }
+  });
 }
 
 KdTree::Range KdTree::RangeOf(int level, int64_t node) const {

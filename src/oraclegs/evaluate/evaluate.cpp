@@ -1,0 +1,111 @@
+#include "oraclegs/evaluate/evaluate.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/evaluate/metrics.h"
+
+namespace oraclegs {
+namespace {
+
+/// The photo's mask [H,W], undefined when every pixel counts.
+Tensor MaskOf(const Photo& photo) {
+  if (photo.mask.empty()) return {};
+  const int64_t height = photo.rgb.height, width = photo.rgb.width;
+  if (static_cast<int64_t>(photo.mask.size()) != height * width) {
+    throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
+                     height * width);
+  }
+  return torch::from_blob(const_cast<uint8_t*>(photo.mask.data()), {height, width}, torch::kByte).clone();
+}
+
+ViewMetrics Score(const Photo& photo, const Tensor& render, const Tensor& truth) {
+  const Tensor mask = MaskOf(photo);
+  ViewMetrics view;
+  view.name = photo.name;
+  view.psnr = Psnr(render, truth, mask);
+  view.ssim = Ssim(render, truth, mask);
+  view.psnr_color_corrected = ColorCorrectedPsnr(render, truth, mask);
+  return view;
+}
+
+/// A view's name as a file name of its own: "left/0001.jpg" becomes "left_0001".
+std::string FlatStem(const std::string& name) {
+  std::string stem = std::filesystem::path(name).replace_extension().generic_string();
+  std::replace(stem.begin(), stem.end(), '/', '_');
+  return stem;
+}
+
+bool CountsNowhere(const Photo& photo) {
+  return !photo.mask.empty() && std::all_of(photo.mask.begin(), photo.mask.end(), [](uint8_t m) { return m == 0; });
+}
+
+void SetMeans(TestMetrics* metrics) {
+  const auto n = static_cast<double>(metrics->views.size());
+  for (const ViewMetrics& view : metrics->views) {
+    metrics->psnr += view.psnr / n;
+    metrics->ssim += view.ssim / n;
+    metrics->psnr_color_corrected += view.psnr_color_corrected / n;
+  }
+}
+
+}  // namespace
+
+TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
+                     const std::filesystem::path& renders, const Listener& listener) {
+  const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
+  TestMetrics metrics;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    ThrowIfInterrupted();
+    const Photo& photo = photos[i];
+    const RenderOutput out = rasterizer->Forward(gaussians, photo.camera, options, RenderPass::kInference);
+    const Tensor render = Quantized(out.image.to(torch::kCPU)).contiguous(), truth = Quantized(ToTensor(photo.rgb));
+    if (CountsNowhere(photo)) {
+      listener(Warning{fmt::format("{} is masked out completely and is not scored", photo.name)});
+    } else {
+      metrics.views.push_back(Score(photo, render, truth));
+    }
+    if (!renders.empty()) {
+      const std::string stem = FlatStem(photo.name);
+      WritePng(renders / (stem + ".png"), ToImage8(render));
+      WritePng(renders / (stem + "_gt.png"), ToImage8(truth));
+    }
+    listener(
+        StepDone{"evaluate", static_cast<int64_t>(i) + 1, static_cast<int64_t>(photos.size()), "views", photo.name});
+  }
+  SetMeans(&metrics);
+  return metrics;
+}
+
+nlohmann::json ToJson(const TestMetrics& metrics) {
+  nlohmann::json views = nlohmann::json::array();
+  for (const ViewMetrics& view : metrics.views) {
+    views.push_back({{"name", view.name},
+                     {"psnr", view.psnr},
+                     {"ssim", view.ssim},
+                     {"psnr_color_corrected", view.psnr_color_corrected}});
+  }
+  return {{"psnr", metrics.psnr},
+          {"ssim", metrics.ssim},
+          {"psnr_color_corrected", metrics.psnr_color_corrected},
+          {"views", std::move(views)}};
+}
+
+Image8 ToImage8(const Tensor& image) {
+  RequireFloat("ToImage8", "image", image, {-1, -1, 3});
+  const Tensor bytes = torch::floor(image.to(torch::kCPU).clamp(0, 1) * 255.f + 0.5f).to(torch::kByte).contiguous();
+  Image8 out;
+  out.height = static_cast<int>(image.size(0));
+  out.width = static_cast<int>(image.size(1));
+  out.channels = 3;
+  out.data.assign(bytes.data_ptr<uint8_t>(), bytes.data_ptr<uint8_t>() + bytes.numel());
+  return out;
+}
+
+Tensor ToTensor(const ImageF& image) {
+  if (image.channels != 3) throw ShapeError("ToTensor: {} channels, expected 3", image.channels);
+  return torch::from_blob(const_cast<float*>(image.data.data()), {image.height, image.width, 3}, torch::kFloat).clone();
+}
+
+}  // namespace oraclegs

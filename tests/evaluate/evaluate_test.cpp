@@ -1,0 +1,143 @@
+#include "oraclegs/evaluate/evaluate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/evaluate/metrics.h"
+#include "support/tensors.h"
+
+namespace oraclegs {
+namespace {
+
+Camera FrontCamera() {
+  Camera camera;
+  camera.width = 40, camera.height = 30;
+  camera.fx = camera.fy = 35;
+  camera.cx = 20, camera.cy = 15;
+  return camera;
+}
+
+/// One big opaque red Gaussian in front of the camera.
+Gaussians RedBlob() {
+  Gaussians g = Gaussians::Zeros(1);
+  g.means[0][2] = 3;
+  g.log_scales.fill_(std::log(0.3f));
+  g.quats[0][0] = 1;
+  g.opacity_logits.fill_(8);
+  g.sh[0][0][0] = 1.5f;
+  g.sh[0][0][1] = g.sh[0][0][2] = -1.5f;
+  return g;
+}
+
+ImageF ToImageF(const Tensor& t) {
+  ImageF image;
+  image.height = static_cast<int>(t.size(0)), image.width = static_cast<int>(t.size(1)), image.channels = 3;
+  image.data.assign(t.data_ptr<float>(), t.data_ptr<float>() + t.numel());
+  return image;
+}
+
+const RenderOptions kOnGrey{{0.5f, 0.5f, 0.5f}};
+
+Tensor Rendered(const Gaussians& g) {
+  return MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(), kOnGrey, RenderPass::kInference).image.clone();
+}
+
+Photo PhotoOf(const std::string& name, const Tensor& image) {
+  Photo photo;
+  photo.name = name;
+  photo.camera = FrontCamera();
+  photo.rgb = ToImageF(image);
+  return photo;
+}
+
+TEST(Evaluate, ItsOwnRenderIsPerfect) {
+  const Gaussians g = RedBlob();
+  // The photograph need not be 8-bit itself: both sides are rounded alike.
+  const TestMetrics metrics = Evaluate(g, {PhotoOf("a.png", Rendered(g))}, kOnGrey, {}, Silent());
+  ASSERT_EQ(metrics.views.size(), 1u);
+  EXPECT_TRUE(std::isinf(metrics.psnr));
+  EXPECT_NEAR(metrics.ssim, 1, 2e-6);
+}
+
+TEST(Evaluate, AveragesViewsAndHonoursMasks) {
+  const Gaussians g = RedBlob();
+  const Tensor image = Quantized(Rendered(g));
+  const Tensor brighter = Quantized(image + 0.1f), spoilt = brighter.clone();
+  spoilt.slice(0, 0, 10).fill_(0);
+  Photo masked = PhotoOf("b.png", spoilt);
+  masked.mask.assign(40 * 30, 1);
+  std::fill_n(masked.mask.begin(), 40 * 10, uint8_t{0});
+  const TestMetrics metrics = Evaluate(g, {PhotoOf("a.png", brighter), masked}, kOnGrey, {}, Silent());
+  ASSERT_EQ(metrics.views.size(), 2u);
+  EXPECT_EQ(metrics.views[1].name, "b.png");
+  EXPECT_NEAR(metrics.views[0].psnr, Psnr(image.contiguous(), brighter), 1e-9);
+  EXPECT_NEAR(metrics.views[1].psnr, metrics.views[0].psnr, 0.5);
+  EXPECT_NEAR(metrics.psnr, (metrics.views[0].psnr + metrics.views[1].psnr) / 2, 1e-9);
+  EXPECT_NEAR(metrics.ssim, (metrics.views[0].ssim + metrics.views[1].ssim) / 2, 1e-9);
+  EXPECT_GT(metrics.psnr_color_corrected, metrics.psnr);
+}
+
+TEST(Evaluate, AFullyMaskedViewIsToldAndNotScored) {
+  const Gaussians g = RedBlob();
+  Photo masked = PhotoOf("nothing.png", Rendered(g));
+  masked.mask.assign(40 * 30, 0);
+  std::vector<std::string> warnings;
+  int steps = 0;
+  const Listener listener = [&](const Event& event) {
+    if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
+    steps += std::holds_alternative<StepDone>(event) ? 1 : 0;
+  };
+  const TestMetrics metrics = Evaluate(g, {masked, PhotoOf("a.png", torch::zeros({30, 40, 3}))}, kOnGrey, {}, listener);
+  EXPECT_EQ(metrics.views.size(), 1u);
+  EXPECT_TRUE(std::isfinite(metrics.psnr));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("nothing.png"), std::string::npos);
+  EXPECT_EQ(steps, 2);
+}
+
+TEST(Evaluate, WritesRendersBesideTheTruth) {
+  const TempDir dir;
+  const Gaussians g = RedBlob();
+  Evaluate(g, {PhotoOf("left/0001.jpg", torch::full({30, 40, 3}, 0.2f))}, kOnGrey, dir / "renders", Silent());
+  const Image8 render = ReadImage(dir / "renders" / "left_0001.png");
+  const Image8 truth = ReadImage(dir / "renders" / "left_0001_gt.png");
+  EXPECT_EQ(render.data, ToImage8(Rendered(g)).data);
+  EXPECT_EQ(render.width, 40);
+  EXPECT_EQ(truth.data, std::vector<uint8_t>(30 * 40 * 3, 51));
+}
+
+TEST(Evaluate, StopsWhenAsked) {
+  RequestInterrupt(true);
+  EXPECT_THROW(Evaluate(RedBlob(), {PhotoOf("a", torch::zeros({30, 40, 3}))}, kOnGrey, {}, Silent()), Interrupted);
+  RequestInterrupt(false);
+}
+
+TEST(Evaluate, NoPhotosGiveZeros) {
+  const TestMetrics metrics = Evaluate(RedBlob(), {}, kOnGrey, {}, Silent());
+  EXPECT_TRUE(metrics.views.empty());
+  EXPECT_EQ(metrics.psnr, 0);
+}
+
+TEST(EvaluateToJson, HasTheKeysOfMetricsJson) {
+  TestMetrics metrics;
+  metrics.psnr = 20, metrics.ssim = 0.5, metrics.psnr_color_corrected = 21;
+  metrics.views = {{"a.png", 20, 0.5, 21}};
+  EXPECT_EQ(ToJson(metrics).dump(),
+            R"({"psnr":20.0,"psnr_color_corrected":21.0,"ssim":0.5,"views":[{"name":"a.png","psnr":20.0,)"
+            R"("psnr_color_corrected":21.0,"ssim":0.5}]})");
+}
+
+TEST(ImageConversion, RoundTripsAndRefusesOtherChannels) {
+  const Tensor image = Quantized(torch::rand({7, 9, 3}));
+  const Tensor back = ToTensor(ToFloat(ToImage8(image)));
+  EXPECT_LT(MaxAbsError(back, image), 1e-7);
+  EXPECT_THROW(ToTensor(ImageF{2, 2, 1, std::vector<float>(4)}), ShapeError);
+  EXPECT_THROW(ToImage8(torch::zeros({4, 4})), ShapeError);
+  const Tensor wild = torch::tensor({{{-3.f, 0.5f, 9.f}}});
+  EXPECT_EQ(ToImage8(wild).data, (std::vector<uint8_t>{0, 128, 255}));
+}
+
+}  // namespace
+}  // namespace oraclegs
