@@ -28,6 +28,12 @@ struct AdamArrays {
   float *p, *m, *v;
 };
 
+/// Learning rates of a row of sh.
+struct ShRates {
+  float rates[kShRow];
+  int active;  ///< floats of a row that are trained
+};
+
 /// What of one step does not depend on the parameter.
 struct AdamStep {
   float correction1;       ///< 1 / (1 - beta1^t)
@@ -83,22 +89,22 @@ void UpdateFlat(const AdamArrays& a, int64_t begin, int64_t end, double learning
   }
 }
 
-/// Rows [begin, end) of sh, the first `active` floats of each. rates: kShRow learning rates.
-void UpdateSh(const AdamArrays& a, int64_t begin, int64_t end, int active, const float* rates, const AdamStep& step) {
+/// Rows [begin, end) of sh, the first floats of each.
+void UpdateSh(const AdamArrays& a, int64_t begin, int64_t end, const ShRates& sh, const AdamStep& step) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   static_assert(kShRow % hn::MaxLanes(D()) == 0, "a row must be whole vectors");
   const V root = hn::Set(d, step.correction2_root), correction1 = hn::Set(d, step.correction1);
-  const int whole = active / lanes * lanes;
-  const auto partial = hn::FirstN(d, static_cast<size_t>(active - whole));
+  const int whole = sh.active / lanes * lanes;
+  const auto partial = hn::FirstN(d, static_cast<size_t>(sh.active - whole));
   for (int64_t row = begin; row < end; ++row) {
     const int64_t start = row * kShRow;
     for (int k = 0; k < whole; k += lanes) {
-      UpdateVector(hn::LoadU(d, a.g + start + k), hn::Mul(hn::LoadU(d, rates + k), correction1), root, a, start + k);
+      UpdateVector(hn::LoadU(d, a.g + start + k), hn::Mul(hn::LoadU(d, sh.rates + k), correction1), root, a, start + k);
     }
-    if (whole == active) continue;
+    if (whole == sh.active) continue;
     const V g = hn::IfThenElseZero(partial, hn::LoadU(d, a.g + start + whole));
-    UpdateVector(g, hn::Mul(hn::LoadU(d, rates + whole), correction1), root, a, start + whole);
+    UpdateVector(g, hn::Mul(hn::LoadU(d, sh.rates + whole), correction1), root, a, start + whole);
   }
 }
 
@@ -155,14 +161,14 @@ void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degre
        rates.opacity_logits},
   };
   const AdamArrays sh = Arrays(grads.sh, params->sh, m.sh, v.sh);
-  float sh_rates[kShRow];
-  for (int k = 0; k < kShRow; ++k) sh_rates[k] = static_cast<float>(k < 3 ? rates.sh0 : rates.sh_rest);
+  ShRates sh_rates{{}, 3 * ShCount(sh_degree)};
+  for (int k = 0; k < kShRow; ++k) sh_rates.rates[k] = static_cast<float>(k < 3 ? rates.sh0 : rates.sh_rest);
   ParallelBlocks(params->size(), kGrain, [&](int64_t begin, int64_t end) {
     for (const FlatGroup& group : flat) {
       HWY_DYNAMIC_DISPATCH(UpdateFlat)
       (group.arrays, begin * group.row, end * group.row, group.rate, constants);
     }
-    HWY_DYNAMIC_DISPATCH(UpdateSh)(sh, begin, end, 3 * ShCount(sh_degree), sh_rates, constants);
+    HWY_DYNAMIC_DISPATCH(UpdateSh)(sh, begin, end, sh_rates, constants);
   });
 }
 
