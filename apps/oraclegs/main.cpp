@@ -54,6 +54,7 @@ int RunChosen(const std::vector<std::unique_ptr<Command>>& commands) {
 int Main(int argc, char** argv) {
   InstallInterruptHandlers();
   std::signal(SIGPIPE, SIG_IGN);  // `oraclegs info ... | head` is no crash
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that outgrows its limit is told as a failed write
 
   CLI::App app{"OracleGS: a handful of photographs becomes a Gaussian splat, on a CPU."};
   app.formatter(std::make_shared<HelpFormat>());

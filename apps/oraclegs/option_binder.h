@@ -20,7 +20,8 @@ class OptionBinder {
   template <class T, class... Bounds>
   void operator()(const char* name, T& value, const char* help, const Bounds&... bounds) const {
     const std::string text = fmt::format("{} [{}{}]", help, (BoundsText(bounds) + ... + ""), DefaultText(value));
-    Add(name, value, text)->group(group_);
+    // Said twice, the last one holds: a script can append to a list of options.
+    Add(name, value, text)->take_last()->group(group_);
   }
 
  private:

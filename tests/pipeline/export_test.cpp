@@ -1,0 +1,63 @@
+#include "oraclegs/pipeline/export.h"
+
+#include <cmath>
+
+#include "oraclegs/gaussians/ply.h"
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+/// Gaussian i stands at x = i, with opacity (i + 1) / (n + 1) and scale exp(-i).
+Gaussians Row(int n) {
+  Gaussians g = Gaussians::Zeros(n);
+  for (int i = 0; i < n; ++i) {
+    const double o = (i + 1.0) / (n + 1);
+    g.means[i][0] = i;
+    g.opacity_logits[i] = std::log(o / (1 - o));
+    g.log_scales[i].fill_(-i);
+    g.quats[i][0] = 1;
+    g.sh[i].fill_(0.1 * i);
+  }
+  return g;
+}
+
+std::vector<float> Places(const Gaussians& g) {
+  std::vector<float> x;
+  for (int64_t i = 0; i < g.size(); ++i) x.push_back(g.means[i][0].item<float>());
+  return x;
+}
+
+TEST(Pruned, KeepsAllByDefault) { EXPECT_EQ(Pruned(Row(4), {}).size(), 4); }
+
+TEST(Pruned, LeavesOutTheFaint) {
+  EXPECT_THAT(Places(Pruned(Row(4), {.min_opacity = 0.5})), testing::ElementsAre(2, 3));  // opacities 0.6 and 0.8
+}
+
+TEST(Pruned, KeepsThoseThatCoverMostInTheirOrder) {
+  // Weight (i + 1) exp(-2 i): the first ones cover most, although they are faintest.
+  EXPECT_THAT(Places(Pruned(Row(5), {.max_gaussians = 2})), testing::ElementsAre(0, 1));
+}
+
+TEST(ExportPly, WritesWhatWasAskedFor) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(4));
+  const ExportResult result = ExportPly(temp / "in.ply", temp / "out.ply", {.sh_degree = 1, .min_opacity = 0.5});
+  EXPECT_EQ(result.before, 4);
+  EXPECT_EQ(result.after, 2);
+  const GaussianPly back = ReadGaussianPly(temp / "out.ply");
+  EXPECT_EQ(back.sh_degree, 1);
+  EXPECT_THAT(Places(back.gaussians), testing::ElementsAre(2, 3));
+  EXPECT_EQ(ExportPly(temp / "out.ply", temp / "again.ply", {}).sh_degree, 1);  // no higher than the file's own
+}
+
+TEST(ExportPly, WritesNothingWhenNothingIsLeft) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(4));
+  EXPECT_THROW(ExportPly(temp / "in.ply", temp / "out.ply", {.min_opacity = 0.99}), UsageError);
+  EXPECT_THROW(ExportPly(temp / "none.ply", temp / "out.ply", {}), InputError);
+  EXPECT_FALSE(std::filesystem::exists(temp / "out.ply"));
+}
+
+}  // namespace
+}  // namespace oraclegs

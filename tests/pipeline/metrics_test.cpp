@@ -1,0 +1,46 @@
+#include "oraclegs/pipeline/metrics.h"
+
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
+  const TempDir temp;
+  Run run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
+  run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"source", "random"}, {"points", 400}});
+  run.workspace.MarkDone("train", {{"key", "b"},
+                                   {"seconds", 12},
+                                   {"training_seconds", 10},
+                                   {"iterations", 50},
+                                   {"peak_memory_bytes", int64_t{1} << 60}});
+  const nlohmann::json test = {{"psnr", 20.5}, {"ssim", 0.7}, {"views", nlohmann::json::array()}};
+  const nlohmann::json metrics =
+      MetricsToJson(run, {{"test", test}, {"gaussians", 500}, {"seconds", 1.5}, {"peak_memory_bytes", 7}});
+  EXPECT_EQ(metrics.at("test"), test);
+  EXPECT_EQ(metrics.at("gaussians"), 500);
+  EXPECT_EQ(metrics.at("stages").at("sfm").at("seconds"), 3);
+  EXPECT_EQ(metrics.at("stages").at("train").at("seconds"), 12);
+  EXPECT_EQ(metrics.at("stages").at("evaluate").at("seconds"), 1.5);
+  EXPECT_FALSE(metrics.at("stages").contains("register"));
+  EXPECT_EQ(metrics.at("train").at("iterations"), 50);
+  EXPECT_EQ(metrics.at("train").at("iterations_per_second"), 5);
+  EXPECT_EQ(metrics.at("peak_memory_bytes"), int64_t{1} << 60);
+  EXPECT_EQ(metrics.at("version"), "test");
+  EXPECT_EQ(metrics.at("seed"), 0);
+  EXPECT_EQ(metrics.at("options").at("iterations"), 30);
+  EXPECT_EQ(metrics.at("start").at("source"), "random");
+  EXPECT_EQ(metrics.at("views").at("train"), 4);
+}
+
+TEST(ReadMetrics, NamesADamagedFile) {
+  const TempDir temp;
+  EXPECT_THROW(ReadMetrics(temp.path()), InputError);
+  WriteText(temp / "metrics.json", "{\"test\":");
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadMetrics(temp.path()); }), testing::HasSubstr("metrics.json"));
+}
+
+TEST(PeakMemoryBytes, IsThatOfAProcessThatRuns) { EXPECT_GT(PeakMemoryBytes(), 1 << 20); }
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,68 @@
+#include "oraclegs/pipeline/run.h"
+
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class RunTest : public testing::Test {
+ protected:
+  TempDir temp;
+  RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
+};
+
+TEST_F(RunTest, WritesOptionsAndSplitAndTellsTheSplit) {
+  Recorder recorder;
+  const Run run = StartRun(request, recorder.AsListener());
+  EXPECT_EQ(run.split.test.size(), 2u);
+  EXPECT_EQ(run.split.train.size(), 4u);
+  const auto split = nlohmann::json::parse(ReadFile(temp / "out" / "split.json"));
+  EXPECT_EQ(split, SplitToJson(run.scene, run.split));
+  ASSERT_EQ(recorder.notes.size(), 2u);
+  EXPECT_THAT(recorder.notes[0], HasSubstr("4 training views: "));
+  EXPECT_THAT(recorder.notes[1], HasSubstr("2 test views: "));
+}
+
+TEST_F(RunTest, BadInputLeavesNoWorkspaceBehind) {
+  request.options.split.views = 99;
+  EXPECT_THROW(StartRun(request, Silent()), InputError);
+  request.options.split.views = -1;
+  EXPECT_THROW(StartRun(request, Silent()), UsageError);
+  request.options.split.views = 0;
+  request.scene = temp / "nowhere";
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("nowhere"));
+  EXPECT_FALSE(std::filesystem::exists(temp / "out"));
+}
+
+TEST_F(RunTest, OpensWhatWasStarted) {
+  { const Run run = StartRun(request, Silent()); }
+  RunRequest open = request;
+  open.scene.clear();
+  EXPECT_EQ(OpenRun(open, Silent()).split.train.size(), 4u);
+  open.options.photo.downscale = 2;
+  EXPECT_THAT(MessageOf<InputError>([&] { OpenRun(open, Silent()); }),
+              AllOf(HasSubstr("--downscale was 1, now is 2"), HasSubstr("out")));
+}
+
+TEST_F(RunTest, PosedSceneRefusesPlainPhotographs) {
+  EXPECT_EQ(ReadPosedScene(request.scene, request.options, Silent()).split.test.size(), 2u);
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadPosedScene(temp / "scene" / "images", request.options, Silent()); }),
+              HasSubstr("no poses"));
+}
+
+TEST(StageClock, TellsBeginningAndEnd) {
+  std::vector<std::string> told;
+  const Listener listener = [&](const Event& event) {
+    if (const auto* s = std::get_if<StageStarted>(&event)) told.push_back("start " + s->stage);
+    if (const auto* f = std::get_if<StageFinished>(&event)) told.push_back("end " + f->stage);
+  };
+  const StageClock clock("x", listener);
+  EXPECT_GE(clock.Finish(), 0);
+  EXPECT_THAT(told, testing::ElementsAre("start x", "end x"));
+}
+
+}  // namespace
+}  // namespace oraclegs

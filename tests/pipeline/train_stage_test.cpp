@@ -1,0 +1,79 @@
+#include "oraclegs/pipeline/train_stage.h"
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/scene/image.h"
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+class TrainStageTest : public testing::Test {
+ protected:
+  ~TrainStageTest() override { RequestInterrupt(false); }
+
+  std::string Train(const RunRequest& r) {
+    Run run = StartRun(r, recorder.AsListener());
+    RunTrain(&run);
+    return ReadFile(run.workspace.point_cloud());
+  }
+  /// Trains until an interrupt comes at about this iteration.
+  void TrainUntil(const RunRequest& r, int64_t iteration) {
+    const Listener listener = [iteration](const Event& event) {
+      const auto* step = std::get_if<StepDone>(&event);
+      if (step && step->stage == "train" && step->done >= iteration) RequestInterrupt(true);
+    };
+    Run run = StartRun(r, listener);
+    EXPECT_THROW(RunTrain(&run), Interrupted);
+    RequestInterrupt(false);
+  }
+
+  TempDir temp;
+  RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
+  Recorder recorder;
+};
+
+TEST_F(TrainStageTest, TrainsOnceAndIsThenDone) {
+  const std::string ply = Train(request);
+  EXPECT_THAT(ply, testing::StartsWith("ply\n"));
+  recorder = {};
+  EXPECT_EQ(Train(request), ply);
+  EXPECT_THAT(recorder.started, testing::Not(Contains("train")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("nothing has changed")));
+}
+
+TEST_F(TrainStageTest, AnInterruptedRunContinuesToTheSameBits) {
+  request.options.train.iterations = 150;
+  RunRequest straight = request;
+  straight.out = temp / "straight";
+  const std::string expected = Train(straight);
+  TrainUntil(request, 100);
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
+  EXPECT_EQ(Train(request), expected);
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration 100")));
+}
+
+TEST_F(TrainStageTest, OtherOptionsThanTheInterruptedRunsAreRefused) {
+  request.options.train.iterations = 150;
+  TrainUntil(request, 100);
+  request.options.start.seed = 3;
+  EXPECT_THAT(MessageOf<InputError>([&] { Train(request); }), HasSubstr("--seed was 0, now is 3"));
+}
+
+TEST_F(TrainStageTest, ChangedPhotographsAreTrainedAnew) {
+  request.options.train.iterations = 150;
+  TrainUntil(request, 100);
+  const Run run = [&] { return StartRun(request, Silent()); }();
+  const auto photo = run.scene.views[static_cast<size_t>(run.split.train[0])].image_path;
+  Image8 image = ReadImage(photo);
+  image.data[0] ^= 0xff;
+  WritePng(photo, image);
+  { const Run finished = std::move(const_cast<Run&>(run)); }  // lets go of the workspace
+  Train(request);
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("changed")));
+}
+
+}  // namespace
+}  // namespace oraclegs
