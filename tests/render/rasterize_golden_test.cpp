@@ -3,45 +3,10 @@
 #include <hwy/targets.h>
 
 #include "oraclegs/render/render.h"
-#include "support/tensors.h"
+#include "render/golden_scene.h"
 
 namespace oraclegs {
 namespace {
-
-struct Fixture {
-  SafetensorsFile file = OpenGolden("rasterize");
-  Gaussians gaussians;
-  Camera camera;
-  RenderOptions options;
-  RenderGrads upstream;
-  Tensor visible;
-
-  Fixture() {
-    gaussians = {GoldenFloat(file, "means"), GoldenFloat(file, "log_scales"), GoldenFloat(file, "quats"),
-                 GoldenFloat(file, "opacity_logits"), GoldenFloat(file, "sh")};
-    const auto size = file.Values<int32_t>("image_size");
-    const bool width_first = std::to_string(size[0]) == file.metadata().at("width");
-    camera.width = size[width_first ? 0 : 1];
-    camera.height = size[width_first ? 1 : 0];
-    const auto k = file.Values<double>("K");
-    camera.fx = k[0], camera.cx = k[2], camera.fy = k[4], camera.cy = k[5];
-    const auto view = file.Values<double>("viewmat");
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) camera.cam_from_world.linear()(i, j) = view[4 * i + j];
-      camera.cam_from_world.translation()[i] = view[4 * i + 3];
-    }
-    const auto background = file.Values<float>("background");
-    std::copy_n(background.begin(), 3, options.background.begin());
-    upstream = {GoldenFloat(file, "upstream_image"), GoldenFloat(file, "upstream_alpha"),
-                GoldenFloat(file, "upstream_inv_depth")};
-    visible = GoldenTensor(file, "visible").to(torch::kBool);
-  }
-
-  void Select(const std::string& variant) {
-    options.sh_degree = variant == "sh0" ? 0 : std::stoi(file.metadata().at("sh_degree_stored"));
-    options.antialiased = variant == "aa";
-  }
-};
 
 /// Row by row: |error| <= 0.02 (|ref| + 0.01 median |ref| over visible).
 void ExpectRowsAgree(const Tensor& x, const Tensor& ref, const Tensor& visible, const std::string& what) {
@@ -61,7 +26,7 @@ class RasterizeGolden : public testing::TestWithParam<std::tuple<int64_t, std::s
 };
 
 TEST_P(RasterizeGolden, ImagesMatch) {
-  Fixture f;
+  GoldenScene f;
   f.Select(variant());
   const RenderOutput out =
       MakeRasterizer(torch::kCPU)->Forward(f.gaussians, f.camera, f.options, RenderPass::kInference);
@@ -71,7 +36,7 @@ TEST_P(RasterizeGolden, ImagesMatch) {
 }
 
 TEST_P(RasterizeGolden, GradientsMatch) {
-  Fixture f;
+  GoldenScene f;
   f.Select(variant());
   auto rasterizer = MakeRasterizer(torch::kCPU);
   rasterizer->Forward(f.gaussians, f.camera, f.options, RenderPass::kTrain);

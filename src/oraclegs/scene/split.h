@@ -10,9 +10,9 @@
 namespace oraclegs {
 
 struct SplitOptions {
-  int test_every = 8;      ///< every n-th view by name is a test view, 0 = no test views
-  int views = 0;           ///< training views, 0 = all that are not test views
-  std::string test_views;  ///< comma-separated names (with or without extension); replaces test_every
+  int test_every = 8;        ///< every n-th view by name is a test view, 0 = no test views
+  int views = 0;             ///< training views, 0 = all that are not test views
+  std::string test_views{};  ///< comma-separated names (with or without extension); replaces test_every
 
   template <class V>
   void Visit(V&& visit) {

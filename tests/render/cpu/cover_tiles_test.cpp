@@ -1,0 +1,48 @@
+#include "render/cpu/every_target.h"
+#include "render/cpu/splats.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kTilesX = 5, kTilesY = 4;
+
+class CoverTiles : public EveryTarget {};
+
+TEST_P(CoverTiles, MasksHoldEveryReachedBlockAndHardlyAnyOther) {
+  Rng rng(3, RandomStream::kInitialPoints);
+  int64_t reached = 0, listed = 0;
+  for (int i = 0; i < 400; ++i) {
+    const cpu::Splat s = RandomSplat(&rng, kTilesX * cpu::kTile, kTilesY * cpu::kTile);
+    cpu::TileEntry entries[kTilesX * kTilesY];
+    uint32_t tiles[kTilesX * kTilesY], masks[kTilesX * kTilesY] = {};
+    const int64_t n = cpu::CoveredTiles(s, {0, 0, kTilesX, kTilesY}, 7, kTilesX, entries, tiles);
+    for (int64_t j = 0; j < n; ++j) {
+      EXPECT_EQ(entries[j].id, 7u);
+      EXPECT_NE(entries[j].mask, 0u);
+      masks[tiles[j]] = entries[j].mask;
+    }
+    for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
+      for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
+        const int x0 = tile % kTilesX * cpu::kTile + block % 4 * 4, y0 = tile / kTilesX * cpu::kTile + block / 4 * 4;
+        double best = 0;  // over the block's pixel centres and the points between them
+        for (double y = 0.5; y <= 3.5; y += 0.25) {
+          for (double x = 0.5; x <= 3.5; x += 0.25) best = std::max(best, AlphaAt(s, x0 + x, y0 + y));
+        }
+        const bool in_mask = masks[tile] >> block & 1;
+        if (best >= 1.0 / 255) {
+          EXPECT_TRUE(in_mask) << "splat " << i << " tile " << tile << " block " << block << " alpha " << best;
+        }
+        reached += best >= 1.0 / 255;
+        listed += in_mask;
+      }
+    }
+  }
+  EXPECT_GT(reached, 5000);
+  EXPECT_LT(static_cast<double>(listed), 1.02 * static_cast<double>(reached));
+}
+
+INSTANTIATE_FOR_EVERY_TARGET(CoverTiles);
+
+}  // namespace
+}  // namespace oraclegs

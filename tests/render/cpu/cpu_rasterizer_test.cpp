@@ -1,0 +1,103 @@
+// The promises of render.h: bits, buffers, shapes, odd numbers.
+
+#include <cstring>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/render/render.h"
+#include "render/scenes.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+bool SameBits(const Tensor& a, const Tensor& b) {
+  return a.sizes() == b.sizes() && std::memcmp(a.data_ptr(), b.data_ptr(), a.nbytes()) == 0;
+}
+
+TEST(CpuRasterizer, SameBitsForAnyNumberOfThreads) {
+  const Gaussians g = RandomGaussians(20000, 0.05, 3);
+  const Camera camera = FrontCamera(150, 110);
+  torch::manual_seed(2);
+  const RenderGrads up{torch::randn({110, 150, 3}), torch::randn({110, 150}), torch::randn({110, 150})};
+  const auto run = [&](int threads) {
+    SetNumThreads(threads);
+    auto rasterizer = MakeRasterizer(torch::kCPU);
+    const RenderOutput out = rasterizer->Forward(g, camera, {}, RenderPass::kTrain);
+    Gaussians grads = Gaussians::Zeros(g.size());
+    rasterizer->Backward(g, up, &grads);
+    return std::pair(out, grads);
+  };
+  const auto [one, one_grads] = run(1);
+  for (const int threads : {2, 3, 7}) {
+    const auto [many, many_grads] = run(threads);
+    EXPECT_TRUE(SameBits(one.image, many.image));
+    EXPECT_TRUE(SameBits(one.inv_depth, many.inv_depth));
+    EXPECT_TRUE(SameBits(one_grads.means, many_grads.means));
+    EXPECT_TRUE(SameBits(one_grads.log_scales, many_grads.log_scales));
+    EXPECT_TRUE(SameBits(one_grads.quats, many_grads.quats));
+    EXPECT_TRUE(SameBits(one_grads.opacity_logits, many_grads.opacity_logits));
+    EXPECT_TRUE(SameBits(one_grads.sh, many_grads.sh));
+  }
+  SetNumThreads(0);
+}
+
+TEST(CpuRasterizer, BuffersOfALargerViewDoNotLeakIntoASmallerOne) {
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(RandomGaussians(5000, 0.1, 1), FrontCamera(200, 160), {}, RenderPass::kTrain);
+  const Gaussians g = RandomGaussians(300, 0.1, 2);
+  const RenderOutput reused = rasterizer->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
+  const RenderOutput fresh = MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
+  EXPECT_TRUE(SameBits(reused.image, fresh.image));
+  EXPECT_TRUE(SameBits(reused.inv_depth, fresh.inv_depth));
+}
+
+TEST(CpuRasterizer, HigherCoefficientsAreNeitherReadNorWritten) {
+  Gaussians g = RandomGaussians(200, 0.1, 9);
+  g.sh.slice(1, 4).fill_(std::numeric_limits<float>::quiet_NaN());
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  const RenderOutput out = rasterizer->Forward(g, FrontCamera(32, 32), {{0, 0, 0}, 1, false}, RenderPass::kTrain);
+  EXPECT_TRUE(torch::isfinite(out.image).all().item<bool>());
+  Gaussians grads = Gaussians::Zeros(200);
+  grads.sh.fill_(7);
+  rasterizer->Backward(g, {torch::ones({32, 32, 3}), {}, {}}, &grads);
+  EXPECT_EQ(grads.sh.slice(1, 4).min().item<float>(), 7);
+  EXPECT_TRUE(torch::isfinite(grads.sh).all().item<bool>());
+}
+
+TEST(CpuRasterizer, OddParametersDoNoHarm) {
+  // Infinite, denormal and undefined numbers must neither crash nor reach another Gaussian's pixels' bits.
+  Gaussians g = RandomGaussians(64, 0.1, 4);
+  const float odd[] = {std::numeric_limits<float>::infinity(),
+                       -std::numeric_limits<float>::infinity(),
+                       std::numeric_limits<float>::quiet_NaN(),
+                       1e38f,
+                       -1e38f,
+                       1e-40f};
+  for (int i = 0; i < 6; ++i) {
+    g.means.data_ptr<float>()[3 * i + i % 3] = odd[i];
+    g.log_scales.data_ptr<float>()[3 * (i + 8)] = odd[i];
+    g.quats.data_ptr<float>()[4 * (i + 16)] = odd[i];
+    g.opacity_logits.data_ptr<float>()[i + 24] = odd[i];
+  }
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(g, FrontCamera(48, 48), {}, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Zeros(64);
+  rasterizer->Backward(g, {torch::ones({48, 48, 3}), {}, {}}, &grads);
+  EXPECT_TRUE(torch::isfinite(grads.means.slice(0, 32)).all().item<bool>());
+}
+
+TEST(CpuRasterizer, WrongShapesAreRefusedByName) {
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  Gaussians g = RandomGaussians(10, 0.1, 1);
+  g.quats = torch::zeros({10, 3});
+  EXPECT_THROW(rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain), ShapeError);
+  g = RandomGaussians(10, 0.1, 1);
+  EXPECT_THROW(rasterizer->Forward(g, FrontCamera(0, 8), {}, RenderPass::kTrain), ShapeError);
+  Gaussians grads = Gaussians::Zeros(10);
+  EXPECT_THROW(rasterizer->Backward(g, {}, &grads), ShapeError);  // no forward pass yet
+  rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain);
+  EXPECT_THROW(rasterizer->Backward(g, {torch::zeros({8, 9, 3}), {}, {}}, &grads), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,88 @@
+#include "oraclegs/render/cpu/tile_lists.h"
+
+#include <algorithm>
+#include <map>
+
+#include "oraclegs/core/parallel.h"
+#include "render/cpu/splats.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kTilesX = 6, kTilesY = 5;
+
+struct Input {
+  std::vector<cpu::Splat> splats;
+  std::vector<cpu::TileRect> rects;
+};
+
+/// Many share a depth; a third is not visible.
+Input MakeInput(int64_t n) {
+  Rng rng(5, RandomStream::kInitialPoints);
+  Input in;
+  for (int64_t i = 0; i < n; ++i) {
+    cpu::Splat s = RandomSplat(&rng, kTilesX * cpu::kTile, kTilesY * cpu::kTile);
+    s.depth = std::round(s.depth * 20) / 20 + 0.25f;
+    in.splats.push_back(s);
+    in.rects.push_back(i % 3 == 0 ? cpu::TileRect{} : cpu::TileRect{0, 0, kTilesX, kTilesY});
+  }
+  return in;
+}
+
+TEST(TileLists, EachTileListsItsSplatsByDepthAndThenIndex) {
+  const Input in = MakeInput(9000);
+  cpu::TileLists lists;
+  lists.Build(in.splats.data(), in.rects.data(), 9000, kTilesX, kTilesY);
+  EXPECT_EQ(lists.order.size(), 6000u);
+  std::map<uint32_t, int64_t> pairs_of;
+  for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
+    for (int64_t i = lists.tile_begin[tile]; i < lists.tile_begin[tile + 1]; ++i) {
+      const uint32_t id = lists.entries[i].id;
+      ++pairs_of[id];
+      if (i == lists.tile_begin[tile]) continue;
+      const uint32_t before = lists.entries[i - 1].id;
+      const auto key = [&](uint32_t k) { return std::pair(in.splats[k].depth, k); };
+      EXPECT_LT(key(before), key(id)) << "tile " << tile;
+    }
+  }
+  EXPECT_EQ(lists.tile_begin[kTilesX * kTilesY], lists.pairs);
+  for (uint32_t id = 0; id < 9000; ++id) {
+    const cpu::PairRange range = lists.ranges[id];
+    EXPECT_EQ(range.count, pairs_of[id]);
+    for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
+      const uint32_t slot = lists.pair_slot[j], tile = lists.pair_tile[j];
+      EXPECT_EQ(lists.entries[slot].id, id);
+      EXPECT_TRUE(lists.tile_begin[tile] <= slot && slot < lists.tile_begin[tile + 1]);
+    }
+  }
+}
+
+TEST(TileLists, TheSameForAnyNumberOfThreads) {
+  const Input in = MakeInput(20000);
+  SetNumThreads(1);
+  cpu::TileLists one;
+  one.Build(in.splats.data(), in.rects.data(), 20000, kTilesX, kTilesY);
+  SetNumThreads(5);
+  cpu::TileLists five;
+  five.Build(in.splats.data(), in.rects.data(), 20000, kTilesX, kTilesY);
+  SetNumThreads(0);
+  ASSERT_EQ(one.pairs, five.pairs);
+  EXPECT_EQ(one.order, five.order);
+  EXPECT_EQ(one.tile_begin, five.tile_begin);
+  for (int64_t i = 0; i < one.pairs; ++i) {
+    ASSERT_EQ(one.entries[i].id, five.entries[i].id);
+    ASSERT_EQ(one.entries[i].mask, five.entries[i].mask);
+  }
+}
+
+TEST(TileLists, NothingVisible) {
+  const Input in = MakeInput(1);
+  cpu::TileLists lists;
+  lists.Build(in.splats.data(), in.rects.data(), 1, kTilesX, kTilesY);
+  EXPECT_EQ(lists.pairs, 0);
+  EXPECT_TRUE(lists.order.empty());
+}
+
+}  // namespace
+}  // namespace oraclegs

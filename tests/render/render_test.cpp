@@ -1,0 +1,20 @@
+#include "oraclegs/render/render.h"
+
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(MakeRasterizer, TheCpuIsAlwaysThere) { EXPECT_NE(MakeRasterizer(torch::kCPU), nullptr); }
+
+TEST(MakeRasterizer, ADeviceThatThisBuildLacksIsRefusedByName) {
+  try {
+    MakeRasterizer(torch::Device(torch::kCUDA, 1));
+    FAIL() << "a CPU-only build must not fall back in silence";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("cuda:1"));
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs
