@@ -41,20 +41,6 @@ std::vector<float> Columns(const std::string& bytes, const std::vector<std::stri
   return ReadPlyColumns(bytes, ParsePlyHeader(bytes, "file.ply"), "vertex", names, "file.ply");
 }
 
-TEST(PlyHeader, IsParsed) {
-  const std::string bytes = BinaryFile({});
-  const PlyHeader header = ParsePlyHeader(bytes, "file.ply");
-  EXPECT_EQ(header.format, PlyFormat::kLittleEndian);
-  ASSERT_EQ(header.elements.size(), 3u);
-  EXPECT_EQ(header.elements[0].count, 3u);
-  EXPECT_TRUE(header.elements[1].properties[0].is_list);
-  EXPECT_EQ(header.elements[1].properties[0].type, PlyType::kInt16);
-  EXPECT_EQ(header.Find("vertex"), 2);
-  EXPECT_EQ(header.Find("nothing"), -1);
-  EXPECT_EQ(header.elements[2].Find("y"), 1);
-  EXPECT_EQ(header.body, bytes.find("end_header\n") + 11);
-}
-
 TEST(PlyReader, ReadsBothByteOrdersInTheOrderAskedFor) {
   for (const bool big_endian : {false, true}) {
     const std::string bytes = BinaryFile({big_endian});

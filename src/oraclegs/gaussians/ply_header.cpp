@@ -1,10 +1,11 @@
+#include "oraclegs/gaussians/ply_header.h"
+
 #include <algorithm>
 #include <charconv>
 #include <set>
 #include <utility>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/gaussians/ply_reader.h"
 
 namespace oraclegs {
 namespace {
@@ -141,6 +142,24 @@ class HeaderParser {
 };
 
 }  // namespace
+
+size_t PlySize(PlyType type) {
+  switch (type) {
+    case PlyType::kInt8:
+    case PlyType::kUint8:
+      return 1;
+    case PlyType::kInt16:
+    case PlyType::kUint16:
+      return 2;
+    case PlyType::kInt32:
+    case PlyType::kUint32:
+    case PlyType::kFloat:
+      return 4;
+    case PlyType::kDouble:
+      return 8;
+  }
+  return 0;
+}
 
 int PlyElement::Find(std::string_view property) const {
   for (size_t i = 0; i < properties.size(); ++i) {

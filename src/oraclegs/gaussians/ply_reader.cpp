@@ -205,24 +205,6 @@ class BodyReader {
 
 }  // namespace
 
-size_t PlySize(PlyType type) {
-  switch (type) {
-    case PlyType::kInt8:
-    case PlyType::kUint8:
-      return 1;
-    case PlyType::kInt16:
-    case PlyType::kUint16:
-      return 2;
-    case PlyType::kInt32:
-    case PlyType::kUint32:
-    case PlyType::kFloat:
-      return 4;
-    case PlyType::kDouble:
-      return 8;
-  }
-  return 0;
-}
-
 std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& header, std::string_view element,
                                   const std::vector<std::string>& names, const std::string& file) {
   const int index = header.Find(element);
