@@ -32,7 +32,7 @@ Vec3 ToCamera(const RayCamera& camera, const Vec3& p) {
 
 TEST(TraceView, DepthsOfTwoViewsAgreeWhereNothingHides) {
   const auto objects = DemoObjects();
-  const RayCamera a = LookFrom({-.3, -2.9, 1.2}), b = LookFrom({.3, -2.85, 1.3});
+  const RayCamera a = LookFrom({-.15, -2.9, 1.2}), b = LookFrom({.15, -2.85, 1.3});
   const RayTracedView from_a = TraceView(objects, a, 1, 0), from_b = TraceView(objects, b, 1, 1);
   int inside = 0, agree = 0, in_front = 0;
   for (int y = 0; y < a.height; ++y) {

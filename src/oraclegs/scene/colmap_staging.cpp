@@ -11,6 +11,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/scene/exif.h"
 #include "oraclegs/scene/image.h"
 
 namespace oraclegs {
@@ -29,49 +30,13 @@ std::string ReadHeader(const fs::path& path) {
   return bytes;
 }
 
-/// Whole numbers at any offset of a buffer; 0 past its end.
-class Numbers {
- public:
-  Numbers(std::string_view bytes, bool big_endian) : bytes_(bytes), big_(big_endian) {}
-  uint32_t Get(size_t at, int size) const {
-    if (at > bytes_.size() || bytes_.size() - at < static_cast<size_t>(size)) return 0;
-    uint32_t value = 0;
-    for (int i = 0; i < size; ++i) value = value << 8 | static_cast<uint8_t>(bytes_[at + (big_ ? i : size - 1 - i)]);
-    return value;
-  }
-
- private:
-  std::string_view bytes_;
-  bool big_;
-};
-
-/// The orientation tag of a TIFF header, 1 (upright) when there is none.
-uint32_t TiffOrientation(std::string_view tiff) {
-  constexpr uint32_t kOrientationTag = 0x0112;
-  const Numbers numbers(tiff, tiff.substr(0, 2) == "MM");
-  const size_t directory = numbers.Get(4, 4);
-  const uint32_t entries = numbers.Get(directory, 2);
-  for (uint32_t i = 0; i < entries; ++i) {
-    const size_t entry = directory + 2 + size_t{12} * i;
-    if (numbers.Get(entry, 2) == kOrientationTag) return numbers.Get(entry + 8, 2);
-  }
-  return 1;
-}
-
-bool TurnedByExif(std::string_view bytes) {
-  const Numbers numbers(bytes, true);
-  if (numbers.Get(0, 2) != 0xFFD8) return false;  // not a JPEG
-  for (size_t at = 2; at + 4 <= bytes.size();) {
-    const uint32_t marker = numbers.Get(at, 2), length = numbers.Get(at + 2, 2);
-    if (marker >> 8 != 0xFF || marker == 0xFFDA || length < 2) return false;
-    const std::string_view segment = bytes.substr(at + 4, length - 2);
-    if (marker == 0xFFE1 && segment.substr(0, 6) == std::string_view("Exif\0\0", 6)) {
-      const uint32_t orientation = TiffOrientation(segment.substr(6));
-      return orientation >= 2 && orientation <= 8;
-    }
-    at += 2 + size_t{length};
-  }
-  return false;
+/// True when colmap, which ignores the EXIF orientation, would see the photograph otherwise than its lens does. Like
+/// LoadPhotos: the upright picture counts unless the lens has the size of the stored one only.
+bool MustBeTurned(const SceneView& view) {
+  if (ReadJpegNotes(ReadHeader(view.image_path)).orientation == 1) return false;
+  int width = 0, height = 0;
+  ReadImageSize(view.image_path, &width, &height);
+  return view.lens.params.empty() || (view.lens.width == width && view.lens.height == height);
 }
 
 /// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
@@ -159,8 +124,7 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     const CameraKey key = CameraKeyOf(view);
     const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
     if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
-    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera,
-                      TurnedByExif(ReadHeader(view.image_path))};
+    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, MustBeTurned(view)};
     if (staged.turned) staged.name += ".png";
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
