@@ -89,7 +89,8 @@ void Sample(const ImageF& source, double u, double v, float* out) {
 
 Camera UndistortedCamera(const Lens& lens) {
   Camera camera{lens.width, lens.height, lens.fx(), lens.fy(), lens.cx(), lens.cy(), Eigen::Isometry3d::Identity()};
-  if (lens.IsPinhole()) return camera;
+  const bool has_axis = lens.cx() >= 0 && lens.cx() <= lens.width && lens.cy() >= 0 && lens.cy() <= lens.height;
+  if (lens.IsPinhole() || !has_axis) return camera;
   MagnificationSearch search(lens);
   const auto pixels = BorderPixels(lens.width, lens.height);
   // A coarse pass first: it settles most of the value, and the second then bisects for few pixels.

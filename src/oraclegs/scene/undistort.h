@@ -9,8 +9,8 @@
 namespace oraclegs {
 
 /// The pinhole camera (identity pose) of the same size that sees as much as possible of what `lens` sees without a
-/// blank pixel at the border: the principal point is kept, the focal length is scaled. A pinhole lens is returned as
-/// it is.
+/// blank pixel at the border: the principal point is kept, the focal length is scaled by 0.2 to 5. A pinhole lens
+/// keeps its focal length, and so does a lens whose axis lies outside the image (no scale fills its border).
 Camera UndistortedCamera(const Lens& lens);
 
 struct UndistortedImage {
