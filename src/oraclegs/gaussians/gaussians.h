@@ -10,8 +10,8 @@ inline constexpr int kShCoefficients = (kMaxShDegree + 1) * (kMaxShDegree + 1);
 /// Coefficients of spherical harmonics up to `degree`.
 inline constexpr int ShCount(int degree) { return (degree + 1) * (degree + 1); }
 
-/// The raw, unconstrained parameters of N Gaussians (spec/gaussian_core.md 2): contiguous float32 tensors on one device.
-/// Also used for anything of the same layout: gradients, moments.
+/// The raw, unconstrained parameters of N Gaussians (spec/gaussian_core.md 2): contiguous float32 tensors on one
+/// device. Also used for anything of the same layout: gradients, moments.
 struct Gaussians {
   Tensor means;           ///< [N,3] world units
   Tensor log_scales;      ///< [N,3] ln of the standard deviations in world units
