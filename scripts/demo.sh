@@ -13,7 +13,7 @@ cmake --build --preset release --target oraclegs --parallel "$(nproc)"
 
 build/release/bin/oraclegs demo-scene "$folder/scene"
 build/release/bin/oraclegs reconstruct "$folder/scene" -o "$folder/run" --overwrite \
-  --views 12 --iterations 3000 --max-gaussians 30000 --sh-degree-interval 500
+  --views 12 --iterations 4000 --max-gaussians 30000 --sh-degree-interval 500
 
 echo
 echo "Photographs:          $folder/scene/images"
