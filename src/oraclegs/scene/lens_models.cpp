@@ -128,7 +128,8 @@ LensMap::LensMap(const Lens& lens) : fx_(lens.fx()), fy_(lens.fy()), cx_(lens.cx
       break;
   }
   const auto nonzero = [](double x) { return x != 0; };
-  has_radial_ = std::any_of(n_.begin(), n_.end(), nonzero) || std::any_of(d_.begin(), d_.end(), nonzero);
+  has_denominator_ = std::any_of(d_.begin(), d_.end(), nonzero);
+  has_radial_ = has_denominator_ || std::any_of(n_.begin(), n_.end(), nonzero);
   has_bend_ = p1_ != 0 || p2_ != 0 || sx_ != 0 || sy_ != 0;
   limit_ = has_radial_ ? TurningPoint({1, n_[0], n_[1], n_[2], n_[3]}, {1, d_[0], d_[1], d_[2]}) : kInfinity;
   if (curve_ == Curve::kArcTangent) limit_ = std::min(limit_, kHalfPi * kHalfPi);
@@ -152,27 +153,27 @@ double LensMap::CurveInverse(double m) const {
   return curve_ == Curve::kFieldOfView ? scale * omega_ / tan_omega_ : scale;
 }
 
-inline double LensMap::RadialFactor(double s) const {
+inline LensMap::Radial LensMap::RadialAt(double s) const {
   const double numerator = 1 + s * (n_[0] + s * (n_[1] + s * (n_[2] + s * n_[3])));
-  return numerator / (1 + s * (d_[0] + s * (d_[1] + s * d_[2])));
-}
-
-inline double LensMap::RadialSlope(double s) const {
-  const double denominator = 1 + s * (d_[0] + s * (d_[1] + s * d_[2]));
-  const double numerator_slope = n_[0] + s * (2 * n_[1] + s * (3 * n_[2] + s * 4 * n_[3]));
+  const double slope = n_[0] + s * (2 * n_[1] + s * (3 * n_[2] + s * 4 * n_[3]));
+  if (!has_denominator_) return {numerator, slope};
+  const double inverse = 1 / (1 + s * (d_[0] + s * (d_[1] + s * d_[2])));
   const double denominator_slope = d_[0] + s * (2 * d_[1] + s * 3 * d_[2]);
-  return (numerator_slope - RadialFactor(s) * denominator_slope) / denominator;
+  const double factor = numerator * inverse;
+  return {factor, (slope - factor * denominator_slope) * inverse};
 }
 
-inline LensMap::Bend LensMap::BendAt(const Eigen::Vector2d& ab) const {
-  const double a = ab.x(), b = ab.y(), s = a * a + b * b;
-  const double radial = RadialFactor(s), slope = RadialSlope(s);
+inline LensMap::Bend LensMap::BendAt(double a, double b) const {
+  const double s = a * a + b * b;
+  const Radial radial = RadialAt(s);
   Bend bend;
-  bend.uv.x() = a * radial + 2 * p1_ * a * b + p2_ * (s + 2 * a * a) + sx_ * s;
-  bend.uv.y() = b * radial + 2 * p2_ * a * b + p1_ * (s + 2 * b * b) + sy_ * s;
-  const double mixed = 2 * a * b * slope + 2 * p1_ * a + 2 * p2_ * b;
-  bend.jacobian << radial + 2 * a * a * slope + 2 * p1_ * b + 6 * p2_ * a + 2 * sx_ * a, mixed + 2 * sx_ * b,
-      mixed + 2 * sy_ * a, radial + 2 * b * b * slope + 2 * p2_ * a + 6 * p1_ * b + 2 * sy_ * b;
+  bend.u = a * radial.factor + 2 * p1_ * a * b + p2_ * (s + 2 * a * a) + sx_ * s;
+  bend.v = b * radial.factor + 2 * p2_ * a * b + p1_ * (s + 2 * b * b) + sy_ * s;
+  const double mixed = 2 * a * b * radial.slope + 2 * p1_ * a + 2 * p2_ * b;
+  bend.du_da = radial.factor + 2 * a * a * radial.slope + 2 * p1_ * b + 6 * p2_ * a + 2 * sx_ * a;
+  bend.du_db = mixed + 2 * sx_ * b;
+  bend.dv_da = mixed + 2 * sy_ * a;
+  bend.dv_db = radial.factor + 2 * b * b * radial.slope + 2 * p2_ * a + 6 * p1_ * b + 2 * sy_ * b;
   return bend;
 }
 
@@ -183,12 +184,12 @@ bool LensMap::Project(double x, double y, double* px, double* py) const {
   if (!(s < limit_)) return false;
   double u = x * scale, v = y * scale;
   if (has_bend_) {
-    const Bend bend = BendAt({u, v});
-    if (!(bend.jacobian.determinant() > 0)) return false;  // here the image is folded back over itself
-    u = bend.uv.x();
-    v = bend.uv.y();
+    const Bend bend = BendAt(u, v);
+    if (!(bend.Determinant() > 0)) return false;  // here the image is folded back over itself
+    u = bend.u;
+    v = bend.v;
   } else if (has_radial_) {
-    const double radial = RadialFactor(s);
+    const double radial = RadialAt(s).factor;
     u *= radial;
     v *= radial;
   }
@@ -199,7 +200,7 @@ bool LensMap::Project(double x, double y, double* px, double* py) const {
 
 /// m with m R(m^2) = wanted, by Newton's method inside a bracket that halves when a step leaves it.
 std::optional<double> LensMap::InverseRadial(double wanted) const {
-  const auto value = [this](double m) { return m * RadialFactor(m * m); };
+  const auto value = [this](double m) { return m * RadialAt(m * m).factor; };
   const double end = std::sqrt(std::min(limit_, kFarthest));
   if (!has_radial_) return wanted < end ? std::optional(wanted) : std::nullopt;
   double low = 0, high = std::min(end, std::max(wanted, 1e-3));
@@ -207,11 +208,11 @@ std::optional<double> LensMap::InverseRadial(double wanted) const {
   if (!(value(high) >= wanted)) return std::nullopt;
   double m = std::min(wanted, high);
   for (int step = 0; step < kSteps; ++step) {
-    const double error = value(m) - wanted;
+    const Radial radial = RadialAt(m * m);
+    const double error = m * radial.factor - wanted;
     if (error == 0) return m;
     (error < 0 ? low : high) = m;
-    const double slope = RadialFactor(m * m) + 2 * m * m * RadialSlope(m * m);
-    double next = m - error / slope;
+    double next = m - error / (radial.factor + 2 * m * m * radial.slope);
     if (!(next > low && next < high)) next = low + (high - low) / 2;
     if (next <= low || next >= high || next == m) return m;
     m = next;
@@ -223,29 +224,28 @@ std::optional<double> LensMap::InverseRadial(double wanted) const {
 std::optional<Eigen::Vector2d> LensMap::InverseBend(const Eigen::Vector2d& uv, double start) const {
   const double length = uv.norm();
   Eigen::Vector2d ab = length > 0 ? Eigen::Vector2d(uv * (start / length)) : Eigen::Vector2d::Zero();
-  Bend bend = BendAt(ab);
+  Bend bend = BendAt(ab.x(), ab.y());
+  const auto error_of = [&uv](const Bend& at) { return Eigen::Vector2d(at.u - uv.x(), at.v - uv.y()); };
   for (int step = 0; step < kSteps; ++step) {
-    const Eigen::Vector2d error = bend.uv - uv;
-    if (error.norm() <= kResidual * (1 + length)) break;
-    const double determinant = bend.jacobian.determinant();
-    if (!(determinant > 0)) return std::nullopt;
-    const auto& j = bend.jacobian;
-    const Eigen::Vector2d move((j(1, 1) * error.x() - j(0, 1) * error.y()) / determinant,
-                               (j(0, 0) * error.y() - j(1, 0) * error.x()) / determinant);
+    const Eigen::Vector2d error = error_of(bend);
+    const double determinant = bend.Determinant();
+    if (error.norm() <= kResidual * (1 + length) || !(determinant > 0)) break;
+    const Eigen::Vector2d move((bend.dv_db * error.x() - bend.du_db * error.y()) / determinant,
+                               (bend.du_da * error.y() - bend.dv_da * error.x()) / determinant);
     double cut = 1;
     Eigen::Vector2d next = ab;
     for (int i = 0; i < kCuts; ++i, cut /= 2) {
       next = ab - cut * move;
       if (!(next.squaredNorm() < limit_)) continue;
-      bend = BendAt(next);
-      if ((bend.uv - uv).norm() < error.norm() && bend.jacobian.determinant() > 0) break;
+      bend = BendAt(next.x(), next.y());
+      if (error_of(bend).norm() < error.norm() && bend.Determinant() > 0) break;
     }
     if (next == ab) break;
     ab = next;
   }
-  bend = BendAt(ab);
-  const bool found = (bend.uv - uv).norm() <= 100 * kResidual * (1 + length) && ab.squaredNorm() < limit_ &&
-                     bend.jacobian.determinant() > 0;
+  bend = BendAt(ab.x(), ab.y());
+  const bool found =
+      error_of(bend).norm() <= 100 * kResidual * (1 + length) && ab.squaredNorm() < limit_ && bend.Determinant() > 0;
   return found ? std::optional(ab) : std::nullopt;
 }
 

@@ -28,17 +28,19 @@ class LensMap {
  private:
   enum class Curve { kIdentity, kArcTangent, kFieldOfView };
 
-  /// Values and derivatives of (u, v) at (a, b).
+  struct Radial {
+    double factor, slope;  ///< R and dR/ds
+  };
+  /// (u, v) at (a, b) and its derivatives.
   struct Bend {
-    Eigen::Vector2d uv;
-    Eigen::Matrix2d jacobian;
+    double u, v, du_da, du_db, dv_da, dv_db;
+    double Determinant() const { return du_da * dv_db - du_db * dv_da; }
   };
 
   double CurveScale(double r2) const;   ///< m(r) / r
   double CurveInverse(double m) const;  ///< r / m(r)
-  double RadialFactor(double s) const;  ///< R
-  double RadialSlope(double s) const;   ///< dR/ds
-  Bend BendAt(const Eigen::Vector2d& ab) const;
+  Radial RadialAt(double s) const;
+  Bend BendAt(double a, double b) const;
   std::optional<double> InverseRadial(double wanted) const;
   std::optional<Eigen::Vector2d> InverseBend(const Eigen::Vector2d& uv, double start) const;
 
@@ -49,7 +51,7 @@ class LensMap {
   std::array<double, 4> n_{};  ///< numerator of R
   std::array<double, 3> d_{};  ///< denominator of R
   double p1_ = 0, p2_ = 0, sx_ = 0, sy_ = 0;
-  bool has_radial_ = false, has_bend_ = false;
+  bool has_radial_ = false, has_denominator_ = false, has_bend_ = false;
   double limit_ = 0;  ///< s of a ray that is seen is below this
 };
 

@@ -18,8 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint8_t kMaskThreshold = 128;
-constexpr float kCoverage = 0.5f;  // of a working pixel's area that must count for it to count
-constexpr int kKeep = 3;           // the channel beside RGB that says what counts, 0 or 1 before filtering
+constexpr float kCoverage = 0.5f;                   // of a working pixel's area that must count for it to count
+constexpr int64_t kBytesPerPixel = 36;              // one photograph at full size: 8-bit, float, undistorted
+constexpr int64_t kBytesAtOnce = int64_t{4} << 30;  // for all photographs in work, unless one alone needs more
+constexpr int kKeep = 3;  // the channel beside RGB that says what counts, 0 or 1 before filtering
 constexpr const char* kImageFolder = "images";
 
 int WorkingSize(int size, int downscale) { return std::max(1, (2 * size + downscale) / (2 * downscale)); }
@@ -157,6 +159,16 @@ Photo LoadPhoto(const Scene& scene, const SceneView& view, const PhotoOptions& o
   return photo;
 }
 
+/// How many photographs may be in work at once.
+int64_t PhotosAtOnce(const Scene& scene, const std::vector<int>& views) {
+  int64_t largest = 1;
+  for (const int i : views) {
+    const Lens& lens = scene.views[static_cast<size_t>(i)].lens;
+    largest = std::max(largest, int64_t{lens.width} * lens.height);
+  }
+  return std::max<int64_t>(1, kBytesAtOnce / (largest * kBytesPerPixel));
+}
+
 bool ExcludesAll(const Photo& photo) {
   return !photo.mask.empty() && std::find(photo.mask.begin(), photo.mask.end(), 1) == photo.mask.end();
 }
@@ -182,13 +194,17 @@ std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views,
   std::mutex mutex;
   int64_t done = 0;
   const auto total = static_cast<int64_t>(views.size());
-  ParallelFor(total, [&](int64_t i) {
+  const auto load = [&](int64_t i) {
     ThrowIfInterrupted();
     const auto index = static_cast<size_t>(i);
     photos[index] = LoadPhoto(scene, scene.views[static_cast<size_t>(views[index])], options);
     const std::lock_guard lock(mutex);
     listener(StepDone{"load", ++done, total, "photographs", ""});
-  });
+  };
+  const int64_t at_once = PhotosAtOnce(scene, views);
+  for (int64_t begin = 0; begin < total; begin += at_once) {
+    ParallelFor(std::min(at_once, total - begin), [&](int64_t i) { load(begin + i); });
+  }
   std::vector<std::string> excluded;
   for (const Photo& photo : photos) {
     if (ExcludesAll(photo)) excluded.push_back(photo.name);

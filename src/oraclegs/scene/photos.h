@@ -41,7 +41,10 @@ struct Photo {
 /// the area filter; sizes are round(size / downscale). The alpha channel composites onto the background; it masks
 /// nothing (a Blender scene's background is part of what is scored) unless the scene is a photograph scene, where
 /// alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128.
-/// Throws InputError naming the file: unreadable, or of another size than its lens says.
+/// A file images_N/NAME beside images/NAME is read in the photograph's place when N = downscale and it has the working
+/// size. A JPEG's EXIF orientation is applied, unless only the picture as it is stored has the lens's size.
+/// `listener` hears StepDone{"load"}, from any thread but one at a time, and one warning that names the photographs
+/// of which no pixel counts. Throws InputError naming the file: unreadable, or of another size than its lens says.
 std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views, const PhotoOptions& options,
                               const Listener& listener);
 

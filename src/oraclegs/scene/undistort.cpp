@@ -73,16 +73,26 @@ struct Between {
   float share;  ///< of `high`
 };
 
+/// Bilinear; kChannels = 0 stands for any number.
+template <int kChannels>
 void Sample(const ImageF& source, double u, double v, float* out) {
+  const int channels = kChannels > 0 ? kChannels : source.channels;
   const Between x(u, source.width), y(v, source.height);
   const float* top = source.row(y.low);
   const float* bottom = source.row(y.high);
-  const int left = x.low * source.channels, right = x.high * source.channels;
-  for (int c = 0; c < source.channels; ++c) {
+  const int left = x.low * channels, right = x.high * channels;
+  for (int c = 0; c < channels; ++c) {
     const float above = top[left + c] + x.share * (top[right + c] - top[left + c]);
     const float below = bottom[left + c] + x.share * (bottom[right + c] - bottom[left + c]);
     out[c] = above + y.share * (below - above);
   }
+}
+
+using SampleFunction = void (*)(const ImageF&, double, double, float*);
+
+SampleFunction SampleFor(int channels) {
+  if (channels == 3) return Sample<3>;
+  return channels == 4 ? Sample<4> : Sample<0>;
 }
 
 }  // namespace
@@ -107,6 +117,7 @@ UndistortedImage Undistort(const ImageF& source, const Lens& lens, const Camera&
                      lens.height);
   }
   const LensMap map(lens);
+  const SampleFunction sample = SampleFor(source.channels);
   const size_t pixels = static_cast<size_t>(target.width) * static_cast<size_t>(target.height);
   UndistortedImage result{{target.width, target.height, source.channels, {}}, std::vector<uint8_t>(pixels, 0)};
   result.image.data.resize(pixels * static_cast<size_t>(source.channels));
@@ -118,7 +129,7 @@ UndistortedImage Undistort(const ImageF& source, const Lens& lens, const Camera&
         double u = 0, v = 0;
         if (!map.Project((x + 0.5 - target.cx) / target.fx, (y + 0.5 - target.cy) / target.fy, &u, &v)) continue;
         valid[x] = u >= 0 && u <= source.width && v >= 0 && v <= source.height;
-        Sample(source, u, v, out);
+        sample(source, u, v, out);
       }
     }
   });
