@@ -75,6 +75,7 @@ int Main(int argc, char** argv) {
     const auto chosen = app.get_subcommands();
     const std::string help = chosen.empty() ? "" : chosen.front()->get_name() + " ";
     std::string what = e.what();
+    if (chosen.empty() && argc > 1 && argv[1][0] != '-') what = fmt::format("there is no command '{}'", argv[1]);
     std::replace(what.begin(), what.end(), '\n', ' ');
     return Fail(fmt::format("{}; see `oraclegs {}--help`", what, help), kUsage);
   }

@@ -23,6 +23,12 @@ size_t TerminalWidth() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
 }
 
+/// "700/7000 iterations (10%)"; without the share where nobody knows how many there will be.
+std::string CountText(const StepDone& event) {
+  if (event.total <= 0) return fmt::format("{} {}", event.done, event.unit);
+  return fmt::format("{}/{} {} ({}%)", event.done, event.total, event.unit, 100 * event.done / event.total);
+}
+
 std::string RateText(double per_second) {
   if (per_second <= 0) return "";
   return per_second >= 1 ? fmt::format(", {:.1f}/s", per_second) : fmt::format(", {:.1f} s each", 1 / per_second);
@@ -80,8 +86,7 @@ void Terminal::On(const StepDone& event) {
   if (!IsTimeForALine(event)) return;
   if (bar_) return DrawBar(event, rate);
   const std::string left = rate.seconds_left > 0 ? ", " + FormatSeconds(rate.seconds_left) + " left" : "";
-  Log().info("{}: {}/{} {} ({}%){}{}{}{}", event.stage, event.done, event.total, event.unit,
-             100 * event.done / std::max<int64_t>(event.total, 1), event.detail.empty() ? "" : ", ", event.detail,
+  Log().info("{}: {}{}{}{}{}", event.stage, CountText(event), event.detail.empty() ? "" : ", ", event.detail,
              RateText(rate.per_second), left);
 }
 
@@ -98,6 +103,7 @@ Terminal::Rate Terminal::Measure(const StepDone& event) {
   const double seconds = duration<double>(now - recent_.front().first).count();
   const auto steps = static_cast<double>(event.done - recent_.front().second);
   if (seconds <= 0 || steps <= 0) return {};
+  if (event.total <= 0) return {steps / seconds, 0};
   return {steps / seconds, static_cast<double>(event.total - event.done) * seconds / steps};
 }
 
@@ -113,11 +119,12 @@ bool Terminal::IsTimeForALine(const StepDone& event) {
 }
 
 void Terminal::DrawBar(const StepDone& event, const Rate& rate) {
-  const double share = event.total > 0 ? static_cast<double>(event.done) / static_cast<double>(event.total) : 0;
-  const int filled = static_cast<int>(share * kBarWidth);
-  std::string line =
-      fmt::format("{} [{:#>{}}{:->{}}] {:3.0f}% {}/{} {}{}", event.stage, "", filled, "", kBarWidth - filled,
-                  100 * share, event.done, event.total, event.unit, RateText(rate.per_second));
+  std::string line = event.stage + " ";
+  if (event.total > 0) {
+    const auto filled = static_cast<int>(kBarWidth * event.done / event.total);
+    line += fmt::format("[{:#>{}}{:->{}}] ", "", filled, "", kBarWidth - filled);
+  }
+  line += CountText(event) + RateText(rate.per_second);
   if (!event.detail.empty()) line += ", " + event.detail;
   if (rate.seconds_left > 0) line += ", " + FormatSeconds(rate.seconds_left) + " left";
   line.resize(std::min(line.size(), TerminalWidth() - 1));

@@ -4,6 +4,7 @@
 import json
 import os
 import resource
+import shutil
 import signal
 import struct
 
@@ -14,6 +15,7 @@ class BadInput(EndToEnd):
     def refused(self, scene, *arguments, code=3, names=(), **options):
         """reconstruct must refuse the scene and leave no result."""
         out = self.dir / "out_of_bad_input"
+        shutil.rmtree(out, ignore_errors=True)
         line = self.error_of("reconstruct", scene, "-o", out, *SMALL_RUN, *arguments, code=code, names=names, **options)
         for name in ["point_cloud.ply", "metrics.json"]:
             self.assertFalse((out / name).exists())

@@ -23,7 +23,7 @@ TEST_F(EvaluateStageTest, EvaluatesAnyPlyTheSame) {
 
 TEST_F(EvaluateStageTest, EvaluateNeedsAModel) {
   RunRequest untrained = TinyRequest(request->scene, *temp / "untrained");
-  Run run = StartRun(untrained, Silent());
+  auto run = StartRun(untrained, Silent());
   EXPECT_THAT(MessageOf<InputError>([&] { RunEvaluate(&run); }), HasSubstr("point_cloud.ply"));
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   const TempDir temp;
-  Run run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
+  auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
   run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"source", "random"}, {"points", 400}});
   run.workspace.MarkDone("train", {{"key", "b"},
                                    {"seconds", 12},

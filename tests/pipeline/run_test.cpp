@@ -16,7 +16,7 @@ class RunTest : public testing::Test {
 
 TEST_F(RunTest, WritesOptionsAndSplitAndTellsTheSplit) {
   Recorder recorder;
-  const Run run = StartRun(request, recorder.AsListener());
+  const auto run = StartRun(request, recorder.AsListener());
   EXPECT_EQ(run.split.test.size(), 2u);
   EXPECT_EQ(run.split.train.size(), 4u);
   const auto split = nlohmann::json::parse(ReadFile(temp / "out" / "split.json"));
@@ -38,7 +38,7 @@ TEST_F(RunTest, BadInputLeavesNoWorkspaceBehind) {
 }
 
 TEST_F(RunTest, OpensWhatWasStarted) {
-  { const Run run = StartRun(request, Silent()); }
+  { const auto run = StartRun(request, Silent()); }
   RunRequest open = request;
   open.scene.clear();
   EXPECT_EQ(OpenRun(open, Silent()).split.train.size(), 4u);

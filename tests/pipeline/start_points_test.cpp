@@ -10,8 +10,8 @@ using testing::HasSubstr;
 class StartPointsTest : public testing::Test {
  protected:
   /// A run whose scene is a model with n points, each seen by all views.
-  Run MakeRun(int n) {
-    Run run = StartRun(request, recorder.AsListener());
+  oraclegs::Run MakeRun(int n) {
+    auto run = StartRun(request, recorder.AsListener());
     for (int i = 0; i < n; ++i) {
       ScenePoint point;
       point.xyz = {0.01 * i, 0, 0};
@@ -27,7 +27,7 @@ class StartPointsTest : public testing::Test {
 };
 
 TEST_F(StartPointsTest, RandomIsWhatWasAskedForAndRemembered) {
-  Run run = MakeRun(500);
+  auto run = MakeRun(500);
   const StartPoints start = RunSfm(&run);
   EXPECT_EQ(start.source, "random");
   EXPECT_EQ(start.cloud.xyz.size(), 400u);
@@ -38,7 +38,7 @@ TEST_F(StartPointsTest, RandomIsWhatWasAskedForAndRemembered) {
 
 TEST_F(StartPointsTest, UsesAModelsPointsAndAtMostSoManyAsGaussians) {
   request.options.start.init = "auto";
-  Run run = MakeRun(1000);
+  auto run = MakeRun(1000);
   const StartPoints start = RunSfm(&run);
   EXPECT_EQ(start.source, "sfm");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
@@ -48,7 +48,7 @@ TEST_F(StartPointsTest, UsesAModelsPointsAndAtMostSoManyAsGaussians) {
 
 TEST_F(StartPointsTest, TooFewPointsFallBackWithAWarning) {
   request.options.start.init = "auto";
-  Run run = MakeRun(0);
+  auto run = MakeRun(0);
   run.split.train.resize(2);
   run.split.train[1] = run.split.train[0];  // nothing to triangulate from
   const StartPoints start = RunSfm(&run);
@@ -59,7 +59,7 @@ TEST_F(StartPointsTest, TooFewPointsFallBackWithAWarning) {
 
 TEST_F(StartPointsTest, InsistingOnPointsThatAreNotThereIsRefused) {
   request.options.start.init = "sfm";
-  Run run = MakeRun(0);
+  auto run = MakeRun(0);
   run.split.train.resize(1);
   EXPECT_THAT(MessageOf<InputError>([&] { RunSfm(&run); }), HasSubstr("--init random"));
 }

@@ -15,7 +15,7 @@ class TrainStageTest : public testing::Test {
   ~TrainStageTest() override { RequestInterrupt(false); }
 
   std::string Train(const RunRequest& r) {
-    Run run = StartRun(r, recorder.AsListener());
+    auto run = StartRun(r, recorder.AsListener());
     RunTrain(&run);
     return ReadFile(run.workspace.point_cloud());
   }
@@ -25,7 +25,7 @@ class TrainStageTest : public testing::Test {
       const auto* step = std::get_if<StepDone>(&event);
       if (step && step->stage == "train" && step->done >= iteration) RequestInterrupt(true);
     };
-    Run run = StartRun(r, listener);
+    auto run = StartRun(r, listener);
     EXPECT_THROW(RunTrain(&run), Interrupted);
     RequestInterrupt(false);
   }
@@ -65,12 +65,11 @@ TEST_F(TrainStageTest, OtherOptionsThanTheInterruptedRunsAreRefused) {
 TEST_F(TrainStageTest, ChangedPhotographsAreTrainedAnew) {
   request.options.train.iterations = 150;
   TrainUntil(request, 100);
-  const Run run = [&] { return StartRun(request, Silent()); }();
-  const auto photo = run.scene.views[static_cast<size_t>(run.split.train[0])].image_path;
+  const PosedScene posed = ReadPosedScene(request.scene, request.options, Silent());
+  const auto photo = posed.scene.views[static_cast<size_t>(posed.split.train[0])].image_path;
   Image8 image = ReadImage(photo);
   image.data[0] ^= 0xff;
   WritePng(photo, image);
-  { const Run finished = std::move(const_cast<Run&>(run)); }  // lets go of the workspace
   Train(request);
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("changed")));
 }

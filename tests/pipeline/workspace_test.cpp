@@ -70,8 +70,11 @@ TEST_F(WorkspaceTest, OptionsMayChangeBeforeThereIsAResult) {
 TEST_F(WorkspaceTest, RefusesAnotherScene) {
   { const Workspace workspace = Claim(); }
   std::filesystem::create_directories(temp / "other");
+  std::filesystem::create_directories(out / "sfm");
   const std::string message = MessageOf<InputError>([&] { Workspace::Claim(out, temp / "other", options, false); });
   EXPECT_THAT(message, AllOf(HasSubstr("another scene"), HasSubstr(scene.string()), HasSubstr("-o")));
+  std::filesystem::remove(out / "sfm");  // then nothing has been made of the scene that was named by mistake
+  EXPECT_NO_THROW(Workspace::Claim(out, temp / "other", options, false));
 }
 
 TEST_F(WorkspaceTest, RefusesFilesOfSomebodyElseEvenWithOverwrite) {

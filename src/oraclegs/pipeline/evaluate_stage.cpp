@@ -88,7 +88,8 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
     renders = WorkspacePaths(request.out).renders("test");
   }
   const StageClock clock("evaluate", listener);
-  const Scores scores = Score(model, LoadPhotos(posed.scene, posed.split.test, request.options.photo, listener), renders, listener);
+  const Scores scores =
+      Score(model, LoadPhotos(posed.scene, posed.split.test, request.options.photo, listener), renders, listener);
   nlohmann::json metrics = {{"test", scores.test},
                             {"stages", {{"evaluate", {{"seconds", clock.Finish()}}}}},
                             {"gaussians", scores.gaussians},

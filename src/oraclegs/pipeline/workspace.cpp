@@ -75,7 +75,8 @@ void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOp
     return;
   }
   const SavedRun saved = ReadSavedRun(dir);
-  if (saved.scene != scene) {
+  std::error_code ignored;
+  if (saved.scene != scene && (HasResults(WorkspacePaths(dir)) || fs::exists(WorkspacePaths(dir).sfm(), ignored))) {
     throw InputError(
         "{}: holds a run of another scene ({}, now is {}); choose another -o, or start anew with "
         "--overwrite",
