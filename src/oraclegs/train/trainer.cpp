@@ -182,7 +182,8 @@ struct Trainer::State {
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
   ImageBuffer grad_image, masked_image;
-  TrainTimings timings;  // sums
+  TrainTimings timings;     // sums
+  int64_t timed_since = 0;  // iteration
 };
 
 double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad) {
@@ -285,10 +286,11 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   if (s.restored) CheckSameOptions(policy.dir, s.run_options, policy.options);
   s.run_options = policy.options;
   s.timings = {};
+  s.timed_since = s.iteration;
   if (s.extent == 0) {
     listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
   }
-  const int64_t first = s.iteration, total = s.options.iterations;
+  const int64_t total = s.options.iterations;
   const double seconds_before = s.seconds;
   const auto start = Clock::now();
   const auto save = [&] {
@@ -296,7 +298,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
     WriteCheckpoint(CheckpointPath(policy.dir, s.iteration), MakeCheckpoint());
     RemoveOldCheckpoints(policy.dir, s.iteration);
   };
-  int64_t reported = first;
+  int64_t reported = s.iteration;
   auto report_time = start;
   while (s.iteration < total) {
     if (InterruptRequested()) {
@@ -320,12 +322,14 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   }
   CheckFinite(s.gaussians, s.iteration);
   s.timings.total = SecondsSince(start) * 1000;
-  return {s.iteration, s.seconds, Mean(s.timings, s.iteration - first)};
+  return {s.iteration, s.seconds, MeanTimings()};
 }
 
 const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
 
 int64_t Trainer::iteration() const { return state_->iteration; }
+
+TrainTimings Trainer::MeanTimings() const { return Mean(state_->timings, state_->iteration - state_->timed_since); }
 
 Checkpoint Trainer::MakeCheckpoint() const {
   const State& s = *state_;

@@ -64,6 +64,8 @@ class Trainer {
 
   const Gaussians& gaussians() const;
   int64_t iteration() const;
+  /// Means over the iterations since the last Run began, or since construction; `total` is filled by Run only.
+  TrainTimings MeanTimings() const;
   Checkpoint MakeCheckpoint() const;
 
  private:
