@@ -108,7 +108,8 @@ class BadInput(EndToEnd):
         camera = struct.pack("<QiiQQ4d", 1, 1, 1, 40, 30, 35.0, 35.0, 20.0, 15.0)
         images = struct.pack("<Q", 4)
         for i in range(4):
-            images += struct.pack("<i7di", i + 1, 1, 0, 0, 0, 0.1 * i, 0, 2, 1) + f"{i}.png\0".encode() + struct.pack("<Q", 0)
+            images += struct.pack("<i7di", i + 1, 1, 0, 0, 0, 0.1 * i, 0, 2, 1)
+            images += f"{i}.png\0".encode() + struct.pack("<Q", 0)
         files = {"cameras.bin": camera, "images.bin": images, "points3D.bin": struct.pack("<Q", 0)}
 
         def write(**changed):

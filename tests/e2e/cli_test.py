@@ -203,7 +203,8 @@ class MainJob(EndToEnd):
 
         self.run_program("render", self.out, "--path", "orbit", "--frames", 3)
         self.assertEqual(len(list((self.out / "renders/orbit").glob("*.png"))), 3)
-        self.run_program("render", self.scene, "--ply", small, "--path", "train", "-o", self.dir / "train", "--no-video")
+        arguments = ["--path", "train", "-o", self.dir / "train", "--no-video"]
+        self.run_program("render", self.scene, "--ply", small, *arguments)
         self.assertEqual(len(list((self.dir / "train").glob("*.png"))), 7)
 
     def test_starts_from_triangulated_points_where_colmap_gives_them(self):

@@ -61,7 +61,8 @@ class EndToEnd(unittest.TestCase):
 
 def files_below(folder):
     """{relative path: (bytes, time of change)} of every file."""
-    return {str(p.relative_to(folder)): (p.read_bytes(), p.stat().st_mtime_ns) for p in sorted(folder.rglob("*")) if p.is_file()}
+    files = [p for p in sorted(folder.rglob("*")) if p.is_file()]
+    return {str(p.relative_to(folder)): (p.read_bytes(), p.stat().st_mtime_ns) for p in files}
 
 
 def png(width, height, rgb):

@@ -53,7 +53,8 @@ struct CheckpointOptions {
   template <class V>
   void Visit(V&& visit) {
     visit("checkpoint-every", checkpoint_every,
-          "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted", Range{0, 1e7});
+          "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted",
+          Range{0, 1e7});
   }
 };
 
