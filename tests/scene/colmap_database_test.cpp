@@ -1,0 +1,219 @@
+#include "oraclegs/scene/colmap_database.h"
+
+#include <sqlite3.h>
+
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/error.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Pair;
+using testing::StartsWith;
+using testing::UnorderedElementsAre;
+
+/// The tables of colmap 3.8 that the code touches, columns and constraints as `colmap database_creator` makes them.
+constexpr char kTables[] = R"(
+  CREATE TABLE cameras (camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, model INTEGER NOT NULL,
+    width INTEGER NOT NULL, height INTEGER NOT NULL, params BLOB, prior_focal_length INTEGER NOT NULL);
+  CREATE TABLE images (image_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE,
+    camera_id INTEGER NOT NULL, CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647),
+    FOREIGN KEY(camera_id) REFERENCES cameras(camera_id));
+  CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL,
+    data BLOB, FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+  CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL,
+    data BLOB, FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+)";
+
+/// Two cameras; b, c, a as colmap's threads may have finished them. `rows` tells whose keypoints they are.
+constexpr char kThreeImages[] = R"(
+  INSERT INTO cameras VALUES (1, 0, 10, 20, x'00', 0), (4, 0, 10, 20, x'00', 0);
+  INSERT INTO images VALUES (1, 'camera0/b.png', 1), (2, 'camera1/c.png', 4), (7, 'camera0/a.png', 1);
+  INSERT INTO keypoints VALUES (1, 100, 6, x'0b'), (2, 200, 6, x'0c'), (7, 300, 6, x'0a');
+  INSERT INTO descriptors VALUES (1, 100, 128, x'0b'), (2, 200, 128, x'0c'), (7, 300, 128, x'0a');
+)";
+
+/// A connection of the test's own, beside the one of the code under test.
+class Sqlite {
+ public:
+  explicit Sqlite(const fs::path& path) {
+    sqlite3* raw = nullptr;
+    EXPECT_EQ(sqlite3_open(path.c_str(), &raw), SQLITE_OK);
+    handle_.reset(raw);
+  }
+
+  void Execute(const std::string& sql) const {
+    EXPECT_EQ(sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(handle_.get());
+  }
+
+  /// The rows of a query, columns joined by "|".
+  std::vector<std::string> Rows(const std::string& sql) const {
+    std::vector<std::string> rows;
+    const auto add = [](void* out, int columns, char** values, char**) {
+      std::string row;
+      for (int i = 0; i < columns; ++i) row += (i > 0 ? "|" : "") + std::string(values[i] ? values[i] : "NULL");
+      static_cast<std::vector<std::string>*>(out)->push_back(row);
+      return 0;
+    };
+    EXPECT_EQ(sqlite3_exec(handle_.get(), sql.c_str(), add, &rows, nullptr), SQLITE_OK);
+    return rows;
+  }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const { sqlite3_close(handle); }
+  };
+  std::unique_ptr<sqlite3, Close> handle_;
+};
+
+using Rows = std::vector<std::string>;
+
+fs::path WriteDatabase(const TempDir& dir, const std::string& sql = std::string(kTables) + kThreeImages) {
+  Sqlite(dir / "database.db").Execute("PRAGMA synchronous = OFF; BEGIN;" + sql + "COMMIT;");
+  return dir / "database.db";
+}
+
+const Lens kOpenCvLens{LensModel::kOpenCv, 640, 480, {500.5, 501.25, 320, 1. / 3, .1, -.2, 1e-300, -0.}};
+
+/// The message of the RunError that `action` throws, which is one line.
+template <class Action>
+std::string RunErrorOf(Action action) {
+  try {
+    action();
+  } catch (const RunError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "no RunError was thrown";
+  return {};
+}
+
+/// All three functions must name the database, say what is wrong and what mends it.
+void ExpectRefused(const fs::path& database, const std::string& reason) {
+  const auto message = AllOf(StartsWith(database.string() + ": "), HasSubstr(reason), HasSubstr("delete it"));
+  EXPECT_THAT(RunErrorOf([&] { ReadDatabaseImages(database); }), message);
+  EXPECT_THAT(RunErrorOf([&] { SetDatabaseCameras(database, {{1, kOpenCvLens}}); }), message);
+  EXPECT_THAT(RunErrorOf([&] { NumberImagesByName(database); }), message);
+}
+
+MATCHER_P2(HasIds, image_id, camera_id, "") { return arg.image_id == image_id && arg.camera_id == camera_id; }
+
+TEST(ReadDatabaseImages, GivesTheIdsByName) {
+  const TempDir dir;
+  EXPECT_THAT(ReadDatabaseImages(WriteDatabase(dir)),
+              UnorderedElementsAre(Pair("camera0/a.png", HasIds(7u, 1u)), Pair("camera0/b.png", HasIds(1u, 1u)),
+                                   Pair("camera1/c.png", HasIds(2u, 4u))));
+}
+
+TEST(ReadDatabaseImages, NoImagesIsNoError) {
+  const TempDir dir;
+  EXPECT_TRUE(ReadDatabaseImages(WriteDatabase(dir, kTables)).empty());
+}
+
+TEST(ReadDatabaseImages, TheLargestIdsColmapAllowsSurvive) {
+  const TempDir dir;
+  const auto images = ReadDatabaseImages(
+      WriteDatabase(dir, std::string(kTables) + "INSERT INTO images VALUES (2147483646, 'z', 4294967295);"));
+  EXPECT_THAT(images, UnorderedElementsAre(Pair("z", HasIds(2147483646u, 4294967295u))));
+}
+
+TEST(SetDatabaseCameras, StoresTheLensToTheBitAndLeavesOtherCamerasAlone) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  SetDatabaseCameras(path, {{4, kOpenCvLens}, {99, kOpenCvLens}});  // there is no camera 99: none is added
+  std::string bytes(kOpenCvLens.params.size() * sizeof(double), '\0');
+  std::memcpy(bytes.data(), kOpenCvLens.params.data(), bytes.size());
+  std::string hex;
+  for (const char c : bytes) hex += fmt::format("{:02X}", static_cast<unsigned char>(c));
+  EXPECT_EQ(Sqlite(path).Rows("SELECT camera_id, model, width, height, hex(params), prior_focal_length FROM cameras"),
+            (Rows{"1|0|10|20|00|0", "4|4|640|480|" + hex + "|1"}));
+}
+
+TEST(NumberImagesByName, NumbersFollowTheNamesAndTheFeaturesFollowTheImages) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  for (int time = 0; time < 2; ++time) {  // a second time changes nothing
+    NumberImagesByName(path);
+    const Sqlite database(path);
+    EXPECT_EQ(database.Rows("SELECT image_id, name, camera_id FROM images ORDER BY image_id"),
+              (Rows{"1|camera0/a.png|1", "2|camera0/b.png|1", "3|camera1/c.png|4"}));
+    EXPECT_EQ(database.Rows("SELECT image_id, rows, hex(data) FROM keypoints ORDER BY image_id"),
+              (Rows{"1|300|0A", "2|100|0B", "3|200|0C"}));
+    EXPECT_EQ(database.Rows("SELECT image_id, rows, hex(data) FROM descriptors ORDER BY image_id"),
+              (Rows{"1|300|0A", "2|100|0B", "3|200|0C"}));
+  }
+}
+
+TEST(NumberImagesByName, AFailureLeavesTheOldNumbers) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  Sqlite(path).Execute("DROP TABLE descriptors");  // found missing after images and keypoints have new numbers
+  EXPECT_THAT(RunErrorOf([&] { NumberImagesByName(path); }), HasSubstr("no such table: descriptors"));
+  EXPECT_EQ(Sqlite(path).Rows("SELECT image_id FROM images ORDER BY name"), (Rows{"7", "1", "2"}));
+  EXPECT_EQ(Sqlite(path).Rows("SELECT image_id FROM keypoints ORDER BY rows"), (Rows{"1", "2", "7"}));
+}
+
+TEST(ColmapDatabase, AMissingFileIsRefusedAndNotMade) {
+  const TempDir dir;
+  ExpectRefused(dir / "database.db", "unable to open");
+  EXPECT_FALSE(fs::exists(dir / "database.db"));
+}
+
+TEST(ColmapDatabase, AFileOfAnotherKindIsRefused) {
+  const TempDir dir;
+  std::ofstream(dir / "database.db") << std::string(5000, 'x');
+  ExpectRefused(dir / "database.db", "not a database");
+  fs::create_directories(dir / "folder");
+  ExpectRefused(dir / "folder", "unable to open");
+}
+
+TEST(ColmapDatabase, AnEmptyFileHasNoTables) {
+  const TempDir dir;
+  std::ofstream(dir / "database.db").flush();
+  ExpectRefused(dir / "database.db", "no such table");
+}
+
+TEST(ColmapDatabase, ATruncatedDatabaseIsRefused) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  fs::resize_file(path, 3000);
+  ExpectRefused(path, "malformed");
+}
+
+TEST(ColmapDatabase, DamageBehindTheFirstPageIsRefused) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  const auto size = fs::file_size(path);
+  ASSERT_GT(size, 4096u);  // the first page holds the schema
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(4096);
+  file << std::string(size - 4096, '\xEE');
+  file.close();
+  ExpectRefused(path, "malformed");
+}
+
+TEST(ColmapDatabase, ALockedDatabaseIsRefused) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  {
+    const Sqlite other(path);
+    other.Execute("BEGIN EXCLUSIVE");
+    ExpectRefused(path, "locked");
+    other.Execute("ROLLBACK");
+  }
+  EXPECT_EQ(ReadDatabaseImages(path).size(), 3u) << "unlocked, and as it was";
+  EXPECT_EQ(Sqlite(path).Rows("SELECT model FROM cameras"), (Rows{"0", "0"}));
+}
+
+}  // namespace
+}  // namespace oraclegs
