@@ -46,6 +46,16 @@ TEST_F(StartPointsTest, UsesAModelsPointsAndAtMostSoManyAsGaussians) {
   EXPECT_FLOAT_EQ(start.cloud.xyz[499].x(), 9.98f);
 }
 
+TEST_F(StartPointsTest, FewPointsAreJoinedByRandomOnesUpToTheBudget) {
+  request.options.start.init = "auto";
+  auto run = MakeRun(150);
+  const StartPoints start = RunSfm(&run);
+  EXPECT_EQ(start.source, "sfm+random");
+  ASSERT_EQ(start.cloud.xyz.size(), 500u);  // 400 random points were asked for, the budget is 500
+  EXPECT_EQ(start.cloud.rgb.size(), 500u);
+  EXPECT_FLOAT_EQ(start.cloud.xyz[149].x(), 1.49f);
+}
+
 TEST_F(StartPointsTest, TooFewPointsFallBackWithAWarning) {
   request.options.start.init = "auto";
   auto run = MakeRun(0);

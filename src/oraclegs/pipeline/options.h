@@ -30,7 +30,7 @@ struct StartOptions {
   void Visit(V&& visit) {
     visit("init", init,
           "Where the Gaussians start: sfm = points triangulated from the training views, random = in the volume they "
-          "look at, auto = sfm, or random where that gives fewer than 100 points",
+          "look at, auto = sfm, joined by random points where it gives few, or random alone below 100",
           Choice{{"auto", "sfm", "random"}});
     visit("seed", seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
   }

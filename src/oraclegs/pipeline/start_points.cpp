@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/start_points.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/scene/sfm.h"
@@ -31,8 +32,9 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
   return triangulated.size() > points.size() ? triangulated : points;
 }
 
-PointCloud RandomPoints(const Run& run) {
-  const int n = std::min(run.options.train.random_points, run.options.train.max_gaussians);
+/// As many as asked for, within the budget that `taken` points leave.
+PointCloud RandomPoints(const Run& run, size_t taken = 0) {
+  const int n = std::min(run.options.train.random_points, run.options.train.max_gaussians - static_cast<int>(taken));
   if (run.scene.format == SceneFormat::kBlender) return RandomPointsInBlenderCube(n, run.options.start.seed);
   std::vector<Camera> cameras;
   for (const int view : run.split.train) {
@@ -62,7 +64,12 @@ StartPoints FindStartPoints(const Run& run) {
     for (size_t i = 0; i < limit; ++i) points[i] = points[i * points.size() / limit];
     points.resize(limit);
   }
-  return {ToPointCloud(points), "sfm"};
+  PointCloud cloud = ToPointCloud(points);
+  if (fixed || points.size() >= std::min(kPlentyOfPoints, limit)) return {std::move(cloud), "sfm"};
+  const PointCloud more = RandomPoints(run, points.size());
+  cloud.xyz.insert(cloud.xyz.end(), more.xyz.begin(), more.xyz.end());
+  cloud.rgb.insert(cloud.rgb.end(), more.rgb.begin(), more.rgb.end());
+  return {std::move(cloud), "sfm+random"};
 }
 
 }  // namespace
@@ -74,8 +81,7 @@ StartPoints RunSfm(Run* run) {
   const StageClock clock("sfm", run->listener);
   StartPoints start = FindStartPoints(*run);
   const double seconds = clock.Finish();
-  run->listener(Note{fmt::format("starting from {} {} points", start.cloud.xyz.size(),
-                                 start.source == "sfm" ? "triangulated" : "random")});
+  run->listener(Note{fmt::format("starting from {} points ({})", start.cloud.xyz.size(), start.source)});
   run->workspace.MarkDone("sfm", {{"key", key},
                                   {"seconds", done ? before.value("seconds", seconds) : seconds},
                                   {"source", start.source},

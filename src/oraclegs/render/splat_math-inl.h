@@ -66,9 +66,16 @@ struct SplatChain {
   F opacity, compensation, ratio;
 };
 
+/// Vectorised exponentials are defined up to about 88 only: what a model of another trainer may hold beyond that is
+/// taken as that, which no float of a result can tell apart.
+template <class F>
+ORACLEGS_HD inline F BoundedExp(F x) {
+  return Exp(Min(Max(x, F(-80.f)), F(80.f)));
+}
+
 template <class F>
 ORACLEGS_HD inline F Sigmoid(F x) {
-  return F(1.f) / (F(1.f) + Exp(-x));
+  return F(1.f) / (F(1.f) + BoundedExp(-x));
 }
 
 template <class F, class T>
@@ -84,7 +91,7 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
   c.cu = Min(Max(c.u, F(camera.min_u)), F(camera.max_u));
   c.cv = Min(Max(c.v, F(camera.min_v)), F(camera.max_v));
 
-  c.scale = {Exp(raw.log_scale.x), Exp(raw.log_scale.y), Exp(raw.log_scale.z)};
+  c.scale = {BoundedExp(raw.log_scale.x), BoundedExp(raw.log_scale.y), BoundedExp(raw.log_scale.z)};
   c.inv_norm = F(1.f) / Sqrt(raw.qw * raw.qw + raw.qx * raw.qx + raw.qy * raw.qy + raw.qz * raw.qz);
   c.qw = raw.qw * c.inv_norm;
   c.qx = raw.qx * c.inv_norm;

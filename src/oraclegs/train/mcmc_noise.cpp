@@ -107,10 +107,10 @@ HWY_INLINE void DrawWords(const NoiseStep& step, uint32_t first_index, VU* x) {
 
 #endif
 
-/// OpenUniform
+/// OpenUniform of core/rng.h, in lanes.
 HWY_INLINE V Uniform(VU bits) {
-  const V whole = hn::ConvertTo(D(), hn::BitCast(hn::RebindToSigned<DU>(), hn::ShiftRight<8>(bits)));
-  return hn::Mul(hn::Add(whole, Set(0.5f)), Set(0x1.0p-24f));
+  const V whole = hn::ConvertTo(D(), hn::BitCast(hn::RebindToSigned<DU>(), hn::ShiftRight<9>(bits)));
+  return hn::Mul(hn::Add(whole, Set(0.5f)), Set(0x1.0p-23f));
 }
 
 /// Standard normal numbers by Box and Muller: two from the first pair of words, one from the second.

@@ -86,6 +86,26 @@ TEST(CpuRasterizer, OddParametersDoNoHarm) {
   EXPECT_TRUE(torch::isfinite(grads.means.slice(0, 32)).all().item<bool>());
 }
 
+TEST(CpuRasterizer, OpacityLogitsBeyondTheExponentialAreInvisibleOrSolid) {
+  Gaussians g = RandomGaussians(2, 0.3, 4);
+  g.means.copy_(torch::tensor({{0.f, 0.f, 3.f}, {0.f, 0.f, 3.f}}));
+  for (const float logit : {-100.f, -200.f, -1000.f}) {
+    g.opacity_logits.fill_(logit);
+    EXPECT_EQ(MakeRasterizer(torch::kCPU)
+                  ->Forward(g, FrontCamera(32, 32), {}, RenderPass::kInference)
+                  .alpha.max()
+                  .item<float>(),
+              0)
+        << logit;
+  }
+  g.opacity_logits.fill_(1000.f);
+  EXPECT_GT(MakeRasterizer(torch::kCPU)
+                ->Forward(g, FrontCamera(32, 32), {}, RenderPass::kInference)
+                .alpha.max()
+                .item<float>(),
+            0.98f);
+}
+
 TEST(CpuRasterizer, WrongShapesAreRefusedByName) {
   auto rasterizer = MakeRasterizer(torch::kCPU);
   Gaussians g = RandomGaussians(10, 0.1, 1);

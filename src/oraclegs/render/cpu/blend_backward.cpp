@@ -137,6 +137,7 @@ HWY_INLINE void LoadBlock(const cpu::BlendImage& forward, const cpu::BlendUpstre
 HWY_NOINLINE void BlendTileBackward(const cpu::Splat* splats, const cpu::TileEntry* entries, int64_t count, int tile_x,
                                     int tile_y, int64_t tile, const cpu::BlendImage& forward,
                                     const cpu::BlendUpstream& upstream, float* records) {
+  if (count == 0) return;
   BlockAdjoint states[cpu::kBlocksPerTile];
   int64_t farthest = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
