@@ -63,6 +63,8 @@ TEST(TransformsLens, DefaultsOfFocalsAndCentre) {
   const double right_angle = std::numbers::pi / 2;  // half the width over tan 45 degrees
   const Lens square = LensOf({{"camera_angle_x", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(square.params, ElementsAre(DoubleNear(32, 1e-12), DoubleNear(32, 1e-12), 32, 20));
+  const Lens height_only = LensOf({{"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
+  EXPECT_THAT(height_only.params, ElementsAre(DoubleNear(20, 1e-12), DoubleNear(20, 1e-12), 32, 20));
   const Lens both = LensOf({{"camera_angle_x", right_angle}, {"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(both.params, ElementsAre(DoubleNear(32, 1e-12), DoubleNear(20, 1e-12), 32, 20));
   // The length in pixels is the exact one; the angle beside it was derived from it.
@@ -93,6 +95,7 @@ TEST(TransformsLens, RefusesBadNumbers) {
   EXPECT_THAT(message({{"fl_x", "NaN"}, {"w", 64}, {"h", 40}}), HasSubstr("\"fl_x\" is not a finite number"));
   EXPECT_THAT(message({{"w", 64}, {"h", 40}}), HasSubstr("no focal length"));
   EXPECT_THAT(message({{"camera_angle_x", 4}, {"w", 64}, {"h", 40}}), HasSubstr("between 0 and pi"));
+  EXPECT_THAT(message({{"camera_angle_y", 4}, {"w", 64}, {"h", 40}}), HasSubstr("\"camera_angle_y\" is 4"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 64.5}, {"h", 40}}), HasSubstr("\"w\" is 64.5"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 1e18}, {"h", 40}}), HasSubstr("whole number"));
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 64}, {"h", 40}, {"camera_model", "EQUIRECTANGULAR"}}),

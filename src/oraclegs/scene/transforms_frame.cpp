@@ -65,8 +65,8 @@ std::optional<double> FocalIn(const json& object, const char* focal_key, const c
 std::pair<double, double> ReadFocals(const TransformsFrame& frame, const Lens& lens) {
   for (const json* object : {&frame.frame, &frame.file}) {
     const auto fx = FocalIn(*object, "fl_x", "camera_angle_x", lens.width, frame.place);
-    if (!fx && !FindIn(*object, "fl_y")) continue;
     const auto fy = FocalIn(*object, "fl_y", "camera_angle_y", lens.height, frame.place);
+    if (!fx && !fy) continue;
     return {fx ? *fx : *fy, fy ? *fy : *fx};
   }
   throw InputError("{}: no focal length; add \"fl_x\" in pixels or \"camera_angle_x\" in radians", frame.place);
