@@ -142,6 +142,11 @@ TEST(IsUnchanged, ADamagedMarkCountsAsNone) {
   EXPECT_TRUE(IsUnchanged(dir.path(), inputs));
 }
 
+TEST(IsUnchanged, AFolderThatCannotBeLookedAtHoldsNothing) {
+  const TempDir dir;
+  EXPECT_FALSE(IsUnchanged(dir / std::string(300, 'x'), {}));  // longer than a name may be
+}
+
 TEST(ClearWorkDir, RemovesWhatARunLeavesAndNothingElse) {
   const TempDir dir;
   const fs::path work_dir = dir / "sfm";
@@ -192,6 +197,8 @@ TEST(MoveFolder, TakesThePlaceOfWhatStandsThere) {
   EXPECT_EQ(ReadFile(dir / "x/y/z/new"), "new");
   EXPECT_THAT(RunErrorOf([&] { MoveFolder(dir / "gone", dir / "there"); }),
               AllOf(StartsWith((dir / "gone").string() + ": cannot be renamed"), HasSubstr((dir / "there").string())));
+  WriteText(dir / "file", "x");
+  EXPECT_THAT(RunErrorOf([&] { MoveFolder(dir / "x/y/z", dir / "file/z"); }), HasSubstr("Not a directory"));
 }
 
 TEST(ReadModel, SpeaksInIndicesOfTheScene) {
@@ -204,6 +211,7 @@ TEST(ReadModel, SpeaksInIndicesOfTheScene) {
     const SceneView& view = model.views.at(v);
     EXPECT_EQ(view.name, scene.views[v].name);
     EXPECT_EQ(view.image_path, scene.views[v].image_path) << "the photograph, not the link to it";
+    EXPECT_FALSE(view.as_stored) << "it was staged upright";
     EXPECT_EQ(view.lens.model, LensModel::kSimplePinhole);
     EXPECT_EQ(view.lens.params, (std::vector<double>{7, 3, 2}));
     EXPECT_EQ(view.cam_from_world->translation(), Eigen::Vector3d(1, 2, 3));

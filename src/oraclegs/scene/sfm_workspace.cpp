@@ -18,7 +18,8 @@ constexpr char kInputs[] = "inputs.json";
 }  // namespace
 
 bool IsUnchanged(const fs::path& work_dir, const nlohmann::json& inputs) {
-  if (!fs::exists(work_dir / kInputs)) return false;
+  std::error_code error;
+  if (!fs::exists(work_dir / kInputs, error)) return false;
   try {
     return nlohmann::json::parse(ReadFile(work_dir / kInputs)) == inputs;
   } catch (const std::exception&) {
@@ -43,8 +44,8 @@ void ClearWorkDir(const fs::path& work_dir) {
 void MoveFolder(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::create_directories(to.parent_path(), error);
-  fs::remove_all(to, error);
-  fs::rename(from, to, error);
+  if (!error) fs::remove_all(to, error);
+  if (!error) fs::rename(from, to, error);
   if (error) throw RunError("{}: cannot be renamed to {}: {}", from.string(), to.string(), error.message());
 }
 
