@@ -33,6 +33,7 @@ TEST_F(ColmapModelTest, ViewsAreSortedAndTracksBecomeViewIndices) {
   EXPECT_EQ(scene.views[1].name, "b.png");
   EXPECT_EQ(scene.views[1].lens.model, LensModel::kOpenCv);
   EXPECT_EQ(scene.views[1].image_path, dir_ / "images/b.png");
+  EXPECT_TRUE(scene.views[1].as_stored);
   EXPECT_EQ(scene.views[1].cam_from_world->translation(), Eigen::Vector3d(1, 2, 3));
   ASSERT_EQ(scene.points.size(), 1u);
   EXPECT_THAT(scene.points[0].views, ElementsAre(1, 2));

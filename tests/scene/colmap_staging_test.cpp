@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/scene/image.h"
+#include "scene/jpeg_files.h"
 #include "support/golden.h"
 #include "support/textured_planes.h"
 
@@ -31,6 +32,23 @@ TEST(PlanStaging, OneCameraForEachLensAndUniqueNamesWithoutBlanks) {
   EXPECT_EQ(plan[2].name, "camera0/_.._left_c.png");
   EXPECT_EQ(plan[1].camera, 0);
   EXPECT_EQ(plan[3].camera, 1);
+}
+
+TEST(PlanStaging, TurnsWhatTheLensSawUpright) {
+  const TempDir dir;
+  Scene scene;
+  SceneView view;
+  view.name = "a.jpg";
+  view.image_path = dir / view.name;
+  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothPicture(24, 16, 3)), 3));
+  scene.views = {view};
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned) << "a plain photograph is used upright";
+  scene.views[0].lens = {LensModel::kSimplePinhole, 24, 16, {20, 12, 8}};
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned);
+  scene.views[0].as_stored = true;
+  EXPECT_FALSE(PlanStaging(scene, {0})[0].turned) << "colmap's poses are of the stored pixels";
+  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothPicture(16, 24, 3)), 6));
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned) << "only the upright picture has the lens's size";
 }
 
 TEST(StageImages, LinksPhotographsAndWritesMasksFromAlphaAndFiles) {

@@ -69,7 +69,7 @@ TEST(Jpeg, OrientationIsAppliedUnlessToldNotTo) {
     const Image8 upright = Decode(jpeg);
     EXPECT_EQ(upright.width, orientation < 5 ? 40 : 24);
     int width = 0, height = 0;
-    ReadJpegSize(jpeg, "photo.jpg", &width, &height);
+    ReadJpegSize(jpeg, "photo.jpg", Orientation::kUpright, &width, &height);
     EXPECT_EQ(width, upright.width);
     EXPECT_EQ(height, upright.height);
     EXPECT_EQ(Decode(jpeg, Orientation::kAsStored).data, stored.data);

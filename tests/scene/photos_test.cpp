@@ -198,6 +198,45 @@ TEST(LoadPhotos, ATurnedPhotographFitsTheLensOfItsStoredOrUprightPicture) {
   EXPECT_THAT(InputErrorOf([&] { neither.Load(); }), HasSubstr("24 x 16"));
 }
 
+TEST(LoadPhotos, AsStoredViewsIgnoreTheOrientationUnlessOnlyTheUprightPictureFits) {
+  const Image8 wide = SmoothPicture(24, 16, 3), square = SmoothPicture(16, 16, 3);
+  const auto load = [](const Image8& picture, int orientation, int width, bool as_stored) {
+    OneView one(width, 40 - width);
+    if (picture.width == picture.height) one.view().lens.height = width;
+    one.view().as_stored = as_stored;
+    WriteText(one.view().image_path, WithOrientation(EncodeJpeg(picture), orientation));
+    return ToImage8(one.Load().rgb).data;
+  };
+  const auto stored = load(wide, 1, 24, true), stored_square = load(square, 1, 16, true);
+  for (const int orientation : {2, 3, 4}) {
+    EXPECT_EQ(load(wide, orientation, 24, true), stored) << orientation;
+    EXPECT_NE(load(wide, orientation, 24, false), stored) << orientation;
+  }
+  for (const int orientation : {5, 6, 7, 8}) {
+    EXPECT_EQ(load(square, orientation, 16, true), stored_square) << orientation;
+    EXPECT_NE(load(square, orientation, 16, false), stored_square) << orientation;
+    EXPECT_EQ(load(wide, orientation, 24, true), stored) << orientation;
+    EXPECT_EQ(load(wide, orientation, 16, true), load(wide, orientation, 16, false)) << orientation;
+  }
+}
+
+TEST(PhotoFile, IsTheDownscaledOneWhenThatIsUsed) {
+  OneView one(12, 8);
+  one.Write(Filled(12, 8, {10, 10, 10}));
+  const auto small = one.dir / "images_2" / "a.png";
+  EXPECT_EQ(PhotoFile(one.view(), 2), one.view().image_path);
+  WritePng(small, Filled(6, 4, {200, 200, 200}));
+  EXPECT_EQ(PhotoFile(one.view(), 2), small);
+  EXPECT_EQ(PhotoFile(one.view(), 1), one.view().image_path);
+  WritePng(small, Filled(5, 4, {200, 200, 200}));
+  EXPECT_EQ(PhotoFile(one.view(), 2), one.view().image_path);
+  // A turned one in the folder is held to the same rule.
+  WriteText(small, WithOrientation(EncodeJpeg(SmoothPicture(6, 4, 3)), 6));
+  one.view().as_stored = true;
+  EXPECT_EQ(PhotoFile(one.view(), 2), small);
+  EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data, ReadImage(small, Orientation::kAsStored).data);
+}
+
 TEST(LoadPhotos, DamagedFilesAreNamed) {
   OneView one(12, 8);
   WriteText(one.view().image_path, "no picture");

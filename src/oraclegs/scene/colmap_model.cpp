@@ -64,6 +64,7 @@ std::vector<SceneView> MakeViews(const fs::path& model_dir, const fs::path& imag
     view.name = ViewName(image.name);
     view.lens = camera->second;
     view.cam_from_world = image.cam_from_world;
+    view.as_stored = true;  // colmap ignores the EXIF orientation
     if (IsFile(image_dir / image.name)) view.image_path = image_dir / image.name;
     views.push_back(std::move(view));
   }

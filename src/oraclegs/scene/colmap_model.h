@@ -38,10 +38,10 @@ bool IsColmapModel(const std::filesystem::path& dir);
 /// The images of a model alone. Throws InputError as ReadColmapScene does.
 std::vector<ColmapImage> ReadColmapImages(const std::filesystem::path& model_dir);
 
-/// A whole model as a scene: root = model_dir, views sorted by name with images looked up below image_dir, points with
-/// the views that saw them. `listener` hears of views without an image file and of points that are dropped (not finite,
-/// or seen by no view). Throws InputError naming the file: missing, truncated, a camera id or model that is unknown,
-/// bad intrinsics, a pose that is not one, two images of one name, no image file at all.
+/// A whole model as a scene: root = model_dir, views (as_stored) sorted by name with images looked up below image_dir,
+/// points with the views that saw them. `listener` hears of views without an image file and of points that are dropped
+/// (not finite, or seen by no view). Throws InputError naming the file: missing, truncated, a camera id or model that
+/// is unknown, bad intrinsics, a pose that is not one, two images of one name, no image file at all.
 Scene ReadColmapScene(const std::filesystem::path& model_dir, const std::filesystem::path& image_dir,
                       const Listener& listener);
 

@@ -13,6 +13,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/scene/exif.h"
 #include "oraclegs/scene/image.h"
+#include "oraclegs/scene/photos.h"
 
 namespace oraclegs {
 namespace {
@@ -30,13 +31,11 @@ std::string ReadHeader(const fs::path& path) {
   return bytes;
 }
 
-/// True when colmap, which ignores the EXIF orientation, would see the photograph otherwise than its lens does. Like
-/// LoadPhotos: the upright picture counts unless the lens has the size of the stored one only.
+/// True when colmap, which ignores the EXIF orientation, would see the photograph otherwise than its lens does.
 bool MustBeTurned(const SceneView& view) {
   if (ReadJpegNotes(ReadHeader(view.image_path)).orientation == 1) return false;
-  int width = 0, height = 0;
-  ReadImageSize(view.image_path, &width, &height);
-  return view.lens.params.empty() || (view.lens.width == width && view.lens.height == height);
+  if (view.lens.params.empty()) return true;
+  return FittingOrientation(view, view.image_path, view.lens.width, view.lens.height) == Orientation::kUpright;
 }
 
 /// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).

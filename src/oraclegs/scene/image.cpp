@@ -28,9 +28,9 @@ Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
   RefuseFormat(bytes, path.string());
 }
 
-void ReadImageSize(const std::filesystem::path& path, int* width, int* height) {
+void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
   const std::string bytes = ReadFile(path, kMaxFileBytes);
-  if (IsJpeg(bytes)) return ReadJpegSize(bytes, path.string(), width, height);
+  if (IsJpeg(bytes)) return ReadJpegSize(bytes, path.string(), orientation, width, height);
   if (IsPng(bytes)) return ReadPngSize(bytes, path.string(), width, height);
   RefuseFormat(bytes, path.string());
 }

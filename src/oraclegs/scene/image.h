@@ -32,7 +32,8 @@ enum class Orientation {
 /// become RGB; transparency of any kind becomes an alpha channel. Throws InputError naming the file and the damage.
 Image8 ReadImage(const std::filesystem::path& path, Orientation orientation = Orientation::kUpright);
 /// Width and height as ReadImage would return them, from the header alone.
-void ReadImageSize(const std::filesystem::path& path, int* width, int* height);
+void ReadImageSize(const std::filesystem::path& path, int* width, int* height,
+                   Orientation orientation = Orientation::kUpright);
 
 /// PNG, 8 bit, 1, 3 or 4 channels, atomically. Throws RunError.
 void WritePng(const std::filesystem::path& path, const Image8& image);

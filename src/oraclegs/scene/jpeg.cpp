@@ -95,12 +95,12 @@ Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation o
   return ApplyOrientation(std::move(image), orientation == Orientation::kUpright ? notes.orientation : 1);
 }
 
-void ReadJpegSize(std::string_view bytes, const std::string& file, int* width, int* height) {
+void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height) {
   const Decoder decoder = MakeDecoder();
   const Header header = ReadHeader(decoder, bytes, file);
   *width = header.width;
   *height = header.height;
-  if (SwapsAxes(ReadJpegNotes(bytes).orientation)) std::swap(*width, *height);
+  if (orientation == Orientation::kUpright && SwapsAxes(ReadJpegNotes(bytes).orientation)) std::swap(*width, *height);
 }
 
 }  // namespace oraclegs

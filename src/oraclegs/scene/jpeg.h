@@ -15,6 +15,6 @@ bool IsJpeg(std::string_view bytes);
 Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation orientation);
 
 /// The size that DecodeJpeg would return, from the header.
-void ReadJpegSize(std::string_view bytes, const std::string& file, int* width, int* height);
+void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height);
 
 }  // namespace oraclegs

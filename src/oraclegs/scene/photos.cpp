@@ -46,31 +46,19 @@ struct Source {
   Lens lens;
 };
 
-/// The file of images_N, if there is one of just the working size.
-std::optional<Source> ReadDownscaled(const SceneView& view, int downscale) {
-  if (downscale == 1) return std::nullopt;
-  const fs::path file = DownscaledFile(view.image_path, downscale);
-  if (file.empty()) return std::nullopt;
-  const int width = WorkingSize(view.lens.width, downscale), height = WorkingSize(view.lens.height, downscale);
-  Image8 image = ReadImage(file);
-  if (image.width != width || image.height != height) return std::nullopt;
-  return Source{std::move(image), Resized(view.lens, width, height)};
-}
-
 Source ReadSource(const SceneView& view, int downscale) {
-  if (auto small = ReadDownscaled(view, downscale)) return std::move(*small);
-  const auto fits = [&view](const Image8& image) {
-    return image.width == view.lens.width && image.height == view.lens.height;
-  };
-  Image8 image = ReadImage(view.image_path);
-  if (fits(image)) return {std::move(image), view.lens};
-  if (image.width == view.lens.height && image.height == view.lens.width) {
-    // COLMAP ignores the EXIF orientation, so its cameras describe the picture as it is stored.
-    Image8 stored = ReadImage(view.image_path, Orientation::kAsStored);
-    if (fits(stored)) return {std::move(stored), view.lens};
+  const fs::path file = PhotoFile(view, downscale);
+  const bool is_full = file == view.image_path;
+  Lens lens =
+      is_full ? view.lens
+              : Resized(view.lens, WorkingSize(view.lens.width, downscale), WorkingSize(view.lens.height, downscale));
+  if (const auto orientation = FittingOrientation(view, file, lens.width, lens.height)) {
+    return {ReadImage(file, *orientation), std::move(lens)};
   }
+  int width = 0, height = 0;
+  ReadImageSize(file, &width, &height);
   throw InputError("{}: is {} x {}, but its camera was made for {} x {}; use the photographs the poses were made from",
-                   view.image_path.string(), image.width, image.height, view.lens.width, view.lens.height);
+                   file.string(), width, height, lens.width, lens.height);
 }
 
 /// RGB on the background, with a fourth channel of ones when asked for.
@@ -180,6 +168,23 @@ std::array<float, 3> BackgroundColor(const std::string& name) {
   if (name == "white") return {1, 1, 1};
   if (name == "grey") return {0.5f, 0.5f, 0.5f};
   throw UsageError("--background is '{}', must be one of: black, white, grey", name);
+}
+
+std::optional<Orientation> FittingOrientation(const SceneView& view, const fs::path& file, int width, int height) {
+  std::array<Orientation, 2> ways{Orientation::kUpright, Orientation::kAsStored};
+  if (view.as_stored) std::swap(ways[0], ways[1]);
+  for (const Orientation way : ways) {
+    int file_width = 0, file_height = 0;
+    ReadImageSize(file, &file_width, &file_height, way);
+    if (file_width == width && file_height == height) return way;
+  }
+  return std::nullopt;
+}
+
+fs::path PhotoFile(const SceneView& view, int downscale) {
+  const fs::path small = downscale == 1 ? fs::path() : DownscaledFile(view.image_path, downscale);
+  const int width = WorkingSize(view.lens.width, downscale), height = WorkingSize(view.lens.height, downscale);
+  return !small.empty() && FittingOrientation(view, small, width, height) ? small : view.image_path;
 }
 
 Camera WorkingCamera(const SceneView& view, const PhotoOptions& options) {

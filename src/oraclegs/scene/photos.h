@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,11 +44,20 @@ struct Photo {
 /// nothing (a Blender scene's background is part of what is scored) unless the scene is a photograph scene, where
 /// alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128.
 /// A file images_N/NAME beside images/NAME is read in the photograph's place when N = downscale and it has the working
-/// size. A JPEG's EXIF orientation is applied, unless only the picture as it is stored has the lens's size.
+/// size. FittingOrientation says whether a JPEG's EXIF orientation is applied.
 /// `listener` hears StepDone{"load"}, from any thread but one at a time, and one warning that names the photographs
 /// of which no pixel counts. Throws InputError naming the file: unreadable, or of another size than its lens says.
 std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views, const PhotoOptions& options,
                               const Listener& listener);
+
+/// How a picture file shows what the view's lens saw, when that lens has this size: upright, or as stored when only
+/// that has the size; for a view that is `as_stored` the other way round. Nothing when neither has it. Reads the
+/// header.
+std::optional<Orientation> FittingOrientation(const SceneView& view, const std::filesystem::path& file, int width,
+                                              int height);
+
+/// The file that LoadPhotos opens for the view: its photograph, or the one of images_N.
+std::filesystem::path PhotoFile(const SceneView& view, int downscale);
 
 /// The camera that LoadPhotos gives the view, without reading pixels.
 Camera WorkingCamera(const SceneView& view, const PhotoOptions& options);

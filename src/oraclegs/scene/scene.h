@@ -27,6 +27,7 @@ struct SceneView {
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
   Lens lens;                         ///< of the full-size photograph; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
+  bool as_stored = false;  ///< lens and pose describe the pixels as stored: the EXIF orientation does not count
   DeclaredRole role = DeclaredRole::kNone;
 };
 
