@@ -175,6 +175,20 @@ TEST_F(GaussianPlyFile, RefusesNumbersThatWouldPoisonARender) {
   EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
 }
 
+TEST_F(GaussianPlyFile, AnOpacityOfExactlyZeroOrOneIsTaken) {
+  Gaussians g = RandomGaussians(3);
+  g.opacity_logits[0] = std::numeric_limits<float>::infinity();
+  g.opacity_logits[1] = -std::numeric_limits<float>::infinity();
+  const float usual = g.opacity_logits[2].item<float>();
+  for (const int degree : {0, 3}) {
+    WriteGaussianPly(path_, g, degree);
+    EXPECT_TRUE(torch::equal(ReadGaussianPly(path_).gaussians.opacity_logits, torch::tensor({15.f, -15.f, usual})));
+  }
+  g.opacity_logits[1] = std::numeric_limits<float>::quiet_NaN();
+  WriteGaussianPly(path_, g);
+  EXPECT_THAT(ReadError(path_), HasSubstr("opacity of vertex 1"));
+}
+
 TEST_F(GaussianPlyFile, AsciiOutOfRangeAndWords) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float "

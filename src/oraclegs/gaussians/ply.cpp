@@ -16,6 +16,8 @@ static_assert(std::endian::native == std::endian::little, "rows are written as t
 
 constexpr int64_t kGrain = 4096;   // rows a task
 constexpr int kFixedColumns = 14;  // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
+constexpr int kFromOpacity = 8;    // columns from opacity to the end
+constexpr float kLargestLogit = 15;
 
 void Append(std::vector<std::string>* names, const char* stem, int count) {
   for (int i = 0; i < count; ++i) names->push_back(stem + std::to_string(i));
@@ -97,6 +99,12 @@ int DegreeOf(const PlyElement& vertex, const std::string& file) {
                    rest);
 }
 
+/// An opacity of exactly 0 or 1, usual after a conversion from 8-bit alpha, has an infinite logit. That is no mistake,
+/// but training cannot move it: it becomes the far end of what float32 tells from 0 and 1.
+void ClampOpacity(float* logit) {
+  if (std::isinf(*logit)) *logit = std::copysign(kLargestLogit, *logit);
+}
+
 /// Throws for a number that would poison every render.
 void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i, const std::string& file) {
   for (size_t c = 0; c < names.size(); ++c) {
@@ -146,15 +154,17 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   out.sh_degree = DegreeOf(element, file);
   const int rest = RestCount(out.sh_degree);
   const std::vector<std::string> names = PropertyNames(rest);
-  const std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
+  std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
   const auto n = static_cast<int64_t>(element.count);
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);
   const Rows rows(out.gaussians);
   ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
-      CheckRow(values.data() + i * columns, names, i, file);
-      UnpackRow(values.data() + i * columns, rest, i, rows);
+      float* row = values.data() + i * columns;
+      ClampOpacity(row + columns - kFromOpacity);
+      CheckRow(row, names, i, file);
+      UnpackRow(row, rest, i, rows);
     }
   });
   return out;
