@@ -135,6 +135,18 @@ TEST(CheckpointTest, KeepsTheTwoNewestOfThisRun) {
                                                   "notes.txt"));
 }
 
+TEST(CheckpointTest, RemovesWhatAKilledRunWasWriting) {
+  TempDir dir;
+  for (const char* name : {".oraclegs-4711-3.tmp", ".oraclegs-12-0.tmp", "mine.tmp", ".oraclegs-notes"}) {
+    Overwrite(dir / name, "half");
+  }
+  Overwrite(CheckpointPath(dir.path(), 100), "");
+  RemoveOldCheckpoints(dir.path(), 100);
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(dir.path())) left.push_back(entry.path().filename());
+  EXPECT_THAT(left, testing::UnorderedElementsAre("iteration_0000100.safetensors", "mine.tmp", ".oraclegs-notes"));
+}
+
 TEST(CheckpointTest, UnwritableFolderIsARunError) {
   TempDir dir;
   Overwrite(dir / "file", "");

@@ -38,8 +38,9 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& path);
 /// The newest checkpoint of a folder ("iteration_0003000.safetensors"), nullopt when there is none.
 std::optional<std::filesystem::path> NewestCheckpoint(const std::filesystem::path& dir);
 
-/// Removes what a run that has just saved `iteration` needs no more: all but the two newest up to there, and those of
-/// later iterations, which an abandoned run has left and NewestCheckpoint would mistake for this one's.
+/// Removes what a run that has just saved `iteration` needs no more: all but the two newest up to there, those of
+/// later iterations, which an abandoned run has left and NewestCheckpoint would mistake for this one's, and temporary
+/// files of runs that were killed. No other run may be writing to the folder.
 void RemoveOldCheckpoints(const std::filesystem::path& dir, int64_t iteration);
 
 }  // namespace oraclegs
