@@ -1,16 +1,115 @@
-#include "oraclegs/core/parallel.h"
+// A thread pool made for many short regions on a machine that others use too. A region is over when its tasks are done:
+// it never waits for a helper that has not been given a core (an OpenMP barrier does, at several milliseconds a time on
+// a busy laptop). Helpers spin for a moment between regions, then sleep.
 
-#include <omp.h>
+#include "oraclegs/core/parallel.h"
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 namespace oraclegs {
 namespace {
 
-int g_threads = 0;
+constexpr int kSpins = 2000;  // some tens of microseconds: about the serial work between two regions of an iteration
+
+thread_local bool t_in_region = false;
+
+void Pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
+class Pool {
+ public:
+  ~Pool() {
+    {
+      const std::lock_guard lock(sleep_mutex_);
+      stop_ = true;
+      ++generation_;
+    }
+    wake_.notify_all();
+    for (std::thread& worker : workers_) worker.join();
+  }
+
+  /// Returns false when another thread is running a region: the caller then works alone.
+  bool Run(int64_t tasks, int threads, const std::function<void(int64_t)>& body) {
+    const std::unique_lock region(region_mutex_, std::try_to_lock);
+    if (!region) return false;
+    while (static_cast<int>(workers_.size()) < threads - 1) workers_.emplace_back([this] { Work(); });
+    body_ = &body;
+    tasks_ = tasks;
+    next_ = 0;
+    seats_ = threads - 1;
+    error_ = nullptr;
+    failed_ = false;
+    open_ = true;
+    {
+      const std::lock_guard lock(sleep_mutex_);
+      ++generation_;
+    }
+    wake_.notify_all();
+    TakeTasks();
+    // A helper raises busy_ before it looks at open_, we close before we look at busy_: one of us sees the other.
+    open_ = false;
+    while (busy_ != 0) Pause();
+    if (error_) std::rethrow_exception(error_);
+    return true;
+  }
+
+ private:
+  void TakeTasks() {
+    t_in_region = true;
+    for (int64_t i = next_++; i < tasks_; i = next_++) {
+      if (failed_) continue;
+      try {
+        (*body_)(i);
+      } catch (...) {
+        if (!failed_.exchange(true)) error_ = std::current_exception();
+      }
+    }
+    t_in_region = false;
+  }
+
+  void Work() {
+    uint64_t seen = 0;
+    while (true) {
+      for (int spin = 0; spin < kSpins && generation_ == seen; ++spin) Pause();
+      if (generation_ == seen) {
+        std::unique_lock lock(sleep_mutex_);
+        wake_.wait(lock, [&] { return generation_ != seen; });
+      }
+      seen = generation_;
+      if (stop_) return;
+      ++busy_;
+      if (open_ && seats_-- > 0) TakeTasks();
+      --busy_;
+    }
+  }
+
+  std::mutex region_mutex_, sleep_mutex_;
+  std::condition_variable wake_;
+  std::vector<std::thread> workers_;
+  std::atomic<uint64_t> generation_{0};
+  std::atomic<bool> stop_{false}, open_{false}, failed_{false};
+  std::atomic<int> busy_{0}, seats_{0};
+  std::atomic<int64_t> next_{0};
+  int64_t tasks_ = 0;
+  const std::function<void(int64_t)>* body_ = nullptr;
+  std::exception_ptr error_;
+};
+
+Pool& ThePool() {
+  static Pool pool;
+  return pool;
+}
+
+std::atomic<int> g_threads{0};
 
 }  // namespace
 
@@ -25,22 +124,8 @@ int NumThreads() {
 
 void ParallelFor(int64_t tasks, const std::function<void(int64_t)>& body) {
   const int threads = static_cast<int>(std::min<int64_t>(NumThreads(), tasks));
-  if (threads <= 1 || omp_in_parallel()) {
-    for (int64_t i = 0; i < tasks; ++i) body(i);
-    return;
-  }
-  std::exception_ptr error;
-  std::atomic<bool> failed{false};
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-  for (int64_t i = 0; i < tasks; ++i) {
-    if (failed.load(std::memory_order_relaxed)) continue;
-    try {
-      body(i);
-    } catch (...) {
-      if (!failed.exchange(true)) error = std::current_exception();
-    }
-  }
-  if (error) std::rethrow_exception(error);
+  if (threads > 1 && !t_in_region && ThePool().Run(tasks, threads, body)) return;
+  for (int64_t i = 0; i < tasks; ++i) body(i);
 }
 
 void ParallelBlocks(int64_t n, int64_t grain, const std::function<void(int64_t, int64_t)>& body) {

@@ -1,5 +1,5 @@
 #pragma once
-// The one way to use several cores. Built on OpenMP, so that it shares the thread pool libtorch uses.
+// The one way to use several cores.
 
 #include <cstdint>
 #include <functional>

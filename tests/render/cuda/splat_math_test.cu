@@ -1,0 +1,120 @@
+// The shared per-Gaussian mathematics, compiled by nvcc, against the same source run in double on the host.
+// Built with -DORACLEGS_CUDA=ON (preset "cuda"); running it needs a GPU.
+
+#include <cuda_runtime.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/rng.h"
+#include "oraclegs/render/splat_math-inl.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kSplats = 4096;
+constexpr int kValues = 9 + 11 + 16 + 3;  // projection, gradient, SH basis, SH gradient
+
+/// Everything the header computes for one Gaussian, as one row.
+template <class F>
+ORACLEGS_HD void Evaluate(const float* in, bool antialiased, F* out) {
+  cuda::SplatCamera<F> camera{};
+  camera.r[0] = camera.r[4] = camera.r[8] = F(1);
+  camera.t[2] = F(0.5);
+  camera.eye[2] = F(-0.5);
+  camera.fx = F(200), camera.fy = F(210), camera.cx = F(64), camera.cy = F(60);
+  camera.min_u = F(-0.45), camera.max_u = F(0.45), camera.min_v = F(-0.4), camera.max_v = F(0.4);
+  const cuda::RawSplat<F> raw{{F(in[0]), F(in[1]), F(in[2])},
+                              {F(in[3]), F(in[4]), F(in[5])},
+                              F(in[6]),
+                              F(in[7]),
+                              F(in[8]),
+                              F(in[9]),
+                              F(in[10])};
+  const auto chain = cuda::EvaluateChain(raw, camera, antialiased);
+  const auto p = cuda::Project(chain, camera);
+  const cuda::ProjectedGrad<F> up{F(0.3), F(-0.2), F(0.7), F(0.1), F(-0.4), F(0.9), F(0.5)};
+  const auto g = cuda::ProjectBackward(chain, camera, antialiased, up);
+  const F projected[9] = {p.mx, p.my, p.z, p.conic_a, p.conic_b, p.conic_c, p.cov_a, p.cov_c, p.opacity};
+  const F grad[11] = {g.mean.x, g.mean.y, g.mean.z, g.log_scale.x, g.log_scale.y, g.log_scale.z,
+                      g.qw,     g.qx,     g.qy,     g.qz,          g.logit};
+  const F norm = cuda::Sqrt(cuda::Dot(raw.mean, raw.mean));
+  const cuda::Vec3<F> d{raw.mean.x / norm, raw.mean.y / norm, raw.mean.z / norm};
+  F basis[16];
+  cuda::ShBasis(3, d, basis);
+  const cuda::Vec3<F> sh = cuda::ShGradient(3, d, basis);
+  for (int k = 0; k < 9; ++k) out[k] = projected[k];
+  for (int k = 0; k < 11; ++k) out[9 + k] = grad[k];
+  for (int k = 0; k < 16; ++k) out[20 + k] = basis[k];
+  out[36] = sh.x, out[37] = sh.y, out[38] = sh.z;
+}
+
+__global__ void EvaluateAll(const float* in, bool antialiased, float* out) {
+  const int i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < kSplats) Evaluate<float>(in + 11 * i, antialiased, out + kValues * i);
+}
+
+void Check(cudaError_t status) { ASSERT_EQ(status, cudaSuccess) << cudaGetErrorString(status); }
+
+std::vector<float> RandomInputs() {
+  Rng rng(7, RandomStream::kInitialPoints);
+  std::vector<float> in(11 * kSplats);
+  for (int i = 0; i < kSplats; ++i) {
+    const double z = rng.Uniform(1, 6);
+    const double row[11] = {rng.Uniform(-0.5, 0.5) * z, rng.Uniform(-0.5, 0.5) * z, z,
+                            rng.Uniform(-4, -1),        rng.Uniform(-4, -1),        rng.Uniform(-4, -1),
+                            rng.Uniform(0.2, 1),        rng.Uniform(-1, 1),         rng.Uniform(-1, 1),
+                            rng.Uniform(-1, 1),         rng.Uniform(-4, 4)};
+    for (int k = 0; k < 11; ++k) in[11 * i + k] = static_cast<float>(row[k]);
+  }
+  return in;
+}
+
+/// Relative to each column's size: single gradients cancel.
+void ExpectAgreesWithDouble(const std::vector<float>& in, bool antialiased, const std::vector<float>& out) {
+  std::vector<double> error(kValues), size(kValues);
+  for (int i = 0; i < kSplats; ++i) {
+    double expected[kValues];
+    Evaluate<double>(&in[11 * i], antialiased, expected);
+    for (int k = 0; k < kValues; ++k) {
+      error[k] = std::max(error[k], std::abs(out[kValues * i + k] - expected[k]));
+      size[k] = std::max(size[k], std::abs(expected[k]));
+    }
+  }
+  for (int k = 0; k < kValues; ++k) EXPECT_LE(error[k], 1e-4 * (size[k] + 1e-3)) << "value " << k;
+}
+
+class SplatMath : public testing::TestWithParam<bool> {};
+
+TEST_P(SplatMath, OnTheHostInFloat) {
+  const std::vector<float> in = RandomInputs();
+  std::vector<float> out(kValues * kSplats);
+  for (int i = 0; i < kSplats; ++i) Evaluate<float>(&in[11 * i], GetParam(), &out[kValues * i]);
+  ExpectAgreesWithDouble(in, GetParam(), out);
+}
+
+TEST_P(SplatMath, OnTheDevice) {
+  int devices = 0;
+  if (cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0) GTEST_SKIP() << "needs an NVIDIA GPU";
+  const std::vector<float> in = RandomInputs();
+  std::vector<float> out(kValues * kSplats);
+  float *device_in = nullptr, *device_out = nullptr;
+  Check(cudaMalloc(&device_in, in.size() * sizeof(float)));
+  Check(cudaMalloc(&device_out, out.size() * sizeof(float)));
+  Check(cudaMemcpy(device_in, in.data(), in.size() * sizeof(float), cudaMemcpyHostToDevice));
+  EvaluateAll<<<(kSplats + 127) / 128, 128>>>(device_in, GetParam(), device_out);
+  Check(cudaGetLastError());
+  Check(cudaMemcpy(out.data(), device_out, out.size() * sizeof(float), cudaMemcpyDeviceToHost));
+  cudaFree(device_in);
+  cudaFree(device_out);
+  ExpectAgreesWithDouble(in, GetParam(), out);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, SplatMath, testing::Bool(),
+                         [](const auto& info) { return std::string(info.param ? "antialiased" : "plain"); });
+
+}  // namespace
+}  // namespace oraclegs
