@@ -42,9 +42,22 @@ TEST(Ssim, MasksAndIdenticalPictures) {
   EXPECT_NEAR(Ssim(a, a), 1, 1e-6);
   const Tensor map = SsimMap(a, b).to(torch::kDouble);
   EXPECT_NEAR(Ssim(a, b), map.mean().item<double>(), 1e-9);
-  Tensor mask = torch::zeros({20, 30});
+  EXPECT_NEAR(Ssim(a, b, torch::ones({20, 30})), Ssim(a, b), 1e-12);
+}
+
+TEST(Ssim, WhatIsMaskedHasNoSayInTheWindowsOfItsNeighbours) {
+  torch::manual_seed(4);
+  const Tensor truth = torch::rand({20, 30, 3}), mask = torch::zeros({20, 30}, torch::kByte);
   mask.slice(0, 5, 9).fill_(1);
-  EXPECT_NEAR(Ssim(a, b, mask), map.slice(0, 5, 9).mean().item<double>(), 1e-9);
+  Tensor render = truth.clone();
+  render.slice(0, 0, 5).fill_(1);
+  render.slice(0, 9).fill_(0);
+  EXPECT_NEAR(Ssim(render, truth, mask), 1, 1e-6);
+  render.slice(0, 5, 9).mul_(0.5f);
+  Tensor only_the_counted = truth.clone();
+  only_the_counted.slice(0, 5, 9).mul_(0.5f);
+  const Tensor map = SsimMap(only_the_counted, truth).to(torch::kDouble);
+  EXPECT_NEAR(Ssim(render, truth, mask), map.slice(0, 5, 9).mean().item<double>(), 1e-9);
 }
 
 TEST(Quantized, RoundsHalfUpAndClamps) {

@@ -39,7 +39,10 @@ double Psnr(const Tensor& a, const Tensor& b, const Tensor& mask) {
 
 double Ssim(const Tensor& a, const Tensor& b, const Tensor& mask) {
   const Tensor weights = CheckedMask("Ssim", a, b, mask);
-  return MaskedMean(SsimMap(a, b), weights);
+  if (!mask.defined()) return MaskedMean(SsimMap(a, b), weights);
+  // The windows of pixels that count reach 5 pixels into those that do not: there both pictures are made the same, as
+  // the training loss does it, so that what is masked says nothing.
+  return MaskedMean(SsimMap(torch::where(weights.unsqueeze(-1) > 0, a, b).contiguous(), b), weights);
 }
 
 double ColorCorrectedPsnr(const Tensor& render, const Tensor& target, const Tensor& mask) {

@@ -11,7 +11,8 @@ Tensor Quantized(const Tensor& image);
 /// Identical images give +inf.
 double Psnr(const Tensor& a, const Tensor& b, const Tensor& mask = {});
 
-/// Mean SSIM over the pixels with mask 1 (11x11 Gaussian window, zero padding).
+/// Mean SSIM over the pixels with mask 1 (11x11 Gaussian window, zero padding); where the mask is 0 the first picture
+/// has no say, windows see the second there.
 double Ssim(const Tensor& a, const Tensor& b, const Tensor& mask = {});
 
 /// PSNR after the affine 3x4 colour map (least squares over the masked pixels) that best takes `render` to `target`.
