@@ -83,9 +83,12 @@ void RequireOut(const std::filesystem::path& out) {
 
 std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path& workspace) {
   const nlohmann::json& test = metrics.at("test");
-  std::string text = fmt::format("test       PSNR {}, SSIM {}, mean of {} views (PSNR after colour correction {})\n",
-                                 Number(test.at("psnr"), " dB"), Number(test.at("ssim"), ""), test.at("views").size(),
-                                 Number(test.value("psnr_color_corrected", nlohmann::json()), " dB"));
+  std::string text = "test       no test pixels\n";
+  if (!test.at("views").empty()) {
+    text = fmt::format("test       PSNR {}, SSIM {}, mean of {} views (PSNR after colour correction {})\n",
+                       Number(test.at("psnr"), " dB"), Number(test.at("ssim"), ""), test.at("views").size(),
+                       Number(test.value("psnr_color_corrected", nlohmann::json()), " dB"));
+  }
   text += fmt::format("model      {} Gaussians", metrics.at("gaussians").get<int64_t>());
   if (metrics.contains("train")) {
     const nlohmann::json& train = metrics["train"];

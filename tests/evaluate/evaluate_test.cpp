@@ -114,10 +114,15 @@ TEST(Evaluate, StopsWhenAsked) {
   RequestInterrupt(false);
 }
 
-TEST(Evaluate, NoPhotosGiveZeros) {
-  const TestMetrics metrics = Evaluate(RedBlob(), {}, kOnGrey, {}, Silent());
-  EXPECT_TRUE(metrics.views.empty());
-  EXPECT_EQ(metrics.psnr, 0);
+TEST(Evaluate, WithoutAnyPixelToScoreTheMeansAreNullNotZero) {
+  Photo masked = PhotoOf("nothing.png", torch::zeros({30, 40, 3}));
+  masked.mask.assign(40 * 30, 0);
+  for (const auto& photos : {std::vector<Photo>{}, std::vector<Photo>{masked}}) {
+    const TestMetrics metrics = Evaluate(RedBlob(), photos, kOnGrey, {}, Silent());
+    EXPECT_TRUE(metrics.views.empty());
+    EXPECT_TRUE(std::isnan(metrics.psnr));
+    EXPECT_EQ(ToJson(metrics).dump(), R"({"psnr":null,"psnr_color_corrected":null,"ssim":null,"views":[]})");
+  }
 }
 
 TEST(EvaluateToJson, HasTheKeysOfMetricsJson) {

@@ -1,6 +1,7 @@
 #include "oraclegs/evaluate/evaluate.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
@@ -43,6 +44,7 @@ bool CountsNowhere(const Photo& photo) {
 
 void SetMeans(TestMetrics* metrics) {
   const auto n = static_cast<double>(metrics->views.size());
+  if (n == 0) metrics->psnr = metrics->ssim = metrics->psnr_color_corrected = std::numeric_limits<double>::quiet_NaN();
   for (const ViewMetrics& view : metrics->views) {
     metrics->psnr += view.psnr / n;
     metrics->ssim += view.ssim / n;
@@ -86,9 +88,10 @@ nlohmann::json ToJson(const TestMetrics& metrics) {
                      {"ssim", view.ssim},
                      {"psnr_color_corrected", view.psnr_color_corrected}});
   }
-  return {{"psnr", metrics.psnr},
-          {"ssim", metrics.ssim},
-          {"psnr_color_corrected", metrics.psnr_color_corrected},
+  const auto mean = [&](double value) { return metrics.views.empty() ? nlohmann::json() : nlohmann::json(value); };
+  return {{"psnr", mean(metrics.psnr)},
+          {"ssim", mean(metrics.ssim)},
+          {"psnr_color_corrected", mean(metrics.psnr_color_corrected)},
           {"views", std::move(views)}};
 }
 

@@ -18,7 +18,8 @@ struct ViewMetrics {
 
 struct TestMetrics {
   std::vector<ViewMetrics> views;
-  double psnr = 0, ssim = 0, psnr_color_corrected = 0;  ///< means over views
+  /// Means over views; NaN when no view is scored.
+  double psnr = 0, ssim = 0, psnr_color_corrected = 0;
 };
 
 /// Renders each photo's camera, compares 8-bit with 8-bit, and when `renders` is not empty writes
@@ -26,7 +27,8 @@ struct TestMetrics {
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
                      const std::filesystem::path& renders, const Listener& listener);
 
-/// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}
+/// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}; the means
+/// are null when no view is scored.
 nlohmann::json ToJson(const TestMetrics& metrics);
 
 /// Converts a render [H,W,3] for writing: clamped, 8 bit.
