@@ -22,8 +22,9 @@ class RenderCommand : public SourceCommand {
     const PosedScene posed = OpenScene(listener);
     RequireOutsideScene(out, posed.scene.root);
     const auto cameras = PathCameras(posed.scene, posed.split, options_.photo, path_);
-    RenderCameras(model, cameras, out, path_, listener);
+    const auto video = RenderCameras(model, cameras, out, path_, listener);
     Print(fmt::format("pictures   {} in {}", cameras.size(), out.string()));
+    if (!video.empty()) Print(fmt::format("video      {}", video.string()));
   }
 
   RenderPathOptions path_;

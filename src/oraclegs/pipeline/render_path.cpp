@@ -30,11 +30,11 @@ std::string FfmpegList(const std::vector<fs::path>& pictures, int fps) {
   return list;
 }
 
-void WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, int fps, const Listener& listener) {
+bool WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, int fps, const Listener& listener) {
   const fs::path ffmpeg = FindProgram("ffmpeg");
   if (ffmpeg.empty()) {
     listener(Note{"ffmpeg is not installed: no video, the pictures are there"});
-    return;
+    return false;
   }
   const fs::path list = fs::path(video).replace_extension(".txt.tmp"),
                  part = fs::path(video).replace_extension(".mp4.tmp");
@@ -49,9 +49,10 @@ void WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, in
     fs::remove(part, error);
     listener(Warning{fmt::format("{}: ffmpeg failed (exit code {}): no video, the pictures are there", video.string(),
                                  result.exit_code)});
-    return;
+    return false;
   }
   listener(FileWritten{video});
+  return true;
 }
 
 }  // namespace
@@ -74,8 +75,8 @@ std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, con
   return named;
 }
 
-void RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const fs::path& out,
-                   const RenderPathOptions& options, const Listener& listener) {
+fs::path RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const fs::path& out,
+                       const RenderPathOptions& options, const Listener& listener) {
   CheckOptions(options);
   RequireWritableFolder(out);
   const StageClock clock("render", listener);
@@ -90,12 +91,11 @@ void RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, 
     listener(StepDone{"render", static_cast<int64_t>(pictures.size()), static_cast<int64_t>(cameras.size()), "pictures",
                       ""});
   }
-  if (options.video && pictures.size() > 1) {
-    const fs::path folder = out.has_filename() ? out : out.parent_path();
-    WriteVideo(pictures, fs::path(folder.string() + ".mp4"), options.fps, listener);
-  }
+  const fs::path video = out / "video.mp4";  // in the folder that was named: what stands beside it is not ours
+  const bool has_video = options.video && pictures.size() > 1 && WriteVideo(pictures, video, options.fps, listener);
   clock.Finish();
   listener(FileWritten{out});
+  return has_video ? video : fs::path();
 }
 
 }  // namespace oraclegs

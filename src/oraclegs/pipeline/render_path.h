@@ -23,7 +23,7 @@ struct RenderPathOptions {
           Choice{{"train", "test", "orbit"}});
     visit("frames", frames, "Pictures of the orbit", Range{1, 1e5});
     visit("fps", fps, "Pictures per second of the video", Range{1, 240});
-    visit("video", video, "Also write an .mp4 beside the pictures, when ffmpeg is installed");
+    visit("video", video, "Also write video.mp4 among the pictures, when ffmpeg is installed");
   }
 };
 
@@ -36,9 +36,11 @@ struct NamedCamera {
 std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const PhotoOptions& photo,
                                      const RenderPathOptions& options);
 
-/// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out.mp4. A video that fails is a
-/// warning. Throws RunError when the folder cannot be written.
-void RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const std::filesystem::path& out,
-                   const RenderPathOptions& options, const Listener& listener);
+/// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out/video.mp4. Returns the path of
+/// the video, empty when none was written; one that fails is a warning. Throws RunError when the folder cannot be
+/// written.
+std::filesystem::path RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras,
+                                    const std::filesystem::path& out, const RenderPathOptions& options,
+                                    const Listener& listener);
 
 }  // namespace oraclegs
