@@ -14,7 +14,7 @@ class EvaluateCommand : public SourceCommand {
  private:
   void Body(const Listener& listener) override {
     if (!model_.ply.empty()) {
-      const EvaluateRequest request{model_.ply, options_, out_.out};
+      const EvaluateRequest request{model_.ply, options_, out_.out, ORACLEGS_VERSION};
       return Print(SummaryOf(EvaluatePly(request, OpenScene(listener), listener), out_.out));
     }
     if (!out_.out.empty()) throw UsageError("-o goes with --ply; a run's own scores are written to its workspace");

@@ -26,6 +26,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("train").at("iterations"), 50);
   EXPECT_EQ(metrics.at("train").at("iterations_per_second"), 5);
   EXPECT_EQ(metrics.at("peak_memory_bytes"), int64_t{1} << 60);
+  EXPECT_EQ(metrics.at("program"), "oraclegs");
   EXPECT_EQ(metrics.at("version"), "test");
   EXPECT_EQ(metrics.at("seed"), 0);
   EXPECT_EQ(metrics.at("options").at("iterations"), 30);

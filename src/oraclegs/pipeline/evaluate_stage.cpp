@@ -20,12 +20,21 @@ Scores Score(const Model& model, const std::vector<Photo>& photos, const fs::pat
   scores.gaussians = model.gaussians.size();
   if (photos.empty()) {
     listener(Warning{"there are no test views: nothing is scored (see --test-every)"});
-    scores.test = {
-        {"psnr", nullptr}, {"ssim", nullptr}, {"psnr_color_corrected", nullptr}, {"views", nlohmann::json::array()}};
-    return scores;
   }
   scores.test = ToJson(Evaluate(model.gaussians, photos, model.render, renders, listener));
   return scores;
+}
+
+/// Throws when a metrics.json stands in `dir` that this program has not written.
+void RefuseForeignMetrics(const fs::path& dir) {
+  const fs::path path = WorkspacePaths(dir).metrics();
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return;
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  // The first versions did not name the program.
+  const bool ours = json.is_object() && (json.value("program", nlohmann::json()) == "oraclegs" ||
+                                         (json.contains("test") && json.contains("gaussians")));
+  if (!ours) throw InputError("{}: was not written by oraclegs; choose another -o", path.string());
 }
 
 void RemoveOldRenders(const fs::path& dir) {
@@ -84,19 +93,24 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
     if (IsWorkspace(request.out)) {
       throw InputError("{}: holds a run with its own metrics.json; choose another -o", request.out.string());
     }
+    RefuseForeignMetrics(request.out);
     RequireWritableFolder(request.out);
     renders = WorkspacePaths(request.out).renders("test");
   }
   const StageClock clock("evaluate", listener);
   const Scores scores =
       Score(model, LoadPhotos(posed.scene, posed.split.test, request.options.photo, listener), renders, listener);
-  nlohmann::json metrics = {{"test", scores.test},
+  nlohmann::json metrics = {{"program", "oraclegs"},
+                            {"version", request.version},
+                            {"test", scores.test},
                             {"stages", {{"evaluate", {{"seconds", clock.Finish()}}}}},
                             {"gaussians", scores.gaussians},
                             {"peak_memory_bytes", PeakMemoryBytes()},
                             {"ply", request.ply.string()},
                             {"scene", posed.scene.root.string()},
-                            {"options", RunOptionsToJson(request.options)}};
+                            {"views", {{"test", posed.split.test.size()}}},
+                            {"options", RunOptionsToJson(request.options)},
+                            {"seed", request.options.start.seed}};
   if (!request.out.empty()) {
     const fs::path path = WorkspacePaths(request.out).metrics();
     WriteFileAtomically(path, metrics.dump(2) + "\n");

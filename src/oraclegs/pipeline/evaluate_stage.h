@@ -27,6 +27,7 @@ struct EvaluateRequest {
   std::filesystem::path ply;
   RunOptions options;
   std::filesystem::path out;  ///< receives metrics.json and renders/test/*.png; empty = nothing is written
+  std::string version;        ///< of the program, for metrics.json
 };
 
 /// {"test": {...}, "gaussians": n, "ply", "options", ...}. Throws InputError for a file that is no such point cloud, or

@@ -48,6 +48,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   }
   metrics["peak_memory_bytes"] = peak;
   metrics["views"] = {{"train", run.split.train.size()}, {"test", run.split.test.size()}};
+  metrics["program"] = "oraclegs";
   metrics["version"] = run.version;
   metrics["options"] = RunOptionsToJson(run.options);
   metrics["seed"] = run.options.start.seed;
