@@ -106,6 +106,7 @@ TEST(IsUnchanged, FalseWhenAnythingTheResultDependsOnChanges) {
   EXPECT_FALSE(unchanged_with([](SceneView& view) { view.cam_from_world->translation().z() = 2e-17; }));
   EXPECT_FALSE(unchanged_with([](SceneView& view) { view.cam_from_world.reset(); }));
   EXPECT_FALSE(unchanged_with([](SceneView& view) { view.name = "other.png"; }));
+  EXPECT_FALSE(unchanged_with([](SceneView& view) { view.as_stored = true; }));
   EXPECT_FALSE(unchanged_with([&](SceneView& view) { view.mask_path = scene.views[0].image_path; }));
   EXPECT_FALSE(IsUnchanged(dir / "sfm", DescribeInputs(scene, {0, 1, 2, 3})));
   EXPECT_FALSE(IsUnchanged(dir / "sfm", DescribeInputs(scene, {0, 2})));
@@ -117,7 +118,7 @@ TEST(IsUnchanged, FalseWhenAnythingTheResultDependsOnChanges) {
   const fs::path photo = scene.views[2].image_path;
   const auto written = fs::last_write_time(photo);
   fs::last_write_time(photo, written + std::chrono::seconds(1));
-  EXPECT_FALSE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews)));
+  EXPECT_TRUE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews)));
   // Other bytes that claim to be of the same time.
   WritePicture(photo, 40, 40);
   fs::last_write_time(photo, written);
@@ -258,6 +259,17 @@ TEST(SfmWorkspace, AFinishedRunIsReusedWithoutColmapUntilAnInputChanges) {
   EXPECT_THAT(TriangulatePoints(scene, kViews, dir / "sfm", heard.listener()), IsEmpty());
   EXPECT_THAT(heard.warnings, ElementsAre(AllOf(HasSubstr("points3D.txt"), HasSubstr("triangulated again")),
                                           HasSubstr("not installed")));
+}
+
+TEST(SfmWorkspace, AFinishedRunIsReusedWhenThePhotographsWereMoved) {
+  const TempDir dir;
+  WriteFinishedRun(WriteSmallScene(dir / "scene"), dir / "sfm");
+  fs::remove_all(dir / "scene");
+  const Scene moved = WriteSmallScene(dir / "moved");
+  const NoPrograms no_programs;
+  Heard heard;
+  EXPECT_EQ(TriangulatePoints(moved, kViews, dir / "sfm", heard.listener()).size(), 2u);
+  EXPECT_THAT(heard.warnings, IsEmpty());
 }
 
 }  // namespace

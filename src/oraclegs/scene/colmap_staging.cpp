@@ -1,5 +1,7 @@
 #include "oraclegs/scene/colmap_staging.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -10,6 +12,7 @@
 #include <tuple>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/scene/exif.h"
 #include "oraclegs/scene/image.h"
@@ -104,12 +107,12 @@ Image8 FeatureMask(const SceneView& view) {
   return mask;
 }
 
+/// By content: a copied, moved or merely touched file is still the same photograph.
 nlohmann::json DescribeFile(const fs::path& path) {
   if (path.empty()) return nullptr;
-  std::error_code error;
-  const auto bytes = fs::file_size(path, error);
-  const auto changed = fs::last_write_time(path, error).time_since_epoch().count();
-  return {{"path", fs::absolute(path).string()}, {"bytes", bytes}, {"changed", changed}};
+  const std::string bytes = ReadFile(path);
+  const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  return {{"bytes", bytes.size()}, {"crc32", sum}};
 }
 
 }  // namespace
@@ -156,11 +159,16 @@ bool StageImages(const Scene& scene, const std::vector<int>& views, const std::v
 }
 
 nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views) {
+  std::vector<std::array<nlohmann::json, 2>> files(views.size());
+  ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
+    const SceneView& view = scene.views.at(views[i]);
+    files[i] = {DescribeFile(view.image_path), DescribeFile(view.mask_path)};
+  });
   nlohmann::json images = nlohmann::json::array();
-  for (const int v : views) {
-    const SceneView& view = scene.views.at(v);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const SceneView& view = scene.views.at(views[i]);
     nlohmann::json entry = {
-        {"name", view.name}, {"file", DescribeFile(view.image_path)}, {"mask", DescribeFile(view.mask_path)}};
+        {"name", view.name}, {"file", files[i][0]}, {"mask", files[i][1]}, {"as_stored", view.as_stored}};
     if (!view.lens.params.empty()) {
       entry["lens"] = {{"model", LensModelName(view.lens.model)},
                        {"width", view.lens.width},
@@ -175,7 +183,7 @@ nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views)
     }
     images.push_back(std::move(entry));
   }
-  return {{"format", 1}, {"images", std::move(images)}};
+  return {{"format", 2}, {"images", std::move(images)}};
 }
 
 }  // namespace oraclegs

@@ -28,7 +28,8 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
 bool StageImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const std::filesystem::path& work_dir);
 
-/// What a result depends on: of each view name, file, size, time of change, mask, lens and pose.
+/// What a result depends on: of each view name, content of photograph and mask, lens and pose. Throws InputError for a
+/// file that cannot be read.
 nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views);
 
 }  // namespace oraclegs

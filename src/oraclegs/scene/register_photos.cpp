@@ -128,7 +128,9 @@ Scene RegisterPhotos(const Scene& photos, const fs::path& work_dir, const Listen
   const std::vector<int> views = AllViews(photos);
   const nlohmann::json inputs = DescribeInputs(photos, views);
   const std::vector<StagedView> plan = PlanStaging(photos, views);
-  if (!IsUnchanged(work_dir, inputs)) {
+  if (IsUnchanged(work_dir, inputs)) {
+    RestoreImages(photos, views, plan, work_dir);
+  } else {
     if (!ColmapAvailable()) {
       throw InputError(
           "{}: has photographs without poses, and the colmap program that finds them is not installed; install it "

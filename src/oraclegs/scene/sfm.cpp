@@ -88,6 +88,7 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
   const std::vector<StagedView> plan = PlanStaging(scene, views);
   if (IsUnchanged(work_dir, inputs)) {
     try {
+      RestoreImages(scene, views, plan, work_dir);
       return ReadModel(scene, views, plan, work_dir, Silent()).points;
     } catch (const InputError& damage) {
       listener(Warning{fmt::format("{}; the points are triangulated again", damage.what())});

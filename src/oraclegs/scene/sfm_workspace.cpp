@@ -7,6 +7,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
@@ -39,6 +40,12 @@ void ClearWorkDir(const fs::path& work_dir) {
     fs::remove_all(work_dir / name, error);
     if (error) throw RunError("{}: cannot be removed: {}", (work_dir / name).string(), error.message());
   }
+}
+
+void RestoreImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                   const fs::path& work_dir) {
+  const auto is_there = [&](const StagedView& staged) { return IsFile(work_dir / "images" / staged.name); };
+  if (!std::all_of(plan.begin(), plan.end(), is_there)) StageImages(scene, views, plan, work_dir);
 }
 
 void MoveFolder(const fs::path& from, const fs::path& to) {
