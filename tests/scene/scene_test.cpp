@@ -150,5 +150,11 @@ TEST_F(SceneTest, ASceneFolderIsNotWrittenTo) {
   EXPECT_EQ(list(), before);
 }
 
+TEST_F(SceneTest, ANameThatIsNotUtf8IsRefused) {
+  WritePictures("images");
+  WritePicture(root() / "images" / "caf\xE9.png");
+  EXPECT_THAT(ReadError(), HasSubstr("images/caf\\xE9.png: "));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -31,6 +31,19 @@ TEST(SomeNames, ShowsFive) {
   EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e", "f", "g"}), "a, b, c, d, e and 2 more");
 }
 
+TEST(RequireUtf8Names, NamesTheFileWithItsBytesEscaped) {
+  Scene scene;
+  scene.root = "/scene";
+  scene.views = {View("caf\xC3\xA9.jpg", "/scene/caf\xC3\xA9.jpg")};
+  EXPECT_NO_THROW(RequireUtf8Names(scene));
+  scene.missing_images = {"b\xFF.jpg"};
+  EXPECT_THAT(InputErrorOf([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/b\\xFF.jpg: "));
+  scene.views.push_back(View("caf\xE9.jpg", "/scene/caf\xE9.jpg"));
+  EXPECT_THAT(InputErrorOf([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/caf\\xE9.jpg: "));
+  EXPECT_TRUE(IsUtf8(""));
+  EXPECT_FALSE(IsUtf8("\xC3"));  // cut short
+}
+
 TEST(KeepViewsWithImages, SortsByBytesAndWarnsOnce) {
   Scene scene;
   Heard heard;

@@ -131,6 +131,7 @@ Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Lis
     scene = ReadPhotoFolder(root, options);
   }
   scene.root = root;
+  RequireUtf8Names(scene);
   AttachMasks(root / "masks", listener, &scene);
   return scene;
 }

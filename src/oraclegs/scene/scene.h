@@ -59,7 +59,7 @@ struct SceneReadOptions {
 ///   a folder of .jpg and .png (or one with images/)                               -> kPhotos
 /// Views whose image file is missing go to missing_images and are told to `listener`. Throws InputError naming the file
 /// and the mend: nothing recognised, no image found, a truncated file, a pose that is not finite or not a rotation, a
-/// focal length that is not positive, two views of one name.
+/// focal length that is not positive, two views of one name, a name that is not UTF-8.
 Scene ReadScene(const std::filesystem::path& root, const SceneReadOptions& options, const Listener& listener);
 
 }  // namespace oraclegs

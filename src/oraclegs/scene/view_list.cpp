@@ -1,6 +1,7 @@
 #include "oraclegs/scene/view_list.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "oraclegs/core/error.h"
@@ -47,6 +48,33 @@ std::string SomeNames(const std::vector<std::string>& names) {
   std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<ptrdiff_t>(shown), ", "));
   if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
   return text;
+}
+
+bool IsUtf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
+std::string EscapeBytes(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    escaped += byte < 0x80 ? std::string(1, c) : fmt::format("\\x{:02X}", byte);
+  }
+  return escaped;
+}
+
+void RequireUtf8Names(const Scene& scene) {
+  const auto require = [](const std::string& name, const std::filesystem::path& shown) {
+    if (IsUtf8(name)) return;
+    throw InputError("{}: the photograph's name is not valid UTF-8; rename it, also where the scene's files name it",
+                     EscapeBytes(shown.string()));
+  };
+  for (const SceneView& view : scene.views) require(view.name, view.image_path);
+  for (const std::string& name : scene.missing_images) require(name, scene.root / name);
 }
 
 void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,

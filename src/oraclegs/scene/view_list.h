@@ -22,6 +22,16 @@ std::string ViewName(const std::string& written_path);
 /// "a, b, c, d, e and 7 more": at most five of `names`.
 std::string SomeNames(const std::vector<std::string>& names);
 
+/// True when `text` can stand in JSON as it is.
+bool IsUtf8(const std::string& text);
+
+/// Bytes outside ASCII as \xNN, to show a name that is not UTF-8.
+std::string EscapeBytes(const std::string& text);
+
+/// Throws InputError naming the first photograph of the scene, missing ones included, whose name is not UTF-8: split,
+/// scores and settings are JSON, which holds nothing else.
+void RequireUtf8Names(const Scene& scene);
+
 /// Moves `candidates` to scene->views, sorted by name in byte order; those whose image_path is empty go to
 /// scene->missing_images and one warning tells `listener`. `source` names the file that lists the views, `searched`
 /// says where images were looked for. Throws InputError when two views have one name, or no view has an image.
