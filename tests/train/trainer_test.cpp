@@ -114,6 +114,7 @@ TEST(TrainerTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
     EXPECT_EQ(resumed.iteration(), from);
     const TrainResult result = resumed.Run({dir.path(), 0, options}, Silent());
     EXPECT_EQ(result.iterations, 100);
+    EXPECT_EQ(result.steps, 100 - from);
     EXPECT_GT(result.seconds, checkpoint.seconds);
     EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians())) << from;
     EXPECT_TRUE(SameBits(resumed.MakeCheckpoint().adam.v, whole.MakeCheckpoint().adam.v)) << from;

@@ -322,7 +322,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   }
   CheckFinite(s.gaussians, s.iteration);
   s.timings.total = SecondsSince(start) * 1000;
-  return {s.iteration, s.seconds, MeanTimings()};
+  return {s.iteration, s.seconds, s.iteration - s.timed_since, MeanTimings()};
 }
 
 const Gaussians& Trainer::gaussians() const { return state_->gaussians; }

@@ -32,8 +32,9 @@ struct TrainTimings {
 
 struct TrainResult {
   int64_t iterations = 0;
-  double seconds = 0;  ///< of training, summed over resumed runs
-  TrainTimings timings;
+  double seconds = 0;    ///< of training, summed over resumed runs
+  int64_t steps = 0;     ///< iterations of this Run alone, 0 when a checkpoint of the last one was restored
+  TrainTimings timings;  ///< means over `steps`
 };
 
 /// Where and how often to save. An empty folder saves nothing.
