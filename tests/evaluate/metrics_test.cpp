@@ -1,9 +1,12 @@
 #include "oraclegs/evaluate/metrics.h"
 
+#include <ATen/Parallel.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/loss/photometric.h"
 #include "support/tensors.h"
 
@@ -89,6 +92,24 @@ TEST(ColorCorrectedPsnr, FlatPicturesAreNoTrouble) {
   const Tensor flat = torch::full({6, 6, 3}, 0.25f);
   EXPECT_GT(ColorCorrectedPsnr(flat, torch::full({6, 6, 3}, 0.75f)), 100);
   EXPECT_GT(ColorCorrectedPsnr(torch::zeros({6, 6, 3}), torch::full({6, 6, 3}, 0.75f)), 100);
+}
+
+TEST(Metrics, HaveTheSameBitsForAnyNumberOfThreads) {
+  torch::manual_seed(7);
+  const Tensor target = torch::rand({210, 330, 3}), mask = (torch::rand({210, 330}) > 0.3).to(torch::kByte);
+  const Tensor render = (target + 0.1 * torch::randn({210, 330, 3})).clamp(0, 1).contiguous();
+  const int torch_before = at::get_num_threads(), before = NumThreads();
+  const auto scores = [&](int threads) {
+    at::set_num_threads(threads);
+    SetNumThreads(threads);
+    return std::vector<double>{
+        Psnr(render, target),       Psnr(render, target, mask),         Ssim(render, target),
+        Ssim(render, target, mask), ColorCorrectedPsnr(render, target), ColorCorrectedPsnr(render, target, mask)};
+  };
+  const std::vector<double> one = scores(1), three = scores(3);
+  at::set_num_threads(torch_before);
+  SetNumThreads(before);
+  EXPECT_EQ(one, three);
 }
 
 TEST(Metrics, RefuseTensorsThatDoNotFit) {

@@ -3,11 +3,19 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/loss/photometric.h"
 
 namespace oraclegs {
 namespace {
+
+constexpr int64_t kGrain = 1 << 14;  // pixels a block
+
+using Equations = Eigen::Matrix<double, 4, 7>;
+
+Eigen::Vector4d Homogeneous(const float* color) { return {color[0], color[1], color[2], 1}; }
 
 /// Checks that both are pictures of one size and the mask fits; returns the mask in double, all ones when undefined.
 Tensor CheckedMask(const char* who, const Tensor& a, const Tensor& b, const Tensor& mask) {
@@ -17,14 +25,40 @@ Tensor CheckedMask(const char* who, const Tensor& a, const Tensor& b, const Tens
   if (mask.dim() != 2 || mask.size(0) != a.size(0) || mask.size(1) != a.size(1)) {
     throw ShapeError("{}: mask is [{}], expected [{}, {}]", who, fmt::join(mask.sizes(), ", "), a.size(0), a.size(1));
   }
-  return mask.to(torch::kDouble);
+  return mask.to(torch::kDouble).contiguous();
 }
 
-/// Mean of values [H,W,3] over the pixels of the mask. NaN when it is empty.
-double MaskedMean(const Tensor& values, const Tensor& mask) {
-  const double pixels = mask.sum().item<double>();
-  if (!(pixels > 0)) return std::numeric_limits<double>::quiet_NaN();
-  return (values.to(torch::kDouble) * mask.unsqueeze(-1)).sum().item<double>() / (3 * pixels);
+/// Adds up over pixels in blocks of fixed size, so that the sum has the same bits for any number of threads (those of
+/// torch depend on it). add(pixel, &sum) adds one pixel.
+template <class Sum, class Add>
+Sum SumOverPixels(int64_t pixels, const Sum& zero, const Add& add) {
+  std::vector<Sum> sums(static_cast<size_t>((pixels + kGrain - 1) / kGrain), zero);
+  ParallelBlocks(pixels, kGrain, [&](int64_t begin, int64_t end) {
+    Sum sum = zero;
+    for (int64_t i = begin; i < end; ++i) add(i, &sum);
+    sums[static_cast<size_t>(begin / kGrain)] = sum;
+  });
+  Sum total = zero;
+  for (const Sum& sum : sums) total += sum;
+  return total;
+}
+
+/// Mean of value(i), i a place in [H,W,3], over the pixels of the mask. NaN when it is empty.
+template <class Value>
+double MaskedMean(const Tensor& mask, const Value& value) {
+  const double* weights = mask.data_ptr<double>();
+  const Eigen::Array2d sums =
+      SumOverPixels<Eigen::Array2d>(mask.numel(), Eigen::Array2d::Zero(), [&](int64_t i, Eigen::Array2d* sum) {
+        *sum += weights[i] * Eigen::Array2d(1, value(3 * i) + value(3 * i + 1) + value(3 * i + 2));
+      });
+  if (!(sums[0] > 0)) return std::numeric_limits<double>::quiet_NaN();
+  return sums[1] / (3 * sums[0]);
+}
+
+double SsimMean(const Tensor& a, const Tensor& b, const Tensor& mask) {
+  const Tensor map = SsimMap(a, b);
+  const float* values = map.data_ptr<float>();
+  return MaskedMean(mask, [&](int64_t i) { return static_cast<double>(values[i]); });
 }
 
 }  // namespace
@@ -33,33 +67,45 @@ Tensor Quantized(const Tensor& image) { return torch::floor(image.clamp(0, 1) * 
 
 double Psnr(const Tensor& a, const Tensor& b, const Tensor& mask) {
   const Tensor weights = CheckedMask("Psnr", a, b, mask);
-  const Tensor difference = a.to(torch::kDouble) - b.to(torch::kDouble);
-  return -10 * std::log10(MaskedMean(difference * difference, weights));
+  const float *left = a.data_ptr<float>(), *right = b.data_ptr<float>();
+  const double mse = MaskedMean(weights, [&](int64_t i) {
+    const double difference = static_cast<double>(left[i]) - static_cast<double>(right[i]);
+    return difference * difference;
+  });
+  return -10 * std::log10(mse);
 }
 
 double Ssim(const Tensor& a, const Tensor& b, const Tensor& mask) {
   const Tensor weights = CheckedMask("Ssim", a, b, mask);
-  if (!mask.defined()) return MaskedMean(SsimMap(a, b), weights);
+  if (!mask.defined()) return SsimMean(a, b, weights);
   // The windows of pixels that count reach 5 pixels into those that do not: there both pictures are made the same, as
   // the training loss does it, so that what is masked says nothing.
-  return MaskedMean(SsimMap(torch::where(weights.unsqueeze(-1) > 0, a, b).contiguous(), b), weights);
+  return SsimMean(torch::where(weights.unsqueeze(-1) > 0, a, b).contiguous(), b, weights);
 }
 
 double ColorCorrectedPsnr(const Tensor& render, const Tensor& target, const Tensor& mask) {
-  const Tensor weights = CheckedMask("ColorCorrectedPsnr", render, target, mask).reshape({-1});
-  const int64_t n = weights.size(0);
-  const Tensor from = torch::cat({render.reshape({n, 3}), torch::ones({n, 1})}, 1).to(torch::kDouble);
-  const Tensor weighted = (from * weights.unsqueeze(-1)).t();
-  const Tensor normal = weighted.mm(from).contiguous();
-  const Tensor right = weighted.mm(target.reshape({n, 3}).to(torch::kDouble)).contiguous();
-  using Square = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-  using Tall = Eigen::Matrix<double, 4, 3, Eigen::RowMajor>;
+  const Tensor weights = CheckedMask("ColorCorrectedPsnr", render, target, mask);
+  const double* w = weights.data_ptr<double>();
+  const float *from = render.data_ptr<float>(), *to = target.data_ptr<float>();
+  // The normal equations of w (from, 1) M = w to: the left four columns, and the right side in the other three.
+  const Equations equations =
+      SumOverPixels<Equations>(weights.numel(), Equations::Zero(), [&](int64_t i, Equations* sum) {
+        const Eigen::Vector4d row = Homogeneous(from + 3 * i);
+        sum->leftCols<4>() += w[i] * row * row.transpose();
+        sum->rightCols<3>() += w[i] * row * Eigen::Map<const Eigen::RowVector3f>(to + 3 * i).cast<double>();
+      });
   // A flat or grey picture leaves colours undetermined: the decomposition then gives the smallest of the solutions.
-  Tall map = Eigen::Map<const Square>(normal.data_ptr<double>())
-                 .completeOrthogonalDecomposition()
-                 .solve(Eigen::Map<const Tall>(right.data_ptr<double>()));
-  const Tensor corrected = from.mm(torch::from_blob(map.data(), {4, 3}, torch::kDouble)).clamp(0, 1);
-  return Psnr(corrected.to(torch::kFloat).reshape(render.sizes()).contiguous(), target, mask);
+  const Eigen::Matrix<double, 4, 3> map =
+      Eigen::Matrix4d(equations.leftCols<4>()).completeOrthogonalDecomposition().solve(equations.rightCols<3>());
+  Tensor corrected = torch::empty_like(render);
+  float* out = corrected.data_ptr<float>();
+  ParallelBlocks(weights.numel(), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d color = map.transpose() * Homogeneous(from + 3 * i);
+      Eigen::Map<Eigen::Vector3f>(out + 3 * i) = color.cwiseMax(0).cwiseMin(1).cast<float>();
+    }
+  });
+  return Psnr(corrected, target, mask);
 }
 
 }  // namespace oraclegs
