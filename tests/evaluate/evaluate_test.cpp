@@ -108,6 +108,14 @@ TEST(Evaluate, WritesRendersBesideTheTruth) {
   EXPECT_EQ(truth.data, std::vector<uint8_t>(30 * 40 * 3, 51));
 }
 
+TEST(Evaluate, ViewsOfOneStemDoNotOverwriteEachOther) {
+  const TempDir dir;
+  const auto grey = [](const char* name, float value) { return PhotoOf(name, torch::full({30, 40, 3}, value)); };
+  Evaluate(RedBlob(), {grey("1.jpg", 0.2f), grey("1.png", 0.4f)}, kOnGrey, dir.path(), Silent());
+  EXPECT_EQ(ReadImage(dir / "1_jpg_gt.png").data[0], 51);
+  EXPECT_EQ(ReadImage(dir / "1_png_gt.png").data[0], 102);
+}
+
 TEST(Evaluate, StopsWhenAsked) {
   RequestInterrupt(true);
   EXPECT_THROW(Evaluate(RedBlob(), {PhotoOf("a", torch::zeros({30, 40, 3}))}, kOnGrey, {}, Silent()), Interrupted);

@@ -6,6 +6,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/evaluate/metrics.h"
+#include "oraclegs/evaluate/picture_names.h"
 
 namespace oraclegs {
 namespace {
@@ -31,11 +32,10 @@ ViewMetrics Score(const Photo& photo, const Tensor& render, const Tensor& truth)
   return view;
 }
 
-/// A view's name as a file name of its own: "left/0001.jpg" becomes "left_0001".
-std::string FlatStem(const std::string& name) {
-  std::string stem = std::filesystem::path(name).replace_extension().generic_string();
-  std::replace(stem.begin(), stem.end(), '/', '_');
-  return stem;
+std::vector<std::string> NamesOf(const std::vector<Photo>& photos) {
+  std::vector<std::string> names;
+  for (const Photo& photo : photos) names.push_back(photo.name);
+  return names;
 }
 
 bool CountsNowhere(const Photo& photo) {
@@ -57,6 +57,7 @@ void SetMeans(TestMetrics* metrics) {
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
                      const std::filesystem::path& renders, const Listener& listener) {
   const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
+  const std::vector<std::string> pictures = PictureNames(NamesOf(photos));
   TestMetrics metrics;
   for (size_t i = 0; i < photos.size(); ++i) {
     ThrowIfInterrupted();
@@ -69,9 +70,8 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photo
       metrics.views.push_back(Score(photo, render, truth));
     }
     if (!renders.empty()) {
-      const std::string stem = FlatStem(photo.name);
-      WritePng(renders / (stem + ".png"), ToImage8(render));
-      WritePng(renders / (stem + "_gt.png"), ToImage8(truth));
+      WritePng(renders / (pictures[i] + ".png"), ToImage8(render));
+      WritePng(renders / (pictures[i] + "_gt.png"), ToImage8(truth));
     }
     listener(
         StepDone{"evaluate", static_cast<int64_t>(i) + 1, static_cast<int64_t>(photos.size()), "views", photo.name});

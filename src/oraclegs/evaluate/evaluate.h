@@ -23,7 +23,7 @@ struct TestMetrics {
 };
 
 /// Renders each photo's camera, compares 8-bit with 8-bit, and when `renders` is not empty writes
-/// renders/NAME.png, renders/NAME_gt.png (NAME without extension, '/' replaced by '_').
+/// renders/NAME.png, renders/NAME_gt.png (see PictureNames).
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
                      const std::filesystem::path& renders, const Listener& listener);
 
