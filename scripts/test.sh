@@ -17,4 +17,9 @@ python3 scripts/check_house_test.py --quiet
 python3 scripts/check_house.py
 cmake --preset release "${configure[@]}"
 cmake --build --preset release --parallel "$(nproc)"
+if command -v nvcc >/dev/null; then  # device code is compiled wherever it can be; running it needs a GPU
+  cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES=90 >/dev/null
+  cmake --build --preset cuda --target cuda_math_tests
+  build/cuda/bin/cuda_math_tests --gtest_brief=1
+fi
 exec ctest --preset release --no-tests=error "$@"
