@@ -31,6 +31,20 @@ TEST_F(RenderPathTest, RendersItsPaths) {
   EXPECT_EQ(picture.height, 36);
 }
 
+TEST_F(RenderPathTest, ViewsOfOneStemHavePicturesOfTheirOwn) {
+  PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
+  const auto rename = [&](int view, const char* name) {
+    posed.scene.views[static_cast<size_t>(posed.split.train[static_cast<size_t>(view)])].name = name;
+  };
+  rename(0, "1.jpg");
+  rename(1, "1.png");
+  RenderPathOptions path;
+  path.path = "train";
+  const auto cameras = PathCameras(posed.scene, posed.split, request->options.photo, path);
+  EXPECT_EQ(cameras[0].name, "1_jpg");
+  EXPECT_EQ(cameras[1].name, "1_png");
+}
+
 /// A program of this name that is found first while the scope lasts.
 class FakeProgram {
  public:

@@ -1,10 +1,9 @@
 #include "oraclegs/pipeline/render_path.h"
 
-#include <algorithm>
-
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/subprocess.h"
+#include "oraclegs/evaluate/picture_names.h"
 #include "oraclegs/pipeline/camera_path.h"
 #include "oraclegs/pipeline/run.h"
 
@@ -12,12 +11,6 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string PictureName(const std::string& view_name) {
-  std::string name = fs::path(view_name).replace_extension().string();
-  std::replace(name.begin(), name.end(), '/', '_');
-  return name;
-}
 
 /// A list that ffmpeg's concat demuxer reads, which takes pictures of any name.
 std::string FfmpegList(const std::vector<fs::path>& pictures, int fps) {
@@ -60,15 +53,19 @@ bool WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, in
 std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const PhotoOptions& photo,
                                      const RenderPathOptions& options) {
   const std::vector<int>& views = options.path == "test" ? split.test : split.train;
-  std::vector<NamedCamera> named;
+  std::vector<std::string> names;
   std::vector<Camera> cameras;
   for (const int i : views) {
     const SceneView& view = scene.views[static_cast<size_t>(i)];
     cameras.push_back(WorkingCamera(view, photo));
-    named.push_back({PictureName(view.name), cameras.back()});
+    names.push_back(view.name);
   }
-  if (options.path != "orbit") return named;
-  named.clear();
+  std::vector<NamedCamera> named;
+  if (options.path != "orbit") {
+    names = PictureNames(names);
+    for (size_t i = 0; i < names.size(); ++i) named.push_back({names[i], cameras[i]});
+    return named;
+  }
   for (const Camera& camera : OrbitPath(cameras, options.frames)) {
     named.push_back({fmt::format("{:04d}", named.size()), camera});
   }
