@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/train_stage.h"
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/pipeline/evaluate_stage.h"
 #include "oraclegs/scene/image.h"
 #include "pipeline/fixtures.h"
 
@@ -19,7 +20,7 @@ class TrainStageTest : public testing::Test {
     RunTrain(&run);
     return ReadFile(run.workspace.point_cloud());
   }
-  /// Trains until an interrupt comes at about this iteration.
+  /// Trains until an interrupt comes, at most 99 iterations after this one: so far apart are the reports of progress.
   void TrainUntil(const RunRequest& r, int64_t iteration) {
     const Listener listener = [iteration](const Event& event) {
       const auto* step = std::get_if<StepDone>(&event);
@@ -28,6 +29,13 @@ class TrainStageTest : public testing::Test {
     auto run = StartRun(r, listener);
     EXPECT_THROW(RunTrain(&run), Interrupted);
     RequestInterrupt(false);
+  }
+  void ChangeAPhotograph() {
+    const PosedScene posed = ReadPosedScene(request.scene, request.options, Silent());
+    const auto photo = posed.scene.views[static_cast<size_t>(posed.split.train[0])].image_path;
+    Image8 image = ReadImage(photo);
+    image.data[0] ^= 0xff;
+    WritePng(photo, image);
   }
 
   TempDir temp;
@@ -45,33 +53,53 @@ TEST_F(TrainStageTest, TrainsOnceAndIsThenDone) {
 }
 
 TEST_F(TrainStageTest, AnInterruptedRunContinuesToTheSameBits) {
-  request.options.train.iterations = 150;
+  request.options.train.iterations = 250;
   RunRequest straight = request;
   straight.out = temp / "straight";
   const std::string expected = Train(straight);
   TrainUntil(request, 100);
   EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
   EXPECT_EQ(Train(request), expected);
-  EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration 100")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration ")));
+}
+
+TEST_F(TrainStageTest, ARunWithNothingLeftToDoKnowsNoTimings) {
+  request.options.checkpoints.checkpoint_every = request.options.train.iterations;
+  const std::string ply = Train(request);
+  const auto timings = [&] {
+    return nlohmann::json::parse(ReadFile(temp / "out" / "stages.json")).at("train").at("milliseconds_per_iteration");
+  };
+  EXPECT_GT(timings().at("total"), 0);
+  std::filesystem::remove(temp / "out" / "point_cloud.ply");
+  EXPECT_EQ(Train(request), ply);  // from the checkpoint of the last iteration
+  EXPECT_TRUE(timings().is_null());
 }
 
 TEST_F(TrainStageTest, OtherOptionsThanTheInterruptedRunsAreRefused) {
-  request.options.train.iterations = 150;
+  request.options.train.iterations = 250;
   TrainUntil(request, 100);
   request.options.start.seed = 3;
   EXPECT_THAT(MessageOf<InputError>([&] { Train(request); }), HasSubstr("--seed was 0, now is 3"));
 }
 
 TEST_F(TrainStageTest, ChangedPhotographsAreTrainedAnew) {
-  request.options.train.iterations = 150;
+  request.options.train.iterations = 250;
   TrainUntil(request, 100);
-  const PosedScene posed = ReadPosedScene(request.scene, request.options, Silent());
-  const auto photo = posed.scene.views[static_cast<size_t>(posed.split.train[0])].image_path;
-  Image8 image = ReadImage(photo);
-  image.data[0] ^= 0xff;
-  WritePng(photo, image);
+  ChangeAPhotograph();
   Train(request);
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("changed")));
+}
+
+TEST_F(TrainStageTest, ResultsOfOldPhotographsAreGoneWhenTrainingAnewIsInterrupted) {
+  request.options.train.iterations = 250;
+  Train(request);
+  WriteText(temp / "out" / "metrics.json", "{}");
+  ChangeAPhotograph();
+  TrainUntil(request, 100);
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "metrics.json"));
+  auto run = OpenRun(request, Silent());
+  EXPECT_THAT(MessageOf<InputError>([&] { RunEvaluate(&run); }), HasSubstr("point_cloud.ply: does not exist"));
 }
 
 }  // namespace

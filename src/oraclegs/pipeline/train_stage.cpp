@@ -55,7 +55,9 @@ Gaussians StartGaussians(Run* run) {
   return InitializeGaussians(start.cloud, {run->options.train.init_scale, run->options.train.init_opacity});
 }
 
-nlohmann::json TimingsToJson(const TrainTimings& t) {
+nlohmann::json TimingsToJson(const TrainResult& result) {
+  if (result.steps == 0) return nullptr;  // there was nothing left to do, which is not the same as no time
+  const TrainTimings& t = result.timings;
   return {{"project", t.render.project},
           {"bin", t.render.bin},
           {"blend", t.render.blend},
@@ -81,10 +83,12 @@ void RunTrain(Run* run) {
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   saved_options["inputs"] = key;
   const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
+  // What stands there would be mistaken for the results of these inputs, also after an interrupt.
+  std::error_code ignored;
+  std::filesystem::remove(run->workspace.metrics(), ignored);
+  if (!checkpoint) std::filesystem::remove(run->workspace.point_cloud(), ignored);
   Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run);
 
-  std::error_code ignored;  // scores of an older point cloud would be mistaken for those of the new one
-  std::filesystem::remove(run->workspace.metrics(), ignored);
   const StageClock clock("train", run->listener);
   const RunOptions& options = run->options;
   Trainer trainer(options.train, options.start.seed, BackgroundColor(options.photo.background), LoadTrainViews(*run),
@@ -99,7 +103,7 @@ void RunTrain(Run* run) {
                                     {"seconds", loading + result.seconds},
                                     {"training_seconds", result.seconds},
                                     {"iterations", result.iterations},
-                                    {"milliseconds_per_iteration", TimingsToJson(result.timings)},
+                                    {"milliseconds_per_iteration", TimingsToJson(result)},
                                     {"gaussians", trainer.gaussians().size()},
                                     {"peak_memory_bytes", PeakMemoryBytes()},
                                     {"files", {"point_cloud.ply"}}});
