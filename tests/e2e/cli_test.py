@@ -200,6 +200,8 @@ class MainJob(EndToEnd):
         self.run_program("evaluate", self.scene, "--ply", small, "-o", scores, "--test-every", 4)
         self.assertEqual(len(json.loads((scores / "metrics.json").read_text())["test"]["views"]), 2)
         self.assertIn("PSNR", self.run_program("evaluate", self.out, "--ply", small).stdout)
+        unscored = self.run_program("evaluate", self.scene, "--ply", small, "--test-every", 0).stdout
+        self.assertIn("no test pixels", unscored)
 
         self.run_program("render", self.out, "--path", "orbit", "--frames", 3)
         self.assertEqual(len(list((self.out / "renders/orbit").glob("*.png"))), 3)
