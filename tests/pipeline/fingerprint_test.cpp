@@ -37,6 +37,18 @@ TEST(ViewsFingerprint, ChangesWithPixelsMaskLensAndPose) {
   EXPECT_EQ(ViewsFingerprint(scene, {0}), before);
   EXPECT_NE(ViewsFingerprint(scene, {}), before);
 
+  scene.format = SceneFormat::kBlender;
+  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.format = SceneFormat::kPhotos;
+  scene.views[0].lens.width = 7;
+  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.views[0] = view;
+  scene.views[0].lens.height = 7;
+  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.views[0] = view;
+  scene.views[0].as_stored = true;
+  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.views[0] = view;
   scene.views[0].lens.params[0] = 11;
   EXPECT_NE(ViewsFingerprint(scene, {0}), before);
   scene.views[0] = view;
@@ -49,6 +61,25 @@ TEST(ViewsFingerprint, ChangesWithPixelsMaskLensAndPose) {
   EXPECT_EQ(ViewsFingerprint(scene, {0}), before);
   WriteText(temp / "a.png", "Pixels");
   EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+}
+
+TEST(ViewsFingerprint, IsOfTheFileThatTheDownscaleOpens) {
+  const TempDir temp;
+  Scene scene = ReadScene(MakeTinyScene(temp / "scene", 2), {}, Silent());
+  const auto image = scene.views[0].image_path, small = temp / "scene" / "images_2" / image.filename();
+  const std::string full = ViewsFingerprint(scene, {0}), half = ViewsFingerprint(scene, {0}, 2);
+  const auto write_small = [&](uint8_t grey, int width) {
+    std::filesystem::create_directories(small.parent_path());
+    WritePng(small, {width, 18, 3, std::vector<uint8_t>(static_cast<size_t>(width) * 18 * 3, grey)});
+  };
+  write_small(9, 24);
+  const std::string with_small = ViewsFingerprint(scene, {0}, 2);
+  EXPECT_NE(with_small, half);
+  EXPECT_EQ(ViewsFingerprint(scene, {0}), full);
+  write_small(10, 24);
+  EXPECT_NE(ViewsFingerprint(scene, {0}, 2), with_small);
+  write_small(10, 23);  // of another size: not used
+  EXPECT_EQ(ViewsFingerprint(scene, {0}, 2), half);
 }
 
 }  // namespace

@@ -37,6 +37,32 @@ TEST_F(RunTest, BadInputLeavesNoWorkspaceBehind) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out"));
 }
 
+TEST_F(RunTest, RefusesToWriteBesideThePhotographsThatImagesNames) {
+  std::filesystem::rename(temp / "scene" / "images", temp / "photos");
+  request.options.input.images = "../photos";
+  request.out = temp / "photos" / "out";
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
+              AllOf(HasSubstr("image folder"), HasSubstr("-o")));
+  EXPECT_FALSE(std::filesystem::exists(request.out));
+  request.options.input.images = "\xFF";
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("\\xFF: "));
+}
+
+TEST_F(RunTest, APictureTooLargeToRenderAsksForADownscale) {
+  const auto plain = temp / "plain";
+  std::filesystem::create_directories(plain);
+  for (const char* name : {"a.png", "b.png"}) {
+    WritePng(plain / name, {32770, 1, 3, std::vector<uint8_t>(size_t{32770} * 3, 7)});
+  }
+  request.scene = plain;
+  request.options.split.test_every = 0;
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
+              AllOf(HasSubstr("a.png"), HasSubstr("32770 x 1"), HasSubstr("raise --downscale")));
+  EXPECT_FALSE(std::filesystem::exists(temp / "out"));
+  request.options.photo.downscale = 2;
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadPosedScene(plain, request.options, Silent()); }), HasSubstr("no poses"));
+}
+
 TEST_F(RunTest, OpensWhatWasStarted) {
   { const auto run = StartRun(request, Silent()); }
   RunRequest open = request;

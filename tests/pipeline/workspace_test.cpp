@@ -167,5 +167,32 @@ TEST(DescribeDifference, ComparesWithDefaultsWhatAnOlderRunDidNotSave) {
   EXPECT_EQ(DescribeDifference({{"downscale", 2}, {"gone", 1}}, options), "");
 }
 
+TEST_F(WorkspaceTest, NeverWritesIntoThePhotographsFolderEither) {
+  Scene posed;
+  posed.root = scene;
+  posed.views.resize(2);
+  posed.views[0].image_path = scene / "images" / "a.png";
+  posed.views[1].image_path = temp / "photos" / "left" / "b.png";
+  const auto refusal = [&](const std::filesystem::path& dir, const std::filesystem::path& images) {
+    return MessageOf<InputError>([&] { RequireOutsideScene(dir, posed, images); });
+  };
+  EXPECT_EQ(refusal(out, "images"), "");
+  EXPECT_EQ(refusal(temp / "photos" / "out", ""), "");
+  EXPECT_THAT(refusal(temp / "photos" / "left" / "out", ""), AllOf(HasSubstr("image folder"), HasSubstr("-o")));
+  EXPECT_THAT(refusal(temp / "photos" / "out", temp / "photos"), HasSubstr("image folder"));
+  EXPECT_THAT(refusal(temp / "photos", "../photos"), HasSubstr("image folder"));
+  EXPECT_THAT(refusal(scene / "out", ""), HasSubstr("scene folder"));
+}
+
+TEST_F(WorkspaceTest, AFolderNameThatIsNotUtf8DoesNoHarm) {
+  scene = temp / "sc\xE9ne";
+  out = temp / "\xFFout";
+  std::filesystem::create_directories(scene);
+  { const Workspace workspace = Claim(); }
+  EXPECT_EQ(ReadSavedRun(out).scene.filename(), "sc\xEF\xBF\xBDne");
+  WriteText(out / "point_cloud.ply", "x");
+  EXPECT_EQ(Refusal(), "") << "still the same scene";
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -1,8 +1,8 @@
 #include "support/golden.h"
 
+#include <unistd.h>
 #include <atomic>
 #include <cstdlib>
-#include <unistd.h>
 
 namespace oraclegs {
 

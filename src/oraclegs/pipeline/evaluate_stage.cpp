@@ -60,7 +60,7 @@ void RunEvaluate(Run* run) {
   }
   const std::string key = Fingerprint()
                               .Add(ShapingOptionsToJson(run->options).dump())
-                              .Add(ViewsFingerprint(run->scene, run->split.test))
+                              .Add(ViewsFingerprint(run->scene, run->split.test, run->options.photo.downscale))
                               .AddFile(workspace.point_cloud())
                               .Hex();
   if (workspace.IsDone("evaluate", key)) {

@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/scene/photos.h"
 
 namespace oraclegs {
 
@@ -29,14 +30,14 @@ std::string Fingerprint::Hex() const { return fmt::format("{:016x}", hash_); }
 
 std::string FileFingerprint(const std::filesystem::path& path) { return Fingerprint().AddFile(path).Hex(); }
 
-std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views) {
+std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, int downscale) {
   std::vector<std::string> parts(views.size());
   ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
     const SceneView& view = scene.views[static_cast<size_t>(views[static_cast<size_t>(i)])];
     Fingerprint print;
-    print.Add(view.name).AddFile(view.image_path);
+    print.Add(view.name).Add(view.as_stored).AddFile(PhotoFile(view, downscale));
     if (!view.mask_path.empty()) print.AddFile(view.mask_path);
-    print.Add(LensModelName(view.lens.model));
+    print.Add(LensModelName(view.lens.model)).Add(view.lens.width).Add(view.lens.height);
     for (const double p : view.lens.params) print.Add(p);
     if (view.cam_from_world) {
       const Eigen::Matrix4d m = view.cam_from_world->matrix();
@@ -45,6 +46,7 @@ std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views) 
     parts[static_cast<size_t>(i)] = print.Hex();
   });
   Fingerprint all;
+  all.Add(static_cast<double>(scene.format));  // it says what an alpha channel means
   for (const std::string& part : parts) all.Add(part);
   return all.Hex();
 }

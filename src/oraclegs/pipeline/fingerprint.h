@@ -24,8 +24,9 @@ class Fingerprint {
   uint64_t hash_ = 0xcbf29ce484222325ull;
 };
 
-/// Names, photographs (their bytes), masks, lenses and poses of these views.
-std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views);
+/// The scene's format, and of these views names, photographs (the bytes of the files that LoadPhotos opens at this
+/// downscale), masks, lenses and poses.
+std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, int downscale = 1);
 
 /// The content of a file.
 std::string FileFingerprint(const std::filesystem::path& path);

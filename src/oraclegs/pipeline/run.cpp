@@ -4,12 +4,16 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/scene/photos.h"
 #include "oraclegs/scene/sfm.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kMaxSide = 32768;  // pixels; the rasterizer renders no larger pictures
 
 std::vector<int> AllViews(const Scene& scene) {
   std::vector<int> all(scene.views.size());
@@ -53,10 +57,26 @@ void WriteSplit(const Run& run) {
   WriteFileAtomically(run.workspace.split(), json.dump(2) + "\n");
 }
 
+/// Throws InputError when a view's picture is too large to be rendered.
+void RequireRenderable(const Scene& scene, int downscale) {
+  for (const SceneView& view : scene.views) {
+    const int width = WorkingSize(view.lens.width, downscale), height = WorkingSize(view.lens.height, downscale);
+    if (width <= kMaxSide && height <= kMaxSide) continue;
+    throw InputError("{}: is {} x {} pixels at --downscale {}, at most {} a side can be rendered; raise --downscale",
+                     view.image_path.string(), width, height, downscale, kMaxSide);
+  }
+}
+
 Scene Read(const fs::path& root, const RunOptions& options, const Listener& listener) {
+  if (!IsUtf8(options.input.images.string())) {
+    throw InputError("{}: the name of the --images folder is not valid UTF-8; rename it",
+                     EscapeBytes(options.input.images.string()));
+  }
   SceneReadOptions read;
   read.images = options.input.images;
-  return ReadScene(root, read, listener);
+  Scene scene = ReadScene(root, read, listener);
+  RequireRenderable(scene, options.photo.downscale);
+  return scene;
 }
 
 Run WithPosesAndSplit(const RunRequest& request, Workspace workspace, Scene scene, const Listener& listener) {
@@ -83,6 +103,7 @@ Run StartRun(const RunRequest& request, const Listener& listener) {
   CheckRunOptions(request.options);
   RequireOutsideScene(request.out, request.scene);
   Scene scene = Read(request.scene, request.options, listener);
+  RequireOutsideScene(request.out, scene, request.options.input.images);
   // A registered photograph is not yet known, but what all of them together cannot fill is refused at once.
   SplitViews(scene, request.options.split);
   Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);

@@ -15,7 +15,7 @@ namespace {
 std::string TrainKey(const Run& run) {
   return Fingerprint()
       .Add(ShapingOptionsToJson(run.options).dump())
-      .Add(ViewsFingerprint(run.scene, run.split.train))
+      .Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale))
       .Hex();
 }
 

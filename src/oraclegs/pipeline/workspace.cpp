@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <set>
 #include <utility>
 
 #include "oraclegs/core/files.h"
@@ -66,6 +67,12 @@ void RemoveRun(const fs::path& dir) {
   fs::remove(dir / "options.json");
 }
 
+/// The text that JSON can hold: bytes that are not UTF-8 are replaced.
+std::string JsonText(const fs::path& path) {
+  const auto replace = nlohmann::json::error_handler_t::replace;
+  return nlohmann::json::parse(nlohmann::json(path.string()).dump(-1, ' ', false, replace)).get<std::string>();
+}
+
 void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOptions& options) {
   if (!IsWorkspace(dir)) {
     if (HoldsAnything(dir)) {
@@ -76,7 +83,8 @@ void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOp
   }
   const SavedRun saved = ReadSavedRun(dir);
   std::error_code ignored;
-  if (saved.scene != scene && (HasResults(WorkspacePaths(dir)) || fs::exists(WorkspacePaths(dir).sfm(), ignored))) {
+  if (saved.scene != JsonText(scene) &&
+      (HasResults(WorkspacePaths(dir)) || fs::exists(WorkspacePaths(dir).sfm(), ignored))) {
     throw InputError(
         "{}: holds a run of another scene ({}, now is {}); choose another -o, or start anew with "
         "--overwrite",
@@ -91,6 +99,18 @@ void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOp
         "or start anew with --overwrite",
         dir.string(), difference);
   }
+}
+
+void WriteJson(const fs::path& path, const nlohmann::json& json) {
+  WriteFileAtomically(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void RequireOutside(const fs::path& dir, const fs::path& folder, const char* what) {
+  const fs::path out = Canonical(dir), inside = Canonical(folder);
+  const auto [end, rest] = std::mismatch(inside.begin(), inside.end(), out.begin(), out.end());
+  if (end != inside.end()) return;
+  throw InputError("{}: lies in {} {}, which is never written to; choose a folder outside it with -o", dir.string(),
+                   what, folder.string());
 }
 
 std::string Shown(const nlohmann::json& value) {
@@ -130,11 +150,15 @@ std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& no
 }
 
 void RequireOutsideScene(const fs::path& dir, const fs::path& scene_root) {
-  const fs::path out = Canonical(dir), scene = Canonical(scene_root);
-  const auto [end, rest] = std::mismatch(scene.begin(), scene.end(), out.begin(), out.end());
-  if (end != scene.end()) return;
-  throw InputError("{}: lies in the scene folder {}, which is never written to; choose a folder outside it with -o",
-                   dir.string(), scene_root.string());
+  RequireOutside(dir, scene_root, "the scene folder");
+}
+
+void RequireOutsideScene(const fs::path& dir, const Scene& scene, const fs::path& images) {
+  RequireOutsideScene(dir, scene.root);
+  std::set<fs::path> folders;
+  if (!images.empty()) folders.insert(scene.root / images);
+  for (const SceneView& view : scene.views) folders.insert(view.image_path.parent_path());
+  for (const fs::path& folder : folders) RequireOutside(dir, folder, "the scene's image folder");
 }
 
 Workspace Workspace::Lock(const fs::path& dir) {
@@ -158,9 +182,10 @@ Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, cons
     ReadSavedRun(dir);  // throws when the file of that name is somebody else's
     RemoveRun(dir);
   }
-  const nlohmann::json json = {
-      {"program", "oraclegs"}, {"format", kFormat}, {"scene", scene.string()}, {"options", RunOptionsToJson(options)}};
-  WriteFileAtomically(workspace.options(), json.dump(2) + "\n");
+  WriteJson(workspace.options(), {{"program", "oraclegs"},
+                                  {"format", kFormat},
+                                  {"scene", JsonText(scene)},
+                                  {"options", RunOptionsToJson(options)}});
   return workspace;
 }
 
@@ -198,7 +223,7 @@ void Workspace::MarkDone(const std::string& stage, const nlohmann::json& record)
   nlohmann::json all = fs::exists(stages(), ignored) ? ReadJson(stages()) : nlohmann::json::object();
   if (!all.is_object()) all = nlohmann::json::object();
   all[stage] = record;
-  WriteFileAtomically(stages(), all.dump(2) + "\n");
+  WriteJson(stages(), all);
 }
 
 }  // namespace oraclegs

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "oraclegs/pipeline/options.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 
@@ -30,7 +31,7 @@ class WorkspacePaths {
 
 /// What options.json holds.
 struct SavedRun {
-  std::filesystem::path scene;  ///< absolute
+  std::filesystem::path scene;  ///< absolute; bytes that are not UTF-8 are replaced
   nlohmann::json options;       ///< of all groups
 };
 
@@ -76,5 +77,7 @@ class Workspace : public WorkspacePaths {
 
 /// Throws InputError when writing to `dir` would write into the user's scene folder.
 void RequireOutsideScene(const std::filesystem::path& dir, const std::filesystem::path& scene_root);
+/// The same, also for the folders of its photographs, which may lie elsewhere, and for --images unless empty.
+void RequireOutsideScene(const std::filesystem::path& dir, const Scene& scene, const std::filesystem::path& images);
 
 }  // namespace oraclegs

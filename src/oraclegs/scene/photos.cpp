@@ -24,8 +24,6 @@ constexpr int64_t kBytesAtOnce = int64_t{4} << 30;  // for all photographs in wo
 constexpr int kKeep = 3;  // the channel beside RGB that says what counts, 0 or 1 before filtering
 constexpr const char* kImageFolder = "images";
 
-int WorkingSize(int size, int downscale) { return std::max(1, (2 * size + downscale) / (2 * downscale)); }
-
 /// The file of an images_N folder that stands for `path` at the given downscale; empty when there is none.
 fs::path DownscaledFile(const fs::path& path, int downscale) {
   fs::path inside = path.filename();
@@ -180,6 +178,8 @@ std::optional<Orientation> FittingOrientation(const SceneView& view, const fs::p
   }
   return std::nullopt;
 }
+
+int WorkingSize(int size, int downscale) { return std::max(1, (2 * size + downscale) / (2 * downscale)); }
 
 fs::path PhotoFile(const SceneView& view, int downscale) {
   const fs::path small = downscale == 1 ? fs::path() : DownscaledFile(view.image_path, downscale);

@@ -56,6 +56,9 @@ std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views,
 std::optional<Orientation> FittingOrientation(const SceneView& view, const std::filesystem::path& file, int width,
                                               int height);
 
+/// A side of LoadPhotos' pictures: round(size / downscale), at least 1.
+int WorkingSize(int size, int downscale);
+
 /// The file that LoadPhotos opens for the view: its photograph, or the one of images_N.
 std::filesystem::path PhotoFile(const SceneView& view, int downscale);
 
