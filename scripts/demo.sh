@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its pictures: two to three
-# minutes on two cores, nothing is downloaded but Debian packages. The results go to build/demo, or to the folder given.
+# Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its pictures: one to two minutes
+# on two cores, nothing is downloaded but Debian packages. The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
 set -euo pipefail
 here=$(cd "$(dirname "$0")/.." && pwd)
@@ -13,7 +13,7 @@ cmake --build --preset release --target oraclegs --parallel "$(nproc)"
 
 build/release/bin/oraclegs demo-scene "$folder/scene"
 build/release/bin/oraclegs reconstruct "$folder/scene" -o "$folder/run" --overwrite \
-  --views 12 --iterations 4000 --max-gaussians 30000 --sh-degree-interval 500
+  --views 12 --iterations 7000 --max-gaussians 50000
 
 echo
 echo "Photographs:          $folder/scene/images"

@@ -18,7 +18,7 @@ struct InfoOptions {
 std::string Shown(const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-  if (!value.is_structured()) return value.dump();
+  if (!value.is_structured()) return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::string text;
   for (const auto& [key, item] : value.items()) {
     text += fmt::format("{}{}", text.empty() ? "" : ", ",
@@ -49,7 +49,7 @@ class InfoCommand : public Command {
  private:
   void Body(const Listener& listener) override {
     const nlohmann::json info = Describe(path_, listener);
-    std::string text = options_.json ? info.dump(2) : Lines(info);
+    std::string text = options_.json ? info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : Lines(info);
     if (!options_.json && info.contains("metrics")) text += "\n" + SummaryOf(info["metrics"], path_);
     std::fputs((text + "\n").c_str(), stdout);  // it was asked for: also with --quiet
   }

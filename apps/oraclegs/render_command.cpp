@@ -20,7 +20,7 @@ class RenderCommand : public SourceCommand {
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
     const Model model = LoadModel(ply, options_);
     const PosedScene posed = OpenScene(listener);
-    RequireOutsideScene(out, posed.scene.root);
+    RequireOutsideScene(out, posed.scene, options_.input.images);
     const auto cameras = PathCameras(posed.scene, posed.split, options_.photo, path_);
     const auto video = RenderCameras(model, cameras, out, path_, listener);
     Print(fmt::format("pictures   {} in {}", cameras.size(), out.string()));

@@ -89,7 +89,7 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
   const Model model = LoadModel(request.ply, request.options);
   fs::path renders;
   if (!request.out.empty()) {
-    RequireOutsideScene(request.out, posed.scene.root);
+    RequireOutsideScene(request.out, posed.scene, request.options.input.images);
     if (IsWorkspace(request.out)) {
       throw InputError("{}: holds a run with its own metrics.json; choose another -o", request.out.string());
     }
@@ -113,7 +113,7 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
                             {"seed", request.options.start.seed}};
   if (!request.out.empty()) {
     const fs::path path = WorkspacePaths(request.out).metrics();
-    WriteFileAtomically(path, metrics.dump(2) + "\n");
+    WriteFileAtomically(path, metrics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     listener(FileWritten{path});
   }
   return metrics;
