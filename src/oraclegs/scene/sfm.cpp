@@ -57,7 +57,7 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
                  const fs::path& work_dir, const Listener& listener) {
   const ColmapRunner colmap(work_dir, listener);
   const bool has_masks = StageImages(scene, views, plan, work_dir);
-  colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // a placeholder: the true cameras follow
+  colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
   if (WriteKnownPoses(scene, views, plan, colmap, work_dir / "poses") < 2) {
     throw ColmapFailure{"feature_extractor", 0, "fewer than two photographs could be used"};
   }
