@@ -39,6 +39,11 @@ void BM_RenderForwardBackward(benchmark::State& state) {
   state.counters["blend_bwd_ms"] = sum.blend_backward / n_iterations;
   state.counters["gauss_bwd_ms"] = sum.gaussian_backward / n_iterations;
   state.counters["pairs"] = static_cast<double>(rasterizer->stats().tile_pairs);
+  const RenderStats st = rasterizer->stats();
+  state.counters["fwdGF"] = 34e-6 * st.pixel_pairs / (sum.blend / n_iterations);
+  state.counters["bwdGF"] = 64e-6 * st.pixel_pairs_backward / (sum.blend_backward / n_iterations);
+  state.counters["Mpp"] = 1e-6*st.pixel_pairs;
+  state.counters["Mppb"] = 1e-6*st.pixel_pairs_backward;
   state.SetItemsProcessed(state.iterations() * n);
   SetNumThreads(0);
 }

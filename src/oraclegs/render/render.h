@@ -40,10 +40,12 @@ struct RenderTimings {
   double blend_backward = 0, gaussian_backward = 0;  ///< Backward
 };
 
-/// How much work the last Forward found.
+/// How much work the last Forward and Backward found.
 struct RenderStats {
-  int64_t visible = 0;     ///< Gaussians that reach at least one tile
-  int64_t tile_pairs = 0;  ///< (tile, Gaussian) pairs
+  int64_t visible = 0;               ///< Gaussians that may reach at least one tile
+  int64_t tile_pairs = 0;            ///< (tile, Gaussian) pairs
+  int64_t pixel_pairs = 0;           ///< (pixel, Gaussian) pairs evaluated by the forward blend
+  int64_t pixel_pairs_backward = 0;  ///< by the backward blend
 };
 
 /// Renders Gaussians and differentiates the render. One object serves one thread of work; its buffers grow to the

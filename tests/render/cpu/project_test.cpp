@@ -67,11 +67,12 @@ TEST_P(ProjectSplats, IntermediateQuantitiesMatchTheFixture) {
       EXPECT_NEAR(s.my, means[2 * i + 1], 1e-4 * std::max(1.0, std::abs(means[2 * i + 1])));
       EXPECT_NEAR(s.depth, depths[i], 1e-5 * depths[i]);
       EXPECT_NEAR(s.inv_z, 1 / depths[i], 1e-5 / depths[i]);
-      EXPECT_NEAR(s.opacity, opacities[i], 1e-5);
-      const double size = std::abs(conics[3 * i]) + std::abs(conics[3 * i + 2]);
-      EXPECT_NEAR(s.qxx / (-0.5 * log2e), conics[3 * i], 2e-5 * size);
-      EXPECT_NEAR(s.qxy / -log2e, conics[3 * i + 1], 2e-5 * size);
-      EXPECT_NEAR(s.qyy / (-0.5 * log2e), conics[3 * i + 2], 2e-5 * size);
+      EXPECT_NEAR(std::exp2(s.log2_opacity), opacities[i], 1e-5);
+      // The sum of squares, multiplied out: ax^2 + (by slope)^2, by^2 slope, by^2.
+      const double size = std::abs(conics[3 * i]) + std::abs(conics[3 * i + 2]), by2 = double{s.by} * s.by;
+      EXPECT_NEAR((double{s.ax} * s.ax + by2 * s.slope * s.slope) / (0.5 * log2e), conics[3 * i], 2e-5 * size);
+      EXPECT_NEAR(by2 * s.slope / (0.5 * log2e), conics[3 * i + 1], 2e-5 * size);
+      EXPECT_NEAR(by2 / (0.5 * log2e), conics[3 * i + 2], 2e-5 * size);
       EXPECT_NEAR(s.r, colors[3 * i], 1e-5);
       EXPECT_NEAR(s.g, colors[3 * i + 1], 1e-5);
       EXPECT_NEAR(s.b, colors[3 * i + 2], 1e-5);

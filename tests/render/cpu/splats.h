@@ -13,14 +13,13 @@ inline cpu::Splat MakeSplat(double mx, double my, const double (&cov)[3], double
   const double det = cov[0] * cov[2] - cov[1] * cov[1], log2e = 1.442695040888963;
   cpu::Splat s{};
   s.mx = static_cast<float>(mx), s.my = static_cast<float>(my);
-  s.qxx = static_cast<float>(-0.5 * log2e * cov[2] / det);
-  s.qxy = static_cast<float>(log2e * cov[1] / det);
-  s.qyy = static_cast<float>(-0.5 * log2e * cov[0] / det);
+  s.ax = static_cast<float>(std::sqrt(0.5 * log2e / cov[0]));
+  s.by = static_cast<float>(std::sqrt(0.5 * log2e * cov[0] / det));
+  s.slope = static_cast<float>(-cov[1] / cov[0]);
   s.log2_opacity = static_cast<float>(std::log2(opacity));
   s.r = 0.9f, s.g = 0.5f, s.b = 0.1f;
   s.inv_z = static_cast<float>(1 / depth);
   s.depth = static_cast<float>(depth);
-  s.opacity = static_cast<float>(opacity);
   return s;
 }
 
@@ -35,8 +34,8 @@ inline cpu::Splat RandomSplat(Rng* rng, double width, double height) {
 
 /// alpha of a splat at a pixel centre, in double, before cap and threshold.
 inline double AlphaAt(const cpu::Splat& s, double x, double y) {
-  const double dx = x - s.mx, dy = y - s.my;
-  return std::exp2(s.log2_opacity + s.qxx * dx * dx + s.qxy * dx * dy + s.qyy * dy * dy);
+  const double dx = x - s.mx, p = s.ax * dx, q = s.by * (y - s.my + s.slope * dx);
+  return std::exp2(s.log2_opacity - p * p - q * q);
 }
 
 }  // namespace oraclegs

@@ -1,9 +1,15 @@
-// Backward blending. One task a tile, blocks as in forward, the list far to near from the last contributor.
+// Backward blending. One task a tile, blocks as in forward, the list far to near from where the last pixel ended.
 //
 // With v = g_C . c + g_D / z of a Gaussian and s the same of everything behind it (background and alpha's gradient
-// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a colour. The per-pixel products
-// h = alpha dL/d(alpha) and w = alpha T are summed over the block against fixed pixel moments, as sums over the tile's
-// centre; no horizontal reduction, no atomics: each (tile, Gaussian) pair has its own record.
+// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a colour. What is wanted are sums over the
+// block's pixels of h = alpha dL/d(alpha) and w = alpha T against fixed numbers a pixel. A chunk of a block's list is
+// taken in three sweeps:
+//  1. near to far: alpha and w, with T counted from the chunk's near end. One division a pixel and chunk gives the T
+//     it began with from the one it ended with, where a walk far to near would divide by 1 - alpha at every step.
+//  2. far to near: s and h. The T at the chunk's near end is inside the upstream gradients, not in w.
+//  3. rows of pixels become rows of Gaussians (register transposes), so that a sum over the block's pixels is a chain
+//     of additions for as many Gaussians as there are lanes.
+// No horizontal reduction, no atomics: each (tile, Gaussian) pair has its own record.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/render/cpu/blend_backward.cpp"
@@ -26,128 +32,219 @@ namespace oraclegs::HWY_NAMESPACE {
 struct HWY_ALIGN BlockAdjoint {
   float t[16];       ///< transmittance behind the current Gaussian
   float behind[16];  ///< s above
-  float gr[16], gg[16], gb[16], gz[16];
-  int32_t last[16];
-  // Row p holds what pixel p's h (left half) and w (right half) are multiplied by in the record.
-  float moments[16][8];   ///< 1, X, Y, XX, XY, YY, 0, 0
-  float upstream[16][8];  ///< g_r, g_g, g_b, g_z, 0 ...
-  int32_t farthest = 0;   ///< largest of last
+  float g[4][16];    ///< d/d(red), green, blue, inverse depth
+  int32_t end[16];   ///< as BlendImage::end
+  int32_t farthest, nearest;  ///< largest and smallest of end
 };
 
-using HalfTag = hn::CappedTag<float, 8>;
-inline constexpr int kHalfLanes = static_cast<int>(hn::MaxLanes(HalfTag()));
-inline constexpr int kHalfVecs = 8 / kHalfLanes;
+/// What the sweeps over a chunk hand to each other, one row a Gaussian.
+struct HWY_ALIGN Chunk {
+  static constexpr int kSize = 64;
+  float alpha[kSize][16];   ///< then h
+  float weight[kSize][16];  ///< w, with T = 1 at the chunk's near end
+  float g[4][16];           ///< upstream gradients times the T at its near end
+};
 
-/// record[0..7] += sum_p h[p] moments[p], record[8..15] += sum_p w[p] upstream[p].
-HWY_INLINE void Accumulate(const float* HWY_RESTRICT h, const float* HWY_RESTRICT w, const BlockAdjoint& block,
-                           float* HWY_RESTRICT record) {
-  const HalfTag d;
-  for (int half = 0; half < kHalfVecs; ++half) {
-    const int o = half * kHalfLanes;
-    // Two chains each, to hide the latency of the multiply-add.
-    auto a0 = hn::Load(d, record + o), a1 = hn::Zero(d);
-    auto b0 = hn::Load(d, record + 8 + o), b1 = hn::Zero(d);
-    for (int p = 0; p < 16; p += 2) {
-      a0 = hn::MulAdd(hn::Set(d, h[p]), hn::Load(d, block.moments[p] + o), a0);
-      b0 = hn::MulAdd(hn::Set(d, w[p]), hn::Load(d, block.upstream[p] + o), b0);
-      a1 = hn::MulAdd(hn::Set(d, h[p + 1]), hn::Load(d, block.moments[p + 1] + o), a1);
-      b1 = hn::MulAdd(hn::Set(d, w[p + 1]), hn::Load(d, block.upstream[p + 1] + o), b1);
+/// Sweep 1 over positions[0, count), which count from `first` in the tile's list. Returns in `t` what the chunk lets
+/// through.
+template <bool kAllSeen>
+HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, int count,
+                               const BlockPixels& pixels, const IntVec* end, Chunk* chunk, FloatVec* t) {
+  const FloatTag d;
+  for (int v = 0; v < kVecs; ++v) t[v] = hn::Set(d, 1.f);
+  for (int j = 0; j < count; ++j) {
+    const int i = positions[j];
+    for (int v = 0; v < kVecs; ++v) {
+      FloatVec alpha;
+      if constexpr (kAllSeen) {
+        alpha = segment.Alpha(i, pixels.x[v], pixels.y[v]);
+      } else {
+        const FloatMask before_end = hn::RebindMask(d, hn::Gt(end[v], hn::Set(IntTag(), i)));
+        alpha = segment.AlphaWhere(before_end, i, pixels.x[v], pixels.y[v]);
+      }
+      hn::Store(alpha, d, chunk->alpha[j] + v * kLanes);
+      hn::Store(hn::Mul(alpha, t[v]), d, chunk->weight[j] + v * kLanes);
+      t[v] = hn::NegMulAdd(alpha, t[v], t[v]);
     }
-    hn::Store(hn::Add(a0, a1), d, record + o);
-    hn::Store(hn::Add(b0, b1), d, record + 8 + o);
   }
 }
 
-HWY_INLINE void BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state,
-                              float* HWY_RESTRICT records) {
+/// Sweep 2. `behind` is s times the T at the chunk's near end.
+template <bool kDepth>
+HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRICT positions, int count, Chunk* chunk,
+                               FloatVec* behind) {
+  const FloatTag d;
+  FloatVec g[4][kVecs];
+  for (int c = 0; c < 3 + kDepth; ++c) {
+    for (int v = 0; v < kVecs; ++v) g[c][v] = hn::Load(d, chunk->g[c] + v * kLanes);
+  }
+  for (int j = count - 1; j >= 0; --j) {
+    const int i = positions[j];
+    for (int v = 0; v < kVecs; ++v) {
+      const FloatVec alpha = hn::Load(d, chunk->alpha[j] + v * kLanes);
+      FloatVec value = hn::Mul(g[0][v], hn::Set(d, segment.r[i]));
+      value = hn::MulAdd(g[1][v], hn::Set(d, segment.g[i]), value);
+      value = hn::MulAdd(g[2][v], hn::Set(d, segment.b[i]), value);
+      if constexpr (kDepth) value = hn::MulAdd(g[3][v], hn::Set(d, segment.inv_z[i]), value);
+      const FloatVec difference = hn::Sub(value, behind[v]);
+      behind[v] = hn::MulAdd(alpha, difference, behind[v]);
+      const FloatVec h = hn::Mul(hn::Load(d, chunk->weight[j] + v * kLanes), difference);
+      // At the cap alpha no longer moves with the Gaussian.
+      hn::Store(hn::IfThenElseZero(hn::Lt(alpha, hn::Set(d, kAlphaMax)), h), d, chunk->alpha[j] + v * kLanes);
+    }
+  }
+}
+
+/// Rows [0, kLanes) of 16 floats become 16 columns.
+HWY_INLINE void LoadPixelColumns(const float (*HWY_RESTRICT rows)[16], FloatVec* HWY_RESTRICT columns) {
+  LoadWideRows(rows[0], 16, kLanes, kVecs, columns);
+}
+
+/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre and the block's centre at
+/// (cx, cy). h: a vector a pixel.
+HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, float cx, float cy, FloatVec* HWY_RESTRICT moments) {
+  const FloatTag d;
+  const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
+  // Of four neighbours at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
+  const auto sum = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e) HWY_ATTR {
+    return hn::Add(hn::Add(a, e), hn::Add(b, c));
+  };
+  const auto first = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e) HWY_ATTR {
+    return hn::MulAdd(three, hn::Sub(e, a), hn::Sub(c, b));
+  };
+  const auto second = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e) HWY_ATTR {
+    return hn::MulAdd(nine, hn::Add(a, e), hn::Add(b, c));
+  };
+  FloatVec row[4], row_x[4], row_xx[4];
+  for (int y = 0; y < 4; ++y) {
+    const FloatVec* p = h + 4 * y;
+    row[y] = sum(p[0], p[1], p[2], p[3]);
+    row_x[y] = first(p[0], p[1], p[2], p[3]);
+    row_xx[y] = second(p[0], p[1], p[2], p[3]);
+  }
+  const auto halves = [&](FloatVec m) HWY_ATTR { return hn::Mul(hn::Set(d, 0.5f), m); };
+  const auto quarters = [&](FloatVec m) HWY_ATTR { return hn::Mul(hn::Set(d, 0.25f), m); };
+  const FloatVec m = sum(row[0], row[1], row[2], row[3]);
+  const FloatVec x = halves(sum(row_x[0], row_x[1], row_x[2], row_x[3]));
+  const FloatVec y = halves(first(row[0], row[1], row[2], row[3]));
+  const FloatVec xx = quarters(sum(row_xx[0], row_xx[1], row_xx[2], row_xx[3]));
+  const FloatVec xy = quarters(first(row_x[0], row_x[1], row_x[2], row_x[3]));
+  const FloatVec yy = quarters(second(row[0], row[1], row[2], row[3]));
+  // From the block's centre to the tile's.
+  const FloatVec vx = hn::Set(d, cx), vy = hn::Set(d, cy);
+  const FloatVec shifted_x = hn::MulAdd(vx, m, x), shifted_y = hn::MulAdd(vy, m, y);
+  moments[0] = m;
+  moments[1] = shifted_x;
+  moments[2] = shifted_y;
+  moments[3] = hn::MulAdd(vx, hn::Add(shifted_x, x), xx);
+  moments[4] = hn::MulAdd(vx, shifted_y, hn::MulAdd(vy, x, xy));
+  moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
+}
+
+/// Sweep 3: adds to the records of positions[0, count).
+template <bool kDepth>
+HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, int count, float cx, float cy,
+                             float* HWY_RESTRICT records) {
+  const FloatTag d;
+  constexpr int kTiles = (12 + kLanes - 1) / kLanes;
+  for (int j = 0; j < count; j += kLanes) {
+    FloatVec columns[cpu::kGradStride], pixel[16];
+    for (FloatVec& c : columns) c = hn::Zero(d);
+    LoadPixelColumns(chunk.alpha + j, pixel);
+    SumMoments(pixel, cx, cy, columns);
+    LoadPixelColumns(chunk.weight + j, pixel);
+    for (int c = 0; c < 3 + kDepth; ++c) {
+      FloatVec sum = hn::Mul(pixel[0], hn::Set(d, chunk.g[c][0]));
+      for (int p = 1; p < 16; ++p) sum = hn::MulAdd(pixel[p], hn::Set(d, chunk.g[c][p]), sum);
+      columns[8 + c] = sum;
+    }
+    const int rows = std::min(kLanes, count - j);
+    for (int tile = 0; tile < kTiles; ++tile) {
+      Transpose(columns + tile * kLanes);
+      for (int lane = 0; lane < rows; ++lane) {
+        float* to = records + static_cast<int64_t>(positions[j + lane]) * cpu::kGradStride + tile * kLanes;
+        hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
+      }
+    }
+  }
+}
+
+/// The segment's part of one block's list; records of the segment's first entry. Returns how many it visited.
+template <bool kDepth>
+HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state, Chunk* chunk,
+                             float* HWY_RESTRICT records) {
   const FloatTag d;
   const IntTag di;
   const BlockPixels pixels(block);
-  FloatVec t[kVecs], behind[kVecs], gr[kVecs], gg[kVecs], gb[kVecs], gz[kVecs];
-  IntVec last[kVecs];
+  const int32_t* HWY_RESTRICT positions = segment.positions[block];
+  IntVec end[kVecs];
+  FloatVec t[kVecs], behind[kVecs], through[kVecs];
   for (int v = 0; v < kVecs; ++v) {
+    end[v] = hn::Sub(hn::Load(di, state->end + v * kLanes), hn::Set(di, first));
     t[v] = hn::Load(d, state->t + v * kLanes);
     behind[v] = hn::Load(d, state->behind + v * kLanes);
-    gr[v] = hn::Load(d, state->gr + v * kLanes);
-    gg[v] = hn::Load(d, state->gg + v * kLanes);
-    gb[v] = hn::Load(d, state->gb + v * kLanes);
-    gz[v] = hn::Load(d, state->gz + v * kLanes);
-    last[v] = hn::Load(di, state->last + v * kLanes);
   }
-  HWY_ALIGN float h[16], w[16];
-  const uint16_t* HWY_RESTRICT positions = segment.positions[block];
-  for (int j = segment.counts[block] - 1; j >= 0; --j) {
-    const cpu::Splat& s = segment.splats[positions[j]];
-    const IntVec position = hn::Set(di, first + positions[j]);
-    bool any = false;
-    for (int v = 0; v < kVecs; ++v) {
-      const Coverage c = Cover(s, pixels.x[v], pixels.y[v]);
-      const FloatMask hit = hn::And(c.covered, hn::RebindMask(d, hn::Gt(last[v], position)));
-      any |= !hn::AllFalse(d, hit);
-      const FloatVec alpha = hn::IfThenElseZero(hit, c.alpha);
-      t[v] = hn::Div(t[v], hn::Sub(hn::Set(d, 1.f), alpha));
-      FloatVec value = hn::Mul(gr[v], hn::Set(d, s.r));
-      value = hn::MulAdd(gg[v], hn::Set(d, s.g), value);
-      value = hn::MulAdd(gb[v], hn::Set(d, s.b), value);
-      value = hn::MulAdd(gz[v], hn::Set(d, s.inv_z), value);
-      const FloatVec difference = hn::Sub(value, behind[v]);
-      const FloatVec weight = hn::Mul(alpha, t[v]);
-      behind[v] = hn::MulAdd(alpha, difference, behind[v]);
-      hn::Store(weight, d, w + v * kLanes);
-      // At the cap alpha no longer moves with the Gaussian.
-      hn::Store(hn::IfThenZeroElse(hn::Ge(c.raw, hn::Set(d, kAlphaMax)), hn::Mul(weight, difference)), d,
-                h + v * kLanes);
+  int count = segment.counts[block];
+  while (count > 0 && positions[count - 1] >= state->farthest - first) --count;
+  const float cx = static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2);
+  const float cy = static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2);
+  for (int stop = count; stop > 0;) {
+    // The chunks near the eye are full; a ragged one costs nothing but its own vector.
+    const int start = (stop - 1) / Chunk::kSize * Chunk::kSize;
+    const int32_t* chunk_positions = positions + start;
+    const int n = stop - start;
+    if (positions[stop - 1] < state->nearest - first) {
+      SweepNearToFar<true>(segment, chunk_positions, n, pixels, end, chunk, through);
+    } else {
+      SweepNearToFar<false>(segment, chunk_positions, n, pixels, end, chunk, through);
     }
-    if (any) Accumulate(h, w, *state, records + static_cast<int64_t>(first + positions[j]) * cpu::kGradStride);
+    for (int v = 0; v < kVecs; ++v) {
+      t[v] = hn::Div(t[v], through[v]);
+      behind[v] = hn::Mul(behind[v], t[v]);
+      for (int c = 0; c < 3 + kDepth; ++c) {
+        hn::Store(hn::Mul(hn::Load(d, state->g[c] + v * kLanes), t[v]), d, chunk->g[c] + v * kLanes);
+      }
+    }
+    SweepFarToNear<kDepth>(segment, chunk_positions, n, chunk, behind);
+    for (int v = 0; v < kVecs; ++v) behind[v] = hn::Div(behind[v], t[v]);
+    AddToRecords<kDepth>(*chunk, chunk_positions, n, cx, cy, records);
+    stop = start;
   }
   for (int v = 0; v < kVecs; ++v) {
     hn::Store(t[v], d, state->t + v * kLanes);
     hn::Store(behind[v], d, state->behind + v * kLanes);
   }
+  return count;
 }
 
-HWY_INLINE void LoadBlock(const cpu::BlendImage& forward, const cpu::BlendUpstream& up, int tile_x, int tile_y,
-                          int64_t offset, int block, BlockAdjoint* s) {
-  const int x0 = tile_x * cpu::kTile + block % 4 * cpu::kBlock, y0 = tile_y * cpu::kTile + block / 4 * cpu::kBlock;
+HWY_INLINE void LoadBlock(const cpu::TileWork& tile, const cpu::BlendImage& forward, const cpu::BlendUpstream& up,
+                          int block, BlockAdjoint* s) {
+  const int x0 = BlockX(tile, block), y0 = BlockY(tile, block);
+  const int64_t offset = tile.index * cpu::kTilePixels + block * 16;
   s->farthest = 0;
+  s->nearest = static_cast<int32_t>(tile.count);
   for (int i = 0; i < 16; ++i) {
-    const int x = x0 + i % 4, y = y0 + i / 4;
+    const int x = x0 + i % cpu::kBlock, y = y0 + i / cpu::kBlock;
     const bool inside = x < forward.width && y < forward.height;
     const int64_t pixel = inside ? static_cast<int64_t>(y) * forward.width + x : 0;
     const bool has_image = inside && up.image != nullptr;
-    s->gr[i] = has_image ? up.image[3 * pixel] : 0;
-    s->gg[i] = has_image ? up.image[3 * pixel + 1] : 0;
-    s->gb[i] = has_image ? up.image[3 * pixel + 2] : 0;
-    s->gz[i] = inside && up.inv_depth != nullptr ? up.inv_depth[pixel] : 0;
+    for (int c = 0; c < 3; ++c) s->g[c][i] = has_image ? up.image[3 * pixel + c] : 0;
+    s->g[3][i] = inside && up.inv_depth != nullptr ? up.inv_depth[pixel] : 0;
     const float g_alpha = inside && up.alpha != nullptr ? up.alpha[pixel] : 0;
-    s->behind[i] = s->gr[i] * forward.background[0] + s->gg[i] * forward.background[1] +
-                   s->gb[i] * forward.background[2] - g_alpha;
+    s->behind[i] = s->g[0][i] * forward.background[0] + s->g[1][i] * forward.background[1] +
+                   s->g[2][i] * forward.background[2] - g_alpha;
     s->t[i] = forward.transmittance[offset + i];
-    s->last[i] = static_cast<int32_t>(forward.last[offset + i]);
-    s->farthest = std::max(s->farthest, s->last[i]);
-    const float px = static_cast<float>(block % 4 * 4 + i % 4) + 0.5f - cpu::kTile / 2;
-    const float py = static_cast<float>(block / 4 * 4 + i / 4) + 0.5f - cpu::kTile / 2;
-    const float moments[8] = {1, px, py, px * px, px * py, py * py, 0, 0};
-    const float upstream[8] = {s->gr[i], s->gg[i], s->gb[i], s->gz[i], 0, 0, 0, 0};
-    std::memcpy(s->moments[i], moments, sizeof(moments));
-    std::memcpy(s->upstream[i], upstream, sizeof(upstream));
+    s->end[i] = inside ? static_cast<int32_t>(forward.end[offset + i]) : 0;
+    s->farthest = std::max(s->farthest, s->end[i]);
+    s->nearest = std::min(s->nearest, s->end[i]);
   }
 }
 
-HWY_NOINLINE void BlendTileBackward(const cpu::Splat* splats, const cpu::TileEntry* entries, int64_t count, int tile_x,
-                                    int tile_y, int64_t tile, const cpu::BlendImage& forward,
-                                    const cpu::BlendUpstream& upstream, float* records) {
-  if (count == 0) return;
-  BlockAdjoint states[cpu::kBlocksPerTile];
-  int64_t farthest = 0;
-  for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-    LoadBlock(forward, upstream, tile_x, tile_y, tile * cpu::kTilePixels + block * 16, block, &states[block]);
-    farthest = std::max<int64_t>(farthest, states[block].farthest);
-  }
-  std::memset(records, 0, sizeof(float) * cpu::kGradStride * count);
-  const float center_x = static_cast<float>(tile_x * cpu::kTile + cpu::kTile / 2);
-  const float center_y = static_cast<float>(tile_y * cpu::kTile + cpu::kTile / 2);
+template <bool kDepth>
+HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states, int64_t farthest, float* records) {
   Segment segment;
+  Chunk chunk;
+  int64_t visited = 0;
   for (int64_t begin = (farthest - 1) / Segment::kSize * Segment::kSize; begin >= 0 && farthest > 0;
        begin -= Segment::kSize) {
     const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, farthest - begin));
@@ -155,12 +252,28 @@ HWY_NOINLINE void BlendTileBackward(const cpu::Splat* splats, const cpu::TileEnt
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
       if (states[block].farthest > begin) wanted |= 1u << block;
     }
-    segment.Fill(splats, entries + begin, n, center_x, center_y, wanted);
+    segment.Fill(tile, begin, n, wanted);
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      BackwardBlock(segment, block, static_cast<int32_t>(begin), &states[block], records);
+      visited += BackwardBlock<kDepth>(segment, block, static_cast<int32_t>(begin), &states[block], &chunk,
+                                       records + begin * cpu::kGradStride);
     }
   }
+  return visited * 16;
+}
+
+HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::BlendImage& forward,
+                                       const cpu::BlendUpstream& upstream, float* records) {
+  if (tile.count == 0) return 0;
+  BlockAdjoint states[cpu::kBlocksPerTile];
+  int64_t farthest = 0;
+  for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
+    LoadBlock(tile, forward, upstream, block, &states[block]);
+    farthest = std::max<int64_t>(farthest, states[block].farthest);
+  }
+  std::memset(records, 0, sizeof(float) * cpu::kGradStride * tile.count);
+  return upstream.inv_depth != nullptr ? BackwardTile<true>(tile, states, farthest, records)
+                                       : BackwardTile<false>(tile, states, farthest, records);
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE
@@ -171,10 +284,9 @@ namespace oraclegs {
 HWY_EXPORT(BlendTileBackward);
 
 namespace cpu {
-void BlendTileBackward(const Splat* splats, const TileEntry* entries, int64_t count, int tile_x, int tile_y,
-                       int64_t tile, const BlendImage& forward, const BlendUpstream& upstream, float* records) {
-  HWY_DYNAMIC_DISPATCH(oraclegs::BlendTileBackward)
-  (splats, entries, count, tile_x, tile_y, tile, forward, upstream, records);
+int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const BlendUpstream& upstream,
+                          float* records) {
+  return HWY_DYNAMIC_DISPATCH(oraclegs::BlendTileBackward)(tile, forward, upstream, records);
 }
 }  // namespace cpu
 }  // namespace oraclegs

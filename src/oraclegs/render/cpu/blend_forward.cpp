@@ -1,6 +1,6 @@
 // Forward blending. One task a tile. The tile's list is read near to far in segments; each 4 x 4 block walks the
 // positions that reach it with its 16 pixels in vector lanes, and is done when every pixel is opaque.
-// Kept for backward: final transmittance and last contributor, 8 bytes a pixel. Nothing is allocated.
+// Kept for backward: final transmittance and where the pixel became opaque, 8 bytes a pixel. Nothing is allocated.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/render/cpu/blend_forward.cpp"
@@ -18,65 +18,80 @@
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
+/// Where a pixel that takes nothing more is moved to: no Gaussian reaches it, and its squares stay finite.
+inline constexpr float kOutOfReach = 1e15f;
+
 /// What a block's pixels have gathered so far.
 struct HWY_ALIGN BlockState {
+  float x[16];  ///< px from the tile's centre, or kOutOfReach
   float t[16], r[16], g[16], b[16], inv_z[16];
-  int32_t last[16];
-  float alive[16];  ///< 1, or 0 once opaque or when outside the image
+  int32_t end[16];  ///< as BlendImage::end
 };
 
-/// Blends the segment's splats of one block. Returns whether a pixel is still open.
-HWY_INLINE bool BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
+/// Blends the segment's splats of one block, positions counted from `first`. Returns how many it visited, negative
+/// when no pixel takes anything more.
+HWY_INLINE int BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
   const FloatTag d;
   const IntTag di;
   const BlockPixels pixels(block);
-  FloatVec t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
-  IntVec last[kVecs];
-  FloatMask alive[kVecs];
+  FloatVec x[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
   for (int v = 0; v < kVecs; ++v) {
+    x[v] = hn::Load(d, state->x + v * kLanes);
     t[v] = hn::Load(d, state->t + v * kLanes);
     r[v] = hn::Load(d, state->r + v * kLanes);
     g[v] = hn::Load(d, state->g + v * kLanes);
     b[v] = hn::Load(d, state->b + v * kLanes);
     z[v] = hn::Load(d, state->inv_z + v * kLanes);
-    last[v] = hn::Load(di, state->last + v * kLanes);
-    alive[v] = hn::Ne(hn::Load(d, state->alive + v * kLanes), hn::Zero(d));
   }
-  const uint16_t* HWY_RESTRICT positions = segment.positions[block];
+  const int32_t* HWY_RESTRICT positions = segment.positions[block];
   const int count = segment.counts[block];
   bool open = true;
-  for (int j = 0; j < count && open; ++j) {
-    const cpu::Splat& s = segment.splats[positions[j]];
-    const IntVec position = hn::Set(di, first + positions[j] + 1);
-    open = false;
+  int j = 0;
+  for (; j < count && open; ++j) {
+    const int i = positions[j];
     for (int v = 0; v < kVecs; ++v) {
-      const Coverage c = Cover(s, pixels.x[v], pixels.y[v]);
-      const FloatMask hit = hn::And(c.covered, alive[v]);
-      const FloatVec weight = hn::Mul(c.alpha, t[v]);
-      const FloatVec next = hn::NegMulAdd(c.alpha, t[v], t[v]);
-      const FloatMask ends = hn::And(hit, hn::Lt(next, hn::Set(d, kTransmittanceEnd)));
-      const FloatMask adds = hn::AndNot(ends, hit);
-      alive[v] = hn::AndNot(ends, alive[v]);
-      const FloatVec w = hn::IfThenElseZero(adds, weight);
-      r[v] = hn::MulAdd(w, hn::Set(d, s.r), r[v]);
-      g[v] = hn::MulAdd(w, hn::Set(d, s.g), g[v]);
-      b[v] = hn::MulAdd(w, hn::Set(d, s.b), b[v]);
-      z[v] = hn::MulAdd(w, hn::Set(d, s.inv_z), z[v]);
-      t[v] = hn::IfThenElse(adds, next, t[v]);
-      last[v] = hn::IfThenElse(hn::RebindMask(di, adds), position, last[v]);
-      open |= !hn::AllFalse(d, alive[v]);
+      FloatVec alpha = segment.Alpha(i, x[v], pixels.y[v]);
+      FloatVec next = hn::NegMulAdd(alpha, t[v], t[v]);
+      // Holds once in a pixel's life: what it needs stays out of the usual path.
+      const FloatMask ends = hn::Lt(next, hn::Set(d, kTransmittanceEnd));
+      if (HWY_UNLIKELY(!hn::AllFalse(d, ends))) {
+        alpha = hn::IfThenZeroElse(ends, alpha);
+        next = hn::IfThenElse(ends, t[v], next);
+        x[v] = hn::IfThenElse(ends, hn::Set(d, kOutOfReach), x[v]);
+        hn::BlendedStore(hn::Set(di, first + i), hn::RebindMask(di, ends), di, state->end + v * kLanes);
+        open = false;
+        for (int w = 0; w < kVecs; ++w) open |= !hn::AllFalse(d, hn::Lt(x[w], hn::Set(d, kOutOfReach)));
+      }
+      const FloatVec weight = hn::Mul(alpha, t[v]);
+      t[v] = next;
+      r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
+      g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
+      b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
+      z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
     }
   }
   for (int v = 0; v < kVecs; ++v) {
+    hn::Store(x[v], d, state->x + v * kLanes);
     hn::Store(t[v], d, state->t + v * kLanes);
     hn::Store(r[v], d, state->r + v * kLanes);
     hn::Store(g[v], d, state->g + v * kLanes);
     hn::Store(b[v], d, state->b + v * kLanes);
     hn::Store(z[v], d, state->inv_z + v * kLanes);
-    hn::Store(last[v], di, state->last + v * kLanes);
-    hn::Store(hn::IfThenElseZero(alive[v], hn::Set(d, 1.f)), d, state->alive + v * kLanes);
   }
-  return open;
+  return open ? j : -j;
+}
+
+HWY_INLINE void StartBlock(const cpu::TileWork& tile, int block, const cpu::BlendImage& out, BlockState* s) {
+  const FloatTag d;
+  const BlockPixels pixels(block);
+  for (int v = 0; v < kVecs; ++v) hn::Store(pixels.x[v], d, s->x + v * kLanes);
+  const int x0 = BlockX(tile, block), y0 = BlockY(tile, block);
+  for (int i = 0; i < 16; ++i) {
+    if (x0 + i % cpu::kBlock >= out.width || y0 + i / cpu::kBlock >= out.height) s->x[i] = kOutOfReach;
+    s->t[i] = 1;
+    s->r[i] = s->g[i] = s->b[i] = s->inv_z[i] = 0;
+    s->end[i] = static_cast<int32_t>(tile.count);
+  }
 }
 
 /// Writes a block's pixels that lie inside the image.
@@ -95,40 +110,39 @@ HWY_INLINE void StoreBlock(const BlockState& s, int x0, int y0, const cpu::Blend
   }
 }
 
-HWY_NOINLINE void BlendTile(const cpu::Splat* splats, const cpu::TileEntry* entries, int64_t count, int tile_x,
-                            int tile_y, int64_t tile, const cpu::BlendImage& out) {
+HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage& out) {
   BlockState states[cpu::kBlocksPerTile];
   uint32_t open = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-    const int x0 = tile_x * cpu::kTile + block % 4 * cpu::kBlock, y0 = tile_y * cpu::kTile + block / 4 * cpu::kBlock;
-    BlockState& s = states[block];
-    for (int i = 0; i < 16; ++i) {
-      s.t[i] = 1;
-      s.r[i] = s.g[i] = s.b[i] = s.inv_z[i] = 0;
-      s.last[i] = 0;
-      s.alive[i] = x0 + i % 4 < out.width && y0 + i / 4 < out.height ? 1.f : 0.f;
-    }
+    const int x0 = BlockX(tile, block), y0 = BlockY(tile, block);
+    StartBlock(tile, block, out, &states[block]);
     if (x0 < out.width && y0 < out.height) open |= 1u << block;
   }
-  const float center_x = static_cast<float>(tile_x * cpu::kTile + cpu::kTile / 2);
-  const float center_y = static_cast<float>(tile_y * cpu::kTile + cpu::kTile / 2);
+  const uint32_t inside = open;
   Segment segment;
-  for (int64_t begin = 0; begin < count && open != 0; begin += Segment::kSize) {
-    const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, count - begin));
-    segment.Fill(splats, entries + begin, n, center_x, center_y, open);
+  int64_t visited = 0;
+  for (int64_t begin = 0; begin < tile.count && open != 0; begin += Segment::kSize) {
+    const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, tile.count - begin));
+    segment.Fill(tile, begin, n, open);
     for (uint32_t left = open; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      if (!BlendBlock(segment, block, static_cast<int32_t>(begin), &states[block])) open &= ~(1u << block);
+      const int steps = BlendBlock(segment, block, static_cast<int32_t>(begin), &states[block]);
+      if (steps < 0) open &= ~(1u << block);
+      visited += std::abs(steps);
     }
   }
-  for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-    const int x0 = tile_x * cpu::kTile + block % 4 * cpu::kBlock, y0 = tile_y * cpu::kTile + block / 4 * cpu::kBlock;
-    StoreBlock(states[block], x0, y0, out);
-    if (out.transmittance == nullptr) continue;
-    const int64_t offset = tile * cpu::kTilePixels + block * 16;
-    std::copy_n(states[block].t, 16, out.transmittance + offset);
-    std::copy_n(states[block].last, 16, out.last + offset);
+  for (uint32_t left = inside; left != 0; left &= left - 1) {
+    const int block = __builtin_ctz(left);
+    StoreBlock(states[block], BlockX(tile, block), BlockY(tile, block), out);
   }
+  if (out.transmittance != nullptr) {
+    for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
+      const int64_t offset = tile.index * cpu::kTilePixels + block * 16;
+      std::copy_n(states[block].t, 16, out.transmittance + offset);
+      std::copy_n(states[block].end, 16, out.end + offset);
+    }
+  }
+  return visited * 16;
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE
@@ -139,9 +153,8 @@ namespace oraclegs {
 HWY_EXPORT(BlendTile);
 
 namespace cpu {
-void BlendTile(const Splat* splats, const TileEntry* entries, int64_t count, int tile_x, int tile_y, int64_t tile,
-               const BlendImage& out) {
-  HWY_DYNAMIC_DISPATCH(oraclegs::BlendTile)(splats, entries, count, tile_x, tile_y, tile, out);
+int64_t BlendTile(const TileWork& tile, const BlendImage& out) {
+  return HWY_DYNAMIC_DISPATCH(oraclegs::BlendTile)(tile, out);
 }
 }  // namespace cpu
 }  // namespace oraclegs

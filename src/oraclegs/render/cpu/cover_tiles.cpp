@@ -32,12 +32,13 @@ HWY_ALIGN constexpr BlockOffsets kBlockOffsets = MakeBlockOffsets();
 HWY_NOINLINE int64_t CoveredTiles(const cpu::Splat& s, const cpu::TileRect& rect, uint32_t id, int tiles_x,
                                   cpu::TileEntry* entries, uint32_t* tiles) {
   const FloatTag d;
-  const Lanes qxx(s.qxx), qxy(s.qxy), qyy(s.qyy), zero(0.f), span(static_cast<float>(cpu::kBlock - 1));
-  // On an edge of fixed dx the form is largest at dy = slope_y dx, and the other way round.
-  const Lanes slope_y(-s.qxy / (2 * s.qyy)), slope_x(-s.qxy / (2 * s.qxx));
-  // alpha >= 1/255 <=> form >= bound. The slack covers rounding here and in the blend loop: a fixed part and, for
-  // needles whose terms cancel, a part relative to the terms.
-  const Lanes bound(-7.99435343685886f - s.log2_opacity - 1e-4f), relative(2e-6f);
+  const Lanes ax(s.ax), by(s.by), slope(s.slope), zero(0.f), span(static_cast<float>(cpu::kBlock - 1));
+  // The sum of squares of kernels.h is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at
+  // dx = across dy.
+  const float tilt = s.by * s.by * s.slope;
+  const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
+  // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop.
+  const Lanes bound(7.99435343685886f + s.log2_opacity + 1e-4f);
   int64_t n = 0;
   for (int ty = rect.y0; ty < rect.y1; ++ty) {
     for (int tx = rect.x0; tx < rect.x1; ++tx) {
@@ -48,13 +49,11 @@ HWY_NOINLINE int64_t CoveredTiles(const cpu::Splat& s, const cpu::TileRect& rect
         const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;
         const Lanes y0 = corner_y + Lanes(hn::Load(d, kBlockOffsets.y + v)), y1 = y0 + span;
         const Lanes near_x = Max(x0, Min(x1, zero)), near_y = Max(y0, Min(y1, zero));
-        // The maximum over the block lies on the edge nearest in x or on the one nearest in y.
-        const Lanes best_y = Max(y0, Min(y1, slope_y * near_x)), best_x = Max(x0, Min(x1, slope_x * near_y));
-        const Lanes xx1 = qxx * near_x * near_x, yy1 = qyy * best_y * best_y;
-        const Lanes xx2 = qxx * best_x * best_x, yy2 = qyy * near_y * near_y;
-        const Lanes f1 = xx1 + yy1 + qxy * near_x * best_y - relative * (xx1 + yy1);
-        const Lanes f2 = xx2 + yy2 + qxy * best_x * near_y - relative * (xx2 + yy2);
-        const LanesMask reached = Max(f1, f2) >= bound;
+        // The minimum over the block lies on the edge nearest in x or on the one nearest in y.
+        const Lanes best_y = Max(y0, Min(y1, zero - slope * near_x)), best_x = Max(x0, Min(x1, across * near_y));
+        const Lanes p1 = ax * near_x, q1 = by * (best_y + slope * near_x);
+        const Lanes p2 = ax * best_x, q2 = by * (near_y + slope * best_x);
+        const LanesMask reached = Min(p1 * p1 + q1 * q1, p2 * p2 + q2 * q2) <= bound;
         uint8_t bits[8] = {};
         hn::StoreMaskBits(d, reached.m, bits);
         constexpr uint32_t kUsed = (1u << kLanes) - 1;

@@ -3,6 +3,7 @@
 #include <hwy/aligned_allocator.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <vector>
 
@@ -91,6 +92,8 @@ class CpuRasterizer final : public Rasterizer {
     timings_.project = clock.Lap();
 
     lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
+    stats_.visible = static_cast<int64_t>(lists_.order.size());
+    stats_.tile_pairs = lists_.pairs;
     timings_.bin = clock.Lap();
 
     AllocateImages(camera.height, camera.width);
@@ -98,7 +101,7 @@ class CpuRasterizer final : public Rasterizer {
     const bool train = pass == RenderPass::kTrain;
     if (train && static_cast<int64_t>(transmittance_.size()) < tiles * kTilePixels) {
       transmittance_.resize(tiles * kTilePixels);
-      last_.resize(tiles * kTilePixels);
+      end_.resize(tiles * kTilePixels);
     }
     blend_ = {camera.width,
               camera.height,
@@ -107,12 +110,9 @@ class CpuRasterizer final : public Rasterizer {
               output_.alpha.data_ptr<float>(),
               output_.inv_depth.data_ptr<float>(),
               train ? transmittance_.data() : nullptr,
-              train ? last_.data() : nullptr};
-    ParallelFor(tiles, [&](int64_t tile) {
-      const int64_t begin = lists_.tile_begin[tile];
-      BlendTile(splats_.data(), lists_.entries.data() + begin, lists_.tile_begin[tile + 1] - begin,
-                static_cast<int>(tile % input_.tiles_x), static_cast<int>(tile / input_.tiles_x), tile, blend_);
-    });
+              train ? end_.data() : nullptr};
+    stats_.pixel_pairs = SumOverTiles([&](int64_t tile) { return BlendTile(Work(tile), blend_); });
+    stats_.pixel_pairs_backward = 0;
     timings_.blend = clock.Lap();
     trained_size_ = train ? n : -1;
     return output_;
@@ -134,12 +134,8 @@ class CpuRasterizer final : public Rasterizer {
       record_capacity_ = lists_.pairs + lists_.pairs / 4;
       records_ = hwy::AllocateAligned<float>(record_capacity_ * kGradStride);
     }
-    const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
-    ParallelFor(tiles, [&](int64_t tile) {
-      const int64_t begin = lists_.tile_begin[tile];
-      BlendTileBackward(splats_.data(), lists_.entries.data() + begin, lists_.tile_begin[tile + 1] - begin,
-                        static_cast<int>(tile % input_.tiles_x), static_cast<int>(tile / input_.tiles_x), tile, blend_,
-                        up, records_.get() + begin * kGradStride);
+    stats_.pixel_pairs_backward = SumOverTiles([&](int64_t tile) {
+      return BlendTileBackward(Work(tile), blend_, up, records_.get() + lists_.tile_begin[tile] * kGradStride);
     });
     timings_.blend_backward = clock.Lap();
 
@@ -160,9 +156,28 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   RenderTimings timings() const override { return timings_; }
-  RenderStats stats() const override { return {static_cast<int64_t>(lists_.order.size()), lists_.pairs}; }
+  RenderStats stats() const override { return stats_; }
 
  private:
+  TileWork Work(int64_t tile) const {
+    const int64_t begin = lists_.tile_begin[tile];
+    return {splats_.data(),
+            lists_.entries.data() + begin,
+            lists_.tile_begin[tile + 1] - begin,
+            static_cast<int>(tile % input_.tiles_x),
+            static_cast<int>(tile / input_.tiles_x),
+            tile};
+  }
+
+  /// Sum of body(tile) over all tiles, run on all threads.
+  template <class Body>
+  int64_t SumOverTiles(const Body& body) {
+    const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
+    std::atomic<int64_t> sum{0};  // of integers: the same in any order
+    ParallelFor(tiles, [&](int64_t tile) { sum.fetch_add(body(tile), std::memory_order_relaxed); });
+    return sum;
+  }
+
   void AllocateImages(int64_t height, int64_t width) {
     if (output_.image.defined() && output_.image.size(0) == height && output_.image.size(1) == width) return;
     output_ = {torch::empty({height, width, 3}), torch::empty({height, width}), torch::empty({height, width})};
@@ -177,7 +192,8 @@ class CpuRasterizer final : public Rasterizer {
   std::vector<float> transmittance_;
   hwy::AlignedFreeUniquePtr<float[]> records_;  // one cache line a pair
   int64_t record_capacity_ = 0;                 // pairs
-  std::vector<uint32_t> last_;
+  std::vector<uint32_t> end_;
+  RenderStats stats_;
   int64_t trained_size_ = -1;
   RenderTimings timings_;
 };

@@ -14,18 +14,20 @@ inline constexpr int kTilePixels = kTile * kTile;
 inline constexpr int kBlocksPerTile = 16;
 inline constexpr int kGradStride = 16;  ///< floats of one pair's gradient record (one cache line)
 
-/// One Gaussian as the blend loop reads it. The falloff is exp2(log2_opacity + qxx dx^2 + qxy dx dy + qyy dy^2), d from
-/// the centre in pixels; log2(e) and the factors 1/2 are folded into q.
-struct Splat {
+/// One Gaussian as the blend loop reads it. With d = pixel - centre its falloff is
+/// exp2(log2_opacity - (ax dx)^2 - (by (dy + slope dx))^2): the quadratic form of the inverse covariance, written as a
+/// sum of squares. It needs no more operations, never exceeds its peak, and keeps its digits on needles, where the
+/// three terms of the form itself cancel. log2(e) and the factor 1/2 are inside ax and by.
+struct alignas(64) Splat {
   float mx, my;         ///< px, whole image
-  float qxx, qxy, qyy;  ///< <= 0 on the diagonal
+  float ax, by, slope;  ///< ax^2 = log2(e)/2 / cov_xx, by^2 = log2(e)/2 conic_yy (1/px^2), slope = -cov_xy / cov_xx
   float log2_opacity;
   float r, g, b;
   float inv_z;
   float depth;
-  float opacity;
 };
-static_assert(sizeof(Splat) == 48);
+static_assert(sizeof(Splat) == 64);
+inline constexpr int kSplatFields = 11;
 
 /// Tiles that a Gaussian may reach: [x0, x1) x [y0, y1). Empty: not visible.
 struct TileRect {
@@ -65,12 +67,22 @@ struct BlendImage {
   float* alpha;          ///< [H,W]
   float* inv_depth;      ///< [H,W]
   float* transmittance;  ///< [tiles, 16 blocks, 16 pixels] final T, or null
-  uint32_t* last;        ///< the same layout: 1 + position in the tile's list of the last contributor, or null
+  uint32_t* end;         ///< the same layout: entries before this one were blended, or null. Where the pixel became
+                         ///< opaque, else the list's length
 };
 
-/// Blends one tile's list, near to far (spec/gaussian_core.md 4).
-void BlendTile(const Splat* splats, const TileEntry* entries, int64_t count, int tile_x, int tile_y, int64_t tile,
-               const BlendImage& out);
+/// A tile's list and place.
+struct TileWork {
+  const Splat* splats;       ///< all of them
+  const TileEntry* entries;  ///< of this tile, near to far
+  int64_t count;             ///< entries
+  int x, y;                  ///< column and row of the tile
+  int64_t index;             ///< among the image's tiles
+};
+
+/// Blends one tile's list, near to far (spec/gaussian_core.md 4). Returns how many pixel-Gaussian pairs it evaluated:
+/// 16 for each block and Gaussian that reaches it, until the block is opaque.
+int64_t BlendTile(const TileWork& tile, const BlendImage& out);
 
 /// dL/d(image planes); a null pointer means zero.
 struct BlendUpstream {
@@ -80,8 +92,9 @@ struct BlendUpstream {
 /// Adjoint of BlendTile. Writes one record of kGradStride floats for each of the tile's entries. With X, Y a pixel's
 /// offset from the tile's centre, h = alpha dL/d(alpha) (0 where capped), w = alpha T:
 /// [0] sum h  [1] h X  [2] h Y  [3] h X^2  [4] h X Y  [5] h Y^2  [8..10] w dL/d(rgb)  [11] w dL/d(inv_depth)
-void BlendTileBackward(const Splat* splats, const TileEntry* entries, int64_t count, int tile_x, int tile_y,
-                       int64_t tile, const BlendImage& forward, const BlendUpstream& upstream, float* records);
+/// Returns how many pixel-Gaussian pairs it evaluated.
+int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const BlendUpstream& upstream,
+                          float* records);
 
 /// Where one Gaussian's records lie.
 struct PairRange {

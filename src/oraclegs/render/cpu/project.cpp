@@ -83,14 +83,12 @@ cpu::TileRect RectOf(const cpu::ProjectInput& in, float mx, float my, float rx, 
 }
 
 HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::Splat* splats) {
-  constexpr int kFields = sizeof(cpu::Splat) / sizeof(float);
-  float* HWY_RESTRICT to = reinterpret_cast<float*>(splats);
-  for (int first = 0; first < kFields; first += 4) {
-    HWY_ALIGN float quads[4 * kLanes];
-    StoreRows<4>(columns + first, kLanes, quads);
-    for (int lane = 0; lane < count; ++lane)
-      std::memcpy(to + lane * kFields + first, quads + 4 * lane, 4 * sizeof(float));
+  constexpr int kStride = sizeof(cpu::Splat) / sizeof(float), kTiles = (cpu::kSplatFields + kLanes - 1) / kLanes;
+  FloatVec rows[kTiles * kLanes];
+  for (int field = 0; field < kTiles * kLanes; ++field) {
+    rows[field] = field < cpu::kSplatFields ? columns[field].v : hn::Zero(FloatTag());
   }
+  StoreWideRows(rows, kStride, count, kTiles, reinterpret_cast<float*>(splats));
 }
 
 HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int64_t end, cpu::Splat* splats,
@@ -126,18 +124,18 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
     ShColumns sh;
     sh.Load(in.sh, i, count, coefficients);
     const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
-    const Lanes columns[12] = {p.mx,
-                               p.my,
-                               Lanes(-0.5f * kLog2E) * p.conic_a,
-                               Lanes(-kLog2E) * p.conic_b,
-                               Lanes(-0.5f * kLog2E) * p.conic_c,
-                               Lanes(kLog2E) * log_opacity,
-                               Max(color.x, Lanes(0.f)),
-                               Max(color.y, Lanes(0.f)),
-                               Max(color.z, Lanes(0.f)),
-                               Lanes(1.f) / p.z,
-                               p.z,
-                               p.opacity};
+    const Lanes half(0.5f * kLog2E), zero(0.f);
+    const Lanes columns[cpu::kSplatFields] = {p.mx,
+                                              p.my,
+                                              Sqrt(half / p.cov_a),
+                                              Sqrt(half * p.conic_c),
+                                              p.conic_b / p.conic_c,
+                                              Lanes(kLog2E) * log_opacity,
+                                              Max(color.x, zero),
+                                              Max(color.y, zero),
+                                              Max(color.z, zero),
+                                              Lanes(1.f) / p.z,
+                                              p.z};
     StoreSplats(columns, count, splats + i);
   }
 }

@@ -48,35 +48,37 @@ HWY_INLINE void Transpose(FloatVec* v) {
   if constexpr (kLanes == 8) {
     for (int c = 0; c < 4; ++c) ExchangeBlocks(v + c, v + 4 + c);
   }
-  if constexpr (kLanes == 16) {
-    const FloatTag d;
-    for (int c = 0; c < 4; ++c) {
-      FloatVec low02 = hn::ConcatLowerLower(d, v[8 + c], v[c]), high02 = hn::ConcatUpperUpper(d, v[8 + c], v[c]);
-      FloatVec low13 = hn::ConcatLowerLower(d, v[12 + c], v[4 + c]),
-               high13 = hn::ConcatUpperUpper(d, v[12 + c], v[4 + c]);
-      ExchangeBlocks(&low02, &low13);
-      ExchangeBlocks(&high02, &high13);
-      v[c] = low02;
-      v[4 + c] = low13;
-      v[8 + c] = high02;
-      v[12 + c] = high13;
-    }
+#if HWY_TARGET <= HWY_AVX3
+  for (int c = 0; c < 4; ++c) {
+    const auto low01 = _mm512_shuffle_f32x4(v[c].raw, v[4 + c].raw, 0x44);  // blocks 0, 1 of both
+    const auto low23 = _mm512_shuffle_f32x4(v[8 + c].raw, v[12 + c].raw, 0x44);
+    const auto high01 = _mm512_shuffle_f32x4(v[c].raw, v[4 + c].raw, 0xee);  // blocks 2, 3
+    const auto high23 = _mm512_shuffle_f32x4(v[8 + c].raw, v[12 + c].raw, 0xee);
+    v[c] = FloatVec{_mm512_shuffle_f32x4(low01, low23, 0x88)};
+    v[4 + c] = FloatVec{_mm512_shuffle_f32x4(low01, low23, 0xdd)};
+    v[8 + c] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0x88)};
+    v[12 + c] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0xdd)};
   }
+#endif
 }
 
 #endif
 
-/// Columns [0, kLanes * tiles) of `count` rows that are `stride` floats apart, one row a lane; the last row fills the
-/// lanes past the end.
-HWY_INLINE void LoadWideRows(const float* HWY_RESTRICT rows, int stride, int count, int tiles,
-                             FloatVec* HWY_RESTRICT columns) {
+/// Columns [0, kLanes * tiles) of kLanes rows, one row a lane; row(lane) is the address of one.
+template <class Row>
+HWY_INLINE void LoadScatteredRows(const Row& row, int tiles, FloatVec* HWY_RESTRICT columns) {
   for (int tile = 0; tile < tiles; ++tile) {
     FloatVec* v = columns + tile * kLanes;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      v[lane] = hn::LoadU(FloatTag(), rows + static_cast<int64_t>(std::min(lane, count - 1)) * stride + tile * kLanes);
-    }
+    for (int lane = 0; lane < kLanes; ++lane) v[lane] = hn::LoadU(FloatTag(), row(lane) + tile * kLanes);
     Transpose(v);
   }
+}
+
+/// The same of `count` rows that are `stride` floats apart; the last one fills the lanes past the end.
+HWY_INLINE void LoadWideRows(const float* HWY_RESTRICT rows, int stride, int count, int tiles,
+                             FloatVec* HWY_RESTRICT columns) {
+  const auto row = [=](int lane) HWY_ATTR { return rows + static_cast<int64_t>(std::min(lane, count - 1)) * stride; };
+  LoadScatteredRows(row, tiles, columns);
 }
 
 /// The inverse for the first `count` rows; overwrites `columns`. Writes all kLanes * tiles columns.
