@@ -12,6 +12,7 @@
 
 #include <algorithm>
 
+#include "oraclegs/render/cpu/blocks-inl.h"
 #include "oraclegs/render/cpu/falloff-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
 
@@ -33,9 +34,9 @@ struct HWY_ALIGN BlockState {
 HWY_INLINE int BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
   const FloatTag d;
   const IntTag di;
-  const BlockPixels pixels(block);
-  FloatVec x[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
+  FloatVec y[kVecs], x[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
   for (int v = 0; v < kVecs; ++v) {
+    y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
     x[v] = hn::Load(d, state->x + v * kLanes);
     t[v] = hn::Load(d, state->t + v * kLanes);
     r[v] = hn::Load(d, state->r + v * kLanes);
@@ -50,7 +51,7 @@ HWY_INLINE int BlendBlock(const Segment& segment, int block, int32_t first, Bloc
   for (; j < count && open; ++j) {
     const int i = positions[j];
     for (int v = 0; v < kVecs; ++v) {
-      FloatVec alpha = segment.Alpha(i, x[v], pixels.y[v]);
+      FloatVec alpha = segment.Alpha(i, x[v], y[v]);
       FloatVec next = hn::NegMulAdd(alpha, t[v], t[v]);
       // Holds once in a pixel's life: what it needs stays out of the usual path.
       const FloatMask ends = hn::Lt(next, hn::Set(d, kTransmittanceEnd));
@@ -81,42 +82,44 @@ HWY_INLINE int BlendBlock(const Segment& segment, int block, int32_t first, Bloc
   return open ? j : -j;
 }
 
-HWY_INLINE void StartBlock(const cpu::TileWork& tile, int block, const cpu::BlendImage& out, BlockState* s) {
+HWY_INLINE void StartBlock(int block, const BlockPlace& place, int64_t end, BlockState* s) {
   const FloatTag d;
-  const BlockPixels pixels(block);
-  for (int v = 0; v < kVecs; ++v) hn::Store(pixels.x[v], d, s->x + v * kLanes);
-  const int x0 = BlockX(tile, block), y0 = BlockY(tile, block);
+  const IntTag di;
+  for (int i = 0; i < 16; i += kLanes) {
+    hn::Store(hn::Load(d, kBlockCenters.x[block] + i), d, s->x + i);
+    hn::Store(hn::Set(d, 1.f), d, s->t + i);
+    for (float* sum : {s->r, s->g, s->b, s->inv_z}) hn::Store(hn::Zero(d), d, sum + i);
+    hn::Store(hn::Set(di, static_cast<int32_t>(end)), di, s->end + i);
+  }
+  if (HWY_LIKELY(place.Whole())) return;
   for (int i = 0; i < 16; ++i) {
-    if (x0 + i % cpu::kBlock >= out.width || y0 + i / cpu::kBlock >= out.height) s->x[i] = kOutOfReach;
-    s->t[i] = 1;
-    s->r[i] = s->g[i] = s->b[i] = s->inv_z[i] = 0;
-    s->end[i] = static_cast<int32_t>(tile.count);
+    if (!place.Holds(i)) s->x[i] = kOutOfReach;
   }
 }
 
-/// Writes a block's pixels that lie inside the image.
-HWY_INLINE void StoreBlock(const BlockState& s, int x0, int y0, const cpu::BlendImage& out) {
-  const int columns = std::min(cpu::kBlock, out.width - x0), rows = std::min(cpu::kBlock, out.height - y0);
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < columns; ++x) {
-      const int i = y * cpu::kBlock + x;
-      const int64_t pixel = static_cast<int64_t>(y0 + y) * out.width + x0 + x;
-      out.image[3 * pixel] = s.r[i] + s.t[i] * out.background[0];
-      out.image[3 * pixel + 1] = s.g[i] + s.t[i] * out.background[1];
-      out.image[3 * pixel + 2] = s.b[i] + s.t[i] * out.background[2];
-      out.alpha[pixel] = 1 - s.t[i];
-      out.inv_depth[pixel] = s.inv_z[i];
-    }
+/// Writes a block's pixels that lie inside the image, on the background.
+HWY_INLINE void StoreBlock(const BlockState& s, const BlockPlace& place, const cpu::BlendImage& out) {
+  const FloatTag d;
+  HWY_ALIGN float rgb[48], alpha[16];
+  for (int i = 0; i < 16; i += kLanes) {
+    const FloatVec t = hn::Load(d, s.t + i);
+    hn::StoreInterleaved3(hn::MulAdd(t, hn::Set(d, out.background[0]), hn::Load(d, s.r + i)),
+                          hn::MulAdd(t, hn::Set(d, out.background[1]), hn::Load(d, s.g + i)),
+                          hn::MulAdd(t, hn::Set(d, out.background[2]), hn::Load(d, s.b + i)), d, rgb + 3 * i);
+    hn::Store(hn::Sub(hn::Set(d, 1.f), t), d, alpha + i);
   }
+  CopyToPlane<3>(rgb, place, out.image);
+  CopyToPlane<1>(alpha, place, out.alpha);
+  CopyToPlane<1>(s.inv_z, place, out.inv_depth);
 }
 
 HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage& out) {
   BlockState states[cpu::kBlocksPerTile];
   uint32_t open = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-    const int x0 = BlockX(tile, block), y0 = BlockY(tile, block);
-    StartBlock(tile, block, out, &states[block]);
-    if (x0 < out.width && y0 < out.height) open |= 1u << block;
+    const BlockPlace place(tile, block, out.width, out.height);
+    StartBlock(block, place, tile.count, &states[block]);
+    if (!place.Empty()) open |= 1u << block;
   }
   const uint32_t inside = open;
   Segment segment;
@@ -133,13 +136,13 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
   }
   for (uint32_t left = inside; left != 0; left &= left - 1) {
     const int block = __builtin_ctz(left);
-    StoreBlock(states[block], BlockX(tile, block), BlockY(tile, block), out);
+    StoreBlock(states[block], BlockPlace(tile, block, out.width, out.height), out);
   }
   if (out.transmittance != nullptr) {
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
       const int64_t offset = tile.index * cpu::kTilePixels + block * 16;
-      std::copy_n(states[block].t, 16, out.transmittance + offset);
-      std::copy_n(states[block].end, 16, out.end + offset);
+      std::memcpy(out.transmittance + offset, states[block].t, sizeof(states[block].t));
+      std::memcpy(out.end + offset, states[block].end, sizeof(states[block].end));
     }
   }
   return visited * 16;

@@ -8,15 +8,13 @@
 #endif
 
 #include "oraclegs/render/constants.h"
+#include "oraclegs/render/cpu/blocks-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
 #include "oraclegs/render/cpu/lanes-inl.h"
 #include "oraclegs/render/cpu/rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
-
-/// Vectors that make up a block of 16 pixels.
-inline constexpr int kVecs = 16 / kLanes;
 
 inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(1/255)
 
@@ -43,27 +41,6 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
 #endif
 }
 
-/// First pixel of a tile's block in the image.
-HWY_INLINE int BlockX(const cpu::TileWork& tile, int block) { return tile.x * cpu::kTile + block % 4 * cpu::kBlock; }
-HWY_INLINE int BlockY(const cpu::TileWork& tile, int block) { return tile.y * cpu::kTile + block / 4 * cpu::kBlock; }
-
-/// Pixel centres of block (bx, by) relative to the tile's centre.
-struct BlockPixels {
-  FloatVec x[kVecs], y[kVecs];
-  HWY_INLINE explicit BlockPixels(int block) {
-    const FloatTag d;
-    HWY_ALIGN float px[16], py[16];
-    for (int i = 0; i < 16; ++i) {
-      px[i] = static_cast<float>(block % 4 * cpu::kBlock + i % cpu::kBlock) + 0.5f - cpu::kTile / 2;
-      py[i] = static_cast<float>(block / 4 * cpu::kBlock + i / cpu::kBlock) + 0.5f - cpu::kTile / 2;
-    }
-    for (int v = 0; v < kVecs; ++v) {
-      x[v] = hn::Load(d, px + v * kLanes);
-      y[v] = hn::Load(d, py + v * kLanes);
-    }
-  }
-};
-
 /// A stretch of a tile's list, made ready for the blocks: the splats' numbers relative to the tile's centre, and for
 /// each block the positions of the splats that reach it. Small enough for the first-level cache.
 struct HWY_ALIGN Segment {
@@ -88,15 +65,19 @@ struct HWY_ALIGN Segment {
 
   /// Fills from entries[begin, begin + n), n <= kSize; only blocks in `wanted` (a mask) get positions.
   HWY_INLINE void Fill(const cpu::TileWork& tile, int64_t begin, int n, uint32_t wanted) {
-    const cpu::TileEntry* HWY_RESTRICT entries = tile.entries + begin;
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) counts[block] = 0;
     for (int i = 0; i < n; i += kLanes) {
-      LoadSplats(tile, begin, i, n);
-      HWY_ALIGN int32_t masks[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) {
-        masks[lane] = i + lane < n ? static_cast<int32_t>(entries[i + lane].mask & wanted) : 0;
+      const cpu::TileEntry* group = tile.entries + begin + i;
+      cpu::TileEntry rest[kLanes];
+      if (HWY_UNLIKELY(n - i < kLanes)) {
+        std::fill(std::copy(group, group + n - i, rest), rest + kLanes, cpu::TileEntry{group->id, 0});
+        group = rest;
+      } else if (n - i >= 3 * kLanes) {
+        // The splats lie anywhere in memory.
+        for (int lane = 2 * kLanes; lane < 3 * kLanes; ++lane) __builtin_prefetch(&tile.splats[group[lane].id]);
       }
-      AddPositions(hn::Load(IntTag(), masks), i);
+      LoadSplats(tile, group, i);
+      AddPositions(group, wanted, i);
     }
   }
 
@@ -112,18 +93,11 @@ struct HWY_ALIGN Segment {
     return hn::Min(Exp2Where(reached, e), hn::Set(FloatTag(), kAlphaMax));
   }
 
-  HWY_INLINE void LoadSplats(const cpu::TileWork& tile, int64_t begin, int i, int n) {
+  HWY_INLINE void LoadSplats(const cpu::TileWork& tile, const cpu::TileEntry* group, int i) {
     const FloatTag d;
     constexpr int kTiles = (cpu::kSplatFields + kLanes - 1) / kLanes;
-    constexpr int kAhead = 16;  // entries: the splats lie anywhere in memory
-    for (int64_t next = begin + i + kAhead; next < std::min(tile.count, begin + i + kAhead + kLanes); ++next) {
-      __builtin_prefetch(&tile.splats[tile.entries[next].id]);
-    }
     FloatVec field[kTiles * kLanes];
-    const auto row = [&](int lane) HWY_ATTR {
-      return &tile.splats[tile.entries[begin + std::min(i + lane, n - 1)].id].mx;
-    };
-    LoadScatteredRows(row, kTiles, field);
+    LoadScatteredRows([&](int lane) HWY_ATTR { return &tile.splats[group[lane].id].mx; }, kTiles, field);
     const FloatVec mx = hn::Sub(field[0], hn::Set(d, static_cast<float>(tile.x * cpu::kTile + cpu::kTile / 2)));
     const FloatVec my = hn::Sub(field[1], hn::Set(d, static_cast<float>(tile.y * cpu::kTile + cpu::kTile / 2)));
     hn::Store(field[2], d, ax + i);
@@ -139,8 +113,11 @@ struct HWY_ALIGN Segment {
   }
 
   /// Appends the positions i + lane to the lists of the blocks in the lane's mask.
-  HWY_INLINE void AddPositions(IntVec masks, int i) {
+  HWY_INLINE void AddPositions(const cpu::TileEntry* group, uint32_t wanted, int i) {
     const IntTag di;
+    IntVec ids, masks;
+    hn::LoadInterleaved2(di, reinterpret_cast<const int32_t*>(group), ids, masks);
+    masks = hn::And(masks, hn::Set(di, static_cast<int32_t>(wanted)));
     const IntVec position = hn::Iota(di, i);
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
       const auto reached = hn::TestBit(masks, hn::Set(di, 1 << block));

@@ -1,0 +1,90 @@
+// Blocks of 4 x 4 pixels: where they lie, and their way between image planes and vector lanes.
+
+#if defined(ORACLEGS_RENDER_CPU_BLOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ORACLEGS_RENDER_CPU_BLOCKS_INL_H_
+#undef ORACLEGS_RENDER_CPU_BLOCKS_INL_H_
+#else
+#define ORACLEGS_RENDER_CPU_BLOCKS_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstring>
+
+#include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+
+/// Vectors that make up a block of 16 pixels.
+inline constexpr int kVecs = 16 / kLanes;
+
+/// Centres of the 16 pixels of each block, from the tile's centre.
+struct BlockCenters {
+  HWY_ALIGN float x[cpu::kBlocksPerTile][16], y[cpu::kBlocksPerTile][16];
+};
+constexpr BlockCenters MakeBlockCenters() {
+  BlockCenters c{};
+  for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
+    for (int i = 0; i < 16; ++i) {
+      c.x[block][i] = static_cast<float>(block % 4 * cpu::kBlock + i % cpu::kBlock - cpu::kTile / 2) + 0.5f;
+      c.y[block][i] = static_cast<float>(block / 4 * cpu::kBlock + i / cpu::kBlock - cpu::kTile / 2) + 0.5f;
+    }
+  }
+  return c;
+}
+HWY_ALIGN inline constexpr BlockCenters kBlockCenters = MakeBlockCenters();
+
+/// The part of a block that lies inside the image.
+struct BlockPlace {
+  int64_t first;      ///< pixel number of its first pixel
+  int width;          ///< of the image
+  int columns, rows;  ///< at most 4, and both at least 1 unless empty
+
+  HWY_INLINE BlockPlace(const cpu::TileWork& tile, int block, int image_width, int image_height) {
+    const int x0 = tile.x * cpu::kTile + block % 4 * cpu::kBlock, y0 = tile.y * cpu::kTile + block / 4 * cpu::kBlock;
+    first = static_cast<int64_t>(y0) * image_width + x0;
+    width = image_width;
+    columns = std::min(cpu::kBlock, image_width - x0);
+    rows = std::min(cpu::kBlock, image_height - y0);
+  }
+  HWY_INLINE bool Empty() const { return columns <= 0 || rows <= 0; }
+  HWY_INLINE bool Whole() const { return columns == cpu::kBlock && rows == cpu::kBlock; }
+  HWY_INLINE bool Holds(int i) const { return i % cpu::kBlock < columns && i / cpu::kBlock < rows; }
+};
+
+/// Copies the block's pixels of a plane of kChannels floats a pixel to `packed`; those outside the image stay.
+template <int kChannels>
+HWY_INLINE void CopyFromPlane(const float* HWY_RESTRICT plane, const BlockPlace& at, float* HWY_RESTRICT packed) {
+  constexpr int kRow = cpu::kBlock * kChannels;
+  const float* from = plane + at.first * kChannels;
+  if (HWY_LIKELY(at.Whole())) {
+    for (int y = 0; y < cpu::kBlock; ++y) {
+      std::memcpy(packed + y * kRow, from + static_cast<int64_t>(y) * at.width * kChannels, kRow * sizeof(float));
+    }
+    return;
+  }
+  for (int y = 0; y < at.rows; ++y) {
+    std::copy_n(from + static_cast<int64_t>(y) * at.width * kChannels, at.columns * kChannels, packed + y * kRow);
+  }
+}
+
+/// The inverse.
+template <int kChannels>
+HWY_INLINE void CopyToPlane(const float* HWY_RESTRICT packed, const BlockPlace& at, float* HWY_RESTRICT plane) {
+  constexpr int kRow = cpu::kBlock * kChannels;
+  float* to = plane + at.first * kChannels;
+  if (HWY_LIKELY(at.Whole())) {
+    for (int y = 0; y < cpu::kBlock; ++y) {
+      std::memcpy(to + static_cast<int64_t>(y) * at.width * kChannels, packed + y * kRow, kRow * sizeof(float));
+    }
+    return;
+  }
+  for (int y = 0; y < at.rows; ++y) {
+    std::copy_n(packed + y * kRow, at.columns * kChannels, to + static_cast<int64_t>(y) * at.width * kChannels);
+  }
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
