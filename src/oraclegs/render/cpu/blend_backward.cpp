@@ -223,28 +223,28 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
   return count;
 }
 
-HWY_INLINE void LoadBlock(const cpu::TileWork& tile, const cpu::BlendImage& forward, const cpu::BlendUpstream& up,
-                          int block, BlockAdjoint* s) {
+/// A block's part of the upstream planes.
+struct HWY_ALIGN BlockUpstream {
+  float rgb[48] = {}, alpha[16] = {}, inv_depth[16] = {};
+};
+
+HWY_INLINE void LoadUpstream(const cpu::BlendUpstream& up, const BlockPlace& place, BlockUpstream* block) {
+  if (up.image != nullptr) CopyFromPlane<3>(up.image, place, block->rgb);
+  if (up.alpha != nullptr) CopyFromPlane<1>(up.alpha, place, block->alpha);
+  if (up.inv_depth != nullptr) CopyFromPlane<1>(up.inv_depth, place, block->inv_depth);
+}
+
+/// `offset`: of the block in the forward pass's planes.
+HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forward, int64_t offset, BlockAdjoint* s) {
   const FloatTag d;
   const IntTag di;
-  const BlockPlace place(tile, block, forward.width, forward.height);
-  s->farthest = 0;
-  if (place.Empty()) return;
-  HWY_ALIGN float rgb[48] = {}, alpha[16] = {};
-  std::memset(s->g[3], 0, sizeof(s->g[3]));
-  if (up.image != nullptr) CopyFromPlane<3>(up.image, place, rgb);
-  if (up.alpha != nullptr) CopyFromPlane<1>(up.alpha, place, alpha);
-  if (up.inv_depth != nullptr) CopyFromPlane<1>(up.inv_depth, place, s->g[3]);
-  const int64_t offset = tile.index * cpu::kTilePixels + block * 16;
-  IntVec farthest = hn::Zero(di), nearest = hn::Set(di, static_cast<int32_t>(tile.count));
+  IntVec farthest = hn::Zero(di), nearest = hn::Set(di, INT32_MAX);
   for (int i = 0; i < 16; i += kLanes) {
-    FloatVec g[3];
-    hn::LoadInterleaved3(d, rgb + 3 * i, g[0], g[1], g[2]);
-    FloatVec behind = hn::Neg(hn::Load(d, alpha + i));
-    for (int c = 0; c < 3; ++c) {
-      hn::Store(g[c], d, s->g[c] + i);
-      behind = hn::MulAdd(g[c], hn::Set(d, forward.background[c]), behind);
-    }
+    FloatVec g[4] = {{}, {}, {}, hn::Load(d, up.inv_depth + i)};
+    hn::LoadInterleaved3(d, up.rgb + 3 * i, g[0], g[1], g[2]);
+    for (int c = 0; c < 4; ++c) hn::Store(g[c], d, s->g[c] + i);
+    FloatVec behind = hn::Neg(hn::Load(d, up.alpha + i));
+    for (int c = 0; c < 3; ++c) behind = hn::MulAdd(g[c], hn::Set(d, forward.background[c]), behind);
     hn::Store(behind, d, s->behind + i);
     hn::Store(hn::LoadU(d, forward.transmittance + offset + i), d, s->t + i);
     const IntVec end = hn::LoadU(di, reinterpret_cast<const int32_t*>(forward.end) + offset + i);
@@ -282,9 +282,19 @@ HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::Ble
                                        const cpu::BlendUpstream& upstream, float* records) {
   if (tile.count == 0) return 0;
   BlockAdjoint states[cpu::kBlocksPerTile];
-  int64_t farthest = 0;
+  BlockUpstream planes[cpu::kBlocksPerTile];
+  uint32_t inside = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-    LoadBlock(tile, forward, upstream, block, &states[block]);
+    const BlockPlace place(tile, block, forward.width, forward.height);
+    if (place.Empty()) continue;
+    inside |= 1u << block;
+    LoadUpstream(upstream, place, &planes[block]);
+  }
+  int64_t farthest = 0;
+  for (int block = 0; block < cpu::kBlocksPerTile; ++block) {  // not above: see the two loops of the forward pass
+    states[block].farthest = 0;
+    if (!(inside >> block & 1)) continue;
+    StartBlock(planes[block], forward, tile.index * cpu::kTilePixels + block * 16, &states[block]);
     farthest = std::max<int64_t>(farthest, states[block].farthest);
   }
   std::memset(records, 0, sizeof(float) * cpu::kGradStride * tile.count);

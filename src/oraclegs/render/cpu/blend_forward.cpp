@@ -97,20 +97,20 @@ HWY_INLINE void StartBlock(int block, const BlockPlace& place, int64_t end, Bloc
   }
 }
 
-/// Writes a block's pixels that lie inside the image, on the background.
-HWY_INLINE void StoreBlock(const BlockState& s, const BlockPlace& place, const cpu::BlendImage& out) {
+/// A block's pixels on the background.
+struct HWY_ALIGN BlockPixels {
+  float rgb[48], alpha[16];
+};
+
+HWY_INLINE void Composite(const BlockState& s, const float* background, BlockPixels* out) {
   const FloatTag d;
-  HWY_ALIGN float rgb[48], alpha[16];
   for (int i = 0; i < 16; i += kLanes) {
     const FloatVec t = hn::Load(d, s.t + i);
-    hn::StoreInterleaved3(hn::MulAdd(t, hn::Set(d, out.background[0]), hn::Load(d, s.r + i)),
-                          hn::MulAdd(t, hn::Set(d, out.background[1]), hn::Load(d, s.g + i)),
-                          hn::MulAdd(t, hn::Set(d, out.background[2]), hn::Load(d, s.b + i)), d, rgb + 3 * i);
-    hn::Store(hn::Sub(hn::Set(d, 1.f), t), d, alpha + i);
+    hn::StoreInterleaved3(hn::MulAdd(t, hn::Set(d, background[0]), hn::Load(d, s.r + i)),
+                          hn::MulAdd(t, hn::Set(d, background[1]), hn::Load(d, s.g + i)),
+                          hn::MulAdd(t, hn::Set(d, background[2]), hn::Load(d, s.b + i)), d, out->rgb + 3 * i);
+    hn::Store(hn::Sub(hn::Set(d, 1.f), t), d, out->alpha + i);
   }
-  CopyToPlane<3>(rgb, place, out.image);
-  CopyToPlane<1>(alpha, place, out.alpha);
-  CopyToPlane<1>(s.inv_z, place, out.inv_depth);
 }
 
 HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage& out) {
@@ -134,9 +134,17 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
       visited += std::abs(steps);
     }
   }
+  // In two loops: a row of pixels lies across the vectors just written, and reading it at once would wait for them.
+  BlockPixels pixels[cpu::kBlocksPerTile];
+  for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
+    Composite(states[block], out.background, &pixels[block]);
+  }
   for (uint32_t left = inside; left != 0; left &= left - 1) {
     const int block = __builtin_ctz(left);
-    StoreBlock(states[block], BlockPlace(tile, block, out.width, out.height), out);
+    const BlockPlace place(tile, block, out.width, out.height);
+    CopyToPlane<3>(pixels[block].rgb, place, out.image);
+    CopyToPlane<1>(pixels[block].alpha, place, out.alpha);
+    CopyToPlane<1>(states[block].inv_z, place, out.inv_depth);
   }
   if (out.transmittance != nullptr) {
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
