@@ -42,7 +42,7 @@ struct RenderTimings {
 
 /// How much work the last Forward and Backward found.
 struct RenderStats {
-  int64_t visible = 0;               ///< Gaussians that may reach at least one tile
+  int64_t visible = 0;               ///< Gaussians that reach at least one tile
   int64_t tile_pairs = 0;            ///< (tile, Gaussian) pairs
   int64_t pixel_pairs = 0;           ///< (pixel, Gaussian) pairs evaluated by the forward blend
   int64_t pixel_pairs_backward = 0;  ///< by the backward blend

@@ -14,13 +14,15 @@ TEST_P(CoverTiles, MasksHoldEveryReachedBlockAndHardlyAnyOther) {
   int64_t reached = 0, listed = 0;
   for (int i = 0; i < 400; ++i) {
     const cpu::Splat s = RandomSplat(&rng, kTilesX * cpu::kTile, kTilesY * cpu::kTile);
-    cpu::TileEntry entries[kTilesX * kTilesY];
-    uint32_t tiles[kTilesX * kTilesY], masks[kTilesX * kTilesY] = {};
-    const int64_t n = cpu::CoveredTiles(s, {0, 0, kTilesX, kTilesY}, 7, kTilesX, entries, tiles);
-    for (int64_t j = 0; j < n; ++j) {
-      EXPECT_EQ(entries[j].id, 7u);
-      EXPECT_NE(entries[j].mask, 0u);
-      masks[tiles[j]] = entries[j].mask;
+    uint32_t tiles[kTilesX * kTilesY + 1], blocks[kTilesX * kTilesY + 1], masks[kTilesX * kTilesY] = {};
+    cpu::PairRange range;
+    const cpu::TileRect everywhere{0, 0, kTilesX, kTilesY};
+    const uint32_t n = cpu::CoverTiles(&s, &everywhere, 0, 1, kTilesX, 0, {tiles, blocks, &range});
+    EXPECT_EQ(range.begin, 0u);
+    EXPECT_EQ(range.count, n);
+    for (uint32_t j = 0; j < n; ++j) {
+      EXPECT_NE(blocks[j], 0u);
+      masks[tiles[j]] = blocks[j];
     }
     for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
       for (int block = 0; block < cpu::kBlocksPerTile; ++block) {

@@ -29,17 +29,16 @@ constexpr BlockOffsets MakeBlockOffsets() {
 }
 HWY_ALIGN constexpr BlockOffsets kBlockOffsets = MakeBlockOffsets();
 
-HWY_NOINLINE int64_t CoveredTiles(const cpu::Splat& s, const cpu::TileRect& rect, uint32_t id, int tiles_x,
-                                  cpu::TileEntry* entries, uint32_t* tiles) {
+/// The tiles of one Gaussian.
+HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int tiles_x, uint32_t pair,
+                             const cpu::CoverOutput& out) {
   const FloatTag d;
   const Lanes ax(s.ax), by(s.by), slope(s.slope), zero(0.f), span(static_cast<float>(cpu::kBlock - 1));
-  // The sum of squares of kernels.h is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at
-  // dx = across dy.
+  // The sum of squares of kernels.h is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
   const float tilt = s.by * s.by * s.slope;
   const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop.
   const Lanes bound(7.99435343685886f + s.log2_opacity + 1e-4f);
-  int64_t n = 0;
   for (int ty = rect.y0; ty < rect.y1; ++ty) {
     for (int tx = rect.x0; tx < rect.x1; ++tx) {
       const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx),
@@ -59,13 +58,22 @@ HWY_NOINLINE int64_t CoveredTiles(const cpu::Splat& s, const cpu::TileRect& rect
         constexpr uint32_t kUsed = (1u << kLanes) - 1;
         mask |= ((bits[0] | static_cast<uint32_t>(bits[1]) << 8) & kUsed) << v;
       }
-      if (mask == 0) continue;
-      entries[n] = {id, mask};
-      tiles[n] = static_cast<uint32_t>(ty * tiles_x + tx);
-      ++n;
+      out.pair_tile[pair] = static_cast<uint32_t>(ty * tiles_x + tx);
+      out.pair_mask[pair] = mask;
+      pair += mask != 0;
     }
   }
-  return n;
+  return pair;
+}
+
+HWY_NOINLINE uint32_t CoverTiles(const cpu::Splat* splats, const cpu::TileRect* rects, int64_t begin, int64_t end,
+                                 int tiles_x, uint32_t pair, const cpu::CoverOutput& out) {
+  for (int64_t i = begin; i < end; ++i) {
+    const uint32_t first = pair;
+    if (rects[i].Count() > 0) pair = CoverOne(splats[i], rects[i], tiles_x, pair, out);
+    out.ranges[i] = {first, pair - first};
+  }
+  return pair;
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE
@@ -73,12 +81,12 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace oraclegs {
-HWY_EXPORT(CoveredTiles);
+HWY_EXPORT(CoverTiles);
 
 namespace cpu {
-int64_t CoveredTiles(const Splat& splat, const TileRect& rect, uint32_t id, int tiles_x, TileEntry* entries,
-                     uint32_t* tiles) {
-  return HWY_DYNAMIC_DISPATCH(oraclegs::CoveredTiles)(splat, rect, id, tiles_x, entries, tiles);
+uint32_t CoverTiles(const Splat* splats, const TileRect* rects, int64_t begin, int64_t end, int tiles_x,
+                    uint32_t first_pair, const CoverOutput& out) {
+  return HWY_DYNAMIC_DISPATCH(oraclegs::CoverTiles)(splats, rects, begin, end, tiles_x, first_pair, out);
 }
 }  // namespace cpu
 }  // namespace oraclegs

@@ -92,7 +92,7 @@ class CpuRasterizer final : public Rasterizer {
     timings_.project = clock.Lap();
 
     lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
-    stats_.visible = static_cast<int64_t>(lists_.order.size());
+    stats_.visible = lists_.visible;
     stats_.tile_pairs = lists_.pairs;
     timings_.bin = clock.Lap();
 

@@ -54,10 +54,22 @@ struct ProjectInput {
 /// Projects Gaussians [begin, end): fills splats and rects (empty where invisible).
 void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, Splat* splats, TileRect* rects);
 
-/// Which of the 16 blocks of tile (tx, ty) hold a pixel where alpha may reach 1/255. Conservative.
-/// Writes entries for the tiles of `rect` that have one, and their tile numbers; returns how many.
-int64_t CoveredTiles(const Splat& splat, const TileRect& rect, uint32_t id, int tiles_x, TileEntry* entries,
-                     uint32_t* tiles);
+/// Where one Gaussian's pairs lie.
+struct PairRange {
+  uint32_t begin = 0, count = 0;  ///< into pair_slot and pair_tile
+};
+
+/// What CoverTiles writes, each with room for what `rects` hold.
+struct CoverOutput {
+  uint32_t* pair_tile;  ///< tile number, Gaussian by Gaussian
+  uint32_t* pair_mask;  ///< its blocks, as TileEntry::mask; never 0
+  PairRange* ranges;    ///< of Gaussian i, empty if it reaches none
+};
+
+/// Which blocks of which tiles of their rectangle Gaussians [begin, end) reach: those that hold a point between their
+/// pixel centres where alpha may be 1/255. Conservative. Writes pairs from `first_pair` on; returns the next free one.
+uint32_t CoverTiles(const Splat* splats, const TileRect* rects, int64_t begin, int64_t end, int tiles_x,
+                    uint32_t first_pair, const CoverOutput& out);
 
 /// The image planes and what the backward pass needs.
 struct BlendImage {
@@ -95,11 +107,6 @@ struct BlendUpstream {
 /// Returns how many pixel-Gaussian pairs it evaluated.
 int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const BlendUpstream& upstream,
                           float* records);
-
-/// Where one Gaussian's records lie.
-struct PairRange {
-  uint32_t begin = 0, count = 0;  ///< into pair_slot and pair_tile
-};
 
 struct GradInput {
   const PairRange* ranges;    ///< [N], count 0 = unseen
