@@ -29,6 +29,17 @@ constexpr BlockOffsets MakeBlockOffsets() {
 }
 HWY_ALIGN constexpr BlockOffsets kBlockOffsets = MakeBlockOffsets();
 
+/// Bit i: lane i.
+HWY_INLINE uint32_t MaskBits(LanesMask mask) {
+#if HWY_TARGET <= HWY_AVX3
+  return mask.m.raw;
+#else
+  uint8_t bits[8] = {};  // room for what StoreMaskBits may write
+  hn::StoreMaskBits(FloatTag(), mask.m, bits);
+  return bits[0] & ((1u << kLanes) - 1);
+#endif
+}
+
 /// The tiles of one Gaussian.
 HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int tiles_x, uint32_t pair,
                              const cpu::CoverOutput& out) {
@@ -39,29 +50,28 @@ HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int
   const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop.
   const Lanes bound(7.99435343685886f + s.log2_opacity + 1e-4f);
-  for (int ty = rect.y0; ty < rect.y1; ++ty) {
-    for (int tx = rect.x0; tx < rect.x1; ++tx) {
-      const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx),
-          corner_y(static_cast<float>(ty * cpu::kTile) - s.my);
-      uint32_t mask = 0;
-      for (int v = 0; v < 16; v += kLanes) {
-        const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;
-        const Lanes y0 = corner_y + Lanes(hn::Load(d, kBlockOffsets.y + v)), y1 = y0 + span;
-        const Lanes near_x = Max(x0, Min(x1, zero)), near_y = Max(y0, Min(y1, zero));
-        // The minimum over the block lies on the edge nearest in x or on the one nearest in y.
-        const Lanes best_y = Max(y0, Min(y1, zero - slope * near_x)), best_x = Max(x0, Min(x1, across * near_y));
-        const Lanes p1 = ax * near_x, q1 = by * (best_y + slope * near_x);
-        const Lanes p2 = ax * best_x, q2 = by * (near_y + slope * best_x);
-        const LanesMask reached = Min(p1 * p1 + q1 * q1, p2 * p2 + q2 * q2) <= bound;
-        uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, reached.m, bits);
-        constexpr uint32_t kUsed = (1u << kLanes) - 1;
-        mask |= ((bits[0] | static_cast<uint32_t>(bits[1]) << 8) & kUsed) << v;
-      }
-      out.pair_tile[pair] = static_cast<uint32_t>(ty * tiles_x + tx);
-      out.pair_mask[pair] = mask;
-      pair += mask != 0;
+  // One loop over the rectangle: most hold one or a few tiles, and a second loop's end would be guessed wrongly.
+  int tx = rect.x0, ty = rect.y0;
+  for (int left = rect.Count(); left > 0; --left) {
+    const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx),
+        corner_y(static_cast<float>(ty * cpu::kTile) - s.my);
+    uint32_t mask = 0;
+    for (int v = 0; v < 16; v += kLanes) {
+      const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;
+      const Lanes y0 = corner_y + Lanes(hn::Load(d, kBlockOffsets.y + v)), y1 = y0 + span;
+      const Lanes near_x = Max(x0, Min(x1, zero)), near_y = Max(y0, Min(y1, zero));
+      // The minimum over the block lies on the edge nearest in x or on the one nearest in y.
+      const Lanes best_y = Max(y0, Min(y1, zero - slope * near_x)), best_x = Max(x0, Min(x1, across * near_y));
+      const Lanes p1 = ax * near_x, q1 = by * (best_y + slope * near_x);
+      const Lanes p2 = ax * best_x, q2 = by * (near_y + slope * best_x);
+      mask |= MaskBits(Min(p1 * p1 + q1 * q1, p2 * p2 + q2 * q2) <= bound) << v;
     }
+    out.pair_tile[pair] = static_cast<uint32_t>(ty * tiles_x + tx);
+    out.pair_mask[pair] = mask;
+    pair += mask != 0;
+    const bool row_ends = ++tx == rect.x1;
+    ty += row_ends;
+    tx = row_ends ? rect.x0 : tx;
   }
   return pair;
 }

@@ -169,12 +169,17 @@ class CpuRasterizer final : public Rasterizer {
             tile};
   }
 
-  /// Sum of body(tile) over all tiles, run on all threads.
+  /// Sum of body(tile) over all tiles, run on all threads. Neighbours share cache lines of the image, so a task is a run
+  /// of them.
   template <class Body>
   int64_t SumOverTiles(const Body& body) {
     const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
     std::atomic<int64_t> sum{0};  // of integers: the same in any order
-    ParallelFor(tiles, [&](int64_t tile) { sum.fetch_add(body(tile), std::memory_order_relaxed); });
+    ParallelBlocks(tiles, std::max<int64_t>(1, tiles / (16 * NumThreads())), [&](int64_t begin, int64_t end) {
+      int64_t part = 0;
+      for (int64_t tile = begin; tile < end; ++tile) part += body(tile);
+      sum += part;
+    });
     return sum;
   }
 

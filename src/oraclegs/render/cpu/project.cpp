@@ -69,17 +69,36 @@ HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coe
   return c;
 }
 
-/// Exact pixel range of the ellipse alpha >= 1/255, widened by rounding, in tiles (spec 4). Scalar: it is branches.
-cpu::TileRect RectOf(const cpu::ProjectInput& in, float mx, float my, float rx, float ry) {
-  const float slack = 1e-3f;  // of a pixel: many ulp at any image size
-  const float x0 = std::ceil(mx - rx - 0.5f - slack), x1 = std::floor(mx + rx - 0.5f + slack);
-  const float y0 = std::ceil(my - ry - 0.5f - slack), y1 = std::floor(my + ry - 0.5f + slack);
-  const float right = static_cast<float>(in.width - 1), bottom = static_cast<float>(in.height - 1);
-  if (!(x0 <= x1 && y0 <= y1 && x1 >= 0 && y1 >= 0 && x0 <= right && y0 <= bottom)) return {};
-  const int left = static_cast<int>(std::max(x0, 0.f)), top = static_cast<int>(std::max(y0, 0.f));
-  return {static_cast<uint16_t>(left / cpu::kTile), static_cast<uint16_t>(top / cpu::kTile),
-          static_cast<uint16_t>(static_cast<int>(std::min(x1, right)) / cpu::kTile + 1),
-          static_cast<uint16_t>(static_cast<int>(std::min(y1, bottom)) / cpu::kTile + 1)};
+/// Tile rectangles of the lanes' ellipses alpha >= 1/255: centre and half extents in pixels. Exact but for rounding, which
+/// widens them (spec 4). Empty where not `visible` or outside the image. Returns whether any is not.
+HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2], const Lanes (&half)[2],
+                           LanesMask visible, int count, cpu::TileRect* rects) {
+  const IntTag di;
+  const Lanes slack(1e-3f);  // of a pixel: many ulp at any image size
+  const float size[2] = {static_cast<float>(in.width), static_cast<float>(in.height)};
+  HWY_ALIGN int32_t first[2][kLanes], last[2][kLanes];  // tiles
+  for (int axis = 0; axis < 2; ++axis) {
+    // Pixel centres lie at halves. Comparisons are such that what is not a number is not visible.
+    const Lanes low = hn::Ceil((center[axis] - half[axis] - Lanes(0.5f) - slack).v);
+    const Lanes high = hn::Floor((center[axis] + half[axis] - Lanes(0.5f) + slack).v);
+    const Lanes end(size[axis] - 1), zero(0.f);
+    visible = And(visible, And(And(low <= high, high >= zero), low <= end));
+    const auto tile = [&](Lanes pixel) HWY_ATTR {
+      return hn::ShiftRight<4>(hn::ConvertTo(di, Max(zero, Min(pixel, end)).v));
+    };
+    hn::Store(tile(low), di, first[axis]);
+    hn::Store(hn::Add(tile(high), hn::Set(di, 1)), di, last[axis]);
+  }
+  static_assert(cpu::kTile == 1 << 4);
+  HWY_ALIGN int32_t seen[kLanes];
+  hn::Store(hn::IfThenElseZero(hn::RebindMask(di, visible.m), hn::Set(di, 1)), di, seen);
+  bool any = false;
+  for (int lane = 0; lane < count; ++lane) {
+    const auto value = [&](int32_t tile) { return static_cast<uint16_t>(tile * seen[lane]); };
+    rects[lane] = {value(first[0][lane]), value(first[1][lane]), value(last[0][lane]), value(last[1][lane])};
+    any |= seen[lane] != 0;
+  }
+  return any;
 }
 
 HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::Splat* splats) {
@@ -93,7 +112,6 @@ HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::Splat* splats)
 
 HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int64_t end, cpu::Splat* splats,
                                 cpu::TileRect* rects) {
-  const FloatTag d;
   const SplatCamera<float> camera = CameraOf(in);
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
   for (int64_t i = begin; i < end; i += kLanes) {
@@ -106,18 +124,7 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
     const Lanes log_opacity = Log(Max(p.opacity, Lanes(1e-30f)));
     const Lanes k2 = Max(Lanes(2.f) * (log_opacity + Lanes(5.541263545158426f)), Lanes(0.f));
     const LanesMask visible = And(p.z > Lanes(kNearPlane), p.opacity >= Lanes(kAlphaMin));
-    HWY_ALIGN float mx[kLanes], my[kLanes], rx[kLanes], ry[kLanes], seen[kLanes];
-    hn::Store(p.mx.v, d, mx);
-    hn::Store(p.my.v, d, my);
-    hn::Store(Sqrt(k2 * p.cov_a).v, d, rx);
-    hn::Store(Sqrt(k2 * p.cov_c).v, d, ry);
-    hn::Store(Select(visible, Lanes(1.f), Lanes(0.f)).v, d, seen);
-    bool any = false;
-    for (int lane = 0; lane < count; ++lane) {
-      rects[i + lane] = seen[lane] != 0 ? RectOf(in, mx[lane], my[lane], rx[lane], ry[lane]) : cpu::TileRect{};
-      any |= rects[i + lane].Count() > 0;
-    }
-    if (!any) continue;
+    if (!StoreRects(in, {p.mx, p.my}, {Sqrt(k2 * p.cov_a), Sqrt(k2 * p.cov_c)}, visible, count, rects + i)) continue;
 
     Lanes basis[16], inv_distance;
     ShBasis(in.sh_degree, ViewDirection(raw.mean, camera, &inv_distance), basis);
