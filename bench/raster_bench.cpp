@@ -42,8 +42,8 @@ void BM_RenderForwardBackward(benchmark::State& state) {
   const RenderStats st = rasterizer->stats();
   state.counters["fwdGF"] = 34e-6 * st.pixel_pairs / (sum.blend / n_iterations);
   state.counters["bwdGF"] = 64e-6 * st.pixel_pairs_backward / (sum.blend_backward / n_iterations);
-  state.counters["Mpp"] = 1e-6*st.pixel_pairs;
-  state.counters["Mppb"] = 1e-6*st.pixel_pairs_backward;
+  state.counters["Mpp"] = 1e-6 * st.pixel_pairs;
+  state.counters["Mppb"] = 1e-6 * st.pixel_pairs_backward;
   state.SetItemsProcessed(state.iterations() * n);
   SetNumThreads(0);
 }

@@ -31,10 +31,10 @@ namespace oraclegs::HWY_NAMESPACE {
 
 /// A block's running state and its pixels' upstream gradients.
 struct HWY_ALIGN BlockAdjoint {
-  float t[16];       ///< transmittance behind the current Gaussian
-  float behind[16];  ///< s above
-  float g[4][16];    ///< d/d(red), green, blue, inverse depth
-  int32_t end[16];   ///< as BlendImage::end
+  float t[16];                ///< transmittance behind the current Gaussian
+  float behind[16];           ///< s above
+  float g[4][16];             ///< d/d(red), green, blue, inverse depth
+  int32_t end[16];            ///< as BlendImage::end
   int32_t farthest, nearest;  ///< largest and smallest of end
 };
 
@@ -49,8 +49,8 @@ struct HWY_ALIGN Chunk {
 /// Sweep 1 over positions[0, count), which count from `first` in the tile's list. Returns in `t` what the chunk lets
 /// through.
 template <bool kAllSeen>
-HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, int count,
-                               int block, const IntVec* end, Chunk* chunk, FloatVec* t) {
+HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, int count, int block,
+                               const IntVec* end, Chunk* chunk, FloatVec* t) {
   const FloatTag d;
   FloatVec x[kVecs], y[kVecs];
   for (int v = 0; v < kVecs; ++v) {
@@ -113,15 +113,12 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, float cx, float cy, F
   const FloatTag d;
   const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
   // Of four neighbours at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
-  const auto sum = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e) HWY_ATTR {
-    return hn::Add(hn::Add(a, e), hn::Add(b, c));
-  };
-  const auto first = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e) HWY_ATTR {
-    return hn::MulAdd(three, hn::Sub(e, a), hn::Sub(c, b));
-  };
-  const auto second = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e) HWY_ATTR {
-    return hn::MulAdd(nine, hn::Add(a, e), hn::Add(b, c));
-  };
+  const auto sum = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
+                       HWY_ATTR { return hn::Add(hn::Add(a, e), hn::Add(b, c)); };
+  const auto first = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
+                         HWY_ATTR { return hn::MulAdd(three, hn::Sub(e, a), hn::Sub(c, b)); };
+  const auto second = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
+                          HWY_ATTR { return hn::MulAdd(nine, hn::Add(a, e), hn::Add(b, c)); };
   FloatVec row[4], row_x[4], row_xx[4];
   for (int y = 0; y < 4; ++y) {
     const FloatVec* p = h + 4 * y;

@@ -169,8 +169,8 @@ class CpuRasterizer final : public Rasterizer {
             tile};
   }
 
-  /// Sum of body(tile) over all tiles, run on all threads. Neighbours share cache lines of the image, so a task is a run
-  /// of them.
+  /// Sum of body(tile) over all tiles, run on all threads. Neighbours share cache lines of the image, so a task is a
+  /// run of them.
   template <class Body>
   int64_t SumOverTiles(const Body& body) {
     const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;

@@ -18,8 +18,8 @@ namespace oraclegs::HWY_NAMESPACE {
 
 inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(1/255)
 
-/// 2^x in the lanes of `where`, where |x| < 126, and 0 elsewhere. The polynomial is the minimax one of degree 4 for 2^f on
-/// [0, 1): relative error 2.6e-6, 2.9e-6 with rounding; the fixtures ask for 1e-5 (spec 12).
+/// 2^x in the lanes of `where`, where |x| < 126, and 0 elsewhere. The polynomial is the minimax one of degree 4 for 2^f
+/// on [0, 1): relative error 2.6e-6, 2.9e-6 with rounding; the fixtures ask for 1e-5 (spec 12).
 HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
   const FloatTag d;
 #if HWY_TARGET <= HWY_AVX3

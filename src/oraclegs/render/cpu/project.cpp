@@ -69,8 +69,8 @@ HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coe
   return c;
 }
 
-/// Tile rectangles of the lanes' ellipses alpha >= 1/255: centre and half extents in pixels. Exact but for rounding, which
-/// widens them (spec 4). Empty where not `visible` or outside the image. Returns whether any is not.
+/// Tile rectangles of the lanes' ellipses alpha >= 1/255: centre and half extents in pixels. Exact but for rounding,
+/// which widens them (spec 4). Empty where not `visible` or outside the image. Returns whether any is not.
 HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2], const Lanes (&half)[2],
                            LanesMask visible, int count, cpu::TileRect* rects) {
   const IntTag di;
@@ -83,9 +83,8 @@ HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2]
     const Lanes high = hn::Floor((center[axis] + half[axis] - Lanes(0.5f) + slack).v);
     const Lanes end(size[axis] - 1), zero(0.f);
     visible = And(visible, And(And(low <= high, high >= zero), low <= end));
-    const auto tile = [&](Lanes pixel) HWY_ATTR {
-      return hn::ShiftRight<4>(hn::ConvertTo(di, Max(zero, Min(pixel, end)).v));
-    };
+    const auto tile = [&](Lanes pixel)
+                          HWY_ATTR { return hn::ShiftRight<4>(hn::ConvertTo(di, Max(zero, Min(pixel, end)).v)); };
     hn::Store(tile(low), di, first[axis]);
     hn::Store(hn::Add(tile(high), hn::Set(di, 1)), di, last[axis]);
   }

@@ -65,8 +65,9 @@ void TileLists::Cover(const Splat* splats, const TileRect* rects, int64_t n, int
     candidates += chunks_[c].candidates;
   }
   if (candidates >= UINT32_MAX) {
-    throw RunError("{} Gaussians cover {} tiles in one view, more than 2^32: lower --max-gaussians or raise --downscale",
-                   n, candidates);
+    throw RunError(
+        "{} Gaussians cover {} tiles in one view, more than 2^32: lower --max-gaussians or raise --downscale", n,
+        candidates);
   }
   // One more: the kernel writes a pair before it knows whether it counts.
   Grow(&pair_tile, candidates + 1);
@@ -119,7 +120,8 @@ void TileLists::SortByDepth() {
       uint32_t* positions = histogram_.data() + c * kBuckets;
       for (int64_t b = 0; b < kBuckets; ++b) positions[b] += static_cast<uint32_t>(digit_begin_[b]);
       const int64_t end = ChunkBegin(visible, c + 1, chunks);
-      for (int64_t i = ChunkBegin(visible, c, chunks); i < end; ++i) keys_swap_[positions[digit(keys_[i])]++] = keys_[i];
+      for (int64_t i = ChunkBegin(visible, c, chunks); i < end; ++i)
+        keys_swap_[positions[digit(keys_[i])]++] = keys_[i];
     });
     keys_.swap(keys_swap_);
   }

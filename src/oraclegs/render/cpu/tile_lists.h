@@ -39,9 +39,9 @@ class TileLists {
   void Deal(int64_t tiles);
 
   std::vector<Chunk> chunks_;
-  std::vector<Key> keys_, keys_swap_;    // of the visible
-  std::vector<uint32_t> histogram_;      // [chunks, buckets]
-  std::vector<int64_t> digit_begin_;     // [buckets + 1]
+  std::vector<Key> keys_, keys_swap_;  // of the visible
+  std::vector<uint32_t> histogram_;    // [chunks, buckets]
+  std::vector<int64_t> digit_begin_;   // [buckets + 1]
 };
 
 }  // namespace oraclegs::cpu
