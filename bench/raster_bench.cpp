@@ -18,7 +18,7 @@ void BM_RenderForwardBackward(benchmark::State& state) {
   const int64_t n = state.range(0);
   const int width = static_cast<int>(state.range(1)), height = static_cast<int>(state.range(2));
   SetNumThreads(static_cast<int>(state.range(3)));
-  const Gaussians g = RandomGaussians(n, 2.2 / std::sqrt(static_cast<double>(n)), 1);
+  const Gaussians g = RandomGaussians(n, (getenv("DENSE") ? 5.5 : 2.2) / std::sqrt(static_cast<double>(n)), 1);
   const Camera camera = FrontCamera(width, height);
   torch::manual_seed(1);
   const RenderGrads up{torch::randn({height, width, 3}), {}, {}};

@@ -1,6 +1,6 @@
 // Forward blending. One task a tile. The tile's list is read near to far in segments; each 4 x 4 block walks the
 // positions that reach it with its 16 pixels in vector lanes, and is done when every pixel is opaque.
-// Kept for backward: final transmittance and where the pixel became opaque, 8 bytes a pixel. Nothing is allocated.
+// Kept for backward: final transmittance and how far the pixel took part, 8 bytes a pixel. Nothing is allocated.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/render/cpu/blend_forward.cpp"
@@ -22,74 +22,94 @@ namespace oraclegs::HWY_NAMESPACE {
 /// Where a pixel that takes nothing more is moved to: no Gaussian reaches it, and its squares stay finite.
 inline constexpr float kOutOfReach = 1e15f;
 
+/// Steps between looks at whether a block is opaque. A pixel that was closed in between takes nothing, and its running
+/// product cannot shrink into the subnormal numbers within so few.
+inline constexpr int kSteps = 8;
+
 /// What a block's pixels have gathered so far.
 struct HWY_ALIGN BlockState {
-  float x[16];  ///< px from the tile's centre, or kOutOfReach
+  float x[16];     ///< px from the tile's centre, or kOutOfReach
+  float left[16];  ///< product of all 1 - alpha, also of what came after the pixel was closed
   float t[16], r[16], g[16], b[16], inv_z[16];
   int32_t end[16];  ///< as BlendImage::end
 };
 
-/// Blends the segment's splats of one block, positions counted from `first`. Returns how many it visited, negative
-/// when no pixel takes anything more.
-HWY_INLINE int BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
+struct Visit {
+  int steps;  ///< Gaussians evaluated
+  bool open;  ///< whether a pixel may take more
+};
+
+/// Blends the segment's splats of one block; `first`: position of the segment's first entry.
+HWY_INLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
   const FloatTag d;
   const IntTag di;
-  FloatVec y[kVecs], x[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
+  FloatVec y[kVecs], x[kVecs], left[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
+  IntVec last[kVecs];
   for (int v = 0; v < kVecs; ++v) {
     y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
     x[v] = hn::Load(d, state->x + v * kLanes);
+    left[v] = hn::Load(d, state->left + v * kLanes);
     t[v] = hn::Load(d, state->t + v * kLanes);
     r[v] = hn::Load(d, state->r + v * kLanes);
     g[v] = hn::Load(d, state->g + v * kLanes);
     b[v] = hn::Load(d, state->b + v * kLanes);
     z[v] = hn::Load(d, state->inv_z + v * kLanes);
+    last[v] = hn::Set(di, -1);
   }
+  const FloatVec open_above = hn::Set(d, kTransmittanceEnd);
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
   const int count = segment.counts[block];
   bool open = true;
   int j = 0;
-  for (; j < count && open; ++j) {
-    const int i = positions[j];
-    for (int v = 0; v < kVecs; ++v) {
-      FloatVec alpha = segment.Alpha(i, x[v], y[v]);
-      FloatVec next = hn::NegMulAdd(alpha, t[v], t[v]);
-      // Holds once in a pixel's life: what it needs stays out of the usual path.
-      const FloatMask ends = hn::Lt(next, hn::Set(d, kTransmittanceEnd));
-      if (HWY_UNLIKELY(!hn::AllFalse(d, ends))) {
-        alpha = hn::IfThenZeroElse(ends, alpha);
-        next = hn::IfThenElse(ends, t[v], next);
-        x[v] = hn::IfThenElse(ends, hn::Set(d, kOutOfReach), x[v]);
-        hn::BlendedStore(hn::Set(di, first + i), hn::RebindMask(di, ends), di, state->end + v * kLanes);
-        open = false;
-        for (int w = 0; w < kVecs; ++w) open |= !hn::AllFalse(d, hn::Lt(x[w], hn::Set(d, kOutOfReach)));
+  while (j < count && open) {
+    for (const int stop = std::min(j + kSteps, count); j < stop; ++j) {
+      const int i = positions[j];
+      for (int v = 0; v < kVecs; ++v) {
+        const FloatVec alpha = segment.Alpha(i, x[v], y[v]);
+        const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
+        // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
+        // to remember or to branch on.
+        const FloatMask takes = hn::Ge(next, open_above);
+        const FloatVec weight = hn::IfThenElseZero(takes, hn::Mul(alpha, left[v]));
+        left[v] = next;
+        t[v] = hn::IfThenElse(takes, next, t[v]);
+        last[v] = hn::IfThenElse(hn::RebindMask(di, takes), hn::Set(di, positions[j]), last[v]);
+        r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
+        g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
+        b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
+        z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
       }
-      const FloatVec weight = hn::Mul(alpha, t[v]);
-      t[v] = next;
-      r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
-      g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
-      b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
-      z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
+    }
+    open = false;
+    for (int v = 0; v < kVecs; ++v) {
+      const FloatMask stays = hn::Ge(left[v], open_above);
+      x[v] = hn::IfThenElse(stays, x[v], hn::Set(d, kOutOfReach));
+      open |= !hn::AllFalse(d, hn::Lt(x[v], hn::Set(d, kOutOfReach)));
     }
   }
   for (int v = 0; v < kVecs; ++v) {
     hn::Store(x[v], d, state->x + v * kLanes);
+    hn::Store(left[v], d, state->left + v * kLanes);
     hn::Store(t[v], d, state->t + v * kLanes);
     hn::Store(r[v], d, state->r + v * kLanes);
     hn::Store(g[v], d, state->g + v * kLanes);
     hn::Store(b[v], d, state->b + v * kLanes);
     hn::Store(z[v], d, state->inv_z + v * kLanes);
+    const IntVec end = hn::IfThenElse(hn::Gt(last[v], hn::Set(di, -1)), hn::Add(last[v], hn::Set(di, first + 1)),
+                                      hn::Load(di, state->end + v * kLanes));
+    hn::Store(end, di, state->end + v * kLanes);
   }
-  return open ? j : -j;
+  return {j, open};
 }
 
-HWY_INLINE void StartBlock(int block, const BlockPlace& place, int64_t end, BlockState* s) {
+HWY_INLINE void StartBlock(int block, const BlockPlace& place, BlockState* s) {
   const FloatTag d;
   const IntTag di;
   for (int i = 0; i < 16; i += kLanes) {
     hn::Store(hn::Load(d, kBlockCenters.x[block] + i), d, s->x + i);
-    hn::Store(hn::Set(d, 1.f), d, s->t + i);
+    for (float* one : {s->left, s->t}) hn::Store(hn::Set(d, 1.f), d, one + i);
     for (float* sum : {s->r, s->g, s->b, s->inv_z}) hn::Store(hn::Zero(d), d, sum + i);
-    hn::Store(hn::Set(di, static_cast<int32_t>(end)), di, s->end + i);
+    hn::Store(hn::Zero(di), di, s->end + i);
   }
   if (HWY_LIKELY(place.Whole())) return;
   for (int i = 0; i < 16; ++i) {
@@ -118,8 +138,12 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
   uint32_t open = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
     const BlockPlace place(tile, block, out.width, out.height);
-    StartBlock(block, place, tile.count, &states[block]);
-    if (!place.Empty()) open |= 1u << block;
+    StartBlock(block, place, &states[block]);
+    if (place.Empty()) continue;
+    open |= 1u << block;
+    PrefetchPlane<3>(out.image, place);
+    PrefetchPlane<1>(out.alpha, place);
+    PrefetchPlane<1>(out.inv_depth, place);
   }
   const uint32_t inside = open;
   Segment segment;
@@ -129,9 +153,9 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
     segment.Fill(tile, begin, n, open);
     for (uint32_t left = open; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      const int steps = BlendBlock(segment, block, static_cast<int32_t>(begin), &states[block]);
-      if (steps < 0) open &= ~(1u << block);
-      visited += std::abs(steps);
+      const Visit visit = BlendBlock(segment, block, static_cast<int32_t>(begin), &states[block]);
+      if (!visit.open) open &= ~(1u << block);
+      visited += visit.steps;
     }
   }
   // In two loops: a row of pixels lies across the vectors just written, and reading it at once would wait for them.

@@ -85,6 +85,14 @@ HWY_INLINE void CopyToPlane(const float* HWY_RESTRICT packed, const BlockPlace& 
   }
 }
 
+/// Asks for the block's lines of a plane that will be written.
+template <int kChannels>
+HWY_INLINE void PrefetchPlane(const float* plane, const BlockPlace& at) {
+  for (int y = 0; y < at.rows; ++y) {
+    __builtin_prefetch(plane + (at.first + static_cast<int64_t>(y) * at.width) * kChannels, 1);
+  }
+}
+
 }  // namespace oraclegs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

@@ -79,8 +79,8 @@ struct BlendImage {
   float* alpha;          ///< [H,W]
   float* inv_depth;      ///< [H,W]
   float* transmittance;  ///< [tiles, 16 blocks, 16 pixels] final T, or null
-  uint32_t* end;         ///< the same layout: entries before this one were blended, or null. Where the pixel became
-                         ///< opaque, else the list's length
+  uint32_t* end;         ///< the same layout, or null: entries from here on took no part, as the pixel was opaque or they
+                         ///< do not reach its block
 };
 
 /// A tile's list and place.
