@@ -46,11 +46,10 @@ struct HWY_ALIGN Chunk {
   float g[4][16];           ///< upstream gradients times the T at its near end
 };
 
-/// Sweep 1 over positions[0, count), which count from `first` in the tile's list. Returns in `t` what the chunk lets
-/// through.
+/// Sweep 1 over positions[0, count), steps `first` to first + count. Returns in `t` what the chunk lets through.
 template <bool kAllSeen>
-HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, int count, int block,
-                               const IntVec* end, Chunk* chunk, FloatVec* t) {
+HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, int first, int count,
+                               int block, const IntVec* end, Chunk* chunk, FloatVec* t) {
   const FloatTag d;
   FloatVec x[kVecs], y[kVecs];
   for (int v = 0; v < kVecs; ++v) {
@@ -65,7 +64,7 @@ HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRI
       if constexpr (kAllSeen) {
         alpha = segment.Alpha(i, x[v], y[v]);
       } else {
-        const FloatMask before_end = hn::RebindMask(d, hn::Gt(end[v], hn::Set(IntTag(), i)));
+        const FloatMask before_end = hn::RebindMask(d, hn::Gt(end[v], hn::Set(IntTag(), first + j)));
         alpha = segment.AlphaWhere(before_end, i, x[v], y[v]);
       }
       hn::Store(alpha, d, chunk->alpha[j] + v * kLanes);
@@ -173,7 +172,8 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
   }
 }
 
-/// The segment's part of one block's list; records of the segment's first entry. Returns how many it visited.
+/// The segment's part of one block's list; `first`: Segment::FirstStep; `records`: of the segment's first entry.
+/// Returns how many it visited.
 template <bool kDepth>
 HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state, Chunk* chunk,
                              float* HWY_RESTRICT records) {
@@ -187,8 +187,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
     t[v] = hn::Load(d, state->t + v * kLanes);
     behind[v] = hn::Load(d, state->behind + v * kLanes);
   }
-  int count = segment.counts[block];
-  while (count > 0 && positions[count - 1] >= state->farthest - first) --count;
+  const int count = std::min(segment.counts[block], state->farthest - first);
   const float cx = static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2);
   const float cy = static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2);
   for (int stop = count; stop > 0;) {
@@ -196,10 +195,10 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
     const int start = (stop - 1) / Chunk::kSize * Chunk::kSize;
     const int32_t* chunk_positions = positions + start;
     const int n = stop - start;
-    if (positions[stop - 1] < state->nearest - first) {
-      SweepNearToFar<true>(segment, chunk_positions, n, block, end, chunk, through);
+    if (stop <= state->nearest - first) {
+      SweepNearToFar<true>(segment, chunk_positions, start, n, block, end, chunk, through);
     } else {
-      SweepNearToFar<false>(segment, chunk_positions, n, block, end, chunk, through);
+      SweepNearToFar<false>(segment, chunk_positions, start, n, block, end, chunk, through);
     }
     for (int v = 0; v < kVecs; ++v) {
       t[v] = hn::Div(t[v], through[v]);
@@ -253,23 +252,25 @@ HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forwa
   s->nearest = hn::GetLane(hn::MinOfLanes(di, nearest));
 }
 
+/// `farthest`: largest of the blocks'.
 template <bool kDepth>
-HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states, int64_t farthest, float* records) {
+HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states, int32_t farthest, float* records) {
+  if (farthest == 0) return 0;
   Segment segment;
   Chunk chunk;
   int64_t visited = 0;
-  for (int64_t begin = (farthest - 1) / Segment::kSize * Segment::kSize; begin >= 0 && farthest > 0;
-       begin -= Segment::kSize) {
-    const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, farthest - begin));
+  for (int64_t begin = Segment::FirstEntry(farthest); begin >= 0; begin -= Segment::kSize) {
+    const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, tile.count - begin));
+    const int32_t first = Segment::FirstStep(begin);
     uint32_t wanted = 0;
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-      if (states[block].farthest > begin) wanted |= 1u << block;
+      if (states[block].farthest > first) wanted |= 1u << block;
     }
     segment.Fill(tile, begin, n, wanted);
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      visited += BackwardBlock<kDepth>(segment, block, static_cast<int32_t>(begin), &states[block], &chunk,
-                                       records + begin * cpu::kGradStride);
+      visited +=
+          BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, records + begin * cpu::kGradStride);
     }
   }
   return visited * 16;
@@ -287,12 +288,12 @@ HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::Ble
     inside |= 1u << block;
     LoadUpstream(upstream, place, &planes[block]);
   }
-  int64_t farthest = 0;
+  int32_t farthest = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {  // not above: see the two loops of the forward pass
     states[block].farthest = 0;
     if (!(inside >> block & 1)) continue;
     StartBlock(planes[block], forward, tile.index * cpu::kTilePixels + block * 16, &states[block]);
-    farthest = std::max<int64_t>(farthest, states[block].farthest);
+    farthest = std::max(farthest, states[block].farthest);
   }
   std::memset(records, 0, sizeof(float) * cpu::kGradStride * tile.count);
   return upstream.inv_depth != nullptr ? BackwardTile<true>(tile, states, farthest, records)

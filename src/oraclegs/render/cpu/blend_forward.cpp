@@ -39,12 +39,25 @@ struct Visit {
   bool open;  ///< whether a pixel may take more
 };
 
-/// Blends the segment's splats of one block; `first`: position of the segment's first entry.
-HWY_INLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
+/// Moves the opaque pixels out of reach. Returns whether others remain.
+HWY_INLINE bool CloseOpaque(const FloatVec* left, FloatVec* x) {
+  const FloatTag d;
+  const FloatVec away = hn::Set(d, kOutOfReach);
+  bool open = false;
+  for (int v = 0; v < kVecs; ++v) {
+    x[v] = hn::IfThenElse(hn::Ge(left[v], hn::Set(d, kTransmittanceEnd)), x[v], away);
+    open |= !hn::AllFalse(d, hn::Lt(x[v], away));
+  }
+  return open;
+}
+
+/// Blends the segment's splats of one block; `first`: Segment::FirstStep. Not
+/// inlined: on its own, GCC 12 keeps the loop's numbers in registers.
+HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
   const FloatTag d;
   const IntTag di;
   FloatVec y[kVecs], x[kVecs], left[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
-  IntVec last[kVecs];
+  IntVec taken[kVecs];
   for (int v = 0; v < kVecs; ++v) {
     y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
     x[v] = hn::Load(d, state->x + v * kLanes);
@@ -54,7 +67,7 @@ HWY_INLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, Bl
     g[v] = hn::Load(d, state->g + v * kLanes);
     b[v] = hn::Load(d, state->b + v * kLanes);
     z[v] = hn::Load(d, state->inv_z + v * kLanes);
-    last[v] = hn::Set(di, -1);
+    taken[v] = hn::Zero(di);
   }
   const FloatVec open_above = hn::Set(d, kTransmittanceEnd);
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
@@ -62,31 +75,25 @@ HWY_INLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, Bl
   bool open = true;
   int j = 0;
   while (j < count && open) {
-    for (const int stop = std::min(j + kSteps, count); j < stop; ++j) {
-      const int i = positions[j];
-      for (int v = 0; v < kVecs; ++v) {
-        const FloatVec alpha = segment.Alpha(i, x[v], y[v]);
-        const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
-        // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
-        // to remember or to branch on.
-        const FloatMask takes = hn::Ge(next, open_above);
-        const FloatVec weight = hn::IfThenElseZero(takes, hn::Mul(alpha, left[v]));
-        left[v] = next;
-        t[v] = hn::IfThenElse(takes, next, t[v]);
-        last[v] = hn::IfThenElse(hn::RebindMask(di, takes), hn::Set(di, positions[j]), last[v]);
-        r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
-        g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
-        b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
-        z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
-      }
-    }
-    open = false;
+    const int i = positions[j++];
     for (int v = 0; v < kVecs; ++v) {
-      const FloatMask stays = hn::Ge(left[v], open_above);
-      x[v] = hn::IfThenElse(stays, x[v], hn::Set(d, kOutOfReach));
-      open |= !hn::AllFalse(d, hn::Lt(x[v], hn::Set(d, kOutOfReach)));
+      const FloatVec alpha = segment.Alpha(i, x[v], y[v]);
+      const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
+      // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
+      // to remember or to branch on.
+      const FloatMask takes = hn::Ge(next, open_above);
+      const FloatVec weight = hn::IfThenElseZero(takes, hn::Mul(alpha, left[v]));
+      left[v] = next;
+      t[v] = hn::IfThenElse(takes, next, t[v]);
+      taken[v] = hn::IfThenElse(hn::RebindMask(di, takes), hn::Add(taken[v], hn::Set(di, 1)), taken[v]);
+      r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
+      g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
+      b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
+      z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
     }
+    if (j % kSteps == 0) open = CloseOpaque(left, x);
   }
+  open = CloseOpaque(left, x);
   for (int v = 0; v < kVecs; ++v) {
     hn::Store(x[v], d, state->x + v * kLanes);
     hn::Store(left[v], d, state->left + v * kLanes);
@@ -95,7 +102,7 @@ HWY_INLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, Bl
     hn::Store(g[v], d, state->g + v * kLanes);
     hn::Store(b[v], d, state->b + v * kLanes);
     hn::Store(z[v], d, state->inv_z + v * kLanes);
-    const IntVec end = hn::IfThenElse(hn::Gt(last[v], hn::Set(di, -1)), hn::Add(last[v], hn::Set(di, first + 1)),
+    const IntVec end = hn::IfThenElse(hn::Gt(taken[v], hn::Zero(di)), hn::Add(taken[v], hn::Set(di, first)),
                                       hn::Load(di, state->end + v * kLanes));
     hn::Store(end, di, state->end + v * kLanes);
   }
@@ -153,7 +160,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
     segment.Fill(tile, begin, n, open);
     for (uint32_t left = open; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      const Visit visit = BlendBlock(segment, block, static_cast<int32_t>(begin), &states[block]);
+      const Visit visit = BlendBlock(segment, block, Segment::FirstStep(begin), &states[block]);
       if (!visit.open) open &= ~(1u << block);
       visited += visit.steps;
     }

@@ -28,10 +28,10 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
   const FloatVec floor = hn::Floor(x);
   const FloatVec f = hn::Sub(x, floor);
 #endif
-  FloatVec p = hn::MulAdd(hn::Set(d, 0.013534167911698657f), f, hn::Set(d, 0.05201146061904796f));
-  p = hn::MulAdd(p, f, hn::Set(d, 0.24144275688619407f));
-  p = hn::MulAdd(p, f, hn::Set(d, 0.6930038344710632f));
-  p = hn::MulAdd(p, f, hn::Set(d, 1.0000025933706653f));
+  FloatVec p = hn::Set(d, 0.013534167911698657f);
+  for (const float c : {0.05201146061904796f, 0.24144275688619407f, 0.6930038344710632f, 1.0000025933706653f}) {
+    p = hn::MulAdd(f, p, hn::Set(d, c));
+  }
 #if HWY_TARGET <= HWY_AVX3
   return FloatVec{_mm512_maskz_scalef_ps(where.raw, p.raw, x.raw)};  // p 2^floor(x)
 #else
@@ -45,6 +45,11 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
 /// each block the positions of the splats that reach it. Small enough for the first-level cache.
 struct HWY_ALIGN Segment {
   static constexpr int kSize = 256;
+  /// Steps of a block's list are numbered by segment and, within it, by position in the block's own list: this is the
+  /// number of the first one of the segment that begins at an entry. As BlendImage::end.
+  static constexpr int32_t FirstStep(int64_t entry) { return static_cast<int32_t>(entry / kSize * 2 * kSize); }
+  static constexpr int64_t FirstEntry(int32_t step) { return step / (2 * kSize) * int64_t{kSize}; }
+
   // alpha = 2^(peak - (ax x + a0)^2 - (bx x + by y + b0)^2)
   float ax[kSize], a0[kSize], bx[kSize], by[kSize], b0[kSize], peak[kSize];
   float r[kSize], g[kSize], b[kSize], inv_z[kSize];

@@ -79,8 +79,8 @@ struct BlendImage {
   float* alpha;          ///< [H,W]
   float* inv_depth;      ///< [H,W]
   float* transmittance;  ///< [tiles, 16 blocks, 16 pixels] final T, or null
-  uint32_t* end;         ///< the same layout, or null: entries from here on took no part, as the pixel was opaque or they
-                         ///< do not reach its block
+  uint32_t* end;         ///< the same layout, or null: the step of the block's list from which on the pixel takes no
+                         ///< part, 0 if it never does. Numbered by the kernels
 };
 
 /// A tile's list and place.
