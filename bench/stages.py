@@ -195,7 +195,7 @@ def print_slopes(what, groups, x_of):
 def print_scaling(all_stages):
     print("\n### Scaling\n")
     print(f"ms, and the slope of log time over log size: 1 is linear, n log n is about 1.1 here; above {STEEPEST} is "
-          "marked with !. Small inputs stay in the caches, large ones do not, which steepens the stages that memory bounds.")
+          "marked with !. Small inputs stay in the caches, large ones do not, which steepens what memory bounds.")
     by_pixels, by_gaussians = {}, {}
     for name, stages in all_stages.items():
         for b in stages:
