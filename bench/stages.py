@@ -153,11 +153,12 @@ def print_stages(name, stages):
     print(f"\n### {name}: iterations\n")
     print("Medians in ms, and the share of the ceiling: multiply-adds for blending (34 and 64 flops a pixel-Gaussian "
           "pair), memory for the rest (above 100 %: from the caches).")
-    table(["Gaussians", "pixels", "iteration", *STAGES.values(), "pairs/s", "pairs/s backward", "pairs"],
+    table(["Gaussians", "pixels", "iteration", *STAGES.values(), "pairs/s", "pairs/s backward", "pairs", "ceilings then"],
           [[count(b["gaussians"]), size_of(b), milliseconds(b["median_ms"])]
            + [f"{milliseconds(b[s + '_ms'])} ({percent(b[s + '_share'])})" for s in STAGES]
            + [f"{b[key] * 1e-9:.2f} G" for key in ("blend_pairs_per_second", "blend_backward_pairs_per_second")]
-           + [f"{b['pixel_pairs'] * 1e-6:.1f} M"] for b in stages])
+           + [f"{b['pixel_pairs'] * 1e-6:.1f} M", f"{b['fma_gflops']:.0f} GFLOP/s, {b['copy_gbps']:.0f} GB/s"]
+           for b in stages])
 
 
 def print_alone(name, alone):
