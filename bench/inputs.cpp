@@ -1,0 +1,152 @@
+#include "bench/inputs.h"
+
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/run.h"
+#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/rows.h"
+#include "render/scenes.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr uint64_t kSeed = 1;
+constexpr int kNever = 10'000'000;  // iterations; the largest that the options take
+constexpr int kSyntheticViews = 3;
+
+/// Fills options from the JSON that a run saved; what it does not name keeps its default.
+struct SavedOptionReader {
+  const nlohmann::json& saved;
+
+  template <class T, class... Rest>
+  void operator()(const char* name, T& value, Rest&&...) const {
+    if (!saved.contains(name)) return;
+    if constexpr (std::is_same_v<T, std::filesystem::path>) {
+      value = saved.at(name).get<std::string>();
+    } else {
+      value = saved.at(name).get<T>();
+    }
+  }
+};
+
+/// n of the Gaussians, in their order, drawn without return.
+Gaussians Thinned(const Gaussians& gaussians, int64_t n) {
+  std::vector<int64_t> rows(gaussians.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  Rng rng(kSeed, RandomStream::kInitialPoints);
+  for (int64_t i = 0; i < n; ++i) std::swap(rows[i], rows[i + rng.Index(gaussians.size() - i)]);
+  rows.resize(n);
+  std::sort(rows.begin(), rows.end());
+  const Tensor index = torch::tensor(rows);
+  Gaussians thinned = gaussians;
+  thinned.ForEach([&](const char*, Tensor& t) { t = t.index_select(0, index).contiguous(); });
+  return thinned;
+}
+
+Gaussians Grown(const Gaussians& gaussians, int64_t n) {
+  Gaussians grown = Clone(gaussians);
+  Adam adam(grown.size());
+  for (int64_t iteration = 1; grown.size() < n; ++iteration) {
+    if (AddGaussians(kSeed, iteration, n, &grown, &adam) == 0) throw UsageError("too few Gaussians to grow from");
+  }
+  return Clone(grown);  // without the spare rows
+}
+
+TrainView ResizedView(const Photo& photo, const InputSize& size) {
+  const double pixels = static_cast<double>(size.width) * size.height;
+  const double aspect = static_cast<double>(photo.rgb.width) / photo.rgb.height;
+  int width = size.width, height = size.height;
+  if (photo.rgb.width * size.height != photo.rgb.height * size.width) {
+    width = static_cast<int>(std::lround(std::sqrt(pixels * aspect)));
+    height = static_cast<int>(std::lround(pixels / width));
+  }
+  Photo resized = photo;
+  resized.mask.clear();
+  resized.rgb = ResizeArea(photo.rgb, width, height);
+  resized.camera = Resized(photo.camera, width, height);
+  return ToTrainView(resized);
+}
+
+BenchInput FromWorkspace(const std::filesystem::path& workspace, const InputSize& size) {
+  const SavedRun saved = ReadSavedRun(workspace);
+  RunOptions options;
+  options.ForEachShapingGroup([&](const char*, auto& group) { group.Visit(SavedOptionReader{saved.options}); });
+  const PosedScene posed = ReadPosedScene(saved.scene, options, Silent());
+
+  BenchInput input;
+  input.background = BackgroundColor(options.photo.background);
+  input.antialiased = options.train.antialiased;
+  for (const Photo& photo : LoadPhotos(posed.scene, posed.split.train, options.photo, Silent())) {
+    input.views.push_back(ResizedView(photo, size));
+  }
+  input.gaussians = ReadGaussianPly(WorkspacePaths(workspace).point_cloud()).gaussians;
+  const int64_t n = input.gaussians.size();
+  if (n > size.gaussians) input.gaussians = Thinned(input.gaussians, size.gaussians);
+  if (n < size.gaussians) input.gaussians = Grown(input.gaussians, size.gaussians);
+  return input;
+}
+
+BenchInput Synthetic(const InputSize& size) {
+  // Scales shrink with the count, as training makes them.
+  const double scale = 2.2 / std::sqrt(static_cast<double>(size.gaussians));
+  const Camera front = FrontCamera(size.width, size.height);
+  BenchInput input;
+  const Tensor picture =
+      MakeRasterizer(torch::kCPU)
+          ->Forward(RandomGaussians(size.gaussians, scale, kSeed + 1), front, {}, RenderPass::kInference)
+          .image.clone();
+  for (int i = 0; i < kSyntheticViews; ++i) {
+    Camera camera = front;
+    camera.cam_from_world.translation().x() = 0.1 * i;
+    input.views.push_back({"view", camera, picture, {}});
+  }
+  input.gaussians = RandomGaussians(size.gaussians, scale, kSeed);
+  return input;
+}
+
+TrainOptions OptionsOf(const BenchInput& input) {
+  TrainOptions options;
+  options.iterations = kNever;
+  options.antialiased = input.antialiased;
+  options.sh_degree_interval = 1;
+  return options;
+}
+
+}  // namespace
+
+BenchInput MakeInput(const InputSource& source, const InputSize& size) {
+  return source.workspace.empty() ? Synthetic(size) : FromWorkspace(source.workspace, size);
+}
+
+Adam SteadyAdam(int64_t n) {
+  Adam adam(n);
+  adam.v.ForEach([](const char*, Tensor& t) { t.fill_(1); });
+  adam.step = 100'000;  // no bias is left to correct
+  return adam;
+}
+
+std::unique_ptr<Trainer> MakeSteadyTrainer(const BenchInput& input) {
+  TrainOptions options = OptionsOf(input);
+  options.max_gaussians = static_cast<int>(input.gaussians.size());
+  options.refine_start = kNever;
+  auto trainer = std::make_unique<Trainer>(options, 0, input.background, input.views, input.gaussians);
+  Checkpoint checkpoint;
+  checkpoint.gaussians = input.gaussians;
+  checkpoint.adam = SteadyAdam(input.gaussians.size());
+  trainer->Restore(checkpoint);
+  return trainer;
+}
+
+std::unique_ptr<Trainer> MakeGrowingTrainer(BenchInput&& input, int64_t max_gaussians) {
+  TrainOptions options = OptionsOf(input);
+  options.max_gaussians = static_cast<int>(max_gaussians);
+  options.refine_start = 0;
+  options.refine_every = 2;
+  options.refine_stop = 1;
+  return std::make_unique<Trainer>(options, 0, input.background, std::move(input.views), std::move(input.gaussians));
+}
+
+}  // namespace oraclegs

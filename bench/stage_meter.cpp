@@ -1,0 +1,130 @@
+#include "bench/stage_meter.h"
+
+#include <chrono>
+
+#include "bench/median.h"
+#include "oraclegs/render/cpu/kernels.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kFlopsPerPair = 34, kFlopsPerPairBackward = 64;  // of a pixel-Gaussian pair that is evaluated
+
+// Bytes. A Gaussian has 3 + 3 + 4 + 1 geometry parameters and 48 of colour.
+constexpr double kGeometry = 11 * sizeof(float), kColor = 48 * sizeof(float), kAll = kGeometry + kColor;
+constexpr double kSplat = sizeof(cpu::Splat), kRect = sizeof(cpu::TileRect), kEntry = sizeof(cpu::TileEntry);
+constexpr double kGradRecord = cpu::kGradStride * sizeof(float);
+constexpr double kDepthKey = 8;   // depth and index
+constexpr double kPairPlace = 8;  // where a pair's gradient record lies, and its tile
+constexpr double kRgb = 3 * sizeof(float);
+
+/// The fields that are medians or differences, in any order.
+template <class F>
+void ForEachNumber(IterationSample* sample, F&& f) {
+  for (double& stage : sample->milliseconds) f(stage);
+  f(sample->visible), f(sample->tile_pairs), f(sample->pixel_pairs), f(sample->pixel_pairs_backward), f(sample->total);
+}
+
+std::vector<double> Numbers(IterationSample sample) {
+  std::vector<double> numbers;
+  ForEachNumber(&sample, [&](double& x) { numbers.push_back(x); });
+  return numbers;
+}
+
+}  // namespace
+
+const char* StageName(Stage stage) {
+  switch (stage) {
+    case Stage::kProject:
+      return "project";
+    case Stage::kBin:
+      return "bin";
+    case Stage::kBlend:
+      return "blend";
+    case Stage::kLoss:
+      return "loss";
+    case Stage::kBlendBackward:
+      return "blend_backward";
+    case Stage::kUpdate:
+      return "update";
+  }
+  return "";
+}
+
+bool IsComputeBound(Stage stage) { return stage == Stage::kBlend || stage == Stage::kBlendBackward; }
+
+IterationSample StageMeter::Sums() const {
+  const TrainTimings t = trainer_->MeanTimings();
+  const RenderStats s = trainer_->MeanStats();
+  IterationSample sums{
+      {t.render.project, t.render.bin, t.render.blend, t.loss, t.render.blend_backward, t.render.gaussian_backward},
+      static_cast<double>(s.visible),
+      static_cast<double>(s.tile_pairs),
+      static_cast<double>(s.pixel_pairs),
+      static_cast<double>(s.pixel_pairs_backward),
+      0};
+  const double iterations = static_cast<double>(trainer_->iteration());
+  ForEachNumber(&sums, [&](double& x) { x *= iterations; });
+  return sums;
+}
+
+IterationSample StageMeter::Step() {
+  const auto start = std::chrono::steady_clock::now();
+  trainer_->Step();
+  const double total = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const IterationSample sums = Sums();
+  IterationSample sample = sums;
+  const std::vector<double> before = Numbers(before_);
+  size_t i = 0;
+  ForEachNumber(&sample, [&](double& x) { x -= before[i++]; });
+  sample.total = total;
+  before_ = sums;
+  return sample;
+}
+
+IterationSample MedianOf(const std::vector<IterationSample>& samples) {
+  std::vector<std::vector<double>> rows;
+  for (const IterationSample& sample : samples) rows.push_back(Numbers(sample));
+  IterationSample median;
+  size_t field = 0;
+  ForEachNumber(&median, [&](double& x) {
+    std::vector<double> values;
+    for (const auto& row : rows) values.push_back(row[field]);
+    x = Median(std::move(values));
+    ++field;
+  });
+  return median;
+}
+
+double LeastWork(Stage stage, const IterationShape& shape, const IterationSample& found) {
+  const double n = shape.gaussians, visible = found.visible, pairs = found.tile_pairs;
+  switch (stage) {
+    case Stage::kProject:
+      // Reads every Gaussian's geometry and writes its rectangle; of the visible reads the colour, writes the splat.
+      return n * (kGeometry + kRect) + visible * (kColor + kSplat);
+    case Stage::kBin:
+      // Reads rectangles and the visible ones' splats, writes and reads their depth keys once (a sort of one pass);
+      // writes each pair's entry and where it lies.
+      return n * kRect + visible * (kSplat + 2 * kDepthKey) + pairs * (kEntry + kPairPlace);
+    case Stage::kLoss:
+      // Reads render and photograph, writes the gradient; SSIM's windows stay in the caches.
+      return 3 * kRgb * shape.pixels;
+    case Stage::kUpdate:
+      // Reads each pair's gradient record and where it lies, the visible ones' splats; reads and writes parameters
+      // and both moments. Gradients need not exist in memory.
+      return pairs * (kGradRecord + kPairPlace) + visible * kSplat + n * 2 * 3 * kAll;
+    case Stage::kBlend:
+      return kFlopsPerPair * found.pixel_pairs;
+    case Stage::kBlendBackward:
+      return kFlopsPerPairBackward * found.pixel_pairs_backward;
+  }
+  return 0;
+}
+
+double ShareOfCeiling(Stage stage, const IterationShape& shape, const IterationSample& found,
+                      const Ceilings& ceilings) {
+  const double per_second = LeastWork(stage, shape, found) / (found.Milliseconds(stage) / 1000);
+  return per_second / (IsComputeBound(stage) ? ceilings.flops : ceilings.bytes);
+}
+
+}  // namespace oraclegs

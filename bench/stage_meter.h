@@ -1,0 +1,61 @@
+#pragma once
+// The stages of a training iteration: how long they took, how much work they found, and how much they must do at least.
+
+#include <array>
+#include <vector>
+
+#include "bench/ceilings.h"
+#include "oraclegs/train/trainer.h"
+
+namespace oraclegs {
+
+/// A stage of an iteration, by what bounds it.
+enum class Stage { kProject, kBin, kBlend, kLoss, kBlendBackward, kUpdate };
+inline constexpr std::array kStages{Stage::kProject, Stage::kBin,           Stage::kBlend,
+                                    Stage::kLoss,    Stage::kBlendBackward, Stage::kUpdate};
+/// "project", "bin", ...
+const char* StageName(Stage stage);
+/// kBlend and kBlendBackward compute; the others move memory.
+bool IsComputeBound(Stage stage);
+
+/// One iteration, or a mean or median of several.
+struct IterationSample {
+  std::array<double, kStages.size()> milliseconds{};
+  double visible = 0;               ///< Gaussians
+  double tile_pairs = 0;            ///< (tile, Gaussian)
+  double pixel_pairs = 0;           ///< evaluated by blend forward
+  double pixel_pairs_backward = 0;  ///< evaluated by blend backward
+  double total = 0;                 ///< ms, whole iteration
+
+  double Milliseconds(Stage stage) const { return milliseconds[static_cast<size_t>(stage)]; }
+};
+
+/// Takes a trainer's steps one by one: the differences of its running means.
+class StageMeter {
+ public:
+  /// `trainer` stands where its means begin.
+  explicit StageMeter(Trainer* trainer) : trainer_(trainer) {}
+  IterationSample Step();
+
+ private:
+  IterationSample Sums() const;
+
+  Trainer* trainer_;
+  IterationSample before_;
+};
+
+/// Medians, field by field.
+IterationSample MedianOf(const std::vector<IterationSample>& samples);
+
+/// What one iteration works on.
+struct IterationShape {
+  double gaussians = 0, pixels = 0;
+};
+
+/// Floating-point operations (IsComputeBound) or bytes that the stage cannot do without.
+double LeastWork(Stage stage, const IterationShape& shape, const IterationSample& found);
+
+/// Least work per second as a share of the ceiling. Above 1 a memory-bound stage works from the caches.
+double ShareOfCeiling(Stage stage, const IterationShape& shape, const IterationSample& found, const Ceilings& ceilings);
+
+}  // namespace oraclegs
