@@ -57,7 +57,7 @@ TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
   const double gate = 1 / (1 + std::exp(-0.5));  // opacity 0
   ForEachTarget([&](int64_t target) {
     Gaussians g = UnitGaussians(kCount, -40);
-    AddNoise(kSeed, kIteration, kRate, &g);
+    AddNoise({kSeed, kIteration, kRate}, &g);
     EXPECT_LT(MaxAbsError(g.means, gate * wanted), 2e-5) << target;
   });
 }
@@ -66,7 +66,7 @@ TEST(NoiseTest, IsStandardNormal) {
   constexpr int64_t kCount = 100000;
   Gaussians g = UnitGaussians(kCount, -40);
   const double gate = 1 / (1 + std::exp(-0.5));
-  AddNoise(1, 9, 1 / (5e5 * gate), &g);
+  AddNoise({1, 9, 1 / (5e5 * gate)}, &g);
   const Tensor x = g.means.to(torch::kDouble);
   EXPECT_LT(x.mean(0).abs().max().item<double>(), 0.02);
   const Tensor covariance = x.t().mm(x) / kCount;
@@ -102,7 +102,7 @@ TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
   g.opacity_logits.narrow(0, 0, 99).fill_(0);  // gate exp(-49.5)
   g.opacity_logits[99] = -6;
   const Tensor before = g.means.clone();
-  AddNoise(1, 9, 1e-4, &g);
+  AddNoise({1, 9, 1e-4}, &g);
   EXPECT_TRUE(torch::equal(g.means.narrow(0, 0, 99), before.narrow(0, 0, 99)));
   EXPECT_FALSE(torch::equal(g.means[99], before[99]));
 }
@@ -111,7 +111,7 @@ TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const Threads scope(threads);
     Gaussians g = RandomGaussians(5003, 4);
-    AddNoise(1, 9, 1e-4, &g);
+    AddNoise({1, 9, 1e-4}, &g);
     return g;
   };
   const Gaussians one = run(1);
@@ -122,7 +122,7 @@ TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
 TEST(NoiseTest, IterationAndSeedMatter) {
   const auto run = [](uint64_t seed, int64_t iteration) {
     Gaussians g = UnitGaussians(8, -40);
-    AddNoise(seed, iteration, 1e-4, &g);
+    AddNoise({seed, iteration, 1e-4}, &g);
     return g.means;
   };
   EXPECT_TRUE(torch::equal(run(1, 5), run(1, 5)));

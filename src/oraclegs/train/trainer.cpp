@@ -8,6 +8,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/loss/photometric.h"
+#include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"
@@ -34,20 +35,6 @@ class Lap {
 
  private:
   Clock::time_point last_ = Clock::now();
-};
-
-/// A contiguous tensor of this shape, all of them in one storage that grows to the largest use.
-class ImageBuffer {
- public:
-  Tensor Get(std::initializer_list<int64_t> shape) {
-    int64_t count = 1;
-    for (const int64_t s : shape) count *= s;
-    if (!storage_.defined() || storage_.numel() < count) storage_ = torch::empty({count}, torch::kFloat);
-    return storage_.narrow(0, 0, count).view(shape);
-  }
-
- private:
-  Tensor storage_;
 };
 
 /// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
@@ -113,7 +100,7 @@ void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
 
 TrainTimings Mean(TrainTimings sum, int64_t iterations) {
   for (double* stage : {&sum.render.project, &sum.render.bin, &sum.render.blend, &sum.render.blend_backward,
-                        &sum.render.gaussian_backward, &sum.loss, &sum.adam, &sum.refine, &sum.noise, &sum.total}) {
+                        &sum.render.gaussian_backward, &sum.loss, &sum.refine, &sum.total}) {
     *stage /= static_cast<double>(std::max<int64_t>(iterations, 1));
   }
   return sum;
@@ -151,11 +138,13 @@ struct Trainer::State {
         gaussians(Clone(start)),
         adam(start.size()),
         sampler(run_seed, static_cast<int>(views.size()), 0),
-        grads(Gaussians::Zeros(start.size())),
         rasterizer(MakeRasterizer(torch::kCPU)) {}
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
-  void Refine(int64_t i);
+  double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
+  void Refine(double lr_means);
+  void RequireFinite(double value, const TrainView& view) const;
+  bool IsLast(int64_t i) const { return i >= options.iterations; }
   bool Refines(int64_t i) const {
     return i > options.refine_start && static_cast<double>(i) < options.refine_stop * options.iterations &&
            i % options.refine_every == 0;
@@ -178,9 +167,9 @@ struct Trainer::State {
   bool restored = false;
 
   // What is only reused.
-  Gaussians grads;
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
+  Regularizers regularizers;
   ImageBuffer grad_image, masked_image;
   TrainTimings timings;     // sums
   int64_t timed_since = 0;  // iteration
@@ -199,10 +188,41 @@ double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image
   return value;
 }
 
-void Trainer::State::Refine(int64_t i) {
+/// Everything between the gradient of the image and the moved Gaussians, block by block: gradients are used up while
+/// they are in the cache. Returns the value of the regularisers. The last iteration moves nothing.
+double Trainer::State::BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree) {
+  const int64_t i = iteration + 1;
+  regularizers.Begin(gaussians, options.opacity_reg, options.scale_reg);
+  if (IsLast(i)) {
+    rasterizer->BackwardBlocks(gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
+      regularizers.AddTo(begin, end, grads);
+    });
+    return regularizers.Value();
+  }
+  const AdamStep step = adam.BeginStep(rates, sh_degree, &gaussians);
+  const MeansNoise noise{seed, i, rates.means};
+  const bool add_noise = !Refines(i);  // else it comes after relocation and growth
+  rasterizer->BackwardBlocks(gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
+    regularizers.AddTo(begin, end, grads);
+    step.Update(begin, end, grads);
+    if (add_noise) AddNoiseToBlock(noise, begin, end, &gaussians);
+  });
+  return regularizers.Value();
+}
+
+/// Never the last iteration: refine_stop is at most 1.
+void Trainer::State::Refine(double lr_means) {
+  const int64_t i = iteration + 1;
   RelocateDead(seed, i, &gaussians, &adam);
   AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
-  GrowRows(&grads, gaussians.size());
+  AddNoise({seed, i, lr_means}, &gaussians);
+}
+
+void Trainer::State::RequireFinite(double value, const TrainView& view) const {
+  if (std::isfinite(value)) return;
+  throw RunError(
+      "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the scene", value,
+      iteration + 1, view.name);
 }
 
 Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background,
@@ -234,7 +254,6 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
   s.adam.m = Clone(checkpoint.adam.m);
   s.adam.v = Clone(checkpoint.adam.v);
   s.adam.step = checkpoint.adam.step;
-  s.grads = Gaussians::Zeros(n);
   s.seconds = checkpoint.seconds;
   s.loss = checkpoint.loss;
   s.run_options = checkpoint.options;
@@ -244,7 +263,6 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
 double Trainer::Step() {
   State& s = *state_;
   const int64_t i = s.iteration + 1;
-  const bool last = i >= s.options.iterations;
   Lap lap;
   LearningRates rates;
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
@@ -257,25 +275,14 @@ double Trainer::Step() {
   lap.To(&ignored);
   Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
   double loss = s.PhotographLoss(view, out.image, &grad_image);
+  s.RequireFinite(loss, view);
   lap.To(&s.timings.loss);
-  s.rasterizer->Backward(s.gaussians, {grad_image, {}, {}}, &s.grads);
+  loss += s.BackwardAndStep({grad_image, {}, {}}, rates, degree);
+  s.RequireFinite(loss, view);
   AddTo(s.rasterizer->timings(), &s.timings.render);
   lap.To(&ignored);
-  loss += AddRegularizers(s.gaussians, s.options.opacity_reg, s.options.scale_reg, &s.grads);
-  lap.To(&s.timings.loss);
-  if (!std::isfinite(loss)) {
-    throw RunError(
-        "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the "
-        "scene",
-        loss, i, view.name);
-  }
-
-  if (!last) s.adam.Step(s.grads, rates, degree, &s.gaussians);
-  lap.To(&s.timings.adam);
-  if (s.Refines(i)) s.Refine(i);
+  if (s.Refines(i)) s.Refine(rates.means);
   lap.To(&s.timings.refine);
-  if (!last) AddNoise(s.seed, i, rates.means, &s.gaussians);
-  lap.To(&s.timings.noise);
   s.iteration = i;
   s.loss = i == 1 ? loss : kLossSmoothing * s.loss + (1 - kLossSmoothing) * loss;
   return loss;

@@ -1,15 +1,13 @@
 #include "oraclegs/render/cpu/cpu_rasterizer.h"
 
-#include <hwy/aligned_allocator.h>
-
-#include <algorithm>
 #include <chrono>
-#include <vector>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/scratch_array.h"
 #include "oraclegs/render/cpu/tile_lists.h"
+#include "oraclegs/render/image_buffer.h"
 
 namespace oraclegs::cpu {
 namespace {
@@ -66,6 +64,17 @@ const float* DataOrNull(const char* name, const Tensor& t, std::initializer_list
   return t.data_ptr<float>();
 }
 
+/// The gradients of one block, on the stack of the thread that works on it.
+struct BlockGrads {
+  alignas(64) float means[3 * kGradBlock];
+  alignas(64) float log_scales[3 * kGradBlock];
+  alignas(64) float quats[4 * kGradBlock];
+  alignas(64) float opacity_logits[kGradBlock];
+  alignas(64) float sh[kShFloats * kGradBlock];
+
+  GaussianRows Rows() { return {means, log_scales, quats, opacity_logits, sh}; }
+};
+
 class CpuRasterizer final : public Rasterizer {
  public:
   RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
@@ -81,10 +90,8 @@ class CpuRasterizer final : public Rasterizer {
     StageClock clock;
     const int64_t n = gaussians.size();
     input_ = MakeInput(gaussians, camera, options);
-    if (static_cast<int64_t>(splats_.size()) < n) {
-      splats_.resize(n);
-      rects_.resize(n);
-    }
+    splats_.Reserve(n);
+    rects_.Reserve(n);
     ParallelBlocks(n, kProjectGrain, [&](int64_t begin, int64_t end) {
       ProjectSplats(input_, begin, end, splats_.data(), rects_.data());
     });
@@ -93,12 +100,13 @@ class CpuRasterizer final : public Rasterizer {
     lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
     timings_.bin = clock.Lap();
 
-    AllocateImages(camera.height, camera.width);
+    output_ = {image_.Get({camera.height, camera.width, 3}), alpha_.Get({camera.height, camera.width}),
+               inv_depth_.Get({camera.height, camera.width})};
     const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
     const bool train = pass == RenderPass::kTrain;
-    if (train && static_cast<int64_t>(transmittance_.size()) < tiles * kTilePixels) {
-      transmittance_.resize(tiles * kTilePixels);
-      last_.resize(tiles * kTilePixels);
+    if (train) {
+      transmittance_.Reserve(tiles * kTilePixels);
+      last_.Reserve(tiles * kTilePixels);
     }
     blend_ = {camera.width,
               camera.height,
@@ -119,27 +127,52 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
+    grads->Check("Rasterizer::Backward, grads");
+    if (grads->size() != gaussians.size()) {
+      throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
+    }
+    const GradInput in = BlendBackward(gaussians, upstream);
+    const GaussianRows rows = grads->Rows();
+    StageClock clock;
+    ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
+      ProjectSplatsBackward(input_, in, begin, end, rows.From(begin));
+    });
+    timings_.gaussian_backward = clock.Lap();
+  }
+
+  void BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) override {
+    const GradInput in = BlendBackward(gaussians, upstream);
+    StageClock clock;
+    ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
+      BlockGrads grads;
+      ProjectSplatsBackward(input_, in, begin, end, grads.Rows());
+      consume(begin, end, grads.Rows());
+    });
+    timings_.gaussian_backward = clock.Lap();
+  }
+
+  RenderTimings timings() const override { return timings_; }
+  RenderStats stats() const override { return {static_cast<int64_t>(lists_.order.size()), lists_.pairs}; }
+
+ private:
+  /// Fills the records, and says where the per-Gaussian part finds what it reads.
+  GradInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
     if (gaussians.size() != trained_size_) {
       throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
                        trained_size_);
     }
-    grads->Check("Rasterizer::Backward, grads");
-    const int64_t n = gaussians.size(), h = blend_.height, w = blend_.width;
-    if (grads->size() != n) throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), n);
+    const int64_t h = blend_.height, w = blend_.width;
     const BlendUpstream up{DataOrNull("upstream.image", upstream.image, {h, w, 3}),
                            DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
                            DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
     StageClock clock;
-    if (record_capacity_ < lists_.pairs) {
-      record_capacity_ = lists_.pairs + lists_.pairs / 4;
-      records_ = hwy::AllocateAligned<float>(record_capacity_ * kGradStride);
-    }
+    records_.Reserve(lists_.pairs * kGradStride);
     const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
     ParallelFor(tiles, [&](int64_t tile) {
       const int64_t begin = lists_.tile_begin[tile];
       BlendTileBackward(splats_.data(), lists_.entries.data() + begin, lists_.tile_begin[tile + 1] - begin,
                         static_cast<int>(tile % input_.tiles_x), static_cast<int>(tile / input_.tiles_x), tile, blend_,
-                        up, records_.get() + begin * kGradStride);
+                        up, records_.data() + begin * kGradStride);
     });
     timings_.blend_backward = clock.Lap();
 
@@ -149,35 +182,19 @@ class CpuRasterizer final : public Rasterizer {
     input_.quats = gaussians.quats.data_ptr<float>();
     input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
     input_.sh = gaussians.sh.data_ptr<float>();
-    const GradInput in{lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.get(),
-                       splats_.data()};
-    const GradOutput out{grads->means.data_ptr<float>(), grads->log_scales.data_ptr<float>(),
-                         grads->quats.data_ptr<float>(), grads->opacity_logits.data_ptr<float>(),
-                         grads->sh.data_ptr<float>()};
-    ParallelBlocks(n, kProjectGrain,
-                   [&](int64_t begin, int64_t end) { ProjectSplatsBackward(input_, in, begin, end, out); });
-    timings_.gaussian_backward = clock.Lap();
-  }
-
-  RenderTimings timings() const override { return timings_; }
-  RenderStats stats() const override { return {static_cast<int64_t>(lists_.order.size()), lists_.pairs}; }
-
- private:
-  void AllocateImages(int64_t height, int64_t width) {
-    if (output_.image.defined() && output_.image.size(0) == height && output_.image.size(1) == width) return;
-    output_ = {torch::empty({height, width, 3}), torch::empty({height, width}), torch::empty({height, width})};
+    return {lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
   }
 
   ProjectInput input_{};
   BlendImage blend_{};
   RenderOutput output_;
   TileLists lists_;
-  std::vector<Splat> splats_;
-  std::vector<TileRect> rects_;
-  std::vector<float> transmittance_;
-  hwy::AlignedFreeUniquePtr<float[]> records_;  // one cache line a pair
-  int64_t record_capacity_ = 0;                 // pairs
-  std::vector<uint32_t> last_;
+  ImageBuffer image_, alpha_, inv_depth_;
+  ScratchArray<Splat> splats_;
+  ScratchArray<TileRect> rects_;
+  ScratchArray<float> transmittance_;
+  ScratchArray<uint32_t> last_;
+  ScratchArray<float> records_;  // one cache line a pair
   int64_t trained_size_ = -1;
   RenderTimings timings_;
 };

@@ -20,7 +20,6 @@ HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
 inline constexpr float kLog2E = 1.442695040888963f;
-inline constexpr int kShFloats = 48;  // 16 coefficients of 3 channels
 
 HWY_INLINE RawSplat<Lanes> LoadRaw(const cpu::ProjectInput& in, int64_t i, int count) {
   Lanes mean[3], scale[3], quat[4], logit[1];
@@ -169,13 +168,13 @@ HWY_INLINE Moments SumRecords(const cpu::GradInput& grads, int tiles_x, int64_t 
   return sum;
 }
 
-HWY_INLINE void ZeroRows(const cpu::GradOutput& out, int64_t i, int count, int coefficients) {
-  std::memset(out.means + 3 * i, 0, sizeof(float) * 3 * count);
-  std::memset(out.log_scales + 3 * i, 0, sizeof(float) * 3 * count);
-  std::memset(out.quats + 4 * i, 0, sizeof(float) * 4 * count);
-  std::memset(out.opacity_logits + i, 0, sizeof(float) * count);
+HWY_INLINE void ZeroRows(const GaussianRows& out, int count, int coefficients) {
+  std::memset(out.means, 0, sizeof(float) * 3 * count);
+  std::memset(out.log_scales, 0, sizeof(float) * 3 * count);
+  std::memset(out.quats, 0, sizeof(float) * 4 * count);
+  std::memset(out.opacity_logits, 0, sizeof(float) * count);
   for (int lane = 0; lane < count; ++lane) {
-    std::memset(out.sh + (i + lane) * kShFloats, 0, sizeof(float) * 3 * coefficients);
+    std::memset(out.sh + lane * kShFloats, 0, sizeof(float) * 3 * coefficients);
   }
 }
 
@@ -186,8 +185,9 @@ struct LaneGroup {
   LanesMask seen;  ///< reached a pixel; elsewhere results may be undefined and must come out as zero
 };
 
+/// `rows` of sh begin with lane 0's.
 HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const LaneGroup& group, int coefficients,
-                                float* sh_grad) {
+                                float* rows) {
   const Lanes zero(0.f);
   FloatVec columns[kShFloats];
   for (int k = 0; k < coefficients; ++k) {
@@ -196,7 +196,6 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
     columns[3 * k + 1] = (b * g.y).v;
     columns[3 * k + 2] = (b * g.z).v;
   }
-  float* rows = sh_grad + group.first * kShFloats;
   const int whole = 3 * coefficients / kLanes, rest = 3 * coefficients % kLanes;
   StoreWideRows(columns, kShFloats, group.count, whole, rows);
   if (rest == 0) return;
@@ -210,9 +209,9 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
   }
 }
 
-/// Gradient rows of SH, and the part of d/d(mean) that comes through the viewing direction (6.4).
+/// Gradient rows of SH, from lane 0's on, and the part of d/d(mean) that comes through the viewing direction (6.4).
 HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
-                                     const LaneGroup& group, float* sh_grad) {
+                                     const LaneGroup& group, float* sh_rows) {
   const SplatCamera<float> camera = CameraOf(in);
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
   Lanes basis[16], inv_distance;
@@ -228,23 +227,24 @@ HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lan
   Lanes weight[16];
   for (int k = 1; k < coefficients; ++k) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
   const Vec3<Lanes> gd = ShGradient(in.sh_degree, direction, weight);
-  StoreShGradient(basis, g, group, coefficients, sh_grad);
+  StoreShGradient(basis, g, group, coefficients, sh_rows);
   const Lanes radial = Dot(direction, gd);
   return {(gd.x - direction.x * radial) * inv_distance, (gd.y - direction.y * radial) * inv_distance,
           (gd.z - direction.z * radial) * inv_distance};
 }
 
 HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
-                                        int64_t end, const cpu::GradOutput& out) {
+                                        int64_t end, const GaussianRows& out) {
   const FloatTag d;
   const SplatCamera<float> camera = CameraOf(in);
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
   for (int64_t i = begin; i < end; i += kLanes) {
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
+    const GaussianRows rows = out.From(i - begin);
     bool any = false;
     for (int lane = 0; lane < count; ++lane) any |= grads.ranges[i + lane].count > 0;
     if (!any) {
-      ZeroRows(out, i, count, coefficients);
+      ZeroRows(rows, count, coefficients);
       continue;
     }
     HWY_ALIGN float m[11 * kLanes] = {};
@@ -270,7 +270,7 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     g.inv_z = column(9);
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, in.antialiased, g);
     const LaneGroup group{i, count, column(10) > Lanes(0.f)};
-    const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {column(6), column(7), column(8)}, group, out.sh);
+    const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {column(6), column(7), column(8)}, group, rows.sh);
 
     // Lanes without records hold zeros or, behind the camera, whatever a division by zero gave.
     const auto keep = [&](Lanes value) HWY_ATTR { return Select(group.seen, value, Lanes(0.f)); };
@@ -279,10 +279,10 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     const Lanes scales[3] = {keep(raw_grad.log_scale.x), keep(raw_grad.log_scale.y), keep(raw_grad.log_scale.z)};
     const Lanes quats[4] = {keep(raw_grad.qw), keep(raw_grad.qx), keep(raw_grad.qy), keep(raw_grad.qz)};
     const Lanes logit[1] = {keep(raw_grad.logit)};
-    StoreRows<3>(means, count, out.means + 3 * i);
-    StoreRows<3>(scales, count, out.log_scales + 3 * i);
-    StoreRows<4>(quats, count, out.quats + 4 * i);
-    StoreRows<1>(logit, count, out.opacity_logits + i);
+    StoreRows<3>(means, count, rows.means);
+    StoreRows<3>(scales, count, rows.log_scales);
+    StoreRows<4>(quats, count, rows.quats);
+    StoreRows<1>(logit, count, rows.opacity_logits);
   }
 }
 
@@ -299,7 +299,7 @@ void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, Splat* sp
   HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplats)(in, begin, end, splats, rects);
 }
 void ProjectSplatsBackward(const ProjectInput& in, const GradInput& grads, int64_t begin, int64_t end,
-                           const GradOutput& out) {
+                           const GaussianRows& out) {
   HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplatsBackward)(in, grads, begin, end, out);
 }
 }  // namespace cpu
