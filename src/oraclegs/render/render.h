@@ -38,9 +38,9 @@ struct RenderGrads {
 /// Takes the gradients of Gaussians [begin, end); see Rasterizer::BackwardBlocks.
 using GradConsumer = FunctionRef<void(int64_t begin, int64_t end, const GaussianRows& grads)>;
 
-/// Blocks of gradients begin at multiples of this many Gaussians. Parameters, moments and gradients of so many, 120 KB,
-/// stay in the second-level cache.
-inline constexpr int64_t kGradBlock = 128;
+/// Blocks of gradients begin at multiples of this many Gaussians. Parameters, moments and gradients of so many are 60
+/// KB: they stay in the nearest caches while they are worked on.
+inline constexpr int64_t kGradBlock = 64;
 
 /// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
 struct RenderTimings {

@@ -11,6 +11,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -20,6 +21,7 @@ namespace oraclegs {
 
 inline constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
 inline constexpr double kAdamEpsilon = 1e-15;
+inline constexpr int kPrefetchRows = 8;  // of sh, ahead of use
 
 /// One parameter tensor, or part of it, and what belongs to it.
 struct AdamArrays {
@@ -75,6 +77,13 @@ HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate
   }
 }
 
+/// Nobody has touched the moments before us in this iteration: they come from main memory, in blocks too short for the
+/// processor to foresee.
+HWY_INLINE void PrefetchRow(const float* row) {
+  constexpr int kCacheLine = 16;  // floats
+  for (int k = 0; k < kShFloats; k += kCacheLine) hwy::Prefetch(row + k);
+}
+
 /// `count` rows of sh, the first floats of each.
 HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants& constants, V correction2_root) {
   const D d;
@@ -84,6 +93,8 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
   const auto partial = hn::FirstN(d, static_cast<size_t>(constants.sh_active - whole));
   for (int64_t row = 0; row < count; ++row) {
     const int64_t start = row * kShFloats;
+    PrefetchRow(a.m + start + kPrefetchRows * kShFloats);
+    PrefetchRow(a.v + start + kPrefetchRows * kShFloats);
     for (int k = 0; k < whole; k += lanes) {
       UpdateVector(hn::LoadU(d, a.g + start + k), hn::LoadU(d, constants.sh + k), correction2_root, a, start + k);
     }

@@ -162,7 +162,8 @@ HWY_INLINE void MoveVector(const NoiseArrays& at, const NoiseStep& step, uint32_
   hn::LoadInterleaved4(d, at.quats, q[0], q[1], q[2], q[3]);
   hn::LoadInterleaved3(d, at.log_scales, log_scale[0], log_scale[1], log_scale[2]);
   hn::LoadInterleaved3(d, at.means, mean[0], mean[1], mean[2]);
-  const V strength = hn::Mul(gate, Set(step.strength));
+  // Zero for those that stay: their gates would make subnormal numbers of what follows, which are slow.
+  const V strength = hn::IfThenElseZero(moves, hn::Mul(gate, Set(step.strength)));
   for (V& x : e) x = hn::Mul(x, strength);
   TimesCovariance(q, log_scale, e);
   for (int i = 0; i < 3; ++i) mean[i] = hn::Add(mean[i], hn::IfThenElseZero(moves, e[i]));
@@ -322,8 +323,7 @@ double AddRegularizers(const Gaussians& gaussians, double opacity_reg, double sc
   Regularizers regularizers;
   regularizers.Begin(gaussians, opacity_reg, scale_reg);
   const GaussianRows rows = grads->Rows();
-  ParallelBlocks(n, kGradBlock,
-                 [&](int64_t begin, int64_t end) { regularizers.AddTo(begin, end, rows.From(begin)); });
+  ParallelBlocks(n, kGradBlock, [&](int64_t begin, int64_t end) { regularizers.AddTo(begin, end, rows.From(begin)); });
   return regularizers.Value();
 }
 
