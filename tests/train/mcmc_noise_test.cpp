@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "oraclegs/core/rng.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 #include "support/golden.h"
 #include "support/tensors.h"
@@ -119,6 +120,16 @@ TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(SameBits(one, run(5)));
 }
 
+TEST(NoiseTest, BlocksGiveTheBitsOfTheWhole) {
+  Gaussians whole = RandomGaussians(203, 4), cut = RandomGaussians(203, 4);
+  const MeansNoise noise{1, 9, 1e-4};
+  AddNoise(noise, &whole);
+  AddNoiseToBlock(noise, 64, 203, &cut);
+  AddNoiseToBlock(noise, 0, 1, &cut);
+  AddNoiseToBlock(noise, 1, 64, &cut);
+  EXPECT_TRUE(SameBits(whole, cut));
+}
+
 TEST(NoiseTest, IterationAndSeedMatter) {
   const auto run = [](uint64_t seed, int64_t iteration) {
     Gaussians g = UnitGaussians(8, -40);
@@ -156,6 +167,21 @@ TEST(RegularizerTest, AgreesWithAutogradOnEveryTarget) {
       EXPECT_LT(RelativeL2(grads.opacity_logits, logits.grad()), 1e-6) << target;
       EXPECT_LT(RelativeL2(grads.log_scales, log_scales.grad()), 1e-6) << target;
     });
+  }
+}
+
+TEST(RegularizerTest, BlocksGiveTheBitsOfTheWholeAndMemoryIsReused) {
+  Regularizers regularizers;
+  for (const int64_t n : {7 * kGradBlock + 5, 2 * kGradBlock, int64_t{3}}) {
+    const Gaussians g = RandomGaussians(n, 8);
+    Gaussians whole = RandomGaussians(n, 9), cut = RandomGaussians(n, 9);
+    const double value = AddRegularizers(g, 0.01, 0.02, &whole);
+    regularizers.Begin(g, 0.01, 0.02);
+    const int64_t middle = std::min(n, 2 * kGradBlock);
+    regularizers.AddTo(middle, n, cut.Rows().From(middle));
+    regularizers.AddTo(0, middle, cut.Rows());
+    EXPECT_EQ(regularizers.Value(), value);
+    EXPECT_TRUE(SameBits(whole, cut));
   }
 }
 
