@@ -134,6 +134,7 @@ std::unique_ptr<Trainer> MakeSteadyTrainer(const BenchInput& input) {
   options.refine_start = kNever;
   auto trainer = std::make_unique<Trainer>(options, 0, input.background, input.views, input.gaussians);
   Checkpoint checkpoint;
+  checkpoint.iteration = kNever - 100'000;  // where rates are at their end, so that the steps leave the state as it is
   checkpoint.gaussians = input.gaussians;
   checkpoint.adam = SteadyAdam(input.gaussians.size());
   trainer->Restore(checkpoint);

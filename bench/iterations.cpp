@@ -14,15 +14,11 @@ namespace {
 struct SteadyRun {
   TrainView view;  // the first one
   std::unique_ptr<Trainer> trainer;
-  StageMeter meter;
   int64_t views;
 
   explicit SteadyRun(const BenchInput& input)
-      : view(input.views.front()),
-        trainer(MakeSteadyTrainer(input)),
-        meter(trainer.get()),
-        views(static_cast<int64_t>(input.views.size())) {
-    for (int i = 0; i < 4; ++i) meter.Step();  // buffers get their size, SH its degree
+      : view(input.views.front()), trainer(MakeSteadyTrainer(input)), views(static_cast<int64_t>(input.views.size())) {
+    for (int i = 0; i < 4; ++i) TimedStep(trainer.get());  // buffers get their size, SH its degree
   }
 };
 
@@ -33,7 +29,7 @@ void MeasureStages(benchmark::State& state, const Case& c) {
   const Ceilings before = MeasureCeilings();
   std::vector<IterationSample> samples;
   while (state.KeepRunningBatch(run.views)) {  // every view as often as the others
-    for (int64_t i = 0; i < run.views; ++i) samples.push_back(run.meter.Step());
+    for (int64_t i = 0; i < run.views; ++i) samples.push_back(TimedStep(run.trainer.get()));
   }
   const Ceilings ceilings = Between(before, MeasureCeilings());
 

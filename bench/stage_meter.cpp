@@ -53,33 +53,18 @@ const char* StageName(Stage stage) {
 
 bool IsComputeBound(Stage stage) { return stage == Stage::kBlend || stage == Stage::kBlendBackward; }
 
-IterationSample StageMeter::Sums() const {
-  const TrainTimings t = trainer_->MeanTimings();
-  const RenderStats s = trainer_->MeanStats();
-  IterationSample sums{
-      {t.render.project, t.render.bin, t.render.blend, t.loss, t.render.blend_backward, t.render.gaussian_backward},
-      static_cast<double>(s.visible),
-      static_cast<double>(s.tile_pairs),
-      static_cast<double>(s.pixel_pairs),
-      static_cast<double>(s.pixel_pairs_backward),
-      0};
-  const double iterations = static_cast<double>(trainer_->iteration());
-  ForEachNumber(&sums, [&](double& x) { x *= iterations; });
-  return sums;
-}
-
-IterationSample StageMeter::Step() {
+IterationSample TimedStep(Trainer* trainer) {
   const auto start = std::chrono::steady_clock::now();
-  trainer_->Step();
+  trainer->Step();
   const double total = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  const IterationSample sums = Sums();
-  IterationSample sample = sums;
-  const std::vector<double> before = Numbers(before_);
-  size_t i = 0;
-  ForEachNumber(&sample, [&](double& x) { x -= before[i++]; });
-  sample.total = total;
-  before_ = sums;
-  return sample;
+  const TrainTimings t = trainer->LastTimings();
+  const RenderStats s = trainer->LastStats();
+  return {{t.render.project, t.render.bin, t.render.blend, t.loss, t.render.blend_backward, t.render.gaussian_backward},
+          static_cast<double>(s.visible),
+          static_cast<double>(s.tile_pairs),
+          static_cast<double>(s.pixel_pairs),
+          static_cast<double>(s.pixel_pairs_backward),
+          total};
 }
 
 IterationSample MedianOf(const std::vector<IterationSample>& samples) {

@@ -30,19 +30,8 @@ struct IterationSample {
   double Milliseconds(Stage stage) const { return milliseconds[static_cast<size_t>(stage)]; }
 };
 
-/// Takes a trainer's steps one by one: the differences of its running means.
-class StageMeter {
- public:
-  /// `trainer` stands where its means begin.
-  explicit StageMeter(Trainer* trainer) : trainer_(trainer) {}
-  IterationSample Step();
-
- private:
-  IterationSample Sums() const;
-
-  Trainer* trainer_;
-  IterationSample before_;
-};
+/// One step of the trainer.
+IterationSample TimedStep(Trainer* trainer);
 
 /// Medians, field by field.
 IterationSample MedianOf(const std::vector<IterationSample>& samples);

@@ -90,6 +90,23 @@ TEST(AdamTest, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(SameBits(one, run(5)));
 }
 
+TEST(AdamTest, BlocksGiveTheBitsOfTheWhole) {
+  constexpr int64_t kCount = 203;
+  Gaussians whole = RandomGaussians(kCount, 1), cut = RandomGaussians(kCount, 1);
+  Adam adam(kCount), cut_adam(kCount);
+  for (int round = 0; round < 3; ++round) {
+    const Gaussians grads = RandomGaussians(kCount, 10 + round);
+    adam.Step(grads, {1e-3}, 2, &whole);
+    const AdamStep step = cut_adam.BeginStep({1e-3}, 2, &cut);
+    for (const auto& [begin, end] : std::vector<std::pair<int64_t, int64_t>>{{64, 203}, {0, 1}, {1, 64}}) {
+      step.Update(begin, end, grads.Rows().From(begin));
+    }
+  }
+  EXPECT_EQ(cut_adam.step, 3);
+  EXPECT_TRUE(SameBits(whole, cut));
+  EXPECT_TRUE(SameBits(adam.v, cut_adam.v));
+}
+
 TEST(AdamTest, FirstStepMovesByTheLearningRate) {
   // m_hat / sqrt(v_hat) is the sign of the gradient in the first step, whatever its size.
   Gaussians params = Gaussians::Zeros(3);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "oraclegs/core/rng.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 #include "support/golden.h"
 #include "support/tensors.h"
@@ -57,7 +58,7 @@ TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
   const double gate = 1 / (1 + std::exp(-0.5));  // opacity 0
   ForEachTarget([&](int64_t target) {
     Gaussians g = UnitGaussians(kCount, -40);
-    AddNoise(kSeed, kIteration, kRate, &g);
+    AddNoise({kSeed, kIteration, kRate}, &g);
     EXPECT_LT(MaxAbsError(g.means, gate * wanted), 2e-5) << target;
   });
 }
@@ -66,7 +67,7 @@ TEST(NoiseTest, IsStandardNormal) {
   constexpr int64_t kCount = 100000;
   Gaussians g = UnitGaussians(kCount, -40);
   const double gate = 1 / (1 + std::exp(-0.5));
-  AddNoise(1, 9, 1 / (5e5 * gate), &g);
+  AddNoise({1, 9, 1 / (5e5 * gate)}, &g);
   const Tensor x = g.means.to(torch::kDouble);
   EXPECT_LT(x.mean(0).abs().max().item<double>(), 0.02);
   const Tensor covariance = x.t().mm(x) / kCount;
@@ -102,7 +103,7 @@ TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
   g.opacity_logits.narrow(0, 0, 99).fill_(0);  // gate exp(-49.5)
   g.opacity_logits[99] = -6;
   const Tensor before = g.means.clone();
-  AddNoise(1, 9, 1e-4, &g);
+  AddNoise({1, 9, 1e-4}, &g);
   EXPECT_TRUE(torch::equal(g.means.narrow(0, 0, 99), before.narrow(0, 0, 99)));
   EXPECT_FALSE(torch::equal(g.means[99], before[99]));
 }
@@ -111,7 +112,7 @@ TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const Threads scope(threads);
     Gaussians g = RandomGaussians(5003, 4);
-    AddNoise(1, 9, 1e-4, &g);
+    AddNoise({1, 9, 1e-4}, &g);
     return g;
   };
   const Gaussians one = run(1);
@@ -119,10 +120,20 @@ TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(SameBits(one, run(5)));
 }
 
+TEST(NoiseTest, BlocksGiveTheBitsOfTheWhole) {
+  Gaussians whole = RandomGaussians(203, 4), cut = RandomGaussians(203, 4);
+  const MeansNoise noise{1, 9, 1e-4};
+  AddNoise(noise, &whole);
+  AddNoiseToBlock(noise, 64, 203, &cut);
+  AddNoiseToBlock(noise, 0, 1, &cut);
+  AddNoiseToBlock(noise, 1, 64, &cut);
+  EXPECT_TRUE(SameBits(whole, cut));
+}
+
 TEST(NoiseTest, IterationAndSeedMatter) {
   const auto run = [](uint64_t seed, int64_t iteration) {
     Gaussians g = UnitGaussians(8, -40);
-    AddNoise(seed, iteration, 1e-4, &g);
+    AddNoise({seed, iteration, 1e-4}, &g);
     return g.means;
   };
   EXPECT_TRUE(torch::equal(run(1, 5), run(1, 5)));
@@ -156,6 +167,21 @@ TEST(RegularizerTest, AgreesWithAutogradOnEveryTarget) {
       EXPECT_LT(RelativeL2(grads.opacity_logits, logits.grad()), 1e-6) << target;
       EXPECT_LT(RelativeL2(grads.log_scales, log_scales.grad()), 1e-6) << target;
     });
+  }
+}
+
+TEST(RegularizerTest, BlocksGiveTheBitsOfTheWholeAndMemoryIsReused) {
+  Regularizers regularizers;
+  for (const int64_t n : {7 * kGradBlock + 5, 2 * kGradBlock, int64_t{3}}) {
+    const Gaussians g = RandomGaussians(n, 8);
+    Gaussians whole = RandomGaussians(n, 9), cut = RandomGaussians(n, 9);
+    const double value = AddRegularizers(g, 0.01, 0.02, &whole);
+    regularizers.Begin(g, 0.01, 0.02);
+    const int64_t middle = std::min(n, 2 * kGradBlock);
+    regularizers.AddTo(middle, n, cut.Rows().From(middle));
+    regularizers.AddTo(0, middle, cut.Rows());
+    EXPECT_EQ(regularizers.Value(), value);
+    EXPECT_TRUE(SameBits(whole, cut));
   }
 }
 

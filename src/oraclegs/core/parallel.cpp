@@ -42,7 +42,7 @@ class Pool {
   }
 
   /// Returns false when another thread is running a region: the caller then works alone.
-  bool Run(int64_t tasks, int threads, const std::function<void(int64_t)>& body) {
+  bool Run(int64_t tasks, int threads, FunctionRef<void(int64_t)> body) {
     const std::unique_lock region(region_mutex_, std::try_to_lock);
     if (!region) return false;
     if (stretches_.size() < static_cast<size_t>(threads)) stretches_ = std::vector<Stretch>(threads);
@@ -121,7 +121,7 @@ class Pool {
   std::atomic<int> busy_{0};
   std::vector<Stretch> stretches_;
   int threads_ = 0;
-  const std::function<void(int64_t)>* body_ = nullptr;
+  const FunctionRef<void(int64_t)>* body_ = nullptr;
   std::exception_ptr error_;
 };
 
@@ -143,13 +143,13 @@ int NumThreads() {
   return g_threads;
 }
 
-void ParallelFor(int64_t tasks, const std::function<void(int64_t)>& body) {
+void ParallelFor(int64_t tasks, FunctionRef<void(int64_t)> body) {
   const int threads = static_cast<int>(std::min<int64_t>(NumThreads(), tasks));
   if (threads > 1 && !t_in_region && ThePool().Run(tasks, threads, body)) return;
   for (int64_t i = 0; i < tasks; ++i) body(i);
 }
 
-void ParallelBlocks(int64_t n, int64_t grain, const std::function<void(int64_t, int64_t)>& body) {
+void ParallelBlocks(int64_t n, int64_t grain, FunctionRef<void(int64_t, int64_t)> body) {
   ParallelFor((n + grain - 1) / grain, [&](int64_t block) { body(block * grain, std::min(n, (block + 1) * grain)); });
 }
 

@@ -32,4 +32,9 @@ void Gaussians::Check(const char* who) const {
   });
 }
 
+GaussianRows Gaussians::Rows() const {
+  return {means.data_ptr<float>(), log_scales.data_ptr<float>(), quats.data_ptr<float>(),
+          opacity_logits.data_ptr<float>(), sh.data_ptr<float>()};
+}
+
 }  // namespace oraclegs

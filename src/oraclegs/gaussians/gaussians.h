@@ -1,11 +1,13 @@
 #pragma once
 
 #include "oraclegs/core/tensor.h"
+#include "oraclegs/gaussians/gaussian_rows.h"
 
 namespace oraclegs {
 
 inline constexpr int kMaxShDegree = 3;
 inline constexpr int kShCoefficients = (kMaxShDegree + 1) * (kMaxShDegree + 1);
+static_assert(kShFloats == 3 * kShCoefficients);
 
 /// Coefficients of spherical harmonics up to `degree`.
 inline constexpr int ShCount(int degree) { return (degree + 1) * (degree + 1); }
@@ -27,6 +29,9 @@ struct Gaussians {
 
   /// Throws ShapeError naming `who` and the tensor that does not fit.
   void Check(const char* who) const;
+
+  /// All rows, of tensors that pass Check.
+  GaussianRows Rows() const;
 
   /// Calls f(name, tensor) for each parameter, in the order above. The names are the checkpoint's.
   template <class F>

@@ -56,6 +56,10 @@ struct PhotometricLoss::Buffers {
   TileSums Run(const Picture& picture) {
     CutTiles(picture.width, picture.height, &tiles);
     sums.resize(tiles.size());
+    // All that can be busy at once: else a helper that comes late for the first time would allocate in the midst of a
+    // run.
+    const size_t busy = std::min<size_t>(tiles.size(), static_cast<size_t>(NumThreads()));
+    while (idle.size() < busy) idle.push_back(std::make_unique<Scratch>());
     ParallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
       std::unique_ptr<Scratch> scratch = Take();
       sums[i] = photometric::RunTile(picture, tiles[i], scratch.get());
@@ -71,11 +75,10 @@ struct PhotometricLoss::Buffers {
 
  private:
   std::mutex mutex;
-  std::vector<std::unique_ptr<Scratch>> idle;  // as many as threads were ever busy at once
+  std::vector<std::unique_ptr<Scratch>> idle;  // all of them between two calls
 
   std::unique_ptr<Scratch> Take() {
     const std::lock_guard<std::mutex> lock(mutex);
-    if (idle.empty()) return std::make_unique<Scratch>();
     std::unique_ptr<Scratch> scratch = std::move(idle.back());
     idle.pop_back();
     return scratch;

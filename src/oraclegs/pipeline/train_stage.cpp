@@ -64,9 +64,7 @@ nlohmann::json TimingsToJson(const TrainResult& result) {
           {"blend_backward", t.render.blend_backward},
           {"gaussian_backward", t.render.gaussian_backward},
           {"loss", t.loss},
-          {"adam", t.adam},
           {"refine", t.refine},
-          {"noise", t.noise},
           {"total", t.total}};
 }
 

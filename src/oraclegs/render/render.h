@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 
+#include "oraclegs/core/function_ref.h"
 #include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/scene/camera.h"
 
@@ -34,10 +35,18 @@ struct RenderGrads {
   Tensor inv_depth;  ///< [H,W]
 };
 
+/// Takes the gradients of Gaussians [begin, end); see Rasterizer::BackwardBlocks.
+using GradConsumer = FunctionRef<void(int64_t begin, int64_t end, const GaussianRows& grads)>;
+
+/// Blocks of gradients begin at multiples of this many Gaussians. Parameters, moments and gradients of so many are 60
+/// KB: they stay in the nearest caches while they are worked on.
+inline constexpr int64_t kGradBlock = 64;
+
 /// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
 struct RenderTimings {
-  double project = 0, bin = 0, blend = 0;            ///< Forward
-  double blend_backward = 0, gaussian_backward = 0;  ///< Backward
+  double project = 0, bin = 0, blend = 0;  ///< Forward
+  double blend_backward = 0;               ///< Backward or BackwardBlocks
+  double gaussian_backward = 0;            ///< the same, with what the consumer does
 };
 
 /// How much work the last Forward and Backward found.
@@ -61,6 +70,15 @@ class Rasterizer {
   /// Writes dL/d(raw parameter) of the last Forward(kTrain), with the same `gaussians`, into `grads` (same shapes; rows
   /// of unseen Gaussians are zero). Of grads.sh only coefficients of the active degree are written.
   virtual void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) = 0;
+
+  /// The same, a block of Gaussians at a time, for whoever needs the gradients only once: they never go through main
+  /// memory. Calls consume(begin, end, grads) once for each block, from several threads at once and in any order; the
+  /// blocks depend on the number of Gaussians only, cover all of them and begin at multiples of kGradBlock.
+  /// grads, on the device of the Gaussians, holds the rows of [begin, end), row 0 belonging to `begin`; rows of unseen
+  /// Gaussians are zero, coefficients of sh above the active degree hold anything. It is valid during the call, the
+  /// consumer's to overwrite. The consumer may change Gaussians [begin, end) themselves, no others, and may not move
+  /// their tensors.
+  virtual void BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) = 0;
 
   virtual RenderTimings timings() const = 0;
   virtual RenderStats stats() const = 0;

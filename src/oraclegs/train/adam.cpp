@@ -11,6 +11,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -20,24 +21,12 @@ namespace oraclegs {
 
 inline constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
 inline constexpr double kAdamEpsilon = 1e-15;
-inline constexpr int kShRow = kShCoefficients * 3;  // floats
+inline constexpr int kPrefetchRows = 8;  // of sh, ahead of use
 
-/// One parameter tensor and what belongs to it.
+/// One parameter tensor, or part of it, and what belongs to it.
 struct AdamArrays {
   const float* g;
   float *p, *m, *v;
-};
-
-/// Learning rates of a row of sh.
-struct ShRates {
-  float rates[kShRow];
-  int active;  ///< floats of a row that are trained
-};
-
-/// What of one step does not depend on the parameter.
-struct AdamStep {
-  float correction1;       ///< 1 / (1 - beta1^t)
-  float correction2_root;  ///< 1 / sqrt(1 - beta2^t)
 };
 
 }  // namespace oraclegs
@@ -69,43 +58,62 @@ HWY_INLINE void UpdateVector(V g, V rate, V correction2_root, const AdamArrays& 
   hn::StoreU(hn::Sub(p, hn::Div(hn::Mul(rate, m), root)), d, a.p + at);
 }
 
-/// Floats [begin, end) of a tensor with one learning rate.
-void UpdateFlat(const AdamArrays& a, int64_t begin, int64_t end, double learning_rate, const AdamStep& step) {
+/// `count` floats with one learning rate.
+HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate, V correction2_root) {
   const D d;
   const int64_t lanes = static_cast<int64_t>(hn::Lanes(d));
-  const V rate = hn::Set(d, static_cast<float>(learning_rate) * step.correction1);
-  const V root = hn::Set(d, step.correction2_root);
-  int64_t at = begin;
-  for (; at + lanes <= end; at += lanes) UpdateVector(hn::LoadU(d, a.g + at), rate, root, a, at);
-  if (at == end) return;
+  const V rate = hn::Set(d, scaled_rate);
+  int64_t at = 0;
+  for (; at + lanes <= count; at += lanes) UpdateVector(hn::LoadU(d, a.g + at), rate, correction2_root, a, at);
+  if (at == count) return;
   // The last few, in a vector of their own, so that they see the same arithmetic as the others.
   HWY_ALIGN float buffer[4][hn::MaxLanes(D())] = {};
-  for (int64_t i = at; i < end; ++i) {
+  for (int64_t i = at; i < count; ++i) {
     buffer[0][i - at] = a.g[i], buffer[1][i - at] = a.p[i], buffer[2][i - at] = a.m[i], buffer[3][i - at] = a.v[i];
   }
-  UpdateVector(hn::Load(d, buffer[0]), rate, root, {buffer[0], buffer[1], buffer[2], buffer[3]}, 0);
-  for (int64_t i = at; i < end; ++i) {
+  UpdateVector(hn::Load(d, buffer[0]), rate, correction2_root, {buffer[0], buffer[1], buffer[2], buffer[3]}, 0);
+  for (int64_t i = at; i < count; ++i) {
     a.p[i] = buffer[1][i - at], a.m[i] = buffer[2][i - at], a.v[i] = buffer[3][i - at];
   }
 }
 
-/// Rows [begin, end) of sh, the first floats of each.
-void UpdateSh(const AdamArrays& a, int64_t begin, int64_t end, const ShRates& sh, const AdamStep& step) {
+/// Nobody has touched the moments before us in this iteration: they come from main memory, in blocks too short for the
+/// processor to foresee.
+HWY_INLINE void PrefetchRow(const float* row) {
+  constexpr int kCacheLine = 16;  // floats
+  for (int k = 0; k < kShFloats; k += kCacheLine) hwy::Prefetch(row + k);
+}
+
+/// `count` rows of sh, the first floats of each.
+HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants& constants, V correction2_root) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  static_assert(kShRow % hn::MaxLanes(D()) == 0, "a row must be whole vectors");
-  const V root = hn::Set(d, step.correction2_root), correction1 = hn::Set(d, step.correction1);
-  const int whole = sh.active / lanes * lanes;
-  const auto partial = hn::FirstN(d, static_cast<size_t>(sh.active - whole));
-  for (int64_t row = begin; row < end; ++row) {
-    const int64_t start = row * kShRow;
+  static_assert(kShFloats % hn::MaxLanes(D()) == 0, "a row must be whole vectors");
+  const int whole = constants.sh_active / lanes * lanes;
+  const auto partial = hn::FirstN(d, static_cast<size_t>(constants.sh_active - whole));
+  for (int64_t row = 0; row < count; ++row) {
+    const int64_t start = row * kShFloats;
+    PrefetchRow(a.m + start + kPrefetchRows * kShFloats);
+    PrefetchRow(a.v + start + kPrefetchRows * kShFloats);
     for (int k = 0; k < whole; k += lanes) {
-      UpdateVector(hn::LoadU(d, a.g + start + k), hn::Mul(hn::LoadU(d, sh.rates + k), correction1), root, a, start + k);
+      UpdateVector(hn::LoadU(d, a.g + start + k), hn::LoadU(d, constants.sh + k), correction2_root, a, start + k);
     }
-    if (whole == sh.active) continue;
+    if (whole == constants.sh_active) continue;
     const V g = hn::IfThenElseZero(partial, hn::LoadU(d, a.g + start + whole));
-    UpdateVector(g, hn::Mul(hn::LoadU(d, sh.rates + whole), correction1), root, a, start + whole);
+    UpdateVector(g, hn::LoadU(d, constants.sh + whole), correction2_root, a, start + whole);
   }
+}
+
+/// `count` Gaussians.
+void UpdateRows(const GaussianRows& g, const GaussianRows& p, const GaussianRows& m, const GaussianRows& v,
+                int64_t count, const AdamConstants& constants) {
+  const V root = hn::Set(D(), constants.correction2_root);
+  UpdateFlat({g.means, p.means, m.means, v.means}, 3 * count, constants.means, root);
+  UpdateFlat({g.log_scales, p.log_scales, m.log_scales, v.log_scales}, 3 * count, constants.log_scales, root);
+  UpdateFlat({g.quats, p.quats, m.quats, v.quats}, 4 * count, constants.quats, root);
+  UpdateFlat({g.opacity_logits, p.opacity_logits, m.opacity_logits, v.opacity_logits}, count, constants.opacity_logits,
+             root);
+  UpdateSh({g.sh, p.sh, m.sh, v.sh}, count, constants, root);
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE
@@ -115,21 +123,9 @@ HWY_AFTER_NAMESPACE();
 namespace oraclegs {
 namespace {
 
-HWY_EXPORT(UpdateFlat);
-HWY_EXPORT(UpdateSh);
+HWY_EXPORT(UpdateRows);
 
 constexpr int64_t kGrain = 4096;  // Gaussians; whole vectors of every tensor
-
-/// A tensor with one learning rate.
-struct FlatGroup {
-  AdamArrays arrays;
-  int64_t row;  ///< floats of a Gaussian
-  double rate;
-};
-
-AdamArrays Arrays(const Tensor& g, const Tensor& p, const Tensor& m, const Tensor& v) {
-  return {g.data_ptr<float>(), p.data_ptr<float>(), m.data_ptr<float>(), v.data_ptr<float>()};
-}
 
 void RequireSameSize(const char* name, const Gaussians& other, const Gaussians& params) {
   other.Check(name);
@@ -138,38 +134,45 @@ void RequireSameSize(const char* name, const Gaussians& other, const Gaussians& 
   }
 }
 
+AdamConstants Constants(int64_t step, const LearningRates& rates, int sh_degree) {
+  const double t = static_cast<double>(step);
+  const float correction1 = static_cast<float>(1 / (1 - std::pow(kBeta1, t)));
+  const auto scaled = [&](double rate) { return static_cast<float>(rate) * correction1; };
+  AdamConstants c{};
+  c.correction2_root = static_cast<float>(1 / std::sqrt(1 - std::pow(kBeta2, t)));
+  c.means = scaled(rates.means);
+  c.log_scales = scaled(rates.log_scales);
+  c.quats = scaled(rates.quats);
+  c.opacity_logits = scaled(rates.opacity_logits);
+  for (int k = 0; k < kShFloats; ++k) c.sh[k] = scaled(k < 3 ? rates.sh0 : rates.sh_rest);
+  c.sh_active = 3 * ShCount(sh_degree);
+  return c;
+}
+
 }  // namespace
+
+void AdamStep::Update(int64_t begin, int64_t end, const GaussianRows& grads) const {
+  HWY_DYNAMIC_DISPATCH(UpdateRows)
+  (grads, params_.From(begin), m_.From(begin), v_.From(begin), end - begin, constants_);
+}
 
 Adam::Adam(int64_t n) : m(Gaussians::Zeros(n)), v(Gaussians::Zeros(n)) {}
 
-void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params) {
-  params->Check("Adam::Step params");
-  RequireSameSize("Adam::Step grads", grads, *params);
-  RequireSameSize("Adam::Step first moments", m, *params);
-  RequireSameSize("Adam::Step second moments", v, *params);
-  if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("Adam::Step: degree {}", sh_degree);
-
+AdamStep Adam::BeginStep(const LearningRates& rates, int sh_degree, Gaussians* params) {
+  params->Check("Adam::BeginStep params");
+  RequireSameSize("Adam::BeginStep first moments", m, *params);
+  RequireSameSize("Adam::BeginStep second moments", v, *params);
+  if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("Adam::BeginStep: degree {}", sh_degree);
   ++step;
-  const double t = static_cast<double>(step);
-  const AdamStep constants{static_cast<float>(1 / (1 - std::pow(kBeta1, t))),
-                           static_cast<float>(1 / std::sqrt(1 - std::pow(kBeta2, t)))};
-  const FlatGroup flat[] = {
-      {Arrays(grads.means, params->means, m.means, v.means), 3, rates.means},
-      {Arrays(grads.log_scales, params->log_scales, m.log_scales, v.log_scales), 3, rates.log_scales},
-      {Arrays(grads.quats, params->quats, m.quats, v.quats), 4, rates.quats},
-      {Arrays(grads.opacity_logits, params->opacity_logits, m.opacity_logits, v.opacity_logits), 1,
-       rates.opacity_logits},
-  };
-  const AdamArrays sh = Arrays(grads.sh, params->sh, m.sh, v.sh);
-  ShRates sh_rates{{}, 3 * ShCount(sh_degree)};
-  for (int k = 0; k < kShRow; ++k) sh_rates.rates[k] = static_cast<float>(k < 3 ? rates.sh0 : rates.sh_rest);
-  ParallelBlocks(params->size(), kGrain, [&](int64_t begin, int64_t end) {
-    for (const FlatGroup& group : flat) {
-      HWY_DYNAMIC_DISPATCH(UpdateFlat)
-      (group.arrays, begin * group.row, end * group.row, group.rate, constants);
-    }
-    HWY_DYNAMIC_DISPATCH(UpdateSh)(sh, begin, end, sh_rates, constants);
-  });
+  return {Constants(step, rates, sh_degree), params->Rows(), m.Rows(), v.Rows()};
+}
+
+void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params) {
+  RequireSameSize("Adam::Step grads", grads, *params);
+  const AdamStep begun = BeginStep(rates, sh_degree, params);
+  const GaussianRows rows = grads.Rows();
+  ParallelBlocks(params->size(), kGrain,
+                 [&](int64_t begin, int64_t end) { begun.Update(begin, end, rows.From(begin)); });
 }
 
 }  // namespace oraclegs

@@ -14,6 +14,31 @@ struct LearningRates {
   double sh_rest = 0.0025 / 20;
 };
 
+/// What of one step is the same for all Gaussians. Learning rates are times 1 / (1 - beta1^t).
+struct AdamConstants {
+  float correction2_root;  ///< 1 / sqrt(1 - beta2^t)
+  float means, log_scales, quats, opacity_logits;
+  float sh[kShFloats];
+  int sh_active;  ///< floats of a row of sh that are trained
+};
+
+/// A step of Adam that has begun: Update for all Gaussians, once each, makes it whole.
+class AdamStep {
+ public:
+  /// params -= lr * m_hat / (sqrt(v_hat) + eps) for Gaussians [begin, end), in place. `grads` holds their rows, the
+  /// first one for `begin`. Different blocks may be updated from several threads at once; how they are cut changes no
+  /// bit.
+  void Update(int64_t begin, int64_t end, const GaussianRows& grads) const;
+
+ private:
+  friend struct Adam;
+  AdamStep(const AdamConstants& constants, GaussianRows params, GaussianRows m, GaussianRows v)
+      : constants_(constants), params_(params), m_(m), v_(v) {}
+
+  AdamConstants constants_;
+  GaussianRows params_, m_, v_;
+};
+
 /// Adam with beta 0.9, 0.999, epsilon 1e-15 outside the root, one step counter, every Gaussian in every step
 /// (spec/gaussian_core.md 8). SH coefficients above the active degree have neither gradient nor moments and are
 /// skipped, which is the same.
@@ -23,7 +48,11 @@ struct Adam {
 
   explicit Adam(int64_t n);
 
-  /// params -= lr * m_hat / (sqrt(v_hat) + eps), in place, on all threads.
+  /// Begins the next step. The result writes to `params` and to the moments; none of them may be replaced while it is
+  /// used. Throws ShapeError.
+  AdamStep BeginStep(const LearningRates& rates, int sh_degree, Gaussians* params);
+
+  /// A whole step, on all threads.
   void Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params);
 };
 

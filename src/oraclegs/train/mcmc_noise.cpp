@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/render/cpu/hwy_targets.h"
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -41,10 +41,6 @@ struct RegularizerArrays {
   const float *log_scales, *logits;
   float *grad_log_scales, *grad_logits;
   float scale_weight, opacity_weight;  ///< per entry
-};
-
-struct RegularizerSums {
-  double opacity = 0, scale = 0;
 };
 
 }  // namespace oraclegs
@@ -166,7 +162,8 @@ HWY_INLINE void MoveVector(const NoiseArrays& at, const NoiseStep& step, uint32_
   hn::LoadInterleaved4(d, at.quats, q[0], q[1], q[2], q[3]);
   hn::LoadInterleaved3(d, at.log_scales, log_scale[0], log_scale[1], log_scale[2]);
   hn::LoadInterleaved3(d, at.means, mean[0], mean[1], mean[2]);
-  const V strength = hn::Mul(gate, Set(step.strength));
+  // Zero for those that stay: their gates would make subnormal numbers of what follows, which are slow.
+  const V strength = hn::IfThenElseZero(moves, hn::Mul(gate, Set(step.strength)));
   for (V& x : e) x = hn::Mul(x, strength);
   TimesCovariance(q, log_scale, e);
   for (int i = 0; i < 3; ++i) mean[i] = hn::Add(mean[i], hn::IfThenElseZero(moves, e[i]));
@@ -200,8 +197,8 @@ void AddNoiseBlock(const NoiseArrays& arrays, const NoiseStep& step, int64_t beg
   std::copy_n(means, 3 * count, rest.means);
 }
 
-/// Adds d/d(logit) over entries [begin, end); returns the sum of opacities.
-double RegularizeOpacities(const RegularizerArrays& a, int64_t begin, int64_t end) {
+/// Adds d/d(logit) over `count` entries; returns the sum of opacities.
+double RegularizeOpacities(const RegularizerArrays& a, int64_t count) {
   const D d;
   const int64_t lanes = static_cast<int64_t>(hn::Lanes(d));
   const V weight = Set(a.opacity_weight);
@@ -211,15 +208,15 @@ double RegularizeOpacities(const RegularizerArrays& a, int64_t begin, int64_t en
     return hn::Mul(weight, hn::Mul(*opacity, hn::Sub(Set(1.f), *opacity)));
   };
   V opacity;
-  int64_t i = begin;
-  for (; i + lanes <= end; i += lanes) {
+  int64_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
     const V g = gradient(hn::LoadU(d, a.logits + i), &opacity);
     hn::StoreU(hn::Add(hn::LoadU(d, a.grad_logits + i), g), d, a.grad_logits + i);
     sum = hn::Add(sum, opacity);
   }
   double total = hn::GetLane(hn::SumOfLanes(d, sum));
   HWY_ALIGN float lane[hn::MaxLanes(D())];
-  for (; i < end; ++i) {
+  for (; i < count; ++i) {
     hn::Store(gradient(Set(a.logits[i]), &opacity), d, lane);
     a.grad_logits[i] += lane[0];
     total += hn::GetLane(opacity);
@@ -227,20 +224,20 @@ double RegularizeOpacities(const RegularizerArrays& a, int64_t begin, int64_t en
   return total;
 }
 
-/// Adds d/d(log scale) over entries [begin, end) of the flat [N,3] array; returns the sum of scales.
-double RegularizeScales(const RegularizerArrays& a, int64_t begin, int64_t end) {
+/// Adds d/d(log scale) over `count` entries of the flat [N,3] array; returns the sum of scales.
+double RegularizeScales(const RegularizerArrays& a, int64_t count) {
   const D d;
   const int64_t lanes = static_cast<int64_t>(hn::Lanes(d));
   const V weight = Set(a.scale_weight);
   V sum = hn::Zero(d);
-  int64_t i = begin;
-  for (; i + lanes <= end; i += lanes) {
+  int64_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
     const V scale = ExpClamped(hn::LoadU(d, a.log_scales + i));
     hn::StoreU(hn::MulAdd(weight, scale, hn::LoadU(d, a.grad_log_scales + i)), d, a.grad_log_scales + i);
     sum = hn::Add(sum, scale);
   }
   double total = hn::GetLane(hn::SumOfLanes(d, sum));
-  for (; i < end; ++i) {
+  for (; i < count; ++i) {
     const float scale = hn::GetLane(ExpClamped(Set(a.log_scales[i])));
     a.grad_log_scales[i] += a.scale_weight * scale;
     total += scale;
@@ -248,8 +245,8 @@ double RegularizeScales(const RegularizerArrays& a, int64_t begin, int64_t end) 
   return total;
 }
 
-RegularizerSums RegularizeBlock(const RegularizerArrays& arrays, int64_t begin, int64_t end) {
-  return {RegularizeOpacities(arrays, begin, end), RegularizeScales(arrays, 3 * begin, 3 * end)};
+RegularizerSums RegularizeBlock(const RegularizerArrays& arrays, int64_t count) {
+  return {RegularizeOpacities(arrays, count), RegularizeScales(arrays, 3 * count)};
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE
@@ -262,51 +259,72 @@ namespace {
 HWY_EXPORT(AddNoiseBlock);
 HWY_EXPORT(RegularizeBlock);
 
-constexpr int64_t kGrain = 1024;  // short enough for float32 partial sums
+constexpr int64_t kGrain = 1024;
 
-void MoveAll(const Tensor& epsilon, const NoiseStep& step, Gaussians* gaussians) {
-  const NoiseArrays arrays{gaussians->means.data_ptr<float>(), gaussians->log_scales.data_ptr<float>(),
-                           gaussians->quats.data_ptr<float>(), gaussians->opacity_logits.data_ptr<float>(),
+void MoveRows(const Tensor& epsilon, const NoiseStep& step, int64_t begin, int64_t end, Gaussians* gaussians) {
+  const GaussianRows rows = gaussians->Rows();
+  const NoiseArrays arrays{rows.means, rows.log_scales, rows.quats, rows.opacity_logits,
                            epsilon.defined() ? epsilon.data_ptr<float>() : nullptr};
-  ParallelBlocks(gaussians->size(), kGrain, [&](int64_t begin, int64_t end) {
-    HWY_DYNAMIC_DISPATCH(AddNoiseBlock)(arrays, step, begin, end);
-  });
+  HWY_DYNAMIC_DISPATCH(AddNoiseBlock)(arrays, step, begin, end);
 }
 
 }  // namespace
 
-void AddNoise(uint64_t seed, int64_t iteration, double lr_means, Gaussians* gaussians) {
+void AddNoiseToBlock(const MeansNoise& noise, int64_t begin, int64_t end, Gaussians* gaussians) {
+  const NoiseStep step{noise.seed, static_cast<uint32_t>(noise.iteration),
+                       static_cast<float>(kNoiseRate * noise.lr_means)};
+  MoveRows({}, step, begin, end, gaussians);
+}
+
+void AddNoise(const MeansNoise& noise, Gaussians* gaussians) {
   gaussians->Check("AddNoise");
-  MoveAll({}, {seed, static_cast<uint32_t>(iteration), static_cast<float>(kNoiseRate * lr_means)}, gaussians);
+  ParallelBlocks(gaussians->size(), kGrain,
+                 [&](int64_t begin, int64_t end) { AddNoiseToBlock(noise, begin, end, gaussians); });
 }
 
 void AddNoiseFrom(const Tensor& epsilon, double lr_means, Gaussians* gaussians) {
   gaussians->Check("AddNoiseFrom");
   RequireFloat("AddNoiseFrom", "epsilon", epsilon, {gaussians->size(), 3});
-  MoveAll(epsilon, {0, 0, static_cast<float>(kNoiseRate * lr_means)}, gaussians);
+  MoveRows(epsilon, {0, 0, static_cast<float>(kNoiseRate * lr_means)}, 0, gaussians->size(), gaussians);
 }
 
-double AddRegularizers(const Gaussians& gaussians, double opacity_reg, double scale_reg, Gaussians* grads) {
-  gaussians.Check("AddRegularizers gaussians");
-  grads->Check("AddRegularizers grads");
-  const int64_t n = gaussians.size();
-  if (grads->size() != n) throw ShapeError("AddRegularizers: gradients of {} Gaussians, expected {}", grads->size(), n);
-  if (n == 0) return 0;
-  const double opacity_weight = opacity_reg / static_cast<double>(n);
-  const double scale_weight = scale_reg / static_cast<double>(3 * n);
-  const RegularizerArrays arrays{gaussians.log_scales.data_ptr<float>(), gaussians.opacity_logits.data_ptr<float>(),
-                                 grads->log_scales.data_ptr<float>(),    grads->opacity_logits.data_ptr<float>(),
-                                 static_cast<float>(scale_weight),       static_cast<float>(opacity_weight)};
-  std::vector<RegularizerSums> sums((n + kGrain - 1) / kGrain);
-  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
-    sums[begin / kGrain] = HWY_DYNAMIC_DISPATCH(RegularizeBlock)(arrays, begin, end);
-  });
+void Regularizers::Begin(const Gaussians& gaussians, double opacity_reg, double scale_reg) {
+  gaussians.Check("Regularizers");
+  const double n = static_cast<double>(gaussians.size());
+  params_ = gaussians.Rows();
+  opacity_weight_ = opacity_reg / n;
+  scale_weight_ = scale_reg / (3 * n);
+  sums_.resize((gaussians.size() + kGradBlock - 1) / kGradBlock);
+}
+
+void Regularizers::AddTo(int64_t begin, int64_t end, const GaussianRows& grads) {
+  for (int64_t first = begin; first < end; first += kGradBlock) {
+    const GaussianRows params = params_.From(first), out = grads.From(first - begin);
+    sums_[first / kGradBlock] = HWY_DYNAMIC_DISPATCH(RegularizeBlock)(
+        {params.log_scales, params.opacity_logits, out.log_scales, out.opacity_logits,
+         static_cast<float>(scale_weight_), static_cast<float>(opacity_weight_)},
+        std::min(kGradBlock, end - first));
+  }
+}
+
+double Regularizers::Value() const {
   RegularizerSums total;
-  for (const RegularizerSums& block : sums) {
+  for (const RegularizerSums& block : sums_) {
     total.opacity += block.opacity;
     total.scale += block.scale;
   }
-  return opacity_weight * total.opacity + scale_weight * total.scale;
+  return sums_.empty() ? 0 : opacity_weight_ * total.opacity + scale_weight_ * total.scale;
+}
+
+double AddRegularizers(const Gaussians& gaussians, double opacity_reg, double scale_reg, Gaussians* grads) {
+  grads->Check("AddRegularizers grads");
+  const int64_t n = gaussians.size();
+  if (grads->size() != n) throw ShapeError("AddRegularizers: gradients of {} Gaussians, expected {}", grads->size(), n);
+  Regularizers regularizers;
+  regularizers.Begin(gaussians, opacity_reg, scale_reg);
+  const GaussianRows rows = grads->Rows();
+  ParallelBlocks(n, kGradBlock, [&](int64_t begin, int64_t end) { regularizers.AddTo(begin, end, rows.From(begin)); });
+  return regularizers.Value();
 }
 
 }  // namespace oraclegs

@@ -1,6 +1,7 @@
 #include "oraclegs/train/trainer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -8,6 +9,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/loss/photometric.h"
+#include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"
@@ -34,20 +36,6 @@ class Lap {
 
  private:
   Clock::time_point last_ = Clock::now();
-};
-
-/// A contiguous tensor of this shape, all of them in one storage that grows to the largest use.
-class ImageBuffer {
- public:
-  Tensor Get(std::initializer_list<int64_t> shape) {
-    int64_t count = 1;
-    for (const int64_t s : shape) count *= s;
-    if (!storage_.defined() || storage_.numel() < count) storage_ = torch::empty({count}, torch::kFloat);
-    return storage_.narrow(0, 0, count).view(shape);
-  }
-
- private:
-  Tensor storage_;
 };
 
 /// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
@@ -80,12 +68,10 @@ void CheckViews(const std::vector<TrainView>& views) {
   }
 }
 
-void AddTo(const RenderTimings& one, RenderTimings* sum) {
-  sum->project += one.project;
-  sum->bin += one.bin;
-  sum->blend += one.blend;
-  sum->blend_backward += one.blend_backward;
-  sum->gaussian_backward += one.gaussian_backward;
+/// The stages, in the order of the declaration; Run measures the total apart.
+std::array<double*, 8> Stages(TrainTimings* t) {
+  return {&t->render.project,           &t->render.bin, &t->render.blend, &t->render.blend_backward,
+          &t->render.gaussian_backward, &t->loss,       &t->refine,       &t->total};
 }
 
 /// Throws unless the options a checkpoint was saved with are these; names the first that differs.
@@ -112,10 +98,7 @@ void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
 }
 
 TrainTimings Mean(TrainTimings sum, int64_t iterations) {
-  for (double* stage : {&sum.render.project, &sum.render.bin, &sum.render.blend, &sum.render.blend_backward,
-                        &sum.render.gaussian_backward, &sum.loss, &sum.adam, &sum.refine, &sum.noise, &sum.total}) {
-    *stage /= static_cast<double>(std::max<int64_t>(iterations, 1));
-  }
+  for (double* stage : Stages(&sum)) *stage /= static_cast<double>(std::max<int64_t>(iterations, 1));
   return sum;
 }
 
@@ -151,11 +134,13 @@ struct Trainer::State {
         gaussians(Clone(start)),
         adam(start.size()),
         sampler(run_seed, static_cast<int>(views.size()), 0),
-        grads(Gaussians::Zeros(start.size())),
         rasterizer(MakeRasterizer(torch::kCPU)) {}
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
-  void Refine(int64_t i);
+  double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
+  void Refine(double lr_means);
+  void RequireFinite(double value, const TrainView& view) const;
+  bool IsLast(int64_t i) const { return i >= options.iterations; }
   bool Refines(int64_t i) const {
     return i > options.refine_start && static_cast<double>(i) < options.refine_stop * options.iterations &&
            i % options.refine_every == 0;
@@ -178,12 +163,12 @@ struct Trainer::State {
   bool restored = false;
 
   // What is only reused.
-  Gaussians grads;
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
+  Regularizers regularizers;
   ImageBuffer grad_image, masked_image;
-  TrainTimings timings;     // sums
-  int64_t timed_since = 0;  // iteration
+  TrainTimings last_timings, timings;  // of the last iteration; sums
+  int64_t timed_since = 0;             // iteration
 };
 
 double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad) {
@@ -199,10 +184,41 @@ double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image
   return value;
 }
 
-void Trainer::State::Refine(int64_t i) {
+/// Everything between the gradient of the image and the moved Gaussians, block by block: gradients are used up while
+/// they are in the cache. Returns the value of the regularisers. The last iteration moves nothing.
+double Trainer::State::BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree) {
+  const int64_t i = iteration + 1;
+  regularizers.Begin(gaussians, options.opacity_reg, options.scale_reg);
+  if (IsLast(i)) {
+    rasterizer->BackwardBlocks(gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
+      regularizers.AddTo(begin, end, grads);
+    });
+    return regularizers.Value();
+  }
+  const AdamStep step = adam.BeginStep(rates, sh_degree, &gaussians);
+  const MeansNoise noise{seed, i, rates.means};
+  const bool add_noise = !Refines(i);  // else it comes after relocation and growth
+  rasterizer->BackwardBlocks(gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
+    regularizers.AddTo(begin, end, grads);
+    step.Update(begin, end, grads);
+    if (add_noise) AddNoiseToBlock(noise, begin, end, &gaussians);
+  });
+  return regularizers.Value();
+}
+
+/// Never the last iteration: refine_stop is at most 1.
+void Trainer::State::Refine(double lr_means) {
+  const int64_t i = iteration + 1;
   RelocateDead(seed, i, &gaussians, &adam);
   AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
-  GrowRows(&grads, gaussians.size());
+  AddNoise({seed, i, lr_means}, &gaussians);
+}
+
+void Trainer::State::RequireFinite(double value, const TrainView& view) const {
+  if (std::isfinite(value)) return;
+  throw RunError(
+      "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the scene", value,
+      iteration + 1, view.name);
 }
 
 Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background,
@@ -234,17 +250,17 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
   s.adam.m = Clone(checkpoint.adam.m);
   s.adam.v = Clone(checkpoint.adam.v);
   s.adam.step = checkpoint.adam.step;
-  s.grads = Gaussians::Zeros(n);
   s.seconds = checkpoint.seconds;
   s.loss = checkpoint.loss;
   s.run_options = checkpoint.options;
   s.restored = true;
+  s.timings = {};
+  s.timed_since = s.iteration;
 }
 
 double Trainer::Step() {
   State& s = *state_;
   const int64_t i = s.iteration + 1;
-  const bool last = i >= s.options.iterations;
   Lap lap;
   LearningRates rates;
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
@@ -253,29 +269,20 @@ double Trainer::Step() {
 
   const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera,
                                                  {s.background, degree, s.options.antialiased}, RenderPass::kTrain);
-  double ignored = 0;
-  lap.To(&ignored);
+  TrainTimings& timings = s.last_timings = {};
+  double rendering = 0;  // the rasteriser times its own stages
+  lap.To(&rendering);
   Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
   double loss = s.PhotographLoss(view, out.image, &grad_image);
-  lap.To(&s.timings.loss);
-  s.rasterizer->Backward(s.gaussians, {grad_image, {}, {}}, &s.grads);
-  AddTo(s.rasterizer->timings(), &s.timings.render);
-  lap.To(&ignored);
-  loss += AddRegularizers(s.gaussians, s.options.opacity_reg, s.options.scale_reg, &s.grads);
-  lap.To(&s.timings.loss);
-  if (!std::isfinite(loss)) {
-    throw RunError(
-        "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the "
-        "scene",
-        loss, i, view.name);
-  }
-
-  if (!last) s.adam.Step(s.grads, rates, degree, &s.gaussians);
-  lap.To(&s.timings.adam);
-  if (s.Refines(i)) s.Refine(i);
-  lap.To(&s.timings.refine);
-  if (!last) AddNoise(s.seed, i, rates.means, &s.gaussians);
-  lap.To(&s.timings.noise);
+  s.RequireFinite(loss, view);
+  lap.To(&timings.loss);
+  loss += s.BackwardAndStep({grad_image, {}, {}}, rates, degree);
+  s.RequireFinite(loss, view);
+  timings.render = s.rasterizer->timings();
+  lap.To(&rendering);
+  if (s.Refines(i)) s.Refine(rates.means);
+  lap.To(&timings.refine);
+  for (size_t k = 0; k < Stages(&timings).size(); ++k) *Stages(&s.timings)[k] += *Stages(&timings)[k];
   s.iteration = i;
   s.loss = i == 1 ? loss : kLossSmoothing * s.loss + (1 - kLossSmoothing) * loss;
   return loss;
@@ -330,6 +337,10 @@ const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
 int64_t Trainer::iteration() const { return state_->iteration; }
 
 TrainTimings Trainer::MeanTimings() const { return Mean(state_->timings, state_->iteration - state_->timed_since); }
+
+TrainTimings Trainer::LastTimings() const { return state_->last_timings; }
+
+RenderStats Trainer::LastStats() const { return state_->rasterizer->stats(); }
 
 Checkpoint Trainer::MakeCheckpoint() const {
   const State& s = *state_;

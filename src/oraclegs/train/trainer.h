@@ -26,8 +26,10 @@ TrainView ToTrainView(const Photo& photo);
 
 /// Mean milliseconds per iteration by stage.
 struct TrainTimings {
-  RenderTimings render;
-  double loss = 0, adam = 0, refine = 0, noise = 0, total = 0;
+  RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
+  double loss = 0;       ///< photometric
+  double refine = 0;     ///< relocation and growth, with the noise of iterations that do so
+  double total = 0;
 };
 
 struct TrainResult {
@@ -65,8 +67,11 @@ class Trainer {
 
   const Gaussians& gaussians() const;
   int64_t iteration() const;
-  /// Means over the iterations since the last Run began, or since construction; `total` is filled by Run only.
+  /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;
+  /// Of the last iteration alone; without `total`.
+  TrainTimings LastTimings() const;
+  RenderStats LastStats() const;
   Checkpoint MakeCheckpoint() const;
 
  private:

@@ -1,5 +1,7 @@
 // The promises of render.h: bits, buffers, shapes, odd numbers.
 
+#include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "oraclegs/core/parallel.h"
@@ -64,6 +66,64 @@ TEST(CpuRasterizer, HigherCoefficientsAreNeitherReadNorWritten) {
   EXPECT_TRUE(torch::isfinite(grads.sh).all().item<bool>());
 }
 
+TEST(CpuRasterizer, BlocksHoldTheBitsOfTheWholeAndComeOnceEach) {
+  constexpr int64_t kCount = 5 * kGradBlock + 37;
+  Gaussians g = RandomGaussians(kCount, 0.1, 9);
+  g.means.narrow(0, 2 * kGradBlock, kGradBlock).fill_(-5.f);  // a block behind the camera
+  const RenderGrads up{torch::ones({40, 50, 3}), {}, {}};
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(g, FrontCamera(50, 40), {{0, 0, 0}, 2, false}, RenderPass::kTrain);
+  Gaussians whole = Gaussians::Zeros(kCount);
+  rasterizer->Backward(g, up, &whole);
+  EXPECT_GT(whole.sh.abs().max().item<float>(), 0);
+  for (const int threads : {1, 3}) {
+    SetNumThreads(threads);
+    Gaussians pieces = Gaussians::Empty(kCount);
+    pieces.ForEach([](const char*, Tensor& t) { t.fill_(-7.f); });
+    pieces.sh.slice(1, 9).zero_();
+    const GaussianRows all = pieces.Rows();
+    std::atomic<int64_t> rows = 0;
+    rasterizer->BackwardBlocks(g, up, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
+      EXPECT_EQ(begin % kGradBlock, 0);
+      const int64_t m = end - begin;
+      rows += m;
+      const GaussianRows to = all.From(begin);
+      std::copy_n(grads.means, 3 * m, to.means);
+      std::copy_n(grads.log_scales, 3 * m, to.log_scales);
+      std::copy_n(grads.quats, 4 * m, to.quats);
+      std::copy_n(grads.opacity_logits, m, to.opacity_logits);
+      for (int64_t i = 0; i < m; ++i) std::copy_n(grads.sh + kShFloats * i, 27, to.sh + kShFloats * i);
+      std::fill_n(grads.means, 3 * m, 99.f);  // writable
+    });
+    EXPECT_EQ(rows, kCount);
+    EXPECT_TRUE(SameBits(pieces.means, whole.means));
+    EXPECT_TRUE(SameBits(pieces.log_scales, whole.log_scales));
+    EXPECT_TRUE(SameBits(pieces.quats, whole.quats));
+    EXPECT_TRUE(SameBits(pieces.opacity_logits, whole.opacity_logits));
+    EXPECT_TRUE(SameBits(pieces.sh, whole.sh));
+  }
+  SetNumThreads(0);
+}
+
+TEST(CpuRasterizer, ABlockMayBeMovedWhileOthersAreDifferentiated) {
+  constexpr int64_t kCount = 4 * kGradBlock;
+  const RenderGrads up{torch::ones({40, 50, 3}), {}, {}};
+  Gaussians still = RandomGaussians(kCount, 0.1, 9), moving = RandomGaussians(kCount, 0.1, 9);
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  rasterizer->Forward(still, FrontCamera(50, 40), {}, RenderPass::kTrain);
+  Gaussians whole = Gaussians::Zeros(kCount);
+  rasterizer->Backward(still, up, &whole);
+  Tensor means = torch::zeros({kCount, 3});
+  rasterizer->Forward(moving, FrontCamera(50, 40), {}, RenderPass::kTrain);
+  rasterizer->BackwardBlocks(moving, up, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
+    std::copy_n(grads.means, 3 * (end - begin), means.data_ptr<float>() + 3 * begin);
+    const GaussianRows own = moving.Rows().From(begin);
+    std::fill_n(own.means, 3 * (end - begin), 1e9f);
+    std::fill_n(own.sh, kShFloats * (end - begin), 1e9f);
+  });
+  EXPECT_TRUE(SameBits(means, whole.means));
+}
+
 TEST(CpuRasterizer, OddParametersDoNoHarm) {
   // Infinite, denormal and undefined numbers must neither crash nor reach another Gaussian's pixels' bits.
   Gaussians g = RandomGaussians(64, 0.1, 4);
@@ -115,6 +175,8 @@ TEST(CpuRasterizer, WrongShapesAreRefusedByName) {
   EXPECT_THROW(rasterizer->Forward(g, FrontCamera(0, 8), {}, RenderPass::kTrain), ShapeError);
   Gaussians grads = Gaussians::Zeros(10);
   EXPECT_THROW(rasterizer->Backward(g, {}, &grads), ShapeError);  // no forward pass yet
+  const auto never = [](int64_t, int64_t, const GaussianRows&) { ADD_FAILURE() << "called"; };
+  EXPECT_THROW(rasterizer->BackwardBlocks(g, {}, never), ShapeError);
   rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain);
   EXPECT_THROW(rasterizer->Backward(g, {torch::zeros({8, 9, 3}), {}, {}}, &grads), ShapeError);
 }

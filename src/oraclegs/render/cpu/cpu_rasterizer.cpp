@@ -1,16 +1,15 @@
 #include "oraclegs/render/cpu/cpu_rasterizer.h"
 
-#include <hwy/aligned_allocator.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <vector>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/scratch_array.h"
 #include "oraclegs/render/cpu/tile_lists.h"
+#include "oraclegs/render/image_buffer.h"
 
 namespace oraclegs::cpu {
 namespace {
@@ -67,6 +66,17 @@ const float* DataOrNull(const char* name, const Tensor& t, std::initializer_list
   return t.data_ptr<float>();
 }
 
+/// The gradients of one block, on the stack of the thread that works on it.
+struct BlockGrads {
+  alignas(64) float means[3 * kGradBlock];
+  alignas(64) float log_scales[3 * kGradBlock];
+  alignas(64) float quats[4 * kGradBlock];
+  alignas(64) float opacity_logits[kGradBlock];
+  alignas(64) float sh[kShFloats * kGradBlock];
+
+  GaussianRows Rows() { return {means, log_scales, quats, opacity_logits, sh}; }
+};
+
 class CpuRasterizer final : public Rasterizer {
  public:
   RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
@@ -82,26 +92,24 @@ class CpuRasterizer final : public Rasterizer {
     StageClock clock;
     const int64_t n = gaussians.size();
     input_ = MakeInput(gaussians, camera, options);
-    if (static_cast<int64_t>(splats_.size()) < n) {
-      splats_.resize(n);
-      rects_.resize(n);
-    }
+    splats_.Reserve(n);
+    rects_.Reserve(n);
     ParallelBlocks(n, kProjectGrain, [&](int64_t begin, int64_t end) {
       ProjectSplats(input_, begin, end, splats_.data(), rects_.data());
     });
     timings_.project = clock.Lap();
 
     lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
-    stats_.visible = lists_.visible;
-    stats_.tile_pairs = lists_.pairs;
+    stats_ = {lists_.visible, lists_.pairs, 0, 0};
     timings_.bin = clock.Lap();
 
-    AllocateImages(camera.height, camera.width);
+    output_ = {image_.Get({camera.height, camera.width, 3}), alpha_.Get({camera.height, camera.width}),
+               inv_depth_.Get({camera.height, camera.width})};
     const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
     const bool train = pass == RenderPass::kTrain;
-    if (train && static_cast<int64_t>(transmittance_.size()) < tiles * kTilePixels) {
-      transmittance_.resize(tiles * kTilePixels);
-      end_.resize(tiles * kTilePixels);
+    if (train) {
+      transmittance_.Reserve(tiles * kTilePixels);
+      end_.Reserve(tiles * kTilePixels);
     }
     blend_ = {camera.width,
               camera.height,
@@ -112,46 +120,33 @@ class CpuRasterizer final : public Rasterizer {
               train ? transmittance_.data() : nullptr,
               train ? end_.data() : nullptr};
     stats_.pixel_pairs = SumOverTiles([&](int64_t tile) { return BlendTile(Work(tile), blend_); });
-    stats_.pixel_pairs_backward = 0;
     timings_.blend = clock.Lap();
     trained_size_ = train ? n : -1;
     return output_;
   }
 
   void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
-    if (gaussians.size() != trained_size_) {
-      throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
-                       trained_size_);
-    }
     grads->Check("Rasterizer::Backward, grads");
-    const int64_t n = gaussians.size(), h = blend_.height, w = blend_.width;
-    if (grads->size() != n) throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), n);
-    const BlendUpstream up{DataOrNull("upstream.image", upstream.image, {h, w, 3}),
-                           DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
-                           DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
-    StageClock clock;
-    if (record_capacity_ < lists_.pairs) {
-      record_capacity_ = lists_.pairs + lists_.pairs / 4;
-      records_ = hwy::AllocateAligned<float>(record_capacity_ * kGradStride);
+    if (grads->size() != gaussians.size()) {
+      throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
     }
-    stats_.pixel_pairs_backward = SumOverTiles([&](int64_t tile) {
-      return BlendTileBackward(Work(tile), blend_, up, records_.get() + lists_.tile_begin[tile] * kGradStride);
+    const GradInput in = BlendBackward(gaussians, upstream);
+    const GaussianRows rows = grads->Rows();
+    StageClock clock;
+    ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
+      ProjectSplatsBackward(input_, in, begin, end, rows.From(begin));
     });
-    timings_.blend_backward = clock.Lap();
+    timings_.gaussian_backward = clock.Lap();
+  }
 
-    // The parameters may have moved to other memory since Forward, but not changed.
-    input_.means = gaussians.means.data_ptr<float>();
-    input_.log_scales = gaussians.log_scales.data_ptr<float>();
-    input_.quats = gaussians.quats.data_ptr<float>();
-    input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
-    input_.sh = gaussians.sh.data_ptr<float>();
-    const GradInput in{lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.get(),
-                       splats_.data()};
-    const GradOutput out{grads->means.data_ptr<float>(), grads->log_scales.data_ptr<float>(),
-                         grads->quats.data_ptr<float>(), grads->opacity_logits.data_ptr<float>(),
-                         grads->sh.data_ptr<float>()};
-    ParallelBlocks(n, kProjectGrain,
-                   [&](int64_t begin, int64_t end) { ProjectSplatsBackward(input_, in, begin, end, out); });
+  void BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) override {
+    const GradInput in = BlendBackward(gaussians, upstream);
+    StageClock clock;
+    ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
+      BlockGrads grads;
+      ProjectSplatsBackward(input_, in, begin, end, grads.Rows());
+      consume(begin, end, grads.Rows());
+    });
     timings_.gaussian_backward = clock.Lap();
   }
 
@@ -183,24 +178,45 @@ class CpuRasterizer final : public Rasterizer {
     return sum;
   }
 
-  void AllocateImages(int64_t height, int64_t width) {
-    if (output_.image.defined() && output_.image.size(0) == height && output_.image.size(1) == width) return;
-    output_ = {torch::empty({height, width, 3}), torch::empty({height, width}), torch::empty({height, width})};
+  /// Fills the records, and says where the per-Gaussian part finds what it reads.
+  GradInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
+    if (gaussians.size() != trained_size_) {
+      throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
+                       trained_size_);
+    }
+    const int64_t h = blend_.height, w = blend_.width;
+    const BlendUpstream up{DataOrNull("upstream.image", upstream.image, {h, w, 3}),
+                           DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
+                           DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
+    StageClock clock;
+    records_.Reserve(lists_.pairs * kGradStride);
+    stats_.pixel_pairs_backward = SumOverTiles([&](int64_t tile) {
+      return BlendTileBackward(Work(tile), blend_, up, records_.data() + lists_.tile_begin[tile] * kGradStride);
+    });
+    timings_.blend_backward = clock.Lap();
+
+    // The parameters may have moved to other memory since Forward, but not changed.
+    input_.means = gaussians.means.data_ptr<float>();
+    input_.log_scales = gaussians.log_scales.data_ptr<float>();
+    input_.quats = gaussians.quats.data_ptr<float>();
+    input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
+    input_.sh = gaussians.sh.data_ptr<float>();
+    return {lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
   }
 
   ProjectInput input_{};
   BlendImage blend_{};
   RenderOutput output_;
   TileLists lists_;
-  std::vector<Splat> splats_;
-  std::vector<TileRect> rects_;
-  std::vector<float> transmittance_;
-  hwy::AlignedFreeUniquePtr<float[]> records_;  // one cache line a pair
-  int64_t record_capacity_ = 0;                 // pairs
-  std::vector<uint32_t> end_;
-  RenderStats stats_;
+  ImageBuffer image_, alpha_, inv_depth_;
+  ScratchArray<Splat> splats_;
+  ScratchArray<TileRect> rects_;
+  ScratchArray<float> transmittance_;
+  ScratchArray<uint32_t> end_;
+  ScratchArray<float> records_;  // one cache line a pair
   int64_t trained_size_ = -1;
   RenderTimings timings_;
+  RenderStats stats_;
 };
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "oraclegs/gaussians/gaussian_rows.h"
+
 namespace oraclegs::cpu {
 
 inline constexpr int kTile = 16;  ///< pixels a side
@@ -116,12 +118,9 @@ struct GradInput {
   const Splat* splats;
 };
 
-struct GradOutput {
-  float *means, *log_scales, *quats, *opacity_logits, *sh;  ///< as ProjectInput
-};
-
-/// Sums the records of Gaussians [begin, end) in a fixed order and carries them back to the raw parameters.
+/// Sums the records of Gaussians [begin, end) in a fixed order and carries them back to the raw parameters. `out` holds
+/// their rows, the first one for `begin`; coefficients of sh above the active degree are not written.
 void ProjectSplatsBackward(const ProjectInput& in, const GradInput& grads, int64_t begin, int64_t end,
-                           const GradOutput& out);
+                           const GaussianRows& out);
 
 }  // namespace oraclegs::cpu

@@ -6,6 +6,7 @@
 // clang-format off: foreach_target must come before the other Highway headers
 #include <hwy/foreach_target.h>
 // clang-format on
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <cmath>
@@ -20,7 +21,6 @@ HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
 inline constexpr float kLog2E = 1.442695040888963f;
-inline constexpr int kShFloats = 48;  // 16 coefficients of 3 channels
 
 HWY_INLINE RawSplat<Lanes> LoadRaw(const cpu::ProjectInput& in, int64_t i, int count) {
   Lanes mean[3], scale[3], quat[4], logit[1];
@@ -146,40 +146,108 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
   }
 }
 
-/// Sum of a Gaussian's records, moved from each tile's centre to the Gaussian's.
-struct Moments {
-  float h = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, g = 0, b = 0, inv_z = 0;
-};
+/// What the sums of a Gaussian's records are made of, four floats each. A record's moments are about its tile's centre;
+/// with (dx, dy) from the Gaussian to that centre they move to the Gaussian as (x + dx)(y + dy) is multiplied out, so
+/// all that needs to be summed is moments, moments times dx and dy, and the zeroth one times the three products.
+enum MomentSums { kSums0, kSums4, kSumsDx, kSumsDy, kSumsProducts, kSumsColor, kMomentSums };
+inline constexpr int kMomentRow = 32;  // floats; a whole number of vectors
+static_assert(4 * kMomentSums <= kMomentRow && kMomentRow % kLanes == 0);
 
-HWY_INLINE Moments SumRecords(const cpu::GradInput& grads, int tiles_x, int64_t i) {
-  Moments sum;
-  const cpu::PairRange range = grads.ranges[i];
-  for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
-    const float* HWY_RESTRICT s = grads.records + static_cast<int64_t>(grads.pair_slot[j]) * cpu::kGradStride;
-    const int tile = static_cast<int>(grads.pair_tile[j]);
-    const float dx = static_cast<float>(tile % tiles_x * cpu::kTile + cpu::kTile / 2) - grads.splats[i].mx;
-    const float dy = static_cast<float>(tile / tiles_x * cpu::kTile + cpu::kTile / 2) - grads.splats[i].my;
-    sum.h += s[0];
-    sum.x += s[1] + dx * s[0];
-    sum.y += s[2] + dy * s[0];
-    sum.xx += s[3] + dx * (2 * s[1] + dx * s[0]);
-    sum.xy += s[4] + dx * s[2] + dy * (s[1] + dx * s[0]);
-    sum.yy += s[5] + dy * (2 * s[2] + dy * s[0]);
-    sum.r += s[8];
-    sum.g += s[9];
-    sum.b += s[10];
-    sum.inv_z += s[11];
-  }
-  return sum;
+/// Four floats, in the compiler's terms: Highway has no vectors of that size on targets of one lane.
+using Quad [[gnu::vector_size(16)]] = float;
+
+HWY_INLINE Quad LoadQuad(const float* from) {
+  Quad q;
+  std::memcpy(&q, from, sizeof(q));
+  return q;
 }
 
-HWY_INLINE void ZeroRows(const cpu::GradOutput& out, int64_t i, int count, int coefficients) {
-  std::memset(out.means + 3 * i, 0, sizeof(float) * 3 * count);
-  std::memset(out.log_scales + 3 * i, 0, sizeof(float) * 3 * count);
-  std::memset(out.quats + 4 * i, 0, sizeof(float) * 4 * count);
-  std::memset(out.opacity_logits + i, 0, sizeof(float) * count);
+/// Tile numbers to columns and rows without a division.
+class TileColumns {
+ public:
+  explicit TileColumns(int tiles_x)
+      : tiles_x_(static_cast<uint32_t>(tiles_x)), inverse_((uint64_t{1} << kShift) / tiles_x_ + 1) {}
+  /// Exact while tile * tiles_x < 2^40, far above the largest image's 2^33: inverse_ is too large by one at most.
+  HWY_INLINE uint32_t Row(uint32_t tile) const { return static_cast<uint32_t>(tile * inverse_ >> kShift); }
+  HWY_INLINE uint32_t Column(uint32_t tile, uint32_t row) const { return tile - row * tiles_x_; }
+
+ private:
+  static constexpr int kShift = 40;
+  uint32_t tiles_x_;
+  uint64_t inverse_;
+};
+
+/// Writes kMomentSums quads.
+HWY_INLINE void SumRecords(const cpu::GradInput& grads, const TileColumns& columns, int64_t i, float* sums) {
+  const cpu::PairRange range = grads.ranges[i];
+  const float to_x = static_cast<float>(cpu::kTile / 2) - grads.splats[i].mx;
+  const float to_y = static_cast<float>(cpu::kTile / 2) - grads.splats[i].my;
+  Quad sum[kMomentSums] = {};
+  for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
+    const float* HWY_RESTRICT s = grads.records + static_cast<int64_t>(grads.pair_slot[j]) * cpu::kGradStride;
+    const uint32_t tile = grads.pair_tile[j], row = columns.Row(tile);
+    const float dx = static_cast<float>(static_cast<int>(columns.Column(tile, row) * cpu::kTile)) + to_x;
+    const float dy = static_cast<float>(static_cast<int>(row * cpu::kTile)) + to_y;
+    const Quad first = LoadQuad(s);
+    const Quad offsets = {dx, dy, dy, 0}, factors = {dx * s[0], dx * s[0], dy * s[0], 0};
+    sum[kSums0] += first;
+    sum[kSums4] += LoadQuad(s + 4);
+    sum[kSumsDx] += dx * first;
+    sum[kSumsDy] += dy * first;
+    sum[kSumsProducts] += offsets * factors;
+    sum[kSumsColor] += LoadQuad(s + 8);
+  }
+  std::memcpy(sums, sum, sizeof(sum));
+}
+
+/// A record's sums about the Gaussian, see GradInput.
+struct Moments {
+  Lanes h, x, y, xx, xy, yy, r, g, b, inv_z;
+};
+
+/// One Gaussian a lane, of rows of kMomentRow floats.
+HWY_INLINE Moments CombineSums(const float* rows) {
+  FloatVec v[kMomentRow];
+  LoadWideRows(rows, kMomentRow, kLanes, kMomentRow / kLanes, v);
+  const auto at = [&](int sums, int k) HWY_ATTR { return Lanes(v[4 * sums + k]); };
+  const Lanes two(2.f);
+  Moments m;
+  m.h = at(kSums0, 0);
+  m.x = at(kSums0, 1) + at(kSumsDx, 0);
+  m.y = at(kSums0, 2) + at(kSumsDy, 0);
+  m.xx = at(kSums0, 3) + two * at(kSumsDx, 1) + at(kSumsProducts, 0);
+  m.xy = at(kSums4, 0) + at(kSumsDx, 2) + at(kSumsDy, 1) + at(kSumsProducts, 1);
+  m.yy = at(kSums4, 1) + two * at(kSumsDy, 2) + at(kSumsProducts, 2);
+  m.r = at(kSumsColor, 0), m.g = at(kSumsColor, 1), m.b = at(kSumsColor, 2), m.inv_z = at(kSumsColor, 3);
+  return m;
+}
+
+/// Records lie where their tiles' lists put them, anywhere in memory: asks for those of Gaussians [begin, end) ahead of
+/// their use.
+HWY_INLINE void PrefetchRecords(const cpu::GradInput& grads, int64_t begin, int64_t end) {
+  for (int64_t i = begin; i < end; ++i) {
+    const cpu::PairRange range = grads.ranges[i];
+    for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
+      hwy::Prefetch(grads.records + static_cast<int64_t>(grads.pair_slot[j]) * cpu::kGradStride);
+    }
+  }
+}
+
+/// The same for the lists that say where the records lie.
+HWY_INLINE void PrefetchPairs(const cpu::GradInput& grads, int64_t begin, int64_t end) {
+  for (int64_t i = begin; i < end; ++i) {
+    hwy::Prefetch(grads.pair_slot + grads.ranges[i].begin);
+    hwy::Prefetch(grads.pair_tile + grads.ranges[i].begin);
+  }
+}
+
+HWY_INLINE void ZeroRows(const GaussianRows& out, int count, int coefficients) {
+  std::memset(out.means, 0, sizeof(float) * 3 * count);
+  std::memset(out.log_scales, 0, sizeof(float) * 3 * count);
+  std::memset(out.quats, 0, sizeof(float) * 4 * count);
+  std::memset(out.opacity_logits, 0, sizeof(float) * count);
   for (int lane = 0; lane < count; ++lane) {
-    std::memset(out.sh + (i + lane) * kShFloats, 0, sizeof(float) * 3 * coefficients);
+    std::memset(out.sh + lane * kShFloats, 0, sizeof(float) * 3 * coefficients);
   }
 }
 
@@ -190,8 +258,9 @@ struct LaneGroup {
   LanesMask seen;  ///< reached a pixel; elsewhere results may be undefined and must come out as zero
 };
 
+/// `rows` of sh begin with lane 0's.
 HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const LaneGroup& group, int coefficients,
-                                float* sh_grad) {
+                                float* rows) {
   const Lanes zero(0.f);
   FloatVec columns[kShFloats];
   for (int k = 0; k < coefficients; ++k) {
@@ -200,7 +269,6 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
     columns[3 * k + 1] = (b * g.y).v;
     columns[3 * k + 2] = (b * g.z).v;
   }
-  float* rows = sh_grad + group.first * kShFloats;
   const int whole = 3 * coefficients / kLanes, rest = 3 * coefficients % kLanes;
   StoreWideRows(columns, kShFloats, group.count, whole, rows);
   if (rest == 0) return;
@@ -214,9 +282,9 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
   }
 }
 
-/// Gradient rows of SH, and the part of d/d(mean) that comes through the viewing direction (6.4).
+/// Gradient rows of SH, from lane 0's on, and the part of d/d(mean) that comes through the viewing direction (6.4).
 HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
-                                     const LaneGroup& group, float* sh_grad) {
+                                     const LaneGroup& group, float* sh_rows) {
   const SplatCamera<float> camera = CameraOf(in);
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
   Lanes basis[16], inv_distance;
@@ -232,49 +300,53 @@ HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lan
   Lanes weight[16];
   for (int k = 1; k < coefficients; ++k) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
   const Vec3<Lanes> gd = ShGradient(in.sh_degree, direction, weight);
-  StoreShGradient(basis, g, group, coefficients, sh_grad);
+  StoreShGradient(basis, g, group, coefficients, sh_rows);
   const Lanes radial = Dot(direction, gd);
   return {(gd.x - direction.x * radial) * inv_distance, (gd.y - direction.y * radial) * inv_distance,
           (gd.z - direction.z * radial) * inv_distance};
 }
 
 HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
-                                        int64_t end, const cpu::GradOutput& out) {
+                                        int64_t end, const GaussianRows& out) {
   const FloatTag d;
   const SplatCamera<float> camera = CameraOf(in);
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
+  const TileColumns tile_columns(in.tiles_x);
+  HWY_ALIGN float sums[kMomentRow * kLanes] = {};
+  PrefetchPairs(grads, begin, std::min(end, begin + 2 * kLanes));
+  PrefetchRecords(grads, begin, std::min<int64_t>(end, begin + kLanes));
   for (int64_t i = begin; i < end; i += kLanes) {
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
+    PrefetchPairs(grads, std::min(end, i + 2 * kLanes), std::min(end, i + 3 * kLanes));
+    PrefetchRecords(grads, std::min(end, i + kLanes), std::min(end, i + 2 * kLanes));
+    const GaussianRows rows = out.From(i - begin);
     bool any = false;
     for (int lane = 0; lane < count; ++lane) any |= grads.ranges[i + lane].count > 0;
     if (!any) {
-      ZeroRows(out, i, count, coefficients);
+      ZeroRows(rows, count, coefficients);
       continue;
     }
-    HWY_ALIGN float m[11 * kLanes] = {};
+    HWY_ALIGN float seen[kLanes] = {};
     for (int lane = 0; lane < count; ++lane) {
-      const Moments s = SumRecords(grads, in.tiles_x, i + lane);
-      const float values[11] = {
-          s.h, s.x, s.y, s.xx, s.xy, s.yy, s.r, s.g, s.b, s.inv_z, grads.ranges[i + lane].count > 0 ? 1.f : 0.f};
-      for (int c = 0; c < 11; ++c) m[c * kLanes + lane] = values[c];
+      SumRecords(grads, tile_columns, i + lane, sums + lane * kMomentRow);
+      seen[lane] = grads.ranges[i + lane].count > 0 ? 1.f : 0.f;
     }
-    const auto column = [&](int c) HWY_ATTR { return Lanes(hn::Load(d, m + c * kLanes)); };
+    const Moments m = CombineSums(sums);
 
     const RawSplat<Lanes> raw = LoadRaw(in, i, count);
     const SplatChain<Lanes> chain = EvaluateChain(raw, camera, in.antialiased);
     const ProjectedSplat<Lanes> p = Project(chain, camera);
-    const Lanes x = column(1), y = column(2);
     ProjectedGrad<Lanes> g;
-    g.mx = p.conic_a * x + p.conic_b * y;  // offsets point from the Gaussian to the pixel: the sign of 6.1 turns
-    g.my = p.conic_c * y + p.conic_b * x;
-    g.conic_a = Lanes(-0.5f) * column(3);
-    g.conic_b = -column(4);
-    g.conic_c = Lanes(-0.5f) * column(5);
-    g.opacity = column(0) / p.opacity;
-    g.inv_z = column(9);
+    g.mx = p.conic_a * m.x + p.conic_b * m.y;  // offsets point from the Gaussian to the pixel: the sign of 6.1 turns
+    g.my = p.conic_c * m.y + p.conic_b * m.x;
+    g.conic_a = Lanes(-0.5f) * m.xx;
+    g.conic_b = -m.xy;
+    g.conic_c = Lanes(-0.5f) * m.yy;
+    g.opacity = m.h / p.opacity;
+    g.inv_z = m.inv_z;
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, in.antialiased, g);
-    const LaneGroup group{i, count, column(10) > Lanes(0.f)};
-    const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {column(6), column(7), column(8)}, group, out.sh);
+    const LaneGroup group{i, count, Lanes(hn::Load(d, seen)) > Lanes(0.f)};
+    const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
 
     // Lanes without records hold zeros or, behind the camera, whatever a division by zero gave.
     const auto keep = [&](Lanes value) HWY_ATTR { return Select(group.seen, value, Lanes(0.f)); };
@@ -283,10 +355,10 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     const Lanes scales[3] = {keep(raw_grad.log_scale.x), keep(raw_grad.log_scale.y), keep(raw_grad.log_scale.z)};
     const Lanes quats[4] = {keep(raw_grad.qw), keep(raw_grad.qx), keep(raw_grad.qy), keep(raw_grad.qz)};
     const Lanes logit[1] = {keep(raw_grad.logit)};
-    StoreRows<3>(means, count, out.means + 3 * i);
-    StoreRows<3>(scales, count, out.log_scales + 3 * i);
-    StoreRows<4>(quats, count, out.quats + 4 * i);
-    StoreRows<1>(logit, count, out.opacity_logits + i);
+    StoreRows<3>(means, count, rows.means);
+    StoreRows<3>(scales, count, rows.log_scales);
+    StoreRows<4>(quats, count, rows.quats);
+    StoreRows<1>(logit, count, rows.opacity_logits);
   }
 }
 
@@ -303,7 +375,7 @@ void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, Splat* sp
   HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplats)(in, begin, end, splats, rects);
 }
 void ProjectSplatsBackward(const ProjectInput& in, const GradInput& grads, int64_t begin, int64_t end,
-                           const GradOutput& out) {
+                           const GaussianRows& out) {
   HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplatsBackward)(in, grads, begin, end, out);
 }
 }  // namespace cpu

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+namespace oraclegs {
+
+inline constexpr int kShFloats = 48;  ///< of one Gaussian: 16 coefficients of 3 channels
+
+/// Rows of neighbouring Gaussians, or of anything of their layout (gradients, moments), as plain memory: float32, one
+/// row after the other without gaps.
+struct GaussianRows {
+  float* means;           ///< [m,3]
+  float* log_scales;      ///< [m,3]
+  float* quats;           ///< [m,4]
+  float* opacity_logits;  ///< [m]
+  float* sh;              ///< [m,48]
+
+  /// The rows from row i on.
+  GaussianRows From(int64_t i) const {
+    return {means + 3 * i, log_scales + 3 * i, quats + 4 * i, opacity_logits + i, sh + kShFloats * i};
+  }
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <hwy/aligned_allocator.h>
+
+#include <cstdint>
+#include <type_traits>
+
+namespace oraclegs::cpu {
+
+/// Memory for items that every pass writes anew. Aligned for any vector and to cache lines; grows to the largest use
+/// and a quarter more, so that counts which creep up from pass to pass do not allocate in each.
+template <class T>
+class ScratchArray {
+ public:
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+  /// Makes room for `count` items. What was there is lost when it grows, and new items hold anything.
+  void Reserve(int64_t count) {
+    if (count <= capacity_) return;
+    items_.reset();  // first, so that both are never held at once
+    capacity_ = count + count / 4;
+    items_ = hwy::AllocateAligned<T>(static_cast<size_t>(capacity_));
+  }
+
+  int64_t capacity() const { return capacity_; }
+  T* data() { return items_.get(); }
+  const T* data() const { return items_.get(); }
+
+ private:
+  hwy::AlignedFreeUniquePtr<T[]> items_;
+  int64_t capacity_ = 0;
+};
+
+}  // namespace oraclegs::cpu
