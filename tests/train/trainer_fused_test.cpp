@@ -24,8 +24,7 @@ std::vector<TrainView> Photographs() {
   for (int i = 0; i < 3; ++i) {
     TrainView view{"photo" + std::to_string(i), {45, 33, 40, 40, 22, 16, Eigen::Isometry3d::Identity()}, {}, {}};
     view.camera.cam_from_world.translation() = Eigen::Vector3d(0.1 * i, 0, 5);
-    view.image =
-        rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.clone();
+    view.image = rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.clone();
     views.push_back(view);
   }
   return views;

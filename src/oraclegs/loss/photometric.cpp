@@ -56,7 +56,8 @@ struct PhotometricLoss::Buffers {
   TileSums Run(const Picture& picture) {
     CutTiles(picture.width, picture.height, &tiles);
     sums.resize(tiles.size());
-    // All that can be busy at once: else a helper that comes late for the first time would allocate in the midst of a run.
+    // All that can be busy at once: else a helper that comes late for the first time would allocate in the midst of a
+    // run.
     const size_t busy = std::min<size_t>(tiles.size(), static_cast<size_t>(NumThreads()));
     while (idle.size() < busy) idle.push_back(std::make_unique<Scratch>());
     ParallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
