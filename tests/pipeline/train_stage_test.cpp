@@ -70,6 +70,7 @@ TEST_F(TrainStageTest, ARunWithNothingLeftToDoKnowsNoTimings) {
     return nlohmann::json::parse(ReadFile(temp / "out" / "stages.json")).at("train").at("milliseconds_per_iteration");
   };
   EXPECT_GT(timings().at("total"), 0);
+  EXPECT_GT(timings().at("gaussian_backward"), 0);
   std::filesystem::remove(temp / "out" / "point_cloud.ply");
   EXPECT_EQ(Train(request), ply);  // from the checkpoint of the last iteration
   EXPECT_TRUE(timings().is_null());
