@@ -44,7 +44,7 @@ AloneSample StepAlone(AloneRun* run) {
   LearningRates rates;
   rates.means = 1e-6;
   ms.adam = MillisecondsOf([&] { run->adam.Step(run->grads, rates, kMaxShDegree, &input.gaussians); });
-  ms.noise = MillisecondsOf([&] { AddNoise(0, run->next, rates.means, &input.gaussians); });
+  ms.noise = MillisecondsOf([&] { AddNoise({0, run->next, rates.means}, &input.gaussians); });
   return ms;
 }
 
