@@ -74,16 +74,16 @@ HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRI
   }
 }
 
-/// Sweep 2. `behind` is s times the T at the chunk's near end.
+/// Sweep 2 over rows [begin, end). `behind` is s times the T at the chunk's near end.
 template <bool kDepth>
-HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRICT positions, int count, Chunk* chunk,
-                               FloatVec* behind) {
+HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRICT positions, int begin, int end,
+                               Chunk* chunk, FloatVec* behind) {
   const FloatTag d;
   FloatVec g[4][kVecs];
   for (int c = 0; c < 3 + kDepth; ++c) {
     for (int v = 0; v < kVecs; ++v) g[c][v] = hn::Load(d, chunk->g[c] + v * kLanes);
   }
-  for (int j = count - 1; j >= 0; --j) {
+  for (int j = end - 1; j >= begin; --j) {
     const int i = positions[j];
     for (int v = 0; v < kVecs; ++v) {
       const FloatVec alpha = hn::Load(d, chunk->alpha[j] + v * kLanes);
@@ -106,9 +106,13 @@ HWY_INLINE void LoadPixelColumns(const float (*HWY_RESTRICT rows)[16], FloatVec*
   LoadWideRows(rows[0], 16, kLanes, kVecs, columns);
 }
 
-/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre and the block's centre at
-/// (cx, cy). h: a vector a pixel.
-HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, float cx, float cy, FloatVec* HWY_RESTRICT moments) {
+/// A block's centre, px from the tile's.
+struct BlockMiddle {
+  float x, y;
+};
+
+/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre. h: a vector a pixel.
+HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, const BlockMiddle& middle, FloatVec* HWY_RESTRICT moments) {
   const FloatTag d;
   const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
   // Of four neighbours at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
@@ -134,7 +138,7 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, float cx, float cy, F
   const FloatVec xy = quarters(first(row_x[0], row_x[1], row_x[2], row_x[3]));
   const FloatVec yy = quarters(second(row[0], row[1], row[2], row[3]));
   // From the block's centre to the tile's.
-  const FloatVec vx = hn::Set(d, cx), vy = hn::Set(d, cy);
+  const FloatVec vx = hn::Set(d, middle.x), vy = hn::Set(d, middle.y);
   const FloatVec shifted_x = hn::MulAdd(vx, m, x), shifted_y = hn::MulAdd(vy, m, y);
   moments[0] = m;
   moments[1] = shifted_x;
@@ -144,30 +148,27 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, float cx, float cy, F
   moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
 }
 
-/// Sweep 3: adds to the records of positions[0, count).
+/// Sweep 3 over rows [begin, end), at most kLanes: adds to the records of their positions.
 template <bool kDepth>
-HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, int count, float cx, float cy,
-                             float* HWY_RESTRICT records) {
+HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, int begin, int end,
+                             const BlockMiddle& middle, float* HWY_RESTRICT records) {
   const FloatTag d;
   constexpr int kTiles = (12 + kLanes - 1) / kLanes;
-  for (int j = 0; j < count; j += kLanes) {
-    FloatVec columns[cpu::kGradStride], pixel[16];
-    for (FloatVec& c : columns) c = hn::Zero(d);
-    LoadPixelColumns(chunk.alpha + j, pixel);
-    SumMoments(pixel, cx, cy, columns);
-    LoadPixelColumns(chunk.weight + j, pixel);
-    for (int c = 0; c < 3 + kDepth; ++c) {
-      FloatVec sum = hn::Mul(pixel[0], hn::Set(d, chunk.g[c][0]));
-      for (int p = 1; p < 16; ++p) sum = hn::MulAdd(pixel[p], hn::Set(d, chunk.g[c][p]), sum);
-      columns[8 + c] = sum;
-    }
-    const int rows = std::min(kLanes, count - j);
-    for (int tile = 0; tile < kTiles; ++tile) {
-      Transpose(columns + tile * kLanes);
-      for (int lane = 0; lane < rows; ++lane) {
-        float* to = records + static_cast<int64_t>(positions[j + lane]) * cpu::kGradStride + tile * kLanes;
-        hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
-      }
+  FloatVec columns[cpu::kGradStride], pixel[16];
+  for (FloatVec& c : columns) c = hn::Zero(d);
+  LoadPixelColumns(chunk.alpha + begin, pixel);
+  SumMoments(pixel, middle, columns);
+  LoadPixelColumns(chunk.weight + begin, pixel);
+  for (int c = 0; c < 3 + kDepth; ++c) {
+    FloatVec sum = hn::Mul(pixel[0], hn::Set(d, chunk.g[c][0]));
+    for (int p = 1; p < 16; ++p) sum = hn::MulAdd(pixel[p], hn::Set(d, chunk.g[c][p]), sum);
+    columns[8 + c] = sum;
+  }
+  for (int tile = 0; tile < kTiles; ++tile) {
+    Transpose(columns + tile * kLanes);
+    for (int lane = 0; lane < end - begin; ++lane) {
+      float* to = records + static_cast<int64_t>(positions[begin + lane]) * cpu::kGradStride + tile * kLanes;
+      hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
     }
   }
 }
@@ -188,8 +189,8 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
     behind[v] = hn::Load(d, state->behind + v * kLanes);
   }
   const int count = std::min(segment.counts[block], state->farthest - first);
-  const float cx = static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2);
-  const float cy = static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2);
+  const BlockMiddle middle{static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2),
+                           static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2)};
   for (int stop = count; stop > 0;) {
     // The chunks near the eye are full; a ragged one costs nothing but its own vector.
     const int start = (stop - 1) / Chunk::kSize * Chunk::kSize;
@@ -207,9 +208,12 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
         hn::Store(hn::Mul(hn::Load(d, state->g[c] + v * kLanes), t[v]), d, chunk->g[c] + v * kLanes);
       }
     }
-    SweepFarToNear<kDepth>(segment, chunk_positions, n, chunk, behind);
+    // By turns: the third sweep waits for the shuffle unit, the second for the others.
+    for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
+      SweepFarToNear<kDepth>(segment, chunk_positions, row, end_row, chunk, behind);
+      AddToRecords<kDepth>(*chunk, chunk_positions, row, end_row, middle, records);
+    }
     for (int v = 0; v < kVecs; ++v) behind[v] = hn::Div(behind[v], t[v]);
-    AddToRecords<kDepth>(*chunk, chunk_positions, n, cx, cy, records);
     stop = start;
   }
   for (int v = 0; v < kVecs; ++v) {
@@ -267,6 +271,7 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
       if (states[block].farthest > first) wanted |= 1u << block;
     }
     segment.Fill(tile, begin, n, wanted);
+    std::memset(records + begin * cpu::kGradStride, 0, sizeof(float) * cpu::kGradStride * n);
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
       visited +=
@@ -295,7 +300,8 @@ HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::Ble
     StartBlock(planes[block], forward, tile.index * cpu::kTilePixels + block * 16, &states[block]);
     farthest = std::max(farthest, states[block].farthest);
   }
-  std::memset(records, 0, sizeof(float) * cpu::kGradStride * tile.count);
+  const int64_t unseen = farthest == 0 ? 0 : std::min(tile.count, Segment::FirstEntry(farthest) + Segment::kSize);
+  std::memset(records + unseen * cpu::kGradStride, 0, sizeof(float) * cpu::kGradStride * (tile.count - unseen));
   return upstream.inv_depth != nullptr ? BackwardTile<true>(tile, states, farthest, records)
                                        : BackwardTile<false>(tile, states, farthest, records);
 }
