@@ -75,25 +75,35 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
   bool open = true;
   int j = 0;
   while (j < count && open) {
-    const int i = positions[j++];
-    for (int v = 0; v < kVecs; ++v) {
-      const FloatVec alpha = segment.Alpha(i, x[v], y[v]);
-      const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
-      // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
-      // to remember or to branch on.
-      const FloatMask takes = hn::Ge(next, open_above);
-      const FloatVec weight = hn::IfThenElseZero(takes, hn::Mul(alpha, left[v]));
-      left[v] = next;
-      t[v] = hn::IfThenElse(takes, next, t[v]);
-      taken[v] = hn::IfThenElse(hn::RebindMask(di, takes), hn::Add(taken[v], hn::Set(di, 1)), taken[v]);
-      r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
-      g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
-      b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
-      z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
+    // Apart from each other, so that what waits for a long chain does not fill the processor's window.
+    const int stop = std::min(j + kSteps, count);
+    HWY_ALIGN float alphas[kSteps][16];
+    for (int step = j; step < stop; ++step) {
+      for (int v = 0; v < kVecs; ++v) {
+        hn::Store(segment.Alpha(positions[step], x[v], y[v]), d, alphas[step - j] + v * kLanes);
+      }
     }
-    if (j % kSteps == 0) open = CloseOpaque(left, x);
+    for (int step = j; step < stop; ++step) {
+      const int i = positions[step];
+      for (int v = 0; v < kVecs; ++v) {
+        const FloatVec alpha = hn::Load(d, alphas[step - j] + v * kLanes);
+        const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
+        // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
+        // to remember or to branch on.
+        const FloatMask takes = hn::Ge(next, open_above);
+        const FloatVec weight = hn::IfThenElseZero(takes, hn::Mul(alpha, left[v]));
+        left[v] = next;
+        t[v] = hn::IfThenElse(takes, next, t[v]);
+        taken[v] = hn::IfThenElse(hn::RebindMask(di, takes), hn::Add(taken[v], hn::Set(di, 1)), taken[v]);
+        r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
+        g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
+        b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
+        z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
+      }
+    }
+    j = stop;
+    open = CloseOpaque(left, x);
   }
-  open = CloseOpaque(left, x);
   for (int v = 0; v < kVecs; ++v) {
     hn::Store(x[v], d, state->x + v * kLanes);
     hn::Store(left[v], d, state->left + v * kLanes);
