@@ -15,7 +15,7 @@ TEST_P(BlendTileBackward, RecordsAreTheMomentsOfTheFormula) {
   // Two splats over a background; upstream gradients on all three planes. Reference: spec 6.1, per pixel in double.
   const double first_cov[3] = {30, 8, 20}, second_cov[3] = {60, -10, 40};
   const std::vector<cpu::Splat> splats = {MakeSplat(21, 26, first_cov, 0.7, 2), MakeSplat(27, 22, second_cov, 0.6, 5)};
-  const std::vector<cpu::TileEntry> entries = {{0, 0xffff}, {1, 0xffff}};
+  const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}};
   const int size = 32;  // the tile (1, 1) of a 2 x 2 tile image
   std::vector<float> image(3 * size * size), alpha(size * size), inv_depth(size * size), transmittance(4 * 256);
   std::vector<uint32_t> end(4 * 256);
@@ -67,7 +67,7 @@ TEST_P(BlendTileBackward, RecordsAreTheMomentsOfTheFormula) {
 TEST_P(BlendTileBackward, TheCapStopsTheFalloffButNotTheColour) {
   const double wide[3] = {1e8, 0, 1e8};
   const std::vector<cpu::Splat> splats = {MakeSplat(8, 8, wide, 0.999)};
-  const std::vector<cpu::TileEntry> entries = {{0, 0xffff}};
+  const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}};
   std::vector<float> image(3 * 256), alpha(256), inv_depth(256), transmittance(256), up(3 * 256, 1.f);
   std::vector<uint32_t> end(256);
   const cpu::BlendImage planes{

@@ -35,25 +35,26 @@ TEST(TileLists, EachTileListsItsSplatsByDepthAndThenIndex) {
   cpu::TileLists lists;
   lists.Build(in.splats.data(), in.rects.data(), 9000, kTilesX, kTilesY);
   std::map<uint32_t, int64_t> pairs_of;
+  std::map<uint32_t, std::pair<uint32_t, int>> place_of;  // Gaussian and tile of a pair
   for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
-    for (int64_t i = lists.tile_begin[tile]; i < lists.tile_begin[tile + 1]; ++i) {
-      const uint32_t id = lists.entries[i].id;
+    for (int64_t i = lists.tile_begin.data()[tile]; i < lists.tile_begin.data()[tile + 1]; ++i) {
+      const uint32_t id = lists.entries.data()[i].id;
       ++pairs_of[id];
-      if (i == lists.tile_begin[tile]) continue;
-      const uint32_t before = lists.entries[i - 1].id;
+      place_of[lists.entries.data()[i].pair] = {id, tile};
+      if (i == lists.tile_begin.data()[tile]) continue;
+      const uint32_t before = lists.entries.data()[i - 1].id;
       const auto key = [&](uint32_t k) { return std::pair(in.splats[k].depth, k); };
       EXPECT_LT(key(before), key(id)) << "tile " << tile;
     }
   }
-  EXPECT_EQ(lists.tile_begin[kTilesX * kTilesY], lists.pairs);
+  EXPECT_EQ(lists.tile_begin.data()[kTilesX * kTilesY], lists.pairs);
   EXPECT_EQ(lists.visible, static_cast<int64_t>(pairs_of.size()));
   for (uint32_t id = 0; id < 9000; ++id) {
-    const cpu::PairRange range = lists.ranges[id];
+    const cpu::PairRange range = lists.ranges.data()[id];
     EXPECT_EQ(range.count, pairs_of.contains(id) ? pairs_of[id] : 0);
     for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
-      const uint32_t slot = lists.pair_slot[j], tile = lists.pair_tile[j];
-      EXPECT_EQ(lists.entries[slot].id, id);
-      EXPECT_TRUE(lists.tile_begin[tile] <= slot && slot < lists.tile_begin[tile + 1]);
+      EXPECT_LT(j, lists.pair_numbers);
+      EXPECT_EQ(place_of.at(j), std::pair(id, static_cast<int>(lists.pair_tile.data()[j])));
     }
   }
 }
@@ -68,10 +69,12 @@ TEST(TileLists, TheSameForAnyNumberOfThreads) {
   five.Build(in.splats.data(), in.rects.data(), 20000, kTilesX, kTilesY);
   SetNumThreads(0);
   ASSERT_EQ(one.pairs, five.pairs);
-  EXPECT_EQ(one.tile_begin, five.tile_begin);
+  for (int tile = 0; tile <= kTilesX * kTilesY; ++tile) {
+    EXPECT_EQ(one.tile_begin.data()[tile], five.tile_begin.data()[tile]);
+  }
   for (int64_t i = 0; i < one.pairs; ++i) {
-    ASSERT_EQ(one.entries[i].id, five.entries[i].id);
-    ASSERT_EQ(one.entries[i].mask, five.entries[i].mask);
+    ASSERT_EQ(one.entries.data()[i].id, five.entries.data()[i].id);
+    ASSERT_EQ(one.entries.data()[i].mask, five.entries.data()[i].mask);
   }
 }
 

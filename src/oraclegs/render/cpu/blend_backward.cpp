@@ -120,6 +120,20 @@ HWY_INLINE void LoadPixelColumns(const float (*HWY_RESTRICT rows)[16], FloatVec*
 #endif
 }
 
+HWY_INLINE float* RecordOf(const cpu::TileEntry& entry, float* records) {
+  return records + static_cast<int64_t>(entry.pair) * cpu::kGradStride;
+}
+
+/// Clears the records of entries [begin, end).
+HWY_INLINE void ClearRecords(const cpu::TileWork& tile, int64_t begin, int64_t end, float* records) {
+  constexpr int64_t kAhead = 24;  // they lie anywhere in memory
+  for (int64_t i = begin; i < end; ++i) {
+    if (i + kAhead < end) __builtin_prefetch(RecordOf(tile.entries[i + kAhead], records), 1);
+    float* record = RecordOf(tile.entries[i], records);
+    for (int k = 0; k < cpu::kGradStride; k += kLanes) hn::Store(hn::Zero(FloatTag()), FloatTag(), record + k);
+  }
+}
+
 /// A block's centre, px from the tile's.
 struct BlockMiddle {
   float x, y;
@@ -162,10 +176,10 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, const BlockMiddle& mi
   moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
 }
 
-/// Sweep 3 over rows [begin, end), at most kLanes: adds to the records of their positions.
+/// Sweep 3 over rows [begin, end), at most kLanes: adds to the records of their positions among `entries`.
 template <bool kDepth>
 HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, int begin, int end,
-                             const BlockMiddle& middle, float* HWY_RESTRICT records) {
+                             const BlockMiddle& middle, const cpu::TileEntry* entries, float* HWY_RESTRICT records) {
   const FloatTag d;
   constexpr int kTiles = (12 + kLanes - 1) / kLanes;
   FloatVec columns[cpu::kGradStride], pixel[16];
@@ -181,7 +195,7 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
   for (int tile = 0; tile < kTiles; ++tile) {
     Transpose(columns + tile * kLanes);
     for (int lane = 0; lane < end - begin; ++lane) {
-      float* to = records + static_cast<int64_t>(positions[begin + lane]) * cpu::kGradStride + tile * kLanes;
+      float* to = RecordOf(entries[positions[begin + lane]], records) + tile * kLanes;
       hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
     }
   }
@@ -191,7 +205,7 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
 /// Returns how many it visited.
 template <bool kDepth>
 HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state, Chunk* chunk,
-                             float* HWY_RESTRICT records) {
+                             const cpu::TileEntry* entries, float* HWY_RESTRICT records) {
   const FloatTag d;
   const IntTag di;
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
@@ -225,7 +239,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
     // By turns: the third sweep waits for the shuffle unit, the second for the others.
     for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
       SweepFarToNear<kDepth>(segment, chunk_positions, row, end_row, chunk, behind);
-      AddToRecords<kDepth>(*chunk, chunk_positions, row, end_row, middle, records);
+      AddToRecords<kDepth>(*chunk, chunk_positions, row, end_row, middle, entries, records);
     }
     for (int v = 0; v < kVecs; ++v) behind[v] = hn::Div(behind[v], t[v]);
     stop = start;
@@ -285,11 +299,10 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
       if (states[block].farthest > first) wanted |= 1u << block;
     }
     segment.Fill(tile, begin, n, wanted);
-    std::memset(records + begin * cpu::kGradStride, 0, sizeof(float) * cpu::kGradStride * n);
+    ClearRecords(tile, begin, begin + n, records);
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      visited +=
-          BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, records + begin * cpu::kGradStride);
+      visited += BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, tile.entries + begin, records);
     }
   }
   return visited * 16;
@@ -314,8 +327,7 @@ HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::Ble
     StartBlock(planes[block], forward, tile.index * cpu::kTilePixels + block * 16, &states[block]);
     farthest = std::max(farthest, states[block].farthest);
   }
-  const int64_t unseen = farthest == 0 ? 0 : std::min(tile.count, Segment::FirstEntry(farthest) + Segment::kSize);
-  std::memset(records + unseen * cpu::kGradStride, 0, sizeof(float) * cpu::kGradStride * (tile.count - unseen));
+  ClearRecords(tile, farthest == 0 ? 0 : Segment::FirstEntry(farthest) + Segment::kSize, tile.count, records);
   return upstream.inv_depth != nullptr ? BackwardTile<true>(tile, states, farthest, records)
                                        : BackwardTile<false>(tile, states, farthest, records);
 }

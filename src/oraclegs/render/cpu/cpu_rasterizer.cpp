@@ -155,10 +155,10 @@ class CpuRasterizer final : public Rasterizer {
 
  private:
   TileWork Work(int64_t tile) const {
-    const int64_t begin = lists_.tile_begin[tile];
+    const int64_t begin = lists_.tile_begin.data()[tile];
     return {splats_.data(),
             lists_.entries.data() + begin,
-            lists_.tile_begin[tile + 1] - begin,
+            lists_.tile_begin.data()[tile + 1] - begin,
             static_cast<int>(tile % input_.tiles_x),
             static_cast<int>(tile / input_.tiles_x),
             tile};
@@ -189,10 +189,9 @@ class CpuRasterizer final : public Rasterizer {
                            DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
                            DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
     StageClock clock;
-    records_.Reserve(lists_.pairs * kGradStride);
-    stats_.pixel_pairs_backward = SumOverTiles([&](int64_t tile) {
-      return BlendTileBackward(Work(tile), blend_, up, records_.data() + lists_.tile_begin[tile] * kGradStride);
-    });
+    records_.Reserve(lists_.pair_numbers * kGradStride);
+    stats_.pixel_pairs_backward =
+        SumOverTiles([&](int64_t tile) { return BlendTileBackward(Work(tile), blend_, up, records_.data()); });
     timings_.blend_backward = clock.Lap();
 
     // The parameters may have moved to other memory since Forward, but not changed.
@@ -201,7 +200,7 @@ class CpuRasterizer final : public Rasterizer {
     input_.quats = gaussians.quats.data_ptr<float>();
     input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
     input_.sh = gaussians.sh.data_ptr<float>();
-    return {lists_.ranges.data(), lists_.pair_slot.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
+    return {lists_.ranges.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
   }
 
   ProjectInput input_{};

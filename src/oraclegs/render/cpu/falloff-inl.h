@@ -75,7 +75,7 @@ struct HWY_ALIGN Segment {
       const cpu::TileEntry* group = tile.entries + begin + i;
       cpu::TileEntry rest[kLanes];
       if (HWY_UNLIKELY(n - i < kLanes)) {
-        std::fill(std::copy(group, group + n - i, rest), rest + kLanes, cpu::TileEntry{group->id, 0});
+        std::fill(std::copy(group, group + n - i, rest), rest + kLanes, cpu::TileEntry{group->id, 0, 0});
         group = rest;
       } else if (n - i >= 3 * kLanes) {
         // The splats lie anywhere in memory.
@@ -120,8 +120,8 @@ struct HWY_ALIGN Segment {
   /// Appends the positions i + lane to the lists of the blocks in the lane's mask.
   HWY_INLINE void AddPositions(const cpu::TileEntry* group, uint32_t wanted, int i) {
     const IntTag di;
-    IntVec ids, masks;
-    hn::LoadInterleaved2(di, reinterpret_cast<const int32_t*>(group), ids, masks);
+    IntVec ids, masks, pairs;
+    hn::LoadInterleaved3(di, reinterpret_cast<const int32_t*>(group), ids, masks, pairs);
     masks = hn::And(masks, hn::Set(di, static_cast<int32_t>(wanted)));
     const IntVec position = hn::Iota(di, i);
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {

@@ -41,6 +41,7 @@ struct TileRect {
 struct TileEntry {
   uint32_t id;    ///< Gaussian
   uint32_t mask;  ///< bit by * 4 + bx: reaches block (bx, by)
+  uint32_t pair;  ///< number of this pair, Gaussian by Gaussian: where its gradient record lies
 };
 
 /// Everything the per-Gaussian kernels need of a view, all pointers to N rows.
@@ -58,7 +59,7 @@ void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, Splat* sp
 
 /// Where one Gaussian's pairs lie.
 struct PairRange {
-  uint32_t begin = 0, count = 0;  ///< into pair_slot and pair_tile
+  uint32_t begin = 0, count = 0;  ///< into pair_tile and the records
 };
 
 /// What CoverTiles writes, each with room for what `rects` hold.
@@ -103,7 +104,8 @@ struct BlendUpstream {
   const float *image, *alpha, *inv_depth;
 };
 
-/// Adjoint of BlendTile. Writes one record of kGradStride floats for each of the tile's entries. With X, Y a pixel's
+/// Adjoint of BlendTile. Writes one record of kGradStride floats for each of the tile's entries, at its pair's place in
+/// `records`: this stage computes and has time to reach for memory, the next one reads all it can. With X, Y a pixel's
 /// offset from the tile's centre, h = alpha dL/d(alpha) (0 where capped), w = alpha T:
 /// [0] sum h  [1] h X  [2] h Y  [3] h X^2  [4] h X Y  [5] h Y^2  [8..10] w dL/d(rgb)  [11] w dL/d(inv_depth)
 /// Returns how many pixel-Gaussian pairs it evaluated.
@@ -112,9 +114,8 @@ int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const
 
 struct GradInput {
   const PairRange* ranges;    ///< [N], count 0 = unseen
-  const uint32_t* pair_slot;  ///< position of the record
   const uint32_t* pair_tile;  ///< tile number, for its centre
-  const float* records;
+  const float* records;       ///< one a pair
   const Splat* splats;
 };
 

@@ -184,7 +184,7 @@ HWY_INLINE void SumRecords(const cpu::GradInput& grads, const TileColumns& colum
   const float to_y = static_cast<float>(cpu::kTile / 2) - grads.splats[i].my;
   Quad sum[kMomentSums] = {};
   for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
-    const float* HWY_RESTRICT s = grads.records + static_cast<int64_t>(grads.pair_slot[j]) * cpu::kGradStride;
+    const float* HWY_RESTRICT s = grads.records + static_cast<int64_t>(j) * cpu::kGradStride;
     const uint32_t tile = grads.pair_tile[j], row = columns.Row(tile);
     const float dx = static_cast<float>(static_cast<int>(columns.Column(tile, row) * cpu::kTile)) + to_x;
     const float dy = static_cast<float>(static_cast<int>(row * cpu::kTile)) + to_y;
@@ -220,25 +220,6 @@ HWY_INLINE Moments CombineSums(const float* rows) {
   m.yy = at(kSums4, 1) + two * at(kSumsDy, 2) + at(kSumsProducts, 2);
   m.r = at(kSumsColor, 0), m.g = at(kSumsColor, 1), m.b = at(kSumsColor, 2), m.inv_z = at(kSumsColor, 3);
   return m;
-}
-
-/// Records lie where their tiles' lists put them, anywhere in memory: asks for those of Gaussians [begin, end) ahead of
-/// their use.
-HWY_INLINE void PrefetchRecords(const cpu::GradInput& grads, int64_t begin, int64_t end) {
-  for (int64_t i = begin; i < end; ++i) {
-    const cpu::PairRange range = grads.ranges[i];
-    for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
-      hwy::Prefetch(grads.records + static_cast<int64_t>(grads.pair_slot[j]) * cpu::kGradStride);
-    }
-  }
-}
-
-/// The same for the lists that say where the records lie.
-HWY_INLINE void PrefetchPairs(const cpu::GradInput& grads, int64_t begin, int64_t end) {
-  for (int64_t i = begin; i < end; ++i) {
-    hwy::Prefetch(grads.pair_slot + grads.ranges[i].begin);
-    hwy::Prefetch(grads.pair_tile + grads.ranges[i].begin);
-  }
 }
 
 HWY_INLINE void ZeroRows(const GaussianRows& out, int count, int coefficients) {
@@ -313,12 +294,8 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
   const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
   const TileColumns tile_columns(in.tiles_x);
   HWY_ALIGN float sums[kMomentRow * kLanes] = {};
-  PrefetchPairs(grads, begin, std::min(end, begin + 2 * kLanes));
-  PrefetchRecords(grads, begin, std::min<int64_t>(end, begin + kLanes));
   for (int64_t i = begin; i < end; i += kLanes) {
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
-    PrefetchPairs(grads, std::min(end, i + 2 * kLanes), std::min(end, i + 3 * kLanes));
-    PrefetchRecords(grads, std::min(end, i + kLanes), std::min(end, i + 2 * kLanes));
     const GaussianRows rows = out.From(i - begin);
     bool any = false;
     for (int lane = 0; lane < count; ++lane) any |= grads.ranges[i + lane].count > 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/scratch_array.h"
 
 namespace oraclegs::cpu {
 
@@ -11,13 +12,13 @@ namespace oraclegs::cpu {
 /// the largest use and stay.
 class TileLists {
  public:
-  std::vector<int64_t> tile_begin;  ///< [tiles + 1] into entries
-  std::vector<TileEntry> entries;   ///< [pairs], tile by tile, by depth, ties by index
-  std::vector<PairRange> ranges;    ///< [N] into pair_slot and pair_tile
-  std::vector<uint32_t> pair_slot;  ///< position in entries, Gaussian by Gaussian
-  std::vector<uint32_t> pair_tile;  ///< tile number, Gaussian by Gaussian
-  int64_t visible = 0;              ///< Gaussians with at least one pair
+  ScratchArray<int64_t> tile_begin;  ///< [tiles + 1] into entries
+  ScratchArray<TileEntry> entries;   ///< [pairs], tile by tile, by depth, ties by index
+  ScratchArray<PairRange> ranges;    ///< [N] pair numbers
+  ScratchArray<uint32_t> pair_tile;  ///< tile number of a pair, by pair number
+  int64_t visible = 0;               ///< Gaussians with at least one pair
   int64_t pairs = 0;
+  int64_t pair_numbers = 0;  ///< all numbers of pairs are below; not every one is taken
 
   /// rects[i] empty = not visible. Throws RunError when there are more than 2^32 candidate pairs.
   void Build(const Splat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y);
@@ -39,9 +40,10 @@ class TileLists {
   void Deal(int64_t tiles);
 
   std::vector<Chunk> chunks_;
-  std::vector<Key> keys_, keys_swap_;  // of the visible
-  std::vector<uint32_t> histogram_;    // [chunks, buckets]
-  std::vector<int64_t> digit_begin_;   // [buckets + 1]
+  ScratchArray<uint32_t> pair_mask_;   // by pair number
+  ScratchArray<Key> keys_, sorted_;    // of the visible; sorted_ is scratch between the passes
+  ScratchArray<uint32_t> histogram_;   // [chunks, buckets]
+  ScratchArray<int64_t> digit_begin_;  // [buckets + 1]
 };
 
 }  // namespace oraclegs::cpu
