@@ -21,7 +21,7 @@ TEST_P(BlendTileBackward, RecordsAreTheMomentsOfTheFormula) {
   std::vector<uint32_t> end(4 * 256);
   const cpu::BlendImage planes{
       size, size, {0.2f, 0.3f, 0.4f}, image.data(), alpha.data(), inv_depth.data(), transmittance.data(), end.data()};
-  cpu::BlendTile({splats.data(), entries.data(), 2, 1, 1, 3}, planes);
+  cpu::BlendTile({splats.data(), entries.data(), 2, 0, 1, 1, 3}, planes);
 
   Rng rng(1, RandomStream::kInitialPoints);
   std::vector<float> up_image(3 * size * size), up_alpha(size * size), up_depth(size * size);
@@ -29,7 +29,7 @@ TEST_P(BlendTileBackward, RecordsAreTheMomentsOfTheFormula) {
     for (float& v : *plane) v = static_cast<float>(rng.Uniform(-1, 1));
   }
   auto records = hwy::AllocateAligned<float>(2 * cpu::kGradStride);
-  cpu::BlendTileBackward({splats.data(), entries.data(), 2, 1, 1, 3}, planes,
+  cpu::BlendTileBackward({splats.data(), entries.data(), 2, 0, 1, 1, 3}, planes,
                          {up_image.data(), up_alpha.data(), up_depth.data()}, records.get());
 
   double expected[2][12] = {};
@@ -72,9 +72,9 @@ TEST_P(BlendTileBackward, TheCapStopsTheFalloffButNotTheColour) {
   std::vector<uint32_t> end(256);
   const cpu::BlendImage planes{
       16, 16, {0, 0, 0}, image.data(), alpha.data(), inv_depth.data(), transmittance.data(), end.data()};
-  cpu::BlendTile({splats.data(), entries.data(), 1, 0, 0, 0}, planes);
+  cpu::BlendTile({splats.data(), entries.data(), 1, 0, 0, 0, 0}, planes);
   auto records = hwy::AllocateAligned<float>(cpu::kGradStride);
-  cpu::BlendTileBackward({splats.data(), entries.data(), 1, 0, 0, 0}, planes, {up.data(), nullptr, nullptr},
+  cpu::BlendTileBackward({splats.data(), entries.data(), 1, 0, 0, 0, 0}, planes, {up.data(), nullptr, nullptr},
                          records.get());
   for (int k = 0; k < 6; ++k) EXPECT_EQ(records[k], 0) << k;
   EXPECT_NEAR(records[8], 256 * 0.99, 1e-2);

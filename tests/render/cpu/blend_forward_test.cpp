@@ -27,7 +27,7 @@ TEST_P(BlendTile, TwoLayersBlendNearToFar) {
   const std::vector<cpu::Splat> splats = {MakeSplat(8, 8, wide, 0.5, 2), MakeSplat(8, 8, wide, 0.25, 4)};
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}};
   OneTile tile(16, 16);
-  cpu::BlendTile({splats.data(), entries.data(), 2, 0, 0, 0}, tile.planes());
+  cpu::BlendTile({splats.data(), entries.data(), 2, 0, 0, 0, 0}, tile.planes());
   for (int pixel = 0; pixel < 256; ++pixel) {
     EXPECT_NEAR(tile.alpha[pixel], 1 - 0.5 * 0.75, 1e-5);
     EXPECT_NEAR(tile.inv_depth[pixel], 0.5 / 2 + 0.5 * 0.25 / 4, 1e-5);
@@ -43,7 +43,7 @@ TEST_P(BlendTile, StopsBeforeTheSplatThatWouldEndIt) {
   const std::vector<cpu::Splat> splats(3, MakeSplat(8, 8, wide, 0.999));
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}, {2, 0xffff, 2}};
   OneTile tile(16, 16);
-  cpu::BlendTile({splats.data(), entries.data(), 3, 0, 0, 0}, tile.planes());
+  cpu::BlendTile({splats.data(), entries.data(), 3, 0, 0, 0, 0}, tile.planes());
   EXPECT_FLOAT_EQ(tile.alpha[0], 0.99f);
   EXPECT_EQ(tile.end[0], 1u);
 }
@@ -55,7 +55,7 @@ TEST_P(BlendTile, LongListsCrossSegments) {
   std::vector<cpu::TileEntry> entries;
   for (uint32_t i = 0; i < n; ++i) entries.push_back({i, 0xffff, i});
   OneTile tile(16, 16);
-  cpu::BlendTile({splats.data(), entries.data(), n, 0, 0, 0}, tile.planes());
+  cpu::BlendTile({splats.data(), entries.data(), n, 0, 0, 0, 0}, tile.planes());
   EXPECT_NEAR(tile.alpha[100], 1 - std::pow(0.995, n), 1e-4);
 }
 
@@ -64,7 +64,7 @@ TEST_P(BlendTile, WritesOnlyPixelsOfTheImageAndBlocksOfTheMask) {
   const std::vector<cpu::Splat> splats = {MakeSplat(8, 8, wide, 0.5)};
   const std::vector<cpu::TileEntry> entries = {{0, 1u << 5, 0}};  // block (1, 1)
   OneTile tile(7, 6);
-  cpu::BlendTile({splats.data(), entries.data(), 1, 0, 0, 0}, tile.planes());
+  cpu::BlendTile({splats.data(), entries.data(), 1, 0, 0, 0, 0}, tile.planes());
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 7; ++x) EXPECT_NEAR(tile.alpha[7 * y + x], x >= 4 && y >= 4 ? 0.5 : 0, 2e-6) << x << ' ' << y;
   }

@@ -300,8 +300,15 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
     }
     segment.Fill(tile, begin, n, wanted);
     ClearRecords(tile, begin, begin + n, records);
+    // The segment before, or the next tile's last.
+    const int64_t of_next =
+        begin > 0 ? begin - Segment::kSize : (tile.next_count - 1) / Segment::kSize * Segment::kSize;
+    const Upcoming upcoming =
+        begin > 0 ? Upcoming{tile.splats, tile.entries + of_next, Segment::kSize, records}
+                  : Upcoming{tile.splats, tile.entries + tile.count + of_next, tile.next_count - of_next, records};
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
+      upcoming.Ask(block);
       visited += BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, tile.entries + begin, records);
     }
   }

@@ -168,8 +168,11 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
   for (int64_t begin = 0; begin < tile.count && open != 0; begin += Segment::kSize) {
     const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, tile.count - begin));
     segment.Fill(tile, begin, n, open);
+    const Upcoming next{tile.splats, tile.entries + begin + n,
+                        std::min<int64_t>(Segment::kSize, tile.count + tile.next_count - begin - n), nullptr};
     for (uint32_t left = open; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
+      next.Ask(block);
       const Visit visit = BlendBlock(segment, block, Segment::FirstStep(begin), &states[block]);
       if (!visit.open) open &= ~(1u << block);
       visited += visit.steps;

@@ -155,10 +155,12 @@ class CpuRasterizer final : public Rasterizer {
 
  private:
   TileWork Work(int64_t tile) const {
-    const int64_t begin = lists_.tile_begin.data()[tile];
+    const int64_t* begin = lists_.tile_begin.data() + tile;
+    const bool last = tile + 1 == static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
     return {splats_.data(),
-            lists_.entries.data() + begin,
-            lists_.tile_begin.data()[tile + 1] - begin,
+            lists_.entries.data() + begin[0],
+            begin[1] - begin[0],
+            last ? 0 : begin[2] - begin[1],
             static_cast<int>(tile % input_.tiles_x),
             static_cast<int>(tile / input_.tiles_x),
             tile};

@@ -91,6 +91,7 @@ struct TileWork {
   const Splat* splats;       ///< all of them
   const TileEntry* entries;  ///< of this tile, near to far
   int64_t count;             ///< entries
+  int64_t next_count;        ///< of the tile after it, whose entries follow; they may be asked for ahead
   int x, y;                  ///< column and row of the tile
   int64_t index;             ///< among the image's tiles
 };
