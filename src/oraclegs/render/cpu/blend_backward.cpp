@@ -17,6 +17,7 @@
 // clang-format off: foreach_target must come before the other Highway headers
 #include <hwy/foreach_target.h>
 // clang-format on
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -57,19 +58,28 @@ HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRI
     y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
     t[v] = hn::Set(d, 1.f);
   }
-  for (int j = 0; j < count; ++j) {
-    const int i = positions[j];
-    for (int v = 0; v < kVecs; ++v) {
-      FloatVec alpha;
-      if constexpr (kAllSeen) {
-        alpha = segment.Alpha(i, x[v], y[v]);
-      } else {
-        const FloatMask before_end = hn::RebindMask(d, hn::Gt(end[v], hn::Set(IntTag(), first + j)));
-        alpha = segment.AlphaWhere(before_end, i, x[v], y[v]);
+  // In short turns, as in forward: the chain to alpha is long, the one from T to T must not wait behind it.
+  constexpr int kSteps = 8;
+  for (int start = 0; start < count; start += kSteps) {
+    const int stop = std::min(start + kSteps, count);
+    for (int j = start; j < stop; ++j) {
+      for (int v = 0; v < kVecs; ++v) {
+        FloatVec alpha;
+        if constexpr (kAllSeen) {
+          alpha = segment.Alpha(positions[j], x[v], y[v]);
+        } else {
+          const FloatMask before_end = hn::RebindMask(d, hn::Gt(end[v], hn::Set(IntTag(), first + j)));
+          alpha = segment.AlphaWhere(before_end, positions[j], x[v], y[v]);
+        }
+        hn::Store(alpha, d, chunk->alpha[j] + v * kLanes);
       }
-      hn::Store(alpha, d, chunk->alpha[j] + v * kLanes);
-      hn::Store(hn::Mul(alpha, t[v]), d, chunk->weight[j] + v * kLanes);
-      t[v] = hn::NegMulAdd(alpha, t[v], t[v]);
+    }
+    for (int j = start; j < stop; ++j) {
+      for (int v = 0; v < kVecs; ++v) {
+        const FloatVec alpha = hn::Load(d, chunk->alpha[j] + v * kLanes);
+        hn::Store(hn::Mul(alpha, t[v]), d, chunk->weight[j] + v * kLanes);
+        t[v] = hn::NegMulAdd(alpha, t[v], t[v]);
+      }
     }
   }
 }
@@ -120,20 +130,6 @@ HWY_INLINE void LoadPixelColumns(const float (*HWY_RESTRICT rows)[16], FloatVec*
 #endif
 }
 
-HWY_INLINE float* RecordOf(const cpu::TileEntry& entry, float* records) {
-  return records + static_cast<int64_t>(entry.pair) * cpu::kGradStride;
-}
-
-/// Clears the records of entries [begin, end).
-HWY_INLINE void ClearRecords(const cpu::TileWork& tile, int64_t begin, int64_t end, float* records) {
-  constexpr int64_t kAhead = 24;  // they lie anywhere in memory
-  for (int64_t i = begin; i < end; ++i) {
-    if (i + kAhead < end) __builtin_prefetch(RecordOf(tile.entries[i + kAhead], records), 1);
-    float* record = RecordOf(tile.entries[i], records);
-    for (int k = 0; k < cpu::kGradStride; k += kLanes) hn::Store(hn::Zero(FloatTag()), FloatTag(), record + k);
-  }
-}
-
 /// A block's centre, px from the tile's.
 struct BlockMiddle {
   float x, y;
@@ -176,10 +172,10 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, const BlockMiddle& mi
   moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
 }
 
-/// Sweep 3 over rows [begin, end), at most kLanes: adds to the records of their positions among `entries`.
+/// Sweep 3 over rows [begin, end), at most kLanes: adds to the records of their positions.
 template <bool kDepth>
 HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, int begin, int end,
-                             const BlockMiddle& middle, const cpu::TileEntry* entries, float* HWY_RESTRICT records) {
+                             const BlockMiddle& middle, float* HWY_RESTRICT records) {
   const FloatTag d;
   constexpr int kTiles = (12 + kLanes - 1) / kLanes;
   FloatVec columns[cpu::kGradStride], pixel[16];
@@ -195,7 +191,7 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
   for (int tile = 0; tile < kTiles; ++tile) {
     Transpose(columns + tile * kLanes);
     for (int lane = 0; lane < end - begin; ++lane) {
-      float* to = RecordOf(entries[positions[begin + lane]], records) + tile * kLanes;
+      float* to = records + positions[begin + lane] * cpu::kGradStride + tile * kLanes;
       hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
     }
   }
@@ -205,7 +201,7 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
 /// Returns how many it visited.
 template <bool kDepth>
 HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state, Chunk* chunk,
-                             const cpu::TileEntry* entries, float* HWY_RESTRICT records) {
+                             float* HWY_RESTRICT records) {
   const FloatTag d;
   const IntTag di;
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
@@ -239,7 +235,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
     // By turns: the third sweep waits for the shuffle unit, the second for the others.
     for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
       SweepFarToNear<kDepth>(segment, chunk_positions, row, end_row, chunk, behind);
-      AddToRecords<kDepth>(*chunk, chunk_positions, row, end_row, middle, entries, records);
+      AddToRecords<kDepth>(*chunk, chunk_positions, row, end_row, middle, records);
     }
     for (int v = 0; v < kVecs; ++v) behind[v] = hn::Div(behind[v], t[v]);
     stop = start;
@@ -284,12 +280,28 @@ HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forwa
   s->nearest = hn::GetLane(hn::MinOfLanes(di, nearest));
 }
 
+/// Writes the records of entries [begin, end) to their places; `sums` null: zeros. Past the caches: they lie anywhere
+/// in memory, and fetching lines only to overwrite them would take longer than the rest.
+HWY_INLINE void SendRecords(const cpu::TileWork& tile, int64_t begin, int64_t end, const float* sums, float* records) {
+  const FloatTag d;
+  for (int64_t i = begin; i < end; ++i) {
+    float* record = records + static_cast<int64_t>(tile.entries[i].pair) * cpu::kGradStride;
+    const float* from = sums == nullptr ? nullptr : sums + (i - begin) * cpu::kGradStride;
+    for (int k = 0; k < cpu::kGradStride; k += kLanes) {
+      hn::Stream(from == nullptr ? hn::Zero(d) : hn::Load(d, from + k), d, record + k);
+    }
+  }
+  hwy::FlushStream();
+}
+
 /// `farthest`: largest of the blocks'.
 template <bool kDepth>
 HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states, int32_t farthest, float* records) {
   if (farthest == 0) return 0;
   Segment segment;
   Chunk chunk;
+  // Summed side by side in the first-level cache, then sent to their places.
+  HWY_ALIGN float sums[Segment::kSize * cpu::kGradStride];
   int64_t visited = 0;
   for (int64_t begin = Segment::FirstEntry(farthest); begin >= 0; begin -= Segment::kSize) {
     const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, tile.count - begin));
@@ -299,18 +311,19 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
       if (states[block].farthest > first) wanted |= 1u << block;
     }
     segment.Fill(tile, begin, n, wanted);
-    ClearRecords(tile, begin, begin + n, records);
+    std::memset(sums, 0, sizeof(float) * cpu::kGradStride * n);
     // The segment before, or the next tile's last.
     const int64_t of_next =
         begin > 0 ? begin - Segment::kSize : (tile.next_count - 1) / Segment::kSize * Segment::kSize;
     const Upcoming upcoming =
-        begin > 0 ? Upcoming{tile.splats, tile.entries + of_next, Segment::kSize, records}
-                  : Upcoming{tile.splats, tile.entries + tile.count + of_next, tile.next_count - of_next, records};
+        begin > 0 ? Upcoming{tile.splats, tile.entries + of_next, Segment::kSize}
+                  : Upcoming{tile.splats, tile.entries + tile.count + of_next, tile.next_count - of_next};
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
       upcoming.Ask(block);
-      visited += BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, tile.entries + begin, records);
+      visited += BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, sums);
     }
+    SendRecords(tile, begin, begin + n, sums, records);
   }
   return visited * 16;
 }
@@ -334,7 +347,7 @@ HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::Ble
     StartBlock(planes[block], forward, tile.index * cpu::kTilePixels + block * 16, &states[block]);
     farthest = std::max(farthest, states[block].farthest);
   }
-  ClearRecords(tile, farthest == 0 ? 0 : Segment::FirstEntry(farthest) + Segment::kSize, tile.count, records);
+  SendRecords(tile, farthest == 0 ? 0 : Segment::FirstEntry(farthest) + Segment::kSize, tile.count, nullptr, records);
   return upstream.inv_depth != nullptr ? BackwardTile<true>(tile, states, farthest, records)
                                        : BackwardTile<false>(tile, states, farthest, records);
 }

@@ -169,7 +169,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
     const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, tile.count - begin));
     segment.Fill(tile, begin, n, open);
     const Upcoming next{tile.splats, tile.entries + begin + n,
-                        std::min<int64_t>(Segment::kSize, tile.count + tile.next_count - begin - n), nullptr};
+                        std::min<int64_t>(Segment::kSize, tile.count + tile.next_count - begin - n)};
     for (uint32_t left = open; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
       next.Ask(block);

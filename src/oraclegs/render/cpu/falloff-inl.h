@@ -132,20 +132,16 @@ struct HWY_ALIGN Segment {
   }
 };
 
-/// A stretch of entries whose splats and, when given, gradient records will be wanted after the work at hand. They lie
-/// anywhere in memory: asking for all at once would wait, so each block of the work asks for its share.
+/// A stretch of entries whose splats will be wanted after the work at hand. They lie anywhere in memory: asking for all
+/// at once would wait, so each block of the work asks for its share.
 struct Upcoming {
   const cpu::Splat* splats;
   const cpu::TileEntry* first;
   int64_t count;
-  const float* records;  ///< or null
 
   HWY_INLINE void Ask(int block) const {
     const int64_t end = count * (block + 1) / cpu::kBlocksPerTile;
-    for (int64_t i = count * block / cpu::kBlocksPerTile; i < end; ++i) {
-      __builtin_prefetch(&splats[first[i].id], 0, 2);
-      if (records != nullptr) __builtin_prefetch(records + static_cast<int64_t>(first[i].pair) * cpu::kGradStride, 1);
-    }
+    for (int64_t i = count * block / cpu::kBlocksPerTile; i < end; ++i) __builtin_prefetch(&splats[first[i].id], 0, 2);
   }
 };
 
