@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Measures every stage of a training iteration against the machine's ceilings and prints Markdown tables.
 
-Trains what it needs (the demo scene and DATA_FOLDER/fox, 1000 and 7000 iterations) in OUT_FOLDER unless it is there,
-runs build/release/bin/stage_bench and keeps its answer in OUT_FOLDER/stage_bench.json.
+Trains what it needs (the demo scene and DATA_FOLDER/fox, 1000 and 7000 iterations, and fox from 100 000 random points) in
+OUT_FOLDER unless it is there, runs build/release/bin/stage_bench and keeps its answer in OUT_FOLDER/stage_bench.json.
 """
 
 import argparse
@@ -33,7 +33,7 @@ ALONE = {
 }
 STEEPEST = 1.15  # n log n over 1e4 .. 1e6 is about 1.1
 QUICK = (
-    "^(stages|alone)/fox7000/(30000|100000)/270x480/|^threads/(fox7000|synthetic)/100000/270x480/"
+    "^(stages|alone)/fox(7000|dense)/(30000|100000)/270x480/|^threads/(fox7000|foxdense|synthetic)/100000/270x480/"
     "|^stages/synthetic/(10000|100000|1000000)/270x480/|^stages/synthetic/(10000|100000)/1080x1920/"
 )
 ALL = "^(stages|alone|threads)/"
@@ -59,18 +59,21 @@ def make_workspaces(data, out, quick):
         if not (out / "demo-scene/demo_scene.json").exists():
             run(oraclegs, "demo-scene", out / "demo-scene", "--quiet")
         scenes["demo"] = (out / "demo-scene", ["--views", "12"])
+    variants = {f"{scene}{n}": (scene, ["--iterations", n]) for scene in sorted(scenes)
+                for n in ([7000] if quick else [1000, 7000])}
+    if "fox" in scenes:  # a model that was trained with 100 000 Gaussians, neither grown nor thinned
+        variants["foxdense"] = ("fox", ["--iterations", 7000, "--init", "random", "--random-points", 100000])
     workspaces = {}
-    for scene, (source, options) in sorted(scenes.items()):
-        for iterations in [7000] if quick else [1000, 7000]:
-            folder = out / f"{scene}{iterations}"
-            workspaces[folder.name] = folder
-            if (folder / "metrics.json").exists() and (folder / "point_cloud.ply").exists():
-                continue
-            sfm = out / f"{scene}-sfm"  # found once, for all of a scene's runs: COLMAP's points differ from run to run
-            if not folder.exists():
-                run(oraclegs, "sfm", source, "-o", sfm, *options, *COMMON)
-                shutil.copytree(sfm, folder)
-            run(oraclegs, "reconstruct", source, "-o", folder, "--iterations", iterations, *options, *COMMON)
+    for name, (scene, training) in variants.items():
+        source, options = scenes[scene]
+        folder = workspaces[name] = out / name
+        if (folder / "metrics.json").exists() and (folder / "point_cloud.ply").exists():
+            continue
+        sfm = out / f"{scene}-sfm"  # found once, for all of a scene's runs: COLMAP's points differ from run to run
+        if not folder.exists():
+            run(oraclegs, "sfm", source, "-o", sfm, *options, *COMMON)
+            shutil.copytree(sfm, folder)
+        run(oraclegs, "reconstruct", source, "-o", folder, *training, *options, *COMMON)
     return workspaces
 
 
@@ -253,7 +256,7 @@ def main():
     parser.add_argument("out", type=Path, metavar="OUT_FOLDER", help="receives the runs and stage_bench.json")
     parser.add_argument("--quick", action="store_true",
                         help="fox after 7000 iterations at 270x480, threads, and scaling on the synthetic scene")
-    parser.add_argument("--min-time", type=float, default=1, 
+    parser.add_argument("--min-time", type=float, default=1,
                         help="seconds of each configuration (default 1); every training view is taken at least once")
     parser.add_argument("--tables", action="store_true", help="measure nothing, print the last answer again")
     args = parser.parse_args()

@@ -23,7 +23,8 @@ double LargestExp2Error(float first, float last, uint32_t stride) {
   double largest = 0;
   HWY_ALIGN float x[kLanes], y[kLanes];
   for (uint32_t bits = std::bit_cast<uint32_t>(first); bits < std::bit_cast<uint32_t>(last); bits += stride * kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) x[lane] = std::bit_cast<float>(bits + stride * static_cast<uint32_t>(lane));
+    for (int lane = 0; lane < kLanes; ++lane)
+      x[lane] = std::bit_cast<float>(bits + stride * static_cast<uint32_t>(lane));
     const FloatVec v = hn::Load(d, x);
     hn::Store(Exp2Where(hn::Le(v, hn::Zero(d)), v), d, y);
     for (int lane = 0; lane < kLanes; ++lane) {
