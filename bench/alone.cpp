@@ -5,6 +5,7 @@
 #include "bench/benchmarks.h"
 #include "bench/median.h"
 #include "oraclegs/loss/photometric.h"
+#include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/mcmc.h"
 
 namespace oraclegs {
@@ -16,14 +17,13 @@ struct AloneRun {
   Adam adam;
   std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(torch::kCPU);
   PhotometricLoss photometric;
-  Tensor grad_image;
+  ImageBuffer grad_image;
   int64_t next = 0;
 
   explicit AloneRun(BenchInput made)
       : input(std::move(made)),
         grads(Gaussians::Zeros(input.gaussians.size())),
-        adam(SteadyAdam(input.gaussians.size())),
-        grad_image(torch::empty_like(input.views.front().image)) {}
+        adam(SteadyAdam(input.gaussians.size())) {}
 };
 struct AloneSample {
   double photometric, gaussian_backward, regularizers, adam, noise;
@@ -35,8 +35,9 @@ AloneSample StepAlone(AloneRun* run) {
   const TrainView& view = input.views[run->next++ % input.views.size()];
   const RenderOutput out = run->rasterizer->Forward(
       input.gaussians, view.camera, {input.background, kMaxShDegree, input.antialiased}, RenderPass::kTrain);
-  ms.photometric = MillisecondsOf([&] { run->photometric(out.image, view.image, {}, {}, &run->grad_image); });
-  run->rasterizer->Backward(input.gaussians, {run->grad_image, {}, {}}, &run->grads);
+  Tensor grad_image = run->grad_image.Get({view.camera.height, view.camera.width, 3});
+  ms.photometric = MillisecondsOf([&] { run->photometric(out.image, view.image, {}, {}, &grad_image); });
+  run->rasterizer->Backward(input.gaussians, {grad_image, {}, {}}, &run->grads);
   ms.gaussian_backward = run->rasterizer->timings().gaussian_backward;
   const TrainOptions options;
   ms.regularizers =

@@ -1,5 +1,6 @@
 #include "bench/inputs.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>

@@ -1,6 +1,5 @@
 // Whole training iterations beside the ceilings of the moment.
 
-#include <algorithm>
 #include <utility>
 
 #include "bench/benchmarks.h"

@@ -14,8 +14,8 @@ constexpr double kFlopsPerPair = 34, kFlopsPerPairBackward = 64;  // of a pixel-
 constexpr double kGeometry = 11 * sizeof(float), kColor = 48 * sizeof(float), kAll = kGeometry + kColor;
 constexpr double kSplat = sizeof(cpu::Splat), kRect = sizeof(cpu::TileRect), kEntry = sizeof(cpu::TileEntry);
 constexpr double kGradRecord = cpu::kGradStride * sizeof(float);
-constexpr double kDepthKey = 8;   // depth and index
-constexpr double kPairPlace = 8;  // where a pair's gradient record lies, and its tile
+constexpr double kDepthKey = 8;                             // depth and index
+constexpr double kPairTile = 4, kPairMask = 4, kRange = 8;  // of a pair; a Gaussian's pairs
 constexpr double kRgb = 3 * sizeof(float);
 
 /// The fields that are medians or differences, in any order.
@@ -89,15 +89,15 @@ double LeastWork(Stage stage, const IterationShape& shape, const IterationSample
       return n * (kGeometry + kRect) + visible * (kColor + kSplat);
     case Stage::kBin:
       // Reads rectangles and the visible ones' splats, writes and reads their depth keys once (a sort of one pass);
-      // writes each pair's entry and where it lies.
-      return n * kRect + visible * (kSplat + 2 * kDepthKey) + pairs * (kEntry + kPairPlace);
+      // writes each Gaussian's range of pairs, and each pair's tile, blocks and entry.
+      return n * (kRect + kRange) + visible * (kSplat + 2 * kDepthKey) + pairs * (kPairTile + kPairMask + kEntry);
     case Stage::kLoss:
       // Reads render and photograph, writes the gradient; SSIM's windows stay in the caches.
       return 3 * kRgb * shape.pixels;
     case Stage::kUpdate:
-      // Reads each pair's gradient record and where it lies, the visible ones' splats; reads and writes parameters
-      // and both moments. Gradients need not exist in memory.
-      return pairs * (kGradRecord + kPairPlace) + visible * kSplat + n * 2 * 3 * kAll;
+      // Reads each pair's gradient record and tile, the visible ones' splats; reads and writes parameters and both
+      // moments. Gradients need not exist in memory.
+      return pairs * (kGradRecord + kPairTile) + visible * kSplat + n * (kRange + 2 * 3 * kAll);
     case Stage::kBlend:
       return kFlopsPerPair * found.pixel_pairs;
     case Stage::kBlendBackward:

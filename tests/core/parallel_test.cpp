@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -73,6 +74,18 @@ TEST_P(Parallel, LoopsInLoopsRunInTheirTask) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, Parallel, testing::Values(1, 2, 3));
+
+TEST(NumThreads, MayChangeBetweenLoops) {
+  const int before = NumThreads();
+  for (int round = 0; round < 300; ++round) {
+    SetNumThreads(std::array{1, 5, 2, 7, 3}[round % 5]);
+    const int64_t tasks = round % 11;  // also fewer than threads
+    std::vector<std::atomic<int>> runs(tasks);
+    ParallelFor(tasks, [&](int64_t i) { ++runs[i]; });
+    for (const auto& n : runs) ASSERT_EQ(n, 1) << round;
+  }
+  SetNumThreads(before);
+}
 
 TEST(NumThreads, ZeroMeansAllOfThem) {
   const int before = NumThreads();

@@ -37,7 +37,11 @@ TEST_P(RasterizeReference, AgreesWithTheSlowTwin) {
   const Gaussians g = RandomGaussians(c.gaussians, c.scale, 11);
   const Camera camera = FrontCamera(c.width, c.height);
   const RenderOptions options{{0.3f, 0.1f, 0.6f}, 3, c.antialiased};
-  const RenderOutput out = MakeRasterizer(torch::kCPU)->Forward(g, camera, options, RenderPass::kInference);
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  const RenderOutput out = rasterizer->Forward(g, camera, options, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Empty(g.size());
+  rasterizer->Backward(g, {torch::ones({c.height, c.width, 3}), {}, {}}, &grads);
+  grads.ForEach([](const char* name, const Tensor& t) { EXPECT_TRUE(torch::isfinite(t).all().item<bool>()) << name; });
   const ReferenceImage ref = ReferenceScene(g, camera, options).Render();
   // One contributor at alpha = 1/255 weighs up to 0.4 % of a colour; anything larger is a mistake.
   EXPECT_LE(MaxError(out.image, ref.image), 0.02);
@@ -105,8 +109,10 @@ TEST(RasterizeClosedForm, NothingInViewIsBackground) {
 
 TEST(RasterizeClosedForm, NoGaussiansAtAll) {
   const Gaussians none = Gaussians::Zeros(0);
-  const RenderOutput out =
-      MakeRasterizer(torch::kCPU)->Forward(none, FrontCamera(17, 9), {{1, 1, 1}, 3, false}, RenderPass::kInference);
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  const RenderOutput out = rasterizer->Forward(none, FrontCamera(17, 9), {{1, 1, 1}, 3, false}, RenderPass::kTrain);
+  Gaussians grads = Gaussians::Zeros(0);
+  rasterizer->Backward(none, {torch::ones({9, 17, 3}), {}, {}}, &grads);
   EXPECT_EQ(out.image.min().item<float>(), 1);
   EXPECT_EQ(out.alpha.max().item<float>(), 0);
 }

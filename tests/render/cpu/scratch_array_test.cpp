@@ -30,6 +30,15 @@ TEST(ScratchArray, BeginsAtACacheLine) {
   }
 }
 
+TEST(ScratchArray, TooMuchIsSaidAndLeavesItEmpty) {
+  ScratchArray<double> array;
+  array.Reserve(10);
+  EXPECT_THROW(array.Reserve(INT64_MAX / 2), std::bad_alloc);
+  EXPECT_EQ(array.capacity(), 0);
+  array.Reserve(10);
+  EXPECT_NE(array.data(), nullptr);
+}
+
 TEST(ScratchArray, NothingToHold) {
   ScratchArray<double> array;
   array.Reserve(0);

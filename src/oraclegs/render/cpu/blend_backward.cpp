@@ -1,4 +1,4 @@
-// Backward blending. One task a tile, blocks as in forward, the list far to near from where the last pixel ended.
+// Backward blending, tile by tile, blocks as in forward, the list far to near from where the last pixel ended.
 //
 // With v = g_C . c + g_D / z of a Gaussian and s the same of everything behind it (background and alpha's gradient
 // included), dL/d(alpha) = T (v - s): one running number a pixel instead of a colour. What is wanted are sums over the

@@ -1,4 +1,4 @@
-// Forward blending. One task a tile. The tile's list is read near to far in segments; each 4 x 4 block walks the
+// Forward blending, tile by tile. The tile's list is read near to far in segments; each 4 x 4 block walks the
 // positions that reach it with its 16 pixels in vector lanes, and is done when every pixel is opaque.
 // Kept for backward: final transmittance and how far the pixel took part, 8 bytes a pixel. Nothing is allocated.
 
@@ -19,7 +19,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
-/// Where a pixel that takes nothing more is moved to: no Gaussian reaches it, and its squares stay finite.
+/// Where a pixel that takes nothing more is moved to: no Gaussian of sensible size reaches it, and its squares stay
+/// finite.
 inline constexpr float kOutOfReach = 1e15f;
 
 /// Steps between looks at whether a block is opaque. A pixel that was closed in between takes nothing, and its running
@@ -51,8 +52,8 @@ HWY_INLINE bool CloseOpaque(const FloatVec* left, FloatVec* x) {
   return open;
 }
 
-/// Blends the segment's splats of one block; `first`: Segment::FirstStep. Not
-/// inlined: on its own, GCC 12 keeps the loop's numbers in registers.
+/// Blends the segment's splats of one block; `first`: Segment::FirstStep. Not inlined: on its own, GCC 12 keeps the
+/// loop's numbers in registers.
 HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
   const FloatTag d;
   const IntTag di;
@@ -130,7 +131,9 @@ HWY_INLINE void StartBlock(int block, const BlockPlace& place, BlockState* s) {
   }
   if (HWY_LIKELY(place.Whole())) return;
   for (int i = 0; i < 16; ++i) {
-    if (!place.Holds(i)) s->x[i] = kOutOfReach;
+    if (place.Holds(i)) continue;
+    s->x[i] = kOutOfReach;
+    s->left[i] = 0;  // it takes no step, and backward skips it
   }
 }
 

@@ -9,8 +9,7 @@
 // clang-format on
 #include <hwy/highway.h>
 
-#include "oraclegs/render/cpu/kernels.h"
-#include "oraclegs/render/cpu/lanes-inl.h"
+#include "oraclegs/render/cpu/falloff-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
@@ -48,8 +47,9 @@ HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int
   // The sum of squares of kernels.h is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
   const float tilt = s.by * s.by * s.slope;
   const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
-  // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop.
-  const Lanes bound(7.99435343685886f + s.log2_opacity + 1e-4f);
+  // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
+  // centre is far away.
+  const Lanes bound(s.log2_opacity - kLog2AlphaMin + 1e-3f);
   // One loop over the rectangle: most hold one or a few tiles, and a second loop's end would be guessed wrongly.
   int tx = rect.x0, ty = rect.y0;
   for (int left = rect.Count(); left > 0; --left) {

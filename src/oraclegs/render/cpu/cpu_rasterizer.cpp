@@ -89,6 +89,7 @@ class CpuRasterizer final : public Rasterizer {
     if (options.sh_degree < 0 || options.sh_degree > kMaxShDegree) {
       throw ShapeError("Rasterizer::Forward: sh_degree is {}, must be in 0 .. {}", options.sh_degree, kMaxShDegree);
     }
+    trained_size_ = -1;  // until all is in place
     StageClock clock;
     const int64_t n = gaussians.size();
     input_ = MakeInput(gaussians, camera, options);

@@ -53,7 +53,7 @@ struct HWY_ALIGN Segment {
   // alpha = 2^(peak - (ax x + a0)^2 - (bx x + by y + b0)^2)
   float ax[kSize], a0[kSize], bx[kSize], by[kSize], b0[kSize], peak[kSize];
   float r[kSize], g[kSize], b[kSize], inv_z[kSize];
-  int32_t positions[cpu::kBlocksPerTile][kSize + 16];  // the last store of a row may reach 16 past its end
+  int32_t positions[cpu::kBlocksPerTile][kSize + 16];  // not 1024 bytes apart: they would share cache sets
   int counts[cpu::kBlocksPerTile];
 
   /// alpha of splat i (spec 4) at pixels x, y: 0 where it is below 1/255, at most 0.99.

@@ -6,10 +6,8 @@
 // clang-format off: foreach_target must come before the other Highway headers
 #include <hwy/foreach_target.h>
 // clang-format on
-#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include <cmath>
 #include <cstring>
 
 #include "oraclegs/render/cpu/kernels.h"
@@ -200,7 +198,7 @@ HWY_INLINE void SumRecords(const cpu::GradInput& grads, const TileColumns& colum
   std::memcpy(sums, sum, sizeof(sum));
 }
 
-/// A record's sums about the Gaussian, see GradInput.
+/// The sums of BlendTileBackward's records, about the Gaussian.
 struct Moments {
   Lanes h, x, y, xx, xy, yy, r, g, b, inv_z;
 };

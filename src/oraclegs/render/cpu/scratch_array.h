@@ -3,6 +3,7 @@
 #include <hwy/aligned_allocator.h>
 
 #include <cstdint>
+#include <new>
 #include <type_traits>
 
 namespace oraclegs::cpu {
@@ -14,12 +15,16 @@ class ScratchArray {
  public:
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
 
-  /// Makes room for `count` items. What was there is lost when it grows, and new items hold anything.
+  /// Makes room for `count` items. What was there is lost when it grows, and new items hold anything. Throws
+  /// std::bad_alloc, and is empty then.
   void Reserve(int64_t count) {
     if (count <= capacity_) return;
     items_.reset();  // first, so that both are never held at once
-    capacity_ = count + count / 4;
-    items_ = hwy::AllocateAligned<T>(static_cast<size_t>(capacity_));
+    capacity_ = 0;
+    const int64_t roomy = count + count / 4;
+    items_ = hwy::AllocateAligned<T>(static_cast<size_t>(roomy));
+    if (!items_) throw std::bad_alloc();
+    capacity_ = roomy;
   }
 
   int64_t capacity() const { return capacity_; }

@@ -65,11 +65,10 @@ void TileLists::Cover(const Splat* splats, const TileRect* rects, int64_t n, int
         candidates);
   }
   pair_numbers = candidates;
-  // One more: the kernel writes a pair before it knows whether it counts.
-  pair_tile.Reserve(candidates + 1);
-  pair_mask_.Reserve(candidates + 1);
+  pair_tile.Reserve(candidates);
+  pair_mask_.Reserve(candidates);
   ranges.Reserve(n);
-  sorted_.Reserve(n + 1);
+  sorted_.Reserve(n);
   ParallelFor(chunks, [&](int64_t c) {
     Chunk& chunk = chunks_[c];
     const int64_t begin = ChunkBegin(n, c, chunks), end = ChunkBegin(n, c + 1, chunks);
