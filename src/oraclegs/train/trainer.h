@@ -24,7 +24,7 @@ struct TrainView {
 
 TrainView ToTrainView(const Photo& photo);
 
-/// Mean milliseconds per iteration by stage.
+/// Milliseconds of an iteration, or means over several, by stage.
 struct TrainTimings {
   RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
   double loss = 0;       ///< photometric
