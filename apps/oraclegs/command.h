@@ -85,6 +85,7 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
 // One per file of this folder.
 std::unique_ptr<Command> MakeReconstruct(CLI::App* app);
 std::unique_ptr<Command> MakeSfm(CLI::App* app);
+std::unique_ptr<Command> MakeDepth(CLI::App* app);
 std::unique_ptr<Command> MakeTrain(CLI::App* app);
 std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
 std::unique_ptr<Command> MakeRender(CLI::App* app);

@@ -65,7 +65,7 @@ int Main(int argc, char** argv) {
       "  oraclegs reconstruct /tmp/demo -o /tmp/demo_out --preset quick");
   std::vector<std::unique_ptr<Command>> commands;
   for (auto* make :
-       {MakeReconstruct, MakeSfm, MakeTrain, MakeEvaluate, MakeRender, MakeExport, MakeInfo, MakeDemoScene}) {
+       {MakeReconstruct, MakeSfm, MakeDepth, MakeTrain, MakeEvaluate, MakeRender, MakeExport, MakeInfo, MakeDemoScene}) {
     commands.push_back(make(&app));
   }
   try {

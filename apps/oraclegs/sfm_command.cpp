@@ -13,9 +13,9 @@ class SfmCommand : public WorkspaceCommand {
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
-    const StartPoints start = RunSfm(&run);
-    Print(fmt::format("start      {} points ({}) for {} training views\nworkspace  {}", start.cloud.xyz.size(),
-                      start.source, run.split.train.size(), request.out.string()));
+    const std::vector<ScenePoint> points = RunSfm(&run);
+    Print(fmt::format("sfm        {} points from {} training views\nworkspace  {}", points.size(),
+                      run.split.train.size(), request.out.string()));
   }
 };
 

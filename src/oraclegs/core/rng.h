@@ -37,6 +37,9 @@ enum class RandomStream : uint64_t {
   kAdd = 4,
   kNoise = 5,
   kDemoScene = 6,
+  kStereo = 7,
+  kStereoStandIns = 8,
+  kThinning = 9,
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

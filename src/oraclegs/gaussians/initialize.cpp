@@ -1,6 +1,6 @@
 #include "oraclegs/gaussians/initialize.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/neighbors.h"
+#include "oraclegs/scene/looked_at.h"
 
 namespace oraclegs {
 namespace {
@@ -16,8 +17,6 @@ constexpr double kC0 = 0.28209479177387814;            // the constant spherical
 constexpr double kMinSquaredDistance = 1e-7;           // duplicates would have no size at all
 constexpr double kBlenderHalfSide = 1.3;               // world units
 constexpr double kTooClose = 0.2;                      // of the radius: nothing starts right in front of a lens
-constexpr double kParallelAxes = 1e-3;                 // below, the point nearest to all axes is ill-determined
-constexpr double kFallbackReach = 3;                   // extents; scenes seen side by side begin about there
 constexpr int64_t kProbes = 20000, kEnoughHits = 200;  // 1%: a sparser overlap would cost too many draws
 
 /// A grey that is not quite the same for any two points.
@@ -38,44 +37,6 @@ bool Sees(const Camera& camera, const Eigen::Vector3d& point) {
   if (!(p.z() > 0)) return false;
   const double x = camera.fx * p.x() / p.z() + camera.cx, y = camera.fy * p.y() / p.z() + camera.cy;
   return x >= 0 && x < camera.width && y >= 0 && y < camera.height;
-}
-
-struct Ball {
-  Eigen::Vector3d center;
-  double radius;
-};
-
-double MedianDistance(const std::vector<Camera>& cameras, const Eigen::Vector3d& point) {
-  std::vector<double> distances;
-  for (const Camera& c : cameras) distances.push_back((c.Center() - point).norm());
-  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
-}
-
-/// What the cameras look at: around the point nearest to all optical axes, or, when the axes are parallel or meet
-/// behind the cameras, ahead of the mean camera.
-Ball LookedAt(const std::vector<Camera>& cameras) {
-  const auto n = static_cast<double>(cameras.size());
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero(), eye = right, forward = right;
-  for (const Camera& c : cameras) {
-    const Eigen::Vector3d f = c.Forward();
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - f * f.transpose();
-    normal += across / n;
-    right += across * c.Center() / n;
-    eye += c.Center() / n;
-    forward += f / n;
-  }
-  if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal).eigenvalues()[0] > kParallelAxes) {
-    const Eigen::Vector3d center = normal.ldlt().solve(right);
-    size_t ahead = 0;
-    for (const Camera& c : cameras) ahead += c.Forward().dot(center - c.Center()) > 0 ? 1 : 0;
-    if (2 * ahead > cameras.size()) return {center, MedianDistance(cameras, center)};
-  }
-  double reach = kFallbackReach * SpatialExtent(cameras);
-  if (!(reach > 0)) reach = 1;  // one camera, or several in one place: any scale is as good
-  return {eye + reach * forward, reach};
 }
 
 class ViewVolume {
@@ -129,16 +90,6 @@ PointCloud ToPointCloud(const std::vector<ScenePoint>& points) {
   return cloud;
 }
 
-double SpatialExtent(const std::vector<Camera>& cameras) {
-  if (cameras.empty()) return 0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Camera& c : cameras) mean += c.Center();
-  mean /= static_cast<double>(cameras.size());
-  double farthest = 0;
-  for (const Camera& c : cameras) farthest = std::max(farthest, (c.Center() - mean).norm());
-  return 1.1 * farthest;
-}
-
 PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed) {
   Rng rng(seed, RandomStream::kInitialPoints);
   PointCloud cloud;
@@ -187,9 +138,24 @@ std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f
   return out;
 }
 
+namespace {
+
+/// Scales and rotation of a disc that faces along the normal.
+void Flatten(const Eigen::Vector3f& normal, double flatness, float* log_scales, float* quat) {
+  if (!(normal.squaredNorm() > 0)) return;
+  log_scales[2] += static_cast<float>(std::log(flatness));
+  const Eigen::Quaternionf q = Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal);
+  quat[0] = q.w(), quat[1] = q.x(), quat[2] = q.y(), quat[3] = q.z();
+}
+
+}  // namespace
+
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options) {
   if (points.rgb.size() != points.xyz.size()) {
     throw ShapeError("InitializeGaussians: {} colours for {} points", points.rgb.size(), points.xyz.size());
+  }
+  if (!points.normals.empty() && points.normals.size() != points.xyz.size()) {
+    throw ShapeError("InitializeGaussians: {} normals for {} points", points.normals.size(), points.xyz.size());
   }
   const std::vector<float> d2 = MeanSquaredNeighborDistance(points.xyz);
   const auto n = static_cast<int64_t>(points.xyz.size());
@@ -205,6 +171,9 @@ Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions&
       means[i][k] = points.xyz[i][k];
       log_scales[i][k] = log_scale;
       sh[i][0][k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kC0);
+    }
+    if (!points.normals.empty() && options.flatness != 1) {
+      Flatten(points.normals[i], options.flatness, &log_scales[i][0], &quats[i][0]);
     }
   }
   return g;

@@ -14,13 +14,11 @@ namespace oraclegs {
 /// Coloured points to start from.
 struct PointCloud {
   std::vector<Eigen::Vector3f> xyz;
-  std::vector<Eigen::Vector3f> rgb;  ///< [0, 1]
+  std::vector<Eigen::Vector3f> rgb;      ///< [0, 1]
+  std::vector<Eigen::Vector3f> normals;  ///< unit, zero where unknown; empty = all unknown
 };
 
 PointCloud ToPointCloud(const std::vector<ScenePoint>& points);
-
-/// Radius of the training cameras: 1.1 * max distance of a camera centre from their mean (getNerfppNorm).
-double SpatialExtent(const std::vector<Camera>& cameras);
 
 /// n points uniform in the Blender cube [-1.3, 1.3]^3, colours near grey.
 PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed);
@@ -35,9 +33,11 @@ std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f
 struct InitializeOptions {
   double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([MCMC]'s 0.1; [3DGS] has 1)
   double opacity = 0.5;       ///< start opacity
+  double flatness = 1;        ///< thickness along the normal, of the other two scales; where a normal is known
 };
 
-/// Gaussians at the points: sh0 from the colour, identity rotation, isotropic scale from the neighbours.
+/// Gaussians at the points: sh0 from the colour, scale from the neighbours; isotropic and not rotated, or, where the
+/// normal is known and flatness is not 1, the third axis along the normal.
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options);
 
 }  // namespace oraclegs

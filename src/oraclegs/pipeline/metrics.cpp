@@ -10,7 +10,7 @@ namespace oraclegs {
 namespace {
 
 // The stages whose time is reported, in their order.
-constexpr const char* kStages[] = {"register", "sfm", "train"};
+constexpr const char* kStages[] = {"register", "sfm", "depth", "train"};
 
 double PerSecond(const nlohmann::json& record) {
   const double seconds = record.value("training_seconds", 0.0);
@@ -34,7 +34,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
     const nlohmann::json record = run.workspace.Record(stage);
     if (record.is_object()) metrics["stages"][stage]["seconds"] = record.value("seconds", 0.0);
   }
-  const nlohmann::json train = run.workspace.Record("train"), sfm = run.workspace.Record("sfm");
+  const nlohmann::json train = run.workspace.Record("train"), start = run.workspace.Record("start");
   int64_t peak = evaluate_record.at("peak_memory_bytes").get<int64_t>();
   if (train.is_object()) {
     metrics["train"] = {{"iterations", train.value("iterations", int64_t{0})},
@@ -43,8 +43,8 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
                         {"milliseconds_per_iteration", train.value("milliseconds_per_iteration", nlohmann::json())}};
     peak = std::max(peak, train.value("peak_memory_bytes", int64_t{0}));
   }
-  if (sfm.is_object()) {
-    metrics["start"] = {{"source", sfm.value("source", "")}, {"points", sfm.value("points", int64_t{0})}};
+  if (start.is_object()) {
+    metrics["start"] = {{"source", start.value("source", "")}, {"points", start.value("points", int64_t{0})}};
   }
   metrics["peak_memory_bytes"] = peak;
   metrics["views"] = {{"train", run.split.train.size()}, {"test", run.split.test.size()}};

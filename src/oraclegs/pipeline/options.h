@@ -7,6 +7,7 @@
 #include <string>
 
 #include "oraclegs/core/options.h"
+#include "oraclegs/depth/stereo.h"
 #include "oraclegs/scene/photos.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/train/options.h"
@@ -24,14 +25,23 @@ struct InputOptions {
 
 struct StartOptions {
   std::string init = "auto";
+  double init_scale = 0;
+  double init_opacity = 0.5;
+  double init_flatness = 1;
   uint64_t seed = 0;
 
   template <class V>
   void Visit(V&& visit) {
     visit("init", init,
-          "Where the Gaussians start: sfm = points triangulated from the training views, random = in the volume they "
-          "look at, auto = sfm, joined by random points where it gives few, or random alone below 100",
-          Choice{{"auto", "sfm", "random"}});
+          "Where the Gaussians start: dense = what stereo found, sfm = points triangulated from the training views, "
+          "random = in the volume they look at, hybrid = all three, auto = dense, or sfm joined by random points "
+          "where stereo finds little, or random alone below 100",
+          Choice{{"auto", "dense", "sfm", "random", "hybrid"}});
+    visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours; 0 = 1 for a dense start, "
+          "0.1 for others", Range{0, 10});
+    visit("init-opacity", init_opacity, "Start opacity", Range{0.006, 0.99});
+    visit("init-flatness", init_flatness, "Start thickness along the surface's normal, as a share of the other two scales; "
+          "1 = round", Range{0.01, 1});
     visit("seed", seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
   }
 };
@@ -63,6 +73,7 @@ struct RunOptions {
   SplitOptions split;
   PhotoOptions photo;
   StartOptions start;
+  StereoOptions stereo;
   TrainOptions train;
   CheckpointOptions checkpoints;
   MachineOptions machine;
@@ -74,6 +85,7 @@ struct RunOptions {
     f("Split", split);
     f("Photographs", photo);
     f("Start", start);
+    f("Stereo", stereo);
     f("Training", train);
   }
   template <class F>

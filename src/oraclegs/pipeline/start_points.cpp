@@ -9,7 +9,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kFewestPoints = 4;  // a point needs three neighbours to have a scale
+constexpr size_t kFewestPoints = 4;      // a point needs three neighbours to have a scale
+constexpr double kRandomShare = 0.1;     // of the budget, in a hybrid start
 
 std::string Key(const Run& run) {
   Fingerprint print;
@@ -32,61 +33,156 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
   return triangulated.size() > points.size() ? triangulated : points;
 }
 
-/// As many as asked for, within the budget that `taken` points leave.
-PointCloud RandomPoints(const Run& run, size_t taken = 0) {
-  const int n = std::min(run.options.train.random_points, run.options.train.max_gaussians - static_cast<int>(taken));
-  if (run.scene.format == SceneFormat::kBlender) return RandomPointsInBlenderCube(n, run.options.start.seed);
-  std::vector<Camera> cameras;
-  for (const int view : run.split.train) {
-    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.options.photo));
+PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
+  PointCloud cloud;
+  for (const DensePoint& p : points) {
+    cloud.xyz.push_back(p.xyz);
+    cloud.rgb.push_back(p.rgb);
+    cloud.normals.push_back(p.normal);
   }
-  return RandomPointsInView(cameras, n, run.options.start.seed);
+  return cloud;
 }
 
-StartPoints FindStartPoints(const Run& run) {
-  if (run.options.start.init == "random") return {RandomPoints(run), "random"};
-  std::vector<ScenePoint> points = PointsOfTrainingViews(run);
-  const bool fixed = run.options.start.init == "sfm";
-  if (fixed && points.size() < kFewestPoints) {
-    throw InputError("{}: the training views gave {} points, too few to start from; use --init random",
-                     run.scene.root.string(), points.size());
+/// The points of one --init word after the other, within the budget.
+class StartBuilder {
+ public:
+  StartBuilder(const Run& run, const std::vector<ScenePoint>& sfm, const Geometry& geometry)
+      : run_(run), sfm_(sfm), geometry_(geometry), budget_(static_cast<size_t>(run.options.train.max_gaussians)) {}
+
+  StartPoints Build() {
+    const std::string& init = run_.options.start.init;
+    if (init == "random") {
+      AddRandom(static_cast<size_t>(run_.options.train.random_points));
+    } else if (init == "sfm") {
+      Require(sfm_.size(), "the training views gave {} points, too few to start from; use --init random");
+      AddSfm();
+    } else if (init == "dense") {
+      Require(geometry_.points.size(), "stereo gave {} points, too few to start from; use --init sfm or --init random");
+      AddDense(budget_);
+    } else if (init == "hybrid") {
+      AddHybrid();
+    } else {
+      AddBest();
+    }
+    return std::move(start_);
   }
-  if (!fixed && points.size() < kEnoughPoints) {
-    run.listener(
-        Warning{fmt::format("the training views gave {} points, fewer than {}: starting from random points, "
-                            "which reconstructs fine detail less well",
-                            points.size(), kEnoughPoints)});
-    return {RandomPoints(run), "random"};
+
+ private:
+  void Require(size_t points, const char* message) const {
+    if (points >= kFewestPoints) return;
+    throw InputError("{}: {}", run_.scene.root.string(), fmt::format(fmt::runtime(message), points));
   }
-  const auto limit = static_cast<size_t>(run.options.train.max_gaussians);
-  if (points.size() > limit) {
-    run.listener(Note{fmt::format("starting from {} of {} points (--max-gaussians)", limit, points.size())});
-    for (size_t i = 0; i < limit; ++i) points[i] = points[i * points.size() / limit];
-    points.resize(limit);
+
+  void AddBest() {
+    if (geometry_.points.size() >= kPlentyOfPoints) {
+      AddDense(budget_);
+      return;
+    }
+    if (NeedsDepth(run_.options)) {
+      run_.listener(Warning{fmt::format(
+          "stereo gave {} points only: the photographs overlap too little, or their surfaces have no texture; starting "
+          "without them",
+          geometry_.points.size())});
+    }
+    if (sfm_.size() < kEnoughPoints) {
+      run_.listener(Warning{
+          fmt::format("the training views gave {} points, fewer than {}: starting from random points, which "
+                      "reconstructs fine detail less well",
+                      sfm_.size(), kEnoughPoints)});
+      AddRandom(static_cast<size_t>(run_.options.train.random_points));
+      return;
+    }
+    AddSfm();
+    if (sfm_.size() < std::min(kPlentyOfPoints, budget_)) {
+      AddRandom(static_cast<size_t>(run_.options.train.random_points));
+    }
   }
-  PointCloud cloud = ToPointCloud(points);
-  if (fixed || points.size() >= std::min(kPlentyOfPoints, limit)) return {std::move(cloud), "sfm"};
-  const PointCloud more = RandomPoints(run, points.size());
-  cloud.xyz.insert(cloud.xyz.end(), more.xyz.begin(), more.xyz.end());
-  cloud.rgb.insert(cloud.rgb.end(), more.rgb.begin(), more.rgb.end());
-  return {std::move(cloud), "sfm+random"};
-}
+
+  void AddHybrid() {
+    const auto random = static_cast<size_t>(kRandomShare * static_cast<double>(budget_));
+    AddDense(budget_ - std::min(budget_, random + sfm_.size()));
+    AddSfm();
+    AddRandom(random);
+  }
+
+  size_t Left() const { return budget_ - std::min(budget_, start_.cloud.xyz.size()); }
+
+  void Add(const PointCloud& more, const std::string& source) {
+    if (more.xyz.empty()) return;
+    PointCloud& cloud = start_.cloud;
+    // A point without a normal is as thick as it is wide.
+    cloud.normals.resize(cloud.xyz.size(), Eigen::Vector3f::Zero());
+    cloud.normals.insert(cloud.normals.end(), more.normals.begin(), more.normals.end());
+    cloud.xyz.insert(cloud.xyz.end(), more.xyz.begin(), more.xyz.end());
+    cloud.rgb.insert(cloud.rgb.end(), more.rgb.begin(), more.rgb.end());
+    cloud.normals.resize(cloud.xyz.size(), Eigen::Vector3f::Zero());
+    start_.source += (start_.source.empty() ? "" : "+") + source;
+  }
+
+  void AddDense(size_t most) {
+    Add(ToPointCloud(Thinned(geometry_.points, std::min(most, Left()), run_.options.start.seed)), "dense");
+  }
+
+  void AddSfm() {
+    std::vector<ScenePoint> points = sfm_;
+    const size_t limit = Left();
+    if (points.size() > limit) {
+      run_.listener(Note{fmt::format("starting from {} of {} points (--max-gaussians)", limit, points.size())});
+      for (size_t i = 0; i < limit; ++i) points[i] = points[i * points.size() / limit];
+      points.resize(limit);
+    }
+    Add(oraclegs::ToPointCloud(points), "sfm");
+  }
+
+  void AddRandom(size_t most) {
+    const auto n = static_cast<int64_t>(std::min(most, Left()));
+    if (run_.scene.format == SceneFormat::kBlender) {
+      Add(RandomPointsInBlenderCube(n, run_.options.start.seed), "random");
+      return;
+    }
+    std::vector<Camera> cameras;
+    for (const int view : run_.split.train) {
+      cameras.push_back(WorkingCamera(run_.scene.views[static_cast<size_t>(view)], run_.options.photo));
+    }
+    Add(RandomPointsInView(cameras, n, run_.options.start.seed), "random");
+  }
+
+  const Run& run_;
+  const std::vector<ScenePoint>& sfm_;
+  const Geometry& geometry_;
+  size_t budget_;
+  StartPoints start_;
+};
 
 }  // namespace
 
-StartPoints RunSfm(Run* run) {
+bool NeedsDepth(const RunOptions& options) {
+  return options.start.init == "auto" || options.start.init == "dense" || options.start.init == "hybrid";
+}
+
+std::vector<ScenePoint> RunSfm(Run* run) {
+  if (run->options.start.init == "random" && !NeedsDepth(run->options)) return {};
   const std::string key = Key(*run);
   const nlohmann::json before = run->workspace.Record("sfm");
   const bool done = run->workspace.IsDone("sfm", key);
   const StageClock clock("sfm", run->listener);
-  StartPoints start = FindStartPoints(*run);
+  std::vector<ScenePoint> points = PointsOfTrainingViews(*run);
   const double seconds = clock.Finish();
-  run->listener(Note{fmt::format("starting from {} points ({})", start.cloud.xyz.size(), start.source)});
   run->workspace.MarkDone("sfm", {{"key", key},
                                   {"seconds", done ? before.value("seconds", seconds) : seconds},
-                                  {"source", start.source},
-                                  {"points", start.cloud.xyz.size()},
+                                  {"points", points.size()},
                                   {"files", nlohmann::json::array()}});
+  return points;
+}
+
+StartPoints ChooseStart(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry) {
+  StartPoints start = StartBuilder(*run, sfm, geometry).Build();
+  run->listener(Note{fmt::format("starting from {} points ({})", start.cloud.xyz.size(), start.source)});
+  run->workspace.MarkDone("start", {{"key", ""},
+                                    {"seconds", 0},
+                                    {"source", start.source},
+                                    {"points", start.cloud.xyz.size()},
+                                    {"files", nlohmann::json::array()}});
   return start;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "oraclegs/gaussians/initialize.h"
+#include "oraclegs/pipeline/depth_stage.h"
 #include "oraclegs/pipeline/run.h"
 
 namespace oraclegs {
@@ -14,16 +16,23 @@ inline constexpr size_t kEnoughPoints = 100;
 /// (lego, 8 views: 170 points alone end at 2 000 Gaussians and 20.2 dB, a random start at 22.5 dB).
 inline constexpr size_t kPlentyOfPoints = 1000;
 
+/// Stage "sfm": sparse points of the training views, with indices of run->scene. A COLMAP model's points count when the
+/// training views saw them; otherwise, or when they are too few, points are triangulated from the training views
+/// (cached in sfm/). None when no other stage would use them.
+std::vector<ScenePoint> RunSfm(Run* run);
+
+/// True when a stage after "sfm" needs stereo: a dense start, or depth in the loss.
+bool NeedsDepth(const RunOptions& options);
+
 struct StartPoints {
   PointCloud cloud;
-  std::string source;  ///< "sfm" (points of the training views), "random", or "sfm+random"
+  std::string source;  ///< of "dense", "sfm" and "random" those that took part, joined by "+"
 };
 
-/// Stage "sfm": where the Gaussians start. A COLMAP model's points count when the training views saw them; otherwise,
-/// or when they are too few, points are triangulated from the training views (cached in sfm/). With --init auto fewer
-/// than 100 points, or no colmap program, end in a warning and random points inside the volume that the training
-/// cameras look at (the Blender cube for Blender scenes); fewer than kPlentyOfPoints are joined by such points. At most
-/// --max-gaussians points, picked evenly. Throws InputError when --init sfm finds none to start from.
-StartPoints RunSfm(Run* run);
+/// Where the Gaussians start, remembered as stage "start". --init says from what; auto takes the dense points where
+/// stereo found plenty, else the sparse points, joined by random ones where they are few, or with a warning random ones
+/// alone. Random points fill the volume that the training cameras look at (the Blender cube for Blender scenes). At most
+/// --max-gaussians points. Throws InputError when --init names points of which there are none.
+StartPoints ChooseStart(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry);
 
 }  // namespace oraclegs

@@ -12,6 +12,8 @@
 namespace oraclegs {
 namespace {
 
+constexpr double kDenseScale = 1, kSparseScale = 0.1;  // of the distance to the neighbours; [3DGS]'s and [MCMC]'s
+
 std::string TrainKey(const Run& run) {
   return Fingerprint()
       .Add(ShapingOptionsToJson(run.options).dump())
@@ -19,11 +21,9 @@ std::string TrainKey(const Run& run) {
       .Hex();
 }
 
-std::vector<TrainView> LoadTrainViews(const Run& run) {
+std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry&) {
   std::vector<TrainView> views;
-  for (const Photo& photo : LoadPhotos(run.scene, run.split.train, run.options.photo, run.listener)) {
-    views.push_back(ToTrainView(photo));
-  }
+  for (const Photo& photo : photos) views.push_back(ToTrainView(photo));
   return views;
 }
 
@@ -50,9 +50,12 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   return std::nullopt;
 }
 
-Gaussians StartGaussians(Run* run) {
-  const StartPoints start = RunSfm(run);
-  return InitializeGaussians(start.cloud, {run->options.train.init_scale, run->options.train.init_opacity});
+Gaussians StartGaussians(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry) {
+  const StartPoints start = ChooseStart(run, sfm, geometry);
+  const StartOptions& options = run->options.start;
+  const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
+  return InitializeGaussians(start.cloud, {options.init_scale > 0 ? options.init_scale : usual, options.init_opacity,
+                                           options.init_flatness});
 }
 
 nlohmann::json TimingsToJson(const TrainResult& result) {
@@ -85,12 +88,15 @@ void RunTrain(Run* run) {
   std::error_code ignored;
   std::filesystem::remove(run->workspace.metrics(), ignored);
   if (!checkpoint) std::filesystem::remove(run->workspace.point_cloud(), ignored);
-  Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run);
+  const std::vector<ScenePoint> sfm = RunSfm(run);
+  const std::vector<Photo> photos = LoadPhotos(run->scene, run->split.train, run->options.photo, run->listener);
+  const Geometry geometry = NeedsDepth(run->options) ? RunDepth(run, photos, sfm) : Geometry{};
+  Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, sfm, geometry);
 
   const StageClock clock("train", run->listener);
   const RunOptions& options = run->options;
-  Trainer trainer(options.train, options.start.seed, BackgroundColor(options.photo.background), LoadTrainViews(*run),
-                  std::move(start));
+  Trainer trainer(options.train, options.start.seed, BackgroundColor(options.photo.background),
+                  TrainViews(photos, geometry), std::move(start));
   if (checkpoint) trainer.Restore(*checkpoint);
   const double loading = clock.Seconds();
   const TrainResult result = trainer.Run(

@@ -22,6 +22,8 @@ class WorkspacePaths {
   std::filesystem::path metrics() const { return root_ / "metrics.json"; }
   std::filesystem::path point_cloud() const { return root_ / "point_cloud.ply"; }
   std::filesystem::path sfm() const { return root_ / "sfm"; }
+  std::filesystem::path dense_ply() const { return sfm() / "dense.ply"; }
+  std::filesystem::path depth() const { return root_ / "depth"; }
   std::filesystem::path checkpoints() const { return root_ / "checkpoints"; }
   std::filesystem::path renders(const std::string& path_name) const { return root_ / "renders" / path_name; }
 

@@ -37,6 +37,13 @@ void ReadImageSize(const std::filesystem::path& path, int* width, int* height,
 
 /// PNG, 8 bit, 1, 3 or 4 channels, atomically. Throws RunError.
 void WritePng(const std::filesystem::path& path, const Image8& image);
+/// 16-bit grey picture (depth maps).
+struct Image16 {
+  int width = 0, height = 0;
+  std::vector<uint16_t> values;  ///< height * width
+};
+/// Reads a 16-bit grey PNG. Throws InputError naming the file when it is something else or damaged.
+Image16 ReadPng16(const std::filesystem::path& path);
 /// 16-bit grey PNG (depth maps); values are height * width.
 void WritePng16(const std::filesystem::path& path, int width, int height, const std::vector<uint16_t>& values);
 

@@ -43,6 +43,7 @@ struct ReadState {
 
   std::string_view bytes;
   size_t at = 0;
+  bool as_stored = false;
   ErrorText error;
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -55,11 +56,12 @@ void OnRead(png_structp png, png_bytep target, size_t count) {
   state->at += count;
 }
 
-/// Up to the pixels; from then on rows are 8-bit RGB or RGBA.
+/// Up to the pixels; from then on rows are 8-bit RGB or RGBA, or as stored.
 void StartRead(ReadState* state) {
   png_set_read_fn(state->png, state, OnRead);
   png_set_user_limits(state->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // CheckPictureSize has looked
   png_read_info(state->png, state->info);
+  if (state->as_stored) return;
   png_set_expand(state->png);
   png_set_scale_16(state->png);
   png_set_gray_to_rgb(state->png);
@@ -198,6 +200,34 @@ Image8 DecodePng(std::string_view bytes, const std::string& file) {
   image.data.resize(row_bytes * static_cast<size_t>(image.height));
   auto rows = RowPointers(image.data.data(), image.height, row_bytes);
   check(RunRead(&state, rows.data()));
+  return image;
+}
+
+Image16 ReadPng16(const std::filesystem::path& path) {
+  const std::string bytes = ReadFile(path);
+  const std::string file = path.string();
+  if (!IsPng(bytes)) throw InputError("{}: is no PNG; remove it, and it is made again", file);
+  Image16 image;
+  ReadPngSize(bytes, file, &image.width, &image.height);
+  ReadState state(bytes);
+  state.as_stored = true;
+  if (state.info == nullptr) throw RunError("{}: the PNG decoder cannot start", file);
+  const auto check = [&](bool ok) {
+    if (!ok) throw InputError("{}: is a damaged or incomplete PNG ({}); make it again", file, state.error.text);
+  };
+  check(RunRead(&state, nullptr));
+  const size_t row_bytes = 2 * static_cast<size_t>(image.width);
+  if (png_get_bit_depth(state.png, state.info) != 16 || png_get_rowbytes(state.png, state.info) != row_bytes ||
+      png_get_interlace_type(state.png, state.info) != PNG_INTERLACE_NONE) {
+    throw InputError("{}: is not a grey PNG of 16 bits, as depth maps are; export it so", file);
+  }
+  std::vector<uint8_t> data(row_bytes * static_cast<size_t>(image.height));
+  auto rows = RowPointers(data.data(), image.height, row_bytes);
+  check(RunRead(&state, rows.data()));
+  image.values.resize(data.size() / 2);  // PNG is big-endian
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    image.values[i] = static_cast<uint16_t>(data[2 * i] << 8 | data[2 * i + 1]);
+  }
   return image;
 }
 

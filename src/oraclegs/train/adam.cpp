@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/render/cpu/hwy_targets.h"
+#include "oraclegs/core/hwy_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"

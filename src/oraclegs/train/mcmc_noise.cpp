@@ -6,7 +6,7 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/render/cpu/hwy_targets.h"
+#include "oraclegs/core/hwy_targets.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 

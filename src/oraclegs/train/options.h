@@ -13,8 +13,6 @@ struct TrainOptions {
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
-  double init_scale = 0.1;
-  double init_opacity = 0.5;
   int refine_start = 500;
   int refine_every = 100;
   double refine_stop = 25.0 / 30;
@@ -33,8 +31,6 @@ struct TrainOptions {
     visit("ssim-weight", ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
-    visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours", Range{1e-3, 10});
-    visit("init-opacity", init_opacity, "Start opacity", Range{0.006, 0.99});
     visit("random-points", random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});
     visit("refine-start", refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
     visit("refine-every", refine_every, "Iterations between relocations", Range{1, 1e7});

@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/gaussians/initialize.h"
+#include "oraclegs/scene/looked_at.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/mcmc.h"

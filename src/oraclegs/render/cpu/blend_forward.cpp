@@ -4,7 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/render/cpu/blend_forward.cpp"
-#include "oraclegs/render/cpu/hwy_targets.h"
+#include "oraclegs/core/hwy_targets.h"
 // clang-format off: foreach_target must come before the other Highway headers
 #include <hwy/foreach_target.h>
 // clang-format on

@@ -1,0 +1,140 @@
+#include "oraclegs/depth/confidence.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr float kWidestAngle = 75;                        // degrees between views that can agree
+constexpr float kMeasuringAngle = 4, kLeastShare = 0.25;  // degrees below which agreement says less
+constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;  // of a round trip
+constexpr float kSupport = 1.1f;
+constexpr float kHopelessCost = 1.3f, kCostSpan = 0.6f;
+constexpr float kSeenThrough = -0.05f;     // relative depth below which a view looks through the point
+constexpr float kSeenThroughCost = 0.5f;   // of the view that does so, at most
+constexpr float kViolation = 0.25f;
+constexpr int kMedianRadius = 2;
+constexpr float kOutlier = 0.05f;          // relative distance from the median
+constexpr float kSameSurface = 0.03f;      // relative difference of neighbouring pixels
+constexpr float kWorthConnecting = 0.3f;
+constexpr size_t kIsland = 40;             // pixels
+constexpr float kDamped = 0.3f;
+
+struct OtherView {
+  PixelMap there, back;
+  const PlaneMap* map;
+  Eigen::Vector3f center;  ///< in the frame of the view whose depths are judged
+};
+
+/// Views that look another way share nothing: the angle is between the rays to the point, checked there.
+std::vector<OtherView> Others(const StereoScene& scene, size_t view, const std::vector<PlaneMap>& maps) {
+  std::vector<OtherView> others;
+  const Camera& camera = scene.views[view].camera;
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    if (v == view) continue;
+    const Camera& other = scene.views[v].camera;
+    others.push_back({MapBetween(camera, other), MapBetween(other, camera), &maps[v],
+                      (camera.cam_from_world * other.Center()).cast<float>()});
+  }
+  return others;
+}
+
+float AngleBetween(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * static_cast<float>(180 / M_PI);
+}
+
+float Judge(const Camera& camera, const std::vector<OtherView>& others, const Plane& plane, float cost,
+            const Eigen::Vector2f& uv) {
+  const Eigen::Vector3f point = RayOf(camera, uv.x(), uv.y()) / plane.inv_depth;
+  float support = 0;
+  int violations = 0;
+  for (const OtherView& other : others) {
+    const RoundTrip trip = GoAndReturn(other.there, other.back, *other.map, {uv.x(), uv.y(), plane.inv_depth});
+    if (!trip.seen) continue;
+    const float angle = AngleBetween(point, point - other.center);
+    if (angle > kWidestAngle) continue;
+    const float e = trip.pixels / kPixelSigma, r = trip.relative_depth / kDepthSigma;
+    support += std::clamp(angle / kMeasuringAngle, kLeastShare, 1.f) * std::exp(-(e * e + r * r) / 2);
+    if (trip.relative_depth > kSeenThrough) continue;
+    const Eigen::Vector3f q = other.there(uv.x(), uv.y(), plane.inv_depth);
+    const int x = static_cast<int>(q.x() / q.z()), y = static_cast<int>(q.y() / q.z());
+    violations += other.map->costs[static_cast<size_t>(y) * other.map->width + x] < kSeenThroughCost ? 1 : 0;
+  }
+  return (1 - std::exp(-kSupport * support)) * std::clamp((kHopelessCost - cost) / kCostSpan, 0.f, 1.f) *
+         std::exp(-kViolation * static_cast<float>(violations));
+}
+
+/// Damps pixels far from the median of their surroundings.
+void DampOutliers(const PlaneMap& map, std::vector<float>* confidence) {
+  const std::vector<float> before = *confidence;
+  ParallelFor(map.height, [&](int64_t row) {
+    const int y = static_cast<int>(row);
+    std::vector<float> values;
+    for (int x = 0; x < map.width; ++x) {
+      const size_t i = static_cast<size_t>(y) * map.width + x;
+      if (!(before[i] > 0)) continue;
+      values.clear();
+      for (int v = std::max(0, y - kMedianRadius); v <= std::min(map.height - 1, y + kMedianRadius); ++v) {
+        for (int u = std::max(0, x - kMedianRadius); u <= std::min(map.width - 1, x + kMedianRadius); ++u) {
+          if (map.At(u, v).inv_depth > 0) values.push_back(map.At(u, v).inv_depth);
+        }
+      }
+      const auto middle = values.begin() + static_cast<int64_t>(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      if (std::abs(map.planes[i].inv_depth / *middle - 1) > kOutlier) (*confidence)[i] *= kDamped;
+    }
+  });
+}
+
+/// Damps connected pieces of one surface that are too small to be one.
+void DampIslands(const PlaneMap& map, std::vector<float>* confidence) {
+  const int width = map.width, height = map.height;
+  std::vector<uint8_t> visited(confidence->size(), 0);
+  std::vector<size_t> piece;
+  for (size_t start = 0; start < visited.size(); ++start) {
+    if (visited[start] != 0 || (*confidence)[start] < kWorthConnecting) continue;
+    piece.assign(1, start);
+    visited[start] = 1;
+    for (size_t next = 0; next < piece.size(); ++next) {
+      const size_t i = piece[next];
+      const int x = static_cast<int>(i % static_cast<size_t>(width)), y = static_cast<int>(i / static_cast<size_t>(width));
+      const auto visit = [&](int u, int v) {
+        if (u < 0 || v < 0 || u >= width || v >= height) return;
+        const size_t j = static_cast<size_t>(v) * width + u;
+        if (visited[j] != 0 || (*confidence)[j] < kWorthConnecting) return;
+        if (std::abs(map.planes[j].inv_depth / map.planes[i].inv_depth - 1) > kSameSurface) return;
+        visited[j] = 1;
+        piece.push_back(j);
+      };
+      visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+    }
+    if (piece.size() >= kIsland) continue;
+    for (const size_t i : piece) (*confidence)[i] *= kDamped;
+  }
+}
+
+}  // namespace
+
+std::vector<float> Confidence(const StereoScene& scene, size_t view, const std::vector<PlaneMap>& maps) {
+  const StereoView& v = scene.views[view];
+  const PlaneMap& map = maps[view];
+  const std::vector<OtherView> others = Others(scene, view, maps);
+  std::vector<float> confidence(map.planes.size(), 0);
+  ParallelFor(map.height, [&](int64_t y) {
+    for (int x = 0; x < map.width; ++x) {
+      const size_t i = static_cast<size_t>(y) * static_cast<size_t>(map.width) + static_cast<size_t>(x);
+      if (!(map.planes[i].inv_depth > 0) || (!v.usable.empty() && v.usable[i] == 0)) continue;
+      confidence[i] = Judge(v.camera, others, map.planes[i], map.costs[i],
+                            {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+    }
+  });
+  DampOutliers(map, &confidence);
+  DampIslands(map, &confidence);
+  return confidence;
+}
+
+}  // namespace oraclegs

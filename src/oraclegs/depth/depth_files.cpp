@@ -1,0 +1,217 @@
+#include "oraclegs/depth/depth_files.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "PLY files are written as the machine stores numbers");
+
+constexpr float kMax16 = 65535;
+
+std::string Stem(const std::string& name) {
+  std::string stem = fs::path(name).replace_extension().string();
+  std::replace(stem.begin(), stem.end(), '/', '_');
+  return stem;
+}
+
+/// Names of the files of views; two that would collide ("a/b.jpg", "a_b.png") keep their extension.
+std::vector<std::string> FileStems(const std::vector<std::string>& names) {
+  std::vector<std::string> stems;
+  for (const std::string& name : names) stems.push_back(Stem(name));
+  std::vector<std::string> unique = stems;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (std::count(stems.begin(), stems.end(), stems[i]) == 1) continue;
+    unique[i] = fmt::format("{}_{}", stems[i], i);
+  }
+  return unique;
+}
+
+uint8_t Byte(float value) { return static_cast<uint8_t>(std::lround(255 * std::clamp(value, 0.f, 1.f))); }
+
+Image8 Blank(const Camera& camera, int channels, int columns = 1) {
+  Image8 image{camera.width * columns, camera.height, channels, {}};
+  image.data.assign(static_cast<size_t>(image.width) * image.height * channels, 0);
+  return image;
+}
+
+Image8 NormalPicture(const DepthMap& map) {
+  Image8 image = Blank(map.camera, 3);
+  for (size_t i = 0; i < map.size(); ++i) {
+    if (!(map.confidence[i] > 0)) continue;
+    for (int c = 0; c < 3; ++c) image.data[3 * i + c] = Byte((map.normals[i][c] + 1) / 2);
+  }
+  return image;
+}
+
+Image8 ConfidencePicture(const DepthMap& map) {
+  Image8 image = Blank(map.camera, 1);
+  for (size_t i = 0; i < map.size(); ++i) image.data[i] = Byte(map.confidence[i]);
+  return image;
+}
+
+/// Inverse depths that confident pixels span, without the outermost percent.
+std::pair<float, float> Span(const DepthMap& map) {
+  std::vector<float> values;
+  for (size_t i = 0; i < map.size(); ++i) {
+    if (map.confidence[i] >= kConfident) values.push_back(map.inv_depth[i]);
+  }
+  if (values.empty()) return {0.f, 1.f};
+  std::sort(values.begin(), values.end());
+  const size_t cut = values.size() / 100;
+  return {values[cut], std::max(values[values.size() - 1 - cut], values[cut] * 1.001f)};
+}
+
+Image8 Preview(const DepthMap& map) {
+  Image8 image = Blank(map.camera, 3, 2);
+  const auto [low, high] = Span(map);
+  const auto width = static_cast<size_t>(map.camera.width);
+  for (size_t i = 0; i < map.size(); ++i) {
+    const size_t left = 3 * (i / width * 2 * width + i % width), right = left + 3 * width;
+    const Eigen::Vector3f depth = MapColor((map.inv_depth[i] - low) / (high - low)), sure = MapColor(map.confidence[i]);
+    for (int c = 0; c < 3; ++c) {
+      image.data[left + c] = map.inv_depth[i] > 0 ? Byte(depth[c]) : 0;
+      image.data[right + c] = Byte(sure[c]);
+    }
+  }
+  return image;
+}
+
+std::vector<uint16_t> Quantised(const DepthMap& map, float scale) {
+  std::vector<uint16_t> values(map.size());
+  for (size_t i = 0; i < map.size(); ++i) {
+    values[i] = static_cast<uint16_t>(std::lround(kMax16 * std::clamp(map.inv_depth[i] / scale, 0.f, 1.f)));
+  }
+  return values;
+}
+
+nlohmann::json ReadParams(const fs::path& path) {
+  try {
+    return nlohmann::json::parse(ReadFile(path, uint64_t{1} << 26));
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError("{}: is not valid JSON ({}); remove the folder, and it is made again", path.string(), error.what());
+  }
+}
+
+float Number(const nlohmann::json& params, const std::string& stem, const char* key, const fs::path& path) {
+  const auto found = params.is_object() ? params.find(stem) : params.end();
+  if (found == params.end() || !found->is_object() || !found->contains(key) || !(*found)[key].is_number()) {
+    throw InputError("{}: has no number {} for {}; remove the folder, and it is made again", path.string(), key, stem);
+  }
+  return (*found)[key].get<float>();
+}
+
+void RequireSize(const fs::path& path, int width, int height, const Camera& camera) {
+  if (width == camera.width && height == camera.height) return;
+  throw InputError("{}: is {} x {}, its photograph {} x {}; remove the folder, and it is made again", path.string(), width,
+                   height, camera.width, camera.height);
+}
+
+template <class T>
+void Append(std::string* bytes, T value) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  bytes->append(raw, sizeof(T));
+}
+
+}  // namespace
+
+Eigen::Vector3f MapColor(float value) {
+  // Seven stops of an even walk in lightness and hue, interpolated.
+  static constexpr std::array<std::array<float, 3>, 7> kStops{{{0.19f, 0.03f, 0.29f},
+                                                               {0.25f, 0.22f, 0.50f},
+                                                               {0.19f, 0.39f, 0.55f},
+                                                               {0.13f, 0.55f, 0.55f},
+                                                               {0.27f, 0.71f, 0.44f},
+                                                               {0.63f, 0.84f, 0.24f},
+                                                               {0.99f, 0.90f, 0.15f}}};
+  const float at = std::clamp(value, 0.f, 1.f) * (kStops.size() - 1);
+  const size_t k = std::min(static_cast<size_t>(at), kStops.size() - 2);
+  const float t = at - static_cast<float>(k);
+  Eigen::Vector3f color;
+  for (size_t c = 0; c < 3; ++c) color[static_cast<int>(c)] = (1 - t) * kStops[k][c] + t * kStops[k + 1][c];
+  return color;
+}
+
+std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<DepthMap>& maps) {
+  std::vector<std::string> names;
+  for (const DepthMap& map : maps) names.push_back(map.name);
+  const std::vector<std::string> stems = FileStems(names);
+  nlohmann::json params = nlohmann::json::object();
+  std::vector<std::string> files;
+  for (size_t v = 0; v < maps.size(); ++v) {
+    const DepthMap& map = maps[v];
+    const float largest = map.inv_depth.empty() ? 0 : *std::max_element(map.inv_depth.begin(), map.inv_depth.end());
+    const float scale = largest > 0 ? largest : 1;
+    params[stems[v]] = {{"scale", scale}, {"offset", 0}};
+    const std::string file = stems[v] + ".png";
+    for (const char* folder : {"", "confidence", "normals", "preview"}) files.push_back((fs::path(folder) / file).string());
+    WritePng16(dir / file, map.camera.width, map.camera.height, Quantised(map, scale));
+    WritePng(dir / "confidence" / file, ConfidencePicture(map));
+    WritePng(dir / "normals" / file, NormalPicture(map));
+    WritePng(dir / "preview" / file, Preview(map));
+  }
+  files.emplace_back("depth_params.json");
+  WriteFileAtomically(dir / "depth_params.json", params.dump(2) + "\n");
+  return files;
+}
+
+std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::string>& names,
+                                    const std::vector<Camera>& cameras) {
+  const fs::path params_path = dir / "depth_params.json";
+  const nlohmann::json params = ReadParams(params_path);
+  const std::vector<std::string> stems = FileStems(names);
+  std::vector<DepthMap> maps;
+  for (size_t v = 0; v < names.size(); ++v) {
+    const std::string file = stems[v] + ".png";
+    const float scale = Number(params, stems[v], "scale", params_path);
+    const float offset = Number(params, stems[v], "offset", params_path);
+    const Image16 depth = ReadPng16(dir / file);
+    RequireSize(dir / file, depth.width, depth.height, cameras[v]);
+    const Image8 sure = ReadImage(dir / "confidence" / file), normals = ReadImage(dir / "normals" / file);
+    RequireSize(dir / "confidence" / file, sure.width, sure.height, cameras[v]);
+    RequireSize(dir / "normals" / file, normals.width, normals.height, cameras[v]);
+    DepthMap map{names[v], cameras[v], {}, {}, {}};
+    for (size_t i = 0; i < depth.values.size(); ++i) {
+      const uint8_t* n = normals.data.data() + static_cast<size_t>(normals.channels) * i;
+      const float confidence = static_cast<float>(sure.data[static_cast<size_t>(sure.channels) * i]) / 255;
+      const float inv_depth = static_cast<float>(depth.values[i]) / kMax16 * scale + offset;
+      const bool known = depth.values[i] > 0 && inv_depth > 0;
+      const Eigen::Vector3f normal = Eigen::Vector3f(n[0], n[1], n[2]) * (2.f / 255) - Eigen::Vector3f::Ones();
+      map.inv_depth.push_back(known ? inv_depth : 0);
+      map.confidence.push_back(known ? confidence : 0);
+      map.normals.push_back(known && confidence > 0 ? normal.normalized() : Eigen::Vector3f::Zero());
+    }
+    maps.push_back(std::move(map));
+  }
+  return maps;
+}
+
+void WriteDensePly(const fs::path& path, const std::vector<DensePoint>& points) {
+  std::string ply = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\n"
+      "property uchar blue\nproperty float confidence\nproperty uchar views\nend_header\n",
+      points.size());
+  for (const DensePoint& p : points) {
+    for (int c = 0; c < 3; ++c) Append(&ply, p.xyz[c]);
+    for (int c = 0; c < 3; ++c) Append(&ply, p.normal[c]);
+    for (int c = 0; c < 3; ++c) Append(&ply, Byte(p.rgb[c]));
+    Append(&ply, p.confidence);
+    Append(&ply, static_cast<uint8_t>(std::min(p.views, 255)));
+  }
+  WriteFileAtomically(path, ply);
+}
+
+}  // namespace oraclegs

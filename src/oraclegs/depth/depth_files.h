@@ -1,0 +1,31 @@
+#pragma once
+// Depth maps as plain files that other tools open, and as pictures to look at.
+
+#include <filesystem>
+#include <vector>
+
+#include "oraclegs/depth/fusion.h"
+
+namespace oraclegs {
+
+/// Writes of each map, with NAME the view's name without extension ("a/b.jpg" -> "a_b"):
+///   dir/NAME.png             16-bit grey: inverse depth
+///   dir/confidence/NAME.png  8-bit grey, 255 = certain
+///   dir/normals/NAME.png     8-bit RGB, 255 * (n + 1) / 2, camera frame; 0 0 0 where unknown
+///   dir/preview/NAME.png     depth in colours (yellow near, purple far) beside confidence (yellow sure, purple not)
+/// and dir/depth_params.json as [3DGS] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value / 65535 * scale +
+/// offset. The paths written, relative to dir. Throws RunError.
+std::vector<std::string> WriteDepthMaps(const std::filesystem::path& dir, const std::vector<DepthMap>& maps);
+
+/// Reads the maps of these views and cameras back. Throws InputError naming the file that is missing, damaged or of
+/// another size.
+std::vector<DepthMap> ReadDepthMaps(const std::filesystem::path& dir, const std::vector<std::string>& names,
+                                    const std::vector<Camera>& cameras);
+
+/// Binary PLY: x y z nx ny nz red green blue confidence views. Throws RunError.
+void WriteDensePly(const std::filesystem::path& path, const std::vector<DensePoint>& points);
+
+/// Perceptually even colours for [0, 1]: dark purple to yellow.
+Eigen::Vector3f MapColor(float value);
+
+}  // namespace oraclegs

@@ -1,0 +1,197 @@
+#include "oraclegs/depth/fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/depth/plane.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr float kWorthJoining = 0.3f;     // confidence of a pixel that joins a point of another view
+constexpr float kLargestShift = 1.5f;     // pixels of a round trip
+constexpr float kMuchFiner = 0.7f;        // a pixel that covers less than this share of a point stays a point of its own
+constexpr float kSameSide = 0.2f;         // cosine between normals
+constexpr float kDetailRange = 0.1f;      // change of luma over two pixels that counts as full detail
+constexpr float kFlatShare = 0.1f;        // of the draws where nothing changes
+
+/// Half the largest luma difference across a pixel, relative to kDetailRange.
+std::vector<float> DetailOf(const ImageF& rgb) {
+  const int width = rgb.width, height = rgb.height;
+  const auto luma = [&](int x, int y) {
+    const float* p = rgb.row(std::clamp(y, 0, height - 1)) + 3 * std::clamp(x, 0, width - 1);
+    return 0.299f * p[0] + 0.587f * p[1] + 0.114f * p[2];
+  };
+  std::vector<float> detail(static_cast<size_t>(width) * height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float dx = luma(x + 1, y) - luma(x - 1, y), dy = luma(x, y + 1) - luma(x, y - 1);
+      detail[static_cast<size_t>(y) * width + x] = std::min(1.f, std::sqrt(dx * dx + dy * dy) / kDetailRange);
+    }
+  }
+  return detail;
+}
+
+class Fusion {
+ public:
+  Fusion(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos, const FusionOptions& options)
+      : maps_(maps), photos_(photos), options_(options) {
+    for (const DepthMap& map : maps) {
+      claimed_.emplace_back(map.size(), 0);
+      world_from_cam_.push_back(map.camera.cam_from_world.inverse().cast<float>());
+    }
+    for (const Photo& photo : photos) detail_.push_back(DetailOf(photo.rgb));
+  }
+
+  std::vector<DensePoint> Run() {
+    std::vector<DensePoint> points;
+    for (size_t v = 0; v < maps_.size(); ++v) AddPointsOf(v, &points);
+    return points;
+  }
+
+ private:
+  struct Pixel {
+    size_t view, index;
+  };
+  struct Made {
+    DensePoint point;
+    std::vector<Pixel> pixels;
+  };
+
+  Eigen::Vector3f PointAt(size_t view, size_t index) const {
+    const DepthMap& map = maps_[view];
+    const auto width = static_cast<size_t>(map.camera.width);
+    const Eigen::Vector3f ray =
+        RayOf(map.camera, static_cast<float>(index % width) + 0.5f, static_cast<float>(index / width) + 0.5f);
+    return world_from_cam_[view] * (ray / map.inv_depth[index]).eval();
+  }
+
+  float PixelSize(size_t view, size_t index) const {
+    return 1 / (maps_[view].inv_depth[index] * static_cast<float>(maps_[view].camera.fx));
+  }
+
+  Eigen::Vector3f ColorAt(Pixel p) const {
+    const float* c = photos_[p.view].rgb.data.data() + 3 * p.index;
+    return {c[0], c[1], c[2]};
+  }
+
+  /// The pixel of another view that shows the same point, if there is one.
+  bool FindIn(size_t other, const PixelMap& there, const PixelMap& back, const Eigen::Vector3f& uvw, Pixel* found) const {
+    const DepthMap& map = maps_[other];
+    const Eigen::Vector3f q = there(uvw.x(), uvw.y(), uvw.z());
+    if (!(q.z() > 0)) return false;
+    const float u = q.x() / q.z(), v = q.y() / q.z();
+    if (!(u >= 0 && v >= 0 && u < static_cast<float>(map.camera.width) && v < static_cast<float>(map.camera.height))) {
+      return false;
+    }
+    const size_t index = static_cast<size_t>(v) * static_cast<size_t>(map.camera.width) + static_cast<size_t>(u);
+    if (map.confidence[index] < kWorthJoining) return false;
+    if (std::abs(q.z() / uvw.z() * map.inv_depth[index] - 1) > options_.largest_depth_difference) return false;
+    const Eigen::Vector3f r = back(u, v, map.inv_depth[index]);
+    if (!(r.z() > 0)) return false;
+    if (std::hypot(r.x() / r.z() - uvw.x(), r.y() / r.z() - uvw.y()) > kLargestShift) return false;
+    *found = {other, index};
+    return true;
+  }
+
+  Made PointOf(Pixel first, const std::vector<PixelMap>& there, const std::vector<PixelMap>& back) const {
+    const DepthMap& map = maps_[first.view];
+    const auto width = static_cast<size_t>(map.camera.width);
+    const Eigen::Vector3f uvw(static_cast<float>(first.index % width) + 0.5f,
+                              static_cast<float>(first.index / width) + 0.5f, map.inv_depth[first.index]);
+    Made made;
+    DensePoint& point = made.point;
+    point.pixel_size = PixelSize(first.view, first.index);
+    point.views = 0;
+    Eigen::Vector3f xyz = Eigen::Vector3f::Zero(), normal = xyz, rgb = xyz;
+    float total = 0;
+    const Eigen::Vector3f facing = world_from_cam_[first.view].linear() * map.normals[first.index];
+    const auto add = [&](Pixel p) {
+      const Eigen::Vector3f n = world_from_cam_[p.view].linear() * maps_[p.view].normals[p.index];
+      if (n.dot(facing) < kSameSide) return;
+      const float size = PixelSize(p.view, p.index);
+      const float weight = maps_[p.view].confidence[p.index] / (size * size);  // the nearer view sees it better
+      xyz += weight * PointAt(p.view, p.index);
+      normal += weight * n;
+      rgb += weight * ColorAt(p);
+      total += weight;
+      point.confidence = std::max(point.confidence, maps_[p.view].confidence[p.index]);
+      point.detail = std::max(point.detail, detail_[p.view][p.index]);
+      if (size >= kMuchFiner * point.pixel_size) made.pixels.push_back(p);
+      ++point.views;
+    };
+    add(first);
+    for (size_t other = 0; other < maps_.size(); ++other) {
+      Pixel p{};
+      if (other != first.view && FindIn(other, there[other], back[other], uvw, &p)) add(p);
+    }
+    point.xyz = xyz / total;
+    point.normal = normal.normalized();
+    point.rgb = rgb / total;
+    return made;
+  }
+
+  /// Rows are worked on at once and taken into account one after the other: a pixel that two points want counts in both,
+  /// but makes no third.
+  void AddPointsOf(size_t view, std::vector<DensePoint>* points) {
+    const DepthMap& map = maps_[view];
+    std::vector<PixelMap> there, back;
+    for (const DepthMap& other : maps_) {
+      there.push_back(MapBetween(map.camera, other.camera));
+      back.push_back(MapBetween(other.camera, map.camera));
+    }
+    const auto width = static_cast<size_t>(map.camera.width);
+    std::vector<std::vector<Made>> rows(static_cast<size_t>(map.camera.height));
+    ParallelFor(map.camera.height, [&](int64_t y) {
+      for (size_t x = 0; x < width; ++x) {
+        const size_t i = static_cast<size_t>(y) * width + x;
+        if (map.confidence[i] < options_.min_confidence || claimed_[view][i] != 0) continue;
+        rows[static_cast<size_t>(y)].push_back(PointOf({view, i}, there, back));
+      }
+    });
+    for (const std::vector<Made>& row : rows) {
+      for (const Made& made : row) {
+        points->push_back(made.point);
+        for (const Pixel& p : made.pixels) claimed_[p.view][p.index] = 1;
+      }
+    }
+  }
+
+  const std::vector<DepthMap>& maps_;
+  const std::vector<Photo>& photos_;
+  const FusionOptions& options_;
+  std::vector<std::vector<uint8_t>> claimed_;
+  std::vector<std::vector<float>> detail_;
+  std::vector<Eigen::Isometry3f> world_from_cam_;
+};
+
+}  // namespace
+
+std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+                                  const FusionOptions& options) {
+  return Fusion(maps, photos, options).Run();
+}
+
+std::vector<DensePoint> Thinned(const std::vector<DensePoint>& points, size_t budget, uint64_t seed) {
+  if (points.size() <= budget) return points;
+  // Efraimidis and Spirakis, "Weighted random sampling with a reservoir" (2006): the largest u^(1/w) are a weighted draw
+  // without replacement.
+  std::vector<std::pair<float, size_t>> keys(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Philox words = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kThinning), i);
+    keys[i] = {std::log(OpenUniform(words.x[0])) / (kFlatShare + points[i].detail), i};
+  }
+  std::nth_element(keys.begin(), keys.begin() + static_cast<int64_t>(budget), keys.end(),
+                   [](const auto& a, const auto& b) { return a > b; });
+  std::vector<size_t> kept(budget);
+  for (size_t k = 0; k < budget; ++k) kept[k] = keys[k].second;
+  std::sort(kept.begin(), kept.end());
+  std::vector<DensePoint> out;
+  for (const size_t i : kept) out.push_back(points[i]);
+  return out;
+}
+
+}  // namespace oraclegs

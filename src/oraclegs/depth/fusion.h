@@ -1,0 +1,36 @@
+#pragma once
+// From depth maps to one cloud of points.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "oraclegs/depth/depth_map.h"
+#include "oraclegs/scene/photos.h"
+
+namespace oraclegs {
+
+struct DensePoint {
+  Eigen::Vector3f xyz;     ///< world
+  Eigen::Vector3f normal;  ///< world, unit, towards the cameras
+  Eigen::Vector3f rgb;     ///< [0, 1]
+  float confidence = 0;    ///< [0, 1], of the most confident pixel
+  float pixel_size = 0;    ///< world units that a pixel covers there, in the view that sees it best
+  float detail = 0;        ///< [0, 1], how much the photograph changes around it
+  int views = 1;           ///< that found it
+};
+
+struct FusionOptions {
+  float min_confidence = kConfident;
+  float largest_depth_difference = 0.01f;  ///< relative, of pixels that are one point
+};
+
+/// One point for each surface patch that pixels of at least `min_confidence` show: the weighted mean of all pixels that
+/// other photographs have of it. `photos` belong to `maps`, one by one.
+std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+                                  const FusionOptions& options);
+
+/// At most `budget` of the points, more where the photographs show detail, by a draw that depends on the seed alone. In
+/// their order.
+std::vector<DensePoint> Thinned(const std::vector<DensePoint>& points, size_t budget, uint64_t seed);
+
+}  // namespace oraclegs

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+
+/// A picture in 8 bits, laid out so that one 32-bit load fetches the four pixels of a bilinear sample: word (x, y) of a
+/// channel holds, lowest byte first, the pixels (x, y), (x+1, y), (x, y+1), (x+1, y+1); beyond the border the last
+/// pixel repeats.
+struct PackedImage {
+  int width = 0, height = 0;
+  std::vector<std::vector<uint32_t>> channels;  ///< each height * width words
+
+  uint8_t Value(int channel, int x, int y) const {
+    return static_cast<uint8_t>(channels[static_cast<size_t>(channel)][static_cast<size_t>(y) * width + x]);
+  }
+};
+
+/// Every channel of `image`, values in [0, 1] rounded to 8 bits.
+PackedImage Pack(const ImageF& image);
+
+/// Rec. 601 luma of an RGB picture, one channel.
+ImageF Luma(const ImageF& rgb);
+
+}  // namespace oraclegs

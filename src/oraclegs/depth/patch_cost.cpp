@@ -1,0 +1,207 @@
+// A vector holds neighbouring samples of one patch; a sample is one gather of a PackedImage word per channel.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "oraclegs/depth/patch_cost.cpp"
+#include "oraclegs/core/hwy_targets.h"
+// clang-format off: foreach_target must come before the other Highway headers
+#include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "oraclegs/depth/patch_cost.h"
+
+#ifndef ORACLEGS_DEPTH_PATCH_COST_ONCE_
+#define ORACLEGS_DEPTH_PATCH_COST_ONCE_
+namespace oraclegs {
+
+// Variance that 8-bit rounding and sensor noise give a flat patch, per channel: without it their correlation is chance.
+inline constexpr float kNoiseVariance = 1.5f * 1.5f;
+// No sample of a patch may come nearer to the source camera than this share of its centre's depth.
+inline constexpr float kNearestShare = 0.1f;
+
+}  // namespace oraclegs
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::CappedTag<float, 16>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using V = hn::Vec<F>;
+
+HWY_INLINE V ByteOf(hn::Vec<U> word) { return hn::ConvertTo(F(), hn::BitCast(I(), word)); }
+
+/// Pixel coordinates of a patch's samples: base + dx * right + dy * down, homogeneous.
+struct Homography {
+  Eigen::Vector3f base, right, down;
+};
+
+template <int kChannels>
+HWY_INLINE float Cost(const Patch& patch, const PackedImage& image, const Homography& h) {
+  const F f;
+  const I i;
+  const PatchOffsets& offsets = Offsets();
+  const V max_x = hn::Set(f, static_cast<float>(image.width - 1)), max_y = hn::Set(f, static_cast<float>(image.height - 1));
+  const V half = hn::Set(f, 0.5f), zero = hn::Zero(f);
+  const auto stride = hn::Set(i, image.width);
+  const auto byte = hn::Set(U(), 255u);
+  V sums[kChannels], cross = zero, squares = zero;
+  for (V& sum : sums) sum = zero;
+  for (size_t k = 0; k < kPatchSlots; k += hn::Lanes(f)) {
+    const V dx = hn::Load(f, &offsets.x[k]), dy = hn::Load(f, &offsets.y[k]);
+    const auto along = [&](int row) {
+      return hn::MulAdd(dx, hn::Set(f, h.right[row]), hn::MulAdd(dy, hn::Set(f, h.down[row]), hn::Set(f, h.base[row])));
+    };
+    const V inverse = hn::Div(hn::Set(f, 1.f), along(2));
+    const V x = hn::Min(hn::Max(hn::Sub(hn::Mul(along(0), inverse), half), zero), max_x);
+    const V y = hn::Min(hn::Max(hn::Sub(hn::Mul(along(1), inverse), half), zero), max_y);
+    const auto xi = hn::ConvertTo(i, x), yi = hn::ConvertTo(i, y);
+    const V fx = hn::Sub(x, hn::ConvertTo(f, xi)), fy = hn::Sub(y, hn::ConvertTo(f, yi));
+    const auto index = hn::Add(hn::Mul(yi, stride), xi);
+    const V weight = hn::Load(f, patch.weight + k);
+    for (int c = 0; c < kChannels; ++c) {
+      const auto word = hn::GatherIndex(U(), image.channels[static_cast<size_t>(c)].data(), index);
+      const V p00 = ByteOf(hn::And(word, byte)), p10 = ByteOf(hn::And(hn::ShiftRight<8>(word), byte));
+      const V p01 = ByteOf(hn::And(hn::ShiftRight<16>(word), byte)), p11 = ByteOf(hn::ShiftRight<24>(word));
+      const V top = hn::MulAdd(fx, hn::Sub(p10, p00), p00), bottom = hn::MulAdd(fx, hn::Sub(p11, p01), p01);
+      const V value = hn::MulAdd(fy, hn::Sub(bottom, top), top);
+      const V weighted = hn::Mul(weight, value);
+      sums[c] = hn::Add(sums[c], weighted);
+      squares = hn::MulAdd(weighted, value, squares);
+      cross = hn::MulAdd(hn::Load(f, patch.centred[c] + k), value, cross);
+    }
+  }
+  float variance = hn::GetLane(hn::SumOfLanes(f, squares));
+  for (const V& sum : sums) {
+    const float mean = hn::GetLane(hn::SumOfLanes(f, sum));
+    variance -= mean * mean;
+  }
+  const float guard = kNoiseVariance * kChannels;
+  const float ncc = hn::GetLane(hn::SumOfLanes(f, cross)) /
+                    std::sqrt((patch.variance + guard) * (std::max(variance, 0.f) + guard));
+  return std::clamp(1 - ncc, 0.f, kWorstCost);
+}
+
+HWY_INLINE bool Comparable(const Homography& h, const PackedImage& image) {
+  const float z = h.base.z();
+  const float nearest = z - kPatchRadius * (std::abs(h.right.z()) + std::abs(h.down.z()));
+  if (!(z > 0) || !(nearest > kNearestShare * z)) return false;
+  return h.base.x() >= 0 && h.base.y() >= 0 && h.base.x() <= z * static_cast<float>(image.width) &&
+         h.base.y() <= z * static_cast<float>(image.height);
+}
+
+void Costs(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources, const Plane* planes,
+           int num_planes, float* costs) {
+  for (int s = 0; s < num_sources; ++s) {
+    const PackedImage& image = *sources[s].image;
+    const PixelMap& map = sources[s].map;
+    const Eigen::Vector3f far = map(patch.u, patch.v, 0);
+    for (int p = 0; p < num_planes; ++p) {
+      float& cost = costs[p * num_sources + s];
+      cost = kWorstCost;
+      if (active[s] == 0) continue;
+      const Homography h{far + map.translation * planes[p].inv_depth,
+                         map.rotation.col(0) + map.translation * planes[p].dx,
+                         map.rotation.col(1) + map.translation * planes[p].dy};
+      if (!Comparable(h, image)) continue;
+      cost = image.channels.size() == 1 ? Cost<1>(patch, image, h) : Cost<3>(patch, image, h);
+    }
+  }
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace oraclegs {
+namespace {
+
+HWY_EXPORT(Costs);
+
+constexpr double kSigmaPixels = 4, kSigmaValue = 20;  // of the bilateral weights; value in 8-bit units of luma
+
+PatchOffsets MakeOffsets() {
+  PatchOffsets offsets;
+  size_t n = 0;
+  for (int y = -kPatchRadius; y <= kPatchRadius; ++y) {
+    for (int x = -kPatchRadius; x <= kPatchRadius; ++x) {
+      if ((x + y) % 2 != 0) continue;
+      offsets.x[n] = static_cast<float>(x);
+      offsets.y[n++] = static_cast<float>(y);
+    }
+  }
+  return offsets;
+}
+
+/// exp(-d^2 / (2 sigma^2)) for every 8-bit difference and every offset.
+struct BilateralTables {
+  std::array<float, 256> value;
+  std::array<float, kPatchSamples> distance;
+};
+
+BilateralTables MakeTables() {
+  BilateralTables tables{};
+  for (size_t d = 0; d < 256; ++d) {
+    tables.value[d] = static_cast<float>(std::exp(-std::pow(static_cast<double>(d) / kSigmaValue, 2) / 2));
+  }
+  for (size_t k = 0; k < kPatchSamples; ++k) {
+    const double r2 = std::pow(Offsets().x[k], 2) + std::pow(Offsets().y[k], 2);
+    tables.distance[k] = static_cast<float>(std::exp(-r2 / (2 * kSigmaPixels * kSigmaPixels)));
+  }
+  return tables;
+}
+
+}  // namespace
+
+const PatchOffsets& Offsets() {
+  static const PatchOffsets offsets = MakeOffsets();
+  return offsets;
+}
+
+Patch MakePatch(const PackedImage& image, int x, int y, const uint8_t* usable) {
+  static const BilateralTables tables = MakeTables();
+  const PatchOffsets& offsets = Offsets();
+  const int channels = static_cast<int>(image.channels.size());
+  Patch patch;
+  patch.u = static_cast<float>(x) + 0.5f;
+  patch.v = static_cast<float>(y) + 0.5f;
+  float values[kMaxChannels][kPatchSamples];
+  float total = 0;
+  for (int k = 0; k < kPatchSamples; ++k) {
+    const int sx = x + static_cast<int>(offsets.x[k]), sy = y + static_cast<int>(offsets.y[k]);
+    const bool counts = sx >= 0 && sy >= 0 && sx < image.width && sy < image.height &&
+                        (usable == nullptr || usable[static_cast<size_t>(sy) * image.width + sx] != 0);
+    int difference = 0;
+    for (int c = 0; c < channels; ++c) {
+      const int value = counts ? image.Value(c, sx, sy) : 0;
+      values[c][k] = static_cast<float>(value);
+      difference += std::abs(value - image.Value(c, x, y));
+    }
+    patch.weight[k] = counts ? tables.distance[k] * tables.value[difference / channels] : 0;
+    total += patch.weight[k];
+  }
+  if (!(total > 0)) return patch;
+  for (int k = 0; k < kPatchSamples; ++k) patch.weight[k] /= total;
+  for (int c = 0; c < channels; ++c) {
+    float mean = 0;
+    for (int k = 0; k < kPatchSamples; ++k) mean += patch.weight[k] * values[c][k];
+    for (int k = 0; k < kPatchSamples; ++k) {
+      patch.centred[c][k] = patch.weight[k] * (values[c][k] - mean);
+      patch.variance += patch.centred[c][k] * (values[c][k] - mean);
+    }
+  }
+  return patch;
+}
+
+void PatchCosts(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources,
+                const Plane* planes, int num_planes, float* costs) {
+  HWY_DYNAMIC_DISPATCH(Costs)(patch, sources, active, num_sources, planes, num_planes, costs);
+}
+
+}  // namespace oraclegs
+#endif

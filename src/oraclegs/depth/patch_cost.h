@@ -1,0 +1,51 @@
+#pragma once
+// How well a patch of one photograph fits another, the inner loop of stereo.
+
+#include <array>
+#include <cstdint>
+
+#include "oraclegs/depth/packed_image.h"
+#include "oraclegs/depth/plane.h"
+
+namespace oraclegs {
+
+/// Every second pixel of a 9 x 9 window, like one colour of a chessboard.
+inline constexpr int kPatchRadius = 4;
+inline constexpr int kPatchSamples = 41;
+inline constexpr int kPatchSlots = 48;  ///< padded to whole vectors
+inline constexpr int kMaxChannels = 3;
+
+/// The worst cost: 1 - ZNCC of opposite patches, and what is given where a patch cannot be compared.
+inline constexpr float kWorstCost = 2;
+
+struct PatchOffsets {
+  alignas(64) std::array<float, kPatchSlots> x{};  ///< pixels from the centre, zero in the padding
+  alignas(64) std::array<float, kPatchSlots> y{};
+};
+const PatchOffsets& Offsets();
+
+/// A pixel's surroundings in the reference view, weighted by likeness to the pixel and nearness (bilateral).
+struct Patch {
+  float u = 0, v = 0;  ///< the pixel's centre
+  alignas(64) float weight[kPatchSlots] = {};                 ///< sum 1, zero in the padding
+  alignas(64) float centred[kMaxChannels][kPatchSlots] = {};  ///< weight * (value - weighted mean), 8-bit units
+  float variance = 0;                                         ///< sum over channels of the weighted variance, squared units
+};
+
+/// The patch around pixel (x, y); samples beyond the border or with usable == 0 count nothing. `usable` may be null.
+Patch MakePatch(const PackedImage& image, int x, int y, const uint8_t* usable);
+
+/// Another view to compare with.
+struct PatchSource {
+  const PackedImage* image = nullptr;  ///< as many channels as the patch's
+  PixelMap map;                        ///< from the reference view
+};
+
+/// costs[p * num_sources + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] (their inverse depth is at the patch's
+/// centre) in sources[s]. The correlation runs over all channels at once; a guard against noise in flat patches pulls it
+/// to 0. kWorstCost where the plane takes the centre out of the picture or part of the patch behind the camera, and for
+/// sources whose `active` is 0.
+void PatchCosts(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources,
+                const Plane* planes, int num_planes, float* costs);
+
+}  // namespace oraclegs

@@ -1,0 +1,43 @@
+#pragma once
+// Hypotheses of stereo, and how they carry pixels from one view to another.
+
+#include <Eigen/Core>
+
+#include "oraclegs/scene/camera.h"
+
+namespace oraclegs {
+
+/// A surface patch seen from one camera: its inverse depth at a pixel's centre and how that changes over the image. A
+/// plane in space is exactly linear in inverse depth over the image, so the homography it induces needs no normal.
+struct Plane {
+  float inv_depth = 0;  ///< 1/z, 1/world unit
+  float dx = 0, dy = 0;  ///< per pixel to the right, downwards
+
+  /// Inverse depth `x` pixels to the right and `y` down.
+  float At(float x, float y) const { return inv_depth + dx * x + dy * y; }
+};
+
+/// Pixel coordinates of one view to another's: the point at (u, v) with inverse depth w projects to the homogeneous
+/// pixel rotation * (u, v, 1) + translation * w, both in the frame whose pixel (0,0) has its centre at (0.5, 0.5). The
+/// third coordinate is the depth in the other view divided by the depth in this one.
+struct PixelMap {
+  Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f translation = Eigen::Vector3f::Zero();
+
+  Eigen::Vector3f operator()(float u, float v, float inv_depth) const {
+    return rotation.col(0) * u + rotation.col(1) * v + rotation.col(2) + translation * inv_depth;
+  }
+};
+
+PixelMap MapBetween(const Camera& from, const Camera& to);
+
+/// Direction, in the camera's frame and not normalised, of the pixel (u, v), with z = 1.
+inline Eigen::Vector3f RayOf(const Camera& camera, float u, float v) {
+  return {(u - static_cast<float>(camera.cx)) / static_cast<float>(camera.fx),
+          (v - static_cast<float>(camera.cy)) / static_cast<float>(camera.fy), 1.f};
+}
+
+/// Unit normal in the camera's frame, towards the camera, of a plane at the pixel (u, v).
+Eigen::Vector3f NormalOf(const Camera& camera, const Plane& plane, float u, float v);
+
+}  // namespace oraclegs

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/scene/photos.h"
+
+namespace oraclegs {
+
+/// Where an object stands in each photograph; nothing of the scene projects beside all of them.
+class Silhouettes {
+ public:
+  /// Recognises an object before a known background, or holds nothing: every photograph's border must, but for a tenth,
+  /// be excluded by its mask or show one colour, the same in all photographs (a Blender scene composited on its
+  /// background; a turntable before a sheet). Background is then what is masked or is that colour and connected with
+  /// the border.
+  explicit Silhouettes(const std::vector<Photo>& photos);
+
+  bool empty() const { return object_.empty(); }
+  /// height * width of view `v`'s picture: 1 = object.
+  const std::vector<uint8_t>& Object(size_t v) const { return object_[v]; }
+  /// False when the pixel of view `v` is farther than two pixels from the object; true beyond the picture, of which
+  /// nothing is known.
+  bool MayContain(size_t v, float x, float y) const {
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(sizes_[v].first) && y < static_cast<float>(sizes_[v].second))) {
+      return true;
+    }
+    return grown_[v][static_cast<size_t>(y) * static_cast<size_t>(sizes_[v].first) + static_cast<size_t>(x)] != 0;
+  }
+
+  /// True when no view rules the point (world) out: the visual hull. At least one view must see it.
+  bool HullContains(const std::vector<Photo>& photos, const Eigen::Vector3d& point) const;
+
+ private:
+  std::vector<std::vector<uint8_t>> object_, grown_;
+  std::vector<std::pair<int, int>> sizes_;
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,174 @@
+#include "oraclegs/depth/stereo.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/depth/confidence.h"
+#include "oraclegs/depth/patch_match.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kSmallestCoarseSide = 60;   // pixels: below, halving leaves patches nothing to compare
+constexpr int kGeometricIterations = 2;   // of a pass in which views must agree
+constexpr int kHintRadius = 1;            // pixels around a known point that start at its depth
+
+class Stereo {
+ public:
+  Stereo(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points, const StereoOptions& options,
+         const Listener& listener)
+      : photos_(photos),
+        points_(points),
+        options_(options),
+        listener_(listener),
+        silhouettes_(photos),
+        ranges_(FindDepthRanges(photos, points, silhouettes_)),
+        neighbors_(FindNeighbors(photos, points, options.neighbors)) {
+    int smallest = photos.front().camera.width;
+    for (const Photo& p : photos) smallest = std::min({smallest, p.camera.width, p.camera.height});
+    levels_ = smallest >= 2 * kSmallestCoarseSide ? 2 : 1;
+    const auto n = static_cast<int64_t>(photos.size());
+    total_ = n * levels_ * options.geometric_passes + n;
+  }
+
+  std::vector<DepthMap> Run() {
+    TellLonely();
+    std::vector<PlaneMap> maps;
+    int pass = 0;
+    for (int level = levels_ - 1; level >= 0; --level) {
+      const StereoScene scene = SceneAt(level);
+      if (maps.empty()) {
+        for (size_t v = 0; v < photos_.size(); ++v) maps.push_back(RandomPlanes(scene, v, Hints(scene, v)));
+        ImproveAll(scene, {options_.iterations, pass++, nullptr}, &maps);
+      } else {
+        for (size_t v = 0; v < maps.size(); ++v) {
+          maps[v] = Resized(maps[v], scene.views[v].camera.width, scene.views[v].camera.height);
+        }
+      }
+      for (int k = 0; k < options_.geometric_passes; ++k) {
+        const std::vector<PlaneMap> before = maps;
+        ImproveAll(scene, {kGeometricIterations, pass++, &before}, &maps);
+      }
+      if (level == 0) return Finish(scene, maps);
+    }
+    return {};
+  }
+
+ private:
+  bool InColor() const {
+    return options_.stereo_color == "yes" || (options_.stereo_color == "auto" && !silhouettes_.empty());
+  }
+
+  StereoScene SceneAt(int level) const {
+    StereoScene scene;
+    scene.silhouettes = &silhouettes_;
+    scene.silhouette_scale = static_cast<float>(1 << level);
+    for (size_t v = 0; v < photos_.size(); ++v) {
+      const Photo& photo = photos_[v];
+      const int width = std::max(1, photo.camera.width >> level), height = std::max(1, photo.camera.height >> level);
+      StereoView view{Resized(photo.camera, width, height), {}, Usable(v, width, height), ranges_[v], neighbors_[v]};
+      const ImageF small = level == 0 ? photo.rgb : ResizeArea(photo.rgb, width, height);
+      view.image = Pack(InColor() ? small : Luma(small));
+      scene.views.push_back(std::move(view));
+    }
+    return scene;
+  }
+
+  /// Pixels that count and show the object, at a resolution; empty = all.
+  std::vector<uint8_t> Usable(size_t v, int width, int height) const {
+    const Photo& photo = photos_[v];
+    if (photo.mask.empty() && silhouettes_.empty()) return {};
+    std::vector<uint8_t> usable(static_cast<size_t>(width) * height);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const size_t from = static_cast<size_t>((2 * y + 1) * photo.camera.height / (2 * height)) * photo.camera.width +
+                            static_cast<size_t>((2 * x + 1) * photo.camera.width / (2 * width));
+        usable[static_cast<size_t>(y) * width + x] =
+            (photo.mask.empty() || photo.mask[from] != 0) && (silhouettes_.empty() || silhouettes_.Object(v)[from] != 0);
+      }
+    }
+    return usable;
+  }
+
+  /// Inverse depths of the points that view `v` is known to have seen, around where they project.
+  std::vector<float> Hints(const StereoScene& scene, size_t v) const {
+    const Camera& camera = scene.views[v].camera;
+    std::vector<float> hints(static_cast<size_t>(camera.width) * camera.height, 0);
+    for (const ScenePoint& point : points_) {
+      if (std::find(point.views.begin(), point.views.end(), static_cast<int>(v)) == point.views.end()) continue;
+      const Eigen::Vector3d p = camera.cam_from_world * point.xyz;
+      if (!(p.z() > 0)) continue;
+      const int x = static_cast<int>(std::floor(camera.fx * p.x() / p.z() + camera.cx));
+      const int y = static_cast<int>(std::floor(camera.fy * p.y() / p.z() + camera.cy));
+      for (int row = std::max(0, y - kHintRadius); row <= std::min(camera.height - 1, y + kHintRadius); ++row) {
+        for (int column = std::max(0, x - kHintRadius); column <= std::min(camera.width - 1, x + kHintRadius); ++column) {
+          hints[static_cast<size_t>(row) * camera.width + column] = static_cast<float>(1 / p.z());
+        }
+      }
+    }
+    return hints;
+  }
+
+  void ImproveAll(const StereoScene& scene, const PassOptions& options, std::vector<PlaneMap>* maps) {
+    for (size_t v = 0; v < maps->size(); ++v) {
+      ThrowIfInterrupted();
+      RunPass(scene, v, options, &(*maps)[v]);
+      listener_(StepDone{"depth", ++done_, total_, "photographs",
+                         fmt::format("{} x {}", (*maps)[v].width, (*maps)[v].height)});
+    }
+  }
+
+  std::vector<DepthMap> Finish(const StereoScene& scene, const std::vector<PlaneMap>& maps) const {
+    std::vector<DepthMap> out;
+    for (size_t v = 0; v < maps.size(); ++v) {
+      const PlaneMap& map = maps[v];
+      DepthMap depth{photos_[v].name, photos_[v].camera, {}, {}, Confidence(scene, v, maps)};
+      depth.inv_depth.assign(map.planes.size(), 0);
+      depth.normals.assign(map.planes.size(), Eigen::Vector3f::Zero());
+      for (size_t i = 0; i < map.planes.size(); ++i) {
+        if (!(depth.confidence[i] > 0)) continue;
+        depth.inv_depth[i] = map.planes[i].inv_depth;
+        depth.normals[i] =
+            NormalOf(depth.camera, map.planes[i], static_cast<float>(i % static_cast<size_t>(map.width)) + 0.5f,
+                     static_cast<float>(i / static_cast<size_t>(map.width)) + 0.5f);
+      }
+      out.push_back(std::move(depth));
+    }
+    return out;
+  }
+
+  void TellLonely() const {
+    std::vector<std::string> names;
+    for (size_t v = 0; v < photos_.size(); ++v) {
+      if (neighbors_[v].empty()) names.push_back(photos_[v].name);
+    }
+    if (names.empty()) return;
+    listener_(Warning{fmt::format(
+        "no depth can be found for photographs that overlap with no other, or were taken from the same point: {}",
+        fmt::join(names, ", "))});
+  }
+
+  const std::vector<Photo>& photos_;
+  const std::vector<ScenePoint>& points_;
+  const StereoOptions& options_;
+  const Listener& listener_;
+  Silhouettes silhouettes_;
+  std::vector<DepthRange> ranges_;
+  std::vector<std::vector<int>> neighbors_;
+  int levels_ = 1;
+  int64_t done_ = 0, total_ = 0;
+};
+
+}  // namespace
+
+std::vector<DepthMap> EstimateDepth(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                                    const StereoOptions& options, const Listener& listener) {
+  if (photos.empty()) return {};
+  return Stereo(photos, points, options, listener).Run();
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,44 @@
+#pragma once
+// Multi-view stereo on the CPU: dense depth from posed photographs, without any network (spec/weight_free.md).
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/core/progress.h"
+#include "oraclegs/depth/depth_map.h"
+#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+struct StereoOptions {
+  int neighbors = 5;
+  int iterations = 5;
+  int geometric_passes = 2;
+  std::string stereo_color = "auto";
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("stereo-neighbors", neighbors, "Photographs each one is compared with to find its depth", Range{1, 8});
+    visit("stereo-iterations", iterations, "Rounds of the photometric search, at the coarse resolution", Range{1, 50});
+    visit("stereo-passes", geometric_passes,
+          "Passes in which the photographs' depths are made to agree, at each resolution", Range{0, 16});
+    visit("stereo-color", stereo_color,
+          "Compare colours or brightness only, which is three times as fast; auto = colours for an object before a "
+          "plain background",
+          Choice{{"auto", "yes", "no"}});
+  }
+};
+
+/// Depth of every photograph, in their order: coarse to fine PatchMatch, then passes in which the views must agree.
+/// `points` (views index `photos`) give distances and neighbours where there are any; without them the cameras do.
+/// Silhouettes, where the photographs show one object before a plain background, bound every depth.
+/// Pixels that cannot be known (no texture, no overlap, mirrors, sky) come out with little or no confidence.
+/// `listener` hears StepDone{"depth"}, and a warning that names photographs that overlap with no other.
+/// The same bits for any number of threads. Throws Interrupted.
+std::vector<DepthMap> EstimateDepth(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                                    const StereoOptions& options, const Listener& listener);
+
+}  // namespace oraclegs

@@ -1,0 +1,137 @@
+#include "oraclegs/depth/stereo_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "oraclegs/core/rng.h"
+#include "oraclegs/scene/looked_at.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kEnoughForRange = 20;   // points of a view
+constexpr int kEnoughForPair = 8;        // points two views share
+constexpr double kNearQuantile = 0.003, kFarQuantile = 0.995;
+constexpr double kNearMargin = 0.3, kFarMargin = 2.5;     // factors on those quantiles of depth
+constexpr double kObjectReach = 0.45;                     // of the distance, for an object within silhouettes
+constexpr double kSceneNear = 0.2, kSceneFar = 20;        // of the distance, for a scene without points
+constexpr double kBestAngle = 10, kLargestAngle = 60;     // degrees
+constexpr double kNarrowSigma = 5, kWideSigma = 15;       // degrees
+constexpr int kStandIns = 1000;
+constexpr double kStandInRadius = 0.25;  // of the ball the cameras look at
+
+bool InFrame(const Camera& camera, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d p = camera.cam_from_world * point;
+  if (!(p.z() > 0)) return false;
+  const double x = camera.fx * p.x() / p.z() + camera.cx, y = camera.fy * p.y() / p.z() + camera.cy;
+  return x >= 0 && y >= 0 && x < camera.width && y < camera.height;
+}
+
+double AngleScore(double angle) {
+  if (angle >= kLargestAngle) return 0;
+  const double sigma = angle < kBestAngle ? kNarrowSigma : kWideSigma;
+  return std::exp(-std::pow((angle - kBestAngle) / sigma, 2) / 2);
+}
+
+std::vector<Camera> CamerasOf(const std::vector<Photo>& photos) {
+  std::vector<Camera> cameras;
+  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  return cameras;
+}
+
+/// Points in the middle of what the cameras look at.
+std::vector<Eigen::Vector3d> StandIns(const std::vector<Camera>& cameras) {
+  const Ball ball = LookedAt(cameras);
+  Rng rng(0, RandomStream::kStereoStandIns);
+  std::vector<Eigen::Vector3d> points;
+  while (points.size() < kStandIns) {
+    const Eigen::Vector3d p(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
+    if (p.squaredNorm() <= 1) points.push_back(ball.center + kStandInRadius * ball.radius * p);
+  }
+  return points;
+}
+
+DepthRange RangeFromDepths(std::vector<double> depths) {
+  std::sort(depths.begin(), depths.end());
+  const auto quantile = [&](double q) { return depths[static_cast<size_t>(q * static_cast<double>(depths.size() - 1))]; };
+  return {static_cast<float>(1 / (kFarMargin * quantile(kFarQuantile))),
+          static_cast<float>(1 / (kNearMargin * quantile(kNearQuantile)))};
+}
+
+double PairScore(const Camera& a, const Camera& b, const std::vector<Eigen::Vector3d>& shared) {
+  double sum = 0;
+  for (const Eigen::Vector3d& p : shared) sum += AngleScore(AngleAt(p, a, b));
+  return shared.empty() ? 0 : sum / static_cast<double>(shared.size());
+}
+
+}  // namespace
+
+double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b) {
+  const Eigen::Vector3d to_a = (a.Center() - point).normalized(), to_b = (b.Center() - point).normalized();
+  return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0)) * 180 / M_PI;
+}
+
+std::vector<DepthRange> FindDepthRanges(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                                        const Silhouettes& silhouettes) {
+  std::vector<std::vector<double>> depths(photos.size());
+  for (const ScenePoint& point : points) {
+    for (size_t v = 0; v < photos.size(); ++v) {
+      // All points in frame count, seen or hidden: the bounds then hold for what no point was found on.
+      if (InFrame(photos[v].camera, point.xyz)) depths[v].push_back((photos[v].camera.cam_from_world * point.xyz).z());
+    }
+  }
+  const Ball ball = LookedAt(CamerasOf(photos));
+  std::vector<DepthRange> ranges;
+  for (size_t v = 0; v < photos.size(); ++v) {
+    const double distance = (photos[v].camera.Center() - ball.center).norm();
+    if (!silhouettes.empty() && distance > 0) {
+      ranges.push_back({static_cast<float>(1 / ((1 + kObjectReach) * distance)),
+                        static_cast<float>(1 / ((1 - kObjectReach) * distance))});
+    } else if (depths[v].size() >= kEnoughForRange) {
+      ranges.push_back(RangeFromDepths(std::move(depths[v])));
+    } else {
+      const double scale = distance > 0 ? distance : ball.radius;
+      ranges.push_back({static_cast<float>(1 / (kSceneFar * scale)), static_cast<float>(1 / (kSceneNear * scale))});
+    }
+  }
+  return ranges;
+}
+
+std::vector<std::vector<int>> FindNeighbors(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                                            int most) {
+  const std::vector<Eigen::Vector3d> stand_ins = StandIns(CamerasOf(photos));
+  const int n = static_cast<int>(photos.size());
+  std::vector<std::vector<std::vector<Eigen::Vector3d>>> shared(n, std::vector<std::vector<Eigen::Vector3d>>(n));
+  for (const ScenePoint& point : points) {
+    for (const int a : point.views) {
+      for (const int b : point.views) {
+        if (a != b) shared[a][b].push_back(point.xyz);
+      }
+    }
+  }
+  std::vector<std::vector<int>> neighbors;
+  for (int a = 0; a < n; ++a) {
+    std::vector<std::pair<double, int>> scores;
+    for (int b = 0; b < n; ++b) {
+      if (a == b) continue;
+      const Camera& camera_a = photos[a].camera;
+      const Camera& camera_b = photos[b].camera;
+      std::vector<Eigen::Vector3d>& common = shared[a][b];
+      if (static_cast<int>(common.size()) < kEnoughForPair) {
+        for (const Eigen::Vector3d& p : stand_ins) {
+          if (InFrame(camera_a, p) && InFrame(camera_b, p)) common.push_back(p);
+        }
+      }
+      const double score = PairScore(camera_a, camera_b, common);
+      if (score > 0) scores.emplace_back(-score, b);
+    }
+    std::sort(scores.begin(), scores.end());
+    std::vector<int> best;
+    for (size_t k = 0; k < scores.size() && static_cast<int>(k) < most; ++k) best.push_back(scores[k].second);
+    neighbors.push_back(std::move(best));
+  }
+  return neighbors;
+}
+
+}  // namespace oraclegs

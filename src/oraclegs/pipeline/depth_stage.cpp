@@ -1,0 +1,100 @@
+#include "oraclegs/pipeline/depth_stage.h"
+
+#include <algorithm>
+#include <string>
+
+#include "oraclegs/depth/depth_files.h"
+#include "oraclegs/depth/stereo.h"
+#include "oraclegs/pipeline/fingerprint.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kNextToNothing = 0.02;  // share of confident pixels
+
+std::string Key(const Run& run, const std::vector<ScenePoint>& points) {
+  Fingerprint print;
+  print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale))
+      .Add(OptionsToJson(run.options.photo).dump())
+      .Add(OptionsToJson(run.options.stereo).dump());
+  for (const ScenePoint& p : points) print.Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
+  return print.Hex();
+}
+
+/// Points whose views are indices of the training photographs.
+std::vector<ScenePoint> SeenByPhotos(const Run& run, std::vector<ScenePoint> points) {
+  for (ScenePoint& point : points) {
+    std::vector<int> photos;
+    for (const int view : point.views) {
+      const auto found = std::find(run.split.train.begin(), run.split.train.end(), view);
+      if (found != run.split.train.end()) photos.push_back(static_cast<int>(found - run.split.train.begin()));
+    }
+    point.views = std::move(photos);
+  }
+  return points;
+}
+
+std::vector<DepthMap> ReadBack(const Run& run, const std::vector<Photo>& photos) {
+  std::vector<std::string> names;
+  std::vector<Camera> cameras;
+  for (const Photo& photo : photos) {
+    names.push_back(photo.name);
+    cameras.push_back(photo.camera);
+  }
+  return ReadDepthMaps(run.workspace.depth(), names, cameras);
+}
+
+void Tell(const Run& run, const Geometry& geometry) {
+  double share = 0;
+  std::vector<std::string> poor;
+  for (const DepthMap& map : geometry.maps) {
+    const double own = ConfidentShare(map);
+    share += own / static_cast<double>(geometry.maps.size());
+    if (own < kNextToNothing) poor.push_back(map.name);
+  }
+  run.listener(Note{fmt::format("depth is confident on {:.0f} % of the pixels; {} dense points", 100 * share,
+                                geometry.points.size())});
+  if (poor.empty()) return;
+  run.listener(Warning{fmt::format(
+      "hardly any depth was found in {}: no other photograph shows the same surfaces from near by, or they have no "
+      "texture; take more photographs between them",
+      fmt::join(poor, ", "))});
+}
+
+}  // namespace
+
+Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points) {
+  const std::string key = Key(*run, points);
+  Geometry geometry;
+  if (run->workspace.IsDone("depth", key)) {
+    try {
+      geometry.maps = ReadBack(*run, photos);
+    } catch (const InputError& damage) {
+      run->listener(Warning{fmt::format("{}; the depth is found again", damage.what())});
+    }
+  }
+  const bool cached = !geometry.maps.empty();
+  const StageClock clock("depth", run->listener);
+  if (!cached) {
+    std::vector<std::string> files = WriteDepthMaps(
+        run->workspace.depth(),
+        EstimateDepth(photos, SeenByPhotos(*run, points), run->options.stereo, run->listener));
+    for (std::string& file : files) file = "depth/" + file;
+    // What a later run will read, so that a continued run has the same bits as one that was never stopped.
+    geometry.maps = ReadBack(*run, photos);
+    geometry.points = FuseDepth(geometry.maps, photos, {});
+    WriteDensePly(run->workspace.dense_ply(), geometry.points);
+    files.emplace_back("sfm/dense.ply");
+    run->workspace.MarkDone("depth", {{"key", key},
+                                      {"seconds", clock.Seconds()},
+                                      {"points", geometry.points.size()},
+                                      {"files", std::move(files)}});
+  } else {
+    geometry.points = FuseDepth(geometry.maps, photos, {});
+  }
+  clock.Finish();
+  Tell(*run, geometry);
+  return geometry;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "oraclegs/depth/fusion.h"
+#include "oraclegs/pipeline/run.h"
+#include "oraclegs/scene/photos.h"
+
+namespace oraclegs {
+
+/// What stereo found in the training photographs.
+struct Geometry {
+  std::vector<DepthMap> maps;       ///< one for each photograph
+  std::vector<DensePoint> points;   ///< fused
+};
+
+/// Stage "depth": multi-view stereo over the training photographs, in the order of the split. Writes depth/ and
+/// sfm/dense.ply; read back when photographs, points and options are unchanged. `points` are those of stage "sfm".
+/// Tells what share of the pixels is confident, and warns of photographs of which next to nothing is.
+Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points);
+
+}  // namespace oraclegs
