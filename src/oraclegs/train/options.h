@@ -10,6 +10,7 @@ namespace oraclegs {
 struct TrainOptions {
   int iterations = 7000;
   int max_gaussians = 100000;
+  double depth_weight = 1;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -31,6 +32,10 @@ struct TrainOptions {
     visit("sh-degree-interval", sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
     visit("antialiased", antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("depth-weight", depth_weight,
+          "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
+          "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
+          Range{0, 1e3});
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours", Range{1e-3, 10});

@@ -8,6 +8,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/gaussians/initialize.h"
+#include "oraclegs/loss/depth.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/mcmc.h"
@@ -57,15 +58,9 @@ std::vector<Camera> Cameras(const std::vector<TrainView>& views) {
   return cameras;
 }
 
-void CheckViews(const std::vector<TrainView>& views) {
-  if (views.empty()) throw UsageError("there is no photograph to train on");
-  for (const TrainView& view : views) {
-    const int64_t height = view.camera.height, width = view.camera.width;
-    RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
-    if (view.confidence.defined()) {
-      RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
-    }
-  }
+std::vector<TrainView> WithCleanDepths(std::vector<TrainView> views) {
+  for (TrainView& view : views) view = WithCleanDepth(std::move(view));
+  return views;
 }
 
 /// The stages, in the order of the declaration; Run measures the total apart.
@@ -104,39 +99,22 @@ TrainTimings Mean(TrainTimings sum, int64_t iterations) {
 
 }  // namespace
 
-TrainView ToTrainView(const Photo& photo) {
-  TrainView view{photo.name, photo.camera, {}, {}};
-  const int64_t height = photo.rgb.height, width = photo.rgb.width;
-  if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {
-    throw ShapeError("ToTrainView: {} has {} channels, expected 3", photo.name, photo.rgb.channels);
-  }
-  view.image = torch::empty({height, width, 3}, torch::kFloat);
-  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data_ptr<float>());
-  if (photo.mask.empty()) return view;
-  if (photo.mask.size() != static_cast<size_t>(height * width)) {
-    throw ShapeError("ToTrainView: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
-                     height * width);
-  }
-  view.confidence = torch::empty({height, width}, torch::kFloat);
-  std::transform(photo.mask.begin(), photo.mask.end(), view.confidence.data_ptr<float>(),
-                 [](uint8_t counts) { return counts ? 1.f : 0.f; });
-  return view;
-}
-
 struct Trainer::State {
   State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color,
         std::vector<TrainView> photographs, const Gaussians& start)
       : options(train_options),
         seed(run_seed),
         background(color),
-        views(std::move(photographs)),
+        views(WithCleanDepths(std::move(photographs))),
         extent(SpatialExtent(Cameras(views))),
+        depth_scale(options.depth_weight * CharacteristicDepth(views)),
         gaussians(Clone(start)),
         adam(start.size()),
         sampler(run_seed, static_cast<int>(views.size()), 0),
         rasterizer(MakeRasterizer(torch::kCPU)) {}
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
+  double DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad);
   double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
   void Refine(double lr_means);
   void RequireFinite(double value, const TrainView& view) const;
@@ -152,6 +130,7 @@ struct Trainer::State {
   std::array<float, 3> background;
   std::vector<TrainView> views;
   double extent;
+  double depth_scale;  // of the depth term at the start of the run, world units; 0 = there is none
 
   // What a checkpoint holds.
   int64_t iteration = 0;
@@ -166,7 +145,7 @@ struct Trainer::State {
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
   Regularizers regularizers;
-  ImageBuffer grad_image, masked_image;
+  ImageBuffer grad_image, grad_inv_depth, masked_image;
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
@@ -182,6 +161,14 @@ double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image
   const double value = photometric(masked, view.image, view.confidence, weights, grad).loss;
   SelectByMask(view.confidence, *grad, {}, *grad);
   return value;
+}
+
+/// Leaves `grad` undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.
+double Trainer::State::DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad) {
+  if (depth_scale == 0 || !view.inv_depth.defined()) return 0;
+  *grad = grad_inv_depth.Get({view.camera.height, view.camera.width});
+  const double weight = depth_scale * DepthWeight(iteration + 1, options.iterations);
+  return DepthLoss(inv_depth, view.inv_depth, view.depth_mask, weight, grad);
 }
 
 /// Everything between the gradient of the image and the moved Gaussians, block by block: gradients are used up while
@@ -273,10 +260,11 @@ double Trainer::Step() {
   double rendering = 0;  // the rasteriser times its own stages
   lap.To(&rendering);
   Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
-  double loss = s.PhotographLoss(view, out.image, &grad_image);
+  Tensor grad_inv_depth;
+  double loss = s.PhotographLoss(view, out.image, &grad_image) + s.DepthTerm(view, out.inv_depth, &grad_inv_depth);
   s.RequireFinite(loss, view);
   lap.To(&timings.loss);
-  loss += s.BackwardAndStep({grad_image, {}, {}}, rates, degree);
+  loss += s.BackwardAndStep({grad_image, {}, grad_inv_depth}, rates, degree);
   s.RequireFinite(loss, view);
   timings.render = s.rasterizer->timings();
   lap.To(&rendering);
