@@ -11,6 +11,7 @@ struct TrainOptions {
   int iterations = 7000;
   int max_gaussians = 100000;
   double depth_weight = 1;
+  bool exposure = false;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -36,6 +37,9 @@ struct TrainOptions {
           "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
           Range{0, 1e3});
+    visit("exposure", exposure,
+          "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
+          "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure");
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours", Range{1e-3, 10});

@@ -7,6 +7,7 @@
 #include "oraclegs/core/tensor.h"
 #include "oraclegs/scene/camera.h"
 #include "oraclegs/scene/photos.h"
+#include "oraclegs/train/exposure.h"
 
 namespace oraclegs {
 
@@ -18,6 +19,7 @@ struct TrainView {
   Tensor confidence;       ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
   Tensor inv_depth = {};   ///< [H,W] 1/z, 1/world unit; undefined = no depth is known of this view
   Tensor depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
+  ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
 };
 
 /// Without depth. Throws ShapeError when the photo's buffers do not fit its size.

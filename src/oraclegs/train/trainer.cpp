@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstring>
+#include <optional>
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
@@ -63,6 +65,12 @@ std::vector<TrainView> WithCleanDepths(std::vector<TrainView> views) {
   return views;
 }
 
+std::vector<ExposureMap> StartExposures(const std::vector<TrainView>& views) {
+  std::vector<ExposureMap> maps;
+  for (const TrainView& view : views) maps.push_back(view.exposure);
+  return maps;
+}
+
 /// The stages, in the order of the declaration; Run measures the total apart.
 std::array<double*, 8> Stages(TrainTimings* t) {
   return {&t->render.project,           &t->render.bin, &t->render.blend, &t->render.blend_backward,
@@ -111,9 +119,12 @@ struct Trainer::State {
         gaussians(Clone(start)),
         adam(start.size()),
         sampler(run_seed, static_cast<int>(views.size()), 0),
-        rasterizer(MakeRasterizer(torch::kCPU)) {}
+        rasterizer(MakeRasterizer(torch::kCPU)) {
+    if (options.exposure) exposures.emplace(StartExposures(views));
+  }
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
+  double ExposedLoss(int index, const Tensor& image, Tensor* grad);
   double DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad);
   double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
   void Refine(double lr_means);
@@ -137,6 +148,7 @@ struct Trainer::State {
   Gaussians gaussians;
   Adam adam;
   ViewSampler sampler;
+  std::optional<Exposures> exposures;
   double seconds = 0, loss = 0;
   nlohmann::json run_options;
   bool restored = false;
@@ -145,7 +157,7 @@ struct Trainer::State {
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
   Regularizers regularizers;
-  ImageBuffer grad_image, grad_inv_depth, masked_image;
+  ImageBuffer grad_image, grad_inv_depth, masked_image, exposed_image;
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
@@ -160,6 +172,22 @@ double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image
   SelectByMask(view.confidence, image, view.image, masked);
   const double value = photometric(masked, view.image, view.confidence, weights, grad).loss;
   SelectByMask(view.confidence, *grad, {}, *grad);
+  return value;
+}
+
+/// The loss of a view whose photograph saw the scene through an exposure map of its own, which learns from it. The last
+/// iteration moves no map.
+double Trainer::State::ExposedLoss(int index, const Tensor& image, Tensor* grad) {
+  const TrainView& view = views[index];
+  if (!exposures) return PhotographLoss(view, image, grad);
+  const Tensor exposed = exposed_image.Get({view.camera.height, view.camera.width, 3});
+  exposures->Apply(index, image, exposed);
+  double value = PhotographLoss(view, exposed, grad);
+  ExposureGradient gradient = exposures->Backward(index, image, *grad);
+  value += exposures->AddPull(index, &gradient);
+  RequireFinite(value, view);
+  const int64_t i = iteration + 1;
+  if (!IsLast(i)) exposures->Step(index, gradient, ExposureLearningRate(i, options.iterations));
   return value;
 }
 
@@ -232,6 +260,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
                      checkpoint.adam.v.size());
   }
   s.sampler.Restore(checkpoint.sampler);
+  if (s.exposures) s.exposures->Restore(checkpoint.exposures);
   s.iteration = checkpoint.iteration;
   s.gaussians = Clone(checkpoint.gaussians);
   s.adam.m = Clone(checkpoint.adam.m);
@@ -252,7 +281,8 @@ double Trainer::Step() {
   LearningRates rates;
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
   const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
-  const TrainView& view = s.views[s.sampler.Next(0).index];
+  const int index = s.sampler.Next(0).index;
+  const TrainView& view = s.views[index];
 
   const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera,
                                                  {s.background, degree, s.options.antialiased}, RenderPass::kTrain);
@@ -261,7 +291,7 @@ double Trainer::Step() {
   lap.To(&rendering);
   Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
   Tensor grad_inv_depth;
-  double loss = s.PhotographLoss(view, out.image, &grad_image) + s.DepthTerm(view, out.inv_depth, &grad_inv_depth);
+  double loss = s.ExposedLoss(index, out.image, &grad_image) + s.DepthTerm(view, out.inv_depth, &grad_inv_depth);
   s.RequireFinite(loss, view);
   lap.To(&timings.loss);
   loss += s.BackwardAndStep({grad_image, {}, grad_inv_depth}, rates, degree);
@@ -322,6 +352,14 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
 
 const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
 
+Tensor Trainer::exposures() const {
+  if (!state_->exposures) return {};
+  const std::vector<ExposureMap>& maps = state_->exposures->maps();
+  Tensor result = torch::empty({static_cast<int64_t>(maps.size()), 3, 4}, torch::kFloat);
+  std::memcpy(result.data_ptr<float>(), maps.data(), maps.size() * sizeof(ExposureMap));
+  return result;
+}
+
 int64_t Trainer::iteration() const { return state_->iteration; }
 
 TrainTimings Trainer::MeanTimings() const { return Mean(state_->timings, state_->iteration - state_->timed_since); }
@@ -339,6 +377,7 @@ Checkpoint Trainer::MakeCheckpoint() const {
   checkpoint.adam.v = Clone(s.adam.v);
   checkpoint.adam.step = s.adam.step;
   checkpoint.sampler = s.sampler.state();
+  if (s.exposures) checkpoint.exposures = s.exposures->state();
   checkpoint.seconds = s.seconds;
   checkpoint.loss = s.loss;
   checkpoint.options = s.run_options;

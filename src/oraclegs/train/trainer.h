@@ -16,7 +16,7 @@ namespace oraclegs {
 /// Milliseconds of an iteration, or means over several, by stage.
 struct TrainTimings {
   RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
-  double loss = 0;       ///< photometric and depth
+  double loss = 0;       ///< photometric, with exposure, and depth
   double refine = 0;     ///< relocation and growth, with the noise of iterations that do so
   double total = 0;
 };
@@ -59,6 +59,8 @@ class Trainer {
 
   const Gaussians& gaussians() const;
   int64_t iteration() const;
+  /// [V,3,4], what turns a render into each photograph's colours; undefined unless the exposure is trained.
+  Tensor exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;
   /// Of the last iteration alone; without `total`.
