@@ -37,6 +37,7 @@ enum class RandomStream : uint64_t {
   kAdd = 4,
   kNoise = 5,
   kDemoScene = 6,
+  kOpacityFactors = 16,  // of dropout and opacity noise
 };
 
 /// Sequential reader of one stream; its whole state is the counter.
