@@ -12,6 +12,8 @@ struct TrainOptions {
   int max_gaussians = 100000;
   double depth_weight = 1;
   bool exposure = false;
+  double dropout = 0;
+  double opacity_noise = 0;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -40,6 +42,17 @@ struct TrainOptions {
     visit("exposure", exposure,
           "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
           "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure");
+    visit("dropout", dropout,
+          "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
+          "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "
+          "2025, uses 0.2)",
+          Range{0, 0.95});
+    visit(
+        "opacity-noise", opacity_noise,
+        "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
+        "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
+        "Sparse-View 3DGS, 2025, uses 0.8)",
+        Range{0, 10});
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours", Range{1e-3, 10});

@@ -14,6 +14,7 @@
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/opacity_factors.h"
 #include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"
 
@@ -125,6 +126,7 @@ struct Trainer::State {
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
   double ExposedLoss(int index, const Tensor& image, Tensor* grad);
+  Tensor OpacityFactors();
   double DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad);
   double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
   void Refine(double lr_means);
@@ -157,10 +159,25 @@ struct Trainer::State {
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
   Regularizers regularizers;
+  Tensor opacity_factors;  // [N]
   ImageBuffer grad_image, grad_inv_depth, masked_image, exposed_image;
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
+
+/// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
+/// model as it will be used.
+Tensor Trainer::State::OpacityFactors() {
+  const int64_t i = iteration + 1;
+  const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
+                                         IsLast(i) ? 0 : options.opacity_noise};
+  if (!perturbation.IsActive()) return {};
+  if (!opacity_factors.defined() || opacity_factors.numel() != gaussians.size()) {
+    opacity_factors = torch::empty({gaussians.size()}, torch::kFloat);
+  }
+  DrawOpacityFactors(perturbation, opacity_factors);
+  return opacity_factors;
+}
 
 double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad) {
   const PhotometricWeights weights{static_cast<float>(1 - options.ssim_weight),
@@ -284,8 +301,8 @@ double Trainer::Step() {
   const int index = s.sampler.Next(0).index;
   const TrainView& view = s.views[index];
 
-  const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera,
-                                                 {s.background, degree, s.options.antialiased}, RenderPass::kTrain);
+  const RenderOptions render{s.background, degree, s.options.antialiased, s.OpacityFactors()};
+  const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera, render, RenderPass::kTrain);
   TrainTimings& timings = s.last_timings = {};
   double rendering = 0;  // the rasteriser times its own stages
   lap.To(&rendering);
