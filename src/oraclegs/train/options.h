@@ -14,6 +14,8 @@ struct TrainOptions {
   bool exposure = false;
   double dropout = 0;
   double opacity_noise = 0;
+  double coarse_share = 0;
+  bool prune_floaters = false;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -53,6 +55,13 @@ struct TrainOptions {
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
         "Sparse-View 3DGS, 2025, uses 0.8)",
         Range{0, 10});
+    visit("coarse-share", coarse_share,
+          "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "
+          "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
+          Range{0, 0.9});
+    visit("prune-floaters", prune_floaters,
+          "At each relocation also move Gaussians that hang 10 % or more before the depth of some photographs and on "
+          "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours", Range{1e-3, 10});

@@ -13,6 +13,8 @@
 #include "oraclegs/loss/depth.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
+#include "oraclegs/train/coarse.h"
+#include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/opacity_factors.h"
 #include "oraclegs/train/rows.h"
@@ -66,6 +68,12 @@ std::vector<TrainView> WithCleanDepths(std::vector<TrainView> views) {
   return views;
 }
 
+std::vector<TrainView> HalfSizes(const std::vector<TrainView>& views) {
+  std::vector<TrainView> halves;
+  for (const TrainView& view : views) halves.push_back(HalfSize(view));
+  return halves;
+}
+
 std::vector<ExposureMap> StartExposures(const std::vector<TrainView>& views) {
   std::vector<ExposureMap> maps;
   for (const TrainView& view : views) maps.push_back(view.exposure);
@@ -116,6 +124,8 @@ struct Trainer::State {
         background(color),
         views(WithCleanDepths(std::move(photographs))),
         extent(SpatialExtent(Cameras(views))),
+        coarse_iterations(CoarseIterations(options.coarse_share, options.iterations)),
+        half_views(coarse_iterations > 0 ? HalfSizes(views) : std::vector<TrainView>()),
         depth_scale(options.depth_weight * CharacteristicDepth(views)),
         gaussians(Clone(start)),
         adam(start.size()),
@@ -125,6 +135,7 @@ struct Trainer::State {
   }
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
+  const TrainView& ViewNow(int index) const;
   double ExposedLoss(int index, const Tensor& image, Tensor* grad);
   Tensor OpacityFactors();
   double DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad);
@@ -143,7 +154,9 @@ struct Trainer::State {
   std::array<float, 3> background;
   std::vector<TrainView> views;
   double extent;
-  double depth_scale;  // of the depth term at the start of the run, world units; 0 = there is none
+  int64_t coarse_iterations;
+  std::vector<TrainView> half_views;  // none without coarse iterations
+  double depth_scale;                 // of the depth term at the start of the run, world units; 0 = there is none
 
   // What a checkpoint holds.
   int64_t iteration = 0;
@@ -164,6 +177,11 @@ struct Trainer::State {
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
+
+/// The view as this iteration sees it.
+const TrainView& Trainer::State::ViewNow(int index) const {
+  return iteration < coarse_iterations ? half_views[index] : views[index];
+}
 
 /// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
 /// model as it will be used.
@@ -195,7 +213,7 @@ double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image
 /// The loss of a view whose photograph saw the scene through an exposure map of its own, which learns from it. The last
 /// iteration moves no map.
 double Trainer::State::ExposedLoss(int index, const Tensor& image, Tensor* grad) {
-  const TrainView& view = views[index];
+  const TrainView& view = ViewNow(index);
   if (!exposures) return PhotographLoss(view, image, grad);
   const Tensor exposed = exposed_image.Get({view.camera.height, view.camera.width, 3});
   exposures->Apply(index, image, exposed);
@@ -241,6 +259,7 @@ double Trainer::State::BackwardAndStep(const RenderGrads& upstream, const Learni
 /// Never the last iteration: refine_stop is at most 1.
 void Trainer::State::Refine(double lr_means) {
   const int64_t i = iteration + 1;
+  if (options.prune_floaters) PruneFloaters(views, &gaussians);
   RelocateDead(seed, i, &gaussians, &adam);
   AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
   AddNoise({seed, i, lr_means}, &gaussians);
@@ -299,7 +318,7 @@ double Trainer::Step() {
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
   const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
   const int index = s.sampler.Next(0).index;
-  const TrainView& view = s.views[index];
+  const TrainView& view = s.ViewNow(index);
 
   const RenderOptions render{s.background, degree, s.options.antialiased, s.OpacityFactors()};
   const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera, render, RenderPass::kTrain);
