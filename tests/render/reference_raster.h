@@ -61,6 +61,9 @@ struct ReferenceScene {
       const math::RawSplat<double> raw{{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, q[0], q[1], q[2], q[3],
                                        opacity_logits[i]};
       Item item{math::Project(math::EvaluateChain(raw, cam, options.antialiased), cam), {}};
+      if (options.opacity_factors.defined()) {
+        item.p.opacity *= static_cast<double>(options.opacity_factors.data_ptr<float>()[i]);
+      }
       if (item.p.z <= kNearPlane) continue;
       math::Vec3<double> d{m[0] - eye[0], m[1] - eye[1], m[2] - eye[2]};
       const double norm = std::sqrt(math::Dot(d, d));

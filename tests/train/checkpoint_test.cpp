@@ -36,6 +36,10 @@ void ExpectSame(const Checkpoint& a, const Checkpoint& b) {
   EXPECT_EQ(a.sampler.photographs, b.sampler.photographs);
   EXPECT_EQ(a.sampler.proposals, b.sampler.proposals);
   EXPECT_EQ(a.sampler.counter, b.sampler.counter);
+  EXPECT_EQ(a.exposures.maps, b.exposures.maps);
+  EXPECT_EQ(a.exposures.m, b.exposures.m);
+  EXPECT_EQ(a.exposures.v, b.exposures.v);
+  EXPECT_EQ(a.exposures.steps, b.exposures.steps);
   EXPECT_EQ(std::memcmp(&a.seconds, &b.seconds, sizeof(double)), 0);
   EXPECT_EQ(std::memcmp(&a.loss, &b.loss, sizeof(double)), 0);
   EXPECT_EQ(a.options, b.options);
@@ -63,6 +67,26 @@ TEST(CheckpointTest, RoundTripIsExact) {
     WriteCheckpoint(path, before);
     ExpectSame(ReadCheckpoint(path), before);
   }
+}
+
+ExposureMap Twelve(float first) {
+  ExposureMap map;
+  for (int k = 0; k < 12; ++k) map[k] = first + 0.1f * static_cast<float>(k);
+  return map;
+}
+
+TEST(CheckpointTest, ExposuresAreThereWhereTheyAreTrained) {
+  TempDir dir;
+  Checkpoint before = Example(3);
+  WriteCheckpoint(dir / "without", before);
+  EXPECT_FALSE(SafetensorsFile::Open(dir / "without").Has("exposure.maps"));
+  before.exposures = {{Twelve(1), Twelve(2)}, {Twelve(3), Twelve(4)}, {Twelve(5), Twelve(6)}, {7, 8}};
+  WriteCheckpoint(dir / "with", before);
+  EXPECT_THAT(SafetensorsFile::Open(dir / "with").Get("exposure.maps").shape, testing::ElementsAre(2, 3, 4));
+  ExpectSame(ReadCheckpoint(dir / "with"), before);
+  before.exposures.steps.push_back(9);  // of a photograph without a map
+  WriteCheckpoint(dir / "uneven", before);
+  EXPECT_THAT(Refusal(dir / "uneven"), HasSubstr("exposure.maps has shape [2, 3, 4], expected [3, 3, 4]"));
 }
 
 TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {

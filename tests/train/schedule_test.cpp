@@ -54,5 +54,11 @@ TEST(ScheduleTest, ProposalsAreLikeliestAtAQuarter) {
   }
 }
 
+TEST(ScheduleTest, ExposureRateFallsTenfold) {
+  EXPECT_NEAR(ExposureLearningRate(0, 1000), 1e-2, 1e-9);
+  EXPECT_NEAR(ExposureLearningRate(500, 1000), std::sqrt(1e-5), 1e-9);
+  EXPECT_NEAR(ExposureLearningRate(1000, 1000), 1e-3, 1e-9);
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -6,66 +6,12 @@
 #include "oraclegs/train/rows.h"
 #include "support/golden.h"
 #include "support/tensors.h"
-#include "train/gaussian_fixtures.h"
+#include "train/small_scene.h"
 
 namespace oraclegs {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr int kWidth = 37, kHeight = 29;
-constexpr uint64_t kSeed = 11;
-
-/// Looks at the origin from a circle of radius 3.
-Camera CameraOnCircle(double angle) {
-  Camera camera{kWidth, kHeight, 40, 40, kWidth / 2.0, kHeight / 2.0, Eigen::Isometry3d::Identity()};
-  camera.cam_from_world.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  camera.cam_from_world.translation() = Eigen::Vector3d(0, 0, 3);
-  return camera;
-}
-
-/// A few coloured Gaussians around the origin.
-Gaussians Truth() {
-  Gaussians truth = RandomGaussians(40, 21);
-  truth.means *= 0.4f;
-  truth.opacity_logits.fill_(2);
-  truth.sh.narrow(1, 1, 15).zero_();
-  return truth;
-}
-
-/// Photographs of them, taken by the rasteriser itself.
-std::vector<TrainView> Photographs(int count) {
-  const Gaussians truth = Truth();
-  auto rasterizer = MakeRasterizer(torch::kCPU);
-  std::vector<TrainView> views;
-  for (int i = 0; i < count; ++i) {
-    TrainView view{"photo" + std::to_string(i), CameraOnCircle(0.3 * i), {}, {}};
-    view.image = rasterizer->Forward(truth, view.camera, {}, RenderPass::kInference).image.clone();
-    views.push_back(view);
-  }
-  return views;
-}
-
-Gaussians Start(int64_t n = 60) {
-  Gaussians start = RandomGaussians(n, 22);
-  start.means *= 0.5f;
-  start.log_scales.fill_(-2.5f);
-  start.opacity_logits.zero_();
-  start.opacity_logits.narrow(0, 0, 5).fill_(-7);  // dead, to be relocated
-  start.sh.zero_();
-  return start;
-}
-
-/// Refines at 40, 50, ..., so that everything that can happen happens within 100 iterations.
-TrainOptions Options(int iterations = 100) {
-  TrainOptions options;
-  options.iterations = iterations;
-  options.max_gaussians = 80;
-  options.refine_start = 30;
-  options.refine_every = 10;
-  options.sh_degree_interval = 20;
-  return options;
-}
 
 Trainer MakeTrainer(const TrainOptions& options, int views = 4) {
   return Trainer(options, kSeed, {0, 0, 0}, Photographs(views), Start());
@@ -293,22 +239,6 @@ TEST(TrainerTest, RefusesCheckpointsOfAnotherRun) {
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("seed 1, not 2"));
   }
-}
-
-TEST(ToTrainViewTest, CopiesPixelsAndMask) {
-  Photo photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
-  photo.rgb.data[3 * (kWidth + 2) + 1] = 0.75f;  // row 1, column 2, green
-  EXPECT_FALSE(ToTrainView(photo).confidence.defined());
-  photo.mask.assign(kWidth * kHeight, 1);
-  photo.mask[5] = 0;
-  const TrainView view = ToTrainView(photo);
-  EXPECT_EQ(view.name, "a");
-  EXPECT_EQ(view.image[1][2][1].item<float>(), 0.75f);
-  EXPECT_EQ(view.image.sum().item<float>(), 0.25f * kWidth * kHeight * 3 + 0.5f);
-  EXPECT_EQ(view.confidence[0][5].item<float>(), 0);
-  EXPECT_EQ(view.confidence.sum().item<float>(), kWidth * kHeight - 1);
-  photo.mask.pop_back();
-  EXPECT_THROW(ToTrainView(photo), ShapeError);
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ enum class RandomStream : uint64_t {
   kStereo = 7,
   kStereoStandIns = 8,
   kThinning = 9,
+  kOpacityFactors = 16,  // of dropout and opacity noise
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

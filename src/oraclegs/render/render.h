@@ -14,6 +14,10 @@ struct RenderOptions {
   std::array<float, 3> background{0, 0, 0};  ///< RGB, [0, 1]
   int sh_degree = kMaxShDegree;              ///< active degree, 0..3; higher coefficients are neither read nor written
   bool antialiased = false;                  ///< opacity compensation (3.8); a model is rendered as it was trained
+  /// [N] float32, finite and >= 0, undefined = 1: multiplies each Gaussian's opacity for this render. 0 leaves the
+  /// Gaussian out, without gradient. The product may exceed 1, alpha is capped as ever. Gradients are those of the raw
+  /// parameters; the factors get none. Read by Forward only.
+  Tensor opacity_factors = {};
 };
 
 enum class RenderPass {

@@ -54,6 +54,20 @@ void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std
   });
 }
 
+/// Nothing without photographs.
+void AddExposures(const ExposureState& state, std::map<std::string, TensorEntry>* tensors) {
+  if (state.maps.empty()) return;
+  const auto add = [&](const char* name, const std::vector<ExposureMap>& maps) {
+    const auto views = static_cast<int64_t>(maps.size());
+    tensors->emplace(name, Entry("F32", {views, 3, 4}, maps.data(), views));
+  };
+  add("exposure.maps", state.maps);
+  add("exposure.adam.m", state.m);
+  add("exposure.adam.v", state.v);
+  const auto views = static_cast<int64_t>(state.steps.size());
+  tensors->emplace("exposure.adam.steps", Entry("I64", {views}, state.steps.data(), views));
+}
+
 /// An opened checkpoint; every access that fails names the file.
 struct Reader {
   const fs::path& path;
@@ -97,6 +111,26 @@ struct Reader {
     std::vector<int64_t> values(entry.bytes.size() / sizeof(int64_t));
     if (!values.empty()) std::memcpy(values.data(), entry.bytes.data(), entry.bytes.size());
     return values;
+  }
+
+  std::vector<ExposureMap> Maps(const std::string& name, int64_t views) const {
+    const TensorEntry& entry = Typed(name, "F32");
+    if (entry.shape != std::vector<int64_t>{views, 3, 4}) {
+      throw InputError("{}: {} has shape [{}], expected [{}, 3, 4]", path.string(), name, fmt::join(entry.shape, ", "),
+                       views);
+    }
+    std::vector<ExposureMap> maps(views);
+    if (!entry.bytes.empty()) std::memcpy(maps.data(), entry.bytes.data(), entry.bytes.size());
+    return maps;
+  }
+
+  /// Empty where the run did not train them.
+  ExposureState Exposures() const {
+    if (!file.Has("exposure.maps")) return {};
+    std::vector<int64_t> steps = Integers("exposure.adam.steps");
+    const auto views = static_cast<int64_t>(steps.size());
+    return {Maps("exposure.maps", views), Maps("exposure.adam.m", views), Maps("exposure.adam.v", views),
+            std::move(steps)};
   }
 
   /// The five tensors of a group, each of `n` Gaussians.
@@ -178,6 +212,7 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
   };
   add_stack("sampler.photographs", checkpoint.sampler.photographs);
   add_stack("sampler.proposals", checkpoint.sampler.proposals);
+  AddExposures(checkpoint.exposures, &tensors);
   std::string bytes =
       SerializeSafetensors(tensors, {{"format", kFormat},
                                      {"format_version", std::to_string(kFormatVersion)},
@@ -214,6 +249,7 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
   checkpoint.adam.step = reader.Number<int64_t>("adam.step");
   checkpoint.sampler = {reader.Integers("sampler.photographs"), reader.Integers("sampler.proposals"),
                         reader.Number<uint64_t>("sampler.counter")};
+  checkpoint.exposures = reader.Exposures();
   checkpoint.seconds = reader.Number<double>("seconds");
   checkpoint.loss = reader.Number<double>("loss");
   checkpoint.options = reader.Json("options");

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "oraclegs/train/adam.h"
+#include "oraclegs/train/exposure.h"
 #include "oraclegs/train/view_sampler.h"
 
 namespace oraclegs {
@@ -17,9 +18,10 @@ struct Checkpoint {
   Gaussians gaussians;
   Adam adam{0};
   ViewSampler::State sampler;
-  double seconds = 0;      ///< training time so far
-  double loss = 0;         ///< smoothed loss shown to the user
-  nlohmann::json options;  ///< what the run was started with; resuming compares
+  ExposureState exposures;  ///< empty, and absent from the file, where they are not trained
+  double seconds = 0;       ///< training time so far
+  double loss = 0;          ///< smoothed loss shown to the user
+  nlohmann::json options;   ///< what the run was started with; resuming compares
 };
 
 /// The text that stands for the options in the file; two runs with the same text may continue each other. Bytes of a

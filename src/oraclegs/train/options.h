@@ -10,6 +10,12 @@ namespace oraclegs {
 struct TrainOptions {
   int iterations = 7000;
   int max_gaussians = 100000;
+  double depth_weight = 1;
+  bool exposure = false;
+  double dropout = 0;
+  double opacity_noise = 0;
+  double coarse_share = 0;
+  bool prune_floaters = false;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -29,6 +35,31 @@ struct TrainOptions {
     visit("sh-degree-interval", sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
     visit("antialiased", antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("depth-weight", depth_weight,
+          "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
+          "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
+          Range{0, 1e3});
+    visit("exposure", exposure,
+          "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
+          "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure");
+    visit("dropout", dropout,
+          "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
+          "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "
+          "2025, uses 0.2)",
+          Range{0, 0.95});
+    visit(
+        "opacity-noise", opacity_noise,
+        "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
+        "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
+        "Sparse-View 3DGS, 2025, uses 0.8)",
+        Range{0, 10});
+    visit("coarse-share", coarse_share,
+          "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "
+          "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
+          Range{0, 0.9});
+    visit("prune-floaters", prune_floaters,
+          "At each relocation also move Gaussians that hang 10 % or more before the depth of some photographs and on "
+          "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("random-points", random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});

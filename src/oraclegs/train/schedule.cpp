@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kFirstMeansRate = 1.6e-4;  // per unit of scene extent
 constexpr double kLastMeansRate = 1.6e-6;
+constexpr double kFirstExposureRate = 1e-2;
+constexpr double kLastExposureRate = 1e-3;
 constexpr double kLastDepthWeight = 0.01;
 constexpr double kSyntheticFloor = 0.1;
 constexpr int kHighestShDegree = 3;
@@ -16,18 +18,26 @@ double Progress(int64_t iteration, int64_t iterations) {
   return std::clamp(static_cast<double>(iteration) / static_cast<double>(iterations), 0.0, 1.0);
 }
 
+/// From first at t = 0 to last at t = 1.
+double LogLinear(double first, double last, double t) {
+  return std::exp((1 - t) * std::log(first) + t * std::log(last));
+}
+
 /// Beta(2,4)'s density over 20: 0 at both ends, largest at t = 1/4.
 double Bump(double t) { return t * (1 - t) * (1 - t) * (1 - t); }
 
 }  // namespace
 
 double MeansLearningRate(int64_t iteration, int64_t iterations, double extent) {
-  const double t = Progress(iteration, iterations);
-  return extent * std::exp((1 - t) * std::log(kFirstMeansRate) + t * std::log(kLastMeansRate));
+  return extent * LogLinear(kFirstMeansRate, kLastMeansRate, Progress(iteration, iterations));
 }
 
 int ActiveShDegree(int64_t iteration, int64_t interval) {
   return static_cast<int>(std::min<int64_t>(iteration / interval, kHighestShDegree));
+}
+
+double ExposureLearningRate(int64_t iteration, int64_t iterations) {
+  return LogLinear(kFirstExposureRate, kLastExposureRate, Progress(iteration, iterations));
 }
 
 double DepthWeight(int64_t iteration, int64_t iterations) {

@@ -9,6 +9,8 @@ namespace oraclegs {
 double MeansLearningRate(int64_t iteration, int64_t iterations, double extent);
 /// Active SH degree: raised by one at every multiple of `interval`, to at most 3.
 int ActiveShDegree(int64_t iteration, int64_t interval = 1000);
+/// Of exposure maps: log-linear 1e-2 -> 1e-3 over `iterations`, as [3DGS] trains its own.
+double ExposureLearningRate(int64_t iteration, int64_t iterations);
 /// 0.01^t, t = iteration / iterations.
 double DepthWeight(int64_t iteration, int64_t iterations);
 /// Probability of drawing a proposal, 0.1 + t (1-t)^3.

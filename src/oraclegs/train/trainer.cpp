@@ -4,13 +4,19 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstring>
+#include <optional>
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/loss/depth.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
+#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/train/coarse.h"
+#include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/opacity_factors.h"
 #include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"
 
@@ -57,15 +63,21 @@ std::vector<Camera> Cameras(const std::vector<TrainView>& views) {
   return cameras;
 }
 
-void CheckViews(const std::vector<TrainView>& views) {
-  if (views.empty()) throw UsageError("there is no photograph to train on");
-  for (const TrainView& view : views) {
-    const int64_t height = view.camera.height, width = view.camera.width;
-    RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
-    if (view.confidence.defined()) {
-      RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
-    }
-  }
+std::vector<TrainView> WithCleanDepths(std::vector<TrainView> views) {
+  for (TrainView& view : views) view = WithCleanDepth(std::move(view));
+  return views;
+}
+
+std::vector<TrainView> HalfSizes(const std::vector<TrainView>& views) {
+  std::vector<TrainView> halves;
+  for (const TrainView& view : views) halves.push_back(HalfSize(view));
+  return halves;
+}
+
+std::vector<ExposureMap> StartExposures(const std::vector<TrainView>& views) {
+  std::vector<ExposureMap> maps;
+  for (const TrainView& view : views) maps.push_back(view.exposure);
+  return maps;
 }
 
 /// The stages, in the order of the declaration; Run measures the total apart.
@@ -104,39 +116,29 @@ TrainTimings Mean(TrainTimings sum, int64_t iterations) {
 
 }  // namespace
 
-TrainView ToTrainView(const Photo& photo) {
-  TrainView view{photo.name, photo.camera, {}, {}};
-  const int64_t height = photo.rgb.height, width = photo.rgb.width;
-  if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {
-    throw ShapeError("ToTrainView: {} has {} channels, expected 3", photo.name, photo.rgb.channels);
-  }
-  view.image = torch::empty({height, width, 3}, torch::kFloat);
-  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data_ptr<float>());
-  if (photo.mask.empty()) return view;
-  if (photo.mask.size() != static_cast<size_t>(height * width)) {
-    throw ShapeError("ToTrainView: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
-                     height * width);
-  }
-  view.confidence = torch::empty({height, width}, torch::kFloat);
-  std::transform(photo.mask.begin(), photo.mask.end(), view.confidence.data_ptr<float>(),
-                 [](uint8_t counts) { return counts ? 1.f : 0.f; });
-  return view;
-}
-
 struct Trainer::State {
   State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color,
         std::vector<TrainView> photographs, const Gaussians& start)
       : options(train_options),
         seed(run_seed),
         background(color),
-        views(std::move(photographs)),
+        views(WithCleanDepths(std::move(photographs))),
         extent(SpatialExtent(Cameras(views))),
+        coarse_iterations(CoarseIterations(options.coarse_share, options.iterations)),
+        half_views(coarse_iterations > 0 ? HalfSizes(views) : std::vector<TrainView>()),
+        depth_scale(options.depth_weight * CharacteristicDepth(views)),
         gaussians(Clone(start)),
         adam(start.size()),
         sampler(run_seed, static_cast<int>(views.size()), 0),
-        rasterizer(MakeRasterizer(torch::kCPU)) {}
+        rasterizer(MakeRasterizer(torch::kCPU)) {
+    if (options.exposure) exposures.emplace(StartExposures(views));
+  }
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
+  const TrainView& ViewNow(int index) const;
+  double ExposedLoss(int index, const Tensor& image, Tensor* grad);
+  Tensor OpacityFactors();
+  double DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad);
   double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
   void Refine(double lr_means);
   void RequireFinite(double value, const TrainView& view) const;
@@ -152,12 +154,16 @@ struct Trainer::State {
   std::array<float, 3> background;
   std::vector<TrainView> views;
   double extent;
+  int64_t coarse_iterations;
+  std::vector<TrainView> half_views;  // none without coarse iterations
+  double depth_scale;                 // of the depth term at the start of the run, world units; 0 = there is none
 
   // What a checkpoint holds.
   int64_t iteration = 0;
   Gaussians gaussians;
   Adam adam;
   ViewSampler sampler;
+  std::optional<Exposures> exposures;
   double seconds = 0, loss = 0;
   nlohmann::json run_options;
   bool restored = false;
@@ -166,10 +172,30 @@ struct Trainer::State {
   std::unique_ptr<Rasterizer> rasterizer;
   PhotometricLoss photometric;
   Regularizers regularizers;
-  ImageBuffer grad_image, masked_image;
+  Tensor opacity_factors;  // [N]
+  ImageBuffer grad_image, grad_inv_depth, masked_image, exposed_image;
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
+
+/// The view as this iteration sees it.
+const TrainView& Trainer::State::ViewNow(int index) const {
+  return iteration < coarse_iterations ? half_views[index] : views[index];
+}
+
+/// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
+/// model as it will be used.
+Tensor Trainer::State::OpacityFactors() {
+  const int64_t i = iteration + 1;
+  const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
+                                         IsLast(i) ? 0 : options.opacity_noise};
+  if (!perturbation.IsActive()) return {};
+  if (!opacity_factors.defined() || opacity_factors.numel() != gaussians.size()) {
+    opacity_factors = torch::empty({gaussians.size()}, torch::kFloat);
+  }
+  DrawOpacityFactors(perturbation, opacity_factors);
+  return opacity_factors;
+}
 
 double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad) {
   const PhotometricWeights weights{static_cast<float>(1 - options.ssim_weight),
@@ -182,6 +208,30 @@ double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image
   const double value = photometric(masked, view.image, view.confidence, weights, grad).loss;
   SelectByMask(view.confidence, *grad, {}, *grad);
   return value;
+}
+
+/// The loss of a view whose photograph saw the scene through an exposure map of its own, which learns from it. The last
+/// iteration moves no map.
+double Trainer::State::ExposedLoss(int index, const Tensor& image, Tensor* grad) {
+  const TrainView& view = ViewNow(index);
+  if (!exposures) return PhotographLoss(view, image, grad);
+  const Tensor exposed = exposed_image.Get({view.camera.height, view.camera.width, 3});
+  exposures->Apply(index, image, exposed);
+  double value = PhotographLoss(view, exposed, grad);
+  ExposureGradient gradient = exposures->Backward(index, image, *grad);
+  value += exposures->AddPull(index, &gradient);
+  RequireFinite(value, view);
+  const int64_t i = iteration + 1;
+  if (!IsLast(i)) exposures->Step(index, gradient, ExposureLearningRate(i, options.iterations));
+  return value;
+}
+
+/// Leaves `grad` undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.
+double Trainer::State::DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad) {
+  if (depth_scale == 0 || !view.inv_depth.defined()) return 0;
+  *grad = grad_inv_depth.Get({view.camera.height, view.camera.width});
+  const double weight = depth_scale * DepthWeight(iteration + 1, options.iterations);
+  return DepthLoss(inv_depth, view.inv_depth, view.depth_mask, weight, grad);
 }
 
 /// Everything between the gradient of the image and the moved Gaussians, block by block: gradients are used up while
@@ -209,6 +259,7 @@ double Trainer::State::BackwardAndStep(const RenderGrads& upstream, const Learni
 /// Never the last iteration: refine_stop is at most 1.
 void Trainer::State::Refine(double lr_means) {
   const int64_t i = iteration + 1;
+  if (options.prune_floaters) PruneFloaters(views, &gaussians);
   RelocateDead(seed, i, &gaussians, &adam);
   AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
   AddNoise({seed, i, lr_means}, &gaussians);
@@ -245,6 +296,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
                      checkpoint.adam.v.size());
   }
   s.sampler.Restore(checkpoint.sampler);
+  if (s.exposures) s.exposures->Restore(checkpoint.exposures);
   s.iteration = checkpoint.iteration;
   s.gaussians = Clone(checkpoint.gaussians);
   s.adam.m = Clone(checkpoint.adam.m);
@@ -265,18 +317,20 @@ double Trainer::Step() {
   LearningRates rates;
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
   const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
-  const TrainView& view = s.views[s.sampler.Next(0).index];
+  const int index = s.sampler.Next(0).index;
+  const TrainView& view = s.ViewNow(index);
 
-  const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera,
-                                                 {s.background, degree, s.options.antialiased}, RenderPass::kTrain);
+  const RenderOptions render{s.background, degree, s.options.antialiased, s.OpacityFactors()};
+  const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera, render, RenderPass::kTrain);
   TrainTimings& timings = s.last_timings = {};
   double rendering = 0;  // the rasteriser times its own stages
   lap.To(&rendering);
   Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
-  double loss = s.PhotographLoss(view, out.image, &grad_image);
+  Tensor grad_inv_depth;
+  double loss = s.ExposedLoss(index, out.image, &grad_image) + s.DepthTerm(view, out.inv_depth, &grad_inv_depth);
   s.RequireFinite(loss, view);
   lap.To(&timings.loss);
-  loss += s.BackwardAndStep({grad_image, {}, {}}, rates, degree);
+  loss += s.BackwardAndStep({grad_image, {}, grad_inv_depth}, rates, degree);
   s.RequireFinite(loss, view);
   timings.render = s.rasterizer->timings();
   lap.To(&rendering);
@@ -334,6 +388,14 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
 
 const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
 
+Tensor Trainer::exposures() const {
+  if (!state_->exposures) return {};
+  const std::vector<ExposureMap>& maps = state_->exposures->maps();
+  Tensor result = torch::empty({static_cast<int64_t>(maps.size()), 3, 4}, torch::kFloat);
+  std::memcpy(result.data_ptr<float>(), maps.data(), maps.size() * sizeof(ExposureMap));
+  return result;
+}
+
 int64_t Trainer::iteration() const { return state_->iteration; }
 
 TrainTimings Trainer::MeanTimings() const { return Mean(state_->timings, state_->iteration - state_->timed_since); }
@@ -351,6 +413,7 @@ Checkpoint Trainer::MakeCheckpoint() const {
   checkpoint.adam.v = Clone(s.adam.v);
   checkpoint.adam.step = s.adam.step;
   checkpoint.sampler = s.sampler.state();
+  if (s.exposures) checkpoint.exposures = s.exposures->state();
   checkpoint.seconds = s.seconds;
   checkpoint.loss = s.loss;
   checkpoint.options = s.run_options;

@@ -3,31 +3,20 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/render/render.h"
-#include "oraclegs/scene/photos.h"
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/options.h"
+#include "oraclegs/train/train_view.h"
 
 namespace oraclegs {
-
-/// A training image on the device.
-struct TrainView {
-  std::string name;
-  Camera camera;
-  Tensor image;       ///< [H,W,3]
-  Tensor confidence;  ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
-};
-
-TrainView ToTrainView(const Photo& photo);
 
 /// Milliseconds of an iteration, or means over several, by stage.
 struct TrainTimings {
   RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
-  double loss = 0;       ///< photometric
+  double loss = 0;       ///< photometric, with exposure, and depth
   double refine = 0;     ///< relocation and growth, with the noise of iterations that do so
   double total = 0;
 };
@@ -46,9 +35,12 @@ struct CheckpointPolicy {
   nlohmann::json options;  ///< stored, compared on resume
 };
 
-/// 3DGS-MCMC on photographs. One iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step
+/// 3DGS-MCMC on photographs, and on depth where a view has it. One iteration: learning rate, SH degree -> view ->
+/// render -> loss -> backward -> Adam step
 /// -> relocate, add -> noise. Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes
 /// neither a step nor noise.
+/// The loss of a view is the photometric one, the regularisers and, of a view with inv_depth, depth_weight * 0.01^t *
+/// CharacteristicDepth * mean(|inv_depth - rendered| * depth_mask) (spec 9).
 class Trainer {
  public:
   /// Throws ShapeError / UsageError before any work.
@@ -67,6 +59,8 @@ class Trainer {
 
   const Gaussians& gaussians() const;
   int64_t iteration() const;
+  /// [V,3,4], what turns a render into each photograph's colours; undefined unless the exposure is trained.
+  Tensor exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;
   /// Of the last iteration alone; without `total`.

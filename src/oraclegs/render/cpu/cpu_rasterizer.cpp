@@ -37,6 +37,7 @@ ProjectInput MakeInput(const Gaussians& gaussians, const Camera& camera, const R
   in.quats = gaussians.quats.data_ptr<float>();
   in.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
   in.sh = gaussians.sh.data_ptr<float>();
+  if (options.opacity_factors.defined()) in.opacity_factors = options.opacity_factors.data_ptr<float>();
   const Eigen::Matrix3d r = camera.cam_from_world.linear();
   const Eigen::Vector3d t = camera.cam_from_world.translation(), eye = camera.Center();
   for (int i = 0; i < 3; ++i) {
@@ -89,9 +90,12 @@ class CpuRasterizer final : public Rasterizer {
     if (options.sh_degree < 0 || options.sh_degree > kMaxShDegree) {
       throw ShapeError("Rasterizer::Forward: sh_degree is {}, must be in 0 .. {}", options.sh_degree, kMaxShDegree);
     }
+    const int64_t n = gaussians.size();
+    if (options.opacity_factors.defined()) {
+      RequireFloat("Rasterizer::Forward", "opacity_factors", options.opacity_factors, {n});
+    }
     trained_size_ = -1;  // until all is in place
     StageClock clock;
-    const int64_t n = gaussians.size();
     input_ = MakeInput(gaussians, camera, options);
     splats_.Reserve(n);
     rects_.Reserve(n);

@@ -47,6 +47,7 @@ struct TileEntry {
 /// Everything the per-Gaussian kernels need of a view, all pointers to N rows.
 struct ProjectInput {
   const float *means, *log_scales, *quats, *opacity_logits, *sh;
+  const float* opacity_factors;  ///< or null: all are 1; the backward pass needs none
   float r[9], t[3], eye[3];
   float fx, fy, cx, cy, min_u, max_u, min_v, max_v;
   int width, height, tiles_x, tiles_y;

@@ -115,7 +115,12 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
     const RawSplat<Lanes> raw = LoadRaw(in, i, count);
     const SplatChain<Lanes> chain = EvaluateChain(raw, camera, in.antialiased);
-    const ProjectedSplat<Lanes> p = Project(chain, camera);
+    ProjectedSplat<Lanes> p = Project(chain, camera);
+    if (in.opacity_factors != nullptr) {
+      Lanes factor[1];
+      LoadRows<1>(in.opacity_factors + i, count, factor);
+      p.opacity = p.opacity * factor[0];
+    }
 
     // alpha >= 1/255 inside |d|_K <= k, k^2 = 2 ln(255 o'), whose bounding box is k sqrt(diag(cov)).
     const Lanes log_opacity = Log(Max(p.opacity, Lanes(1e-30f)));
@@ -317,6 +322,8 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     g.conic_a = Lanes(-0.5f) * m.xx;
     g.conic_b = -m.xy;
     g.conic_c = Lanes(-0.5f) * m.yy;
+    // m.h sums alpha dL/d(alpha), which is dL/d(log opacity): a factor the opacity was rendered with is a constant
+    // under the logarithm, so this is the derivative by the opacity without it.
     g.opacity = m.h / p.opacity;
     g.inv_z = m.inv_z;
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, in.antialiased, g);

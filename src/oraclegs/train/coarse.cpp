@@ -1,0 +1,70 @@
+#include "oraclegs/train/coarse.h"
+
+#include <algorithm>
+
+#include "oraclegs/scene/image.h"
+
+namespace oraclegs {
+namespace {
+
+struct Size {
+  int width, height;
+};
+
+/// [H,W] or [H,W,C] at another size, averaged over areas.
+Tensor Resize(const Tensor& image, Size size) {
+  const int channels = image.dim() == 3 ? static_cast<int>(image.size(2)) : 1;
+  ImageF full{static_cast<int>(image.size(1)), static_cast<int>(image.size(0)), channels, {}};
+  full.data.assign(image.data_ptr<float>(), image.data_ptr<float>() + image.numel());
+  const ImageF small = ResizeArea(full, size.width, size.height);
+  std::vector<int64_t> shape = image.sizes().vec();
+  shape[0] = size.height;
+  shape[1] = size.width;
+  Tensor result = torch::empty(shape, torch::kFloat);
+  std::copy(small.data.begin(), small.data.end(), result.data_ptr<float>());
+  return result;
+}
+
+/// image [H,W] or [H,W,C] averaged with `weights` [H,W], whose own average is `small_weights`.
+Tensor ResizeWeighted(const Tensor& image, const Tensor& weights, const Tensor& small_weights) {
+  Tensor product = image.clone();
+  const int64_t channels = image.numel() / weights.numel();
+  const auto scale = [channels](const Tensor& t, const Tensor& by, auto&& op) {
+    float* values = t.data_ptr<float>();
+    const float* w = by.data_ptr<float>();
+    for (int64_t i = 0; i < by.numel(); ++i) {
+      for (int64_t c = 0; c < channels; ++c) values[i * channels + c] = op(values[i * channels + c], w[i]);
+    }
+  };
+  scale(product, weights, [](float value, float weight) { return weight > 0 ? value * weight : 0; });
+  const Tensor small =
+      Resize(product, {static_cast<int>(small_weights.size(1)), static_cast<int>(small_weights.size(0))});
+  scale(small, small_weights, [](float value, float weight) { return weight > 0 ? value / weight : 0; });
+  return small;
+}
+
+}  // namespace
+
+TrainView HalfSize(const TrainView& view) {
+  const Size size{(view.camera.width + 1) / 2, (view.camera.height + 1) / 2};
+  TrainView half = view;
+  half.camera = Resized(view.camera, size.width, size.height);
+  if (view.confidence.defined()) {
+    half.confidence = Resize(view.confidence, size);
+    half.image = ResizeWeighted(view.image, view.confidence, half.confidence);
+  } else {
+    half.image = Resize(view.image, size);
+  }
+  if (view.inv_depth.defined()) {
+    half.depth_mask = Resize(view.depth_mask, size);
+    half.inv_depth = ResizeWeighted(view.inv_depth, view.depth_mask, half.depth_mask);
+  }
+  return half;
+}
+
+int64_t CoarseIterations(double coarse_share, int64_t iterations) {
+  const auto share = static_cast<int64_t>(coarse_share * static_cast<double>(iterations));
+  return std::clamp<int64_t>(share, 0, iterations - 1);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,142 @@
+#include "oraclegs/train/exposure.h"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kGrain = 1 << 13;  // pixels a task
+constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-8;
+constexpr double kMinDeterminant = 1e-6;
+
+using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+
+Matrix34 ToMatrix(const ExposureMap& map) {
+  return Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(map.data()).cast<double>();
+}
+
+void RequirePair(const char* who, const Tensor& image, const Tensor& other) {
+  RequireFloat(who, "image", image, {-1, -1, 3});
+  RequireFloat(who, "its partner", other, {image.size(0), image.size(1), 3});
+}
+
+/// Adds grad (shown by image, 1)' of pixels [begin, end) and multiplies grad by A'.
+ExposureGradient BackwardPixels(const ExposureMap& a, const float* image, float* grad, int64_t begin, int64_t end) {
+  ExposureGradient sum{};
+  for (int64_t i = begin; i < end; ++i) {
+    const float* x = image + 3 * i;
+    float* g = grad + 3 * i;
+    const float g0 = g[0], g1 = g[1], g2 = g[2];
+    for (int k = 0; k < 3; ++k) {
+      sum[k] += static_cast<double>(g0 * x[k]);
+      sum[4 + k] += static_cast<double>(g1 * x[k]);
+      sum[8 + k] += static_cast<double>(g2 * x[k]);
+      g[k] = a[k] * g0 + a[4 + k] * g1 + a[8 + k] * g2;
+    }
+    sum[3] += static_cast<double>(g0);
+    sum[7] += static_cast<double>(g1);
+    sum[11] += static_cast<double>(g2);
+  }
+  return sum;
+}
+
+}  // namespace
+
+Exposures::Exposures(std::vector<ExposureMap> start) {
+  if (start.empty()) throw ShapeError("Exposures: there is no photograph");
+  for (const ExposureMap& map : start) {
+    for (const float value : map) {
+      if (!std::isfinite(value)) throw ShapeError("Exposures: a start map holds {}", value);
+    }
+  }
+  const size_t views = start.size();
+  state_ = {std::move(start), std::vector<ExposureMap>(views), std::vector<ExposureMap>(views),
+            std::vector<int64_t>(views)};
+  FixGauge();
+}
+
+void Exposures::Apply(int view, const Tensor& image, const Tensor& shown) const {
+  RequirePair("Exposures::Apply", image, shown);
+  const ExposureMap& a = state_.maps[view];
+  const float* in = image.data_ptr<float>();
+  float* out = shown.data_ptr<float>();
+  ParallelBlocks(image.size(0) * image.size(1), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = 3 * begin; i < 3 * end; i += 3) {
+      const float r = in[i], g = in[i + 1], b = in[i + 2];
+      for (int k = 0; k < 3; ++k) out[i + k] = a[4 * k] * r + a[4 * k + 1] * g + a[4 * k + 2] * b + a[4 * k + 3];
+    }
+  });
+}
+
+ExposureGradient Exposures::Backward(int view, const Tensor& image, const Tensor& grad) {
+  RequirePair("Exposures::Backward", image, grad);
+  const int64_t pixels = image.size(0) * image.size(1);
+  const float* in = image.data_ptr<float>();
+  float* g = grad.data_ptr<float>();
+  sums_.resize((pixels + kGrain - 1) / kGrain);
+  ParallelBlocks(pixels, kGrain, [&](int64_t begin, int64_t end) {
+    sums_[begin / kGrain] = BackwardPixels(state_.maps[view], in, g, begin, end);
+  });
+  ExposureGradient total{};
+  for (const ExposureGradient& sum : sums_) {
+    for (size_t k = 0; k < total.size(); ++k) total[k] += sum[k];
+  }
+  return total;
+}
+
+double Exposures::AddPull(int view, ExposureGradient* gradient) const {
+  double squares = 0;
+  for (size_t k = 0; k < gradient->size(); ++k) {
+    const double offset = static_cast<double>(state_.maps[view][k]) - static_cast<double>(kIdentityExposure[k]);
+    squares += offset * offset;
+    (*gradient)[k] += kExposurePull * offset;
+  }
+  return 0.5 * kExposurePull * squares;
+}
+
+void Exposures::Step(int view, const ExposureGradient& gradient, double learning_rate) {
+  const double t = static_cast<double>(++state_.steps[view]);
+  const double correction1 = 1 - std::pow(kBeta1, t), correction2 = 1 - std::pow(kBeta2, t);
+  for (size_t k = 0; k < gradient.size(); ++k) {
+    float &m = state_.m[view][k], &v = state_.v[view][k], &value = state_.maps[view][k];
+    const double g = gradient[k];
+    m = static_cast<float>(kBeta1 * static_cast<double>(m) + (1 - kBeta1) * g);
+    v = static_cast<float>(kBeta2 * static_cast<double>(v) + (1 - kBeta2) * g * g);
+    const double step =
+        static_cast<double>(m) / correction1 / (std::sqrt(static_cast<double>(v) / correction2) + kEpsilon);
+    value = static_cast<float>(static_cast<double>(value) - learning_rate * step);
+  }
+  FixGauge();
+}
+
+void Exposures::FixGauge() {
+  Matrix34 mean = Matrix34::Zero();
+  for (const ExposureMap& map : state_.maps) mean += ToMatrix(map);
+  mean /= static_cast<double>(state_.maps.size());
+  const Eigen::Matrix3d matrix = mean.leftCols<3>();
+  if (!(std::abs(matrix.determinant()) > kMinDeterminant)) {
+    throw ShapeError("Exposures: the mean of the maps has determinant {}, there is no way back to the identity",
+                     matrix.determinant());
+  }
+  const Eigen::Matrix3d inverse = matrix.inverse();
+  for (ExposureMap& map : state_.maps) {
+    Matrix34 fixed = ToMatrix(map);
+    fixed.leftCols<3>() = (fixed.leftCols<3>() * inverse).eval();
+    fixed.col(3) -= (fixed.leftCols<3>() * mean.col(3)).eval();
+    Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(map.data()) = fixed.cast<float>();
+  }
+}
+
+void Exposures::Restore(const ExposureState& state) {
+  const size_t views = state_.maps.size();
+  if (state.maps.size() != views || state.m.size() != views || state.v.size() != views || state.steps.size() != views) {
+    throw InputError("the checkpoint holds exposure maps of {} photographs, this run has {}", state.maps.size(), views);
+  }
+  state_ = state;
+}
+
+}  // namespace oraclegs

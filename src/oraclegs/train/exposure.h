@@ -1,0 +1,69 @@
+#pragma once
+// A colour map for each photograph: a camera chooses exposure and white balance anew for every picture, and what it
+// chose is no property of the scene.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+/// shown = A rendered + b: the 3x4 matrix [A b], row by row.
+using ExposureMap = std::array<float, 12>;
+inline constexpr ExposureMap kIdentityExposure = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/// dL/d(map), in the map's layout.
+using ExposureGradient = std::array<double, 12>;
+
+/// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photograph says anything its loss is
+/// steeper by orders of magnitude (a gain that is wrong by 0.2 costs about 0.05, to keep it costs 2e-4); what it says
+/// nothing about, say the mixing of channels in a grey picture, stays where it was.
+inline constexpr double kExposurePull = 0.01;
+
+/// What a checkpoint holds of the maps; all of one length, the number of photographs, 0 when they are not trained.
+struct ExposureState {
+  std::vector<ExposureMap> maps;
+  std::vector<ExposureMap> m, v;  ///< Adam's moments
+  std::vector<int64_t> steps;     ///< Adam's counters
+};
+
+/// The maps of all photographs, their gradients and their Adam (beta 0.9, 0.999, epsilon 1e-8).
+///
+/// Only differences between photographs can be known: all maps after a common one G are the same pictures as before,
+/// with the scene's colours changed by the inverse of G. That freedom is taken away by keeping the mean of the maps at
+/// the identity, with the G that does it: after every step (A, b) becomes (A M^-1, b - A M^-1 c), where (M, c) is the
+/// mean map. So a photograph keeps its exposure relative to any other through it, the rendered scene has the mean
+/// exposure of the photographs, and a single photograph keeps the identity.
+class Exposures {
+ public:
+  /// From maps in any gauge. Throws ShapeError when there is none, one is not finite or their mean has no inverse.
+  explicit Exposures(std::vector<ExposureMap> start);
+
+  /// shown = A image + b, pixel by pixel. Both [H,W,3] and contiguous.
+  void Apply(int view, const Tensor& image, const Tensor& shown) const;
+
+  /// The adjoint of Apply: turns `grad`, dL/d(shown), into dL/d(image) in place and returns dL/d(map). The same bits
+  /// for any number of threads.
+  ExposureGradient Backward(int view, const Tensor& image, const Tensor& grad);
+
+  /// kExposurePull / 2 * |map - identity|^2; adds its gradient.
+  double AddPull(int view, ExposureGradient* gradient) const;
+
+  /// A step of Adam for one photograph, and the mean back at the identity.
+  void Step(int view, const ExposureGradient& gradient, double learning_rate);
+
+  const std::vector<ExposureMap>& maps() const { return state_.maps; }
+  const ExposureState& state() const { return state_; }
+  /// Throws InputError when the state is of another number of photographs.
+  void Restore(const ExposureState& state);
+
+ private:
+  void FixGauge();
+
+  ExposureState state_;
+  std::vector<ExposureGradient> sums_;  // of blocks of pixels
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,68 @@
+#include "oraclegs/train/floaters.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/render/constants.h"
+#include "oraclegs/train/mcmc.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kGrain = 1024;       // Gaussians a task
+constexpr float kPrunedLogit = -6.9f;  // opacity 0.001
+
+/// z times the inverse depth under a point: 1 on the surface, less before it. 0 where the view has no say.
+double DepthRatio(const TrainView& view, const Eigen::Vector3d& world) {
+  const Camera& camera = view.camera;
+  const Eigen::Vector3d point = camera.cam_from_world * world;
+  if (!(point.z() > static_cast<double>(kNearPlane))) return 0;
+  const double x = camera.fx * point.x() / point.z() + camera.cx, y = camera.fy * point.y() / point.z() + camera.cy;
+  if (!(x >= 0 && y >= 0 && x < camera.width && y < camera.height)) return 0;
+  const int64_t pixel = static_cast<int64_t>(y) * camera.width + static_cast<int64_t>(x);
+  if (!(view.depth_mask.data_ptr<float>()[pixel] > kTrustedDepth)) return 0;
+  return point.z() * static_cast<double>(view.inv_depth.data_ptr<float>()[pixel]);
+}
+
+bool IsFloater(const std::vector<TrainView>& views, const Eigen::Vector3d& world) {
+  int before = 0, agree = 0;
+  for (const TrainView& view : views) {
+    if (!view.inv_depth.defined()) continue;
+    const double ratio = DepthRatio(view, world);
+    if (!(ratio > 0)) continue;
+    before += ratio * kFloaterRatio < 1;
+    agree += std::abs(ratio - 1) < kAgreementRatio;
+  }
+  return before > 0 && before >= agree;
+}
+
+bool IsAlive(float logit) {
+  return 1 / (1 + std::exp(-static_cast<double>(logit))) > static_cast<double>(kDeadOpacity);
+}
+
+}  // namespace
+
+int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians) {
+  gaussians->Check("PruneFloaters");
+  const int64_t n = gaussians->size();
+  const float* means = gaussians->means.data_ptr<float>();
+  float* logits = gaussians->opacity_logits.data_ptr<float>();
+  std::vector<uint8_t> alive(n), floats(n);
+  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      alive[i] = IsAlive(logits[i]);
+      const float* mean = means + 3 * i;
+      floats[i] = alive[i] && IsFloater(views, Eigen::Vector3f(mean[0], mean[1], mean[2]).cast<double>());
+    }
+  });
+  const int64_t living = std::accumulate(alive.begin(), alive.end(), int64_t{0});
+  const int64_t floating = std::accumulate(floats.begin(), floats.end(), int64_t{0});
+  if (floating == living) return 0;
+  for (int64_t i = 0; i < n; ++i) {
+    if (floats[i]) logits[i] = kPrunedLogit;
+  }
+  return floating;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,21 @@
+#pragma once
+// Gaussians that hang in the air before a camera: photographs from few places cannot refute them, depth can.
+
+#include <vector>
+
+#include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/train/train_view.h"
+
+namespace oraclegs {
+
+inline constexpr float kTrustedDepth = 0.5f;     ///< depth_mask above: the depth of this pixel is believed
+inline constexpr double kFloaterRatio = 1.1;     ///< 1/z more than this many times the depth's: before the surface
+inline constexpr double kAgreementRatio = 0.05;  ///< |z * inv_depth - 1| below: on the surface
+
+/// Lowers the opacity of every living Gaussian to below kDeadOpacity, so that RelocateDead moves it, whose centre lies
+/// before the surface in at least one view and in at least as many as it lies on the surface of. A view has a say where
+/// the centre falls on a pixel of trusted depth. Nothing happens when no Gaussian would be left alive. Returns how
+/// many died. The same for any number of threads.
+int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians);
+
+}  // namespace oraclegs

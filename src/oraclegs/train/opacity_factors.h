@@ -1,0 +1,33 @@
+#pragma once
+// What keeps Gaussians from conspiring: with few photographs, groups of them learn to look right together from the
+// training views and from nowhere else. Each iteration draws for every Gaussian a factor of its opacity, so that none
+// can rely on its neighbours' being just as they are.
+
+#include <cstdint>
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+/// The factors of one iteration; those that stay 1 by both numbers need not be drawn (IsActive).
+struct OpacityPerturbation {
+  uint64_t seed = 0;
+  int64_t iteration = 0;
+  /// Probability in [0,1) that a Gaussian is left out; the others are multiplied by 1 / (1 - drop), so that the
+  /// expected opacity stays (Park et al., "DropGaussian", CVPR 2025).
+  double drop = 0;
+  /// Standard deviation of multiplicative noise, max(0, 1 + noise * N(0,1)) (Chen et al., "Quantifying and Alleviating
+  /// Co-Adaptation in Sparse-View 3D Gaussian Splatting", 2025).
+  double noise = 0;
+
+  bool IsActive() const { return drop > 0 || noise > 0; }
+};
+
+/// DropGaussian's schedule: the probability grows linearly to `dropout` at the end of the run. 0 in the last iteration,
+/// whose loss is that of the model as it will be used.
+double DropProbability(double dropout, int64_t iteration, int64_t iterations);
+
+/// Writes the factors of Gaussians 0 .. N-1 into `factors` [N]. Each is a pure function of (seed, iteration, index).
+void DrawOpacityFactors(const OpacityPerturbation& perturbation, const Tensor& factors);
+
+}  // namespace oraclegs

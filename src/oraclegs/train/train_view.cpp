@@ -1,0 +1,98 @@
+#include "oraclegs/train/train_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oraclegs {
+namespace {
+
+bool DepthCounts(const TrainView& view, int64_t pixel) {
+  return view.depth_mask.data_ptr<float>()[pixel] > 0 &&
+         (!view.confidence.defined() || view.confidence.data_ptr<float>()[pixel] > 0);
+}
+
+void CheckDepth(const TrainView& view) {
+  if (!view.inv_depth.defined() && !view.depth_mask.defined()) return;
+  const int64_t height = view.camera.height, width = view.camera.width;
+  RequireFloat("Trainer", ("inv_depth of " + view.name).c_str(), view.inv_depth, {height, width});
+  RequireFloat("Trainer", ("depth_mask of " + view.name).c_str(), view.depth_mask, {height, width});
+  const float* inv_depth = view.inv_depth.data_ptr<float>();
+  for (int64_t i = 0; i < height * width; ++i) {
+    if (DepthCounts(view, i) && !std::isfinite(inv_depth[i])) {
+      throw ShapeError("Trainer: inv_depth of {} is {} at column {}, row {}, where depth_mask counts it", view.name,
+                       inv_depth[i], i % width, i / width);
+    }
+  }
+}
+
+/// The middle one, of an even count the upper; `values` is not empty and loses its order.
+double Median(std::vector<float>* values) {
+  const auto middle = values->begin() + static_cast<int64_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+}  // namespace
+
+TrainView ToTrainView(const Photo& photo) {
+  TrainView view{photo.name, photo.camera, {}, {}};
+  const int64_t height = photo.rgb.height, width = photo.rgb.width;
+  if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {
+    throw ShapeError("ToTrainView: {} has {} channels, expected 3", photo.name, photo.rgb.channels);
+  }
+  view.image = torch::empty({height, width, 3}, torch::kFloat);
+  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data_ptr<float>());
+  if (photo.mask.empty()) return view;
+  if (photo.mask.size() != static_cast<size_t>(height * width)) {
+    throw ShapeError("ToTrainView: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
+                     height * width);
+  }
+  view.confidence = torch::empty({height, width}, torch::kFloat);
+  std::transform(photo.mask.begin(), photo.mask.end(), view.confidence.data_ptr<float>(),
+                 [](uint8_t counts) { return counts ? 1.f : 0.f; });
+  return view;
+}
+
+void CheckViews(const std::vector<TrainView>& views) {
+  if (views.empty()) throw UsageError("there is no photograph to train on");
+  for (const TrainView& view : views) {
+    const int64_t height = view.camera.height, width = view.camera.width;
+    RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
+    if (view.confidence.defined()) {
+      RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
+    }
+    CheckDepth(view);
+  }
+}
+
+TrainView WithCleanDepth(TrainView view) {
+  if (!view.inv_depth.defined()) return view;
+  const Tensor inv_depth = view.inv_depth.clone(), mask = view.depth_mask.clone();
+  bool counts = false;
+  for (int64_t i = 0; i < mask.numel(); ++i) {
+    if (DepthCounts(view, i)) {
+      counts = true;
+    } else {
+      inv_depth.data_ptr<float>()[i] = mask.data_ptr<float>()[i] = 0;
+    }
+  }
+  view.inv_depth = counts ? inv_depth : Tensor();
+  view.depth_mask = counts ? mask : Tensor();
+  return view;
+}
+
+double CharacteristicDepth(const std::vector<TrainView>& views) {
+  std::vector<float> medians, known;
+  for (const TrainView& view : views) {
+    if (!view.inv_depth.defined()) continue;
+    const float *inv_depth = view.inv_depth.data_ptr<float>(), *mask = view.depth_mask.data_ptr<float>();
+    known.clear();
+    for (int64_t i = 0; i < view.inv_depth.numel(); ++i) {
+      if (mask[i] > 0 && inv_depth[i] > 0) known.push_back(inv_depth[i]);
+    }
+    if (!known.empty()) medians.push_back(static_cast<float>(Median(&known)));
+  }
+  return medians.empty() ? 0 : 1 / Median(&medians);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,44 @@
+#pragma once
+// What the trainer knows of one photograph.
+
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/tensor.h"
+#include "oraclegs/scene/camera.h"
+#include "oraclegs/scene/photos.h"
+#include "oraclegs/train/exposure.h"
+
+namespace oraclegs {
+
+/// A training image on the device.
+struct TrainView {
+  std::string name;
+  Camera camera;
+  Tensor image;            ///< [H,W,3]
+  Tensor confidence;       ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
+  Tensor inv_depth = {};   ///< [H,W] 1/z, 1/world unit; undefined = no depth is known of this view
+  Tensor depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
+  ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
+};
+
+/// Without depth. Throws ShapeError when the photo's buffers do not fit its size.
+TrainView ToTrainView(const Photo& photo);
+
+/// Throws UsageError when there is no view, ShapeError when a tensor does not fit its camera, when only one of
+/// inv_depth and depth_mask is there, or when an inverse depth that counts is not finite.
+void CheckViews(const std::vector<TrainView>& views);
+
+/// The same view whose depth counts only where its photograph does (confidence > 0) and is zero where it does not
+/// count, so that what stands there, also what is not a number, reaches nothing. A depth that counts nowhere is
+/// dropped. The tensors of `view` are not written.
+TrainView WithCleanDepth(TrainView view);
+
+/// The distance a scene has on the whole: 1 / m, m the median over the views of the median inverse depth over the
+/// pixels that count. 0 when no view has depth. Views as WithCleanDepth leaves them.
+///
+/// It is the unit of the depth term: weight * CharacteristicDepth * mean(|1/z - 1/z*| M) does not change when poses and
+/// depths are measured in another unit, and is the term of [3DGS] where the characteristic depth is 1.
+double CharacteristicDepth(const std::vector<TrainView>& views);
+
+}  // namespace oraclegs

@@ -1,0 +1,231 @@
+#include "oraclegs/train/exposure.h"
+
+#include <cmath>
+
+#include "oraclegs/train/rows.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::HasSubstr;
+
+ExposureMap Gain(float gain) { return {gain, 0, 0, 0, 0, gain, 0, 0, 0, 0, gain, 0}; }
+
+ExposureMap RandomMap() {
+  ExposureMap map = kIdentityExposure;
+  const Tensor offset = torch::randn({12}) * 0.2;
+  for (int k = 0; k < 12; ++k) map[k] += offset.data_ptr<float>()[k];
+  return map;
+}
+
+Tensor Applied(const Exposures& exposures, int view, const Tensor& image) {
+  const Tensor shown = torch::empty_like(image);
+  exposures.Apply(view, image, shown);
+  return shown;
+}
+
+TEST(ExposuresTest, TheIdentityChangesNoBit) {
+  torch::manual_seed(1);
+  const Tensor image = torch::rand({31, 17, 3});
+  const Exposures exposures({kIdentityExposure, kIdentityExposure});
+  EXPECT_EQ(exposures.maps()[1], kIdentityExposure);
+  EXPECT_TRUE(torch::equal(Applied(exposures, 1, image), image));
+}
+
+TEST(ExposuresTest, GradientsMatchCentralDifferences) {
+  torch::manual_seed(2);
+  const std::vector<ExposureMap> maps = {RandomMap(), RandomMap(), RandomMap()};
+  Exposures exposures(maps);
+  Tensor image = torch::rand({8, 7, 3}), upstream = torch::randn({8, 7, 3});
+  Tensor grad = upstream.clone();
+  const ExposureGradient by_map = exposures.Backward(1, image, grad);
+
+  // In double, as a function of the map that the gauge has left.
+  const Tensor pixels = image.reshape({-1, 3}).to(torch::kDouble),
+               weights = upstream.reshape({-1, 3}).to(torch::kDouble);
+  const auto loss = [&](const Tensor& map, const Tensor& x) {
+    return ((x.matmul(map.narrow(1, 0, 3).t()) + map.select(1, 3)) * weights).sum().item<double>();
+  };
+  std::vector<double> values(exposures.maps()[1].begin(), exposures.maps()[1].end());
+  const Tensor map = torch::tensor(values, torch::kDouble).reshape({3, 4});
+  const double step = 1e-3;  // the loss is linear in both: any step does
+  for (int k = 0; k < 12; ++k) {
+    Tensor up = map.clone(), down = map.clone();
+    up.view(-1)[k] += step;
+    down.view(-1)[k] -= step;
+    EXPECT_NEAR(by_map[k], (loss(up, pixels) - loss(down, pixels)) / (2 * step), 1e-4) << k;
+  }
+  for (int k = 0; k < 168; k += 5) {
+    Tensor up = pixels.clone(), down = pixels.clone();
+    up.view(-1)[k] += step;
+    down.view(-1)[k] -= step;
+    EXPECT_NEAR(grad.view(-1)[k].item<double>(), (loss(map, up) - loss(map, down)) / (2 * step), 1e-5) << k;
+  }
+}
+
+TEST(ExposuresTest, PullIsTowardsTheIdentity) {
+  Exposures exposures({Gain(1.2f), Gain(0.8f)});
+  ExposureGradient gradient{};
+  gradient[1] = 5;
+  EXPECT_NEAR(exposures.AddPull(0, &gradient), kExposurePull / 2 * 3 * 0.04, 1e-8);
+  EXPECT_NEAR(gradient[0], kExposurePull * 0.2, 1e-8);
+  EXPECT_EQ(gradient[1], 5);
+}
+
+TEST(ExposuresTest, TheGaugeKeepsRatiosAndTheMeanAtTheIdentity) {
+  torch::manual_seed(3);
+  // Gains relative to the first photograph: the mean is not 1.
+  Exposures exposures({Gain(1), Gain(1.5f), Gain(3)});
+  EXPECT_NEAR(exposures.maps()[1][0] / exposures.maps()[0][0], 1.5, 1e-5);
+  EXPECT_NEAR(exposures.maps()[2][5] / exposures.maps()[0][5], 3, 1e-5);
+  const std::vector<ExposureMap> maps = {RandomMap(), RandomMap(), RandomMap(), RandomMap()};
+  Exposures mixed(maps);
+  for (int i = 0; i < 20; ++i) {
+    ExposureGradient gradient;
+    for (double& g : gradient) g = torch::randn({1}).item<double>();
+    mixed.Step(i % 3, gradient, 0.01);
+    ExposureGradient mean{};
+    for (const ExposureMap& map : mixed.maps()) {
+      for (int k = 0; k < 12; ++k) mean[k] += static_cast<double>(map[k]) / 4;
+    }
+    for (int k = 0; k < 12; ++k) EXPECT_NEAR(mean[k], static_cast<double>(kIdentityExposure[k]), 1e-6);
+  }
+  // Where the pictures of two maps meet does not depend on the gauge: shown0 = T(shown1) with T = map0 map1^-1.
+  const auto affine = [](const ExposureMap& map) {
+    Tensor t = torch::eye(4, torch::kDouble);
+    for (int k = 0; k < 12; ++k) t[k / 4][k % 4] = static_cast<double>(map[k]);
+    return t;
+  };
+  const Exposures fixed(maps);
+  EXPECT_LE(MaxAbsError(affine(fixed.maps()[0]).matmul(affine(fixed.maps()[1]).inverse()),
+                        affine(maps[0]).matmul(affine(maps[1]).inverse())),
+            1e-5);
+}
+
+TEST(ExposuresTest, SameBitsForAnyNumberOfThreads) {
+  torch::manual_seed(4);
+  const Tensor image = torch::rand({211, 173, 3}), upstream = torch::randn({211, 173, 3});
+  const auto run = [&](int threads) {
+    const Threads scope(threads);
+    Exposures exposures({Gain(1.1f), Gain(0.9f)});
+    return exposures.Backward(0, image, upstream.clone());
+  };
+  EXPECT_EQ(run(1), run(4));
+}
+
+TEST(ExposuresTest, RefusesMapsThatAreNone) {
+  EXPECT_THROW(Exposures({}), ShapeError);
+  EXPECT_THROW(Exposures({Gain(std::nanf(""))}), ShapeError);
+  EXPECT_THROW(Exposures({Gain(0), Gain(0)}), ShapeError);
+  Exposures exposures({Gain(1), Gain(1)});
+  EXPECT_THROW(exposures.Restore(Exposures({Gain(1)}).state()), InputError);
+  EXPECT_THROW(exposures.Apply(0, torch::rand({4, 4, 3}), torch::rand({4, 3, 3})), ShapeError);
+}
+
+/// Photographs of one scene, taken with other exposures.
+std::vector<TrainView> Exposed(const std::vector<float>& gains) {
+  auto views = Photographs(static_cast<int>(gains.size()));
+  for (size_t i = 0; i < gains.size(); ++i) views[i].image *= gains[i];
+  return views;
+}
+
+TrainOptions WithExposure(int iterations) {
+  TrainOptions options = Options(iterations);
+  options.exposure = true;
+  options.opacity_reg = options.scale_reg = 0;
+  options.refine_start = iterations;
+  return options;
+}
+
+TEST(TrainerExposureTest, FindsTheGainBetweenPhotographs) {
+  Trainer trainer(WithExposure(300), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f, 1.2f, 0.8f}), Truth());
+  double first = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double loss = trainer.Step();
+    if (i == 0) first = loss;
+    if (i == 299) EXPECT_LT(loss, 0.2 * first);
+  }
+  const Tensor maps = trainer.exposures();
+  ASSERT_EQ(maps.sizes(), (std::vector<int64_t>{4, 3, 4}));
+  // What a map does to a grey of the scene.
+  const Tensor grey = torch::tensor({0.5f, 0.5f, 0.5f, 1.f});
+  const Tensor shown = maps.matmul(grey);  // [4,3]
+  EXPECT_LE(((shown[0] + shown[2]) / (shown[1] + shown[3]) - 1.5).abs().max().item<float>(), 0.06);
+}
+
+TEST(TrainerExposureTest, StartsFromTheMapsThatAreGiven) {
+  auto views = Exposed({1.2f, 0.8f});
+  views[0].exposure = Gain(3);  // the same ratio in another gauge
+  views[1].exposure = Gain(2);
+  Trainer given(WithExposure(10), kSeed, {0, 0, 0}, views, Truth());
+  EXPECT_NEAR(given.Step(), 0, 1e-4);
+  EXPECT_NEAR(given.exposures()[0][0][0].item<float>(), 1.2, 0.02);
+}
+
+TEST(TrainerExposureTest, OffIsAsIfItWereNotThere) {
+  auto views = Exposed({1.2f, 0.8f});
+  const auto run = [&] {
+    Trainer trainer(Options(60), kSeed, {0, 0, 0}, views, Start());
+    trainer.Run({}, Silent());
+    EXPECT_FALSE(trainer.exposures().defined());
+    return Clone(trainer.gaussians());
+  };
+  const Gaussians plain = run();
+  views[0].exposure = Gain(3);
+  EXPECT_TRUE(SameBits(run(), plain));
+}
+
+TEST(TrainerExposureTest, MaskedPixelsContributeNothing) {
+  const auto run = [&](float hidden) {
+    auto views = Exposed({1.2f, 0.8f, 1.f});
+    for (TrainView& view : views) {
+      view.confidence = torch::ones({kHeight, kWidth});
+      view.confidence.narrow(1, 20, kWidth - 20).zero_();
+      view.image.narrow(1, 20, kWidth - 20).fill_(hidden);
+    }
+    Trainer trainer(WithExposure(60), kSeed, {0, 0, 0}, views, Start());
+    trainer.Run({}, Silent());
+    return trainer.exposures();
+  };
+  EXPECT_LE(MaxAbsError(run(0.1f), run(0.9f)), 1e-3);  // SSIM of masked windows sees rounding of what hides there
+  // All hidden: only the gauge and the pull are left, which do nothing at the identity.
+  auto views = Exposed({1.2f, 0.8f});
+  for (TrainView& view : views) view.confidence = torch::zeros({kHeight, kWidth});
+  Trainer blind(WithExposure(30), kSeed, {0, 0, 0}, views, Start());
+  blind.Run({}, Silent());
+  EXPECT_TRUE(torch::equal(blind.exposures()[0], blind.exposures()[1]));
+  EXPECT_EQ(blind.exposures()[0][0][0].item<float>(), 1);
+}
+
+TEST(TrainerExposureTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
+  TempDir dir;
+  const auto make = [] { return Trainer(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f, 1.f}), Start()); };
+  Trainer whole = make();
+  whole.Run({dir.path(), 25, {}}, Silent());
+  Trainer resumed = make();
+  resumed.Restore(ReadCheckpoint(CheckpointPath(dir.path(), 25)));
+  resumed.Run({}, Silent());
+  EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));
+  EXPECT_TRUE(torch::equal(resumed.exposures(), whole.exposures()));
+  EXPECT_GT(MaxAbsError(whole.exposures()[0], whole.exposures()[1]), 0.05);
+}
+
+TEST(TrainerExposureTest, RefusesACheckpointOfOtherPhotographs) {
+  Trainer three(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f, 1.f}), Start());
+  const Checkpoint checkpoint = three.MakeCheckpoint();
+  Trainer two(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f}), Start());
+  try {
+    two.Restore(checkpoint);
+    ADD_FAILURE() << "maps of another number of photographs were accepted";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("exposure maps of 3 photographs, this run has 2"));
+  }
+  Trainer without(Options(60), kSeed, {0, 0, 0}, Photographs(2), Start());
+  EXPECT_THROW(two.Restore(without.MakeCheckpoint()), InputError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,106 @@
+#include "oraclegs/train/floaters.h"
+
+#include <cmath>
+
+#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/rows.h"
+#include "support/golden.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+/// Looks along z from (x, 0, 0) at a wall at z = 4.
+TrainView WallView(double x) {
+  TrainView view{"a", {20, 16, 20, 20, 10, 8, Eigen::Isometry3d::Identity()}, torch::zeros({16, 20, 3}), {}};
+  view.camera.cam_from_world.translation() = Eigen::Vector3d(-x, 0, 0);
+  view.inv_depth = torch::full({16, 20}, 0.25f);
+  view.depth_mask = torch::ones({16, 20});
+  return view;
+}
+
+/// Opaque Gaussians at these places.
+Gaussians At(const std::vector<std::array<float, 3>>& places) {
+  Gaussians g = RandomGaussians(static_cast<int64_t>(places.size()), 1);
+  std::copy(&places[0][0], &places[0][0] + 3 * places.size(), g.means.data_ptr<float>());
+  g.opacity_logits.fill_(2);
+  return g;
+}
+
+std::vector<int> Dead(const Gaussians& g) {
+  std::vector<int> dead;
+  for (int64_t i = 0; i < g.size(); ++i) dead.push_back(std::abs(g.opacity_logits[i].item<float>() - 2) > 0);
+  return dead;
+}
+
+TEST(PruneFloatersTest, WhatHangsBeforeTheWallDies) {
+  const std::vector<TrainView> views = {WallView(0), WallView(0.2)};
+  Gaussians g = At({{0, 0, 4}, {0, 0, 3}, {0, 0, 3.8f}, {0, 0, 3.5f}, {0, 0, 6}, {0, 0, -3}, {9, 0, 3}});
+  EXPECT_EQ(PruneFloaters(views, &g), 2);
+  // On the wall, before, a little before (neither), before, behind, behind the camera, beside the image.
+  EXPECT_EQ(Dead(g), (std::vector<int>{0, 1, 0, 1, 0, 0, 0}));
+  EXPECT_LE(torch::sigmoid(g.opacity_logits[1]).item<float>(), kDeadOpacity);
+  EXPECT_EQ(PruneFloaters(views, &g), 0);  // the dead do not die again
+}
+
+TEST(PruneFloatersTest, ViewsWithoutTrustedDepthHaveNoSay) {
+  TrainView mute = WallView(0), doubtful = WallView(0);
+  mute.inv_depth = mute.depth_mask = Tensor();
+  doubtful.depth_mask.fill_(0.5f);
+  Gaussians g = At({{0, 0, 4}, {0, 0, 3}});
+  EXPECT_EQ(PruneFloaters({mute, doubtful}, &g), 0);
+  EXPECT_EQ(PruneFloaters({mute, doubtful, WallView(0)}, &g), 1);
+}
+
+TEST(PruneFloatersTest, AgreementOfMoreViewsSaves) {
+  TrainView agrees = WallView(0);  // sees a wall at z = 3, where the Gaussian is
+  agrees.inv_depth.fill_(1 / 3.f);
+  const auto dead = [&](const std::vector<TrainView>& views) {
+    Gaussians g = At({{0, 0, 3}, {0, 0, 20}});
+    return PruneFloaters(views, &g);
+  };
+  EXPECT_EQ(dead({WallView(0), agrees}), 1);
+  EXPECT_EQ(dead({WallView(0), agrees, agrees}), 0);
+  EXPECT_EQ(dead({agrees}), 0);
+}
+
+TEST(PruneFloatersTest, TheLastOnesAreSpared) {
+  Gaussians g = At({{0, 0, 3}, {0, 0, 2}});
+  EXPECT_EQ(PruneFloaters({WallView(0)}, &g), 0);
+  EXPECT_EQ(Dead(g), (std::vector<int>{0, 0}));
+}
+
+TEST(PruneFloatersTest, SameForAnyNumberOfThreads) {
+  const std::vector<TrainView> views = {WallView(0), WallView(0.5), WallView(1)};
+  Gaussians start = RandomGaussians(5000, 4);
+  start.means += torch::tensor({0.f, 0.f, 3.5f});
+  const auto run = [&](int threads) {
+    const Threads scope(threads);
+    Gaussians g = Clone(start);
+    EXPECT_GT(PruneFloaters(views, &g), 500);
+    return g;
+  };
+  EXPECT_TRUE(SameBits(run(1), run(4)));
+}
+
+TEST(TrainerFloatersTest, PruningMovesThemToTheSurface) {
+  auto views = Photographs(4);
+  for (TrainView& view : views) {  // everything is as far away as the origin: before it is the air
+    view.inv_depth = torch::full({kHeight, kWidth}, 1 / 3.f);
+    view.depth_mask = torch::ones({kHeight, kWidth});
+  }
+  const auto before = [&](bool prune) {
+    TrainOptions options = Options(41);
+    options.depth_weight = 0;
+    options.prune_floaters = prune;
+    Trainer trainer(options, kSeed, {0, 0, 0}, views, Start());
+    for (int i = 0; i < 40; ++i) trainer.Step();  // the 40th relocates
+    Gaussians g = Clone(trainer.gaussians());
+    return PruneFloaters(views, &g);
+  };
+  EXPECT_GT(before(false), 0);
+  EXPECT_LT(before(true), before(false) / 2);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,105 @@
+#include "oraclegs/train/opacity_factors.h"
+
+#include "oraclegs/train/rows.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+Tensor Draw(const OpacityPerturbation& perturbation, int64_t n) {
+  const Tensor factors = torch::empty({n}, torch::kFloat);
+  DrawOpacityFactors(perturbation, factors);
+  return factors;
+}
+
+TEST(DropProbabilityTest, GrowsToTheEndButSparesTheLastIteration) {
+  EXPECT_EQ(DropProbability(0.2, 0, 1000), 0);
+  EXPECT_DOUBLE_EQ(DropProbability(0.2, 500, 1000), 0.1);
+  EXPECT_DOUBLE_EQ(DropProbability(0.2, 999, 1000), 0.2 * 0.999);
+  EXPECT_EQ(DropProbability(0.2, 1000, 1000), 0);
+}
+
+TEST(DrawOpacityFactorsTest, LeavesOutTheShareAndFillsIn) {
+  const int64_t n = 100000;
+  const Tensor factors = Draw({3, 17, 0.25, 0}, n);
+  const float kept = 1 / 0.75f;
+  EXPECT_EQ(((factors == 0) | (factors == kept)).sum().item<int64_t>(), n);
+  EXPECT_NEAR(static_cast<double>((factors == 0).sum().item<int64_t>()) / n, 0.25, 0.006);  // four sigma
+}
+
+TEST(DrawOpacityFactorsTest, NoiseHasItsMomentsAndIsNeverNegative) {
+  const int64_t n = 100000;
+  const Tensor factors = Draw({3, 17, 0, 0.2}, n);
+  EXPECT_NEAR(factors.mean().item<double>(), 1, 0.003);
+  EXPECT_NEAR(factors.std().item<double>(), 0.2, 0.002);
+  EXPECT_NEAR((factors - 1).pow(3).mean().item<double>() / 0.008, 0, 0.04);  // no skew
+  const Tensor wide = Draw({3, 17, 0, 2}, n);
+  EXPECT_GE(wide.min().item<float>(), 0);
+  EXPECT_NEAR(static_cast<double>((wide == 0).sum().item<int64_t>()) / n, 0.3085, 0.006);  // N(0,1) < -1/2
+  EXPECT_NEAR(Draw({3, 17, 0.5, 0.2}, n).mean().item<double>(), 1, 0.015);
+}
+
+TEST(DrawOpacityFactorsTest, IsAFunctionOfSeedIterationAndIndex) {
+  const OpacityPerturbation perturbation{3, 17, 0.3, 0.5};
+  const Tensor factors = Draw(perturbation, 10000);
+  EXPECT_TRUE(torch::equal(Draw(perturbation, 5000), factors.narrow(0, 0, 5000)));
+  {
+    const Threads scope(4);
+    EXPECT_TRUE(torch::equal(Draw(perturbation, 10000), factors));
+  }
+  EXPECT_FALSE(torch::equal(Draw({4, 17, 0.3, 0.5}, 10000), factors));
+  EXPECT_FALSE(torch::equal(Draw({3, 18, 0.3, 0.5}, 10000), factors));
+}
+
+TEST(DrawOpacityFactorsTest, RefusesWhatIsNoProbability) {
+  EXPECT_THROW(Draw({3, 17, 1, 0}, 5), ShapeError);
+  EXPECT_THROW(Draw({3, 17, -0.1, 0}, 5), ShapeError);
+  EXPECT_THROW(Draw({3, 17, 0, -1}, 5), ShapeError);
+}
+
+TrainOptions Perturbed(double dropout, double noise) {
+  TrainOptions options = Options(60);
+  options.dropout = dropout;
+  options.opacity_noise = noise;
+  return options;
+}
+
+Gaussians Trained(const TrainOptions& options) {
+  Trainer trainer(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  trainer.Run({}, Silent());
+  return Clone(trainer.gaussians());
+}
+
+TEST(TrainerPerturbationTest, ChangesTheRunReproducibly) {
+  const Gaussians plain = Trained(Perturbed(0, 0));
+  for (const auto& [dropout, noise] : {std::pair(0.5, 0.0), std::pair(0.0, 0.5), std::pair(0.5, 0.5)}) {
+    const Gaussians perturbed = Trained(Perturbed(dropout, noise));
+    EXPECT_FALSE(SameBits(perturbed, plain));
+    const Threads scope(3);
+    EXPECT_TRUE(SameBits(Trained(Perturbed(dropout, noise)), perturbed));
+  }
+}
+
+TEST(TrainerPerturbationTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
+  TempDir dir;
+  const TrainOptions options = Perturbed(0.4, 0.3);
+  Trainer whole(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  whole.Run({dir.path(), 25, {}}, Silent());
+  Trainer resumed(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  resumed.Restore(ReadCheckpoint(CheckpointPath(dir.path(), 25)));
+  resumed.Run({}, Silent());
+  EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));
+}
+
+TEST(TrainerPerturbationTest, TheLastIterationShowsTheModelAsItIs) {
+  TrainOptions options = Perturbed(0.9, 1);
+  options.iterations = 1;
+  const double perturbed = Trainer(options, kSeed, {0, 0, 0}, Photographs(1), Start()).Step();
+  options.dropout = options.opacity_noise = 0;
+  EXPECT_EQ(perturbed, Trainer(options, kSeed, {0, 0, 0}, Photographs(1), Start()).Step());
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,63 @@
+#pragma once
+// A scene small enough to be trained in a test: a few Gaussians, photographed by the rasteriser itself.
+
+#include "oraclegs/train/trainer.h"
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+
+inline constexpr int kWidth = 37, kHeight = 29;
+inline constexpr uint64_t kSeed = 11;
+
+/// Looks at the origin from a circle of radius 3.
+inline Camera CameraOnCircle(double angle) {
+  Camera camera{kWidth, kHeight, 40, 40, kWidth / 2.0, kHeight / 2.0, Eigen::Isometry3d::Identity()};
+  camera.cam_from_world.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  camera.cam_from_world.translation() = Eigen::Vector3d(0, 0, 3);
+  return camera;
+}
+
+/// A few coloured Gaussians around the origin.
+inline Gaussians Truth() {
+  Gaussians truth = RandomGaussians(40, 21);
+  truth.means *= 0.4f;
+  truth.opacity_logits.fill_(2);
+  truth.sh.narrow(1, 1, 15).zero_();
+  return truth;
+}
+
+/// Photographs of them, taken by the rasteriser itself.
+inline std::vector<TrainView> Photographs(int count) {
+  const Gaussians truth = Truth();
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  std::vector<TrainView> views;
+  for (int i = 0; i < count; ++i) {
+    TrainView view{"photo" + std::to_string(i), CameraOnCircle(0.3 * i), {}, {}};
+    view.image = rasterizer->Forward(truth, view.camera, {}, RenderPass::kInference).image.clone();
+    views.push_back(view);
+  }
+  return views;
+}
+
+inline Gaussians Start(int64_t n = 60) {
+  Gaussians start = RandomGaussians(n, 22);
+  start.means *= 0.5f;
+  start.log_scales.fill_(-2.5f);
+  start.opacity_logits.zero_();
+  start.opacity_logits.narrow(0, 0, 5).fill_(-7);  // dead, to be relocated
+  start.sh.zero_();
+  return start;
+}
+
+/// Refines at 40, 50, ..., so that everything that can happen happens within 100 iterations.
+inline TrainOptions Options(int iterations = 100) {
+  TrainOptions options;
+  options.iterations = iterations;
+  options.max_gaussians = 80;
+  options.refine_start = 30;
+  options.refine_every = 10;
+  options.sh_degree_interval = 20;
+  return options;
+}
+
+}  // namespace oraclegs

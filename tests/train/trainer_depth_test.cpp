@@ -1,0 +1,113 @@
+// Depth as a term of the trainer's loss.
+
+#include <cmath>
+
+#include "oraclegs/train/rows.h"
+#include "oraclegs/train/schedule.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+/// Photographs with the depth that the rasteriser finds, where the Gaussians cover the view.
+std::vector<TrainView> WithTrueDepth(int count) {
+  auto views = Photographs(count);
+  auto rasterizer = MakeRasterizer(torch::kCPU);
+  for (TrainView& view : views) {
+    const RenderOutput out = rasterizer->Forward(Truth(), view.camera, {}, RenderPass::kInference);
+    view.inv_depth = out.inv_depth.clone();
+    view.depth_mask = (out.alpha > 0.9).to(torch::kFloat);
+  }
+  return views;
+}
+
+TrainOptions OnlyDepth(double weight) {
+  TrainOptions options = Options();
+  options.opacity_reg = options.scale_reg = 0;
+  options.depth_weight = weight;
+  return options;
+}
+
+double FirstLoss(const TrainOptions& options, const std::vector<TrainView>& views) {
+  return Trainer(options, kSeed, {0, 0, 0}, views, Truth()).Step();
+}
+
+Gaussians After(int steps, const TrainOptions& options, const std::vector<TrainView>& views) {
+  Trainer trainer(options, kSeed, {0, 0, 0}, views, Start());
+  for (int i = 0; i < steps; ++i) trainer.Step();
+  return Clone(trainer.gaussians());
+}
+
+TEST(TrainerDepthTest, TheTermIsThatOfTheFormula) {
+  auto views = WithTrueDepth(1);
+  EXPECT_NEAR(FirstLoss(OnlyDepth(1), views), 0, 1e-5);
+  const double error = 0.25;
+  views[0].inv_depth += error;
+  const TrainView clean = WithCleanDepth(views[0]);
+  const double expected = 3 * DepthWeight(1, Options().iterations) * CharacteristicDepth({clean}) * error *
+                          views[0].depth_mask.mean().item<double>();
+  EXPECT_GT(expected, 0.01);
+  EXPECT_NEAR(FirstLoss(OnlyDepth(3), views), expected, 1e-4);
+  EXPECT_NEAR(FirstLoss(OnlyDepth(0), views), 0, 1e-5);
+  views[0].confidence = torch::zeros({kHeight, kWidth});  // where the photograph does not count, its depth does not
+  EXPECT_EQ(FirstLoss(OnlyDepth(3), views), 0);
+}
+
+TEST(TrainerDepthTest, DoesNotDependOnTheUnitOfTheWorld) {
+  auto views = WithTrueDepth(2);
+  for (TrainView& view : views) view.inv_depth += 0.1;
+  const double loss = FirstLoss(OnlyDepth(1), views);
+  EXPECT_GT(loss, 0.01);
+  Gaussians truth = Truth();
+  const double unit = 7;  // what was 1 long is 7 long
+  truth.means *= unit;
+  truth.log_scales += std::log(unit);
+  for (TrainView& view : views) {
+    view.inv_depth /= unit;
+    view.camera.cam_from_world.translation() *= unit;
+  }
+  EXPECT_NEAR(Trainer(OnlyDepth(1), kSeed, {0, 0, 0}, views, truth).Step(), loss, 1e-4 * loss);
+}
+
+TEST(TrainerDepthTest, WithoutDepthOrWeightTheBitsAreTheSame) {
+  const auto plain = Photographs(3);
+  auto deep = WithTrueDepth(3);
+  const Gaussians expected = After(45, Options(), plain);
+  TrainOptions off = Options();
+  off.depth_weight = 0;
+  EXPECT_TRUE(SameBits(After(45, off, deep), expected));
+  EXPECT_FALSE(SameBits(After(45, Options(), deep), expected));
+  for (TrainView& view : deep) view.depth_mask.zero_();
+  EXPECT_TRUE(SameBits(After(45, Options(), deep), expected));
+}
+
+TEST(TrainerDepthTest, BringsTheRenderToTheDepth) {
+  auto views = WithTrueDepth(4);
+  TrainOptions options = OnlyDepth(1);
+  options.iterations = 150;
+  options.refine_start = 1000;
+  const auto error = [&](const Gaussians& gaussians) {
+    double sum = 0;
+    for (const TrainView& view : views) {
+      const RenderOutput out = MakeRasterizer(torch::kCPU)->Forward(gaussians, view.camera, {}, RenderPass::kInference);
+      sum += ((out.inv_depth - view.inv_depth).abs() * view.depth_mask).mean().item<double>();
+    }
+    return sum;
+  };
+  options.depth_weight = 0;
+  const double without = error(After(150, options, views));
+  options.depth_weight = 1;
+  const double with = error(After(150, options, views));
+  EXPECT_LT(with, 0.8 * without) << with << " " << without;
+}
+
+TEST(TrainerDepthTest, RefusesDepthThatDoesNotFit) {
+  auto views = WithTrueDepth(2);
+  views[1].depth_mask = Tensor();
+  EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, views, Start()), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs
