@@ -157,7 +157,9 @@ class StartBuilder {
 }  // namespace
 
 bool NeedsDepth(const RunOptions& options) {
-  return options.start.init == "auto" || options.start.init == "dense" || options.start.init == "hybrid";
+  const std::string& init = options.start.init;
+  return init == "auto" || init == "dense" || init == "hybrid" || options.train.depth_weight > 0 ||
+         options.train.prune_floaters;
 }
 
 std::vector<ScenePoint> RunSfm(Run* run) {

@@ -21,9 +21,20 @@ std::string TrainKey(const Run& run) {
       .Hex();
 }
 
-std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry&) {
+/// The depth map as a target; what is not confident counts nothing.
+void AddDepth(const DepthMap& map, TrainView* view) {
+  const int64_t height = map.camera.height, width = map.camera.width;
+  view->inv_depth = torch::from_blob(const_cast<float*>(map.inv_depth.data()), {height, width}, torch::kFloat).clone();
+  view->depth_mask = torch::from_blob(const_cast<float*>(map.confidence.data()), {height, width}, torch::kFloat).clone();
+  view->depth_mask.masked_fill_(view->depth_mask < kConfident, 0);
+}
+
+std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry& geometry) {
   std::vector<TrainView> views;
-  for (const Photo& photo : photos) views.push_back(ToTrainView(photo));
+  for (size_t v = 0; v < photos.size(); ++v) {
+    views.push_back(ToTrainView(photos[v]));
+    if (!geometry.maps.empty()) AddDepth(geometry.maps[v], &views.back());
+  }
   return views;
 }
 

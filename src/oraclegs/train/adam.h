@@ -12,6 +12,10 @@ struct LearningRates {
   double opacity_logits = 0.05;
   double sh0 = 0.0025;
   double sh_rest = 0.0025 / 20;
+
+  void ScaleAll(double factor) {
+    for (double* rate : {&means, &log_scales, &quats, &opacity_logits, &sh0, &sh_rest}) *rate *= factor;
+  }
 };
 
 /// What of one step is the same for all Gaussians. Learning rates are times 1 / (1 - beta1^t).

@@ -16,6 +16,7 @@ struct TrainOptions {
   double opacity_noise = 0;
   double coarse_share = 0;
   bool prune_floaters = false;
+  double last_rates = 1;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -60,6 +61,10 @@ struct TrainOptions {
     visit("prune-floaters", prune_floaters,
           "At each relocation also move Gaussians that hang 10 % or more before the depth of some photographs and on "
           "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
+    visit("last-rates", last_rates,
+          "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "
+          "the second half of the run. 3DGS keeps them (1)",
+          Range{1e-3, 1});
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("random-points", random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});

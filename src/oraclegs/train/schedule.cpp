@@ -32,6 +32,10 @@ double MeansLearningRate(int64_t iteration, int64_t iterations, double extent) {
   return extent * LogLinear(kFirstMeansRate, kLastMeansRate, Progress(iteration, iterations));
 }
 
+double RateFactor(int64_t iteration, int64_t iterations, double last) {
+  return LogLinear(1, last, std::max(0.0, 2 * Progress(iteration, iterations) - 1));
+}
+
 int ActiveShDegree(int64_t iteration, int64_t interval) {
   return static_cast<int>(std::min<int64_t>(iteration / interval, kHighestShDegree));
 }

@@ -315,6 +315,7 @@ double Trainer::Step() {
   const int64_t i = s.iteration + 1;
   Lap lap;
   LearningRates rates;
+  rates.ScaleAll(RateFactor(i, s.options.iterations, s.options.last_rates));
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
   const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
   const int index = s.sampler.Next(0).index;
