@@ -71,7 +71,7 @@ TEST(TrainerCoarseTest, TheShareIsTrainedAtHalfSize) {
   TrainOptions options = Options(40);
   options.opacity_reg = options.scale_reg = options.ssim_weight = 0;
   options.coarse_share = 0.5;
-  Gaussians none = Start(1);
+  Gaussians none = Start();
   none.means.fill_(100);  // out of sight: the render is the background
   Trainer trainer(options, kSeed, {0.5f, 0.5f, 0.5f}, views, none);
   for (int i = 1; i <= 40; ++i) EXPECT_NEAR(trainer.Step(), i <= 20 ? 0 : 0.5, 1e-5) << i;

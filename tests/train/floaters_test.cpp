@@ -90,7 +90,7 @@ TEST(TrainerFloatersTest, PruningMovesThemToTheSurface) {
     view.depth_mask = torch::ones({kHeight, kWidth});
   }
   const auto before = [&](bool prune) {
-    TrainOptions options = Options(41);
+    TrainOptions options = Options(100);
     options.depth_weight = 0;
     options.prune_floaters = prune;
     Trainer trainer(options, kSeed, {0, 0, 0}, views, Start());

@@ -1,5 +1,7 @@
 #include "oraclegs/train/opacity_factors.h"
 
+#include <utility>
+
 #include "oraclegs/train/rows.h"
 #include "support/golden.h"
 #include "support/tensors.h"
