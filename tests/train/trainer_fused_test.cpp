@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/gaussians/initialize.h"
+#include "oraclegs/scene/looked_at.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
