@@ -63,7 +63,8 @@ class Climb {
 
   void Try(const FeatureSet& set, const ColmapRunner& colmap) {
     colmap.ExtractFeatures("SIMPLE_RADIAL", request_.has_masks, set.extraction);
-    if (!CanMatch(colmap)) return;
+    // The first set's matches tell why photographs are missing, so they are made in any case.
+    if (colmap.database().filename() != "database.db" && !CanMatch(colmap)) return;
     colmap.MatchExhaustively(set.matching);
     for (const MapperTry& attempt : set.tries) {
       if (IsEnough(best_.quality, photographs())) break;
@@ -72,6 +73,7 @@ class Climb {
     RegisterLeftOver(set, colmap);
   }
 
+  /// False when what is missing has too few features for any matching.
   bool CanMatch(const ColmapRunner& colmap) const {
     const auto counts = ReadFeatureCounts(colmap.database());
     std::map<std::string, int> by_name;
@@ -79,7 +81,7 @@ class Climb {
       const auto count = counts.find(image.image_id);
       by_name[name] = count == counts.end() ? 0 : count->second;
     }
-    return colmap.database().filename() == "database.db" || CanMatchMissing(by_name, best_.quality);
+    return CanMatchMissing(by_name, best_.quality);
   }
 
   fs::path NewFolder() {
@@ -158,6 +160,7 @@ class Climb {
   void MatchAgain() {
     if (IsEnough(best_.quality, photographs()) || !IsSound(best_.quality)) return;
     const ColmapRunner colmap(request_.work_dir, listener_, best_.database.filename().string());
+    if (!CanMatch(colmap)) return;
     const auto pairs = PairsOfMissing(request_.names, best_.quality);
     if (pairs.empty()) return;
     const ColmapRunner again(request_.work_dir, listener_, colmap.database().stem().string() + "_again.db");
