@@ -37,6 +37,7 @@ TEST(ColmapBinary, ReadsPoints) {
   EXPECT_EQ(points[0].xyz, Eigen::Vector3d(1, 2, 3));
   EXPECT_THAT(points[0].rgb, ElementsAre(10, 20, 255));
   EXPECT_THAT(points[0].image_ids, ElementsAre(4, 3, 3));
+  EXPECT_EQ(points[0].reprojection_error, .5);
   EXPECT_TRUE(std::isnan(points[1].xyz.x()));
 }
 

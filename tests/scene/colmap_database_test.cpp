@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -32,6 +33,13 @@ constexpr char kTables[] = R"(
     data BLOB, FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
   CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL,
     data BLOB, FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+)";
+
+/// What matching adds, columns as colmap makes them.
+constexpr char kMatchTables[] = R"(
+  CREATE TABLE matches (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB);
+  CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL,
+    cols INTEGER NOT NULL, data BLOB, config INTEGER NOT NULL, F BLOB, E BLOB, H BLOB, qvec BLOB, tvec BLOB);
 )";
 
 /// Two cameras; b, c, a as colmap's threads may have finished them. `rows` tells whose keypoints they are.
@@ -98,12 +106,16 @@ std::string RunErrorOf(Action action) {
   return {};
 }
 
-/// All three functions must name the database, say what is wrong and what mends it.
+/// Every function must name the database, say what is wrong and what mends it.
 void ExpectRefused(const fs::path& database, const std::string& reason) {
   const auto message = AllOf(StartsWith(database.string() + ": "), HasSubstr(reason), HasSubstr("delete it"));
   EXPECT_THAT(RunErrorOf([&] { ReadDatabaseImages(database); }), message);
   EXPECT_THAT(RunErrorOf([&] { SetDatabaseCameras(database, {{1, kOpenCvLens}}); }), message);
   EXPECT_THAT(RunErrorOf([&] { NumberImagesByName(database); }), message);
+  EXPECT_THAT(RunErrorOf([&] { ReadFeatureCounts(database); }), message);
+  EXPECT_THAT(RunErrorOf([&] { ReadMatchedPairs(database); }),
+              AllOf(StartsWith(database.string() + ": "), HasSubstr("delete it")));
+  EXPECT_THAT(RunErrorOf([&] { SetFocalGuess(database, 1); }), message);
 }
 
 MATCHER_P2(HasIds, image_id, camera_id, "") { return arg.image_id == image_id && arg.camera_id == camera_id; }
@@ -137,6 +149,89 @@ TEST(SetDatabaseCameras, StoresTheLensToTheBitAndLeavesOtherCamerasAlone) {
   for (const char c : bytes) hex += fmt::format("{:02X}", static_cast<unsigned char>(c));
   EXPECT_EQ(Sqlite(path).Rows("SELECT camera_id, model, width, height, hex(params), prior_focal_length FROM cameras"),
             (Rows{"1|0|10|20|00|0", "4|4|640|480|" + hex + "|1"}));
+}
+
+int64_t PairId(int64_t first, int64_t second) { return 2147483647 * first + second; }
+
+std::string Hex(const std::vector<double>& numbers) {
+  std::string bytes(numbers.size() * sizeof(double), '\0'), hex;
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  for (const char c : bytes) hex += fmt::format("{:02X}", static_cast<unsigned char>(c));
+  return hex;
+}
+
+/// Matches of the pairs 1-2 (verified, one homography), 1-7 (not verified) and 2-7 (verified, no homography).
+std::string Matches() {
+  const std::string map = Hex({1, 2, 3, 4, 5, 6, 7, 8, 9});
+  const auto geometry = [&](int64_t id, int rows, int config) {
+    return fmt::format("INSERT INTO two_view_geometries VALUES ({}, {}, 2, x'', {}, x'', x'', x'{}', x'', x'');", id,
+                       rows, config, map);
+  };
+  return std::string(kTables) + kThreeImages + kMatchTables +
+         fmt::format("INSERT INTO matches VALUES ({}, 90, 2, x''), ({}, 5, 2, x''), ({}, 80, 2, x'');", PairId(1, 2),
+                     PairId(1, 7), PairId(2, 7)) +
+         geometry(PairId(1, 2), 60, 6) + geometry(PairId(2, 7), 40, 3);
+}
+
+TEST(ReadFeatureCounts, CountsByImageAndIsZeroWithoutAnEntry) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir);
+  Sqlite(path).Execute("DELETE FROM keypoints WHERE image_id = 2");
+  EXPECT_THAT(ReadFeatureCounts(path), UnorderedElementsAre(Pair(1u, 100), Pair(2u, 0), Pair(7u, 300)));
+}
+
+TEST(ReadMatchedPairs, GivesMatchesInliersAndTheHomographyThatExplainsThem) {
+  const TempDir dir;
+  const auto pairs = ReadMatchedPairs(WriteDatabase(dir, Matches()));
+  ASSERT_EQ(pairs.size(), 3u);
+  EXPECT_EQ(pairs[0].first, 1u);
+  EXPECT_EQ(pairs[0].second, 2u);
+  EXPECT_EQ(pairs[0].matches, 90);
+  EXPECT_EQ(pairs[0].inliers, 60);
+  ASSERT_TRUE(pairs[0].homography.has_value());
+  EXPECT_EQ((*pairs[0].homography)(0, 2), 3) << "row by row";
+  EXPECT_EQ(pairs[1].second, 7u);
+  EXPECT_EQ(pairs[1].matches, 5);
+  EXPECT_EQ(pairs[1].inliers, 0);
+  EXPECT_FALSE(pairs[1].homography.has_value());
+  EXPECT_EQ(pairs[2].inliers, 40);
+  EXPECT_FALSE(pairs[2].homography.has_value()) << "one was fitted, but does not explain what was found";
+}
+
+TEST(ReadMatchedPairs, AMapThatIsNoneIsLeftOutAndAWrongPairRefused) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir, Matches());
+  for (const std::string& map : {std::string("00"), Hex(std::vector<double>(9, 0)), Hex(std::vector<double>(9, NAN))}) {
+    Sqlite(path).Execute(fmt::format("UPDATE two_view_geometries SET H = x'{}'", map));
+    EXPECT_FALSE(ReadMatchedPairs(path)[0].homography.has_value());
+  }
+  for (const int64_t id : {int64_t{-1}, int64_t{0}, PairId(7, 1), PairId(5, 5)}) {
+    Sqlite(path).Execute(fmt::format("DELETE FROM matches; INSERT INTO matches VALUES ({}, 1, 2, x'')", id));
+    EXPECT_THAT(RunErrorOf([&] { ReadMatchedPairs(path); }),
+                AllOf(StartsWith(path.string()), HasSubstr("is not the number of a pair")));
+  }
+}
+
+TEST(ForgetMatches, RemovesThePairsInEitherOrderAndNoOther) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir, Matches());
+  ForgetMatches(path, {{2, 1}, {1, 7}});
+  const auto pairs = ReadMatchedPairs(path);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].second, 7u);
+  EXPECT_EQ(Sqlite(path).Rows("SELECT rows FROM two_view_geometries"), (Rows{"40"}));
+}
+
+TEST(SetFocalGuess, MovesOnlyCamerasWhoseFocalLengthIsNotKnown) {
+  const TempDir dir;
+  const std::string lens = Hex({12, 5, 10, .25});
+  const fs::path path = WriteDatabase(
+      dir, kTables + fmt::format("INSERT INTO cameras VALUES (1, 2, 10, 20, x'{0}', 0), (2, 2, 10, 20, x'{0}', 1), "
+                                 "(3, 0, 10, 20, x'{0}', 0), (4, 2, 10, 20, x'00', 0);",
+                                 lens));
+  EXPECT_EQ(SetFocalGuess(path, .75), 1) << "known, of another model, and damaged ones stay";
+  EXPECT_EQ(Sqlite(path).Rows("SELECT hex(params) FROM cameras ORDER BY camera_id"),
+            (Rows{Hex({15, 5, 10, .25}), lens, lens, "00"}));
 }
 
 TEST(NumberImagesByName, NumbersFollowTheNamesAndTheFeaturesFollowTheImages) {

@@ -220,6 +220,44 @@ TEST(ColmapRunner, EveryPairIsMatchedOnTheCpu) {
   EXPECT_THAT(steps.heard, ElementsAre("sfm 1/1 blocks, matching"));
 }
 
+TEST(ColmapRunner, AnotherDatabaseAndMoreOptionsReachColmap) {
+  const TempDir dir;
+  WriteTwoImages(dir / "more.db");
+  const std::string threads = std::to_string(NumThreads());
+  const Listener silent = Silent();
+  const ColmapRunner colmap(dir.path(), silent, "more.db");
+  {
+    const FakeColmap fake("");
+    colmap.ExtractFeatures("SIMPLE_RADIAL", false, {{"SiftExtraction.peak_threshold", "0.002"}});
+    EXPECT_THAT(fake.Arguments(),
+                testing::IsSupersetOf({(dir / "more.db").string(), std::string("--SiftExtraction.peak_threshold"),
+                                       std::string("0.002")}));
+  }
+  {
+    const FakeColmap fake("");
+    colmap.MatchExhaustively({{"SiftMatching.max_ratio", "0.85"}});
+    EXPECT_THAT(fake.Arguments(), ElementsAre("exhaustive_matcher", "--database_path", (dir / "more.db").string(),
+                                              "--SiftMatching.max_ratio", "0.85", "--SiftMatching.num_threads", threads,
+                                              "--SiftMatching.use_gpu", "0"));
+  }
+  const FakeColmap fake("");
+  colmap.MatchPairs({{"camera0/a.png", "camera0/b.png"}, {"camera0/b.png", "camera1/c.png"}}, {});
+  EXPECT_EQ(ReadFile(dir / "pairs.txt"), "camera0/a.png camera0/b.png\ncamera0/b.png camera1/c.png\n");
+  EXPECT_THAT(fake.Arguments(),
+              ElementsAre("matches_importer", "--database_path", (dir / "more.db").string(),
+                          "--SiftMatching.num_threads", threads, "--SiftMatching.use_gpu", "0", "--match_list_path",
+                          (dir / "pairs.txt").string(), "--match_type", "pairs"));
+}
+
+TEST(ColmapRunner, TheBundleIsAdjustedWithoutADatabase) {
+  const TempDir dir;
+  const FakeColmap fake("");
+  const Listener silent = Silent();
+  ColmapRunner(dir.path(), silent).AdjustBundle(dir / "in", dir / "out");
+  EXPECT_THAT(fake.Arguments(), ElementsAre("bundle_adjuster", "--input_path", (dir / "in").string(), "--output_path",
+                                            (dir / "out").string()));
+}
+
 TEST(ColmapRunner, WhatTheUserReadsOfAFailureNamesTheLog) {
   const TempDir dir;
   Scene photos = WriteTexturedPlanes(dir / "scene", 2);

@@ -43,6 +43,7 @@ TEST(ColmapText, ReadsPoints) {
   EXPECT_EQ(points[0].xyz, Eigen::Vector3d(1, 2, 3));
   EXPECT_THAT(points[0].rgb, ElementsAre(10, 20, 255));
   EXPECT_THAT(points[0].image_ids, ElementsAre(4, 3));
+  EXPECT_EQ(points[0].reprojection_error, .7);
   EXPECT_TRUE(points[1].image_ids.empty());
 }
 

@@ -152,9 +152,9 @@ TEST(ClearWorkDir, RemovesWhatARunLeavesAndNothingElse) {
   const TempDir dir;
   const fs::path work_dir = dir / "sfm";
   WriteFinishedRun(WriteSmallScene(dir / "scene"), work_dir);
-  for (const char* name :
-       {"database.db", "database.db-wal", "database.db-shm", "colmap.log", "points.ply", "poses/cameras.txt",
-        "models/0/cameras.bin", "masks/camera0/0.png.png", "mine.txt", "sparse.bak/cameras.bin"}) {
+  for (const char* name : {"database.db", "database.db-wal", "database.db-shm", "colmap.log", "points.ply",
+                           "poses/cameras.txt", "models/0/cameras.bin", "registration.json", "pairs.txt", "guess.db",
+                           "database3_again.db-wal", "masks/camera0/0.png.png", "mine.txt", "sparse.bak/cameras.bin"}) {
     WriteText(work_dir / name, "x");
   }
   ClearWorkDir(work_dir);
@@ -164,6 +164,18 @@ TEST(ClearWorkDir, RemovesWhatARunLeavesAndNothingElse) {
   for (int v = 0; v < 4; ++v) {
     EXPECT_TRUE(fs::exists(dir / "scene" / (std::to_string(v) + ".png"))) << "a photograph behind a link is gone";
   }
+}
+
+TEST(RemoveIntermediate, LeavesTheResult) {
+  const TempDir dir;
+  for (const char* name : {"models/3/cameras.bin", "pairs.txt", "guess.db", "guess.db-shm", "database1.db",
+                           "database_again.db", "database.db", "sparse/0/cameras.bin", "registration.json"}) {
+    WriteText(dir / name, "x");
+  }
+  RemoveIntermediate(dir.path());
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(dir.path())) left.push_back(entry.path().filename());
+  EXPECT_THAT(left, testing::UnorderedElementsAre("database.db", "sparse", "registration.json"));
 }
 
 TEST(ClearWorkDir, MakesTheFolderOrSaysWhyNot) {

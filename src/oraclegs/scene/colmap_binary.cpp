@@ -136,7 +136,7 @@ std::vector<ColmapPoint> ParsePointsBinary(std::string_view bytes, const std::st
     reader.Take(sizeof(uint64_t));  // the point's id
     point.xyz = reader.GetVector3();
     for (uint8_t& c : point.rgb) c = reader.Get<uint8_t>();
-    reader.Take(sizeof(double));  // the reprojection error
+    point.reprojection_error = reader.Get<double>();
     point.image_ids.resize(reader.GetCount(kTrackElementBytes, "track elements"));
     for (uint32_t& id : point.image_ids) {
       id = reader.Get<uint32_t>();

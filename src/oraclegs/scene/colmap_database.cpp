@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <cstring>
 #include <memory>
 
 #include "oraclegs/core/error.h"
@@ -10,6 +12,9 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int64_t kPairBase = 2147483647;           // colmap's pair id is kPairBase * first + second, first < second
+constexpr int kPlanar = 4, kPlanarOrPanoramic = 6;  // colmap's two-view configurations that a homography explains
 
 /// An open database; its errors name the file.
 class Database {
@@ -65,6 +70,22 @@ class Statement {
   std::unique_ptr<sqlite3_stmt, Finalize> handle_;
 };
 
+int64_t PairId(uint32_t a, uint32_t b) { return kPairBase * std::min(a, b) + std::max(a, b); }
+
+/// The 3x3 matrix of doubles, row by row, in a column; nothing when it is not one or is zero.
+std::optional<Eigen::Matrix3d> GetMatrix(sqlite3_stmt* row, int column) {
+  const void* bytes = sqlite3_column_blob(row, column);
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
+  if (bytes == nullptr || sqlite3_column_bytes(row, column) != static_cast<int>(sizeof(matrix))) return std::nullopt;
+  std::memcpy(matrix.data(), bytes, sizeof(matrix));
+  if (!matrix.allFinite() || matrix.isZero(0)) return std::nullopt;
+  return matrix;
+}
+
+int GetCount(sqlite3_stmt* row, int column) {
+  return static_cast<int>(std::clamp<int64_t>(sqlite3_column_int64(row, column), 0, kPairBase));
+}
+
 }  // namespace
 
 std::map<std::string, DatabaseImage> ReadDatabaseImages(const fs::path& database) {
@@ -78,6 +99,52 @@ std::map<std::string, DatabaseImage> ReadDatabaseImages(const fs::path& database
                     static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 2))};
   }
   return images;
+}
+
+std::map<uint32_t, int> ReadFeatureCounts(const fs::path& database) {
+  const Database open(database);
+  const Statement rows(open,
+                       "SELECT images.image_id, keypoints.rows FROM images LEFT JOIN keypoints "
+                       "ON images.image_id = keypoints.image_id");
+  std::map<uint32_t, int> counts;
+  while (rows.Step()) counts[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = GetCount(rows.get(), 1);
+  return counts;
+}
+
+std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
+  const Database open(database);
+  const Statement rows(open,
+                       "SELECT matches.pair_id, matches.rows, two_view_geometries.rows, config, H FROM matches LEFT "
+                       "JOIN two_view_geometries ON matches.pair_id = two_view_geometries.pair_id "
+                       "ORDER BY matches.pair_id");
+  std::vector<MatchedPair> pairs;
+  while (rows.Step()) {
+    const int64_t id = sqlite3_column_int64(rows.get(), 0);
+    MatchedPair pair;
+    pair.first = static_cast<uint32_t>(id / kPairBase);
+    pair.second = static_cast<uint32_t>(id % kPairBase);
+    if (id <= 0 || pair.first >= pair.second || pair.first >= kPairBase) {
+      throw RunError("{}: {} is not the number of a pair of images; delete it, colmap makes it anew", database.string(),
+                     id);
+    }
+    pair.matches = GetCount(rows.get(), 1);
+    pair.inliers = GetCount(rows.get(), 2);
+    const int config = sqlite3_column_int(rows.get(), 3);
+    if (config >= kPlanar && config <= kPlanarOrPanoramic) pair.homography = GetMatrix(rows.get(), 4);
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+void ForgetMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  const Database open(database);
+  open.Execute("BEGIN");
+  for (const auto& [a, b] : pairs) {
+    for (const char* table : {"matches", "two_view_geometries"}) {
+      open.Execute(fmt::format("DELETE FROM {} WHERE pair_id = {}", table, PairId(a, b)).c_str());
+    }
+  }
+  open.Execute("COMMIT");
 }
 
 void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Lens>& cameras) {
@@ -96,6 +163,32 @@ void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Lens>
     update.Step();
   }
   open.Execute("COMMIT");
+}
+
+int SetFocalGuess(const fs::path& database, double sides) {
+  const Database open(database);
+  const Statement rows(
+      open, "SELECT camera_id, width, height, params FROM cameras WHERE prior_focal_length = 0 AND model = ?1");
+  sqlite3_bind_int(rows.get(), 1, static_cast<int>(LensModel::kSimpleRadial));
+  std::map<uint32_t, std::vector<double>> params;
+  while (rows.Step()) {
+    const void* bytes = sqlite3_column_blob(rows.get(), 3);
+    std::vector<double> lens(static_cast<size_t>(LensParameterCount(LensModel::kSimpleRadial)));
+    const size_t size = lens.size() * sizeof(double);
+    if (bytes == nullptr || sqlite3_column_bytes(rows.get(), 3) != static_cast<int>(size)) continue;
+    std::memcpy(lens.data(), bytes, size);
+    lens[0] = sides * std::max(sqlite3_column_int(rows.get(), 1), sqlite3_column_int(rows.get(), 2));
+    params[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = std::move(lens);
+  }
+  open.Execute("BEGIN");
+  for (const auto& [id, lens] : params) {
+    const Statement update(open, "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
+    sqlite3_bind_blob(update.get(), 1, lens.data(), static_cast<int>(lens.size() * sizeof(double)), SQLITE_STATIC);
+    sqlite3_bind_int64(update.get(), 2, id);
+    update.Step();
+  }
+  open.Execute("COMMIT");
+  return static_cast<int>(params.size());
 }
 
 void NumberImagesByName(const fs::path& database) {

@@ -39,19 +39,10 @@ auto ParsePart(const fs::path& path, Binary binary, Text text) {
   return path.extension() == ".bin" ? binary(bytes, path.string()) : text(bytes, path.string());
 }
 
-std::vector<ColmapPoint> ReadPoints(const fs::path& model_dir, const Listener& listener) {
-  const fs::path path = FindPart(model_dir, "points3D");
-  if (path.empty()) {
-    listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", model_dir.string())});
-    return {};
-  }
-  return ParsePart(path, ParsePointsBinary, ParsePointsText);
-}
-
 std::vector<SceneView> MakeViews(const fs::path& model_dir, const fs::path& image_dir,
                                  const std::vector<ColmapImage>& images) {
   const fs::path cameras_path = RequirePart(model_dir, "cameras");
-  const ColmapCameras cameras = ParsePart(cameras_path, ParseCamerasBinary, ParseCamerasText);
+  const ColmapCameras cameras = ReadColmapCameras(model_dir);
   std::vector<SceneView> views;
   views.reserve(images.size());
   for (const ColmapImage& image : images) {
@@ -114,6 +105,16 @@ bool IsColmapModel(const fs::path& dir) {
   return !FindPart(dir, "cameras").empty() && !FindPart(dir, "images").empty();
 }
 
+ColmapCameras ReadColmapCameras(const fs::path& model_dir) {
+  return ParsePart(RequirePart(model_dir, "cameras"), ParseCamerasBinary, ParseCamerasText);
+}
+
+std::vector<ColmapPoint> ReadColmapPoints(const fs::path& model_dir) {
+  const fs::path path = FindPart(model_dir, "points3D");
+  if (path.empty()) return {};
+  return ParsePart(path, ParsePointsBinary, ParsePointsText);
+}
+
 std::vector<ColmapImage> ReadColmapImages(const fs::path& model_dir) {
   const fs::path path = RequirePart(model_dir, "images");
   std::vector<ColmapImage> images = ParsePart(path, ParseImagesBinary, ParseImagesText);
@@ -130,7 +131,10 @@ Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, cons
   const std::vector<ColmapImage> images = ReadColmapImages(model_dir);
   const std::string source = model_dir.string();
   KeepViewsWithImages(MakeViews(model_dir, image_dir, images), source, image_dir.string(), listener, &scene);
-  const std::vector<ColmapPoint> points = ReadPoints(model_dir, listener);
+  if (FindPart(model_dir, "points3D").empty()) {
+    listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", source)});
+  }
+  const std::vector<ColmapPoint> points = ReadColmapPoints(model_dir);
   scene.points = MakePoints(points, ViewOfImage(scene, images, source));
   const size_t dropped = points.size() - scene.points.size();
   if (dropped > 0) {

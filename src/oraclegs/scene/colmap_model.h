@@ -29,14 +29,17 @@ struct ColmapImage {
 struct ColmapPoint {
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
   std::array<uint8_t, 3> rgb{};
+  double reprojection_error = 0;    ///< pixels, mean over its track, as stored
   std::vector<uint32_t> image_ids;  ///< its track, as stored
 };
 
 /// True when `dir` holds the cameras and images of a model, as .bin or .txt.
 bool IsColmapModel(const std::filesystem::path& dir);
 
-/// The images of a model alone. Throws InputError as ReadColmapScene does.
+/// One part of a model alone; no points when it has no points3D file. Throws InputError as ReadColmapScene does.
+ColmapCameras ReadColmapCameras(const std::filesystem::path& model_dir);
 std::vector<ColmapImage> ReadColmapImages(const std::filesystem::path& model_dir);
+std::vector<ColmapPoint> ReadColmapPoints(const std::filesystem::path& model_dir);
 
 /// A whole model as a scene: root = model_dir, views (as_stored) sorted by name with images looked up below image_dir,
 /// points with the views that saw them. `listener` hears of views without an image file and of points that are dropped

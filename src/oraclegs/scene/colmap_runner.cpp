@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/scene/colmap_database.h"
 
@@ -34,10 +35,17 @@ class ProgressReader {
   int images_ = 0;
 };
 
+ColmapOptions MatchingOptions() {
+  return {{"SiftMatching.use_gpu", "0"}, {"SiftMatching.num_threads", std::to_string(NumThreads())}};
+}
+
 }  // namespace
 
 void ColmapRunner::Run(const std::string& command, const ColmapOptions& options, const std::string& what) const {
-  std::vector<std::string> argv{"colmap", command, "--database_path", database().string()};
+  Execute({"colmap", command, "--database_path", database().string()}, options, what);
+}
+
+void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& options, const std::string& what) const {
   for (const auto& [name, value] : options) {
     argv.push_back("--" + name);
     argv.push_back(value);
@@ -45,25 +53,45 @@ void ColmapRunner::Run(const std::string& command, const ColmapOptions& options,
   ProgressReader progress(what, listener_);
   const ProcessResult result =
       RunProcess(argv, work_dir_ / "colmap.log", [&](const std::string& line) { progress(line); });
-  if (result.exit_code != 0) throw ColmapFailure{command, result.exit_code, progress.last_line()};
+  if (result.exit_code != 0) throw ColmapFailure{argv[1], result.exit_code, progress.last_line()};
 }
 
-void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_masks) const {
+void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_masks, const ColmapOptions& more) const {
   ColmapOptions options{{"image_path", images().string()},
                         {"ImageReader.single_camera_per_folder", "1"},
                         {"ImageReader.camera_model", camera_model},
                         {"SiftExtraction.use_gpu", "0"},
                         {"SiftExtraction.num_threads", std::to_string(NumThreads())}};
   if (has_masks) options["ImageReader.mask_path"] = (work_dir_ / "masks").string();
+  options.insert(more.begin(), more.end());
   Run("feature_extractor", options, "finding features");
   NumberImagesByName(database());
 }
 
-void ColmapRunner::MatchExhaustively() const {
+void ColmapRunner::MatchExhaustively(const ColmapOptions& more) const {
   // Not guided: on a CPU that takes five times as long. The matches differ a little from run to run, even with one
   // thread: colmap's approximate neighbour search draws its seed from the machine. The cached result does not.
-  Run("exhaustive_matcher", {{"SiftMatching.use_gpu", "0"}, {"SiftMatching.num_threads", std::to_string(NumThreads())}},
-      "matching");
+  ColmapOptions options = MatchingOptions();
+  options.insert(more.begin(), more.end());
+  Run("exhaustive_matcher", options, "matching");
+}
+
+void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::string>>& names,
+                              const ColmapOptions& more) const {
+  std::string list;
+  for (const auto& [a, b] : names) list += a + " " + b + "\n";
+  const std::filesystem::path path = work_dir_ / "pairs.txt";
+  WriteFileAtomically(path, list);
+  ColmapOptions options = MatchingOptions();
+  options.insert(more.begin(), more.end());
+  options["match_list_path"] = path.string();
+  options["match_type"] = "pairs";
+  Run("matches_importer", options, "matching again");
+}
+
+void ColmapRunner::AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const {
+  Execute({"colmap", "bundle_adjuster"}, {{"input_path", model.string()}, {"output_path", adjusted.string()}},
+          "adjusting");
 }
 
 }  // namespace oraclegs

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
@@ -20,24 +21,32 @@ struct ColmapFailure {
 
 using ColmapOptions = std::map<std::string, std::string>;  ///< "SiftMatching.use_gpu" -> "0"
 
-/// One workspace: work_dir/database.db, the photographs in work_dir/images, all output appended to work_dir/colmap.log.
+/// One workspace: a database of features and matches below work_dir, the photographs in work_dir/images, all output
+/// appended to work_dir/colmap.log.
 class ColmapRunner {
  public:
-  ColmapRunner(std::filesystem::path work_dir, const Listener& listener)
-      : work_dir_(std::move(work_dir)), listener_(listener) {}
+  ColmapRunner(std::filesystem::path work_dir, const Listener& listener, std::string database = "database.db")
+      : work_dir_(std::move(work_dir)), database_(std::move(database)), listener_(listener) {}
 
-  std::filesystem::path database() const { return work_dir_ / "database.db"; }
+  std::filesystem::path database() const { return work_dir_ / database_; }
   std::filesystem::path images() const { return work_dir_ / "images"; }
 
-  /// One camera per folder below images/; masks/ is used when has_masks.
-  void ExtractFeatures(const std::string& camera_model, bool has_masks) const;
+  /// One camera per folder below images/; masks/ is used when has_masks. `more` are options beside these.
+  void ExtractFeatures(const std::string& camera_model, bool has_masks, const ColmapOptions& more = {}) const;
   /// Every pair of photographs. Not the same matches in every run.
-  void MatchExhaustively() const;
+  void MatchExhaustively(const ColmapOptions& more = {}) const;
+  /// The pairs of names (below images/, without blanks) that the database has no matches of yet.
+  void MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more) const;
+  /// Poses, lenses and points of a model refined together; reads no database.
+  void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
   /// Any command that works on the database. Throws ColmapFailure when it ends with an error; an interrupt ends it.
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;
 
  private:
+  void Execute(std::vector<std::string> argv, const ColmapOptions& options, const std::string& what) const;
+
   std::filesystem::path work_dir_;
+  std::string database_;
   const Listener& listener_;
 };
 

@@ -1,15 +1,20 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_database.h"
 #include "oraclegs/scene/colmap_runner.h"
 #include "oraclegs/scene/colmap_staging.h"
+#include "oraclegs/scene/image.h"
 #include "oraclegs/scene/sfm.h"
+#include "oraclegs/scene/sfm_attempts.h"
+#include "oraclegs/scene/sfm_report.h"
 #include "oraclegs/scene/sfm_workspace.h"
 
 namespace oraclegs {
@@ -17,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kNamesInMessage = 12;
+constexpr char kReport[] = "registration.json";
+constexpr double kTurnedOnly = .02;  // TurnResidual: a step aside by a fiftieth of the distance, about one degree
 
 std::vector<int> AllViews(const Scene& scene) {
   std::vector<int> views(scene.views.size());
@@ -25,124 +31,145 @@ std::vector<int> AllViews(const Scene& scene) {
   return views;
 }
 
-std::string JoinNames(std::vector<std::string> names) {
-  const size_t more = names.size() > kNamesInMessage ? names.size() - kNamesInMessage : 0;
-  names.resize(names.size() - more);
-  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
-}
-
-/// The mapper's options: as colmap has them, or for photographs that barely overlap.
-ColmapOptions MapperOptions(bool relaxed) {
-  ColmapOptions options{{"Mapper.min_model_size", "2"}, {"Mapper.tri_ignore_two_view_tracks", "0"}};
-  if (relaxed) {
-    options.insert({{"Mapper.min_num_matches", "10"},
-                    {"Mapper.init_min_num_inliers", "50"},
-                    {"Mapper.init_min_tri_angle", "4"},
-                    {"Mapper.abs_pose_min_num_inliers", "15"},
-                    {"Mapper.abs_pose_min_inlier_ratio", "0.15"}});
-  }
-  return options;
-}
-
-/// The model with the most photographs below `dir`; count 0 when there is none.
-struct BestModel {
-  fs::path dir;
-  size_t count = 0;
+/// The photographs that take part, and those that are copies of one of them.
+struct Distinct {
+  std::vector<int> views;      ///< indices into Scene::views
+  std::map<int, int> same_as;  ///< a copy's index -> that of the one that counts
 };
 
-BestModel FindBestModel(const fs::path& dir) {
-  BestModel best;
-  for (int i = 0; IsColmapModel(dir / std::to_string(i)); ++i) {
-    const fs::path model = dir / std::to_string(i);
-    const size_t count = ReadColmapImages(model).size();
-    if (count > best.count) best = {model, count};
-  }
-  return best;
-}
-
-/// Runs the mapper, a second time with relaxed thresholds when the first leaves most photographs out.
-size_t Map(const ColmapRunner& colmap, size_t photos, const fs::path& work_dir) {
-  BestModel best;
-  for (const bool relaxed : {false, true}) {
-    const fs::path models = work_dir / "models" / (relaxed ? "relaxed" : "strict");
-    MakeFolder(models);
-    ColmapOptions options = MapperOptions(relaxed);
-    options["image_path"] = colmap.images().string();
-    options["output_path"] = models.string();
-    try {
-      colmap.Run("mapper", options, relaxed ? "registering, second try" : "registering");
-    } catch (const ColmapFailure&) {
-      // It also ends with an error when it finds no pair to start from.
+Distinct FindDistinct(const Scene& photos, const nlohmann::json& inputs) {
+  Distinct distinct;
+  std::map<std::string, std::vector<int>> by_sum;
+  for (const int v : AllViews(photos)) {
+    std::vector<int>& alike = by_sum[inputs.at("images").at(static_cast<size_t>(v)).at("file").dump()];
+    for (const int other : alike) {
+      if (ReadFile(photos.views[other].image_path) != ReadFile(photos.views[v].image_path)) continue;
+      distinct.same_as[v] = other;
+      break;
     }
-    const BestModel made = FindBestModel(models);
-    if (made.count > best.count) best = made;
-    if (best.count >= 2 && 2 * best.count >= photos) break;
+    if (distinct.same_as.count(v) > 0) continue;
+    alike.push_back(v);
+    distinct.views.push_back(v);
   }
-  if (best.count >= 2) MoveFolder(best.dir, work_dir / "sparse" / "0");
-  std::error_code error;
-  fs::remove_all(work_dir / "models", error);
-  return best.count;
+  return distinct;
 }
 
-[[noreturn]] void FailRegistration(const Scene& photos, const fs::path& work_dir, const std::string& reason) {
-  std::vector<std::string> names;
-  for (const SceneView& view : photos.views) names.push_back(view.name);
+/// What is open to judgement, by the database that the kept model was made from.
+std::vector<PhotoReport> GatherEvidence(const Scene& photos, const Distinct& distinct,
+                                        const std::vector<StagedView>& plan, const fs::path& work_dir) {
+  std::vector<PhotoReport> reports(photos.views.size());
+  for (size_t v = 0; v < reports.size(); ++v) reports[v].name = photos.views[v].name;
+  for (const auto& [copy, original] : distinct.same_as) reports[copy].same_as = photos.views[original].name;
+
+  struct Stored {
+    int view = 0;
+    std::array<int, 2> size{};
+  };
+  std::map<uint32_t, Stored> stored;
+  const fs::path database = work_dir / "database.db";
+  const auto images = ReadDatabaseImages(database);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    const auto found = images.find(plan[i].name);
+    if (found == images.end()) continue;  // colmap could not read it: no features
+    Stored& entry = stored[found->second.image_id];
+    entry.view = distinct.views[i];
+    ReadImageSize(work_dir / "images" / plan[i].name, &entry.size[0], &entry.size[1]);
+  }
+  for (const auto& [id, count] : ReadFeatureCounts(database)) {
+    if (stored.count(id) > 0) reports[stored[id].view].features = count;
+  }
+  for (const MatchedPair& pair : ReadMatchedPairs(database)) {
+    const auto a = stored.find(pair.first), b = stored.find(pair.second);
+    if (pair.inliers == 0 || a == stored.end() || b == stored.end()) continue;
+    const bool turned = pair.homography && TurnResidual(*pair.homography, a->second.size, b->second.size) < kTurnedOnly;
+    PhotoReport &first = reports[a->second.view], &second = reports[b->second.view];
+    first.neighbours.push_back({second.name, pair.inliers, turned});
+    second.neighbours.push_back({first.name, pair.inliers, turned});
+  }
+  return reports;
+}
+
+[[noreturn]] void FailRegistration(const Scene& photos, const RegistrationReport& report, const fs::path& work_dir) {
+  const std::string see = (work_dir / kReport).string();
+  if (TakenFromOnePoint(report)) {
+    throw InputError(
+        "{}: its {} photographs were taken from one point (they differ by a turn of the camera alone), so depth cannot "
+        "be found; move sideways between photographs instead of turning on the spot; see {}",
+        photos.root.string(), photos.views.size(), see);
+  }
   throw InputError(
-      "{}: the cameras of its {} photographs could not be found ({}): {}. Take them again with more overlap between "
+      "{}: the cameras of its {} photographs could not be found: {}. Take them again with more overlap between "
       "neighbours and sharp, textured surfaces, or give poses (transforms.json or a COLMAP model); see {}",
-      photos.root.string(), names.size(), reason, JoinNames(names), (work_dir / "colmap.log").string());
+      photos.root.string(), photos.views.size(), WhyMissing(report), see);
 }
 
-void Register(const Scene& photos, const std::vector<StagedView>& plan, const fs::path& work_dir,
-              const Listener& listener) {
-  const ColmapRunner colmap(work_dir, listener);
+RegistrationReport Register(const Scene& photos, const Distinct& distinct, const std::vector<StagedView>& plan,
+                            const fs::path& work_dir, const Listener& listener) {
+  AttemptRequest request;
+  request.work_dir = work_dir;
+  for (const StagedView& staged : plan) request.names.push_back(staged.name);
+  AttemptResult result;
   try {
-    const bool has_masks = StageImages(photos, AllViews(photos), plan, work_dir);
-    colmap.ExtractFeatures("SIMPLE_RADIAL", has_masks);
-    colmap.MatchExhaustively();
+    request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
+    result = FindModel(request, listener);
   } catch (const ColmapFailure& failure) {
     throw RunError("colmap {} ended with code {}: {}; see {}", failure.command, failure.exit_code, failure.last_line,
                    (work_dir / "colmap.log").string());
   }
-  if (Map(colmap, photos.views.size(), work_dir) < 2) {
-    FailRegistration(photos, work_dir, "fewer than two photographs fit together");
+  std::map<std::string, RegisteredImage> by_view_name;
+  for (size_t i = 0; i < plan.size(); ++i) {
+    const auto found = result.best.images.find(plan[i].name);
+    if (found != result.best.images.end()) by_view_name[photos.views[distinct.views[i]].name] = found->second;
+  }
+  result.best.images = std::move(by_view_name);
+  const RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
+  WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
+  if (report.registered() < 2) FailRegistration(photos, report, work_dir);
+  return report;
+}
+
+/// What an earlier run told, so that a cached result is told with the same words.
+std::vector<std::string> ToldBefore(const fs::path& work_dir) {
+  try {
+    return nlohmann::json::parse(ReadFile(work_dir / kReport)).at("warnings").get<std::vector<std::string>>();
+  } catch (const std::exception&) {
+    return {};  // of a version that wrote none, or damaged: the model alone counts
   }
 }
 
-void TellRegistered(const Scene& photos, const std::map<int, SceneView>& registered, const Listener& listener) {
-  std::vector<std::string> missing;
-  for (int v = 0; v < static_cast<int>(photos.views.size()); ++v) {
-    if (registered.count(v) == 0) missing.push_back(photos.views[v].name);
-  }
-  const std::string text = fmt::format("registered {} of {} photographs", registered.size(), photos.views.size());
-  if (missing.empty()) {
-    listener(Note{text});
-  } else {
-    listener(Warning{fmt::format("{}; not registered: {}", text, JoinNames(missing))});
-  }
+void RequireColmap(const Scene& photos) {
+  if (ColmapAvailable()) return;
+  throw InputError(
+      "{}: has photographs without poses, and the colmap program that finds them is not installed; install it "
+      "(Debian: apt install colmap) or give a scene with poses",
+      photos.root.string());
 }
 
 }  // namespace
 
 Scene RegisterPhotos(const Scene& photos, const fs::path& work_dir, const Listener& listener) {
-  const std::vector<int> views = AllViews(photos);
-  const nlohmann::json inputs = DescribeInputs(photos, views);
-  const std::vector<StagedView> plan = PlanStaging(photos, views);
+  const nlohmann::json inputs = DescribeInputs(photos, AllViews(photos));
+  const Distinct distinct = FindDistinct(photos, inputs);
+  if (distinct.views.size() < 2 && photos.views.size() >= 2) {
+    throw InputError("{}: its {} photographs are one and the same; take photographs from different places",
+                     photos.root.string(), photos.views.size());
+  }
+  const std::vector<StagedView> plan = PlanStaging(photos, distinct.views);
+  std::vector<std::string> warnings;
   if (IsUnchanged(work_dir, inputs)) {
-    RestoreImages(photos, views, plan, work_dir);
+    RestoreImages(photos, distinct.views, plan, work_dir);
+    warnings = ToldBefore(work_dir);
   } else {
-    if (!ColmapAvailable()) {
-      throw InputError(
-          "{}: has photographs without poses, and the colmap program that finds them is not installed; install it "
-          "(Debian: apt install colmap) or give a scene with poses",
-          photos.root.string());
-    }
+    RequireColmap(photos);
     ClearWorkDir(work_dir);
-    Register(photos, plan, work_dir, listener);
+    warnings = Register(photos, distinct, plan, work_dir, listener).warnings;
     MarkDone(work_dir, inputs);
   }
-  ModelInScene model = ReadModel(photos, views, plan, work_dir, listener);
-  TellRegistered(photos, model.views, listener);
+  ModelInScene model = ReadModel(photos, distinct.views, plan, work_dir, listener);
+  for (const std::string& warning : warnings) listener(Warning{warning});
+  if (model.views.size() == photos.views.size()) {
+    listener(Note{fmt::format("registered {} of {} photographs", model.views.size(), photos.views.size())});
+  }
   Scene scene;
   scene.root = photos.root;
   scene.format = SceneFormat::kColmap;

@@ -16,6 +16,12 @@ namespace fs = std::filesystem;
 
 constexpr char kInputs[] = "inputs.json";
 
+void Remove(const fs::path& path) {
+  std::error_code error;
+  fs::remove_all(path, error);
+  if (error) throw RunError("{}: cannot be removed: {}", path.string(), error.message());
+}
+
 }  // namespace
 
 bool IsUnchanged(const fs::path& work_dir, const nlohmann::json& inputs) {
@@ -34,11 +40,20 @@ void MarkDone(const fs::path& work_dir, const nlohmann::json& inputs) {
 
 void ClearWorkDir(const fs::path& work_dir) {
   RequireWritableFolder(work_dir);
-  std::error_code error;
-  for (const char* name : {kInputs, "database.db", "database.db-wal", "database.db-shm", "colmap.log", "points.ply",
-                           "sparse", "poses", "models", "images", "masks"}) {
-    fs::remove_all(work_dir / name, error);
-    if (error) throw RunError("{}: cannot be removed: {}", (work_dir / name).string(), error.message());
+  for (const char* name : {kInputs, "registration.json", "database.db", "database.db-wal", "database.db-shm",
+                           "colmap.log", "points.ply", "sparse", "poses", "images", "masks"}) {
+    Remove(work_dir / name);
+  }
+  RemoveIntermediate(work_dir);
+}
+
+void RemoveIntermediate(const fs::path& work_dir) {
+  Remove(work_dir / "models");
+  Remove(work_dir / "pairs.txt");
+  // One database for each set of features that was tried, and copies of them (scene/sfm_attempts.cpp).
+  for (const char* name : {"guess", "database_again", "database1", "database1_again", "database2", "database2_again",
+                           "database3", "database3_again"}) {
+    for (const char* part : {".db", ".db-wal", ".db-shm"}) Remove(work_dir / (std::string(name) + part));
   }
 }
 

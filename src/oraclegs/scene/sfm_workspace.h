@@ -18,6 +18,8 @@ bool IsUnchanged(const std::filesystem::path& work_dir, const nlohmann::json& in
 void MarkDone(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
 /// Makes work_dir and removes what an earlier run left there, and nothing else. Throws RunError.
 void ClearWorkDir(const std::filesystem::path& work_dir);
+/// Removes what only the making of a result needs: models and databases of attempts, lists of pairs.
+void RemoveIntermediate(const std::filesystem::path& work_dir);
 /// Stages the photographs of a finished result again when a link to one leads nowhere: they were moved since.
 void RestoreImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                    const std::filesystem::path& work_dir);
