@@ -16,8 +16,8 @@ Eigen::Vector3d Project(const Camera& camera, const Eigen::Vector3d& point) {
 
 TEST(MapBetween, CarriesAPixelToWhereItsPointProjects) {
   const Eigen::Vector3d point(0.2, -0.3, 0.4), a = Project(kLeft, point), b = Project(kRight, point);
-  const Eigen::Vector3f q = MapBetween(kLeft, kRight)(static_cast<float>(a.x()), static_cast<float>(a.y()),
-                                                      static_cast<float>(1 / a.z()));
+  const Eigen::Vector3f q =
+      MapBetween(kLeft, kRight)(static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(1 / a.z()));
   EXPECT_NEAR(q.x() / q.z(), b.x(), 1e-3);
   EXPECT_NEAR(q.y() / q.z(), b.y(), 1e-3);
   EXPECT_NEAR(q.z() * a.z(), b.z(), 1e-4) << "the third coordinate is the ratio of depths";

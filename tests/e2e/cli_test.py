@@ -9,12 +9,12 @@ import unittest
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "train", "evaluate", "render", "export", "info", "demo-scene"]
+COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "render", "export", "info", "demo-scene"]
 
 # Where each command's options are declared, below src/oraclegs.
-RUN_OPTIONS = ["pipeline/options.h", "scene/split.h", "scene/photos.h", "train/options.h"]
+RUN_OPTIONS = ["pipeline/options.h", "scene/split.h", "scene/photos.h", "depth/stereo.h", "train/options.h"]
 DECLARED_IN = {
-    **{name: RUN_OPTIONS for name in ["reconstruct", "sfm", "train", "evaluate"]},
+    **{name: RUN_OPTIONS for name in ["reconstruct", "sfm", "depth", "train", "evaluate"]},
     "render": RUN_OPTIONS + ["pipeline/render_path.h"],
     "export": ["pipeline/export.h"],
     "demo-scene": ["demo/demo_scene.h"],
@@ -145,8 +145,9 @@ class MainJob(EndToEnd):
         for view in metrics["test"]["views"]:
             self.assertIsInstance(view["psnr"], float)
             self.assertIsInstance(view["ssim"], float)
-        for stage in ["sfm", "train", "evaluate"]:
+        for stage in ["train", "evaluate"]:
             self.assertGreaterEqual(metrics["stages"][stage]["seconds"], 0)
+        self.assertEqual(metrics["start"], {"source": "random", "points": 1500})
         self.assertEqual(metrics["train"]["iterations"], 200)
         self.assertGreater(metrics["train"]["iterations_per_second"], 0)
         self.assertTrue(0 < metrics["gaussians"] <= 2000)
@@ -218,6 +219,23 @@ class MainJob(EndToEnd):
             self.assertIn("warning", done.stderr)
         else:
             self.assertGreaterEqual(start["points"], 100)
+
+    def test_depth_leaves_pictures_and_a_cloud_that_training_starts_from(self):
+        out = self.dir / "depth_out"
+        arguments = ["-o", out, "--init", "dense", "--stereo-iterations", 2, "--max-gaussians", 1000]
+        done = self.run_program("depth", self.scene, *arguments)
+        training = json.loads((out / "split.json").read_text())["train"]
+        for name in training:
+            self.assertRegex(done.stdout, rf"(?m)^{re.escape(name)} +[0-9.]+ % confident$")
+            for folder in ["", "confidence", "normals", "preview"]:
+                self.assertTrue((out / "depth" / folder / name).with_suffix(".png").is_file(), f"{folder} {name}")
+        self.assertEqual(len(json.loads((out / "depth/depth_params.json").read_text())), len(training))
+        self.assertTrue((out / "sfm/dense.ply").read_bytes().startswith(b"ply\nformat binary_little_endian 1.0\n"))
+        before = files_below(out / "depth")
+        self.run_program("train", self.scene, *arguments, "--iterations", 5)
+        self.assertEqual(files_below(out / "depth"), before, "found once")
+        stages = json.loads((out / "stages.json").read_text())
+        self.assertEqual(stages["start"]["source"], "dense")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -39,13 +40,6 @@ int Seen(const std::vector<Camera>& cameras, const Eigen::Vector3f& point) {
     seen += p.z() > 0 && x > -1e-3 && x < c.width + 1e-3 && y > -1e-3 && y < c.height + 1e-3 ? 1 : 0;
   }
   return seen;
-}
-
-TEST(SpatialExtent, IsAScaledLargestDistanceFromTheMean) {
-  EXPECT_NEAR(SpatialExtent(Ring(8, 2, {5, 6, 7})), 1.1 * 2, 1e-9);
-  EXPECT_EQ(SpatialExtent({}), 0);
-  std::vector<Camera> pair = {LookAt({0, 0, 0}, {0, 0, 1}), LookAt({4, 0, 0}, {4, 0, 1})};
-  EXPECT_NEAR(SpatialExtent(pair), 2.2, 1e-9);
 }
 
 TEST(ToPointCloud, ScalesColours) {
@@ -154,6 +148,53 @@ TEST(InitializeGaussians, OptionsSetScaleAndOpacity) {
   EXPECT_NEAR(torch::sigmoid(g.opacity_logits)[1].item<float>(), 0.1, 1e-6);
   EXPECT_EQ(InitializeGaussians({}, {}).size(), 0);
   cloud.rgb.pop_back();
+  EXPECT_THROW(InitializeGaussians(cloud, {}), ShapeError);
+}
+
+TEST(InitializeGaussians, AKnownNormalMakesADiscAcrossIt) {
+  PointCloud cloud;
+  cloud.xyz = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+  cloud.rgb.resize(5, {0.5f, 0.5f, 0.5f});
+  cloud.normals = {Eigen::Vector3f(1, -2, 0.5f).normalized(), {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, 0, 0}};
+  InitializeOptions options;
+  options.flatness = 0.2;
+  const Gaussians flat = InitializeGaussians(cloud, options);
+  flat.Check("test");
+  const Gaussians round = InitializeGaussians({cloud.xyz, cloud.rgb, {}}, options);
+  const auto quats = flat.quats.accessor<float, 2>(), log_scales = flat.log_scales.accessor<float, 2>();
+  const auto round_scales = round.log_scales.accessor<float, 2>();
+  for (int i = 0; i < 5; ++i) {
+    const bool known = cloud.normals[static_cast<size_t>(i)].squaredNorm() > 0;
+    EXPECT_EQ(log_scales[i][0], round_scales[i][0]);
+    EXPECT_EQ(log_scales[i][1], round_scales[i][1]);
+    EXPECT_NEAR(std::exp(log_scales[i][2] - log_scales[i][0]), known ? 0.2 : 1, 1e-5);
+    const Eigen::Quaternionf q(quats[i][0], quats[i][1], quats[i][2], quats[i][3]);
+    EXPECT_NEAR(q.norm(), 1, 1e-5);
+    const Eigen::Vector3f axis = q * Eigen::Vector3f::UnitZ();
+    if (known) {
+      EXPECT_GT(axis.dot(cloud.normals[static_cast<size_t>(i)]), 0.99999f) << i;
+    } else {
+      EXPECT_EQ(q.w(), 1);
+    }
+  }
+}
+
+TEST(InitializeGaussians, FlatnessOneIgnoresNormals) {
+  PointCloud cloud;
+  cloud.xyz = {{0, 0, 0}, {2, 0, 0}};
+  cloud.rgb.resize(2, {0.5f, 0.5f, 0.5f});
+  const Gaussians without = InitializeGaussians(cloud, {});
+  cloud.normals.resize(2, {1, 0, 0});
+  const Gaussians with = InitializeGaussians(cloud, {});
+  EXPECT_TRUE(torch::equal(with.quats, without.quats));
+  EXPECT_TRUE(torch::equal(with.log_scales, without.log_scales));
+}
+
+TEST(InitializeGaussians, RefusesNormalsOfAnotherCount) {
+  PointCloud cloud;
+  cloud.xyz = {{0, 0, 0}, {2, 0, 0}};
+  cloud.rgb.resize(2, {0.5f, 0.5f, 0.5f});
+  cloud.normals.resize(1, {0, 0, 1});
   EXPECT_THROW(InitializeGaussians(cloud, {}), ShapeError);
 }
 

@@ -8,7 +8,9 @@ namespace {
 TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   const TempDir temp;
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
-  run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"source", "random"}, {"points", 400}});
+  run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"points", 400}});
+  run.workspace.MarkDone("depth", {{"key", "c"}, {"seconds", 4}, {"points", 9000}});
+  run.workspace.MarkDone("start", {{"key", ""}, {"seconds", 0}, {"source", "dense"}, {"points", 500}});
   run.workspace.MarkDone("train", {{"key", "b"},
                                    {"seconds", 12},
                                    {"training_seconds", 10},
@@ -20,6 +22,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("test"), test);
   EXPECT_EQ(metrics.at("gaussians"), 500);
   EXPECT_EQ(metrics.at("stages").at("sfm").at("seconds"), 3);
+  EXPECT_EQ(metrics.at("stages").at("depth").at("seconds"), 4);
   EXPECT_EQ(metrics.at("stages").at("train").at("seconds"), 12);
   EXPECT_EQ(metrics.at("stages").at("evaluate").at("seconds"), 1.5);
   EXPECT_FALSE(metrics.at("stages").contains("register"));
@@ -30,7 +33,8 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("version"), "test");
   EXPECT_EQ(metrics.at("seed"), 0);
   EXPECT_EQ(metrics.at("options").at("iterations"), 30);
-  EXPECT_EQ(metrics.at("start").at("source"), "random");
+  EXPECT_EQ(metrics.at("start").at("source"), "dense");
+  EXPECT_EQ(metrics.at("start").at("points"), 500);
   EXPECT_EQ(metrics.at("views").at("train"), 4);
 }
 

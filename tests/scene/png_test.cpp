@@ -140,6 +140,47 @@ TEST(Png, SixteenBitGreyIsBigEndianInTheFile) {
   EXPECT_THAT(read.data, ElementsAre(0, 0, 0, 1, 1, 1, 128, 128, 128, 255, 255, 255));
 }
 
+TEST(ReadPng16, GivesBackWhatWasWritten) {
+  const TempDir dir;
+  std::vector<uint16_t> values;
+  for (int i = 0; i < 7 * 5; ++i) values.push_back(static_cast<uint16_t>(1871 * i));
+  WritePng16(dir / "depth.png", 7, 5, values);
+  const Image16 read = ReadPng16(dir / "depth.png");
+  EXPECT_EQ(read.width, 7);
+  EXPECT_EQ(read.height, 5);
+  EXPECT_EQ(read.values, values);
+}
+
+TEST(ReadPng16, RefusesEveryOtherKindOfPng) {
+  const TempDir dir;
+  const std::vector<uint8_t> bytes(2 * 4 * 4 * 3, 7);
+  const auto some = [&](size_t count) { return std::vector<uint8_t>(bytes.begin(), bytes.begin() + count); };
+  const std::vector<PngFile> others = {
+      {4, 4, 8, PNG_COLOR_TYPE_GRAY, some(16), PNG_INTERLACE_NONE, {}, {}},
+      {4, 4, 8, PNG_COLOR_TYPE_GRAY_ALPHA, some(32), PNG_INTERLACE_NONE, {}, {}},  // rows as long as those wanted
+      {4, 4, 16, PNG_COLOR_TYPE_RGB, some(96), PNG_INTERLACE_NONE, {}, {}},
+      {4, 4, 16, PNG_COLOR_TYPE_GRAY, some(32), PNG_INTERLACE_ADAM7, {}, {}},
+  };
+  for (const PngFile& file : others) {
+    WriteText(dir / "other.png", EncodePng(file));
+    EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "other.png"); }),
+                ::testing::AllOf(HasSubstr("other.png: "), HasSubstr("16 bits")));
+  }
+}
+
+TEST(ReadPng16, EveryTruncationAndWhatIsNoPngNameTheFile) {
+  const TempDir dir;
+  WritePng16(dir / "depth.png", 7, 5, std::vector<uint16_t>(35, 12345));
+  const std::string whole = ReadFile(dir / "depth.png");
+  for (size_t length = 0; length < whole.size(); length += 3) {
+    WriteText(dir / "cut.png", whole.substr(0, length));
+    EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "cut.png"); }), HasSubstr("cut.png: ")) << length;
+  }
+  WriteText(dir / "cut.png", "no picture");
+  EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "cut.png"); }), HasSubstr("is no PNG"));
+  EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "none.png"); }), HasSubstr("none.png"));
+}
+
 TEST(Png, WritingRefusesWrongShapesAndPlaces) {
   const TempDir dir;
   EXPECT_THROW(WritePng(dir / "a.png", {2, 2, 2, std::vector<uint8_t>(8)}), ShapeError);

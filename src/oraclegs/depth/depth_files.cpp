@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
@@ -26,16 +27,21 @@ std::string Stem(const std::string& name) {
   return stem;
 }
 
-/// Names of the files of views; two that would collide ("a/b.jpg", "a_b.png") keep their extension.
+/// Names of the files of views; those that would collide ("a/b.jpg", "a_b.png") get their number, too.
 std::vector<std::string> FileStems(const std::vector<std::string>& names) {
+  std::map<std::string, int> uses;
+  for (const std::string& name : names) ++uses[Stem(name)];
   std::vector<std::string> stems;
-  for (const std::string& name : names) stems.push_back(Stem(name));
-  std::vector<std::string> unique = stems;
   for (size_t i = 0; i < names.size(); ++i) {
-    if (std::count(stems.begin(), stems.end(), stems[i]) == 1) continue;
-    unique[i] = fmt::format("{}_{}", stems[i], i);
+    std::string stem = Stem(names[i]);
+    if (uses[stem] > 1) {
+      stem += fmt::format("_{}", i);
+      while (uses.count(stem) > 0) stem += "_";
+      uses[stem] = 1;
+    }
+    stems.push_back(std::move(stem));
   }
-  return unique;
+  return stems;
 }
 
 uint8_t Byte(float value) { return static_cast<uint8_t>(std::lround(255 * std::clamp(value, 0.f, 1.f))); }
@@ -100,22 +106,24 @@ nlohmann::json ReadParams(const fs::path& path) {
   try {
     return nlohmann::json::parse(ReadFile(path, uint64_t{1} << 26));
   } catch (const nlohmann::json::exception& error) {
-    throw InputError("{}: is not valid JSON ({}); remove the folder, and it is made again", path.string(), error.what());
+    throw InputError("{}: is not valid JSON ({}); remove the folder, and it is made again", path.string(),
+                     error.what());
   }
 }
 
 float Number(const nlohmann::json& params, const std::string& stem, const char* key, const fs::path& path) {
   const auto found = params.is_object() ? params.find(stem) : params.end();
-  if (found == params.end() || !found->is_object() || !found->contains(key) || !(*found)[key].is_number()) {
-    throw InputError("{}: has no number {} for {}; remove the folder, and it is made again", path.string(), key, stem);
-  }
-  return (*found)[key].get<float>();
+  const bool is_there =
+      found != params.end() && found->is_object() && found->contains(key) && (*found)[key].is_number();
+  const float number = is_there ? (*found)[key].get<float>() : NAN;
+  if (std::isfinite(number)) return number;
+  throw InputError("{}: has no number {} for {}; remove the folder, and it is made again", path.string(), key, stem);
 }
 
 void RequireSize(const fs::path& path, int width, int height, const Camera& camera) {
   if (width == camera.width && height == camera.height) return;
-  throw InputError("{}: is {} x {}, its photograph {} x {}; remove the folder, and it is made again", path.string(), width,
-                   height, camera.width, camera.height);
+  throw InputError("{}: is {} x {}, its photograph {} x {}; remove the folder, and it is made again", path.string(),
+                   width, height, camera.width, camera.height);
 }
 
 template <class T>
@@ -156,7 +164,8 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
     const float scale = largest > 0 ? largest : 1;
     params[stems[v]] = {{"scale", scale}, {"offset", 0}};
     const std::string file = stems[v] + ".png";
-    for (const char* folder : {"", "confidence", "normals", "preview"}) files.push_back((fs::path(folder) / file).string());
+    for (const char* folder : {"", "confidence", "normals", "preview"})
+      files.push_back((fs::path(folder) / file).string());
     WritePng16(dir / file, map.camera.width, map.camera.height, Quantised(map, scale));
     WritePng(dir / "confidence" / file, ConfidencePicture(map));
     WritePng(dir / "normals" / file, NormalPicture(map));

@@ -10,14 +10,15 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kEnoughForRange = 20;   // points of a view
-constexpr int kEnoughForPair = 8;        // points two views share
+constexpr size_t kEnoughForRange = 20;  // points of a view
+constexpr int kEnoughForPair = 8;       // points two views share
 constexpr double kNearQuantile = 0.003, kFarQuantile = 0.995;
-constexpr double kNearMargin = 0.3, kFarMargin = 2.5;     // factors on those quantiles of depth
-constexpr double kObjectReach = 0.45;                     // of the distance, for an object within silhouettes
-constexpr double kSceneNear = 0.2, kSceneFar = 20;        // of the distance, for a scene without points
-constexpr double kBestAngle = 10, kLargestAngle = 60;     // degrees
-constexpr double kNarrowSigma = 5, kWideSigma = 15;       // degrees
+constexpr double kNearMargin = 0.3, kFarMargin = 2.5;  // factors on those quantiles of depth
+constexpr double kObjectReach = 0.45;                  // of the distance, for an object within silhouettes
+constexpr double kSceneNear = 0.2, kSceneFar = 20;     // of the distance, for a scene without points
+constexpr double kSmallestAngle = 0.5;                 // degrees: below, noise decides the depth
+constexpr double kBestAngle = 10, kLargestAngle = 60;  // degrees
+constexpr double kNarrowSigma = 5, kWideSigma = 15;    // degrees
 constexpr int kStandIns = 1000;
 constexpr double kStandInRadius = 0.25;  // of the ball the cameras look at
 
@@ -29,7 +30,7 @@ bool InFrame(const Camera& camera, const Eigen::Vector3d& point) {
 }
 
 double AngleScore(double angle) {
-  if (angle >= kLargestAngle) return 0;
+  if (angle < kSmallestAngle || angle >= kLargestAngle) return 0;
   const double sigma = angle < kBestAngle ? kNarrowSigma : kWideSigma;
   return std::exp(-std::pow((angle - kBestAngle) / sigma, 2) / 2);
 }
@@ -54,7 +55,9 @@ std::vector<Eigen::Vector3d> StandIns(const std::vector<Camera>& cameras) {
 
 DepthRange RangeFromDepths(std::vector<double> depths) {
   std::sort(depths.begin(), depths.end());
-  const auto quantile = [&](double q) { return depths[static_cast<size_t>(q * static_cast<double>(depths.size() - 1))]; };
+  const auto quantile = [&](double q) {
+    return depths[static_cast<size_t>(q * static_cast<double>(depths.size() - 1))];
+  };
   return {static_cast<float>(1 / (kFarMargin * quantile(kFarQuantile))),
           static_cast<float>(1 / (kNearMargin * quantile(kNearQuantile)))};
 }

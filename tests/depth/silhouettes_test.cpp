@@ -1,0 +1,93 @@
+#include "oraclegs/depth/silhouettes.h"
+
+#include <gtest/gtest.h>
+
+#include "depth/rig.h"
+
+namespace oraclegs {
+namespace {
+
+/// A dark disc with a hole of the background's colour, at (x, y), before one colour.
+Photo Disc(const Camera& camera, double x, double y, double radius, float background = 1) {
+  Photo photo{"disc", camera, {camera.width, camera.height, 3, {}}, {}};
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const double r = std::hypot(u + 0.5 - x, v + 0.5 - y);
+      const float value = r < radius && r > 2 ? 0.3f : background;
+      photo.rgb.data.insert(photo.rgb.data.end(), 3, value);
+    }
+  }
+  return photo;
+}
+
+const Camera kFront = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72), kSide = CameraAt({4, 0, 0}, {0, 0, 0}, 96, 72);
+
+size_t At(int x, int y) { return static_cast<size_t>(y) * 96 + static_cast<size_t>(x); }
+
+TEST(Silhouettes, AnObjectBeforeAPlainBackgroundIsFound) {
+  const Silhouettes silhouettes({Disc(kFront, 48, 36, 20), Disc(kSide, 40, 36, 20)});
+  ASSERT_FALSE(silhouettes.empty());
+  EXPECT_EQ(silhouettes.Object(0)[At(60, 36)], 1);
+  EXPECT_EQ(silhouettes.Object(0)[At(48, 36)], 1) << "the background's colour inside the object is object";
+  EXPECT_EQ(silhouettes.Object(0)[At(5, 5)], 0);
+  EXPECT_EQ(silhouettes.Object(0)[At(65, 36)], 1);
+  EXPECT_EQ(silhouettes.Object(1)[At(65, 36)], 0);
+}
+
+TEST(Silhouettes, MayContainAllowsTwoPixelsAndWhatIsBeyondThePicture) {
+  const Silhouettes silhouettes({Disc(kFront, 48, 36, 20)});
+  EXPECT_TRUE(silhouettes.MayContain(0, 67.5f, 36.5f));
+  EXPECT_TRUE(silhouettes.MayContain(0, 69.5f, 36.5f));
+  EXPECT_FALSE(silhouettes.MayContain(0, 70.5f, 36.5f));
+  EXPECT_FALSE(silhouettes.MayContain(0, 0, 0));
+  EXPECT_TRUE(silhouettes.MayContain(0, -0.5f, 36));
+  EXPECT_TRUE(silhouettes.MayContain(0, 96, 36));
+  EXPECT_TRUE(silhouettes.MayContain(0, 40, 1e9f));
+}
+
+TEST(Silhouettes, MasksAreSilhouettesOfAnyPicture) {
+  Photo photo = TexturedPlane{}.Take(kFront, "busy");
+  photo.mask.assign(photo.rgb.data.size() / 3, 0);
+  for (int y = 20; y < 50; ++y) {
+    for (int x = 30; x < 60; ++x) photo.mask[At(x, y)] = 1;
+  }
+  const Silhouettes silhouettes({photo});
+  ASSERT_FALSE(silhouettes.empty());
+  EXPECT_EQ(silhouettes.Object(0), photo.mask);
+}
+
+TEST(Silhouettes, ThereAreNoneWhereOnePhotographsBorderIsNotBackground) {
+  EXPECT_TRUE(Silhouettes({}).empty());
+  EXPECT_TRUE(Silhouettes({TexturedPlane{}.Take(kFront, "busy")}).empty());
+  const Photo disc = Disc(kFront, 48, 36, 20);
+  EXPECT_TRUE(Silhouettes({disc, TexturedPlane{}.Take(kSide, "busy"), disc}).empty());
+  EXPECT_TRUE(Silhouettes({disc, disc, Disc(kSide, 48, 36, 20, 0.9f)}).empty()) << "another background";
+  EXPECT_TRUE(Silhouettes({disc, Disc(kSide, -9, -9, 3)}).empty()) << "an empty picture";
+}
+
+TEST(Silhouettes, ATenthOfTheBorderMayBeObject) {
+  EXPECT_FALSE(Silhouettes({Disc(kFront, 48, 60, 15)}).empty());
+  EXPECT_TRUE(Silhouettes({Disc(kFront, 48, 60, 40)}).empty());
+}
+
+TEST(Silhouettes, SmallDifferencesOfColourAreBackground) {
+  Photo photo = Disc(kFront, 48, 36, 20, 0.5f);
+  for (size_t i = 0; i < photo.rgb.data.size(); i += 7) photo.rgb.data[i] += 2.f / 255;
+  const Silhouettes silhouettes({photo});
+  ASSERT_FALSE(silhouettes.empty());
+  EXPECT_EQ(silhouettes.Object(0), Silhouettes({Disc(kFront, 48, 36, 20, 0.5f)}).Object(0));
+}
+
+TEST(HullContains, WhatProjectsIntoEverySilhouette) {
+  const std::vector<Photo> photos = {Disc(kFront, 48, 36, 12), Disc(kSide, 48, 36, 12)};  // a sphere's, radius 0.45
+  const Silhouettes silhouettes(photos);
+  ASSERT_FALSE(silhouettes.empty());
+  EXPECT_TRUE(silhouettes.HullContains(photos, {0, 0, 0}));
+  EXPECT_TRUE(silhouettes.HullContains(photos, {0.3, 0, -0.3}));
+  EXPECT_FALSE(silhouettes.HullContains(photos, {0.8, 0, 0})) << "beside it in the first";
+  EXPECT_FALSE(silhouettes.HullContains(photos, {0, 0, 0.8})) << "beside it in the second";
+  EXPECT_FALSE(silhouettes.HullContains(photos, {0, 900, 0})) << "seen by nobody";
+}
+
+}  // namespace
+}  // namespace oraclegs

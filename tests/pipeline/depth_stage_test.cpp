@@ -1,0 +1,152 @@
+#include "oraclegs/pipeline/depth_stage.h"
+
+#include "oraclegs/depth/depth_files.h"
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// One demo scene, and the depth of its training photographs in temp/out.
+class DepthStageTest : public testing::Test {
+ protected:
+  static RunRequest Request() {
+    RunRequest request = TinyRequest(temp->path() / "scene", temp->path() / "out");
+    request.options.stereo.iterations = 2;
+    request.options.stereo.geometric_passes = 1;
+    return request;
+  }
+  static void SetUpTestSuite() {
+    temp = new TempDir;
+    MakeTinyScene(*temp / "scene", 9);
+    auto run = StartRun(Request(), Silent());
+    first = new Geometry(RunDepth(&run, Photos(run), {}));
+  }
+  static void TearDownTestSuite() {
+    delete first;
+    delete temp;
+  }
+  static std::vector<Photo> Photos(const oraclegs::Run& run) {
+    return LoadPhotos(run.scene, run.split.train, run.options.photo, Silent());
+  }
+
+  Geometry Again(const RunRequest& request) {
+    auto run = StartRun(request, recorder.AsListener());
+    return RunDepth(&run, Photos(run), {});
+  }
+
+  /// True when stereo ran, which takes steps; reading back takes none.
+  bool Searched(const RunRequest& request, Geometry* geometry) {
+    int steps = 0;
+    auto run = StartRun(request, Silent());
+    const Listener tell = recorder.AsListener();
+    run.listener = [&](const Event& event) {
+      steps += std::holds_alternative<StepDone>(event) ? 1 : 0;
+      tell(event);
+    };
+    *geometry = RunDepth(&run, Photos(run), {});
+    return steps > 0;
+  }
+
+  static void ExpectTheSame(const Geometry& a, const Geometry& b) {
+    ASSERT_EQ(a.maps.size(), b.maps.size());
+    for (size_t v = 0; v < a.maps.size(); ++v) {
+      EXPECT_EQ(a.maps[v].name, b.maps[v].name);
+      EXPECT_EQ(a.maps[v].inv_depth, b.maps[v].inv_depth);
+      EXPECT_EQ(a.maps[v].normals, b.maps[v].normals);
+      EXPECT_EQ(a.maps[v].confidence, b.maps[v].confidence);
+    }
+    ASSERT_EQ(a.points.size(), b.points.size());
+    for (size_t i = 0; i < a.points.size(); ++i) ASSERT_EQ(a.points[i].xyz, b.points[i].xyz);
+  }
+
+  static inline TempDir* temp = nullptr;
+  static inline Geometry* first = nullptr;
+  Recorder recorder;
+};
+
+TEST_F(DepthStageTest, GivesAMapForEachTrainingPhotographAndWritesThem) {
+  auto run = OpenRun(Request(), Silent());
+  ASSERT_EQ(first->maps.size(), run.split.train.size());
+  const fs::path dir = run.workspace.depth();
+  EXPECT_TRUE(fs::exists(dir / "depth_params.json"));
+  for (size_t v = 0; v < first->maps.size(); ++v) {
+    const DepthMap& map = first->maps[v];
+    EXPECT_EQ(map.name, run.scene.views[static_cast<size_t>(run.split.train[v])].name);
+    EXPECT_EQ(map.size(), 48u * 36u);
+    const std::string file = fs::path(map.name).stem().string() + ".png";
+    for (const char* folder : {"", "confidence", "normals", "preview"}) {
+      EXPECT_TRUE(fs::exists(dir / folder / file)) << folder << " " << file;
+    }
+  }
+  const nlohmann::json record = run.workspace.Record("depth");
+  EXPECT_EQ(record.at("points"), first->points.size());
+  EXPECT_EQ(record.at("files").size(), 4 * first->maps.size() + 2);
+  EXPECT_EQ(ReadFile(run.workspace.dense_ply()).substr(0, 4), "ply\n");
+}
+
+TEST_F(DepthStageTest, IsReadBackWhenNothingHasChanged) {
+  Geometry geometry;
+  EXPECT_FALSE(Searched(Request(), &geometry));
+  ExpectTheSame(geometry, *first);
+}
+
+TEST_F(DepthStageTest, TellsHowMuchIsConfidentAndWhereNextToNothingIs) {
+  const Geometry geometry = Again(Request());
+  ASSERT_FALSE(recorder.notes.empty());
+  EXPECT_THAT(recorder.notes.back(), testing::AllOf(HasSubstr("depth is confident on"), HasSubstr("dense points")));
+  for (const DepthMap& map : geometry.maps) {
+    const bool warned = !recorder.warnings.empty() && recorder.warnings.back().find(map.name) != std::string::npos;
+    EXPECT_EQ(warned, ConfidentShare(map) < 0.02) << map.name;
+  }
+}
+
+TEST_F(DepthStageTest, ADamagedFileIsToldAndTheSameDepthFoundAgain) {
+  const fs::path file =
+      temp->path() / "out" / "depth" / "confidence" / (fs::path(first->maps[1].name).stem().string() + ".png");
+  WriteText(file, ReadFile(file).substr(0, 60));
+  Geometry geometry;
+  EXPECT_TRUE(Searched(Request(), &geometry));
+  ASSERT_FALSE(recorder.warnings.empty());
+  EXPECT_THAT(recorder.warnings.front(), testing::AllOf(HasSubstr(file.string()), HasSubstr("found again")));
+  ExpectTheSame(geometry, *first);
+}
+
+TEST_F(DepthStageTest, AMissingFileIsMadeAgainWithoutAWord) {
+  fs::remove(temp->path() / "out" / "sfm" / "dense.ply");
+  Geometry geometry;
+  EXPECT_TRUE(Searched(Request(), &geometry));
+  ExpectTheSame(geometry, *first);
+  EXPECT_TRUE(fs::exists(temp->path() / "out" / "sfm" / "dense.ply"));
+}
+
+TEST_F(DepthStageTest, OtherOptionsAreAnotherDepth) {
+  RunRequest request = Request();
+  request.out = temp->path() / "other";
+  request.options.stereo.geometric_passes = 0;
+  Geometry geometry;
+  EXPECT_TRUE(Searched(request, &geometry));
+  EXPECT_FALSE(Searched(request, &geometry));
+  request.options.stereo.iterations = 1;
+  request.overwrite = true;
+  EXPECT_TRUE(Searched(request, &geometry));
+}
+
+TEST_F(DepthStageTest, NamesPhotographsOfOnePlace) {
+  RunRequest request = Request();
+  request.out = temp->path() / "one_place";
+  auto run = StartRun(request, recorder.AsListener());
+  for (SceneView& view : run.scene.views) view.cam_from_world = run.scene.views[0].cam_from_world;
+  const Geometry geometry = RunDepth(&run, Photos(run), {});
+  EXPECT_TRUE(geometry.points.empty());
+  ASSERT_EQ(recorder.warnings.size(), 2u);
+  for (const DepthMap& map : geometry.maps) {
+    EXPECT_THAT(recorder.warnings[0], testing::AllOf(HasSubstr("from the same point"), HasSubstr(map.name)));
+    EXPECT_THAT(recorder.warnings[1], testing::AllOf(HasSubstr("hardly any depth"), HasSubstr(map.name)));
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs
