@@ -98,8 +98,8 @@ TEST_F(ConfidenceTest, SeeingThroughCounts) {
 TEST_F(ConfidenceTest, PatchesThatDoNotLookAlikeAreNot) {
   Look(3, 8);
   const float alike = Of(1)[At(48, 36)];
-  maps_[1].costs.assign(maps_[1].costs.size(), 1);
-  EXPECT_NEAR(Of(1)[At(48, 36)], alike / 2, 1e-3);
+  maps_[1].costs.assign(maps_[1].costs.size(), 1);  // as chance would have it
+  EXPECT_LT(Of(1)[At(48, 36)], alike / 3);
   maps_[1].costs.assign(maps_[1].costs.size(), kWorstCost);
   EXPECT_EQ(Of(1)[At(48, 36)], 0);
 }

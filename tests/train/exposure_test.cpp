@@ -134,7 +134,7 @@ std::vector<TrainView> Exposed(const std::vector<float>& gains) {
 
 TrainOptions WithExposure(int iterations) {
   TrainOptions options = Options(iterations);
-  options.exposure = true;
+  options.exposure = "on";
   options.opacity_reg = options.scale_reg = 0;
   options.refine_start = iterations;
   return options;

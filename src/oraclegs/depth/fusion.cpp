@@ -6,13 +6,11 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/depth/plane.h"
+#include "oraclegs/depth/correspondence.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr float kWorthJoining = 0.3f;     // confidence of a pixel that joins a point of another view
-constexpr float kLargestShift = 1.5f;     // pixels of a round trip
 constexpr float kMuchFiner = 0.7f;        // a pixel that covers less than this share of a point stays a point of its own
 constexpr float kSameSide = 0.2f;         // cosine between normals
 constexpr float kDetailRange = 0.1f;      // change of luma over two pixels that counts as full detail
@@ -62,11 +60,8 @@ class Fusion {
   };
 
   Eigen::Vector3f PointAt(size_t view, size_t index) const {
-    const DepthMap& map = maps_[view];
-    const auto width = static_cast<size_t>(map.camera.width);
-    const Eigen::Vector3f ray =
-        RayOf(map.camera, static_cast<float>(index % width) + 0.5f, static_cast<float>(index / width) + 0.5f);
-    return world_from_cam_[view] * (ray / map.inv_depth[index]).eval();
+    const Eigen::Vector3f uvw = PixelOf(maps_[view], index);
+    return world_from_cam_[view] * (RayOf(maps_[view].camera, uvw.x(), uvw.y()) / uvw.z()).eval();
   }
 
   float PixelSize(size_t view, size_t index) const {
@@ -75,33 +70,14 @@ class Fusion {
 
   Eigen::Vector3f ColorAt(Pixel p) const {
     const float* c = photos_[p.view].rgb.data.data() + 3 * p.index;
-    return {c[0], c[1], c[2]};
-  }
-
-  /// The pixel of another view that shows the same point, if there is one.
-  bool FindIn(size_t other, const PixelMap& there, const PixelMap& back, const Eigen::Vector3f& uvw, Pixel* found) const {
-    const DepthMap& map = maps_[other];
-    const Eigen::Vector3f q = there(uvw.x(), uvw.y(), uvw.z());
-    if (!(q.z() > 0)) return false;
-    const float u = q.x() / q.z(), v = q.y() / q.z();
-    if (!(u >= 0 && v >= 0 && u < static_cast<float>(map.camera.width) && v < static_cast<float>(map.camera.height))) {
-      return false;
-    }
-    const size_t index = static_cast<size_t>(v) * static_cast<size_t>(map.camera.width) + static_cast<size_t>(u);
-    if (map.confidence[index] < kWorthJoining) return false;
-    if (std::abs(q.z() / uvw.z() * map.inv_depth[index] - 1) > options_.largest_depth_difference) return false;
-    const Eigen::Vector3f r = back(u, v, map.inv_depth[index]);
-    if (!(r.z() > 0)) return false;
-    if (std::hypot(r.x() / r.z() - uvw.x(), r.y() / r.z() - uvw.y()) > kLargestShift) return false;
-    *found = {other, index};
-    return true;
+    const Eigen::Vector3f rgb(c[0], c[1], c[2]);
+    return options_.gains.empty() ? rgb : rgb.cwiseQuotient(options_.gains[p.view]).cwiseMin(1.f).eval();
   }
 
   Made PointOf(Pixel first, const std::vector<PixelMap>& there, const std::vector<PixelMap>& back) const {
     const DepthMap& map = maps_[first.view];
-    const auto width = static_cast<size_t>(map.camera.width);
-    const Eigen::Vector3f uvw(static_cast<float>(first.index % width) + 0.5f,
-                              static_cast<float>(first.index / width) + 0.5f, map.inv_depth[first.index]);
+    const Eigen::Vector3f uvw = PixelOf(map, first.index);
+    const SamePoint same{options_.largest_depth_difference};
     Made made;
     DensePoint& point = made.point;
     point.pixel_size = PixelSize(first.view, first.index);
@@ -125,8 +101,8 @@ class Fusion {
     };
     add(first);
     for (size_t other = 0; other < maps_.size(); ++other) {
-      Pixel p{};
-      if (other != first.view && FindIn(other, there[other], back[other], uvw, &p)) add(p);
+      if (other == first.view) continue;
+      if (const auto index = FindPixel(maps_[other], there[other], back[other], uvw, same)) add({other, *index});
     }
     point.xyz = xyz / total;
     point.normal = normal.normalized();

@@ -22,6 +22,7 @@ struct DensePoint {
 struct FusionOptions {
   float min_confidence = kConfident;
   float largest_depth_difference = 0.01f;  ///< relative, of pixels that are one point
+  std::vector<Eigen::Vector3f> gains{};    ///< of the photographs (gains.h), which colours are freed of; empty = all 1
 };
 
 /// One point for each surface patch that pixels of at least `min_confidence` show: the weighted mean of all pixels that

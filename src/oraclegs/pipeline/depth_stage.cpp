@@ -4,6 +4,7 @@
 #include <string>
 
 #include "oraclegs/depth/depth_files.h"
+#include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/pipeline/fingerprint.h"
 
@@ -44,6 +45,13 @@ std::vector<DepthMap> ReadBack(const Run& run, const std::vector<Photo>& photos)
   return ReadDepthMaps(run.workspace.depth(), names, cameras);
 }
 
+void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
+  geometry->gains = EstimateGains(geometry->maps, photos);
+  FusionOptions options;
+  options.gains = geometry->gains;
+  geometry->points = FuseDepth(geometry->maps, photos, options);
+}
+
 void Tell(const Run& run, const Geometry& geometry) {
   double share = 0;
   std::vector<std::string> poor;
@@ -82,7 +90,7 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
     for (std::string& file : files) file = "depth/" + file;
     // What a later run will read, so that a continued run has the same bits as one that was never stopped.
     geometry.maps = ReadBack(*run, photos);
-    geometry.points = FuseDepth(geometry.maps, photos, {});
+    Fuse(photos, &geometry);
     WriteDensePly(run->workspace.dense_ply(), geometry.points);
     files.emplace_back("sfm/dense.ply");
     run->workspace.MarkDone("depth", {{"key", key},
@@ -90,7 +98,7 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
                                       {"points", geometry.points.size()},
                                       {"files", std::move(files)}});
   } else {
-    geometry.points = FuseDepth(geometry.maps, photos, {});
+    Fuse(photos, &geometry);
   }
   clock.Finish();
   Tell(*run, geometry);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/scene/pose_check.h"
 #include "oraclegs/scene/sfm.h"
 
 namespace oraclegs {
@@ -168,6 +169,7 @@ std::vector<ScenePoint> RunSfm(Run* run) {
   const nlohmann::json before = run->workspace.Record("sfm");
   const bool done = run->workspace.IsDone("sfm", key);
   const StageClock clock("sfm", run->listener);
+  for (const std::string& warning : PoseWarnings(run->scene, run->split.train)) run->listener(Warning{warning});
   std::vector<ScenePoint> points = PointsOfTrainingViews(*run);
   const double seconds = clock.Finish();
   run->workspace.MarkDone("sfm", {{"key", key},

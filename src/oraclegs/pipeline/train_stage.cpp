@@ -3,10 +3,12 @@
 #include <optional>
 #include <utility>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
 #include "oraclegs/pipeline/start_points.h"
+#include "oraclegs/pipeline/train_inputs.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -19,23 +21,6 @@ std::string TrainKey(const Run& run) {
       .Add(ShapingOptionsToJson(run.options).dump())
       .Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale))
       .Hex();
-}
-
-/// The depth map as a target; what is not confident counts nothing.
-void AddDepth(const DepthMap& map, TrainView* view) {
-  const int64_t height = map.camera.height, width = map.camera.width;
-  view->inv_depth = torch::from_blob(const_cast<float*>(map.inv_depth.data()), {height, width}, torch::kFloat).clone();
-  view->depth_mask = torch::from_blob(const_cast<float*>(map.confidence.data()), {height, width}, torch::kFloat).clone();
-  view->depth_mask.masked_fill_(view->depth_mask < kConfident, 0);
-}
-
-std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry& geometry) {
-  std::vector<TrainView> views;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    views.push_back(ToTrainView(photos[v]));
-    if (!geometry.maps.empty()) AddDepth(geometry.maps[v], &views.back());
-  }
-  return views;
 }
 
 /// The newest checkpoint, when it belongs to these inputs; those of other photographs are removed.
@@ -106,13 +91,18 @@ void RunTrain(Run* run) {
 
   const StageClock clock("train", run->listener);
   const RunOptions& options = run->options;
-  Trainer trainer(options.train, options.start.seed, BackgroundColor(options.photo.background),
+  const TrainOptions decided = DecideOptions(options.train, geometry, run->listener);
+  Trainer trainer(decided, options.start.seed, BackgroundColor(options.photo.background),
                   TrainViews(photos, geometry), std::move(start));
   if (checkpoint) trainer.Restore(*checkpoint);
   const double loading = clock.Seconds();
   const TrainResult result = trainer.Run(
       {run->workspace.checkpoints(), options.checkpoints.checkpoint_every, std::move(saved_options)}, run->listener);
   WriteGaussianPly(run->workspace.point_cloud(), trainer.gaussians(), options.train.sh_degree);
+  std::filesystem::remove(run->workspace.exposures(), ignored);
+  if (trainer.exposures().defined()) {
+    WriteFileAtomically(run->workspace.exposures(), ExposuresToJson(photos, trainer.exposures()).dump(1) + "\n");
+  }
   clock.Finish();
   run->workspace.MarkDone("train", {{"key", key},
                                     {"seconds", loading + result.seconds},

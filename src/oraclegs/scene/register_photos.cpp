@@ -124,7 +124,8 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   result.best.images = std::move(by_view_name);
   const RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
   WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
-  if (report.registered() < 2) FailRegistration(photos, report, work_dir);
+  // Of a camera that only turned, colmap now and then makes a model out of the matches' noise.
+  if (report.registered() < 2 || TakenFromOnePoint(report)) FailRegistration(photos, report, work_dir);
   return report;
 }
 

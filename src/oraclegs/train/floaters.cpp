@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/render/constants.h"
@@ -13,15 +14,16 @@ namespace {
 constexpr int64_t kGrain = 1024;       // Gaussians a task
 constexpr float kPrunedLogit = -6.9f;  // opacity 0.001
 
-/// z times the inverse depth under a point: 1 on the surface, less before it. 0 where the view has no say.
-double DepthRatio(const TrainView& view, const Eigen::Vector3d& world) {
+/// z times the inverse depth under a point: 1 on the surface, less before it, 0 where there is none at all. Nothing
+/// where the view has no say.
+std::optional<double> DepthRatio(const TrainView& view, const Eigen::Vector3d& world) {
   const Camera& camera = view.camera;
   const Eigen::Vector3d point = camera.cam_from_world * world;
-  if (!(point.z() > static_cast<double>(kNearPlane))) return 0;
+  if (!(point.z() > static_cast<double>(kNearPlane))) return std::nullopt;
   const double x = camera.fx * point.x() / point.z() + camera.cx, y = camera.fy * point.y() / point.z() + camera.cy;
-  if (!(x >= 0 && y >= 0 && x < camera.width && y < camera.height)) return 0;
+  if (!(x >= 0 && y >= 0 && x < camera.width && y < camera.height)) return std::nullopt;
   const int64_t pixel = static_cast<int64_t>(y) * camera.width + static_cast<int64_t>(x);
-  if (!(view.depth_mask.data_ptr<float>()[pixel] > kTrustedDepth)) return 0;
+  if (!(view.depth_mask.data_ptr<float>()[pixel] > kTrustedDepth)) return std::nullopt;
   return point.z() * static_cast<double>(view.inv_depth.data_ptr<float>()[pixel]);
 }
 
@@ -29,10 +31,11 @@ bool IsFloater(const std::vector<TrainView>& views, const Eigen::Vector3d& world
   int before = 0, agree = 0;
   for (const TrainView& view : views) {
     if (!view.inv_depth.defined()) continue;
-    const double ratio = DepthRatio(view, world);
-    if (!(ratio > 0)) continue;
-    before += ratio * kFloaterRatio < 1;
-    agree += std::abs(ratio - 1) < kAgreementRatio;
+    const std::optional<double> ratio = DepthRatio(view, world);
+    if (!ratio) continue;
+    if (*ratio == 0) return true;  // beside the silhouette: no number of other views puts a surface there
+    before += *ratio * kFloaterRatio < 1;
+    agree += std::abs(*ratio - 1) < kAgreementRatio;
   }
   return before > 0 && before >= agree;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "oraclegs/core/options.h"
 
@@ -11,7 +12,7 @@ struct TrainOptions {
   int iterations = 7000;
   int max_gaussians = 100000;
   double depth_weight = 1;
-  bool exposure = false;
+  std::string exposure = "auto";
   double dropout = 0;
   double opacity_noise = 0;
   double coarse_share = 0;
@@ -42,7 +43,9 @@ struct TrainOptions {
           Range{0, 1e3});
     visit("exposure", exposure,
           "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
-          "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure");
+          "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure. auto = where the "
+          "colours of common surfaces differ",
+          Choice{{"auto", "on", "off"}});
     visit("dropout", dropout,
           "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
           "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "

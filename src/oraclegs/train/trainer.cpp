@@ -131,7 +131,7 @@ struct Trainer::State {
         adam(start.size()),
         sampler(run_seed, static_cast<int>(views.size()), 0),
         rasterizer(MakeRasterizer(torch::kCPU)) {
-    if (options.exposure) exposures.emplace(StartExposures(views));
+    if (options.exposure == "on") exposures.emplace(StartExposures(views));
   }
 
   double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);

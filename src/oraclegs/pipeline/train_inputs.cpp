@@ -1,0 +1,76 @@
+#include "oraclegs/pipeline/train_inputs.h"
+
+#include "oraclegs/depth/gains.h"
+#include "oraclegs/depth/silhouettes.h"
+
+namespace oraclegs {
+namespace {
+
+Tensor Picture(const std::vector<float>& values, const Camera& camera) {
+  return torch::from_blob(const_cast<float*>(values.data()), {camera.height, camera.width}, torch::kFloat).clone();
+}
+
+/// The depth map as a target; what is not confident counts nothing.
+void AddDepth(const DepthMap& map, TrainView* view) {
+  view->inv_depth = Picture(map.inv_depth, map.camera);
+  view->depth_mask = Picture(map.confidence, map.camera);
+  view->depth_mask.masked_fill_(view->depth_mask < kConfident, 0);
+}
+
+/// Beside an object's silhouette there is nothing, at any distance.
+void AddEmptiness(const Silhouettes& silhouettes, size_t v, TrainView* view) {
+  const int64_t height = view->camera.height, width = view->camera.width;
+  float* inv_depth = view->inv_depth.data_ptr<float>();
+  float* mask = view->depth_mask.data_ptr<float>();
+  for (int64_t i = 0; i < height * width; ++i) {
+    if (silhouettes.MayContain(v, static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f)) continue;
+    inv_depth[i] = 0;
+    mask[i] = 1;
+  }
+}
+
+ExposureMap Diagonal(const Eigen::Vector3f& gain) {
+  ExposureMap map = kIdentityExposure;
+  map[0] = gain[0], map[5] = gain[1], map[10] = gain[2];
+  return map;
+}
+
+}  // namespace
+
+TrainOptions DecideOptions(TrainOptions options, const Geometry& geometry, const Listener& listener) {
+  if (options.exposure == "auto") {
+    const double spread = ExposureSpread(geometry.gains);
+    options.exposure = spread > kVariedExposure ? "on" : "off";
+    if (options.exposure == "on") {
+      listener(Note{fmt::format(
+          "the photographs' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)", 100 * spread)});
+    }
+  }
+  return options;
+}
+
+std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry& geometry) {
+  const Silhouettes silhouettes(photos);
+  std::vector<TrainView> views;
+  for (size_t v = 0; v < photos.size(); ++v) {
+    views.push_back(ToTrainView(photos[v]));
+    if (!geometry.maps.empty()) {
+      AddDepth(geometry.maps[v], &views.back());
+      if (!silhouettes.empty()) AddEmptiness(silhouettes, v, &views.back());
+    }
+    if (!geometry.gains.empty()) views.back().exposure = Diagonal(geometry.gains[v]);
+  }
+  return views;
+}
+
+nlohmann::json ExposuresToJson(const std::vector<Photo>& photos, const Tensor& exposures) {
+  nlohmann::json json = nlohmann::json::object();
+  const Tensor rows = exposures.reshape({-1, 12}).to(torch::kCPU).contiguous();
+  for (size_t v = 0; v < photos.size(); ++v) {
+    const float* row = rows.data_ptr<float>() + 12 * v;
+    json[photos[v].name] = std::vector<float>(row, row + 12);
+  }
+  return json;
+}
+
+}  // namespace oraclegs
