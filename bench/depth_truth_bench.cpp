@@ -1,5 +1,6 @@
 // How right depth is where truth is known. Prints a line per photograph and one for all.
-//   oraclegs demo-scene /tmp/demo && oraclegs depth /tmp/demo -o /tmp/out && build/release/bin/depth_truth_bench /tmp/out
+//   oraclegs demo-scene /tmp/demo && oraclegs depth /tmp/demo -o /tmp/out && build/release/bin/depth_truth_bench
+//   /tmp/out
 
 #include <fmt/format.h>
 
@@ -49,9 +50,11 @@ void Print(const std::string& name, Errors errors) {
     const auto first = std::upper_bound(errors.confident.begin(), errors.confident.end(), limit);
     return 100 * static_cast<double>(errors.confident.end() - first) / static_cast<double>(std::max<size_t>(1, n));
   };
-  std::printf("%s\n", fmt::format("{:<16} confident {:5.1f} %  median error {:6.3f} %  over 2 % {:5.2f} %  over 10 % {:5.2f} %",
-                                  name, 100.0 * static_cast<double>(n) / static_cast<double>(errors.pixels),
-                                  n > 0 ? 100 * errors.confident[n / 2] : 0.f, beyond(0.02f), beyond(0.1f)).c_str());
+  std::printf("%s\n",
+              fmt::format("{:<16} confident {:5.1f} %  median error {:6.3f} %  over 2 % {:5.2f} %  over 10 % {:5.2f} %",
+                          name, 100.0 * static_cast<double>(n) / static_cast<double>(errors.pixels),
+                          n > 0 ? 100 * errors.confident[n / 2] : 0.f, beyond(0.02f), beyond(0.1f))
+                  .c_str());
 }
 
 void CompareAll(const fs::path& workspace) {

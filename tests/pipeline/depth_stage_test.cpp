@@ -62,6 +62,13 @@ class DepthStageTest : public testing::Test {
     for (size_t i = 0; i < a.points.size(); ++i) ASSERT_EQ(a.points[i].xyz, b.points[i].xyz);
   }
 
+  /// "images/002.png" -> "images_002.png"
+  static std::string FileOf(const DepthMap& map) {
+    std::string file = map.name;
+    std::replace(file.begin(), file.end(), '/', '_');
+    return file;
+  }
+
   static inline TempDir* temp = nullptr;
   static inline Geometry* first = nullptr;
   Recorder recorder;
@@ -76,7 +83,7 @@ TEST_F(DepthStageTest, GivesAMapForEachTrainingPhotographAndWritesThem) {
     const DepthMap& map = first->maps[v];
     EXPECT_EQ(map.name, run.scene.views[static_cast<size_t>(run.split.train[v])].name);
     EXPECT_EQ(map.size(), 48u * 36u);
-    const std::string file = fs::path(map.name).stem().string() + ".png";
+    const std::string file = FileOf(map);
     for (const char* folder : {"", "confidence", "normals", "preview"}) {
       EXPECT_TRUE(fs::exists(dir / folder / file)) << folder << " " << file;
     }
@@ -104,8 +111,7 @@ TEST_F(DepthStageTest, TellsHowMuchIsConfidentAndWhereNextToNothingIs) {
 }
 
 TEST_F(DepthStageTest, ADamagedFileIsToldAndTheSameDepthFoundAgain) {
-  const fs::path file =
-      temp->path() / "out" / "depth" / "confidence" / (fs::path(first->maps[1].name).stem().string() + ".png");
+  const fs::path file = temp->path() / "out" / "depth" / "confidence" / FileOf(first->maps[1]);
   WriteText(file, ReadFile(file).substr(0, 60));
   Geometry geometry;
   EXPECT_TRUE(Searched(Request(), &geometry));

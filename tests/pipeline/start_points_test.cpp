@@ -54,6 +54,7 @@ class StartPointsTest : public testing::Test {
 };
 
 TEST_F(StartPointsTest, RandomIsWhatWasAskedForAndRemembered) {
+  request.options.train.depth_weight = 0;
   auto run = MakeRun(500);
   EXPECT_THAT(RunSfm(&run), IsEmpty()) << "nobody would use them";
   EXPECT_TRUE(run.workspace.Record("sfm").is_null());
@@ -83,13 +84,19 @@ TEST_F(StartPointsTest, SfmIsEmptyWhereNothingCanBeTriangulated) {
   EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, points, {}); }), HasSubstr("--init random"));
 }
 
-TEST_F(StartPointsTest, OnlyStartsFromStereoAskForDepth) {
+TEST_F(StartPointsTest, StereoIsAskedForByAStartFromItByTheDepthTermAndByPruning) {
+  request.options.train.depth_weight = 0;
   const auto needs = [this](const std::string& init) {
     request.options.start.init = init;
     return NeedsDepth(request.options);
   };
   EXPECT_TRUE(needs("auto") && needs("dense") && needs("hybrid"));
   EXPECT_FALSE(needs("sfm") || needs("random"));
+  request.options.train.prune_floaters = true;
+  EXPECT_TRUE(needs("sfm"));
+  request.options.train = {};
+  EXPECT_GT(request.options.train.depth_weight, 0);
+  EXPECT_TRUE(needs("random"));
 }
 
 TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {

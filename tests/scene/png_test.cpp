@@ -1,5 +1,7 @@
 #include "oraclegs/scene/png.h"
 
+#include "oraclegs/core/files.h"
+
 #include <png.h>
 
 #include "scene/jpeg_files.h"

@@ -14,14 +14,14 @@ constexpr float kMeasuringAngle = 4, kLeastShare = 0.25;  // degrees below which
 constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;  // of a round trip
 constexpr float kSupport = 1.1f;
 constexpr float kHopelessCost = 1.15f, kCostSpan = 0.5f;  // a cost of 1 is no likeness at all
-constexpr float kSeenThrough = -0.05f;     // relative depth below which a view looks through the point
-constexpr float kSeenThroughCost = 0.5f;   // of the view that does so, at most
+constexpr float kSeenThrough = -0.05f;                    // relative depth below which a view looks through the point
+constexpr float kSeenThroughCost = 0.5f;                  // of the view that does so, at most
 constexpr float kViolation = 0.25f;
 constexpr int kMedianRadius = 2;
-constexpr float kOutlier = 0.05f;          // relative distance from the median
-constexpr float kSameSurface = 0.03f;      // relative difference of neighbouring pixels
+constexpr float kOutlier = 0.05f;      // relative distance from the median
+constexpr float kSameSurface = 0.03f;  // relative difference of neighbouring pixels
 constexpr float kWorthConnecting = 0.3f;
-constexpr size_t kIsland = 40;             // pixels
+constexpr size_t kIsland = 40;  // pixels
 constexpr float kDamped = 0.3f;
 
 struct OtherView {
@@ -101,7 +101,8 @@ void DampIslands(const PlaneMap& map, std::vector<float>* confidence) {
     visited[start] = 1;
     for (size_t next = 0; next < piece.size(); ++next) {
       const size_t i = piece[next];
-      const int x = static_cast<int>(i % static_cast<size_t>(width)), y = static_cast<int>(i / static_cast<size_t>(width));
+      const int x = static_cast<int>(i % static_cast<size_t>(width)),
+                y = static_cast<int>(i / static_cast<size_t>(width));
       const auto visit = [&](int u, int v) {
         if (u < 0 || v < 0 || u >= width || v >= height) return;
         const size_t j = static_cast<size_t>(v) * width + u;

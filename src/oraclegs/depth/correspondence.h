@@ -15,8 +15,8 @@ struct SamePoint {
   float min_confidence = 0.3f;   ///< of the other view's depth
 };
 
-/// The pixel of another view that shows the point at (u, v, inverse depth) of this one; nothing where the other view does
-/// not see it or disagrees. `there` maps from this view to the other, `back` from there to here.
+/// The pixel of another view that shows the point at (u, v, inverse depth) of this one; nothing where the other view
+/// does not see it or disagrees. `there` maps from this view to the other, `back` from there to here.
 std::optional<size_t> FindPixel(const DepthMap& other, const PixelMap& there, const PixelMap& back,
                                 const Eigen::Vector3f& uvw, const SamePoint& same);
 

@@ -19,7 +19,8 @@ struct DepthMap {
   size_t size() const { return inv_depth.size(); }
 };
 
-/// From this confidence on a depth is called confident: where truth is known, such depths are right (docs/benchmarks.md).
+/// From this confidence on a depth is called confident: where truth is known, such depths are right
+/// (docs/benchmarks.md).
 inline constexpr float kConfident = 0.5f;
 
 /// Share of the pixels that are confident.

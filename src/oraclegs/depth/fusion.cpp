@@ -11,10 +11,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kMuchFiner = 0.7f;        // a pixel that covers less than this share of a point stays a point of its own
-constexpr float kSameSide = 0.2f;         // cosine between normals
-constexpr float kDetailRange = 0.1f;      // change of luma over two pixels that counts as full detail
-constexpr float kFlatShare = 0.1f;        // of the draws where nothing changes
+constexpr float kMuchFiner = 0.7f;    // a pixel that covers less than this share of a point stays a point of its own
+constexpr float kSameSide = 0.2f;     // cosine between normals
+constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
+constexpr float kFlatShare = 0.1f;    // of the draws where nothing changes
 
 /// Half the largest luma difference across a pixel, relative to kDetailRange.
 std::vector<float> DetailOf(const ImageF& rgb) {
@@ -110,8 +110,8 @@ class Fusion {
     return made;
   }
 
-  /// Rows are worked on at once and taken into account one after the other: a pixel that two points want counts in both,
-  /// but makes no third.
+  /// Rows are worked on at once and taken into account one after the other: a pixel that two points want counts in
+  /// both, but makes no third.
   void AddPointsOf(size_t view, std::vector<DensePoint>* points) {
     const DepthMap& map = maps_[view];
     std::vector<PixelMap> there, back;
@@ -153,8 +153,8 @@ std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::
 
 std::vector<DensePoint> Thinned(const std::vector<DensePoint>& points, size_t budget, uint64_t seed) {
   if (points.size() <= budget) return points;
-  // Efraimidis and Spirakis, "Weighted random sampling with a reservoir" (2006): the largest u^(1/w) are a weighted draw
-  // without replacement.
+  // Efraimidis and Spirakis, "Weighted random sampling with a reservoir" (2006): the largest u^(1/w) are a weighted
+  // draw without replacement.
   std::vector<std::pair<float, size_t>> keys(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const Philox words = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kThinning), i);

@@ -10,10 +10,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kStride = 5;               // every so many pixels are looked at; no divisor of usual widths
-constexpr size_t kEnough = 50;              // common pixels of a pair
+constexpr size_t kStride = 5;                          // every so many pixels are looked at; no divisor of usual widths
+constexpr size_t kEnough = 50;                         // common pixels of a pair
 constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation speak
-constexpr double kRidge = 1e-3;             // pulls towards 1, in shares of a pair's weight
+constexpr double kRidge = 1e-3;                        // pulls towards 1, in shares of a pair's weight
 
 /// Median log ratios of one pair, and how many pixels they come from.
 struct Ratio {

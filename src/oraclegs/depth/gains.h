@@ -8,8 +8,8 @@
 
 namespace oraclegs {
 
-/// Of each photograph, per channel, how much brighter it shows a surface than the photographs do in the (geometric) mean:
-/// the least-squares solution of the median log ratios of colours over each pair's common confident pixels. 1 for
+/// Of each photograph, per channel, how much brighter it shows a surface than the photographs do in the (geometric)
+/// mean: the least-squares solution of the median log ratios of colours over each pair's common confident pixels. 1 for
 /// photographs that share too few pixels with others. `photos` belong to `maps`, one by one.
 std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos);
 

@@ -46,7 +46,8 @@ HWY_INLINE float Cost(const Patch& patch, const PackedImage& image, const Homogr
   const F f;
   const I i;
   const PatchOffsets& offsets = Offsets();
-  const V max_x = hn::Set(f, static_cast<float>(image.width - 1)), max_y = hn::Set(f, static_cast<float>(image.height - 1));
+  const V max_x = hn::Set(f, static_cast<float>(image.width - 1)),
+          max_y = hn::Set(f, static_cast<float>(image.height - 1));
   const V half = hn::Set(f, 0.5f), zero = hn::Zero(f);
   const auto stride = hn::Set(i, image.width);
   const auto byte = hn::Set(U(), 255u);
@@ -82,8 +83,8 @@ HWY_INLINE float Cost(const Patch& patch, const PackedImage& image, const Homogr
     variance -= mean * mean;
   }
   const float guard = kNoiseVariance * kChannels;
-  const float ncc = hn::GetLane(hn::SumOfLanes(f, cross)) /
-                    std::sqrt((patch.variance + guard) * (std::max(variance, 0.f) + guard));
+  const float ncc =
+      hn::GetLane(hn::SumOfLanes(f, cross)) / std::sqrt((patch.variance + guard) * (std::max(variance, 0.f) + guard));
   return std::clamp(1 - ncc, 0.f, kWorstCost);
 }
 

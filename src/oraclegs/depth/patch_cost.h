@@ -26,10 +26,10 @@ const PatchOffsets& Offsets();
 
 /// A pixel's surroundings in the reference view, weighted by likeness to the pixel and nearness (bilateral).
 struct Patch {
-  float u = 0, v = 0;  ///< the pixel's centre
+  float u = 0, v = 0;                                         ///< the pixel's centre
   alignas(64) float weight[kPatchSlots] = {};                 ///< sum 1, zero in the padding
   alignas(64) float centred[kMaxChannels][kPatchSlots] = {};  ///< weight * (value - weighted mean), 8-bit units
-  float variance = 0;                                         ///< sum over channels of the weighted variance, squared units
+  float variance = 0;  ///< sum over channels of the weighted variance, squared units
 };
 
 /// The patch around pixel (x, y); samples beyond the border or with usable == 0 count nothing. `usable` may be null.
@@ -42,9 +42,9 @@ struct PatchSource {
 };
 
 /// costs[p * num_sources + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] (their inverse depth is at the patch's
-/// centre) in sources[s]. The correlation runs over all channels at once; a guard against noise in flat patches pulls it
-/// to 0. kWorstCost where the plane takes the centre out of the picture or part of the patch behind the camera, and for
-/// sources whose `active` is 0.
+/// centre) in sources[s]. The correlation runs over all channels at once; a guard against noise in flat patches pulls
+/// it to 0. kWorstCost where the plane takes the centre out of the picture or part of the patch behind the camera, and
+/// for sources whose `active` is 0.
 void PatchCosts(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources,
                 const Plane* planes, int num_planes, float* costs);
 

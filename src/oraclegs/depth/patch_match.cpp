@@ -12,14 +12,14 @@ namespace oraclegs {
 namespace {
 
 constexpr int kRowsPerTask = 2;
-constexpr int kDirections = 8;                 // regions that hand a plane on
-constexpr int kRefinements = 6;                // random planes a pixel and iteration
-constexpr int kHypotheses = kDirections + 1;   // with the pixel's own
+constexpr int kDirections = 8;                // regions that hand a plane on
+constexpr int kRefinements = 6;               // random planes a pixel and iteration
+constexpr int kHypotheses = kDirections + 1;  // with the pixel's own
 constexpr int kMaxSources = 8;
-constexpr float kLeastCosine = 0.0523f;        // between normal and viewing ray: 87 degrees
-constexpr float kSteepest = 4;                 // tangent of the tilt that random planes reach
+constexpr float kLeastCosine = 0.0523f;  // between normal and viewing ray: 87 degrees
+constexpr float kSteepest = 4;           // tangent of the tilt that random planes reach
 constexpr float kGoodCost = 0.8f, kBadCost = 1.2f, kCostSigma = 0.3f;
-constexpr int kEnoughGood = 3, kTooManyBad = 3;  // of the hypotheses, for a view to be trusted
+constexpr int kEnoughGood = 3, kTooManyBad = 3;                // of the hypotheses, for a view to be trusted
 constexpr float kGeometricWeight = 0.1f, kGeometricLimit = 3;  // cost per pixel of round trip, pixels
 
 /// Numbers of one pixel in one iteration.
@@ -45,7 +45,8 @@ class PixelRandom {
 };
 
 uint64_t CounterOf(size_t view, int pass, int iteration, size_t pixel) {
-  return ((static_cast<uint64_t>(view) * 64 + static_cast<uint64_t>(pass)) * 64 + static_cast<uint64_t>(iteration)) << 32 |
+  return ((static_cast<uint64_t>(view) * 64 + static_cast<uint64_t>(pass)) * 64 + static_cast<uint64_t>(iteration))
+             << 32 |
          pixel;
 }
 
@@ -55,7 +56,8 @@ float RandomInverseDepth(const DepthRange& range, PixelRandom* random) {
 
 /// Gives the plane a random tilt, even in the angle's tangent.
 void Tilt(const Camera& camera, PixelRandom* random, Plane* plane) {
-  const float tangent = kSteepest * random->Unit() * random->Unit(), angle = static_cast<float>(M_PI) * random->Signed();
+  const float tangent = kSteepest * random->Unit() * random->Unit(),
+              angle = static_cast<float>(M_PI) * random->Signed();
   plane->dx = plane->inv_depth * tangent * std::cos(angle) / static_cast<float>(camera.fx);
   plane->dy = plane->inv_depth * tangent * std::sin(angle) / static_cast<float>(camera.fy);
 }
@@ -94,7 +96,9 @@ class Pass {
  private:
   using Costs = std::array<float, kHypotheses * kMaxSources>;
 
-  size_t Index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(map_.width) + static_cast<size_t>(x); }
+  size_t Index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(map_.width) + static_cast<size_t>(x);
+  }
 
   /// The plane another pixel knows, as seen from (x, y).
   Plane Carried(int from_x, int from_y, int x, int y) const {
@@ -138,7 +142,8 @@ class Pass {
 
   /// Planes of the eight regions around a pixel: in each direction a near fan and a far strip.
   void Propagated(int x, int y, std::vector<Plane>* out) const {
-    static constexpr std::array<std::array<int, 2>, 7> kFan{{{1, 0}, {2, -1}, {2, 1}, {3, -2}, {3, 2}, {4, -3}, {4, 3}}};
+    static constexpr std::array<std::array<int, 2>, 7> kFan{
+        {{1, 0}, {2, -1}, {2, 1}, {3, -2}, {3, 2}, {4, -3}, {4, 3}}};
     static constexpr std::array<std::array<int, 2>, 11> kStrip{
         {{3, 0}, {5, 0}, {7, 0}, {9, 0}, {11, 0}, {13, 0}, {15, 0}, {17, 0}, {19, 0}, {21, 0}, {23, 0}}};
     for (const std::array<int, 2> axis : {std::array{1, 0}, std::array{-1, 0}, std::array{0, 1}, std::array{0, -1}}) {
@@ -169,7 +174,8 @@ class Pass {
         ++good;
         belief += std::exp(-cost * cost / (2 * kCostSigma * kCostSigma));
       }
-      weights[s] = good >= std::min(kEnoughGood, hypotheses) && bad < kTooManyBad ? belief / static_cast<float>(good) : 0;
+      weights[s] =
+          good >= std::min(kEnoughGood, hypotheses) && bad < kTooManyBad ? belief / static_cast<float>(good) : 0;
       total += weights[s];
     }
     if (total > 0) return;

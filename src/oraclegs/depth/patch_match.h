@@ -1,9 +1,9 @@
 #pragma once
 // PatchMatch stereo over planes in inverse depth, one view against its neighbours.
-// Barnes et al., "PatchMatch" (SIGGRAPH 2009) for the search; Bleyer et al., "PatchMatch Stereo" (BMVC 2011) for slanted
-// planes; Galliani et al., "Massively Parallel Multiview Stereopsis by Surface Normal Diffusion" (ICCV 2015) for the
-// chessboard; Xu and Tao, "Multi-Scale Geometric Consistency Guided Multi-View Stereo" (CVPR 2019) for the sampling of
-// neighbours, the views' weights and the geometric term.
+// Barnes et al., "PatchMatch" (SIGGRAPH 2009) for the search; Bleyer et al., "PatchMatch Stereo" (BMVC 2011) for
+// slanted planes; Galliani et al., "Massively Parallel Multiview Stereopsis by Surface Normal Diffusion" (ICCV 2015)
+// for the chessboard; Xu and Tao, "Multi-Scale Geometric Consistency Guided Multi-View Stereo" (CVPR 2019) for the
+// sampling of neighbours, the views' weights and the geometric term.
 
 #include <cstdint>
 #include <vector>
@@ -60,9 +60,9 @@ void RunPass(const StereoScene& scene, size_t view, const PassOptions& options, 
 /// Where the pixel (u, v) with inverse depth w of one view lands when it is carried to another view and back with the
 /// depth that is known there.
 struct RoundTrip {
-  bool seen = false;           ///< in the other picture, where something is known
-  float pixels = 0;            ///< distance from the start
-  float relative_depth = 0;    ///< depth there, of the point / of the surface known there, minus 1: > 0 is hidden
+  bool seen = false;         ///< in the other picture, where something is known
+  float pixels = 0;          ///< distance from the start
+  float relative_depth = 0;  ///< depth there, of the point / of the surface known there, minus 1: > 0 is hidden
 };
 RoundTrip GoAndReturn(const PixelMap& there, const PixelMap& back, const PlaneMap& other, const Eigen::Vector3f& uvw);
 

@@ -7,10 +7,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kSameColor = 2.5f / 255;   // per channel: what JPEG and antialiasing leave of one colour
-constexpr double kBorderShare = 0.9;       // of the border that must be background
-constexpr double kObjectShare = 0.01;      // of the picture that must not: an empty picture has no silhouette
-constexpr int kGrowth = 2;                 // pixels by which a silhouette may be wrong
+constexpr float kSameColor = 2.5f / 255;  // per channel: what JPEG and antialiasing leave of one colour
+constexpr double kBorderShare = 0.9;      // of the border that must be background
+constexpr double kObjectShare = 0.01;     // of the picture that must not: an empty picture has no silhouette
+constexpr int kGrowth = 2;                // pixels by which a silhouette may be wrong
 
 using Color = std::array<float, 3>;
 
@@ -72,7 +72,8 @@ std::vector<uint8_t> ObjectOf(const Photo& photo, const Color& background) {
   while (!open.empty()) {
     const size_t i = open.back();
     open.pop_back();
-    const int x = static_cast<int>(i % static_cast<size_t>(width)), y = static_cast<int>(i / static_cast<size_t>(width));
+    const int x = static_cast<int>(i % static_cast<size_t>(width)),
+              y = static_cast<int>(i / static_cast<size_t>(width));
     if (x > 0) take(i - 1);
     if (x + 1 < width) take(i + 1);
     if (y > 0) take(i - static_cast<size_t>(width));

@@ -13,9 +13,9 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kSmallestCoarseSide = 60;   // pixels: below, halving leaves patches nothing to compare
-constexpr int kGeometricIterations = 2;   // of a pass in which views must agree
-constexpr int kHintRadius = 1;            // pixels around a known point that start at its depth
+constexpr int kSmallestCoarseSide = 60;  // pixels: below, halving leaves patches nothing to compare
+constexpr int kGeometricIterations = 2;  // of a pass in which views must agree
+constexpr int kHintRadius = 1;           // pixels around a known point that start at its depth
 
 class Stereo {
  public:
@@ -87,8 +87,8 @@ class Stereo {
       for (int x = 0; x < width; ++x) {
         const size_t from = static_cast<size_t>((2 * y + 1) * photo.camera.height / (2 * height)) * photo.camera.width +
                             static_cast<size_t>((2 * x + 1) * photo.camera.width / (2 * width));
-        usable[static_cast<size_t>(y) * width + x] =
-            (photo.mask.empty() || photo.mask[from] != 0) && (silhouettes_.empty() || silhouettes_.Object(v)[from] != 0);
+        usable[static_cast<size_t>(y) * width + x] = (photo.mask.empty() || photo.mask[from] != 0) &&
+                                                     (silhouettes_.empty() || silhouettes_.Object(v)[from] != 0);
       }
     }
     return usable;
@@ -105,7 +105,8 @@ class Stereo {
       const int x = static_cast<int>(std::floor(camera.fx * p.x() / p.z() + camera.cx));
       const int y = static_cast<int>(std::floor(camera.fy * p.y() / p.z() + camera.cy));
       for (int row = std::max(0, y - kHintRadius); row <= std::min(camera.height - 1, y + kHintRadius); ++row) {
-        for (int column = std::max(0, x - kHintRadius); column <= std::min(camera.width - 1, x + kHintRadius); ++column) {
+        for (int column = std::max(0, x - kHintRadius); column <= std::min(camera.width - 1, x + kHintRadius);
+             ++column) {
           hints[static_cast<size_t>(row) * camera.width + column] = static_cast<float>(1 / p.z());
         }
       }

@@ -85,18 +85,16 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
   const StageClock clock("depth", run->listener);
   if (!cached) {
     std::vector<std::string> files = WriteDepthMaps(
-        run->workspace.depth(),
-        EstimateDepth(photos, SeenByPhotos(*run, points), run->options.stereo, run->listener));
+        run->workspace.depth(), EstimateDepth(photos, SeenByPhotos(*run, points), run->options.stereo, run->listener));
     for (std::string& file : files) file = "depth/" + file;
     // What a later run will read, so that a continued run has the same bits as one that was never stopped.
     geometry.maps = ReadBack(*run, photos);
     Fuse(photos, &geometry);
     WriteDensePly(run->workspace.dense_ply(), geometry.points);
     files.emplace_back("sfm/dense.ply");
-    run->workspace.MarkDone("depth", {{"key", key},
-                                      {"seconds", clock.Seconds()},
-                                      {"points", geometry.points.size()},
-                                      {"files", std::move(files)}});
+    run->workspace.MarkDone(
+        "depth",
+        {{"key", key}, {"seconds", clock.Seconds()}, {"points", geometry.points.size()}, {"files", std::move(files)}});
   } else {
     Fuse(photos, &geometry);
   }

@@ -37,11 +37,15 @@ struct StartOptions {
           "random = in the volume they look at, hybrid = all three, auto = dense, or sfm joined by random points "
           "where stereo finds little, or random alone below 100",
           Choice{{"auto", "dense", "sfm", "random", "hybrid"}});
-    visit("init-scale", init_scale, "Start scale as a factor of the distance to the neighbours; 0 = 1 for a dense start, "
-          "0.1 for others", Range{0, 10});
+    visit("init-scale", init_scale,
+          "Start scale as a factor of the distance to the neighbours; 0 = 1 for a dense start, "
+          "0.1 for others",
+          Range{0, 10});
     visit("init-opacity", init_opacity, "Start opacity", Range{0.006, 0.99});
-    visit("init-flatness", init_flatness, "Start thickness along the surface's normal, as a share of the other two scales; "
-          "1 = round", Range{0.01, 1});
+    visit("init-flatness", init_flatness,
+          "Start thickness along the surface's normal, as a share of the other two scales; "
+          "1 = round",
+          Range{0.01, 1});
     visit("seed", seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
   }
 };

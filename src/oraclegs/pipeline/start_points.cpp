@@ -10,8 +10,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kFewestPoints = 4;      // a point needs three neighbours to have a scale
-constexpr double kRandomShare = 0.1;     // of the budget, in a hybrid start
+constexpr size_t kFewestPoints = 4;   // a point needs three neighbours to have a scale
+constexpr double kRandomShare = 0.1;  // of the budget, in a hybrid start
 
 std::string Key(const Run& run) {
   Fingerprint print;
@@ -86,10 +86,10 @@ class StartBuilder {
           geometry_.points.size())});
     }
     if (sfm_.size() < kEnoughPoints) {
-      run_.listener(Warning{
-          fmt::format("the training views gave {} points, fewer than {}: starting from random points, which "
-                      "reconstructs fine detail less well",
-                      sfm_.size(), kEnoughPoints)});
+      run_.listener(
+          Warning{fmt::format("the training views gave {} points, fewer than {}: starting from random points, which "
+                              "reconstructs fine detail less well",
+                              sfm_.size(), kEnoughPoints)});
       AddRandom(static_cast<size_t>(run_.options.train.random_points));
       return;
     }

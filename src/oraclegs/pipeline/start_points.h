@@ -31,7 +31,8 @@ struct StartPoints {
 
 /// Where the Gaussians start, remembered as stage "start". --init says from what; auto takes the dense points where
 /// stereo found plenty, else the sparse points, joined by random ones where they are few, or with a warning random ones
-/// alone. Random points fill the volume that the training cameras look at (the Blender cube for Blender scenes). At most
+/// alone. Random points fill the volume that the training cameras look at (the Blender cube for Blender scenes). At
+/// most
 /// --max-gaussians points. Throws InputError when --init names points of which there are none.
 StartPoints ChooseStart(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry);
 

@@ -42,8 +42,9 @@ TrainOptions DecideOptions(TrainOptions options, const Geometry& geometry, const
     const double spread = ExposureSpread(geometry.gains);
     options.exposure = spread > kVariedExposure ? "on" : "off";
     if (options.exposure == "on") {
-      listener(Note{fmt::format(
-          "the photographs' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)", 100 * spread)});
+      listener(Note{
+          fmt::format("the photographs' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)",
+                      100 * spread)});
     }
   }
   return options;

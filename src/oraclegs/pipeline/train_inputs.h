@@ -1,5 +1,6 @@
 #pragma once
-// What the trainer is given: photographs with what stereo knows of them, and options in which nothing is left to choose.
+// What the trainer is given: photographs with what stereo knows of them, and options in which nothing is left to
+// choose.
 
 #include <vector>
 

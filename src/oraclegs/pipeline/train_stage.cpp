@@ -50,8 +50,8 @@ Gaussians StartGaussians(Run* run, const std::vector<ScenePoint>& sfm, const Geo
   const StartPoints start = ChooseStart(run, sfm, geometry);
   const StartOptions& options = run->options.start;
   const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
-  return InitializeGaussians(start.cloud, {options.init_scale > 0 ? options.init_scale : usual, options.init_opacity,
-                                           options.init_flatness});
+  return InitializeGaussians(
+      start.cloud, {options.init_scale > 0 ? options.init_scale : usual, options.init_opacity, options.init_flatness});
 }
 
 nlohmann::json TimingsToJson(const TrainResult& result) {
@@ -92,8 +92,8 @@ void RunTrain(Run* run) {
   const StageClock clock("train", run->listener);
   const RunOptions& options = run->options;
   const TrainOptions decided = DecideOptions(options.train, geometry, run->listener);
-  Trainer trainer(decided, options.start.seed, BackgroundColor(options.photo.background),
-                  TrainViews(photos, geometry), std::move(start));
+  Trainer trainer(decided, options.start.seed, BackgroundColor(options.photo.background), TrainViews(photos, geometry),
+                  std::move(start));
   if (checkpoint) trainer.Restore(*checkpoint);
   const double loading = clock.Seconds();
   const TrainResult result = trainer.Run(

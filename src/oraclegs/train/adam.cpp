@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/hwy_targets.h"
+#include "oraclegs/core/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/core/hwy_targets.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/core/hwy_targets.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
 

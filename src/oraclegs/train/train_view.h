@@ -15,9 +15,9 @@ namespace oraclegs {
 struct TrainView {
   std::string name;
   Camera camera;
-  Tensor image;            ///< [H,W,3]
-  Tensor confidence;       ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
-  Tensor inv_depth = {};   ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
+  Tensor image;           ///< [H,W,3]
+  Tensor confidence;      ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
+  Tensor inv_depth = {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
   Tensor depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
   ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
 };
