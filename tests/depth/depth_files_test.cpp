@@ -104,6 +104,7 @@ TEST_F(DepthFilesTest, OfNamesThatCollideAreDistinct) {
   for (size_t v = 0; v < names.size(); ++v) {
     maps.push_back(MapNamed(names[v]));
     maps[v].inv_depth.assign(maps[v].size(), static_cast<float>(v + 1));
+    maps[v].confidence.assign(maps[v].size(), 1);
   }
   const std::vector<std::string> files = WriteDepthMaps(dir.path(), maps);
   EXPECT_EQ(std::set<std::string>(files.begin(), files.end()).size(), files.size());

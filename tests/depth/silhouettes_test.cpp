@@ -54,6 +54,7 @@ TEST(Silhouettes, MasksAreSilhouettesOfAnyPicture) {
   const Silhouettes silhouettes({photo});
   ASSERT_FALSE(silhouettes.empty());
   EXPECT_EQ(silhouettes.Object(0), photo.mask);
+  EXPECT_TRUE(Silhouettes({photo, photo}).empty()) << "one mask for all is the lens's rim";
 }
 
 TEST(Silhouettes, ThereAreNoneWhereOnePhotographsBorderIsNotBackground) {
@@ -76,17 +77,6 @@ TEST(Silhouettes, SmallDifferencesOfColourAreBackground) {
   const Silhouettes silhouettes({photo});
   ASSERT_FALSE(silhouettes.empty());
   EXPECT_EQ(silhouettes.Object(0), Silhouettes({Disc(kFront, 48, 36, 20, 0.5f)}).Object(0));
-}
-
-TEST(HullContains, WhatProjectsIntoEverySilhouette) {
-  const std::vector<Photo> photos = {Disc(kFront, 48, 36, 12), Disc(kSide, 48, 36, 12)};  // a sphere's, radius 0.45
-  const Silhouettes silhouettes(photos);
-  ASSERT_FALSE(silhouettes.empty());
-  EXPECT_TRUE(silhouettes.HullContains(photos, {0, 0, 0}));
-  EXPECT_TRUE(silhouettes.HullContains(photos, {0.3, 0, -0.3}));
-  EXPECT_FALSE(silhouettes.HullContains(photos, {0.8, 0, 0})) << "beside it in the first";
-  EXPECT_FALSE(silhouettes.HullContains(photos, {0, 0, 0.8})) << "beside it in the second";
-  EXPECT_FALSE(silhouettes.HullContains(photos, {0, 900, 0})) << "seen by nobody";
 }
 
 }  // namespace

@@ -74,13 +74,17 @@ TEST(FindDepthRanges, WithFewPointsFollowTheCameras) {
   EXPECT_TRUE(one.far > 0 && one.near > one.far);
 }
 
-TEST(FindDepthRanges, WithSilhouettesFollowTheCamerasWhateverThePoints) {
+TEST(FindDepthRanges, WithSilhouettesFollowTheCamerasAndReachEveryPoint) {
   const std::vector<Photo> photos = Squares(Arc(4, 30));
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
-  for (const DepthRange& range : FindDepthRanges(photos, Points(500, 1, 50, {0, 1, 2, 3}), silhouettes)) {
+  for (const DepthRange& range : FindDepthRanges(photos, Points(19, 1, 50, {0, 1, 2, 3}), silhouettes)) {
     EXPECT_NEAR(1 / range.near, 0.55 * 4, 0.05);
     EXPECT_NEAR(1 / range.far, 1.45 * 4, 0.1);
+  }
+  for (const DepthRange& range : FindDepthRanges(photos, Points(500, 1, 50, {0, 1, 2, 3}), silhouettes)) {
+    EXPECT_LT(1 / range.near, 0.5 * 4);
+    EXPECT_GT(1 / range.far, 2 * 4);
   }
 }
 

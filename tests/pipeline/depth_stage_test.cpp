@@ -131,7 +131,7 @@ TEST_F(DepthStageTest, AMissingFileIsMadeAgainWithoutAWord) {
 TEST_F(DepthStageTest, OtherOptionsAreAnotherDepth) {
   RunRequest request = Request();
   request.out = temp->path() / "other";
-  request.options.stereo.geometric_passes = 0;
+  request.options.stereo.geometric_passes = 2;
   Geometry geometry;
   EXPECT_TRUE(Searched(request, &geometry));
   EXPECT_FALSE(Searched(request, &geometry));

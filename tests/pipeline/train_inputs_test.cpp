@@ -52,19 +52,38 @@ TEST(TrainInputs, ExposureIsLearntWhereItVaries) {
   Geometry geometry;
   geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
   TrainOptions options;
-  EXPECT_EQ(DecideOptions(options, geometry, recorder.AsListener()).exposure, "off");
-  EXPECT_EQ(DecideOptions(options, {}, recorder.AsListener()).exposure, "off");
+  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "off");
+  EXPECT_EQ(DecideOptions(options, {}, {}, recorder.AsListener()).exposure, "off");
   EXPECT_TRUE(recorder.notes.empty());
   geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);
-  EXPECT_EQ(DecideOptions(options, geometry, recorder.AsListener()).exposure, "on");
+  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "on");
   EXPECT_THAT(recorder.notes.back(), testing::HasSubstr("--exposure"));
   options.exposure = "off";
-  EXPECT_EQ(DecideOptions(options, geometry, recorder.AsListener()).exposure, "off");
+  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "off");
+}
+
+TEST(TrainInputs, WhatIsLeftToChooseIsChosenAndWhatIsGivenIsKept) {
+  Recorder recorder;
+  const Object object;
+  TrainOptions options = DecideOptions({}, object.photos, object.geometry, recorder.AsListener());
+  EXPECT_GT(options.dropout, 0) << "an object";
+  EXPECT_THAT(recorder.notes.front(), testing::HasSubstr("silhouettes"));
+  EXPECT_GT(options.opacity_noise, 0);
+  EXPECT_LT(options.last_rates, 1);
+  Object scene;
+  for (size_t i = 0; i < scene.photos[0].rgb.data.size(); i += 2) scene.photos[0].rgb.data[i] = 0;  // no plain border
+  EXPECT_EQ(DecideOptions({}, scene.photos, scene.geometry, Silent()).dropout, 0);
+  TrainOptions given;
+  given.dropout = given.opacity_noise = 0;
+  given.last_rates = 1;
+  given = DecideOptions(given, object.photos, object.geometry, Silent());
+  EXPECT_EQ(given.dropout, 0);
+  EXPECT_EQ(given.opacity_noise, 0);
+  EXPECT_EQ(given.last_rates, 1);
 }
 
 TEST(TrainInputs, ExposuresAreSavedByName) {
-  const Object object;
-  const auto json = ExposuresToJson(object.photos, torch::arange(12, torch::kFloat).reshape({1, 3, 4}));
+  const auto json = ExposuresToJson({"a.png"}, torch::arange(12, torch::kFloat).reshape({1, 3, 4}));
   EXPECT_EQ(json.at("a.png").size(), 12u);
   EXPECT_EQ(json.at("a.png").at(7), 7);
 }

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 static_assert(std::endian::native == std::endian::little, "PLY files are written as the machine stores numbers");
 
 constexpr float kMax16 = 65535;
+constexpr float kHardlyBelieved = 0.01f;  // less confidence is none: the depth is written as unknown
 
 std::string Stem(const std::string& name) {
   std::string stem = fs::path(name).replace_extension().string();
@@ -94,9 +95,19 @@ Image8 Preview(const DepthMap& map) {
   return image;
 }
 
+/// The largest inverse depth that is believed at all: a stray pixel in front must not cost all others their precision.
+float LargestBelieved(const DepthMap& map) {
+  float largest = 0;
+  for (size_t i = 0; i < map.size(); ++i) {
+    if (map.confidence[i] >= kHardlyBelieved) largest = std::max(largest, map.inv_depth[i]);
+  }
+  return largest;
+}
+
 std::vector<uint16_t> Quantised(const DepthMap& map, float scale) {
   std::vector<uint16_t> values(map.size());
   for (size_t i = 0; i < map.size(); ++i) {
+    if (map.confidence[i] < kHardlyBelieved) continue;
     values[i] = static_cast<uint16_t>(std::lround(kMax16 * std::clamp(map.inv_depth[i] / scale, 0.f, 1.f)));
   }
   return values;
@@ -160,7 +171,7 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
   std::vector<std::string> files;
   for (size_t v = 0; v < maps.size(); ++v) {
     const DepthMap& map = maps[v];
-    const float largest = map.inv_depth.empty() ? 0 : *std::max_element(map.inv_depth.begin(), map.inv_depth.end());
+    const float largest = LargestBelieved(map);
     const float scale = largest > 0 ? largest : 1;
     params[stems[v]] = {{"scale", scale}, {"offset", 0}};
     const std::string file = stems[v] + ".png";

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/depth/correspondence.h"
@@ -16,7 +16,7 @@ constexpr float kSameSide = 0.2f;     // cosine between normals
 constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
 constexpr float kFlatShare = 0.1f;    // of the draws where nothing changes
 
-/// Half the largest luma difference across a pixel, relative to kDetailRange.
+/// How much luma changes over two pixels, relative to kDetailRange, at most 1.
 std::vector<float> DetailOf(const ImageF& rgb) {
   const int width = rgb.width, height = rgb.height;
   const auto luma = [&](int x, int y) {
@@ -46,7 +46,10 @@ class Fusion {
 
   std::vector<DensePoint> Run() {
     std::vector<DensePoint> points;
-    for (size_t v = 0; v < maps_.size(); ++v) AddPointsOf(v, &points);
+    for (size_t v = 0; v < maps_.size(); ++v) {
+      ThrowIfInterrupted();
+      AddPointsOf(v, &points);
+    }
     return points;
   }
 

@@ -14,7 +14,7 @@ struct DensePoint {
   Eigen::Vector3f normal;  ///< world, unit, towards the cameras
   Eigen::Vector3f rgb;     ///< [0, 1]
   float confidence = 0;    ///< [0, 1], of the most confident pixel
-  float pixel_size = 0;    ///< world units that a pixel covers there, in the view that sees it best
+  float pixel_size = 0;    ///< world units that a pixel covers there, in the view that found it first
   float detail = 0;        ///< [0, 1], how much the photograph changes around it
   int views = 1;           ///< that found it
 };

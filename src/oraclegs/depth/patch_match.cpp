@@ -11,6 +11,7 @@
 namespace oraclegs {
 namespace {
 
+constexpr uint64_t kSeed = 0;  // depth does not depend on a run's seed, so that runs of several seeds can share it
 constexpr int kRowsPerTask = 2;
 constexpr int kDirections = 8;                // regions that hand a plane on
 constexpr int kRefinements = 6;               // random planes a pixel and iteration
@@ -179,11 +180,11 @@ class Pass {
       total += weights[s];
     }
     if (total > 0) return;
-    // Nobody is good: all that see anything, the likelier the more.
+    // Nobody is good: all take part, the likelier the more. A random plane may be the first that falls into a picture.
     for (size_t s = 0; s < n; ++s) {
       float best = kWorstCost;
       for (int h = 0; h < hypotheses; ++h) best = std::min(best, costs[static_cast<size_t>(h) * n + s]);
-      weights[s] = best < kWorstCost ? std::exp(-best * best / (2 * kCostSigma * kCostSigma)) + 1e-6f : 0;
+      weights[s] = std::exp(-best * best / (2 * kCostSigma * kCostSigma)) + 1e-6f;
     }
   }
 
@@ -243,7 +244,7 @@ class Pass {
 
   void Refine(const Patch& patch, size_t pixel, const std::array<float, kMaxSources>& weights,
               const std::array<uint8_t, kMaxSources>& active, Choice* best) const {
-    PixelRandom random(scene_.seed, CounterOf(view_index_, options_.pass, iteration_, pixel));
+    PixelRandom random(kSeed, CounterOf(view_index_, options_.pass, iteration_, pixel));
     Plane start = best->plane;
     if (!(start.inv_depth > 0)) start = {RandomInverseDepth(view_.range, &random), 0, 0};
     const float fx = static_cast<float>(view_.camera.fx), fy = static_cast<float>(view_.camera.fy);
@@ -312,7 +313,7 @@ PlaneMap RandomPlanes(const StereoScene& scene, size_t view, const std::vector<f
   constexpr int kStartPass = 63;  // beyond the passes of a run
   for (size_t i = 0; i < pixels; ++i) {
     if (!v.usable.empty() && v.usable[i] == 0) continue;
-    PixelRandom random(scene.seed, CounterOf(view, kStartPass, 0, i));
+    PixelRandom random(kSeed, CounterOf(view, kStartPass, 0, i));
     if (!hints.empty() && hints[i] > 0) {
       map.planes[i] = {hints[i], 0, 0};
       continue;

@@ -37,7 +37,6 @@ struct StereoScene {
   std::vector<StereoView> views;
   const Silhouettes* silhouettes = nullptr;  ///< may be null or empty; of pictures `silhouette_scale` times as large
   float silhouette_scale = 1;
-  uint64_t seed = 0;
 };
 
 /// Random planes within the range; a pixel whose inverse depth is known (`hints`, height * width, 0 = unknown, may be

@@ -53,11 +53,17 @@ Color BorderColor(const std::vector<Photo>& photos) {
   return color;
 }
 
+/// One mask for all photographs is the lens's rim or the photographer's finger, not an object's surroundings.
+bool MasksFollowTheScene(const std::vector<Photo>& photos) {
+  return photos.size() == 1 ||
+         std::any_of(photos.begin(), photos.end(), [&](const Photo& p) { return p.mask != photos.front().mask; });
+}
+
 /// 1 = object; empty when the border is not background.
-std::vector<uint8_t> ObjectOf(const Photo& photo, const Color& background) {
+std::vector<uint8_t> ObjectOf(const Photo& photo, const Color& background, bool use_mask) {
   const int width = photo.rgb.width, height = photo.rgb.height;
   const auto is_background = [&](size_t i) {
-    return (!photo.mask.empty() && photo.mask[i] == 0) || Same(ColorAt(photo, i), background);
+    return (use_mask && !photo.mask.empty() && photo.mask[i] == 0) || Same(ColorAt(photo, i), background);
   };
   const std::vector<size_t> border = BorderPixels(width, height);
   std::vector<size_t> open;
@@ -104,8 +110,9 @@ std::vector<uint8_t> Grown(const std::vector<uint8_t>& object, int width, int he
 Silhouettes::Silhouettes(const std::vector<Photo>& photos) {
   if (photos.empty()) return;
   const Color background = BorderColor(photos);
+  const bool use_masks = MasksFollowTheScene(photos);
   for (const Photo& photo : photos) {
-    std::vector<uint8_t> object = ObjectOf(photo, background);
+    std::vector<uint8_t> object = ObjectOf(photo, background, use_masks);
     if (object.empty()) {
       *this = Silhouettes({});
       return;
@@ -114,20 +121,6 @@ Silhouettes::Silhouettes(const std::vector<Photo>& photos) {
     object_.push_back(std::move(object));
     sizes_.emplace_back(photo.rgb.width, photo.rgb.height);
   }
-}
-
-bool Silhouettes::HullContains(const std::vector<Photo>& photos, const Eigen::Vector3d& point) const {
-  bool seen = false;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    const Camera& camera = photos[v].camera;
-    const Eigen::Vector3d p = camera.cam_from_world * point;
-    if (!(p.z() > 0)) continue;
-    const auto x = static_cast<float>(camera.fx * p.x() / p.z() + camera.cx);
-    const auto y = static_cast<float>(camera.fy * p.y() / p.z() + camera.cy);
-    if (!MayContain(v, x, y)) return false;
-    seen = seen || (x >= 0 && y >= 0 && x < static_cast<float>(camera.width) && y < static_cast<float>(camera.height));
-  }
-  return seen;
 }
 
 }  // namespace oraclegs

@@ -11,9 +11,9 @@ namespace oraclegs {
 class Silhouettes {
  public:
   /// Recognises an object before a known background, or holds nothing: every photograph's border must, but for a tenth,
-  /// be excluded by its mask or show one colour, the same in all photographs (a Blender scene composited on its
-  /// background; a turntable before a sheet). Background is then what is masked or is that colour and connected with
-  /// the border.
+  /// be excluded by its mask (unless all have the same) or show one colour, the same in all photographs (a Blender
+  /// scene composited on its background; a turntable before a sheet). Background is then what is masked or is that
+  /// colour and connected with the border.
   explicit Silhouettes(const std::vector<Photo>& photos);
 
   bool empty() const { return object_.empty(); }
@@ -27,9 +27,6 @@ class Silhouettes {
     }
     return grown_[v][static_cast<size_t>(y) * static_cast<size_t>(sizes_[v].first) + static_cast<size_t>(x)] != 0;
   }
-
-  /// True when no view rules the point (world) out: the visual hull. At least one view must see it.
-  bool HullContains(const std::vector<Photo>& photos, const Eigen::Vector3d& point) const;
 
  private:
   std::vector<std::vector<uint8_t>> object_, grown_;

@@ -102,8 +102,9 @@ class Stereo {
       if (std::find(point.views.begin(), point.views.end(), static_cast<int>(v)) == point.views.end()) continue;
       const Eigen::Vector3d p = camera.cam_from_world * point.xyz;
       if (!(p.z() > 0)) continue;
-      const int x = static_cast<int>(std::floor(camera.fx * p.x() / p.z() + camera.cx));
-      const int y = static_cast<int>(std::floor(camera.fy * p.y() / p.z() + camera.cy));
+      const double u = camera.fx * p.x() / p.z() + camera.cx, v_image = camera.fy * p.y() / p.z() + camera.cy;
+      if (!(u >= 0 && v_image >= 0 && u < camera.width && v_image < camera.height)) continue;
+      const int x = static_cast<int>(u), y = static_cast<int>(v_image);
       for (int row = std::max(0, y - kHintRadius); row <= std::min(camera.height - 1, y + kHintRadius); ++row) {
         for (int column = std::max(0, x - kHintRadius); column <= std::min(camera.width - 1, x + kHintRadius);
              ++column) {
@@ -126,6 +127,7 @@ class Stereo {
   std::vector<DepthMap> Finish(const StereoScene& scene, const std::vector<PlaneMap>& maps) const {
     std::vector<DepthMap> out;
     for (size_t v = 0; v < maps.size(); ++v) {
+      ThrowIfInterrupted();
       const PlaneMap& map = maps[v];
       DepthMap depth{photos_[v].name, photos_[v].camera, {}, {}, Confidence(scene, v, maps)};
       depth.inv_depth.assign(map.planes.size(), 0);

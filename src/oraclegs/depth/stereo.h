@@ -24,7 +24,7 @@ struct StereoOptions {
     visit("stereo-neighbors", neighbors, "Photographs each one is compared with to find its depth", Range{1, 8});
     visit("stereo-iterations", iterations, "Rounds of the photometric search, at the coarse resolution", Range{1, 50});
     visit("stereo-passes", geometric_passes,
-          "Passes in which the photographs' depths are made to agree, at each resolution", Range{0, 16});
+          "Passes in which the photographs' depths are made to agree, at each resolution", Range{1, 16});
     visit("stereo-color", stereo_color,
           "Compare colours or brightness only, which is three times as fast; auto = colours for an object before a "
           "plain background",

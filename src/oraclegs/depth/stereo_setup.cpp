@@ -89,8 +89,13 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<Photo>& photos, const 
   for (size_t v = 0; v < photos.size(); ++v) {
     const double distance = (photos[v].camera.Center() - ball.center).norm();
     if (!silhouettes.empty() && distance > 0) {
-      ranges.push_back({static_cast<float>(1 / ((1 + kObjectReach) * distance)),
-                        static_cast<float>(1 / ((1 - kObjectReach) * distance))});
+      DepthRange range{static_cast<float>(1 / ((1 + kObjectReach) * distance)),
+                       static_cast<float>(1 / ((1 - kObjectReach) * distance))};
+      if (depths[v].size() >= kEnoughForRange) {  // near-parallel axes say little of the distance, points do
+        const DepthRange seen = RangeFromDepths(std::move(depths[v]));
+        range = {std::min(range.far, seen.far), std::max(range.near, seen.near)};
+      }
+      ranges.push_back(range);
     } else if (depths[v].size() >= kEnoughForRange) {
       ranges.push_back(RangeFromDepths(std::move(depths[v])));
     } else {

@@ -11,14 +11,19 @@
 namespace oraclegs {
 namespace {
 
+constexpr double kStereoVersion = 2;     // raised when the same inputs give other maps
 constexpr double kNextToNothing = 0.02;  // share of confident pixels
 
 std::string Key(const Run& run, const std::vector<ScenePoint>& points) {
   Fingerprint print;
+  print.Add(kStereoVersion);
   print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale))
       .Add(OptionsToJson(run.options.photo).dump())
       .Add(OptionsToJson(run.options.stereo).dump());
-  for (const ScenePoint& p : points) print.Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
+  for (const ScenePoint& p : points) {
+    print.Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
+    for (const int view : p.views) print.Add(static_cast<double>(view));
+  }
   return print.Hex();
 }
 
@@ -74,6 +79,7 @@ void Tell(const Run& run, const Geometry& geometry) {
 Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points) {
   const std::string key = Key(*run, points);
   Geometry geometry;
+  geometry.key = key;
   if (run->workspace.IsDone("depth", key)) {
     try {
       geometry.maps = ReadBack(*run, photos);
@@ -84,6 +90,10 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
   const bool cached = !geometry.maps.empty();
   const StageClock clock("depth", run->listener);
   if (!cached) {
+    std::error_code ignored;
+    std::filesystem::remove(run->workspace.dense_ply(),
+                            ignored);  // first: without it what stands there is not believed
+    std::filesystem::remove_all(run->workspace.depth(), ignored);
     std::vector<std::string> files = WriteDepthMaps(
         run->workspace.depth(), EstimateDepth(photos, SeenByPhotos(*run, points), run->options.stereo, run->listener));
     for (std::string& file : files) file = "depth/" + file;

@@ -10,6 +10,7 @@ namespace oraclegs {
 
 /// What stereo found in the training photographs.
 struct Geometry {
+  std::string key;                     ///< of what it was found from; empty without stereo
   std::vector<DepthMap> maps;          ///< one for each photograph
   std::vector<DensePoint> points;      ///< fused, in the mean exposure of the photographs
   std::vector<Eigen::Vector3f> gains;  ///< of the photographs' exposures (depth/gains.h)

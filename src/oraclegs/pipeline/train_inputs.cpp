@@ -6,6 +6,11 @@
 namespace oraclegs {
 namespace {
 
+constexpr double kOpacityNoise = 0.3, kLastRates = 0.1;
+// An object is photographed from all around, every part of it by few: what is learnt by heart there costs more than
+// what dropout blurs. Photographs that overlap much lose by it.
+constexpr double kObjectDropout = 0.2;
+
 Tensor Picture(const std::vector<float>& values, const Camera& camera) {
   return torch::from_blob(const_cast<float*>(values.data()), {camera.height, camera.width}, torch::kFloat).clone();
 }
@@ -37,7 +42,15 @@ ExposureMap Diagonal(const Eigen::Vector3f& gain) {
 
 }  // namespace
 
-TrainOptions DecideOptions(TrainOptions options, const Geometry& geometry, const Listener& listener) {
+TrainOptions DecideOptions(TrainOptions options, const std::vector<Photo>& photos, const Geometry& geometry,
+                           const Listener& listener) {
+  if (options.opacity_noise < 0) options.opacity_noise = kOpacityNoise;
+  if (options.last_rates == 0) options.last_rates = kLastRates;
+  if (options.dropout < 0) {
+    const bool is_object = !Silhouettes(photos).empty();
+    options.dropout = is_object ? kObjectDropout : 0;
+    if (is_object) listener(Note{"an object before a plain background: its silhouettes bound the reconstruction"});
+  }
   if (options.exposure == "auto") {
     const double spread = ExposureSpread(geometry.gains);
     options.exposure = spread > kVariedExposure ? "on" : "off";
@@ -64,12 +77,12 @@ std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geomet
   return views;
 }
 
-nlohmann::json ExposuresToJson(const std::vector<Photo>& photos, const Tensor& exposures) {
+nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Tensor& exposures) {
   nlohmann::json json = nlohmann::json::object();
   const Tensor rows = exposures.reshape({-1, 12}).to(torch::kCPU).contiguous();
-  for (size_t v = 0; v < photos.size(); ++v) {
+  for (size_t v = 0; v < names.size(); ++v) {
     const float* row = rows.data_ptr<float>() + 12 * v;
-    json[photos[v].name] = std::vector<float>(row, row + 12);
+    json[names[v]] = std::vector<float>(row, row + 12);
   }
   return json;
 }

@@ -10,18 +10,20 @@
 
 namespace oraclegs {
 
-/// Exposures that spread by more than this (ExposureSpread) are learnt by --exposure auto: below, what looks like
-/// exposure is as likely gloss and shadow.
-inline constexpr double kVariedExposure = 0.04;
+/// Exposures that spread by more than this (ExposureSpread) are learnt by --exposure auto. Gloss and shadow alone make
+/// 0.07 of photographs of one exposure (lego); a phone that holds its exposure 0.10 (fox).
+inline constexpr double kVariedExposure = 0.15;
 
-/// The options with every "auto" decided by what stereo found; what was decided is told.
-TrainOptions DecideOptions(TrainOptions options, const Geometry& geometry, const Listener& listener);
+/// The options with everything that is automatic decided, by the photographs and what stereo found in them; what
+/// differs from scene to scene is told. docs/benchmarks.md has the measurements behind the choices.
+TrainOptions DecideOptions(TrainOptions options, const std::vector<Photo>& photos, const Geometry& geometry,
+                           const Listener& listener);
 
 /// The photographs as training views: with depth where stereo is confident, with emptiness (inverse depth 0) beside an
 /// object's silhouette, and starting from the exposures stereo found.
 std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry& geometry);
 
 /// {"NAME": [12 numbers, the 3x4 colour map row by row]} of trained exposures.
-nlohmann::json ExposuresToJson(const std::vector<Photo>& photos, const Tensor& exposures);
+nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Tensor& exposures);
 
 }  // namespace oraclegs

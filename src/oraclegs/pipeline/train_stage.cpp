@@ -16,11 +16,16 @@ namespace {
 
 constexpr double kDenseScale = 1, kSparseScale = 0.1;  // of the distance to the neighbours; [3DGS]'s and [MCMC]'s
 
+/// Photographs, poses and the model's points.
+std::string InputsFingerprint(const Run& run) {
+  Fingerprint print;
+  print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
+  for (const ScenePoint& p : run.scene.points) print.Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
+  return print.Hex();
+}
+
 std::string TrainKey(const Run& run) {
-  return Fingerprint()
-      .Add(ShapingOptionsToJson(run.options).dump())
-      .Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale))
-      .Hex();
+  return Fingerprint().Add(ShapingOptionsToJson(run.options).dump()).Add(InputsFingerprint(run)).Hex();
 }
 
 /// The newest checkpoint, when it belongs to these inputs; those of other photographs are removed.
@@ -39,7 +44,14 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
         "--overwrite",
         path->string(), difference);
   }
-  run.listener(Warning{"the photographs or poses have changed since the last run: training starts anew"});
+  if (checkpoint.options.value("inputs", "") == saved_options.at("inputs") &&
+      checkpoint.options.value("depth", "") == saved_options.at("depth")) {
+    throw InputError(
+        "{}: was saved by another version of the program, which had other options; start anew with "
+        "--overwrite",
+        path->string());
+  }
+  run.listener(Warning{"the photographs, poses or their depth have changed since the last run: training starts anew"});
   std::error_code error;
   std::filesystem::remove_all(run.workspace.checkpoints(), error);
   if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
@@ -77,39 +89,46 @@ void RunTrain(Run* run) {
     return;
   }
   const std::string key = TrainKey(*run);
-  nlohmann::json saved_options = ShapingOptionsToJson(run->options);
-  saved_options["inputs"] = key;
-  const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
-  // What stands there would be mistaken for the results of these inputs, also after an interrupt.
   std::error_code ignored;
-  std::filesystem::remove(run->workspace.metrics(), ignored);
-  if (!checkpoint) std::filesystem::remove(run->workspace.point_cloud(), ignored);
-  const std::vector<ScenePoint> sfm = RunSfm(run);
-  const std::vector<Photo> photos = LoadPhotos(run->scene, run->split.train, run->options.photo, run->listener);
-  const Geometry geometry = NeedsDepth(run->options) ? RunDepth(run, photos, sfm) : Geometry{};
-  Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, sfm, geometry);
-
-  const StageClock clock("train", run->listener);
-  const RunOptions& options = run->options;
-  const TrainOptions decided = DecideOptions(options.train, geometry, run->listener);
-  Trainer trainer(decided, options.start.seed, BackgroundColor(options.photo.background), TrainViews(photos, geometry),
-                  std::move(start));
-  if (checkpoint) trainer.Restore(*checkpoint);
-  const double loading = clock.Seconds();
-  const TrainResult result = trainer.Run(
-      {run->workspace.checkpoints(), options.checkpoints.checkpoint_every, std::move(saved_options)}, run->listener);
-  WriteGaussianPly(run->workspace.point_cloud(), trainer.gaussians(), options.train.sh_degree);
-  std::filesystem::remove(run->workspace.exposures(), ignored);
-  if (trainer.exposures().defined()) {
-    WriteFileAtomically(run->workspace.exposures(), ExposuresToJson(photos, trainer.exposures()).dump(1) + "\n");
+  std::filesystem::remove(run->workspace.metrics(), ignored);  // would be mistaken for the results of these inputs
+  std::vector<std::string> names;
+  double loading = 0;
+  std::optional<Trainer> trainer;
+  nlohmann::json saved_options = ShapingOptionsToJson(run->options);
+  {  // What is known of the photographs is not kept beside the trainer's copy.
+    const std::vector<ScenePoint> sfm = RunSfm(run);
+    const std::vector<Photo> photos = LoadPhotos(run->scene, run->split.train, run->options.photo, run->listener);
+    const Geometry geometry = NeedsDepth(run->options) ? RunDepth(run, photos, sfm) : Geometry{};
+    saved_options["inputs"] = InputsFingerprint(*run);
+    saved_options["depth"] = geometry.key;
+    const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
+    if (!checkpoint) {
+      std::filesystem::remove(run->workspace.point_cloud(), ignored);
+      std::filesystem::remove(run->workspace.exposures(), ignored);
+    }
+    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, sfm, geometry);
+    const StageClock clock("train", run->listener);
+    trainer.emplace(DecideOptions(run->options.train, photos, geometry, run->listener), run->options.start.seed,
+                    BackgroundColor(run->options.photo.background), TrainViews(photos, geometry), std::move(start));
+    if (checkpoint) trainer->Restore(*checkpoint);
+    for (const Photo& photo : photos) names.push_back(photo.name);
+    loading = clock.Seconds();
   }
-  clock.Finish();
+  const RunOptions& options = run->options;
+  const TrainResult result = trainer->Run(
+      {run->workspace.checkpoints(), options.checkpoints.checkpoint_every, std::move(saved_options)}, run->listener);
+  WriteGaussianPly(run->workspace.point_cloud(), trainer->gaussians(), options.train.sh_degree);
+  std::filesystem::remove(run->workspace.exposures(), ignored);
+  if (trainer->exposures().defined()) {
+    WriteFileAtomically(run->workspace.exposures(), ExposuresToJson(names, trainer->exposures()).dump(1) + "\n");
+  }
+  run->listener(StageFinished{"train", loading + result.seconds});
   run->workspace.MarkDone("train", {{"key", key},
                                     {"seconds", loading + result.seconds},
                                     {"training_seconds", result.seconds},
                                     {"iterations", result.iterations},
                                     {"milliseconds_per_iteration", TimingsToJson(result)},
-                                    {"gaussians", trainer.gaussians().size()},
+                                    {"gaussians", trainer->gaussians().size()},
                                     {"peak_memory_bytes", PeakMemoryBytes()},
                                     {"files", {"point_cloud.ply"}}});
   run->listener(FileWritten{run->workspace.point_cloud()});

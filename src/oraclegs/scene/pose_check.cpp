@@ -13,6 +13,7 @@ namespace oraclegs {
 namespace {
 
 constexpr double kSmallestBaseline = 1e-3;  // of the distance looked at: 0.06 degrees of parallax, below a pixel
+constexpr double kRounding = 1e-6;          // of the distance from the origin, times kSamePlace: what doubles round
 constexpr double kSamePlace = 1e-6;         // of the extent of the cameras: rounding of a file with six digits
 constexpr double kSameDirection = 1e-4;     // radians
 constexpr double kSmallestOverlap = .02;    // of what a view sees
@@ -192,7 +193,7 @@ std::vector<std::string> PoseWarnings(const Scene& scene, const std::vector<int>
   if (views.size() < 2) return {};
   std::vector<std::string> warnings;
   double extent = LargestBaseline(views);
-  for (const PosedView& v : views) extent = std::max(extent, v.center.norm());
+  for (const PosedView& v : views) extent = std::max(extent, kRounding * v.center.norm());
   const std::vector<std::optional<double>> distances = DistancesLookedAt(scene, views, extent);
   for (const std::vector<std::string>& names : SamePoses(views, extent)) {
     warnings.push_back(

@@ -124,7 +124,11 @@ class Climb {
     }
     for (int i = 0; IsColmapModel(models / std::to_string(i)); ++i) {
       const fs::path model = models / std::to_string(i);
-      Consider({model, colmap.database(), MeasureModel(model), set}, &record);
+      try {
+        Consider({model, colmap.database(), MeasureModel(model), set}, &record);
+      } catch (const InputError&) {
+        // A mapper that was killed while it wrote leaves half a model; the others count.
+      }
     }
     attempts_.push_back(std::move(record));
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -13,11 +14,11 @@ struct TrainOptions {
   int max_gaussians = 100000;
   double depth_weight = 1;
   std::string exposure = "auto";
-  double dropout = 0;
-  double opacity_noise = 0;
+  double dropout = -1;
+  double opacity_noise = -1;
   double coarse_share = 0;
   bool prune_floaters = false;
-  double last_rates = 1;
+  double last_rates = 0;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
@@ -28,6 +29,16 @@ struct TrainOptions {
   int sh_degree = 3;
   bool antialiased = false;
   int random_points = 100000;
+
+  /// Nothing left to choose: what is still automatic is as [3DGS] and [MCMC] have it, which is off.
+  TrainOptions Settled() const {
+    TrainOptions settled = *this;
+    settled.dropout = std::max(0.0, dropout);
+    settled.opacity_noise = std::max(0.0, opacity_noise);
+    if (last_rates == 0) settled.last_rates = 1;
+    if (exposure == "auto") settled.exposure = "off";
+    return settled;
+  }
 
   template <class V>
   void Visit(V&& visit) {
@@ -49,14 +60,14 @@ struct TrainOptions {
     visit("dropout", dropout,
           "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
           "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "
-          "2025, uses 0.2)",
-          Range{0, 0.95});
+          "2025, uses 0.2); -1 = 0.2 for an object before a plain background, else 0",
+          Range{-1, 0.95});
     visit(
         "opacity-noise", opacity_noise,
         "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
-        "Sparse-View 3DGS, 2025, uses 0.8)",
-        Range{0, 10});
+        "Sparse-View 3DGS, 2025, uses 0.8); -1 = 0.3",
+        Range{-1, 10});
     visit("coarse-share", coarse_share,
           "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "
           "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
@@ -66,8 +77,8 @@ struct TrainOptions {
           "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
     visit("last-rates", last_rates,
           "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "
-          "the second half of the run. 3DGS keeps them (1)",
-          Range{1e-3, 1});
+          "the second half of the run. 3DGS keeps them (1); 0 = 0.1",
+          Range{0, 1});
     visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("random-points", random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});

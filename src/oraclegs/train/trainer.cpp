@@ -119,7 +119,7 @@ TrainTimings Mean(TrainTimings sum, int64_t iterations) {
 struct Trainer::State {
   State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color,
         std::vector<TrainView> photographs, const Gaussians& start)
-      : options(train_options),
+      : options(train_options.Settled()),
         seed(run_seed),
         background(color),
         views(WithCleanDepths(std::move(photographs))),
