@@ -166,7 +166,7 @@ class BadInput(EndToEnd):
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
-        arguments = ["reconstruct", self.scene, "-o", out, *SMALL_RUN, "--iterations", 5]
+        arguments = ["reconstruct", self.scene, "-o", out, *SMALL_RUN, "--iterations", 5, "--depth-weight", 0]
         self.error_of(*arguments, code=4, names=["point_cloud.ply"], preexec_fn=limit, restore_signals=False)
         self.assertFalse((out / "point_cloud.ply").exists())
         self.assertEqual([name for name in os.listdir(out) if name.endswith(".tmp")], [])

@@ -228,7 +228,8 @@ class MainJob(EndToEnd):
         for name in training:
             self.assertRegex(done.stdout, rf"(?m)^{re.escape(name)} +[0-9.]+ % confident$")
             for folder in ["", "confidence", "normals", "preview"]:
-                self.assertTrue((out / "depth" / folder / name).with_suffix(".png").is_file(), f"{folder} {name}")
+                picture = (out / "depth" / folder / name.replace("/", "_")).with_suffix(".png")
+                self.assertTrue(picture.is_file(), picture)
         self.assertEqual(len(json.loads((out / "depth/depth_params.json").read_text())), len(training))
         self.assertTrue((out / "sfm/dense.ply").read_bytes().startswith(b"ply\nformat binary_little_endian 1.0\n"))
         before = files_below(out / "depth")

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "oraclegs/gaussians/initialize.h"
-#include "oraclegs/scene/looked_at.h"
 #include "oraclegs/loss/photometric.h"
+#include "oraclegs/scene/looked_at.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"

@@ -10,10 +10,8 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kEnoughForRange = 20;  // points of a view
-constexpr int kEnoughForPair = 8;       // points two views share
-constexpr double kNearQuantile = 0.003, kFarQuantile = 0.995;
-constexpr double kNearMargin = 0.3, kFarMargin = 2.5;  // factors on those quantiles of depth
+constexpr size_t kEnoughForRange = 20;                 // points of a view
+constexpr int kEnoughForPair = 8;                      // points two views share
 constexpr double kObjectReach = 0.45;                  // of the distance, for an object within silhouettes
 constexpr double kSceneNear = 0.2, kSceneFar = 20;     // of the distance, for a scene without points
 constexpr double kSmallestAngle = 0.5;                 // degrees: below, noise decides the depth
@@ -53,13 +51,20 @@ std::vector<Eigen::Vector3d> StandIns(const std::vector<Camera>& cameras) {
   return points;
 }
 
-DepthRange RangeFromDepths(std::vector<double> depths) {
+/// Two quantiles of depth, each times a margin.
+struct Span {
+  double near_quantile, far_quantile, near_margin, far_margin;
+};
+constexpr Span kSceneSpan{0.003, 0.995, 0.3, 2.5};
+constexpr Span kObjectSpan{0.05, 0.95, 0.9, 1.1};  // an object is no larger than its points, a few of which are wrong
+
+DepthRange RangeFromDepths(std::vector<double> depths, const Span& span) {
   std::sort(depths.begin(), depths.end());
   const auto quantile = [&](double q) {
     return depths[static_cast<size_t>(q * static_cast<double>(depths.size() - 1))];
   };
-  return {static_cast<float>(1 / (kFarMargin * quantile(kFarQuantile))),
-          static_cast<float>(1 / (kNearMargin * quantile(kNearQuantile)))};
+  return {static_cast<float>(1 / (span.far_margin * quantile(span.far_quantile))),
+          static_cast<float>(1 / (span.near_margin * quantile(span.near_quantile)))};
 }
 
 double PairScore(const Camera& a, const Camera& b, const std::vector<Eigen::Vector3d>& shared) {
@@ -92,12 +97,12 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<Photo>& photos, const 
       DepthRange range{static_cast<float>(1 / ((1 + kObjectReach) * distance)),
                        static_cast<float>(1 / ((1 - kObjectReach) * distance))};
       if (depths[v].size() >= kEnoughForRange) {  // near-parallel axes say little of the distance, points do
-        const DepthRange seen = RangeFromDepths(std::move(depths[v]));
+        const DepthRange seen = RangeFromDepths(std::move(depths[v]), kObjectSpan);
         range = {std::min(range.far, seen.far), std::max(range.near, seen.near)};
       }
       ranges.push_back(range);
     } else if (depths[v].size() >= kEnoughForRange) {
-      ranges.push_back(RangeFromDepths(std::move(depths[v])));
+      ranges.push_back(RangeFromDepths(std::move(depths[v]), kSceneSpan));
     } else {
       const double scale = distance > 0 ? distance : ball.radius;
       ranges.push_back({static_cast<float>(1 / (kSceneFar * scale)), static_cast<float>(1 / (kSceneNear * scale))});
