@@ -83,8 +83,8 @@ TEST(FindDepthRanges, WithSilhouettesFollowTheCamerasAndReachEveryPoint) {
     EXPECT_NEAR(1 / range.far, 1.45 * 4, 0.1);
   }
   for (const DepthRange& range : FindDepthRanges(photos, Points(500, 1, 50, {0, 1, 2, 3}), silhouettes)) {
-    EXPECT_LT(1 / range.near, 0.5 * 4);
-    EXPECT_GT(1 / range.far, 2 * 4);
+    EXPECT_NEAR(1 / range.near, 0.55 * 4, 0.05);
+    EXPECT_GT(1 / range.far, 1.8 * 4);
   }
 }
 
