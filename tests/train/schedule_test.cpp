@@ -12,7 +12,7 @@ TEST(Schedule, RatesRestInTheSecondHalfAndNoiseEnds) {
   EXPECT_EQ(RateFactor(500, 1000, 0.1), 1);
   EXPECT_NEAR(RateFactor(750, 1000, 0.1), std::sqrt(0.1), 1e-9);
   EXPECT_NEAR(RateFactor(1000, 1000, 0.1), 0.1, 1e-9);
-  EXPECT_EQ(NoiseFactor(800, 1000), 1);
+  EXPECT_NEAR(NoiseFactor(800, 1000), 1, 1e-9);
   EXPECT_NEAR(NoiseFactor(900, 1000), 0.5, 1e-9);
   EXPECT_EQ(NoiseFactor(1000, 1000), 0);
 }
