@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kStereoVersion = 3;     // raised when the same inputs give other maps
+constexpr double kStereoVersion = 4;     // raised when the same inputs give other maps
 constexpr double kNextToNothing = 0.02;  // share of confident pixels
 
 std::string Key(const Run& run, const std::vector<ScenePoint>& points) {
@@ -53,7 +53,7 @@ std::vector<DepthMap> ReadBack(const Run& run, const std::vector<Photo>& photos)
 void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->gains = EstimateGains(geometry->maps, photos);
   FusionOptions options;
-  options.gains = geometry->gains;
+  if (ExposureSpread(geometry->gains) > kVariedExposure) options.gains = geometry->gains;
   geometry->points = FuseDepth(geometry->maps, photos, options);
 }
 

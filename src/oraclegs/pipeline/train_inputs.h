@@ -10,10 +10,6 @@
 
 namespace oraclegs {
 
-/// Exposures that spread by more than this (ExposureSpread) are learnt by --exposure auto. Gloss and shadow alone make
-/// 0.07 of photographs of one exposure (lego); a phone that holds its exposure 0.10 (fox).
-inline constexpr double kVariedExposure = 0.15;
-
 /// The options with everything that is automatic decided, by the photographs and what stereo found in them; what
 /// differs from scene to scene is told. docs/benchmarks.md has the measurements behind the choices.
 TrainOptions DecideOptions(TrainOptions options, const std::vector<Photo>& photos, const Geometry& geometry,

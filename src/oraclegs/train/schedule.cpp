@@ -36,10 +36,6 @@ double RateFactor(int64_t iteration, int64_t iterations, double last) {
   return LogLinear(1, last, std::max(0.0, 2 * Progress(iteration, iterations) - 1));
 }
 
-double NoiseFactor(int64_t iteration, int64_t iterations) {
-  return std::min(1.0, 5 * (1 - Progress(iteration, iterations)));
-}
-
 int ActiveShDegree(int64_t iteration, int64_t interval) {
   return static_cast<int>(std::min<int64_t>(iteration / interval, kHighestShDegree));
 }

@@ -10,9 +10,6 @@ double MeansLearningRate(int64_t iteration, int64_t iterations, double extent);
 /// Factor of the other learning rates, which [3DGS] keeps constant: 1 over the first half of the run, then log-linear
 /// 1 -> `last`.
 double RateFactor(int64_t iteration, int64_t iterations, double last);
-/// Factor of the opacity noise: 1, over the last fifth of the run linear to 0, so that the model settles on the colours
-/// it is seen with.
-double NoiseFactor(int64_t iteration, int64_t iterations);
 /// Active SH degree: raised by one at every multiple of `interval`, to at most 3.
 int ActiveShDegree(int64_t iteration, int64_t interval = 1000);
 /// Of exposure maps: log-linear 1e-2 -> 1e-3 over `iterations`, as [3DGS] trains its own.

@@ -188,7 +188,7 @@ const TrainView& Trainer::State::ViewNow(int index) const {
 Tensor Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
   const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
-                                         options.opacity_noise * NoiseFactor(i, options.iterations)};
+                                         IsLast(i) ? 0 : options.opacity_noise};
   if (!perturbation.IsActive()) return {};
   if (!opacity_factors.defined() || opacity_factors.numel() != gaussians.size()) {
     opacity_factors = torch::empty({gaussians.size()}, torch::kFloat);
