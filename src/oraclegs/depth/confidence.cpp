@@ -14,8 +14,8 @@ constexpr float kMeasuringAngle = 4, kLeastShare = 0.25;  // degrees below which
 constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;  // of a round trip
 constexpr float kSupport = 1.1f;
 constexpr float kHopelessCost = 1.15f, kCostSpan = 0.5f;  // a cost of 1 is no likeness at all
-constexpr float kSeenThrough = -0.05f;                   // relative depth below which a view looks through the point
-constexpr float kSeenThroughCost = 0.5f;                 // of the view that does so, at most
+constexpr float kSeenThrough = -0.05f;                    // relative depth below which a view looks through the point
+constexpr float kSeenThroughCost = 0.5f;                  // of the view that does so, at most
 constexpr float kViolation = 0.25f;
 constexpr int kMedianRadius = 2;
 constexpr float kOutlier = 0.05f;      // relative distance from the median
