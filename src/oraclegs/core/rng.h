@@ -40,6 +40,7 @@ enum class RandomStream : uint64_t {
   kStereo = 7,
   kStereoStandIns = 8,
   kThinning = 9,
+  kTargets = 12,
   kOpacityFactors = 16,  // of dropout and opacity noise
 };
 

@@ -1,11 +1,9 @@
 #include "oraclegs/scene/transforms.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/files.h"
 #include "oraclegs/scene/transforms_frame.h"
 #include "oraclegs/scene/view_list.h"
 
@@ -15,58 +13,15 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Puts the words NaN, Infinity and -Infinity, which Python writes and JSON does not know, in quotes, so that the error
-/// names the frame that has one and not only a byte.
-std::string QuoteNaN(const std::string& text) {
-  const auto word_at = [&](size_t i) -> std::string_view {
-    for (const std::string_view word : {"NaN", "-Infinity", "Infinity"}) {
-      if (text.compare(i, word.size(), word) == 0) return word;
-    }
-    return {};
-  };
-  std::string quoted;
-  quoted.reserve(text.size());
-  bool in_string = false;
-  for (size_t i = 0; i < text.size();) {
-    const std::string_view word = in_string ? std::string_view() : word_at(i);
-    const bool escape = in_string && text[i] == '\\' && i + 1 < text.size();
-    const size_t length = escape ? 2 : std::max<size_t>(word.size(), 1);
-    if (text[i] == '"') in_string = !in_string;
-    if (!word.empty()) quoted += '"';
-    quoted.append(text, i, length);
-    if (!word.empty()) quoted += '"';
-    i += length;
-  }
-  return quoted;
-}
-
-json ParseJson(const fs::path& path) {
-  try {
-    return json::parse(QuoteNaN(ReadFile(path)));
-  } catch (const json::exception& error) {
-    throw InputError("{}: is not valid JSON: {}", path.string(), error.what());
-  }
-}
-
-/// The image that file_path means: as written or with an extension appended; empty when there is none.
-fs::path FindImage(const fs::path& folder, const std::string& written) {
-  static constexpr const char* kExtensions[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
-  for (const char* extension : kExtensions) {
-    const fs::path path = folder / (written + extension);
-    if (IsFile(path)) return path;
-  }
-  return {};
-}
-
-/// The same below options.images, where the path's first folder may be left out.
+/// The picture of a frame, below options.images when that is given, where the path's first folder may be left out.
 fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const std::string& written) {
-  if (options.images.empty()) return FindImage(root, written);
+  if (options.images.empty()) return FindFrameImage(root, written);
   const fs::path folder = root / options.images;
-  const fs::path whole = FindImage(folder, written);
+  const fs::path whole = FindFrameImage(folder, written);
   if (!whole.empty()) return whole;
   const std::string name = ViewName(written);
   const size_t slash = name.find('/');
-  return slash == std::string::npos ? fs::path() : FindImage(folder, name.substr(slash + 1));
+  return slash == std::string::npos ? fs::path() : FindFrameImage(folder, name.substr(slash + 1));
 }
 
 /// The views of one file, and the masks it names in vain.
@@ -89,24 +44,11 @@ SceneView ReadView(const TransformsFrame& frame, const std::string& written, con
 
 FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options) {
   const fs::path root = path.parent_path();
-  const json file = ParseJson(path);
-  const auto frames = file.is_object() ? file.find("frames") : file.end();
-  if (!file.is_object() || frames == file.end() || !frames->is_array() || frames->empty()) {
-    throw InputError("{}: has no \"frames\"; expected the layout of instant-ngp, Nerfstudio or Blender", path.string());
-  }
+  const json file = ReadTransformsFile(path);
   FileViews result;
   int index = 0;
-  for (const json& entry : *frames) {
-    TransformsFrame frame{file, entry, fmt::format("{}: frame {}", path.string(), index++)};
-    const auto written = entry.is_object() ? entry.find("file_path") : entry.end();
-    if (!entry.is_object() || written == entry.end() || !written->is_string()) {
-      throw InputError("{}: has no \"file_path\"", frame.place);
-    }
-    const std::string name = written->get<std::string>();
-    if (ViewName(name).empty() || std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; })) {
-      throw InputError("{}: \"file_path\" is empty or has control characters", frame.place);
-    }
-    frame.place = fmt::format("{}: frame '{}'", path.string(), name);
+  for (const json& entry : file["frames"]) {
+    const auto [frame, name] = NamedFrame(file, entry, path, index++);
     SceneView view = ReadView(frame, name, FindImage(root, options, name));
     if (const auto mask = entry.contains("mask_path") ? frame.FindText("mask_path") : std::nullopt) {
       if (IsFile(root / *mask)) {

@@ -2,10 +2,13 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/scene/image.h"
 #include "oraclegs/scene/view_list.h"
 
@@ -96,7 +99,66 @@ std::string WhyNoRotation(const Eigen::Matrix3d& r, double deviation) {
   return fmt::format("is not a rotation (R R' differs from the identity by {:.3g})", deviation);
 }
 
+/// Puts the words NaN, Infinity and -Infinity, which Python writes and JSON does not know, in quotes, so that the error
+/// names the frame that has one and not only a byte.
+std::string QuoteNaN(const std::string& text) {
+  const auto word_at = [&](size_t i) -> std::string_view {
+    for (const std::string_view word : {"NaN", "-Infinity", "Infinity"}) {
+      if (text.compare(i, word.size(), word) == 0) return word;
+    }
+    return {};
+  };
+  std::string quoted;
+  quoted.reserve(text.size());
+  bool in_string = false;
+  for (size_t i = 0; i < text.size();) {
+    const std::string_view word = in_string ? std::string_view() : word_at(i);
+    const bool escape = in_string && text[i] == '\\' && i + 1 < text.size();
+    const size_t length = escape ? 2 : std::max<size_t>(word.size(), 1);
+    if (text[i] == '"') in_string = !in_string;
+    if (!word.empty()) quoted += '"';
+    quoted.append(text, i, length);
+    if (!word.empty()) quoted += '"';
+    i += length;
+  }
+  return quoted;
+}
+
 }  // namespace
+
+json ReadTransformsFile(const std::filesystem::path& path) {
+  json file;
+  try {
+    file = json::parse(QuoteNaN(ReadFile(path)));
+  } catch (const json::exception& error) {
+    throw InputError("{}: is not valid JSON: {}", path.string(), error.what());
+  }
+  const json* frames = file.is_object() ? FindIn(file, "frames") : nullptr;
+  if (!frames || !frames->is_array() || frames->empty()) {
+    throw InputError("{}: has no \"frames\"; expected the layout of instant-ngp, Nerfstudio or Blender", path.string());
+  }
+  return file;
+}
+
+NamedTransformsFrame NamedFrame(const json& file, const json& entry, const std::filesystem::path& path, int index) {
+  const json* written = entry.is_object() ? FindIn(entry, "file_path") : nullptr;
+  const std::string place = fmt::format("{}: frame {}", path.string(), index);
+  if (!written || !written->is_string()) throw InputError("{}: has no \"file_path\"", place);
+  const std::string name = written->get<std::string>();
+  if (ViewName(name).empty() || std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; })) {
+    throw InputError("{}: \"file_path\" is empty or has control characters", place);
+  }
+  return {{file, entry, fmt::format("{}: frame '{}'", path.string(), name)}, name};
+}
+
+std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const std::string& file_path) {
+  static constexpr const char* kExtensions[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
+  for (const char* extension : kExtensions) {
+    const std::filesystem::path path = folder / (file_path + extension);
+    if (IsFile(path)) return path;
+  }
+  return {};
+}
 
 const json* TransformsFrame::Find(const char* key) const {
   const json* value = FindIn(frame, key);

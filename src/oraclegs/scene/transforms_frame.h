@@ -24,6 +24,21 @@ struct TransformsFrame {
   std::optional<std::string> FindText(const char* key) const;
 };
 
+/// The JSON of a transforms.json. Throws InputError naming the place when it is not JSON, or has no frames. NaN and
+/// Infinity, which Python writes, stand as text in it, so that the frame that has one can be named.
+nlohmann::json ReadTransformsFile(const std::filesystem::path& path);
+
+/// A frame of `file` and its file_path as written. Throws InputError when it has none, or one that cannot be a name.
+struct NamedTransformsFrame {
+  TransformsFrame frame;
+  std::string file_path;
+};
+NamedTransformsFrame NamedFrame(const nlohmann::json& file, const nlohmann::json& entry,
+                                const std::filesystem::path& path, int index);
+
+/// The picture that file_path means: as written or with an extension appended; empty when there is none.
+std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const std::string& file_path);
+
 /// The lens; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
 Lens ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path);
 

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/camera_path.h"
+#include "oraclegs/scene/camera_path.h"
 
 #include <gtest/gtest.h>
 
@@ -90,6 +90,38 @@ TEST(OrbitPath, OneCameraStaysWhereItIs) {
   const auto cameras = Arc(1, 30, 40, Vector3d::Zero());
   for (const Camera& c : OrbitPath(cameras, 3)) EXPECT_TRUE(c.Center().isApprox(cameras[0].Center(), 1e-12));
 }
+
+TEST(PoseAlong, MeetsTheCamerasAndMakesNoLoops) {
+  std::vector<Camera> cameras;  // a short step after long ones: Catmull-Rom would run back there
+  for (const double x : {0.0, 10.0, 10.2, 20.0}) cameras.push_back(CameraAt({x, 0, 0}, {x, 9, 0}));
+  const std::vector<size_t> order = {0, 1, 2, 3};
+  double before = -1e-9;
+  for (int i = 0; i <= 300; ++i) {
+    const Eigen::Isometry3d pose = PoseAlong(cameras, order, i / 100.);
+    const double x = pose.inverse().translation().x();
+    EXPECT_GE(x, before - 1e-9) << i;
+    before = x;
+  }
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_TRUE(PoseAlong(cameras, order, static_cast<double>(i)).isApprox(cameras[i].cam_from_world, 1e-12));
+  }
+}
+
+TEST(RingAround, FindsTheGapAndWhetherAllLookInwards) {
+  const Vector3d focus(1, 0, 2), up = Vector3d::UnitZ();
+  auto cameras = Arc(8, 0, 360, focus);
+  EXPECT_TRUE(RingAround(cameras, focus, up).all_around);
+  EXPECT_NEAR(RingAround(cameras, focus, up).widest_gap, std::numbers::pi / 4, 1e-9);
+  cameras[3].cam_from_world = LookAt(cameras[3].Center(), 2 * cameras[3].Center() - focus, up);
+  EXPECT_FALSE(RingAround(cameras, focus, up).all_around);
+  const CameraRing arc = RingAround(Arc(4, 30, 110, focus), focus, up);
+  EXPECT_FALSE(arc.all_around);
+  EXPECT_EQ(arc.order, (std::vector<size_t>{0, 1, 2, 3}));
+  const Eigen::Vector2d first = GroundAxes(up) * (Arc(4, 30, 110, focus)[0].Center() - focus);
+  EXPECT_NEAR(arc.first_azimuth, std::atan2(first.y(), first.x()), 1e-12);
+}
+
+TEST(MeanUp, IsUpInTheImages) { EXPECT_TRUE(MeanUp(Arc(6, 0, 360, {0, 0, 0})).isApprox(Vector3d::UnitZ(), 1e-9)); }
 
 TEST(OrbitPath, RefusesNothingToGoBy) {
   EXPECT_THROW(OrbitPath({}, 3), std::invalid_argument);

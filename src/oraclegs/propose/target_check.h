@@ -1,0 +1,64 @@
+#pragma once
+// Which poses may be a target: no test pose, nothing that is photographed already, not inside a wall, not into the
+// void.
+
+#include <vector>
+
+#include "oraclegs/propose/trajectory_request.h"
+
+namespace oraclegs {
+
+/// A thousandth of the mean distance from a training camera to the nearest other one: centres closer than this are one
+/// place. More than rounding, also for one camera.
+double SamePlace(const std::vector<Camera>& train);
+
+/// Poses to recognise: the centre within `same_place` and the rotation within 0.1 degrees.
+class PoseSet {
+ public:
+  PoseSet(std::vector<Camera> cameras, double same_place) : cameras_(std::move(cameras)), same_place_(same_place) {}
+  bool Has(const Camera& camera) const;
+  void Add(const Camera& camera) { cameras_.push_back(camera); }
+
+ private:
+  std::vector<Camera> cameras_;
+  double same_place_;
+};
+
+/// At most `budget` of the points, evenly by index.
+std::vector<DensePoint> EvenSample(const std::vector<DensePoint>& points, size_t budget);
+
+/// Indices of the points that project into the image, face the camera (where the normal is known) and are not behind
+/// others: more than a fifth farther than the nearest in the same cell of 48 x 48. Ascending.
+std::vector<int> PointsSeen(const std::vector<DensePoint>& points, const Camera& camera);
+
+enum class Verdict { kGood, kTestPose, kKnownPose, kInsideGeometry, kSeesNothing };
+
+class TargetCheck {
+ public:
+  explicit TargetCheck(const TrajectoryRequest& request);
+
+  /// In this order:
+  ///   kTestPose        a test pose (PoseSet)
+  ///   kKnownPose       a training pose
+  ///   kInsideGeometry  five points or more lie nearer than a quarter of the smallest median depth of a training
+  ///                    camera, and nearer than to any training camera
+  ///   kSeesNothing     points fall on less than a tenth of a 16 x 16 grid over the image, and on less than half of
+  ///                    the training cameras' median share
+  /// The last two need at least 100 points.
+  Verdict Judge(const Camera& camera) const;
+
+  /// At most 20000 of the request's points; none when it has fewer than 100.
+  const std::vector<DensePoint>& points() const { return points_; }
+  double same_place() const { return same_place_; }
+
+ private:
+  bool IsInsideGeometry(const Camera& camera) const;
+
+  double same_place_;
+  PoseSet test_, train_;
+  std::vector<DensePoint> points_;
+  double nearest_ = 0;      ///< world units: geometry this near has the camera inside
+  double least_share_ = 0;  ///< of the grid
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,177 @@
+#include "oraclegs/propose/trajectory.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/propose/candidates.h"
+#include "oraclegs/propose/coverage.h"
+#include "oraclegs/propose/proposal_files.h"
+#include "oraclegs/propose/target_check.h"
+#include "oraclegs/scene/looked_at.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kEnoughSpare = 4;
+constexpr int kCandidatesPerTarget = 8, kFewestCandidates = 256, kMostCandidates = 4096;
+constexpr size_t kPointsTimesCandidates = 20000000;  // memory of the choice by coverage: 20 bytes for each
+constexpr size_t kFewestCoveragePoints = 1000;
+constexpr size_t kStandInPoints = 2000;
+constexpr double kStandInReach = 0.5;  // of the distance looked at
+
+/// Candidates that passed, and why the others did not.
+struct Sifted {
+  std::vector<Target> good;
+  size_t total = 0, test = 0, known = 0, inside = 0, nothing = 0;
+
+  size_t rejected() const { return total - good.size(); }
+  std::string Reasons() const {
+    std::vector<std::string> reasons;
+    const auto add = [&](size_t count, const char* what) {
+      if (count > 0) reasons.push_back(fmt::format("{} {}", count, what));
+    };
+    add(test, "at a test pose");
+    add(known, "at a training pose or at one chosen already");
+    add(inside, "inside geometry");
+    add(nothing, "where next to nothing of the scene is seen");
+    return fmt::format("{}", fmt::join(reasons, ", "));
+  }
+};
+
+Sifted Sift(std::vector<Target> candidates, const TargetCheck& check) {
+  std::vector<Verdict> verdicts(candidates.size());
+  ParallelFor(static_cast<int64_t>(candidates.size()), [&](int64_t i) {
+    verdicts[static_cast<size_t>(i)] = check.Judge(candidates[static_cast<size_t>(i)].camera);
+  });
+  Sifted sifted;
+  sifted.total = candidates.size();
+  PoseSet chosen({}, check.same_place());
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Verdict verdict = verdicts[i];
+    if (verdict == Verdict::kGood && chosen.Has(candidates[i].camera)) verdict = Verdict::kKnownPose;
+    sifted.test += verdict == Verdict::kTestPose ? 1 : 0;
+    sifted.known += verdict == Verdict::kKnownPose ? 1 : 0;
+    sifted.inside += verdict == Verdict::kInsideGeometry ? 1 : 0;
+    sifted.nothing += verdict == Verdict::kSeesNothing ? 1 : 0;
+    if (verdict != Verdict::kGood) continue;
+    chosen.Add(candidates[i].camera);
+    sifted.good.push_back(std::move(candidates[i]));
+  }
+  return sifted;
+}
+
+std::vector<Target> Unnamed(const std::vector<Camera>& cameras) {
+  std::vector<Target> targets;
+  for (const Camera& camera : cameras) targets.push_back({{}, camera});
+  return targets;
+}
+
+/// linspace(0, n - 1, count), truncated.
+std::vector<Target> EvenlyPicked(const std::vector<Target>& targets, size_t count) {
+  if (targets.size() <= count) return targets;
+  std::vector<Target> picked;
+  for (size_t i = 0; i < count; ++i) {
+    picked.push_back(targets[count > 1 ? i * (targets.size() - 1) / (count - 1) : 0]);
+  }
+  return picked;
+}
+
+std::vector<Camera> CoverageCandidates(const TrajectoryRequest& request, int count) {
+  const int total = std::clamp(kCandidatesPerTarget * count, kFewestCandidates, kMostCandidates);
+  std::vector<Camera> candidates = InterpolatedCandidates(request.train, total / 3);
+  for (const Camera& c : OrbitCandidates(request.train, total / 3)) candidates.push_back(c);
+  const int rest = total - static_cast<int>(candidates.size());
+  for (const Camera& c : JitteredCandidates(request.train, rest, request.seed)) candidates.push_back(c);
+  return candidates;
+}
+
+/// What the cameras look at, when no surface is known: points anywhere in there.
+std::vector<DensePoint> StandInPoints(const TrajectoryRequest& request) {
+  const Ball ball = LookedAt(request.train);
+  Rng rng(request.seed, RandomStream::kTargets, uint64_t{1} << 32);  // beyond what the candidates draw
+  std::vector<DensePoint> points;
+  while (points.size() < kStandInPoints) {
+    Eigen::Vector3d p;
+    for (int axis = 0; axis < 3; ++axis) p[axis] = rng.Uniform(-1, 1);
+    if (p.norm() > 1) continue;
+    points.push_back({(ball.center + kStandInReach * ball.radius * p).cast<float>(), Eigen::Vector3f::Zero(),
+                      Eigen::Vector3f::Zero()});
+  }
+  return points;
+}
+
+std::vector<Target> MostCovering(const TrajectoryRequest& request, const TargetCheck& check,
+                                 const std::vector<Target>& candidates, int count) {
+  const size_t budget =
+      std::max(kFewestCoveragePoints, kPointsTimesCandidates / std::max<size_t>(candidates.size(), 1));
+  const std::vector<DensePoint> points =
+      check.points().empty() ? StandInPoints(request) : EvenSample(check.points(), budget);
+  std::vector<Camera> cameras;
+  for (const Target& target : candidates) cameras.push_back(target.camera);
+  std::vector<Target> chosen;
+  for (const size_t i : ChooseByCoverage(points, request.train, cameras, count)) chosen.push_back(candidates[i]);
+  return chosen;
+}
+
+void Name(const std::string& trajectory, std::vector<Target>* targets) {
+  if (trajectory == "dataset") {
+    std::vector<std::string> views;
+    for (const Target& target : *targets) views.push_back(target.name);
+    const std::vector<std::string> names = FileNames(views);
+    for (size_t i = 0; i < targets->size(); ++i) (*targets)[i].name = names[i];
+  } else {
+    for (size_t i = 0; i < targets->size(); ++i) (*targets)[i].name = fmt::format("{}_{:04}", trajectory, i);
+  }
+}
+
+void Tell(const std::string& trajectory, const Sifted& sifted, size_t chosen, const Listener& listener) {
+  const std::string reasons = sifted.rejected() > 0 ? fmt::format("of {} candidates {} rejected: {}", sifted.total,
+                                                                  sifted.rejected(), sifted.Reasons())
+                                                    : fmt::format("{} candidates", sifted.total);
+  if (chosen == 0) {
+    listener(
+        Warning{fmt::format("no usable pose for proposals on trajectory '{}' ({}); try another --trajectory, or "
+                            "--proposals 0 to train on the photographs alone",
+                            trajectory, reasons)});
+    return;
+  }
+  if (2 * sifted.rejected() > sifted.total) {
+    listener(
+        Warning{fmt::format("more than half of the poses of trajectory '{}' cannot be used ({}); try another "
+                            "--trajectory when too few are left",
+                            trajectory, reasons)});
+  }
+  listener(Note{fmt::format("{} poses for proposals chosen by trajectory '{}' ({})", chosen, trajectory, reasons)});
+}
+
+}  // namespace
+
+std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TrajectoryOptions& options,
+                                  const Listener& listener) {
+  CheckOptions(options);
+  if (request.train.empty()) throw std::invalid_argument("ChooseTargets: needs training cameras");
+  const int count = options.proposals;
+  if (count == 0) return {};
+  const TargetCheck check(request);
+  std::string trajectory = options.trajectory;
+  Sifted sifted;
+  if (trajectory == "auto" || trajectory == "dataset") sifted = Sift(request.spare, check);
+  if (trajectory == "auto") trajectory = sifted.good.size() >= kEnoughSpare ? "dataset" : "coverage";
+  if (trajectory == "orbit") sifted = Sift(Unnamed(OrbitCandidates(request.train, count)), check);
+  if (trajectory == "spiral") sifted = Sift(Unnamed(SpiralCandidates(request.train, count)), check);
+  if (trajectory == "interpolate") sifted = Sift(Unnamed(InterpolatedCandidates(request.train, count)), check);
+  if (trajectory == "coverage") sifted = Sift(Unnamed(CoverageCandidates(request, count)), check);
+  std::vector<Target> targets = sifted.good;
+  if (trajectory == "dataset") targets = EvenlyPicked(targets, static_cast<size_t>(count));
+  if (trajectory == "coverage") targets = MostCovering(request, check, targets, count);
+  Name(trajectory, &targets);
+  Tell(trajectory, sifted, targets.size(), listener);
+  return targets;
+}
+
+}  // namespace oraclegs
