@@ -1,0 +1,184 @@
+#include "oraclegs/propose/folder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/propose/folder_layout.h"
+#include "oraclegs/propose/target_check.h"
+#include "oraclegs/scene/view_list.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kShapeTolerance = 0.01;
+constexpr int kGreyTolerance = 8;  // of 255 between channels: what a JPEG does to grey
+
+constexpr const char* kTestPose =
+    "they have the pose of a test view, which must stay unseen; remove them from the folder";
+constexpr const char* kShape =
+    "their width to height differs by more than 1 % from their camera's; generate them in the camera's shape";
+
+bool SameShape(int width, int height, int other_width, int other_height) {
+  const double ratio = static_cast<double>(width) * other_height / (static_cast<double>(height) * other_width);
+  return std::abs(ratio - 1) <= kShapeTolerance;
+}
+
+/// A camera from a file at the size that the run works at.
+Camera AtWorkingSize(const Camera& camera, const FolderRequest& request) {
+  if (SameShape(camera.width, camera.height, request.width, request.height)) {
+    return Resized(camera, request.width, request.height);
+  }
+  const double pixels = static_cast<double>(request.width) * request.height;
+  const double scale = std::min(1., std::sqrt(pixels / (static_cast<double>(camera.width) * camera.height)));
+  return Resized(camera, std::max(1, static_cast<int>(std::lround(camera.width * scale))),
+                 std::max(1, static_cast<int>(std::lround(camera.height * scale))));
+}
+
+ImageF Composited(const Image8& picture, const std::array<float, 3>& background) {
+  ImageF rgb{picture.width, picture.height, 3, {}};
+  const auto channels = static_cast<size_t>(picture.channels);
+  rgb.data.resize(picture.data.size() / channels * 3);
+  for (size_t i = 0; i < picture.data.size() / channels; ++i) {
+    const float alpha = channels == 4 ? static_cast<float>(picture.data[4 * i + 3]) / 255 : 1;
+    for (size_t c = 0; c < 3; ++c) {
+      rgb.data[3 * i + c] =
+          alpha * static_cast<float>(picture.data[channels * i + c]) / 255 + (1 - alpha) * background[c];
+    }
+  }
+  return rgb;
+}
+
+bool IsGrey(const Image8& picture) {
+  const auto channels = static_cast<size_t>(picture.channels);
+  for (size_t i = 0; i < picture.data.size(); i += channels) {
+    const uint8_t* p = picture.data.data() + i;
+    if (std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > kGreyTolerance) return false;
+  }
+  return true;
+}
+
+/// What became of one picture.
+struct Loaded {
+  std::optional<Proposal> proposal;
+  std::vector<float> confidence;
+  const char* left_out = nullptr;         // why there is no proposal
+  const char* confidence_lost = nullptr;  // why a confidence file is not used
+};
+
+void LoadConfidence(const std::filesystem::path& file, const Image8& picture, Loaded* loaded) {
+  const Camera& camera = loaded->proposal->camera;
+  try {
+    const Image8 map = ReadImage(file);
+    const bool whole = map.width == picture.width && map.height == picture.height;
+    const bool working = map.width == camera.width && map.height == camera.height;
+    if (!whole && !working) {
+      loaded->confidence_lost = "of another size than their pictures";
+    } else if (!IsGrey(map)) {
+      loaded->confidence_lost = "in colours instead of grey";
+    } else {
+      const ImageF resized = ResizeArea(Composited(map, {}), camera.width, camera.height);
+      for (size_t i = 0; i < resized.data.size(); i += 3) {
+        loaded->confidence.push_back(std::clamp(resized.data[i], 0.f, 1.f));
+      }
+    }
+  } catch (const InputError&) {
+    loaded->confidence_lost = "not readable";
+  }
+}
+
+Loaded Load(const FolderPicture& picture, const FolderRequest& request, bool named_like_view) {
+  Loaded loaded;
+  Image8 pixels;
+  try {
+    pixels = ReadImage(picture.file);
+  } catch (const InputError&) {
+    loaded.left_out = kUnreadablePicture;
+    return loaded;
+  }
+  if (!SameShape(pixels.width, pixels.height, picture.camera.width, picture.camera.height)) {
+    loaded.left_out = kShape;
+    return loaded;
+  }
+  const Camera camera = named_like_view ? picture.camera : AtWorkingSize(picture.camera, request);
+  loaded.proposal = Proposal{picture.name, "folder", camera, {}};
+  loaded.proposal->rgb = ResizeArea(Composited(pixels, request.background), camera.width, camera.height);
+  if (!picture.confidence.empty()) LoadConfidence(picture.confidence, pixels, &loaded);
+  return loaded;
+}
+
+void TellLeftOut(const FolderContent& content, const Listener& listener) {
+  for (const auto& [why, names] : content.left_out) {
+    listener(Warning{fmt::format("{}: {} proposals are left out ({}): {}", content.pictures_dir.string(), names.size(),
+                                 SomeNames(names), why)});
+  }
+}
+
+void TellConfidence(const FolderContent& content, const LeftOut& lost, const std::vector<std::string>& missing,
+                    const Listener& listener) {
+  const std::string dir = content.confidence_dir.string();
+  for (const auto& [why, names] : lost) {
+    listener(
+        Warning{fmt::format("{}: {} confidence maps are {} and not used: {}; write them as 8-bit grey PNG of the "
+                            "picture's size",
+                            dir, names.size(), why, SomeNames(names))});
+  }
+  if (missing.empty()) return;
+  listener(
+      Warning{fmt::format("{}: {} proposals have no confidence map there, so the oracle judges them: {}; add "
+                          "NAME.png for each to use your own",
+                          dir, missing.size(), SomeNames(missing))});
+}
+
+}  // namespace
+
+FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const FolderRequest& request,
+                                   const Listener& listener) {
+  if (request.width < 1 || request.height < 1) {
+    throw ShapeError("ReadProposalFolder: the working size is {} x {}", request.width, request.height);
+  }
+  FolderContent content = FindFolderPictures(dir, request);
+  const bool named_like_views = !IsFile(content.pictures_dir / "transforms.json");
+  std::vector<Camera> test_cameras;
+  for (const Target& target : request.test) test_cameras.push_back(target.camera);
+  const PoseSet test(std::move(test_cameras), SamePlace(request.train));
+
+  std::vector<Loaded> loaded(content.pictures.size());
+  ParallelFor(static_cast<int64_t>(loaded.size()), [&](int64_t task) {
+    const auto i = static_cast<size_t>(task);
+    if (test.Has(content.pictures[i].camera)) {
+      loaded[i].left_out = kTestPose;
+    } else {
+      loaded[i] = Load(content.pictures[i], request, named_like_views);
+    }
+  });
+  FolderProposals result;
+  LeftOut lost;
+  std::vector<std::string> missing;
+  for (size_t i = 0; i < loaded.size(); ++i) {
+    const FolderPicture& picture = content.pictures[i];
+    if (loaded[i].left_out != nullptr) {
+      content.left_out[loaded[i].left_out].push_back(picture.shown);
+      continue;
+    }
+    result.proposals.push_back(std::move(*loaded[i].proposal));
+    result.confidence.push_back(std::move(loaded[i].confidence));
+    if (loaded[i].confidence_lost != nullptr) lost[loaded[i].confidence_lost].push_back(picture.shown);
+    if (!content.confidence_dir.empty() && picture.confidence.empty()) missing.push_back(picture.shown);
+  }
+  TellLeftOut(content, listener);
+  if (result.proposals.empty()) {
+    size_t count = 0;
+    for (const auto& [why, names] : content.left_out) count += names.size();
+    const auto& [why, names] = *content.left_out.begin();
+    throw InputError("{}: none of its {} proposals can be used; {} of them ({}): {}", content.pictures_dir.string(),
+                     count, names.size(), SomeNames(names), why);
+  }
+  TellConfidence(content, lost, missing, listener);
+  return result;
+}
+
+}  // namespace oraclegs

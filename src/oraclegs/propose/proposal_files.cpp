@@ -1,0 +1,126 @@
+#include "oraclegs/propose/proposal_files.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/transforms_frame.h"
+#include "oraclegs/scene/view_list.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kTransforms = "transforms.json";
+
+json FrameOf(const std::string& name, const Camera& camera) {
+  Eigen::Matrix4d world_from_cam = camera.cam_from_world.inverse().matrix();
+  world_from_cam.col(1) *= -1;  // y down and z forward become OpenGL's y up and z backward
+  world_from_cam.col(2) *= -1;
+  json matrix = json::array();
+  for (int r = 0; r < 4; ++r) {
+    json row = json::array();
+    for (int c = 0; c < 4; ++c) row.push_back(world_from_cam(r, c));
+    matrix.push_back(std::move(row));
+  }
+  return {{"file_path", name + ".png"}, {"w", camera.width}, {"h", camera.height}, {"fl_x", camera.fx},
+          {"fl_y", camera.fy},          {"cx", camera.cx},   {"cy", camera.cy},    {"transform_matrix", matrix}};
+}
+
+void WriteFrames(const fs::path& dir, const std::vector<std::string>& names, const std::vector<Camera>& cameras) {
+  json frames = json::array();
+  for (size_t i = 0; i < names.size(); ++i) frames.push_back(FrameOf(names[i], cameras[i]));
+  WriteFileAtomically(dir / kTransforms, json{{"camera_model", "PINHOLE"}, {"frames", frames}}.dump(1) + "\n");
+}
+
+}  // namespace
+
+std::string FileName(const std::string& view) {
+  fs::path name = ViewName(view);
+  if (HasImageExtension(name)) name.replace_extension();
+  std::string flat = name.generic_string();
+  std::replace(flat.begin(), flat.end(), '/', '_');
+  return flat.empty() ? "view" : flat;
+}
+
+std::vector<std::string> FileNames(const std::vector<std::string>& views) {
+  std::set<std::string> wanted, taken;
+  for (const std::string& view : views) wanted.insert(FileName(view));
+  std::vector<std::string> names;
+  for (const std::string& view : views) {
+    const std::string plain = FileName(view);
+    std::string name = plain;
+    // A number must not make a name that another view has without one.
+    for (int k = 2; taken.count(name) > 0 || (name != plain && wanted.count(name) > 0); ++k) {
+      name = fmt::format("{}_{}", plain, k);
+    }
+    taken.insert(name);
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> WriteProposals(const fs::path& dir, const std::vector<Proposal>& proposals) {
+  std::map<std::string, int> candidates;
+  for (const Proposal& proposal : proposals) ++candidates[FileName(proposal.name)];
+  std::vector<std::string> wanted, files;
+  std::vector<Camera> cameras;
+  for (const Proposal& p : proposals) {
+    if (p.rgb.width != p.camera.width || p.rgb.height != p.camera.height || p.rgb.channels != 3) {
+      throw ShapeError("WriteProposals: {} is {} x {} x {}, its camera {} x {}", p.name, p.rgb.width, p.rgb.height,
+                       p.rgb.channels, p.camera.width, p.camera.height);
+    }
+    const std::string name = FileName(p.name);
+    wanted.push_back(candidates[name] > 1 ? name + "_" + p.source : name);
+    cameras.push_back(p.camera);
+  }
+  const std::vector<std::string> names = FileNames(wanted);
+  for (size_t i = 0; i < proposals.size(); ++i) {
+    files.push_back(names[i] + ".png");
+    WritePng(dir / files.back(), ToImage8(proposals[i].rgb));
+  }
+  WriteFrames(dir, names, cameras);
+  files.emplace_back(kTransforms);
+  return files;
+}
+
+std::vector<std::string> WriteTargets(const fs::path& dir, const std::vector<Target>& targets) {
+  std::vector<std::string> names;
+  std::vector<Camera> cameras;
+  for (const Target& target : targets) {
+    names.push_back(target.name);
+    cameras.push_back(target.camera);
+  }
+  WriteFrames(dir, FileNames(names), cameras);
+  return {kTransforms};
+}
+
+std::vector<Target> ReadTargets(const fs::path& dir) {
+  const fs::path path = dir / kTransforms;
+  const json file = ReadTransformsFile(path);
+  std::set<std::string> names;
+  std::vector<Target> targets;
+  int index = 0;
+  for (const json& entry : file["frames"]) {
+    const auto [frame, file_path] = NamedFrame(file, entry, path, index++);
+    Target target{FileName(file_path), {}};
+    const Lens lens = ReadTransformsLens(frame, dir / file_path);
+    if (lens.model != LensModel::kPinhole) {
+      throw InputError("{}: its lens is {}, a target needs a pinhole; remove the distortion", frame.place,
+                       LensModelName(lens.model));
+    }
+    if (!names.insert(target.name).second) {
+      throw InputError("{}: another frame is called '{}', too; rename one", frame.place, target.name);
+    }
+    target.camera = {lens.width, lens.height, lens.fx(), lens.fy(), lens.cx(), lens.cy(), ReadTransformsPose(frame)};
+    targets.push_back(std::move(target));
+  }
+  return targets;
+}
+
+}  // namespace oraclegs

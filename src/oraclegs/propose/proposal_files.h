@@ -1,0 +1,31 @@
+#pragma once
+// Proposals and the poses they are wanted from, as files that other tools open.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "oraclegs/propose/proposal.h"
+
+namespace oraclegs {
+
+/// A view's name as the name of a file without folder and extension: "left/0001.jpg" becomes "left_0001".
+std::string FileName(const std::string& view);
+
+/// The same for each of them; a name that comes again gets a number ("left_0001_2"), so that no two are the same.
+std::vector<std::string> FileNames(const std::vector<std::string>& views);
+
+/// Writes dir/NAME.png (8 bit RGB) for each proposal, NAME from FileNames (with "_SOURCE" where several proposals have
+/// one name), and dir/transforms.json as instant-ngp, Nerfstudio and ReadTransformsScene read it: for each frame fl_x,
+/// fl_y, cx, cy, w, h, file_path, and transform_matrix from camera to world with OpenGL's axes. The paths written,
+/// relative to dir. Throws RunError, ShapeError for a picture of another size than its camera.
+std::vector<std::string> WriteProposals(const std::filesystem::path& dir, const std::vector<Proposal>& proposals);
+
+/// Writes the transforms.json alone: what a generator is asked for. Its pictures belong where file_path says.
+std::vector<std::string> WriteTargets(const std::filesystem::path& dir, const std::vector<Target>& targets);
+
+/// Reads them back, bit by bit but for the rounding of rotations. Throws InputError naming the file and the frame:
+/// missing, not JSON, no frames, a bad lens or pose, a lens that is no pinhole, a name twice.
+std::vector<Target> ReadTargets(const std::filesystem::path& dir);
+
+}  // namespace oraclegs

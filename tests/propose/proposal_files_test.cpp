@@ -1,0 +1,109 @@
+#include "oraclegs/propose/proposal_files.h"
+
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/scene/transforms.h"
+#include "propose/rigs.h"
+#include "scene/tiny_scenes.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Proposal Grey(const std::string& name, const std::string& source, float value) {
+  Proposal proposal{name, source, RigCamera({1, 2, 3}, {0, 0, 0}), {64, 48, 3, {}}};
+  proposal.rgb.data.assign(64 * 48 * 3, value);
+  return proposal;
+}
+
+json FrameJson(const std::string& name) {
+  const json identity = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+  return {{"file_path", name}, {"transform_matrix", identity}, {"fl_x", 5}, {"w", 6}, {"h", 4}};
+}
+
+class ProposalFilesTest : public ::testing::Test {
+ protected:
+  std::string ErrorOf(const std::vector<json>& frames) {
+    WriteText(dir_ / "transforms.json", json{{"frames", frames}}.dump());
+    return InputErrorOf([&] { ReadTargets(dir_.path()); });
+  }
+  TempDir dir_;
+};
+
+TEST(FileNames, AreFlatAndNeverTheSame) {
+  EXPECT_EQ(FileName("left/0001.jpg"), "left_0001");
+  EXPECT_EQ(FileName("orbit_0001"), "orbit_0001");
+  EXPECT_EQ(FileName("../a.v2"), "a.v2");
+  EXPECT_EQ(FileName(".."), "view");
+  EXPECT_THAT(FileNames({"a/b.jpg", "a_b.png", "a_b_2", "c", "c"}), ElementsAre("a_b", "a_b_3", "a_b_2", "c", "c_2"));
+}
+
+TEST_F(ProposalFilesTest, OtherReadersOpenWhatIsWritten) {
+  const std::vector<Proposal> proposals = {Grey("orbit_0000", "warp", 0.2f), Grey("dir/IMG.v2.JPG", "warp", 0.4f)};
+  EXPECT_THAT(WriteProposals(dir_.path(), proposals),
+              ElementsAre("orbit_0000.png", "dir_IMG.v2.png", "transforms.json"));
+  Heard heard;
+  const Scene scene = ReadTransformsScene(dir_.path(), {}, heard.listener());
+  EXPECT_THAT(heard.warnings, IsEmpty());
+  ASSERT_EQ(scene.views.size(), 2u);
+  EXPECT_EQ(scene.views[1].name, "orbit_0000.png");
+  EXPECT_EQ(scene.views[1].lens.fy(), 52);
+  EXPECT_EQ(scene.views[1].lens.cx(), 31);
+  EXPECT_TRUE(scene.views[1].cam_from_world->isApprox(proposals[0].camera.cam_from_world, 1e-12));
+  const Image8 picture = ReadImage(dir_ / "dir_IMG.v2.png");
+  EXPECT_EQ(picture.width, 64);
+  EXPECT_EQ(picture.data[5], 102);
+}
+
+TEST_F(ProposalFilesTest, SeveralCandidatesOfOneTargetHaveTheirSourceInTheName) {
+  EXPECT_THAT(WriteProposals(dir_.path(), {Grey("a", "warp", 0), Grey("a", "splat", 0), Grey("a", "splat", 0)}),
+              ElementsAre("a_warp.png", "a_splat.png", "a_splat_2.png", "transforms.json"));
+}
+
+TEST_F(ProposalFilesTest, RefusesAPictureOfAnotherSizeThanItsCamera) {
+  Proposal proposal = Grey("a", "warp", 0);
+  proposal.camera.width = 63;
+  EXPECT_THROW(WriteProposals(dir_.path(), {proposal}), ShapeError);
+}
+
+TEST_F(ProposalFilesTest, TargetsComeBack) {
+  std::vector<Target> targets;
+  for (const Camera& camera : RigAround(5)) targets.push_back({"t_" + std::to_string(targets.size()), camera});
+  EXPECT_THAT(WriteTargets(dir_.path(), targets), ElementsAre("transforms.json"));
+  const std::vector<Target> read = ReadTargets(dir_.path());
+  ASSERT_EQ(read.size(), 5u);
+  for (size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(read[i].name, targets[i].name);
+    EXPECT_EQ(read[i].camera.width, 64);
+    EXPECT_EQ(read[i].camera.height, 48);
+    EXPECT_EQ(read[i].camera.fx, 50);
+    EXPECT_EQ(read[i].camera.cy, 24.5);
+    EXPECT_TRUE(read[i].camera.cam_from_world.isApprox(targets[i].camera.cam_from_world, 1e-12));
+  }
+}
+
+TEST_F(ProposalFilesTest, RefusesDamagedTargets) {
+  EXPECT_THAT(InputErrorOf([&] { ReadTargets(dir_ / "no"); }), HasSubstr("transforms.json"));
+  EXPECT_THAT(ErrorOf({}), HasSubstr("has no \"frames\""));
+  EXPECT_THAT(ErrorOf({FrameJson("a.png"), FrameJson("a.jpg")}),
+              HasSubstr("frame 'a.jpg': another frame is called 'a'"));
+  json bent = FrameJson("a.png");
+  bent["k1"] = 0.1;
+  EXPECT_THAT(ErrorOf({bent}), HasSubstr("frame 'a.png': its lens is OPENCV, a target needs a pinhole"));
+  json huge = FrameJson("a.png");
+  huge["w"] = 1e18;
+  EXPECT_THAT(ErrorOf({huge}), HasSubstr("\"w\" is 1e+18"));
+  WriteTargets(dir_.path(), {{"a", RigAround(1)[0]}});
+  std::string text = json{{"frames", {FrameJson("a")}}}.dump();
+  for (size_t n = 0; n < text.size(); n += 3) {
+    WriteText(dir_ / "transforms.json", text.substr(0, n));
+    EXPECT_THROW(ReadTargets(dir_.path()), InputError) << n;
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs
