@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "depth/rig.h"
+#include "oraclegs/core/error.h"
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/depth/patch_match.h"
 
@@ -23,8 +24,7 @@ inline std::vector<Camera> Arc(int n, double step, int width = 96, int height = 
 
 inline std::vector<Photo> TakeAll(const TexturedPlane& surface, const std::vector<Camera>& cameras) {
   std::vector<Photo> photos;
-  for (size_t v = 0; v < cameras.size(); ++v)
-    photos.push_back(surface.Take(cameras[v], "p" + std::to_string(v) + ".png"));
+  for (size_t v = 0; v < cameras.size(); ++v) photos.push_back(surface.Take(cameras[v], fmt::format("p{}.png", v)));
   return photos;
 }
 

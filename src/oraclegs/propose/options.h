@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "oraclegs/core/options.h"
+
+namespace oraclegs {
+
+struct ProposeOptions {
+  std::string proposers = "both";
+  std::filesystem::path proposal_folder;
+  int opinions = 4;
+  double opinion_share = 0.3;
+  int opinion_gaussians = 40000;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("proposers", proposers,
+          "What proposes new views: warp = photographs carried there by their depth, splat = the mean of quick models "
+          "that each left some photographs out, both, or none",
+          Choice{{"both", "warp", "splat", "none"}});
+    visit(
+        "proposal-folder", proposal_folder,
+        "Also train on these views, made by any other generator: pictures with transforms.json, or synthetic_N/ named "
+        "like the scene's pictures, with synthetic_N_attention_maps/ as their confidence");
+    visit("opinions", opinions, "Quick models that splat trains", Range{2, 16});
+    visit("opinion-share", opinion_share, "Iterations of a quick model, as a share of --iterations", Range{0.01, 1});
+    visit("opinion-gaussians", opinion_gaussians, "Gaussians of a quick model at most", Range{1, 1e8});
+  }
+};
+
+}  // namespace oraclegs

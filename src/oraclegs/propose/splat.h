@@ -1,0 +1,40 @@
+#pragma once
+// A second opinion: what quick models trained on the photographs show in a new view.
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "oraclegs/propose/proposer.h"
+#include "oraclegs/render/render.h"
+
+namespace oraclegs {
+
+/// A quick model, and which training photographs it never saw.
+struct Opinion {
+  Gaussians gaussians;
+  std::vector<int> unseen;
+};
+
+/// Proposer "splat": the mean of the opinions' renders (without the most extreme values where there are four or more),
+/// and how much they differ. A hidden photograph is shown as the opinions that never saw it believe it; nothing when
+/// all have.
+class SplatProposer : public Proposer {
+ public:
+  SplatProposer(std::vector<Opinion> opinions, RenderOptions render);
+  std::string name() const override { return "splat"; }
+  std::optional<Proposal> Propose(const Target& target, int hidden) const override;
+
+ private:
+  std::vector<Opinion> opinions_;
+  RenderOptions render_;
+  mutable std::mutex mutex_;  ///< the rasteriser uses all threads itself
+  std::unique_ptr<Rasterizer> rasterizer_;
+};
+
+/// The photographs that opinion k of n leaves out: every n-th, beginning with the k-th; each photograph is left out by
+/// exactly one.
+std::vector<int> LeftOut(int photographs, int opinions, int k);
+
+}  // namespace oraclegs
