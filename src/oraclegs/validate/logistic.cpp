@@ -1,0 +1,112 @@
+#include "oraclegs/validate/logistic.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kMostFeatures = 64;
+constexpr float kFarOut = 3;     // standard deviations beyond which a feature says no more
+constexpr double kRidge = 1e-3;  // per sample, on standardised features
+constexpr int kNewtonSteps = 8;
+constexpr double kConverged = 1e-4;  // change of a weight
+constexpr int64_t kBlock = 4096;     // samples
+
+double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+
+}  // namespace
+
+void Logistic::Standardise(const float* features, float* x) const {
+  for (Eigen::Index i = 0; i < mean_.size(); ++i) {
+    x[i] = std::clamp((features[i] - mean_[i]) * inverse_deviation_[i], -kFarOut, kFarOut);
+  }
+}
+
+/// The features, their products (the upper triangle, row by row) and 1.
+Eigen::VectorXf Logistic::Expand(const float* features) const {
+  const Eigen::Index n = mean_.size();
+  Eigen::VectorXf expanded(n + n * (n + 1) / 2 + 1);
+  Standardise(features, expanded.data());
+  Eigen::Index k = n;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = i; j < n; ++j) expanded[k++] = expanded[i] * expanded[j] / 2;
+  }
+  expanded[k] = 1;
+  return expanded;
+}
+
+Logistic Logistic::Fit(const Eigen::MatrixXf& features, const Eigen::VectorXf& labels) {
+  const Eigen::Index samples = features.rows();
+  if (samples == 0 || labels.size() != samples || features.cols() > Eigen::Index{kMostFeatures}) {
+    throw ShapeError("Logistic: {} samples of {} features (at most {}) and {} labels", samples, features.cols(),
+                     kMostFeatures, labels.size());
+  }
+  Logistic model;
+  model.mean_ = features.colwise().mean();
+  const Eigen::VectorXf deviation =
+      ((features.rowwise() - model.mean_.transpose()).colwise().squaredNorm() / static_cast<float>(samples))
+          .cwiseSqrt();
+  model.inverse_deviation_ = deviation.unaryExpr([](float d) { return d > 1e-6f ? 1 / d : 0.f; });
+  const Eigen::Index size = model.Expand(features.row(0).eval().data()).size();
+  const int64_t blocks = (samples + kBlock - 1) / kBlock;
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(size);
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    std::vector<Eigen::MatrixXd> hessians(static_cast<size_t>(blocks), Eigen::MatrixXd::Zero(size, size));
+    std::vector<Eigen::VectorXd> gradients(static_cast<size_t>(blocks), Eigen::VectorXd::Zero(size));
+    ParallelBlocks(samples, kBlock, [&](int64_t begin, int64_t end) {
+      Eigen::MatrixXf scaled(size, end - begin);
+      Eigen::VectorXd& gradient = gradients[static_cast<size_t>(begin / kBlock)];
+      for (int64_t s = begin; s < end; ++s) {
+        const Eigen::VectorXf row = features.row(s);
+        const Eigen::VectorXf x = model.Expand(row.data());
+        const double p = Sigmoid(weights.dot(x.cast<double>()));
+        gradient += (p - static_cast<double>(labels[s])) * x.cast<double>();
+        scaled.col(s - begin) = x * static_cast<float>(std::sqrt(std::max(p * (1 - p), 1e-4)));
+      }
+      Eigen::MatrixXf product = Eigen::MatrixXf::Zero(size, size);
+      product.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
+      hessians[static_cast<size_t>(begin / kBlock)] = product.cast<double>();
+    });
+    Eigen::MatrixXd hessian = kRidge * static_cast<double>(samples) * Eigen::MatrixXd::Identity(size, size);
+    hessian(size - 1, size - 1) = 1e-9;
+    Eigen::VectorXd gradient = hessian.diagonal().cwiseProduct(weights);
+    for (int64_t b = 0; b < blocks; ++b) {
+      hessian += hessians[static_cast<size_t>(b)];
+      gradient += gradients[static_cast<size_t>(b)];
+    }
+    const Eigen::VectorXd change = hessian.ldlt().solve(gradient);
+    weights -= change;
+    if (change.cwiseAbs().maxCoeff() < kConverged) break;
+  }
+  const Eigen::Index n = model.mean_.size();
+  model.linear_ = weights.head(n).cast<float>();
+  model.quadratic_ = Eigen::MatrixXf::Zero(n, n);
+  Eigen::Index k = n;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = i; j < n; ++j) model.quadratic_(i, j) = static_cast<float>(weights[k++] / 2);
+  }
+  model.constant_ = static_cast<float>(weights[k]);
+  return model;
+}
+
+float Logistic::operator()(const float* features) const {
+  const Eigen::Index n = mean_.size();
+  if (n == 0) return 0.5f;
+  std::array<float, kMostFeatures> x;
+  Standardise(features, x.data());
+  float sum = constant_;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    float column = linear_[j];
+    for (Eigen::Index i = 0; i <= j; ++i) column += quadratic_(i, j) * x[static_cast<size_t>(i)];
+    sum += column * x[static_cast<size_t>(j)];
+  }
+  return static_cast<float>(Sigmoid(static_cast<double>(sum)));
+}
+
+}  // namespace oraclegs

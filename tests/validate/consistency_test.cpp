@@ -1,0 +1,103 @@
+#include "oraclegs/validate/consistency.h"
+
+#include <gtest/gtest.h>
+
+#include "depth/surfaces.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/rng.h"
+
+namespace oraclegs {
+namespace {
+
+/// Photographs of a textured plane. The hidden ones are proposed right, but for a square of noise in each.
+class ConsistencyTest : public testing::Test {
+ protected:
+  ConsistencyTest() : photos(TakeAll(plane, Arc(6, 8))) {
+    for (const Photo& photo : photos) maps.push_back(TrueDepth(photo, plane, 0.9f));
+    for (int v = 0; v < 6; ++v) hidden.push_back({v, Spoilt(photos[static_cast<size_t>(v)], 10 + 9 * v)});
+  }
+
+  static bool InSquare(size_t pixel, int left) {
+    const int x = static_cast<int>(pixel % 96), y = static_cast<int>(pixel / 96);
+    return x >= left && x < left + 30 && y >= 20 && y < 50;
+  }
+
+  static Proposal Spoilt(const Photo& photo, int left) {
+    Proposal p{photo.name, "test", photo.camera, photo.rgb};
+    Rng rng(static_cast<uint64_t>(left), RandomStream::kDemoScene);
+    for (size_t i = 0; i < 96 * 72; ++i) {
+      for (size_t c = 3 * i; InSquare(i, left) && c < 3 * i + 3; ++c) p.rgb.data[c] = static_cast<float>(rng.Uniform());
+    }
+    return p;
+  }
+
+  TexturedPlane plane;
+  std::vector<Photo> photos;
+  std::vector<DepthMap> maps;
+  std::vector<HiddenPhotograph> hidden;
+};
+
+TEST_F(ConsistencyTest, TrustsWhatPhotographsShowAndDoubtsWhatIsInvented) {
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos);
+  oracle.Learn(hidden);
+  const Photo truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
+  const ConfidenceMap map = oracle.Validate({Spoilt(truth, 40)})[0];
+  ASSERT_EQ(map.size(), 96u * 72u);
+  double inside = 0, outside = 0;
+  for (size_t i = 0; i < map.size(); ++i) {
+    EXPECT_GE(map[i], 0.f);
+    EXPECT_LE(map[i], 1.f);
+    (InSquare(i, 40) ? inside : outside) += map[i];
+  }
+  EXPECT_LT(inside / 900, 0.25);
+  EXPECT_GT(outside / (96 * 72 - 900), 0.8);
+}
+
+TEST_F(ConsistencyTest, AProposalsMapDoesNotDependOnTheOthers) {
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos);
+  oracle.Learn(hidden);
+  const Proposal a = Spoilt(photos[1], 12), b = Spoilt(photos[4], 50);
+  const auto together = oracle.Validate({a, b});
+  EXPECT_EQ(together[0], oracle.Validate({a})[0]);
+  EXPECT_EQ(together[1], oracle.Validate({b})[0]);
+}
+
+TEST_F(ConsistencyTest, JudgesAnUnknownProposerAsTheOthersTogether) {
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos);
+  oracle.Learn(hidden);
+  Proposal known = Spoilt(photos[2], 30), unknown = known;
+  unknown.source = "folder";
+  EXPECT_EQ(oracle.Validate({known})[0], oracle.Validate({unknown})[0]);
+}
+
+TEST_F(ConsistencyTest, LearnsAnotherSourceWithoutForgettingTheFirst) {
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos);
+  oracle.Learn(hidden);
+  const ConfidenceMap before = oracle.Validate({hidden[0].proposal})[0];
+  std::vector<HiddenPhotograph> right;
+  for (int v = 0; v < 6; ++v) right.push_back({v, {"right", "right", photos[v].camera, photos[v].rgb}});
+  oracle.Learn(right);
+  EXPECT_EQ(oracle.Validate({hidden[0].proposal})[0], before);
+  const ConfidenceMap sure = oracle.Validate({right[3].proposal})[0];
+  EXPECT_GT(*std::min_element(sure.begin(), sure.end()), 0.95f);  // this source was never wrong
+}
+
+TEST_F(ConsistencyTest, NeedsSomethingToLearnFrom) {
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos);
+  EXPECT_THROW(oracle.Learn({}), UsageError);
+  EXPECT_THROW(oracle.Validate({hidden[0].proposal}), UsageError);
+}
+
+TEST(Goodness, FallsWithTheError) {
+  EXPECT_EQ(Goodness(0), 1.f);
+  EXPECT_NEAR(Goodness(0.08f), std::exp(-1.f), 1e-6f);
+  EXPECT_LT(Goodness(0.3f), 1e-5f);
+}
+
+}  // namespace
+}  // namespace oraclegs
