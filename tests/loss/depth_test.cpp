@@ -53,6 +53,14 @@ TEST(DepthLoss, SameBitsForAnyNumberOfThreads) {
   SetNumThreads(0);
 }
 
+TEST(DepthLoss, HugePicturesAreWholeToo) {
+  const int64_t height = 2100, width = 2003;  // more pixels than the sums have room for in the usual stretches
+  const Tensor a = torch::full({height, width}, 0.75f), b = torch::full({height, width}, 0.5f);
+  Tensor grad = torch::zeros({height, width});
+  EXPECT_NEAR(DepthLoss(a, b, torch::ones({height, width}), 2, &grad), 0.5, 1e-9);
+  EXPECT_GT(grad.min().item<float>(), 0);
+}
+
 TEST(DepthLoss, RefusesTensorsThatDoNotFit) {
   const Tensor a = torch::rand({3, 4});
   Tensor grad = torch::empty({4, 3});

@@ -20,7 +20,7 @@ Checkpoint Example(int64_t n) {
   c.adam.m = RandomGaussians(n, 2);
   c.adam.v = RandomGaussians(n, 3);
   c.adam.step = 1233;
-  c.sampler = {{5, 0, 3}, {}, 0xfedcba9876543210};
+  c.sampler = {{5, 0, 3}, {2}, 0xfedcba9876543210, 6, 4};
   c.seconds = 0.1 + 0.2;
   c.loss = 1 / 3.0;
   c.options = {{"iterations", 7000}, {"opacity-reg", 0.01}, {"path", "caf\u00e9"}, {"on", true}};
@@ -36,6 +36,8 @@ void ExpectSame(const Checkpoint& a, const Checkpoint& b) {
   EXPECT_EQ(a.sampler.photographs, b.sampler.photographs);
   EXPECT_EQ(a.sampler.proposals, b.sampler.proposals);
   EXPECT_EQ(a.sampler.counter, b.sampler.counter);
+  EXPECT_EQ(a.sampler.num_photographs, b.sampler.num_photographs);
+  EXPECT_EQ(a.sampler.num_proposals, b.sampler.num_proposals);
   EXPECT_EQ(a.exposures.maps, b.exposures.maps);
   EXPECT_EQ(a.exposures.m, b.exposures.m);
   EXPECT_EQ(a.exposures.v, b.exposures.v);
@@ -96,7 +98,7 @@ TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {
   EXPECT_THAT(file.Get("sh").shape, testing::ElementsAre(3, 16, 3));
   EXPECT_THAT(file.Get("adam.v.quats").shape, testing::ElementsAre(3, 4));
   EXPECT_EQ(file.metadata().at("iteration"), "1234");
-  EXPECT_EQ(file.metadata().at("format_version"), "1");
+  EXPECT_EQ(file.metadata().at("format_version"), "2");
 }
 
 TEST(CheckpointTest, EveryFlippedByteIsFound) {

@@ -54,6 +54,18 @@ TEST(HalfSizeTest, WhatDoesNotCountLeavesNoTrace) {
   EXPECT_LE(MaxAbsError(half.inv_depth, torch::tensor({{3.f, 0.f}})), 1e-6);
 }
 
+TEST(HalfSizeTest, AProposalsConfidenceIsAWeight) {
+  TrainView view = Plain(4, 2);
+  view.confidence = torch::tensor({{0.2f, 0.6f, 0.f, 0.f}, {0.f, 0.4f, 0.f, 0.f}});
+  const TrainView half = HalfSize(view, ViewKind::kProposal);
+  EXPECT_LE(MaxAbsError(half.confidence, torch::tensor({{0.3f, 0.f}})), 1e-6);
+  const Tensor mean = (view.image[0][0] * 0.2 + view.image[0][1] * 0.6 + view.image[1][1] * 0.4) / 1.2;
+  EXPECT_LE(MaxAbsError(half.image[0][0], mean), 1e-6);
+  // Nothing is sure here, but windows that belong to the pixel beside it see what is proposed.
+  EXPECT_LE(MaxAbsError(half.image[0][1], view.image.narrow(1, 2, 2).reshape({-1, 3}).mean(0)), 1e-6);
+  EXPECT_TRUE(half.image.is_contiguous());
+}
+
 TEST(CoarseIterationsTest, LeavesTheLastIterationFine) {
   EXPECT_EQ(CoarseIterations(0, 1000), 0);
   EXPECT_EQ(CoarseIterations(0.3, 1000), 300);

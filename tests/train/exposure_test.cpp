@@ -214,8 +214,9 @@ TEST(TrainerExposureTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
 
 TEST(TrainerExposureTest, RefusesACheckpointOfOtherPhotographs) {
   Trainer three(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f, 1.f}), Start());
-  const Checkpoint checkpoint = three.MakeCheckpoint();
   Trainer two(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f}), Start());
+  Checkpoint checkpoint = three.MakeCheckpoint();
+  checkpoint.sampler = two.MakeCheckpoint().sampler;  // which is refused first
   try {
     two.Restore(checkpoint);
     ADD_FAILURE() << "maps of another number of photographs were accepted";

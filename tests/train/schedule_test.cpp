@@ -1,5 +1,6 @@
 #include "oraclegs/train/schedule.h"
 
+#include "oraclegs/train/options.h"
 #include "support/golden.h"
 
 namespace oraclegs {
@@ -28,8 +29,8 @@ TEST(ScheduleTest, MatchesGolden) {
       EXPECT_NEAR(f(iteration[k], iterations), wanted[k], kTolerance * std::abs(wanted[k])) << name << " " << t[k];
     }
   };
-  expect("p_synthetic", SyntheticProbability);
-  expect("p_photograph", PhotographProbability);
+  expect("p_synthetic", [](int64_t i, int64_t n) { return SyntheticProbability(i, n); });
+  expect("p_photograph", [](int64_t i, int64_t n) { return 1 - SyntheticProbability(i, n); });
   expect("depth_weight", DepthWeight);
   expect("lr_xyz", [&](int64_t i, int64_t n) { return MeansLearningRate(i, n, extent); });
   expect("active_sh_degree", [](int64_t i, int64_t) { return ActiveShDegree(i); });
@@ -57,8 +58,27 @@ TEST(ScheduleTest, ProposalsAreLikeliestAtAQuarter) {
   EXPECT_NEAR(peak, 0.20547, 1e-5);
   for (int64_t i = 0; i <= 1000; ++i) {
     EXPECT_LE(SyntheticProbability(i, 1000), peak);
-    EXPECT_NEAR(SyntheticProbability(i, 1000) + PhotographProbability(i, 1000), 1, 1e-12);
+    EXPECT_DOUBLE_EQ(SyntheticProbability(i, 1000, {0.3, 0}), 0.3);
   }
+}
+
+TEST(ScheduleTest, ProposalsHaveAFloorAndAPeakAndStayAProbability) {
+  EXPECT_DOUBLE_EQ(SyntheticProbability(0, 1000, {0.3, 2}), 0.3);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, {0.3, 2}), 0.3 + 2.0 / 16);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(250, 1000, {0.3, 50}), 1);
+  EXPECT_DOUBLE_EQ(SyntheticProbability(1000, 1000, {0, 50}), 0);
+}
+
+TEST(ScheduleTest, OptionsChooseWhatIsDrawn) {
+  TrainOptions options;
+  EXPECT_NEAR(SyntheticProbability(250, 1000, options.Proposals()), 0.20547, 1e-5);
+  options.synthetic_floor = 0.2;
+  options.synthetic_peak = 3;
+  EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2 + 3.0 / 16);
+  options.schedule = "constant";
+  EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2);
+  options.schedule = "none";
+  EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0);
 }
 
 TEST(ScheduleTest, ExposureRateFallsTenfold) {

@@ -59,6 +59,45 @@ TEST(CheckViewsTest, NamesTheInverseDepthThatIsNotFinite) {
   EXPECT_NO_THROW(CheckViews({view}));
 }
 
+TEST(CheckProposalsTest, ConfidenceIsAShare) {
+  EXPECT_NO_THROW(CheckProposals({}));
+  TrainView view = WithDepth(0.5f);
+  EXPECT_NO_THROW(CheckProposals({view}));
+  view.confidence = torch::rand({kHeight, kWidth});
+  EXPECT_NO_THROW(CheckProposals({view}));
+  for (const float wrong : {1.5f, -0.5f, std::nanf("")}) {
+    view.confidence[3][7] = wrong;
+    try {
+      CheckProposals({view});
+      ADD_FAILURE() << "a confidence of " << wrong << " was accepted";
+    } catch (const ShapeError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("confidence of a is " + fmt::format("{}", wrong) + " at column 7, row 3"));
+    }
+  }
+  view.confidence = torch::ones({kHeight, kWidth - 1});
+  EXPECT_THROW(CheckProposals({view}), ShapeError);
+}
+
+TEST(WithGatedConfidenceTest, GateIsHardAndWhatPassesIsSoft) {
+  TrainView view = WithDepth(0.5f);
+  EXPECT_FALSE(WithGatedConfidence(view, 0.9, 2).confidence.defined());
+  view.confidence = torch::zeros({kHeight, kWidth});
+  view.confidence[0][1] = 0.25f;
+  view.confidence[0][2] = 0.5f;
+  view.confidence[0][3] = 1.f;
+  const Tensor before = view.confidence.clone();
+  const auto row = [&](double gate, double power) {
+    const Tensor u = WithGatedConfidence(view, gate, power).confidence;
+    return std::vector<float>(u.data_ptr<float>(), u.data_ptr<float>() + 4);
+  };
+  EXPECT_TRUE(torch::equal(WithGatedConfidence(view, 0, 1).confidence, before));
+  EXPECT_EQ(row(0.5, 1), (std::vector<float>{0, 0, 0.5f, 1}));
+  EXPECT_EQ(row(0, 2), (std::vector<float>{0, 0.0625f, 0.25f, 1}));
+  EXPECT_EQ(row(0.3, 0), (std::vector<float>{0, 0, 1, 1}));
+  EXPECT_EQ(row(0, 0), (std::vector<float>{0, 1, 1, 1}));  // what has no confidence never counts
+  EXPECT_TRUE(torch::equal(view.confidence, before));      // not written
+}
+
 TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotographDoes) {
   TrainView view = WithDepth(0.5f);
   view.inv_depth[3][7] = std::nanf("");
@@ -75,6 +114,16 @@ TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotographDoes) {
   view.confidence.zero_();
   EXPECT_FALSE(WithCleanDepth(view).inv_depth.defined());
   EXPECT_FALSE(WithCleanDepth(view).depth_mask.defined());
+}
+
+TEST(CamerasTest, AreInTheOrderOfTheViews) {
+  EXPECT_TRUE(Cameras({}).empty());
+  const auto views = Photographs(3);
+  const std::vector<Camera> cameras = Cameras(views);
+  ASSERT_EQ(cameras.size(), 3u);
+  for (size_t v = 0; v < 3; ++v) {
+    EXPECT_EQ(cameras[v].cam_from_world.matrix(), views[v].camera.cam_from_world.matrix());
+  }
 }
 
 TEST(CharacteristicDepthTest, IsTheMedianOfTheViewsMedians) {

@@ -46,8 +46,15 @@ TEST(AllocationCounterTest, SeesTheHeapsFunctions) {
   EXPECT_GT(count([&] { tensor = torch::empty({5}); }), 1);
 }
 
-TEST(TrainerAllocationsTest, AnIterationAllocatesNothing) {
-  if (!AllocationCounter::Works()) GTEST_SKIP() << "needs glibc and no sanitizer";
+/// Of both sizes, with confidence; one with depth.
+std::vector<TrainView> Proposals() {
+  std::vector<TrainView> views = Photographs();
+  for (TrainView& view : views) view.confidence = torch::rand({view.camera.height, view.camera.width});
+  views[1].inv_depth = views[1].depth_mask = torch::full({51, 70}, 0.2f);
+  return views;
+}
+
+void ExpectNoAllocation(const TrainingData& data) {
   for (const int threads : {1, 4}) {
     const Threads scope(threads);
     TrainOptions options;
@@ -56,13 +63,25 @@ TEST(TrainerAllocationsTest, AnIterationAllocatesNothing) {
     options.sh_degree_interval = 5;
     options.scale_reg = 10;  // Gaussians shrink, so that no list grows once all views have been seen
     options.opacity_reg = 0;
-    Trainer trainer(options, 1, {0, 0, 0}, Photographs(), RandomGaussians(2000, 3));
+    options.schedule = "constant";
+    options.synthetic_floor = 0.5;
+    Trainer trainer(options, 1, {0, 0, 0}, data, RandomGaussians(2000, 3));
     for (int i = 0; i < kWarmUp; ++i) trainer.Step();
     AllocationCounter::Begin();
     for (int i = 0; i < kCounted; ++i) trainer.Step();
     EXPECT_EQ(AllocationCounter::End(), 0) << "with " << threads << " threads, the first at\n"
                                            << AllocationCounter::First();
   }
+}
+
+TEST(TrainerAllocationsTest, AnIterationAllocatesNothing) {
+  if (!AllocationCounter::Works()) GTEST_SKIP() << "needs glibc and no sanitizer";
+  ExpectNoAllocation(Photographs());
+}
+
+TEST(TrainerAllocationsTest, NorDoesOneOfAProposal) {
+  if (!AllocationCounter::Works()) GTEST_SKIP() << "needs glibc and no sanitizer";
+  ExpectNoAllocation({Photographs(), Proposals()});
 }
 
 }  // namespace

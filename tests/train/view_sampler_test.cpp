@@ -1,6 +1,6 @@
 #include "oraclegs/train/view_sampler.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <set>
 
@@ -72,11 +72,17 @@ TEST(ViewSamplerTest, RestoredStateContinuesTheSequence) {
 
 TEST(ViewSamplerTest, RefusesStateThatDoesNotFit) {
   ViewSampler sampler(3, 4, 0);
-  EXPECT_THROW(sampler.Restore({{4}, {}, 0}), InputError);
-  EXPECT_THROW(sampler.Restore({{-1}, {}, 0}), InputError);
-  EXPECT_THROW(sampler.Restore({{1, 1}, {}, 0}), InputError);
-  EXPECT_THROW(sampler.Restore({{}, {0}, 0}), InputError);
-  EXPECT_NO_THROW(sampler.Restore({{3, 0}, {}, 5}));
+  EXPECT_THROW(sampler.Restore({{4}, {}, 0, 4, 0}), InputError);
+  EXPECT_THROW(sampler.Restore({{-1}, {}, 0, 4, 0}), InputError);
+  EXPECT_THROW(sampler.Restore({{1, 1}, {}, 0, 4, 0}), InputError);
+  EXPECT_THROW(sampler.Restore({{}, {0}, 0, 4, 0}), InputError);
+  EXPECT_NO_THROW(sampler.Restore({{3, 0}, {}, 5, 4, 0}));
+  try {
+    sampler.Restore({{1}, {}, 5, 4, 2});  // the stacks alone would fit
+    ADD_FAILURE() << "the state of another number of proposals was accepted";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("4 photographs and 2 proposals, this run has 4 and 0"));
+  }
 }
 
 TEST(ViewSamplerTest, NeedsAView) { EXPECT_THROW(ViewSampler(1, 0, 0), ShapeError); }

@@ -1,15 +1,16 @@
 #include "oraclegs/loss/depth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
 
 #include "oraclegs/core/parallel.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1 << 14;  // pixels a task
+constexpr int64_t kGrain = 1 << 14;  // pixels a task, at least
+constexpr int64_t kMostTasks = 256;  // so that their sums need no heap
 constexpr int kSums = 8;             // independent sums, so that additions need not wait for each other
 
 double MaskedDistance(const float* a, const float* b, const float* mask, int64_t begin, int64_t end) {
@@ -42,9 +43,10 @@ double DepthLoss(const Tensor& inv_depth, const Tensor& target, const Tensor& ma
   const float* b = target.data_ptr<float>();
   const float* m = mask.data_ptr<float>();
   const float step = static_cast<float>(weight / static_cast<double>(n));
-  std::vector<double> sums((n + kGrain - 1) / kGrain);
-  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
-    sums[begin / kGrain] = MaskedDistance(a, b, m, begin, end);
+  const int64_t grain = std::max(kGrain, (n + kMostTasks - 1) / kMostTasks);
+  std::array<double, kMostTasks> sums = {};
+  ParallelBlocks(n, grain, [&](int64_t begin, int64_t end) {
+    sums[begin / grain] = MaskedDistance(a, b, m, begin, end);
     if (g == nullptr) return;
     for (int64_t i = begin; i < end; ++i) {
       const float sign = static_cast<float>(a[i] > b[i]) - static_cast<float>(a[i] < b[i]);

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "oraclegs-checkpoint";
-constexpr int64_t kFormatVersion = 1;
+constexpr int64_t kFormatVersion = 2;
 constexpr std::string_view kPrefix = "iteration_", kSuffix = ".safetensors";
 constexpr size_t kCheckpointsKept = 2;
 // The checksum is that of the whole file with these digits at zero, so that no byte of it is left unguarded.
@@ -219,6 +219,8 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
                                      {"iteration", std::to_string(checkpoint.iteration)},
                                      {"adam.step", std::to_string(checkpoint.adam.step)},
                                      {"sampler.counter", std::to_string(checkpoint.sampler.counter)},
+                                     {"sampler.num_photographs", std::to_string(checkpoint.sampler.num_photographs)},
+                                     {"sampler.num_proposals", std::to_string(checkpoint.sampler.num_proposals)},
                                      {"seconds", fmt::format("{}", checkpoint.seconds)},
                                      {"loss", fmt::format("{}", checkpoint.loss)},
                                      {"options", DumpOptions(checkpoint.options)},
@@ -248,7 +250,8 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
   checkpoint.adam.v = reader.Group("adam.v.", n);
   checkpoint.adam.step = reader.Number<int64_t>("adam.step");
   checkpoint.sampler = {reader.Integers("sampler.photographs"), reader.Integers("sampler.proposals"),
-                        reader.Number<uint64_t>("sampler.counter")};
+                        reader.Number<uint64_t>("sampler.counter"), reader.Number<int64_t>("sampler.num_photographs"),
+                        reader.Number<int64_t>("sampler.num_proposals")};
   checkpoint.exposures = reader.Exposures();
   checkpoint.seconds = reader.Number<double>("seconds");
   checkpoint.loss = reader.Number<double>("loss");

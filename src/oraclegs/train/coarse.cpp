@@ -45,13 +45,16 @@ Tensor ResizeWeighted(const Tensor& image, const Tensor& weights, const Tensor& 
 
 }  // namespace
 
-TrainView HalfSize(const TrainView& view) {
+TrainView HalfSize(const TrainView& view, ViewKind kind) {
   const Size size{(view.camera.width + 1) / 2, (view.camera.height + 1) / 2};
   TrainView half = view;
   half.camera = Resized(view.camera, size.width, size.height);
   if (view.confidence.defined()) {
     half.confidence = Resize(view.confidence, size);
     half.image = ResizeWeighted(view.image, view.confidence, half.confidence);
+    if (kind == ViewKind::kProposal) {
+      half.image = torch::where(half.confidence.unsqueeze(2) > 0, half.image, Resize(view.image, size)).contiguous();
+    }
   } else {
     half.image = Resize(view.image, size);
   }

@@ -3,13 +3,15 @@
 // made of, and take a quarter of the time.
 
 #include "oraclegs/train/train_view.h"
+#include "oraclegs/train/view_sampler.h"
 
 namespace oraclegs {
 
 /// The view at half the size (rounded up), camera included. Every pixel is the area average over the pixels that count:
 /// colours by confidence, inverse depths by depth_mask; confidence and depth_mask themselves are averaged over all.
-/// What does not count leaves no trace, and a pixel none of whose parts counts is zero.
-TrainView HalfSize(const TrainView& view);
+/// What does not count leaves no trace. A pixel none of whose parts counts is zero in a photograph, where nothing looks
+/// at it; in a proposal it is the plain average, which windows of SSIM that belong to pixels that count reach into.
+TrainView HalfSize(const TrainView& view, ViewKind kind = ViewKind::kPhotograph);
 
 /// Iterations 1 .. CoarseIterations are trained at half size. Never the last.
 int64_t CoarseIterations(double coarse_share, int64_t iterations);

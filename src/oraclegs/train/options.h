@@ -5,6 +5,7 @@
 #include <string>
 
 #include "oraclegs/core/options.h"
+#include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
 
@@ -22,6 +23,14 @@ struct TrainOptions {
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
+  std::string schedule = "paper";
+  double synthetic_floor = ProposalSchedule().floor;
+  double synthetic_peak = ProposalSchedule().peak;
+  double proposal_weight = 1;
+  double proposal_ssim = 0.3;
+  double proposal_lpips = 0.3;
+  double confidence_gate = 0;
+  double confidence_power = 1;
   int refine_start = 500;
   int refine_every = 100;
   double refine_stop = 25.0 / 30;
@@ -40,6 +49,12 @@ struct TrainOptions {
     return settled;
   }
 
+  /// How often proposals are drawn, as --schedule says.
+  ProposalSchedule Proposals() const {
+    if (schedule == "none") return {0, 0};
+    return {synthetic_floor, schedule == "constant" ? 0 : synthetic_peak};
+  }
+
   template <class V>
   void Visit(V&& visit) {
     visit("iterations", iterations, "Training steps, one photograph each", Range{1, 1e7});
@@ -48,6 +63,23 @@ struct TrainOptions {
     visit("sh-degree-interval", sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
     visit("antialiased", antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("schedule", schedule,
+          "How often an iteration takes a proposal instead of a photograph: paper = synthetic-floor + synthetic-peak * "
+          "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never",
+          Choice{{"paper", "constant", "none"}});
+    visit("synthetic-floor", synthetic_floor, "Share of the iterations that take a proposal, at both ends of the run",
+          Range{0, 1});
+    visit("synthetic-peak", synthetic_peak,
+          "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
+    visit("proposal-weight", proposal_weight, "Factor of a proposal's whole loss", Range{0, 100});
+    visit("proposal-ssim", proposal_ssim, "Share of 1-SSIM in a proposal's loss; what SSIM and LPIPS leave is L1",
+          Range{0, 1});
+    visit("proposal-lpips", proposal_lpips, "Share of LPIPS in it; without LPIPS weights L1 gets it", Range{0, 1});
+    visit("confidence-gate", confidence_gate, "Pixels of proposals of less confidence than this count nothing",
+          Range{0, 1});
+    visit("confidence-power", confidence_power,
+          "The others count confidence to this power; 0 = all of them fully, as far as there is any confidence",
+          Range{0, 100});
     visit("depth-weight", depth_weight,
           "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
@@ -66,7 +98,7 @@ struct TrainOptions {
         "opacity-noise", opacity_noise,
         "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
-        "Sparse-View 3DGS, 2025, uses 0.8); -1 = 0.3",
+        "Sparse-View 3DGS, 2025, uses 0.8); -1 = 0.5, 0.3 for an object before a plain background",
         Range{-1, 10});
     visit("coarse-share", coarse_share,
           "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "

@@ -11,7 +11,6 @@ constexpr double kLastMeansRate = 1.6e-6;
 constexpr double kFirstExposureRate = 1e-2;
 constexpr double kLastExposureRate = 1e-3;
 constexpr double kLastDepthWeight = 0.01;
-constexpr double kSyntheticFloor = 0.1;
 constexpr int kHighestShDegree = 3;
 
 double Progress(int64_t iteration, int64_t iterations) {
@@ -48,12 +47,8 @@ double DepthWeight(int64_t iteration, int64_t iterations) {
   return std::pow(kLastDepthWeight, Progress(iteration, iterations));
 }
 
-double SyntheticProbability(int64_t iteration, int64_t iterations) {
-  return kSyntheticFloor + Bump(Progress(iteration, iterations));
-}
-
-double PhotographProbability(int64_t iteration, int64_t iterations) {
-  return std::clamp(1 - kSyntheticFloor - Bump(Progress(iteration, iterations)), 0.0, 1.0);
+double SyntheticProbability(int64_t iteration, int64_t iterations, const ProposalSchedule& schedule) {
+  return std::clamp(schedule.floor + schedule.peak * Bump(Progress(iteration, iterations)), 0.0, 1.0);
 }
 
 }  // namespace oraclegs

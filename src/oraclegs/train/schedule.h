@@ -16,9 +16,13 @@ int ActiveShDegree(int64_t iteration, int64_t interval = 1000);
 double ExposureLearningRate(int64_t iteration, int64_t iterations);
 /// 0.01^t, t = iteration / iterations.
 double DepthWeight(int64_t iteration, int64_t iterations);
-/// Probability of drawing a proposal, 0.1 + t (1-t)^3.
-double SyntheticProbability(int64_t iteration, int64_t iterations);
-/// clip(0.9 - t (1-t)^3, 0, 1)
-double PhotographProbability(int64_t iteration, int64_t iterations);
+
+/// How often a proposal is drawn instead of a photograph: clip(floor + peak * t (1-t)^3, 0, 1). The constants are those
+/// of the official implementation; the bump is largest, 0.105, at t = 1/4.
+struct ProposalSchedule {
+  double floor = 0.1;
+  double peak = 1;
+};
+double SyntheticProbability(int64_t iteration, int64_t iterations, const ProposalSchedule& schedule = {});
 
 }  // namespace oraclegs

@@ -25,6 +25,15 @@ void CheckDepth(const TrainView& view) {
   }
 }
 
+void CheckView(const TrainView& view) {
+  const int64_t height = view.camera.height, width = view.camera.width;
+  RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
+  if (view.confidence.defined()) {
+    RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
+  }
+  CheckDepth(view);
+}
+
 /// The middle one, of an even count the upper; `values` is not empty and loses its order.
 double Median(std::vector<float>* values) {
   const auto middle = values->begin() + static_cast<int64_t>(values->size() / 2);
@@ -55,14 +64,37 @@ TrainView ToTrainView(const Photo& photo) {
 
 void CheckViews(const std::vector<TrainView>& views) {
   if (views.empty()) throw UsageError("there is no photograph to train on");
-  for (const TrainView& view : views) {
-    const int64_t height = view.camera.height, width = view.camera.width;
-    RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
-    if (view.confidence.defined()) {
-      RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
+  for (const TrainView& view : views) CheckView(view);
+}
+
+void CheckProposals(const std::vector<TrainView>& proposals) {
+  for (const TrainView& view : proposals) {
+    CheckView(view);
+    if (!view.confidence.defined()) continue;
+    const float* u = view.confidence.data_ptr<float>();
+    for (int64_t i = 0; i < view.confidence.numel(); ++i) {
+      if (u[i] >= 0 && u[i] <= 1) continue;
+      throw ShapeError("Trainer: confidence of {} is {} at column {}, row {}, must be in 0 .. 1", view.name, u[i],
+                       i % view.camera.width, i / view.camera.width);
     }
-    CheckDepth(view);
   }
+}
+
+TrainView WithGatedConfidence(TrainView proposal, double gate, double power) {
+  if (!proposal.confidence.defined()) return proposal;  // 1 passes every gate, and stays 1
+  proposal.confidence = proposal.confidence.clone();
+  float* u = proposal.confidence.data_ptr<float>();
+  for (int64_t i = 0; i < proposal.confidence.numel(); ++i) {
+    const bool counts = u[i] > 0 && u[i] >= static_cast<float>(gate);
+    u[i] = counts ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
+  }
+  return proposal;
+}
+
+std::vector<Camera> Cameras(const std::vector<TrainView>& views) {
+  std::vector<Camera> cameras;
+  for (const TrainView& view : views) cameras.push_back(view.camera);
+  return cameras;
 }
 
 TrainView WithCleanDepth(TrainView view) {

@@ -1,5 +1,5 @@
 #pragma once
-// What the trainer knows of one photograph.
+// What the trainer knows of one photograph, or of one proposal.
 
 #include <string>
 #include <vector>
@@ -28,6 +28,16 @@ TrainView ToTrainView(const Photo& photo);
 /// Throws UsageError when there is no view, ShapeError when a tensor does not fit its camera, when only one of
 /// inv_depth and depth_mask is there, or when an inverse depth that counts is not finite.
 void CheckViews(const std::vector<TrainView>& views);
+
+/// The same of proposals, of which there may be none; also throws ShapeError where a confidence is not in [0, 1].
+void CheckProposals(const std::vector<TrainView>& proposals);
+
+/// Where the views were taken from, in their order.
+std::vector<Camera> Cameras(const std::vector<TrainView>& views);
+
+/// The proposal whose pixels of less confidence than `gate` count nothing, and the others confidence^power; what has no
+/// confidence never counts. The tensors of `proposal` are not written.
+TrainView WithGatedConfidence(TrainView proposal, double gate, double power);
 
 /// The same view whose depth counts only where its photograph does (confidence > 0) and is zero where it does not
 /// count, so that what stands there, also what is not a number, reaches nothing. A depth that counts nowhere is

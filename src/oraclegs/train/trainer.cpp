@@ -1,19 +1,11 @@
 #include "oraclegs/train/trainer.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
 #include <cstring>
-#include <optional>
+#include <utility>
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/parallel.h"
-#include "oraclegs/loss/depth.h"
-#include "oraclegs/loss/photometric.h"
-#include "oraclegs/render/image_buffer.h"
 #include "oraclegs/scene/looked_at.h"
-#include "oraclegs/train/coarse.h"
 #include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/opacity_factors.h"
@@ -23,68 +15,9 @@
 namespace oraclegs {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kLossSmoothing = 0.9;  // share of the past in the loss that is shown
 constexpr int64_t kReportEvery = 100;   // iterations
 constexpr double kReportSeconds = 0.5;
-
-double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// Adds the milliseconds since the last lap to a stage.
-class Lap {
- public:
-  void To(double* milliseconds) {
-    const auto now = Clock::now();
-    *milliseconds += std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  Clock::time_point last_ = Clock::now();
-};
-
-/// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
-void SelectByMask(const Tensor& mask, const Tensor& inside, const Tensor& outside, const Tensor& out) {
-  const float* m = mask.data_ptr<float>();
-  const float* a = inside.data_ptr<float>();
-  const float* b = outside.defined() ? outside.data_ptr<float>() : nullptr;
-  float* o = out.data_ptr<float>();
-  ParallelBlocks(mask.numel(), 1 << 14, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      for (int64_t c = 3 * i; c < 3 * i + 3; ++c) o[c] = m[i] > 0 ? a[c] : (b ? b[c] : 0.f);
-    }
-  });
-}
-
-std::vector<Camera> Cameras(const std::vector<TrainView>& views) {
-  std::vector<Camera> cameras;
-  for (const TrainView& view : views) cameras.push_back(view.camera);
-  return cameras;
-}
-
-std::vector<TrainView> WithCleanDepths(std::vector<TrainView> views) {
-  for (TrainView& view : views) view = WithCleanDepth(std::move(view));
-  return views;
-}
-
-std::vector<TrainView> HalfSizes(const std::vector<TrainView>& views) {
-  std::vector<TrainView> halves;
-  for (const TrainView& view : views) halves.push_back(HalfSize(view));
-  return halves;
-}
-
-std::vector<ExposureMap> StartExposures(const std::vector<TrainView>& views) {
-  std::vector<ExposureMap> maps;
-  for (const TrainView& view : views) maps.push_back(view.exposure);
-  return maps;
-}
-
-/// The stages, in the order of the declaration; Run measures the total apart.
-std::array<double*, 8> Stages(TrainTimings* t) {
-  return {&t->render.project,           &t->render.bin, &t->render.blend, &t->render.blend_backward,
-          &t->render.gaussian_backward, &t->loss,       &t->refine,       &t->total};
-}
 
 /// Throws unless the options a checkpoint was saved with are these; names the first that differs.
 void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now) {
@@ -109,79 +42,54 @@ void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
   });
 }
 
-TrainTimings Mean(TrainTimings sum, int64_t iterations) {
-  for (double* stage : Stages(&sum)) *stage /= static_cast<double>(std::max<int64_t>(iterations, 1));
-  return sum;
-}
-
 }  // namespace
 
 struct Trainer::State {
-  State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color,
-        std::vector<TrainView> photographs, const Gaussians& start)
+  State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color, TrainingData data,
+        const Gaussians& start)
       : options(train_options.Settled()),
         seed(run_seed),
         background(color),
-        views(WithCleanDepths(std::move(photographs))),
-        extent(SpatialExtent(Cameras(views))),
-        coarse_iterations(CoarseIterations(options.coarse_share, options.iterations)),
-        half_views(coarse_iterations > 0 ? HalfSizes(views) : std::vector<TrainView>()),
-        depth_scale(options.depth_weight * CharacteristicDepth(views)),
+        view_loss(options, std::move(data)),
+        extent(SpatialExtent(Cameras(view_loss.photographs()))),
         gaussians(Clone(start)),
         adam(start.size()),
-        sampler(run_seed, static_cast<int>(views.size()), 0),
-        rasterizer(MakeRasterizer(torch::kCPU)) {
-    if (options.exposure == "on") exposures.emplace(StartExposures(views));
-  }
+        sampler(run_seed, view_loss.num_photographs(), view_loss.num_proposals()),
+        rasterizer(MakeRasterizer(torch::kCPU)) {}
 
-  double PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad);
-  const TrainView& ViewNow(int index) const;
-  double ExposedLoss(int index, const Tensor& image, Tensor* grad);
   Tensor OpacityFactors();
-  double DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad);
   double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
   void Refine(double lr_means);
-  void RequireFinite(double value, const TrainView& view) const;
+  void TellWhatIsMissing(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations; }
   bool Refines(int64_t i) const {
     return i > options.refine_start && static_cast<double>(i) < options.refine_stop * options.iterations &&
            i % options.refine_every == 0;
   }
 
-  // What a run is.
+  // What a run is; the loss also holds the exposure maps, which a checkpoint has.
   TrainOptions options;
   uint64_t seed;
   std::array<float, 3> background;
-  std::vector<TrainView> views;
+  ViewLoss view_loss;
   double extent;
-  int64_t coarse_iterations;
-  std::vector<TrainView> half_views;  // none without coarse iterations
-  double depth_scale;                 // of the depth term at the start of the run, world units; 0 = there is none
 
   // What a checkpoint holds.
   int64_t iteration = 0;
   Gaussians gaussians;
   Adam adam;
   ViewSampler sampler;
-  std::optional<Exposures> exposures;
   double seconds = 0, loss = 0;
   nlohmann::json run_options;
   bool restored = false;
 
   // What is only reused.
   std::unique_ptr<Rasterizer> rasterizer;
-  PhotometricLoss photometric;
   Regularizers regularizers;
-  Tensor opacity_factors;  // [N]
-  ImageBuffer grad_image, grad_inv_depth, masked_image, exposed_image;
+  Tensor opacity_factors;              // [N]
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
-
-/// The view as this iteration sees it.
-const TrainView& Trainer::State::ViewNow(int index) const {
-  return iteration < coarse_iterations ? half_views[index] : views[index];
-}
 
 /// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
 /// model as it will be used.
@@ -195,43 +103,6 @@ Tensor Trainer::State::OpacityFactors() {
   }
   DrawOpacityFactors(perturbation, opacity_factors);
   return opacity_factors;
-}
-
-double Trainer::State::PhotographLoss(const TrainView& view, const Tensor& image, Tensor* grad) {
-  const PhotometricWeights weights{static_cast<float>(1 - options.ssim_weight),
-                                   static_cast<float>(options.ssim_weight)};
-  if (!view.confidence.defined()) return photometric(image, view.image, {}, weights, grad).loss;
-  // SSIM looks 5 pixels around: where the mask is zero the render is replaced by the photograph, so that what stands
-  // there says nothing about the pixels that count, and takes no gradient from them.
-  const Tensor masked = masked_image.Get({view.camera.height, view.camera.width, 3});
-  SelectByMask(view.confidence, image, view.image, masked);
-  const double value = photometric(masked, view.image, view.confidence, weights, grad).loss;
-  SelectByMask(view.confidence, *grad, {}, *grad);
-  return value;
-}
-
-/// The loss of a view whose photograph saw the scene through an exposure map of its own, which learns from it. The last
-/// iteration moves no map.
-double Trainer::State::ExposedLoss(int index, const Tensor& image, Tensor* grad) {
-  const TrainView& view = ViewNow(index);
-  if (!exposures) return PhotographLoss(view, image, grad);
-  const Tensor exposed = exposed_image.Get({view.camera.height, view.camera.width, 3});
-  exposures->Apply(index, image, exposed);
-  double value = PhotographLoss(view, exposed, grad);
-  ExposureGradient gradient = exposures->Backward(index, image, *grad);
-  value += exposures->AddPull(index, &gradient);
-  RequireFinite(value, view);
-  const int64_t i = iteration + 1;
-  if (!IsLast(i)) exposures->Step(index, gradient, ExposureLearningRate(i, options.iterations));
-  return value;
-}
-
-/// Leaves `grad` undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.
-double Trainer::State::DepthTerm(const TrainView& view, const Tensor& inv_depth, Tensor* grad) {
-  if (depth_scale == 0 || !view.inv_depth.defined()) return 0;
-  *grad = grad_inv_depth.Get({view.camera.height, view.camera.width});
-  const double weight = depth_scale * DepthWeight(iteration + 1, options.iterations);
-  return DepthLoss(inv_depth, view.inv_depth, view.depth_mask, weight, grad);
 }
 
 /// Everything between the gradient of the image and the moved Gaussians, block by block: gradients are used up while
@@ -259,26 +130,32 @@ double Trainer::State::BackwardAndStep(const RenderGrads& upstream, const Learni
 /// Never the last iteration: refine_stop is at most 1.
 void Trainer::State::Refine(double lr_means) {
   const int64_t i = iteration + 1;
-  if (options.prune_floaters) PruneFloaters(views, &gaussians);
+  if (options.prune_floaters) PruneFloaters(view_loss.photographs(), &gaussians);
   RelocateDead(seed, i, &gaussians, &adam);
   AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
   AddNoise({seed, i, lr_means}, &gaussians);
 }
 
-void Trainer::State::RequireFinite(double value, const TrainView& view) const {
-  if (std::isfinite(value)) return;
-  throw RunError(
-      "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the scene", value,
-      iteration + 1, view.name);
+void Trainer::State::TellWhatIsMissing(const Listener& listener) const {
+  if (extent == 0) {
+    listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
+  }
+  const ProposalSchedule schedule = options.Proposals();
+  const bool uses_proposals =
+      view_loss.num_proposals() > 0 && schedule.floor + schedule.peak > 0 && options.proposal_weight > 0;
+  if (uses_proposals && options.proposal_lpips > 0 && !view_loss.has_lpips()) {
+    listener(
+        Note{fmt::format("there is no LPIPS network: its share of the proposals' loss goes to L1, which has {:.2f}",
+                         1 - options.proposal_ssim)});
+  }
 }
 
-Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background,
-                 std::vector<TrainView> photographs, Gaussians start) {
+Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, TrainingData data,
+                 Gaussians start) {
   CheckOptions(options);
-  CheckViews(photographs);
   start.Check("Trainer");
   if (start.size() == 0) throw UsageError("there is no Gaussian to start from");
-  state_ = std::make_unique<State>(options, seed, background, std::move(photographs), start);
+  state_ = std::make_unique<State>(options, seed, background, std::move(data), start);
 }
 
 Trainer::~Trainer() = default;
@@ -296,7 +173,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
                      checkpoint.adam.v.size());
   }
   s.sampler.Restore(checkpoint.sampler);
-  if (s.exposures) s.exposures->Restore(checkpoint.exposures);
+  if (Exposures* exposures = s.view_loss.exposures()) exposures->Restore(checkpoint.exposures);
   s.iteration = checkpoint.iteration;
   s.gaussians = Clone(checkpoint.gaussians);
   s.adam.m = Clone(checkpoint.adam.m);
@@ -318,26 +195,23 @@ double Trainer::Step() {
   rates.ScaleAll(RateFactor(i, s.options.iterations, s.options.last_rates));
   rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
   const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
-  const int index = s.sampler.Next(0).index;
-  const TrainView& view = s.ViewNow(index);
+  const SampledView sampled = s.sampler.Next(SyntheticProbability(i, s.options.iterations, s.options.Proposals()));
+  const TrainView& view = s.view_loss.View(sampled, i);
 
   const RenderOptions render{s.background, degree, s.options.antialiased, s.OpacityFactors()};
   const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera, render, RenderPass::kTrain);
   TrainTimings& timings = s.last_timings = {};
   double rendering = 0;  // the rasteriser times its own stages
   lap.To(&rendering);
-  Tensor grad_image = s.grad_image.Get({view.camera.height, view.camera.width, 3});
-  Tensor grad_inv_depth;
-  double loss = s.ExposedLoss(index, out.image, &grad_image) + s.DepthTerm(view, out.inv_depth, &grad_inv_depth);
-  s.RequireFinite(loss, view);
+  const ViewLossResult of_view = s.view_loss(sampled, i, out);
   lap.To(&timings.loss);
-  loss += s.BackwardAndStep({grad_image, {}, grad_inv_depth}, rates, degree);
-  s.RequireFinite(loss, view);
+  const double loss = of_view.loss + s.BackwardAndStep(of_view.grads, rates, degree);
+  RequireFinite(loss, i, view);
   timings.render = s.rasterizer->timings();
   lap.To(&rendering);
   if (s.Refines(i)) s.Refine(rates.means);
   lap.To(&timings.refine);
-  for (size_t k = 0; k < Stages(&timings).size(); ++k) *Stages(&s.timings)[k] += *Stages(&timings)[k];
+  s.timings.Add(timings);
   s.iteration = i;
   s.loss = i == 1 ? loss : kLossSmoothing * s.loss + (1 - kLossSmoothing) * loss;
   return loss;
@@ -349,19 +223,17 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   s.run_options = policy.options;
   s.timings = {};
   s.timed_since = s.iteration;
-  if (s.extent == 0) {
-    listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
-  }
+  s.TellWhatIsMissing(listener);
   const int64_t total = s.options.iterations;
   const double seconds_before = s.seconds;
-  const auto start = Clock::now();
+  const Stopwatch watch;
   const auto save = [&] {
     CheckFinite(s.gaussians, s.iteration);
     WriteCheckpoint(CheckpointPath(policy.dir, s.iteration), MakeCheckpoint());
     RemoveOldCheckpoints(policy.dir, s.iteration);
   };
   int64_t reported = s.iteration;
-  auto report_time = start;
+  Stopwatch since_report;
   while (s.iteration < total) {
     if (InterruptRequested()) {
       if (policy.dir.empty())
@@ -373,25 +245,26 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
                       s.iteration, total, CheckpointPath(policy.dir, s.iteration).string()));
     }
     Step();
-    s.seconds = seconds_before + SecondsSince(start);
+    s.seconds = seconds_before + watch.Seconds();
     if (!policy.dir.empty() && policy.every > 0 && s.iteration % policy.every == 0) save();
-    if (s.iteration - reported >= kReportEvery || SecondsSince(report_time) >= kReportSeconds || s.iteration == total) {
+    if (s.iteration - reported >= kReportEvery || since_report.Seconds() >= kReportSeconds || s.iteration == total) {
       reported = s.iteration;
-      report_time = Clock::now();
+      since_report = Stopwatch();
       listener(StepDone{"train", s.iteration, total, "iterations",
                         fmt::format("loss {:.4f}, {} Gaussians", s.loss, s.gaussians.size())});
     }
   }
   CheckFinite(s.gaussians, s.iteration);
-  s.timings.total = SecondsSince(start) * 1000;
+  s.timings.total = watch.Seconds() * 1000;
   return {s.iteration, s.seconds, s.iteration - s.timed_since, MeanTimings()};
 }
 
 const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
 
 Tensor Trainer::exposures() const {
-  if (!state_->exposures) return {};
-  const std::vector<ExposureMap>& maps = state_->exposures->maps();
+  const Exposures* exposures = std::as_const(state_->view_loss).exposures();
+  if (exposures == nullptr) return {};
+  const std::vector<ExposureMap>& maps = exposures->maps();
   Tensor result = torch::empty({static_cast<int64_t>(maps.size()), 3, 4}, torch::kFloat);
   std::memcpy(result.data_ptr<float>(), maps.data(), maps.size() * sizeof(ExposureMap));
   return result;
@@ -399,7 +272,7 @@ Tensor Trainer::exposures() const {
 
 int64_t Trainer::iteration() const { return state_->iteration; }
 
-TrainTimings Trainer::MeanTimings() const { return Mean(state_->timings, state_->iteration - state_->timed_since); }
+TrainTimings Trainer::MeanTimings() const { return state_->timings.Mean(state_->iteration - state_->timed_since); }
 
 TrainTimings Trainer::LastTimings() const { return state_->last_timings; }
 
@@ -414,7 +287,7 @@ Checkpoint Trainer::MakeCheckpoint() const {
   checkpoint.adam.v = Clone(s.adam.v);
   checkpoint.adam.step = s.adam.step;
   checkpoint.sampler = s.sampler.state();
-  if (s.exposures) checkpoint.exposures = s.exposures->state();
+  if (const Exposures* exposures = s.view_loss.exposures()) checkpoint.exposures = exposures->state();
   checkpoint.seconds = s.seconds;
   checkpoint.loss = s.loss;
   checkpoint.options = s.run_options;

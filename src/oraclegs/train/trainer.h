@@ -9,17 +9,11 @@
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/options.h"
+#include "oraclegs/train/timings.h"
 #include "oraclegs/train/train_view.h"
+#include "oraclegs/train/view_loss.h"
 
 namespace oraclegs {
-
-/// Milliseconds of an iteration, or means over several, by stage.
-struct TrainTimings {
-  RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
-  double loss = 0;       ///< photometric, with exposure, and depth
-  double refine = 0;     ///< relocation and growth, with the noise of iterations that do so
-  double total = 0;
-};
 
 struct TrainResult {
   int64_t iterations = 0;
@@ -35,23 +29,23 @@ struct CheckpointPolicy {
   nlohmann::json options;  ///< stored, compared on resume
 };
 
-/// 3DGS-MCMC on photographs, and on depth where a view has it. One iteration: learning rate, SH degree -> view ->
-/// render -> loss -> backward -> Adam step
-/// -> relocate, add -> noise. Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes
-/// neither a step nor noise.
-/// The loss of a view is the photometric one, the regularisers and, of a view with inv_depth, depth_weight * 0.01^t *
-/// CharacteristicDepth * mean(|inv_depth - rendered| * depth_mask) (spec 9).
+/// 3DGS-MCMC on photographs, on proposals as often as the schedule says, and on depth where a view has it. One
+/// iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step -> relocate, add -> noise.
+/// Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes neither a step nor noise.
+/// The loss is the view's (train/view_loss.h) and the regularisers.
 class Trainer {
  public:
   /// Throws ShapeError / UsageError before any work.
-  Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background,
-          std::vector<TrainView> photographs, Gaussians start);
+  Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, TrainingData data,
+          Gaussians start);
   ~Trainer();
 
-  /// Continues from here instead of from the start. Throws InputError when it does not fit.
+  /// Continues from here instead of from the start. Throws InputError when it does not fit, also when it is of another
+  /// number of photographs or proposals.
   void Restore(const Checkpoint& checkpoint);
 
-  /// Runs the remaining iterations. On an interrupt saves a checkpoint and throws Interrupted.
+  /// Runs the remaining iterations. Tells, once, when proposals are to be learnt from without LPIPS. On an interrupt
+  /// saves a checkpoint and throws Interrupted.
   TrainResult Run(const CheckpointPolicy& policy, const Listener& listener);
 
   /// One iteration; returns the loss. For tests and benchmarks.

@@ -42,9 +42,15 @@ SampledView ViewSampler::Next(double p_synthetic) {
   return view;
 }
 
-ViewSampler::State ViewSampler::state() const { return {photographs_, proposals_, rng_.counter()}; }
+ViewSampler::State ViewSampler::state() const {
+  return {photographs_, proposals_, rng_.counter(), num_photographs_, num_proposals_};
+}
 
 void ViewSampler::Restore(const State& state) {
+  if (state.num_photographs != num_photographs_ || state.num_proposals != num_proposals_) {
+    throw InputError("the checkpoint is of {} photographs and {} proposals, this run has {} and {}; start anew",
+                     state.num_photographs, state.num_proposals, num_photographs_, num_proposals_);
+  }
   CheckStack("photographs", state.photographs, num_photographs_);
   CheckStack("proposals", state.proposals, num_proposals_);
   photographs_ = state.photographs;

@@ -27,8 +27,10 @@ class ViewSampler {
   struct State {
     std::vector<int64_t> photographs, proposals;
     uint64_t counter = 0;
+    int64_t num_photographs = 0, num_proposals = 0;  ///< a stack alone does not tell of how many views it is the rest
   };
   State state() const;
+  /// Throws InputError when the state is of another number of views.
   void Restore(const State& state);
 
  private:

@@ -1,0 +1,182 @@
+// Proposals among what the trainer learns from.
+
+#include <cmath>
+
+#include "oraclegs/train/rows.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::HasSubstr;
+
+/// What a perfect generator would propose beyond the photographs, sure of the left half.
+std::vector<TrainView> Proposals(int count) {
+  auto views = Photographs(count);
+  for (int i = 0; i < count; ++i) {
+    views[i].name = "proposal" + std::to_string(i);
+    views[i].confidence = torch::full({kHeight, kWidth}, 0.25f);
+    views[i].confidence.narrow(1, 0, kWidth / 2).fill_(0.9f);
+  }
+  return views;
+}
+
+std::vector<TrainView> WithConfidence(std::vector<TrainView> views, float value) {
+  for (TrainView& view : views) view.confidence = torch::full({kHeight, kWidth}, value);
+  return views;
+}
+
+TrainOptions Constantly(double share, int iterations = 100) {
+  TrainOptions options = Options(iterations);
+  options.schedule = "constant";
+  options.synthetic_floor = share;
+  return options;
+}
+
+Gaussians After(int steps, const TrainOptions& options, const TrainingData& data) {
+  Trainer trainer(options, kSeed, {0, 0, 0}, data, Start());
+  for (int i = 0; i < steps; ++i) trainer.Step();
+  return Clone(trainer.gaussians());
+}
+
+std::vector<std::string> Notes(const TrainOptions& options, const TrainingData& data) {
+  std::vector<std::string> notes;
+  Trainer(options, kSeed, {0, 0, 0}, data, Start()).Run({}, [&](const Event& event) {
+    if (const auto* note = std::get_if<Note>(&event)) notes.push_back(note->text);
+  });
+  return notes;
+}
+
+TEST(TrainerProposalsTest, WithoutConfidenceOnlyTheRegularisersAndNoiseMoveAnything) {
+  const auto blind = WithConfidence(Proposals(3), 0);
+  const Gaussians after = After(60, Constantly(1), {Photographs(3), blind});
+  EXPECT_EQ(after.sh.abs().max().item<float>(), 0);
+  // Which are those of photographs that are masked altogether: the views are drawn in the same order.
+  EXPECT_TRUE(SameBits(after, After(60, Options(), WithConfidence(Photographs(3), 0))));
+  auto bright = blind;
+  for (TrainView& view : bright) view.image = torch::ones_like(view.image);
+  EXPECT_TRUE(SameBits(after, After(60, Constantly(1), {Photographs(3), bright})));
+}
+
+TEST(TrainerProposalsTest, FullConfidenceIsAPhotographWithOtherWeights) {
+  TrainOptions options = Options();
+  options.ssim_weight = options.proposal_ssim;
+  const Gaussians photographs = After(30, options, Photographs(3));
+  TrainOptions proposals = Constantly(1);
+  EXPECT_TRUE(SameBits(After(30, proposals, {Photographs(3), WithConfidence(Photographs(3), 1)}), photographs));
+  auto undefined = Photographs(3);
+  EXPECT_TRUE(SameBits(After(30, proposals, {Photographs(3), undefined}), photographs));
+}
+
+TEST(TrainerProposalsTest, ScheduleNoneNeverDrawsOne) {
+  TrainOptions options = Options();
+  const Gaussians expected = After(60, options, Photographs(3));
+  EXPECT_FALSE(SameBits(After(60, options, {Photographs(3), Proposals(4)}), expected));
+  options.schedule = "none";
+  options.synthetic_floor = 1;
+  EXPECT_TRUE(SameBits(After(60, options, {Photographs(3), Proposals(4)}), expected));
+}
+
+TEST(TrainerProposalsTest, ConstantOneDrawsNothingElseWithoutReplacement) {
+  auto photographs = Photographs(2);
+  for (TrainView& view : photographs) view.image.fill_(std::nanf(""));  // would end the run
+  Trainer trainer(Constantly(1), kSeed, {0, 0, 0}, {photographs, Proposals(5)}, Start());
+  for (int round = 0; round < 3; ++round) {
+    std::vector<int64_t> left = {0, 1, 2, 3, 4};
+    for (int k = 0; k < 5; ++k) {
+      trainer.Step();
+      const std::vector<int64_t> stack = trainer.MakeCheckpoint().sampler.proposals;
+      ASSERT_EQ(stack.size(), left.size() - 1);
+      for (const int64_t view : stack) EXPECT_THAT(left, testing::Contains(view));
+      left = stack;
+    }
+  }
+  EXPECT_TRUE(trainer.MakeCheckpoint().sampler.photographs.empty());
+}
+
+TEST(TrainerProposalsTest, ShowWhatPhotographsDoNot) {
+  // One photograph, and proposals of the other side: the error there falls by what they say.
+  const auto all = Photographs(4);
+  const std::vector<TrainView> photographs = {all[0]}, proposals = WithConfidence({all[1], all[2], all[3]}, 0.8f);
+  const auto error = [&](const TrainingData& data) {
+    const Gaussians gaussians = After(150, Constantly(0.5, 150), data);
+    auto rasterizer = MakeRasterizer(torch::kCPU);
+    const Tensor image = rasterizer->Forward(gaussians, all[3].camera, {}, RenderPass::kInference).image;
+    return (image - all[3].image).abs().mean().item<double>();
+  };
+  const double without = error(photographs), with = error({photographs, proposals});
+  EXPECT_LT(with, 0.8 * without);
+}
+
+TEST(TrainerProposalsTest, SameBitsForAnyNumberOfThreadsAndResumed) {
+  TempDir dir;
+  TrainOptions options = Constantly(0.4);
+  options.coarse_share = 0.3;
+  const TrainingData data{Photographs(3), Proposals(4)};
+  const auto run = [&](int threads) {
+    const Threads scope(threads);
+    Trainer trainer(options, kSeed, {0, 0, 0}, data, Start());
+    trainer.Run({dir.path(), 45, {}}, Silent());
+    return Clone(trainer.gaussians());
+  };
+  const Gaussians one = run(1);
+  EXPECT_TRUE(SameBits(one, run(3)));
+  for (const int64_t from : {45, 90}) {
+    Trainer resumed(options, kSeed, {0, 0, 0}, data, Start());
+    resumed.Restore(ReadCheckpoint(CheckpointPath(dir.path(), from)));
+    resumed.Run({}, Silent());
+    EXPECT_TRUE(SameBits(resumed.gaussians(), one)) << from;
+  }
+}
+
+TEST(TrainerProposalsTest, RefusesCheckpointsOfAnotherNumberOfViews) {
+  Trainer trainer(Constantly(0.5), kSeed, {0, 0, 0}, {Photographs(3), Proposals(4)}, Start());
+  for (int i = 0; i < 3; ++i) trainer.Step();
+  const Checkpoint checkpoint = trainer.MakeCheckpoint();
+  for (const int count : {0, 2, 5}) {
+    Trainer other(Constantly(0.5), kSeed, {0, 0, 0}, {Photographs(3), Proposals(count)}, Start());
+    try {
+      other.Restore(checkpoint);
+      ADD_FAILURE() << "was accepted with " << count << " proposals";
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr(fmt::format("3 photographs and 4 proposals, this run has 3 and {}", count)));
+    }
+  }
+  Trainer fewer(Constantly(0.5), kSeed, {0, 0, 0}, {Photographs(2), Proposals(4)}, Start());
+  EXPECT_THROW(fewer.Restore(checkpoint), InputError);
+}
+
+TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
+  const TrainingData data{Photographs(2), Proposals(2)};
+  const std::vector<std::string> notes = Notes(Options(5), data);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("no LPIPS network: its share of the proposals' loss goes to L1, which has 0.70"));
+
+  EXPECT_TRUE(Notes(Options(5), Photographs(2)).empty());
+  TrainOptions options = Options(5);
+  options.schedule = "none";
+  EXPECT_TRUE(Notes(options, data).empty());
+  options = Options(5);
+  options.proposal_lpips = 0;
+  EXPECT_TRUE(Notes(options, data).empty());
+  options = Options(5);
+  options.proposal_weight = 0;
+  EXPECT_TRUE(Notes(options, data).empty());
+  int asked = 0;
+  const PerceptualDistance lpips = [&](auto&&...) { return static_cast<double>(++asked); };
+  EXPECT_TRUE(Notes(Constantly(1, 5), {data.photographs, data.proposals, lpips}).empty());
+  EXPECT_EQ(asked, 5);
+}
+
+TEST(TrainerProposalsTest, RefusesSharesThatLeaveL1LessThanNothing) {
+  TrainOptions options = Options();
+  options.proposal_ssim = 0.8;
+  EXPECT_THROW(Trainer(options, kSeed, {0, 0, 0}, Photographs(2), Start()), UsageError);
+  options.proposal_lpips = 0.2;
+  EXPECT_NO_THROW(Trainer(options, kSeed, {0, 0, 0}, Photographs(2), Start()));
+}
+
+}  // namespace
+}  // namespace oraclegs
