@@ -1,0 +1,213 @@
+#include "oraclegs/evaluate/oracle_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+void CheckPixels(const std::vector<float>& error, const std::vector<float>& confidence) {
+  if (error.size() != confidence.size() || error.empty()) {
+    throw ShapeError("OracleQuality: {} errors and {} confidences, needs as many, and at least one", error.size(),
+                     confidence.size());
+  }
+  for (size_t i = 0; i < error.size(); ++i) {
+    if (!(error[i] >= 0) || !std::isfinite(error[i])) {
+      throw ShapeError("OracleQuality: the error of pixel {} is {}, must be finite and >= 0", i, error[i]);
+    }
+    if (!(confidence[i] >= 0 && confidence[i] <= 1)) {
+      throw ShapeError("OracleQuality: the confidence of pixel {} is {}, must be in 0 .. 1", i, confidence[i]);
+    }
+  }
+}
+
+/// The pixels by rising value; equal ones in their order.
+std::vector<int64_t> Order(const std::vector<float>& values) {
+  std::vector<int64_t> order(values.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int64_t a, int64_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
+  return order;
+}
+
+/// Calls f(begin, end) for each stretch of `order` of one value.
+template <class F>
+void ForEachTie(const std::vector<float>& values, const std::vector<int64_t>& order, F&& f) {
+  const auto n = static_cast<int64_t>(order.size());
+  for (int64_t begin = 0, end = 0; begin < n; begin = end) {
+    while (end < n && values[order[end]] == values[order[begin]]) ++end;
+    f(begin, end);
+  }
+}
+
+/// Ranks from 1; ties share their mean.
+std::vector<double> Ranks(const std::vector<float>& values, const std::vector<int64_t>& order) {
+  std::vector<double> ranks(values.size());
+  ForEachTie(values, order, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) ranks[order[k]] = 0.5 * static_cast<double>(begin + 1 + end);
+  });
+  return ranks;
+}
+
+/// Mean over m = 1 .. n of the mean error of the m pixels that are kept longest. `removed` is the order in which they
+/// leave, by `key`; among pixels of one key each may be the next, so that their mean stands for each.
+double SparsificationArea(const std::vector<float>& error, const std::vector<float>& key,
+                          const std::vector<int64_t>& removed) {
+  std::vector<double> expected(removed.size());
+  ForEachTie(key, removed, [&](int64_t begin, int64_t end) {
+    double sum = 0;
+    for (int64_t k = begin; k < end; ++k) sum += static_cast<double>(error[removed[k]]);
+    std::fill(expected.begin() + begin, expected.begin() + end, sum / static_cast<double>(end - begin));
+  });
+  double sum = 0, area = 0, kept = 0;
+  for (auto e = expected.rbegin(); e != expected.rend(); ++e) {
+    sum += *e;
+    area += sum / ++kept;
+  }
+  return area / kept;
+}
+
+double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto n = static_cast<double>(a.size());
+  const double mean_a = std::accumulate(a.begin(), a.end(), 0.0) / n;
+  const double mean_b = std::accumulate(b.begin(), b.end(), 0.0) / n;
+  double aa = 0, bb = 0, ab = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const double x = a[i] - mean_a, y = b[i] - mean_b;
+    aa += x * x, bb += y * y, ab += x * y;
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+/// Probability that a pixel of error > threshold has less confidence than one of a smaller error, ties by half
+/// (Mann and Whitney).
+double Auroc(const std::vector<float>& error, const std::vector<double>& confidence_ranks, float threshold) {
+  double good = 0, rank_sum = 0;
+  for (size_t i = 0; i < error.size(); ++i) {
+    if (error[i] > threshold) continue;
+    ++good;
+    rank_sum += confidence_ranks[i];
+  }
+  const double bad = static_cast<double>(error.size()) - good;
+  if (good == 0 || bad == 0) return kNaN;
+  return (rank_sum - good * (good + 1) / 2) / (good * bad);
+}
+
+/// Sums instead of means, so that bins can be joined.
+std::vector<ReliabilityBin> BinSums(const std::vector<float>& error, const std::vector<float>& confidence) {
+  std::vector<ReliabilityBin> bins(kReliabilityBins);
+  for (int b = 0; b < kReliabilityBins; ++b) {
+    bins[b].from = static_cast<double>(b) / kReliabilityBins;
+    bins[b].to = static_cast<double>(b + 1) / kReliabilityBins;
+  }
+  for (size_t i = 0; i < error.size(); ++i) {
+    const auto e = static_cast<double>(error[i]), u = static_cast<double>(confidence[i]);
+    ReliabilityBin& bin = bins[std::min(static_cast<int>(u * kReliabilityBins), kReliabilityBins - 1)];
+    bin.confidence += u;
+    bin.error += e;
+    bin.likeness += std::exp(-(e / kErrorScale) * (e / kErrorScale));
+    ++bin.share;
+  }
+  bins.erase(std::remove_if(bins.begin(), bins.end(), [](const ReliabilityBin& bin) { return bin.share == 0; }),
+             bins.end());
+  return bins;
+}
+
+double MeanConfidence(const ReliabilityBin& sums) { return sums.confidence / sums.share; }
+
+ReliabilityBin Joined(const ReliabilityBin& a, const ReliabilityBin& b) {
+  return {a.from, b.to, a.confidence + b.confidence, a.error + b.error, a.likeness + b.likeness, a.share + b.share};
+}
+
+/// The smallest bin first, until all are large enough.
+std::vector<ReliabilityBin> WithoutSmallBins(std::vector<ReliabilityBin> sums, double smallest) {
+  while (sums.size() > 1) {
+    const auto small = std::min_element(
+        sums.begin(), sums.end(), [](const ReliabilityBin& a, const ReliabilityBin& b) { return a.share < b.share; });
+    if (small->share >= smallest) break;
+    const bool has_left = small != sums.begin(), has_right = small + 1 != sums.end();
+    const bool to_left = has_left && (!has_right || MeanConfidence(*small) - MeanConfidence(*(small - 1)) <
+                                                        MeanConfidence(*(small + 1)) - MeanConfidence(*small));
+    const auto first = to_left ? small - 1 : small;
+    *first = Joined(*first, *(first + 1));
+    sums.erase(first + 1);
+  }
+  return sums;
+}
+
+bool ErrorFalls(const std::vector<ReliabilityBin>& sums) {
+  if (sums.size() < 2) return false;
+  for (size_t b = 1; b < sums.size(); ++b) {
+    if (sums[b].error / sums[b].share >= sums[b - 1].error / sums[b - 1].share) return false;
+  }
+  return true;
+}
+
+ReliabilityBin Means(ReliabilityBin sums, double pixels) {
+  for (double* sum : {&sums.confidence, &sums.error, &sums.likeness}) *sum /= sums.share;
+  sums.share /= pixels;
+  return sums;
+}
+
+}  // namespace
+
+OracleQuality OracleQuality::FromPixels(const std::vector<float>& error, const std::vector<float>& confidence) {
+  CheckPixels(error, confidence);
+  const auto n = static_cast<double>(error.size());
+  const std::vector<int64_t> by_confidence = Order(confidence), by_error = Order(error);
+  OracleQuality quality;
+  quality.pixels = static_cast<int64_t>(error.size());
+  quality.mean_error = std::accumulate(error.begin(), error.end(), 0.0) / n;
+  quality.median_error = static_cast<double>(error[by_error[(error.size() - 1) / 2]]);
+
+  if (quality.mean_error > 0) {
+    const std::vector<int64_t> worst_first(by_error.rbegin(), by_error.rend());
+    const double ideal = SparsificationArea(error, error, worst_first);
+    quality.ause = (SparsificationArea(error, confidence, by_confidence) - ideal) / quality.mean_error;
+    quality.ause_random = 1 - ideal / quality.mean_error;
+  }
+  const bool errors_differ = error[by_error.front()] < error[by_error.back()];
+  quality.ause_ratio = errors_differ ? quality.ause / quality.ause_random : kNaN;
+
+  const std::vector<double> confidence_ranks = Ranks(confidence, by_confidence);
+  quality.spearman = 0 - Correlation(confidence_ranks, Ranks(error, by_error));
+  quality.auroc_above_median = Auroc(error, confidence_ranks, static_cast<float>(quality.median_error));
+  quality.auroc_large_error = Auroc(error, confidence_ranks, kLargeError);
+
+  const std::vector<ReliabilityBin> sums = BinSums(error, confidence);
+  for (const ReliabilityBin& bin : sums) quality.reliability.push_back(Means(bin, n));
+  quality.monotone = ErrorFalls(WithoutSmallBins(sums, kSmallBin * n));
+  return quality;
+}
+
+nlohmann::json ToJson(const OracleQuality& quality) {
+  const auto number = [](double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(); };
+  nlohmann::json bins = nlohmann::json::array();
+  for (const ReliabilityBin& bin : quality.reliability) {
+    bins.push_back({{"from", bin.from},
+                    {"to", bin.to},
+                    {"confidence", bin.confidence},
+                    {"error", bin.error},
+                    {"likeness", bin.likeness},
+                    {"share", bin.share}});
+  }
+  return {{"pixels", quality.pixels},
+          {"mean_error", quality.mean_error},
+          {"ause", quality.ause},
+          {"ause_random", quality.ause_random},
+          {"ause_ratio", number(quality.ause_ratio)},
+          {"spearman", quality.spearman},
+          {"median_error", quality.median_error},
+          {"auroc_above_median", number(quality.auroc_above_median)},
+          {"auroc_large_error", number(quality.auroc_large_error)},
+          {"reliability", bins},
+          {"monotone", quality.monotone}};
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,50 @@
+#pragma once
+// Is the oracle right? What a confidence says about an error that is known, pixel by pixel.
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace oraclegs {
+
+inline constexpr float kLargeError = 0.1f;   ///< a pixel of a proposal that is plainly wrong
+inline constexpr double kErrorScale = 0.08;  ///< of the likeness exp(-(error / scale)^2) that confidence predicts
+inline constexpr int kReliabilityBins = 10;
+inline constexpr double kSmallBin = 0.005;  ///< share of the pixels below which a bin says too little
+
+/// The pixels whose confidence lies in [from, to), the last bin's in [from, 1].
+struct ReliabilityBin {
+  double from = 0, to = 0;
+  double confidence = 0;  ///< mean
+  double error = 0;       ///< mean
+  double likeness = 0;    ///< mean of exp(-(error / kErrorScale)^2), what a calibrated confidence equals
+  double share = 0;       ///< of all pixels
+};
+
+/// Sparsification: remove the least confident pixels one after the other and take the mean error of the rest, from all
+/// down to the last one; pixels of one confidence leave in random order, of which the expected value is taken. Areas
+/// are between that curve and the one of the ideal order, over the removed share, divided by the mean error.
+struct OracleQuality {
+  int64_t pixels = 0;
+  double mean_error = 0;
+  double ause = 0;          ///< 0 = the confidence orders pixels as their errors do
+  double ause_random = 0;   ///< the same area for pixels removed at random, which is what a constant confidence gets
+  double ause_ratio = 0;    ///< ause / ause_random, NaN when all errors are equal
+  double spearman = 0;      ///< of confidence and -error, ties by their mean rank; 0 when one of them is constant
+  double median_error = 0;  ///< of an even count the lower of the two in the middle
+  double auroc_above_median = 0;  ///< low confidence as a sign of error > median_error; NaN when none or all are
+  double auroc_large_error = 0;   ///< of error > kLargeError
+  std::vector<ReliabilityBin> reliability;  ///< kReliabilityBins of equal width without the empty ones, ascending
+  /// Mean error falls from bin to bin, when bins of less than kSmallBin of the pixels are joined with the neighbour of
+  /// nearer mean confidence. False for a single bin, which says nothing.
+  bool monotone = false;
+
+  /// error: >= 0, |proposal - truth| in [0, 1] colours, mean over channels; confidence in [0, 1]; pixel by pixel, of
+  /// all proposals together. Throws ShapeError when they are not of one length, empty or out of range.
+  static OracleQuality FromPixels(const std::vector<float>& error, const std::vector<float>& confidence);
+};
+
+/// The fields by name, the bins as a list of objects; NaN becomes null.
+nlohmann::json ToJson(const OracleQuality& quality);
+
+}  // namespace oraclegs
