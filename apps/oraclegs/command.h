@@ -86,6 +86,8 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
 std::unique_ptr<Command> MakeReconstruct(CLI::App* app);
 std::unique_ptr<Command> MakeSfm(CLI::App* app);
 std::unique_ptr<Command> MakeDepth(CLI::App* app);
+std::unique_ptr<Command> MakePropose(CLI::App* app);
+std::unique_ptr<Command> MakeValidate(CLI::App* app);
 std::unique_ptr<Command> MakeTrain(CLI::App* app);
 std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
 std::unique_ptr<Command> MakeRender(CLI::App* app);

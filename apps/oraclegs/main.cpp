@@ -64,8 +64,8 @@ int Main(int argc, char** argv) {
       "`oraclegs COMMAND --help` explains a command. Start with:\n  oraclegs demo-scene /tmp/demo\n"
       "  oraclegs reconstruct /tmp/demo -o /tmp/demo_out --preset quick");
   std::vector<std::unique_ptr<Command>> commands;
-  for (auto* make : {MakeReconstruct, MakeSfm, MakeDepth, MakeTrain, MakeEvaluate, MakeRender, MakeExport, MakeInfo,
-                     MakeDemoScene}) {
+  for (auto* make : {MakeReconstruct, MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain, MakeEvaluate,
+                     MakeRender, MakeExport, MakeInfo, MakeDemoScene}) {
     commands.push_back(make(&app));
   }
   try {

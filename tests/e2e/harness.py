@@ -15,7 +15,7 @@ PROGRAM = os.environ.get("ORACLEGS_BIN", str(ROOT / "build/release/bin/oraclegs"
 
 DEMO = ["--demo-views", "8", "--width", "96", "--height", "72", "--samples", "1"]
 SMALL_RUN = ["--iterations", "200", "--max-gaussians", "2000", "--random-points", "1500", "--init", "random",
-             "--test-every", "4", "--sh-degree-interval", "60", "--refine-start", "50", "--refine-every", "25"]  # fmt: skip
+             "--proposers", "none", "--test-every", "4", "--sh-degree-interval", "60", "--refine-start", "50", "--refine-every", "25"]  # fmt: skip
 
 
 def command(*arguments):

@@ -36,6 +36,7 @@ inline RunRequest TinyRequest(const std::filesystem::path& scene, const std::fil
   request.options.train.iterations = 30;
   request.options.train.max_gaussians = 500;
   request.options.train.random_points = 400;
+  request.options.propose.proposers = "none";
   return request;
 }
 

@@ -10,7 +10,7 @@ namespace oraclegs {
 namespace {
 
 // The stages whose time is reported, in their order.
-constexpr const char* kStages[] = {"register", "sfm", "depth", "train"};
+constexpr const char* kStages[] = {"register", "sfm", "depth", "propose", "validate", "train"};
 
 double PerSecond(const nlohmann::json& record) {
   const double seconds = record.value("training_seconds", 0.0);

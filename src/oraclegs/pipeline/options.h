@@ -8,9 +8,12 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
+#include "oraclegs/propose/options.h"
+#include "oraclegs/propose/trajectory.h"
 #include "oraclegs/scene/photos.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/train/options.h"
+#include "oraclegs/validate/options.h"
 
 namespace oraclegs {
 
@@ -78,6 +81,9 @@ struct RunOptions {
   PhotoOptions photo;
   StartOptions start;
   StereoOptions stereo;
+  TrajectoryOptions trajectory;
+  ProposeOptions propose;
+  ValidateOptions validate;
   TrainOptions train;
   CheckpointOptions checkpoints;
   MachineOptions machine;
@@ -90,6 +96,9 @@ struct RunOptions {
     f("Photographs", photo);
     f("Start", start);
     f("Stereo", stereo);
+    f("Proposed poses", trajectory);
+    f("Proposals", propose);
+    f("Validation", validate);
     f("Training", train);
   }
   template <class F>

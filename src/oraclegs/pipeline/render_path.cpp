@@ -4,8 +4,8 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/evaluate/picture_names.h"
-#include "oraclegs/pipeline/camera_path.h"
 #include "oraclegs/pipeline/run.h"
+#include "oraclegs/scene/camera_path.h"
 
 namespace oraclegs {
 namespace {

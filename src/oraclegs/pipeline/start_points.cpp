@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/propose_stage.h"
 #include "oraclegs/scene/pose_check.h"
 #include "oraclegs/scene/sfm.h"
 
@@ -32,16 +33,6 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
   const auto dir = registered ? run.workspace.sfm() / "training_views" : run.workspace.sfm();
   std::vector<ScenePoint> triangulated = TriangulatePoints(run.scene, run.split.train, dir, run.listener);
   return triangulated.size() > points.size() ? triangulated : points;
-}
-
-PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
-  PointCloud cloud;
-  for (const DensePoint& p : points) {
-    cloud.xyz.push_back(p.xyz);
-    cloud.rgb.push_back(p.rgb);
-    cloud.normals.push_back(p.normal);
-  }
-  return cloud;
 }
 
 /// The points of one --init word after the other, within the budget.
@@ -132,7 +123,7 @@ class StartBuilder {
       for (size_t i = 0; i < limit; ++i) points[i] = points[i * points.size() / limit];
       points.resize(limit);
     }
-    Add(oraclegs::ToPointCloud(points), "sfm");
+    Add(ToPointCloud(points), "sfm");
   }
 
   void AddRandom(size_t most) {
@@ -157,10 +148,20 @@ class StartBuilder {
 
 }  // namespace
 
+PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
+  PointCloud cloud;
+  for (const DensePoint& p : points) {
+    cloud.xyz.push_back(p.xyz);
+    cloud.rgb.push_back(p.rgb);
+    cloud.normals.push_back(p.normal);
+  }
+  return cloud;
+}
+
 bool NeedsDepth(const RunOptions& options) {
   const std::string& init = options.start.init;
-  return init == "auto" || init == "dense" || init == "hybrid" || options.train.depth_weight > 0 ||
-         options.train.prune_floaters;
+  return ProposesViews(options) || init == "auto" || init == "dense" || init == "hybrid" ||
+         options.train.depth_weight > 0 || options.train.prune_floaters;
 }
 
 std::vector<ScenePoint> RunSfm(Run* run) {

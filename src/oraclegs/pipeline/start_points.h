@@ -24,6 +24,12 @@ std::vector<ScenePoint> RunSfm(Run* run);
 /// True when a stage after "sfm" needs stereo: a dense start, or depth in the loss.
 bool NeedsDepth(const RunOptions& options);
 
+/// Start scale of dense points and of others, as a factor of the distance to the neighbours ([3DGS]'s and [MCMC]'s).
+inline constexpr double kDenseScale = 1, kSparseScale = 0.1;
+
+/// With normals.
+PointCloud ToPointCloud(const std::vector<DensePoint>& points);
+
 struct StartPoints {
   PointCloud cloud;
   std::string source;  ///< of "dense", "sfm" and "random" those that took part, joined by "+"

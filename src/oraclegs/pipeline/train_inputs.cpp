@@ -6,7 +6,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kOpacityNoise = 0.3, kLastRates = 0.1;
+constexpr double kOpacityNoise = 0.5, kObjectOpacityNoise = 0.3, kLastRates = 0.1;
 // An object is photographed from all around, every part of it by few: what is learnt by heart there costs more than
 // what dropout blurs. Photographs that overlap much lose by it.
 constexpr double kObjectDropout = 0.2;
@@ -44,13 +44,11 @@ ExposureMap Diagonal(const Eigen::Vector3f& gain) {
 
 TrainOptions DecideOptions(TrainOptions options, const std::vector<Photo>& photos, const Geometry& geometry,
                            const Listener& listener) {
-  if (options.opacity_noise < 0) options.opacity_noise = kOpacityNoise;
+  const bool is_object = !Silhouettes(photos).empty();
+  if (is_object) listener(Note{"an object before a plain background: its silhouettes bound the reconstruction"});
+  if (options.opacity_noise < 0) options.opacity_noise = is_object ? kObjectOpacityNoise : kOpacityNoise;
   if (options.last_rates == 0) options.last_rates = kLastRates;
-  if (options.dropout < 0) {
-    const bool is_object = !Silhouettes(photos).empty();
-    options.dropout = is_object ? kObjectDropout : 0;
-    if (is_object) listener(Note{"an object before a plain background: its silhouettes bound the reconstruction"});
-  }
+  if (options.dropout < 0) options.dropout = is_object ? kObjectDropout : 0;
   if (options.exposure == "auto") {
     const double spread = ExposureSpread(geometry.gains);
     options.exposure = spread > kVariedExposure ? "on" : "off";

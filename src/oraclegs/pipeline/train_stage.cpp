@@ -7,14 +7,14 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/prepare.h"
 #include "oraclegs/pipeline/start_points.h"
 #include "oraclegs/pipeline/train_inputs.h"
+#include "oraclegs/pipeline/validate_stage.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
 namespace {
-
-constexpr double kDenseScale = 1, kSparseScale = 0.1;  // of the distance to the neighbours; [3DGS]'s and [MCMC]'s
 
 /// Photographs, poses and the model's points.
 std::string InputsFingerprint(const Run& run) {
@@ -45,13 +45,15 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
         path->string(), difference);
   }
   if (checkpoint.options.value("inputs", "") == saved_options.at("inputs") &&
-      checkpoint.options.value("depth", "") == saved_options.at("depth")) {
+      checkpoint.options.value("depth", "") == saved_options.at("depth") &&
+      checkpoint.options.value("proposal_plan", "") == saved_options.at("proposal_plan")) {
     throw InputError(
         "{}: was saved by another version of the program, which had other options; start anew with "
         "--overwrite",
         path->string());
   }
-  run.listener(Warning{"the photographs, poses or their depth have changed since the last run: training starts anew"});
+  run.listener(
+      Warning{"the photographs, poses, depth or proposals have changed since the last run: training starts anew"});
   std::error_code error;
   std::filesystem::remove_all(run.workspace.checkpoints(), error);
   if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
@@ -96,20 +98,23 @@ void RunTrain(Run* run) {
   std::optional<Trainer> trainer;
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   {  // What is known of the photographs is not kept beside the trainer's copy.
-    const std::vector<ScenePoint> sfm = RunSfm(run);
-    const std::vector<Photo> photos = LoadPhotos(run->scene, run->split.train, run->options.photo, run->listener);
-    const Geometry geometry = NeedsDepth(run->options) ? RunDepth(run, photos, sfm) : Geometry{};
+    const Preparation prepared = Prepare(run);
+    const std::vector<Photo>& photos = prepared.photos;
+    const Geometry& geometry = prepared.geometry;
     saved_options["inputs"] = InputsFingerprint(*run);
     saved_options["depth"] = geometry.key;
+    const ProposalPlan plan = RunPropose(run, photos, geometry, prepared.decided);
+    saved_options["proposal_plan"] = plan.key;
+    std::vector<TrainView> proposals = RunValidate(run, photos, geometry, plan);
     const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
     if (!checkpoint) {
       std::filesystem::remove(run->workspace.point_cloud(), ignored);
       std::filesystem::remove(run->workspace.exposures(), ignored);
     }
-    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, sfm, geometry);
+    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared.sfm, geometry);
     const StageClock clock("train", run->listener);
-    trainer.emplace(DecideOptions(run->options.train, photos, geometry, run->listener), run->options.start.seed,
-                    BackgroundColor(run->options.photo.background), TrainViews(photos, geometry), std::move(start));
+    trainer.emplace(prepared.decided, run->options.start.seed, BackgroundColor(run->options.photo.background),
+                    TrainingData{TrainViews(photos, geometry), std::move(proposals)}, std::move(start));
     if (checkpoint) trainer->Restore(*checkpoint);
     for (const Photo& photo : photos) names.push_back(photo.name);
     loading = clock.Seconds();

@@ -20,8 +20,9 @@ constexpr int kFormat = 1;
 constexpr uint64_t kMaxJsonBytes = 64 << 20;
 
 // Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
-constexpr const char* kOwnNames[] = {"options.json",    "split.json",  "stages.json", "metrics.json", "sfm",
-                                     "point_cloud.ply", "checkpoints", "renders",     "depth",        "exposures.json"};
+constexpr const char* kOwnNames[] = {"options.json", "split.json",      "stages.json", "metrics.json",
+                                     "sfm",          "point_cloud.ply", "checkpoints", "renders",
+                                     "depth",        "exposures.json",  "proposals",   "confidence"};
 
 nlohmann::json ReadJson(const fs::path& path) {
   try {

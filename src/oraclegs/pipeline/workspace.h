@@ -25,6 +25,8 @@ class WorkspacePaths {
   std::filesystem::path sfm() const { return root_ / "sfm"; }
   std::filesystem::path dense_ply() const { return sfm() / "dense.ply"; }
   std::filesystem::path depth() const { return root_ / "depth"; }
+  std::filesystem::path proposals() const { return root_ / "proposals"; }
+  std::filesystem::path confidence() const { return root_ / "confidence"; }
   std::filesystem::path checkpoints() const { return root_ / "checkpoints"; }
   std::filesystem::path renders(const std::string& path_name) const { return root_ / "renders" / path_name; }
 

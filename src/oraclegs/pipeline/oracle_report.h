@@ -1,0 +1,15 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/pipeline/run.h"
+
+namespace oraclegs {
+
+/// Is the oracle right? Compares the validated proposals of a run with the photographs that were taken from the same
+/// poses but neither trained on nor tested (--trajectory dataset), which nothing else ever reads. Writes oracle.json:
+/// {"views": n, "psnr": of the proposals, "oracle": quality, "uniform": quality} (evaluate/oracle_quality.h). Throws
+/// InputError when the run has no proposal at such a pose.
+nlohmann::json ReportOracle(const Run& run);
+
+}  // namespace oraclegs

@@ -1,0 +1,159 @@
+#include "oraclegs/pipeline/propose_stage.h"
+
+#include <algorithm>
+
+#include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/opinions.h"
+#include "oraclegs/propose/proposal_files.h"
+#include "oraclegs/propose/trajectory.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kProposeVersion = 1;   // raised when the same inputs give other proposals
+constexpr size_t kChunk = 8;            // targets whose pictures are held at once
+constexpr size_t kFewestPoints = 1000;  // dense points without which there is nothing to carry to a new view
+constexpr size_t kFewestPhotographs = 3;
+
+std::string Key(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
+  Fingerprint print;
+  print.Add(kProposeVersion).Add(geometry.key);
+  print.Add(OptionsToJson(run.options.propose).dump()).Add(OptionsToJson(run.options.trajectory).dump());
+  print.Add(OptionsToJson(run.options.start).dump()).Add(OptionsToJson(OpinionOptions(run.options, decided)).dump());
+  print.Add(OptionsToJson(run.options.photo).dump());
+  for (const std::vector<int>* part : {&run.split.train, &run.split.test}) {
+    for (const int view : *part) print.Add(run.scene.views[static_cast<size_t>(view)].name);
+  }
+  for (const SceneView& view : run.scene.views) {
+    for (const double value : view.cam_from_world->matrix().reshaped()) print.Add(value);
+  }
+  const auto& folder = run.options.propose.proposal_folder;
+  std::error_code ignored;
+  if (!folder.empty()) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
+      if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    for (const auto& file : files) print.Add(file.string()).AddFile(file);
+  }
+  return print.Hex();
+}
+
+std::vector<Camera> CamerasOf(const Run& run, const std::vector<int>& views) {
+  std::vector<Camera> cameras;
+  for (const int v : views) {
+    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(v)], run.options.photo));
+  }
+  return cameras;
+}
+
+std::vector<Target> TargetsOf(const Run& run, const std::vector<int>& views) {
+  std::vector<Target> targets;
+  const std::vector<Camera> cameras = CamerasOf(run, views);
+  for (size_t i = 0; i < views.size(); ++i) {
+    targets.push_back({run.scene.views[static_cast<size_t>(views[i])].name, cameras[i]});
+  }
+  return targets;
+}
+
+FolderProposals ReadFolder(const Run& run, const Photo& photo) {
+  std::vector<int> no_test = SpareViews(run);
+  no_test.insert(no_test.end(), run.split.train.begin(), run.split.train.end());
+  return ReadProposalFolder(run.options.propose.proposal_folder,
+                            {CamerasOf(run, run.split.train), TargetsOf(run, run.split.test), TargetsOf(run, no_test),
+                             photo.camera.width, photo.camera.height, BackgroundColor(run.options.photo.background)},
+                            run.listener);
+}
+
+std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
+  TrajectoryRequest request;
+  request.train = CamerasOf(run, run.split.train);
+  request.test = CamerasOf(run, run.split.test);
+  request.spare = TargetsOf(run, SpareViews(run));
+  request.maps = &geometry.maps;
+  request.points = &geometry.points;
+  request.seed = run.options.start.seed;
+  return ChooseTargets(request, run.options.trajectory, run.listener);
+}
+
+bool CanPropose(const Run& run, const std::vector<Photo>& photos, const Geometry& geometry) {
+  if (geometry.points.size() >= kFewestPoints && photos.size() >= kFewestPhotographs) return true;
+  run.listener(
+      Warning{fmt::format("no views are proposed: {} photographs with {} dense points; {} and {} are needed "
+                          "(--proposers none keeps silent)",
+                          photos.size(), geometry.points.size(), kFewestPhotographs, kFewestPoints)});
+  return false;
+}
+
+/// Pictures of all candidates, to look at.
+std::vector<std::string> WriteCandidates(const Run& run, const Proposers& proposers,
+                                         const std::vector<Target>& targets) {
+  std::vector<std::string> files;
+  for (size_t first = 0; first < targets.size(); first += kChunk) {
+    const std::vector<Target> chunk(targets.begin() + static_cast<int64_t>(first),
+                                    targets.begin() + static_cast<int64_t>(std::min(first + kChunk, targets.size())));
+    for (const auto& candidates : proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))) {
+      for (const Proposal& p : candidates) {
+        files.push_back(fmt::format("proposals/{}/{}.png", p.source, p.name));
+        WritePng(run.workspace.root() / files.back(), ToImage8(p.rgb));
+      }
+    }
+    run.listener(StepDone{"propose", static_cast<int64_t>(first + chunk.size()), static_cast<int64_t>(targets.size()),
+                          "views", ""});
+  }
+  return files;
+}
+
+}  // namespace
+
+std::vector<int> SpareViews(const Run& run) {
+  std::vector<int> spare;
+  for (int v = 0; v < static_cast<int>(run.scene.views.size()); ++v) {
+    const auto is_in = [v](const std::vector<int>& part) {
+      return std::find(part.begin(), part.end(), v) != part.end();
+    };
+    if (!is_in(run.split.train) && !is_in(run.split.test)) spare.push_back(v);
+  }
+  return spare;
+}
+
+bool ProposesViews(const RunOptions& options) {
+  return options.propose.proposers != "none" && options.trajectory.proposals > 0 && options.train.schedule != "none";
+}
+
+ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geometry& geometry,
+                        const TrainOptions& decided) {
+  ProposalPlan plan;
+  const bool own = ProposesViews(run->options) && CanPropose(*run, photos, geometry);
+  const auto& folder = run->options.propose.proposal_folder;
+  if (!own && folder.empty()) return plan;
+  const StageClock clock("propose", run->listener);
+  plan.key = Key(*run, geometry, decided);
+  if (!folder.empty()) plan.folder = ReadFolder(*run, photos.front());
+  if (own) plan.targets = OwnTargets(*run, geometry);
+  const bool cached = run->workspace.IsDone("propose", plan.key);
+  if (!plan.targets.empty() && run->options.propose.proposers != "warp") {
+    plan.opinions = TrainOpinions(run, photos, geometry, OpinionOptions(run->options, decided), plan.key);
+  }
+  if (cached) {
+    clock.Finish();
+    return plan;
+  }
+  std::vector<std::string> files;
+  if (!plan.targets.empty()) {
+    files = WriteCandidates(*run, Proposers(*run, photos, geometry, plan.opinions), plan.targets);
+    WriteTargets(run->workspace.proposals(), plan.targets);
+    files.emplace_back("proposals/transforms.json");
+  }
+  const double seconds = clock.Finish();
+  run->workspace.MarkDone("propose", {{"key", plan.key},
+                                      {"seconds", seconds},
+                                      {"targets", plan.targets.size()},
+                                      {"folder", plan.folder.proposals.size()},
+                                      {"opinions", plan.opinions.size()},
+                                      {"files", std::move(files)}});
+  return plan;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,30 @@
+#pragma once
+// The proposers of a run with what they work from, and their answers.
+
+#include <memory>
+#include <vector>
+
+#include "oraclegs/pipeline/depth_stage.h"
+#include "oraclegs/propose/splat.h"
+#include "oraclegs/propose/warp.h"
+
+namespace oraclegs {
+
+/// Owns the proposers that --proposers names, and where none can be asked "warp"; `photos` and `geometry` must outlive
+/// it.
+class Proposers {
+ public:
+  Proposers(const Run& run, const std::vector<Photo>& photos, const Geometry& geometry, std::vector<Opinion> opinions);
+
+  const Warper& warper() const { return *warper_; }
+  /// Candidates of each target, in their order, hidden photograph by hidden photograph (-1 = none hidden; one for each
+  /// target). A target that no proposer answers has none.
+  std::vector<std::vector<Proposal>> Ask(const std::vector<Target>& targets, const std::vector<int>& hidden) const;
+
+ private:
+  Silhouettes silhouettes_;
+  std::unique_ptr<Warper> warper_;
+  std::unique_ptr<Proposer> warp_, splat_;  ///< null when not asked for
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,76 @@
+"""Proposals and their confidence from the outside: files, messages, what is refused."""
+
+import json
+import subprocess
+import unittest
+
+from harness import EndToEnd, command, files_below, main, png
+
+RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
+       "--max-gaussians", 1500, "--opinions", 3, "--trajectory", "dataset"]  # fmt: skip
+
+
+class Propose(EndToEnd):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.dir / "views"
+        size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
+        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
+
+    def names(self, out):
+        return {part: json.loads((out / "split.json").read_text())[part] for part in ("train", "test")}
+
+    def test_stages_leave_files_and_reconstruct_uses_them(self):
+        out = self.dir / "out"
+        self.run_program("propose", self.scene, "-o", out, *RUN)
+        frames = json.loads((out / "proposals/transforms.json").read_text())["frames"]
+        self.assertEqual(len(frames), 5)
+        proposed = self.run_program("validate", self.scene, "-o", out, *RUN).stdout
+        used = {name.replace("/", "_").rsplit(".", 1)[0] for part in self.names(out).values() for name in part}
+        for frame in frames:
+            name = frame["file_path"].removesuffix(".png")
+            self.assertNotIn(name, used)
+            self.assertRegex(proposed, rf"(?m)^{name} +[0-9.]+ % trusted$")
+            for folder in ("proposals", "proposals/warp", "proposals/splat", "confidence", "confidence/preview"):
+                self.assertTrue((out / folder / f"{name}.png").is_file(), folder)
+        before = files_below(out / "proposals") | files_below(out / "confidence")
+        self.run_program("reconstruct", self.scene, "-o", out, *RUN)
+        self.assertEqual(files_below(out / "proposals") | files_below(out / "confidence"), before, "made once")
+        stages = json.loads((out / "metrics.json").read_text())["stages"]
+        self.assertTrue({"depth", "propose", "validate", "train"} <= stages.keys())
+
+        self.run_program("evaluate", out, "--oracle")
+        report = json.loads((out / "oracle.json").read_text())
+        self.assertEqual(report["views"], 5)
+        self.assertGreater(report["oracle"]["auroc_large_error"], 0.6)  # of a model of 6 iterations
+        self.assertEqual(report["uniform"]["auroc_large_error"], 0.5)
+
+    def test_a_folder_with_a_test_view_is_used_without_it(self):
+        out = self.dir / "with_folder"
+        self.run_program("sfm", self.scene, "-o", out, *RUN)
+        names = self.names(out)
+        every = [f"{i:03}.png" for i in range(20)]
+        split = {name.rsplit("/", 1)[-1] for part in names.values() for name in part}
+        spare = next(name for name in every if name not in split)
+        test = names["test"][0].rsplit("/", 1)[-1]
+        folder = self.dir / "others" / "synthetic_2"
+        folder.mkdir(parents=True)
+        for name in (spare, test):
+            (folder / name).write_bytes(png(80, 60, (90, 90, 90)))
+        arguments = [self.scene, "-o", out, *RUN, "--proposers", "none", "--proposal-folder", folder.parent]
+        done = self.run_program("validate", *arguments)
+        self.assertIn("test view", done.stderr)
+        self.assertEqual(len(list((out / "confidence").glob("*.png"))), 1)
+
+    def test_bad_folders_and_options(self):
+        out = ["-o", self.dir / "bad"]
+        missing = self.dir / "missing"
+        self.error_of("validate", self.scene, *out, *RUN, "--proposal-folder", missing, code=3, names=[missing])
+        self.error_of("propose", self.scene, *out, "--trajectory", "nowhere", code=2, names=["--trajectory"])
+        self.run_program("sfm", self.scene, *out, *RUN)
+        self.error_of("evaluate", self.dir / "bad", "--oracle", code=3, names=["--trajectory dataset"])
+
+
+if __name__ == "__main__":
+    main()
