@@ -21,7 +21,7 @@ inline constexpr size_t kPlentyOfPoints = 1000;
 /// (cached in sfm/). None when no other stage would use them.
 std::vector<ScenePoint> RunSfm(Run* run);
 
-/// True when a stage after "sfm" needs stereo: a dense start, or depth in the loss.
+/// True when a stage after "sfm" needs stereo: a dense start, depth in the loss, or proposals.
 bool NeedsDepth(const RunOptions& options);
 
 /// Start scale of dense points and of others, as a factor of the distance to the neighbours ([3DGS]'s and [MCMC]'s).
