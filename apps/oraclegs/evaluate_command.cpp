@@ -53,7 +53,8 @@ class EvaluateCommand : public SourceCommand {
  private:
   void Body(const Listener& listener) override {
     if (evaluate_.oracle && !InputIsWorkspace()) throw UsageError("--oracle needs the workspace of a run");
-    if (!model_.ply.empty() && !evaluate_.oracle) {
+    if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--oracle judges proposals, not a --ply");
+    if (!model_.ply.empty()) {
       const EvaluateRequest request{model_.ply, options_, out_.out, ORACLEGS_VERSION};
       return Print(SummaryOf(EvaluatePly(request, OpenScene(listener), listener), out_.out));
     }

@@ -25,6 +25,10 @@ TEST_F(OracleReportTest, MeasuresProposalsAgainstPhotographsThatNeitherTrainNorT
   }
   WritePng(run.workspace.proposals() / file, picture);
   WritePng(run.workspace.confidence() / file, Image8{80, 60, 1, trust});
+  EXPECT_THROW(ReportOracle(run), InputError);  // whose pictures these are nobody has said
+  const std::string stem = file.substr(0, file.size() - 4);
+  run.workspace.MarkDone("validate",
+                         {{"key", ""}, {"mean_confidence", {{stem, 0.9}}}, {"files", {"confidence/" + file}}});
   const nlohmann::json report = ReportOracle(run);
   EXPECT_EQ(report.at("views"), 1);
   EXPECT_EQ(report.at("oracle").at("pixels"), 80 * 60);

@@ -88,6 +88,7 @@ TEST_F(ProposeStageTest, TakesAFolderOfAnotherGenerator) {
   auto request = Request("with_folder");
   request.options.propose.proposers = "none";
   request.options.propose.proposal_folder = *temp / "folder";
+  fs::create_directories(folder);
   auto run = StartRun(request, recorder.AsListener());
   const std::string name = fs::path(run.scene.views[static_cast<size_t>(SpareViews(run)[0])].name).filename();
   WritePng(folder / name, Image8{80, 60, 3, std::vector<uint8_t>(size_t{80} * 60 * 3, 90)});
@@ -101,8 +102,7 @@ TEST_F(ProposeStageTest, TakesAFolderOfAnotherGenerator) {
 TEST_F(ProposeStageTest, AFolderThatIsNotThereIsBadInput) {
   auto request = Request("without_folder");
   request.options.propose.proposal_folder = *temp / "nowhere";
-  auto run = StartRun(request, Silent());
-  EXPECT_THAT(MessageOf<InputError>([&] { Propose(&run, Prepare(&run)); }), HasSubstr("nowhere"));
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("nowhere: is no folder"));
 }
 
 }  // namespace

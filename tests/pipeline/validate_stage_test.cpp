@@ -58,9 +58,10 @@ TEST_F(ValidateStageTest, TrustsAllWhenToldTo) {
 
 TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
   const fs::path folder = *temp / "ready" / "synthetic_1", maps = *temp / "ready" / "synthetic_1_attention_maps";
-  auto request = Request("ready");
+  auto request = Request("ready_out");
   request.options.propose.proposers = "none";
   request.options.propose.proposal_folder = *temp / "ready";
+  fs::create_directories(folder);
   std::vector<std::string> names;
   {
     auto run = StartRun(request, Silent());

@@ -194,5 +194,27 @@ TEST_F(WorkspaceTest, AFolderNameThatIsNotUtf8DoesNoHarm) {
   EXPECT_EQ(Refusal(), "") << "still the same scene";
 }
 
+TEST_F(WorkspaceTest, ForgetsThatAStageWasFinished) {
+  Workspace workspace = Claim();
+  workspace.MarkUndone("depth");  // never finished: nothing to forget
+  workspace.MarkDone("depth", {{"key", "k"}, {"files", nlohmann::json::array()}});
+  workspace.MarkDone("sfm", {{"key", "k"}, {"files", nlohmann::json::array()}});
+  workspace.MarkUndone("depth");
+  EXPECT_FALSE(workspace.IsDone("depth", "k"));
+  EXPECT_TRUE(workspace.Record("depth").is_null());
+  EXPECT_TRUE(workspace.IsDone("sfm", "k"));
+}
+
+TEST_F(WorkspaceTest, KeepsProposalFoldersApartFromTheRun) {
+  const std::filesystem::path folder = temp / "proposals";
+  std::filesystem::create_directories(out / "proposals");
+  std::filesystem::create_directories(folder);
+  EXPECT_EQ(MessageOf<InputError>([&] { RequireApart(out, folder); }), "");
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(out, temp / "nowhere"); }), HasSubstr("is no folder"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(out, out / "proposals"); }), HasSubstr("lies in the workspace"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(folder / "out", folder); }), HasSubstr("never written to"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(out, temp / "p\xff"); }), HasSubstr("not valid UTF-8"));
+}
+
 }  // namespace
 }  // namespace oraclegs

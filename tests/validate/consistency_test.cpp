@@ -89,7 +89,7 @@ TEST_F(ConsistencyTest, LearnsAnotherSourceWithoutForgettingTheFirst) {
 TEST_F(ConsistencyTest, NeedsSomethingToLearnFrom) {
   const Warper warper({photos, maps});
   ConsistencyOracle oracle(warper, photos);
-  EXPECT_THROW(oracle.Learn({}), UsageError);
+  EXPECT_THROW(oracle.Learn({}), InputError);
   EXPECT_THROW(oracle.Validate({hidden[0].proposal}), UsageError);
 }
 

@@ -64,6 +64,7 @@ std::vector<Opinion> TrainOpinions(Run* run, const std::vector<Photo>& photos, c
     const std::string stage = fmt::format("opinion {}", k), file = fmt::format("proposals/opinions/{}.ply", k);
     const auto path = run->workspace.root() / file;
     if (!run->workspace.IsDone(stage, key)) {
+      run->workspace.MarkUndone(stage);
       const std::vector<TrainView> kept = Without(views, left_out);
       FusionOptions fusion;
       if (ExposureSpread(geometry.gains) > kVariedExposure) fusion.gains = Without(geometry.gains, left_out);

@@ -11,18 +11,21 @@
 namespace oraclegs {
 
 nlohmann::json ReportOracle(const Run& run) {
+  const nlohmann::json record = run.workspace.Record("validate");
+  const nlohmann::json validated =
+      record.is_object() ? record.value("mean_confidence", nlohmann::json::object()) : nlohmann::json::object();
   std::vector<float> errors, confidence;
   double psnr = 0;
   int views = 0;
   for (const int v : SpareViews(run)) {
-    const std::string name = FileName(run.scene.views[static_cast<size_t>(v)].name) + ".png";
+    const std::string stem = FileName(run.scene.views[static_cast<size_t>(v)].name), name = stem + ".png";
+    if (!validated.contains(stem)) continue;
     const auto picture = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
-    std::error_code ignored;
-    if (!std::filesystem::exists(picture, ignored) || !std::filesystem::exists(map, ignored)) continue;
     const Photo truth = LoadPhotos(run.scene, {v}, run.options.photo, run.listener).front();
     const ImageF proposal = ToFloat(ReadImage(picture)), trust = ToFloat(ReadImage(map));
     if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
-      throw InputError("{}: is not of its photograph's size; run `oraclegs validate` again", picture.string());
+      throw InputError("{}: is not of its photograph's size; delete it and run `oraclegs validate` again",
+                       picture.string());
     }
     double squares = 0;
     size_t counted = 0;

@@ -10,6 +10,8 @@
 namespace oraclegs {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr double kProposeVersion = 1;   // raised when the same inputs give other proposals
 constexpr size_t kChunk = 8;            // targets whose pictures are held at once
 constexpr size_t kFewestPoints = 1000;  // dense points without which there is nothing to carry to a new view
@@ -20,23 +22,8 @@ std::string Key(const Run& run, const Geometry& geometry, const TrainOptions& de
   print.Add(kProposeVersion).Add(geometry.key);
   print.Add(OptionsToJson(run.options.propose).dump()).Add(OptionsToJson(run.options.trajectory).dump());
   print.Add(OptionsToJson(run.options.start).dump()).Add(OptionsToJson(OpinionOptions(run.options, decided)).dump());
-  print.Add(OptionsToJson(run.options.photo).dump());
-  for (const std::vector<int>* part : {&run.split.train, &run.split.test}) {
-    for (const int view : *part) print.Add(run.scene.views[static_cast<size_t>(view)].name);
-  }
-  for (const SceneView& view : run.scene.views) {
-    for (const double value : view.cam_from_world->matrix().reshaped()) print.Add(value);
-  }
-  const auto& folder = run.options.propose.proposal_folder;
-  std::error_code ignored;
-  if (!folder.empty()) {
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
-      if (entry.is_regular_file(ignored)) files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-    for (const auto& file : files) print.Add(file.string()).AddFile(file);
-  }
+  print.Add(OptionsToJson(run.options.photo).dump()).Add(ProposalInputs(run));
+  print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
   return print.Hex();
 }
 
@@ -118,6 +105,34 @@ std::vector<int> SpareViews(const Run& run) {
   return spare;
 }
 
+std::string ProposalInputs(const Run& run) {
+  fs::path folder = run.options.propose.proposal_folder;
+  if (!ProposesViews(run.options) && folder.empty()) return "";
+  Fingerprint print;
+  for (const std::vector<int>* part : {&run.split.train, &run.split.test}) {
+    for (const int view : *part) print.Add(run.scene.views[static_cast<size_t>(view)].name);
+    print.Add("|");
+  }
+  for (const SceneView& view : run.scene.views) {
+    print.Add(view.name).Add(view.lens.width).Add(view.lens.height);
+    for (const double value : view.lens.params) print.Add(value);
+    for (const double value : view.cam_from_world->matrix().reshaped()) print.Add(value);
+  }
+  if (folder.empty()) return print.Hex();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  std::vector<fs::path> files;
+  const fs::path maps = folder.parent_path() / (folder.filename().string() + "_attention_maps");  // beside synthetic_N
+  for (const fs::path& dir : {folder, maps}) {
+    std::error_code ignored;
+    for (const auto& entry : fs::recursive_directory_iterator(dir, ignored)) {
+      if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) print.Add(file.string()).AddFile(file);
+  return print.Hex();
+}
+
 bool ProposesViews(const RunOptions& options) {
   return options.propose.proposers != "none" && options.trajectory.proposals > 0 && options.train.schedule != "none";
 }
@@ -132,6 +147,8 @@ ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geomet
   plan.key = Key(*run, geometry, decided);
   if (!folder.empty()) plan.folder = ReadFolder(*run, photos.front());
   if (own) plan.targets = OwnTargets(*run, geometry);
+  // Both may be named after the same views.
+  for (Proposal& p : plan.folder.proposals) p.name = plan.targets.empty() ? p.name : "folder_" + p.name;
   const bool cached = run->workspace.IsDone("propose", plan.key);
   if (!plan.targets.empty() && run->options.propose.proposers != "warp") {
     plan.opinions = TrainOpinions(run, photos, geometry, OpinionOptions(run->options, decided), plan.key);
@@ -139,6 +156,11 @@ ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geomet
   if (cached) {
     clock.Finish();
     return plan;
+  }
+  run->workspace.MarkUndone("propose");
+  for (const char* old : {"warp", "splat", "transforms.json"}) {
+    std::error_code ignored;
+    fs::remove_all(run->workspace.proposals() / old, ignored);
   }
   std::vector<std::string> files;
   if (!plan.targets.empty()) {

@@ -21,6 +21,10 @@ struct ProposalPlan {
 /// Views of the scene that neither train nor test.
 std::vector<int> SpareViews(const Run& run);
 
+/// Everything that proposals depend on beside options and depth: names, lenses and poses of all views, and the files of
+/// --proposal-folder. "" for a run without proposals.
+std::string ProposalInputs(const Run& run);
+
 /// True when the run's own proposers are to be asked.
 bool ProposesViews(const RunOptions& options);
 

@@ -104,6 +104,8 @@ Run StartRun(const RunRequest& request, const Listener& listener) {
   RequireOutsideScene(request.out, request.scene);
   Scene scene = Read(request.scene, request.options, listener);
   RequireOutsideScene(request.out, scene, request.options.input.images);
+  const fs::path& proposals = request.options.propose.proposal_folder;
+  if (!proposals.empty()) RequireApart(request.out, proposals);
   // A registered photograph is not yet known, but what all of them together cannot fill is refused at once.
   SplitViews(scene, request.options.split);
   Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);

@@ -160,8 +160,8 @@ PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
 
 bool NeedsDepth(const RunOptions& options) {
   const std::string& init = options.start.init;
-  return ProposesViews(options) || init == "auto" || init == "dense" || init == "hybrid" ||
-         options.train.depth_weight > 0 || options.train.prune_floaters;
+  return ProposesViews(options) || !options.propose.proposal_folder.empty() || init == "auto" || init == "dense" ||
+         init == "hybrid" || options.train.depth_weight > 0 || options.train.prune_floaters;
 }
 
 std::vector<ScenePoint> RunSfm(Run* run) {

@@ -25,7 +25,11 @@ std::string InputsFingerprint(const Run& run) {
 }
 
 std::string TrainKey(const Run& run) {
-  return Fingerprint().Add(ShapingOptionsToJson(run.options).dump()).Add(InputsFingerprint(run)).Hex();
+  return Fingerprint()
+      .Add(ShapingOptionsToJson(run.options).dump())
+      .Add(InputsFingerprint(run))
+      .Add(ProposalInputs(run))
+      .Hex();
 }
 
 /// The newest checkpoint, when it belongs to these inputs; those of other photographs are removed.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/depth/depth_files.h"
@@ -135,19 +136,38 @@ Tensor ReadPicture(const std::filesystem::path& path, const Camera& camera, int 
   return channels == 3 ? rgb.clone() : rgb.select(2, 0).contiguous().clone();
 }
 
+/// What an earlier validation left, first of all that it was finished.
+void RemoveOld(Run* run) {
+  run->workspace.MarkUndone("validate");
+  std::error_code ignored;
+  std::filesystem::remove_all(run->workspace.confidence(), ignored);
+  std::filesystem::remove(run->workspace.root() / "oracle.json", ignored);
+  std::vector<std::filesystem::path> pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(run->workspace.proposals(), ignored)) {
+    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
+  }
+  for (const auto& picture : pictures) std::filesystem::remove(picture, ignored);
+}
+
 }  // namespace
 
 std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, const Geometry& geometry,
                                    const ProposalPlan& plan) {
-  if (plan.targets.empty() && plan.folder.proposals.empty()) return {};
+  if (plan.targets.empty() && plan.folder.proposals.empty()) {
+    run->workspace.MarkUndone("validate");
+    return {};
+  }
   const std::string key =
       Fingerprint().Add(kValidateVersion).Add(plan.key).Add(OptionsToJson(run->options.validate).dump()).Hex();
   const StageClock clock("validate", run->listener);
   if (!run->workspace.IsDone("validate", key)) {
-    std::error_code ignored;
-    std::filesystem::remove_all(run->workspace.confidence(), ignored);
+    RemoveOld(run);
     const Proposers proposers(*run, photos, geometry, plan.opinions);
-    const Judge judge(*run, photos, proposers);
+    const auto& ready_made = plan.folder.confidence;
+    const bool asked = !plan.targets.empty() ||
+                       std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
+    std::optional<Judge> judge;
+    if (asked) judge.emplace(*run, photos, proposers);
     std::vector<std::string> files;
     nlohmann::json means = nlohmann::json::object();
     const size_t total = plan.targets.size() + plan.folder.proposals.size();
@@ -162,12 +182,12 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
       const std::vector<Target> chunk(
           plan.targets.begin() + static_cast<int64_t>(first),
           plan.targets.begin() + static_cast<int64_t>(std::min(first + kChunk, plan.targets.size())));
-      for (const Validated& validated : judge(proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))))
+      for (const Validated& validated : (*judge)(proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))))
         take(validated);
     }
     for (size_t p = 0; p < plan.folder.proposals.size(); ++p) {
       const ConfidenceMap& ready = plan.folder.confidence[p];
-      take(ready.empty() ? judge({{plan.folder.proposals[p]}})[0] : Validated{plan.folder.proposals[p], ready});
+      take(ready.empty() ? (*judge)({{plan.folder.proposals[p]}})[0] : Validated{plan.folder.proposals[p], ready});
     }
     run->workspace.MarkDone("validate",
                             {{"key", key}, {"seconds", clock.Seconds()}, {"mean_confidence", means}, {"files", files}});
@@ -184,10 +204,10 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
     TrainView view{target.name, target.camera, ReadPicture(picture, target.camera, 3),
                    ReadPicture(run->workspace.confidence() / (target.name + ".png"), target.camera, 1)};
     const double mean = view.confidence.mean().item<double>();
-    trust += mean;
     if (mean < kLeastTrust) {
       rejected.push_back(target.name);
     } else {
+      trust += mean;
       views.push_back(std::move(view));
     }
   }
@@ -197,7 +217,7 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
                                       rejected.size(), targets.size(), SomeNames(rejected))});
   }
   run->listener(Note{fmt::format("{} proposals, trusted to {:.0f} % in the mean ({})", views.size(),
-                                 100 * trust / static_cast<double>(std::max<size_t>(1, targets.size())),
+                                 100 * trust / static_cast<double>(std::max<size_t>(1, views.size())),
                                  (run->workspace.confidence() / "preview").string())});
   return views;
 }

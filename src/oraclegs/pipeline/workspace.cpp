@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
@@ -20,9 +21,9 @@ constexpr int kFormat = 1;
 constexpr uint64_t kMaxJsonBytes = 64 << 20;
 
 // Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
-constexpr const char* kOwnNames[] = {"options.json", "split.json",      "stages.json", "metrics.json",
-                                     "sfm",          "point_cloud.ply", "checkpoints", "renders",
-                                     "depth",        "exposures.json",  "proposals",   "confidence"};
+constexpr const char* kOwnNames[] = {"options.json",    "split.json",  "stages.json", "metrics.json", "sfm",
+                                     "point_cloud.ply", "checkpoints", "renders",     "depth",        "exposures.json",
+                                     "proposals",       "confidence",  "oracle.json"};
 
 nlohmann::json ReadJson(const fs::path& path) {
   try {
@@ -162,6 +163,23 @@ void RequireOutsideScene(const fs::path& dir, const Scene& scene, const fs::path
   for (const fs::path& folder : folders) RequireOutside(dir, folder, "the scene's image folder");
 }
 
+void RequireApart(const fs::path& dir, const fs::path& folder) {
+  if (!IsUtf8(folder.string())) {
+    throw InputError("{}: the name of the --proposal-folder is not valid UTF-8; rename it",
+                     EscapeBytes(folder.string()));
+  }
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw InputError("{}: is no folder; name one that holds proposals with --proposal-folder", folder.string());
+  }
+  RequireOutside(dir, folder, "the proposal folder");
+  const fs::path out = Canonical(dir), inside = Canonical(folder);
+  const auto [end, rest] = std::mismatch(out.begin(), out.end(), inside.begin(), inside.end());
+  if (end != out.end()) return;
+  throw InputError("{}: lies in the workspace {}, whose files are written anew; move the proposals elsewhere",
+                   folder.string(), dir.string());
+}
+
 Workspace Workspace::Lock(const fs::path& dir) {
   RequireWritableFolder(dir);
   const int fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -217,6 +235,13 @@ bool Workspace::IsDone(const std::string& stage, const std::string& key) const {
     std::error_code ignored;
     return file.is_string() && fs::exists(root() / file.get<std::string>(), ignored);
   });
+}
+
+void Workspace::MarkUndone(const std::string& stage) {
+  if (Record(stage).is_null()) return;
+  nlohmann::json all = ReadJson(stages());
+  all.erase(stage);
+  WriteJson(stages(), all);
 }
 
 void Workspace::MarkDone(const std::string& stage, const nlohmann::json& record) {

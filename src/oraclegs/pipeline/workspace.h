@@ -72,6 +72,8 @@ class Workspace : public WorkspacePaths {
   nlohmann::json Record(const std::string& stage) const;
   /// Remembers that `stage` is finished: record must hold {"key", "seconds", "files": [...]}.
   void MarkDone(const std::string& stage, const nlohmann::json& record);
+  /// Forgets that `stage` was finished, before its files are written anew: killed halfway, they are not believed.
+  void MarkUndone(const std::string& stage);
 
  private:
   Workspace(std::filesystem::path root, int lock) : WorkspacePaths(std::move(root)), lock_(lock) {}
@@ -84,5 +86,9 @@ class Workspace : public WorkspacePaths {
 void RequireOutsideScene(const std::filesystem::path& dir, const std::filesystem::path& scene_root);
 /// The same, also for the folders of its photographs, which may lie elsewhere, and for --images unless empty.
 void RequireOutsideScene(const std::filesystem::path& dir, const Scene& scene, const std::filesystem::path& images);
+
+/// Throws InputError unless `folder`, a folder of proposals, is there, has a name in UTF-8, and neither it nor `dir`
+/// lies in the other.
+void RequireApart(const std::filesystem::path& dir, const std::filesystem::path& folder);
 
 }  // namespace oraclegs

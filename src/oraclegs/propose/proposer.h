@@ -17,7 +17,9 @@ class Proposer {
 
   /// What `target` sees, judged without training photograph `hidden` (-1: with all of them). With `hidden` the target
   /// is that photograph's own camera and the answer shows how wrong the proposer is where nobody looked: validation
-  /// measures it. Nothing when the proposer has no answer, or cannot forget a photograph.
+  /// measures it. (Stereo has
+  /// seen the photograph; only what it found there is left out.) Nothing when the proposer has no answer, or cannot
+  /// forget a photograph.
   virtual std::optional<Proposal> Propose(const Target& target, int hidden) const = 0;
 };
 

@@ -56,6 +56,11 @@ class Warper {
   /// everywhere.
   WarpedView Warp(const Camera& camera, int hidden) const;
 
+  /// The exposure that colours of a photograph are freed of, per channel.
+  Eigen::Vector3f Gain(size_t photograph) const {
+    return sources_.gains.empty() ? Eigen::Vector3f::Ones() : sources_.gains[photograph];
+  }
+
  private:
   struct Samples;
   struct Geometry;

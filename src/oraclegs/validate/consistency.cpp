@@ -1,6 +1,7 @@
 #include "oraclegs/validate/consistency.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "oraclegs/core/error.h"
@@ -67,8 +68,9 @@ struct ConsistencyOracle::Samples {
     errors.insert(errors.end(), more.errors.begin(), more.errors.end());
   }
 
-  /// Evenly spread pixels of the photograph that count.
-  static Samples Of(const Proposal& proposal, const WarpedView& warped, const Photo& photo, size_t most) {
+  /// Evenly spread pixels of the photograph that count, in the mean exposure, which proposals have.
+  static Samples Of(const Proposal& proposal, const WarpedView& warped, const Photo& photo, const Eigen::Vector3f& gain,
+                    size_t most) {
     Samples samples;
     const std::vector<Features> features = FeaturesOf(proposal, warped);
     // An odd stride, lest every sample stand in the same columns.
@@ -76,7 +78,10 @@ struct ConsistencyOracle::Samples {
     for (size_t i = 0; i < features.size(); i += stride) {
       if (!photo.mask.empty() && photo.mask[i] == 0) continue;
       samples.features.push_back(features[i]);
-      samples.errors.push_back(ColorError(&proposal.rgb.data[3 * i], &photo.rgb.data[3 * i]));
+      const float* shown = &photo.rgb.data[3 * i];
+      const std::array<float, 3> truth = {std::min(1.f, shown[0] / gain[0]), std::min(1.f, shown[1] / gain[1]),
+                                          std::min(1.f, shown[2] / gain[2])};
+      samples.errors.push_back(ColorError(&proposal.rgb.data[3 * i], truth.data()));
     }
     return samples;
   }
@@ -108,7 +113,8 @@ void ConsistencyOracle::Learn(const std::vector<HiddenPhotograph>& hidden) {
   for (const HiddenPhotograph& one : hidden) ++count[one.proposal.source];
   std::vector<Samples> samples(hidden.size());
   ForEachWarped(warper_, hidden, [&](size_t h, const WarpedView& warped) {
-    samples[h] = Samples::Of(hidden[h].proposal, warped, photos_[static_cast<size_t>(hidden[h].photograph)],
+    const auto v = static_cast<size_t>(hidden[h].photograph);
+    samples[h] = Samples::Of(hidden[h].proposal, warped, photos_[v], warper_.Gain(v),
                              kSamples / count.at(hidden[h].proposal.source));
   });
   std::map<std::string, Samples> by_source;
@@ -117,7 +123,13 @@ void ConsistencyOracle::Learn(const std::vector<HiddenPhotograph>& hidden) {
     by_source[hidden[h].proposal.source].Append(samples[h]);
     all.Append(samples[h]);
   }
-  if (all.errors.empty()) throw UsageError("the consistency oracle needs hidden photographs to learn from");
+  if (all.errors.empty()) {
+    throw InputError(
+        "no pixel of a training photograph can be hidden and proposed to learn from: masks exclude all of them; mend "
+        "the "
+        "masks, or use --confidence uniform");
+  }
+  std::erase_if(by_source, [](const auto& entry) { return entry.second.errors.empty(); });
   for (const auto& [source, of_source] : by_source) by_source_[source] = Fit(of_source);
   if (!any_) any_ = by_source.size() == 1 ? by_source_.begin()->second : Fit(all);
 }

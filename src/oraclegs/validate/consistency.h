@@ -30,8 +30,8 @@ class ConsistencyOracle : public Oracle {
  public:
   ConsistencyOracle(const Warper& warper, const std::vector<Photo>& photos) : warper_(warper), photos_(photos) {}
 
-  /// Learns from hidden photographs; those of a source that was learnt before replace it. Warps each. Throws UsageError
-  /// when there is none.
+  /// Learns from hidden photographs; those of a source that was learnt before replace it. Warps each. Throws InputError
+  /// when no pixel of them counts.
   void Learn(const std::vector<HiddenPhotograph>& hidden);
 
   std::string name() const override { return "consistency"; }
