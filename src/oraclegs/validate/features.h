@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// Names of the features, for the files that a calibration is written to.
+/// What the features are, in their order.
 inline constexpr std::array kFeatureNames = {
     "support",  // log of the photographs' support of the surface there
     "views",    // how many photographs show it
