@@ -42,7 +42,9 @@ TEST_F(OpinionsTest, SayWhyThereAreNone) {
   EXPECT_THAT(
       TrainOpinions(&run, prepared.photos, prepared.geometry, OpinionOptions(run.options, prepared.decided), "k"),
       IsEmpty());
-  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("no quick models for --proposers splat: without 4 photographs")));
+  EXPECT_THAT(recorder.warnings,
+              Contains(testing::AllOf(HasSubstr("no quick models for --proposers splat: without 4 photographs"),
+                                      HasSubstr("photographs are warped instead"))));
 }
 
 TEST_F(OpinionsTest, DoNotDependOnHowProposalsAreTrainedOn) {

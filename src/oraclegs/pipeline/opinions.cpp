@@ -73,7 +73,7 @@ std::vector<Opinion> TrainOpinions(Run* run, const std::vector<Photo>& photos, c
       if (kept.size() < kFewestPhotographs || points.size() < kPlentyOfPoints) {
         run->listener(Warning{fmt::format(
             "no quick models for --proposers splat: without {} photographs {} and {} dense points are left, {} and {} "
-            "are needed",
+            "are needed; photographs are warped instead",
             left_out.size(), kept.size(), points.size(), kFewestPhotographs, kPlentyOfPoints)});
         return {};
       }
