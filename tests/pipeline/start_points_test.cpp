@@ -58,7 +58,7 @@ TEST_F(StartPointsTest, RandomIsWhatWasAskedForAndRemembered) {
   auto run = MakeRun(500);
   EXPECT_THAT(RunSfm(&run), IsEmpty()) << "nobody would use them";
   EXPECT_TRUE(run.workspace.Record("sfm").is_null());
-  const StartPoints start = ChooseStart(&run, {}, {});
+  const StartPoints start = ChooseStart(&run, {}, {}, {});
   EXPECT_EQ(start.source, "random");
   EXPECT_EQ(start.cloud.xyz.size(), 400u);
   EXPECT_EQ(run.workspace.Record("start").at("source"), "random");
@@ -81,7 +81,7 @@ TEST_F(StartPointsTest, SfmIsEmptyWhereNothingCanBeTriangulated) {
   run.split.train.resize(1);
   const std::vector<ScenePoint> points = RunSfm(&run);
   EXPECT_THAT(points, IsEmpty());
-  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, points, {}); }), HasSubstr("--init random"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, {}, points, {}); }), HasSubstr("--init random"));
 }
 
 TEST_F(StartPointsTest, StereoIsAskedForByAStartFromItByTheDepthTermAndByPruning) {
@@ -102,7 +102,7 @@ TEST_F(StartPointsTest, StereoIsAskedForByAStartFromItByTheDepthTermAndByPruning
 TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {
   request.options.start.init = "dense";
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, Points(300), Dense(2000));
+  const StartPoints start = ChooseStart(&run, {}, Points(300), Dense(2000));
   EXPECT_EQ(start.source, "dense");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   ASSERT_EQ(start.cloud.normals.size(), 500u);
@@ -110,25 +110,25 @@ TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {
   EXPECT_EQ(CountDense(start.cloud), 500u);
   EXPECT_EQ(start.cloud.normals[17], Eigen::Vector3f(0, 0, -1));
   EXPECT_EQ(start.cloud.rgb[17], Eigen::Vector3f(0.1f, 0.2f, 0.3f));
-  EXPECT_EQ(ChooseStart(&run, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
+  EXPECT_EQ(ChooseStart(&run, {}, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
   run.options.start.seed = 1;
-  EXPECT_NE(ChooseStart(&run, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
+  EXPECT_NE(ChooseStart(&run, {}, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
 }
 
 TEST_F(StartPointsTest, InsistingOnPointsThatAreNotThereIsRefused) {
   request.options.start.init = "dense";
   auto run = MakeRun(0);
-  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, Points(300), Dense(3)); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, {}, Points(300), Dense(3)); }),
               testing::AllOf(HasSubstr("stereo gave 3 points"), HasSubstr("--init sfm")));
   run.options.start.init = "sfm";
-  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, Points(3), Dense(2000)); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, {}, Points(3), Dense(2000)); }),
               testing::AllOf(HasSubstr("gave 3 points"), HasSubstr("--init random")));
 }
 
 TEST_F(StartPointsTest, SfmTakesEveryNthPointBeyondTheBudget) {
   request.options.start.init = "sfm";
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, Points(1000), Dense(2000));
+  const StartPoints start = ChooseStart(&run, {}, Points(1000), Dense(2000));
   EXPECT_EQ(start.source, "sfm");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   EXPECT_FLOAT_EQ(start.cloud.xyz[1].x(), 0.02f);  // every second one
@@ -139,9 +139,9 @@ TEST_F(StartPointsTest, SfmTakesEveryNthPointBeyondTheBudget) {
 TEST_F(StartPointsTest, AutoPrefersPlentyOfDensePoints) {
   request.options.start.init = "auto";
   auto run = MakeRun(0);
-  EXPECT_EQ(ChooseStart(&run, Points(300), Dense(1000)).source, "dense");
+  EXPECT_EQ(ChooseStart(&run, {}, Points(300), Dense(1000)).source, "dense");
   EXPECT_TRUE(recorder.warnings.empty());
-  EXPECT_EQ(ChooseStart(&run, Points(1000), Dense(999)).source, "sfm");
+  EXPECT_EQ(ChooseStart(&run, {}, Points(1000), Dense(999)).source, "sfm");
   ASSERT_EQ(recorder.warnings.size(), 1u);
   EXPECT_THAT(recorder.warnings[0], HasSubstr("stereo gave 999 points only"));
 }
@@ -149,7 +149,7 @@ TEST_F(StartPointsTest, AutoPrefersPlentyOfDensePoints) {
 TEST_F(StartPointsTest, AutoJoinsFewSparsePointsByRandomOnesUpToTheBudget) {
   request.options.start.init = "auto";
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, Points(150), {});
+  const StartPoints start = ChooseStart(&run, {}, Points(150), {});
   EXPECT_EQ(start.source, "sfm+random");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);  // 400 random points were asked for, the budget is 500
   EXPECT_EQ(start.cloud.rgb.size(), 500u);
@@ -160,7 +160,7 @@ TEST_F(StartPointsTest, AutoJoinsFewSparsePointsByRandomOnesUpToTheBudget) {
 TEST_F(StartPointsTest, AutoFallsBackToRandomPointsWithAWarning) {
   request.options.start.init = "auto";
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, Points(99), {});
+  const StartPoints start = ChooseStart(&run, {}, Points(99), {});
   EXPECT_EQ(start.source, "random");
   EXPECT_EQ(start.cloud.xyz.size(), 400u);
   ASSERT_FALSE(recorder.warnings.empty());
@@ -170,7 +170,7 @@ TEST_F(StartPointsTest, AutoFallsBackToRandomPointsWithAWarning) {
 TEST_F(StartPointsTest, HybridKeepsRoomForSparseAndRandomPoints) {
   request.options.start.init = "hybrid";
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, Points(200), Dense(2000));
+  const StartPoints start = ChooseStart(&run, {}, Points(200), Dense(2000));
   EXPECT_EQ(start.source, "dense+sfm+random");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   ASSERT_EQ(start.cloud.normals.size(), 500u);
@@ -180,8 +180,8 @@ TEST_F(StartPointsTest, HybridKeepsRoomForSparseAndRandomPoints) {
   EXPECT_EQ(start.cloud.normals[250], Eigen::Vector3f(0, 0, 0));
   EXPECT_EQ(run.workspace.Record("start").at("source"), "dense+sfm+random");
 
-  EXPECT_EQ(ChooseStart(&run, {}, {}).source, "random") << "what there is";
-  EXPECT_EQ(ChooseStart(&run, Points(2000), Dense(2000)).cloud.xyz.size(), 500u) << "never more than the budget";
+  EXPECT_EQ(ChooseStart(&run, {}, {}, {}).source, "random") << "what there is";
+  EXPECT_EQ(ChooseStart(&run, {}, Points(2000), Dense(2000)).cloud.xyz.size(), 500u) << "never more than the budget";
 }
 
 }  // namespace

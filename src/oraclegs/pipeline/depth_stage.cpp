@@ -52,9 +52,7 @@ std::vector<DepthMap> ReadBack(const Run& run, const std::vector<Photo>& photos)
 
 void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->gains = EstimateGains(geometry->maps, photos);
-  FusionOptions options;
-  if (ExposureSpread(geometry->gains) > kVariedExposure) options.gains = geometry->gains;
-  geometry->points = FuseDepth(geometry->maps, photos, options);
+  geometry->points = FuseDepth(geometry->maps, photos, FusionOf(geometry->gains));
 }
 
 void Tell(const Run& run, const Geometry& geometry) {
@@ -75,6 +73,12 @@ void Tell(const Run& run, const Geometry& geometry) {
 }
 
 }  // namespace
+
+FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains) {
+  FusionOptions options;
+  if (ExposureSpread(gains) > kVariedExposure) options.gains = gains;
+  return options;
+}
 
 Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points) {
   const std::string key = Key(*run, points);

@@ -20,6 +20,9 @@ struct Geometry {
   std::vector<Eigen::Vector3f> gains;  ///< of the photographs' exposures (depth/gains.h)
 };
 
+/// How photographs of such exposures are fused: colours are freed of them where they vary.
+FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains);
+
 /// Stage "depth": multi-view stereo over the training photographs, in the order of the split. Writes depth/ and
 /// sfm/dense.ply; read back when photographs, points and options are unchanged. `points` are those of stage "sfm".
 /// Tells what share of the pixels is confident, and warns of photographs of which next to nothing is.

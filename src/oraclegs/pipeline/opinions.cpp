@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "oraclegs/depth/gains.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/start_points.h"
@@ -66,18 +65,19 @@ std::vector<Opinion> TrainOpinions(Run* run, const std::vector<Photo>& photos, c
     if (!run->workspace.IsDone(stage, key)) {
       run->workspace.MarkUndone(stage);
       const std::vector<TrainView> kept = Without(views, left_out);
-      FusionOptions fusion;
-      if (ExposureSpread(geometry.gains) > kVariedExposure) fusion.gains = Without(geometry.gains, left_out);
-      const std::vector<DensePoint> points =
-          FuseDepth(Without(geometry.maps, left_out), Without(photos, left_out), fusion);
-      if (kept.size() < kFewestPhotographs || points.size() < kPlentyOfPoints) {
+      const std::vector<Photo> shown = Without(photos, left_out);
+      Geometry rest;
+      rest.maps = Without(geometry.maps, left_out);
+      rest.gains = Without(geometry.gains, left_out);
+      rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
+      if (kept.size() < kFewestPhotographs || rest.points.size() < kPlentyOfPoints) {
         run->listener(Warning{fmt::format(
             "no quick models for --proposers splat: without {} photographs {} and {} dense points are left, {} and {} "
             "are needed; photographs are warped instead",
-            left_out.size(), kept.size(), points.size(), kFewestPhotographs, kPlentyOfPoints)});
+            left_out.size(), kept.size(), rest.points.size(), kFewestPhotographs, kPlentyOfPoints)});
         return {};
       }
-      const PointCloud cloud = ToPointCloud(Thinned(points, static_cast<size_t>(options.max_gaussians), start.seed));
+      const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options.max_gaussians));
       Trainer trainer(
           options, start.seed + static_cast<uint64_t>(k), BackgroundColor(run->options.photo.background), kept,
           InitializeGaussians(

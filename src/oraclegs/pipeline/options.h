@@ -31,6 +31,7 @@ struct StartOptions {
   double init_scale = 0;
   double init_opacity = 0.5;
   double init_flatness = 1;
+  std::string init_planes = "yes";
   uint64_t seed = 0;
 
   template <class V>
@@ -49,6 +50,9 @@ struct StartOptions {
           "Start thickness along the surface's normal, as a share of the other two scales; "
           "1 = round",
           Range{0.01, 1});
+    visit("init-planes", init_planes,
+          "A dense start also where stereo finds nothing, as far as the planes beside go on there (lawns, plain walls)",
+          Choice{{"yes", "no"}});
     visit("seed", seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
   }
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "oraclegs/depth/plane_fill.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/propose_stage.h"
 #include "oraclegs/scene/pose_check.h"
@@ -38,8 +39,13 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
 /// The points of one --init word after the other, within the budget.
 class StartBuilder {
  public:
-  StartBuilder(const Run& run, const std::vector<ScenePoint>& sfm, const Geometry& geometry)
-      : run_(run), sfm_(sfm), geometry_(geometry), budget_(static_cast<size_t>(run.options.train.max_gaussians)) {}
+  StartBuilder(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& sfm,
+               const Geometry& geometry)
+      : run_(run),
+        photos_(photos),
+        sfm_(sfm),
+        geometry_(geometry),
+        budget_(static_cast<size_t>(run.options.train.max_gaussians)) {}
 
   StartPoints Build() {
     const std::string& init = run_.options.start.init;
@@ -112,7 +118,7 @@ class StartBuilder {
   }
 
   void AddDense(size_t most) {
-    Add(ToPointCloud(Thinned(geometry_.points, std::min(most, Left()), run_.options.start.seed)), "dense");
+    Add(DenseStart(run_.options.start, photos_, geometry_, std::min(most, Left())), "dense");
   }
 
   void AddSfm() {
@@ -140,6 +146,7 @@ class StartBuilder {
   }
 
   const Run& run_;
+  const std::vector<Photo>& photos_;
   const std::vector<ScenePoint>& sfm_;
   const Geometry& geometry_;
   size_t budget_;
@@ -180,8 +187,19 @@ std::vector<ScenePoint> RunSfm(Run* run) {
   return points;
 }
 
-StartPoints ChooseStart(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry) {
-  StartPoints start = StartBuilder(*run, sfm, geometry).Build();
+PointCloud DenseStart(const StartOptions& options, const std::vector<Photo>& photos, const Geometry& geometry,
+                      size_t budget) {
+  std::vector<DensePoint> points = geometry.points;
+  if (options.init_planes == "yes") {
+    const std::vector<DensePoint> more = FillPlanes(geometry.maps, photos, points, FusionOf(geometry.gains));
+    points.insert(points.end(), more.begin(), more.end());
+  }
+  return ToPointCloud(Thinned(points, budget, options.seed));
+}
+
+StartPoints ChooseStart(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& sfm,
+                        const Geometry& geometry) {
+  StartPoints start = StartBuilder(*run, photos, sfm, geometry).Build();
   run->listener(Note{fmt::format("starting from {} points ({})", start.cloud.xyz.size(), start.source)});
   run->workspace.MarkDone("start", {{"key", ""},
                                     {"seconds", 0},

@@ -30,6 +30,12 @@ inline constexpr double kDenseScale = 1, kSparseScale = 0.1;
 /// With normals.
 PointCloud ToPointCloud(const std::vector<DensePoint>& points);
 
+/// A dense start of at most `budget` points: those of the geometry and, unless --init-planes says no, what continues
+/// them where stereo found nothing (depth/plane_fill.h). `photos` belong to `geometry.maps`. Nothing when stereo found
+/// nothing.
+PointCloud DenseStart(const StartOptions& options, const std::vector<Photo>& photos, const Geometry& geometry,
+                      size_t budget);
+
 struct StartPoints {
   PointCloud cloud;
   std::string source;  ///< of "dense", "sfm" and "random" those that took part, joined by "+"
@@ -40,6 +46,7 @@ struct StartPoints {
 /// alone. Random points fill the volume that the training cameras look at (the Blender cube for Blender scenes). At
 /// most
 /// --max-gaussians points. Throws InputError when --init names points of which there are none.
-StartPoints ChooseStart(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry);
+StartPoints ChooseStart(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& sfm,
+                        const Geometry& geometry);
 
 }  // namespace oraclegs

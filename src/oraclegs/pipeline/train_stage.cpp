@@ -64,8 +64,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   return std::nullopt;
 }
 
-Gaussians StartGaussians(Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry) {
-  const StartPoints start = ChooseStart(run, sfm, geometry);
+Gaussians StartGaussians(Run* run, const Preparation& prepared) {
+  const StartPoints start = ChooseStart(run, prepared.photos, prepared.sfm, prepared.geometry);
   const StartOptions& options = run->options.start;
   const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
   return InitializeGaussians(
@@ -115,7 +115,7 @@ void RunTrain(Run* run) {
       std::filesystem::remove(run->workspace.point_cloud(), ignored);
       std::filesystem::remove(run->workspace.exposures(), ignored);
     }
-    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared.sfm, geometry);
+    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
     const StageClock clock("train", run->listener);
     trainer.emplace(prepared.decided, run->options.start.seed, BackgroundColor(run->options.photo.background),
                     TrainingData{TrainViews(photos, geometry), std::move(proposals)}, std::move(start));

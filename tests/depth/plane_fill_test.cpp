@@ -1,0 +1,131 @@
+#include "oraclegs/depth/plane_fill.h"
+
+#include <gtest/gtest.h>
+
+#include "depth/surfaces.h"
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
+
+DensePoint PointAt(const Eigen::Vector3f& xyz, const Eigen::Vector3f& normal) {
+  DensePoint point;
+  point.xyz = xyz, point.normal = normal, point.pixel_size = 0.01f;
+  return point;
+}
+
+/// A grid on z = depth, facing -z.
+void AddWall(float depth, int side, std::vector<DensePoint>* points) {
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      points->push_back(PointAt({0.1f * static_cast<float>(x), 0.1f * static_cast<float>(y), depth}, {0, 0, -1}));
+    }
+  }
+}
+
+TEST(FindPlanes, FindsTheLargestFirstAndLeavesScatteredPointsAlone) {
+  std::vector<DensePoint> points;
+  AddWall(3, 30, &points);
+  AddWall(5, 40, &points);
+  for (int i = 0; i < 40; ++i) {  // off every plane by more than five pixels, or turned away from it
+    points.push_back(PointAt({0.07f * static_cast<float>(i), 0.3f, 6 + 0.2f * static_cast<float>(i)}, {0, 0, -1}));
+    points.push_back(PointAt({0.07f * static_cast<float>(i), 0.5f, 3}, {1, 0, 0}));
+  }
+  const std::vector<ScenePlane> planes = FindPlanes(points);
+  ASSERT_GE(planes.size(), 2u);
+  EXPECT_NEAR(planes[0].Distance({1, 2, 5}), 0, 1e-4);
+  EXPECT_NEAR(planes[1].Distance({1, 2, 3}), 0, 1e-4);
+  EXPECT_NEAR(planes[0].normal.z(), -1, 1e-4);
+  for (size_t p = 2; p < planes.size(); ++p) {
+    EXPECT_LT(std::abs(planes[p].normal.z()), 0.9) << "no wall is found twice";
+  }
+}
+
+TEST(FindPlanes, FewPointsMakeNone) {
+  std::vector<DensePoint> points;
+  AddWall(3, 20, &points);
+  EXPECT_TRUE(FindPlanes(points).empty());
+}
+
+/// Photographs of one plane, whose depth is known but for a square in the middle of each.
+class FillPlanesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    photos = TakeAll(kSlanted, Arc(3, 6));
+    for (const Photo& photo : photos) {
+      maps.push_back(TrueDepth(photo, kSlanted, 0.9f));
+      for (int y = 25; y < 47; ++y) {
+        for (int x = 36; x < 60; ++x) Forget(&maps.back(), static_cast<size_t>(y) * 96 + static_cast<size_t>(x));
+      }
+    }
+    points = FuseDepth(maps, photos, {});
+  }
+  static void Forget(DepthMap* map, size_t i) {
+    map->inv_depth[i] = map->confidence[i] = 0;
+    map->normals[i].setZero();
+  }
+  std::vector<DensePoint> Fill() const { return FillPlanes(maps, photos, points, {}); }
+
+  std::vector<Photo> photos;
+  std::vector<DepthMap> maps;
+  std::vector<DensePoint> points;
+};
+
+TEST_F(FillPlanesTest, TheHoleIsFilledOnThePlaneOnce) {
+  const std::vector<DensePoint> filled = Fill();
+  EXPECT_GT(filled.size(), 60u) << "a quarter of the pixels that no photograph knows";
+  EXPECT_LT(filled.size(), 3 * 22 * 24 / 4u) << "what one photograph has filled the others do not fill again";
+  for (const DensePoint& p : filled) {
+    EXPECT_LT(std::abs((p.xyz.cast<double>() - kSlanted.point).dot(kSlanted.normal)), 0.01);
+    EXPECT_GT(p.normal.cast<double>().dot(kSlanted.normal), 0.99) << "towards the cameras";
+    EXPECT_EQ(p.confidence, 0);
+    EXPECT_EQ(p.views, 1);
+    EXPECT_GT(p.pixel_size, 0);
+  }
+}
+
+TEST_F(FillPlanesTest, NothingIsFilledWhereOtherPhotographsShowAnotherColour) {
+  for (size_t v = 0; v < 3; ++v) {
+    for (float& value : photos[v].rgb.data) value = 0.2f * value + 0.4f * static_cast<float>(v);
+  }
+  EXPECT_TRUE(Fill().empty());
+}
+
+TEST_F(FillPlanesTest, NothingIsFilledThatAnotherPhotographLooksThrough) {
+  for (float& w : maps[1].inv_depth) w *= 0.5f;  // it saw a surface twice as far
+  for (size_t v : {0u, 2u}) {
+    for (size_t i = 0; i < maps[1].size(); ++i) {
+      if (maps[1].confidence[i] == 0) maps[1].confidence[i] = 0.9f, maps[1].inv_depth[i] = 0.1f;
+    }
+    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {photos[v], photos[1]}, points, {})) {
+      const Eigen::Vector3d there = photos[1].camera.cam_from_world * p.xyz.cast<double>();
+      const double x = photos[1].camera.fx * there.x() / there.z() + photos[1].camera.cx;
+      const double y = photos[1].camera.fy * there.y() / there.z() + photos[1].camera.cy;
+      EXPECT_TRUE(x < 0 || y < 0 || x >= 96 || y >= 72) << "photograph 1 is sure of a farther surface everywhere";
+    }
+  }
+}
+
+TEST_F(FillPlanesTest, MaskedPixelsStayEmpty) {
+  for (Photo& photo : photos) photo.mask.assign(maps[0].size(), 0);
+  EXPECT_TRUE(Fill().empty());
+}
+
+TEST_F(FillPlanesTest, IsTheSameForAnyNumberOfThreads) {
+  const std::vector<DensePoint> before = Fill();
+  SetNumThreads(1);
+  const std::vector<DensePoint> after = Fill();
+  SetNumThreads(0);
+  ASSERT_EQ(before.size(), after.size());
+  for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(before[i].xyz, after[i].xyz);
+}
+
+TEST_F(FillPlanesTest, NothingToGoByFillsNothing) {
+  EXPECT_TRUE(FillPlanes({}, {}, points, {}).empty());
+  EXPECT_TRUE(FillPlanes(maps, photos, {}, {}).empty());
+}
+
+}  // namespace
+}  // namespace oraclegs
