@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "depth/surfaces.h"
 #include "pipeline/fixtures.h"
 
 namespace oraclegs {
@@ -113,6 +114,24 @@ TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {
   EXPECT_EQ(ChooseStart(&run, {}, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
   run.options.start.seed = 1;
   EXPECT_NE(ChooseStart(&run, {}, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
+}
+
+TEST(DenseStart, ContinuesPlanesWhereStereoIsBlindUnlessToldNotTo) {
+  const TexturedPlane wall{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
+  const std::vector<Photo> photos = TakeAll(wall, Arc(3, 6));
+  Geometry geometry;
+  for (const Photo& photo : photos) {
+    geometry.maps.push_back(TrueDepth(photo, wall, 0.9f));
+    DepthMap& map = geometry.maps.back();
+    for (size_t i = 30 * 96; i < 40 * 96; ++i) map.confidence[i] = 0;
+  }
+  geometry.points = FuseDepth(geometry.maps, photos, {});
+  StartOptions options;
+  const size_t all = DenseStart(options, photos, geometry, 1000000).xyz.size();
+  options.init_planes = "no";
+  EXPECT_EQ(DenseStart(options, photos, geometry, 1000000).xyz.size(), geometry.points.size());
+  EXPECT_GT(all, geometry.points.size() + 100);
+  EXPECT_EQ(DenseStart(options, photos, geometry, 500).xyz.size(), 500u);
 }
 
 TEST_F(StartPointsTest, InsistingOnPointsThatAreNotThereIsRefused) {

@@ -71,10 +71,11 @@ std::vector<Opinion> TrainOpinions(Run* run, const std::vector<Photo>& photos, c
       rest.gains = Without(geometry.gains, left_out);
       rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
       if (kept.size() < kFewestPhotographs || rest.points.size() < kPlentyOfPoints) {
-        run->listener(Warning{fmt::format(
-            "no quick models for --proposers splat: without {} photographs {} and {} dense points are left, {} and {} "
-            "are needed; photographs are warped instead",
-            left_out.size(), kept.size(), rest.points.size(), kFewestPhotographs, kPlentyOfPoints)});
+        run->listener(
+            Warning{fmt::format("no quick models for --proposers splat: one would have {} photographs and {} dense "
+                                "points, and needs {} and "
+                                "{}; photographs are warped instead",
+                                kept.size(), rest.points.size(), kFewestPhotographs, kPlentyOfPoints)});
         return {};
       }
       const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options.max_gaussians));
