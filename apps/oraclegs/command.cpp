@@ -8,6 +8,7 @@
 
 #include "config_file.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/workspace.h"
 
 namespace oraclegs {

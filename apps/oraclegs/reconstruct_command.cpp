@@ -1,4 +1,5 @@
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/stage_table.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -7,12 +8,14 @@ namespace {
 class ReconstructCommand : public WorkspaceCommand {
  public:
   explicit ReconstructCommand(CLI::App* app)
-      : WorkspaceCommand(app, "reconstruct", "Photographs in, splat and scores out: sfm, train and evaluate in one run",
+      : WorkspaceCommand(app, "reconstruct", "Photographs in, splat and scores out: all stages in one run",
                          "oraclegs reconstruct photos/ -o out/ --views 12 --downscale 2") {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
-    Print(SummaryOf(Reconstruct(request, listener), request.out));
+    const nlohmann::json before = request.overwrite ? nlohmann::json::object() : ReadStageRecords(request.out);
+    const nlohmann::json metrics = Reconstruct(request, listener);
+    Print(StageTable(before, ReadStageRecords(request.out)) + SummaryOf(metrics, request.out));
   }
 };
 

@@ -4,8 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
@@ -35,12 +36,6 @@ std::string RateText(double per_second) {
 }
 
 }  // namespace
-
-std::string FormatSeconds(double seconds) {
-  const auto s = static_cast<int64_t>(std::llround(std::clamp(seconds, 0.0, 1e9)));
-  if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
-  return fmt::format("{}:{:02}", s / 60, s % 60);
-}
 
 Terminal::Terminal(Verbosity verbosity)
     : verbosity_(verbosity), bar_(verbosity != Verbosity::kQuiet && isatty(STDERR_FILENO)) {

@@ -11,9 +11,6 @@
 
 namespace oraclegs {
 
-/// "9:05", "1:02:33"
-std::string FormatSeconds(double seconds);
-
 /// Shows events on stderr: on a terminal one line that is drawn again and again, elsewhere a plain line about every ten
 /// seconds or ten percent; with kQuiet only warnings.
 class Terminal {
