@@ -56,7 +56,8 @@ void Command::BindInput(const char* name, std::filesystem::path* path, const cha
       ->required();
 }
 
-void Command::Run() {
+void Command::Run(const std::string& command_line) {
+  command_line_ = command_line;
   if (!config_.empty()) ApplyConfigFile(config_, app_);
   if (!preset_.empty()) ApplyPreset(preset_, app_);
   ApplyDefaults();

@@ -44,8 +44,8 @@ class Command {
 
   /// True when the command line named this command.
   bool Chosen() const { return app_->parsed(); }
-  /// Reads --config, --preset and the like, checks all options, runs the body.
-  void Run();
+  /// Reads --config, --preset and the like, checks all options, runs the body. `command_line` is what was typed.
+  void Run(const std::string& command_line);
 
  protected:
   template <class Options>
@@ -64,6 +64,8 @@ class Command {
   virtual void Body(const Listener& listener) = 0;
 
   CLI::App* app() { return app_; }
+  /// What was typed, as a shell would read it again.
+  const std::string& CommandLine() const { return command_line_; }
   /// Prints to stdout, unless --quiet was given.
   void Print(const std::string& text) const;
 
@@ -73,6 +75,7 @@ class Command {
   const MachineOptions* machine_ = nullptr;  ///< of the derived class
   std::filesystem::path config_;
   std::string preset_;
+  std::string command_line_;
   std::vector<std::function<void()>> checks_;
 };
 
@@ -84,6 +87,7 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
 
 // One per file of this folder.
 std::unique_ptr<Command> MakeReconstruct(CLI::App* app);
+std::unique_ptr<Command> MakeAblate(CLI::App* app);
 std::unique_ptr<Command> MakeSfm(CLI::App* app);
 std::unique_ptr<Command> MakeDepth(CLI::App* app);
 std::unique_ptr<Command> MakePropose(CLI::App* app);

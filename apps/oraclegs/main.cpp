@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -33,10 +35,25 @@ bool IsTorchOutOfMemory(const std::string& what) {
   return what.find("can't allocate memory") != std::string::npos || what.find("out of memory") != std::string::npos;
 }
 
-int RunChosen(const std::vector<std::unique_ptr<Command>>& commands) {
+/// "oraclegs train 'my scene' -o out", which a shell reads as what was typed.
+std::string CommandLine(int argc, char** argv) {
+  std::string line = "oraclegs";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+      return std::isalnum(c) || c >= 0x80 || std::strchr("-_./,=:+@%", c);
+    });
+    line += plain ? " " : " '";
+    for (const char c : word) line += c == '\'' ? "'\\''" : std::string(1, c);
+    if (!plain) line += "'";
+  }
+  return line;
+}
+
+int RunChosen(const std::vector<std::unique_ptr<Command>>& commands, const std::string& command_line) {
   try {
     for (const auto& command : commands) {
-      if (command->Chosen()) command->Run();
+      if (command->Chosen()) command->Run(command_line);
     }
     return 0;
   } catch (const Error& e) {
@@ -65,7 +82,7 @@ int Main(int argc, char** argv) {
       "  oraclegs reconstruct /tmp/demo -o /tmp/demo_out --preset quick");
   std::vector<std::unique_ptr<Command>> commands;
   for (auto* make : {MakeReconstruct, MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain, MakeEvaluate,
-                     MakeRender, MakeExport, MakeInfo, MakeDemoScene}) {
+                     MakeAblate, MakeRender, MakeExport, MakeInfo, MakeDemoScene}) {
     commands.push_back(make(&app));
   }
   try {
@@ -79,7 +96,7 @@ int Main(int argc, char** argv) {
     std::replace(what.begin(), what.end(), '\n', ' ');
     return Fail(fmt::format("{}; see `oraclegs {}--help`", what, help), kUsage);
   }
-  return RunChosen(commands);
+  return RunChosen(commands, CommandLine(argc, argv));
 }
 
 }  // namespace

@@ -9,12 +9,13 @@ import unittest
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "render", "export", "info", "demo-scene"]
+COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "export", "info", "demo-scene"]
 
 # Where each command's options are declared, below src/oraclegs.
 RUN_OPTIONS = ["pipeline/options.h", "scene/split.h", "scene/photos.h", "depth/stereo.h", "train/options.h"]
 DECLARED_IN = {
     **{name: RUN_OPTIONS for name in ["reconstruct", "sfm", "depth", "train", "evaluate"]},
+    "ablate": RUN_OPTIONS + ["pipeline/ablation.h"],
     "render": RUN_OPTIONS + ["pipeline/render_path.h"],
     "export": ["pipeline/export.h"],
     "demo-scene": ["demo/demo_scene.h"],

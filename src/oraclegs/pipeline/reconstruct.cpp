@@ -6,14 +6,18 @@
 
 namespace oraclegs {
 
+nlohmann::json Reconstruct(Run* run) {
+  if (!IsTrained(*run)) {
+    for (const int view : run->split.test) LoadPhotos(run->scene, {view}, run->options.photo, Silent());
+    RunTrain(run);
+  }
+  RunEvaluate(run);
+  return ReadMetrics(run->workspace.root());
+}
+
 nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener) {
   Run run = StartRun(request, listener);
-  if (!IsTrained(run)) {
-    for (const int view : run.split.test) LoadPhotos(run.scene, {view}, run.options.photo, Silent());
-    RunTrain(&run);
-  }
-  RunEvaluate(&run);
-  return ReadMetrics(request.out);
+  return Reconstruct(&run);
 }
 
 }  // namespace oraclegs

@@ -10,4 +10,7 @@ namespace oraclegs {
 /// before training, so that a damaged one is told before an hour is spent.
 nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener);
 
+/// The same of a run that has been started.
+nlohmann::json Reconstruct(Run* run);
+
 }  // namespace oraclegs

@@ -1,0 +1,28 @@
+#include "oraclegs/pipeline/ablation.h"
+#include "workspace_command.h"
+
+namespace oraclegs {
+namespace {
+
+class AblateCommand : public WorkspaceCommand {
+ public:
+  explicit AblateCommand(CLI::App* app)
+      : WorkspaceCommand(app, "ablate", "Train a scene with one part of the program after the other: what each brings",
+                         "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --rows mcmc,proposals,confidence") {
+    Bind("Ablation", &options_);
+  }
+
+ private:
+  void Fill(const RunRequest& request, const Listener& listener) override {
+    Print(AblationText(RunAblation({request, options_, CommandLine()}, listener)) +
+          fmt::format("table      {}", (request.out / "ablation.md").string()));
+  }
+
+  AblateOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeAblate(CLI::App* app) { return std::make_unique<AblateCommand>(app); }
+
+}  // namespace oraclegs
