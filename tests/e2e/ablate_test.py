@@ -27,7 +27,7 @@ class Ablate(EndToEnd):
                 self.assertEqual(metrics["seed"], run["seed"])
         document = (out / "ablation.md").read_text()
         self.assertIn(f"    oraclegs ablate {self.scene} -o '{out}' --stereo-iterations 3 ", document)
-        table = [line for line in document.splitlines() if re.match(r"\| \d .* \| \d", line)]
+        table = [line for line in document.splitlines() if re.match(r"\| \d [^|]*\| \d+\.\d\d ± ", line)]
         self.assertEqual(len(table), 2)
 
         rows = files_below(out / "rows")

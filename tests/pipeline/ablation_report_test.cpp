@@ -11,7 +11,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-AblationRun Run(uint64_t seed, double psnr) {
+AblationRun Ran(uint64_t seed, double psnr) {
   AblationRun run;
   run.seed = seed, run.workspace = "rows/x";
   run.psnr = psnr, run.ssim = psnr / 100, run.psnr_color_corrected = psnr + 1;
@@ -30,9 +30,9 @@ Ablation Example() {
   a.scene = "fox", a.command = "oraclegs ablate fox -o out", a.version = "1.2.3";
   a.train_views = 12, a.test_views = 7, a.width = 270, a.height = 480, a.iterations = 7000, a.max_gaussians = 100000;
   a.seeds = {0, 1, 2};
-  a.rows = {{1, "mcmc", "MCMC, random start", "alone", {{"init", "random"}}, {Run(0, 20), Run(1, 21), Run(2, 22)}},
+  a.rows = {{1, "mcmc", "MCMC, random start", "alone", {{"init", "random"}}, {Ran(0, 20), Ran(1, 21), Ran(2, 22)}},
             {2, "proposals", "+ proposals", "views", {{"prune-floaters", false}}, {Failed(0), Failed(1), Failed(2)}},
-            {3, "schedule", "+ schedule", "a|b", {{"proposal-folder", ""}}, {Run(2, 23.5), Failed(1), Run(0, 20.5)}},
+            {3, "schedule", "+ schedule", "a|b", {{"proposal-folder", ""}}, {Ran(2, 23.5), Failed(1), Ran(0, 20.5)}},
             {4, "sfm", "+ SfM start", "points", {}, {}}};
   a.notes = {"A note."};
   return a;
@@ -56,7 +56,7 @@ TEST(GainOf, ComparesSeedBySeedWithTheNearestRowThatHasScores) {
   EXPECT_FALSE(GainOf(Example(), 0));
   EXPECT_FALSE(GainOf(Example(), 3));
   Ablation other = Example();
-  other.rows[2].runs = {Run(9, 20)};
+  other.rows[2].runs = {Ran(9, 20)};
   EXPECT_FALSE(GainOf(other, 2)) << "no seed in common";
 }
 
@@ -75,7 +75,7 @@ TEST(AblationText, AlignsScoresAndTellsFailures) {
 TEST(AblationText, ShowsNoDeviationOfOneSeedAndNoScoresWithoutTestPixels) {
   Ablation a = Example();
   a.seeds = {5};
-  a.rows = {{1, "mcmc", "MCMC", "alone", {}, {Run(5, 20)}}};
+  a.rows = {{1, "mcmc", "MCMC", "alone", {}, {Ran(5, 20)}}};
   EXPECT_THAT(AblationText(a), AllOf(HasSubstr("seed 5\n"), HasSubstr("20.00  0.2000"), Not(HasSubstr("±"))));
   a.rows[0].runs[0].psnr = a.rows[0].runs[0].ssim = a.rows[0].runs[0].psnr_color_corrected = std::nullopt;
   EXPECT_THAT(AblationText(a), HasSubstr("1 MCMC     -     -          -     -      1:00\n"));
