@@ -24,7 +24,7 @@ TEST(AblationRows, TheLastIsTheProgramAsItIs) {
   EXPECT_EQ(Shaping(last), ShapingOptionsToJson(RunOptions{}));
   RunOptions asked;
   asked.split.views = 12;
-  asked.start = {"hybrid", 0.7, 0.1, 0.5, 3};
+  asked.start = {"hybrid", 0.7, 0.1, 0.5, "no", 3};
   asked.propose.proposers = "splat", asked.propose.proposal_folder = "/somewhere";
   asked.validate.pick = "pixel";
   asked.train.iterations = 100, asked.train.depth_weight = 2, asked.train.dropout = 0.1, asked.train.exposure = "on";

@@ -54,6 +54,33 @@ TEST_F(ProposeStageTest, IsSkippedWhenNothingHasChanged) {
   }
 }
 
+TEST_F(ProposeStageTest, KeepsTheQuickModelsWhenOnlyThePosesAreOthers) {
+  auto run = StartRun(Request("poses"), Silent());
+  const Preparation prepared = Prepare(&run);
+  const ProposalPlan first = Propose(&run, prepared);
+  const auto written = fs::last_write_time(run.workspace.proposals() / "opinions" / "0.ply");
+  run.options.trajectory.proposals = 5;
+  const ProposalPlan fewer = Propose(&run, prepared);
+  EXPECT_NE(fewer.key, first.key);
+  EXPECT_EQ(fewer.targets.size(), 5u);
+  EXPECT_EQ(fewer.opinions.size(), first.opinions.size());
+  EXPECT_EQ(fs::last_write_time(run.workspace.proposals() / "opinions" / "0.ply"), written);
+}
+
+TEST_F(ProposeStageTest, WarpsDoNotDependOnHowGaussiansStart) {
+  RunRequest request = Request("warp_key");
+  request.options.propose.proposers = "warp";
+  auto run = StartRun(request, Silent());
+  const Preparation prepared = Prepare(&run);
+  const std::string before = Propose(&run, prepared).key;
+  run.options.start.init_opacity = 0.2;
+  EXPECT_EQ(Propose(&run, prepared).key, before);
+  run.options.propose.proposers = "splat";
+  const std::string splat = Propose(&run, prepared).key;
+  run.options.start.init_opacity = 0.5;
+  EXPECT_NE(Propose(&run, prepared).key, splat);
+}
+
 TEST_F(ProposeStageTest, MakesOtherOpinionsForAnotherSeed) {
   auto request = Request("seed");
   auto run = StartRun(request, Silent());

@@ -13,7 +13,7 @@ using testing::Not;
 json Records() {
   return {{"register", {{"seconds", 61.2}, {"photographs", 12}, {"registered", 11}}},
           {"sfm", {{"seconds", 12}, {"points", 3021}}},
-          {"depth", {{"seconds", 62}, {"points", 41230}}},
+          {"depth", {{"seconds", 62}, {"points", 41230}, {"confident_share", 0.78}}},
           {"propose", {{"seconds", 130}, {"targets", 32}, {"folder", 0}, {"opinions", 4}}},
           {"validate", {{"seconds", 40}, {"mean_confidence", {{"a", 0.5}, {"b", 0.7}}}}},
           {"start", {{"seconds", 0}, {"points", 400}}},
@@ -26,7 +26,7 @@ TEST(StageTable, SaysOfEachStageWhatItTookAndGave) {
             "stage        time  result\n"
             "register     1:01  11 of 12 photographs\n"
             "sfm          0:12  3021 points\n"
-            "depth        1:02  41230 dense points\n"
+            "depth        1:02  sure on 78 % of the pixels, 41230 dense points\n"
             "propose      2:10  32 views, 4 quick models\n"
             "validate     0:40  2 proposals, trusted to 60 % in the mean\n"
             "train     1:01:40  98123 Gaussians, 7000 iterations\n"
@@ -47,9 +47,10 @@ TEST(StageTable, PassesOverWhatARunDidNotNeed) {
   json records = Records();
   records["propose"]["folder"] = 3;
   EXPECT_THAT(StageTable({}, records), HasSubstr("32 views, 3 from the folder, 4 quick models"));
-  records.erase("validate");  // of an earlier run with other options
+  records.erase("propose");
   EXPECT_THAT(StageTable({}, records), Not(HasSubstr("propose")));
   records["propose"] = {{"seconds", 1}, {"targets", 0}};  // no usable pose
+  records.erase("validate");
   EXPECT_THAT(StageTable({}, records), HasSubstr("0 views"));
   records["evaluate"]["test"]["psnr"] = nullptr;
   EXPECT_THAT(StageTable({}, records), HasSubstr("no test pixels"));

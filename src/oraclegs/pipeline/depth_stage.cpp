@@ -55,16 +55,19 @@ void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->points = FuseDepth(geometry->maps, photos, FusionOf(geometry->gains));
 }
 
+double MeanConfidentShare(const std::vector<DepthMap>& maps) {
+  double sum = 0;
+  for (const DepthMap& map : maps) sum += ConfidentShare(map);
+  return maps.empty() ? 0 : sum / static_cast<double>(maps.size());
+}
+
 void Tell(const Run& run, const Geometry& geometry) {
-  double share = 0;
   std::vector<std::string> poor;
   for (const DepthMap& map : geometry.maps) {
-    const double own = ConfidentShare(map);
-    share += own / static_cast<double>(geometry.maps.size());
-    if (own < kNextToNothing) poor.push_back(map.name);
+    if (ConfidentShare(map) < kNextToNothing) poor.push_back(map.name);
   }
-  run.listener(Note{fmt::format("depth is confident on {:.0f} % of the pixels; {} dense points", 100 * share,
-                                geometry.points.size())});
+  run.listener(Note{fmt::format("depth is confident on {:.0f} % of the pixels; {} dense points",
+                                100 * MeanConfidentShare(geometry.maps), geometry.points.size())});
   if (poor.empty()) return;
   run.listener(Warning{fmt::format(
       "hardly any depth was found in {}: no other photograph shows the same surfaces from near by, or they have no "
@@ -106,9 +109,11 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
     Fuse(photos, &geometry);
     WriteDensePly(run->workspace.dense_ply(), geometry.points);
     files.emplace_back("sfm/dense.ply");
-    run->workspace.MarkDone(
-        "depth",
-        {{"key", key}, {"seconds", clock.Seconds()}, {"points", geometry.points.size()}, {"files", std::move(files)}});
+    run->workspace.MarkDone("depth", {{"key", key},
+                                      {"seconds", clock.Seconds()},
+                                      {"points", geometry.points.size()},
+                                      {"confident_share", MeanConfidentShare(geometry.maps)},
+                                      {"files", std::move(files)}});
   } else {
     Fuse(photos, &geometry);
   }

@@ -12,16 +12,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kProposeVersion = 1;   // raised when the same inputs give other proposals
+constexpr double kProposeVersion = 2;   // raised when the same inputs give other proposals
 constexpr size_t kChunk = 8;            // targets whose pictures are held at once
 constexpr size_t kFewestPoints = 1000;  // dense points without which there is nothing to carry to a new view
 constexpr size_t kFewestPhotographs = 3;
+
+/// Of the quick models: other poses are no reason to train them again.
+std::string OpinionKey(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
+  Fingerprint print;
+  print.Add(kProposeVersion).Add(geometry.key).Add(run.options.propose.opinions);
+  print.Add(OptionsToJson(run.options.start).dump()).Add(OptionsToJson(OpinionOptions(run.options, decided)).dump());
+  print.Add(OptionsToJson(run.options.photo).dump());
+  print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
+  return print.Hex();
+}
 
 std::string Key(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
   Fingerprint print;
   print.Add(kProposeVersion).Add(geometry.key);
   print.Add(OptionsToJson(run.options.propose).dump()).Add(OptionsToJson(run.options.trajectory).dump());
-  print.Add(OptionsToJson(run.options.start).dump()).Add(OptionsToJson(OpinionOptions(run.options, decided)).dump());
+  print.Add(static_cast<double>(run.options.start.seed));  // of the poses
+  // Nothing else of start or training reaches a warp.
+  if (run.options.propose.proposers != "warp") print.Add(OpinionKey(run, geometry, decided));
   print.Add(OptionsToJson(run.options.photo).dump()).Add(ProposalInputs(run));
   print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
   return print.Hex();
@@ -142,7 +154,10 @@ ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geomet
   ProposalPlan plan;
   const bool own = ProposesViews(run->options) && CanPropose(*run, photos, geometry);
   const auto& folder = run->options.propose.proposal_folder;
-  if (!own && folder.empty()) return plan;
+  if (!own && folder.empty()) {
+    run->workspace.MarkUndone("propose");
+    return plan;
+  }
   const StageClock clock("propose", run->listener);
   plan.key = Key(*run, geometry, decided);
   if (!folder.empty()) plan.folder = ReadFolder(*run, photos.front());
@@ -151,7 +166,8 @@ ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geomet
   for (Proposal& p : plan.folder.proposals) p.name = plan.targets.empty() ? p.name : "folder_" + p.name;
   const bool cached = run->workspace.IsDone("propose", plan.key);
   if (!plan.targets.empty() && run->options.propose.proposers != "warp") {
-    plan.opinions = TrainOpinions(run, photos, geometry, OpinionOptions(run->options, decided), plan.key);
+    plan.opinions = TrainOpinions(run, photos, geometry, OpinionOptions(run->options, decided),
+                                  OpinionKey(*run, geometry, decided));
   }
   if (cached) {
     clock.Finish();

@@ -48,7 +48,11 @@ constexpr Row kRows[] = {
        return fmt::format("{} of {} photographs", Count(r, "registered"), Count(r, "photographs"));
      }},
     {"sfm", [](const json& r) { return fmt::format("{} points", Count(r, "points")); }},
-    {"depth", [](const json& r) { return fmt::format("{} dense points", Count(r, "points")); }},
+    {"depth",
+     [](const json& r) {
+       return fmt::format("sure on {:.0f} % of the pixels, {} dense points", 100 * r.value("confident_share", 0.0),
+                          Count(r, "points"));
+     }},
     {"propose", Proposed},
     {"validate", Validated},
     {"train",
@@ -57,12 +61,6 @@ constexpr Row kRows[] = {
      }},
     {"evaluate", Scored},
 };
-
-/// An earlier run may have proposed what this one did not ask for: then nothing of it was validated.
-bool IsForgotten(const std::string& stage, const json& records) {
-  return stage == "propose" && !records.contains("validate") &&
-         Count(records["propose"], "targets") + Count(records["propose"], "folder") > 0;
-}
 
 }  // namespace
 
@@ -78,7 +76,7 @@ json ReadStageRecords(const std::filesystem::path& workspace) {
 std::string StageTable(const json& before, const json& after) {
   std::vector<std::vector<std::string>> lines = {{"stage", "time", "result"}};
   for (const Row& row : kRows) {
-    if (!after.contains(row.stage) || IsForgotten(row.stage, after)) continue;
+    if (!after.contains(row.stage)) continue;
     const json& record = after[row.stage];
     const bool unchanged = before.contains(row.stage) && before[row.stage] == record;
     lines.push_back({row.stage, FormatSeconds(record.value("seconds", 0.0)), row.result(record)});

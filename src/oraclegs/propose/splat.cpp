@@ -9,7 +9,6 @@ namespace {
 
 constexpr float kOpaque = 0.5f;  // less alpha says nothing of depth
 constexpr size_t kTrimFrom = 4;  // values
-constexpr int kPhotographsPerHidden = 12;
 
 /// One opinion's picture.
 struct Render {
@@ -78,9 +77,7 @@ std::optional<Proposal> SplatProposer::Propose(const Target& target, int hidden)
 std::vector<int> LeftOut(int photographs, int opinions, int k) {
   std::vector<int> left_out;
   if (opinions < 2) return left_out;
-  const int each = std::max(1, (photographs + kPhotographsPerHidden / 2) / kPhotographsPerHidden);
-  const int hidden = std::min(photographs, opinions * each);
-  for (int h = k; h < hidden; h += opinions) left_out.push_back((2 * h + 1) * photographs / (2 * hidden));
+  for (int v = k; v < photographs; v += opinions) left_out.push_back(v);
   return left_out;
 }
 

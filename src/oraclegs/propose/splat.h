@@ -33,8 +33,8 @@ class SplatProposer : public Proposer {
   std::unique_ptr<Rasterizer> rasterizer_;
 };
 
-/// The photographs that opinion k of n leaves out: one of about twelve, spread evenly; none is left out twice. What a
-/// model lacks it shows wrongly in every new view, so it lacks as little as the oracle needs to learn from.
+/// The photographs that opinion k of n leaves out: every n-th, beginning with the k-th; each photograph is left out by
+/// exactly one.
 std::vector<int> LeftOut(int photographs, int opinions, int k);
 
 }  // namespace oraclegs
