@@ -1,0 +1,111 @@
+#pragma once
+// Where the tensors of a network come from. A network's structs are filled by functions that ask a ParameterSource for
+// one tensor after the other by its checkpoint name and shape; so one description of a network serves to load it from a
+// file, to list its names, and to make one up.
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "oraclegs/core/safetensors.h"
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+class ParameterSource {
+ public:
+  virtual ~ParameterSource() = default;
+  /// The tensor called `name`, of this shape.
+  virtual Tensor Get(const std::string& name, at::IntArrayRef shape) = 0;
+  /// Says that official checkpoints hold this tensor although the network never reads it.
+  virtual void Unused(const std::string& name, at::IntArrayRef shape) = 0;
+};
+
+/// A place in a checkpoint's tree of names: at / "attn" / 3 stands for the names that begin with "attn.3.".
+class ParameterScope {
+ public:
+  explicit ParameterScope(ParameterSource& source) : source_(&source) {}
+
+  ParameterScope operator/(const std::string& name) const {
+    ParameterScope inner = *this;
+    inner.prefix_ += name + ".";
+    return inner;
+  }
+  ParameterScope operator/(int64_t index) const { return *this / std::to_string(index); }
+
+  Tensor Get(const std::string& name, at::IntArrayRef shape) const { return source_->Get(prefix_ + name, shape); }
+  void Unused(const std::string& name, at::IntArrayRef shape) const { source_->Unused(prefix_ + name, shape); }
+
+ private:
+  ParameterSource* source_;
+  std::string prefix_;
+};
+
+struct CheckpointOptions {
+  std::string model = "this network";  ///< its name in messages
+  std::string prefix = {};             ///< of all its names in the file; what does not begin so is not looked at
+  std::vector<std::string> ignored =
+      {};  ///< beginnings of names (behind the prefix) that may be there and are not read
+  torch::Device device = torch::kCPU;
+  /// Names that begin with `cast_prefix` become `cast_type`; all others become float32.
+  torch::ScalarType cast_type = torch::kFloat;
+  std::string cast_prefix = {};
+};
+
+/// Reads safetensors files of F32, F16, BF16 or F64. Float32 for the CPU is not copied: the tensors are the mapped
+/// file, so they must not be written to, and memory is only used for what a forward pass reads.
+class FileParameters : public ParameterSource {
+ public:
+  /// Opens the files, whose names together make up one checkpoint. Throws InputError as SafetensorsFile does.
+  FileParameters(const std::vector<std::filesystem::path>& paths, CheckpointOptions options);
+
+  /// A tensor that is missing or does not fit is noted, and one without memory (device meta) returned in its place.
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override;
+  void Unused(const std::string& name, at::IntArrayRef shape) override;
+  /// Throws one InputError that lists what is missing, too much, twice there, no floating-point tensor or of another
+  /// shape; of each kind the first twenty. To be called when the network is filled, before it is used.
+  void Finish() const;
+
+ private:
+  struct Place {
+    std::shared_ptr<const SafetensorsFile> file;
+    const TensorEntry* entry;
+  };
+  bool Ignores(const std::string& name) const;
+  torch::ScalarType TypeOf(const std::string& name) const;
+
+  CheckpointOptions options_;
+  std::string files_;
+  std::map<std::string, Place> places_;
+  std::set<std::string> known_;
+  std::vector<std::string> missing_, twice_, wrong_type_, wrong_shape_;
+};
+
+/// Notes names and shapes; the tensors have no memory (device meta).
+class ListedParameters : public ParameterSource {
+ public:
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override;
+  void Unused(const std::string& name, at::IntArrayRef shape) override;
+  const std::map<std::string, std::vector<int64_t>>& shapes() const { return shapes_; }
+
+ private:
+  std::map<std::string, std::vector<int64_t>> shapes_;
+};
+
+/// Makes up weights under which activations keep their size: uniform with variance 1/inputs; scales of norms near 1,
+/// other vectors near 0. For measurements and tests of full-size networks. The same for any number of threads.
+class RandomParameters : public ParameterSource {
+ public:
+  explicit RandomParameters(uint64_t seed) : seed_(seed) {}
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override;
+  void Unused(const std::string&, at::IntArrayRef) override {}
+
+ private:
+  uint64_t seed_, tensors_ = 0;
+};
+
+}  // namespace oraclegs
