@@ -109,11 +109,11 @@ TEST(Safetensors, ValuesConvert) {
 TEST(Safetensors, NumbersThatDoNotFitAreRefused) {
   const std::vector<float> wild = {std::nanf("")}, big = {3e9f}, minus = {-1}, edge = {9223372036854775808.f};
   const std::vector<int64_t> large = {int64_t{1} << 40};
-  const std::vector<uint16_t> half = {0x3c00};
+  const std::vector<uint16_t> words = {0x3c00};
   const std::map<std::string, TensorEntry> tensors = {
       {"wild", {"F32", {1}, BytesOf(wild)}},   {"big", {"F32", {1}, BytesOf(big)}},
       {"minus", {"F32", {1}, BytesOf(minus)}}, {"edge", {"F32", {1}, BytesOf(edge)}},
-      {"large", {"I64", {1}, BytesOf(large)}}, {"half", {"F16", {1}, BytesOf(half)}}};
+      {"large", {"I64", {1}, BytesOf(large)}}, {"words", {"U16", {1}, BytesOf(words)}}};
   const auto file = SafetensorsFile::Parse(SerializeSafetensors(tensors, {}), "memory");
   EXPECT_TRUE(std::isnan(file.Values<float>("wild")[0]));
   EXPECT_THROW(file.Values<int64_t>("wild"), InputError);
@@ -121,7 +121,23 @@ TEST(Safetensors, NumbersThatDoNotFitAreRefused) {
   EXPECT_THROW(file.Values<uint8_t>("minus"), InputError);
   EXPECT_THROW(file.Values<int64_t>("edge"), InputError);
   EXPECT_THROW(file.Values<int32_t>("large"), InputError);
-  EXPECT_THAT([&] { file.Values<float>("half"); }, ThrowsMessage<InputError>(HasSubstr("tensor \"half\" is F16")));
+  EXPECT_THAT([&] { file.Values<float>("words"); }, ThrowsMessage<InputError>(HasSubstr("tensor \"words\" is U16")));
+}
+
+TEST(Safetensors, HalfPrecisionIsReadExactly) {
+  const std::vector<uint16_t> f16 = {0x3c00, 0xc000, 0x3555, 0x7bff, 0x0400, 0x0001, 0x8000, 0x7c00, 0x7e00};
+  const std::vector<uint16_t> bf16 = {0x3f80, 0xc000, 0x3eab, 0x7f80, 0x0001};
+  const auto file = SafetensorsFile::Parse(
+      SerializeSafetensors({{"f16", {"F16", {9}, BytesOf(f16)}}, {"bf16", {"BF16", {5}, BytesOf(bf16)}}}, {}),
+      "memory");
+  const float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<float> half = file.Values<float>("f16");
+  EXPECT_EQ((std::vector<float>(half.begin(), half.end() - 1)),
+            (std::vector<float>{1, -2, 0.333251953125f, 65504, 0x1p-14f, 0x1p-24f, -0.f, infinity}));
+  EXPECT_TRUE(std::signbit(half[6]));
+  EXPECT_TRUE(std::isnan(half[8]));
+  EXPECT_THAT(file.Values<float>("bf16"), ElementsAre(1, -2, 0.333984375f, infinity, 0x1p-133f));
+  EXPECT_THROW(file.Values<int32_t>("f16"), InputError);
 }
 
 TEST(Safetensors, MissingTensorIsNamed) {

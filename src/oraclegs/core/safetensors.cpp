@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -138,14 +139,40 @@ template <class T, class From>
 std::vector<T> Convert(std::string_view bytes, const std::string& where) {
   std::vector<T> values(bytes.size() / sizeof(From));
   for (size_t i = 0; i < values.size(); ++i) {
-    From value;
-    std::memcpy(&value, bytes.data() + i * sizeof(From), sizeof(From));  // a file need not align its tensors
+    From stored;
+    std::memcpy(&stored, bytes.data() + i * sizeof(From), sizeof(From));  // a file need not align its tensors
+    const auto value = [&] {
+      if constexpr (std::is_class_v<From>)
+        return static_cast<float>(stored);
+      else
+        return stored;
+    }();
     if (!Represents<T>(value))
       throw InputError("{} holds {} at element {}, where a whole number that fits is needed", where, value, i);
     values[i] = static_cast<T>(value);
   }
   return values;
 }
+
+/// The upper half of a float32.
+struct BFloat16 {
+  uint16_t bits;
+  operator float() const { return std::bit_cast<float>(uint32_t{bits} << 16); }
+};
+
+/// IEEE half precision: 1 sign bit, 5 of exponent, 10 of fraction.
+struct Float16 {
+  uint16_t bits;
+  operator float() const {
+    const int exponent = bits >> 10 & 31;
+    const float fraction = static_cast<float>(bits & 1023) / 1024;
+    const float size = exponent == 31  ? (bits & 1023 ? std::numeric_limits<float>::quiet_NaN()
+                                                      : std::numeric_limits<float>::infinity())
+                       : exponent == 0 ? std::ldexp(fraction, -14)
+                                       : std::ldexp(1 + fraction, exponent - 15);
+    return bits >> 15 ? -size : size;
+  }
+};
 
 struct Closer {
   int fd;
@@ -251,10 +278,12 @@ std::vector<T> SafetensorsFile::Values(const std::string& name) const {
   const std::string where = fmt::format("{}: tensor {}", name_, Quoted(name));
   if (entry.dtype == "F32") return Convert<T, float>(entry.bytes, where);
   if (entry.dtype == "F64") return Convert<T, double>(entry.bytes, where);
+  if (entry.dtype == "F16") return Convert<T, Float16>(entry.bytes, where);
+  if (entry.dtype == "BF16") return Convert<T, BFloat16>(entry.bytes, where);
   if (entry.dtype == "I32") return Convert<T, int32_t>(entry.bytes, where);
   if (entry.dtype == "I64") return Convert<T, int64_t>(entry.bytes, where);
   if (entry.dtype == "U8") return Convert<T, uint8_t>(entry.bytes, where);
-  throw InputError("{} is {}, can read F32, F64, I32, I64 and U8; convert the file", where, entry.dtype);
+  throw InputError("{} is {}, can read F32, F64, F16, BF16, I32, I64 and U8; convert the file", where, entry.dtype);
 }
 
 template std::vector<float> SafetensorsFile::Values<float>(const std::string&) const;

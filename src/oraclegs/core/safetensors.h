@@ -34,8 +34,8 @@ class SafetensorsFile {
   bool Has(const std::string& name) const { return tensors_.count(name) > 0; }
   /// Throws InputError naming the file and the missing tensor.
   const TensorEntry& Get(const std::string& name) const;
-  /// The values converted from F32, F64, I32, I64 or U8 to float, double, int32_t, int64_t or uint8_t. Throws
-  /// InputError for another dtype and for a number that an integer T cannot hold.
+  /// The values converted from F32, F64, F16, BF16, I32, I64 or U8 to float, double, int32_t, int64_t or uint8_t.
+  /// Throws InputError for another dtype and for a number that an integer T cannot hold.
   template <class T>
   std::vector<T> Values(const std::string& name) const;
 
