@@ -70,6 +70,20 @@ TEST_P(DepthAnythingParity, PreparesPhotographsAsTheOfficialCode) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, DepthAnythingParity, testing::Values(1, 2));
 
+TEST(DepthAnything, SameBitsForAnyNumberOfThreads) {
+  const SafetensorsFile file = OpenGolden(kFixture);
+  FileParameters source = GoldenWeights(kFixture);
+  const DepthAnything model = LoadDepthAnything(source, GoldenConfig(file));
+  const auto run = [&](int threads) {
+    at::set_num_threads(threads);
+    return Forward(model, GoldenFloat(file, "input.normalized"));
+  };
+  const int before = at::get_num_threads();
+  const Tensor one = run(1), three = run(3);
+  at::set_num_threads(before);
+  EXPECT_TRUE(torch::equal(one, three));
+}
+
 TEST(DepthAnything, NamesAndShapesAreThoseOfThePublishedNetworks) {
   for (const auto& [size, list] : {std::pair{DepthAnythingSize::kSmall, "depth_anything_v2_vits_params.tsv"},
                                    std::pair{DepthAnythingSize::kBase, "depth_anything_v2_vitb_params.tsv"},

@@ -1,5 +1,7 @@
 #include "oraclegs/nets/layers.h"
 
+#include <ATen/Parallel.h>
+
 #include <cmath>
 
 #include "support/tensors.h"
@@ -36,6 +38,37 @@ TEST(Layers, ConvIsCorrelationWithZerosAround) {
   const Conv conv{torch::arange(9, torch::kFloat).view({1, 1, 3, 3}), {}, 1, 1};
   const Tensor y = Forward(conv, torch::tensor({{{{1.f, 10.f}}}}));
   EXPECT_TRUE(torch::equal(y, torch::tensor({{{{54.f, 43.f}}}})));
+}
+
+TEST(Layers, APointwiseConvMixesChannelsOfEachPixel) {
+  torch::manual_seed(51);
+  const Tensor weight = torch::randn({5, 7, 1, 1}), bias = torch::randn({5}), x = torch::randn({2, 7, 3, 4});
+  const Tensor mixed = at::einsum("oc,bchw->bohw", {weight.flatten(1), x});
+  EXPECT_LT(MaxAbsError(Forward(Conv{weight, {}, 1, 0}, x), mixed), 1e-6);
+  EXPECT_LT(MaxAbsError(Forward(Conv{weight, bias, 1, 0}, x), mixed + bias.view({1, 5, 1, 1})), 1e-6);
+}
+
+TEST(Layers, SameBitsForAnyNumberOfThreads) {
+  torch::manual_seed(52);
+  const Tensor x = torch::randn({1, 256, 37, 30}), tokens = x.flatten(2).transpose(1, 2).contiguous();
+  const Conv pointwise{torch::randn({64, 256, 1, 1}), torch::randn({64}), 1, 0};
+  const Conv last{torch::randn({1, 256, 1, 1}), torch::randn({1}), 1, 0};
+  const Conv wide{torch::randn({32, 256, 3, 3}), torch::randn({32}), 1, 1};
+  const Upconv up{torch::randn({256, 256, 2, 2}), torch::randn({256})};
+  const Mlp mlp{{torch::randn({512, 256}), torch::randn({512})}, {torch::randn({256, 512}), torch::randn({256})}};
+  const auto run = [&](int threads) {
+    at::set_num_threads(threads);
+    return std::vector<Tensor>{Forward(pointwise, x), Forward(last, x),
+                               Forward(wide, x),      Forward(up, x),
+                               Forward(mlp, tokens),  ResizeBilinear(x, 50, 61, Corners::kAligned)};
+  };
+  const int before = at::get_num_threads();
+  const std::vector<Tensor> one = run(1), two = run(2), five = run(5);
+  at::set_num_threads(before);
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_TRUE(torch::equal(one[i], two[i])) << i;
+    EXPECT_TRUE(torch::equal(one[i], five[i])) << i;
+  }
 }
 
 TEST(Layers, BilinearFollowsItsCorners) {

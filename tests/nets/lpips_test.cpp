@@ -49,6 +49,23 @@ TEST_P(LpipsParity, ValueAndGradientMatchTheReference) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, LpipsParity, testing::Values(1, 2));
 
+TEST(Lpips, SameBitsForAnyNumberOfThreads) {
+  const Lpips lpips = RandomLpips(FeatureNetwork::kVgg16);
+  torch::manual_seed(43);
+  const Tensor image = torch::rand({70, 90, 3}), other = torch::rand({70, 90, 3});
+  const auto run = [&](int threads) {
+    at::set_num_threads(threads);
+    Tensor grad = torch::empty_like(image);
+    const double value = Distance(lpips, image, PrepareTarget(lpips, other, LpipsRange::kZeroOne), &grad).value;
+    return std::pair{value, grad};
+  };
+  const int before = at::get_num_threads();
+  const auto one = run(1), three = run(3);
+  at::set_num_threads(before);
+  EXPECT_EQ(one.first, three.first);
+  EXPECT_TRUE(torch::equal(one.second, three.second));
+}
+
 TEST(Lpips, IdenticalPicturesHaveNoDistance) {
   for (const FeatureNetwork network : {FeatureNetwork::kVgg16, FeatureNetwork::kAlexNet}) {
     const Lpips lpips = RandomLpips(network);

@@ -24,6 +24,23 @@ TEST_P(VggtParity, CamerasDepthAndPointsMatchTheOfficialNetwork) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, VggtParity, testing::Values(1, 2));
 
+TEST(Vggt, SameBitsForAnyNumberOfThreads) {
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  const Vggt vggt = GoldenVggt(file);
+  const auto run = [&](int threads) {
+    at::set_num_threads(threads);
+    const AggregatorResult aggregated =
+        Aggregate(vggt.aggregator, GoldenFloat(file, "input.images"), {HeadLayers(vggt), OracleLayers(file)});
+    return std::vector<Tensor>{PredictCameras(vggt, aggregated).back(),
+                               PredictDepth(vggt, aggregated, GoldenGrid(file)).depth,
+                               aggregated.attention.at(OracleLayers(file).back()).from_patches};
+  };
+  const int before = at::get_num_threads();
+  const std::vector<Tensor> one = run(1), three = run(3);
+  at::set_num_threads(before);
+  for (size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(torch::equal(one[i], three[i])) << i;
+}
+
 TEST(Vggt, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
   LoadVggt(parameters, VggtConfig(), {true, true, true});

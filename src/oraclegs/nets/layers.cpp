@@ -1,6 +1,19 @@
 #include "oraclegs/nets/layers.h"
 
 namespace oraclegs {
+namespace {
+
+/// A 1x1 convolution as a matrix product: oneDNN's splits its sum over the channels by the number of threads, so that
+/// the last bits would depend on it.
+Tensor Pointwise(const Conv& layer, const Tensor& x) {
+  const int64_t batch = x.size(0), out = layer.weight.size(0);
+  const Tensor weight = layer.weight.flatten(1).expand({batch, -1, -1}), pixels = x.flatten(2);
+  const Tensor y =
+      layer.bias.defined() ? at::baddbmm(layer.bias.view({1, out, 1}), weight, pixels) : at::bmm(weight, pixels);
+  return y.view({batch, out, x.size(2), x.size(3)});
+}
+
+}  // namespace
 
 Linear LoadLinear(const ParameterScope& at, int64_t in, int64_t out) {
   return {at.Get("weight", {out, in}), at.Get("bias", {out})};
@@ -23,6 +36,8 @@ Conv LoadConv(const ParameterScope& at, const ConvShape& shape) {
 }
 
 Tensor Forward(const Conv& layer, const Tensor& x) {
+  const bool pointwise = layer.weight.size(2) == 1 && layer.stride == 1 && layer.padding == 0;
+  if (pointwise) return Pointwise(layer, x);
   return at::conv2d(x, layer.weight, layer.bias, layer.stride, layer.padding);
 }
 
