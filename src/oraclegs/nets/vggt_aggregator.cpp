@@ -82,7 +82,8 @@ AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, c
   const int64_t patch = config.backbone.patch;
   const RopeGrid grid{aggregator.special_tokens(), images.size(2) / patch, images.size(3) / patch};
   const Views views{images.size(0), grid.special, grid.rows * grid.cols};
-  const RopeTable frame_rope = MakeRopeTable(grid, config.width() / config.heads, config.rope_base);
+  RopeTable frame_rope = MakeRopeTable(grid, config.width() / config.heads, config.rope_base);
+  frame_rope = {frame_rope.cos.to(x.options()), frame_rope.sin.to(x.options())};  // once, not in every block
   const RopeTable global_rope = Repeat(frame_rope, views.count);
 
   AggregatorResult result;
