@@ -42,10 +42,9 @@ TEST_F(OpinionsTest, SayWhyThereAreNone) {
   EXPECT_THAT(
       TrainOpinions(&run, prepared.photos, prepared.geometry, OpinionOptions(run.options, prepared.decided), "k"),
       IsEmpty());
-  EXPECT_THAT(
-      recorder.warnings,
-      Contains(testing::AllOf(HasSubstr("one would have 8 photographs and 0 dense points, and needs 3 and 1000"),
-                              HasSubstr("photographs are warped instead"))));
+  EXPECT_THAT(recorder.warnings, Contains(testing::AllOf(
+                                     HasSubstr("one would have 8 photographs and 0 dense points, and needs 3 and 1000"),
+                                     HasSubstr("photographs are warped instead"))));
 }
 
 TEST_F(OpinionsTest, DoNotDependOnHowProposalsAreTrainedOn) {

@@ -1,5 +1,7 @@
 #include "oraclegs/nets/vggt_camera.h"
 
+#include <cmath>
+
 namespace oraclegs {
 namespace {
 
