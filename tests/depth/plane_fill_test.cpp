@@ -108,6 +108,15 @@ TEST_F(FillPlanesTest, NothingIsFilledThatAnotherPhotographLooksThrough) {
   }
 }
 
+TEST_F(FillPlanesTest, MaskedPixelsOfOtherPhotographsHaveNoSay) {
+  const size_t before = Fill().size();
+  for (size_t v = 1; v < 3; ++v) {
+    for (float& value : photos[v].rgb.data) value = 0.2f * value + 0.7f;  // another colour, but nobody looks there
+    photos[v].mask.assign(maps[v].size(), 0);
+  }
+  EXPECT_GT(Fill().size(), before / 2);
+}
+
 TEST_F(FillPlanesTest, MaskedPixelsStayEmpty) {
   for (Photo& photo : photos) photo.mask.assign(maps[0].size(), 0);
   EXPECT_TRUE(Fill().empty());

@@ -43,6 +43,17 @@ TEST(StageTable, MarksWhatStoodThereBefore) {
   EXPECT_THAT(table, HasSubstr("SSIM 0.9123\n"));
 }
 
+TEST(StageTable, ReadsRecordsOfEarlierVersionsAndDamagedOnes) {
+  json records = Records();
+  records["depth"].erase("confident_share");
+  records["sfm"] = "damaged";
+  records["validate"]["mean_confidence"] = {{"a", nullptr}, {"b", 0.5}};
+  const std::string table = StageTable({}, records);
+  EXPECT_THAT(table, HasSubstr("depth        1:02  41230 dense points\n"));
+  EXPECT_THAT(table, Not(HasSubstr("sfm")));
+  EXPECT_THAT(table, HasSubstr("2 proposals"));
+}
+
 TEST(StageTable, PassesOverWhatARunDidNotNeed) {
   json records = Records();
   records["propose"]["folder"] = 3;

@@ -211,12 +211,15 @@ class PlaneFill {
       const DepthMap& map = maps_[other];
       const Eigen::Vector3f there = map.camera.cam_from_world.cast<float>() * xyz;
       if (there.z() <= 0) continue;
-      const auto x = static_cast<int>(
-          std::floor(static_cast<float>(map.camera.fx) * there.x() / there.z() + static_cast<float>(map.camera.cx)));
-      const auto y = static_cast<int>(
-          std::floor(static_cast<float>(map.camera.fy) * there.y() / there.z() + static_cast<float>(map.camera.cy)));
-      if (x < 0 || y < 0 || x >= map.camera.width || y >= map.camera.height) continue;
+      const float u = static_cast<float>(map.camera.fx) * there.x() / there.z() + static_cast<float>(map.camera.cx);
+      const float w = static_cast<float>(map.camera.fy) * there.y() / there.z() + static_cast<float>(map.camera.cy);
+      if (!(u >= 0 && w >= 0 && u < static_cast<float>(map.camera.width) &&
+            w < static_cast<float>(map.camera.height))) {
+        continue;
+      }
+      const int x = static_cast<int>(u), y = static_cast<int>(w);
       const size_t i = static_cast<size_t>(y) * map.camera.width + x;
+      if (!photos_[other].mask.empty() && photos_[other].mask[i] == 0) continue;
       if (!silhouettes_.empty() && !silhouettes_.MayContain(other, static_cast<float>(x), static_cast<float>(y)))
         return false;
       if (filled_[other][i] != 0 && other < v) return false;

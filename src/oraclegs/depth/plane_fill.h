@@ -22,9 +22,9 @@ std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points);
 
 /// A coarse grid of points on pixels without a confident depth: a region without depth continues the plane that most
 /// confident pixels around it lie on, as far as another photograph, of those that see the place, shows the same colour
-/// there and none looks through it. `points` are those of FuseDepth with the same arguments. A point has confidence 0,
-/// found by one view. Nothing beside silhouettes, where the photographs have any (silhouettes.h), or where a mask
-/// excludes.
+/// there and none looks through it; what no other photograph sees is believed. `points` are those of FuseDepth with the
+/// same arguments. A point has confidence 0, found by one view. Nothing beside silhouettes, where the photographs have
+/// any (silhouettes.h), or where a mask excludes.
 std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
                                    const std::vector<DensePoint>& points, const FusionOptions& options);
 

@@ -1,5 +1,6 @@
 #include "oraclegs/pipeline/ablation.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <set>
@@ -163,8 +164,9 @@ class Ablator {
 
   oraclegs::Run Start(size_t r, uint64_t seed, const Listener& listener) {
     RunRequest request = RequestOf(r, seed);
-    // The first one may find that the scene cannot be read, before a folder is made.
-    if (scene_is_good_) {
+    // The first one of all may find that the scene cannot be read, before a folder is made.
+    std::error_code none;
+    if (scene_is_good_ || fs::exists(request_.run.out / kJson, none)) {
       Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);
       request.overwrite = false;
       std::error_code ignored;
@@ -176,7 +178,7 @@ class Ablator {
       ablation_.width = camera.width, ablation_.height = camera.height;
       ablation_.train_views = run.split.train.size(), ablation_.test_views = run.split.test.size();
       scene_is_good_ = true;
-      Write();
+      if (!fs::exists(request_.run.out / kJson, none)) Write();  // what an earlier call measured stands until more is
     }
     return run;
   }
@@ -196,8 +198,9 @@ class Ablator {
       fs::remove_all(run.workspace.checkpoints(), ignored);
     } catch (const Interrupted&) {
       throw;
-    } catch (const Error& failure) {
+    } catch (const std::exception& failure) {  // also out of memory, in whatever library
       result.failure = failure.what();
+      result.failure.resize(std::min(result.failure.size(), result.failure.find('\n')));  // libtorch adds a backtrace
       if (!first_failure_) first_failure_ = std::current_exception();
       listener_(Warning{fmt::format("row {} ({}), seed {} failed: {}", ablation_.rows[r].number,
                                     ablation_.rows[r].label, seed, result.failure)});

@@ -30,6 +30,7 @@ std::string OpinionKey(const Run& run, const Geometry& geometry, const TrainOpti
 std::string Key(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
   Fingerprint print;
   print.Add(kProposeVersion).Add(geometry.key);
+  print.Add(static_cast<double>(ProposesViews(run.options)));  // a folder may be all there is
   print.Add(OptionsToJson(run.options.propose).dump()).Add(OptionsToJson(run.options.trajectory).dump());
   print.Add(static_cast<double>(run.options.start.seed));  // of the poses
   // Nothing else of start or training reaches a warp.

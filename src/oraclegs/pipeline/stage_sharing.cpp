@@ -37,7 +37,7 @@ bool CopyFolder(const fs::path& from, const fs::path& to) {
   if (!fs::exists(from, error)) return true;
   const fs::path half = to.parent_path() / ".oraclegs-copy.tmp";
   fs::remove_all(half, error);
-  fs::copy(from, half, fs::copy_options::recursive, error);
+  fs::copy(from, half, fs::copy_options::recursive | fs::copy_options::copy_symlinks, error);
   if (!error) fs::rename(half, to, error);
   if (!error) return true;
   std::error_code ignored;

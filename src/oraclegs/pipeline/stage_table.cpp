@@ -25,7 +25,7 @@ std::string Validated(const json& record) {
   const json means = record.value("mean_confidence", json::object());
   if (means.empty()) return "0 proposals";
   double sum = 0;
-  for (const json& mean : means) sum += mean.get<double>();
+  for (const json& mean : means) sum += mean.is_number() ? mean.get<double>() : 0;
   return fmt::format("{} proposals, trusted to {:.0f} % in the mean", means.size(),
                      100 * sum / static_cast<double>(means.size()));
 }
@@ -50,8 +50,9 @@ constexpr Row kRows[] = {
     {"sfm", [](const json& r) { return fmt::format("{} points", Count(r, "points")); }},
     {"depth",
      [](const json& r) {
-       return fmt::format("sure on {:.0f} % of the pixels, {} dense points", 100 * r.value("confident_share", 0.0),
-                          Count(r, "points"));
+       const std::string points = fmt::format("{} dense points", Count(r, "points"));
+       if (!r.contains("confident_share")) return points;  // written by an earlier version
+       return fmt::format("sure on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
      }},
     {"propose", Proposed},
     {"validate", Validated},
@@ -76,7 +77,7 @@ json ReadStageRecords(const std::filesystem::path& workspace) {
 std::string StageTable(const json& before, const json& after) {
   std::vector<std::vector<std::string>> lines = {{"stage", "time", "result"}};
   for (const Row& row : kRows) {
-    if (!after.contains(row.stage)) continue;
+    if (!after.contains(row.stage) || !after[row.stage].is_object()) continue;
     const json& record = after[row.stage];
     const bool unchanged = before.contains(row.stage) && before[row.stage] == record;
     lines.push_back({row.stage, FormatSeconds(record.value("seconds", 0.0)), row.result(record)});

@@ -189,6 +189,7 @@ std::vector<ScenePoint> RunSfm(Run* run) {
 
 PointCloud DenseStart(const StartOptions& options, const std::vector<Photo>& photos, const Geometry& geometry,
                       size_t budget) {
+  if (budget == 0) return {};
   std::vector<DensePoint> points = geometry.points;
   if (options.init_planes == "yes") {
     const std::vector<DensePoint> more = FillPlanes(geometry.maps, photos, points, FusionOf(geometry.gains));
