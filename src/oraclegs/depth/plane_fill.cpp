@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/depth/correspondence.h"
+#include "oraclegs/depth/plane.h"
 #include "oraclegs/depth/silhouettes.h"
 
 namespace oraclegs {
@@ -203,7 +203,7 @@ class PlaneFill {
   }
 
   /// True when of the photographs that see the place one shows the same there, none looks through it, and no earlier
-  /// one has filled it.
+  /// one has filled the pixel it falls on, at whatever depth.
   bool Agreed(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {
     bool seen = false, alike = false;
     for (size_t other = 0; other < maps_.size(); ++other) {
