@@ -48,6 +48,7 @@ def pickled_function(name):
 
 
 REBUILD = stand_in(torch_utils, "_rebuild_tensor_v2", pickled_function)
+REBUILD_OLD = stand_in(torch_utils, "_rebuild_tensor", pickled_function)
 REBUILD_PARAMETER = stand_in(torch_utils, "_rebuild_parameter", pickled_function)
 
 
@@ -74,6 +75,13 @@ class FakeTensor:
 
     def __reduce__(self):
         return REBUILD, (*self.parts, False, collections.OrderedDict())
+
+
+class OldTensor(FakeTensor):
+    """As PyTorch before 0.4 wrote it, for example VGG16 of torchvision."""
+
+    def __reduce__(self):
+        return REBUILD_OLD, self.parts
 
 
 class Parameter:
@@ -183,10 +191,10 @@ class Convert(unittest.TestCase):
         root = state_dict(a=tensor([1, 2, 3, 4, 5, 6], (2, 3)), h=tensor([0.5, -2], (2,), "HalfStorage"),
                           d=tensor([0.1], (), "DoubleStorage"), i=tensor([-7], (1,), "LongStorage"),
                           b=tensor([0x3F80], (1, 1), "BFloat16Storage"), none=tensor([], (0, 4)),
-                          p=Parameter(tensor([8], (1,))))  # fmt: skip
+                          p=Parameter(tensor([8], (1,))), o=OldTensor(Numbers([9, 10]), (2,)))  # fmt: skip
         expected = {"a": ("F32", [2, 3], [1, 2, 3, 4, 5, 6]), "h": ("F16", [2], [0.5, -2]), "d": ("F64", [], [0.1]),
                     "i": ("I64", [1], [-7]), "b": ("BF16", [1, 1], [0x3F80]), "none": ("F32", [0, 4], []),
-                    "p": ("F32", [1], [8])}  # fmt: skip
+                    "p": ("F32", [1], [8]), "o": ("F32", [2], [9, 10])}  # fmt: skip
         for content in (zipped(root), zipped(root, name="model", byteorder=b"little"), legacy(root)):
             self.assertEqual(self.convert(content), expected)
         self.assertEqual(read_safetensors(self.out)[1], {"source": "0.pth"})

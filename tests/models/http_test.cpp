@@ -65,8 +65,8 @@ TEST_F(Http, TheBodyOfARefusalIsNoFile) {
 }
 
 TEST_F(Http, FollowsRedirectionsAndKeepsTheirHeaders) {
-  ScriptedServer server(
-      {Answer("302 Found", {"Location: /next", "X-Linked-Size: 9", "Content-Length: 3"}, "no!"), File("yes")});
+  ScriptedServer server({Answer("302 Found", {"Location: /next", "X-Linked-Size: 9", "Content-Length: 3"}, "no!"),
+                         File("yes", {"X-Linked-Size: 3"})});
   const HttpEnd end = Get({server.Url(), "secret"});
   EXPECT_EQ(body_, "yes");
   EXPECT_EQ(end.reply.Number("x-linked-size", 0), 9u);

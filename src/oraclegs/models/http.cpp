@@ -89,7 +89,13 @@ struct Exchange {
       return;
     std::string name(line.substr(0, colon));
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-    reply->headers[name] = std::string(Trimmed(line.substr(colon + 1)));
+    const std::string value(Trimmed(line.substr(colon + 1)));
+    // What the first server says of the file is not overruled by whom it redirects to.
+    if (name.starts_with("x-linked-")) {
+      reply->headers.emplace(name, value);
+    } else {
+      reply->headers[name] = value;
+    }
   }
   void Body(std::string_view bytes) {
     long status = 0;

@@ -17,7 +17,8 @@ struct HttpRequest {
 
 struct HttpReply {
   int status = 0;
-  /// Names in lower case. Those of redirections are among them (x-linked-etag comes with one); the last answer wins.
+  /// Names in lower case. Those of redirections are among them (x-linked-etag comes with one); the last answer wins,
+  /// but of x-linked-... the first.
   std::map<std::string, std::string> headers;
 
   /// A whole number >= 0; `otherwise` when the header is absent or none.
