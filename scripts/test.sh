@@ -19,7 +19,7 @@ cmake --preset release "${configure[@]}"
 cmake --build --preset release --parallel "$(nproc)"
 if command -v nvcc >/dev/null; then  # device code is compiled wherever it can be; running it needs a GPU
   cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES=90 >/dev/null
-  cmake --build --preset cuda --target cuda_math_tests
-  build/cuda/bin/cuda_math_tests --gtest_brief=1
+  cmake --build --preset cuda --target cuda_tests
+  build/cuda/bin/cuda_tests --gtest_brief=1
 fi
 exec ctest --preset release --no-tests=error "$@"
