@@ -37,9 +37,22 @@ function(oraclegs_library name)
     target_sources(oraclegs_${name} PRIVATE $<TARGET_OBJECTS:oraclegs_${name}_device>)
   endif()
   if(ORACLEGS_CUDA)
-    target_compile_definitions(oraclegs_${name} PUBLIC ORACLEGS_CUDA=1)
-    target_link_libraries(oraclegs_${name} PUBLIC CUDA::cudart)
+    oraclegs_tell_of_cuda(${sources})
+    target_link_libraries(oraclegs_${name} PRIVATE CUDA::cudart_static)
   endif()
+endfunction()
+
+# In a build with CUDA, those of the sources that ask for it (#if defined(ORACLEGS_CUDA), or by name: cuda/, gpu_...) are told so
+# and find the toolkit's headers. All others have the objects of a build without, which ccache knows. A macro that is
+# new in a file is seen when CMake configures.
+function(oraclegs_tell_of_cuda)
+  foreach(source ${ARGN})
+    file(STRINGS ${source} asks REGEX "ORACLEGS_CUDA" LIMIT_COUNT 1)
+    if(asks OR source MATCHES "/cuda/|/gpu_[a-z]+.cpp$")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
+                                  "-DORACLEGS_CUDA=1;-isystem;${CUDAToolkit_INCLUDE_DIRS}")
+    endif()
+  endforeach()
 endfunction()
 
 # How nvcc compiles the .cu files of a target.

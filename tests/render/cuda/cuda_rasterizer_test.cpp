@@ -4,6 +4,7 @@
 
 #include "render/cuda/device_scenes.h"
 #include "render/golden_scene.h"
+#include "render/reference_raster.h"
 
 namespace oraclegs {
 namespace {
@@ -149,6 +150,44 @@ TEST_F(CudaRasterizerTest, BlocksAreOneBlockOfTheSameNumbers) {
     EXPECT_TRUE(torch::equal(means.to(torch::kCPU), out.grads.means));
   });
   EXPECT_EQ(calls, 1);
+}
+
+TEST_F(CudaRasterizerTest, GradientsMatchCentralDifferences) {
+  RenderTask few{RandomGaussians(12, 0.25, 21), FrontCamera(24, 20), {{0.1f, 0.5f, 0.9f}, 3, true}};
+  few.upstream = RandomUpstream(few.camera, 1);
+  cuda::CudaRasterizer rasterizer(TestDevice());
+  const RenderedTask out = RunTask(&rasterizer, few, TestDevice());
+  ReferenceScene scene(few.gaussians, few.camera, few.options);
+  const auto loss = [&] {
+    const ReferenceImage image = scene.Render();
+    double sum = 0;
+    for (size_t i = 0; i < image.image.size(); ++i) sum += few.upstream.image.data_ptr<float>()[i] * image.image[i];
+    for (size_t i = 0; i < image.alpha.size(); ++i) {
+      sum += few.upstream.alpha.data_ptr<float>()[i] * image.alpha[i] +
+             few.upstream.inv_depth.data_ptr<float>()[i] * image.inv_depth[i];
+    }
+    return sum;
+  };
+  const auto check = [&](const char* name, std::vector<double>& values, const Tensor& grad, size_t stride) {
+    const double scale = grad.abs().max().item<double>();
+    for (size_t k = 0; k < values.size(); k += stride) {
+      double best = 1e30;  // of three steps: a pixel that crosses a threshold on the way is a jump, not a slope
+      for (const double step : {1e-4, 1e-5, 1e-6}) {
+        const double keep = values[k];
+        values[k] = keep + step;
+        const double above = loss();
+        values[k] = keep - step;
+        best = std::min(best, std::abs((above - loss()) / (2 * step) - grad.data_ptr<float>()[k]));
+        values[k] = keep;
+      }
+      EXPECT_LE(best, 2e-3 * scale) << name << " " << k;
+    }
+  };
+  check("means", scene.means, out.grads.means, 1);
+  check("log_scales", scene.log_scales, out.grads.log_scales, 1);
+  check("quats", scene.quats, out.grads.quats, 1);
+  check("opacity_logits", scene.opacity_logits, out.grads.opacity_logits, 1);
+  check("sh", scene.sh, out.grads.sh, 7);
 }
 
 TEST_F(CudaRasterizerTest, RefusesWhatDoesNotFit) {
