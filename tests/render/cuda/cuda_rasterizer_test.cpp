@@ -213,6 +213,13 @@ TEST_F(CudaRasterizerTest, RefusesWhatDoesNotFit) {
   EXPECT_THROW(rasterizer.Forward(elsewhere, task.camera, {}, RenderPass::kTrain), ShapeError);
 }
 
+#if defined(ORACLEGS_CUDA)
+TEST_F(CudaRasterizerTest, IsWhatADeviceGets) {
+  const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(TestDevice());
+  EXPECT_NE(dynamic_cast<cuda::CudaRasterizer*>(rasterizer.get()), nullptr);
+}
+#endif
+
 TEST_F(CudaRasterizerTest, ADeviceThatIsNotThereIsRefused) {
   EXPECT_THROW(cuda::CudaRasterizer(torch::Device(torch::kCUDA, 99)), UsageError);
 }

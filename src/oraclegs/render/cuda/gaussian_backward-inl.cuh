@@ -75,7 +75,9 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   ShBasis(view.sh_degree, d, basis);
   const Vec3<float> color = RawColor(row, basis, coefficients);
   const Vec3<float> gc{color.x > 0.f ? sums[6] : 0.f, color.y > 0.f ? sums[7] : 0.f, color.z > 0.f ? sums[8] : 0.f};
-  for (int k = 0; k < coefficients; ++k) {
+#pragma unroll
+  for (int k = 0; k < 16; ++k) {
+    if (k >= coefficients) break;
     weight[k] = row[3 * k] * gc.x + row[3 * k + 1] * gc.y + row[3 * k + 2] * gc.z;
     row[3 * k] = basis[k] * gc.x, row[3 * k + 1] = basis[k] * gc.y, row[3 * k + 2] = basis[k] * gc.z;
   }

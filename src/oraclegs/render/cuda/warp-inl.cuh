@@ -57,10 +57,12 @@ __device__ inline Vec3<float> ViewDirection(const Vec3<float>& mean, const View&
   return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
 }
 
-/// Colour before the clamp at zero; `sh`: one row.
-__device__ inline Vec3<float> RawColor(const float* sh, const float* basis, int coefficients) {
+/// Colour before the clamp at zero; `sh`: one row. Unrolled, so that the basis stays in registers.
+__device__ inline Vec3<float> RawColor(const float* sh, const float (&basis)[16], int coefficients) {
   Vec3<float> c{0.5f, 0.5f, 0.5f};
-  for (int k = 0; k < coefficients; ++k) {
+#pragma unroll
+  for (int k = 0; k < 16; ++k) {
+    if (k >= coefficients) break;
     c.x = fmaf(basis[k], sh[3 * k], c.x);
     c.y = fmaf(basis[k], sh[3 * k + 1], c.y);
     c.z = fmaf(basis[k], sh[3 * k + 2], c.z);
