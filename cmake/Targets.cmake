@@ -31,6 +31,8 @@ function(oraclegs_library name)
     oraclegs_use_torch(oraclegs_${name})
   elseif(NOT ARG_OWN_OPTIONS AND NOT CMAKE_CXX_CLANG_TIDY)
     target_precompile_headers(oraclegs_${name} REUSE_FROM oraclegs_plain_pch)
+    # GCC 12 takes the standard library's own strings for overflowing ones when they come precompiled.
+    target_compile_options(oraclegs_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   endif()
   file(GLOB_RECURSE device_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/${name}/*.cu)
   if(ORACLEGS_CUDA AND device_sources)
