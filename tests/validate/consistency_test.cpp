@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "depth/surfaces.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/rng.h"
@@ -91,6 +93,89 @@ TEST_F(ConsistencyTest, NeedsSomethingToLearnFrom) {
   ConsistencyOracle oracle(warper, photos);
   EXPECT_THROW(oracle.Learn({}), InputError);
   EXPECT_THROW(oracle.Validate({hidden[0].proposal}), UsageError);
+}
+
+/// Knows where the noise is, or does not: says 0.1 in the square of noise of each proposal, 0.9 elsewhere.
+class Seer : public Oracle {
+ public:
+  explicit Seer(std::map<std::string, int> lefts) : lefts_(std::move(lefts)) {}
+  std::string name() const override { return "seer"; }
+  std::vector<ConfidenceMap> Judge(const std::vector<HiddenPhotograph>& hidden) const override {
+    asked += hidden.size();
+    std::vector<ConfidenceMap> maps;
+    for (const HiddenPhotograph& h : hidden) {
+      maps.emplace_back(size_t{96} * 72, 0.9f);
+      const int left = lefts_.at(h.proposal.name);
+      for (int y = 20; y < 50; ++y) {
+        for (int x = left; x < left + 30; ++x) maps.back()[static_cast<size_t>(y) * 96 + x] = 0.1f;
+      }
+    }
+    return maps;
+  }
+  mutable size_t asked = 0;
+
+ private:
+  std::map<std::string, int> lefts_;
+};
+
+TEST_F(ConsistencyTest, ASecondOracleIsCalibratedAlone) {
+  std::map<std::string, int> lefts = {{"new", 40}};
+  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  const Seer seer(lefts);
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos, seer, Evidence::kSecond);
+  EXPECT_EQ(oracle.name(), "seer");
+  oracle.Learn(hidden);
+  const ConfidenceMap map = oracle.Validate({{"new", "test", photos[0].camera, photos[0].rgb}})[0];
+  ASSERT_EQ(map.size(), 96u * 72u);
+  for (size_t i = 0; i < map.size(); ++i) {
+    // Two values in, two values out: what pixels of each turned out to be worth.
+    if (InSquare(i, 40)) {
+      EXPECT_LT(map[i], 0.2f);
+    } else {
+      EXPECT_GT(map[i], 0.9f);
+    }
+  }
+}
+
+TEST_F(ConsistencyTest, ASecondOracleStandsBesideThePhotographs) {
+  std::map<std::string, int> lefts = {{"new", 40}};
+  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  const Seer seer(lefts);
+  const Warper warper({photos, maps});
+  ConsistencyOracle alone(warper, photos), both(warper, photos, seer, Evidence::kBoth);
+  EXPECT_EQ(both.name(), "seer+consistency");
+  alone.Learn(hidden);
+  both.Learn(hidden);
+  const Photo truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
+  const Proposal proposal = Spoilt(truth, 40);
+  const auto gap = [](const ConfidenceMap& map) {
+    double inside = 0, outside = 0;
+    for (size_t i = 0; i < map.size(); ++i) (InSquare(i, 40) ? inside : outside) += static_cast<double>(map[i]);
+    return outside / (96 * 72 - 900) - inside / 900;
+  };
+  const double with = gap(both.Validate({proposal})[0]), without = gap(alone.Validate({proposal})[0]);
+  EXPECT_GT(with, without);
+  EXPECT_GT(with, 0.8);
+}
+
+TEST_F(ConsistencyTest, WhatWasLookedAtIsNotAskedAboutAgain) {
+  std::map<std::string, int> lefts;
+  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  const Seer seer(lefts);
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos, seer, Evidence::kBoth), again(warper, photos, seer, Evidence::kBoth);
+  std::vector<HiddenPhotograph> looked = hidden;
+  oracle.Look(&looked);
+  EXPECT_EQ(seer.asked, 6u);
+  oracle.Learn(looked);
+  const auto maps_of = oracle.Judge(looked);
+  EXPECT_EQ(seer.asked, 6u);
+  again.Learn(hidden);
+  EXPECT_EQ(again.Judge(hidden), maps_of);
+  EXPECT_EQ(seer.asked, 18u);
+  ConsistencyOracle(warper, photos).Look(&looked);  // nobody to ask
+  EXPECT_EQ(seer.asked, 18u);
 }
 
 TEST(Goodness, FallsWithTheError) {
