@@ -1,11 +1,11 @@
 #include "oraclegs/pipeline/vggt_weights.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/models/folder.h"
 #include "oraclegs/pipeline/fingerprint.h"
 
 namespace oraclegs {
@@ -17,19 +17,13 @@ constexpr const char* kCommercial = "VGGT-1B-Commercial";  // what its authors c
 constexpr const char* kResearch = "VGGT-1B";
 constexpr size_t kSampled = 64;  // bytes at each end of a tensor: the whole file would be read for nothing else
 
-/// $ORACLEGS_MODELS, else ~/.cache/oraclegs; empty when neither is known.
-fs::path ModelsFolder() {
-  const char* chosen = std::getenv("ORACLEGS_MODELS");
-  if (chosen && *chosen) return chosen;
-  const char* home = std::getenv("HOME");
-  return home && *home ? fs::path(home) / ".cache" / "oraclegs" : fs::path();
-}
-
-fs::path FetchedFile(const std::string& name) { return ModelsFolder() / name / "model.safetensors"; }
-
-bool IsThere(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
+/// Nothing also where there is no home folder to look in.
+std::optional<fs::path> Fetched(const std::string& model) {
+  try {
+    return LocateModel(model);
+  } catch (const UsageError&) {
+    return std::nullopt;
+  }
 }
 
 VggtWeights Describe(const fs::path& path, const std::string& name) {
@@ -51,12 +45,12 @@ VggtWeights Describe(const fs::path& path, const std::string& name) {
 
 std::optional<VggtWeights> FindVggtWeights(const fs::path& given) {
   if (!given.empty()) {
-    if (!IsThere(given))
-      throw InputError("{}: there is no such file; name VGGT's weights with --vggt-weights", given.string());
-    return Describe(given, kResearch);
+    std::error_code ignored;
+    if (fs::is_regular_file(given, ignored)) return Describe(given, kResearch);
+    throw InputError("{}: there is no such file; name VGGT's weights with --vggt-weights", given.string());
   }
-  for (const auto& [folder, name] : {std::pair{"vggt-commercial", kCommercial}, std::pair{"vggt", kResearch}}) {
-    if (IsThere(FetchedFile(folder))) return Describe(FetchedFile(folder), name);
+  for (const auto& [model, name] : {std::pair{"vggt-commercial", kCommercial}, std::pair{"vggt", kResearch}}) {
+    if (const auto path = Fetched(model)) return Describe(*path, name);
   }
   return std::nullopt;
 }
