@@ -138,16 +138,23 @@ TEST_F(ConsistencyTest, ASecondOracleIsCalibratedAlone) {
   }
 }
 
-TEST_F(ConsistencyTest, ASecondOracleStandsBesideThePhotographs) {
+TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
+  // Each photograph shows something in its square that no other one shows, and no proposal has.
   std::map<std::string, int> lefts = {{"new", 40}};
-  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  std::vector<Photo> surprising = photos;
+  std::vector<HiddenPhotograph> blind;
+  for (int v = 0; v < 6; ++v) {
+    const Photo& photo = photos[static_cast<size_t>(v)];
+    lefts[photo.name] = 10 + 9 * v;
+    surprising[static_cast<size_t>(v)].rgb = hidden[static_cast<size_t>(v)].proposal.rgb;
+    blind.push_back({v, {photo.name, "test", photo.camera, photo.rgb}});
+  }
   const Seer seer(lefts);
   const Warper warper({photos, maps});
-  ConsistencyOracle alone(warper, photos), both(warper, photos, seer, Evidence::kBoth);
+  ConsistencyOracle alone(warper, surprising), both(warper, surprising, seer, Evidence::kBoth);
   EXPECT_EQ(both.name(), "seer+consistency");
-  alone.Learn(hidden);
-  both.Learn(hidden);
-  // A picture without a fault, of which the second oracle says that there is one.
+  alone.Learn(blind);
+  both.Learn(blind);
   const Photo truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
   const Proposal proposal{"new", "test", truth.camera, truth.rgb};
   const auto means = [](const ConfidenceMap& map) {
@@ -157,8 +164,8 @@ TEST_F(ConsistencyTest, ASecondOracleStandsBesideThePhotographs) {
   };
   const auto [inside, outside] = means(both.Validate({proposal})[0]);
   const auto [inside_alone, outside_alone] = means(alone.Validate({proposal})[0]);
-  EXPECT_LT(inside, inside_alone - 0.02);
-  EXPECT_NEAR(outside, outside_alone, 0.05);
+  EXPECT_LT(inside, inside_alone - 0.2);
+  EXPECT_GT(outside, outside_alone);
 }
 
 TEST_F(ConsistencyTest, WhatWasLookedAtIsNotAskedAboutAgain) {
