@@ -99,6 +99,10 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
                     FormatSeconds(train.at("seconds").get<double>()), train.at("iterations_per_second").get<double>());
   }
   text += fmt::format(", {:.1f} GB memory at most\n", metrics.at("peak_memory_bytes").get<double>() / 1e9);
+  const auto parts = metrics.value("non_commercial", std::vector<std::string>());
+  if (!parts.empty()) {
+    text += fmt::format("licence    not for commercial use: made with {}\n", fmt::join(parts, ", "));
+  }
   if (workspace.empty()) return text;
   const WorkspacePaths paths(workspace);
   std::error_code ignored;

@@ -11,7 +11,7 @@ struct EvaluateOptions {
 
   template <class V>
   void Visit(V&& visit) {
-    visit("oracle", oracle,
+    visit("check-oracle", oracle,
           "Instead measure how right the confidence of the run's proposals is, on photographs taken from their poses "
           "that neither train nor test (--trajectory dataset)");
   }
@@ -46,14 +46,14 @@ class EvaluateCommand : public SourceCommand {
       : SourceCommand(
             app, "evaluate", "Score a run, or any trainer's .ply, on the test views",
             "oraclegs evaluate out/\n  oraclegs evaluate scene/ --ply other.ply -o scores/ --downscale 2\n  oraclegs "
-            "evaluate out/ --oracle") {
+            "evaluate out/ --check-oracle") {
     Bind("Oracle", &evaluate_);
   }
 
  private:
   void Body(const Listener& listener) override {
-    if (evaluate_.oracle && !InputIsWorkspace()) throw UsageError("--oracle needs the workspace of a run");
-    if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--oracle judges proposals, not a --ply");
+    if (evaluate_.oracle && !InputIsWorkspace()) throw UsageError("--check-oracle needs the workspace of a run");
+    if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--check-oracle judges proposals, not a --ply");
     if (!model_.ply.empty()) {
       const EvaluateRequest request{model_.ply, options_, out_.out, ORACLEGS_VERSION};
       return Print(SummaryOf(EvaluatePly(request, OpenScene(listener), listener), out_.out));

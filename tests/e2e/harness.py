@@ -12,6 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("ORACLEGS_BIN", str(ROOT / "build/release/bin/oraclegs"))
+os.environ["ORACLEGS_MODELS"] = "/nonexistent"  # the tests see no weights of whoever runs them
 
 DEMO = ["--demo-views", "8", "--width", "96", "--height", "72", "--samples", "1"]
 SMALL_RUN = ["--iterations", "200", "--max-gaussians", "2000", "--random-points", "1500", "--init", "random",

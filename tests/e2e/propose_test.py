@@ -40,7 +40,7 @@ class Propose(EndToEnd):
         stages = json.loads((out / "metrics.json").read_text())["stages"]
         self.assertTrue({"depth", "propose", "validate", "train"} <= stages.keys())
 
-        self.run_program("evaluate", out, "--oracle")
+        self.run_program("evaluate", out, "--check-oracle")
         report = json.loads((out / "oracle.json").read_text())
         self.assertEqual(report["views"], 5)
         self.assertGreater(report["oracle"]["auroc_large_error"], 0.6)  # of a model of 6 iterations
@@ -69,7 +69,7 @@ class Propose(EndToEnd):
         self.error_of("validate", self.scene, *out, *RUN, "--proposal-folder", missing, code=3, names=[missing])
         self.error_of("propose", self.scene, *out, "--trajectory", "nowhere", code=2, names=["--trajectory"])
         self.run_program("sfm", self.scene, *out, *RUN)
-        self.error_of("evaluate", self.dir / "bad", "--oracle", code=3, names=["--trajectory dataset"])
+        self.error_of("evaluate", self.dir / "bad", "--check-oracle", code=3, names=["--trajectory dataset"])
 
 
 if __name__ == "__main__":

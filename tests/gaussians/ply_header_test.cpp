@@ -78,5 +78,15 @@ TEST(PlySize, IsWhatTheNamesSay) {
   EXPECT_EQ(PlySize(PlyType::kDouble), 8u);
 }
 
+TEST(PlyHeader, CommentsAreKeptWithinReason) {
+  std::string text = "ply\nformat ascii 1.0\ncomment  a  word\ncomment\n";
+  for (int i = 0; i < 200; ++i) text += "comment " + std::string(2000, 'x') + "\n";
+  const PlyHeader header = ParsePlyHeader(text + "element vertex 0\nend_header\n", "file");
+  ASSERT_EQ(header.comments.size(), 100u);
+  EXPECT_EQ(header.comments[0], "a  word");
+  EXPECT_EQ(header.comments[1], "");
+  EXPECT_EQ(header.comments[2], std::string(1000, 'x'));
+}
+
 }  // namespace
 }  // namespace oraclegs

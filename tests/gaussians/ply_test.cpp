@@ -204,6 +204,16 @@ TEST_F(GaussianPlyFile, AsciiOutOfRangeAndWords) {
   EXPECT_EQ(ReadError(Write(head + "1 1e-400 0 0 0 0 0 0 0 0 1 0 0 0")), "no error");  // the last needs no newline
 }
 
+TEST_F(GaussianPlyFile, CommentsGoToTheHeaderAndBack) {
+  const Gaussians g = RandomGaussians(5);
+  WriteGaussianPly(path_, g, 1, {"made with X", "two\nlines\r"});
+  const GaussianPly read = ReadGaussianPly(path_);
+  EXPECT_EQ(read.comments, (std::vector<std::string>{"made with X", "two lines "}));
+  EXPECT_TRUE(torch::equal(read.gaussians.means, g.means));
+  WriteGaussianPly(path_, g, 1);
+  EXPECT_TRUE(ReadGaussianPly(path_).comments.empty());
+}
+
 TEST_F(GaussianPlyFile, WriterRefusesWrongShapesAndUnwritablePlaces) {
   Gaussians g = RandomGaussians(3);
   EXPECT_THROW(WriteGaussianPly(path_, g, 4), ShapeError);

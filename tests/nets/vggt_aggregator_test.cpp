@@ -9,7 +9,7 @@ class AggregatorParity : public OnThreads {};
 
 TEST_P(AggregatorParity, TokensMatchTheOfficialNetwork) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Aggregator aggregator = GoldenVggt(file).aggregator;
+  const Aggregator aggregator = GoldenVggt().aggregator;
   const Tensor images = GoldenFloat(file, "input.images");
   const PatchGrid grid = GoldenGrid(file);
 
@@ -32,7 +32,7 @@ TEST_P(AggregatorParity, TokensMatchTheOfficialNetwork) {
 
 TEST_P(AggregatorParity, GlobalAttentionMatchesTheOfficialNetwork) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Aggregator aggregator = GoldenVggt(file).aggregator;
+  const Aggregator aggregator = GoldenVggt().aggregator;
   const AggregatorResult result = Aggregate(aggregator, GoldenFloat(file, "input.images"), {{}, OracleLayers(file)});
   ASSERT_EQ(result.attention.size(), OracleLayers(file).size());
   for (const auto& [layer, attention] : result.attention) {
@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Threads, AggregatorParity, testing::Values(1, 2));
 
 TEST(Aggregator, WhatIsAskedForDoesNotChangeWhatIsAnswered) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Aggregator aggregator = GoldenVggt(file).aggregator;
+  const Aggregator aggregator = GoldenVggt().aggregator;
   const Tensor images = GoldenFloat(file, "input.images");
   const AggregatorResult both = Aggregate(aggregator, images, {{0, 2}, {1, 2}});
   const AggregatorResult attention = Aggregate(aggregator, images, {{}, {2}});
@@ -57,14 +57,14 @@ TEST(Aggregator, WhatIsAskedForDoesNotChangeWhatIsAnswered) {
 
 TEST(Aggregator, OneViewIsEnough) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Aggregator aggregator = GoldenVggt(file).aggregator;
+  const Aggregator aggregator = GoldenVggt().aggregator;
   const Tensor images = GoldenFloat(file, "input.images").slice(0, 0, 1).contiguous();
   EXPECT_EQ(Aggregate(aggregator, images, {{0}, {0}}).attention.at(0).from_patches.size(0), 1);
 }
 
 TEST(Aggregator, RefusesLayersThatDoNotExist) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Aggregator aggregator = GoldenVggt(file).aggregator;
+  const Aggregator aggregator = GoldenVggt().aggregator;
   const Tensor images = GoldenFloat(file, "input.images");
   EXPECT_THROW(Aggregate(aggregator, images, {{}, {}}), ShapeError);
   EXPECT_THROW(Aggregate(aggregator, images, {{aggregator.config.depth}, {}}), ShapeError);

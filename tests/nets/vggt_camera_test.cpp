@@ -11,7 +11,7 @@ class CameraHeadParity : public OnThreads {};
 
 TEST_P(CameraHeadParity, EncodingsAndCamerasMatchTheOfficialHead) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const CameraHead head = *GoldenVggt(file).camera_head;
+  const CameraHead head = *GoldenVggt().camera_head;
   const std::string last = "output.aggregated_tokens." + std::to_string(Count(file, "depth") - 1);
   const std::vector<Tensor> encodings = CameraEncodings(head, GoldenFloat(file, last).select(1, 0));
   ASSERT_EQ(static_cast<int64_t>(encodings.size()), head.config.iterations);
@@ -48,7 +48,7 @@ TEST(DecodeCameras, AnEmptyFieldOfViewIsTold) {
 
 TEST(CameraHead, RefusesTokensOfAnotherWidth) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const CameraHead head = *GoldenVggt(file).camera_head;
+  const CameraHead head = *GoldenVggt().camera_head;
   EXPECT_THROW(CameraEncodings(head, torch::rand({3, head.config.width - 1})), ShapeError);
   EXPECT_THROW(CameraEncodings(head, torch::rand({1, 3, head.config.width})), ShapeError);
   EXPECT_THROW(DecodeCameras(torch::rand({3, 8}), 40, 60), ShapeError);

@@ -11,7 +11,7 @@ TEST_P(VggtConfidenceParity, MatchesTheReferenceInBothModes) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
   const PatchGrid grid = GoldenGrid(file);
   const AggregatorResult result =
-      Aggregate(GoldenVggt(file).aggregator, GoldenFloat(file, "input.images"), {{}, OracleLayers(file)});
+      Aggregate(GoldenVggt().aggregator, GoldenFloat(file, "input.images"), {{}, OracleLayers(file)});
   const std::vector<int64_t> layers = OracleLayers(file);
   const std::vector<double> weights = Numbers(file, "oracle_weights");
   std::vector<WeightedAttention> weighted;

@@ -1,52 +1,48 @@
 #pragma once
 // The small VGGT of tests/golden: its sizes out of the metadata.
 
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
 #include "nets/fixtures.h"
-#include "oraclegs/nets/vggt.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/nets/vggt_file.h"
 
 namespace oraclegs {
 
 inline constexpr const char* kVggtFixture = "vggt_tiny";
 
-inline VggtConfig GoldenVggtConfig(const SafetensorsFile& file) {
-  VggtConfig config;
-  AggregatorConfig& aggregator = config.aggregator;
-  aggregator.depth = Count(file, "depth");
-  aggregator.heads = Count(file, "num_heads");
-  aggregator.mlp_ratio = Count(file, "mlp_ratio");
-  aggregator.registers = Count(file, "num_register_tokens");
-  aggregator.norm_eps = Number(file, "aggregator_norm_eps");
-  aggregator.rope_base = Number(file, "rope_freq");
-  aggregator.query_key_norm = file.metadata().at("qk_norm") == "true" ? QueryKeyNorm::kLayerNorm : QueryKeyNorm::kNone;
-  VitConfig& backbone = aggregator.backbone;
-  backbone.width = Count(file, "embed_dim");
-  backbone.depth = Count(file, "dino_depth");
-  backbone.heads = Count(file, "dino_num_heads");
-  backbone.mlp_ratio = aggregator.mlp_ratio;
-  backbone.patch = Count(file, "patch_size");
-  backbone.position_grid = Count(file, "img_size") / backbone.patch;
-  backbone.registers = aggregator.registers;
-  backbone.norm_eps = Number(file, "dino_norm_eps");
-  backbone.position_offset = Number(file, "pos_embed_offset");
-  backbone.position_antialias = file.metadata().at("pos_embed_antialias") == "true";
-  config.camera.width = 2 * backbone.width;
-  config.camera.depth = Count(file, "camera_trunk_depth");
-  config.camera.heads = Count(file, "camera_num_heads");
-  config.camera.mlp_ratio = aggregator.mlp_ratio;
-  config.camera.iterations = Count(file, "camera_num_iterations");
-  config.dense_layers = Counts<4>(file, "dpt_layers");
-  config.dense.width = 2 * backbone.width;
-  config.dense.features = Count(file, "dpt_features");
-  config.dense.channels = Counts<4>(file, "dpt_out_channels");
-  config.dense.patch = backbone.patch;
-  return config;
-}
+inline std::filesystem::path GoldenVggtPath() { return GoldenDir() / (std::string(kVggtFixture) + ".safetensors"); }
 
-inline Vggt GoldenVggt(const SafetensorsFile& file) {
+inline VggtConfig GoldenVggtConfig() { return ReadVggtFile(GoldenVggtPath()).network; }
+
+inline Vggt GoldenVggt() {
   FileParameters source = GoldenWeights(kVggtFixture);
-  Vggt vggt = LoadVggt(source, GoldenVggtConfig(file), {true, true, true});
+  Vggt vggt = LoadVggt(source, GoldenVggtConfig(), {true, true, true});
   source.Finish();
   return vggt;
+}
+
+/// The weights of the fixture as a file of their own, under the official names and with its metadata; `change` may
+/// alter both.
+struct TinyVggtParts {
+  std::map<std::string, TensorEntry> tensors;
+  std::map<std::string, std::string> metadata;
+};
+inline std::filesystem::path WriteTinyVggt(
+    const std::filesystem::path& path, const std::function<void(TinyVggtParts*)>& change = [](TinyVggtParts*) {}) {
+  const SafetensorsFile golden = OpenGolden(kVggtFixture);
+  const std::string prefix = "weights.";
+  TinyVggtParts parts{{}, golden.metadata()};
+  for (const auto& [name, entry] : golden.tensors()) {
+    if (name.starts_with(prefix)) parts.tensors[name.substr(prefix.size())] = entry;
+  }
+  change(&parts);
+  WriteFileAtomically(path, SerializeSafetensors(parts.tensors, parts.metadata));
+  return path;
 }
 
 inline PatchGrid GoldenGrid(const SafetensorsFile& file) {

@@ -9,7 +9,7 @@ class VggtParity : public OnThreads {};
 
 TEST_P(VggtParity, CamerasDepthAndPointsMatchTheOfficialNetwork) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Vggt vggt = GoldenVggt(file);
+  const Vggt vggt = GoldenVggt();
   const PatchGrid grid = GoldenGrid(file);
   const AggregatorResult aggregated =
       Aggregate(vggt.aggregator, GoldenFloat(file, "input.images"), {HeadLayers(vggt), {}});
@@ -26,7 +26,7 @@ INSTANTIATE_TEST_SUITE_P(Threads, VggtParity, testing::Values(1, 2));
 
 TEST(Vggt, SameBitsForAnyNumberOfThreads) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Vggt vggt = GoldenVggt(file);
+  const Vggt vggt = GoldenVggt();
   const auto run = [&](int threads) {
     at::set_num_threads(threads);
     const AggregatorResult aggregated =
@@ -67,8 +67,7 @@ TEST(Vggt, HeadsReadTheLayersOfTheSpecification) {
 }
 
 TEST(Vggt, TokensThatWereNotKeptAreNamed) {
-  const SafetensorsFile file = OpenGolden(kVggtFixture);
-  const Vggt vggt = GoldenVggt(file);
+  const Vggt vggt = GoldenVggt();
   EXPECT_THAT([&] { PredictCameras(vggt, {}); },
               testing::ThrowsMessage<ShapeError>(testing::HasSubstr("the tokens of layer")));
 }
@@ -90,7 +89,7 @@ TEST(Vggt, HalfPrecisionAggregatorStaysNearFloat) {
   options.cast_type = torch::kBFloat16;
   options.cast_prefix = "aggregator.";
   FileParameters source({GoldenDir() / (std::string(kVggtFixture) + ".safetensors")}, options);
-  const Vggt half = LoadVggt(source, GoldenVggtConfig(file), {true, true, true});
+  const Vggt half = LoadVggt(source, GoldenVggtConfig(), {true, true, true});
   source.Finish();
   const int64_t last = half.config.aggregator.depth - 1;
   const AggregatorResult aggregated =

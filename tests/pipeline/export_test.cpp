@@ -59,5 +59,12 @@ TEST(ExportPly, WritesNothingWhenNothingIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out.ply"));
 }
 
+TEST(ExportPly, CommentsAreKept) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(4), 3, {"not for commercial use: made with X"});
+  ExportPly(temp / "in.ply", temp / "out.ply", {});
+  EXPECT_THAT(ReadGaussianPly(temp / "out.ply").comments, testing::ElementsAre("not for commercial use: made with X"));
+}
+
 }  // namespace
 }  // namespace oraclegs

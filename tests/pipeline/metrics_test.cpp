@@ -9,6 +9,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   const TempDir temp;
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
   run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"points", 400}});
+  run.workspace.MarkDone("validate", {{"key", "v"}, {"seconds", 1}, {"non_commercial", {"VGGT-1B"}}});
   run.workspace.MarkDone("depth", {{"key", "c"}, {"seconds", 4}, {"points", 9000}});
   run.workspace.MarkDone("start", {{"key", ""}, {"seconds", 0}, {"source", "dense"}, {"points", 500}});
   run.workspace.MarkDone("train", {{"key", "b"},
@@ -29,6 +30,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("train").at("iterations"), 50);
   EXPECT_EQ(metrics.at("train").at("iterations_per_second"), 5);
   EXPECT_EQ(metrics.at("peak_memory_bytes"), int64_t{1} << 60);
+  EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json({"VGGT-1B"}));
   EXPECT_EQ(metrics.at("program"), "oraclegs");
   EXPECT_EQ(metrics.at("version"), "test");
   EXPECT_EQ(metrics.at("seed"), 0);

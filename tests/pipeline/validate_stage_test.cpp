@@ -1,6 +1,10 @@
 #include "oraclegs/pipeline/validate_stage.h"
 
+#include "nets/vggt_fixture.h"
+#include "oraclegs/pipeline/non_commercial.h"
+#include "oraclegs/pipeline/stage_table.h"
 #include "pipeline/proposing.h"
+#include "pipeline/weights.h"
 
 namespace oraclegs {
 namespace {
@@ -52,7 +56,7 @@ TEST_F(ValidateStageTest, ReadsBackWhatItWrote) {
 
 TEST_F(ValidateStageTest, TrustsAllWhenToldTo) {
   auto request = Request("uniform");
-  request.options.validate.confidence = "uniform";
+  request.options.validate.oracle = "uniform";
   for (const TrainView& view : Validate(request, Silent()).views) EXPECT_EQ(view.confidence.min().item<float>(), 1.f);
 }
 
@@ -86,6 +90,41 @@ TEST_F(ValidateStageTest, ADamagedPictureIsNamed) {
               testing::AllOf(HasSubstr(file.string()), HasSubstr("delete it and run again")));
   fs::remove(file);
   EXPECT_EQ(Validate(Request("damaged"), Silent()).views.size(), result.views.size());
+}
+
+TEST_F(ValidateStageTest, WeightsOfVggtAreUsedWhereTheyAre) {
+  const ModelsAt models(*temp / "models");
+  auto request = Request("network");
+  request.options.validate.oracle = "auto";
+  request.options.propose.proposers = "warp";
+  const Result without = Validate(request, recorder.AsListener());
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch vggt` brings its weights")));
+  EXPECT_THAT(NonCommercialParts(WorkspacePaths(without.root)), IsEmpty());
+  WriteTinyVggt(*temp / "models" / "vggt" / "model.safetensors");
+  const Result with = Validate(request, recorder.AsListener());
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("VGGT-1B with the photographs")));
+  ASSERT_EQ(with.views.size(), without.views.size());
+  EXPECT_FALSE(torch::equal(with.views[0].confidence, without.views[0].confidence));
+  EXPECT_THAT(NonCommercialParts(WorkspacePaths(with.root)), testing::ElementsAre("VGGT-1B"));
+  const nlohmann::json record = ReadStageRecords(with.root).at("validate");
+  EXPECT_EQ(record.at("oracle"), "vggt+consistency");
+  EXPECT_EQ(record.at("chunk"), 8);
+  const Result again = Validate(request, Silent());
+  for (size_t v = 0; v < with.views.size(); ++v) {
+    EXPECT_TRUE(torch::equal(again.views[v].confidence, with.views[v].confidence));
+  }
+  fs::remove_all(*temp / "models");
+}
+
+TEST_F(ValidateStageTest, AnOracleWithoutWeightsIsRefusedBeforeAnythingIsWritten) {
+  const ModelsAt models(*temp / "no_models");
+  auto request = Request("refused");
+  request.options.validate.oracle = "vggt";
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
+              HasSubstr("--oracle vggt needs the weights"));
+  EXPECT_FALSE(fs::exists(request.out));
+  request.options.propose.proposers = "none";  // nothing to judge
+  EXPECT_NO_THROW(StartRun(request, Silent()));
 }
 
 TEST_F(ValidateStageTest, HasNothingToDoWithoutProposals) {

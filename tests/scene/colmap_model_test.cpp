@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "oraclegs/core/files.h"
 #include "scene/tiny_scenes.h"
 
 namespace oraclegs {
@@ -114,6 +115,26 @@ TEST_F(ColmapModelTest, WrittenTextReadsBack) {
 
   image.name = "a photo.png";
   EXPECT_THAT(InputErrorOf([&] { WriteColmapText(dir_ / "bad", cameras, {image}); }), HasSubstr("'a photo.png'"));
+}
+
+TEST_F(ColmapModelTest, PointsAreWrittenWithTheirTracks) {
+  const ColmapCameras cameras = {{1, {LensModel::kPinhole, 6, 4, {5, 5, 3, 2}}}};
+  const std::vector<ColmapImage> images = {{1, "a.png", 1}, {2, "b.png", 1}};
+  const std::vector<ColmapTrack> points = {{{0.5, -1.25, 3}, {10, 20, 255}, {{1, {1.5, 2.5}}, {2, {3.25, 0.5}}}},
+                                           {{1, 2, 4}, {1, 2, 3}, {{2, {5, 3}}, {1, {0.5, 0.5}}}}};
+  WriteColmapText(dir_ / "tracks", cameras, images, points);
+  const std::string text = ReadFile(dir_ / "tracks/images.txt");
+  EXPECT_THAT(text, HasSubstr("a.png\n1.5 2.5 1 0.5 0.5 2\n"));
+  EXPECT_THAT(text, HasSubstr("b.png\n3.25 0.5 1 5 3 2\n"));
+  EXPECT_THAT(ReadFile(dir_ / "tracks/points3D.txt"),
+              HasSubstr("\n1 0.5 -1.25 3 10 20 255 0 1 0 2 0\n2 1 2 4 1 2 3 0 2 1 1 1\n"));
+  WritePicture(dir_ / "images/a.png");
+  WritePicture(dir_ / "images/b.png");
+  const Scene scene = ReadColmapScene(dir_ / "tracks", dir_ / "images", heard_.listener());
+  ASSERT_EQ(scene.points.size(), 2u);
+  EXPECT_EQ(scene.points[0].xyz, points[0].xyz);
+  EXPECT_EQ(scene.points[0].rgb, points[0].rgb);
+  EXPECT_EQ(scene.points[1].views, (std::vector<int>{0, 1}));
 }
 
 }  // namespace

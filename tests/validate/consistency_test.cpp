@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "depth/surfaces.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/rng.h"
@@ -91,6 +93,98 @@ TEST_F(ConsistencyTest, NeedsSomethingToLearnFrom) {
   ConsistencyOracle oracle(warper, photos);
   EXPECT_THROW(oracle.Learn({}), InputError);
   EXPECT_THROW(oracle.Validate({hidden[0].proposal}), UsageError);
+}
+
+/// Knows where the noise is, or does not: says 0.1 in the square of noise of each proposal, 0.9 elsewhere.
+class Seer : public Oracle {
+ public:
+  explicit Seer(std::map<std::string, int> lefts) : lefts_(std::move(lefts)) {}
+  std::string name() const override { return "seer"; }
+  std::vector<ConfidenceMap> Judge(const std::vector<HiddenPhotograph>& hidden) const override {
+    asked += hidden.size();
+    std::vector<ConfidenceMap> maps;
+    for (const HiddenPhotograph& h : hidden) {
+      maps.emplace_back(size_t{96} * 72, 0.9f);
+      const int left = lefts_.at(h.proposal.name);
+      for (int y = 20; y < 50; ++y) {
+        for (int x = left; x < left + 30; ++x) maps.back()[static_cast<size_t>(y) * 96 + x] = 0.1f;
+      }
+    }
+    return maps;
+  }
+  mutable size_t asked = 0;
+
+ private:
+  std::map<std::string, int> lefts_;
+};
+
+TEST_F(ConsistencyTest, ASecondOracleIsCalibratedAlone) {
+  std::map<std::string, int> lefts = {{"new", 40}};
+  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  const Seer seer(lefts);
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos, seer, Evidence::kSecond);
+  EXPECT_EQ(oracle.name(), "seer");
+  oracle.Learn(hidden);
+  const ConfidenceMap map = oracle.Validate({{"new", "test", photos[0].camera, photos[0].rgb}})[0];
+  ASSERT_EQ(map.size(), 96u * 72u);
+  for (size_t i = 0; i < map.size(); ++i) {
+    // Two values in, two values out: what pixels of each turned out to be worth.
+    if (InSquare(i, 40)) {
+      EXPECT_LT(map[i], 0.2f);
+    } else {
+      EXPECT_GT(map[i], 0.9f);
+    }
+  }
+}
+
+TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
+  // Each photograph shows something in its square that no other one shows, and no proposal has.
+  std::map<std::string, int> lefts = {{"new", 40}};
+  std::vector<Photo> surprising = photos;
+  std::vector<HiddenPhotograph> blind;
+  for (int v = 0; v < 6; ++v) {
+    const Photo& photo = photos[static_cast<size_t>(v)];
+    lefts[photo.name] = 10 + 9 * v;
+    surprising[static_cast<size_t>(v)].rgb = hidden[static_cast<size_t>(v)].proposal.rgb;
+    blind.push_back({v, {photo.name, "test", photo.camera, photo.rgb}});
+  }
+  const Seer seer(lefts);
+  const Warper warper({photos, maps});
+  ConsistencyOracle alone(warper, surprising), both(warper, surprising, seer, Evidence::kBoth);
+  EXPECT_EQ(both.name(), "seer+consistency");
+  alone.Learn(blind);
+  both.Learn(blind);
+  const Photo truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
+  const Proposal proposal{"new", "test", truth.camera, truth.rgb};
+  const auto means = [](const ConfidenceMap& map) {
+    double inside = 0, outside = 0;
+    for (size_t i = 0; i < map.size(); ++i) (InSquare(i, 40) ? inside : outside) += static_cast<double>(map[i]);
+    return std::pair{inside / 900, outside / (96 * 72 - 900)};
+  };
+  const auto [inside, outside] = means(both.Validate({proposal})[0]);
+  const auto [inside_alone, outside_alone] = means(alone.Validate({proposal})[0]);
+  EXPECT_LT(inside, inside_alone - 0.2);
+  EXPECT_GT(outside, outside_alone);
+}
+
+TEST_F(ConsistencyTest, WhatWasLookedAtIsNotAskedAboutAgain) {
+  std::map<std::string, int> lefts;
+  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  const Seer seer(lefts);
+  const Warper warper({photos, maps});
+  ConsistencyOracle oracle(warper, photos, seer, Evidence::kBoth), again(warper, photos, seer, Evidence::kBoth);
+  std::vector<HiddenPhotograph> looked = hidden;
+  oracle.Look(&looked);
+  EXPECT_EQ(seer.asked, 6u);
+  oracle.Learn(looked);
+  const auto maps_of = oracle.Judge(looked);
+  EXPECT_EQ(seer.asked, 6u);
+  again.Learn(hidden);
+  EXPECT_EQ(again.Judge(hidden), maps_of);
+  EXPECT_EQ(seer.asked, 18u);
+  ConsistencyOracle(warper, photos).Look(&looked);  // nobody to ask
+  EXPECT_EQ(seer.asked, 18u);
 }
 
 TEST(Goodness, FallsWithTheError) {

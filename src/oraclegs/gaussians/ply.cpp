@@ -37,8 +37,15 @@ std::vector<std::string> PropertyNames(int rest) {
 /// Floats of f_rest for a degree: three channels of all but the constant coefficient.
 int RestCount(int degree) { return 3 * (ShCount(degree) - 1); }
 
-std::string HeaderText(int64_t count, const std::vector<std::string>& names) {
-  std::string text = fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", count);
+std::string HeaderText(int64_t count, const std::vector<std::string>& names, const std::vector<std::string>& comments) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  for (std::string comment : comments) {
+    // A line break would be read as the next line of the header.
+    std::replace_if(
+        comment.begin(), comment.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    text += "comment " + comment + "\n";
+  }
+  text += fmt::format("element vertex {}\n", count);
   for (const std::string& name : names) {
     text += "property float " + name + "\n";
     if (name == "z") text += "property float nx\nproperty float ny\nproperty float nz\n";
@@ -119,7 +126,8 @@ void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i
 
 }  // namespace
 
-void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree) {
+void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree,
+                      const std::vector<std::string>& comments) {
   gaussians.Check("WriteGaussianPly");
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("WriteGaussianPly: degree {}", sh_degree);
   Gaussians host = gaussians;
@@ -127,7 +135,7 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
   const int64_t n = host.size();
   const int rest = RestCount(sh_degree);
   const size_t columns = kFixedColumns + 3 + rest, row_bytes = columns * sizeof(float);
-  std::string bytes = HeaderText(n, PropertyNames(rest));
+  std::string bytes = HeaderText(n, PropertyNames(rest), comments);
   const size_t header = bytes.size();
   bytes.resize(header + static_cast<size_t>(n) * row_bytes);
   const Rows rows(host);
@@ -152,6 +160,7 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
 
   GaussianPly out;
   out.sh_degree = DegreeOf(element, file);
+  out.comments = header.comments;
   const int rest = RestCount(out.sh_degree);
   const std::vector<std::string> names = PropertyNames(rest);
   std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);

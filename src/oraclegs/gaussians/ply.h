@@ -9,12 +9,15 @@
 
 namespace oraclegs {
 
-/// Writes binary little-endian PLY of SH degree `sh_degree` (0..3), atomically. Throws RunError.
-void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree = kMaxShDegree);
+/// Writes binary little-endian PLY of SH degree `sh_degree` (0..3), atomically; comments stand in its header, a line
+/// each. Throws RunError.
+void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree = kMaxShDegree,
+                      const std::vector<std::string>& comments = {});
 
 struct GaussianPly {
   Gaussians gaussians;
   int sh_degree = 0;  ///< of the file; higher coefficients are zero
+  std::vector<std::string> comments = {};
 };
 
 /// Reads such a file from any trainer: properties found by name in any order, other properties and elements skipped,

@@ -18,6 +18,7 @@ constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
     {"float", PlyType::kFloat},   {"float32", PlyType::kFloat}, {"double", PlyType::kDouble},
     {"float64", PlyType::kDouble}};
 constexpr size_t kShownChars = 60;  // of a line quoted in a message
+constexpr size_t kMostComments = 100, kLongestComment = 1000;
 
 /// The words of a line, separated by blanks and tabs.
 std::vector<std::string_view> Words(std::string_view line) {
@@ -50,6 +51,7 @@ class HeaderParser {
     while (true) {
       const std::string_view line = NextLine();
       const std::vector<std::string_view> words = Words(line);
+      if (!words.empty() && words[0] == "comment") TakeComment(line);
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
       if (!Take(words)) {
@@ -72,6 +74,13 @@ class HeaderParser {
     ++line_;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     return line;
+  }
+
+  void TakeComment(std::string_view line) {
+    if (header_.comments.size() == kMostComments) return;
+    line.remove_prefix(line.find("comment") + std::string_view("comment").size());
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    header_.comments.emplace_back(line.substr(0, kLongestComment));
   }
 
   bool Take(const std::vector<std::string_view>& words) {

@@ -33,8 +33,9 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
-  std::vector<PlyElement> elements;  ///< in file order
-  size_t body = 0;                   ///< offset of the first byte after the header
+  std::vector<PlyElement> elements;        ///< in file order
+  size_t body = 0;                         ///< offset of the first byte after the header
+  std::vector<std::string> comments = {};  ///< the texts of its "comment" lines, cut where they are very long
 
   /// Index of an element, -1 when there is none.
   int Find(std::string_view element) const;

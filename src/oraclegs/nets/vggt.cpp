@@ -45,7 +45,8 @@ Vggt LoadVggt(ParameterSource& source, const VggtConfig& config, const VggtHeads
   return vggt;
 }
 
-Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads, const VggtPlacement& placement) {
+Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads, const VggtPlacement& placement,
+              const VggtConfig& config) {
   CheckpointOptions options;
   options.model = "VGGT-1B";
   options.ignored = {"track_head."};
@@ -56,7 +57,7 @@ Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& 
   options.cast_type = placement.aggregator_type;
   options.cast_prefix = "aggregator.";
   FileParameters source(paths, options);
-  Vggt vggt = LoadVggt(source, VggtConfig(), heads);
+  Vggt vggt = LoadVggt(source, config, heads);
   source.Finish();
   return vggt;
 }

@@ -39,10 +39,10 @@ struct VggtPlacement {
   torch::Device device = torch::kCPU;
   torch::ScalarType aggregator_type = torch::kFloat;  ///< the heads are float32 always
 };
-/// VGGT-1B from safetensors files with the official names. Heads that are not asked for and the track head may be
-/// there and are not read. Throws InputError that lists all that does not fit.
+/// The network of this configuration from safetensors files with the official names. Heads that are not asked for and
+/// the track head may be there and are not read. Throws InputError that lists all that does not fit.
 Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads,
-              const VggtPlacement& placement = {});
+              const VggtPlacement& placement = {}, const VggtConfig& config = {});
 
 /// What the loaded heads read of the aggregator, for AggregatorRequest::token_layers.
 std::vector<int64_t> HeadLayers(const Vggt& vggt);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "oraclegs/core/interrupt.h"
 #include "oraclegs/nets/attention.h"
 
 namespace oraclegs {
@@ -88,6 +89,7 @@ AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, c
 
   AggregatorResult result;
   for (int64_t l = 0; l <= last; ++l) {
+    ThrowIfInterrupted();  // a pass over many views takes minutes on a CPU
     const Tensor framed = Forward(aggregator.frame_blocks[static_cast<size_t>(l)], x, &frame_rope);
     const Block& global = aggregator.global_blocks[static_cast<size_t>(l)];
     const Tensor all = framed.view({1, views.count * views.tokens(), config.width()});

@@ -55,7 +55,7 @@ struct AggregatorResult {
 Tensor EmbedViews(const Aggregator& aggregator, const Tensor& images);
 
 /// Runs the layers up to the last one asked for; behind the last attention nothing is computed. Throws ShapeError for
-/// layers that do not exist, and when nothing is asked for.
+/// layers that do not exist, and when nothing is asked for; Interrupted between two layers when a stop was asked for.
 AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, const AggregatorRequest& request);
 
 }  // namespace oraclegs

@@ -183,6 +183,15 @@ class Ablator {
     return run;
   }
 
+  /// The report says once what of it was made with networks that must not be used for everything.
+  void NoteLicence(const json& metrics) {
+    for (const std::string& part : metrics.value("non_commercial", std::vector<std::string>())) {
+      std::string note = fmt::format("Not for commercial use: rows were made with {}.", part);
+      auto& notes = ablation_.notes;
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+    }
+  }
+
   void RunOne(size_t r, uint64_t seed) {
     ThrowIfInterrupted();
     oraclegs::Run run = Start(r, seed, ListenerOf(r, seed));
@@ -193,6 +202,7 @@ class Ablator {
     try {
       const json metrics = Reconstruct(&run);
       result = Scored(std::move(result), metrics);
+      NoteLicence(metrics);
       scored_ = true;
       std::error_code ignored;  // gigabytes, and of no more use
       fs::remove_all(run.workspace.checkpoints(), ignored);

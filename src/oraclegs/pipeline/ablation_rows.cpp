@@ -32,7 +32,7 @@ const std::vector<AblationRow>& AblationRows() {
          o->start.init = "random", o->start.init_scale = usual.init_scale;
          o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
          o->propose.proposers = "none", o->propose.proposal_folder.clear();
-         o->train.schedule = "constant", o->validate.confidence = "uniform";
+         o->train.schedule = "constant", o->validate.oracle = "uniform";
          o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
          o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1, o->train.exposure = "off";
        }},
@@ -52,7 +52,7 @@ const std::vector<AblationRow>& AblationRows() {
       {"confidence", "+ confidence",
        "each proposed pixel counts by what the photographs say of it; the number is calibrated on hidden photographs, "
        "here as everywhere",
-       [](const RunOptions& asked, RunOptions* o) { o->validate.confidence = asked.validate.confidence; }},
+       [](const RunOptions& asked, RunOptions* o) { o->validate.oracle = asked.validate.oracle; }},
       {"dense", "+ dense start", "Gaussians start at stereo's dense points, at the size of their distances",
        [](const RunOptions& asked, RunOptions* o) {
          const uint64_t seed = o->start.seed;

@@ -4,6 +4,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/non_commercial.h"
 
 namespace oraclegs {
 namespace {
@@ -48,7 +49,8 @@ void RemoveOldRenders(const fs::path& dir) {
 Model LoadModel(const fs::path& ply, const RunOptions& options) {
   GaussianPly file = ReadGaussianPly(ply);
   return {std::move(file.gaussians),
-          {BackgroundColor(options.photo.background), file.sh_degree, options.train.antialiased}};
+          {BackgroundColor(options.photo.background), file.sh_degree, options.train.antialiased},
+          PartsInComments(file.comments)};
 }
 
 void RunEvaluate(Run* run) {
@@ -105,6 +107,7 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
                             {"test", scores.test},
                             {"stages", {{"evaluate", {{"seconds", clock.Finish()}}}}},
                             {"gaussians", scores.gaussians},
+                            {"non_commercial", model.non_commercial},
                             {"peak_memory_bytes", PeakMemoryBytes()},
                             {"ply", request.ply.string()},
                             {"scene", posed.scene.root.string()},

@@ -13,6 +13,7 @@ namespace oraclegs {
 struct Model {
   Gaussians gaussians;
   RenderOptions render;
+  std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
 };
 
 /// Reads a PLY of any trainer, to be rendered on the background and with the antialiasing of `options`.
@@ -30,8 +31,8 @@ struct EvaluateRequest {
   std::string version;        ///< of the program, for metrics.json
 };
 
-/// {"test": {...}, "gaussians": n, "ply", "options", ...}. Throws InputError for a file that is no such point cloud, or
-/// when `out` holds a run or lies in the scene folder.
+/// {"test": {...}, "gaussians": n, "ply", "non_commercial", "options", ...}. Throws InputError for a file that is no
+/// such point cloud, or when `out` holds a run or lies in the scene folder.
 nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& scene, const Listener& listener);
 
 }  // namespace oraclegs

@@ -50,7 +50,7 @@ ExportResult ExportPly(const std::filesystem::path& from, const std::filesystem:
     throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity", from.string(), file.gaussians.size());
   }
   const int degree = std::min(options.sh_degree, file.sh_degree);
-  WriteGaussianPly(to, kept, degree);
+  WriteGaussianPly(to, kept, degree, file.comments);
   return {file.gaussians.size(), kept.size(), degree};
 }
 

@@ -28,7 +28,8 @@ struct ExportResult {
   int sh_degree = 0;              ///< of the written file
 };
 
-/// Reads a PLY, prunes it, writes it. Throws InputError, RunError; UsageError when nothing would be left.
+/// Reads a PLY, prunes it, writes it with its comments. Throws InputError, RunError; UsageError when nothing would be
+/// left.
 ExportResult ExportPly(const std::filesystem::path& from, const std::filesystem::path& to,
                        const ExportOptions& options);
 

@@ -53,6 +53,7 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
 nlohmann::json DescribePly(const fs::path& path) {
   const GaussianPly ply = ReadGaussianPly(path);
   nlohmann::json info = {{"kind", "gaussians"}, {"gaussians", ply.gaussians.size()}, {"sh_degree", ply.sh_degree}};
+  if (!ply.comments.empty()) info["comments"] = ply.comments;
   if (ply.gaussians.size() == 0) return info;
   std::vector<double> low, high;
   for (int axis = 0; axis < 3; ++axis) {

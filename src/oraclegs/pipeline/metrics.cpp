@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/pipeline/non_commercial.h"
 
 namespace oraclegs {
 namespace {
@@ -48,6 +49,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   }
   metrics["peak_memory_bytes"] = peak;
   metrics["views"] = {{"train", run.split.train.size()}, {"test", run.split.test.size()}};
+  metrics["non_commercial"] = NonCommercialParts(run.workspace);
   metrics["program"] = "oraclegs";
   metrics["version"] = run.version;
   metrics["options"] = RunOptionsToJson(run.options);

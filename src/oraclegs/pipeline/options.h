@@ -19,10 +19,15 @@ namespace oraclegs {
 
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
+  std::string poses = "colmap";
 
   template <class V>
   void Visit(V&& visit) {
     visit("images", images, "Folder of the photographs, where it is not the scene's usual one");
+    visit("poses", poses,
+          "Who finds the cameras of photographs without poses: colmap = structure from motion; vggt = the network, in "
+          "one pass, also from photographs that share too little for colmap",
+          Choice{{"colmap", "vggt"}});
   }
 };
 
@@ -68,7 +73,7 @@ struct MachineOptions {
 };
 
 /// Likewise.
-struct CheckpointOptions {
+struct CheckpointSchedule {
   int checkpoint_every = 1000;
 
   template <class V>
@@ -76,6 +81,17 @@ struct CheckpointOptions {
     visit("checkpoint-every", checkpoint_every,
           "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted",
           Range{0, 1e7});
+  }
+};
+
+/// Where weights lie on this machine. What a stage makes depends on their content, which its key holds.
+struct WeightOptions {
+  std::filesystem::path vggt_weights;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("vggt-weights", vggt_weights,
+          "File of VGGT's weights (safetensors), where it is not the one that `oraclegs models fetch vggt` brings");
   }
 };
 
@@ -89,7 +105,8 @@ struct RunOptions {
   ProposeOptions propose;
   ValidateOptions validate;
   TrainOptions train;
-  CheckpointOptions checkpoints;
+  CheckpointSchedule checkpoints;
+  WeightOptions weights;
   MachineOptions machine;
 
   /// Calls f("Group title", group) for the groups whose options shape the result.
@@ -109,6 +126,7 @@ struct RunOptions {
   void ForEachGroup(F&& f) {
     ForEachShapingGroup(f);
     f("Checkpoints", checkpoints);
+    f("Weights", weights);
     f("Machine", machine);
   }
 };
@@ -125,6 +143,7 @@ inline nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
 inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
   nlohmann::json json = ShapingOptionsToJson(options);
   json.update(OptionsToJson(options.checkpoints));
+  json.update(OptionsToJson(options.weights));
   json.update(OptionsToJson(options.machine));
   return json;
 }

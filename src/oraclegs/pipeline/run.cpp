@@ -1,9 +1,14 @@
 #include "oraclegs/pipeline/run.h"
 
+#include <optional>
 #include <utility>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/non_commercial.h"
+#include "oraclegs/pipeline/oracle_choice.h"
+#include "oraclegs/pipeline/propose_stage.h"
+#include "oraclegs/pipeline/vggt_poses.h"
 #include "oraclegs/scene/photos.h"
 #include "oraclegs/scene/sfm.h"
 #include "oraclegs/scene/view_list.h"
@@ -21,24 +26,50 @@ std::vector<int> AllViews(const Scene& scene) {
   return all;
 }
 
-Scene Register(Workspace* workspace, const Scene& photos, const Listener& listener) {
-  const std::string key = ViewsFingerprint(photos, AllViews(photos));
+/// Who finds cameras; nothing = colmap.
+std::optional<VggtWeights> PoseNetwork(const RunOptions& options) {
+  if (options.input.poses != "vggt") return std::nullopt;
+  return RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
+}
+
+/// The same for a workspace that may have its poses already, which stand without the weights.
+std::optional<VggtWeights> PoseNetwork(const RunOptions& options, const nlohmann::json& record) {
+  if (options.input.poses != "vggt" || !record.is_object() || !record.contains("network")) return PoseNetwork(options);
+  try {
+    return PoseNetwork(options);
+  } catch (const InputError&) {
+    const nlohmann::json& used = record["network"];
+    return VggtWeights{"", used.value("name", ""), used.value("fingerprint", ""), used.value("commercial", false)};
+  }
+}
+
+Scene Register(Workspace* workspace, const Scene& photos, const RunOptions& options, const Listener& listener) {
+  const std::optional<VggtWeights> network = PoseNetwork(options, workspace->Record("register"));
+  std::string key = ViewsFingerprint(photos, AllViews(photos));
+  if (network) key = Fingerprint().Add(key).Add("vggt").Add(network->fingerprint).Hex();
   const bool done = workspace->IsDone("register", key);
   if (!done) {
     if (!workspace->Record("register").is_null())
-      listener(Warning{"the photographs have changed: poses are found anew"});
+      listener(Warning{"the photographs, or what finds their poses, have changed: poses are found anew"});
     std::error_code ignored;  // what cannot be removed cannot be written either, which is told then
     fs::remove_all(workspace->sfm(), ignored);
   }
   const StageClock clock("register", listener);
-  Scene scene = RegisterPhotos(photos, workspace->sfm(), listener);
+  Scene scene = network ? RegisterWithVggt(photos, *network, workspace->sfm(), listener)
+                        : RegisterPhotos(photos, workspace->sfm(), listener);
   const double seconds = clock.Finish();
   if (!done) {
-    workspace->MarkDone("register", {{"key", key},
-                                     {"seconds", seconds},
-                                     {"photographs", photos.views.size()},
-                                     {"registered", scene.views.size()},
-                                     {"files", {"sfm"}}});
+    nlohmann::json record = {{"key", key},
+                             {"seconds", seconds},
+                             {"photographs", photos.views.size()},
+                             {"registered", scene.views.size()},
+                             {"files", {"sfm"}}};
+    if (network) {
+      record["network"] = {
+          {"name", network->name}, {"fingerprint", network->fingerprint}, {"commercial", network->commercial}};
+      NoteNetwork(*network, &record);
+    }
+    workspace->MarkDone("register", record);
   }
   return scene;
 }
@@ -79,8 +110,16 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   return scene;
 }
 
+/// Throws InputError for weights that are asked for and missing, before anything is written.
+void RequireWeights(const RunOptions& options, const Scene& scene, const Listener& listener) {
+  const bool has_poses = scene.HasPoses();
+  if (has_poses && options.input.poses == "vggt") listener(Note{"--poses vggt: the scene has poses, which are used"});
+  if (!has_poses) PoseNetwork(options);
+  if (ProposesViews(options) || !options.propose.proposal_folder.empty()) ChooseOracle(options);
+}
+
 Run WithPosesAndSplit(const RunRequest& request, Workspace workspace, Scene scene, const Listener& listener) {
-  if (!scene.HasPoses()) scene = Register(&workspace, scene, listener);
+  if (!scene.HasPoses()) scene = Register(&workspace, scene, request.options, listener);
   Split split = SplitViews(scene, request.options.split);
   Run run{request.options, request.version, std::move(workspace), std::move(scene), std::move(split), listener};
   WriteSplit(run);
@@ -106,6 +145,7 @@ Run StartRun(const RunRequest& request, const Listener& listener) {
   RequireOutsideScene(request.out, scene, request.options.input.images);
   const fs::path& proposals = request.options.propose.proposal_folder;
   if (!proposals.empty()) RequireApart(request.out, proposals);
+  RequireWeights(request.options, scene, listener);
   // A registered photograph is not yet known, but what all of them together cannot fill is refused at once.
   SplitViews(scene, request.options.split);
   Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);

@@ -7,6 +7,8 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/non_commercial.h"
+#include "oraclegs/pipeline/oracle_choice.h"
 #include "oraclegs/pipeline/prepare.h"
 #include "oraclegs/pipeline/start_points.h"
 #include "oraclegs/pipeline/train_inputs.h"
@@ -24,11 +26,15 @@ std::string InputsFingerprint(const Run& run) {
   return print.Hex();
 }
 
+/// Which oracle judges the proposals: `auto` depends on the weights that are there. "" without proposals.
+std::string OracleKey(const Run& run) { return ProposalInputs(run).empty() ? "" : ChooseOracle(run.options).Key(); }
+
 std::string TrainKey(const Run& run) {
   return Fingerprint()
       .Add(ShapingOptionsToJson(run.options).dump())
       .Add(InputsFingerprint(run))
       .Add(ProposalInputs(run))
+      .Add(OracleKey(run))
       .Hex();
 }
 
@@ -50,14 +56,16 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   }
   if (checkpoint.options.value("inputs", "") == saved_options.at("inputs") &&
       checkpoint.options.value("depth", "") == saved_options.at("depth") &&
-      checkpoint.options.value("proposal_plan", "") == saved_options.at("proposal_plan")) {
+      checkpoint.options.value("proposal_plan", "") == saved_options.at("proposal_plan") &&
+      checkpoint.options.value("oracle_used", "") == saved_options.at("oracle_used")) {
     throw InputError(
         "{}: was saved by another version of the program, which had other options; start anew with "
         "--overwrite",
         path->string());
   }
   run.listener(
-      Warning{"the photographs, poses, depth or proposals have changed since the last run: training starts anew"});
+      Warning{"the photographs, poses, depth, proposals or what judges them have changed since the last run: training "
+              "starts anew"});
   std::error_code error;
   std::filesystem::remove_all(run.workspace.checkpoints(), error);
   if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
@@ -109,6 +117,7 @@ void RunTrain(Run* run) {
     saved_options["depth"] = geometry.key;
     const ProposalPlan plan = RunPropose(run, photos, geometry, prepared.decided);
     saved_options["proposal_plan"] = plan.key;
+    saved_options["oracle_used"] = OracleKey(*run);
     std::vector<TrainView> proposals = RunValidate(run, photos, geometry, plan);
     const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
     if (!checkpoint) {
@@ -126,7 +135,8 @@ void RunTrain(Run* run) {
   const RunOptions& options = run->options;
   const TrainResult result = trainer->Run(
       {run->workspace.checkpoints(), options.checkpoints.checkpoint_every, std::move(saved_options)}, run->listener);
-  WriteGaussianPly(run->workspace.point_cloud(), trainer->gaussians(), options.train.sh_degree);
+  WriteGaussianPly(run->workspace.point_cloud(), trainer->gaussians(), options.train.sh_degree,
+                   LicenceComments(NonCommercialParts(run->workspace)));
   std::filesystem::remove(run->workspace.exposures(), ignored);
   if (trainer->exposures().defined()) {
     WriteFileAtomically(run->workspace.exposures(), ExposuresToJson(names, trainer->exposures()).dump(1) + "\n");

@@ -2,95 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/judge.h"
+#include "oraclegs/pipeline/non_commercial.h"
 #include "oraclegs/scene/view_list.h"
-#include "oraclegs/validate/consistency.h"
-#include "oraclegs/validate/pick.h"
+#include "oraclegs/validate/view_chunks.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr double kValidateVersion = 2;  // raised when the same inputs give other confidences
-constexpr size_t kChunk = 8;            // targets whose pictures are held at once
+constexpr double kValidateVersion = 3;  // raised when the same inputs give other confidences
 constexpr double kLeastTrust = 0.02;    // mean confidence of a proposal that is of any use
-
-PickRule RuleOf(const std::string& word) {
-  return word == "view" ? PickRule::kView : word == "pixel" ? PickRule::kPixel : PickRule::kBlend;
-}
-
-/// The oracle, which knows candidates and what is mixed from them.
-class Judge {
- public:
-  Judge(const Run& run, const std::vector<Photo>& photos, const Proposers& proposers)
-      : rule_(RuleOf(run.options.validate.pick)) {
-    if (run.options.validate.confidence == "uniform") {
-      oracle_ = MakeUniformOracle();
-      return;
-    }
-    auto oracle = std::make_unique<ConsistencyOracle>(proposers.warper(), photos);
-    Teach(photos, proposers, oracle.get());
-    oracle_ = std::move(oracle);
-  }
-
-  /// One of each target that has candidates, in their order.
-  std::vector<Validated> operator()(std::vector<std::vector<Proposal>> candidates) const {
-    std::erase_if(candidates, [](const auto& of_one) { return of_one.empty(); });
-    std::vector<Proposal> all;
-    for (const auto& of_one : candidates) all.insert(all.end(), of_one.begin(), of_one.end());
-    auto confidence = oracle_->Validate(all);
-    std::vector<Validated> picked;
-    auto next = confidence.begin();
-    for (const auto& of_one : candidates) {
-      const auto end = next + static_cast<int64_t>(of_one.size());
-      picked.push_back(Pick(of_one, {std::make_move_iterator(next), std::make_move_iterator(end)}, rule_));
-      next = end;
-    }
-    std::vector<Proposal> mixed;
-    for (const Validated& v : picked) {
-      if (v.proposal.source == kMixed) mixed.push_back(v.proposal);
-    }
-    confidence = oracle_->Validate(mixed);
-    next = confidence.begin();
-    for (Validated& v : picked) {
-      if (v.proposal.source == kMixed) v.confidence = std::move(*next++);
-    }
-    return picked;
-  }
-
- private:
-  void Teach(const std::vector<Photo>& photos, const Proposers& proposers, ConsistencyOracle* oracle) const {
-    std::vector<Target> targets;
-    std::vector<int> numbers;
-    for (size_t v = 0; v < photos.size(); ++v) {
-      targets.push_back({photos[v].name, photos[v].camera});
-      numbers.push_back(static_cast<int>(v));
-    }
-    const std::vector<std::vector<Proposal>> answers = proposers.Ask(targets, numbers);
-    std::vector<HiddenPhotograph> hidden;
-    for (size_t v = 0; v < answers.size(); ++v) {
-      for (const Proposal& p : answers[v]) hidden.push_back({numbers[v], p});
-    }
-    oracle->Learn(hidden);
-    const std::vector<ConfidenceMap> confidence = oracle->Judge(hidden);
-    std::vector<HiddenPhotograph> mixed;
-    auto next = confidence.begin();
-    for (size_t v = 0; v < answers.size(); ++v) {
-      const auto end = next + static_cast<int64_t>(answers[v].size());
-      if (answers[v].size() > 1) mixed.push_back({numbers[v], Pick(answers[v], {next, end}, rule_).proposal});
-      next = end;
-    }
-    std::erase_if(mixed, [](const HiddenPhotograph& h) { return h.proposal.source != kMixed; });
-    if (!mixed.empty()) oracle->Learn(mixed);
-  }
-
-  PickRule rule_;
-  std::unique_ptr<Oracle> oracle_;
-};
 
 Image8 Grey(const ConfidenceMap& map, const Camera& camera) {
   Image8 image{camera.width, camera.height, 1, {}};
@@ -157,9 +83,15 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
     run->workspace.MarkUndone("validate");
     return {};
   }
-  const std::string key =
-      Fingerprint().Add(kValidateVersion).Add(plan.key).Add(OptionsToJson(run->options.validate).dump()).Hex();
+  const OracleChoice choice = ChooseOracle(run->options);
+  const std::string key = Fingerprint()
+                              .Add(kValidateVersion)
+                              .Add(plan.key)
+                              .Add(OptionsToJson(run->options.validate).dump())
+                              .Add(choice.Key())
+                              .Hex();
   const StageClock clock("validate", run->listener);
+  TellOracle(run->options, choice, run->listener);
   if (!run->workspace.IsDone("validate", key)) {
     RemoveOld(run);
     const Proposers proposers(*run, photos, geometry, plan.opinions);
@@ -167,7 +99,7 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
     const bool asked = !plan.targets.empty() ||
                        std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
     std::optional<Judge> judge;
-    if (asked) judge.emplace(*run, photos, proposers);
+    if (asked) judge.emplace(*run, photos, proposers, choice, plan.targets.size());
     std::vector<std::string> files;
     nlohmann::json means = nlohmann::json::object();
     const size_t total = plan.targets.size() + plan.folder.proposals.size();
@@ -176,21 +108,33 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
       for (const float c : validated.confidence) sum += static_cast<double>(c);
       means[validated.proposal.name] = sum / static_cast<double>(validated.confidence.size());
       for (std::string& file : Write(run->workspace, validated)) files.push_back(std::move(file));
+      if (judge && judge->tells_progress()) return;
       run->listener(StepDone{"validate", static_cast<int64_t>(means.size()), static_cast<int64_t>(total), "views", ""});
     };
-    for (size_t first = 0; first < plan.targets.size(); first += kChunk) {
-      const std::vector<Target> chunk(
-          plan.targets.begin() + static_cast<int64_t>(first),
-          plan.targets.begin() + static_cast<int64_t>(std::min(first + kChunk, plan.targets.size())));
+    for (const auto& [begin, end] : EvenRuns(plan.targets.size(), judge ? judge->together() : 1)) {
+      const std::vector<Target> chunk(plan.targets.begin() + static_cast<int64_t>(begin),
+                                      plan.targets.begin() + static_cast<int64_t>(end));
       for (const Validated& validated : (*judge)(proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))))
         take(validated);
     }
+    std::vector<size_t> open;
     for (size_t p = 0; p < plan.folder.proposals.size(); ++p) {
-      const ConfidenceMap& ready = plan.folder.confidence[p];
-      take(ready.empty() ? (*judge)({{plan.folder.proposals[p]}})[0] : Validated{plan.folder.proposals[p], ready});
+      if (ready_made[p].empty()) open.push_back(p);
+      if (!ready_made[p].empty()) take({plan.folder.proposals[p], ready_made[p]});
     }
-    run->workspace.MarkDone("validate",
-                            {{"key", key}, {"seconds", clock.Seconds()}, {"mean_confidence", means}, {"files", files}});
+    for (const auto& [begin, end] : EvenRuns(open.size(), judge ? judge->together() : 1)) {
+      std::vector<std::vector<Proposal>> some;
+      for (size_t i = begin; i < end; ++i) some.push_back({plan.folder.proposals[open[i]]});
+      for (const Validated& validated : (*judge)(std::move(some))) take(validated);
+    }
+    nlohmann::json record = {{"key", key},
+                             {"seconds", clock.Seconds()},
+                             {"oracle", choice.oracle},
+                             {"mean_confidence", means},
+                             {"files", files}};
+    if (choice.weights) record["chunk"] = judge ? judge->together() : 0;
+    if (judge && choice.weights) NoteNetwork(*choice.weights, &record);
+    run->workspace.MarkDone("validate", record);
   }
   std::vector<Target> targets = plan.targets;
   for (const Proposal& p : plan.folder.proposals) targets.push_back({p.name, p.camera});

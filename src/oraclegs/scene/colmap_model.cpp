@@ -99,6 +99,38 @@ std::vector<ScenePoint> MakePoints(const std::vector<ColmapPoint>& points,
   return kept;
 }
 
+/// The points as lines of points3D.txt, and the keypoints that their tracks refer to. Ids begin at 1.
+class Tracks {
+ public:
+  explicit Tracks(const std::vector<ColmapTrack>& points) {
+    for (size_t p = 0; p < points.size(); ++p) {
+      const ColmapTrack& point = points[p];
+      points_ += fmt::format("{} {} {} {} {} {} {} 0", p + 1, point.xyz.x(), point.xyz.y(), point.xyz.z(), point.rgb[0],
+                             point.rgb[1], point.rgb[2]);
+      for (const ColmapSight& sight : point.sights) {
+        Lines& lines = by_image_[sight.image_id];
+        points_ += fmt::format(" {} {}", sight.image_id, lines.count++);
+        lines.text += fmt::format("{}{} {} {}", lines.text.empty() ? "" : " ", sight.pixel.x(), sight.pixel.y(), p + 1);
+      }
+      points_ += "\n";
+    }
+  }
+
+  const std::string& points() const { return points_; }
+  std::string Keypoints(uint32_t image) const {
+    const auto it = by_image_.find(image);
+    return it == by_image_.end() ? "" : it->second.text;
+  }
+
+ private:
+  struct Lines {
+    size_t count = 0;
+    std::string text;
+  };
+  std::map<uint32_t, Lines> by_image_;
+  std::string points_;
+};
+
 }  // namespace
 
 bool IsColmapModel(const fs::path& dir) {
@@ -144,7 +176,9 @@ Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, cons
   return scene;
 }
 
-void WriteColmapText(const fs::path& dir, const ColmapCameras& cameras, const std::vector<ColmapImage>& images) {
+void WriteColmapText(const fs::path& dir, const ColmapCameras& cameras, const std::vector<ColmapImage>& images,
+                     const std::vector<ColmapTrack>& points) {
+  const Tracks tracks(points);
   std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
   for (const auto& [id, lens] : cameras) {
     text += fmt::format("{} {} {} {} {}\n", id, LensModelName(lens.model), lens.width, lens.height,
@@ -162,11 +196,11 @@ void WriteColmapText(const fs::path& dir, const ColmapCameras& cameras, const st
     q.normalize();
     if (q.w() < 0) q.coeffs() = -q.coeffs();
     const Eigen::Vector3d t = image.cam_from_world.translation();
-    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", image.id, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(),
-                        image.camera_id, image.name);
+    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n{}\n", image.id, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
+                        t.z(), image.camera_id, image.name, tracks.Keypoints(image.id));
   }
   WriteFileAtomically(dir / "images.txt", text);
-  WriteFileAtomically(dir / "points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n");
+  WriteFileAtomically(dir / "points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n" + tracks.points());
 }
 
 Eigen::Isometry3d PoseFromQuaternion(const std::array<double, 4>& wxyz, const Eigen::Vector3d& translation,

@@ -48,11 +48,25 @@ std::vector<ColmapPoint> ReadColmapPoints(const std::filesystem::path& model_dir
 Scene ReadColmapScene(const std::filesystem::path& model_dir, const std::filesystem::path& image_dir,
                       const Listener& listener);
 
-/// Writes cameras.txt, images.txt (without keypoints) and an empty points3D.txt: a model of known poses for
-/// `colmap point_triangulator`. Numbers read back to the same bits, poses to rounding. Throws InputError for an image
-/// name with a space or line break, which COLMAP's text reader would cut short, and RunError when writing fails.
+/// Where a point was seen.
+struct ColmapSight {
+  uint32_t image_id = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+};
+
+/// A point to be written, with what its track needs.
+struct ColmapTrack {
+  Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
+  std::array<uint8_t, 3> rgb{};
+  std::vector<ColmapSight> sights;
+};
+
+/// Writes cameras.txt, images.txt and points3D.txt; the keypoints are where the points were seen. Without points it is
+/// a model of known poses for `colmap point_triangulator`. Numbers read back to the same bits, poses to rounding.
+/// Throws InputError for an image name with a space or line break, which COLMAP's text reader would cut short, and
+/// RunError when writing fails.
 void WriteColmapText(const std::filesystem::path& dir, const ColmapCameras& cameras,
-                     const std::vector<ColmapImage>& images);
+                     const std::vector<ColmapImage>& images, const std::vector<ColmapTrack>& points = {});
 
 /// The pose of a (w, x, y, z) quaternion of any length and a translation. Throws InputError "FILE: image 'NAME' ..."
 /// for numbers that are not finite and for the zero quaternion.

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "oraclegs/core/error.h"
@@ -171,19 +172,7 @@ Scene RegisterPhotos(const Scene& photos, const fs::path& work_dir, const Listen
   if (model.views.size() == photos.views.size()) {
     listener(Note{fmt::format("registered {} of {} photographs", model.views.size(), photos.views.size())});
   }
-  Scene scene;
-  scene.root = photos.root;
-  scene.format = SceneFormat::kColmap;
-  std::vector<int> new_index(photos.views.size(), -1);
-  for (auto& [v, view] : model.views) {
-    new_index[v] = static_cast<int>(scene.views.size());
-    scene.views.push_back(std::move(view));
-  }
-  scene.points = std::move(model.points);
-  for (ScenePoint& point : scene.points) {
-    for (int& v : point.views) v = new_index[v];
-  }
-  return scene;
+  return RegisteredScene(photos, std::move(model));
 }
 
 }  // namespace oraclegs

@@ -103,4 +103,20 @@ ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const 
   return out;
 }
 
+Scene RegisteredScene(const Scene& photos, ModelInScene model) {
+  Scene scene;
+  scene.root = photos.root;
+  scene.format = SceneFormat::kColmap;
+  std::vector<int> new_index(photos.views.size(), -1);
+  for (auto& [v, view] : model.views) {
+    new_index[v] = static_cast<int>(scene.views.size());
+    scene.views.push_back(std::move(view));
+  }
+  scene.points = std::move(model.points);
+  for (ScenePoint& point : scene.points) {
+    for (int& v : point.views) v = new_index[v];
+  }
+  return scene;
+}
+
 }  // namespace oraclegs

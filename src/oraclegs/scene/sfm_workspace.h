@@ -39,4 +39,7 @@ struct ModelInScene {
 ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                        const std::filesystem::path& work_dir, const Listener& listener);
 
+/// The model's views and points as a scene of format kColmap; `photos` is what it was made of.
+Scene RegisteredScene(const Scene& photos, ModelInScene model);
+
 }  // namespace oraclegs

@@ -7,15 +7,25 @@
 namespace oraclegs {
 
 struct ValidateOptions {
-  std::string confidence = "consistency";
+  std::string oracle = "auto";
+  std::string oracle_mode = "reference";
+  int oracle_chunk = 0;
   std::string pick = "blend";
 
   template <class V>
   void Visit(V&& visit) {
-    visit("confidence", confidence,
-          "Who says how far to trust a proposed pixel: consistency = what the photographs show there, calibrated on "
-          "hidden photographs; uniform = trust all",
-          Choice{{"consistency", "uniform"}});
+    visit("oracle", oracle,
+          "Who says how far to trust a proposed pixel: consistency = what the photographs show there; vggt = what the "
+          "views look at in each other inside VGGT; vggt+consistency = both; each calibrated on hidden photographs. "
+          "uniform = trust all; auto = vggt+consistency where VGGT's weights are, else consistency",
+          Choice{{"auto", "consistency", "vggt", "vggt+consistency", "uniform"}});
+    visit("oracle-mode", oracle_mode,
+          "Whose attention VGGT counts: reference = that of the photograph beside the proposals; others = that of all "
+          "other views of the pass; official = that of the photograph's camera token, over the whole pass together",
+          Choice{{"official", "reference", "others"}});
+    visit("oracle-chunk", oracle_chunk,
+          "Proposals that VGGT looks at together, beside one photograph; 0 = 8, or as many as the free memory holds",
+          Range{0, 512});
     visit("pick", pick,
           "What is made of several candidates for a view: blend = their mean, by what their confidence says of their "
           "error; pixel = the surest one at each pixel; view = the surest picture",

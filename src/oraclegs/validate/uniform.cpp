@@ -7,10 +7,11 @@ class UniformOracle : public Oracle {
  public:
   std::string name() const override { return "uniform"; }
 
-  std::vector<ConfidenceMap> Validate(const std::vector<Proposal>& proposals) const override {
+  std::vector<ConfidenceMap> Judge(const std::vector<HiddenPhotograph>& hidden) const override {
     std::vector<ConfidenceMap> maps;
-    for (const Proposal& p : proposals) {
-      maps.emplace_back(static_cast<size_t>(p.camera.width) * static_cast<size_t>(p.camera.height), 1.f);
+    for (const HiddenPhotograph& h : hidden) {
+      const Camera& camera = h.proposal.camera;
+      maps.emplace_back(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height), 1.f);
     }
     return maps;
   }

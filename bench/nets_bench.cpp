@@ -1,0 +1,112 @@
+// Full-size networks with made-up weights on this machine: time of each part, and what the process holds at most.
+//
+//   build/release/bin/nets_bench --vggt [--views 4] [--width 518] [--height 350]
+//
+// One pass, cold: nothing is repeated, and the memory of the first pass is what counts. To be run alone.
+
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <string_view>
+
+#include "oraclegs/core/memory.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/nets/vggt_memory.h"
+#include "oraclegs/pipeline/metrics.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kGiB = 1024.0 * 1024 * 1024;
+
+struct Size {
+  int64_t views = 4, width = 518, height = 350;
+};
+
+/// Runs it and prints its name, its seconds and the peak of the process after it.
+template <class Body>
+auto Timed(const char* name, Body&& body) {
+  const auto start = std::chrono::steady_clock::now();
+  auto result = body();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("%-22s %8.1f s  peak %6.2f GiB\n", name, seconds, static_cast<double>(PeakMemoryBytes()) / kGiB);
+  std::fflush(stdout);
+  return result;
+}
+
+/// Noise with structure: blocks of 16 pixels.
+Tensor Pictures(const Size& size) {
+  Rng rng(1, RandomStream::kDemoScene);
+  Tensor coarse = torch::empty({size.views, 3, (size.height + 15) / 16, (size.width + 15) / 16});
+  float* values = coarse.data_ptr<float>();
+  for (int64_t i = 0; i < coarse.numel(); ++i) values[i] = static_cast<float>(rng.Uniform());
+  return ResizeBilinear(coarse, size.height, size.width, Corners::kHalfPixel);
+}
+
+void MeasureVggt(const Size& size) {
+  const VggtHeads heads{.camera = true, .depth = true, .points = false};
+  const int64_t weights = VggtWeightBytes({}, heads);
+  const int64_t estimate = VggtPassBytes({}, {size.views, size.height, size.width, heads});
+  std::printf("VGGT-1B, %d views of %d x %d, %d threads; weights %.2f GiB, pass estimated at %.2f GiB, free %.2f GiB\n",
+              static_cast<int>(size.views), static_cast<int>(size.width), static_cast<int>(size.height), NumThreads(),
+              static_cast<double>(weights) / kGiB, static_cast<double>(estimate) / kGiB,
+              static_cast<double>(AvailableMemory()) / kGiB);
+  const Tensor images = Pictures(size);
+  const Vggt vggt = Timed("make up weights", [&] {
+    RandomParameters source(7);
+    return LoadVggt(source, VggtConfig(), heads);
+  });
+  const AggregatorResult oracle = Timed("oracle (layers 0, 22)", [&] {
+    return Aggregate(vggt.aggregator, images, {{}, {0, 22}});
+  });
+  const AggregatorResult aggregated = Timed("aggregator for heads", [&] {
+    return Aggregate(vggt.aggregator, images, {HeadLayers(vggt), {}});
+  });
+  Timed("camera head", [&] { return PredictCameras(vggt, aggregated); });
+  const int64_t patch = vggt.config.aggregator.backbone.patch;
+  Timed("depth head", [&] { return PredictDepth(vggt, aggregated, {size.height / patch, size.width / patch}); });
+  std::printf("peak beside the weights %.2f GiB\n", static_cast<double>(PeakMemoryBytes() - weights) / kGiB);
+}
+
+int64_t Number(const char* option, std::string_view text) {
+  int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < 1) {
+    throw UsageError("{} is '{}', must be a positive number", option, text);
+  }
+  return number;
+}
+
+int Main(int argc, char** argv) {
+  bool vggt = false;
+  Size size;
+  try {
+    for (int i = 1; i < argc; ++i) {
+      const std::string_view option = argv[i];
+      const std::string_view value = i + 1 < argc ? argv[i + 1] : "";
+      if (option == "--vggt") {
+        vggt = true;
+      } else if (option == "--views") {
+        size.views = Number("--views", value), ++i;
+      } else if (option == "--width") {
+        size.width = Number("--width", value), ++i;
+      } else if (option == "--height") {
+        size.height = Number("--height", value), ++i;
+      } else {
+        throw UsageError("{} is no option; there are --vggt, --views, --width, --height", option);
+      }
+    }
+    if (!vggt) throw UsageError("name a network: --vggt");
+    MeasureVggt(size);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "nets_bench: error: %s\n", e.what());
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace oraclegs
+
+int main(int argc, char** argv) { return oraclegs::Main(argc, argv); }

@@ -1,0 +1,66 @@
+#include "oraclegs/pipeline/vggt_weights.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/safetensors.h"
+#include "oraclegs/models/folder.h"
+#include "oraclegs/pipeline/fingerprint.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCommercial = "VGGT-1B-Commercial";  // what its authors call the one for any use
+constexpr const char* kResearch = "VGGT-1B";
+constexpr size_t kSampled = 64;  // bytes at each end of a tensor: the whole file would be read for nothing else
+
+/// Nothing also where there is no home folder to look in.
+std::optional<fs::path> Fetched(const std::string& model) {
+  try {
+    return LocateModel(model);
+  } catch (const UsageError&) {
+    return std::nullopt;
+  }
+}
+
+VggtWeights Describe(const fs::path& path, const std::string& name) {
+  const SafetensorsFile file = SafetensorsFile::Open(path);
+  Fingerprint print;
+  for (const auto& [key, value] : file.metadata()) print.Add(key).Add(value);
+  for (const auto& [tensor, entry] : file.tensors()) {
+    print.Add(tensor).Add(entry.dtype);
+    for (const int64_t size : entry.shape) print.Add(static_cast<double>(size));
+    const size_t sampled = std::min(kSampled, entry.bytes.size());
+    print.Add(entry.bytes.substr(0, sampled)).Add(entry.bytes.substr(entry.bytes.size() - sampled));
+  }
+  const auto model = file.metadata().find("model");
+  const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercial);
+  return {path, commercial ? kCommercial : kResearch, print.Hex(), commercial};
+}
+
+}  // namespace
+
+std::optional<VggtWeights> FindVggtWeights(const fs::path& given) {
+  if (!given.empty()) {
+    std::error_code ignored;
+    if (fs::is_regular_file(given, ignored)) return Describe(given, kResearch);
+    throw InputError("{}: there is no such file; name VGGT's weights with --vggt-weights", given.string());
+  }
+  for (const auto& [model, name] : {std::pair{"vggt-commercial", kCommercial}, std::pair{"vggt", kResearch}}) {
+    if (const auto path = Fetched(model)) return Describe(*path, name);
+  }
+  return std::nullopt;
+}
+
+VggtWeights RequireVggtWeights(const fs::path& given, const std::string& needs) {
+  if (auto found = FindVggtWeights(given)) return std::move(*found);
+  throw InputError(
+      "{}: {} needs the weights of VGGT, which are not here; `oraclegs models fetch vggt` brings them, or name a file "
+      "with --vggt-weights",
+      FetchedFile("vggt").string(), needs);
+}
+
+}  // namespace oraclegs
