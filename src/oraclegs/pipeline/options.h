@@ -57,6 +57,20 @@ struct StartOptions {
   }
 };
 
+struct DepthOptions {
+  std::string depth_prior = "auto";
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("depth-prior", depth_prior,
+          "Where the photographs' depth comes from: stereo; depth-anything = a network's guess from each photograph "
+          "alone, aligned to the sparse points; fused = stereo where it is sure, elsewhere the network's, bent to "
+          "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
+          "start and no views to propose",
+          Choice{{"auto", "depth-anything", "stereo", "fused", "none"}});
+  }
+};
+
 /// What changes how fast a run goes, but not one bit of its result: free to differ when a run is continued.
 struct MachineOptions {
   int threads = 0;
@@ -68,7 +82,7 @@ struct MachineOptions {
 };
 
 /// Likewise.
-struct CheckpointOptions {
+struct CheckpointSchedule {
   int checkpoint_every = 1000;
 
   template <class V>
@@ -79,17 +93,35 @@ struct CheckpointOptions {
   }
 };
 
+/// Where weights lie on this machine. What a stage makes depends on their content, which its key holds.
+struct WeightOptions {
+  std::filesystem::path depth_weights;
+  std::filesystem::path lpips_weights;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("depth-weights", depth_weights,
+          "File of Depth Anything V2's weights, S, B or L (safetensors), where it is not the one that `oraclegs models "
+          "fetch depth-anything-v2-small` brings");
+    visit("lpips-weights", lpips_weights,
+          "File of LPIPS's weights, with VGG16 or AlexNet (safetensors), where it is not the one that `oraclegs models "
+          "fetch lpips-vgg` brings");
+  }
+};
+
 struct RunOptions {
   InputOptions input;
   SplitOptions split;
   PhotoOptions photo;
   StartOptions start;
   StereoOptions stereo;
+  DepthOptions depth;
   TrajectoryOptions trajectory;
   ProposeOptions propose;
   ValidateOptions validate;
   TrainOptions train;
-  CheckpointOptions checkpoints;
+  CheckpointSchedule checkpoints;
+  WeightOptions weights;
   MachineOptions machine;
 
   /// Calls f("Group title", group) for the groups whose options shape the result.
@@ -100,6 +132,7 @@ struct RunOptions {
     f("Photographs", photo);
     f("Start", start);
     f("Stereo", stereo);
+    f("Depth", depth);
     f("Proposed poses", trajectory);
     f("Proposals", propose);
     f("Validation", validate);
@@ -109,6 +142,7 @@ struct RunOptions {
   void ForEachGroup(F&& f) {
     ForEachShapingGroup(f);
     f("Checkpoints", checkpoints);
+    f("Weights", weights);
     f("Machine", machine);
   }
 };
@@ -125,6 +159,7 @@ inline nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
 inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
   nlohmann::json json = ShapingOptionsToJson(options);
   json.update(OptionsToJson(options.checkpoints));
+  json.update(OptionsToJson(options.weights));
   json.update(OptionsToJson(options.machine));
   return json;
 }
