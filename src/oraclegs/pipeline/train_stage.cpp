@@ -7,10 +7,12 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/perceptual.h"
 #include "oraclegs/pipeline/prepare.h"
 #include "oraclegs/pipeline/start_points.h"
 #include "oraclegs/pipeline/train_inputs.h"
 #include "oraclegs/pipeline/validate_stage.h"
+#include "oraclegs/pipeline/weights.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -24,8 +26,22 @@ std::string InputsFingerprint(const Run& run) {
   return print.Hex();
 }
 
+/// The weights that training or what it learns from may ask.
+std::string NetworksFingerprint(const Run& run) {
+  const DepthSource depth = ChooseDepthSource(run.options);
+  std::vector<std::filesystem::path> files;
+  if (!depth.weights.empty() && NeedsDepth(run.options)) files.push_back(depth.weights);
+  const bool proposals = ProposesViews(run.options) || !run.options.propose.proposal_folder.empty();
+  if (proposals && run.options.train.proposal_lpips > 0) {
+    const std::vector<std::filesystem::path> lpips = FindLpips(run.options.weights);
+    files.insert(files.end(), lpips.begin(), lpips.end());
+  }
+  return WeightsFingerprint(files);
+}
+
 std::string TrainKey(const Run& run) {
   return Fingerprint()
+      .Add(NetworksFingerprint(run))
       .Add(ShapingOptionsToJson(run.options).dump())
       .Add(InputsFingerprint(run))
       .Add(ProposalInputs(run))
@@ -50,6 +66,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   }
   if (checkpoint.options.value("inputs", "") == saved_options.at("inputs") &&
       checkpoint.options.value("depth", "") == saved_options.at("depth") &&
+      checkpoint.options.value("networks", "") == saved_options.at("networks") &&
       checkpoint.options.value("proposal_plan", "") == saved_options.at("proposal_plan")) {
     throw InputError(
         "{}: was saved by another version of the program, which had other options; start anew with "
@@ -57,7 +74,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
         path->string());
   }
   run.listener(
-      Warning{"the photographs, poses, depth or proposals have changed since the last run: training starts anew"});
+      Warning{"the photographs, poses, depth, proposals or weights have changed since the last run: training starts "
+              "anew"});
   std::error_code error;
   std::filesystem::remove_all(run.workspace.checkpoints(), error);
   if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
@@ -99,6 +117,7 @@ void RunTrain(Run* run) {
   std::filesystem::remove(run->workspace.metrics(), ignored);  // would be mistaken for the results of these inputs
   std::vector<std::string> names;
   double loading = 0;
+  std::string lpips;
   std::optional<Trainer> trainer;
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   {  // What is known of the photographs is not kept beside the trainer's copy.
@@ -106,6 +125,7 @@ void RunTrain(Run* run) {
     const std::vector<Photo>& photos = prepared.photos;
     const Geometry& geometry = prepared.geometry;
     saved_options["inputs"] = InputsFingerprint(*run);
+    saved_options["networks"] = NetworksFingerprint(*run);
     saved_options["depth"] = geometry.key;
     const ProposalPlan plan = RunPropose(run, photos, geometry, prepared.decided);
     saved_options["proposal_plan"] = plan.key;
@@ -117,8 +137,11 @@ void RunTrain(Run* run) {
     }
     Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
     const StageClock clock("train", run->listener);
+    TrainingLpips network = LpipsOfProposals(run->options, proposals, run->listener);
+    lpips = network.convention;
     trainer.emplace(prepared.decided, run->options.start.seed, BackgroundColor(run->options.photo.background),
-                    TrainingData{TrainViews(photos, geometry), std::move(proposals)}, std::move(start));
+                    TrainingData{TrainViews(photos, geometry), std::move(proposals), std::move(network.distance)},
+                    std::move(start));
     if (checkpoint) trainer->Restore(*checkpoint);
     for (const Photo& photo : photos) names.push_back(photo.name);
     loading = clock.Seconds();
@@ -138,6 +161,7 @@ void RunTrain(Run* run) {
                                     {"iterations", result.iterations},
                                     {"milliseconds_per_iteration", TimingsToJson(result)},
                                     {"gaussians", trainer->gaussians().size()},
+                                    {"lpips", lpips.empty() ? nlohmann::json() : nlohmann::json(lpips)},
                                     {"peak_memory_bytes", PeakMemoryBytes()},
                                     {"files", {"point_cloud.ply"}}});
   run->listener(FileWritten{run->workspace.point_cloud()});
