@@ -37,8 +37,11 @@ std::vector<fs::path> FindWeights(const std::string& model, const fs::path& give
   if (given.empty()) {
     const fs::path folder = ModelsFolder();
     if (folder.empty()) return {};
-    const fs::path file = folder / (model + kSuffix);
-    return fs::is_regular_file(file, ignored) ? std::vector{file} : FilesIn(folder / model);
+    // What `models fetch` leaves, or a single file put there by hand.
+    for (const fs::path& file : {folder / model / "model.safetensors", folder / (model + kSuffix)}) {
+      if (fs::is_regular_file(file, ignored)) return {file};
+    }
+    return FilesIn(folder / model);
   }
   if (fs::is_regular_file(given, ignored)) return {given};
   if (!fs::is_directory(given, ignored)) {
