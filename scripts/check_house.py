@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 # The floors, bottom first; those of one line do not know each other.
-FLOORS = [["core"], ["scene"], ["demo", "depth", "nets", "gaussians"], ["render"], ["loss", "propose"], ["train", "evaluate", "validate"], ["pipeline"]]
+FLOORS = [["core"], ["scene", "models"], ["demo", "depth", "nets", "gaussians"], ["render"], ["loss", "propose"], ["train", "evaluate", "validate"], ["pipeline"]]
 RANK = {floor: rank for rank, floors in enumerate(FLOORS) for floor in floors}
-TORCH_FREE_FLOORS = {"core", "scene", "demo", "depth"}
+TORCH_FREE_FLOORS = {"core", "scene", "models", "demo", "depth"}
 TORCH_HEADER_OF_CORE = "core/tensor.h"
 
 FOLDERS = ["src", "apps", "tests", "bench", "scripts", "cmake"]

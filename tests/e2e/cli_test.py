@@ -9,7 +9,7 @@ import unittest
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "export", "info", "demo-scene"]
+COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "export", "info", "models", "demo-scene"]
 
 # Where each command's options are declared, below src/oraclegs.
 RUN_OPTIONS = ["pipeline/options.h", "scene/split.h", "scene/photos.h", "depth/stereo.h", "train/options.h"]
@@ -20,6 +20,7 @@ DECLARED_IN = {
     "export": ["pipeline/export.h"],
     "demo-scene": ["demo/demo_scene.h"],
     "info": [],
+    "models": ["models/fetch.h"],
 }
 
 

@@ -73,6 +73,31 @@ TEST(FileParameters, WhatFitsPasses) {
   EXPECT_NO_THROW(source.Finish());
 }
 
+TEST(FileParameters, OlderNamesAreUnderstood) {
+  const TempDir dir;
+  WriteCheckpoint(dir / "a.st", {{"net.attn.query.weight", {2, 3}},
+                                 {"net.to_q.weight", {1}},
+                                 {"net.both.query.b", {1}},
+                                 {"net.both.to_q.b", {1}}});
+  FileParameters source({dir / "a.st"}, {.prefix = "net.", .older_names = {{".query.", ".to_q."}}});
+  EXPECT_EQ(source.Get("attn.to_q.weight", {2, 3}).sizes(), at::IntArrayRef({2, 3}));
+  source.Get("to_q.weight", {1});
+  source.Get("both.to_q.b", {1});
+  EXPECT_THAT([&] { source.Finish(); }, ThrowsMessage<InputError>(HasSubstr("; twice there 1: both.to_q.b; get")));
+}
+
+TEST(FileParameters, AMatrixMayBeStoredAsTheConvolutionOfAPixel) {
+  const TempDir dir;
+  WriteCheckpoint(dir / "a.st", {{"pixel", {2, 3, 1, 1}}, {"turned", {3, 2, 1, 1}}, {"wide", {2, 3, 1, 3}}});
+  FileParameters source({dir / "a.st"}, {.ignored = {"half", "integer"}});
+  EXPECT_EQ(source.Get("pixel", {2, 3}).sizes(), at::IntArrayRef({2, 3}));
+  source.Get("turned", {2, 3});
+  source.Get("wide", {2, 3});
+  EXPECT_THAT([&] { source.Finish(); },
+              ThrowsMessage<InputError>(HasSubstr("of another shape 2: turned is [3, 2, 1, 1], "
+                                                  "expected [2, 3], wide is [2, 3, 1, 3]")));
+}
+
 TEST(FileParameters, TensorsAreTheMappedFileAndOutliveTheSource) {
   const TempDir dir;
   WriteCheckpoint(dir / "a.st", {{"good", {2, 3}}});

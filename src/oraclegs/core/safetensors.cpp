@@ -13,13 +13,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/shard_index.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -49,32 +50,6 @@ std::optional<uint64_t> TensorBytes(const std::vector<int64_t>& shape, uint64_t 
   return static_cast<uint64_t>(bytes);
 }
 
-/// A name out of a file, made fit for a one-line message.
-std::string Quoted(const std::string& name) {
-  return json(name.substr(0, 120)).dump(-1, ' ', true, json::error_handler_t::replace);
-}
-
-/// Parses JSON that says nothing twice: the library alone would keep the last of two equal keys.
-json ParseUniqueJson(std::string_view text, const std::string& file) {
-  std::vector<std::set<std::string>> keys;
-  const auto check = [&](int, json::parse_event_t event, json& value) {
-    if (event == json::parse_event_t::object_start) keys.emplace_back();
-    if (event == json::parse_event_t::object_end) keys.pop_back();
-    if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
-      throw InputError("{}: the header names {} twice; write the file again", file, Quoted(value.get<std::string>()));
-    }
-    return true;
-  };
-  try {
-    return json::parse(text.begin(), text.end(), check);
-  } catch (const json::parse_error& error) {
-    throw InputError("{}: the header is not valid JSON (at byte {}); the file is damaged, get it again", file,
-                     error.byte);
-  } catch (const json::exception&) {
-    throw InputError("{}: the header is not valid JSON; the file is damaged, get it again", file);
-  }
-}
-
 std::optional<uint64_t> AsUnsigned(const json& value) {
   if (!value.is_number_unsigned()) return std::nullopt;
   const uint64_t number = value.get<uint64_t>();
@@ -100,7 +75,7 @@ TensorEntry ParseTensor(const json& value, std::string_view data, const std::str
   TensorEntry entry;
   entry.dtype = value["dtype"].get<std::string>();
   const auto element_bytes = ElementBytes(entry.dtype);
-  if (!element_bytes) throw InputError("{} has the unknown dtype {}", where, Quoted(entry.dtype));
+  if (!element_bytes) throw InputError("{} has the unknown dtype {}", where, QuotedForMessage(entry.dtype));
   for (const json& size : value["shape"]) {
     const auto number = AsUnsigned(size);
     if (!number) throw InputError("{} has a size in its shape that is no count; write the file again", where);
@@ -204,12 +179,38 @@ int64_t TensorEntry::numel() const {
 }
 
 SafetensorsFile SafetensorsFile::Open(const std::filesystem::path& path) {
+  if (IsShardIndex(path)) return OpenShards(path);
   SafetensorsFile file;
   file.name_ = path.string();
   std::string_view bytes;
   file.storage_ = MapFile(path, &bytes);
   file.ParseHeader(bytes);
   return file;
+}
+
+SafetensorsFile SafetensorsFile::OpenShards(const std::filesystem::path& index_path) {
+  SafetensorsFile whole;
+  whole.name_ = index_path.string();
+  const auto shards = std::make_shared<std::vector<std::shared_ptr<const void>>>();
+  whole.storage_ = shards;
+  for (const auto& [shard, names] : ReadShardIndex(index_path)) {
+    const auto path = index_path.parent_path() / shard;
+    std::error_code unknown;
+    if (!std::filesystem::exists(path, unknown)) {
+      throw InputError("{}: the part {} is not beside it; get the missing part", whole.name_, QuotedForMessage(shard));
+    }
+    SafetensorsFile part = Open(path);
+    for (const std::string& name : names) whole.tensors_[name] = part.Get(name);
+    for (const auto& [name, entry] : part.tensors_) {
+      if (!names.count(name)) {
+        throw InputError("{}: holds tensor {}, which {} does not seek there; get all parts of one version",
+                         path.string(), QuotedForMessage(name), whole.name_);
+      }
+    }
+    whole.metadata_.merge(part.metadata_);
+    shards->push_back(std::move(part.storage_));
+  }
+  return whole;
 }
 
 SafetensorsFile SafetensorsFile::Parse(std::string bytes, const std::string& name) {
@@ -233,7 +234,7 @@ void SafetensorsFile::ParseHeader(std::string_view bytes) {
     throw InputError("{}: announces a header of {} bytes in a file of {}; it is cut off or no safetensors file", name_,
                      header_bytes, bytes.size());
   }
-  const json header = ParseUniqueJson(bytes.substr(kLengthBytes, header_bytes), name_);
+  const json header = ParseUniqueJson(bytes.substr(kLengthBytes, header_bytes), name_, "header");
   if (!header.is_object()) throw InputError("{}: the header is not a JSON object; get the file again", name_);
   const std::string_view data = bytes.substr(kLengthBytes + header_bytes);
   std::vector<Extent> extents;
@@ -241,13 +242,13 @@ void SafetensorsFile::ParseHeader(std::string_view bytes) {
     if (name == kMetadataKey) {
       if (!value.is_object()) throw InputError("{}: {} is not a JSON object", name_, kMetadataKey);
       for (const auto& [key, text] : value.items()) {
-        if (!text.is_string()) throw InputError("{}: metadata {} is not a text", name_, Quoted(key));
+        if (!text.is_string()) throw InputError("{}: metadata {} is not a text", name_, QuotedForMessage(key));
         metadata_[key] = text.get<std::string>();
       }
       continue;
     }
     Extent extent{0, 0, name};
-    tensors_[name] = ParseTensor(value, data, fmt::format("{}: tensor {}", name_, Quoted(name)), &extent);
+    tensors_[name] = ParseTensor(value, data, fmt::format("{}: tensor {}", name_, QuotedForMessage(name)), &extent);
     extents.push_back(extent);
   }
   // The format has no gaps and no overlaps: each tensor begins where the one before it ends.
@@ -256,7 +257,7 @@ void SafetensorsFile::ParseHeader(std::string_view bytes) {
   for (const Extent& extent : extents) {
     if (extent.begin != end) {
       throw InputError("{}: tensor {} begins at data byte {}, expected {}; the file is damaged, get it again", name_,
-                       Quoted(extent.name), extent.begin, end);
+                       QuotedForMessage(extent.name), extent.begin, end);
     }
     end = extent.end;
   }
@@ -268,14 +269,15 @@ void SafetensorsFile::ParseHeader(std::string_view bytes) {
 
 const TensorEntry& SafetensorsFile::Get(const std::string& name) const {
   const auto it = tensors_.find(name);
-  if (it == tensors_.end()) throw InputError("{}: has no tensor {}; is it the right file?", name_, Quoted(name));
+  if (it == tensors_.end())
+    throw InputError("{}: has no tensor {}; is it the right file?", name_, QuotedForMessage(name));
   return it->second;
 }
 
 template <class T>
 std::vector<T> SafetensorsFile::Values(const std::string& name) const {
   const TensorEntry& entry = Get(name);
-  const std::string where = fmt::format("{}: tensor {}", name_, Quoted(name));
+  const std::string where = fmt::format("{}: tensor {}", name_, QuotedForMessage(name));
   if (entry.dtype == "F32") return Convert<T, float>(entry.bytes, where);
   if (entry.dtype == "F64") return Convert<T, double>(entry.bytes, where);
   if (entry.dtype == "F16") return Convert<T, Float16>(entry.bytes, where);

@@ -24,7 +24,8 @@ struct TensorEntry {
 /// A file opened for reading. Every offset, length and product of sizes is checked against the file before use.
 class SafetensorsFile {
  public:
-  /// Memory-maps `path`. Throws InputError naming it and what is wrong.
+  /// Memory-maps `path`. A path that ends in ".safetensors.index.json" stands for the parts it lists, which are read as
+  /// one file (core/shard_index.h). Throws InputError naming it and what is wrong.
   static SafetensorsFile Open(const std::filesystem::path& path);
   /// Parses bytes already in memory; `name` stands for the file in errors.
   static SafetensorsFile Parse(std::string bytes, const std::string& name);
@@ -40,6 +41,7 @@ class SafetensorsFile {
   std::vector<T> Values(const std::string& name) const;
 
  private:
+  static SafetensorsFile OpenShards(const std::filesystem::path& index_path);
   void ParseHeader(std::string_view bytes);
 
   std::string name_;

@@ -203,7 +203,8 @@ class PlaneFill {
   }
 
   /// True when of the photographs that see the place one shows the same there, none looks through it, and no earlier
-  /// one has filled the pixel it falls on, at whatever depth.
+  /// one has filled the pixel it falls on, at whatever depth: let in behind what an earlier photograph guessed, a
+  /// second guess painted a lawn twice.
   bool Agreed(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {
     bool seen = false, alike = false;
     for (size_t other = 0; other < maps_.size(); ++other) {

@@ -39,6 +39,20 @@ std::string Listed(const char* what, const std::vector<std::string>& names) {
   return fmt::format("; {} {}: {}{}", what, names.size(), fmt::join(first, ", "), more);
 }
 
+/// The name that the network asks for, of one that a file may spell in an older way.
+std::string CurrentName(std::string name, const std::vector<std::pair<std::string, std::string>>& older_names) {
+  for (const auto& [older, current] : older_names) {
+    const size_t place = name.find(older);
+    if (place != std::string::npos) return name.replace(place, older.size(), current);
+  }
+  return name;
+}
+
+bool Fits(at::IntArrayRef stored, at::IntArrayRef wanted) {
+  const bool matrix_of_a_pixel = wanted.size() == 2 && stored.size() == 4 && stored[2] == 1 && stored[3] == 1;
+  return (matrix_of_a_pixel ? stored.slice(0, 2) : stored) == wanted;
+}
+
 std::optional<torch::ScalarType> FloatType(const std::string& dtype) {
   if (dtype == "F32") return torch::kFloat;
   if (dtype == "F16") return torch::kHalf;
@@ -56,7 +70,7 @@ FileParameters::FileParameters(const std::vector<std::filesystem::path>& paths, 
     const auto file = std::make_shared<const SafetensorsFile>(SafetensorsFile::Open(path));
     for (const auto& [stored, entry] : file->tensors()) {
       if (!stored.starts_with(options_.prefix)) continue;
-      const std::string name = stored.substr(options_.prefix.size());
+      const std::string name = CurrentName(stored.substr(options_.prefix.size()), options_.older_names);
       if (!places_.emplace(name, Place{file, &entry}).second && !Ignores(name)) twice_.push_back(Printable(name));
     }
   }
@@ -85,7 +99,7 @@ Tensor FileParameters::Get(const std::string& name, at::IntArrayRef shape) {
     wrong_type_.push_back(fmt::format("{} is {}", name, Printable(entry.dtype)));
     return WithoutMemory(shape);
   }
-  if (at::IntArrayRef(entry.shape) != shape) {
+  if (!Fits(entry.shape, shape)) {
     wrong_shape_.push_back(fmt::format("{} is {}, expected {}", name, Shape(entry.shape), Shape(shape)));
     return WithoutMemory(shape);
   }

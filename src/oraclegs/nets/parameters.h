@@ -50,6 +50,8 @@ struct CheckpointOptions {
   std::string prefix = {};             ///< of all its names in the file; what does not begin so is not looked at
   std::vector<std::string> ignored =
       {};  ///< beginnings of names (behind the prefix) that may be there and are not read
+  /// Parts of names as older files spell them, and as this network does; the first that is found is replaced.
+  std::vector<std::pair<std::string, std::string>> older_names = {};
   torch::Device device = torch::kCPU;
   /// Names that begin with `cast_prefix` become `cast_type`; all others become float32.
   torch::ScalarType cast_type = torch::kFloat;
@@ -63,7 +65,8 @@ class FileParameters : public ParameterSource {
   /// Opens the files, whose names together make up one checkpoint. Throws InputError as SafetensorsFile does.
   FileParameters(const std::vector<std::filesystem::path>& paths, CheckpointOptions options);
 
-  /// A tensor that is missing or does not fit is noted, and one without memory (device meta) returned in its place.
+  /// A tensor that is missing or does not fit is noted, and one without memory (device meta) returned in its place. A
+  /// matrix may be stored as the convolution of a single pixel, [out, in, 1, 1].
   Tensor Get(const std::string& name, at::IntArrayRef shape) override;
   void Unused(const std::string& name, at::IntArrayRef shape) override;
   /// Throws one InputError that lists what is missing, too much, twice there, no floating-point tensor or of another

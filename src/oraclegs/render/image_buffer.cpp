@@ -14,7 +14,7 @@ const Tensor& ImageBuffer::Get(std::initializer_list<int64_t> shape) {
   const int64_t count = std::accumulate(shape.begin(), shape.end(), int64_t{1}, std::multiplies<>());
   if (!storage_.defined() || storage_.numel() < count) {
     views_.clear();  // they would keep the old storage alive
-    storage_ = torch::empty({count}, torch::kFloat);
+    storage_ = torch::empty({count}, torch::dtype(torch::kFloat).device(device_));
   }
   return views_.emplace_back(storage_.narrow(0, 0, count).view(shape));
 }

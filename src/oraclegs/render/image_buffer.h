@@ -11,11 +11,14 @@ namespace oraclegs {
 /// is made the first time its shape is asked for and kept, so that from then on nothing is allocated.
 class ImageBuffer {
  public:
-  /// A contiguous tensor of this shape on the CPU, holding anything. All tensors of one buffer share their memory: it
-  /// is to be used until the next Get.
+  explicit ImageBuffer(torch::Device device = torch::kCPU) : device_(device) {}
+
+  /// A contiguous tensor of this shape on the device, holding anything. All tensors of one buffer share their memory:
+  /// it is to be used until the next Get.
   const Tensor& Get(std::initializer_list<int64_t> shape);
 
  private:
+  torch::Device device_;
   Tensor storage_;             // [count]
   std::vector<Tensor> views_;  // into storage_, of different shapes
 };

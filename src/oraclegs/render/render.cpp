@@ -1,12 +1,18 @@
 #include "oraclegs/render/render.h"
 
 #include "oraclegs/render/cpu/cpu_rasterizer.h"
+#if defined(ORACLEGS_CUDA)
+#include "oraclegs/render/cuda/cuda_rasterizer.h"
+#endif
 
 namespace oraclegs {
 
 std::unique_ptr<Rasterizer> MakeRasterizer(torch::Device device) {
   if (device.is_cpu()) return cpu::MakeCpuRasterizer();
-  throw UsageError("this build renders on the CPU only, '{}' was asked for; use --device cpu", device.str());
+#if defined(ORACLEGS_CUDA)
+  if (device.is_cuda()) return std::make_unique<cuda::CudaRasterizer>(device);
+#endif
+  throw UsageError("this build has no rasteriser for '{}'; use --device cpu", device.str());
 }
 
 }  // namespace oraclegs

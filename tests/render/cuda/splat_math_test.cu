@@ -1,7 +1,5 @@
 // The shared per-Gaussian mathematics, compiled by nvcc, against the same source run in double on the host.
-// Built with -DORACLEGS_CUDA=ON (preset "cuda"); running it needs a GPU.
 
-#include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/render/splat_math-inl.h"
+#include "support/cuda_device.h"
 
 namespace oraclegs {
 namespace {
@@ -57,8 +57,6 @@ __global__ void EvaluateAll(const float* in, bool antialiased, float* out) {
   if (i < kSplats) Evaluate<float>(in + 11 * i, antialiased, out + kValues * i);
 }
 
-void Check(cudaError_t status) { ASSERT_EQ(status, cudaSuccess) << cudaGetErrorString(status); }
-
 std::vector<float> RandomInputs() {
   Rng rng(7, RandomStream::kInitialPoints);
   std::vector<float> in(11 * kSplats);
@@ -87,9 +85,10 @@ void ExpectAgreesWithDouble(const std::vector<float>& in, bool antialiased, cons
   for (int k = 0; k < kValues; ++k) EXPECT_LE(error[k], 1e-4 * (size[k] + 1e-3)) << "value " << k;
 }
 
-class SplatMath : public testing::TestWithParam<bool> {};
+class SplatMathHost : public testing::TestWithParam<bool> {};
+class SplatMath : public OnDevice<testing::TestWithParam<bool>> {};
 
-TEST_P(SplatMath, OnTheHostInFloat) {
+TEST_P(SplatMathHost, InFloat) {
   const std::vector<float> in = RandomInputs();
   std::vector<float> out(kValues * kSplats);
   for (int i = 0; i < kSplats; ++i) Evaluate<float>(&in[11 * i], GetParam(), &out[kValues * i]);
@@ -97,24 +96,18 @@ TEST_P(SplatMath, OnTheHostInFloat) {
 }
 
 TEST_P(SplatMath, OnTheDevice) {
-  int devices = 0;
-  if (cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0) GTEST_SKIP() << "needs an NVIDIA GPU";
   const std::vector<float> in = RandomInputs();
-  std::vector<float> out(kValues * kSplats);
-  float *device_in = nullptr, *device_out = nullptr;
-  Check(cudaMalloc(&device_in, in.size() * sizeof(float)));
-  Check(cudaMalloc(&device_out, out.size() * sizeof(float)));
-  Check(cudaMemcpy(device_in, in.data(), in.size() * sizeof(float), cudaMemcpyHostToDevice));
-  EvaluateAll<<<(kSplats + 127) / 128, 128>>>(device_in, GetParam(), device_out);
-  Check(cudaGetLastError());
-  Check(cudaMemcpy(out.data(), device_out, out.size() * sizeof(float), cudaMemcpyDeviceToHost));
-  cudaFree(device_in);
-  cudaFree(device_out);
-  ExpectAgreesWithDouble(in, GetParam(), out);
+  cuda::DeviceArray<float> device_in("in"), device_out("out");
+  device_in.Upload(in.data(), static_cast<int64_t>(in.size()));
+  device_out.Reserve(kValues * kSplats);
+  cuda::Launch("EvaluateAll", EvaluateAll, cuda::LaunchShape::For(kSplats, 128), nullptr, device_in.data(), GetParam(),
+               device_out.data());
+  ExpectAgreesWithDouble(in, GetParam(), ToHost(device_out, kValues * kSplats));
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, SplatMath, testing::Bool(),
-                         [](const auto& info) { return std::string(info.param ? "antialiased" : "plain"); });
+const auto kModeName = [](const auto& info) { return std::string(info.param ? "antialiased" : "plain"); };
+INSTANTIATE_TEST_SUITE_P(Modes, SplatMathHost, testing::Bool(), kModeName);
+INSTANTIATE_TEST_SUITE_P(Modes, SplatMath, testing::Bool(), kModeName);
 
 }  // namespace
 }  // namespace oraclegs

@@ -1,0 +1,94 @@
+#include "oraclegs/core/cuda/check.h"
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
+
+[[noreturn]] void ThrowOutOfMemory(int64_t bytes, const char* purpose, const char* where) {
+  cudaGetLastError();  // it is told here: later calls must not report it again
+  size_t free = 0, total = 0;
+  if (cudaMemGetInfo(&free, &total) != cudaSuccess) cudaGetLastError();
+  throw RunError(
+      "out of {} memory: {:.2f} GB for {}, with {:.2f} of {:.2f} GB free on the GPU; lower --max-gaussians or "
+      "--random-points, or raise --downscale",
+      where, Gigabytes(bytes), purpose, Gigabytes(static_cast<int64_t>(free)), Gigabytes(static_cast<int64_t>(total)));
+}
+
+}  // namespace
+
+void Check(cudaError_t status, const char* what) {
+  if (status == cudaSuccess) return;
+  cudaGetLastError();
+  switch (status) {
+    case cudaErrorNoDevice:
+      throw UsageError("{}: this machine has no NVIDIA GPU that is free for use; use --device cpu", what);
+    case cudaErrorInsufficientDriver:
+      throw UsageError(
+          "{}: the NVIDIA driver is older than this program's CUDA {}.{}; update the driver or use --device cpu", what,
+          CUDART_VERSION / 1000, CUDART_VERSION % 1000 / 10);
+    case cudaErrorNoKernelImageForDevice:
+      throw UsageError(
+          "{}: this program was built for another GPU; build it with -DCMAKE_CUDA_ARCHITECTURES=native, or use "
+          "--device cpu",
+          what);
+    default:
+      throw RunError("{}: {} ({})", what, cudaGetErrorString(status), cudaGetErrorName(status));
+  }
+}
+
+void CheckLaunch(const char* kernel) { Check(cudaGetLastError(), kernel); }
+
+void* AllocateDevice(int64_t bytes, const char* purpose) {
+  if (bytes == 0) return nullptr;
+  void* memory = nullptr;
+  const cudaError_t status = cudaMalloc(&memory, static_cast<size_t>(bytes));
+  if (status == cudaErrorMemoryAllocation) ThrowOutOfMemory(bytes, purpose, "GPU");
+  Check(status, purpose);
+  return memory;
+}
+
+void* AllocatePinned(int64_t bytes, const char* purpose) {
+  if (bytes == 0) return nullptr;
+  void* memory = nullptr;
+  const cudaError_t status = cudaMallocHost(&memory, static_cast<size_t>(bytes));
+  if (status == cudaErrorMemoryAllocation) ThrowOutOfMemory(bytes, purpose, "pinned host");
+  Check(status, purpose);
+  return memory;
+}
+
+void FreeDevice(void* memory) noexcept {
+  if (memory != nullptr && cudaFree(memory) != cudaSuccess) cudaGetLastError();  // at exit the driver may be gone
+}
+
+void FreePinned(void* memory) noexcept {
+  if (memory != nullptr && cudaFreeHost(memory) != cudaSuccess) cudaGetLastError();
+}
+
+int DeviceCount() noexcept {
+  int count = 0;
+  if (cudaGetDeviceCount(&count) == cudaSuccess) return count;
+  cudaGetLastError();
+  return 0;
+}
+
+void UseDevice(int index) {
+  int count = 0;
+  Check(cudaGetDeviceCount(&count), "looking for a GPU");
+  if (count == 0) Check(cudaErrorNoDevice, "looking for a GPU");
+  if (index < 0 || index >= count) {
+    throw UsageError("--device cuda:{}: this machine has {} NVIDIA GPU{}, numbered from 0", index, count,
+                     count == 1 ? "" : "s");
+  }
+  Check(cudaSetDevice(index), "choosing the GPU");
+}
+
+DeviceMemory MemoryOfDevice() {
+  size_t free = 0, total = 0;
+  Check(cudaMemGetInfo(&free, &total), "asking for the GPU's memory");
+  return {static_cast<int64_t>(free), static_cast<int64_t>(total)};
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,37 @@
+#pragma once
+// Every CUDA call goes through Check, every launch through Launch (launch.h): an error is thrown where it is first
+// seen.
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+namespace oraclegs::cuda {
+
+/// Does nothing after success. Throws UsageError when there is no device or the driver is too old, RunError otherwise,
+/// "WHAT: ...": `what` says in the user's terms what was being done.
+void Check(cudaError_t status, const char* what);
+
+/// After a launch: the launch itself, and what earlier kernels left behind.
+void CheckLaunch(const char* kernel);
+
+/// Device memory for `purpose` ("the tile lists"). Throws RunError that says how much was asked for, what for, how much
+/// is free and which options lower it. The error is cleared: whoever catches it may go on. Null for 0 bytes.
+void* AllocateDevice(int64_t bytes, const char* purpose);
+/// Host memory that the device copies to without stopping the host.
+void* AllocatePinned(int64_t bytes, const char* purpose);
+void FreeDevice(void* memory) noexcept;
+void FreePinned(void* memory) noexcept;
+
+/// Devices that this build can use now; 0 also when there is no driver, or one that is too old.
+int DeviceCount() noexcept;
+
+/// Makes device `index` the one that this thread's calls go to. Throws UsageError when there is none of that number.
+void UseDevice(int index);
+
+struct DeviceMemory {
+  int64_t free, total;  ///< bytes
+};
+DeviceMemory MemoryOfDevice();
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,17 @@
+#pragma once
+// JSON of files that somebody else wrote.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace oraclegs {
+
+/// Parses JSON that says nothing twice: the library alone would keep the last of two equal keys. Throws InputError with
+/// `file` and `part` ("header") when it is no JSON or repeats a key.
+nlohmann::json ParseUniqueJson(std::string_view text, const std::string& file, const std::string& part);
+
+/// A name out of a file, in quotes and made fit for a one-line message: at most 120 bytes, all of them printable.
+std::string QuotedForMessage(const std::string& name);
+
+}  // namespace oraclegs

@@ -1,0 +1,37 @@
+#pragma once
+// The networks whose weights this program can use: what each is for, where its files are, under which licence.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace oraclegs {
+
+/// A file as its authors publish it.
+struct PublishedFile {
+  std::string url;
+  std::string sha256 = {};  ///< empty where no public page tells it: then what the server tells counts
+  uint64_t bytes = 0;       ///< 0 = likewise
+};
+
+struct ModelInfo {
+  std::string name;          ///< as in `oraclegs models fetch NAME`
+  std::string purpose;       ///< half a line
+  std::string licence;       ///< its name
+  std::string licence_page;  ///< where to read it, and, of gated files, to agree to it
+  bool non_commercial = false;
+  std::string restriction = {};  ///< what the licence asks beside, for people; empty = nothing unusual
+  bool gated = false;            ///< the host wants an account that has agreed to the licence
+  std::vector<PublishedFile> files;
+  bool convert = true;          ///< the files have to go through scripts/convert_weights.py
+  uint64_t download_bytes = 0;  ///< of all files, about
+  std::string parameters = {};  ///< name of the list of its tensors (parameter_list.h)
+};
+
+/// All of them, in the order of `models list`.
+const std::vector<ModelInfo>& AllModels();
+
+/// Throws UsageError that lists the names there are.
+const ModelInfo& ModelNamed(const std::string& name);
+
+}  // namespace oraclegs

@@ -1,0 +1,39 @@
+#pragma once
+// Stage 3: blending (spec/gaussian_core.md 4) and its adjoint (6.1).
+
+#include "oraclegs/render/cuda/splats.h"
+
+namespace oraclegs::cuda {
+
+struct BlendInput {
+  View view;
+  const Splat* splats;
+  const uint32_t* entry_ids;  ///< Gaussian of each sorted pair
+  const TileRange* ranges;    ///< [tiles]
+};
+
+/// What backward needs; `ends.sums` null: nothing is kept.
+struct BlendKept {
+  PixelEnds ends;
+  BucketStates buckets;
+};
+
+/// One block a tile, one thread a pixel. Writes no image where `out` is null. Counts pixel_pairs and buckets.
+void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
+                  cudaStream_t stream);
+
+struct BlendBackwardInput {
+  BlendInput forward;
+  BlendKept kept;
+  UpstreamPlanes upstream;
+  const uint32_t* sorted_numbers;  ///< pair number of each sorted pair
+  int64_t buckets;                 ///< filled ones
+};
+
+/// One warp a bucket, one lane a Gaussian: pixels pass along the lanes, so that every sum stays in a register of its
+/// own and no two threads add to one place. Writes records[pair] of the pairs in these buckets, kRecord floats each.
+/// With (dx, dy) from the Gaussian to a pixel, h = alpha dL/d(alpha) (0 where capped), w = alpha T:
+/// [0] sum h  [1] h dx  [2] h dy  [3] h dx^2  [4] h dx dy  [5] h dy^2  [6..8] w dL/d(rgb)  [9] w dL/d(inv_depth)
+void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream);
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,146 @@
+#include "oraclegs/render/cuda/blend.h"
+#include "oraclegs/render/cuda/falloff-inl.cuh"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr int kWarpsPerBlock = 4;
+constexpr int kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
+
+/// A warp's pixels: those that reach its bucket, and what the lanes read of the ones under way.
+struct Pixels {
+  float4 gradient[kRing];  // dL/d(rgb), dL/d(inv_depth)
+  float2 start[kRing];     // transmittance, and what the rest of the list adds to the loss, at the bucket's start
+  uint2 place[kRing];      // which of the tile's 256; first entry in which it takes no part
+  uint8_t list[kTilePixels];
+};
+
+struct Tile {
+  int64_t first;  // of PixelEnds
+  int x, y;       // px
+};
+
+/// Pixel `i` of the tile as the bucket finds it.
+__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, int i, const float* states, int slot,
+                                 Pixels* pixels) {
+  const View& view = in.forward.view;
+  const int64_t pixel = int64_t{tile.y + PixelY(i)} * view.width + tile.x + PixelX(i);
+  float4 g = make_float4(0, 0, 0, 0);
+  if (in.upstream.image != nullptr) {
+    const float* from = in.upstream.image + 3 * pixel;
+    g.x = from[0], g.y = from[1], g.z = from[2];
+  }
+  if (in.upstream.inv_depth != nullptr) g.w = in.upstream.inv_depth[pixel];
+  const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
+  const float4 sums = in.kept.ends.sums[tile.first + i];
+  const float last = in.kept.ends.transmittance[tile.first + i];
+  const float behind_all = g.x * view.background[0] + g.y * view.background[1] + g.z * view.background[2] - g_alpha;
+  // The differences are of one running sum: what they lose is little against what is left of it.
+  const float rest = g.x * (sums.x - states[kTilePixels + i]) + g.y * (sums.y - states[2 * kTilePixels + i]) +
+                     g.z * (sums.z - states[3 * kTilePixels + i]) + g.w * (sums.w - states[4 * kTilePixels + i]) +
+                     last * behind_all;
+  pixels->gradient[slot] = g;
+  pixels->start[slot] = make_float2(states[i], rest);
+  pixels->place[slot] = make_uint2(static_cast<unsigned>(i), in.kept.ends.end[tile.first + i]);
+}
+
+/// One Gaussian's sums, as BlendBackward's records.
+struct Sums {
+  float h = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, g = 0, b = 0, inv_z = 0;
+
+  /// The pixel at (dx, dy) from the centre, which has `state` in front of the Gaussian and leaves with what is behind.
+  __device__ void Take(const Splat& s, float dx, float dy, const float4& gradient, float2* state) {
+    const float e = Log2Alpha(s, dx, dy);
+    if (e < kLog2AlphaMin) return;
+    const float full = exp2f(e), alpha = Min(full, kAlphaMax);
+    const float value = gradient.x * s.r + gradient.y * s.g + gradient.z * s.b + gradient.w * s.inv_z;
+    const float weight = alpha * state->x;
+    state->y = fmaf(-weight, value, state->y);
+    const float d_alpha = state->x * value - state->y / (1.f - alpha);
+    const float change = full < kAlphaMax ? alpha * d_alpha : 0.f;
+    state->x = Behind(alpha, state->x);
+    const float hx = change * dx, hy = change * dy;
+    h += change;
+    x += hx, y += hy;
+    xx = fmaf(hx, dx, xx), xy = fmaf(hx, dy, xy), yy = fmaf(hy, dy, yy);
+    r = fmaf(weight, gradient.x, r), g = fmaf(weight, gradient.y, g), b = fmaf(weight, gradient.z, b);
+    inv_z = fmaf(weight, gradient.w, inv_z);
+  }
+
+  __device__ void Store(float* record) const {
+    float2* to = reinterpret_cast<float2*>(record);
+    to[0] = make_float2(h, x), to[1] = make_float2(y, xx), to[2] = make_float2(xy, yy);
+    to[3] = make_float2(r, g), to[4] = make_float2(b, inv_z);
+  }
+};
+
+/// The numbers of the tile's pixels that the bucket's first entry finds open go to `list`. Returns how many.
+__device__ inline int ListOpenPixels(const uint32_t* ends, uint32_t first, uint8_t* list) {
+  const int lane = LaneInWarp();
+  int count = 0;
+  for (int i = lane; i < kTilePixels; i += kWarp) {
+    const bool open = ends[i] > first;  // 0 outside the image
+    const unsigned mask = __ballot_sync(kAllLanes, open);
+    if (open) list[count + __popc(mask & ((1u << lane) - 1))] = static_cast<uint8_t>(i);
+    count += __popc(mask);
+  }
+  __syncwarp();
+  return count;
+}
+
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+    BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
+  __shared__ Pixels shared[kWarpsPerBlock];
+  const int64_t number = ThreadInGrid() / kWarp;
+  if (number >= in.buckets) return;
+  Pixels* pixels = shared + threadIdx.x / kWarp;
+  const int lane = LaneInWarp();
+  const View& view = in.forward.view;
+  const Bucket bucket = in.kept.buckets.buckets[number];
+  const float* states = in.kept.buckets.states + number * kStateFloats * kTilePixels;
+  const Tile tile{int64_t{bucket.tile} * kTilePixels, static_cast<int>(bucket.tile % view.tiles_x) * kTile,
+                  static_cast<int>(bucket.tile / view.tiles_x) * kTile};
+  const TileRange range = in.forward.ranges[bucket.tile];
+  const uint32_t mine = bucket.first + static_cast<uint32_t>(lane);
+  const bool has_entry = mine < range.end - range.begin;
+
+  const int count = ListOpenPixels(in.kept.ends.end + tile.first, bucket.first, pixels->list);
+  Splat splat{};
+  if (has_entry) splat = in.forward.splats[in.forward.entry_ids[range.begin + mine]];
+  Sums sums;
+  float2 state = make_float2(0, 0);
+  const int steps = count > 0 ? count + kWarp - 1 : 0;
+  for (int step = 0; step < steps; ++step) {
+    if (step % kWarp == 0) {
+      __syncwarp();
+      const int ahead = step + lane;
+      if (ahead < count) LoadPixel(in, tile, pixels->list[ahead], states, ahead % kRing, pixels);
+      __syncwarp();
+    }
+    // Each lane hands its pixel on to the next Gaussian.
+    state.x = __shfl_up_sync(kAllLanes, state.x, 1);
+    state.y = __shfl_up_sync(kAllLanes, state.y, 1);
+    const int at = step - lane;
+    if (at < 0 || at >= count) continue;
+    if (lane == 0) state = pixels->start[at % kRing];
+    const uint2 place = pixels->place[at % kRing];
+    if (!has_entry || mine >= place.y) continue;
+    const int i = static_cast<int>(place.x);
+    const float dx = static_cast<float>(tile.x + PixelX(i)) + 0.5f - splat.mx;
+    const float dy = static_cast<float>(tile.y + PixelY(i)) + 0.5f - splat.my;
+    sums.Take(splat, dx, dy, pixels->gradient[at % kRing], &state);
+  }
+  if (has_entry) sums.Store(records + int64_t{kRecord} * in.sorted_numbers[range.begin + mine]);
+  if (lane == 0 && count > 0) {
+    atomicAdd(&counters->pixel_pairs_backward, static_cast<unsigned long long>(count) * kBucket);
+  }
+}
+
+}  // namespace
+
+void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream) {
+  Launch("blending backward", BlendBackwardKernel, LaunchShape::For(in.buckets * kWarp, kWarpsPerBlock * kWarp), stream,
+         in, records, counters);
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,110 @@
+#include "oraclegs/render/cuda/blend.h"
+#include "oraclegs/render/cuda/falloff-inl.cuh"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr int kBatch = 4 * kBucket;  // entries that a block holds at once
+
+/// One pixel on its way from the eye.
+struct Ray {
+  float x, y;  // centre, px
+  float transmittance = 1, r = 0, g = 0, b = 0, inv_z = 0;
+  uint32_t end = 0;
+  bool open;
+
+  __device__ void Take(const Splat& s, uint32_t entry) {
+    const float e = Log2Alpha(s, x - s.mx, y - s.my);
+    if (e < kLog2AlphaMin) return;
+    const float alpha = Min(exp2f(e), kAlphaMax), behind = Behind(alpha, transmittance);
+    if (behind < kTransmittanceEnd) {
+      open = false;
+      return;
+    }
+    const float weight = alpha * transmittance;
+    r = fmaf(weight, s.r, r);
+    g = fmaf(weight, s.g, g);
+    b = fmaf(weight, s.b, b);
+    inv_z = fmaf(weight, s.inv_z, inv_z);
+    transmittance = behind;
+    end = entry + 1;
+  }
+
+  __device__ void Save(float* state) const {
+    const float values[kStateFloats] = {transmittance, r, g, b, inv_z};
+    for (int k = 0; k < kStateFloats; ++k) state[k * kTilePixels + threadIdx.x] = values[k];
+  }
+};
+
+template <bool kTrain>
+__global__ void __launch_bounds__(kTilePixels)
+    BlendForwardKernel(BlendInput in, ImagePlanes out, BlendKept kept, Counters* counters) {
+  __shared__ Splat batch[kBatch];
+  __shared__ uint32_t first_slot;
+  const uint32_t tile = blockIdx.x;
+  const int thread = static_cast<int>(threadIdx.x), lane = LaneInWarp();
+  const int tile_x = static_cast<int>(tile % in.view.tiles_x) * kTile, x = tile_x + PixelX(thread);
+  const int tile_y = static_cast<int>(tile / in.view.tiles_x) * kTile, y = tile_y + PixelY(thread);
+  const bool inside = x < in.view.width && y < in.view.height;
+  const float warp_x = static_cast<float>(tile_x + PixelX(thread - lane)) + 0.5f;
+  const float warp_y = static_cast<float>(tile_y + PixelY(thread - lane)) + 0.5f;
+  Ray ray;
+  ray.x = static_cast<float>(x) + 0.5f, ray.y = static_cast<float>(y) + 0.5f;
+  ray.open = inside;
+  unsigned long long visited = 0;
+
+  const TileRange range = in.ranges[tile];
+  const uint32_t count = range.end - range.begin;
+  for (uint32_t begin = 0; begin < count; begin += kBatch) {
+    if (!__syncthreads_or(ray.open)) break;
+    const uint32_t n = count - begin < kBatch ? count - begin : kBatch;
+    if (threadIdx.x < n) batch[threadIdx.x] = in.splats[in.entry_ids[range.begin + begin + threadIdx.x]];
+    if (kTrain && threadIdx.x == 0) {
+      const uint32_t buckets = (n + kBucket - 1) / kBucket;
+      first_slot = atomicAdd(&counters->buckets, buckets);
+      for (uint32_t k = 0; k < buckets && first_slot + k < kept.buckets.capacity; ++k) {
+        kept.buckets.buckets[first_slot + k] = {tile, begin + k * kBucket};
+      }
+    }
+    __syncthreads();
+    for (uint32_t chunk = 0; chunk < n; chunk += kBucket) {
+      if (!__any_sync(kAllLanes, ray.open)) break;
+      if (kTrain && first_slot + chunk / kBucket < kept.buckets.capacity) {
+        ray.Save(kept.buckets.states + int64_t{first_slot + chunk / kBucket} * kStateFloats * kTilePixels);
+      }
+      // Each lane asks of one Gaussian whether it reaches the warp's 8 x 4 pixels.
+      const uint32_t candidate = chunk + static_cast<uint32_t>(lane);
+      const bool reaches = candidate < n && Reaches(ReachOf(batch[candidate]), warp_x, warp_y, 7.f, 3.f);
+      unsigned left = __ballot_sync(kAllLanes, reaches);
+      visited += kWarp * __popc(left);
+      for (; left != 0; left &= left - 1) {
+        const uint32_t i = chunk + static_cast<uint32_t>(__ffs(static_cast<int>(left)) - 1);
+        if (ray.open) ray.Take(batch[i], begin + i);
+      }
+    }
+  }
+  if (lane == 0 && visited != 0) atomicAdd(&counters->pixel_pairs, visited);
+  if (kTrain) {
+    const int64_t at = int64_t{tile} * kTilePixels + thread;
+    kept.ends.sums[at] = make_float4(ray.r, ray.g, ray.b, ray.inv_z);
+    kept.ends.transmittance[at] = ray.transmittance;
+    kept.ends.end[at] = ray.end;
+  }
+  if (!inside || out.image == nullptr) return;
+  const int64_t pixel = int64_t{y} * in.view.width + x;
+  out.image[3 * pixel] = fmaf(ray.transmittance, in.view.background[0], ray.r);
+  out.image[3 * pixel + 1] = fmaf(ray.transmittance, in.view.background[1], ray.g);
+  out.image[3 * pixel + 2] = fmaf(ray.transmittance, in.view.background[2], ray.b);
+  out.alpha[pixel] = 1.f - ray.transmittance;
+  out.inv_depth[pixel] = ray.inv_z;
+}
+
+}  // namespace
+
+void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
+                  cudaStream_t stream) {
+  const auto kernel = kept.ends.sums != nullptr ? BlendForwardKernel<true> : BlendForwardKernel<false>;
+  Launch("blending", kernel, {in.view.tiles(), kTilePixels}, stream, in, out, kept, counters);
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,134 @@
+#pragma once
+// The last stage of the backward pass with room for what is done with the gradients: one thread a Gaussian computes
+// them and hands them to a consumer, so that they need not go through memory. The consumer is a small struct, copied to
+// the device, with
+//
+//   __device__ void TakeSmall(int64_t i, const GaussianGrad& grad) const;
+//   __device__ void TakeSh(int64_t i, int first, float4 grad) const;
+//
+// TakeSmall is called once for each Gaussian i, seen or not. TakeSh is called for first = 0, 4, 8, ... below
+// 3 (degree + 1)^2 with dL/d(sh) of floats [first, first + 4) of row i, zero above the active degree; neighbouring
+// lanes have neighbouring floats. Both may change row i of the parameters, and no other: TakeSh that of sh, TakeSmall
+// the rest.
+
+#include "oraclegs/render/cuda/gaussian_backward.h"
+#include "oraclegs/render/cuda/warp-inl.cuh"
+
+namespace oraclegs::cuda {
+
+/// dL/d(raw parameter) of one Gaussian without SH; zero where it was not seen.
+struct GaussianGrad {
+  float mean[3] = {}, log_scale[3] = {}, quat[4] = {}, logit = 0;
+};
+
+/// Gaussians of more pairs than this are summed by the whole warp.
+inline constexpr uint32_t kPairsAlone = 16;
+
+/// The sums of one Gaussian's records, in an order that depends on their number only.
+__device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begin, uint32_t count, float* sums) {
+  const int lane = LaneInWarp();
+  for (int k = 0; k < kRecord; ++k) sums[k] = 0;
+  const auto add = [&in](uint32_t pair, float* to) {
+    const float2* from = reinterpret_cast<const float2*>(in.records + int64_t{kRecord} * pair);
+    for (int k = 0; k < kRecord / 2; ++k) {
+      const float2 v = from[k];
+      to[2 * k] += v.x, to[2 * k + 1] += v.y;
+    }
+  };
+  if (count <= kPairsAlone) {
+    for (uint32_t j = 0; j < count; ++j) add(begin + j, sums);
+  }
+  for (unsigned left = __ballot_sync(kAllLanes, count > kPairsAlone); left != 0; left &= left - 1) {
+    const int from = __ffs(static_cast<int>(left)) - 1;
+    const uint32_t first = __shfl_sync(kAllLanes, begin, from), n = __shfl_sync(kAllLanes, count, from);
+    float part[kRecord] = {};
+    for (uint32_t j = static_cast<uint32_t>(lane); j < n; j += kWarp) add(first + j, part);
+    for (int k = 0; k < kRecord; ++k) {
+      const float sum = WarpSum(part[k]);
+      if (lane == from) sums[k] = sum;
+    }
+  }
+}
+
+/// The small parameters' gradient of one seen Gaussian. `row`: its SH, which becomes dL/d(sh).
+__device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, int64_t i, const float* sums,
+                                             float* row) {
+  const View& view = in.view;
+  const SplatCamera<float> camera = CameraOf(view);
+  const RawSplat<float> raw = LoadRaw(in.parameters, i);
+  const SplatChain<float> chain = EvaluateChain(raw, camera, view.antialiased);
+  const ProjectedSplat<float> p = Project(chain, camera);
+  ProjectedGrad<float> g;
+  g.mx = p.conic_a * sums[1] + p.conic_b * sums[2];  // offsets point to the pixel: the sign of 6.1 turns
+  g.my = p.conic_c * sums[2] + p.conic_b * sums[1];
+  g.conic_a = -0.5f * sums[3];
+  g.conic_b = -sums[4];
+  g.conic_c = -0.5f * sums[5];
+  // sums[0] is dL/d(log opacity): a factor the opacity was rendered with is a constant under the logarithm.
+  g.opacity = sums[0] / p.opacity;
+  g.inv_z = sums[9];
+  const RawGrad<float> small = ProjectBackward(chain, camera, view.antialiased, g);
+
+  const int coefficients = (view.sh_degree + 1) * (view.sh_degree + 1);
+  float basis[16], weight[16], inv_distance;
+  const Vec3<float> d = ViewDirection(raw.mean, view, &inv_distance);
+  ShBasis(view.sh_degree, d, basis);
+  const Vec3<float> color = RawColor(row, basis, coefficients);
+  const Vec3<float> gc{color.x > 0.f ? sums[6] : 0.f, color.y > 0.f ? sums[7] : 0.f, color.z > 0.f ? sums[8] : 0.f};
+  for (int k = 0; k < coefficients; ++k) {
+    weight[k] = row[3 * k] * gc.x + row[3 * k + 1] * gc.y + row[3 * k + 2] * gc.z;
+    row[3 * k] = basis[k] * gc.x, row[3 * k + 1] = basis[k] * gc.y, row[3 * k + 2] = basis[k] * gc.z;
+  }
+  const Vec3<float> gd = ShGradient(view.sh_degree, d, weight);
+  const float radial = Dot(d, gd);
+
+  GaussianGrad out;
+  out.mean[0] = small.mean.x + (gd.x - d.x * radial) * inv_distance;
+  out.mean[1] = small.mean.y + (gd.y - d.y * radial) * inv_distance;
+  out.mean[2] = small.mean.z + (gd.z - d.z * radial) * inv_distance;
+  out.log_scale[0] = small.log_scale.x, out.log_scale[1] = small.log_scale.y, out.log_scale[2] = small.log_scale.z;
+  out.quat[0] = small.qw, out.quat[1] = small.qx, out.quat[2] = small.qy, out.quat[3] = small.qz;
+  out.logit = small.logit;
+  return out;
+}
+
+template <class Consumer>
+__global__ void __launch_bounds__(kShThreads) GaussianBackwardKernel(GaussianBackwardInput in, Consumer consumer) {
+  __shared__ float sh_rows[kShThreads * kShRowStride];
+  const int64_t i = ThreadInGrid();
+  const int lane = LaneInWarp();
+  const int64_t n = in.parameters.n, first = i - lane;
+  if (first >= n) return;  // a whole warp
+  const uint32_t count = i < n ? in.counts[i] : 0;
+  float sums[kRecord];
+  SumRecords(in, count > 0 ? in.begins[i] : 0, count, sums);
+
+  const int floats = 3 * (in.view.sh_degree + 1) * (in.view.sh_degree + 1), chunks = (floats + 3) / 4;
+  float* rows = sh_rows + threadIdx.x / kWarp * kWarp * kShRowStride;
+  float* row = rows + lane * kShRowStride;
+  LoadShRows(in.parameters.sh, first, __ballot_sync(kAllLanes, count > 0), floats, rows);
+  GaussianGrad grad;
+  int zeros_from = 0;
+  if (count > 0) {
+    grad = BackwardOfOne(in, i, sums, row);
+    zeros_from = floats;
+  }
+  for (int k = zeros_from; k < 4 * chunks; ++k) row[k] = 0;
+  if (i < n) consumer.TakeSmall(i, grad);
+  __syncwarp();
+  for (int item = lane; item < kWarp * chunks; item += kWarp) {
+    const int whose = item / chunks, at = item % chunks * 4;
+    if (first + whose >= n) break;
+    const float* from = rows + whose * kShRowStride + at;
+    consumer.TakeSh(first + whose, at, make_float4(from[0], from[1], from[2], from[3]));
+  }
+}
+
+/// Computes all gradients and hands them to copies of `consumer`. `name` stands in errors.
+template <class Consumer>
+void RunGaussianBackward(const char* name, const GaussianBackwardInput& in, const Consumer& consumer,
+                         cudaStream_t stream) {
+  Launch(name, GaussianBackwardKernel<Consumer>, LaunchShape::For(in.parameters.n, kShThreads), stream, in, consumer);
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,39 @@
+#include "oraclegs/render/cuda/gaussian_backward.h"
+
+#include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
+
+namespace oraclegs::cuda {
+namespace {
+
+/// Keeps the gradients as rows.
+struct WriteRows {
+  GaussianRows rows;
+  int floats;  // of sh that are written
+
+  __device__ void TakeSmall(int64_t i, const GaussianGrad& grad) const {
+    for (int k = 0; k < 3; ++k) {
+      rows.means[3 * i + k] = grad.mean[k];
+      rows.log_scales[3 * i + k] = grad.log_scale[k];
+    }
+    for (int k = 0; k < 4; ++k) rows.quats[4 * i + k] = grad.quat[k];
+    rows.opacity_logits[i] = grad.logit;
+  }
+  __device__ void TakeSh(int64_t i, int first, float4 grad) const {
+    float* to = rows.sh + kShRow * i + first;
+    if (first + 4 <= floats) {
+      *reinterpret_cast<float4*>(to) = grad;
+      return;
+    }
+    const float values[4] = {grad.x, grad.y, grad.z, grad.w};
+    for (int k = 0; first + k < floats; ++k) to[k] = values[k];
+  }
+};
+
+}  // namespace
+
+void WriteGaussianGrads(const GaussianBackwardInput& in, const GaussianRows& grads, cudaStream_t stream) {
+  const int floats = 3 * (in.view.sh_degree + 1) * (in.view.sh_degree + 1);
+  RunGaussianBackward("gradients of Gaussians", in, WriteRows{grads, floats}, stream);
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,75 @@
+#include "oraclegs/render/cuda/projection.h"
+
+#include "oraclegs/render/cuda/warp-inl.cuh"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr float kLog2E = 1.442695040888963f;
+
+/// Tiles of [center - half, center + half] along one axis, as [*first, *last); whether there are any. Exact but for
+/// rounding, which widens them (spec 4). What is not a number is not visible.
+__device__ inline bool TilesAlong(float center, float half, int size, uint16_t* first, uint16_t* last) {
+  const float slack = 1e-3f;  // of a pixel: many ulp at any image size
+  const float low = ceilf(center - half - 0.5f - slack), high = floorf(center + half - 0.5f + slack);
+  const float end = static_cast<float>(size - 1);
+  if (!(low <= high && high >= 0.f && low <= end)) return false;
+  *first = static_cast<uint16_t>(static_cast<int>(Max(0.f, Min(low, end))) / kTile);
+  *last = static_cast<uint16_t>(static_cast<int>(Max(0.f, Min(high, end))) / kTile + 1);
+  return true;
+}
+
+__global__ void __launch_bounds__(kShThreads)
+    ProjectKernel(View view, Parameters parameters, Splat* splats, TileRect* rects) {
+  __shared__ float sh_rows[kShThreads * kShRowStride];
+  const int64_t i = ThreadInGrid();
+  bool visible = i < parameters.n;
+  ProjectedSplat<float> p{};
+  Vec3<float> mean{};
+  float log_opacity = 0;
+  TileRect rect{};
+  if (visible) {
+    const SplatCamera<float> camera = CameraOf(view);
+    const RawSplat<float> raw = LoadRaw(parameters, i);
+    mean = raw.mean;
+    p = Project(EvaluateChain(raw, camera, view.antialiased), camera);
+    if (parameters.opacity_factors != nullptr) p.opacity *= parameters.opacity_factors[i];
+    // alpha >= 1/255 inside |d|_K <= k, k^2 = 2 ln(255 o'), whose bounding box is k sqrt(diag(cov)).
+    log_opacity = logf(Max(p.opacity, 1e-30f));
+    const float k2 = Max(2.f * (log_opacity + 5.541263545158426f), 0.f);
+    visible = p.z > kNearPlane && p.opacity >= kAlphaMin &&
+              TilesAlong(p.mx, Sqrt(k2 * p.cov_a), view.width, &rect.x0, &rect.x1) &&
+              TilesAlong(p.my, Sqrt(k2 * p.cov_c), view.height, &rect.y0, &rect.y1);
+    rects[i] = visible ? rect : TileRect{};
+  }
+  const unsigned mask = __ballot_sync(kAllLanes, visible);
+  if (mask == 0) return;
+  const int coefficients = (view.sh_degree + 1) * (view.sh_degree + 1);
+  float* rows = sh_rows + threadIdx.x / kWarp * kWarp * kShRowStride;
+  LoadShRows(parameters.sh, i - LaneInWarp(), mask, 3 * coefficients, rows);
+  if (!visible) return;
+  float basis[16], inv_distance;
+  ShBasis(view.sh_degree, ViewDirection(mean, view, &inv_distance), basis);
+  const Vec3<float> color = RawColor(rows + LaneInWarp() * kShRowStride, basis, coefficients);
+  Splat s;
+  s.mx = p.mx, s.my = p.my;
+  s.ax = Sqrt(0.5f * kLog2E / p.cov_a);
+  s.by = Sqrt(0.5f * kLog2E * p.conic_c);
+  s.slope = p.conic_b / p.conic_c;
+  s.log2_opacity = kLog2E * log_opacity;
+  s.depth = p.z;
+  s.unused = 0;
+  s.r = Max(color.x, 0.f), s.g = Max(color.y, 0.f), s.b = Max(color.z, 0.f);
+  s.inv_z = 1.f / p.z;
+  splats[i] = s;
+}
+
+}  // namespace
+
+void ProjectSplats(const View& view, const Parameters& parameters, Splat* splats, TileRect* rects,
+                   cudaStream_t stream) {
+  Launch("projection", ProjectKernel, LaunchShape::For(parameters.n, kShThreads), stream, view, parameters, splats,
+         rects);
+}
+
+}  // namespace oraclegs::cuda

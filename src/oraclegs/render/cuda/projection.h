@@ -1,0 +1,11 @@
+#pragma once
+// Stage 1, one thread a Gaussian: projection and colour (spec/gaussian_core.md 3, 5).
+
+#include "oraclegs/render/cuda/splats.h"
+
+namespace oraclegs::cuda {
+
+/// Fills rects[n] (empty where invisible) and, where they are not empty, splats[n].
+void ProjectSplats(const View& view, const Parameters& parameters, Splat* splats, TileRect* rects, cudaStream_t stream);
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,166 @@
+#include "oraclegs/render/cuda/raster_core.h"
+
+#include <bit>
+#include <cstddef>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/render/cuda/projection.h"
+#include "oraclegs/render/cuda/tile_pairs.h"
+
+namespace oraclegs::cuda {
+
+void RequireCountable(int64_t gaussians, int64_t pairs) {
+  if (pairs <= INT32_MAX / 2) return;  // a quarter more is room for the next view
+  throw RunError("{} Gaussians cover {} tiles in one view, more than 2^30: lower --max-gaussians or raise --downscale",
+                 gaussians, pairs);
+}
+
+void RasterCore::ReservePairs(int64_t pairs) {
+  RequireCountable(parameters_.n, pairs);
+  pair_room_ = 0;  // until all is there
+  const int64_t roomy = pairs + pairs / 4;
+  for (DeviceArray<uint32_t>* array :
+       {&tiles_, &sorted_tiles_, &numbers_, &sorted_numbers_, &gaussians_, &entry_ids_}) {
+    array->ReserveExactly(roomy);
+  }
+  pair_room_ = roomy;
+}
+
+void RasterCore::Forward(const View& view, const Parameters& parameters, const ImagePlanes& out, bool train) {
+  forward_done_ = backward_done_ = false;
+  view_ = view;
+  parameters_ = parameters;
+  planes_ = out;
+  train_ = train;
+  const int64_t n = parameters.n;
+  splats_.Reserve(n);
+  rects_.Reserve(n);
+  for (DeviceArray<uint32_t>* array : {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_}) {
+    array->Reserve(n);
+  }
+  counters_.ReserveExactly(1);
+  ranges_.Reserve(view.tiles());
+  if (train) {
+    sums_.Reserve(view.tiles() * kTilePixels);
+    transmittance_.Reserve(view.tiles() * kTilePixels);
+    ends_.Reserve(view.tiles() * kTilePixels);
+  }
+
+  begin_.Record(stream_);
+  counters_.FillBytes(0, 1, stream_);
+  ProjectSplats(view, parameters, splats_.data(), rects_.data(), stream_);
+  projected_.Record(stream_);
+  CountTiles(splats_.data(), rects_.data(), n, {counts_.data(), depths_.data(), ids_.data(), counters_.data()},
+             stream_);
+  counted_.Ask(counters_.data(), stream_);
+  SortByKey({depths_.data(), ids_.data(), sorted_depths_.data(), sorted_ids_.data(), n}, 32, &scratch_, stream_);
+  GatherCounts(counts_.data(), sorted_ids_.data(), n, depths_.data(), stream_);
+  ExclusiveSum(depths_.data(), ids_.data(), n, &scratch_, stream_);
+
+  // Most often there is room for this view's pairs: all is sent before the first look at their number.
+  const int64_t room = pair_room_;
+  const bool sent = room > 0;
+  if (sent) SendBinAndBlend();
+  pairs_ = static_cast<int64_t>(counted_.Get().pairs);
+  if (pairs_ > room) ReservePairs(pairs_);
+  if (!sent || pairs_ > room) SendBinAndBlend();
+  forward_done_ = true;
+}
+
+void RasterCore::SendBinAndBlend() {
+  tiles_.FillBytes(0xff, pair_room_, stream_);  // what no pair overwrites sorts to the end
+  ListPairs({splats_.data(), rects_.data(), sorted_ids_.data(), ids_.data(), parameters_.n, view_.tiles_x},
+            {tiles_.data(), numbers_.data(), gaussians_.data(), begins_.data(), pair_room_}, stream_);
+  const uint32_t tiles = static_cast<uint32_t>(view_.tiles());
+  SortByKey({tiles_.data(), numbers_.data(), sorted_tiles_.data(), sorted_numbers_.data(), pair_room_},
+            std::bit_width(tiles), &scratch_, stream_);
+  ranges_.FillBytes(0, view_.tiles(), stream_);
+  FindTileRanges({sorted_tiles_.data(), sorted_numbers_.data(), gaussians_.data(), pair_room_, tiles}, ranges_.data(),
+                 entry_ids_.data(), stream_);
+  binned_.Record(stream_);
+  if (train_ && bucket_room_ == 0) {
+    const int64_t guess = pair_room_ / kBucket / 2 + 2 * view_.tiles();
+    buckets_.ReserveExactly(guess);
+    states_.ReserveExactly(guess * kStateFloats * kTilePixels);
+    bucket_room_ = guess;
+  }
+  SendBlend(planes_);
+  drawn_.Record(stream_);
+}
+
+void RasterCore::SendBlend(const ImagePlanes& out) {
+  constexpr size_t kFirst = offsetof(Counters, pixel_pairs);
+  Check(cudaMemsetAsync(reinterpret_cast<char*>(counters_.data()) + kFirst, 0, sizeof(Counters) - kFirst, stream_),
+        "blending");
+  BlendKept kept{};
+  if (train_) {
+    kept.ends = {sums_.data(), transmittance_.data(), ends_.data()};
+    kept.buckets = {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)};
+  }
+  BlendForward({view_, splats_.data(), entry_ids_.data(), ranges_.data()}, out, kept, counters_.data(), stream_);
+  blended_.Ask(counters_.data(), stream_);
+}
+
+GaussianBackwardInput RasterCore::BlendBackward(const Parameters& parameters, const UpstreamPlanes& upstream) {
+  if (!forward_done_ || !train_ || parameters.n != parameters_.n) {
+    throw ShapeError("RasterCore::BlendBackward: {} Gaussians, but the last Forward was not to train as many",
+                     parameters.n);
+  }
+  const int64_t buckets = blended_.Get().buckets;
+  if (buckets > bucket_room_) {
+    bucket_room_ = 0;
+    const int64_t roomy = buckets + buckets / 4;
+    buckets_.ReserveExactly(roomy);
+    states_.ReserveExactly(roomy * kStateFloats * kTilePixels);
+    bucket_room_ = roomy;
+    SendBlend({});  // the images stay as they are
+  }
+  records_.Reserve(pairs_ * kRecord);
+  backward_begin_.Record(stream_);
+  records_.FillBytes(0, pairs_ * kRecord, stream_);  // of entries behind all that pixels took
+  const BlendInput forward{view_, splats_.data(), entry_ids_.data(), ranges_.data()};
+  const BlendKept kept{{sums_.data(), transmittance_.data(), ends_.data()},
+                       {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)}};
+  cuda::BlendBackward({forward, kept, upstream, sorted_numbers_.data(), buckets}, records_.data(), counters_.data(),
+                      stream_);
+  blended_backward_.Record(stream_);
+  return {view_, parameters, begins_.data(), counts_.data(), records_.data()};
+}
+
+void RasterCore::EndBackward() {
+  finished_.Ask(counters_.data(), stream_);
+  end_.Record(stream_);
+  backward_done_ = true;
+}
+
+Counters RasterCore::counters() const {
+  if (!forward_done_) return {};
+  return backward_done_ ? finished_.Get() : blended_.Get();
+}
+
+StageTimes RasterCore::times() const {
+  StageTimes times;
+  if (!forward_done_) return times;
+  drawn_.Wait();
+  times.project = projected_.MillisecondsSince(begin_);
+  times.bin = binned_.MillisecondsSince(projected_);
+  times.blend = drawn_.MillisecondsSince(binned_);
+  if (!backward_done_) return times;
+  end_.Wait();
+  times.blend_backward = blended_backward_.MillisecondsSince(backward_begin_);
+  times.gaussian_backward = end_.MillisecondsSince(blended_backward_);
+  return times;
+}
+
+int64_t RasterCore::bytes() const {
+  int64_t sum = splats_.bytes() + rects_.bytes() + records_.bytes() + ranges_.bytes() + sums_.bytes() +
+                transmittance_.bytes() + ends_.bytes() + buckets_.bytes() + states_.bytes() + scratch_.bytes();
+  for (const DeviceArray<uint32_t>* array :
+       {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_, &tiles_, &sorted_tiles_, &numbers_,
+        &sorted_numbers_, &gaussians_, &entry_ids_}) {
+    sum += array->bytes();
+  }
+  return sum;
+}
+
+}  // namespace oraclegs::cuda

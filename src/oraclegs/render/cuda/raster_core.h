@@ -1,0 +1,85 @@
+#pragma once
+// The CUDA rasteriser on plain device memory: the order of the stages, and the memory between them.
+//
+// The host never waits for an idle device. How many pairs there are is known early in Forward and read only after all
+// of it has been sent, for as many pairs as there was room; how many buckets, when the backward pass begins. Where
+// there were more, memory grows and the stages after the count are sent once more; results do not depend on it.
+
+#include "oraclegs/core/cuda/sort_scan.h"
+#include "oraclegs/render/cuda/blend.h"
+#include "oraclegs/render/cuda/gaussian_backward.h"
+
+namespace oraclegs::cuda {
+
+/// Milliseconds of the last passes, as RenderTimings.
+struct StageTimes {
+  double project = 0, bin = 0, blend = 0, blend_backward = 0, gaussian_backward = 0;
+};
+
+/// Throws RunError when the tile lists of a view would hold 2^30 pairs and more.
+void RequireCountable(int64_t gaussians, int64_t pairs);
+
+class RasterCore {
+ public:
+  /// All work goes to `stream`, in order.
+  explicit RasterCore(cudaStream_t stream) : stream_(stream) {}
+
+  /// Throws RunError where memory ends, or when there are 2^30 pairs and more.
+  void Forward(const View& view, const Parameters& parameters, const ImagePlanes& out, bool train);
+
+  /// The adjoint of the last Forward(train) up to the records of pairs; `parameters` as then, perhaps elsewhere in
+  /// memory. What it returns is for RunGaussianBackward, and valid until the next Forward.
+  GaussianBackwardInput BlendBackward(const Parameters& parameters, const UpstreamPlanes& upstream);
+
+  /// To be called when the Gaussian backward stage was sent: it is timed and counted until here.
+  void EndBackward();
+
+  cudaStream_t stream() const { return stream_; }
+  /// These wait for the device.
+  Counters counters() const;
+  StageTimes times() const;
+
+  /// Device memory held now.
+  int64_t bytes() const;
+
+ private:
+  void SendBinAndBlend();
+  void SendBlend(const ImagePlanes& out);
+  void ReservePairs(int64_t pairs);
+
+  cudaStream_t stream_;
+  View view_{};
+  Parameters parameters_{};
+  ImagePlanes planes_{};
+  bool train_ = false, forward_done_ = false, backward_done_ = false;
+
+  // By Gaussian. The sort's input is scratch afterwards: the counts in order of depth, and their running sum.
+  DeviceArray<Splat> splats_{"the projected Gaussians"};
+  DeviceArray<TileRect> rects_{"the tiles of Gaussians"};
+  DeviceArray<uint32_t> counts_{"the tile counts of Gaussians"}, begins_{"the first pairs of Gaussians"};
+  DeviceArray<uint32_t> depths_{"the depths of Gaussians"}, sorted_depths_{"the sorted depths"};
+  DeviceArray<uint32_t> ids_{"the numbers of Gaussians"}, sorted_ids_{"the order of Gaussians"};
+
+  // By pair.
+  int64_t pairs_ = 0, pair_room_ = 0;
+  DeviceArray<uint32_t> tiles_{"the tile lists"}, sorted_tiles_{"the sorted tile lists"};
+  DeviceArray<uint32_t> numbers_{"the tile lists"}, sorted_numbers_{"the sorted tile lists"};
+  DeviceArray<uint32_t> gaussians_{"the tile lists"}, entry_ids_{"the tile lists"};
+  DeviceArray<float> records_{"the gradients of tile entries"};
+
+  // By tile and pixel, and by bucket.
+  DeviceArray<TileRange> ranges_{"the tiles"};
+  DeviceArray<float4> sums_{"the pixels of the backward pass"};
+  DeviceArray<float> transmittance_{"the pixels of the backward pass"};
+  DeviceArray<uint32_t> ends_{"the pixels of the backward pass"};
+  int64_t bucket_room_ = 0;
+  DeviceArray<Bucket> buckets_{"the buckets of the backward pass"};
+  DeviceArray<float> states_{"the buckets of the backward pass"};
+
+  Scratch scratch_{"sorting"};
+  DeviceArray<Counters> counters_{"counters"};
+  Readback<Counters> counted_, blended_, finished_;
+  Event begin_, projected_, binned_, drawn_, backward_begin_, blended_backward_, end_;
+};
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,152 @@
+#include "oraclegs/render/cuda/tile_pairs.h"
+
+#include "oraclegs/render/cuda/falloff-inl.cuh"
+
+namespace oraclegs::cuda {
+namespace {
+
+/// Gaussians of more tiles than this are worked on by the whole warp.
+constexpr int kTilesAlone = 8;
+constexpr uint32_t kUnseen = 0xffffffffu;  // as a depth: later than all
+
+/// A Gaussian and the tiles it may reach.
+struct Candidate {
+  Reach reach{};
+  int x0 = 0, y0 = 0, columns = 0, count = 0;
+
+  __device__ bool Hits(int tile) const { return ReachesTile(reach, X(tile), Y(tile)); }
+  __device__ int X(int tile) const { return x0 + tile % columns; }
+  __device__ int Y(int tile) const { return y0 + tile / columns; }
+};
+
+__device__ inline Candidate LoadCandidate(const Splat* splats, const TileRect* rects, int64_t i) {
+  const TileRect rect = rects[i];
+  Candidate c;
+  c.x0 = rect.x0, c.y0 = rect.y0;
+  c.columns = rect.x1 - rect.x0;
+  c.count = c.columns * (rect.y1 - rect.y0);
+  if (c.count > 0) c.reach = ReachOf(splats[i]);
+  return c;
+}
+
+/// The candidate of lane `from`, for all lanes.
+__device__ inline Candidate Broadcast(const Candidate& c, int from) {
+  const auto take = [from](auto value) { return __shfl_sync(kAllLanes, value, from); };
+  Candidate out;
+  out.reach = {take(c.reach.mx),    take(c.reach.my),     take(c.reach.ax),   take(c.reach.by),
+               take(c.reach.slope), take(c.reach.across), take(c.reach.bound)};
+  out.x0 = take(c.x0), out.y0 = take(c.y0), out.columns = take(c.columns), out.count = take(c.count);
+  return out;
+}
+
+__global__ void CountKernel(const Splat* splats, const TileRect* rects, int64_t n, TileCountOutput out) {
+  const int64_t i = ThreadInGrid();
+  const int lane = LaneInWarp();
+  Candidate mine;
+  if (i < n) mine = LoadCandidate(splats, rects, i);
+  unsigned count = 0;
+  if (mine.count <= kTilesAlone) {
+    for (int tile = 0; tile < mine.count; ++tile) count += mine.Hits(tile);
+  }
+  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kTilesAlone); left != 0; left &= left - 1) {
+    const int from = __ffs(static_cast<int>(left)) - 1;
+    const Candidate c = Broadcast(mine, from);
+    unsigned part = 0;
+    for (int tile = lane; tile < c.count; tile += kWarp) part += c.Hits(tile);
+    part = WarpSum(part);
+    if (lane == from) count = part;
+  }
+  if (i < n) {
+    out.counts[i] = count;
+    // The bits of positive floats sort like the floats.
+    out.depth_keys[i] = count > 0 ? __float_as_uint(splats[i].depth) : kUnseen;
+    out.ids[i] = static_cast<uint32_t>(i);
+  }
+  const unsigned visible = __ballot_sync(kAllLanes, count > 0);
+  const unsigned long long pairs = WarpSum(static_cast<unsigned long long>(count));
+  if (lane == 0 && visible != 0) {
+    atomicAdd(&out.counters->visible, static_cast<unsigned long long>(__popc(visible)));
+    atomicAdd(&out.counters->pairs, pairs);
+  }
+}
+
+__global__ void GatherKernel(const uint32_t* counts, const uint32_t* ids, int64_t n, uint32_t* in_order) {
+  const int64_t r = ThreadInGrid();
+  if (r < n) in_order[r] = counts[ids[r]];
+}
+
+__device__ inline void WritePair(const PairOutput& out, int64_t pair, uint32_t tile, uint32_t id) {
+  if (pair >= out.capacity) return;
+  out.tiles[pair] = tile;
+  out.numbers[pair] = static_cast<uint32_t>(pair);
+  out.gaussians[pair] = id;
+}
+
+__global__ void ListKernel(PairInput in, PairOutput out) {
+  const int64_t r = ThreadInGrid();
+  const int lane = LaneInWarp();
+  Candidate mine;
+  uint32_t id = 0, offset = 0;
+  if (r < in.n) {
+    id = in.ids[r];
+    offset = in.offsets[r];
+    mine = LoadCandidate(in.splats, in.rects, id);
+    out.begins[id] = offset;
+  }
+  if (mine.count <= kTilesAlone) {
+    int64_t pair = offset;
+    for (int tile = 0; tile < mine.count; ++tile) {
+      if (mine.Hits(tile)) WritePair(out, pair++, static_cast<uint32_t>(mine.Y(tile) * in.tiles_x + mine.X(tile)), id);
+    }
+  }
+  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kTilesAlone); left != 0; left &= left - 1) {
+    const int from = __ffs(static_cast<int>(left)) - 1;
+    const Candidate c = Broadcast(mine, from);
+    const uint32_t whose = __shfl_sync(kAllLanes, id, from);
+    int64_t pair = __shfl_sync(kAllLanes, offset, from);
+    for (int first = 0; first < c.count; first += kWarp) {
+      const int tile = first + lane;
+      const bool hit = tile < c.count && c.Hits(tile);
+      const unsigned hits = __ballot_sync(kAllLanes, hit);
+      if (hit) {
+        const int before = __popc(hits & ((1u << lane) - 1));
+        WritePair(out, pair + before, static_cast<uint32_t>(c.Y(tile) * in.tiles_x + c.X(tile)), whose);
+      }
+      pair += __popc(hits);
+    }
+  }
+}
+
+__global__ void RangesKernel(RangeInput in, TileRange* ranges, uint32_t* entry_ids) {
+  const int64_t i = ThreadInGrid();
+  if (i >= in.pairs) return;
+  const uint32_t tile = in.sorted_tiles[i], before = i > 0 ? in.sorted_tiles[i - 1] : kUnseen;
+  if (before != tile) {
+    if (tile < in.tiles) ranges[tile].begin = static_cast<uint32_t>(i);
+    if (before < in.tiles) ranges[before].end = static_cast<uint32_t>(i);
+  }
+  if (tile >= in.tiles) return;
+  entry_ids[i] = in.gaussians[in.sorted_numbers[i]];
+  if (i + 1 == in.pairs) ranges[tile].end = static_cast<uint32_t>(in.pairs);
+}
+
+}  // namespace
+
+void CountTiles(const Splat* splats, const TileRect* rects, int64_t n, const TileCountOutput& out,
+                cudaStream_t stream) {
+  Launch("tile counting", CountKernel, LaunchShape::For(n), stream, splats, rects, n, out);
+}
+
+void GatherCounts(const uint32_t* counts, const uint32_t* ids, int64_t n, uint32_t* in_order, cudaStream_t stream) {
+  Launch("tile counts by depth", GatherKernel, LaunchShape::For(n), stream, counts, ids, n, in_order);
+}
+
+void ListPairs(const PairInput& in, const PairOutput& out, cudaStream_t stream) {
+  Launch("tile pairs", ListKernel, LaunchShape::For(in.n), stream, in, out);
+}
+
+void FindTileRanges(const RangeInput& in, TileRange* ranges, uint32_t* entry_ids, cudaStream_t stream) {
+  Launch("tile ranges", RangesKernel, LaunchShape::For(in.pairs), stream, in, ranges, entry_ids);
+}
+
+}  // namespace oraclegs::cuda

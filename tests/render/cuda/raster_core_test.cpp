@@ -1,0 +1,96 @@
+// What the order of the stages promises: the same bits however much memory there was, and nothing taken or awaited in a
+// steady iteration.
+
+#include "oraclegs/render/cuda/raster_core.h"
+
+#include "render/cuda/device_scenes.h"
+#if defined(ORACLEGS_EMULATED_CUDA)
+#include "support/emulated_cuda/runtime.h"
+#endif
+
+namespace oraclegs {
+namespace {
+
+class RasterCoreTest : public CudaTest {
+ protected:
+  static RenderTask Task(int64_t gaussians, int width, int height) {
+    RenderTask task{RandomGaussians(gaussians, 0.15, 4), FrontCamera(width, height)};
+    task.upstream = RandomUpstream(task.camera, 3);
+    return task;
+  }
+  static void ExpectSameBits(const RenderedTask& a, const RenderedTask& b) {
+    EXPECT_TRUE(torch::equal(a.image, b.image));
+    EXPECT_TRUE(torch::equal(a.inv_depth, b.inv_depth));
+    EXPECT_TRUE(torch::equal(a.grads.means, b.grads.means));
+    EXPECT_TRUE(torch::equal(a.grads.quats, b.grads.quats));
+    EXPECT_TRUE(torch::equal(a.grads.sh, b.grads.sh));
+    EXPECT_EQ(a.stats.pixel_pairs, b.stats.pixel_pairs);
+    EXPECT_EQ(a.stats.pixel_pairs_backward, b.stats.pixel_pairs_backward);
+  }
+};
+
+TEST_F(RasterCoreTest, MemoryThatGrowsOnTheWayChangesNoBit) {
+  const RenderTask few = Task(20, 30, 20), many = Task(700, 60, 40);
+  cuda::CudaRasterizer fresh(TestDevice()), grown(TestDevice());
+  const RenderedTask expected = RunTask(&fresh, many, TestDevice());
+  RunTask(&grown, few, TestDevice());
+  const int64_t before = grown.device_bytes();
+  ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);
+  EXPECT_GT(grown.device_bytes(), before);
+  ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);  // now there is room
+  RunTask(&grown, few, TestDevice());
+  ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);  // and what was there before does not matter
+}
+
+TEST_F(RasterCoreTest, CountsAndTimesAreThere) {
+  cuda::CudaRasterizer rasterizer(TestDevice());
+  EXPECT_EQ(rasterizer.stats().tile_pairs, 0);
+  EXPECT_EQ(rasterizer.timings().blend, 0);
+  const RenderedTask out = RunTask(&rasterizer, Task(100, 40, 30), TestDevice());
+  EXPECT_GT(out.stats.visible, 0);
+  EXPECT_GE(out.stats.tile_pairs, out.stats.visible);
+  EXPECT_GT(out.stats.pixel_pairs, 0);
+  EXPECT_GT(out.stats.pixel_pairs_backward, 0);
+  EXPECT_GE(rasterizer.timings().blend_backward, 0);
+}
+
+TEST_F(RasterCoreTest, TooManyPairsAreRefused) {
+  EXPECT_NO_THROW(cuda::RequireCountable(1000, 1 << 29));
+  EXPECT_THROW(cuda::RequireCountable(1000, int64_t{1} << 31), RunError);
+}
+
+TEST_F(RasterCoreTest, BackwardAsksForForward) {
+  cuda::RasterCore core(nullptr);
+  EXPECT_THROW(core.BlendBackward({}, {}), ShapeError);
+}
+
+#if defined(ORACLEGS_EMULATED_CUDA)
+TEST_F(RasterCoreTest, ASteadyIterationTakesNoMemoryAndWaitsTwice) {
+  const RenderTask task = Task(150, 40, 30);
+  cuda::CudaRasterizer rasterizer(TestDevice());
+  Gaussians grads = Gaussians::Zeros(150);
+  const auto iterate = [&] {
+    rasterizer.Forward(task.gaussians, task.camera, {}, RenderPass::kTrain);
+    rasterizer.Backward(task.gaussians, task.upstream, &grads);
+  };
+  iterate();
+  const emulated_cuda::Counts before = emulated_cuda::CountCalls();
+  iterate();
+  const emulated_cuda::Counts after = emulated_cuda::CountCalls();
+  EXPECT_EQ(after.allocations, before.allocations);
+  EXPECT_EQ(after.waits, before.waits + 2);  // for counts, each with work still queued behind it
+}
+
+TEST_F(RasterCoreTest, MemoryThatEndsIsSaidAndSurvived) {
+  const RenderTask task = Task(200, 40, 30);
+  cuda::CudaRasterizer rasterizer(TestDevice());
+  emulated_cuda::SetMemory(100000);
+  EXPECT_THROW(RunTask(&rasterizer, task, TestDevice()), RunError);
+  emulated_cuda::SetMemory(size_t{1} << 40);
+  cuda::CudaRasterizer other(TestDevice());
+  ExpectSameBits(RunTask(&rasterizer, task, TestDevice()), RunTask(&other, task, TestDevice()));
+}
+#endif
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,218 @@
+#include "support/emulated_cuda/threads.h"
+
+#include <setjmp.h>
+#include <ucontext.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/asan_interface.h>
+#endif
+
+uint3 threadIdx, blockIdx;
+dim3 blockDim, gridDim;
+
+namespace emulated_cuda {
+namespace {
+
+constexpr size_t kStackBytes = size_t{1} << 17;
+
+/// One operation that lanes of a warp come together for.
+struct Exchange {
+  unsigned mask = 0, arrived = 0, reading = 0;  // reading: complete, and these lanes have not gone on yet
+  WarpOp op = WarpOp::kSync;
+  uint64_t values[32];
+};
+
+struct Fibre {
+  enum class State { kReady, kAtBarrier, kInExchange, kDone };
+  std::unique_ptr<char[]> stack{new char[kStackBytes]};
+  uint3 index{};
+  State state = State::kReady;
+  bool started = false;
+  const Exchange* exchange = nullptr;
+  ucontext_t first{};  // makecontext's; later turns are by longjmp, which makes no system call
+  jmp_buf turn;
+};
+
+/// Four: an exchange that is being read, the next one, and room for a second group of lanes.
+struct Warp {
+  Exchange exchanges[4];
+};
+
+struct Block {
+  std::vector<std::unique_ptr<Fibre>> fibres;  // kept from launch to launch
+  std::vector<Warp> warps;
+  const std::function<void()>* thread = nullptr;
+  Fibre* running = nullptr;
+  int64_t barrier_sum = 0, barrier_result = 0;
+  std::string failure;
+  jmp_buf scheduler;
+};
+
+Block block;  // one kernel runs at a time
+
+void Yield() {
+  if (_setjmp(block.running->turn) == 0) _longjmp(block.scheduler, 1);
+}
+
+/// Ends the running fibre; the scheduler throws.
+[[noreturn]] void Fail(const std::string& what) {
+  block.failure = what;
+  block.running->state = Fibre::State::kDone;
+  _longjmp(block.scheduler, 1);
+}
+
+void RunFibre() {
+  (*block.thread)();
+  block.running->state = Fibre::State::kDone;
+  _longjmp(block.scheduler, 1);
+}
+
+void Resume(Fibre* fibre) {
+  block.running = fibre;
+  threadIdx = fibre->index;
+  fibre->state = Fibre::State::kReady;
+  if (_setjmp(block.scheduler) != 0) return;
+  if (fibre->started) _longjmp(fibre->turn, 1);
+  fibre->started = true;
+#if defined(__SANITIZE_ADDRESS__)
+  __asan_unpoison_memory_region(fibre->stack.get(), kStackBytes);
+#endif
+  getcontext(&fibre->first);
+  fibre->first.uc_stack.ss_sp = fibre->stack.get();
+  fibre->first.uc_stack.ss_size = kStackBytes;
+  fibre->first.uc_link = nullptr;
+  makecontext(&fibre->first, RunFibre, 0);
+  setcontext(&fibre->first);
+}
+
+bool CanGoOn(const Fibre& fibre) {
+  if (fibre.state == Fibre::State::kInExchange) return fibre.exchange->reading != 0;
+  return fibre.state == Fibre::State::kReady;
+}
+
+/// Lets the threads of one warp go on until all of them wait for others. Whether any did.
+bool RunWarp(size_t begin, size_t end) {
+  bool any = false;
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (size_t i = begin; i < end; ++i) {
+      if (!CanGoOn(*block.fibres[i])) continue;
+      Resume(block.fibres[i].get());
+      if (!block.failure.empty()) return true;
+      progress = any = true;
+    }
+  }
+  return any;
+}
+
+/// After nobody could go on: opens the barrier that all wait at; false at the end. Throws for anything else.
+bool OpenBarrier(size_t threads) {
+  size_t done = 0, waiting = 0;
+  for (size_t i = 0; i < threads; ++i) {
+    done += block.fibres[i]->state == Fibre::State::kDone;
+    waiting += block.fibres[i]->state == Fibre::State::kAtBarrier;
+  }
+  if (done == threads) return false;
+  if (waiting != threads) {
+    throw std::logic_error("of " + std::to_string(threads) + " threads " + std::to_string(waiting) +
+                           " wait at a barrier, " + std::to_string(done) + " have ended and " +
+                           std::to_string(threads - waiting - done) + " wait for lanes that do not come");
+  }
+  for (size_t i = 0; i < threads; ++i) block.fibres[i]->state = Fibre::State::kReady;
+  block.barrier_result = block.barrier_sum;
+  block.barrier_sum = 0;
+  return true;
+}
+
+void RunBlock(size_t threads) {
+  block.warps.assign((threads + 31) / 32, Warp());
+  block.barrier_sum = 0;
+  block.failure.clear();
+  while (block.fibres.size() < threads) block.fibres.push_back(std::make_unique<Fibre>());
+  for (size_t i = 0; i < threads; ++i) {
+    Fibre& fibre = *block.fibres[i];
+    fibre.index = {static_cast<unsigned>(i % blockDim.x), static_cast<unsigned>(i / blockDim.x % blockDim.y),
+                   static_cast<unsigned>(i / blockDim.x / blockDim.y)};
+    fibre.state = Fibre::State::kReady;
+    fibre.started = false;
+  }
+  do {
+    for (bool progress = true; progress;) {
+      progress = false;
+      for (size_t begin = 0; begin < threads; begin += 32) {
+        progress |= RunWarp(begin, std::min(begin + 32, threads));
+        if (!block.failure.empty()) throw std::logic_error(block.failure);
+      }
+    }
+  } while (OpenBarrier(threads));
+}
+
+size_t ThreadInBlock() { return threadIdx.x + blockDim.x * (threadIdx.y + size_t{blockDim.y} * threadIdx.z); }
+
+Exchange* Join(Warp* warp, unsigned mask, WarpOp op, unsigned self) {
+  for (Exchange& e : warp->exchanges) {
+    if (e.arrived == 0 || (e.mask & mask) == 0) continue;
+    if (e.mask != mask || e.op != op || (e.arrived & self) != 0) {
+      Fail("lanes of one mask are in different warp operations, or name different masks");
+    }
+    return &e;
+  }
+  for (Exchange& e : warp->exchanges) {
+    if (e.reading != 0 || e.arrived != 0) continue;
+    e.mask = mask;
+    e.op = op;
+    return &e;
+  }
+  Fail("a warp is in more than four operations at once");
+}
+
+}  // namespace
+
+void RunGrid(const char* kernel, dim3 grid, dim3 threads, const std::function<void()>& thread) {
+  gridDim = grid;
+  blockDim = threads;
+  block.thread = &thread;
+  try {
+    for (blockIdx.z = 0; blockIdx.z < grid.z; ++blockIdx.z) {
+      for (blockIdx.y = 0; blockIdx.y < grid.y; ++blockIdx.y) {
+        for (blockIdx.x = 0; blockIdx.x < grid.x; ++blockIdx.x) RunBlock(size_t{threads.x} * threads.y * threads.z);
+      }
+    }
+  } catch (const std::logic_error& error) {
+    throw std::logic_error(std::string(kernel) + ": " + error.what());
+  }
+}
+
+int64_t SyncBlock(int64_t value) {
+  block.barrier_sum += value;
+  block.running->state = Fibre::State::kAtBarrier;
+  Yield();
+  return block.barrier_result;
+}
+
+int Lane() { return static_cast<int>(ThreadInBlock() % 32); }
+
+const uint64_t* SyncWarp(unsigned mask, WarpOp op, uint64_t value) {
+  const unsigned self = 1u << Lane();
+  if (!(mask & self)) Fail("the mask of a warp operation leaves out a lane that takes part");
+  Exchange* exchange = Join(&block.warps[ThreadInBlock() / 32], mask, op, self);
+  exchange->values[Lane()] = value;
+  exchange->arrived |= self;
+  if (exchange->arrived != mask) {
+    block.running->exchange = exchange;
+    block.running->state = Fibre::State::kInExchange;
+    Yield();
+  } else {
+    exchange->reading = mask;
+    exchange->arrived = 0;
+  }
+  exchange->reading &= ~self;
+  return exchange->values;
+}
+
+}  // namespace emulated_cuda
