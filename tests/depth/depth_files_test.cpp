@@ -75,6 +75,15 @@ TEST_F(DepthFilesTest, GiveBackWhatWasWrittenWithinAStep) {
   }
 }
 
+TEST_F(DepthFilesTest, RememberWhichMapsANetworkFilled) {
+  DepthMap filled = MapNamed("b.jpg");
+  filled.monocular = true;
+  WriteDepthMaps(dir_.path(), {MapNamed("a.jpg"), filled});
+  const std::vector<DepthMap> read = ReadDepthMaps(dir_.path(), {"a.jpg", "b.jpg"}, {kCamera, kCamera});
+  EXPECT_FALSE(read[0].monocular);
+  EXPECT_TRUE(read[1].monocular);
+}
+
 TEST_F(DepthFilesTest, AreThoseThatTheHeaderLists) {
   const TempDir dir;
   const std::vector<std::string> files = WriteDepthMaps(dir.path(), {MapNamed("a/b.jpg"), MapNamed("c.png")});

@@ -17,7 +17,7 @@ class Ablate(EndToEnd):
         done = self.run_program(*arguments)
         self.assertRegex(done.stdout, r"(?m)^1 MCMC, random start +\d+\.\d\d ± \d+\.\d\d +0\.\d{4} ± ")
         self.assertRegex(done.stdout, r"(?m)^2 \+ proposals .* [+-]\d+\.\d\d ± \d+\.\d\d +\d+:\d\d$")
-        self.assertRegex(done.stderr, r"row 1 of 9 \(MCMC, random start\), seed 3: \d+\.\d\d dB, about [0-9:]+ left")
+        self.assertRegex(done.stderr, r"row 1 of 10 \(MCMC, random start\), seed 3: \d+\.\d\d dB, about [0-9:]+ left")
         report = json.loads((out / "ablation.json").read_text())
         self.assertEqual(report["seeds"], [3, 4])
         for row in report["rows"]:
@@ -39,7 +39,7 @@ class Ablate(EndToEnd):
     def test_bad_input(self):
         out = self.dir / "refused"
         self.error_of("ablate", self.scene, code=2, names=["-o"])
-        self.error_of("ablate", self.scene, "-o", out, "--rows", "mcmc,lpips", code=2, names=["--rows", "lpips", "mcmc"])
+        self.error_of("ablate", self.scene, "-o", out, "--rows", "mcmc,magic", code=2, names=["--rows", "magic", "mcmc"])
         self.error_of("ablate", self.scene, "-o", out, "--seeds", 0, code=2, names=["--seeds"])
         self.error_of("ablate", self.scene, "-o", out, "--init", "sfm", code=2, names=["--init"])
         self.error_of("ablate", self.scene, "-o", out, "--proposers", "none", code=2, names=["--proposers"])

@@ -97,6 +97,46 @@ TEST(Evaluate, AFullyMaskedViewIsToldAndNotScored) {
   EXPECT_EQ(steps, 2);
 }
 
+/// The share of the values that differ, under a name.
+PictureScores Differing() {
+  PictureScores scores;
+  scores.conventions = {{"differing", "share of the values that differ"}};
+  scores.of = [](const Tensor& a, const Tensor& b) {
+    return std::map<std::string, double>{{"differing", (a != b).to(torch::kDouble).mean().item<double>()}};
+  };
+  return scores;
+}
+
+TEST(Evaluate, AsksFurtherScoresWhichSeeThePhotoWhereItIsMasked) {
+  const Gaussians g = RedBlob();
+  const Tensor image = Quantized(Rendered(g)), spoilt = image.clone();
+  spoilt.slice(0, 0, 15) += 0.5f - spoilt.slice(0, 0, 15);
+  Photo masked = PhotoOf("b.png", spoilt);
+  masked.mask.assign(40 * 30, 1);
+  std::fill_n(masked.mask.begin(), 40 * 15, uint8_t{0});
+  const TestMetrics metrics = Evaluate(g, {PhotoOf("a.png", spoilt), masked}, kOnGrey, {"", Differing()}, Silent());
+  const double whole = metrics.views[0].more.at("differing");
+  EXPECT_GT(whole, 0);
+  EXPECT_EQ(metrics.views[1].more.at("differing"), 0);
+  EXPECT_EQ(metrics.more.at("differing"), whole / 2);
+  const nlohmann::json json = ToJson(metrics);
+  EXPECT_EQ(json.at("differing"), whole / 2);
+  EXPECT_EQ(json.at("views")[0].at("differing"), whole);
+  EXPECT_EQ(json.at("conventions").at("differing"), "share of the values that differ");
+}
+
+TEST(Evaluate, LeavesScoresOutForWhichAPhotoIsTooSmall) {
+  PictureScores scores = Differing();
+  scores.smallest_side = 31;
+  std::vector<std::string> warnings;
+  const TestMetrics metrics = Evaluate(RedBlob(), {PhotoOf("a.png", torch::zeros({30, 40, 3}))}, kOnGrey, {"", scores},
+                                       [&](const Event& event) {
+                                         if (const auto* w = std::get_if<Warning>(&event)) warnings.push_back(w->text);
+                                       });
+  EXPECT_TRUE(metrics.more.empty() && metrics.conventions.empty());
+  EXPECT_EQ(warnings, std::vector<std::string>{"a.png has 40 x 30 pixels, too few for differing, which is left out"});
+}
+
 TEST(Evaluate, WritesRendersBesideTheTruth) {
   const TempDir dir;
   const Gaussians g = RedBlob();

@@ -41,13 +41,20 @@ TEST(AblationRows, TheFirstIsMcmcAlone) {
   EXPECT_EQ(first.propose.proposers, "none");
   EXPECT_TRUE(first.propose.proposal_folder.empty());
   const TrainOptions& t = first.train;
-  EXPECT_EQ(t.depth_weight + t.opacity_noise + t.dropout + t.coarse_share, 0);
+  EXPECT_EQ(t.depth_weight + t.opacity_noise + t.dropout + t.coarse_share + t.proposal_lpips, 0);
   EXPECT_EQ(t.last_rates, 1);
   EXPECT_FALSE(t.prune_floaters);
   EXPECT_EQ(t.exposure, "off");
   EXPECT_EQ(first.split.views, 12) << "what no row is about holds for all of them";
   EXPECT_EQ(t.iterations, 100);
   EXPECT_EQ(first.start.seed, 4u);
+}
+
+TEST(AblationRows, OnlyTheLastAsksLpips) {
+  for (size_t row = 0; row < AblationRows().size(); ++row) {
+    const double share = RowOptions(row, {}).train.proposal_lpips;
+    EXPECT_EQ(share, row + 1 < AblationRows().size() ? 0 : TrainOptions().proposal_lpips) << AblationRows()[row].name;
+  }
 }
 
 TEST(AblationRows, APartSwitchedOffByTheUserStaysOff) {
@@ -64,7 +71,8 @@ TEST(AblationRows, APartSwitchedOffByTheUserStaysOff) {
 TEST(ChooseRows, ByNumberAndName) {
   EXPECT_EQ(ChooseRows("").size(), AblationRows().size());
   EXPECT_THAT(ChooseRows("depth, 1,proposals,2"), ElementsAre(0, 1, 4));
-  for (const char* bad : {"lpips", "0", "10", "1,,2", "1,"}) {
+  EXPECT_THAT(ChooseRows("lpips,9"), ElementsAre(8, 9));
+  for (const char* bad : {"magic", "0", "11", "1,,2", "1,"}) {
     EXPECT_THAT(MessageOf<UsageError>([&] { ChooseRows(bad); }), AllOf(HasSubstr("--rows"), HasSubstr("5 depth")))
         << bad;
   }
@@ -79,6 +87,9 @@ TEST(RequireAblatable, RefusesOptionsThatContradictTheRows) {
   RequireAblatable(options);
   options.train.schedule = "none";
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(options); }), HasSubstr("--schedule none"));
+  RunOptions blind;
+  blind.depth.depth_prior = "none";
+  EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(blind); }), HasSubstr("--depth-prior none"));
   for (const char* init : {"random", "sfm"}) {
     RunOptions other;
     other.start.init = init;

@@ -2,6 +2,7 @@
 
 #include "oraclegs/depth/depth_files.h"
 #include "pipeline/fixtures.h"
+#include "support/network_files.h"
 
 namespace oraclegs {
 namespace {
@@ -138,6 +139,97 @@ TEST_F(DepthStageTest, OtherOptionsAreAnotherDepth) {
   request.options.stereo.iterations = 1;
   request.overwrite = true;
   EXPECT_TRUE(Searched(request, &geometry));
+}
+
+/// The scene's photographs with points on what stereo found, which a network can be aligned to.
+std::vector<ScenePoint> PointsOf(const oraclegs::Run& run, const Geometry& geometry) {
+  std::vector<ScenePoint> points;
+  for (size_t i = 0; i < geometry.points.size(); i += 7) {
+    std::vector<int> views = run.split.train;
+    std::sort(views.begin(), views.end());
+    points.push_back({geometry.points[i].xyz.cast<double>(), {}, views});
+  }
+  return points;
+}
+
+TEST_F(DepthStageTest, ANetworkFillsWhatStereoIsNotSureOf) {
+  RunRequest request = Request();
+  request.out = temp->path() / "fused";
+  request.options.depth.depth_prior = "fused";
+  request.options.weights.depth_weights = WriteTinyDepthAnything(temp->path() / "tiny.safetensors");
+  auto run = StartRun(request, recorder.AsListener());
+  const std::vector<ScenePoint> points = PointsOf(run, *first);
+  ASSERT_GT(points.size(), 11u);
+  const Geometry fused = RunDepth(&run, Photos(run), points);
+  EXPECT_NE(fused.key, first->key);
+  EXPECT_TRUE(std::any_of(fused.maps.begin(), fused.maps.end(), [](const DepthMap& map) { return map.monocular; }));
+  const nlohmann::json record = run.workspace.Record("depth");
+  EXPECT_EQ(record.at("prior"), "fused");
+  EXPECT_GE(record.at("right"), 0);
+  EXPECT_EQ(record.at("network"), "Depth Anything V2 of another size");
+  EXPECT_THAT(recorder.notes,
+              testing::Contains(HasSubstr("Depth Anything V2 of another size (fused) is right to 5 % on ")));
+  const nlohmann::json params = nlohmann::json::parse(ReadFile(run.workspace.depth() / "depth_params.json"));
+  EXPECT_EQ(params.size(), fused.maps.size());
+
+  auto again = StartRun(request, Silent());
+  bool worked = false;
+  again.listener = [&](const Event& event) { worked = worked || std::holds_alternative<StepDone>(event); };
+  ExpectTheSame(RunDepth(&again, Photos(again), points), fused);
+  EXPECT_FALSE(worked) << "read back";
+  EXPECT_EQ(again.workspace.Record("depth"), record);
+
+  WriteTinyDepthAnything(temp->path() / "tiny.safetensors", 6);
+  EXPECT_NE(RunDepth(&again, Photos(again), points).key, fused.key);
+  EXPECT_TRUE(worked) << "other weights are another depth";
+}
+
+TEST_F(DepthStageTest, ANetworkAloneNeedsNoStereo) {
+  RunRequest request = Request();
+  request.out = temp->path() / "alone";
+  request.options.depth.depth_prior = "depth-anything";
+  request.options.weights.depth_weights = WriteTinyDepthAnything(temp->path() / "alone.safetensors");
+  auto run = StartRun(request, recorder.AsListener());
+  int steps = 0;
+  run.listener = [&](const Event& event) { steps += std::holds_alternative<StepDone>(event) ? 1 : 0; };
+  const Geometry alone = RunDepth(&run, Photos(run), PointsOf(run, *first));
+  EXPECT_EQ(static_cast<size_t>(steps), alone.maps.size()) << "one guess for each photograph, no search";
+  size_t known = 0;
+  for (const DepthMap& map : alone.maps) {
+    EXPECT_TRUE(map.monocular);
+    known +=
+        static_cast<size_t>(std::count_if(map.inv_depth.begin(), map.inv_depth.end(), [](float w) { return w > 0; }));
+  }
+  EXPECT_GT(known, 0u);
+  EXPECT_FALSE(alone.points.empty()) << "a dense start can be made of it";
+  EXPECT_EQ(run.workspace.Record("depth").at("prior"), "depth-anything");
+}
+
+TEST_F(DepthStageTest, AutoSaysOnceWhatBringsTheNetwork) {
+  Again(Request());
+  EXPECT_EQ(std::count_if(recorder.notes.begin(), recorder.notes.end(),
+                          [](const std::string& note) {
+                            return note.find("`oraclegs models fetch depth-anything-v2-small`") != std::string::npos;
+                          }),
+            1);
+  recorder = {};
+  RunRequest request = Request();
+  request.out = temp->path() / "stereo";
+  request.options.depth.depth_prior = "stereo";
+  ExpectTheSame(Again(request), *first);
+  EXPECT_THAT(recorder.notes, testing::Not(testing::Contains(HasSubstr("models fetch"))));
+}
+
+TEST_F(DepthStageTest, RefusesWeightsThatAreNotThereOrAnotherNetworks) {
+  RunRequest request = Request();
+  request.out = temp->path() / "refused";
+  request.options.depth.depth_prior = "fused";
+  EXPECT_THAT(MessageOf<InputError>([&] { Again(request); }), HasSubstr("--depth-prior fused needs the weights"));
+  request.options.weights.depth_weights = WriteTinyLpips(temp->path() / "lpips.safetensors");
+  EXPECT_THAT(MessageOf<InputError>([&] { Again(request); }), HasSubstr("is no Depth Anything V2"));
+  request.options.depth.depth_prior = "none";
+  request.overwrite = true;
+  EXPECT_THAT(MessageOf<UsageError>([&] { Again(request); }), HasSubstr("--depth-prior none leaves no depth to find"));
 }
 
 TEST_F(DepthStageTest, NamesPhotographsOfOnePlace) {

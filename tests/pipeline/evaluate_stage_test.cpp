@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/evaluate_stage.h"
 
 #include "pipeline/trained.h"
+#include "support/network_files.h"
 
 namespace oraclegs {
 namespace {
@@ -39,6 +40,25 @@ TEST_F(EvaluateStageTest, MetricsOfAnotherProgramAreNotOverwritten) {
   WriteText(file, "{\"test\": {}, \"gaussians\": 3}");  // an earlier version's
   EvaluatePly(evaluate, posed, Silent());
   EXPECT_EQ(EvaluatePly(evaluate, posed, Silent()).at("test"), metrics->at("test"));  // and its own
+}
+
+TEST_F(EvaluateStageTest, LpipsIsScoredInBothConventionsWhereThereAreWeights) {
+  EXPECT_FALSE(metrics->at("test").contains("lpips"));
+  RunRequest with = *request;
+  with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");
+  const nlohmann::json scored = Reconstruct(with, recorder.AsListener());
+  EXPECT_THAT(recorder.started, testing::Contains("evaluate")) << "weights that came are a reason to score again";
+  const nlohmann::json& test = scored.at("test");
+  EXPECT_GT(test.at("lpips"), 0);
+  EXPECT_GT(test.at("lpips_minus1_1"), 0);
+  EXPECT_THAT(test.at("conventions").at("lpips").get<std::string>(), HasSubstr("[0, 1]"));
+  EXPECT_THAT(test.at("conventions").at("lpips_minus1_1").get<std::string>(), HasSubstr("[-1, 1]"));
+  for (const nlohmann::json& view : test.at("views")) EXPECT_TRUE(view.contains("lpips"));
+  EXPECT_EQ(test.at("psnr"), metrics->at("test").at("psnr"));
+  const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
+  const EvaluateRequest ply{*temp / "out" / "point_cloud.ply", with.options, {}, "test"};
+  EXPECT_EQ(EvaluatePly(ply, posed, Silent()).at("test"), test);
+  Reconstruct(*request, Silent());  // as the other tests expect it
 }
 
 TEST_F(EvaluateStageTest, EvaluateNeedsAModel) {

@@ -1,6 +1,7 @@
 #pragma once
 // Small scenes on disk for the tests of the pipeline.
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,6 +14,9 @@
 #include "support/golden.h"
 
 namespace oraclegs {
+
+/// Tests see no weights but those they name themselves, whatever this machine has fetched.
+inline const int kNoModels = setenv("ORACLEGS_MODELS", "/nonexistent", 1);
 
 /// A demo scene of a few tiny photographs.
 inline std::filesystem::path MakeTinyScene(const std::filesystem::path& dir, int views = 6) {

@@ -10,12 +10,14 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
   run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"points", 400}});
   run.workspace.MarkDone("validate", {{"key", "v"}, {"seconds", 1}, {"non_commercial", {"VGGT-1B"}}});
-  run.workspace.MarkDone("depth", {{"key", "c"}, {"seconds", 4}, {"points", 9000}});
+  run.workspace.MarkDone(
+      "depth", {{"key", "c"}, {"seconds", 4}, {"points", 9000}, {"prior", "fused"}, {"right", 0.7}, {"network", "a"}});
   run.workspace.MarkDone("start", {{"key", ""}, {"seconds", 0}, {"source", "dense"}, {"points", 500}});
   run.workspace.MarkDone("train", {{"key", "b"},
                                    {"seconds", 12},
                                    {"training_seconds", 10},
                                    {"iterations", 50},
+                                   {"lpips", "VGG16"},
                                    {"peak_memory_bytes", int64_t{1} << 60}});
   const nlohmann::json test = {{"psnr", 20.5}, {"ssim", 0.7}, {"views", nlohmann::json::array()}};
   const nlohmann::json metrics =
@@ -29,6 +31,10 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_FALSE(metrics.at("stages").contains("register"));
   EXPECT_EQ(metrics.at("train").at("iterations"), 50);
   EXPECT_EQ(metrics.at("train").at("iterations_per_second"), 5);
+  EXPECT_EQ(metrics.at("train").at("lpips"), "VGG16");
+  EXPECT_EQ(metrics.at("depth").at("prior"), "fused");
+  EXPECT_EQ(metrics.at("depth").at("right"), 0.7);
+  EXPECT_EQ(metrics.at("depth").at("network"), "a");
   EXPECT_EQ(metrics.at("peak_memory_bytes"), int64_t{1} << 60);
   EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json({"VGGT-1B"}));
   EXPECT_EQ(metrics.at("program"), "oraclegs");

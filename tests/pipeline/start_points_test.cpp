@@ -98,6 +98,8 @@ TEST_F(StartPointsTest, StereoIsAskedForByAStartFromItByTheDepthTermAndByPruning
   request.options.train = {};
   EXPECT_GT(request.options.train.depth_weight, 0);
   EXPECT_TRUE(needs("random"));
+  request.options.depth.depth_prior = "none";
+  EXPECT_FALSE(needs("random") || needs("auto"));
 }
 
 TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {
@@ -132,6 +134,30 @@ TEST(DenseStart, ContinuesPlanesWhereStereoIsBlindUnlessToldNotTo) {
   EXPECT_EQ(DenseStart(options, photos, geometry, 1000000).xyz.size(), geometry.points.size());
   EXPECT_GT(all, geometry.points.size() + 100);
   EXPECT_EQ(DenseStart(options, photos, geometry, 500).xyz.size(), 500u);
+}
+
+TEST(DenseStart, AndWhatANetworkGuessesInTheRest) {
+  const TexturedPlane wall{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
+  const std::vector<Photo> photos = TakeAll(wall, Arc(3, 6));
+  Geometry geometry;
+  for (const Photo& photo : photos) {
+    geometry.maps.push_back(TrueDepth(photo, wall, 0.9f));
+    DepthMap& map = geometry.maps.back();
+    map.monocular = true;
+    for (size_t i = 30 * 96; i < 40 * 96; ++i) map.confidence[i] = 0.3f;
+  }
+  geometry.points = FuseDepth(geometry.maps, photos, {});
+  StartOptions options;
+  const size_t with_planes = DenseStart(options, photos, geometry, 1000000).xyz.size();
+  options.init_planes = "no";
+  const size_t without = DenseStart(options, photos, geometry, 1000000).xyz.size();
+  EXPECT_GT(without, geometry.points.size() + 50);
+  for (DepthMap& map : geometry.maps) map.monocular = false;
+  EXPECT_EQ(DenseStart(options, photos, geometry, 1000000).xyz.size(), geometry.points.size());
+  options.init_planes = "yes";
+  const size_t planes = DenseStart(options, photos, geometry, 1000000).xyz.size();
+  EXPECT_LT(with_planes - planes, (without - geometry.points.size()) / 2)
+      << "planes come first, nothing is filled twice";
 }
 
 TEST_F(StartPointsTest, InsistingOnPointsThatAreNotThereIsRefused) {

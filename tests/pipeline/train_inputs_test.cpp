@@ -47,6 +47,15 @@ TEST(TrainInputs, DepthCountsWhereItIsConfidentAndBesideTheSilhouetteThereIsNoth
   EXPECT_FALSE(TrainViews(object.photos, {}).front().inv_depth.defined());
 }
 
+TEST(TrainInputs, WhatANetworkGuessedCountsAsMuchAsItIsBelieved) {
+  Object object;
+  object.geometry.maps[0].monocular = true;
+  const TrainView view = TrainViews(object.photos, object.geometry).front();
+  const auto mask = view.depth_mask.accessor<float, 2>();
+  EXPECT_NEAR(mask[10][9], 0.9, 1e-6);
+  EXPECT_NEAR(mask[10][14], 0.3, 1e-6);
+}
+
 TEST(TrainInputs, ExposureIsLearntWhereItVaries) {
   Recorder recorder;
   Geometry geometry;

@@ -4,6 +4,8 @@
 #include "oraclegs/pipeline/evaluate_stage.h"
 #include "oraclegs/scene/image.h"
 #include "pipeline/fixtures.h"
+#include "pipeline/proposing.h"
+#include "support/network_files.h"
 
 namespace oraclegs {
 namespace {
@@ -101,6 +103,38 @@ TEST_F(TrainStageTest, ResultsOfOldPhotographsAreGoneWhenTrainingAnewIsInterrupt
   EXPECT_FALSE(std::filesystem::exists(temp / "out" / "metrics.json"));
   auto run = OpenRun(request, Silent());
   EXPECT_THAT(MessageOf<InputError>([&] { RunEvaluate(&run); }), HasSubstr("point_cloud.ply: does not exist"));
+}
+
+using TrainOnProposalsTest = ProposingTest;
+
+TEST_F(TrainOnProposalsTest, LpipsHasItsShareWhereThereAreWeights) {
+  RunRequest plain = Request("plain"), with = Request("lpips");
+  for (RunRequest* request : {&plain, &with}) {
+    request->options.propose.proposers = "warp";
+    request->options.train.iterations = 12, request->options.train.synthetic_floor = 0.9;
+  }
+  with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");
+  const auto train = [&](const RunRequest& request) {
+    auto run = StartRun(request, recorder.AsListener());
+    RunTrain(&run);
+    return std::pair{ReadFile(run.workspace.point_cloud()), run.workspace.Record("train")};
+  };
+  const auto without_network = train(plain);
+  EXPECT_TRUE(without_network.second.at("lpips").is_null());
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch lpips-vgg` brings one")));
+  recorder = {};
+  const auto with_network = train(with);
+  EXPECT_EQ(with_network.second.at("lpips"), "VGG16, pictures in [0, 1]");
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("no LPIPS network"))));
+  EXPECT_NE(with_network.first, without_network.first);
+  EXPECT_EQ(train(with), with_network) << "nothing has changed";
+
+  // Weights that come are a reason to train anew, also where a checkpoint of the last iteration stands.
+  plain.options.weights = with.options.weights;
+  recorder = {};
+  EXPECT_EQ(train(plain).first, with_network.first);
+  WriteTinyLpips(*temp / "lpips.safetensors", 8);
+  EXPECT_NE(train(plain).first, with_network.first);
 }
 
 }  // namespace

@@ -174,6 +174,7 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
     const float largest = LargestBelieved(map);
     const float scale = largest > 0 ? largest : 1;
     params[stems[v]] = {{"scale", scale}, {"offset", 0}};
+    if (map.monocular) params[stems[v]]["monocular"] = true;
     const std::string file = stems[v] + ".png";
     for (const char* folder : {"", "confidence", "normals", "preview"})
       files.push_back((fs::path(folder) / file).string());
@@ -203,6 +204,7 @@ std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::
     RequireSize(dir / "confidence" / file, sure.width, sure.height, cameras[v]);
     RequireSize(dir / "normals" / file, normals.width, normals.height, cameras[v]);
     DepthMap map{names[v], cameras[v], {}, {}, {}};
+    map.monocular = params[stems[v]].value("monocular", nlohmann::json()) == true;
     for (size_t i = 0; i < depth.values.size(); ++i) {
       const uint8_t* n = normals.data.data() + static_cast<size_t>(normals.channels) * i;
       const float confidence = static_cast<float>(sure.data[static_cast<size_t>(sure.channels) * i]) / 255;

@@ -15,6 +15,7 @@ struct DepthMap {
   std::vector<float> inv_depth;          ///< 1/z, 1/world unit; 0 = unknown
   std::vector<Eigen::Vector3f> normals;  ///< unit, camera frame, towards the camera; zero where unknown
   std::vector<float> confidence;         ///< [0, 1], how likely inv_depth is right; 0 where unknown
+  bool monocular = false;  ///< what is below kConfident is a network's, aligned, and not what stereo is unsure of
 
   size_t size() const { return inv_depth.size(); }
 };

@@ -22,14 +22,30 @@ Tensor MaskOf(const Photo& photo) {
   return torch::from_blob(const_cast<uint8_t*>(photo.mask.data()), {height, width}, torch::kByte).clone();
 }
 
-ViewMetrics Score(const Photo& photo, const Tensor& render, const Tensor& truth) {
+ViewMetrics Score(const Photo& photo, const Tensor& render, const Tensor& truth, const PictureScores& scores) {
   const Tensor mask = MaskOf(photo);
   ViewMetrics view;
   view.name = photo.name;
   view.psnr = Psnr(render, truth, mask);
   view.ssim = Ssim(render, truth, mask);
   view.psnr_color_corrected = ColorCorrectedPsnr(render, truth, mask);
+  if (!scores.of) return view;
+  const Tensor shown = mask.defined() ? torch::where((mask > 0).unsqueeze(2), render, truth).contiguous() : render;
+  view.more = scores.of(shown, truth);
   return view;
+}
+
+/// The scores, or none where a photo is too small for them.
+PictureScores Usable(const PictureScores& scores, const std::vector<Photo>& photos, const Listener& listener) {
+  for (const Photo& photo : photos) {
+    if (!scores.of || std::min(photo.camera.width, photo.camera.height) >= scores.smallest_side) continue;
+    std::vector<std::string> names;
+    for (const auto& [name, convention] : scores.conventions) names.push_back(name);
+    listener(Warning{fmt::format("{} has {} x {} pixels, too few for {}, which is left out", photo.name,
+                                 photo.camera.width, photo.camera.height, fmt::join(names, ", "))});
+    return {};
+  }
+  return scores;
 }
 
 std::vector<std::string> NamesOf(const std::vector<Photo>& photos) {
@@ -49,16 +65,19 @@ void SetMeans(TestMetrics* metrics) {
     metrics->psnr += view.psnr / n;
     metrics->ssim += view.ssim / n;
     metrics->psnr_color_corrected += view.psnr_color_corrected / n;
+    for (const auto& [name, value] : view.more) metrics->more[name] += value / n;
   }
 }
 
 }  // namespace
 
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
-                     const std::filesystem::path& renders, const Listener& listener) {
+                     const EvaluateExtras& extras, const Listener& listener) {
   const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
   const std::vector<std::string> pictures = PictureNames(NamesOf(photos));
+  const PictureScores scores = Usable(extras.scores, photos, listener);
   TestMetrics metrics;
+  metrics.conventions = scores.conventions;
   for (size_t i = 0; i < photos.size(); ++i) {
     ThrowIfInterrupted();
     const Photo& photo = photos[i];
@@ -67,11 +86,11 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photo
     if (CountsNowhere(photo)) {
       listener(Warning{fmt::format("{} is masked out completely and is not scored", photo.name)});
     } else {
-      metrics.views.push_back(Score(photo, render, truth));
+      metrics.views.push_back(Score(photo, render, truth, scores));
     }
-    if (!renders.empty()) {
-      WritePng(renders / (pictures[i] + ".png"), ToImage8(render));
-      WritePng(renders / (pictures[i] + "_gt.png"), ToImage8(truth));
+    if (!extras.renders.empty()) {
+      WritePng(extras.renders / (pictures[i] + ".png"), ToImage8(render));
+      WritePng(extras.renders / (pictures[i] + "_gt.png"), ToImage8(truth));
     }
     listener(
         StepDone{"evaluate", static_cast<int64_t>(i) + 1, static_cast<int64_t>(photos.size()), "views", photo.name});
@@ -87,12 +106,17 @@ nlohmann::json ToJson(const TestMetrics& metrics) {
                      {"psnr", view.psnr},
                      {"ssim", view.ssim},
                      {"psnr_color_corrected", view.psnr_color_corrected}});
+    views.back().update(nlohmann::json(view.more));
   }
   const auto mean = [&](double value) { return metrics.views.empty() ? nlohmann::json() : nlohmann::json(value); };
-  return {{"psnr", mean(metrics.psnr)},
-          {"ssim", mean(metrics.ssim)},
-          {"psnr_color_corrected", mean(metrics.psnr_color_corrected)},
-          {"views", std::move(views)}};
+  nlohmann::json json = {{"psnr", mean(metrics.psnr)},
+                         {"ssim", mean(metrics.ssim)},
+                         {"psnr_color_corrected", mean(metrics.psnr_color_corrected)},
+                         {"views", std::move(views)}};
+  if (metrics.more.empty()) return json;
+  json.update(nlohmann::json(metrics.more));
+  json["conventions"] = metrics.conventions;
+  return json;
 }
 
 Image8 ToImage8(const Tensor& image) {

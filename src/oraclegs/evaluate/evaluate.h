@@ -1,8 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
@@ -11,24 +14,46 @@
 
 namespace oraclegs {
 
+/// Scores beside PSNR and SSIM that a floor above knows how to compute.
+struct PictureScores {
+  /// name -> score of a render against the truth, [H,W,3] in [0,1]; empty = none. Always the same names.
+  std::function<std::map<std::string, double>(const Tensor& render, const Tensor& truth)> of;
+  std::map<std::string, std::string> conventions;  ///< name -> how it is computed
+  int64_t smallest_side = 1;                       ///< pixels, of a picture that can be scored
+};
+
+/// What Evaluate may do beside measuring.
+struct EvaluateExtras {
+  // Not explicit: renders alone are what most callers want.
+  EvaluateExtras(std::filesystem::path renders_in = {}, PictureScores scores_in = {})
+      : renders(std::move(renders_in)), scores(std::move(scores_in)) {}
+
+  std::filesystem::path renders;  ///< receives NAME.png and NAME_gt.png (see PictureNames); empty = nothing is written
+  PictureScores scores;
+};
+
 struct ViewMetrics {
   std::string name;
   double psnr = 0, ssim = 0, psnr_color_corrected = 0;
+  std::map<std::string, double> more = {};  ///< of PictureScores
 };
 
 struct TestMetrics {
   std::vector<ViewMetrics> views;
   /// Means over views; NaN when no view is scored.
   double psnr = 0, ssim = 0, psnr_color_corrected = 0;
+  std::map<std::string, double> more = {};
+  std::map<std::string, std::string> conventions = {};  ///< of `more`
 };
 
-/// Renders each photo's camera, compares 8-bit with 8-bit, and when `renders` is not empty writes
-/// renders/NAME.png, renders/NAME_gt.png (see PictureNames).
+/// Renders each photo's camera, compares 8-bit with 8-bit, and writes both as `extras` asks. Where a photo's mask
+/// excludes, the scores of `extras` see the photo in both pictures. A photo too small for them leaves them out for all,
+/// with a warning.
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
-                     const std::filesystem::path& renders, const Listener& listener);
+                     const EvaluateExtras& extras, const Listener& listener);
 
-/// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}; the means
-/// are null when no view is scored.
+/// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}, and of each
+/// further score its name in both and in "conventions"; the means are null when no view is scored.
 nlohmann::json ToJson(const TestMetrics& metrics);
 
 /// Converts a render [H,W,3] for writing: clamped, 8 bit.

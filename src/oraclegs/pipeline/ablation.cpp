@@ -4,17 +4,20 @@
 #include <chrono>
 #include <exception>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/ablation_rows.h"
+#include "oraclegs/pipeline/perceptual.h"
 #include "oraclegs/pipeline/propose_stage.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/stage_sharing.h"
 #include "oraclegs/pipeline/start_points.h"
 #include "oraclegs/pipeline/train_stage.h"
+#include "oraclegs/pipeline/weights.h"
 #include "oraclegs/scene/photos.h"
 
 namespace oraclegs {
@@ -24,6 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr char kRows[] = "rows", kJson[] = "ablation.json", kMarkdown[] = "ablation.md";
+constexpr std::string_view kLpipsRow = "lpips";
 
 /// Throws InputError when `out` holds anything but an ablation, or one of another program.
 void RequireOurs(const fs::path& out) {
@@ -96,11 +100,20 @@ class Ablator {
     }
     ablation_.notes = {
         "± is the sample standard deviation over the seeds; a gain is the mean over seeds of a row's PSNR minus that "
-        "of the nearest row above with scores.",
-        "There is no row for LPIPS: without weights for it, its share of a proposal's loss is L1."};
+        "of the nearest row above with scores."};
     json before = ShapingOptionsToJson(asked);
     for (const size_t row : ChooseRows(request_.options.rows)) {
       const AblationRow& part = AblationRows()[row];
+      if (part.name == kLpipsRow && FindLpips(asked.weights).empty()) {
+        if (!request_.options.rows.empty()) {
+          throw InputError("--rows names {}, which needs the weights of LPIPS; {}, or name a file with --lpips-weights",
+                           kLpipsRow, HowToFetch(kLpipsModel));
+        }
+        ablation_.notes.push_back(
+            fmt::format("There is no row for LPIPS: without weights for it, its share of a proposal's loss is L1; {}.",
+                        HowToFetch(kLpipsModel)));
+        continue;
+      }
       const json now = ShapingOptionsToJson(RowOptions(row, asked));
       if (!rows_.empty() && now == before) {
         ablation_.notes.push_back(

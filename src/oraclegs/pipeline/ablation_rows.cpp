@@ -34,6 +34,7 @@ const std::vector<AblationRow>& AblationRows() {
          o->propose.proposers = "none", o->propose.proposal_folder.clear();
          o->train.schedule = "constant", o->validate.oracle = "uniform";
          o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
+         o->train.proposal_lpips = 0;
          o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1, o->train.exposure = "off";
        }},
       {"proposals", "+ proposals",
@@ -60,11 +61,13 @@ const std::vector<AblationRow>& AblationRows() {
        }},
       {"regularisers", "+ regularisers",
        "noise on opacities, dropout for objects, learning rates that come to rest, colour maps where exposures vary",
-       [](const RunOptions& asked, RunOptions* o) { o->train = asked.train; }},
+       [](const RunOptions& asked, RunOptions* o) { o->train = asked.train, o->train.proposal_lpips = 0; }},
       {"opinions", "+ second opinion",
        "the mean of quick models beside the warped photographs, their confidence calibrated together and the two "
-       "blended by it: everything `reconstruct` does",
+       "blended by it: everything `reconstruct` does without LPIPS",
        [](const RunOptions& asked, RunOptions* o) { o->propose.proposers = asked.propose.proposers; }},
+      {"lpips", "+ LPIPS", "the proposals' loss has a share of LPIPS, which it takes from L1",
+       [](const RunOptions& asked, RunOptions* o) { o->train.proposal_lpips = asked.train.proposal_lpips; }},
   };
   return rows;
 }
@@ -97,6 +100,9 @@ void RequireAblatable(const RunOptions& asked) {
     throw UsageError(
         "--proposers none, --proposals 0 and --schedule none leave an ablation no proposals to speak of; leave them "
         "out");
+  }
+  if (asked.depth.depth_prior == "none") {
+    throw UsageError("--depth-prior none leaves an ablation no depth to speak of; leave it out");
   }
   const std::string& init = asked.start.init;
   if (init == "random" || init == "sfm") {

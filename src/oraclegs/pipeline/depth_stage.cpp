@@ -5,16 +5,21 @@
 
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/monocular_stage.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr double kStereoVersion = 4;     // raised when the same inputs give other maps
+constexpr double kMonocularVersion = 1;  // likewise, of maps in which a network has a part
 constexpr double kNextToNothing = 0.02;  // share of confident pixels
 
-std::string Key(const Run& run, const std::vector<ScenePoint>& points) {
+bool HasNetwork(const DepthSource& source) { return !source.weights.empty(); }
+
+std::string Key(const Run& run, const std::vector<ScenePoint>& points, const DepthSource& source) {
   Fingerprint print;
   print.Add(kStereoVersion);
   print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale))
@@ -24,6 +29,7 @@ std::string Key(const Run& run, const std::vector<ScenePoint>& points) {
     print.Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
     for (const int view : p.views) print.Add(static_cast<double>(view));
   }
+  if (HasNetwork(source)) print.Add(kMonocularVersion).Add(source.Name()).AddFile(source.weights);
   return print.Hex();
 }
 
@@ -52,7 +58,36 @@ std::vector<DepthMap> ReadBack(const Run& run, const std::vector<Photo>& photos)
 
 void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->gains = EstimateGains(geometry->maps, photos);
-  geometry->points = FuseDepth(geometry->maps, photos, FusionOf(geometry->gains));
+  const FusionOptions options = FusionOf(geometry->gains);
+  geometry->points = FuseDepth(geometry->maps, photos, options);
+  if (geometry->points.size() >= kFewDensePoints) return;
+  const std::vector<DensePoint> more = PriorPoints(geometry->maps, photos, geometry->points, options);
+  geometry->points.insert(geometry->points.end(), more.begin(), more.end());
+}
+
+/// The maps as they will be written; `right` receives how often the network was.
+std::vector<DepthMap> FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                                const DepthSource& source, double* right) {
+  const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
+  std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
+  if (HasNetwork(source)) guesses = GuessDepth(source.weights, photos, run.listener);
+  std::vector<DepthMap> maps;
+  if (source.prior != DepthPrior::kMonocular) maps = EstimateDepth(photos, seen, run.options.stereo, run.listener);
+  if (!HasNetwork(source)) return maps;
+  MonocularMaps with = WithMonocularDepth(guesses, photos, std::move(maps), seen, run.listener);
+  *right = with.right;
+  return std::move(with.maps);
+}
+
+nlohmann::json NetworkName(const DepthSource& source) {
+  return HasNetwork(source) ? nlohmann::json(DepthNetworkName(source.weights)) : nlohmann::json();
+}
+
+/// Said where --depth-prior auto leaves out what the user could have.
+void TellMissingNetwork(const Run& run, const DepthSource& source) {
+  if (run.options.depth.depth_prior != "auto" || HasNetwork(source)) return;
+  run.listener(Note{fmt::format("depth is from stereo alone: there are no weights of Depth Anything V2; {}",
+                                HowToFetch(kDepthModel))});
 }
 
 double MeanConfidentShare(const std::vector<DepthMap>& maps) {
@@ -84,7 +119,9 @@ FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains) {
 }
 
 Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points) {
-  const std::string key = Key(*run, points);
+  const DepthSource source = ChooseDepthSource(run->options);
+  if (source.prior == DepthPrior::kNone) throw UsageError("--depth-prior none leaves no depth to find; leave it out");
+  const std::string key = Key(*run, points, source);
   Geometry geometry;
   geometry.key = key;
   if (run->workspace.IsDone("depth", key)) {
@@ -96,13 +133,15 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
   }
   const bool cached = !geometry.maps.empty();
   const StageClock clock("depth", run->listener);
+  TellMissingNetwork(*run, source);
+  double right = cached ? run->workspace.Record("depth").value("right", 0.0) : 0;
   if (!cached) {
     std::error_code ignored;
     std::filesystem::remove(run->workspace.dense_ply(),
                             ignored);  // first: without it what stands there is not believed
     std::filesystem::remove_all(run->workspace.depth(), ignored);
-    std::vector<std::string> files = WriteDepthMaps(
-        run->workspace.depth(), EstimateDepth(photos, SeenByPhotos(*run, points), run->options.stereo, run->listener));
+    std::vector<std::string> files =
+        WriteDepthMaps(run->workspace.depth(), FindDepth(*run, photos, points, source, &right));
     for (std::string& file : files) file = "depth/" + file;
     // What a later run will read, so that a continued run has the same bits as one that was never stopped.
     geometry.maps = ReadBack(*run, photos);
@@ -113,11 +152,18 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
                                       {"seconds", clock.Seconds()},
                                       {"points", geometry.points.size()},
                                       {"confident_share", MeanConfidentShare(geometry.maps)},
+                                      {"prior", source.Name()},
+                                      {"right", right},
+                                      {"network", NetworkName(source)},
                                       {"files", std::move(files)}});
   } else {
     Fuse(photos, &geometry);
   }
   clock.Finish();
+  if (HasNetwork(source)) {
+    run->listener(Note{fmt::format("{} ({}) is right to {:.0f} % on {:.0f} % of what it was tested on",
+                                   DepthNetworkName(source.weights), source.Name(), 100 * kRightWithin, 100 * right)});
+  }
   Tell(*run, geometry);
   return geometry;
 }

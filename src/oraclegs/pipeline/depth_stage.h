@@ -12,20 +12,27 @@ namespace oraclegs {
 /// and shadow alone make 0.07 of photographs of one exposure (lego); a phone that holds its exposure 0.10 (fox).
 inline constexpr double kVariedExposure = 0.15;
 
-/// What stereo found in the training photographs.
+/// The depth of the training photographs, from stereo, a network or both (--depth-prior).
 struct Geometry {
-  std::string key;                     ///< of what it was found from; empty without stereo
-  std::vector<DepthMap> maps;          ///< one for each photograph
-  std::vector<DensePoint> points;      ///< fused; in the mean exposure of the photographs where exposures vary
+  std::string key;             ///< of what it was found from; empty without depth
+  std::vector<DepthMap> maps;  ///< one for each photograph
+  /// Fused; in the mean exposure of the photographs where exposures vary. With what a network guesses where confident
+  /// pixels give few.
+  std::vector<DensePoint> points;
   std::vector<Eigen::Vector3f> gains;  ///< of the photographs' exposures (depth/gains.h)
 };
 
 /// How photographs of such exposures are fused: colours are freed of them where they vary.
 FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains);
 
-/// Stage "depth": multi-view stereo over the training photographs, in the order of the split. Writes depth/ and
-/// sfm/dense.ply; read back when photographs, points and options are unchanged. `points` are those of stage "sfm".
-/// Tells what share of the pixels is confident, and warns of photographs of which next to nothing is.
+/// Fewer points than this are joined by a network's, where there is one.
+inline constexpr size_t kFewDensePoints = 1000;
+
+/// Stage "depth": multi-view stereo over the training photographs, in the order of the split, and what Depth Anything
+/// V2 guesses of each (--depth-prior). Writes depth/ and sfm/dense.ply; read back when photographs, points, options and
+/// weights are unchanged. `points` are those of stage "sfm". Tells what share of the pixels is confident, how often the
+/// network was right, or what brings its weights where it is missed; warns of photographs of which next to nothing is
+/// known. Throws UsageError for --depth-prior none, InputError for weights that are missing or damaged.
 Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points);
 
 }  // namespace oraclegs

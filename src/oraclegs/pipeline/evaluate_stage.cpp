@@ -5,6 +5,8 @@
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
 #include "oraclegs/pipeline/non_commercial.h"
+#include "oraclegs/pipeline/perceptual.h"
+#include "oraclegs/pipeline/weights.h"
 
 namespace oraclegs {
 namespace {
@@ -16,13 +18,14 @@ struct Scores {
   int64_t gaussians = 0;
 };
 
-Scores Score(const Model& model, const std::vector<Photo>& photos, const fs::path& renders, const Listener& listener) {
+Scores Score(const Model& model, const std::vector<Photo>& photos, const EvaluateExtras& extras,
+             const Listener& listener) {
   Scores scores;
   scores.gaussians = model.gaussians.size();
   if (photos.empty()) {
     listener(Warning{"there are no test views: nothing is scored (see --test-every)"});
   }
-  scores.test = ToJson(Evaluate(model.gaussians, photos, model.render, renders, listener));
+  scores.test = ToJson(Evaluate(model.gaussians, photos, model.render, extras, listener));
   return scores;
 }
 
@@ -60,7 +63,9 @@ void RunEvaluate(Run* run) {
     throw InputError("{}: does not exist; run `oraclegs train` first, or name a point cloud with --ply",
                      workspace.point_cloud().string());
   }
+  const std::vector<fs::path> lpips = FindLpips(run->options.weights);
   const std::string key = Fingerprint()
+                              .Add(WeightsFingerprint(lpips))
                               .Add(ShapingOptionsToJson(run->options).dump())
                               .Add(ViewsFingerprint(run->scene, run->split.test, run->options.photo.downscale))
                               .AddFile(workspace.point_cloud())
@@ -73,7 +78,7 @@ void RunEvaluate(Run* run) {
   RemoveOldRenders(workspace.renders("test"));
   const Scores scores = Score(LoadModel(workspace.point_cloud(), run->options),
                               LoadPhotos(run->scene, run->split.test, run->options.photo, run->listener),
-                              workspace.renders("test"), run->listener);
+                              {workspace.renders("test"), LpipsScores(lpips)}, run->listener);
   const double seconds = clock.Finish();
   nlohmann::json record = {{"key", key},
                            {"seconds", seconds},
@@ -89,6 +94,7 @@ void RunEvaluate(Run* run) {
 nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& posed, const Listener& listener) {
   CheckRunOptions(request.options);
   const Model model = LoadModel(request.ply, request.options);
+  const std::vector<fs::path> lpips = FindLpips(request.options.weights);
   fs::path renders;
   if (!request.out.empty()) {
     RequireOutsideScene(request.out, posed.scene, request.options.input.images);
@@ -100,8 +106,8 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
     renders = WorkspacePaths(request.out).renders("test");
   }
   const StageClock clock("evaluate", listener);
-  const Scores scores =
-      Score(model, LoadPhotos(posed.scene, posed.split.test, request.options.photo, listener), renders, listener);
+  const Scores scores = Score(model, LoadPhotos(posed.scene, posed.split.test, request.options.photo, listener),
+                              {renders, LpipsScores(lpips)}, listener);
   nlohmann::json metrics = {{"program", "oraclegs"},
                             {"version", request.version},
                             {"test", scores.test},

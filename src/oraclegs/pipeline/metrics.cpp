@@ -41,8 +41,15 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
     metrics["train"] = {{"iterations", train.value("iterations", int64_t{0})},
                         {"iterations_per_second", PerSecond(train)},
                         {"seconds", train.value("training_seconds", 0.0)},
+                        {"lpips", train.value("lpips", nlohmann::json())},
                         {"milliseconds_per_iteration", train.value("milliseconds_per_iteration", nlohmann::json())}};
     peak = std::max(peak, train.value("peak_memory_bytes", int64_t{0}));
+  }
+  const nlohmann::json depth = run.workspace.Record("depth");
+  if (depth.is_object() && depth.contains("prior")) {
+    metrics["depth"] = {{"prior", depth.at("prior")},
+                        {"right", depth.value("right", 0.0)},
+                        {"network", depth.value("network", nlohmann::json())}};
   }
   if (start.is_object()) {
     metrics["start"] = {{"source", start.value("source", "")}, {"points", start.value("points", int64_t{0})}};

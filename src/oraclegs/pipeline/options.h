@@ -62,6 +62,20 @@ struct StartOptions {
   }
 };
 
+struct DepthOptions {
+  std::string depth_prior = "auto";
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("depth-prior", depth_prior,
+          "Where the photographs' depth comes from: stereo; depth-anything = a network's guess from each photograph "
+          "alone, aligned to the sparse points; fused = stereo where it is sure, elsewhere the network's, bent to "
+          "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
+          "start and no views to propose",
+          Choice{{"auto", "depth-anything", "stereo", "fused", "none"}});
+  }
+};
+
 /// What changes how fast a run goes, but not one bit of its result: free to differ when a run is continued.
 struct MachineOptions {
   int threads = 0;
@@ -86,10 +100,18 @@ struct CheckpointSchedule {
 
 /// Where weights lie on this machine. What a stage makes depends on their content, which its key holds.
 struct WeightOptions {
+  std::filesystem::path depth_weights;
+  std::filesystem::path lpips_weights;
   std::filesystem::path vggt_weights;
 
   template <class V>
   void Visit(V&& visit) {
+    visit("depth-weights", depth_weights,
+          "File of Depth Anything V2's weights, S, B or L (safetensors), where it is not the one that `oraclegs models "
+          "fetch depth-anything-v2-small` brings");
+    visit("lpips-weights", lpips_weights,
+          "File of LPIPS's weights, with VGG16 or AlexNet (safetensors), where it is not the one that `oraclegs models "
+          "fetch lpips-vgg` brings");
     visit("vggt-weights", vggt_weights,
           "File of VGGT's weights (safetensors), where it is not the one that `oraclegs models fetch vggt` brings");
   }
@@ -101,6 +123,7 @@ struct RunOptions {
   PhotoOptions photo;
   StartOptions start;
   StereoOptions stereo;
+  DepthOptions depth;
   TrajectoryOptions trajectory;
   ProposeOptions propose;
   ValidateOptions validate;
@@ -117,6 +140,7 @@ struct RunOptions {
     f("Photographs", photo);
     f("Start", start);
     f("Stereo", stereo);
+    f("Depth", depth);
     f("Proposed poses", trajectory);
     f("Proposals", propose);
     f("Validation", validate);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/depth/plane_fill.h"
+#include "oraclegs/depth/prior_points.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/propose_stage.h"
 #include "oraclegs/scene/pose_check.h"
@@ -166,6 +167,7 @@ PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
 }
 
 bool NeedsDepth(const RunOptions& options) {
+  if (options.depth.depth_prior == "none") return false;
   const std::string& init = options.start.init;
   return ProposesViews(options) || !options.propose.proposal_folder.empty() || init == "auto" || init == "dense" ||
          init == "hybrid" || options.train.depth_weight > 0 || options.train.prune_floaters;
@@ -195,6 +197,8 @@ PointCloud DenseStart(const StartOptions& options, const std::vector<Photo>& pho
     const std::vector<DensePoint> more = FillPlanes(geometry.maps, photos, points, FusionOf(geometry.gains));
     points.insert(points.end(), more.begin(), more.end());
   }
+  const std::vector<DensePoint> guessed = PriorPoints(geometry.maps, photos, points, FusionOf(geometry.gains));
+  points.insert(points.end(), guessed.begin(), guessed.end());
   return ToPointCloud(Thinned(points, budget, options.seed));
 }
 

@@ -21,7 +21,8 @@ inline constexpr size_t kPlentyOfPoints = 1000;
 /// (cached in sfm/). None when no other stage would use them.
 std::vector<ScenePoint> RunSfm(Run* run);
 
-/// True when a stage after "sfm" needs stereo: a dense start, depth in the loss, or proposals.
+/// True when a stage after "sfm" needs depth: a dense start, depth in the loss, or proposals; false for --depth-prior
+/// none.
 bool NeedsDepth(const RunOptions& options);
 
 /// Start scale of dense points and of others, as a factor of the distance to the neighbours ([3DGS]'s and [MCMC]'s).
@@ -30,9 +31,9 @@ inline constexpr double kDenseScale = 1, kSparseScale = 0.1;
 /// With normals.
 PointCloud ToPointCloud(const std::vector<DensePoint>& points);
 
-/// A dense start of at most `budget` points: those of the geometry and, unless --init-planes says no, what continues
-/// them where stereo found nothing (depth/plane_fill.h). `photos` belong to `geometry.maps`. Nothing when stereo found
-/// nothing.
+/// A dense start of at most `budget` points: those of the geometry; unless --init-planes says no, what continues them
+/// where stereo found nothing (depth/plane_fill.h); and what a network guesses in the rest (prior_points.h). `photos`
+/// belong to `geometry.maps`. Nothing when stereo found nothing.
 PointCloud DenseStart(const StartOptions& options, const std::vector<Photo>& photos, const Geometry& geometry,
                       size_t budget);
 

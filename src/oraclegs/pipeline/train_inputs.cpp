@@ -15,11 +15,12 @@ Tensor Picture(const std::vector<float>& values, const Camera& camera) {
   return torch::from_blob(const_cast<float*>(values.data()), {camera.height, camera.width}, torch::kFloat).clone();
 }
 
-/// The depth map as a target; what is not confident counts nothing.
+/// The depth map as a target; what stereo is not confident of counts nothing, what a network guessed in its place as
+/// much as it is believed.
 void AddDepth(const DepthMap& map, TrainView* view) {
   view->inv_depth = Picture(map.inv_depth, map.camera);
   view->depth_mask = Picture(map.confidence, map.camera);
-  view->depth_mask.masked_fill_(view->depth_mask < kConfident, 0);
+  if (!map.monocular) view->depth_mask.masked_fill_(view->depth_mask < kConfident, 0);
 }
 
 /// Beside an object's silhouette there is nothing, at any distance.

@@ -15,8 +15,8 @@ namespace oraclegs {
 TrainOptions DecideOptions(TrainOptions options, const std::vector<Photo>& photos, const Geometry& geometry,
                            const Listener& listener);
 
-/// The photographs as training views: with depth where stereo is confident, with emptiness (inverse depth 0) beside an
-/// object's silhouette, and starting from the exposures stereo found.
+/// The photographs as training views: with depth where it is confident or a network's, with emptiness (inverse depth 0)
+/// beside an object's silhouette, and starting from the exposures stereo found.
 std::vector<TrainView> TrainViews(const std::vector<Photo>& photos, const Geometry& geometry);
 
 /// {"NAME": [12 numbers, the 3x4 colour map row by row]} of trained exposures.

@@ -9,10 +9,12 @@
 #include "oraclegs/pipeline/metrics.h"
 #include "oraclegs/pipeline/non_commercial.h"
 #include "oraclegs/pipeline/oracle_choice.h"
+#include "oraclegs/pipeline/perceptual.h"
 #include "oraclegs/pipeline/prepare.h"
 #include "oraclegs/pipeline/start_points.h"
 #include "oraclegs/pipeline/train_inputs.h"
 #include "oraclegs/pipeline/validate_stage.h"
+#include "oraclegs/pipeline/weights.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -29,8 +31,22 @@ std::string InputsFingerprint(const Run& run) {
 /// Which oracle judges the proposals: `auto` depends on the weights that are there. "" without proposals.
 std::string OracleKey(const Run& run) { return ProposalInputs(run).empty() ? "" : ChooseOracle(run.options).Key(); }
 
+/// The weights that training or what it learns from may ask.
+std::string NetworksFingerprint(const Run& run) {
+  const DepthSource depth = ChooseDepthSource(run.options);
+  std::vector<std::filesystem::path> files;
+  if (!depth.weights.empty() && NeedsDepth(run.options)) files.push_back(depth.weights);
+  const bool proposals = ProposesViews(run.options) || !run.options.propose.proposal_folder.empty();
+  if (proposals && run.options.train.proposal_lpips > 0) {
+    const std::vector<std::filesystem::path> lpips = FindLpips(run.options.weights);
+    files.insert(files.end(), lpips.begin(), lpips.end());
+  }
+  return WeightsFingerprint(files);
+}
+
 std::string TrainKey(const Run& run) {
   return Fingerprint()
+      .Add(NetworksFingerprint(run))
       .Add(ShapingOptionsToJson(run.options).dump())
       .Add(InputsFingerprint(run))
       .Add(ProposalInputs(run))
@@ -56,6 +72,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   }
   if (checkpoint.options.value("inputs", "") == saved_options.at("inputs") &&
       checkpoint.options.value("depth", "") == saved_options.at("depth") &&
+      checkpoint.options.value("networks", "") == saved_options.at("networks") &&
       checkpoint.options.value("proposal_plan", "") == saved_options.at("proposal_plan") &&
       checkpoint.options.value("oracle_used", "") == saved_options.at("oracle_used")) {
     throw InputError(
@@ -64,8 +81,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
         path->string());
   }
   run.listener(
-      Warning{"the photographs, poses, depth, proposals or what judges them have changed since the last run: training "
-              "starts anew"});
+      Warning{"the photographs, poses, depth, proposals, weights or what judges the proposals have changed since the last "
+              "run: training starts anew"});
   std::error_code error;
   std::filesystem::remove_all(run.workspace.checkpoints(), error);
   if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
@@ -107,6 +124,7 @@ void RunTrain(Run* run) {
   std::filesystem::remove(run->workspace.metrics(), ignored);  // would be mistaken for the results of these inputs
   std::vector<std::string> names;
   double loading = 0;
+  std::string lpips;
   std::optional<Trainer> trainer;
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   {  // What is known of the photographs is not kept beside the trainer's copy.
@@ -114,6 +132,7 @@ void RunTrain(Run* run) {
     const std::vector<Photo>& photos = prepared.photos;
     const Geometry& geometry = prepared.geometry;
     saved_options["inputs"] = InputsFingerprint(*run);
+    saved_options["networks"] = NetworksFingerprint(*run);
     saved_options["depth"] = geometry.key;
     const ProposalPlan plan = RunPropose(run, photos, geometry, prepared.decided);
     saved_options["proposal_plan"] = plan.key;
@@ -126,8 +145,11 @@ void RunTrain(Run* run) {
     }
     Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
     const StageClock clock("train", run->listener);
+    TrainingLpips network = LpipsOfProposals(run->options, proposals, run->listener);
+    lpips = network.convention;
     trainer.emplace(prepared.decided, run->options.start.seed, BackgroundColor(run->options.photo.background),
-                    TrainingData{TrainViews(photos, geometry), std::move(proposals)}, std::move(start));
+                    TrainingData{TrainViews(photos, geometry), std::move(proposals), std::move(network.distance)},
+                    std::move(start));
     if (checkpoint) trainer->Restore(*checkpoint);
     for (const Photo& photo : photos) names.push_back(photo.name);
     loading = clock.Seconds();
@@ -148,6 +170,7 @@ void RunTrain(Run* run) {
                                     {"iterations", result.iterations},
                                     {"milliseconds_per_iteration", TimingsToJson(result)},
                                     {"gaussians", trainer->gaussians().size()},
+                                    {"lpips", lpips.empty() ? nlohmann::json() : nlohmann::json(lpips)},
                                     {"peak_memory_bytes", PeakMemoryBytes()},
                                     {"files", {"point_cloud.ply"}}});
   run->listener(FileWritten{run->workspace.point_cloud()});

@@ -145,7 +145,8 @@ void Trainer::State::TellWhatIsMissing(const Listener& listener) const {
       view_loss.num_proposals() > 0 && schedule.floor + schedule.peak > 0 && options.proposal_weight > 0;
   if (uses_proposals && options.proposal_lpips > 0 && !view_loss.has_lpips()) {
     listener(
-        Note{fmt::format("there is no LPIPS network: its share of the proposals' loss goes to L1, which has {:.2f}",
+        Note{fmt::format("there is no LPIPS network: its share of the proposals' loss goes to L1, which has {:.2f}; "
+                         "`oraclegs models fetch lpips-vgg` brings one",
                          1 - options.proposal_ssim)});
   }
 }

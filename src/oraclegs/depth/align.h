@@ -1,0 +1,58 @@
+#pragma once
+// A network tells which pixel is nearer, but neither the unit nor the zero point of its inverse depths. Depths that are
+// known in a photograph tell those (spec/depth_anything_v2.md 6).
+
+#include <vector>
+
+#include "oraclegs/scene/camera.h"
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+/// Inverse depth of one photograph in an unknown unit, from an unknown zero point; larger is nearer.
+struct RelativeDepth {
+  int width = 0, height = 0;
+  std::vector<float> values;  ///< width * height, row by row, finite
+};
+
+/// Bilinear at column u, row v, where whole numbers are pixels' centres; beyond the border the border goes on.
+double SampleAt(const RelativeDepth& map, double u, double v);
+
+/// An inverse depth that is known somewhere in a photograph.
+struct KnownDepth {
+  double x = 0, y = 0;   ///< pixels of the camera, whose first pixel has its centre at (0.5, 0.5)
+  double inv_depth = 0;  ///< 1/z, 1/world unit; not positive behind the camera
+};
+
+/// The points that photograph `view` (an index of ScenePoint::views) saw, as it sees them.
+std::vector<KnownDepth> KnownDepths(const std::vector<ScenePoint>& points, int view, const Camera& camera);
+
+struct AlignmentRule {
+  int fewest_points = 11;
+  double smallest_span = 1e-3;  ///< of the known inverse depths, 1/world unit; less fixes no scale
+  double centre = 0.5;          ///< of the first pixel, in the map; the public scripts take 0
+};
+
+/// inverse depth = scale * relative + offset.
+struct Alignment {
+  double scale = 0, offset = 0;                        ///< a scale of 0: nothing fixes it
+  int points = 0;                                      ///< that took part
+  double known_median = 0, known_deviation = 0;        ///< deviation: mean distance from the median
+  double relative_median = 0, relative_deviation = 0;  ///< of the map where the points are
+
+  double At(double relative) const { return scale * relative + offset; }
+};
+
+/// Medians and mean deviations of both are made equal, which a minority of wrong points moves little. Scale 0 where
+/// there are too few points or all have one distance.
+Alignment Align(const RelativeDepth& map, const Camera& camera, const std::vector<KnownDepth>& known,
+                const AlignmentRule& rule);
+
+/// Of each photograph of a scene: its scale is within a factor of five of the median of all positive ones.
+std::vector<bool> AreReliable(const std::vector<Alignment>& alignments);
+
+/// The smallest span to ask for in a scene, so that its unit does not matter: a thousandth of the median known inverse
+/// depth. 0 without any.
+double SmallestSpan(const std::vector<std::vector<KnownDepth>>& known);
+
+}  // namespace oraclegs

@@ -1,0 +1,164 @@
+#include "oraclegs/depth/monocular.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/depth/local_warp.h"
+#include "oraclegs/depth/plane.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kMostSamples = 20000;     // that bend one map
+constexpr size_t kFewestSamples = 200;     // less bends nothing
+constexpr size_t kMostKnown = 5000;        // that align one map
+constexpr float kBeforeNearest = 2;        // times the nearest known inverse depth: nearer is not believed
+constexpr float kLeastConfidence = 0.01f;  // less is written as unknown
+
+bool IsConfident(const DepthMap& map, size_t i) { return map.confidence[i] >= kConfident && map.inv_depth[i] > 0; }
+
+Eigen::Vector2f CentreOf(const Camera& camera, size_t i) {
+  const auto width = static_cast<size_t>(camera.width);
+  return {static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f};
+}
+
+/// Every so manieth of the confident pixels, at most `most`.
+std::vector<size_t> ConfidentPixels(const DepthMap& map, size_t most) {
+  std::vector<size_t> all, some;
+  for (size_t i = 0; i < map.size(); ++i) {
+    if (IsConfident(map, i)) all.push_back(i);
+  }
+  const size_t stride = (all.size() + most - 1) / most;
+  for (size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
+  return some;
+}
+
+bool IsRight(double guess, double truth) { return std::abs(guess / truth - 1) < kRightWithin; }
+
+double ShareRight(const RelativeDepth& relative, const Alignment& alignment, const std::vector<KnownDepth>& known) {
+  int right = 0, all = 0;
+  for (const KnownDepth& k : known) {
+    if (!(k.inv_depth > 0 && k.x >= 0 && k.y >= 0 && k.x < relative.width && k.y < relative.height)) continue;
+    ++all;
+    right += IsRight(alignment.At(SampleAt(relative, k.x - 0.5, k.y - 0.5)), k.inv_depth) ? 1 : 0;
+  }
+  return all == 0 ? 0 : static_cast<double>(right) / all;
+}
+
+/// How an aligned map is bent to stereo, and how far to believe what comes of it.
+struct Bent {
+  LocalWarp warp;
+  double right = 0;
+};
+
+Bent Bend(const DepthMap& stereo, const std::vector<float>& aligned) {
+  const int width = stereo.camera.width, height = stereo.camera.height;
+  const WarpOptions options;
+  const int cell = std::max(1, std::max(width, height) / options.cells);
+  std::vector<WarpSample> told, held_out, all;
+  for (const size_t i : ConfidentPixels(stereo, kMostSamples)) {
+    const Eigen::Vector2f at = CentreOf(stereo.camera, i);
+    const WarpSample sample{at.x(), at.y(), aligned[i], stereo.inv_depth[i], stereo.confidence[i]};
+    const int column = static_cast<int>(at.x()) / cell, row = static_cast<int>(at.y()) / cell;
+    // One in four, none of which touch.
+    const bool hide = column % 2 == 1 && row % 2 == 1;
+    (hide ? held_out : told).push_back(sample);
+    all.push_back(sample);
+  }
+  const LocalWarp trial(width, height, told, options);
+  size_t right = 0;
+  for (const WarpSample& s : held_out) {
+    right += IsRight(static_cast<double>(trial(s.x, s.y, s.inv_depth)), static_cast<double>(s.truth)) ? 1 : 0;
+  }
+  const double share = held_out.empty() ? 0 : static_cast<double>(right) / static_cast<double>(held_out.size());
+  return {LocalWarp(width, height, all, options), share};
+}
+
+std::vector<float> Aligned(const RelativeDepth& relative, const Alignment& alignment) {
+  std::vector<float> out;
+  out.reserve(relative.values.size());
+  for (const float value : relative.values) out.push_back(static_cast<float>(alignment.At(static_cast<double>(value))));
+  return out;
+}
+
+/// The normal that the inverse depths beside a pixel say.
+Eigen::Vector3f NormalAt(const Camera& camera, const std::vector<float>& inv_depth, size_t i) {
+  const auto width = static_cast<size_t>(camera.width);
+  const size_t x = i % width, y = i / width, last_row = static_cast<size_t>(camera.height) - 1;
+  const size_t left = x > 0 ? i - 1 : i, right = x + 1 < width ? i + 1 : i;
+  const size_t above = y > 0 ? i - width : i, below = y < last_row ? i + width : i;
+  Plane plane{inv_depth[i], 0, 0};
+  if (right > left) plane.dx = (inv_depth[right] - inv_depth[left]) / static_cast<float>(right - left);
+  if (below > above) plane.dy = (inv_depth[below] - inv_depth[above]) / static_cast<float>((below - above) / width);
+  const Eigen::Vector2f at = CentreOf(camera, i);
+  return NormalOf(camera, plane, at.x(), at.y());
+}
+
+/// Writes the guess where `out` is not confident and the guess can be.
+void Fill(const std::vector<float>& guess, float nearest, float confidence, const AllowedPixels& allowed,
+          DepthMap* out) {
+  out->monocular = true;
+  ParallelBlocks(static_cast<int64_t>(out->size()), 1 << 14, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      if (IsConfident(*out, i)) continue;
+      const bool can_be = guess[i] > 0 && guess[i] < nearest && confidence >= kLeastConfidence;
+      const bool fills = can_be && (allowed.empty() || allowed[i] != 0);
+      out->inv_depth[i] = fills ? guess[i] : 0;
+      out->confidence[i] = fills ? confidence : 0;
+      out->normals[i] = fills ? NormalAt(out->camera, guess, i) : Eigen::Vector3f::Zero();
+    }
+  });
+}
+
+float Nearest(const std::vector<KnownDepth>& known) {
+  double nearest = 0;
+  for (const KnownDepth& k : known) nearest = std::max(nearest, k.inv_depth);
+  return static_cast<float>(nearest);
+}
+
+}  // namespace
+
+std::vector<KnownDepth> ConfidentDepths(const DepthMap& stereo) {
+  std::vector<KnownDepth> known;
+  for (const size_t i : ConfidentPixels(stereo, kMostKnown)) {
+    const Eigen::Vector2d at = CentreOf(stereo.camera, i).cast<double>();
+    known.push_back({at.x(), at.y(), static_cast<double>(stereo.inv_depth[i])});
+  }
+  return known;
+}
+
+MonocularDepth AlignedDepth(const DepthMap& frame, const RelativeDepth& relative, const Alignment& alignment,
+                            const std::vector<KnownDepth>& known, const AllowedPixels& allowed) {
+  MonocularDepth out;
+  out.right = ShareRight(relative, alignment, known);
+  out.map.name = frame.name, out.map.camera = frame.camera;
+  out.map.inv_depth.assign(relative.values.size(), 0);
+  out.map.confidence.assign(relative.values.size(), 0);
+  out.map.normals.assign(relative.values.size(), Eigen::Vector3f::Zero());
+  Fill(Aligned(relative, alignment), kBeforeNearest * Nearest(known), static_cast<float>(out.right), allowed, &out.map);
+  return out;
+}
+
+MonocularDepth FusedDepth(const DepthMap& stereo, const RelativeDepth& relative, const Alignment& alignment,
+                          const std::vector<KnownDepth>& known, const AllowedPixels& allowed) {
+  MonocularDepth out;
+  out.map = stereo;
+  std::vector<float> guess = Aligned(relative, alignment);
+  const std::vector<KnownDepth> confident = ConfidentDepths(stereo);
+  if (confident.size() < kFewestSamples) {
+    out.right = ShareRight(relative, alignment, known);
+  } else {
+    const Bent bent = Bend(stereo, guess);
+    out.right = bent.right;
+    for (size_t i = 0; i < guess.size(); ++i) {
+      const Eigen::Vector2f at = CentreOf(stereo.camera, i);
+      guess[i] = bent.warp(at.x(), at.y(), guess[i]);
+    }
+  }
+  const float nearest = kBeforeNearest * std::max(Nearest(known), Nearest(confident));
+  Fill(guess, nearest, std::min(kMostBesideStereo, static_cast<float>(out.right)), allowed, &out.map);
+  return out;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,91 @@
+#include "oraclegs/depth/local_warp.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace oraclegs {
+namespace {
+
+constexpr int kWidth = 120, kHeight = 90;
+
+/// Two surfaces that cross the picture in stripes.
+float Guess(int x, int y) { return (x / 6 + y / 9) % 2 == 0 ? 0.3f + 0.001f * static_cast<float>(x) : 0.8f; }
+
+/// What the guess should have been: off by a factor and an addend that vary over the picture by tens of percent.
+float Truth(int x, int y) {
+  const float u = static_cast<float>(x) / kWidth, v = static_cast<float>(y) / kHeight;
+  return (1.1f + 0.25f * std::sin(4 * u)) * Guess(x, y) + 0.08f * v - 0.05f * u;
+}
+
+std::vector<WarpSample> Samples(int step) {
+  std::vector<WarpSample> samples;
+  for (int y = 0; y < kHeight; y += step) {
+    for (int x = 0; x < kWidth; x += step) {
+      samples.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, Guess(x, y), Truth(x, y), 1});
+    }
+  }
+  return samples;
+}
+
+/// The mean relative error over the picture.
+double Error(const LocalWarp& warp) {
+  double sum = 0;
+  int n = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x, ++n) {
+      const float w = warp(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, Guess(x, y));
+      sum += std::abs(static_cast<double>(w / Truth(x, y)) - 1);
+    }
+  }
+  return sum / n;
+}
+
+TEST(LocalWarp, WithoutSamplesChangesNothing) {
+  const LocalWarp none(kWidth, kHeight, {});
+  EXPECT_EQ(none(3, 80, 0.7f), 0.7f);
+  const LocalWarp unweighted(kWidth, kHeight, {{3, 3, 0.5f, 0.9f, 0}});
+  EXPECT_EQ(unweighted(3, 3, 0.5f), 0.5f);
+  EXPECT_GT(Error(none), 0.15);
+}
+
+TEST(LocalWarp, UndoesAWarpThatVariesOverThePicture) { EXPECT_LT(Error(LocalWarp(kWidth, kHeight, Samples(2))), 0.01); }
+
+TEST(LocalWarp, SamplesThatAreWrongHaveNoSay) {
+  std::vector<WarpSample> samples = Samples(2);
+  for (size_t i = 0; i < samples.size(); i += 5) samples[i].truth *= i % 2 == 0 ? 3.f : 0.3f;
+  EXPECT_LT(Error(LocalWarp(kWidth, kHeight, samples)), 0.02);
+}
+
+TEST(LocalWarp, GoesOnWhereNothingIsKnown) {
+  std::vector<WarpSample> samples = Samples(2);
+  std::erase_if(samples, [](const WarpSample& s) { return s.x > 0.75f * kWidth; });
+  for (WarpSample& s : samples) s.truth = 1.3f * s.inv_depth;
+  const LocalWarp warp(kWidth, kHeight, samples);
+  for (int x = 90; x < kWidth; ++x) {
+    const float w = warp(static_cast<float>(x) + 0.5f, 40.5f, Guess(x, 40));
+    EXPECT_NEAR(w / (1.3f * Guess(x, 40)), 1, 0.08) << x << ": unbent it is off by a quarter";
+  }
+}
+
+TEST(LocalWarp, DoesNotDependOnTheUnit) {
+  std::vector<WarpSample> samples = Samples(3);
+  const LocalWarp one(kWidth, kHeight, samples);
+  for (WarpSample& s : samples) s.inv_depth *= 1000, s.truth *= 1000;
+  const LocalWarp other(kWidth, kHeight, samples);
+  for (int x = 0; x < kWidth; x += 7) {
+    const auto u = static_cast<float>(x);
+    EXPECT_NEAR(other(u, 40, 500.f) / 1000, one(u, 40, 0.5f), 1e-4);
+  }
+}
+
+TEST(LocalWarp, FitsPicturesOfAnyShape) {
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 200}, std::pair{17, 5}}) {
+    const LocalWarp warp(width, height, {{0.5f, 0.5f, 0.5f, 0.6f, 1}});
+    EXPECT_NEAR(warp(0.5f, 0.5f, 0.5f), 0.6, 0.03) << width << " x " << height;
+    EXPECT_TRUE(std::isfinite(warp(static_cast<float>(width), static_cast<float>(height), 0.5f)));
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,66 @@
+#pragma once
+// Small networks with made-up weights, as files: what a run finds on a machine that has fetched the real ones.
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/nets/depth_anything.h"
+#include "oraclegs/nets/lpips.h"
+
+namespace oraclegs {
+
+/// Makes weights up and keeps them by name.
+class KeptParameters : public ParameterSource {
+ public:
+  explicit KeptParameters(uint64_t seed) : random_(seed) {}
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
+    return tensors_[name] = random_.Get(name, shape);
+  }
+  void Unused(const std::string&, at::IntArrayRef) override {}
+  Tensor& at(const std::string& name) { return tensors_.at(name); }
+
+  std::filesystem::path Write(const std::filesystem::path& path) const {
+    std::map<std::string, TensorEntry> entries;
+    for (const auto& [name, t] : tensors_) {
+      const std::string_view bytes(static_cast<const char*>(t.data_ptr()), static_cast<size_t>(t.numel()) * 4);
+      entries[name] = {"F32", t.sizes().vec(), bytes};
+    }
+    WriteFileAtomically(path, SerializeSafetensors(entries, {}));
+    return path;
+  }
+
+ private:
+  RandomParameters random_;
+  std::map<std::string, Tensor> tensors_;
+};
+
+/// Depth Anything V2 of four narrow blocks; its input is 70 pixels.
+inline DepthAnythingConfig TinyDepthAnything() {
+  DepthAnythingConfig config;
+  config.backbone.width = config.head.width = 64;
+  config.backbone.heads = 1, config.backbone.depth = 4, config.backbone.position_grid = 5;
+  config.layers = {0, 1, 2, 3};
+  config.head.features = 16;
+  config.head.channels = {8, 16, 24, 32};
+  config.input_side = 70;
+  return config;
+}
+
+inline std::filesystem::path WriteTinyDepthAnything(const std::filesystem::path& path, uint64_t seed = 5) {
+  KeptParameters parameters(seed);
+  LoadDepthAnything(parameters, TinyDepthAnything());
+  parameters.at("depth_head.scratch.output_conv2.2.bias").fill_(3);  // else half of all seeds give a map of zeros
+  return parameters.Write(path);
+}
+
+inline std::filesystem::path WriteTinyLpips(const std::filesystem::path& path, uint64_t seed = 7,
+                                            FeatureNetwork network = FeatureNetwork::kVgg16) {
+  KeptParameters parameters(seed);
+  LoadLpips(parameters, {network, {4, 6, 8, 10, 12}});
+  for (int i = 0; i < 5; ++i) parameters.at("lin" + std::to_string(i) + ".model.1.weight").abs_();  // none is negative
+  return parameters.Write(path);
+}
+
+}  // namespace oraclegs
