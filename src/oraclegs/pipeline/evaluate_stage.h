@@ -15,7 +15,7 @@ struct Model {
   RenderOptions render;
 };
 
-/// Reads a PLY of any trainer, to be rendered on the background and with the antialiasing of `options`.
+/// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing and on the device of `options`.
 Model LoadModel(const std::filesystem::path& ply, const RunOptions& options);
 
 /// Stage "evaluate": scores point_cloud.ply on the test views and writes renders/test/*.png and metrics.json. Not run

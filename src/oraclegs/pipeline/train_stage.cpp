@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
 #include "oraclegs/pipeline/prepare.h"
@@ -94,6 +95,7 @@ void RunTrain(Run* run) {
     run->listener(Note{"train: nothing has changed, point_cloud.ply is kept"});
     return;
   }
+  const torch::Device device = ChooseDevice(run->options.device.device, ProbeDevices());
   const std::string key = TrainKey(*run);
   std::error_code ignored;
   std::filesystem::remove(run->workspace.metrics(), ignored);  // would be mistaken for the results of these inputs
@@ -117,8 +119,13 @@ void RunTrain(Run* run) {
     }
     Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
     const StageClock clock("train", run->listener);
-    trainer.emplace(prepared.decided, run->options.start.seed, BackgroundColor(run->options.photo.background),
-                    TrainingData{TrainViews(photos, geometry), std::move(proposals)}, std::move(start));
+    TellDevice(device, run->listener);
+    trainer.emplace(TrainSetup{prepared.decided,
+                               run->options.start.seed,
+                               BackgroundColor(run->options.photo.background),
+                               {TrainViews(photos, geometry), std::move(proposals)},
+                               std::move(start)},
+                    [device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
     if (checkpoint) trainer->Restore(*checkpoint);
     for (const Photo& photo : photos) names.push_back(photo.name);
     loading = clock.Seconds();
@@ -136,6 +143,7 @@ void RunTrain(Run* run) {
                                     {"seconds", loading + result.seconds},
                                     {"training_seconds", result.seconds},
                                     {"iterations", result.iterations},
+                                    {"device", device.str()},
                                     {"milliseconds_per_iteration", TimingsToJson(result)},
                                     {"gaussians", trainer->gaussians().size()},
                                     {"peak_memory_bytes", PeakMemoryBytes()},
