@@ -9,6 +9,7 @@
 #include "config_file.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/workspace.h"
 
 namespace oraclegs {
@@ -36,6 +37,7 @@ Command::Command(CLI::App* app, const std::string& name, const std::string& help
 void Command::BindRun(RunOptions* options) {
   options->ForEachGroup([&](const char* title, auto& group) { Bind(title, &group); });
   machine_ = &options->machine;
+  device_ = &options->device;
   app_->add_option("--preset", preset_,
                    "Options of a published or usual setting, a file of presets/; --config wins over it")
       ->type_name("NAME")
@@ -62,6 +64,7 @@ void Command::Run(const std::string& command_line) {
   if (!preset_.empty()) ApplyPreset(preset_, app_);
   ApplyDefaults();
   for (const auto& check : checks_) check();
+  if (device_) ChooseDevice(device_->device, ProbeDevices());  // what cannot be had is refused before any work
   if (machine_) {
     SetNumThreads(machine_->threads);
     at::set_num_threads(NumThreads());

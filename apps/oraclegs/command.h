@@ -73,6 +73,7 @@ class Command {
   CLI::App* app_;
   OutputOptions output_;
   const MachineOptions* machine_ = nullptr;  ///< of the derived class
+  const DeviceOptions* device_ = nullptr;    ///< likewise, where there is a choice
   std::filesystem::path config_;
   std::string preset_;
   std::string command_line_;

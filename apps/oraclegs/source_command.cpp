@@ -18,7 +18,7 @@ bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }
 void SourceCommand::ApplyDefaults() {
   if (InputIsWorkspace()) {
     nlohmann::json saved = ReadSavedRun(input_).options;
-    saved.erase("threads");  // belongs to the machine, not to the run
+    for (const char* name : {"threads", "device"}) saved.erase(name);  // belong to the machine, not to the run
     ApplySavedOptions(saved, WorkspacePaths(input_).options(), app());
   } else if (model_.ply.empty()) {
     throw UsageError("{}: holds no run of oraclegs; name a workspace, or a point cloud with --ply", input_.string());

@@ -40,6 +40,10 @@ class BadInput(EndToEnd):
         self.refused(self.scene, "--test-views", ",".join(names[1:]), names=["training"])
         self.refused(self.scene, "--test-views", "nobody", names=["nobody"])
 
+    def test_a_device_that_is_not_there(self):
+        self.refused(self.scene, "--device", "cuda:99", code=2, names=["--device cuda:99"])
+        self.refused(self.scene, "--device", "gpu", code=2, names=["auto, cpu, cuda"])
+
     def test_more_views_than_exist(self):
         self.refused(self.scene, "--views", 100, names=["100"])
 

@@ -22,14 +22,6 @@ void SelectByMask(const Tensor& mask, const Tensor& inside, const Tensor& outsid
   });
 }
 
-double MeanConfidence(const Tensor& confidence) {
-  if (!confidence.defined()) return 1;
-  const float* u = confidence.data_ptr<float>();
-  double sum = 0;
-  for (int64_t i = 0; i < confidence.numel(); ++i) sum += static_cast<double>(u[i]);
-  return sum / static_cast<double>(confidence.numel());
-}
-
 }  // namespace
 
 Objective::Objective(const ObjectiveWeights& weights, PerceptualDistance lpips)
@@ -41,9 +33,21 @@ Objective::Objective(const ObjectiveWeights& weights, PerceptualDistance lpips)
   }
 }
 
+PhotometricWeights Objective::PhotographWeights() const {
+  return {static_cast<float>(1 - weights_.photograph_ssim), static_cast<float>(weights_.photograph_ssim)};
+}
+
+PhotometricWeights Objective::ProposalWeights() const {
+  const double l1 = 1 - weights_.proposal_ssim - (lpips_ ? weights_.proposal_lpips : 0);
+  return {static_cast<float>(weights_.proposal * l1), static_cast<float>(weights_.proposal * weights_.proposal_ssim)};
+}
+
+double Objective::LpipsWeight(double mean_confidence) const {
+  return lpips_ ? weights_.proposal * weights_.proposal_lpips * mean_confidence : 0;
+}
+
 double Objective::Photograph(const Tensor& render, const Tensor& target, const Tensor& mask, Tensor* grad) {
-  const PhotometricWeights weights{static_cast<float>(1 - weights_.photograph_ssim),
-                                   static_cast<float>(weights_.photograph_ssim)};
+  const PhotometricWeights weights = PhotographWeights();
   if (!mask.defined()) return photometric_(render, target, {}, weights, grad).loss;
   RequireFloat("Objective", "render", render, {-1, -1, 3});
   RequireFloat("Objective", "target", target, {render.size(0), render.size(1), 3});
@@ -58,14 +62,19 @@ double Objective::Photograph(const Tensor& render, const Tensor& target, const T
 }
 
 double Objective::Proposal(const Tensor& render, const Tensor& target, const Tensor& confidence, Tensor* grad) {
-  const double l1 = 1 - weights_.proposal_ssim - (lpips_ ? weights_.proposal_lpips : 0);
-  const PhotometricWeights weights{static_cast<float>(weights_.proposal * l1),
-                                   static_cast<float>(weights_.proposal * weights_.proposal_ssim)};
-  const double value = photometric_(render, target, confidence, weights, grad).loss;
+  const double value = photometric_(render, target, confidence, ProposalWeights(), grad).loss;
   if (!lpips_) return value;
-  const double weight = weights_.proposal * weights_.proposal_lpips * MeanConfidence(confidence);
+  const double weight = LpipsWeight(MeanConfidence(confidence));
   if (weight == 0) return value;  // the network is what takes the time
   return value + weight * lpips_(render, target, weight, grad);
+}
+
+double MeanConfidence(const Tensor& confidence) {
+  if (!confidence.defined()) return 1;
+  const float* u = confidence.data_ptr<float>();
+  double sum = 0;
+  for (int64_t i = 0; i < confidence.numel(); ++i) sum += static_cast<double>(u[i]);
+  return sum / static_cast<double>(confidence.numel());
 }
 
 }  // namespace oraclegs

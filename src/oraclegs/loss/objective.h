@@ -41,11 +41,21 @@ class Objective {
 
   bool has_lpips() const { return static_cast<bool>(lpips_); }
 
+  // What the losses are made of, for devices that work them out themselves.
+  PhotometricWeights PhotographWeights() const;
+  PhotometricWeights ProposalWeights() const;
+  /// Of a proposal of this mean confidence; 0 without a network.
+  double LpipsWeight(double mean_confidence) const;
+  const PerceptualDistance& lpips() const { return lpips_; }
+
  private:
   ObjectiveWeights weights_;
   PerceptualDistance lpips_;
   PhotometricLoss photometric_;
   ImageBuffer masked_;
 };
+
+/// Mean over the pixels; 1 where it is undefined, which stands for 1 everywhere.
+double MeanConfidence(const Tensor& confidence);
 
 }  // namespace oraclegs

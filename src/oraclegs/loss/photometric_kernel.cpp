@@ -21,6 +21,7 @@
 #include <cstring>
 
 #include "oraclegs/loss/photometric_kernel.h"
+#include "oraclegs/loss/ssim_window.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
@@ -42,13 +43,11 @@ inline constexpr int kSlots = kRingRows - 1;  // mask from a row's number to its
 inline constexpr int kGradientLag = 3;        // groups
 inline constexpr int kGroupInputs = kGroup + kTaps - 1;
 
-inline constexpr float kC1 = 1e-4f, kC2 = 9e-4f;  // 0.01^2, 0.03^2: the SSIM's guards against small denominators
+inline constexpr float kC1 = kSsimC1, kC2 = kSsimC2;
 
-// exp(-i^2 / (2 * 1.5^2)), normalised to sum 1; by distance from the centre.
-inline constexpr double kWindow[kRadius + 1] = {0.26601172486179436, 0.2130055377112537,   0.10936068950970002,
-                                                0.03600077212843083, 0.007598758135239185, 0.00102838008447911};
-
-HWY_INLINE constexpr float Tap(int k) { return static_cast<float>(kWindow[k < kRadius ? kRadius - k : k - kRadius]); }
+HWY_INLINE constexpr float Tap(int k) {
+  return static_cast<float>(kSsimWindow[k < kRadius ? kRadius - k : k - kRadius]);
+}
 
 /// Floats rounded up to whole vectors.
 HWY_INLINE constexpr int WholeVectors(int n) { return (n + kVector - 1) / kVector * kVector; }

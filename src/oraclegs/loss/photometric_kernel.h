@@ -4,10 +4,12 @@
 
 #include <cstdint>
 
+#include "oraclegs/loss/ssim_window.h"
+
 namespace oraclegs::photometric {
 
-inline constexpr int kRadius = 5;  ///< of the SSIM window, pixels
-inline constexpr int kTaps = 2 * kRadius + 1;
+inline constexpr int kRadius = kSsimRadius;
+inline constexpr int kTaps = kSsimTaps;
 inline constexpr int kMaxTileWidth = 256;  ///< pixels; keeps a tile's rows in the second-level cache
 inline constexpr int kRingRows = 16;       ///< rows alive at once; see the plan in photometric_kernel.cpp
 inline constexpr int kGroup = 4;           ///< rows that the vertical filter makes at once

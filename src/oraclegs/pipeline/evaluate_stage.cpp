@@ -2,6 +2,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
 #include "oraclegs/pipeline/non_commercial.h"
@@ -50,7 +51,9 @@ void RemoveOldRenders(const fs::path& dir) {
 }  // namespace
 
 Model LoadModel(const fs::path& ply, const RunOptions& options) {
+  const torch::Device device = ChooseDevice(options.device.device, ProbeDevices());
   GaussianPly file = ReadGaussianPly(ply);
+  file.gaussians.ForEach([&](const char*, Tensor& t) { t = t.to(device); });
   return {std::move(file.gaussians),
           {BackgroundColor(options.photo.background), file.sh_degree, options.train.antialiased},
           PartsInComments(file.comments)};

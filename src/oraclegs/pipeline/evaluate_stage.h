@@ -16,7 +16,7 @@ struct Model {
   std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
 };
 
-/// Reads a PLY of any trainer, to be rendered on the background and with the antialiasing of `options`.
+/// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing and on the device of `options`.
 Model LoadModel(const std::filesystem::path& ply, const RunOptions& options);
 
 /// Stage "evaluate": scores point_cloud.ply on the test views and writes renders/test/*.png and metrics.json. Not run

@@ -76,6 +76,19 @@ struct DepthOptions {
   }
 };
 
+/// Which device computes; up to rounding the result is the same. Free to differ when a run is continued.
+struct DeviceOptions {
+  std::string device = "auto";  ///< see ChooseDevice
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit(
+        "device", device,
+        "What trains and renders: auto = an NVIDIA GPU when this program and the machine have one, else the CPU; cpu; "
+        "cuda = that GPU or an error; cuda:N = the GPU of this number, from 0");
+  }
+};
+
 /// What changes how fast a run goes, but not one bit of its result: free to differ when a run is continued.
 struct MachineOptions {
   int threads = 0;
@@ -130,6 +143,7 @@ struct RunOptions {
   TrainOptions train;
   CheckpointSchedule checkpoints;
   WeightOptions weights;
+  DeviceOptions device;
   MachineOptions machine;
 
   /// Calls f("Group title", group) for the groups whose options shape the result.
@@ -151,6 +165,7 @@ struct RunOptions {
     ForEachShapingGroup(f);
     f("Checkpoints", checkpoints);
     f("Weights", weights);
+    f("Machine", device);
     f("Machine", machine);
   }
 };
@@ -168,6 +183,7 @@ inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
   nlohmann::json json = ShapingOptionsToJson(options);
   json.update(OptionsToJson(options.checkpoints));
   json.update(OptionsToJson(options.weights));
+  json.update(OptionsToJson(options.device));
   json.update(OptionsToJson(options.machine));
   return json;
 }

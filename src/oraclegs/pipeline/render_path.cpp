@@ -4,6 +4,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/evaluate/picture_names.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/run.h"
 #include "oraclegs/scene/camera_path.h"
 
@@ -77,7 +78,9 @@ fs::path RenderCameras(const Model& model, const std::vector<NamedCamera>& camer
   CheckOptions(options);
   RequireWritableFolder(out);
   const StageClock clock("render", listener);
-  const auto rasterizer = MakeRasterizer(torch::kCPU);
+  const torch::Device device = model.gaussians.means.device();
+  TellDevice(device, listener);
+  const auto rasterizer = MakeRasterizer(device);
   std::vector<fs::path> pictures;
   for (const NamedCamera& named : cameras) {
     ThrowIfInterrupted();

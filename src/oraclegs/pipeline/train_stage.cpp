@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/metrics.h"
 #include "oraclegs/pipeline/non_commercial.h"
@@ -119,6 +120,7 @@ void RunTrain(Run* run) {
     run->listener(Note{"train: nothing has changed, point_cloud.ply is kept"});
     return;
   }
+  const torch::Device device = ChooseDevice(run->options.device.device, ProbeDevices());
   const std::string key = TrainKey(*run);
   std::error_code ignored;
   std::filesystem::remove(run->workspace.metrics(), ignored);  // would be mistaken for the results of these inputs
@@ -145,11 +147,15 @@ void RunTrain(Run* run) {
     }
     Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
     const StageClock clock("train", run->listener);
+    TellDevice(device, run->listener);
     TrainingLpips network = LpipsOfProposals(run->options, proposals, run->listener);
     lpips = network.convention;
-    trainer.emplace(prepared.decided, run->options.start.seed, BackgroundColor(run->options.photo.background),
-                    TrainingData{TrainViews(photos, geometry), std::move(proposals), std::move(network.distance)},
-                    std::move(start));
+    trainer.emplace(TrainSetup{prepared.decided,
+                               run->options.start.seed,
+                               BackgroundColor(run->options.photo.background),
+                               {TrainViews(photos, geometry), std::move(proposals), std::move(network.distance)},
+                               std::move(start)},
+                    [device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
     if (checkpoint) trainer->Restore(*checkpoint);
     for (const Photo& photo : photos) names.push_back(photo.name);
     loading = clock.Seconds();
@@ -168,6 +174,7 @@ void RunTrain(Run* run) {
                                     {"seconds", loading + result.seconds},
                                     {"training_seconds", result.seconds},
                                     {"iterations", result.iterations},
+                                    {"device", device.str()},
                                     {"milliseconds_per_iteration", TimingsToJson(result)},
                                     {"gaussians", trainer->gaussians().size()},
                                     {"lpips", lpips.empty() ? nlohmann::json() : nlohmann::json(lpips)},

@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/hwy_targets.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/train/constants.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"
@@ -19,8 +20,6 @@
 #define ORACLEGS_TRAIN_ADAM_ONCE_
 namespace oraclegs {
 
-inline constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
-inline constexpr double kAdamEpsilon = 1e-15;
 inline constexpr int kPrefetchRows = 8;  // of sh, ahead of use
 
 /// One parameter tensor, or part of it, and what belongs to it.
@@ -42,11 +41,9 @@ using V = hn::Vec<D>;
 /// One vector of one parameter. `rate` = learning rate * correction1.
 HWY_INLINE void UpdateVector(V g, V rate, V correction2_root, const AdamArrays& a, int64_t at) {
   const D d;
-  const V beta1 = hn::Set(d, static_cast<float>(kBeta1)), rest1 = hn::Set(d, static_cast<float>(1 - kBeta1));
-  const V beta2 = hn::Set(d, static_cast<float>(kBeta2)), rest2 = hn::Set(d, static_cast<float>(1 - kBeta2));
-  // Moments of a Gaussian that no view sees any more decay into the subnormal numbers and would stay there, which is
-  // slow on many processors. Zero in their place moves no parameter: epsilon is far above.
-  const V smallest = hn::Set(d, 1.17549435e-38f);
+  const V beta1 = hn::Set(d, static_cast<float>(kAdamBeta1)), rest1 = hn::Set(d, static_cast<float>(1 - kAdamBeta1));
+  const V beta2 = hn::Set(d, static_cast<float>(kAdamBeta2)), rest2 = hn::Set(d, static_cast<float>(1 - kAdamBeta2));
+  const V smallest = hn::Set(d, kSmallestMoment);
   V m = hn::MulAdd(beta1, hn::LoadU(d, a.m + at), hn::Mul(rest1, g));
   V v = hn::MulAdd(beta2, hn::LoadU(d, a.v + at), hn::Mul(rest2, hn::Mul(g, g)));
   m = hn::IfThenZeroElse(hn::Lt(hn::Abs(m), smallest), m);
@@ -136,10 +133,10 @@ void RequireSameSize(const char* name, const Gaussians& other, const Gaussians& 
 
 AdamConstants Constants(int64_t step, const LearningRates& rates, int sh_degree) {
   const double t = static_cast<double>(step);
-  const float correction1 = static_cast<float>(1 / (1 - std::pow(kBeta1, t)));
+  const float correction1 = static_cast<float>(1 / (1 - std::pow(kAdamBeta1, t)));
   const auto scaled = [&](double rate) { return static_cast<float>(rate) * correction1; };
   AdamConstants c{};
-  c.correction2_root = static_cast<float>(1 / std::sqrt(1 - std::pow(kBeta2, t)));
+  c.correction2_root = static_cast<float>(1 / std::sqrt(1 - std::pow(kAdamBeta2, t)));
   c.means = scaled(rates.means);
   c.log_scales = scaled(rates.log_scales);
   c.quats = scaled(rates.quats);
@@ -158,13 +155,18 @@ void AdamStep::Update(int64_t begin, int64_t end, const GaussianRows& grads) con
 
 Adam::Adam(int64_t n) : m(Gaussians::Zeros(n)), v(Gaussians::Zeros(n)) {}
 
-AdamStep Adam::BeginStep(const LearningRates& rates, int sh_degree, Gaussians* params) {
-  params->Check("Adam::BeginStep params");
-  RequireSameSize("Adam::BeginStep first moments", m, *params);
-  RequireSameSize("Adam::BeginStep second moments", v, *params);
+AdamConstants Adam::BeginStep(const LearningRates& rates, int sh_degree, const Gaussians& params) {
+  params.Check("Adam::BeginStep params");
+  RequireSameSize("Adam::BeginStep first moments", m, params);
+  RequireSameSize("Adam::BeginStep second moments", v, params);
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("Adam::BeginStep: degree {}", sh_degree);
   ++step;
-  return {Constants(step, rates, sh_degree), params->Rows(), m.Rows(), v.Rows()};
+  return Constants(step, rates, sh_degree);
+}
+
+AdamStep Adam::BeginStep(const LearningRates& rates, int sh_degree, Gaussians* params) {
+  const AdamConstants constants = BeginStep(rates, sh_degree, static_cast<const Gaussians&>(*params));
+  return {constants, params->Rows(), m.Rows(), v.Rows()};
 }
 
 void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params) {

@@ -5,13 +5,12 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/train/train_math.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr int64_t kGrain = 1 << 13;  // pixels a task
-constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-8;
-constexpr double kMinDeterminant = 1e-6;
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
@@ -100,15 +99,12 @@ double Exposures::AddPull(int view, ExposureGradient* gradient) const {
 
 void Exposures::Step(int view, const ExposureGradient& gradient, double learning_rate) {
   const double t = static_cast<double>(++state_.steps[view]);
-  const double correction1 = 1 - std::pow(kBeta1, t), correction2 = 1 - std::pow(kBeta2, t);
   for (size_t k = 0; k < gradient.size(); ++k) {
-    float &m = state_.m[view][k], &v = state_.v[view][k], &value = state_.maps[view][k];
-    const double g = gradient[k];
-    m = static_cast<float>(kBeta1 * static_cast<double>(m) + (1 - kBeta1) * g);
-    v = static_cast<float>(kBeta2 * static_cast<double>(v) + (1 - kBeta2) * g * g);
-    const double step =
-        static_cast<double>(m) / correction1 / (std::sqrt(static_cast<double>(v) / correction2) + kEpsilon);
-    value = static_cast<float>(static_cast<double>(value) - learning_rate * step);
+    ExposureEntry entry{state_.maps[view][k], state_.m[view][k], state_.v[view][k]};
+    StepExposure(gradient[k], t, learning_rate, &entry);
+    state_.maps[view][k] = entry.value;
+    state_.m[view][k] = entry.m;
+    state_.v[view][k] = entry.v;
   }
   FixGauge();
 }
@@ -118,7 +114,7 @@ void Exposures::FixGauge() {
   for (const ExposureMap& map : state_.maps) mean += ToMatrix(map);
   mean /= static_cast<double>(state_.maps.size());
   const Eigen::Matrix3d matrix = mean.leftCols<3>();
-  if (!(std::abs(matrix.determinant()) > kMinDeterminant)) {
+  if (!(std::abs(matrix.determinant()) > kMinExposureDeterminant)) {
     throw ShapeError("Exposures: the mean of the maps has determinant {}, there is no way back to the identity",
                      matrix.determinant());
   }

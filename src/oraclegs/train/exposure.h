@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "oraclegs/core/tensor.h"
+#include "oraclegs/train/constants.h"
 
 namespace oraclegs {
 
@@ -16,11 +17,6 @@ inline constexpr ExposureMap kIdentityExposure = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 
 
 /// dL/d(map), in the map's layout.
 using ExposureGradient = std::array<double, 12>;
-
-/// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photograph says anything its loss is
-/// steeper by orders of magnitude (a gain that is wrong by 0.2 costs about 0.05, to keep it costs 2e-4); what it says
-/// nothing about, say the mixing of channels in a grey picture, stays where it was.
-inline constexpr double kExposurePull = 0.01;
 
 /// What a checkpoint holds of the maps; all of one length, the number of photographs, 0 when they are not trained.
 struct ExposureState {

@@ -1,18 +1,16 @@
 #include "oraclegs/train/floaters.h"
 
-#include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/render/constants.h"
-#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/train_math.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1024;       // Gaussians a task
-constexpr float kPrunedLogit = -6.9f;  // opacity 0.001
+constexpr int64_t kGrain = 1024;  // Gaussians a task
 
 /// z times the inverse depth under a point: 1 on the surface, less before it, 0 where there is none at all. Nothing
 /// where the view has no say.
@@ -28,21 +26,15 @@ std::optional<double> DepthRatio(const TrainView& view, const Eigen::Vector3d& w
 }
 
 bool IsFloater(const std::vector<TrainView>& views, const Eigen::Vector3d& world) {
-  int before = 0, agree = 0;
+  FloaterVotes votes;
   for (const TrainView& view : views) {
     if (!view.inv_depth.defined()) continue;
-    const std::optional<double> ratio = DepthRatio(view, world);
-    if (!ratio) continue;
-    if (*ratio == 0) return true;  // beside the silhouette: no number of other views puts a surface there
-    before += *ratio * kFloaterRatio < 1;
-    agree += std::abs(*ratio - 1) < kAgreementRatio;
+    if (const std::optional<double> ratio = DepthRatio(view, world)) votes.Add(*ratio);
   }
-  return before > 0 && before >= agree;
+  return votes.IsFloater();
 }
 
-bool IsAlive(float logit) {
-  return 1 / (1 + std::exp(-static_cast<double>(logit))) > static_cast<double>(kDeadOpacity);
-}
+bool IsAlive(float logit) { return OpacityOf(logit) > static_cast<double>(kDeadOpacity); }
 
 }  // namespace
 

@@ -4,13 +4,10 @@
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/train/constants.h"
 #include "oraclegs/train/train_view.h"
 
 namespace oraclegs {
-
-inline constexpr float kTrustedDepth = 0.5f;     ///< depth_mask above: the depth of this pixel is believed
-inline constexpr double kFloaterRatio = 1.1;     ///< 1/z more than this many times the depth's: before the surface
-inline constexpr double kAgreementRatio = 0.05;  ///< |z * inv_depth - 1| below: on the surface
 
 /// Lowers the opacity of every living Gaussian to below kDeadOpacity, so that RelocateDead moves it, whose centre lies
 /// before the surface in at least one view and in at least as many as it lies on the surface of. A view has a say where

@@ -13,18 +13,13 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kMaxOpacity = 1 - 0x1p-23;
-constexpr double kMinOpacity = 0.005;
 constexpr int64_t kGrain = 4096;
-
-double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
-double Logit(double p) { return std::log(p) - std::log1p(-p); }
 
 std::vector<double> Opacities(const Gaussians& gaussians) {
   std::vector<double> opacities(gaussians.size());
   const float* logits = gaussians.opacity_logits.data_ptr<float>();
   ParallelBlocks(gaussians.size(), kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) opacities[i] = Sigmoid(logits[i]);
+    for (int64_t i = begin; i < end; ++i) opacities[i] = OpacityOf(logits[i]);
   });
   return opacities;
 }
@@ -34,7 +29,7 @@ class WeightedDraw {
  public:
   /// Weights that are zero, negative or not a number are never drawn.
   WeightedDraw(const std::vector<double>& weights, uint64_t seed, RandomStream stream, int64_t iteration)
-      : seed_(seed), stream_(static_cast<uint64_t>(stream)), counter_(static_cast<uint64_t>(iteration) << 32) {
+      : seed_(seed), stream_(stream), counter_(static_cast<uint64_t>(iteration) << 32) {
     double sum = 0;
     for (size_t i = 0; i < weights.size(); ++i) {
       if (!(weights[i] > 0)) continue;
@@ -48,14 +43,15 @@ class WeightedDraw {
 
   /// The draw of this number; a pure function of seed, stream, iteration and number.
   int64_t operator()(int64_t number) const {
-    const Philox r = Philox::Draw(seed_, stream_, counter_ | static_cast<uint64_t>(number));
-    const double u = static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
+    const double u = DrawUniform(seed_, stream_, counter_ | static_cast<uint64_t>(number));
     const auto found = std::upper_bound(sums_.begin(), sums_.end(), u * sums_.back());
     return indices_[std::min<size_t>(found - sums_.begin(), sums_.size() - 1)];
   }
 
  private:
-  uint64_t seed_, stream_, counter_;
+  uint64_t seed_;
+  RandomStream stream_;
+  uint64_t counter_;
   std::vector<double> sums_;
   std::vector<int64_t> indices_;
 };
@@ -100,7 +96,7 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
     for (int64_t i = begin; i < end; ++i) {
       if (draws[i] == 0) continue;
       const Relocated relocated = Relocate(sharing.opacities[i], 1 + draws[i]);
-      logits[i] = static_cast<float>(Logit(relocated.opacity));
+      logits[i] = static_cast<float>(LogitOf(relocated.opacity));
       const double shrink = std::log(relocated.scale_ratio);
       for (int axis = 0; axis < 3; ++axis) log_scales[3 * i + axis] += static_cast<float>(shrink);
       ZeroRow(&adam->m, i);
@@ -111,20 +107,6 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
   ParallelBlocks(static_cast<int64_t>(sharing.sources.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) CopyRow(gaussians, sharing.sources[k], sharing.targets[k]);
   });
-}
-
-/// C(n, k) for n, k <= kMaxShare; exact in double.
-using BinomialTable = std::array<std::array<double, kMaxShare + 1>, kMaxShare + 1>;
-const BinomialTable& Binomials() {
-  static const BinomialTable table = [] {
-    BinomialTable t{};
-    for (int n = 0; n <= kMaxShare; ++n) {
-      t[n][0] = 1;
-      for (int k = 1; k <= n; ++k) t[n][k] = t[n - 1][k - 1] + t[n - 1][k];
-    }
-    return t;
-  }();
-  return table;
 }
 
 void CheckSizes(const char* who, const Gaussians& gaussians, const Adam& adam) {
@@ -139,19 +121,21 @@ void CheckSizes(const char* who, const Gaussians& gaussians, const Adam& adam) {
 
 }  // namespace
 
+const BinomialTable& Binomials() {
+  static const BinomialTable table = [] {
+    BinomialTable t{};
+    for (int n = 0; n <= kMaxShare; ++n) {
+      t[n][0] = 1;
+      for (int k = 1; k <= n; ++k) t[n][k] = t[n - 1][k - 1] + t[n - 1][k];
+    }
+    return t;
+  }();
+  return table;
+}
+
 Relocated Relocate(double opacity, int n) {
   n = std::clamp(n, 1, kMaxShare);
-  Relocated r;
-  r.opacity_unclamped = -std::expm1(std::log1p(-opacity) / n);
-  double sum = 0, power = 1;
-  for (int k = 0; k < n; ++k) {
-    power *= r.opacity_unclamped;
-    sum += Binomials()[n][k + 1] * (k % 2 ? -power : power) / std::sqrt(k + 1.0);
-  }
-  // The sum tends to the opacity where that tends to zero; there 0/0 stands for 1.
-  r.scale_ratio = opacity > 0 ? opacity / sum : 1;
-  r.opacity = std::clamp(r.opacity_unclamped, kMinOpacity, kMaxOpacity);
-  return r;
+  return RelocateBy(opacity, n, Binomials()[n].data());
 }
 
 int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Adam* adam) {

@@ -1,28 +1,22 @@
 #pragma once
 // 3DGS-MCMC (Kheradmand et al. 2024): relocation, growth, noise and regularisers (spec/gaussian_core.md 8).
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "oraclegs/train/adam.h"
+#include "oraclegs/train/train_math.h"
 
 namespace oraclegs {
 
-inline constexpr float kDeadOpacity = 0.005f;  ///< at or below: dead, relocated
-inline constexpr int kMaxShare = 51;           ///< n is clamped to this in 8.2
-/// A smaller gate counts as zero (opacity above about 0.28). The displacement is gate * 5e5 * lr * Sigma * epsilon, and
-/// 5e5 * lr is about 100 at most per unit of extent, so what is dropped is below 1e-9 of a Gaussian's own squared size:
-/// nothing next to the rounding of a float.
-inline constexpr float kMinNoiseGate = 1e-12f;
-
 /// New opacity (clamped to [0.005, 1 - 2^-23]) and scale ratio s_new / s of a source of opacity o shared by n
 /// Gaussians (8.2), in double.
-struct Relocated {
-  double opacity = 0;            ///< clamped
-  double opacity_unclamped = 0;  ///< what the scale was computed from
-  double scale_ratio = 0;
-};
 Relocated Relocate(double opacity, int n);
+
+/// C(n, k) for n, k <= kMaxShare; exact in double.
+using BinomialTable = std::array<std::array<double, kMaxShare + 1>, kMaxShare + 1>;
+const BinomialTable& Binomials();
 
 /// Moves dead Gaussians onto living ones drawn by opacity (8.1 step 1). Returns how many moved.
 int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Adam* adam);

@@ -21,10 +21,6 @@
 #define ORACLEGS_TRAIN_MCMC_NOISE_ONCE_
 namespace oraclegs {
 
-inline constexpr double kNoiseRate = 5e5;
-inline constexpr float kGateSlope = 100.f;
-inline constexpr float kExpLimit = 80.f;  // exp(80) is finite in float32, and nothing beyond it matters
-
 struct NoiseArrays {
   float* means;
   const float *log_scales, *quats, *logits;

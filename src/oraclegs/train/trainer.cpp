@@ -6,17 +6,12 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/scene/looked_at.h"
-#include "oraclegs/train/floaters.h"
-#include "oraclegs/train/mcmc.h"
-#include "oraclegs/train/opacity_factors.h"
-#include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr double kLossSmoothing = 0.9;  // share of the past in the loss that is shown
-constexpr int64_t kReportEvery = 100;   // iterations
+constexpr int64_t kReportEvery = 100;  // iterations
 constexpr double kReportSeconds = 0.5;
 
 /// Throws unless the options a checkpoint was saved with are these; names the first that differs.
@@ -45,23 +40,22 @@ void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
 }  // namespace
 
 struct Trainer::State {
-  State(const TrainOptions& train_options, uint64_t run_seed, std::array<float, 3> color, TrainingData data,
-        const Gaussians& start)
-      : options(train_options.Settled()),
-        seed(run_seed),
-        background(color),
-        view_loss(options, std::move(data)),
+  State(TrainSetup setup, const TrainDeviceMaker& make_device)
+      : options(setup.options.Settled()),
+        seed(setup.seed),
+        background(setup.background),
+        view_loss(options, std::move(setup.data)),
         extent(SpatialExtent(Cameras(view_loss.photographs()))),
-        gaussians(Clone(start)),
-        adam(start.size()),
-        sampler(run_seed, view_loss.num_photographs(), view_loss.num_proposals()),
-        rasterizer(MakeRasterizer(torch::kCPU)) {}
+        device(make_device({options, &view_loss, setup.start.size()})),
+        model(device->Upload({setup.start})),
+        sampler(seed, view_loss.num_photographs(), view_loss.num_proposals()) {}
 
+  Iteration NextIteration();
   Tensor OpacityFactors();
-  double BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree);
-  void Refine(double lr_means);
+  void Step();
   void TellWhatIsMissing(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations; }
+  /// Never the last iteration: refine_stop is at most 1.
   bool Refines(int64_t i) const {
     return i > options.refine_start && static_cast<double>(i) < options.refine_stop * options.iterations &&
            i % options.refine_every == 0;
@@ -73,23 +67,33 @@ struct Trainer::State {
   std::array<float, 3> background;
   ViewLoss view_loss;
   double extent;
+  std::unique_ptr<TrainDevice> device;
 
-  // What a checkpoint holds.
+  // What a checkpoint holds, with the exposure maps and the smoothed loss, which the device has.
   int64_t iteration = 0;
-  Gaussians gaussians;
-  Adam adam;
+  TrainedModel model;  // on the device
   ViewSampler sampler;
-  double seconds = 0, loss = 0;
+  double seconds = 0;
   nlohmann::json run_options;
   bool restored = false;
 
   // What is only reused.
-  std::unique_ptr<Rasterizer> rasterizer;
-  Regularizers regularizers;
-  Tensor opacity_factors;              // [N]
   TrainTimings last_timings, timings;  // of the last iteration; sums
   int64_t timed_since = 0;             // iteration
 };
+
+Iteration Trainer::State::NextIteration() {
+  Iteration next;
+  const int64_t i = next.number = iteration + 1;
+  next.seed = seed;
+  next.rates.ScaleAll(RateFactor(i, options.iterations, options.last_rates));
+  next.rates.means = MeansLearningRate(i, options.iterations, extent);
+  next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval), options.sh_degree);
+  next.view = sampler.Next(SyntheticProbability(i, options.iterations, options.Proposals()));
+  next.moves = !IsLast(i);
+  next.refines = Refines(i);
+  return next;
+}
 
 /// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
 /// model as it will be used.
@@ -97,43 +101,28 @@ Tensor Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
   const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
                                          IsLast(i) ? 0 : options.opacity_noise};
-  if (!perturbation.IsActive()) return {};
-  if (!opacity_factors.defined() || opacity_factors.numel() != gaussians.size()) {
-    opacity_factors = torch::empty({gaussians.size()}, torch::kFloat);
-  }
-  DrawOpacityFactors(perturbation, opacity_factors);
-  return opacity_factors;
+  return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Tensor();
 }
 
-/// Everything between the gradient of the image and the moved Gaussians, block by block: gradients are used up while
-/// they are in the cache. Returns the value of the regularisers. The last iteration moves nothing.
-double Trainer::State::BackwardAndStep(const RenderGrads& upstream, const LearningRates& rates, int sh_degree) {
-  const int64_t i = iteration + 1;
-  regularizers.Begin(gaussians, options.opacity_reg, options.scale_reg);
-  if (IsLast(i)) {
-    rasterizer->BackwardBlocks(gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
-      regularizers.AddTo(begin, end, grads);
-    });
-    return regularizers.Value();
-  }
-  const AdamStep step = adam.BeginStep(rates, sh_degree, &gaussians);
-  const MeansNoise noise{seed, i, rates.means};
-  const bool add_noise = !Refines(i);  // else it comes after relocation and growth
-  rasterizer->BackwardBlocks(gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
-    regularizers.AddTo(begin, end, grads);
-    step.Update(begin, end, grads);
-    if (add_noise) AddNoiseToBlock(noise, begin, end, &gaussians);
-  });
-  return regularizers.Value();
-}
-
-/// Never the last iteration: refine_stop is at most 1.
-void Trainer::State::Refine(double lr_means) {
-  const int64_t i = iteration + 1;
-  if (options.prune_floaters) PruneFloaters(view_loss.photographs(), &gaussians);
-  RelocateDead(seed, i, &gaussians, &adam);
-  AddGaussians(seed, i, options.max_gaussians, &gaussians, &adam);
-  AddNoise({seed, i, lr_means}, &gaussians);
+void Trainer::State::Step() {
+  Lap lap;
+  const Iteration next = NextIteration();
+  const TrainView& view = view_loss.View(next.view, next.number);
+  const RenderOptions render{background, next.sh_degree, options.antialiased, OpacityFactors()};
+  Rasterizer& rasterizer = device->rasterizer();
+  const RenderOutput out = rasterizer.Forward(model.gaussians, view.camera, render, RenderPass::kTrain);
+  last_timings = {};
+  double rendering = 0;  // the rasteriser times its own stages
+  lap.To(&rendering);
+  const RenderGrads upstream = device->LossOfView(next, out);
+  lap.To(&last_timings.loss);
+  device->BackwardAndStep(next, upstream, &model);
+  last_timings.render = device->TimingsSoFar();
+  lap.To(&rendering);
+  if (next.refines) device->Refine(next, &model);
+  lap.To(&last_timings.refine);
+  timings.Add(last_timings);
+  iteration = next.number;
 }
 
 void Trainer::State::TellWhatIsMissing(const Listener& listener) const {
@@ -152,11 +141,15 @@ void Trainer::State::TellWhatIsMissing(const Listener& listener) const {
 }
 
 Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, TrainingData data,
-                 Gaussians start) {
-  CheckOptions(options);
-  start.Check("Trainer");
-  if (start.size() == 0) throw UsageError("there is no Gaussian to start from");
-  state_ = std::make_unique<State>(options, seed, background, std::move(data), start);
+                 Gaussians start)
+    : Trainer({options, seed, background, std::move(data), std::move(start)},
+              [](const TrainDeviceSetup& setup) { return MakeTrainDevice(torch::kCPU, setup); }) {}
+
+Trainer::Trainer(TrainSetup setup, const TrainDeviceMaker& make_device) {
+  CheckOptions(setup.options);
+  setup.start.Check("Trainer");
+  if (setup.start.size() == 0) throw UsageError("there is no Gaussian to start from");
+  state_ = std::make_unique<State>(std::move(setup), make_device);
 }
 
 Trainer::~Trainer() = default;
@@ -174,14 +167,12 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
                      checkpoint.adam.v.size());
   }
   s.sampler.Restore(checkpoint.sampler);
-  if (Exposures* exposures = s.view_loss.exposures()) exposures->Restore(checkpoint.exposures);
+  s.device->RestoreExposures(checkpoint.exposures);
+  s.device->RestoreLoss(checkpoint.loss);
   s.iteration = checkpoint.iteration;
-  s.gaussians = Clone(checkpoint.gaussians);
-  s.adam.m = Clone(checkpoint.adam.m);
-  s.adam.v = Clone(checkpoint.adam.v);
-  s.adam.step = checkpoint.adam.step;
+  s.model = {};  // first, so that two are never held at once
+  s.model = s.device->Upload({checkpoint.gaussians, checkpoint.adam});
   s.seconds = checkpoint.seconds;
-  s.loss = checkpoint.loss;
   s.run_options = checkpoint.options;
   s.restored = true;
   s.timings = {};
@@ -189,33 +180,8 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
 }
 
 double Trainer::Step() {
-  State& s = *state_;
-  const int64_t i = s.iteration + 1;
-  Lap lap;
-  LearningRates rates;
-  rates.ScaleAll(RateFactor(i, s.options.iterations, s.options.last_rates));
-  rates.means = MeansLearningRate(i, s.options.iterations, s.extent);
-  const int degree = std::min(ActiveShDegree(i, s.options.sh_degree_interval), s.options.sh_degree);
-  const SampledView sampled = s.sampler.Next(SyntheticProbability(i, s.options.iterations, s.options.Proposals()));
-  const TrainView& view = s.view_loss.View(sampled, i);
-
-  const RenderOptions render{s.background, degree, s.options.antialiased, s.OpacityFactors()};
-  const RenderOutput out = s.rasterizer->Forward(s.gaussians, view.camera, render, RenderPass::kTrain);
-  TrainTimings& timings = s.last_timings = {};
-  double rendering = 0;  // the rasteriser times its own stages
-  lap.To(&rendering);
-  const ViewLossResult of_view = s.view_loss(sampled, i, out);
-  lap.To(&timings.loss);
-  const double loss = of_view.loss + s.BackwardAndStep(of_view.grads, rates, degree);
-  RequireFinite(loss, i, view);
-  timings.render = s.rasterizer->timings();
-  lap.To(&rendering);
-  if (s.Refines(i)) s.Refine(rates.means);
-  lap.To(&timings.refine);
-  s.timings.Add(timings);
-  s.iteration = i;
-  s.loss = i == 1 ? loss : kLossSmoothing * s.loss + (1 - kLossSmoothing) * loss;
-  return loss;
+  state_->Step();
+  return state_->device->Loss().last;
 }
 
 TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listener) {
@@ -229,7 +195,8 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   const double seconds_before = s.seconds;
   const Stopwatch watch;
   const auto save = [&] {
-    CheckFinite(s.gaussians, s.iteration);
+    s.device->Loss();  // throws before anything that has diverged is written
+    CheckFinite(s.model.gaussians, s.iteration);
     WriteCheckpoint(CheckpointPath(policy.dir, s.iteration), MakeCheckpoint());
     RemoveOldCheckpoints(policy.dir, s.iteration);
   };
@@ -245,27 +212,27 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
                       "continue",
                       s.iteration, total, CheckpointPath(policy.dir, s.iteration).string()));
     }
-    Step();
+    s.Step();
     s.seconds = seconds_before + watch.Seconds();
     if (!policy.dir.empty() && policy.every > 0 && s.iteration % policy.every == 0) save();
     if (s.iteration - reported >= kReportEvery || since_report.Seconds() >= kReportSeconds || s.iteration == total) {
       reported = s.iteration;
       since_report = Stopwatch();
       listener(StepDone{"train", s.iteration, total, "iterations",
-                        fmt::format("loss {:.4f}, {} Gaussians", s.loss, s.gaussians.size())});
+                        fmt::format("loss {:.4f}, {} Gaussians", s.device->Loss().smoothed, s.model.gaussians.size())});
     }
   }
-  CheckFinite(s.gaussians, s.iteration);
+  s.device->Loss();  // waits
+  CheckFinite(s.model.gaussians, s.iteration);
   s.timings.total = watch.Seconds() * 1000;
   return {s.iteration, s.seconds, s.iteration - s.timed_since, MeanTimings()};
 }
 
-const Gaussians& Trainer::gaussians() const { return state_->gaussians; }
+const Gaussians& Trainer::gaussians() const { return state_->model.gaussians; }
 
 Tensor Trainer::exposures() const {
-  const Exposures* exposures = std::as_const(state_->view_loss).exposures();
-  if (exposures == nullptr) return {};
-  const std::vector<ExposureMap>& maps = exposures->maps();
+  const std::vector<ExposureMap> maps = state_->device->exposures().maps;
+  if (maps.empty()) return {};
   Tensor result = torch::empty({static_cast<int64_t>(maps.size()), 3, 4}, torch::kFloat);
   std::memcpy(result.data_ptr<float>(), maps.data(), maps.size() * sizeof(ExposureMap));
   return result;
@@ -275,22 +242,25 @@ int64_t Trainer::iteration() const { return state_->iteration; }
 
 TrainTimings Trainer::MeanTimings() const { return state_->timings.Mean(state_->iteration - state_->timed_since); }
 
-TrainTimings Trainer::LastTimings() const { return state_->last_timings; }
+TrainTimings Trainer::LastTimings() const {
+  TrainTimings last = state_->last_timings;
+  last.render = state_->device->rasterizer().timings();
+  return last;
+}
 
-RenderStats Trainer::LastStats() const { return state_->rasterizer->stats(); }
+RenderStats Trainer::LastStats() const { return state_->device->rasterizer().stats(); }
 
 Checkpoint Trainer::MakeCheckpoint() const {
   const State& s = *state_;
   Checkpoint checkpoint;
   checkpoint.iteration = s.iteration;
-  checkpoint.gaussians = Clone(s.gaussians);
-  checkpoint.adam.m = Clone(s.adam.m);
-  checkpoint.adam.v = Clone(s.adam.v);
-  checkpoint.adam.step = s.adam.step;
+  TrainedModel model = s.device->Download(s.model);
+  checkpoint.gaussians = std::move(model.gaussians);
+  checkpoint.adam = std::move(model.adam);
   checkpoint.sampler = s.sampler.state();
-  if (const Exposures* exposures = s.view_loss.exposures()) checkpoint.exposures = exposures->state();
+  checkpoint.exposures = s.device->exposures();
   checkpoint.seconds = s.seconds;
-  checkpoint.loss = s.loss;
+  checkpoint.loss = s.device->Loss().smoothed;
   checkpoint.options = s.run_options;
   return checkpoint;
 }

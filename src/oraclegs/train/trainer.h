@@ -10,6 +10,7 @@
 #include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/options.h"
 #include "oraclegs/train/timings.h"
+#include "oraclegs/train/train_device.h"
 #include "oraclegs/train/train_view.h"
 #include "oraclegs/train/view_loss.h"
 
@@ -29,15 +30,26 @@ struct CheckpointPolicy {
   nlohmann::json options;  ///< stored, compared on resume
 };
 
+/// What a run starts from.
+struct TrainSetup {
+  TrainOptions options;
+  uint64_t seed = 0;
+  std::array<float, 3> background{};
+  TrainingData data;
+  Gaussians start;  ///< on the CPU
+};
+
 /// 3DGS-MCMC on photographs, on proposals as often as the schedule says, and on depth where a view has it. One
 /// iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step -> relocate, add -> noise.
 /// Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes neither a step nor noise.
 /// The loss is the view's (train/view_loss.h) and the regularisers.
 class Trainer {
  public:
-  /// Throws ShapeError / UsageError before any work.
+  /// On the CPU. Throws ShapeError / UsageError before any work.
   Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, TrainingData data,
           Gaussians start);
+  /// On the device that `make_device` makes; also throws RunError when its memory does not suffice.
+  Trainer(TrainSetup setup, const TrainDeviceMaker& make_device);
   ~Trainer();
 
   /// Continues from here instead of from the start. Throws InputError when it does not fit, also when it is of another
@@ -51,13 +63,15 @@ class Trainer {
   /// One iteration; returns the loss. For tests and benchmarks.
   double Step();
 
+  /// On the device of the training.
   const Gaussians& gaussians() const;
   int64_t iteration() const;
   /// [V,3,4], what turns a render into each photograph's colours; undefined unless the exposure is trained.
   Tensor exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;
-  /// Of the last iteration alone; without `total`.
+  /// Of the last iteration alone; without `total`. On a GPU waits for it, and `loss` and `refine` are what sending the
+  /// work took; MeanTimings has only these and `total` there.
   TrainTimings LastTimings() const;
   RenderStats LastStats() const;
   Checkpoint MakeCheckpoint() const;

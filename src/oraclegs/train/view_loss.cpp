@@ -64,9 +64,17 @@ ViewLoss::ViewLoss(const TrainOptions& options, TrainingData data)
 }
 
 const TrainView& ViewLoss::View(const SampledView& sampled, int64_t iteration) const {
-  const bool coarse = iteration <= coarse_iterations_;
-  if (sampled.kind == ViewKind::kProposal) return (coarse ? half_proposals_ : proposals_)[sampled.index];
-  return (coarse ? half_photographs_ : photographs_)[sampled.index];
+  return Views(sampled.kind, IsCoarse(iteration))[sampled.index];
+}
+
+const std::vector<TrainView>& ViewLoss::Views(ViewKind kind, bool coarse) const {
+  if (kind == ViewKind::kProposal) return coarse ? half_proposals_ : proposals_;
+  return coarse ? half_photographs_ : photographs_;
+}
+
+double ViewLoss::DepthTermWeight(ViewKind kind, int64_t iteration) const {
+  const double weight = depth_scale_ * (kind == ViewKind::kProposal ? options_.proposal_weight : 1);
+  return weight * DepthWeight(iteration, options_.iterations);
 }
 
 ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out) {
@@ -76,9 +84,7 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
   result.grads.image = grad_image_.Get({view.camera.height, view.camera.width, 3});
   result.loss = is_proposal ? objective_.Proposal(out.image, view.image, view.confidence, &result.grads.image)
                             : PhotographLoss(sampled.index, iteration, out.image, &result.grads.image);
-  const double weight = depth_scale_ * (is_proposal ? options_.proposal_weight : 1);
-  result.loss +=
-      DepthTerm(view, weight * DepthWeight(iteration, options_.iterations), out.inv_depth, &result.grads.inv_depth);
+  result.loss += DepthTerm(view, DepthTermWeight(sampled.kind, iteration), out.inv_depth, &result.grads.inv_depth);
   RequireFinite(result.loss, iteration, view);
   return result;
 }

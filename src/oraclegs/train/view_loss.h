@@ -51,6 +51,13 @@ class ViewLoss {
   ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out);
 
   const std::vector<TrainView>& photographs() const { return photographs_; }
+  /// All views of a kind, at full size or as the coarse iterations see them; none of those without such iterations.
+  const std::vector<TrainView>& Views(ViewKind kind, bool coarse) const;
+  bool IsCoarse(int64_t iteration) const { return iteration <= coarse_iterations_; }
+  /// Weight of mean(|inv_depth - rendered| depth_mask).
+  double DepthTermWeight(ViewKind kind, int64_t iteration) const;
+  const Objective& objective() const { return objective_; }
+  const TrainOptions& options() const { return options_; }
   int num_photographs() const { return static_cast<int>(photographs_.size()); }
   int num_proposals() const { return static_cast<int>(proposals_.size()); }
   bool has_lpips() const { return objective_.has_lpips(); }

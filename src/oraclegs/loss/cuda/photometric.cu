@@ -1,0 +1,207 @@
+// Two passes over tiles of 32 x 16 pixels, a channel at a time: the statistics of every window and the slopes of the
+// loss by them; then the window over those slopes. A tile and its halo lie in shared memory. The window goes along the
+// rows first, four columns to a thread (14 reads serve 44 multiplications), then down the columns, two rows to a
+// thread.
+
+#include "oraclegs/loss/cuda/photometric.h"
+
+#include "oraclegs/core/cuda/launch.h"
+#include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/loss/ssim_window.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr int kTileWidth = kPhotometricTileWidth, kTileHeight = kPhotometricTileHeight;
+constexpr int kHaloRows = kTileHeight + 2 * kSsimRadius, kHaloColumns = kTileWidth + 2 * kSsimRadius;
+constexpr int kHaloStride = 43;     // coprime to 32 in such a way that the four rows a warp reads share no bank
+constexpr int kColumnsAThread = 4;  // of the horizontal window
+constexpr int kRowsAThread = 2;     // of the vertical window
+constexpr int kRunsARow = kTileWidth / kColumnsAThread;
+static_assert(kSumThreads == kTileWidth * kTileHeight / kRowsAThread);
+static_assert(kHaloRows * kRunsARow <= kSumThreads);
+
+/// Weight k of the window; a constant once the loops are unrolled.
+__device__ float SsimTap(int k) {
+  constexpr float kHalf[kSsimRadius + 1] = {static_cast<float>(kSsimWindow[0]), static_cast<float>(kSsimWindow[1]),
+                                            static_cast<float>(kSsimWindow[2]), static_cast<float>(kSsimWindow[3]),
+                                            static_cast<float>(kSsimWindow[4]), static_cast<float>(kSsimWindow[5])};
+  return kHalf[k < kSsimRadius ? kSsimRadius - k : k - kSsimRadius];
+}
+
+/// One channel of a tile with its halo; row 0, column 0 is pixel (x0 - radius, y0 - radius).
+using HaloPlane = float[kHaloRows][kHaloStride];
+/// The same after the horizontal window: only the tile's own columns.
+using RowsPlane = float[kHaloRows][kTileWidth];
+
+/// Render and target of a pixel's channel; zero outside the picture.
+__device__ void LoadPixel(const PhotometricInput& in, int x, int y, int channel, float* render, float* target) {
+  *render = *target = 0;
+  if (x < 0 || y < 0 || x >= in.width || y >= in.height) return;
+  const int64_t pixel = static_cast<int64_t>(y) * in.width + x;
+  *target = in.target.At(3 * pixel + channel);
+  const bool hidden = in.meaning == MaskMeaning::kMask && in.confidence.is_there() && !(in.confidence.At(pixel) > 0);
+  *render = hidden ? *target : in.render[3 * pixel + channel];
+}
+
+/// The window along kColumnsAThread neighbouring columns.
+__device__ void FilterRun(const float* in, float* out) {
+  float window[kColumnsAThread + kSsimTaps - 1];
+  for (int k = 0; k < kColumnsAThread + kSsimTaps - 1; ++k) window[k] = in[k];
+#pragma unroll
+  for (int i = 0; i < kColumnsAThread; ++i) {
+    float sum = 0;
+#pragma unroll
+    for (int k = 0; k < kSsimTaps; ++k) sum += SsimTap(k) * window[i + k];
+    out[i] = sum;
+  }
+}
+
+/// The window down one column, kRowsAThread rows from `row` on.
+__device__ void FilterColumn(const RowsPlane& in, int row, int column, float* out) {
+  for (int r = 0; r < kRowsAThread; ++r) out[r] = 0;
+#pragma unroll
+  for (int n = 0; n < kRowsAThread + kSsimTaps - 1; ++n) {
+    const float value = in[row + n][column];
+#pragma unroll
+    for (int r = 0; r < kRowsAThread; ++r) {
+      const int k = n - r;
+      if (k >= 0 && k < kSsimTaps) out[r] += SsimTap(k) * value;
+    }
+  }
+}
+
+/// Means and second moments of a window. The SSIM needs both variances only as a sum.
+struct SsimMoments {
+  float x, y, squares, product;
+};
+
+/// S of a window, and its derivatives by the filtered render, squares and product.
+struct SsimSlopes {
+  float ssim, mean, variance, covariance;
+};
+
+__device__ SsimSlopes EvaluateSsim(const SsimMoments& m) {
+  const float mxy = m.x * m.y, mm = m.x * m.x + m.y * m.y;
+  const float p = 2 * mxy + kSsimC1, q = 2 * (m.product - mxy) + kSsimC2;
+  const float spread = m.squares - mm;
+  const float a = mm + kSsimC1, b = (spread > 0 ? spread : 0.f) + kSsimC2;
+  const float inv_ab = 1 / (a * b);
+  const float ssim = p * q * inv_ab;
+  // 1/b - 1/a = (a - b) / (a b), and 1/b = a / (a b): one division serves all.
+  const float by_my = m.y * (q - p) * inv_ab, by_mx = m.x * ssim * ((a - b) * inv_ab);
+  return {ssim, by_my + by_mx, -ssim * a * inv_ab, p * inv_ab};
+}
+
+/// First pass: the sums of the tile, and the slopes where they are asked for.
+__global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out) {
+  __shared__ HaloPlane render, target;
+  __shared__ RowsPlane rows[4];
+  __shared__ double sums[kSumThreads];
+  const int thread = static_cast<int>(threadIdx.x);
+  const int columns = (in.width + kTileWidth - 1) / kTileWidth;
+  const int x0 = static_cast<int>(blockIdx.x) % columns * kTileWidth;
+  const int y0 = static_cast<int>(blockIdx.x) / columns * kTileHeight;
+  const int column = thread % kTileWidth, row = thread / kTileWidth * kRowsAThread;
+  const int x = x0 + column;
+  const int64_t pixels = static_cast<int64_t>(in.width) * in.height;
+  double l1 = 0, dssim = 0;
+  for (int channel = 0; channel < 3; ++channel) {
+    for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
+      const int r = i / kHaloColumns, c = i % kHaloColumns;
+      LoadPixel(in, x0 + c - kSsimRadius, y0 + r - kSsimRadius, channel, &render[r][c], &target[r][c]);
+    }
+    __syncthreads();
+    if (thread < kHaloRows * kRunsARow) {
+      const int r = thread / kRunsARow, c = thread % kRunsARow * kColumnsAThread;
+      FilterRun(&render[r][c], &rows[0][r][c]);
+      FilterRun(&target[r][c], &rows[1][r][c]);
+      float squares[kColumnsAThread + kSsimTaps - 1], products[kColumnsAThread + kSsimTaps - 1];
+      for (int k = 0; k < kColumnsAThread + kSsimTaps - 1; ++k) {
+        const float a = render[r][c + k], b = target[r][c + k];
+        squares[k] = a * a + b * b;
+        products[k] = a * b;
+      }
+      FilterRun(squares, &rows[2][r][c]);
+      FilterRun(products, &rows[3][r][c]);
+    }
+    __syncthreads();
+    float filtered[4][kRowsAThread];
+    for (int plane = 0; plane < 4; ++plane) FilterColumn(rows[plane], row, column, filtered[plane]);
+    for (int r = 0; r < kRowsAThread; ++r) {
+      const int y = y0 + row + r;
+      if (x >= in.width || y >= in.height) continue;
+      const int64_t pixel = static_cast<int64_t>(y) * in.width + x;
+      const float u = in.confidence.is_there() ? in.confidence.At(pixel) : 1.f;
+      const SsimSlopes s = EvaluateSsim({filtered[0][r], filtered[1][r], filtered[2][r], filtered[3][r]});
+      const float away =
+          render[row + r + kSsimRadius][column + kSsimRadius] - target[row + r + kSsimRadius][column + kSsimRadius];
+      l1 += static_cast<double>((away < 0 ? -away : away) * u);
+      dssim += static_cast<double>((1 - s.ssim) * u);
+      if (out.slopes == nullptr) continue;
+      const float g = -2 * in.dssim_scale * u;
+      float* to = out.slopes + 3 * channel * pixels + pixel;
+      to[0] = g * s.mean;
+      to[pixels] = g * s.variance;
+      to[2 * pixels] = g * s.covariance;
+    }
+    __syncthreads();
+  }
+  l1 = BlockSum(l1, thread, sums);
+  dssim = BlockSum(dssim, thread, sums);
+  if (thread == 0) out.sums[blockIdx.x] = {l1, dssim};
+}
+
+/// Second pass: dL/d(render) = window(mean) + render * window(variance) + target * window(covariance) + L1's.
+__global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) {
+  __shared__ HaloPlane slopes[3];
+  __shared__ RowsPlane rows[3];
+  const int thread = static_cast<int>(threadIdx.x);
+  const int columns = (in.width + kTileWidth - 1) / kTileWidth;
+  const int x0 = static_cast<int>(blockIdx.x) % columns * kTileWidth;
+  const int y0 = static_cast<int>(blockIdx.x) / columns * kTileHeight;
+  const int column = thread % kTileWidth, row = thread / kTileWidth * kRowsAThread;
+  const int x = x0 + column;
+  const int64_t pixels = static_cast<int64_t>(in.width) * in.height;
+  for (int channel = 0; channel < 3; ++channel) {
+    const float* from = out.slopes + 3 * channel * pixels;
+    for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
+      const int r = i / kHaloColumns, c = i % kHaloColumns;
+      const int px = x0 + c - kSsimRadius, py = y0 + r - kSsimRadius;
+      const bool inside = px >= 0 && py >= 0 && px < in.width && py < in.height;
+      const int64_t pixel = static_cast<int64_t>(py) * in.width + px;
+      for (int k = 0; k < 3; ++k) slopes[k][r][c] = inside ? from[k * pixels + pixel] : 0.f;
+    }
+    __syncthreads();
+    if (thread < kHaloRows * kRunsARow) {
+      const int r = thread / kRunsARow, c = thread % kRunsARow * kColumnsAThread;
+      for (int k = 0; k < 3; ++k) FilterRun(&slopes[k][r][c], &rows[k][r][c]);
+    }
+    __syncthreads();
+    float filtered[3][kRowsAThread];
+    for (int k = 0; k < 3; ++k) FilterColumn(rows[k], row, column, filtered[k]);
+    for (int r = 0; r < kRowsAThread; ++r) {
+      const int y = y0 + row + r;
+      if (x >= in.width || y >= in.height) continue;
+      const int64_t pixel = static_cast<int64_t>(y) * in.width + x;
+      float a, b;
+      LoadPixel(in, x, y, channel, &a, &b);
+      const float u = in.confidence.is_there() ? in.confidence.At(pixel) : 1.f;
+      const float l1 = in.l1_scale * u * (static_cast<float>(a > b) - static_cast<float>(a < b));
+      const float g = filtered[0][r] + l1 + b * filtered[2][r] + a * filtered[1][r];
+      const bool hidden = in.meaning == MaskMeaning::kMask && !(u > 0);
+      out.grad[3 * pixel + channel] = hidden ? 0.f : g;
+    }
+    __syncthreads();  // the next channel overwrites the planes
+  }
+}
+
+}  // namespace
+
+void RunPhotometric(const PhotometricInput& in, const PhotometricOutput& out, cudaStream_t stream) {
+  const LaunchShape shape{PhotometricTiles(in.width, in.height), kSumThreads};
+  Launch("the SSIM's statistics", PhotometricStatistics, shape, stream, in, out);
+  if (out.grad != nullptr) Launch("the gradient of the image", PhotometricGradient, shape, stream, in, out);
+}
+
+}  // namespace oraclegs::cuda

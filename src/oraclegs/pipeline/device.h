@@ -1,0 +1,28 @@
+#pragma once
+// What --device asks for, and what there is.
+
+#include <torch/types.h>
+
+#include <string>
+
+#include "oraclegs/core/progress.h"
+
+namespace oraclegs {
+
+/// What of a GPU this program can use.
+struct DeviceSupport {
+  bool built = false;       ///< the program was compiled with CUDA
+  bool torch_cuda = false;  ///< its libtorch too
+  int devices = 0;          ///< NVIDIA GPUs whose driver answers
+};
+
+DeviceSupport ProbeDevices();
+
+/// The device that `text` names: auto (cuda:0 where it can be used, else the CPU), cpu, cuda, cuda:N. Throws UsageError
+/// for any other text, and when a GPU is asked for that cannot be used: the CPU never stands in silently.
+torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support);
+
+/// Says on which GPU is computed; nothing of the CPU.
+void TellDevice(torch::Device device, const Listener& listener);
+
+}  // namespace oraclegs

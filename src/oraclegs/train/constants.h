@@ -1,0 +1,38 @@
+#pragma once
+// Numbers of the training that every device shares. Free of libtorch, for device code.
+
+namespace oraclegs {
+
+// Adam of the Gaussians (spec/gaussian_core.md 8) and, but for epsilon, of the exposure maps.
+inline constexpr double kAdamBeta1 = 0.9, kAdamBeta2 = 0.999;
+inline constexpr double kAdamEpsilon = 1e-15;
+/// Moments below become zero. Those of a Gaussian that no view sees any more decay into the subnormal numbers and would
+/// stay there, which is slow on many processors; zero in their place moves no parameter, epsilon is far above.
+inline constexpr float kSmallestMoment = 1.17549435e-38f;
+/// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photograph says anything its loss is
+/// steeper by orders of magnitude (a gain that is wrong by 0.2 costs about 0.05, to keep it costs 2e-4); what it says
+/// nothing about, say the mixing of channels in a grey picture, stays where it was.
+inline constexpr double kExposurePull = 0.01;
+
+inline constexpr double kExposureEpsilon = 1e-8;
+/// A mean of exposure maps of a smaller determinant has no way back to the identity.
+inline constexpr double kMinExposureDeterminant = 1e-6;
+
+inline constexpr float kDeadOpacity = 0.005f;                            ///< at or below: dead, relocated
+inline constexpr int kMaxShare = 51;                                     ///< n is clamped to this in 8.2
+inline constexpr double kMaxOpacity = 1 - 0x1p-23, kMinOpacity = 0.005;  ///< of a Gaussian that was shared
+
+inline constexpr double kNoiseRate = 5e5;
+inline constexpr float kGateSlope = 100.f;
+/// A smaller gate counts as zero (opacity above about 0.28). The displacement is gate * 5e5 * lr * Sigma * epsilon, and
+/// 5e5 * lr is about 100 at most per unit of extent, so what is dropped is below 1e-9 of a Gaussian's own squared size:
+/// nothing next to the rounding of a float.
+inline constexpr float kMinNoiseGate = 1e-12f;
+inline constexpr float kExpLimit = 80.f;  ///< exp(80) is finite in float32, and nothing beyond it matters
+
+inline constexpr float kTrustedDepth = 0.5f;     ///< depth_mask above: the depth of this pixel is believed
+inline constexpr double kFloaterRatio = 1.1;     ///< 1/z more than this many times the depth's: before the surface
+inline constexpr double kAgreementRatio = 0.05;  ///< |z * inv_depth - 1| below: on the surface
+inline constexpr float kPrunedLogit = -6.9f;     ///< opacity 0.001: dead
+
+}  // namespace oraclegs

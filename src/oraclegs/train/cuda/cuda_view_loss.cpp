@@ -1,0 +1,246 @@
+#include "oraclegs/train/cuda/cuda_view_loss.h"
+
+#include <algorithm>
+
+#include "oraclegs/loss/cuda/depth.h"
+#include "oraclegs/train/packed_picture.h"
+#include "oraclegs/train/schedule.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr cudaStream_t kStream = nullptr;  // libtorch's too
+
+constexpr ViewKind kKinds[] = {ViewKind::kPhotograph, ViewKind::kProposal};
+
+DeviceViewPictures Pack(const TrainView& view) {
+  return {Packed(view.image), Packed(view.confidence), view.inv_depth, Packed(view.depth_mask),
+          MeanConfidence(view.confidence)};
+}
+
+DeviceImage ImageOf(const Tensor& picture) {
+  if (!picture.defined()) return {};
+  return {picture.data_ptr(), picture.scalar_type() == torch::kByte};
+}
+
+Tensor View(const Tensor& buffer, std::initializer_list<int64_t> shape) {
+  int64_t count = 1;
+  for (const int64_t size : shape) count *= size;
+  return buffer.narrow(0, 0, count).view(shape);
+}
+
+void UploadMaps(const std::vector<ExposureMap>& maps, DeviceArray<float>* to) {
+  to->Upload(maps.data()->data(), kExposureNumbers * static_cast<int64_t>(maps.size()));
+}
+
+std::vector<ExposureMap> DownloadMaps(const DeviceArray<float>& from, int views) {
+  std::vector<ExposureMap> maps(static_cast<size_t>(views));
+  if (views > 0) from.Download(kExposureNumbers * static_cast<int64_t>(views), maps.data()->data());
+  return maps;
+}
+
+}  // namespace
+
+int64_t DeviceViewPictures::bytes() const {
+  int64_t sum = 0;
+  for (const Tensor& t : {image, confidence, inv_depth, depth_mask}) {
+    if (t.defined()) sum += t.numel() * static_cast<int64_t>(t.element_size());
+  }
+  return sum;
+}
+
+DeviceViews::DeviceViews(const ViewLoss& view_loss) {
+  for (const ViewKind kind : kKinds) {
+    for (const bool coarse : {false, true}) {
+      for (const TrainView& view : view_loss.Views(kind, coarse)) {
+        groups_[static_cast<int>(kind)][coarse].push_back(Pack(view));
+      }
+    }
+  }
+}
+
+void DeviceViews::MoveTo(torch::Device device) {
+  for (auto& kind : groups_) {
+    for (auto& group : kind) {
+      for (DeviceViewPictures& view : group) {
+        for (Tensor* t : {&view.image, &view.confidence, &view.inv_depth, &view.depth_mask}) {
+          if (t->defined()) *t = t->to(device).contiguous();
+        }
+      }
+    }
+  }
+}
+
+const DeviceViewPictures& DeviceViews::At(const SampledView& view, bool coarse) const {
+  return groups_[static_cast<int>(view.kind)][coarse][static_cast<size_t>(view.index)];
+}
+
+std::vector<DepthView> DeviceViews::DepthViews(const std::vector<TrainView>& photographs) const {
+  std::vector<DepthView> views;
+  for (size_t i = 0; i < photographs.size(); ++i) {
+    const DeviceViewPictures& pictures = groups_[static_cast<int>(ViewKind::kPhotograph)][false][i];
+    if (!pictures.inv_depth.defined()) continue;
+    const Camera& camera = photographs[i].camera;
+    DepthView view{};
+    const Eigen::Matrix4d pose = camera.cam_from_world.matrix();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) view.cam_from_world[4 * row + column] = pose(row, column);
+    }
+    view.fx = camera.fx, view.fy = camera.fy, view.cx = camera.cx, view.cy = camera.cy;
+    view.width = camera.width, view.height = camera.height;
+    view.inv_depth = pictures.inv_depth.data_ptr<float>();
+    view.depth_mask = ImageOf(pictures.depth_mask);
+    views.push_back(view);
+  }
+  return views;
+}
+
+int64_t DeviceViews::bytes() const {
+  int64_t sum = 0;
+  for (const auto& kind : groups_) {
+    for (const auto& group : kind) {
+      for (const DeviceViewPictures& view : group) sum += view.bytes();
+    }
+  }
+  return sum;
+}
+
+LargestView LargestOf(const ViewLoss& view_loss) {
+  LargestView largest;
+  for (const ViewKind kind : kKinds) {
+    for (const TrainView& view : view_loss.Views(kind, false)) {
+      largest.pixels = std::max(largest.pixels, int64_t{view.camera.width} * view.camera.height);
+      largest.tiles = std::max(largest.tiles, PhotometricTiles(view.camera.width, view.camera.height));
+    }
+  }
+  return largest;
+}
+
+CudaViewLoss::CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, torch::Device device)
+    : view_loss_(view_loss), views_(std::move(views)), iterations_(view_loss.options().iterations) {
+  const auto floats = torch::TensorOptions().dtype(torch::kFloat).device(device);
+  const auto [pixels, tiles] = LargestOf(view_loss);
+  grad_image_ = torch::empty({3 * pixels}, floats);
+  grad_inv_depth_ = torch::empty({pixels}, floats);
+  slopes_.ReserveExactly(9 * pixels);
+  photometric_sums_.ReserveExactly(tiles);
+  depth_sums_.ReserveExactly(DepthBlocks(pixels));
+  if (view_loss.exposures() == nullptr) return;
+  shown_ = torch::empty({3 * pixels}, floats);
+  exposure_sums_.ReserveExactly(kExposureNumbers * ExposureBlocks(pixels));
+  pull_.ReserveExactly(1);
+  const ExposureState& start = view_loss.exposures()->state();
+  rows_.views = static_cast<int>(start.maps.size());
+  RestoreExposures(start);
+}
+
+RenderGrads CudaViewLoss::operator()(const Iteration& iteration, const RenderOutput& out, LossTerms* terms) {
+  const int64_t height = out.image.size(0), width = out.image.size(1);
+  Tensor image = out.image;
+  if (HasExposure(iteration)) {
+    image = View(shown_, {height, width, 3});
+    ExposurePixels in;
+    in.pixels = height * width;
+    in.map = rows_.maps + kExposureNumbers * iteration.view.index;
+    in.image = out.image.data_ptr<float>();
+    in.shown = image.data_ptr<float>();
+    RunExposureApply(in, kStream);
+  }
+  AddPhotometric(iteration, image, terms);
+  if (HasExposure(iteration)) StepExposure(iteration, out.image, terms);
+  AddLpips(iteration, out.image, terms);
+  RenderGrads grads;
+  grads.image = View(grad_image_, {height, width, 3});
+  grads.inv_depth = AddDepth(iteration, out.inv_depth, terms);
+  return grads;
+}
+
+void CudaViewLoss::AddPhotometric(const Iteration& iteration, const Tensor& image, LossTerms* terms) {
+  const DeviceViewPictures& pictures = Pictures(iteration);
+  const bool is_proposal = iteration.view.kind == ViewKind::kProposal;
+  const Objective& objective = view_loss_.objective();
+  const PhotometricWeights weights = is_proposal ? objective.ProposalWeights() : objective.PhotographWeights();
+  PhotometricInput in;
+  in.height = static_cast<int>(image.size(0));
+  in.width = static_cast<int>(image.size(1));
+  in.render = image.data_ptr<float>();
+  in.target = ImageOf(pictures.image);
+  in.confidence = ImageOf(pictures.confidence);
+  in.meaning = is_proposal ? MaskMeaning::kConfidence : MaskMeaning::kMask;
+  const double entries = 3.0 * in.width * in.height;
+  in.l1_scale = static_cast<float>(weights.l1 / entries);
+  in.dssim_scale = static_cast<float>(weights.dssim / entries);
+  const int64_t tiles = PhotometricTiles(in.width, in.height);
+  RunPhotometric(in, {photometric_sums_.data(), slopes_.data(), grad_image_.data_ptr<float>()}, kStream);
+  const PhotometricSums* sums = photometric_sums_.data();
+  terms->Add({&sums->l1, tiles, 2, static_cast<double>(weights.l1) / entries});
+  terms->Add({&sums->dssim, tiles, 2, static_cast<double>(weights.dssim) / entries});
+}
+
+void CudaViewLoss::StepExposure(const Iteration& iteration, const Tensor& image, LossTerms* terms) {
+  ExposurePixels pixels;
+  pixels.pixels = image.size(0) * image.size(1);
+  pixels.map = rows_.maps + kExposureNumbers * iteration.view.index;
+  pixels.image = image.data_ptr<float>();
+  pixels.grad = grad_image_.data_ptr<float>();
+  pixels.sums = exposure_sums_.data();
+  RunExposureBackward(pixels, kStream);
+  ExposureStepInput step;
+  step.rows = rows_;
+  step.view = iteration.view.index;
+  step.sums = exposure_sums_.data();
+  step.blocks = ExposureBlocks(pixels.pixels);
+  step.learning_rate = ExposureLearningRate(iteration.number, iterations_);
+  step.moves = iteration.moves;
+  step.pull = pull_.data();
+  RunExposureStep(step, kStream);
+  terms->Add({pull_.data(), 1, 1, 1});
+}
+
+void CudaViewLoss::AddLpips(const Iteration& iteration, const Tensor& image, LossTerms* terms) {
+  if (iteration.view.kind != ViewKind::kProposal) return;
+  const DeviceViewPictures& pictures = Pictures(iteration);
+  const double weight = view_loss_.objective().LpipsWeight(pictures.mean_confidence);
+  if (weight == 0) return;  // the network is what takes the time
+  Tensor grad = View(grad_image_, {image.size(0), image.size(1), 3});
+  terms->constant += weight * view_loss_.objective().lpips()(image, Unpacked(pictures.image), weight, &grad);
+}
+
+/// Undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.
+Tensor CudaViewLoss::AddDepth(const Iteration& iteration, const Tensor& inv_depth, LossTerms* terms) {
+  const DeviceViewPictures& pictures = Pictures(iteration);
+  const double weight = view_loss_.DepthTermWeight(iteration.view.kind, iteration.number);
+  if (weight == 0 || !pictures.inv_depth.defined()) return {};
+  const Tensor grad = View(grad_inv_depth_, {inv_depth.size(0), inv_depth.size(1)});
+  DepthInput in;
+  in.pixels = inv_depth.numel();
+  in.inv_depth = inv_depth.data_ptr<float>();
+  in.target = pictures.inv_depth.data_ptr<float>();
+  in.mask = ImageOf(pictures.depth_mask);
+  in.scale = static_cast<float>(weight / static_cast<double>(in.pixels));
+  in.sums = depth_sums_.data();
+  in.grad = grad.data_ptr<float>();
+  RunDepth(in, kStream);
+  terms->Add({in.sums, DepthBlocks(in.pixels), 1, weight / static_cast<double>(in.pixels)});
+  return grad;
+}
+
+ExposureState CudaViewLoss::exposures() const {
+  ExposureState state{DownloadMaps(maps_, rows_.views), DownloadMaps(m_, rows_.views), DownloadMaps(v_, rows_.views),
+                      std::vector<int64_t>(static_cast<size_t>(rows_.views))};
+  steps_.Download(rows_.views, state.steps.data());
+  return state;
+}
+
+void CudaViewLoss::RestoreExposures(const ExposureState& state) {
+  if (rows_.views == 0) return;
+  Exposures checked = *view_loss_.exposures();
+  checked.Restore(state);  // throws when it is of other photographs
+  UploadMaps(state.maps, &maps_);
+  UploadMaps(state.m, &m_);
+  UploadMaps(state.v, &v_);
+  steps_.Upload(state.steps.data(), rows_.views);
+  rows_ = {rows_.views, maps_.data(), m_.data(), v_.data(), steps_.data()};
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,35 @@
+#pragma once
+// What train/floaters.h prunes, on a GPU.
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "oraclegs/gaussians/gaussian_rows.h"
+#include "oraclegs/loss/cuda/device_image.h"
+
+namespace oraclegs::cuda {
+
+/// A view that has depth.
+struct DepthView {
+  double cam_from_world[12];  ///< 3x4, row by row
+  double fx, fy, cx, cy;
+  int width, height;
+  const float* inv_depth;  ///< [H,W]
+  DeviceImage depth_mask;  ///< [H,W]
+};
+
+/// All memory is the device's.
+struct FloatersInput {
+  GaussianRows params;
+  int64_t count = 0;
+  const DepthView* views = nullptr;
+  int num_views = 0;
+  uint8_t* floats = nullptr;  ///< [count] scratch
+  int* counts = nullptr;      ///< [2] receives how many live, and how many of them float
+};
+
+/// Queues the pruning. Nothing happens when no Gaussian would be left alive.
+void RunPruneFloaters(const FloatersInput& in, cudaStream_t stream);
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,46 @@
+#pragma once
+// Relocation and growth of 3DGS-MCMC on a GPU (spec/gaussian_core.md 8.1); nothing leaves it. The CPU's: train/mcmc.h.
+// Draws are the CPU's, except where a number falls within 1e-9 of the border between two Gaussians: opacities are
+// weighed as whole multiples of 2^-36, so that their running sums are exact and the same in every run.
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "oraclegs/gaussians/gaussian_rows.h"
+#include "oraclegs/train/constants.h"
+
+namespace oraclegs::cuda {
+
+/// Scratch for n Gaussians, the device's.
+struct RefineScratch {
+  uint64_t* weights = nullptr;     ///< [n]
+  uint64_t* ranks = nullptr;       ///< [n]
+  uint64_t* totals = nullptr;      ///< [RefineBlocks(n)]
+  int* sources = nullptr;          ///< [n]
+  int* draws = nullptr;            ///< [n]
+  const double* choose = nullptr;  ///< [kMaxShare + 1][kMaxShare + 1] C(n, k)
+};
+
+inline int64_t RefineBlocks(int64_t n) { return (n + 255) / 256; }
+
+struct RefineInput {
+  uint64_t seed = 0;
+  int64_t iteration = 0;
+  int64_t count = 0;  ///< Gaussians to draw from
+  GaussianRows params, m, v;
+  RefineScratch scratch;
+};
+
+/// Queues 8.1 step 1: dead Gaussians move onto living ones drawn by opacity.
+void RunRelocate(const RefineInput& in, cudaStream_t stream);
+
+/// Queues the first half of step 2: weighs all Gaussians. Afterwards the last of scratch.weights says whether there is
+/// anything to draw from (0: there is not).
+void RunWeigh(const RefineInput& in, cudaStream_t stream);
+
+/// Queues its second half: rows count ... count + added - 1 of params, m and v become copies of Gaussians drawn by
+/// opacity, with zero moments. scratch.sources has room for `added` too.
+void RunGrow(const RefineInput& in, int64_t added, cudaStream_t stream);
+
+}  // namespace oraclegs::cuda

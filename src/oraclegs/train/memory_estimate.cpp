@@ -1,0 +1,47 @@
+#include "oraclegs/train/memory_estimate.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs {
+namespace {
+
+// Of a pixel: the gradients of the render and of its inverse depth, the render through an exposure map, and the nine
+// slopes of the SSIM.
+constexpr int64_t kLossBytesAPixel = (3 + 1 + 3 + 9) * 4;
+
+double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
+
+}  // namespace
+
+std::vector<MemoryItem> EstimateMemory(const TrainingSize& size) {
+  std::vector<MemoryItem> items = {{"Gaussians and their moments", (kModelBytes + kTrainScratchBytes) * size.gaussians},
+                                   {"photographs and proposals", size.view_bytes},
+                                   {"gradients of the picture", kLossBytesAPixel * size.pixels},
+                                   {"projected Gaussians and tile lists", size.rasterizer_bytes}};
+  std::stable_sort(items.begin(), items.end(),
+                   [](const MemoryItem& a, const MemoryItem& b) { return a.bytes > b.bytes; });
+  return items;
+}
+
+int64_t TotalBytes(const std::vector<MemoryItem>& items) {
+  int64_t total = 0;
+  for (const MemoryItem& item : items) total += item.bytes;
+  return total;
+}
+
+void RequireMemory(const std::vector<MemoryItem>& items, int64_t free) {
+  if (TotalBytes(items) <= free) return;
+  std::string parts;
+  for (const MemoryItem& item : items) {
+    parts += fmt::format("{}{:.2f} for {}", parts.empty() ? "" : ", ", Gigabytes(item.bytes), item.what);
+  }
+  throw RunError(
+      "training needs about {:.2f} GB of GPU memory ({}), {:.2f} GB are free; lower --max-gaussians, raise "
+      "--downscale, "
+      "or use --device cpu",
+      Gigabytes(TotalBytes(items)), parts, Gigabytes(free));
+}
+
+}  // namespace oraclegs

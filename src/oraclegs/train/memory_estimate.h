@@ -1,0 +1,35 @@
+#pragma once
+// How much memory a training on a GPU will take, worked out before it begins.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace oraclegs {
+
+/// Parameters and both moments of Adam.
+inline constexpr int64_t kModelBytes = 3 * 59 * 4;  ///< of one Gaussian
+/// What relocation, opacity factors and the regularisers' sums need of it.
+inline constexpr int64_t kTrainScratchBytes = 8 + 8 + 4 + 4 + 4 + 1;
+
+struct TrainingSize {
+  int64_t gaussians = 0;         ///< at most
+  int64_t pixels = 0;            ///< of the largest view
+  int64_t view_bytes = 0;        ///< of all views, as they lie on the device
+  int64_t rasterizer_bytes = 0;  ///< for so many Gaussians and pixels
+};
+
+struct MemoryItem {
+  std::string what;  ///< a plural, in the user's terms: "photographs and proposals"
+  int64_t bytes = 0;
+};
+
+/// The largest first.
+std::vector<MemoryItem> EstimateMemory(const TrainingSize& size);
+
+int64_t TotalBytes(const std::vector<MemoryItem>& items);
+
+/// Throws RunError that says what is needed for what, what is free, and which options lower it, unless it fits.
+void RequireMemory(const std::vector<MemoryItem>& items, int64_t free);
+
+}  // namespace oraclegs

@@ -1,0 +1,38 @@
+#include "oraclegs/train/packed_picture.h"
+
+#include <array>
+#include <atomic>
+
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kGrain = 1 << 16;  // values a task
+
+}  // namespace
+
+Tensor Packed(const Tensor& picture) {
+  if (!picture.defined()) return picture;
+  const Tensor flat = picture.reshape({-1});
+  RequireFloat("Packed", "picture", flat, {-1});
+  const Tensor bytes = torch::empty({flat.numel()}, torch::kByte);
+  const float* from = flat.data_ptr<float>();
+  uint8_t* to = bytes.data_ptr<uint8_t>();
+  std::atomic<bool> exact = true;
+  ParallelBlocks(flat.numel(), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end && exact; ++i) {
+      const bool in_range = from[i] >= 0 && from[i] <= 1;
+      to[i] = in_range ? static_cast<uint8_t>(from[i] * 255 + 0.5f) : 0;
+      if (!in_range || static_cast<float>(to[i]) / 255 != from[i]) exact = false;
+    }
+  });
+  return exact ? bytes.view(picture.sizes()) : picture;
+}
+
+Tensor Unpacked(const Tensor& packed) {
+  if (!packed.defined() || packed.scalar_type() != torch::kByte) return packed;
+  return packed.to(torch::kFloat).div_(255);
+}
+
+}  // namespace oraclegs

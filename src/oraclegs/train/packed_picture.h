@@ -1,0 +1,15 @@
+#pragma once
+// Pictures in a quarter of the memory, where that costs nothing.
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+/// float32 on the CPU, any shape: as bytes (value * 255) when each value is byte / 255 to the bit, as those of a
+/// picture that was read from a file and not resized are; else itself. Undefined stays undefined.
+Tensor Packed(const Tensor& picture);
+
+/// The float32 values again, on the same device.
+Tensor Unpacked(const Tensor& packed);
+
+}  // namespace oraclegs

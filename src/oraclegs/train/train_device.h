@@ -1,0 +1,86 @@
+#pragma once
+// What the trainer asks of the device that the Gaussians live on.
+
+#include <functional>
+#include <memory>
+
+#include "oraclegs/render/render.h"
+#include "oraclegs/train/adam.h"
+#include "oraclegs/train/opacity_factors.h"
+#include "oraclegs/train/view_loss.h"
+
+namespace oraclegs {
+
+/// What training moves.
+struct TrainedModel {
+  Gaussians gaussians;
+  Adam adam{0};
+};
+
+/// What of one iteration is the same on every device.
+struct Iteration {
+  uint64_t seed = 0;
+  int64_t number = 0;  ///< from 1
+  SampledView view{};
+  LearningRates rates;
+  int sh_degree = 0;
+  bool moves = true;     ///< false in the last iteration
+  bool refines = false;  ///< relocates and grows
+};
+
+inline constexpr double kLossSmoothing = 0.9;  ///< share of the past in the loss that is shown
+
+struct LossReport {
+  double last = 0;      ///< of the last iteration: its view's and the regularisers'
+  double smoothed = 0;  ///< over the iterations
+};
+
+/// A device. An iteration is OpacityFactors, the rasteriser's Forward, LossOfView, BackwardAndStep and, where it
+/// refines, Refine, on a model that Upload made. Errors of training that diverges (RunError) may come as late as Loss.
+class TrainDevice {
+ public:
+  virtual ~TrainDevice() = default;
+
+  virtual Rasterizer& rasterizer() = 0;
+  /// The rasteriser's timings of this iteration as far as they are known without waiting; all 0 where none is.
+  virtual RenderTimings TimingsSoFar() const = 0;
+
+  /// The model on the device, in memory of its own, with room to grow. Without moments it gets zero ones.
+  virtual TrainedModel Upload(const TrainedModel& host) = 0;
+  /// A copy in the host's memory.
+  virtual TrainedModel Download(const TrainedModel& model) const = 0;
+
+  /// [n]; valid until the next call.
+  virtual Tensor OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) = 0;
+  /// dL/d(render) of the iteration's view; valid until the next call.
+  virtual RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) = 0;
+  /// Everything between the gradient of the image and the moved Gaussians: backward, regularisers, Adam and, unless the
+  /// iteration refines, noise. Closes the iteration's loss.
+  virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
+  /// Floaters pruned where that is asked for, relocation, growth, noise.
+  virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
+
+  /// Waits for the device. Throws RunError when the loss of an iteration since the last call was not finite.
+  virtual LossReport Loss() = 0;
+  virtual void RestoreLoss(double smoothed) = 0;
+
+  /// Empty where they are not trained.
+  virtual ExposureState exposures() const = 0;
+  /// Throws InputError when the state is of another number of photographs; does nothing where they are not trained.
+  virtual void RestoreExposures(const ExposureState& state) = 0;
+};
+
+/// Makes the device of a run. `options` are settled, `start` is how many Gaussians there will be at first; `view_loss`
+/// outlives the device.
+struct TrainDeviceSetup {
+  const TrainOptions& options;
+  ViewLoss* view_loss;
+  int64_t start = 0;
+};
+using TrainDeviceMaker = std::function<std::unique_ptr<TrainDevice>(const TrainDeviceSetup& setup)>;
+
+/// The device of this name. Throws UsageError when this build has none for it, RunError when its memory does not
+/// suffice.
+std::unique_ptr<TrainDevice> MakeTrainDevice(torch::Device device, const TrainDeviceSetup& setup);
+
+}  // namespace oraclegs

@@ -1,0 +1,86 @@
+#pragma once
+// The mathematics of one Gaussian's, or one number's, training, for host and device. What the CPU does in vectors
+// stands in its own files.
+
+#include <cmath>
+#include <cstdint>
+
+#include "oraclegs/core/device_macros.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/train/constants.h"
+
+namespace oraclegs {
+
+ORACLEGS_HD inline double OpacityOf(float logit) { return 1 / (1 + std::exp(-static_cast<double>(logit))); }
+ORACLEGS_HD inline double LogitOf(double opacity) { return std::log(opacity) - std::log1p(-opacity); }
+
+/// New opacity and scale ratio s_new / s of a source of opacity o shared by n Gaussians (spec/gaussian_core.md 8.2).
+struct Relocated {
+  double opacity = 0;            ///< clamped to [0.005, 1 - 2^-23]
+  double opacity_unclamped = 0;  ///< what the scale was computed from
+  double scale_ratio = 0;
+};
+
+/// In double: the sum alternates, and for o -> 1 and large n float32 would lose several digits. n is in 1 .. kMaxShare;
+/// choose[k] is C(n, k).
+ORACLEGS_HD inline Relocated RelocateBy(double opacity, int n, const double* choose) {
+  Relocated r;
+  r.opacity_unclamped = -std::expm1(std::log1p(-opacity) / n);
+  double sum = 0, power = 1;
+  for (int k = 0; k < n; ++k) {
+    power *= r.opacity_unclamped;
+    sum += choose[k + 1] * (k % 2 ? -power : power) / std::sqrt(k + 1.0);
+  }
+  // The sum tends to the opacity where that tends to zero; there 0/0 stands for 1.
+  r.scale_ratio = opacity > 0 ? opacity / sum : 1;
+  r.opacity = r.opacity_unclamped < kMinOpacity   ? kMinOpacity
+              : r.opacity_unclamped > kMaxOpacity ? kMaxOpacity
+                                                  : r.opacity_unclamped;
+  return r;
+}
+
+/// Uniform in [0, 1), 53 bits, of the draw of this number; for weighted draws.
+ORACLEGS_HD inline double DrawUniform(uint64_t seed, RandomStream stream, uint64_t counter) {
+  const Philox r = Philox::Draw(seed, static_cast<uint64_t>(stream), counter);
+  return static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
+}
+
+/// The factor of a Gaussian's opacity in one iteration; see opacity_factors.h. counter: iteration << 32 | index.
+ORACLEGS_HD inline double OpacityFactor(uint64_t seed, uint64_t counter, double drop, double noise) {
+  const Philox r = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kOpacityFactors), counter);
+  const double factor = static_cast<double>(OpenUniform(r.x[0])) < drop ? 0 : 1 / (1 - drop);
+  if (!(noise > 0)) return factor;
+  // Box and Muller's.
+  const double u = static_cast<double>(OpenUniform(r.x[1])), v = static_cast<double>(OpenUniform(r.x[2]));
+  const double scaled = 1 + noise * (std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v));
+  return factor * (scaled > 0 ? scaled : 0);
+}
+
+/// What the views say of one Gaussian's centre; see floaters.h.
+struct FloaterVotes {
+  int before = 0, agree = 0;
+  bool beside = false;  ///< beside a silhouette: no number of other views puts a surface there
+
+  /// ratio: z times the inverse depth under the centre, 1 on the surface, less before it, 0 where there is none at all.
+  ORACLEGS_HD inline void Add(double ratio) {
+    beside = beside || ratio == 0;
+    before += ratio * kFloaterRatio < 1;
+    agree += (ratio < 1 ? 1 - ratio : ratio - 1) < kAgreementRatio;
+  }
+  ORACLEGS_HD inline bool IsFloater() const { return beside || (before > 0 && before >= agree); }
+};
+
+/// One number of an exposure map: a step of Adam, the t-th of its photograph.
+struct ExposureEntry {
+  float value, m, v;
+};
+ORACLEGS_HD inline void StepExposure(double gradient, double t, double learning_rate, ExposureEntry* e) {
+  const double correction1 = 1 - std::pow(kAdamBeta1, t), correction2 = 1 - std::pow(kAdamBeta2, t);
+  e->m = static_cast<float>(kAdamBeta1 * static_cast<double>(e->m) + (1 - kAdamBeta1) * gradient);
+  e->v = static_cast<float>(kAdamBeta2 * static_cast<double>(e->v) + (1 - kAdamBeta2) * gradient * gradient);
+  const double step =
+      static_cast<double>(e->m) / correction1 / (std::sqrt(static_cast<double>(e->v) / correction2) + kExposureEpsilon);
+  e->value = static_cast<float>(static_cast<double>(e->value) - learning_rate * step);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,46 @@
+#include "oraclegs/train/cpu_train_device.h"
+
+#include "support/golden.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+class CpuTrainDeviceTest : public testing::Test {
+ protected:
+  TrainOptions options = Options().Settled();
+  ViewLoss view_loss{options, Photographs(1)};
+  std::unique_ptr<TrainDevice> device = MakeCpuTrainDevice({options, &view_loss, 60});
+};
+
+TEST_F(CpuTrainDeviceTest, CopiesShareNoMemory) {
+  const Gaussians start = Start();
+  const TrainedModel model = device->Upload({start});
+  EXPECT_TRUE(SameBits(model.gaussians, start));
+  EXPECT_NE(model.gaussians.means.data_ptr(), start.means.data_ptr());
+  EXPECT_EQ(model.adam.m.size(), start.size());
+  EXPECT_EQ(model.adam.v.sh.abs().max().item<float>(), 0);
+  const TrainedModel copy = device->Download(model);
+  EXPECT_NE(copy.adam.m.means.data_ptr(), model.adam.m.means.data_ptr());
+}
+
+TEST_F(CpuTrainDeviceTest, TheLossIsSmoothedFromWhatWasRestored) {
+  TrainedModel model = device->Upload({Start()});
+  device->RestoreLoss(10);
+  Iteration iteration;
+  iteration.number = 5;
+  const RenderOutput out =
+      device->rasterizer().Forward(model.gaussians, view_loss.photographs()[0].camera, {}, RenderPass::kTrain);
+  device->BackwardAndStep(iteration, device->LossOfView(iteration, out), &model);
+  const LossReport loss = device->Loss();
+  EXPECT_GT(loss.last, 0);
+  EXPECT_DOUBLE_EQ(loss.smoothed, kLossSmoothing * 10 + (1 - kLossSmoothing) * loss.last);
+}
+
+TEST_F(CpuTrainDeviceTest, WithoutTrainingThereAreNoExposures) {
+  EXPECT_TRUE(device->exposures().maps.empty());
+  EXPECT_NO_THROW(device->RestoreExposures({}));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,156 @@
+#include "oraclegs/train/cuda/cuda_train_device.h"
+
+#include <cmath>
+
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/cuda/device_gaussians.h"
+#include "train/cuda/training_on_both.h"
+#if defined(ORACLEGS_EMULATED_CUDA)
+#include "support/emulated_cuda/runtime.h"
+#endif
+
+namespace oraclegs::cuda {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Everything that can happen within 60 iterations.
+TrainOptions AllAtOnce() {
+  TrainOptions options = Options(60);
+  options.exposure = "on";
+  options.opacity_noise = 0.3;
+  options.dropout = 0.1;
+  options.prune_floaters = true;
+  options.coarse_share = 0.2;
+  return options;
+}
+
+TrainingData AllData() {
+  TrainingData data(Photographs(3), Photographs(2));
+  for (TrainView& view : data.photographs) {
+    view.inv_depth = torch::full({kHeight, kWidth}, 0.4f);
+    view.depth_mask = torch::ones({kHeight, kWidth});
+  }
+  data.proposals[1].confidence = torch::full({kHeight, kWidth}, 0.5f);
+  return data;
+}
+
+Trainer GpuTrainer(const TrainOptions& options, TrainingData data) {
+  return Trainer({options, kSeed, {0.1f, 0.2f, 0.3f}, std::move(data), Start()}, OnGpu(TestDevice()));
+}
+
+class CudaTrainDeviceTest : public CudaTest {};
+
+/// With the GPU's own rasteriser, whose backward pass takes the step itself.
+Trainer FusedTrainer(const TrainOptions& options, TrainingData data) {
+  return Trainer({options, kSeed, {0.1f, 0.2f, 0.3f}, std::move(data), Start()},
+                 [](const TrainDeviceSetup& setup) { return MakeCudaTrainDevice(TestDevice(), setup); });
+}
+
+TEST_F(CudaTrainDeviceTest, WithTheGpusRasteriserTrainsAsTheCpuDoes) {
+  const TrainOptions options = AllAtOnce();
+  Trainer expected(options, kSeed, {0.1f, 0.2f, 0.3f}, AllData(), Start());
+  Trainer trainer = FusedTrainer(options, AllData());
+  for (int i = 1; i <= 45; ++i) {
+    const double wanted = expected.Step();
+    EXPECT_NEAR(trainer.Step(), wanted, 1e-3 * wanted) << i;
+  }
+  EXPECT_EQ(trainer.gaussians().size(), expected.gaussians().size());
+}
+
+TEST_F(CudaTrainDeviceTest, WithTheGpusRasteriserACheckpointContinuesToTheSameBits) {
+  Trainer whole = FusedTrainer(AllAtOnce(), AllData()), first = FusedTrainer(AllAtOnce(), AllData());
+  for (int i = 0; i < 50; ++i) whole.Step();
+  for (int i = 0; i < 35; ++i) first.Step();
+  Trainer second = FusedTrainer(AllAtOnce(), AllData());
+  second.Restore(first.MakeCheckpoint());
+  for (int i = 0; i < 15; ++i) second.Step();
+  EXPECT_TRUE(SameBits(OnHost(second.gaussians()), OnHost(whole.gaussians())));
+}
+
+TEST_F(CudaTrainDeviceTest, TrainsAsTheCpuDoes) {
+  const TrainOptions options = AllAtOnce();
+  Trainer expected(options, kSeed, {0.1f, 0.2f, 0.3f}, AllData(), Start());
+  Trainer trainer = GpuTrainer(options, AllData());
+  for (int i = 1; i <= 45; ++i) {
+    const double wanted = expected.Step();
+    EXPECT_NEAR(trainer.Step(), wanted, 1e-3 * wanted) << i;
+    if (i == 10) ExpectClose(OnHost(trainer.gaussians()), expected.gaussians(), 5e-3);
+  }
+  EXPECT_EQ(trainer.gaussians().size(), expected.gaussians().size());
+  EXPECT_GT(trainer.gaussians().size(), 60);  // has grown
+  EXPECT_LE(MaxAbsError(trainer.exposures(), expected.exposures()), 1e-3);
+}
+
+TEST_F(CudaTrainDeviceTest, TheSameSeedGivesTheSameBits) {
+  Trainer a = GpuTrainer(AllAtOnce(), AllData()), b = GpuTrainer(AllAtOnce(), AllData());
+  for (int i = 1; i <= 45; ++i) EXPECT_EQ(a.Step(), b.Step());
+  EXPECT_TRUE(SameBits(OnHost(a.gaussians()), OnHost(b.gaussians())));
+}
+
+TEST_F(CudaTrainDeviceTest, ACheckpointContinuesToTheSameBits) {
+  Trainer whole = GpuTrainer(AllAtOnce(), AllData()), first = GpuTrainer(AllAtOnce(), AllData());
+  for (int i = 0; i < 55; ++i) whole.Step();
+  for (int i = 0; i < 35; ++i) first.Step();
+  const Checkpoint checkpoint = first.MakeCheckpoint();
+  EXPECT_TRUE(checkpoint.gaussians.means.is_cpu());
+  EXPECT_GT(checkpoint.loss, 0);
+  Trainer second = GpuTrainer(AllAtOnce(), AllData());
+  second.Restore(checkpoint);
+  for (int i = 0; i < 20; ++i) second.Step();
+  EXPECT_TRUE(SameBits(OnHost(second.gaussians()), OnHost(whole.gaussians())));
+  EXPECT_EQ(second.MakeCheckpoint().loss, whole.MakeCheckpoint().loss);
+  EXPECT_EQ(second.MakeCheckpoint().adam.step, 55);
+  EXPECT_TRUE(torch::equal(second.exposures(), whole.exposures()));
+}
+
+TEST_F(CudaTrainDeviceTest, TheCpuContinuesItsCheckpoints) {
+  Trainer gpu = GpuTrainer(AllAtOnce(), AllData());
+  for (int i = 0; i < 35; ++i) gpu.Step();
+  Trainer cpu(AllAtOnce(), kSeed, {0.1f, 0.2f, 0.3f}, AllData(), Start());
+  cpu.Restore(gpu.MakeCheckpoint());
+  EXPECT_NEAR(cpu.Step(), gpu.Step(), 1e-4);
+}
+
+TEST_F(CudaTrainDeviceTest, RunsToTheEndWithoutAskingForEachLoss) {
+  Trainer trainer = GpuTrainer(AllAtOnce(), AllData());
+  const TrainResult result = trainer.Run({}, Silent());
+  EXPECT_EQ(result.iterations, 60);
+  Trainer stepped = GpuTrainer(AllAtOnce(), AllData());
+  for (int i = 0; i < 60; ++i) stepped.Step();
+  EXPECT_TRUE(SameBits(OnHost(trainer.gaussians()), OnHost(stepped.gaussians())));
+}
+
+TEST_F(CudaTrainDeviceTest, NamesTheIterationWhoseLossBroke) {
+  TrainOptions options = Options(60);
+  TrainingData data(Photographs(1));
+  data.photographs[0].image[3][3][0] = std::nanf("");
+  Trainer trainer = GpuTrainer(options, data);
+  try {
+    trainer.Run({}, Silent());
+    FAIL() << "a loss that is not a number must not pass";
+  } catch (const RunError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("loss is"), HasSubstr("iteration 1 on photo0")));
+  }
+}
+
+#if defined(ORACLEGS_EMULATED_CUDA)
+TEST_F(CudaTrainDeviceTest, RefusesWhatWillNotFitBeforeItBegins) {
+  TrainOptions options = Options();
+  options.max_gaussians = 100000000;
+  emulated_cuda::SetMemory(size_t{1} << 34);
+  try {
+    GpuTrainer(options, Photographs(1));
+    ADD_FAILURE() << "80 GB must not fit into 17";
+  } catch (const RunError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("training needs about"), HasSubstr("Gaussians and their moments"),
+                                    HasSubstr("are free"), HasSubstr("--max-gaussians")));
+  }
+  emulated_cuda::SetMemory(size_t{1} << 40);
+}
+#endif
+
+}  // namespace
+}  // namespace oraclegs::cuda

@@ -1,0 +1,32 @@
+#pragma once
+// Gaussians on the device of the tests.
+
+#include "support/device_tensors.h"
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+
+inline Gaussians OnTestDevice(const Gaussians& gaussians) {
+  Gaussians copy = gaussians;
+  copy.ForEach([](const char*, Tensor& t) { t = OnTestDevice(t); });
+  return copy;
+}
+
+inline Gaussians OnHost(const Gaussians& gaussians) {
+  Gaussians copy = gaussians;
+  copy.ForEach([](const char*, Tensor& t) { t = OnHost(t); });
+  return copy;
+}
+
+/// |a - b| <= share * max |b| of each tensor.
+inline void ExpectClose(const Gaussians& a, const Gaussians& b, double share) {
+  const std::vector<Tensor> x = Tensors(a), y = Tensors(b);
+  const char* names[] = {"means", "log_scales", "quats", "opacity_logits", "sh"};
+  for (size_t i = 0; i < x.size(); ++i) {
+    ASSERT_EQ(x[i].sizes(), y[i].sizes()) << names[i];
+    const Tensor away = (x[i].to(torch::kDouble) - y[i].to(torch::kDouble)).abs();
+    EXPECT_LE(away.max().item<double>(), share * y[i].abs().max().item<double>()) << names[i];
+  }
+}
+
+}  // namespace oraclegs

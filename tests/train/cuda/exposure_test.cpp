@@ -1,0 +1,119 @@
+#include "oraclegs/train/cuda/exposure.h"
+
+#include <cmath>
+
+#include "oraclegs/train/exposure.h"
+#include "support/device_tensors.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr int kViews = 300, kView = 2;  // more views than threads
+
+class CudaExposure : public CudaTest {
+ protected:
+  std::vector<ExposureMap> start;
+  Tensor image, upstream;
+  DeviceArray<float> maps{"a test"}, m{"a test"}, v{"a test"};
+  DeviceArray<int64_t> steps{"a test"};
+  DeviceArray<double> sums{"a test"}, pull{"a test"};
+
+  void SetUp() override {
+    CudaTest::SetUp();
+    torch::manual_seed(4);
+    for (int i = 0; i < kViews; ++i) {
+      ExposureMap map = kIdentityExposure;
+      const Tensor offset = torch::randn({12}) * 0.2;
+      for (int k = 0; k < 12; ++k) map[k] += offset.data_ptr<float>()[k];
+      start.push_back(map);
+    }
+    image = torch::rand({61, 43, 3});
+    upstream = torch::randn({61, 43, 3}) / 1000;
+  }
+
+  ExposureRows Upload(const ExposureState& state) {
+    const auto views = static_cast<int64_t>(state.maps.size());
+    maps.Upload(state.maps[0].data(), 12 * views);
+    m.Upload(state.m[0].data(), 12 * views);
+    v.Upload(state.v[0].data(), 12 * views);
+    steps.Upload(state.steps.data(), views);
+    sums.Reserve(12 * ExposureBlocks(image.numel() / 3));
+    pull.Reserve(1);
+    return {static_cast<int>(views), maps.data(), m.data(), v.data(), steps.data()};
+  }
+
+  ExposureStepInput Step(const ExposureRows& rows) {
+    ExposureStepInput in;
+    in.rows = rows;
+    in.view = kView;
+    in.sums = sums.data();
+    in.blocks = ExposureBlocks(image.numel() / 3);
+    in.learning_rate = 0.01;
+    in.pull = pull.data();
+    return in;
+  }
+
+  void ExpectMaps(const DeviceArray<float>& device, const std::vector<ExposureMap>& expected) {
+    const std::vector<float> values = ToHost(device, 12 * static_cast<int64_t>(expected.size()));
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], expected[i / 12][i % 12], 1e-6) << i;
+  }
+};
+
+TEST_F(CudaExposure, AppliesAndLearnsAsTheCpuDoes) {
+  Exposures expected(start);
+  const ExposureRows rows = Upload(expected.state());
+  const Tensor x = OnTestDevice(image), shown = torch::empty_like(x);
+  for (int i = 0; i < 3; ++i) {
+    Tensor expected_shown = torch::empty_like(image), expected_grad = upstream.clone();
+    expected.Apply(kView, image, expected_shown);
+    ExposureGradient gradient = expected.Backward(kView, image, expected_grad);
+    const double expected_pull = expected.AddPull(kView, &gradient);
+
+    const Tensor grad = OnTestDevice(upstream);
+    ExposurePixels pixels;
+    pixels.pixels = image.numel() / 3;
+    pixels.map = rows.maps + 12 * kView;
+    pixels.image = x.data_ptr<float>();
+    pixels.shown = shown.data_ptr<float>();
+    pixels.grad = grad.data_ptr<float>();
+    pixels.sums = sums.data();
+    RunExposureApply(pixels, nullptr);
+    RunExposureBackward(pixels, nullptr);
+    EXPECT_LE(MaxAbsError(OnHost(shown), expected_shown), 1e-6);
+    EXPECT_LE(MaxAbsError(OnHost(grad), expected_grad), 1e-8);
+
+    RunExposureStep(Step(rows), nullptr);
+    expected.Step(kView, gradient, 0.01);
+    EXPECT_NEAR(ToHost(pull, 1)[0], expected_pull, 1e-9);
+    ExpectMaps(maps, expected.maps());
+    ExpectMaps(m, expected.state().m);
+    ExpectMaps(v, expected.state().v);
+    EXPECT_EQ(ToHost(steps, kViews), expected.state().steps);
+  }
+}
+
+TEST_F(CudaExposure, TheLastIterationOnlyTellsThePull) {
+  const Exposures expected(start);
+  const ExposureRows rows = Upload(expected.state());
+  sums.FillBytes(0, sums.capacity(), nullptr);
+  ExposureStepInput in = Step(rows);
+  in.moves = false;
+  RunExposureStep(in, nullptr);
+  ExpectMaps(maps, expected.maps());
+  EXPECT_EQ(ToHost(steps, kViews)[kView], 0);
+  EXPECT_GT(ToHost(pull, 1)[0], 0);
+}
+
+TEST_F(CudaExposure, AMeanWithoutAnInverseBreaksTheLoss) {
+  ExposureState state{{ExposureMap{}, ExposureMap{}, ExposureMap{}}, {}, {}, {0, 0, 0}};
+  state.m = state.v = state.maps;
+  const ExposureRows rows = Upload(state);
+  sums.FillBytes(0, sums.capacity(), nullptr);
+  RunExposureStep(Step(rows), nullptr);
+  EXPECT_TRUE(std::isnan(ToHost(pull, 1)[0]));
+}
+
+}  // namespace
+}  // namespace oraclegs::cuda

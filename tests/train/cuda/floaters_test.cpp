@@ -1,0 +1,82 @@
+#include "oraclegs/train/cuda/floaters.h"
+
+#include "oraclegs/train/floaters.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/cuda/device_gaussians.h"
+#include "train/small_scene.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr int64_t kCount = 500;
+
+class CudaFloaters : public CudaTest {
+ protected:
+  std::vector<TrainView> views;
+  std::vector<Tensor> kept;  // what the views on the device point to
+  Gaussians start = RandomGaussians(kCount, 3);
+  DeviceArray<DepthView> depth_views{"a test"};
+  DeviceArray<uint8_t> floats{"a test"};
+  DeviceArray<int> counts{"a test"};
+
+  /// A wall at distance 3 from each of four cameras, unknown here and there.
+  void SetUp() override {
+    CudaTest::SetUp();
+    torch::manual_seed(5);
+    views = Photographs(4);
+    for (TrainView& view : views) {
+      view.inv_depth = torch::full({kHeight, kWidth}, 1 / 3.f);
+      view.depth_mask = (torch::rand({kHeight, kWidth}) > 0.2).to(torch::kFloat);
+    }
+    views[3].inv_depth.narrow(1, 0, 5).zero_();
+    views.push_back(Photographs(1)[0]);  // without depth
+  }
+
+  FloatersInput Input(const Gaussians& gaussians) {
+    std::vector<DepthView> all;
+    for (const TrainView& view : views) {
+      if (!view.inv_depth.defined()) continue;
+      DepthView out{};
+      const Eigen::Matrix4d pose = view.camera.cam_from_world.matrix();
+      for (int i = 0; i < 12; ++i) out.cam_from_world[i] = pose(i / 4, i % 4);
+      out.fx = view.camera.fx, out.fy = view.camera.fy, out.cx = view.camera.cx, out.cy = view.camera.cy;
+      out.width = view.camera.width, out.height = view.camera.height;
+      kept.push_back(OnTestDevice(view.inv_depth));
+      out.inv_depth = kept.back().data_ptr<float>();
+      kept.push_back(OnTestDevice(view.depth_mask));
+      out.depth_mask = {kept.back().data_ptr(), false};
+      all.push_back(out);
+    }
+    depth_views.Upload(all.data(), static_cast<int64_t>(all.size()));
+    floats.Reserve(kCount);
+    counts.Reserve(2);
+    return {gaussians.Rows(), kCount, depth_views.data(), static_cast<int>(all.size()), floats.data(), counts.data()};
+  }
+};
+
+TEST_F(CudaFloaters, AreTheCpus) {
+  Gaussians expected = Copy(start);
+  const int64_t pruned = PruneFloaters(views, &expected);
+  ASSERT_GT(pruned, 10);
+  const Gaussians gaussians = OnTestDevice(start);
+  RunPruneFloaters(Input(gaussians), nullptr);
+  EXPECT_TRUE(SameBits(OnHost(gaussians), expected));
+  EXPECT_EQ(ToHost(counts, 2)[1], pruned);
+}
+
+TEST_F(CudaFloaters, NothingHappensWhenAllWouldDie) {
+  start.means.zero_();
+  start.means.narrow(1, 2, 1).fill_(-1);  // before the walls of all
+  Gaussians expected = Copy(start);
+  ASSERT_EQ(PruneFloaters({views[0]}, &expected), 0);
+  views.resize(1);
+  views[0].depth_mask.fill_(1);
+  const Gaussians gaussians = OnTestDevice(start);
+  RunPruneFloaters(Input(gaussians), nullptr);
+  EXPECT_TRUE(SameBits(OnHost(gaussians), start));
+  EXPECT_EQ(ToHost(counts, 2)[0], ToHost(counts, 2)[1]);
+}
+
+}  // namespace
+}  // namespace oraclegs::cuda

@@ -1,0 +1,123 @@
+#include "oraclegs/train/cuda/refine.h"
+
+#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/rows.h"
+#include "support/golden.h"
+#include "support/tensors.h"
+#include "train/cuda/device_gaussians.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr int64_t kCount = 3 * 256 + 19;
+
+class CudaRefine : public CudaTest {
+ protected:
+  Gaussians start = RandomGaussians(kCount, 5);
+  DeviceArray<uint64_t> weights{"a test"}, ranks{"a test"}, totals{"a test"};
+  DeviceArray<int> sources{"a test"}, draws{"a test"};
+  DeviceArray<double> choose{"a test"};
+
+  void SetUp() override {
+    CudaTest::SetUp();
+    for (int64_t i = 0; i < kCount; i += 7) start.opacity_logits[i] = -7;  // dead
+    start.opacity_logits[1] = 60;                                          // opacity 1
+  }
+
+  static Adam Moments() {
+    Adam adam(0);
+    adam.m = RandomGaussians(kCount, 6);
+    adam.v = RandomGaussians(kCount, 7);
+    return adam;
+  }
+
+  RefineInput Input(int64_t iteration, const Gaussians& gaussians, const Adam& adam) {
+    std::vector<double> table;
+    for (const auto& row : Binomials()) table.insert(table.end(), row.begin(), row.end());
+    choose.Upload(table.data(), static_cast<int64_t>(table.size()));
+    for (DeviceArray<uint64_t>* array : {&weights, &ranks, &totals}) array->Reserve(kCount);
+    for (DeviceArray<int>* array : {&sources, &draws}) array->Reserve(kCount);
+    RefineInput in;
+    in.seed = 3;
+    in.iteration = iteration;
+    in.count = kCount;
+    in.params = gaussians.Rows();
+    in.m = adam.m.Rows();
+    in.v = adam.v.Rows();
+    in.scratch = {weights.data(), ranks.data(), totals.data(), sources.data(), draws.data(), choose.data()};
+    return in;
+  }
+
+  static Adam OnTestDevice(const Adam& adam) {
+    Adam copy(0);
+    copy.m = oraclegs::OnTestDevice(adam.m);
+    copy.v = oraclegs::OnTestDevice(adam.v);
+    return copy;
+  }
+};
+
+TEST_F(CudaRefine, RelocatesAsTheCpuDoes) {
+  Gaussians expected = Copy(start);
+  Adam expected_adam = Moments();
+  ASSERT_GT(RelocateDead(3, 600, &expected, &expected_adam), 0);
+  const Gaussians gaussians = oraclegs::OnTestDevice(start);
+  const Adam adam = OnTestDevice(Moments());
+  RunRelocate(Input(600, gaussians, adam), nullptr);
+  ExpectClose(OnHost(gaussians), expected, 1e-6);
+  EXPECT_TRUE(torch::equal(OnHost(gaussians.means), expected.means));  // the same sources
+  EXPECT_TRUE(SameBits(OnHost(adam.m), expected_adam.m));
+  EXPECT_TRUE(SameBits(OnHost(adam.v), expected_adam.v));
+}
+
+TEST_F(CudaRefine, NothingHappensWhenAllLiveOrAllAreDead) {
+  for (const float logit : {0.f, -9.f}) {
+    start.opacity_logits.fill_(logit);
+    const Gaussians gaussians = oraclegs::OnTestDevice(start);
+    const Adam adam = OnTestDevice(Moments());
+    RunRelocate(Input(600, gaussians, adam), nullptr);
+    EXPECT_TRUE(SameBits(OnHost(gaussians), start));
+    EXPECT_TRUE(SameBits(OnHost(adam.m), Moments().m));
+  }
+}
+
+TEST_F(CudaRefine, WhatIsNotANumberIsNeverDrawn) {
+  start.opacity_logits[3] = std::nanf("");
+  const Gaussians gaussians = oraclegs::OnTestDevice(start);
+  const Adam adam = OnTestDevice(Moments());
+  RunRelocate(Input(600, gaussians, adam), nullptr);
+  EXPECT_TRUE(torch::isfinite(OnHost(gaussians.opacity_logits)).all().item<bool>());
+}
+
+TEST_F(CudaRefine, GrowsAsTheCpuDoes) {
+  Gaussians expected = Copy(start);
+  Adam expected_adam = Moments();
+  const int64_t added = AddGaussians(3, 700, 100000, &expected, &expected_adam);
+  ASSERT_EQ(added, kCount / 20);
+  Gaussians gaussians = oraclegs::OnTestDevice(start);
+  Adam adam = OnTestDevice(Moments());
+  for (Gaussians* rows : {&gaussians, &adam.m, &adam.v}) GrowRows(rows, kCount + added);
+  const RefineInput in = Input(700, gaussians, adam);
+  RunWeigh(in, nullptr);
+  EXPECT_GT(ToHost(weights, kCount).back(), 0u);
+  RunGrow(in, added, nullptr);
+  ExpectClose(OnHost(gaussians), expected, 1e-6);
+  EXPECT_TRUE(torch::equal(OnHost(gaussians.means), expected.means));
+  EXPECT_TRUE(SameBits(OnHost(adam.m), expected_adam.m));
+  EXPECT_TRUE(SameBits(OnHost(adam.v), expected_adam.v));
+}
+
+TEST_F(CudaRefine, RunningSumsAreExact) {
+  const Gaussians gaussians = oraclegs::OnTestDevice(start);
+  const Adam adam = OnTestDevice(Moments());
+  RunWeigh(Input(600, gaussians, adam), nullptr);
+  const std::vector<uint64_t> sums = ToHost(weights, kCount);
+  uint64_t before = 0;
+  for (int64_t i = 0; i < kCount; ++i) {
+    const double opacity = OpacityOf(start.opacity_logits[i].item<float>());
+    EXPECT_NEAR(static_cast<double>(sums[i] - before) * 0x1p-36, opacity, 1e-10) << i;
+    before = sums[i];
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs::cuda
