@@ -81,9 +81,9 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
         "--overwrite",
         path->string());
   }
-  run.listener(
-      Warning{"the photographs, poses, depth, proposals, weights or what judges the proposals have changed since the last "
-              "run: training starts anew"});
+  run.listener(Warning{
+      "the photographs, poses, depth, proposals, weights or what judges the proposals have changed since the last "
+      "run: training starts anew"});
   std::error_code error;
   std::filesystem::remove_all(run.workspace.checkpoints(), error);
   if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
