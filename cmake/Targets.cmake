@@ -13,13 +13,12 @@ if(ORACLEGS_SANITIZE)
 endif()
 target_include_directories(oraclegs_flags INTERFACE ${CMAKE_SOURCE_DIR}/src)
 
-# oraclegs_library(NAME [TORCH] [OWN_OPTIONS] [DEPS floor-or-target...]): the floor src/oraclegs/NAME as target
-# oraclegs::NAME. TORCH: may include libtorch, and compiles with its precompiled header; the other floors share another
-# one, but for those with compiler OWN_OPTIONS.
+# oraclegs_library(NAME [TORCH] [DEPS floor-or-target...]): the floor src/oraclegs/NAME as target oraclegs::NAME.
+# TORCH: may include libtorch, and compiles with its precompiled header.
 # What lies in its folder cuda/ belongs to builds with CUDA; all other builds compile it for the emulated device
 # (tests/CMakeLists.txt).
 function(oraclegs_library name)
-  cmake_parse_arguments(ARG "TORCH;OWN_OPTIONS" "" "DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "TORCH" "" "DEPS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/${name}/*.cpp)
   if(NOT ORACLEGS_CUDA)
     list(FILTER sources EXCLUDE REGEX "/cuda/")
@@ -29,10 +28,6 @@ function(oraclegs_library name)
   target_link_libraries(oraclegs_${name} PUBLIC oraclegs_flags ${ARG_DEPS})
   if(ARG_TORCH)
     oraclegs_use_torch(oraclegs_${name})
-  elseif(NOT ARG_OWN_OPTIONS AND NOT CMAKE_CXX_CLANG_TIDY)
-    target_precompile_headers(oraclegs_${name} REUSE_FROM oraclegs_plain_pch)
-    # GCC 12 takes the standard library's own strings for overflowing ones when they come precompiled.
-    target_compile_options(oraclegs_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   endif()
   file(GLOB_RECURSE device_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/${name}/*.cu)
   if(ORACLEGS_CUDA AND device_sources)
