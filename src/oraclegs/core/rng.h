@@ -42,6 +42,7 @@ enum class RandomStream : uint64_t {
   kThinning = 9,
   kTargets = 12,
   kOpacityFactors = 16,  // of dropout and opacity noise
+  kSeva = 20,            // of the generated views
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

@@ -1,0 +1,44 @@
+#pragma once
+// Cameras as SEVA sees them (spec/seva.md 7): intrinsics in shares of the image, a scene of standard size, and rays.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+/// A frame's view. Camera axes: x right, y down, z forward.
+struct SevaView {
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
+  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();  ///< row 0 in widths, row 1 in heights of the image
+
+  Eigen::Vector3d center() const { return world_from_camera.translation(); }
+};
+
+/// Degrees between two rotations.
+double RotationDegrees(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
+
+/// Where a scene's middle is: the mean of the camera centres that lie within ten times the 97 % quantile of the
+/// distances to their (lower) median.
+struct SceneMiddle {
+  Eigen::Vector3d median = Eigen::Vector3d::Zero();
+  double quantile = 0;
+  std::vector<bool> valid;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+};
+/// At least one centre (ShapeError).
+SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers);
+
+/// `chunk` about the middle of `all` (the photographs and targets of the scene), scaled so that its first frame is
+/// `camera_scale` from there; one that stands in the middle leaves the scale at `camera_scale`. Rotations stay. Throws
+/// ShapeError when either is empty.
+std::vector<SevaView> NormalizedViews(const std::vector<SevaView>& chunk, const std::vector<SevaView>& all,
+                                      double camera_scale);
+
+/// Rays of every pixel in the frame of the first view, as Pluecker coordinates: [T, 6, height, width] float32,
+/// channels 0-2 the unit direction, 3-5 origin x direction.
+Tensor PlueckerMaps(const std::vector<SevaView>& views, int64_t height, int64_t width);
+
+}  // namespace oraclegs

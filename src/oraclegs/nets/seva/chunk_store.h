@@ -1,0 +1,29 @@
+#pragma once
+// Finished chunks in files, so that a generation that was stopped goes on behind the last of them.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+class ChunkStore {
+ public:
+  /// In dir/; `key` says what the pictures depend on. An empty dir keeps nothing.
+  ChunkStore(std::filesystem::path dir, std::string key) : dir_(std::move(dir)), key_(std::move(key)) {}
+
+  /// pictures [M, 3, H, W] uint8, the made frames of this job. Throws RunError.
+  void Write(int candidate, size_t job, const Tensor& pictures) const;
+  /// Nothing when the file is not there, damaged, of another key or of another shape.
+  std::optional<Tensor> Read(int candidate, size_t job, at::IntArrayRef shape) const;
+
+ private:
+  std::filesystem::path PathOf(int candidate, size_t job) const;
+
+  std::filesystem::path dir_;
+  std::string key_;
+};
+
+}  // namespace oraclegs

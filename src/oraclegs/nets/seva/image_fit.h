@@ -1,0 +1,43 @@
+#pragma once
+// Photographs brought to the size that SEVA works at, and its pictures back to theirs (spec/seva.md 7.1).
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "oraclegs/core/tensor.h"
+
+namespace oraclegs {
+
+struct SevaSize {
+  int64_t width = 576, height = 576;
+};
+
+/// The shorter side becomes `short_side`, the other keeps the shape; both rounded to multiples of `stride`. Throws
+/// ShapeError unless all are positive.
+SevaSize SevaWorkingSize(const SevaSize& photograph, int64_t short_side, int64_t stride = 64);
+
+enum class FitMode {
+  kCrop,  ///< the working picture is filled, what hangs over at two sides is cut off: photographs
+  kPad    ///< all of the photograph's frame is inside, two strips of the working picture are beyond it: targets, so
+          ///< that nothing of them is missing when they come back
+};
+
+/// Where the resized photograph lies in the working picture, in pixels of that.
+struct ImageFit {
+  SevaSize photograph, resized, working;
+  int64_t left = 0, top = 0;  ///< of the resized photograph; negative where it hangs over
+};
+/// Throws ShapeError for sizes that are not positive.
+ImageFit FitImage(const SevaSize& photograph, const SevaSize& working, FitMode mode);
+
+/// Intrinsics in pixels of the photograph -> in shares of the working picture's width (row 0) and height (row 1).
+Eigen::Matrix3d FittedIntrinsics(const Eigen::Matrix3d& pixels, const ImageFit& fit);
+
+/// image [B, C, h, w] -> [B, C, H, W]: pixel areas averaged (repeated where it grows); zeros beyond the photograph.
+Tensor ToWorkingSize(const Tensor& image, const ImageFit& fit);
+
+/// The reverse: [B, C, H, W] -> [B, C, h, w], bicubic, antialiased where it shrinks; what was cut off repeats the
+/// border.
+Tensor FromWorkingSize(const Tensor& image, const ImageFit& fit);
+
+}  // namespace oraclegs

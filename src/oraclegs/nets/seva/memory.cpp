@@ -1,0 +1,148 @@
+#include "oraclegs/nets/seva/memory.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <vector>
+
+#include "oraclegs/nets/seva/slices.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kGigabyte = 1e9;
+constexpr int64_t kFloat = 4, kLatentStride = 8;
+constexpr int64_t kFewFrames = 21, kShortSide = 384;  // what the error suggests
+
+/// Numbers a pixel that a residual block holds at its largest, in the weights' type and in float32.
+int64_t ResBytes(int64_t in, int64_t out, int64_t type) { return in * (kFloat + 2 * type) + out * (kFloat + 3 * type); }
+/// The same of a multi-view transformer: its input, tokens, norms, queries, keys, values and their regrouped copies.
+int64_t MultiViewBytes(int64_t channels, int64_t type) { return channels * (kFloat + 11 * type); }
+
+/// The largest of everything along the UNet, for one frame's latents.
+struct Walk {
+  const SevaUnetConfig& config;
+  int64_t type, pixels;
+  int64_t skips = 0, largest = 0;
+
+  int64_t PixelsAt(size_t level) const { return pixels >> (2 * level); }
+  int64_t ChannelsAt(size_t level) const { return config.channels * config.channel_mult[level]; }
+
+  void Block(int64_t in, int64_t out, size_t level) {
+    const int64_t bytes = std::max(ResBytes(in, out, type), MultiViewBytes(out, type));
+    largest = std::max(largest, bytes * PixelsAt(level));
+  }
+
+  void Run() {
+    std::vector<int64_t> channels = {config.channels};
+    const size_t levels = config.channel_mult.size();
+    skips += config.channels * pixels * type;
+    int64_t now = config.channels;
+    const auto push = [&](int64_t width, size_t level) {
+      channels.push_back(width);
+      skips += width * PixelsAt(level) * type;
+    };
+    for (size_t level = 0; level < levels; ++level) {
+      for (int64_t i = 0; i < config.res_blocks; ++i) {
+        Block(now, ChannelsAt(level), level);
+        now = ChannelsAt(level);
+        push(now, level);
+      }
+      if (level + 1 < levels) push(now, level + 1);
+    }
+    for (size_t level = levels; level-- > 0;) {
+      for (int64_t i = 0; i <= config.res_blocks; ++i) {
+        Block(now + channels.back(), ChannelsAt(level), level);
+        channels.pop_back();
+        now = ChannelsAt(level);
+      }
+    }
+  }
+};
+
+int64_t BytesOf(torch::ScalarType type) { return static_cast<int64_t>(c10::elementSize(type)); }
+
+int64_t WeightBytes(const SevaUnetConfig& config, torch::ScalarType type) {
+  ListedParameters listed;
+  LoadSevaUnet(listed, config);
+  int64_t numbers = 0;
+  for (const auto& [name, shape] : listed.shapes()) numbers += c10::multiply_integers(shape);
+  return numbers * BytesOf(type);
+}
+
+double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) / kGigabyte; }
+
+/// "--seva-frames 21 (12.3 GB)", the options that lower the need, cheapest in quality first.
+std::string Suggestions(const SevaUnetConfig& config, const SevaMemoryRequest& request) {
+  std::vector<std::string> options;
+  const auto suggest = [&](const std::string& option, const SevaMemoryRequest& other) {
+    options.push_back(fmt::format("{} ({:.1f} GB)", option, Gigabytes(EstimateMemory(config, other).total())));
+  };
+  if (request.halves == SevaHalves::kBatched) {
+    SevaMemoryRequest other = request;
+    other.halves = SevaHalves::kInTurn;
+    suggest("--seva-halves in-turn", other);
+  }
+  if (request.type == torch::kFloat) {
+    SevaMemoryRequest other = request;
+    other.type = torch::kBFloat16;
+    other.other_weights /= 2;
+    suggest("--seva-precision bfloat16", other);
+  }
+  if (request.frames > kFewFrames) {
+    SevaMemoryRequest other = request;
+    other.frames = kFewFrames;
+    suggest(fmt::format("--seva-frames {}", kFewFrames), other);
+  }
+  if (std::min(request.size.width, request.size.height) > kShortSide) {
+    SevaMemoryRequest other = request;
+    other.size = SevaWorkingSize(request.size, kShortSide);
+    suggest(fmt::format("--seva-short-side {}", kShortSide), other);
+  }
+  if (options.empty()) return "more memory is needed";
+  return fmt::format("less is needed with {}", fmt::join(options, ", or "));
+}
+
+}  // namespace
+
+SevaMemory EstimateMemory(const SevaUnetConfig& config, const SevaMemoryRequest& request) {
+  const int64_t rows = request.frames * (request.halves == SevaHalves::kBatched ? 2 : 1);
+  const int64_t pixels = (request.size.width / kLatentStride) * (request.size.height / kLatentStride);
+  Walk walk{config, BytesOf(request.type), pixels};
+  walk.Run();
+  SevaMemory memory;
+  memory.weights = WeightBytes(config, request.type) + request.other_weights;
+  memory.skips = rows * walk.skips;
+  memory.activations = rows * walk.largest;
+  memory.attention = 3 * kFloat * (request.gpu ? kSliceOnGpu : kSliceOnCpu);  // a slice, its gate, scores
+  return memory;
+}
+
+SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request, const SevaOptions& options,
+                        int64_t available) {
+  for (const SevaHalves halves : {SevaHalves::kBatched, SevaHalves::kInTurn}) {
+    const bool batched = halves == SevaHalves::kBatched;
+    if (options.halves != "auto" && (options.halves == "batched") != batched) continue;
+    request.halves = halves;
+    if (EstimateMemory(config, request).total() <= available) return halves;
+  }
+  const SevaMemory need = EstimateMemory(config, request);
+  throw RunError(
+      "seva needs about {:.1f} GB for {} frames of {} x {} (weights {:.1f}, skips {:.1f}, activations {:.1f}, "
+      "attention {:.1f}) and {:.1f} GB are there; {}",
+      Gigabytes(need.total()), request.frames, request.size.width, request.size.height, Gigabytes(need.weights),
+      Gigabytes(need.skips), Gigabytes(need.activations), Gigabytes(need.attention), Gigabytes(available),
+      Suggestions(config, request));
+}
+
+int64_t FreeMemoryBytes() {
+  std::ifstream in("/proc/meminfo");
+  std::string name, unit;
+  for (int64_t kilobytes = 0; in >> name >> kilobytes;) {
+    std::getline(in, unit);
+    if (name == "MemAvailable:") return kilobytes * 1024;
+  }
+  return std::numeric_limits<int64_t>::max();
+}
+
+}  // namespace oraclegs

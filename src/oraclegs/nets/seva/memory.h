@@ -1,0 +1,41 @@
+#pragma once
+// How much memory a generation needs, before it starts (spec/seva.md 11).
+
+#include <cstdint>
+#include <string>
+
+#include "oraclegs/nets/seva/conditioning.h"
+#include "oraclegs/nets/seva/image_fit.h"
+#include "oraclegs/nets/seva/options.h"
+
+namespace oraclegs {
+
+/// Bytes.
+struct SevaMemory {
+  int64_t weights = 0;      ///< of the UNet, and of the other networks where they stay
+  int64_t skips = 0;        ///< what the way down keeps for the way up
+  int64_t activations = 0;  ///< of the widest block
+  int64_t attention = 0;    ///< scores and slices that are held at a time
+  int64_t total() const { return weights + skips + activations + attention; }
+};
+
+struct SevaMemoryRequest {
+  int64_t frames = 21;
+  SevaSize size;  ///< of the pictures
+  SevaHalves halves = SevaHalves::kBatched;
+  torch::ScalarType type = torch::kFloat;
+  int64_t other_weights = 0;  ///< bytes
+  bool gpu = false;           ///< larger slices keep it busy
+};
+/// An upper estimate: attention is chunked or fused, wide layers go in slices.
+SevaMemory EstimateMemory(const SevaUnetConfig& config, const SevaMemoryRequest& request);
+
+/// Batched where that fits into `available` bytes or --seva-halves asks for it, else in turn. Throws RunError with
+/// what is needed, what is there, and what each option that lowers it would need.
+SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request, const SevaOptions& options,
+                        int64_t available);
+
+/// What the operating system says is free for a new program; the largest number where it does not say.
+int64_t FreeMemoryBytes();
+
+}  // namespace oraclegs

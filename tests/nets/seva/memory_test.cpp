@@ -1,0 +1,76 @@
+#include "oraclegs/nets/seva/memory.h"
+
+#include "nets/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kGigabyte = 1000000000;
+
+SevaMemoryRequest Request(int64_t frames, torch::ScalarType type, SevaHalves halves) {
+  SevaMemoryRequest request;
+  request.frames = frames;
+  request.type = type;
+  request.halves = halves;
+  request.gpu = true;
+  return request;
+}
+
+TEST(SevaMemory, EstimatesWhatTheSpecificationDerives) {
+  const SevaUnetConfig config;
+  const SevaMemory few = EstimateMemory(config, Request(21, torch::kBFloat16, SevaHalves::kBatched));
+  EXPECT_NEAR(static_cast<double>(few.weights), 2.53e9, 0.01e9);
+  EXPECT_NEAR(static_cast<double>(few.skips), 0.71e9, 0.02e9);
+  EXPECT_LE(few.total(), 12 * kGigabyte);  // in 24 GB, with the other networks beside it
+  const SevaMemory many = EstimateMemory(config, Request(80, torch::kBFloat16, SevaHalves::kBatched));
+  EXPECT_NEAR(static_cast<double>(many.skips), 2.7e9, 0.05e9);
+  EXPECT_GE(many.total(), 12 * kGigabyte);
+  EXPECT_LE(many.total(), 30 * kGigabyte);
+  const SevaMemory half = EstimateMemory(config, Request(80, torch::kBFloat16, SevaHalves::kInTurn));
+  EXPECT_EQ(2 * half.activations, many.activations);
+  EXPECT_EQ(2 * half.skips, many.skips);
+}
+
+TEST(SevaMemory, TakesWhatFits) {
+  const SevaUnetConfig config;
+  const SevaMemoryRequest request = Request(80, torch::kBFloat16, SevaHalves::kBatched);
+  SevaMemoryRequest in_turn = request;
+  in_turn.halves = SevaHalves::kInTurn;
+  const int64_t batched_bytes = EstimateMemory(config, request).total();
+  const int64_t in_turn_bytes = EstimateMemory(config, in_turn).total();
+  EXPECT_EQ(ChooseHalves(config, request, {}, batched_bytes), SevaHalves::kBatched);
+  EXPECT_EQ(ChooseHalves(config, request, {}, batched_bytes - 1), SevaHalves::kInTurn);
+  EXPECT_THROW(ChooseHalves(config, request, {}, in_turn_bytes - 1), RunError);
+  SevaOptions options;
+  options.halves = "in-turn";
+  EXPECT_EQ(ChooseHalves(config, request, options, batched_bytes), SevaHalves::kInTurn);
+  options.halves = "batched";
+  EXPECT_THROW(ChooseHalves(config, request, options, batched_bytes - 1), RunError);
+}
+
+TEST(SevaMemory, SaysWhatLowersTheNeed) {
+  const SevaUnetConfig config;
+  const auto message = [&](const SevaMemoryRequest& request, const std::string& halves) -> std::string {
+    SevaOptions options;
+    options.halves = halves;
+    try {
+      ChooseHalves(config, request, options, kGigabyte);
+    } catch (const RunError& error) {
+      return error.what();
+    }
+    return "fits";
+  };
+  EXPECT_THAT(message(Request(80, torch::kFloat, SevaHalves::kBatched), "batched"),
+              testing::AllOf(testing::HasSubstr("for 80 frames of 576 x 576"), testing::HasSubstr("1.0 GB are there"),
+                             testing::HasSubstr("less is needed with --seva-halves in-turn ("),
+                             testing::HasSubstr("--seva-precision bfloat16 ("),
+                             testing::HasSubstr("--seva-frames 21 ("), testing::HasSubstr("--seva-short-side 384 (")));
+  SevaMemoryRequest small = Request(5, torch::kBFloat16, SevaHalves::kBatched);
+  small.size = {64, 64};
+  EXPECT_THAT(message(small, "auto"), testing::HasSubstr("more memory is needed"));
+}
+
+TEST(SevaMemory, TheSystemKnowsWhatIsFree) { EXPECT_GT(FreeMemoryBytes(), 0); }
+
+}  // namespace
+}  // namespace oraclegs
