@@ -111,6 +111,14 @@ TEST_F(MonocularStageTest, ASmallSceneIsAlignedAsALargeOneIs) {
   EXPECT_NEAR(Combine(false).maps[0].inv_depth[30] * 1e5, InvDepth(30, 0), 1e-3);
 }
 
+TEST(DepthNetworkLicence, OnlyTheSmallNetworkIsForAnyUse) {
+  const TempDir temp;
+  EXPECT_EQ(DepthNetworkName(WriteTinyDepthAnything(temp / "tiny.safetensors")), "Depth Anything V2 of another size");
+  EXPECT_FALSE(IsNonCommercialDepthNetwork("Depth Anything V2 small"));
+  EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 base"));
+  EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 large"));
+}
+
 TEST_F(MonocularStageTest, TheNetworkGuessesEachPhotographAtItsSize) {
   const TempDir temp;
   const auto weights = WriteTinyDepthAnything(temp / "tiny.safetensors");

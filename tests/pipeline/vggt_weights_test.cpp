@@ -30,8 +30,8 @@ TEST(VggtWeights, AreWhereTheyWereFetchedOrNamed) {
 
 TEST(VggtWeights, AFileMayBeMarkedCommercial) {
   const TempDir dir;
-  const auto path = WriteTinyVggt(dir / "a.safetensors",
-                                  [](TinyVggtParts* parts) { parts->metadata["model"] = "VGGT-1B-Commercial"; });
+  const auto path =
+      WriteTinyVggt(dir / "a.safetensors", [](TinyVggtParts* parts) { parts->metadata["model"] = "vggt-commercial"; });
   EXPECT_TRUE(FindVggtWeights(path)->commercial);
 }
 

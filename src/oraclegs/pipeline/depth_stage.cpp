@@ -9,6 +9,7 @@
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/monocular_stage.h"
+#include "oraclegs/pipeline/non_commercial.h"
 
 namespace oraclegs {
 namespace {
@@ -148,14 +149,18 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
     Fuse(photos, &geometry);
     WriteDensePly(run->workspace.dense_ply(), geometry.points);
     files.emplace_back("sfm/dense.ply");
-    run->workspace.MarkDone("depth", {{"key", key},
-                                      {"seconds", clock.Seconds()},
-                                      {"points", geometry.points.size()},
-                                      {"confident_share", MeanConfidentShare(geometry.maps)},
-                                      {"prior", source.Name()},
-                                      {"right", right},
-                                      {"network", NetworkName(source)},
-                                      {"files", std::move(files)}});
+    nlohmann::json record = {{"key", key},
+                             {"seconds", clock.Seconds()},
+                             {"points", geometry.points.size()},
+                             {"confident_share", MeanConfidentShare(geometry.maps)},
+                             {"prior", source.Name()},
+                             {"right", right},
+                             {"network", NetworkName(source)},
+                             {"files", std::move(files)}};
+    if (HasNetwork(source) && IsNonCommercialDepthNetwork(record["network"])) {
+      NoteNonCommercial(record["network"], &record);
+    }
+    run->workspace.MarkDone("depth", std::move(record));
   } else {
     Fuse(photos, &geometry);
   }

@@ -47,6 +47,10 @@ std::string DepthNetworkName(const std::filesystem::path& weights) {
   return "Depth Anything V2 of another size";
 }
 
+bool IsNonCommercialDepthNetwork(const std::string& name) {
+  return name.ends_with(" base") || name.ends_with(" large");
+}
+
 MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& guesses, const std::vector<Photo>& photos,
                                  std::vector<DepthMap> stereo, const std::vector<ScenePoint>& points,
                                  const Listener& listener) {

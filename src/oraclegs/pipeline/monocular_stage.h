@@ -19,6 +19,9 @@ std::vector<RelativeDepth> GuessDepth(const std::filesystem::path& weights, cons
 /// "Depth Anything V2 small", "base", "large", or "of another size". Throws InputError.
 std::string DepthNetworkName(const std::filesystem::path& weights);
 
+/// By that name: "small" is Apache-2.0, "base" and "large" are CC-BY-NC-4.0 (docs/models.md).
+bool IsNonCommercialDepthNetwork(const std::string& name);
+
 struct MonocularMaps {
   std::vector<DepthMap> maps;
   double right = 0;  ///< mean over the photographs of the share that was right (depth/monocular.h)

@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kCommercial = "VGGT-1B-Commercial";  // what its authors call the one for any use
+constexpr const char* kCommercial = "VGGT-1B-Commercial";    // what its authors call the one for any use
+constexpr const char* kCommercialModel = "vggt-commercial";  // what `oraclegs models` and the converter call it
 constexpr const char* kResearch = "VGGT-1B";
 constexpr size_t kSampled = 64;  // bytes at each end of a tensor: the whole file would be read for nothing else
 
@@ -37,7 +38,7 @@ VggtWeights Describe(const fs::path& path, const std::string& name) {
     print.Add(entry.bytes.substr(0, sampled)).Add(entry.bytes.substr(entry.bytes.size() - sampled));
   }
   const auto model = file.metadata().find("model");
-  const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercial);
+  const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercialModel);
   return {path, commercial ? kCommercial : kResearch, print.Hex(), commercial};
 }
 
@@ -49,7 +50,7 @@ std::optional<VggtWeights> FindVggtWeights(const fs::path& given) {
     if (fs::is_regular_file(given, ignored)) return Describe(given, kResearch);
     throw InputError("{}: there is no such file; name VGGT's weights with --vggt-weights", given.string());
   }
-  for (const auto& [model, name] : {std::pair{"vggt-commercial", kCommercial}, std::pair{"vggt", kResearch}}) {
+  for (const auto& [model, name] : {std::pair{kCommercialModel, kCommercial}, std::pair{"vggt", kResearch}}) {
     if (const auto path = Fetched(model)) return Describe(*path, name);
   }
   return std::nullopt;

@@ -1,9 +1,9 @@
 #include "oraclegs/pipeline/weights.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/models/folder.h"
 #include "oraclegs/pipeline/fingerprint.h"
 
 namespace oraclegs {
@@ -12,13 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".safetensors";
-
-fs::path ModelsFolder() {
-  const char* folder = std::getenv("ORACLEGS_MODELS");
-  if (folder != nullptr && *folder != '\0') return folder;
-  const char* home = std::getenv("HOME");
-  return home != nullptr ? fs::path(home) / ".cache" / "oraclegs" : fs::path();
-}
 
 std::vector<fs::path> FilesIn(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -35,13 +28,12 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
 std::vector<fs::path> FindWeights(const std::string& model, const fs::path& given) {
   std::error_code ignored;
   if (given.empty()) {
-    const fs::path folder = ModelsFolder();
-    if (folder.empty()) return {};
-    // What `models fetch` leaves, or a single file put there by hand.
-    for (const fs::path& file : {folder / model / "model.safetensors", folder / (model + kSuffix)}) {
-      if (fs::is_regular_file(file, ignored)) return {file};
+    try {
+      if (const auto file = LocateModel(model)) return {*file};
+      return FilesIn(ModelsFolder() / model);  // put there by hand
+    } catch (const UsageError&) {              // there is no home folder to look in
+      return {};
     }
-    return FilesIn(folder / model);
   }
   if (fs::is_regular_file(given, ignored)) return {given};
   if (!fs::is_directory(given, ignored)) {
