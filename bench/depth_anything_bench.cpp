@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/nets/depth_anything.h"
 #include "oraclegs/pipeline/metrics.h"
 
@@ -31,7 +32,7 @@ int main(int argc, char** argv) {
   std::printf("%s\n",
               fmt::format("Depth Anything V2 {}, {} x {}: {:.1f} s, peak {:.0f} MiB, weights and program {:.0f} MiB, "
                           "{} threads",
-                          word, width, height, seconds, peak, weights, at::get_num_threads())
+                          word, width, height, seconds, peak, weights, NumThreads())
                   .c_str());
   return map.numel() == width * height ? 0 : 1;
 }

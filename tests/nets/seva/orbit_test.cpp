@@ -1,6 +1,7 @@
 #include "oraclegs/nets/seva/orbit.h"
 
 #include "nets/seva/sampling_fixture.h"
+#include "oraclegs/scene/camera_path.h"
 
 namespace oraclegs {
 namespace {
@@ -24,8 +25,8 @@ TEST(SevaOrbit, MatchesTheOfficialOne) {
 
 TEST(SevaOrbit, AnchorsLeaveOutThePhotograph) {
   SevaView photograph, target;
-  photograph.world_from_camera = LookAt({3, 0, 0}, {0, 0, 0}, {0, 0, 1});
-  target.world_from_camera = LookAt({0, 3, 0}, {0, 0, 0}, {0, 0, 1});
+  photograph.world_from_camera = LookAt({3, 0, 0}, {0, 0, 0}, {0, 0, 1}).inverse();
+  target.world_from_camera = LookAt({0, 3, 0}, {0, 0, 0}, {0, 0, 1}).inverse();
   target.intrinsics(0, 0) = 7;
   const std::vector<SevaView> anchors = OrbitAnchors({photograph}, {target}, 5);
   ASSERT_EQ(anchors.size(), 5u);

@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "oraclegs/scene/camera_path.h"
+
 namespace oraclegs {
 
 Eigen::Vector3d LookAtPoint(const std::vector<SevaView>& views) {
@@ -26,22 +28,13 @@ Eigen::Vector3d UpOf(const std::vector<SevaView>& views) {
   return -down.normalized();
 }
 
-Eigen::Isometry3d LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& target, const Eigen::Vector3d& up) {
-  const Eigen::Vector3d forward = (target - position).normalized();
-  const Eigen::Vector3d right = forward.cross(up).normalized(), down = forward.cross(right).normalized();
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() << right, down, forward;
-  pose.translation() = position;
-  return pose;
-}
-
 std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::Vector3d& center,
                                      const Eigen::Vector3d& up, int64_t count) {
   std::vector<Eigen::Isometry3d> poses;
   for (int64_t i = 0; i < count; ++i) {
     const double angle = 2 * M_PI * static_cast<double>(i) / static_cast<double>(count);
     const Eigen::Vector3d position = center + Eigen::AngleAxisd(angle, up) * (start - center);
-    poses.push_back(LookAt(position, center, up));
+    poses.push_back(LookAt(position, center, up).inverse());
   }
   return poses;
 }

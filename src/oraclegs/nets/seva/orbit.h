@@ -14,9 +14,6 @@ Eigen::Vector3d LookAtPoint(const std::vector<SevaView>& views);
 /// Minus the mean of the cameras' y axes, of unit length: which way is up.
 Eigen::Vector3d UpOf(const std::vector<SevaView>& views);
 
-/// At `position`, looking at `target`, with `up` towards the top of the picture.
-Eigen::Isometry3d LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& target, const Eigen::Vector3d& up);
-
 /// `count` poses evenly on the full circle around the axis `up` through `center`, from `start` on; each looks at
 /// `center`, also the first.
 std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::Vector3d& center,
