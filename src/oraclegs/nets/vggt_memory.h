@@ -14,8 +14,8 @@ struct VggtPass {
 /// Of the tensors that LoadVggt reads for these heads, as float32.
 int64_t VggtWeightBytes(const VggtConfig& config, const VggtHeads& heads);
 
-/// What a pass on a CPU in float32 holds beside the weights where it holds most; measured on VGGT-1B with a margin
-/// (bench/nets_bench.cpp).
+/// What a pass on a CPU in float32 holds beside the weights where it holds most; of VGGT-1B only the oracle pass was
+/// measured, with a margin; the heads are counted (bench/nets_bench.cpp).
 int64_t VggtPassBytes(const VggtConfig& config, const VggtPass& pass);
 
 }  // namespace oraclegs
