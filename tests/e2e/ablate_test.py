@@ -17,7 +17,7 @@ class Ablate(EndToEnd):
         done = self.run_program(*arguments)
         self.assertRegex(done.stdout, r"(?m)^1 MCMC, random start +\d+\.\d\d ± \d+\.\d\d +0\.\d{4} ± ")
         self.assertRegex(done.stdout, r"(?m)^2 \+ proposals .* [+-]\d+\.\d\d ± \d+\.\d\d +\d+:\d\d$")
-        self.assertRegex(done.stderr, r"row 1 of 10 \(MCMC, random start\), seed 3: \d+\.\d\d dB, about [0-9:]+ left")
+        self.assertRegex(done.stderr, r"row 1 of 11 \(MCMC, random start\), seed 3: \d+\.\d\d dB, about [0-9:]+ left")
         report = json.loads((out / "ablation.json").read_text())
         self.assertEqual(report["seeds"], [3, 4])
         for row in report["rows"]:

@@ -136,6 +136,26 @@ class BadInput(EndToEnd):
             (scene / f"{i}.png").write_bytes(png(64, 48, (90 * i, 120, 30)))
         self.refused(scene, names=["blank"])
 
+    def test_scenes_without_depth_are_trained_all_the_same(self):
+        def one_pose(transforms):
+            for frame in transforms["frames"]:
+                frame["transform_matrix"] = transforms["frames"][0]["transform_matrix"]
+
+        same, blank = self.copy_scene("one_pose"), self.copy_scene("no_texture")
+        self.edit_transforms(same, one_pose)
+        for image in (blank / "images").glob("*.png"):
+            width, height = struct.unpack(">II", image.read_bytes()[16:24])
+            image.write_bytes(png(width, height, (120, 120, 120)))
+        small = ["--iterations", 20, "--max-gaussians", 500, "--stereo-iterations", 2, "--stereo-passes", 1]
+        for scene, words in [(same, "have one and the same pose"), (blank, "or they have no texture")]:
+            with self.subTest(scene.name):
+                out = self.dir / f"trained_{scene.name}"
+                done = self.run_program("reconstruct", scene, "-o", out, "--test-every", 4, *small)
+                for told in [words, "no views are proposed", "starting from random points"]:
+                    self.assertIn(told, done.stderr)
+                self.assertNotIn("_start", done.stderr, "the stack of a crash in colmap")
+                self.assertTrue((out / "point_cloud.ply").exists())
+
     def test_output_that_is_no_place_to_write(self):
         self.error_of("reconstruct", self.scene, "-o", self.scene, code=3, names=[self.scene, "-o"])
         self.error_of("reconstruct", self.scene, "-o", self.scene / "out", code=3, names=["out", "-o"])

@@ -63,6 +63,20 @@ class Propose(EndToEnd):
         self.assertIn("test view", done.stderr)
         self.assertEqual(len(list((out / "confidence").glob("*.png"))), 1)
 
+    def test_a_folder_of_which_nothing_can_be_used_is_done_without(self):
+        out, folder = self.dir / "without_folder", self.dir / "squares"
+        folder.mkdir()
+        frames = json.loads((self.scene / "transforms.json").read_text())
+        for frame in frames["frames"]:
+            frame["file_path"] = frame["file_path"].rsplit("/", 1)[-1]
+            (folder / frame["file_path"]).write_bytes(png(40, 40, (90, 90, 90)))
+        (folder / "transforms.json").write_text(json.dumps(frames))
+        arguments = [self.scene, "-o", out, *RUN, "--proposers", "warp", "--proposal-folder", folder]
+        done = self.run_program("validate", *arguments)
+        self.assertIn("none of its proposals can be used; going on without them", done.stderr)
+        self.assertIn("generate them in the camera's shape", done.stderr)
+        self.assertEqual(len(list((out / "confidence").glob("*.png"))), 5)
+
     def test_bad_folders_and_options(self):
         out = ["-o", self.dir / "bad"]
         missing = self.dir / "missing"

@@ -73,6 +73,9 @@ TEST_F(FetchModelTest, TheLicenceComesFirst) {
 TEST_F(FetchModelTest, WhatIsHereIsNotFetched) {
   WriteFileAtomically(dir_ / "seva.safetensors", "x");
   EXPECT_EQ(Fetch("seva", {"", "http://127.0.0.1:1", ""}, false), dir_ / "seva.safetensors");
+  // What `models check` advises must not end in a circle.
+  EXPECT_THAT(warnings_, testing::ElementsAre(AllOf(HasSubstr("seva.safetensors: has 1 bytes"),
+                                                    HasSubstr("is not replaced: remove it first"))));
 }
 
 TEST_F(FetchModelTest, ASafetensorsFileIsUsedAsItIs) {

@@ -57,12 +57,21 @@ TEST(AblationRows, OnlyTheLastAsksLpips) {
   }
 }
 
+TEST(AblationRows, TheOracleIsCalibratedInARowOfItsOwn) {
+  for (size_t row = 0; row < AblationRows().size(); ++row) {
+    EXPECT_EQ(RowOptions(row, {}).validate.calibrate, row >= 8) << AblationRows()[row].name;
+  }
+}
+
 TEST(AblationRows, APartSwitchedOffByTheUserStaysOff) {
   RunOptions asked;
   asked.train.depth_weight = 0;
   asked.train.schedule = "constant";
   EXPECT_EQ(Shaping(4, asked), Shaping(3, asked));
   EXPECT_EQ(Shaping(2, asked), Shaping(1, asked));
+  asked.validate.oracle = "uniform";
+  EXPECT_EQ(Shaping(5, asked), Shaping(4, asked)) << "nobody to trust";
+  EXPECT_EQ(Shaping(8, asked), Shaping(7, asked)) << "nothing to calibrate";
   asked.propose.proposers = "none", asked.propose.proposal_folder = "/somewhere";
   EXPECT_EQ(RowOptions(1, asked).propose.proposers, "none");
   EXPECT_EQ(RowOptions(1, asked).propose.proposal_folder, "/somewhere");
@@ -71,8 +80,8 @@ TEST(AblationRows, APartSwitchedOffByTheUserStaysOff) {
 TEST(ChooseRows, ByNumberAndName) {
   EXPECT_EQ(ChooseRows("").size(), AblationRows().size());
   EXPECT_THAT(ChooseRows("depth, 1,proposals,2"), ElementsAre(0, 1, 4));
-  EXPECT_THAT(ChooseRows("lpips,9"), ElementsAre(8, 9));
-  for (const char* bad : {"magic", "0", "11", "1,,2", "1,"}) {
+  EXPECT_THAT(ChooseRows("lpips,9"), ElementsAre(8, 10));
+  for (const char* bad : {"magic", "0", "12", "1,,2", "1,"}) {
     EXPECT_THAT(MessageOf<UsageError>([&] { ChooseRows(bad); }), AllOf(HasSubstr("--rows"), HasSubstr("5 depth")))
         << bad;
   }

@@ -46,8 +46,8 @@ TEST_F(AblationTest, TrainsEachRowInAWorkspaceOfItsOwnAndSharesWhatTheyShare) {
   EXPECT_EQ(ablation.width, 80);
   EXPECT_EQ(Saved("shared"), AblationToJson(ablation));
   EXPECT_EQ(ReadFile(out / "ablation.md"), AblationMarkdown(ablation));
-  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("row 2 of 10 (+ proposals), seed 0: "), HasSubstr(" left"))));
-  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("row 3 of 10"), Not(HasSubstr(" left")))));
+  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("row 2 of 11 (+ proposals), seed 0: "), HasSubstr(" left"))));
+  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("row 3 of 11"), Not(HasSubstr(" left")))));
 
   // Given again, nothing is trained; a second seed takes the depth of the first.
   const auto written = fs::last_write_time(first / "point_cloud.ply");
@@ -71,7 +71,7 @@ TEST_F(AblationTest, InterruptedItKeepsATableAndGoesOn) {
   const AblationRequest request = Ask("stopped", "mcmc,proposals");
   const Listener stop = [](const Event& event) {
     const auto* note = std::get_if<Note>(&event);
-    if (note && note->text.rfind("row 1 of 10", 0) == 0) RequestInterrupt(true);
+    if (note && note->text.rfind("row 1 of 11", 0) == 0) RequestInterrupt(true);
   };
   EXPECT_THROW(RunAblation(request, stop), Interrupted);
   RequestInterrupt(false);
@@ -125,8 +125,8 @@ TEST_F(AblationTest, LpipsIsARowWhereItsWeightsAre) {
   request.run.options.train.synthetic_floor = 0.9;
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   ASSERT_EQ(ablation.rows.size(), 1u);
-  EXPECT_EQ(ablation.rows[0].number, 10u);
-  const fs::path out = request.run.out / "rows/10-lpips/seed-0";
+  EXPECT_EQ(ablation.rows[0].number, 11u);
+  const fs::path out = request.run.out / "rows/11-lpips/seed-0";
   EXPECT_EQ(ReadMetrics(out).at("train").at("lpips"), "VGG16, pictures in [0, 1]");
   EXPECT_TRUE(ReadMetrics(out).at("test").contains("lpips"));
 }

@@ -70,6 +70,17 @@ TEST_F(JudgeTest, PassesOfTheNetworkAreTold) {
   EXPECT_EQ(steps[2], (std::pair<int64_t, int64_t>{9, 9}));
 }
 
+TEST_F(JudgeTest, WithoutCalibrationVggtCountsAsItIsAndOthersByTheirOrder) {
+  const auto vggt = Ask("vggt"), consistency = Ask("consistency");
+  run->options.validate.calibrate = false;
+  steps.clear();
+  const auto raw = Ask("vggt");
+  EXPECT_EQ(steps, (std::vector<std::pair<int64_t, int64_t>>{{3, 3}})) << "no photograph is hidden to learn from";
+  EXPECT_NE(raw[0].confidence, vggt[0].confidence);
+  EXPECT_NE(Ask("consistency")[0].confidence, consistency[0].confidence);
+  EXPECT_EQ(Ask("uniform")[0].confidence, ConfidenceMap(raw[0].confidence.size(), 1.f));
+}
+
 TEST_F(JudgeTest, ModesGiveOtherConfidence) {
   const auto reference = Ask("vggt");
   run->options.validate.oracle_mode = "others";

@@ -9,7 +9,11 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   const TempDir temp;
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
   run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"points", 400}});
-  run.workspace.MarkDone("validate", {{"key", "v"}, {"seconds", 1}, {"non_commercial", {"VGGT-1B"}}});
+  run.workspace.MarkDone("validate", {{"key", "v"},
+                                      {"seconds", 1},
+                                      {"oracle", "vggt"},
+                                      {"mean_confidence", {{"a", 0.5}, {"b", 1}}},
+                                      {"non_commercial", {"VGGT-1B"}}});
   run.workspace.MarkDone(
       "depth", {{"key", "c"}, {"seconds", 4}, {"points", 9000}, {"prior", "fused"}, {"right", 0.7}, {"network", "a"}});
   run.workspace.MarkDone("start", {{"key", ""}, {"seconds", 0}, {"source", "dense"}, {"points", 500}});
@@ -35,6 +39,9 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("depth").at("prior"), "fused");
   EXPECT_EQ(metrics.at("depth").at("right"), 0.7);
   EXPECT_EQ(metrics.at("depth").at("network"), "a");
+  EXPECT_EQ(metrics.at("proposals").at("oracle"), "vggt");
+  EXPECT_EQ(metrics.at("proposals").at("count"), 2);
+  EXPECT_EQ(metrics.at("proposals").at("mean_confidence"), 0.75);
   EXPECT_EQ(metrics.at("peak_memory_bytes"), int64_t{1} << 60);
   EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json({"VGGT-1B"}));
   EXPECT_EQ(metrics.at("program"), "oraclegs");

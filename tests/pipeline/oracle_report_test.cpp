@@ -9,6 +9,7 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using OracleReportTest = ProposingTest;
 
@@ -41,7 +42,12 @@ TEST_F(OracleReportTest, MeasuresProposalsAgainstPhotographsThatNeitherTrainNorT
 
 TEST_F(OracleReportTest, SaysWhatIsNeeded) {
   auto run = StartRun(Request("nothing"), Silent());
-  EXPECT_THAT(MessageOf<InputError>([&] { ReportOracle(run); }), HasSubstr("--trajectory dataset"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReportOracle(run); }),
+              AllOf(HasSubstr("holds no validated proposals"), HasSubstr("--trajectory dataset")));
+  run.workspace.MarkDone("validate",
+                         {{"key", ""}, {"mean_confidence", {{"orbit_0000", 0.9}}}, {"files", {"split.json"}}});
+  EXPECT_THAT(MessageOf<InputError>([&] { ReportOracle(run); }),
+              AllOf(HasSubstr("no proposal stands where a photograph was taken"), HasSubstr("--trajectory dataset")));
 }
 
 }  // namespace

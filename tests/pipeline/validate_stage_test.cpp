@@ -80,6 +80,14 @@ TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
   ASSERT_EQ(result.views.size(), 1u);
   EXPECT_EQ(result.views[0].confidence.min().item<float>(), 1.f);
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("trusts nothing of 1 of 2 proposals, which are left out")));
+
+  recorder.warnings.clear(), recorder.notes.clear();
+  WritePng(maps / names[1], Image8{80, 60, 1, std::vector<uint8_t>(size_t{80} * 60, 0)});
+  EXPECT_THAT(Validate(request, recorder.AsListener()).views, IsEmpty());
+  EXPECT_THAT(recorder.warnings,
+              Contains(testing::AllOf(HasSubstr("trusts nothing of 2 of 2"), HasSubstr("photographs alone are trained"),
+                                      HasSubstr("--trajectory"))));
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("trusted to")))) << "there is nothing to take a mean of";
 }
 
 TEST_F(ValidateStageTest, ADamagedPictureIsNamed) {

@@ -134,11 +134,13 @@ TEST_F(FolderTest, ConfidenceThatCannotBeUsedIsTold) {
           AllOf(HasSubstr("2 proposals have no confidence map"), HasSubstr("b.png, f.png"))));
 }
 
-TEST_F(FolderTest, NothingLeftIsAnError) {
+TEST_F(FolderTest, NothingLeftIsToldAfterTheReasons) {
   WriteFrames({"a", "b"});
-  EXPECT_THAT(ErrorOf(), AllOf(HasSubstr("none of its 2 proposals can be used"), HasSubstr("2 of them (a.png, b.png)"),
-                               HasSubstr("no picture file is there")));
-  EXPECT_EQ(heard_.warnings.size(), 1u);
+  EXPECT_TRUE(Read().proposals.empty());
+  ASSERT_EQ(heard_.warnings.size(), 2u);
+  EXPECT_THAT(heard_.warnings[0],
+              AllOf(HasSubstr("2 proposals are left out (a.png, b.png)"), HasSubstr("no picture file is there")));
+  EXPECT_THAT(heard_.warnings[1], HasSubstr("none of its proposals can be used; going on without them"));
 }
 
 TEST_F(FolderTest, NeedsAWorkingSize) {

@@ -141,6 +141,17 @@ TEST(ColmapRunner, AFailureHasTheCommandTheCodeAndTheLastLineThatSaysSomething) 
   EXPECT_EQ(ReadFile(dir / "colmap.log"), "started\nERROR: no good initial image pair\n\n \t\n");
 }
 
+TEST(ColmapRunner, OfACrashTheCauseIsToldAndNotTheStack) {
+  const TempDir dir;
+  const FakeColmap fake(
+      "echo 'F20261122 08:06:59.932825 11264 sfm.cc:473] Check failed: bundle_adjuster.Solve(&reconstruction) ';"
+      "echo '*** Check failure stack trace: ***'; echo '    @     0x562d91bf63a1  _start'; exit 134");
+  const Listener silent = Silent();
+  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent));
+  EXPECT_EQ(failure.last_line, "Check failed: bundle_adjuster.Solve(&reconstruction) ");
+  EXPECT_EQ(failure.exit_code, 134);
+}
+
 TEST(ColmapRunner, ACrashAndAMissingProgramAreFailuresToo) {
   const TempDir dir;
   const Listener silent = Silent();

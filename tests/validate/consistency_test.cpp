@@ -56,6 +56,24 @@ TEST_F(ConsistencyTest, TrustsWhatPhotographsShowAndDoubtsWhatIsInvented) {
   EXPECT_GT(outside / (96 * 72 - 900), 0.8);
 }
 
+TEST_F(ConsistencyTest, CalibrationMovesTheLevelAndKeepsTheOrder) {
+  const Warper warper({photos, maps});
+  ConsistencyOracle calibrated(warper, photos), as_it_comes(warper, photos);
+  as_it_comes.LeaveLevel();
+  calibrated.Learn(hidden);
+  as_it_comes.Learn(hidden);
+  const ConfidenceMap level = calibrated.Validate({hidden[2].proposal})[0];
+  const ConfidenceMap order = as_it_comes.Validate({hidden[2].proposal})[0];
+  EXPECT_NE(level, order);
+  for (size_t i = 1; i < order.size(); ++i) {
+    if (order[i - 1] < order[i]) {
+      EXPECT_LE(level[i - 1], level[i]);
+    } else {
+      EXPECT_GE(level[i - 1], level[i]);
+    }
+  }
+}
+
 TEST_F(ConsistencyTest, AProposalsMapDoesNotDependOnTheOthers) {
   const Warper warper({photos, maps});
   ConsistencyOracle oracle(warper, photos);

@@ -46,11 +46,12 @@ void Convert(const ModelInfo& model, const std::vector<fs::path>& published, con
   }
 }
 
-void WarnIfUnexpected(const ModelInfo& model, const fs::path& weights, const Listener& listener) {
+/// `mend` is what to do about it, beyond what the check says.
+void WarnIfUnexpected(const ModelInfo& model, const fs::path& weights, const char* mend, const Listener& listener) {
   try {
     CheckModel(model, weights);
   } catch (const InputError& error) {
-    listener(Warning{error.what()});
+    listener(Warning{fmt::format("{}{}", error.what(), mend)});
   }
 }
 
@@ -83,7 +84,10 @@ std::string AtMirror(const std::string& url, const std::string& mirror) {
 
 fs::path FetchModel(const ModelInfo& model, const FetchOptions& options, const FetchSettings& settings,
                     const Listener& listener) {
-  if (const auto here = LocateModel(model.name)) return *here;
+  if (const auto here = LocateModel(model.name)) {
+    WarnIfUnexpected(model, *here, "; it is here already and is not replaced: remove it first", listener);
+    return *here;
+  }
   if (!options.accept_licence) {
     throw UsageError("{}; if you agree to it, add --accept-licence", LicenceText(model));
   }
@@ -108,7 +112,7 @@ fs::path FetchModel(const ModelInfo& model, const FetchOptions& options, const F
       if (!options.keep_published) fs::remove(file);
     }
   }
-  WarnIfUnexpected(model, weights, listener);
+  WarnIfUnexpected(model, weights, "", listener);
   return weights;
 }
 

@@ -36,8 +36,9 @@ std::string LicenceText(const ModelInfo& model);
 std::string AtMirror(const std::string& url, const std::string& mirror);
 
 /// Downloads the published files into ModelsFolder()/NAME, converts them where that is needed, and checks names and
-/// shapes, of which a Warning tells if they are not as expected. Returns the weights; does nothing when they are there.
-/// Throws UsageError without agreement to the licence, what Download throws, RunError when the conversion fails.
+/// shapes, of which a Warning tells if they are not as expected. Returns the weights; those that are there already are
+/// checked and never replaced. Throws UsageError without agreement to the licence, what Download throws, RunError when
+/// the conversion fails.
 std::filesystem::path FetchModel(const ModelInfo& model, const FetchOptions& options, const FetchSettings& settings,
                                  const Listener& listener);
 

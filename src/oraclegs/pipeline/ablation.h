@@ -18,7 +18,7 @@ struct AblateOptions {
     visit("seeds", seeds, "Trainings of each row, of seeds --seed, --seed + 1, ...", Range{1, 1000});
     visit("rows", rows,
           "Rows to train, by number or name, separated by commas: mcmc, proposals, schedule, sfm, depth, confidence, "
-          "dense, regularisers, opinions, lpips (with its weights only); all unless given");
+          "dense, regularisers, calibration, opinions, lpips (with its weights only); all unless given");
   }
 };
 

@@ -27,12 +27,14 @@ size_t RowOf(const std::string& word) {
 const std::vector<AblationRow>& AblationRows() {
   static const std::vector<AblationRow> rows = {
       {"mcmc", "MCMC, random start", "3DGS-MCMC on the photographs alone, as its authors start and train it",
-       [](const RunOptions&, RunOptions* o) {
+       [](const RunOptions& asked, RunOptions* o) {
          const StartOptions usual;
          o->start.init = "random", o->start.init_scale = usual.init_scale;
          o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
          o->propose.proposers = "none", o->propose.proposal_folder.clear();
          o->train.schedule = "constant", o->validate.oracle = "uniform";
+         // Where everything is trusted alike there is nothing to calibrate, and no row of it.
+         if (asked.validate.oracle != "uniform") o->validate.calibrate = false;
          o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
          o->train.proposal_lpips = 0;
          o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1, o->train.exposure = "off";
@@ -51,8 +53,7 @@ const std::vector<AblationRow>& AblationRows() {
       {"depth", "+ depth", "stereo's inverse depth in the loss of the photographs",
        [](const RunOptions& asked, RunOptions* o) { o->train.depth_weight = asked.train.depth_weight; }},
       {"confidence", "+ confidence",
-       "each proposed pixel counts by what the photographs say of it; the number is calibrated on hidden photographs, "
-       "here as everywhere",
+       "each proposed pixel counts by what its oracle says of it, which orders the pixels",
        [](const RunOptions& asked, RunOptions* o) { o->validate.oracle = asked.validate.oracle; }},
       {"dense", "+ dense start", "Gaussians start at stereo's dense points, at the size of their distances",
        [](const RunOptions& asked, RunOptions* o) {
@@ -62,6 +63,9 @@ const std::vector<AblationRow>& AblationRows() {
       {"regularisers", "+ regularisers",
        "noise on opacities, dropout for objects, learning rates that come to rest, colour maps where exposures vary",
        [](const RunOptions& asked, RunOptions* o) { o->train = asked.train, o->train.proposal_lpips = 0; }},
+      {"calibration", "+ calibrated oracle",
+       "what the oracle says is mapped to what such pixels were worth where photographs were hidden",
+       [](const RunOptions& asked, RunOptions* o) { o->validate.calibrate = asked.validate.calibrate; }},
       {"opinions", "+ second opinion",
        "the mean of quick models beside the warped photographs, their confidence calibrated together and the two "
        "blended by it: everything `reconstruct` does without LPIPS",

@@ -57,13 +57,25 @@ Judge::Judge(const Run& run, const std::vector<Photo>& photos, const Proposers& 
     return;
   }
   if (choice.weights) LoadSecond(run, photos, *choice.weights);
+  const bool calibrate = run.options.validate.calibrate;
+  if (!calibrate && choice.oracle == "vggt") {
+    progress_->total = targets;
+    return;
+  }
   if (second_) {
     const Evidence evidence = choice.oracle == "vggt" ? Evidence::kSecond : Evidence::kBoth;
     calibrated_ = std::make_unique<ConsistencyOracle>(proposers.warper(), photos, *second_, evidence);
   } else {
     calibrated_ = std::make_unique<ConsistencyOracle>(proposers.warper(), photos);
   }
+  if (!calibrate) calibrated_->LeaveLevel();
   Teach(photos, proposers, targets);
+}
+
+const Oracle& Judge::oracle() const {
+  if (uniform_) return *uniform_;
+  if (calibrated_) return *calibrated_;
+  return *second_;
 }
 
 void Judge::LoadSecond(const Run& run, const std::vector<Photo>& photos, const VggtWeights& weights) {
@@ -117,11 +129,10 @@ void Judge::Teach(const std::vector<Photo>& photos, const Proposers& proposers, 
 }
 
 std::vector<Validated> Judge::operator()(std::vector<std::vector<Proposal>> candidates) const {
-  const Oracle& oracle = uniform_ ? *uniform_ : *calibrated_;
   std::erase_if(candidates, [](const auto& of_one) { return of_one.empty(); });
   std::vector<Proposal> all;
   for (const auto& of_one : candidates) all.insert(all.end(), of_one.begin(), of_one.end());
-  auto confidence = oracle.Validate(all);
+  auto confidence = oracle().Validate(all);
   std::vector<Validated> picked;
   auto next = confidence.begin();
   for (const auto& of_one : candidates) {
@@ -133,7 +144,7 @@ std::vector<Validated> Judge::operator()(std::vector<std::vector<Proposal>> cand
   for (const Validated& v : picked) {
     if (v.proposal.source == kMixed) mixed.push_back(v.proposal);
   }
-  confidence = oracle.Validate(mixed);
+  confidence = oracle().Validate(mixed);
   next = confidence.begin();
   for (Validated& v : picked) {
     if (v.proposal.source == kMixed) v.confidence = std::move(*next++);

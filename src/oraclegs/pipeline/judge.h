@@ -11,7 +11,8 @@
 
 namespace oraclegs {
 
-/// Calibrated on hidden photographs when it is made (but "uniform"). `photos` and `proposers` must outlive it.
+/// Learns from hidden photographs when it is made (but "uniform", and "vggt" without --calibrate). `photos` and
+/// `proposers` must outlive it.
 class Judge {
  public:
   /// targets: how many are going to be asked about, for the progress of "validate". Throws InputError for weights that
@@ -28,15 +29,16 @@ class Judge {
   std::vector<Validated> operator()(std::vector<std::vector<Proposal>> candidates) const;
 
  private:
+  const Oracle& oracle() const;
   void LoadSecond(const Run& run, const std::vector<Photo>& photos, const VggtWeights& weights);
   void Teach(const std::vector<Photo>& photos, const Proposers& proposers, size_t targets);
 
   PickRule rule_;
   size_t together_;
   struct Progress;
-  std::shared_ptr<Progress> progress_;  ///< of second_
-  std::unique_ptr<Oracle> second_;      ///< VGGT before calibration, null without
-  std::unique_ptr<ConsistencyOracle> calibrated_;
+  std::shared_ptr<Progress> progress_;             ///< of second_
+  std::unique_ptr<Oracle> second_;                 ///< VGGT before calibration, null without
+  std::unique_ptr<ConsistencyOracle> calibrated_;  ///< null where VGGT's maps count as they are
   std::unique_ptr<Oracle> uniform_;
 };
 

@@ -51,6 +51,14 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
                         {"right", depth.value("right", 0.0)},
                         {"network", depth.value("network", nlohmann::json())}};
   }
+  const nlohmann::json validate = run.workspace.Record("validate");
+  if (validate.is_object() && validate.contains("oracle")) {
+    const nlohmann::json trust = validate.value("mean_confidence", nlohmann::json::object());
+    double sum = 0;
+    for (const auto& mean : trust) sum += mean.get<double>();
+    metrics["proposals"] = {{"count", trust.size()}, {"oracle", validate.at("oracle")}, {"mean_confidence", nullptr}};
+    if (!trust.empty()) metrics["proposals"]["mean_confidence"] = sum / static_cast<double>(trust.size());
+  }
   if (start.is_object()) {
     metrics["start"] = {{"source", start.value("source", "")}, {"points", start.value("points", int64_t{0})}};
   }

@@ -45,6 +45,12 @@ nlohmann::json ReportOracle(const Run& run) {
     psnr -= 10 * std::log10(squares / (3 * static_cast<double>(counted)));
     ++views;
   }
+  if (validated.empty()) {
+    throw InputError(
+        "{}: holds no validated proposals; run `oraclegs validate` with --trajectory dataset and --views N below the "
+        "number of photographs",
+        run.workspace.root().string());
+  }
   if (views == 0) {
     throw InputError(
         "{}: no proposal stands where a photograph was taken that neither trains nor tests; only --trajectory dataset "

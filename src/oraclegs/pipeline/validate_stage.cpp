@@ -75,6 +75,17 @@ void RemoveOld(Run* run) {
   for (const auto& picture : pictures) std::filesystem::remove(picture, ignored);
 }
 
+/// Proposals of which nothing counts, and what is left of them all.
+void TellRejected(const Run& run, const std::vector<std::string>& names, size_t of, bool none_left) {
+  if (names.empty()) return;
+  const std::string look = (run.workspace.confidence() / "preview").string();
+  const char* then = none_left ? "; none is left, and the photographs alone are trained on: another --trajectory or "
+                                 "more photographs may help"
+                               : "";
+  run.listener(Warning{fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {} (see {}){}",
+                                   names.size(), of, SomeNames(names), look, then)});
+}
+
 }  // namespace
 
 std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, const Geometry& geometry,
@@ -156,12 +167,10 @@ std::vector<TrainView> RunValidate(Run* run, const std::vector<Photo>& photos, c
     }
   }
   clock.Finish();
-  if (!rejected.empty()) {
-    run->listener(Warning{fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {}",
-                                      rejected.size(), targets.size(), SomeNames(rejected))});
-  }
+  TellRejected(*run, rejected, targets.size(), views.empty());
+  if (views.empty()) return views;
   run->listener(Note{fmt::format("{} proposals, trusted to {:.0f} % in the mean ({})", views.size(),
-                                 100 * trust / static_cast<double>(std::max<size_t>(1, views.size())),
+                                 100 * trust / static_cast<double>(views.size()),
                                  (run->workspace.confidence() / "preview").string())});
   return views;
 }

@@ -171,11 +171,8 @@ FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const Folde
   }
   TellLeftOut(content, listener);
   if (result.proposals.empty()) {
-    size_t count = 0;
-    for (const auto& [why, names] : content.left_out) count += names.size();
-    const auto& [why, names] = *content.left_out.begin();
-    throw InputError("{}: none of its {} proposals can be used; {} of them ({}): {}", content.pictures_dir.string(),
-                     count, names.size(), SomeNames(names), why);
+    listener(Warning{
+        fmt::format("{}: none of its proposals can be used; going on without them", content.pictures_dir.string())});
   }
   TellConfidence(content, lost, missing, listener);
   return result;

@@ -32,8 +32,8 @@ struct FolderProposals {
 /// Left out, each reason with one Warning that counts and names: no picture file, not readable, no pose, a lens that
 /// is no pinhole, a shape (width to height) more than 1 % off its camera's, a name that comes twice, and the pose or
 /// the name of a test view. Confidence that is missing for some, not readable, not grey, or neither of the size of the
-/// picture file nor of the size in use is dropped with a Warning. Throws InputError: no folder, no pictures, several
-/// synthetic_N, a damaged transforms.json, nothing left to use.
+/// picture file nor of the size in use is dropped with a Warning. When nothing is left, a Warning says so, too. Throws
+/// InputError: no folder, no pictures, several synthetic_N, a damaged transforms.json.
 FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const FolderRequest& request,
                                    const Listener& listener);
 

@@ -1,6 +1,9 @@
 #include "oraclegs/scene/colmap_runner.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
@@ -9,13 +12,24 @@
 namespace oraclegs {
 namespace {
 
+/// What a line says to people: without the blanks before it and glog's "F20261122 08:06:59.9 11264 sfm.cc:473] "; "" of
+/// the stack of a crash, which follows the line with its cause.
+std::string Saying(const std::string& line) {
+  const size_t begin = line.find_first_not_of(" \t");
+  if (begin == std::string::npos || line[begin] == '@' || line.compare(begin, 3, "***") == 0) return "";
+  const size_t end = line.find("] ");
+  const bool has_prefix = std::string_view("IWEF").find(line[0]) != std::string_view::npos && line.size() > 9 &&
+                          std::all_of(line.begin() + 1, line.begin() + 9, [](char c) { return c >= '0' && c <= '9'; });
+  return line.substr(has_prefix && end != std::string::npos ? end + 2 : begin);
+}
+
 /// Follows one command's lines: "Processed file [3/12]", "Matching block [1/1, 1/1]", "Registering image #7 (4)".
 class ProgressReader {
  public:
   ProgressReader(std::string what, const Listener& listener) : what_(std::move(what)), listener_(listener) {}
 
   void operator()(const std::string& line) {
-    if (line.find_first_not_of(" \t") != std::string::npos) last_line_ = line;
+    if (std::string saying = Saying(line); !saying.empty()) last_line_ = std::move(saying);
     int done = 0, total = 0;
     if (std::sscanf(line.c_str(), "Processed file [%d/%d]", &done, &total) == 2) {
       listener_(StepDone{"sfm", done, total, "photographs", what_});

@@ -102,9 +102,10 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
   try {
     Triangulate(scene, views, plan, work_dir, listener);
   } catch (const ColmapFailure& failure) {
-    listener(
-        Warning{fmt::format("colmap {} ended with code {}: {}; no points are triangulated, see {}", failure.command,
-                            failure.exit_code, failure.last_line, (work_dir / "colmap.log").string())});
+    listener(Warning{
+        fmt::format("no points are triangulated, as happens when photographs match nowhere or poses are wrong: "
+                    "colmap {} ended with code {}: {}; see {}",
+                    failure.command, failure.exit_code, failure.last_line, (work_dir / "colmap.log").string())});
     return {};
   }
   std::vector<ScenePoint> points = ReadModel(scene, views, plan, work_dir, listener).points;

@@ -149,7 +149,7 @@ std::vector<ConfidenceMap> ConsistencyOracle::SecondMaps(const std::vector<Hidde
   return asked ? maps : second_->Judge(hidden);
 }
 
-ConsistencyOracle::Model ConsistencyOracle::Fit(const Samples& samples) {
+ConsistencyOracle::Model ConsistencyOracle::Fit(const Samples& samples) const {
   const auto rows = static_cast<Eigen::Index>(samples.errors.size());
   const auto columns = static_cast<Eigen::Index>(samples.columns);
   Eigen::MatrixXf features(rows, columns);
@@ -160,6 +160,7 @@ ConsistencyOracle::Model ConsistencyOracle::Fit(const Samples& samples) {
     labels[s] = (Likeness(samples.errors[i], kGoodError) + Likeness(samples.errors[i], kFineError)) / 2;
   }
   Model model{Logistic::Fit(features, labels), {}};
+  if (!finds_level_) return model;
   std::vector<std::pair<float, float>> levels;
   for (size_t i = 0; i < samples.errors.size(); ++i) {
     levels.emplace_back(model.order(&samples.rows[i * samples.columns]), Goodness(samples.errors[i]));

@@ -35,6 +35,9 @@ class ConsistencyOracle : public Oracle {
   ConsistencyOracle(const Warper& warper, const std::vector<Photo>& photos, const Oracle& second, Evidence evidence)
       : warper_(warper), photos_(photos), evidence_(evidence), second_(&second) {}
 
+  /// The level stays as the regression has it. To be called before Learn.
+  void LeaveLevel() { finds_level_ = false; }
+
   /// Asks the second oracle about each, once for Learn and Judge, which ask again where nobody did. Nothing to do
   /// without one.
   void Look(std::vector<HiddenPhotograph>* hidden) const;
@@ -55,7 +58,7 @@ class ConsistencyOracle : public Oracle {
     Isotonic level;
   };
   struct Samples;
-  static Model Fit(const Samples& samples);
+  Model Fit(const Samples& samples) const;
 
   bool ReadsPhotographs() const { return evidence_ != Evidence::kSecond; }
   std::vector<Features> FeaturesAt(const HiddenPhotograph& hidden, const WarpedView& warped) const;
@@ -67,6 +70,7 @@ class ConsistencyOracle : public Oracle {
   const std::vector<Photo>& photos_;
   Evidence evidence_ = Evidence::kPhotographs;
   const Oracle* second_ = nullptr;
+  bool finds_level_ = true;
   std::map<std::string, Model> by_source_;
   std::optional<Model> any_;
 };

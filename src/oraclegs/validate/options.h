@@ -10,13 +10,14 @@ struct ValidateOptions {
   std::string oracle = "auto";
   std::string oracle_mode = "reference";
   int oracle_chunk = 0;
+  bool calibrate = true;
   std::string pick = "blend";
 
   template <class V>
   void Visit(V&& visit) {
     visit("oracle", oracle,
           "Who says how far to trust a proposed pixel: consistency = what the photographs show there; vggt = what the "
-          "views look at in each other inside VGGT; vggt+consistency = both; each calibrated on hidden photographs. "
+          "views look at in each other inside VGGT; vggt+consistency = both. "
           "uniform = trust all; auto = vggt+consistency where VGGT's weights are, else consistency",
           Choice{{"auto", "consistency", "vggt", "vggt+consistency", "uniform"}});
     visit("oracle-mode", oracle_mode,
@@ -26,6 +27,9 @@ struct ValidateOptions {
     visit("oracle-chunk", oracle_chunk,
           "Proposals that VGGT looks at together, beside one photograph; 0 = 8, or as many as the free memory holds",
           Range{0, 512});
+    visit("calibrate", calibrate,
+          "Map what the oracle says to what such pixels were worth where photographs were hidden; without, VGGT's map "
+          "counts as it is, as in the paper, and of the others the order that they learnt");
     visit("pick", pick,
           "What is made of several candidates for a view: blend = their mean, by what their confidence says of their "
           "error; pixel = the surest one at each pixel; view = the surest picture",
