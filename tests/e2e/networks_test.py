@@ -6,9 +6,11 @@ import os
 import re
 import subprocess
 import unittest
+from pathlib import Path
 
-from harness import EndToEnd, command, main
+from harness import PROGRAM, EndToEnd, command, main
 
+TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_name("tiny_networks")))
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
 PRESETS = ["mipnerf360-12", "mipnerf360-24", "blender-8"]
 SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iterations", 3, "--stereo-passes", 1,
@@ -24,7 +26,7 @@ class Networks(EndToEnd):
         size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
         subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
         cls.models = cls.dir / "models"
-        subprocess.run([os.environ["ORACLEGS_TINY_NETWORKS"], cls.models], check=True)
+        subprocess.run([TINY_NETWORKS, cls.models], check=True)
         cls.with_models = {"env": os.environ | {"ORACLEGS_MODELS": str(cls.models)}}
 
     def test_a_preset_runs_the_whole_pipeline(self):

@@ -70,7 +70,7 @@ TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
   ASSERT_EQ(answers[1].size(), 1u);
   EXPECT_EQ(answers[1][0].source, "warp");  // what the oracle learns from
   EXPECT_EQ(Propose(&run, prepared).key, plan.key);
-  EXPECT_EQ(run.workspace.Record("propose").at("non_commercial"), nlohmann::json({"Stable Virtual Camera"}));
+  EXPECT_EQ(run.workspace.Record("propose").at("non_commercial"), nlohmann::json::array({"Stable Virtual Camera"}));
 }
 
 TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
@@ -113,7 +113,7 @@ TEST_F(SevaStageTest, AWholeRunWithEveryNetwork) {
   EXPECT_EQ(metrics.at("depth").at("prior"), "fused");
   EXPECT_TRUE(metrics.at("test").contains("lpips"));
   EXPECT_TRUE(metrics.at("train").at("lpips").is_string());
-  EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json({"Stable Virtual Camera", "VGGT-1B"}));
+  EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json::array({"Stable Virtual Camera", "VGGT-1B"}));
   EXPECT_THAT(ReadFile(request.out / "point_cloud.ply").substr(0, 1000),
               HasSubstr("comment not for commercial use: made with Stable Virtual Camera\n"));
 }
