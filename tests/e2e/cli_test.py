@@ -114,7 +114,7 @@ class Usage(EndToEnd):
 
     def test_presets_are_read(self):
         for preset in (ROOT / "presets").glob("*.toml"):
-            scene = ["--views", 2, "--init", "random", "--random-points", 100]
+            scene = ["--views", 2, "--init", "random", "--random-points", 100, "--allow-fallback"]
             self.run_program("sfm", self.scene, "-o", self.dir / preset.stem, "--preset", preset.stem, *scene)
 
 

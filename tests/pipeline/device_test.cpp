@@ -37,6 +37,8 @@ TEST(DeviceTest, NeverFallsBackToTheCpuSilently) {
   EXPECT_THAT(Refusal("cuda:1", {true, true, 1}), HasSubstr("has 1 NVIDIA GPU, numbered from 0"));
 }
 
+TEST(DeviceTest, KnowsWhatIsFree) { EXPECT_GT(FreeBytes(torch::kCPU), 0); }
+
 TEST(DeviceTest, RefusesOtherWords) {
   for (const char* text : {"", "gpu", "cuda:", "cuda:-1", "cuda:1x", "cuda:999999999999", "cuda1"}) {
     EXPECT_THAT(Refusal(text, kTwoGpus), HasSubstr("must be auto, cpu, cuda or cuda:N")) << text;

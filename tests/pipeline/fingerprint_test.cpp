@@ -22,6 +22,24 @@ TEST(Fingerprint, OfAFileIsThatOfItsContent) {
   EXPECT_THROW(FileFingerprint(temp / "c"), InputError);
 }
 
+TEST(Fingerprint, OfWeightsIsThatOfNamesShapesAndSamples) {
+  const std::string bytes(1024, 'a');
+  const auto print = [](const std::string& data, const std::string& name, const std::string& said) {
+    const std::map<std::string, TensorEntry> tensors = {{name, {"F32", {256}, data}}};
+    const SafetensorsFile file = SafetensorsFile::Parse(SerializeSafetensors(tensors, {{"model", said}}), "a");
+    return Fingerprint().AddTensors(file).Hex();
+  };
+  const std::string before = print(bytes, "w", "x");
+  EXPECT_EQ(print(bytes, "w", "x"), before);
+  EXPECT_NE(print(bytes, "v", "x"), before);
+  EXPECT_NE(print(bytes, "w", "y"), before);
+  for (const size_t at : {size_t{3}, bytes.size() - 3}) {
+    std::string other = bytes;
+    other[at] = 'b';
+    EXPECT_NE(print(other, "w", "x"), before) << at;
+  }
+}
+
 TEST(ViewsFingerprint, ChangesWithPixelsMaskLensAndPose) {
   const TempDir temp;
   WriteText(temp / "a.png", "pixels");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "oraclegs/core/files.h"
@@ -21,13 +22,17 @@ class KeptParameters : public ParameterSource {
   void Unused(const std::string&, at::IntArrayRef) override {}
   Tensor& at(const std::string& name) { return tensors_.at(name); }
 
-  std::filesystem::path Write(const std::filesystem::path& path) const {
+  /// `sizes` become its metadata.
+  std::filesystem::path Write(const std::filesystem::path& path,
+                              const std::map<std::string, nlohmann::json>& sizes = {}) const {
     std::map<std::string, TensorEntry> entries;
     for (const auto& [name, t] : tensors_) {
       const std::string_view bytes(static_cast<const char*>(t.data_ptr()), static_cast<size_t>(t.numel()) * 4);
       entries[name] = {"F32", t.sizes().vec(), bytes};
     }
-    WriteFileAtomically(path, SerializeSafetensors(entries, {}));
+    std::map<std::string, std::string> metadata;
+    for (const auto& [name, value] : sizes) metadata[name] = value.dump();
+    WriteFileAtomically(path, SerializeSafetensors(entries, metadata));
     return path;
   }
 

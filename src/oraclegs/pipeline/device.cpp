@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/memory.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
 #endif
@@ -57,6 +58,16 @@ torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support
                      support.devices == 1 ? "" : "s");
   }
   return {torch::kCUDA, static_cast<int8_t>(index)};
+}
+
+int64_t FreeBytes(torch::Device device) {
+#if defined(ORACLEGS_CUDA)
+  if (device.is_cuda()) {
+    cuda::UseDevice(device.index());
+    return cuda::MemoryOfDevice().free;
+  }
+#endif
+  return device.is_cpu() ? static_cast<int64_t>(AvailableMemory()) : 0;
 }
 
 void TellDevice(torch::Device device, const Listener& listener) {

@@ -22,6 +22,9 @@ DeviceSupport ProbeDevices();
 /// for any other text, and when a GPU is asked for that cannot be used: the CPU never stands in silently.
 torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support);
 
+/// Bytes that are free on the device; 0 = nobody knows.
+int64_t FreeBytes(torch::Device device);
+
 /// Says on which GPU is computed; nothing of the CPU.
 void TellDevice(torch::Device device, const Listener& listener);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "oraclegs/core/files.h"
@@ -25,6 +26,18 @@ Fingerprint& Fingerprint::Add(double value) {
 }
 
 Fingerprint& Fingerprint::AddFile(const std::filesystem::path& path) { return Add(ReadFile(path)); }
+
+Fingerprint& Fingerprint::AddTensors(const SafetensorsFile& file) {
+  constexpr size_t kSampled = 64;
+  for (const auto& [key, value] : file.metadata()) Add(key).Add(value);
+  for (const auto& [tensor, entry] : file.tensors()) {
+    Add(tensor).Add(entry.dtype);
+    for (const int64_t size : entry.shape) Add(static_cast<double>(size));
+    const size_t sampled = std::min(kSampled, entry.bytes.size());
+    Add(entry.bytes.substr(0, sampled)).Add(entry.bytes.substr(entry.bytes.size() - sampled));
+  }
+  return *this;
+}
 
 std::string Fingerprint::Hex() const { return fmt::format("{:016x}", hash_); }
 

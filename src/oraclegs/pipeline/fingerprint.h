@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "oraclegs/core/safetensors.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -18,6 +19,9 @@ class Fingerprint {
   Fingerprint& Add(double value);
   /// The content of a file. Throws InputError naming it.
   Fingerprint& AddFile(const std::filesystem::path& path);
+  /// Metadata, names, types and shapes of a file of weights, and 64 bytes at each end of each tensor: gigabytes would
+  /// be read for nothing else.
+  Fingerprint& AddTensors(const SafetensorsFile& file);
   std::string Hex() const;
 
  private:

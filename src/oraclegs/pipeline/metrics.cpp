@@ -56,7 +56,8 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
     const nlohmann::json trust = validate.value("mean_confidence", nlohmann::json::object());
     double sum = 0;
     for (const auto& mean : trust) sum += mean.get<double>();
-    metrics["proposals"] = {{"count", trust.size()}, {"oracle", validate.at("oracle")}, {"mean_confidence", nullptr}};
+    metrics["proposals"] = {
+        {"count", trust.size()}, {"oracle", validate.at("oracle")}, {"mean_confidence", nlohmann::json()}};
     if (!trust.empty()) metrics["proposals"]["mean_confidence"] = sum / static_cast<double>(trust.size());
   }
   if (start.is_object()) {

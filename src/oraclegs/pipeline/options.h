@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
+#include "oraclegs/nets/seva/options.h"
 #include "oraclegs/propose/options.h"
 #include "oraclegs/propose/trajectory.h"
 #include "oraclegs/scene/photos.h"
@@ -111,14 +112,23 @@ struct CheckpointSchedule {
   }
 };
 
-/// Where weights lie on this machine. What a stage makes depends on their content, which its key holds.
+/// Where weights lie on this machine, and what to do without. What a stage makes depends on their content, which its
+/// key holds.
 struct WeightOptions {
+  bool allow_fallback = false;
+  std::string lpips = "auto";
   std::filesystem::path depth_weights;
   std::filesystem::path lpips_weights;
   std::filesystem::path vggt_weights;
 
   template <class V>
   void Visit(V&& visit) {
+    visit("allow-fallback", allow_fallback,
+          "Where weights of a network are missing that other options ask for, take what needs none, and say so");
+    visit("lpips", lpips,
+          "LPIPS in the proposals' loss and among the scores: auto = where its weights are; required = an error where "
+          "they are not",
+          Choice{{"auto", "required"}});
     visit("depth-weights", depth_weights,
           "File of Depth Anything V2's weights, S, B or L (safetensors), where it is not the one that `oraclegs models "
           "fetch depth-anything-v2-small` brings");
@@ -139,6 +149,7 @@ struct RunOptions {
   DepthOptions depth;
   TrajectoryOptions trajectory;
   ProposeOptions propose;
+  SevaOptions seva;
   ValidateOptions validate;
   TrainOptions train;
   CheckpointSchedule checkpoints;
@@ -157,6 +168,7 @@ struct RunOptions {
     f("Depth", depth);
     f("Proposed poses", trajectory);
     f("Proposals", propose);
+    f("Stable Virtual Camera", seva);
     f("Validation", validate);
     f("Training", train);
   }

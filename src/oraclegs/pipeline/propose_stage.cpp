@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/non_commercial.h"
 #include "oraclegs/pipeline/opinions.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
@@ -35,7 +36,8 @@ std::string Key(const Run& run, const Geometry& geometry, const TrainOptions& de
   print.Add(OptionsToJson(run.options.propose).dump()).Add(OptionsToJson(run.options.trajectory).dump());
   print.Add(static_cast<double>(run.options.start.seed));  // of the poses
   // Nothing else of start or training reaches a warp.
-  if (run.options.propose.proposers != "warp") print.Add(OpinionKey(run, geometry, decided));
+  if (run.options.propose.Names("splat")) print.Add(OpinionKey(run, geometry, decided));
+  if (run.options.propose.Names("seva") && ProposesViews(run.options)) print.Add(SevaKey(run.options));
   print.Add(OptionsToJson(run.options.photo).dump()).Add(ProposalInputs(run));
   print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
   return print.Hex();
@@ -97,7 +99,8 @@ std::vector<std::string> WriteCandidates(const Run& run, const Proposers& propos
     for (const auto& candidates : proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))) {
       for (const Proposal& p : candidates) {
         files.push_back(fmt::format("proposals/{}/{}.png", p.source, p.name));
-        WritePng(run.workspace.root() / files.back(), ToImage8(p.rgb));
+        const fs::path picture = run.workspace.root() / files.back();
+        if (!fs::exists(picture)) WritePng(picture, ToImage8(p.rgb));  // what was generated is there
       }
     }
     run.listener(StepDone{"propose", static_cast<int64_t>(first + chunk.size()), static_cast<int64_t>(targets.size()),
@@ -167,7 +170,7 @@ ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geomet
   // Both may be named after the same views.
   for (Proposal& p : plan.folder.proposals) p.name = plan.targets.empty() ? p.name : "folder_" + p.name;
   const bool cached = run->workspace.IsDone("propose", plan.key);
-  if (!plan.targets.empty() && run->options.propose.proposers != "warp") {
+  if (!plan.targets.empty() && run->options.propose.Names("splat")) {
     plan.opinions = TrainOpinions(run, photos, geometry, OpinionOptions(run->options, decided),
                                   OpinionKey(*run, geometry, decided));
   }
@@ -180,19 +183,25 @@ ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geomet
     std::error_code ignored;
     fs::remove_all(run->workspace.proposals() / old, ignored);
   }
+  RemoveGenerated(run->workspace.proposals());
   std::vector<std::string> files;
+  const bool generates = !plan.targets.empty() && run->options.propose.Names("seva");
+  if (generates) GenerateViews(*run, {photos, plan.targets, plan.key});
   if (!plan.targets.empty()) {
     files = WriteCandidates(*run, Proposers(*run, photos, geometry, plan.opinions), plan.targets);
     WriteTargets(run->workspace.proposals(), plan.targets);
     files.emplace_back("proposals/transforms.json");
   }
   const double seconds = clock.Finish();
-  run->workspace.MarkDone("propose", {{"key", plan.key},
-                                      {"seconds", seconds},
-                                      {"targets", plan.targets.size()},
-                                      {"folder", plan.folder.proposals.size()},
-                                      {"opinions", plan.opinions.size()},
-                                      {"files", std::move(files)}});
+  nlohmann::json record = {{"key", plan.key},
+                           {"seconds", seconds},
+                           {"targets", plan.targets.size()},
+                           {"folder", plan.folder.proposals.size()},
+                           {"opinions", plan.opinions.size()},
+                           {"files", std::move(files)}};
+  if (generates) NoteNonCommercial(kSevaName, &record);
+  run->workspace.MarkDone("propose", record);
+  RemoveChunks(run->workspace.proposals());
   return plan;
 }
 

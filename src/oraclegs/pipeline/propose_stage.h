@@ -28,10 +28,11 @@ std::string ProposalInputs(const Run& run);
 /// True when the run's own proposers are to be asked.
 bool ProposesViews(const RunOptions& options);
 
-/// Stage "propose": chooses target poses (never a test pose), trains the quick models, and writes what each proposer
-/// sees to proposals/PROPOSER/NAME.png, with the poses in proposals/transforms.json. Skipped when nothing it depends on
-/// has changed. Without enough confident depth, or without a usable pose, nothing is proposed, with a warning.
-/// `decided` are the training options with nothing left to choose.
+/// Stage "propose": chooses target poses (never a test pose), trains the quick models, has a generative network paint
+/// where --proposers names one, and writes what each proposer sees to proposals/PROPOSER/NAME.png, with the poses in
+/// proposals/transforms.json. Skipped when nothing it depends on has changed. Without enough confident depth, or
+/// without a usable pose, nothing is proposed, with a warning. `decided` are the training options with nothing left to
+/// choose.
 ProposalPlan RunPropose(Run* run, const std::vector<Photo>& photos, const Geometry& geometry,
                         const TrainOptions& decided);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "oraclegs/pipeline/depth_stage.h"
+#include "oraclegs/pipeline/seva_stage.h"
 #include "oraclegs/propose/splat.h"
 #include "oraclegs/propose/warp.h"
 
@@ -25,6 +26,8 @@ class Proposers {
   Silhouettes silhouettes_;
   std::unique_ptr<Warper> warper_;
   std::unique_ptr<Proposer> warp_, splat_;  ///< null when not asked for
+  bool warp_paints_ = true;                 ///< false: asked for hidden photographs alone, so that the oracle learns
+  std::vector<SevaProposer> seva_;          ///< one for each of its candidates
 };
 
 }  // namespace oraclegs

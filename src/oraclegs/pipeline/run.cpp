@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/pipeline/fingerprint.h"
+#include "oraclegs/pipeline/missing_networks.h"
 #include "oraclegs/pipeline/non_commercial.h"
 #include "oraclegs/pipeline/oracle_choice.h"
 #include "oraclegs/pipeline/propose_stage.h"
@@ -110,12 +111,15 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   return scene;
 }
 
-/// Throws InputError for weights that are asked for and missing, before anything is written.
-void RequireWeights(const RunOptions& options, const Scene& scene, const Listener& listener) {
+/// Throws InputError for weights that are asked for and missing, before anything is written; with --allow-fallback the
+/// request without them.
+RunRequest WithWeights(RunRequest request, const Scene& scene, const Listener& listener) {
   const bool has_poses = scene.HasPoses();
+  RunOptions& options = request.options;
   if (has_poses && options.input.poses == "vggt") listener(Note{"--poses vggt: the scene has poses, which are used"});
-  if (!has_poses) PoseNetwork(options);
+  options = WithNetworksAtHand(options, has_poses, listener);
   if (ProposesViews(options) || !options.propose.proposal_folder.empty()) ChooseOracle(options);
+  return request;
 }
 
 Run WithPosesAndSplit(const RunRequest& request, Workspace workspace, Scene scene, const Listener& listener) {
@@ -138,14 +142,14 @@ PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const
   return {std::move(scene), std::move(split)};
 }
 
-Run StartRun(const RunRequest& request, const Listener& listener) {
-  CheckRunOptions(request.options);
-  RequireOutsideScene(request.out, request.scene);
-  Scene scene = Read(request.scene, request.options, listener);
-  RequireOutsideScene(request.out, scene, request.options.input.images);
-  const fs::path& proposals = request.options.propose.proposal_folder;
-  if (!proposals.empty()) RequireApart(request.out, proposals);
-  RequireWeights(request.options, scene, listener);
+Run StartRun(const RunRequest& asked, const Listener& listener) {
+  CheckRunOptions(asked.options);
+  RequireOutsideScene(asked.out, asked.scene);
+  Scene scene = Read(asked.scene, asked.options, listener);
+  RequireOutsideScene(asked.out, scene, asked.options.input.images);
+  const fs::path& proposals = asked.options.propose.proposal_folder;
+  if (!proposals.empty()) RequireApart(asked.out, proposals);
+  const RunRequest request = WithWeights(asked, scene, listener);
   // A registered photograph is not yet known, but what all of them together cannot fill is refused at once.
   SplitViews(scene, request.options.split);
   Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);

@@ -42,7 +42,8 @@ struct Run {
 
 /// Reads the scene, claims the workspace (workspace.h says when that is refused), finds poses for a plain folder of
 /// photographs (stage "register", sfm/), splits, tells the split, and writes options.json and split.json. Bad input is
-/// found before anything is written, except what needs the poses. Throws UsageError, InputError or RunError.
+/// found before anything is written, except what needs the poses. Weights that --allow-fallback does without are not in
+/// the run's options. Throws UsageError, InputError or RunError.
 Run StartRun(const RunRequest& request, const Listener& listener);
 
 /// The run that stands in request.out, with the scene it was started on; request.scene is not read. Throws InputError

@@ -1,6 +1,5 @@
 #include "oraclegs/pipeline/vggt_weights.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "oraclegs/core/error.h"
@@ -16,7 +15,6 @@ namespace fs = std::filesystem;
 constexpr const char* kCommercial = "VGGT-1B-Commercial";    // what its authors call the one for any use
 constexpr const char* kCommercialModel = "vggt-commercial";  // what `oraclegs models` and the converter call it
 constexpr const char* kResearch = "VGGT-1B";
-constexpr size_t kSampled = 64;  // bytes at each end of a tensor: the whole file would be read for nothing else
 
 /// Nothing also where there is no home folder to look in.
 std::optional<fs::path> Fetched(const std::string& model) {
@@ -29,17 +27,9 @@ std::optional<fs::path> Fetched(const std::string& model) {
 
 VggtWeights Describe(const fs::path& path, const std::string& name) {
   const SafetensorsFile file = SafetensorsFile::Open(path);
-  Fingerprint print;
-  for (const auto& [key, value] : file.metadata()) print.Add(key).Add(value);
-  for (const auto& [tensor, entry] : file.tensors()) {
-    print.Add(tensor).Add(entry.dtype);
-    for (const int64_t size : entry.shape) print.Add(static_cast<double>(size));
-    const size_t sampled = std::min(kSampled, entry.bytes.size());
-    print.Add(entry.bytes.substr(0, sampled)).Add(entry.bytes.substr(entry.bytes.size() - sampled));
-  }
   const auto model = file.metadata().find("model");
   const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercialModel);
-  return {path, commercial ? kCommercial : kResearch, print.Hex(), commercial};
+  return {path, commercial ? kCommercial : kResearch, Fingerprint().AddTensors(file).Hex(), commercial};
 }
 
 }  // namespace

@@ -19,8 +19,9 @@ struct ProposeOptions {
   void Visit(V&& visit) {
     visit("proposers", proposers,
           "What proposes new views: warp = photographs carried there by their depth, splat = the mean of quick models "
-          "that each left some photographs out at first, both, or none",
-          Choice{{"both", "warp", "splat", "none"}});
+          "that each left some photographs out at first, both, seva = a generative network that needs weights, all "
+          "three, or none",
+          Choice{{"both", "warp", "splat", "seva", "all", "none"}});
     visit(
         "proposal-folder", proposal_folder,
         "Also train on these views, made by any other generator: pictures with transforms.json, or synthetic_N/ named "
@@ -35,6 +36,11 @@ struct ProposeOptions {
           "models that this leaves; 0 = from those that left some out",
           Range{0, 1});
     visit("opinion-gaussians", opinion_gaussians, "Gaussians of a quick model at most", Range{1, 1e8});
+  }
+
+  /// True when proposer `word` is among those that --proposers names.
+  bool Names(const std::string& word) const {
+    return proposers == word || proposers == "all" || (proposers == "both" && word != "seva");
   }
 };
 

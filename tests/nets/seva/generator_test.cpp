@@ -1,5 +1,7 @@
 #include "oraclegs/nets/seva/generator.h"
 
+#include <set>
+
 #include "nets/seva/tiny_seva.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
@@ -153,6 +155,33 @@ TEST(SevaGenerator, EncodesEveryPhotographOnce) {
   };
   SevaGenerator(networks, scene.options, Silent()).Generate(scene.request);
   EXPECT_EQ(encoded, 2);
+}
+
+TEST(SevaGenerator, DecodesInTilesWhereMemoryIsShort) {
+  TinyScene scene;
+  scene.options.passes = 1;
+  scene.options.short_side = 320;  // pictures of 448 x 320, latents of 56 x 40
+  std::vector<std::string> warnings;
+  std::set<int64_t> sides;
+  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  networks.decode = [&, decode = networks.decode](const Tensor& latent, int64_t side) {
+    sides.insert(side);
+    return decode(latent, side);
+  };
+  const auto generate = [&] {
+    sides.clear();
+    SevaGenerator(networks, scene.options, [&](const Event& event) {
+      if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
+    }).Generate(scene.request);
+  };
+  generate();
+  EXPECT_THAT(sides, testing::ElementsAre(56));
+  EXPECT_TRUE(warnings.empty());
+  networks.free_bytes = int64_t{1} << 30;
+  networks.pictures.tile = networks.free_bytes / (40 * 40);
+  generate();
+  EXPECT_THAT(sides, testing::ElementsAre(32));
+  EXPECT_THAT(warnings, testing::ElementsAre(testing::HasSubstr("decoded in tiles of 256 pixels")));
 }
 
 TEST(SevaGenerator, RefusesWhatItCannotDo) {

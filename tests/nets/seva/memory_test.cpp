@@ -70,7 +70,38 @@ TEST(SevaMemory, SaysWhatLowersTheNeed) {
   EXPECT_THAT(message(small, "auto"), testing::HasSubstr("more memory is needed"));
 }
 
-TEST(SevaMemory, TheSystemKnowsWhatIsFree) { EXPECT_GT(FreeMemoryBytes(), 0); }
+TEST(SevaMemory, DecodesInOneTileWhereThatFits) {
+  SevaPictureRequest request{{768, 576}, 1000, {500, 10, 20, 100}};
+  const int64_t pixels = 96 * 72, whole = 1500 + 120 * pixels;
+  EXPECT_EQ(ChooseTile(request, whole), 96);
+  EXPECT_EQ(ChooseTile(request, whole - 1), 80);  // 80 x 72 at a time
+  EXPECT_EQ(ChooseTile(request, 1500 + 20 * pixels + 100 * 64 * 64), 64);
+  EXPECT_EQ(ChooseTile(request, 1500 + 20 * pixels + 100 * 64 * 64 - 1), 48);
+  const int64_t least = 1500 + 20 * pixels + 100 * 32 * 32;
+  EXPECT_EQ(ChooseTile(request, least), 32);
+  EXPECT_THROW(ChooseTile(request, least - 1), RunError);
+  request.takes.encode = 200;  // there are no tiles when encoding
+  EXPECT_EQ(ChooseTile(request, 1500 + 200 * pixels), 96);
+  try {
+    ChooseTile(request, whole);
+    FAIL() << "fits";
+  } catch (const RunError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("pictures of 768 x 576"),
+                                             testing::HasSubstr("a smaller --seva-short-side")));
+  }
+  EXPECT_EQ(ChooseTile({{64, 64}, 0, {}}, 0), 8);
+}
+
+TEST(SevaMemory, EstimatesWhatTheAutoencoderHolds) {
+  const SevaPictureMemory full = EstimatePictures({}, torch::kFloat), half = EstimatePictures({}, torch::kBFloat16);
+  // Measured with seva_parts_bench.
+  const double pixels = 72.0 * 72;
+  EXPECT_NEAR(static_cast<double>(full.frame + full.tile) * pixels, 1.75e9, 0.1e9);
+  EXPECT_NEAR(static_cast<double>(full.encode) * pixels, 1.2e9, 0.1e9);
+  EXPECT_LT(half.tile, full.tile);
+  EXPECT_LT(half.encode, full.encode);
+  EXPECT_LT(10 * full.frame, full.tile);
+}
 
 }  // namespace
 }  // namespace oraclegs

@@ -42,7 +42,7 @@ TEST(SevaModel, SaysWhichFileDoesNotFit) {
   SevaFiles swapped = files;
   std::swap(swapped.vae, swapped.clip);
   EXPECT_THAT(message(swapped), testing::HasSubstr("does not hold the Stable Diffusion 2.1 autoencoder"));
-  RecordedParameters source(3);
+  KeptParameters source(3);
   OpenClipConfig clip;
   clip.width = 8;
   clip.depth = 1;

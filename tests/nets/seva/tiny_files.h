@@ -1,40 +1,13 @@
 #pragma once
 // Weight files of a SEVA of a few thousand numbers, as SevaModel reads them.
 
-#include <nlohmann/json.hpp>
-
 #include "nets/seva/tiny_seva.h"
-#include "oraclegs/core/files.h"
 #include "oraclegs/nets/openclip.h"
 #include "oraclegs/nets/seva/model.h"
 #include "oraclegs/nets/seva/vae.h"
+#include "support/network_files.h"
 
 namespace oraclegs {
-
-/// Random parameters that remember what they were asked for.
-class RecordedParameters : public ParameterSource {
- public:
-  explicit RecordedParameters(uint64_t seed) : random_(seed) {}
-  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
-    return tensors_[name] = random_.Get(name, shape);
-  }
-  void Unused(const std::string&, at::IntArrayRef) override {}
-
-  void Write(const std::filesystem::path& path, const std::map<std::string, nlohmann::json>& sizes) const {
-    std::map<std::string, TensorEntry> entries;
-    for (const auto& [name, tensor] : tensors_) {
-      const size_t bytes = static_cast<size_t>(tensor.numel()) * sizeof(float);
-      entries[name] = {"F32", tensor.sizes().vec(), {static_cast<const char*>(tensor.data_ptr()), bytes}};
-    }
-    std::map<std::string, std::string> metadata;
-    for (const auto& [name, value] : sizes) metadata[name] = value.dump();
-    WriteFileAtomically(path, SerializeSafetensors(entries, metadata));
-  }
-
- private:
-  RandomParameters random_;
-  std::map<std::string, Tensor> tensors_;
-};
 
 /// dir/seva, dir/sd21-vae and dir/openclip-vith14, each with model.safetensors.
 inline SevaFiles WriteTinySeva(const std::filesystem::path& dir) {
@@ -42,7 +15,7 @@ inline SevaFiles WriteTinySeva(const std::filesystem::path& dir) {
                   dir / "sd21-vae" / "model.safetensors",
                   dir / "openclip-vith14" / "model.safetensors"};
   const SevaUnetConfig unet = TinySevaConfig();
-  RecordedParameters unet_source(1), vae_source(2), clip_source(3);
+  KeptParameters unet_source(1), vae_source(2), clip_source(3);
   LoadSevaUnet(unet_source, unet);
   unet_source.Write(files.unet.front(), {{"model_channels", unet.channels},
                                          {"channel_mult", unet.channel_mult},

@@ -1,14 +1,15 @@
 #include "oraclegs/nets/seva/generator.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/memory.h"
 #include "oraclegs/nets/seva/chunk_store.h"
 #include "oraclegs/nets/seva/conditioning.h"
 #include "oraclegs/nets/seva/guidance.h"
-#include "oraclegs/nets/seva/memory.h"
 #include "oraclegs/nets/seva/plan.h"
 
 namespace oraclegs {
@@ -68,13 +69,7 @@ class Generation {
   std::vector<std::vector<ImageF>> Run() {
     std::vector<std::vector<ImageF>> answers(target_views_.size());
     if (plan_.jobs.empty()) return answers;
-    SevaMemoryRequest memory{plan_.largest(), working_};
-    memory.type = networks_.unet->any_weight().scalar_type();
-    memory.other_weights = networks_.other_weights;
-    memory.gpu = networks_.unet->any_weight().is_cuda();
-    const int64_t free = networks_.free_bytes > 0 ? networks_.free_bytes : FreeMemoryBytes();
-    const int64_t asked = static_cast<int64_t>(options_.memory * kBytesInGigabyte);
-    halves_ = ChooseHalves(networks_.unet->config, memory, options_, asked > 0 ? asked : free);
+    PlanMemory();
     CountSteps();
     for (int candidate = 0; candidate < options_.candidates; ++candidate) {
       made_.clear();
@@ -94,6 +89,28 @@ class Generation {
     Tensor latent, embedding;
   };
   using FrameKey = std::pair<SevaFrameSource, int64_t>;
+
+  int64_t BytesToUse() const {
+    if (options_.memory > 0) return static_cast<int64_t>(options_.memory * kBytesInGigabyte);
+    if (networks_.free_bytes > 0) return networks_.free_bytes;
+    const uint64_t free = AvailableMemory();
+    return free > 0 ? static_cast<int64_t>(free) : std::numeric_limits<int64_t>::max();
+  }
+
+  void PlanMemory() {
+    SevaMemoryRequest memory{plan_.largest(), working_};
+    memory.type = networks_.unet->any_weight().scalar_type();
+    memory.other_weights = networks_.other_weights;
+    memory.gpu = networks_.unet->any_weight().is_cuda();
+    const int64_t bytes = BytesToUse(), weights = EstimateMemory(networks_.unet->config, memory).weights;
+    halves_ = ChooseHalves(networks_.unet->config, memory, options_, bytes);
+    tile_ = ChooseTile({working_, weights, networks_.pictures}, bytes);
+    if (tile_ * kLatentStride >= std::max(working_.width, working_.height)) return;
+    listener_(Warning{fmt::format(
+        "seva's pictures are decoded in tiles of {} pixels, which differs a little from decoding them whole: of {:.1f} "
+        "GB of memory more is not free; a smaller --seva-short-side needs no tiles",
+        tile_ * kLatentStride, static_cast<double>(bytes) / kBytesInGigabyte)});
+  }
 
   void AddPhotograph(const Photo& photo) {
     const SevaSize working = SevaWorkingSize(SizeOf(photo.camera), options_.short_side);
@@ -218,7 +235,8 @@ class Generation {
     for (size_t t = 0; t < job.frames.size(); ++t) {
       if (job.frames[t].given || job.frames[t].copy) continue;
       ThrowIfInterrupted();
-      const Tensor picture = networks_.decode(latents.slice(0, static_cast<int64_t>(t), static_cast<int64_t>(t) + 1));
+      const Tensor latent = latents.slice(0, static_cast<int64_t>(t), static_cast<int64_t>(t) + 1);
+      const Tensor picture = networks_.decode(latent, tile_);
       pictures.push_back(((picture.to(torch::kCPU) + 1) * 127.5).clamp(0, 255).to(torch::kByte));
     }
     return at::cat(pictures, 0);
@@ -235,6 +253,7 @@ class Generation {
   std::vector<ImageFit> target_fits_;
   SevaPlan plan_;
   SevaHalves halves_ = SevaHalves::kBatched;
+  int64_t tile_ = 0;  ///< latent pixels
   std::vector<Picture> photographs_;
   std::map<FrameKey, Picture> made_;  ///< of the candidate at work
   int64_t steps_done_ = 0, steps_total_ = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
+#include "oraclegs/nets/seva/memory.h"
 #include "oraclegs/nets/seva/options.h"
 #include "oraclegs/nets/seva/unet.h"
 #include "oraclegs/scene/photos.h"
@@ -19,12 +20,14 @@ enum class SevaPart { kEncoder, kUnet, kDecoder };
 struct SevaNetworks {
   const SevaUnet* unet = nullptr;
   std::function<Tensor(const Tensor& picture)> encode = {};  ///< -> [1, 4, H / 8, W / 8] float32, scaled latent
-  std::function<Tensor(const Tensor& latent)> decode = {};   ///< the reverse
-  std::function<Tensor(const Tensor& picture)> embed = {};   ///< -> [1, context width] float32
+  /// The reverse, in tiles of `side` latent pixels.
+  std::function<Tensor(const Tensor& latent, int64_t side)> decode = {};
+  std::function<Tensor(const Tensor& picture)> embed = {};  ///< -> [1, context width] float32
   /// Told which part works next, so that the others may leave the device; may be empty.
   std::function<void(SevaPart)> place = {};
-  int64_t other_weights = 0;  ///< bytes of encoder, decoder and image encoder that stay while the UNet works
-  int64_t free_bytes = 0;     ///< of the UNet's device; 0 = asks the operating system
+  int64_t other_weights = 0;        ///< bytes of encoder, decoder and image encoder that stay while the UNet works
+  SevaPictureMemory pictures = {};  ///< of encode and decode
+  int64_t free_bytes = 0;           ///< of the UNet's device before it came; 0 = asks the operating system
 };
 
 struct SevaRequest {
@@ -40,8 +43,9 @@ class SevaGenerator {
   SevaGenerator(SevaNetworks networks, SevaOptions options, Listener listener);
 
   /// Of each target options.candidates pictures of its camera's size, RGB in [0, 1]; the whole frame of the camera is
-  /// generated, so its pose and lens are exact. The same for a seed, whether the work was interrupted or not. Polls
-  /// for interrupts between steps; `listener` hears StepDone{"propose"} after each. Throws RunError when memory does
+  /// generated, so its pose and lens are exact. The same for a seed, whether the work was interrupted or not; only
+  /// decoding in tiles, where memory is short, gives others, with a warning. Polls for interrupts between steps;
+  /// `listener` hears StepDone{"propose"} after each. Throws RunError when memory does
   /// not suffice (before the first step), UsageError for options that do not fit the photographs, InputError for
   /// photographs of different working sizes.
   std::vector<std::vector<ImageF>> Generate(const SevaRequest& request) const;

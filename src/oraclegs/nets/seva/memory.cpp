@@ -1,8 +1,6 @@
 #include "oraclegs/nets/seva/memory.h"
 
 #include <algorithm>
-#include <fstream>
-#include <limits>
 #include <vector>
 
 #include "oraclegs/nets/seva/slices.h"
@@ -12,7 +10,9 @@ namespace {
 
 constexpr double kGigabyte = 1e9;
 constexpr int64_t kFloat = 4, kLatentStride = 8;
-constexpr int64_t kFewFrames = 21, kShortSide = 384;  // what the error suggests
+constexpr int64_t kColors = 3;
+constexpr int64_t kTileStep = 16, kSmallestTile = 32;  // latent pixels
+constexpr int64_t kFewFrames = 21, kShortSide = 384;   // what the error suggests
 
 /// Numbers a pixel that a residual block holds at its largest, in the weights' type and in float32.
 int64_t ResBytes(int64_t in, int64_t out, int64_t type) { return in * (kFloat + 2 * type) + out * (kFloat + 3 * type); }
@@ -135,14 +135,45 @@ SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request,
       Suggestions(config, request));
 }
 
-int64_t FreeMemoryBytes() {
-  std::ifstream in("/proc/meminfo");
-  std::string name, unit;
-  for (int64_t kilobytes = 0; in >> name >> kilobytes;) {
-    std::getline(in, unit);
-    if (name == "MemAvailable:") return kilobytes * 1024;
+SevaPictureMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type) {
+  const int64_t bytes = BytesOf(type), levels = static_cast<int64_t>(config.channels.size());
+  SevaPictureMemory memory;
+  for (int64_t level = 0; level < levels; ++level) {
+    const auto channels = [&](int64_t l) {
+      return config.channels[static_cast<size_t>(std::clamp<int64_t>(l, 0, levels - 1))];
+    };
+    const int64_t pixels = int64_t{1} << (2 * (levels - 1 - level));  // of this level, for each of the latent
+    memory.encode = std::max(memory.encode, pixels * ResBytes(channels(level - 1), channels(level), bytes));
+    memory.tile = std::max(memory.tile, pixels * ResBytes(channels(level + 1), channels(level), bytes));
+    // The level's last picture, doubled, and the convolution of that.
+    if (level > 0) memory.tile = std::max(memory.tile, pixels * 9 * channels(level) * bytes);
   }
-  return std::numeric_limits<int64_t>::max();
+  const int64_t width = config.channels.back(), pixels = config.downscale() * config.downscale();
+  const int64_t image = 2 * kColors * pixels * kFloat;
+  memory.encode += image;
+  memory.frame = image + std::max(ResBytes(width, width, bytes), width * (kFloat + 7 * bytes));
+  return memory;
+}
+
+int64_t ChooseTile(const SevaPictureRequest& request, int64_t available) {
+  const int64_t height = request.size.height / kLatentStride, width = request.size.width / kLatentStride;
+  const SevaPictureMemory& takes = request.takes;
+  const int64_t fixed = request.weights + takes.weights, longer = std::max(height, width);
+  const auto decoding = [&](int64_t side) {
+    return fixed + takes.frame * height * width + takes.tile * std::min(side, height) * std::min(side, width);
+  };
+  const int64_t encoding = fixed + takes.encode * height * width;
+  int64_t side = longer;
+  if (decoding(side) > available) side = (longer - 1) / kTileStep * kTileStep;
+  while (side > kSmallestTile && decoding(side) > available) side -= kTileStep;
+  if (side == longer && encoding <= available) return side;
+  side = std::max(side, std::min(longer, kSmallestTile));
+  const int64_t need = std::max(encoding, decoding(side));
+  if (need <= available) return side;
+  throw RunError(
+      "seva needs about {:.1f} GB to bring pictures of {} x {} to latents and back and {:.1f} GB are there; less is "
+      "needed with a smaller --seva-short-side",
+      Gigabytes(need), request.size.width, request.size.height, Gigabytes(available));
 }
 
 }  // namespace oraclegs

@@ -7,6 +7,7 @@
 #include "oraclegs/nets/seva/conditioning.h"
 #include "oraclegs/nets/seva/image_fit.h"
 #include "oraclegs/nets/seva/options.h"
+#include "oraclegs/nets/seva/vae.h"
 
 namespace oraclegs {
 
@@ -35,7 +36,24 @@ SevaMemory EstimateMemory(const SevaUnetConfig& config, const SevaMemoryRequest&
 SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request, const SevaOptions& options,
                         int64_t available);
 
-/// What the operating system says is free for a new program; the largest number where it does not say.
-int64_t FreeMemoryBytes();
+/// What the autoencoder takes, bytes; upper estimates.
+struct SevaPictureMemory {
+  int64_t weights = 0;  ///< that come beside those that stay
+  int64_t encode = 0;   ///< for each pixel of a latent
+  int64_t frame = 0;    ///< for each pixel of a latent that is decoded, even in tiles
+  int64_t tile = 0;     ///< and for each that is decoded together
+};
+/// Without `weights`.
+SevaPictureMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type);
+
+/// The side of the tiles in which frames are decoded (vae_tiles.h), latent pixels: the frame's longer side, which is
+/// one tile, where that fits into `available` bytes; else the largest that does. Throws RunError that says which option
+/// lowers the need where tiles of 32 or the encoding of a photograph do not fit.
+struct SevaPictureRequest {
+  SevaSize size;            ///< of the pictures
+  int64_t weights = 0;      ///< that stay, bytes
+  SevaPictureMemory takes;  ///< beside them
+};
+int64_t ChooseTile(const SevaPictureRequest& request, int64_t available);
 
 }  // namespace oraclegs

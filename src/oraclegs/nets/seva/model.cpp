@@ -1,10 +1,11 @@
 #include "oraclegs/nets/seva/model.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "oraclegs/nets/openclip.h"
-#include "oraclegs/nets/seva/vae.h"
+#include "oraclegs/nets/seva/vae_tiles.h"
 
 namespace oraclegs {
 namespace {
@@ -128,12 +129,16 @@ SevaNetworks SevaModel::networks() const {
   networks.unet = &state->unet;
   networks.place = [state](SevaPart part) { state->Place(part); };
   networks.encode = [state](const Tensor& picture) { return EncodeImages(*state->vae, picture); };
-  networks.decode = [state](const Tensor& latent) { return DecodeLatents(*state->vae, latent); };
+  networks.decode = [state](const Tensor& latent, int64_t side) {
+    return DecodeTiled(*state->vae, latent, {side, std::max<int64_t>(1, side / 3)});
+  };
   networks.embed = [state](const Tensor& picture) { return ImageEmbeddings(*state->clip, picture); };
+  networks.pictures = EstimatePictures(state->vae_config, state->placement.type);
+  const auto bytes = [](const fs::path& file) { return static_cast<int64_t>(fs::file_size(file)); };
   if (state->placement.device.is_cpu()) {
-    for (const std::filesystem::path& file : {state->files.vae, state->files.clip}) {
-      networks.other_weights += static_cast<int64_t>(std::filesystem::file_size(file));
-    }
+    networks.other_weights = bytes(state->files.vae) + bytes(state->files.clip);
+  } else {
+    networks.pictures.weights = bytes(state->files.vae) + bytes(state->files.clip);
   }
   return networks;
 }

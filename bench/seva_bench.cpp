@@ -1,0 +1,132 @@
+// One guided denoising step of SEVA at full width with made-up weights, held against the matrix products that the
+// machine does in the same run: the floor is the step's operations at that rate. Prints one line.
+//   build/release/bin/seva_bench [FRAMES [SIDE [float32|bfloat16|float16 [batched|in-turn [cpu|cuda]]]]]
+// 21 576 bfloat16 batched cuda is the published size; 2 128 is one that a processor does in a minute.
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <torch/cuda.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "oraclegs/nets/seva/conditioning.h"
+#include "oraclegs/nets/seva/cost.h"
+#include "oraclegs/nets/seva/memory.h"
+
+namespace oraclegs {
+namespace {
+
+struct Settings {
+  int64_t frames = 2, side = 128;
+  torch::ScalarType type = torch::kFloat;
+  SevaHalves halves = SevaHalves::kBatched;
+  torch::Device device = torch::kCPU;
+};
+
+Settings Parse(const std::vector<std::string>& words) {
+  Settings settings;
+  if (words.size() > 0) settings.frames = std::stoll(words[0]);
+  if (words.size() > 1) settings.side = std::stoll(words[1]);
+  if (words.size() > 2 && words[2] == "bfloat16") settings.type = torch::kBFloat16;
+  if (words.size() > 2 && words[2] == "float16") settings.type = torch::kHalf;
+  if (words.size() > 3 && words[3] == "in-turn") settings.halves = SevaHalves::kInTurn;
+  if (words.size() > 4) settings.device = torch::Device(words[4]);
+  return settings;
+}
+
+/// Made-up weights where they are needed.
+class PlacedParameters : public ParameterSource {
+ public:
+  explicit PlacedParameters(const Settings& settings) : settings_(settings), random_(1) {}
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
+    return random_.Get(name, shape).to(settings_.device, settings_.type);
+  }
+  void Unused(const std::string&, at::IntArrayRef) override {}
+
+ private:
+  const Settings& settings_;
+  RandomParameters random_;
+};
+
+void Wait(const Settings& settings) {
+  if (settings.device.is_cuda()) torch::cuda::synchronize();
+}
+
+/// The fastest of three.
+template <class F>
+double Seconds(const Settings& settings, F&& f) {
+  double fastest = 1e30;
+  for (int i = 0; i < 3; ++i) {
+    Wait(settings);
+    const auto start = std::chrono::steady_clock::now();
+    f();
+    Wait(settings);
+    fastest = std::min(fastest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return fastest;
+}
+
+/// The most memory that the process has held, GB.
+double PeakGigabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e9;
+}
+
+/// Operations a second of a large matrix product.
+double MatrixPeak(const Settings& settings) {
+  const int64_t n = settings.device.is_cuda() ? 8192 : 2048;
+  const Tensor a = at::rand({n, n}).to(settings.device, settings.type), b = a.clone();
+  const double size = static_cast<double>(n);
+  return 2 * size * size * size / Seconds(settings, [&] { at::mm(a, b); });
+}
+
+void Measure(const Settings& settings) {
+  PlacedParameters source(settings);
+  const SevaUnet unet = LoadSevaUnet(source, SevaUnetConfig());
+  const int64_t latent = settings.side / 8;
+  SevaFrames frames;
+  frames.height = frames.width = latent;
+  for (int64_t t = 0; t < settings.frames; ++t) {
+    SevaView view;
+    view.world_from_camera.translation().x() = 0.1 * static_cast<double>(t);
+    view.intrinsics << 1, 0, 0.5, 0, 1, 0.5, 0, 0, 1;
+    frames.views.push_back(view);
+    frames.given.push_back(t == 0);
+    frames.latents.push_back(at::zeros({1, 4, latent, latent}));
+    frames.embeddings.push_back(at::zeros({1, unet.config.context_width}));
+  }
+  const SevaNetwork network = MakeNetwork(unet, MakeInputs(frames, settings.device), settings.halves);
+  const Tensor x = SevaNoise({}, {2 * settings.frames, 4, latent, latent}).to(settings.device);
+  const double peak = MatrixPeak(settings), seconds = Seconds(settings, [&] { network(x, 500); });
+  const double operations = CostOfStep(unet, settings.frames, latent, latent).total;
+  SevaMemoryRequest memory{settings.frames, {settings.side, settings.side}, settings.halves, settings.type};
+  memory.gpu = settings.device.is_cuda();
+  std::printf("%s\n",
+              fmt::format("{} frames of {} x {}, {}, {}: {:.3f} s a step of {:.3f} TFLOP, at least {:.3f} s at the "
+                          "{:.3f} TFLOP/s of matrix products: {:.0f} % of them; planned {:.1f} GB, process at most "
+                          "{:.1f} GB",
+                          settings.frames, settings.side, settings.side, c10::toString(settings.type),
+                          settings.halves == SevaHalves::kBatched ? "batched" : "in turn", seconds, operations / 1e12,
+                          operations / peak, peak / 1e12, 100 * operations / seconds / peak,
+                          static_cast<double>(EstimateMemory(unet.config, memory).total()) / 1e9, PeakGigabytes())
+                  .c_str());
+}
+
+}  // namespace
+}  // namespace oraclegs
+
+int main(int argc, char** argv) {
+  try {
+    oraclegs::Measure(oraclegs::Parse({argv + 1, argv + argc}));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "seva_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,78 @@
+"""The paper's pipeline from the outside, with small networks of random weights: every stage, its files, and what is told
+where weights are missing."""
+
+import json
+import os
+import re
+import subprocess
+import unittest
+from pathlib import Path
+
+from harness import PROGRAM, EndToEnd, command, main
+
+TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_name("tiny_networks")))
+MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
+PRESETS = ["mipnerf360-12", "mipnerf360-24", "blender-8"]
+SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iterations", 3, "--stereo-passes", 1,
+         "--iterations", 20, "--max-gaussians", 1500, "--opinions", 3, "--proposals", 3, "--trajectory", "dataset",
+         "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2, "--candidates", 2]  # fmt: skip
+
+
+class Networks(EndToEnd):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.dir / "views"
+        size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
+        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
+        cls.models = cls.dir / "models"
+        subprocess.run([TINY_NETWORKS, cls.models], check=True)
+        cls.with_models = {"env": os.environ | {"ORACLEGS_MODELS": str(cls.models)}}
+
+    def test_a_preset_runs_the_whole_pipeline(self):
+        out = self.dir / "whole"
+        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "mipnerf360-12", *SMALL]
+        done = self.run_program(*arguments, **self.with_models)
+        metrics = json.loads((out / "metrics.json").read_text())
+        self.assertTrue({"sfm", "depth", "propose", "validate", "train", "evaluate"} <= metrics["stages"].keys())
+        self.assertEqual(metrics["depth"]["prior"], "fused")
+        self.assertIn("VGG16", metrics["train"]["lpips"])
+        self.assertIn("lpips", metrics["test"])
+        self.assertEqual(metrics["non_commercial"], ["Stable Virtual Camera", "VGGT-1B"])
+        self.assertIn("not for commercial use: made with Stable Virtual Camera, VGGT-1B", done.stdout)
+        self.assertIn(b"made with Stable Virtual Camera\n", (out / "point_cloud.ply").read_bytes()[:1000])
+        frames = json.loads((out / "proposals/transforms.json").read_text())["frames"]
+        self.assertEqual(len(frames), 3)
+        for frame in frames:
+            for folder in ("proposals", "proposals/seva", "proposals/seva_2", "confidence"):
+                self.assertTrue((out / folder / frame["file_path"]).is_file(), folder)
+        self.assertFalse((out / "proposals/warp").exists())
+        self.assertFalse((out / "proposals/seva_chunks").exists())
+        self.assertRegex(self.run_program(*arguments, **self.with_models).stdout, "(?m)^propose .*unchanged")
+
+    def test_without_weights_all_that_is_missing_is_named(self):
+        out = self.dir / "missing"
+        for preset in PRESETS:
+            error = self.error_of("reconstruct", self.scene, "-o", out, "--preset", preset, code=3)
+            self.assertEqual(re.findall(r"`oraclegs models fetch ([^`]*)`", error), MODELS)
+            self.assertIn("--allow-fallback", error)
+        self.assertFalse(out.exists())
+        (self.models / "vggt/model.safetensors").rename(self.models / "vggt.moved")
+        self.addCleanup((self.models / "vggt.moved").rename, self.models / "vggt/model.safetensors")
+        error = self.error_of("sfm", self.scene, "-o", out, "--preset", PRESETS[0], code=3, **self.with_models)
+        self.assertEqual(re.findall(r"models fetch ([^`]*)`", error), ["vggt"])
+
+    def test_a_fallback_runs_what_needs_no_weights_and_says_so(self):
+        out = self.dir / "fallback"
+        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "blender-8", *SMALL, "--allow-fallback"]
+        done = self.run_program(*arguments)
+        for instead in ("--proposers both", "--oracle consistency", "--depth-prior stereo", "L1 and SSIM"):
+            self.assertRegex(done.stderr, f"are not here; {instead}.* instead")
+        self.assertEqual(json.loads((out / "metrics.json").read_text())["non_commercial"], [])
+        options = json.loads((out / "options.json").read_text())["options"]
+        self.assertEqual((options["proposers"], options["oracle"]), ("both", "consistency"))
+        self.run_program("evaluate", out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,18 @@
+#pragma once
+// A folder of weights as `oraclegs models` leaves it, of networks so small that a whole run takes seconds: all that the
+// paper's pipeline asks for.
+
+#include "nets/seva/tiny_files.h"
+#include "nets/vggt_fixture.h"
+#include "support/network_files.h"
+
+namespace oraclegs {
+
+inline void WriteTinyNetworks(const std::filesystem::path& models) {
+  WriteTinySeva(models);
+  WriteTinyVggt(models / "vggt" / "model.safetensors");
+  WriteTinyDepthAnything(models / "depth-anything-v2-small" / "model.safetensors");
+  WriteTinyLpips(models / "lpips-vgg" / "model.safetensors");
+}
+
+}  // namespace oraclegs
