@@ -23,16 +23,29 @@ TEST_F(OpinionsTest, LeaveOutEachPhotographOnceAndAreReadBack) {
   EXPECT_EQ(first[0].unseen, (std::vector<int>{0, 3, 6, 9}));
   EXPECT_EQ(first[1].unseen, (std::vector<int>{1, 4, 7, 10}));
   EXPECT_FALSE(torch::equal(first[0].gaussians.means, first[1].gaussians.means));
+  EXPECT_FALSE(torch::equal(first[0].before.means, first[0].gaussians.means)) << "it went on with all photographs";
   int steps = 0;
   run.listener = [&](const Event& event) { steps += std::holds_alternative<StepDone>(event) ? 1 : 0; };
   const auto again = TrainOpinions(&run, prepared.photos, prepared.geometry, options, "key");
   EXPECT_EQ(steps, 0);
   EXPECT_TRUE(torch::equal(again[1].gaussians.means, first[1].gaussians.means));
+  EXPECT_TRUE(torch::equal(again[1].before.means, first[1].before.means));
   // Only what is lost is trained again, to the same bits.
-  fs::remove(run.workspace.proposals() / "opinions" / "1.ply");
+  fs::remove(run.workspace.proposals() / "opinions" / "1_before.ply");
   const auto mended = TrainOpinions(&run, prepared.photos, prepared.geometry, options, "key");
   EXPECT_GT(steps, 0);
   EXPECT_TRUE(torch::equal(mended[1].gaussians.means, first[1].gaussians.means));
+}
+
+TEST_F(OpinionsTest, WithoutAFinishAreWhatTheyWereBefore) {
+  RunRequest request = Request("unfinished");
+  request.options.propose.opinion_finish = 0;
+  auto run = StartRun(request, Silent());
+  const Preparation prepared = Prepare(&run);
+  const auto opinions =
+      TrainOpinions(&run, prepared.photos, prepared.geometry, OpinionOptions(run.options, prepared.decided), "key");
+  ASSERT_EQ(opinions.size(), 3u);
+  EXPECT_TRUE(torch::equal(opinions[0].before.means, opinions[0].gaussians.means));
 }
 
 TEST_F(OpinionsTest, SayWhyThereAreNone) {

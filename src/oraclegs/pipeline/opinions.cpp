@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/opinions.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
@@ -10,6 +11,8 @@
 
 namespace oraclegs {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr size_t kFewestPhotographs = 3;  // left after leaving some out: two show a surface, one is hidden
 
@@ -22,8 +25,21 @@ std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& left_o
   return rest;
 }
 
-/// The trainer's progress as part of the stage that trains several.
-Listener Counted(const Listener& listener, int64_t before, int64_t total) {
+/// A trainer's progress after `before` other iterations of the same model.
+Listener Counted(const Listener& listener, int64_t before) {
+  return [=](const Event& event) {
+    if (const auto* step = std::get_if<StepDone>(&event)) {
+      StepDone counted = *step;
+      counted.done += before;
+      listener(counted);
+    } else {
+      listener(event);
+    }
+  };
+}
+
+/// A trainer's progress as part of the stage that trains several.
+Listener AsPropose(const Listener& listener, int64_t before, int64_t total) {
   return [=](const Event& event) {
     if (const auto* step = std::get_if<StepDone>(&event)) {
       listener(StepDone{"propose", before + step->done, total, "iterations of quick models", step->detail});
@@ -31,6 +47,64 @@ Listener Counted(const Listener& listener, int64_t before, int64_t total) {
       listener(event);
     }
   };
+}
+
+/// What follows with all photographs: of Gaussians that have found their places and colours.
+TrainOptions FinishOptions(const RunOptions& options, TrainOptions opinion) {
+  opinion.iterations = static_cast<int>(options.propose.opinion_finish * options.train.iterations);
+  opinion.sh_degree_interval = 1;
+  opinion.refine_start = 0;
+  return opinion;
+}
+
+/// One quick model to be trained: without `left_out` first.
+struct Task {
+  const TrainOptions& options;
+  const TrainOptions& finish;
+  int number = 0;
+  std::vector<int> left_out;
+  fs::path before, path;  ///< the models' files
+};
+
+/// What stereo knows of the photographs that are not left out.
+Geometry GeometryWithout(const Geometry& all, const std::vector<Photo>& shown, const std::vector<int>& left_out) {
+  Geometry rest;
+  rest.maps = Without(all.maps, left_out);
+  rest.gains = Without(all.gains, left_out);
+  rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
+  return rest;
+}
+
+/// Trains it and writes its files; the seconds it took, or nothing, with a warning, where too little is left.
+std::optional<double> TrainOpinion(const Run& run, const std::vector<Photo>& photos, const Geometry& geometry,
+                                   const Task& task, const Listener& listener) {
+  const StartOptions& start = run.options.start;
+  const std::vector<TrainView> views = TrainViews(photos, geometry), kept = Without(views, task.left_out);
+  const std::vector<Photo> shown = Without(photos, task.left_out);
+  const Geometry rest = GeometryWithout(geometry, shown, task.left_out);
+  if (kept.size() < kFewestPhotographs || rest.points.size() < kPlentyOfPoints) {
+    run.listener(
+        Warning{fmt::format("no quick models for --proposers splat: one would have {} photographs and {} dense points, "
+                            "and needs {} and {}; photographs are warped instead",
+                            kept.size(), rest.points.size(), kFewestPhotographs, kPlentyOfPoints)});
+    return std::nullopt;
+  }
+  const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(task.options.max_gaussians));
+  const InitializeOptions init{start.init_scale > 0 ? start.init_scale : kDenseScale, start.init_opacity,
+                               start.init_flatness};
+  const uint64_t seed = start.seed + static_cast<uint64_t>(task.number);
+  const auto background = BackgroundColor(run.options.photo.background);
+  Trainer trainer(task.options, seed, background, kept, InitializeGaussians(cloud, init));
+  double seconds = trainer.Run({}, listener).seconds;
+  WriteGaussianPly(task.before, trainer.gaussians(), task.options.sh_degree);
+  if (task.finish.iterations == 0) {
+    WriteGaussianPly(task.path, trainer.gaussians(), task.options.sh_degree);
+    return seconds;
+  }
+  Trainer finisher(task.finish, seed, background, views, trainer.gaussians());
+  seconds += finisher.Run({}, Counted(listener, task.options.iterations)).seconds;
+  WriteGaussianPly(task.path, finisher.gaussians(), task.finish.sh_degree);
+  return seconds;
 }
 
 }  // namespace
@@ -55,40 +129,25 @@ TrainOptions OpinionOptions(const RunOptions& options, TrainOptions decided) {
 std::vector<Opinion> TrainOpinions(Run* run, const std::vector<Photo>& photos, const Geometry& geometry,
                                    const TrainOptions& options, const std::string& key) {
   const int wanted = run->options.propose.opinions, n = std::min<int>(wanted, static_cast<int>(photos.size()));
-  const std::vector<TrainView> views = TrainViews(photos, geometry);
-  const StartOptions& start = run->options.start;
+  const TrainOptions finish = FinishOptions(run->options, options);
+  const int64_t each = options.iterations + finish.iterations;
   std::vector<Opinion> opinions;
   for (int k = 0; k < n; ++k) {
-    const std::vector<int> left_out = LeftOut(static_cast<int>(photos.size()), n, k);
-    const std::string stage = fmt::format("opinion {}", k), file = fmt::format("proposals/opinions/{}.ply", k);
-    const auto path = run->workspace.root() / file;
+    const std::string stage = fmt::format("opinion {}", k), before = fmt::format("proposals/opinions/{}_before.ply", k),
+                      file = fmt::format("proposals/opinions/{}.ply", k);
+    const Task task{options,
+                    finish,
+                    k,
+                    LeftOut(static_cast<int>(photos.size()), n, k),
+                    run->workspace.root() / before,
+                    run->workspace.root() / file};
     if (!run->workspace.IsDone(stage, key)) {
       run->workspace.MarkUndone(stage);
-      const std::vector<TrainView> kept = Without(views, left_out);
-      const std::vector<Photo> shown = Without(photos, left_out);
-      Geometry rest;
-      rest.maps = Without(geometry.maps, left_out);
-      rest.gains = Without(geometry.gains, left_out);
-      rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
-      if (kept.size() < kFewestPhotographs || rest.points.size() < kPlentyOfPoints) {
-        run->listener(
-            Warning{fmt::format("no quick models for --proposers splat: one would have {} photographs and {} dense "
-                                "points, and needs {} and "
-                                "{}; photographs are warped instead",
-                                kept.size(), rest.points.size(), kFewestPhotographs, kPlentyOfPoints)});
-        return {};
-      }
-      const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options.max_gaussians));
-      Trainer trainer(
-          options, start.seed + static_cast<uint64_t>(k), BackgroundColor(run->options.photo.background), kept,
-          InitializeGaussians(
-              cloud, {start.init_scale > 0 ? start.init_scale : kDenseScale, start.init_opacity, start.init_flatness}));
-      const auto result =
-          trainer.Run({}, Counted(run->listener, int64_t{k} * options.iterations, int64_t{n} * options.iterations));
-      WriteGaussianPly(path, trainer.gaussians(), options.sh_degree);
-      run->workspace.MarkDone(stage, {{"key", key}, {"seconds", result.seconds}, {"files", {file}}});
+      const auto seconds = TrainOpinion(*run, photos, geometry, task, AsPropose(run->listener, k * each, n * each));
+      if (!seconds) return {};
+      run->workspace.MarkDone(stage, {{"key", key}, {"seconds", *seconds}, {"files", {before, file}}});
     }
-    opinions.push_back({ReadGaussianPly(path).gaussians, left_out});
+    opinions.push_back({ReadGaussianPly(task.before).gaussians, ReadGaussianPly(task.path).gaussians, task.left_out});
   }
   return opinions;
 }

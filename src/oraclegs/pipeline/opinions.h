@@ -13,8 +13,9 @@ namespace oraclegs {
 TrainOptions OpinionOptions(const RunOptions& options, TrainOptions decided);
 
 /// Trains the models of proposer "splat", each without the photographs LeftOut() names, from what stereo found in the
-/// others. Writes proposals/opinions/K.ply; one that was finished under the same `key` is read back, so an interrupted
-/// run loses at most one. None, with a warning, when there are too few photographs or points.
+/// others, and then for --opinion-finish with all. Writes proposals/opinions/K_before.ply and K.ply; one that was
+/// finished under the same `key` is read back, so an interrupted run loses at most one. None, with a warning, when
+/// there are too few photographs or points.
 std::vector<Opinion> TrainOpinions(Run* run, const std::vector<Photo>& photos, const Geometry& geometry,
                                    const TrainOptions& options, const std::string& key);
 

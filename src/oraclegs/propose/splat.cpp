@@ -49,8 +49,8 @@ std::optional<Proposal> SplatProposer::Propose(const Target& target, int hidden)
     for (const Opinion& opinion : opinions_) {
       const bool unseen = std::find(opinion.unseen.begin(), opinion.unseen.end(), hidden) != opinion.unseen.end();
       if (hidden >= 0 && !unseen) continue;
-      renders.push_back(
-          ToRender(rasterizer_->Forward(opinion.gaussians, target.camera, render_, RenderPass::kInference)));
+      const Gaussians& gaussians = hidden >= 0 ? opinion.before : opinion.gaussians;
+      renders.push_back(ToRender(rasterizer_->Forward(gaussians, target.camera, render_, RenderPass::kInference)));
     }
   }
   if (renders.empty()) return std::nullopt;

@@ -11,15 +11,16 @@
 
 namespace oraclegs {
 
-/// A quick model, and which training photographs it never saw.
+/// A quick model, trained without some of the training photographs, and then with all.
 struct Opinion {
-  Gaussians gaussians;
-  std::vector<int> unseen;
+  Gaussians before;         ///< what it was when it had not seen `unseen`
+  Gaussians gaussians;      ///< what it became
+  std::vector<int> unseen;  ///< indices of training photographs
 };
 
 /// Proposer "splat": the mean of the opinions' renders (without the most extreme values where there are four or more),
-/// and how much they differ. A hidden photograph is shown as the opinions that never saw it believe it; nothing when
-/// all have.
+/// and how much they differ. A hidden photograph is shown as the opinions believed it that had not seen it; nothing
+/// when all had.
 class SplatProposer : public Proposer {
  public:
   SplatProposer(std::vector<Opinion> opinions, RenderOptions render);

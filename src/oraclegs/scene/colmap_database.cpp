@@ -82,8 +82,36 @@ std::optional<Eigen::Matrix3d> GetMatrix(sqlite3_stmt* row, int column) {
   return matrix;
 }
 
+/// Column `column`, a blob, as a list of `rows` x `columns` numbers; empty when it has another size.
+template <class T>
+std::vector<T> GetList(sqlite3_stmt* row, int column, int64_t rows, int64_t columns) {
+  const void* bytes = sqlite3_column_blob(row, column);
+  const int64_t size = sqlite3_column_bytes(row, column);
+  if (bytes == nullptr || rows <= 0 || columns <= 0 || columns > size || rows > size ||
+      size != rows * columns * static_cast<int64_t>(sizeof(T))) {
+    return {};
+  }
+  std::vector<T> list(static_cast<size_t>(rows * columns));
+  std::memcpy(list.data(), bytes, static_cast<size_t>(size));
+  return list;
+}
+
 int GetCount(sqlite3_stmt* row, int column) {
   return static_cast<int>(std::clamp<int64_t>(sqlite3_column_int64(row, column), 0, kPairBase));
+}
+
+/// Pixel positions of an image's features.
+std::vector<Eigen::Vector2d> ReadKeypoints(const Database& open, uint32_t image_id) {
+  const Statement rows(open, "SELECT rows, cols, data FROM keypoints WHERE image_id = ?1");
+  sqlite3_bind_int64(rows.get(), 1, image_id);
+  std::vector<Eigen::Vector2d> points;
+  if (!rows.Step()) return points;
+  const int columns = GetCount(rows.get(), 1);  // x, y, and the feature's shape
+  if (columns < 2) return points;
+  const auto values = GetList<float>(rows.get(), 2, GetCount(rows.get(), 0), columns);
+  for (size_t i = 0; i < values.size(); i += static_cast<size_t>(columns))
+    points.emplace_back(values[i], values[i + 1]);
+  return points;
 }
 
 }  // namespace
@@ -134,6 +162,21 @@ std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
     pairs.push_back(pair);
   }
   return pairs;
+}
+
+std::vector<PointMatch> ReadInliers(const fs::path& database, uint32_t first, uint32_t second) {
+  const Database open(database);
+  const Statement rows(open, "SELECT rows, data FROM two_view_geometries WHERE pair_id = ?1");
+  sqlite3_bind_int64(rows.get(), 1, PairId(first, second));
+  if (!rows.Step()) return {};
+  const auto indices = GetList<uint32_t>(rows.get(), 1, GetCount(rows.get(), 0), 2);
+  const std::vector<Eigen::Vector2d> a = ReadKeypoints(open, first), b = ReadKeypoints(open, second);
+  std::vector<PointMatch> matches;
+  for (size_t i = 0; i < indices.size(); i += 2) {
+    if (indices[i] >= a.size() || indices[i + 1] >= b.size()) return {};
+    matches.push_back({a[indices[i]], b[indices[i + 1]]});
+  }
+  return matches;
 }
 
 void ForgetMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {

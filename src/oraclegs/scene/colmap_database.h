@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "oraclegs/scene/homography.h"
 #include "oraclegs/scene/lens.h"
 
 namespace oraclegs {
@@ -31,13 +32,17 @@ struct MatchedPair {
   int matches = 0;                 ///< features that look alike
   int inliers = 0;                 ///< of these, what one motion of the camera explains; 0 = not verified
   /// Pixel of `second` from pixel of `first`, where such a map explains the inliers: the photographs show one plane, or
-  /// were taken from one point.
+  /// were taken from one point. As RANSAC left it: RefitHomography makes it exact.
   std::optional<Eigen::Matrix3d> homography;
 };
 
 /// Every pair that was matched, ordered by (first, second). Throws RunError naming the database, also for a pair that
 /// is not one of two images.
 std::vector<MatchedPair> ReadMatchedPairs(const std::filesystem::path& database);
+
+/// Where the inliers of that pair (first < second) lie, in pixels: a in `first`, b in `second`. Empty when the pair was
+/// not verified, or when its lists and the images' keypoints do not fit together. Throws RunError naming the database.
+std::vector<PointMatch> ReadInliers(const std::filesystem::path& database, uint32_t first, uint32_t second);
 
 /// Removes what was found between those pairs of image ids, so that colmap matches them again. Throws RunError.
 void ForgetMatches(const std::filesystem::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs);

@@ -82,7 +82,9 @@ std::vector<PhotoReport> GatherEvidence(const Scene& photos, const Distinct& dis
   for (const MatchedPair& pair : ReadMatchedPairs(database)) {
     const auto a = stored.find(pair.first), b = stored.find(pair.second);
     if (pair.inliers == 0 || a == stored.end() || b == stored.end()) continue;
-    const bool turned = pair.homography && TurnResidual(*pair.homography, a->second.size, b->second.size) < kTurnedOnly;
+    const bool turned = pair.homography &&
+                        TurnResidual(RefitHomography(*pair.homography, ReadInliers(database, pair.first, pair.second)),
+                                     a->second.size, b->second.size) < kTurnedOnly;
     PhotoReport &first = reports[a->second.view], &second = reports[b->second.view];
     first.neighbours.push_back({second.name, pair.inliers, turned});
     second.neighbours.push_back({first.name, pair.inliers, turned});
