@@ -1,6 +1,9 @@
 # The three kinds of target. A file added to a folder is built without another edit: the folders are globbed,
 # and CONFIGURE_DEPENDS makes the build look again.
 
+# A floor's device code and its tests; the checkout itself may lie below a folder cuda/.
+set(ORACLEGS_DEVICE_FOLDER "/(oraclegs|tests)/[a-z]+/cuda/[^/]+$")
+
 add_library(oraclegs_flags INTERFACE)
 # GCC 12 warns falsely about overlapping copies in std::string (GCC bug 105651).
 target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wno-restrict;-fno-math-errno>)
@@ -21,7 +24,7 @@ function(oraclegs_library name)
   cmake_parse_arguments(ARG "TORCH" "" "DEPS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/${name}/*.cpp)
   if(NOT ORACLEGS_CUDA)
-    list(FILTER sources EXCLUDE REGEX "/cuda/")
+    list(FILTER sources EXCLUDE REGEX "${ORACLEGS_DEVICE_FOLDER}")
   endif()
   add_library(oraclegs_${name} STATIC ${sources})
   add_library(oraclegs::${name} ALIAS oraclegs_${name})
@@ -38,7 +41,7 @@ function(oraclegs_library name)
   endif()
   if(ORACLEGS_CUDA)
     oraclegs_tell_of_cuda(${sources})
-    target_link_libraries(oraclegs_${name} PRIVATE CUDA::cudart_static)
+    target_link_libraries(oraclegs_${name} PRIVATE $<LINK_ONLY:CUDA::cudart_static>)  # no include path
   endif()
 endfunction()
 
@@ -48,7 +51,7 @@ endfunction()
 function(oraclegs_tell_of_cuda)
   foreach(source ${ARGN})
     file(STRINGS ${source} asks REGEX "ORACLEGS_CUDA" LIMIT_COUNT 1)
-    if(asks OR source MATCHES "/cuda/|/gpu_[a-z]+.cpp$")
+    if(asks OR source MATCHES "${ORACLEGS_DEVICE_FOLDER}|/gpu_[a-z]+.cpp$")
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
                                   "-DORACLEGS_CUDA=1;-isystem;${CUDAToolkit_INCLUDE_DIRS}")
     endif()

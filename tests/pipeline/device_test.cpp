@@ -45,12 +45,22 @@ TEST(DeviceTest, RefusesOtherWords) {
   }
 }
 
-TEST(DeviceTest, TellsOfGpusOnly) {
+std::vector<std::string> Told(torch::Device device, const DeviceSupport& support) {
   std::vector<std::string> notes;
-  const Listener listener = [&](const Event& event) { notes.push_back(std::get<Note>(event).text); };
-  TellDevice(torch::kCPU, listener);
-  TellDevice(torch::Device(torch::kCUDA, 1), listener);
-  EXPECT_THAT(notes, testing::ElementsAre("computing on the GPU cuda:1"));
+  TellDevice(device, support, [&](const Event& event) { notes.push_back(std::get<Note>(event).text); });
+  return notes;
+}
+
+TEST(DeviceTest, TellsWhichGpu) {
+  EXPECT_THAT(Told(torch::Device(torch::kCUDA, 1), kTwoGpus), testing::ElementsAre("computing on the GPU cuda:1"));
+}
+
+TEST(DeviceTest, TellsWhyAProgramForGpusTakesTheCpu) {
+  EXPECT_THAT(Told(torch::kCPU, {true, false, 0}),
+              testing::ElementsAre("computing on the CPU: this machine has no NVIDIA GPU with a working driver"));
+  EXPECT_THAT(Told(torch::kCPU, {true, false, 1}), testing::ElementsAre(HasSubstr("the libtorch")));
+  EXPECT_THAT(Told(torch::kCPU, kNone), testing::IsEmpty());     // nothing else was to be expected
+  EXPECT_THAT(Told(torch::kCPU, kTwoGpus), testing::IsEmpty());  // it was chosen
 }
 
 TEST(DeviceTest, ThisMachineHasSomeDevice) { EXPECT_NO_THROW(ChooseDevice("auto", ProbeDevices())); }

@@ -29,8 +29,8 @@ int CudaIndex(std::string_view text) {
 /// Why no GPU can be used; empty when one can.
 std::string WhyNoGpu(const DeviceSupport& support) {
   if (!support.built) return "this program was built without CUDA; build it with -DORACLEGS_CUDA=ON";
-  if (!support.torch_cuda) return "the libtorch that this program was built with has no CUDA; build with one that has";
   if (support.devices == 0) return "this machine has no NVIDIA GPU with a working driver";
+  if (!support.torch_cuda) return "the libtorch that this program was built with has no CUDA; build with one that has";
   return "";
 }
 
@@ -70,8 +70,12 @@ int64_t FreeBytes(torch::Device device) {
   return device.is_cpu() ? static_cast<int64_t>(AvailableMemory()) : 0;
 }
 
-void TellDevice(torch::Device device, const Listener& listener) {
-  if (device.is_cuda()) listener(Note{fmt::format("computing on the GPU {}", device.str())});
+void TellDevice(torch::Device device, const DeviceSupport& support, const Listener& listener) {
+  if (device.is_cuda()) {
+    listener(Note{fmt::format("computing on the GPU {}", device.str())});
+  } else if (support.built && !WhyNoGpu(support).empty()) {
+    listener(Note{fmt::format("computing on the CPU: {}", WhyNoGpu(support))});
+  }
 }
 
 }  // namespace oraclegs

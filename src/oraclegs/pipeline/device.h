@@ -12,7 +12,7 @@ namespace oraclegs {
 /// What of a GPU this program can use.
 struct DeviceSupport {
   bool built = false;       ///< the program was compiled with CUDA
-  bool torch_cuda = false;  ///< its libtorch too
+  bool torch_cuda = false;  ///< its libtorch too, and it finds a GPU
   int devices = 0;          ///< NVIDIA GPUs whose driver answers
 };
 
@@ -25,7 +25,8 @@ torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support
 /// Bytes that are free on the device; 0 = nobody knows.
 int64_t FreeBytes(torch::Device device);
 
-/// Says on which GPU is computed; nothing of the CPU.
-void TellDevice(torch::Device device, const Listener& listener);
+/// Says on which GPU is computed, or why a program that was built with CUDA cannot use one. Nothing of the CPU where
+/// that was built for, or chosen although there is a GPU.
+void TellDevice(torch::Device device, const DeviceSupport& support, const Listener& listener);
 
 }  // namespace oraclegs

@@ -79,7 +79,7 @@ fs::path RenderCameras(const Model& model, const std::vector<NamedCamera>& camer
   RequireWritableFolder(out);
   const StageClock clock("render", listener);
   const torch::Device device = model.gaussians.means.device();
-  TellDevice(device, listener);
+  TellDevice(device, ProbeDevices(), listener);
   const auto rasterizer = MakeRasterizer(device);
   std::vector<fs::path> pictures;
   for (const NamedCamera& named : cameras) {

@@ -147,7 +147,7 @@ void RunTrain(Run* run) {
     }
     Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
     const StageClock clock("train", run->listener);
-    TellDevice(device, run->listener);
+    TellDevice(device, ProbeDevices(), run->listener);
     TrainingLpips network = LpipsOfProposals(run->options, proposals, run->listener);
     lpips = network.convention;
     trainer.emplace(TrainSetup{prepared.decided,

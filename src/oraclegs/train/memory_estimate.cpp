@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/error.h"
+#include "oraclegs/core/out_of_memory.h"
 
 namespace oraclegs {
 namespace {
@@ -37,7 +37,7 @@ void RequireMemory(const std::vector<MemoryItem>& items, int64_t free) {
   for (const MemoryItem& item : items) {
     parts += fmt::format("{}{:.2f} for {}", parts.empty() ? "" : ", ", Gigabytes(item.bytes), item.what);
   }
-  throw RunError(
+  throw OutOfMemory(
       "training needs about {:.2f} GB of GPU memory ({}), {:.2f} GB are free; lower --max-gaussians, raise "
       "--downscale, "
       "or use --device cpu",

@@ -29,7 +29,7 @@ std::vector<MemoryItem> EstimateMemory(const TrainingSize& size);
 
 int64_t TotalBytes(const std::vector<MemoryItem>& items);
 
-/// Throws RunError that says what is needed for what, what is free, and which options lower it, unless it fits.
+/// Throws OutOfMemory that says what is needed for what, what is free, and which options lower it, unless it fits.
 void RequireMemory(const std::vector<MemoryItem>& items, int64_t free);
 
 }  // namespace oraclegs

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/out_of_memory.h"
 #include "oraclegs/scene/looked_at.h"
 #include "oraclegs/train/schedule.h"
 
@@ -13,6 +14,17 @@ namespace {
 
 constexpr int64_t kReportEvery = 100;  // iterations
 constexpr double kReportSeconds = 0.5;
+
+/// What is left of a run that memory ended.
+std::string WhereToContinue(const CheckpointPolicy& policy) {
+  if (policy.dir.empty()) return "nothing was saved";
+  const auto newest = NewestCheckpoint(policy.dir);
+  if (!newest) return "no checkpoint had been saved yet (--checkpoint-every)";
+  return fmt::format(
+      "the last checkpoint, {}, is whole: the same command continues from it where more memory is free, or with "
+      "--device cpu; with lower settings training starts anew (--overwrite)",
+      newest->string());
+}
 
 /// Throws unless the options a checkpoint was saved with are these; names the first that differs.
 void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now) {
@@ -212,7 +224,11 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
                       "continue",
                       s.iteration, total, CheckpointPath(policy.dir, s.iteration).string()));
     }
-    s.Step();
+    try {
+      s.Step();
+    } catch (const OutOfMemory& error) {
+      throw OutOfMemory("iteration {} of {}: {}; {}", s.iteration + 1, total, error.what(), WhereToContinue(policy));
+    }
     s.seconds = seconds_before + watch.Seconds();
     if (!policy.dir.empty() && policy.every > 0 && s.iteration % policy.every == 0) save();
     if (s.iteration - reported >= kReportEvery || since_report.Seconds() >= kReportSeconds || s.iteration == total) {

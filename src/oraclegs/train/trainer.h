@@ -57,7 +57,8 @@ class Trainer {
   void Restore(const Checkpoint& checkpoint);
 
   /// Runs the remaining iterations. Tells, once, when proposals are to be learnt from without LPIPS. On an interrupt
-  /// saves a checkpoint and throws Interrupted.
+  /// saves a checkpoint and throws Interrupted. Throws OutOfMemory that names the last checkpoint when the device's
+  /// memory ends on the way.
   TrainResult Run(const CheckpointPolicy& policy, const Listener& listener);
 
   /// One iteration; returns the loss. For tests and benchmarks.

@@ -137,6 +137,18 @@ TEST_F(CudaTrainDeviceTest, NamesTheIterationWhoseLossBroke) {
 }
 
 #if defined(ORACLEGS_EMULATED_CUDA)
+TEST_F(CudaTrainDeviceTest, AnIterationTakesNoMemoryAndWaitsTwice) {
+  TrainOptions options = AllAtOnce();
+  options.max_gaussians = 60;
+  Trainer trainer = FusedTrainer(options, AllData());
+  for (int i = 0; i < 20; ++i) trainer.Step();
+  const emulated_cuda::Counts before = emulated_cuda::CountCalls();
+  for (int i = 0; i < 5; ++i) trainer.Step();
+  const emulated_cuda::Counts after = emulated_cuda::CountCalls();
+  EXPECT_EQ(after.allocations, before.allocations);
+  EXPECT_EQ(after.waits, before.waits + 5 * (2 + 1));  // for two counts of the rasteriser, and the loss that Step gives
+}
+
 TEST_F(CudaTrainDeviceTest, RefusesWhatWillNotFitBeforeItBegins) {
   TrainOptions options = Options();
   options.max_gaussians = 100000000;

@@ -1,6 +1,6 @@
 #include "oraclegs/core/cuda/check.h"
 
-#include "oraclegs/core/error.h"
+#include "oraclegs/core/out_of_memory.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -11,7 +11,7 @@ double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
   cudaGetLastError();  // it is told here: later calls must not report it again
   size_t free = 0, total = 0;
   if (cudaMemGetInfo(&free, &total) != cudaSuccess) cudaGetLastError();
-  throw RunError(
+  throw OutOfMemory(
       "out of {} memory: {:.2f} GB for {}, with {:.2f} of {:.2f} GB free on the GPU; lower --max-gaussians or "
       "--random-points, or raise --downscale",
       where, Gigabytes(bytes), purpose, Gigabytes(static_cast<int64_t>(free)), Gigabytes(static_cast<int64_t>(total)));

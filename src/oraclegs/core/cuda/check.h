@@ -15,8 +15,8 @@ void Check(cudaError_t status, const char* what);
 /// After a launch: the launch itself, and what earlier kernels left behind.
 void CheckLaunch(const char* kernel);
 
-/// Device memory for `purpose` ("the tile lists"). Throws RunError that says how much was asked for, what for, how much
-/// is free and which options lower it. The error is cleared: whoever catches it may go on. Null for 0 bytes.
+/// Device memory for `purpose` ("the tile lists"). Throws OutOfMemory that says how much was asked for, what for, how
+/// much is free and which options lower it. The error is cleared: whoever catches it may go on. Null for 0 bytes.
 void* AllocateDevice(int64_t bytes, const char* purpose);
 /// Host memory that the device copies to without stopping the host.
 void* AllocatePinned(int64_t bytes, const char* purpose);

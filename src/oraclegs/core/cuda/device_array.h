@@ -24,8 +24,8 @@ class DeviceArray {
   DeviceArray(const DeviceArray&) = delete;
   DeviceArray& operator=(const DeviceArray&) = delete;
 
-  /// Makes room for `count` items. What was there is lost when it grows, and new items hold anything. Throws RunError
-  /// (AllocateDevice), and is empty then.
+  /// Makes room for `count` items. What was there is lost when it grows, and new items hold anything. Throws
+  /// OutOfMemory (AllocateDevice), and is empty then.
   void Reserve(int64_t count) {
     if (count > capacity_) Replace(count + count / 4);
   }

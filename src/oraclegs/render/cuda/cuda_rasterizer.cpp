@@ -1,6 +1,7 @@
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 
 #include "oraclegs/render/constants.h"
+#include "oraclegs/render/cuda/torch_memory.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -82,8 +83,10 @@ RenderOutput CudaRasterizer::Forward(const Gaussians& gaussians, const Camera& c
   Use(device_);
   trained_size_ = -1;  // until all is in place
   height_ = camera.height, width_ = camera.width;
-  const RenderOutput out{image_.Get({height_, width_, 3}), alpha_.Get({height_, width_}),
-                         inv_depth_.Get({height_, width_})};
+  const RenderOutput out = WithMemory("the rendered pictures", [&] {
+    return RenderOutput{image_.Get({height_, width_, 3}), alpha_.Get({height_, width_}),
+                        inv_depth_.Get({height_, width_})};
+  });
   core_.Forward(MakeView(camera, options), parameters,
                 {out.image.data_ptr<float>(), out.alpha.data_ptr<float>(), out.inv_depth.data_ptr<float>()},
                 pass == RenderPass::kTrain);
@@ -119,7 +122,10 @@ void CudaRasterizer::BackwardBlocks(const Gaussians& gaussians, const RenderGrad
     const auto rows = [&](std::vector<int64_t> shape) {
       return torch::empty(shape, torch::dtype(torch::kFloat).device(device_));
     };
-    block_ = {rows({n, 3}), rows({n, 3}), rows({n, 4}), rows({n}), rows({n, kShCoefficients, 3})};
+    block_ = {};  // first, so that two are never held at once
+    block_ = WithMemory("the gradients of Gaussians", [&] {
+      return Gaussians{rows({n, 3}), rows({n, 3}), rows({n, 4}), rows({n}), rows({n, kShCoefficients, 3})};
+    });
   }
   Backward(gaussians, upstream, &block_);
   if (n > 0) consume(0, n, block_.Rows());

@@ -30,6 +30,9 @@ class CudaRasterizer final : public Rasterizer {
   GaussianBackwardInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream);
   void EndBackward() { core_.EndBackward(); }
 
+  /// Room for so many Gaussians, taken now. Throws OutOfMemory.
+  void ReserveGaussians(int64_t n) { core_.ReserveGaussians(n); }
+
   cudaStream_t stream() const { return core_.stream(); }
   /// Device memory that the rasteriser holds, without libtorch's.
   int64_t device_bytes() const { return core_.bytes(); }

@@ -9,6 +9,13 @@
 
 namespace oraclegs::cuda {
 
+namespace {
+
+constexpr int64_t kSortedWords = 4;  // of a pair, see RasterCore::pair_work_
+static_assert(kSortedWords <= kRecord && sizeof(float) == sizeof(uint32_t));
+
+}  // namespace
+
 void RequireCountable(int64_t gaussians, int64_t pairs) {
   if (pairs <= INT32_MAX / 2) return;  // a quarter more is room for the next view
   throw RunError("{} Gaussians cover {} tiles in one view, more than 2^30: lower --max-gaussians or raise --downscale",
@@ -19,10 +26,8 @@ void RasterCore::ReservePairs(int64_t pairs) {
   RequireCountable(parameters_.n, pairs);
   pair_room_ = 0;  // until all is there
   const int64_t roomy = pairs + pairs / 4;
-  for (DeviceArray<uint32_t>* array :
-       {&tiles_, &sorted_tiles_, &numbers_, &sorted_numbers_, &gaussians_, &entry_ids_}) {
-    array->ReserveExactly(roomy);
-  }
+  sorted_numbers_.ReserveExactly(roomy);
+  entry_ids_.ReserveExactly(roomy);
   pair_room_ = roomy;
 }
 
@@ -68,14 +73,19 @@ void RasterCore::Forward(const View& view, const Parameters& parameters, const I
 }
 
 void RasterCore::SendBinAndBlend() {
-  tiles_.FillBytes(0xff, pair_room_, stream_);  // what no pair overwrites sorts to the end
+  pair_work_.ReserveExactly(pair_room_ * (train_ ? kRecord : kSortedWords));
+  uint32_t* const tile_of = pair_work_.data();
+  uint32_t* const sorted_tiles = tile_of + pair_room_;
+  uint32_t* const numbers = sorted_tiles + pair_room_;
+  uint32_t* const gaussians = numbers + pair_room_;
+  pair_work_.FillBytes(0xff, pair_room_, stream_);  // tiles that no pair overwrites sort to the end
   ListPairs({splats_.data(), rects_.data(), sorted_ids_.data(), ids_.data(), parameters_.n, view_.tiles_x},
-            {tiles_.data(), numbers_.data(), gaussians_.data(), begins_.data(), pair_room_}, stream_);
+            {tile_of, numbers, gaussians, begins_.data(), pair_room_}, stream_);
   const uint32_t tiles = static_cast<uint32_t>(view_.tiles());
-  SortByKey({tiles_.data(), numbers_.data(), sorted_tiles_.data(), sorted_numbers_.data(), pair_room_},
-            std::bit_width(tiles), &scratch_, stream_);
+  SortByKey({tile_of, numbers, sorted_tiles, sorted_numbers_.data(), pair_room_}, std::bit_width(tiles), &scratch_,
+            stream_);
   ranges_.FillBytes(0, view_.tiles(), stream_);
-  FindTileRanges({sorted_tiles_.data(), sorted_numbers_.data(), gaussians_.data(), pair_room_, tiles}, ranges_.data(),
+  FindTileRanges({sorted_tiles, sorted_numbers_.data(), gaussians, pair_room_, tiles}, ranges_.data(),
                  entry_ids_.data(), stream_);
   binned_.Record(stream_);
   if (train_ && bucket_room_ == 0) {
@@ -115,16 +125,14 @@ GaussianBackwardInput RasterCore::BlendBackward(const Parameters& parameters, co
     bucket_room_ = roomy;
     SendBlend({});  // the images stay as they are
   }
-  records_.Reserve(pairs_ * kRecord);
   backward_begin_.Record(stream_);
-  records_.FillBytes(0, pairs_ * kRecord, stream_);  // of entries behind all that pixels took
+  pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // of entries behind all that pixels took
   const BlendInput forward{view_, splats_.data(), entry_ids_.data(), ranges_.data()};
   const BlendKept kept{{sums_.data(), transmittance_.data(), ends_.data()},
                        {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)}};
-  cuda::BlendBackward({forward, kept, upstream, sorted_numbers_.data(), buckets}, records_.data(), counters_.data(),
-                      stream_);
+  cuda::BlendBackward({forward, kept, upstream, sorted_numbers_.data(), buckets}, records(), counters_.data(), stream_);
   blended_backward_.Record(stream_);
-  return {view_, parameters, begins_.data(), counts_.data(), records_.data()};
+  return {view_, parameters, begins_.data(), counts_.data(), records()};
 }
 
 void RasterCore::EndBackward() {
@@ -153,11 +161,10 @@ StageTimes RasterCore::times() const {
 }
 
 int64_t RasterCore::bytes() const {
-  int64_t sum = splats_.bytes() + rects_.bytes() + records_.bytes() + ranges_.bytes() + sums_.bytes() +
-                transmittance_.bytes() + ends_.bytes() + buckets_.bytes() + states_.bytes() + scratch_.bytes();
-  for (const DeviceArray<uint32_t>* array :
-       {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_, &tiles_, &sorted_tiles_, &numbers_,
-        &sorted_numbers_, &gaussians_, &entry_ids_}) {
+  int64_t sum = splats_.bytes() + rects_.bytes() + ranges_.bytes() + sums_.bytes() + transmittance_.bytes() +
+                ends_.bytes() + buckets_.bytes() + states_.bytes() + scratch_.bytes();
+  for (const DeviceArray<uint32_t>* array : {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_,
+                                             &sorted_numbers_, &entry_ids_, &pair_work_}) {
     sum += array->bytes();
   }
   return sum;

@@ -24,7 +24,16 @@ class RasterCore {
   /// All work goes to `stream`, in order.
   explicit RasterCore(cudaStream_t stream) : stream_(stream) {}
 
-  /// Throws RunError where memory ends, or when there are 2^30 pairs and more.
+  /// Takes the memory for so many Gaussians now, without spare room; pairs come as they are needed. Throws OutOfMemory.
+  void ReserveGaussians(int64_t n) {
+    splats_.ReserveExactly(n);
+    rects_.ReserveExactly(n);
+    for (DeviceArray<uint32_t>* array : {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_}) {
+      array->ReserveExactly(n);
+    }
+  }
+
+  /// Throws OutOfMemory, or RunError when there are 2^30 pairs and more.
   void Forward(const View& view, const Parameters& parameters, const ImagePlanes& out, bool train);
 
   /// The adjoint of the last Forward(train) up to the records of pairs; `parameters` as then, perhaps elsewhere in
@@ -45,6 +54,7 @@ class RasterCore {
  private:
   void SendBinAndBlend();
   void SendBlend(const ImagePlanes& out);
+  float* records() { return reinterpret_cast<float*>(pair_work_.data()); }
   void ReservePairs(int64_t pairs);
 
   cudaStream_t stream_;
@@ -62,10 +72,10 @@ class RasterCore {
 
   // By pair.
   int64_t pairs_ = 0, pair_room_ = 0;
-  DeviceArray<uint32_t> tiles_{"the tile lists"}, sorted_tiles_{"the sorted tile lists"};
-  DeviceArray<uint32_t> numbers_{"the tile lists"}, sorted_numbers_{"the sorted tile lists"};
-  DeviceArray<uint32_t> gaussians_{"the tile lists"}, entry_ids_{"the tile lists"};
-  DeviceArray<float> records_{"the gradients of tile entries"};
+  DeviceArray<uint32_t> sorted_numbers_{"the tile lists"}, entry_ids_{"the tile lists"};
+  /// First what is sorted, which nothing asks for once the ranges are known: tiles, sorted tiles, numbers, Gaussians,
+  /// pair_room_ each. In the backward pass the records.
+  DeviceArray<uint32_t> pair_work_{"the tile lists and the gradients of their entries"};
 
   // By tile and pixel, and by bucket.
   DeviceArray<TileRange> ranges_{"the tiles"};

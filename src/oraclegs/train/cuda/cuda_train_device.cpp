@@ -1,11 +1,11 @@
 #include "oraclegs/train/cuda/cuda_train_device.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
+#include "oraclegs/render/cuda/torch_memory.h"
 #include "oraclegs/train/cuda/cuda_view_loss.h"
 #include "oraclegs/train/cuda/fused_step.h"
 #include "oraclegs/train/cuda/opacity_factors.h"
@@ -20,24 +20,12 @@ namespace {
 
 constexpr cudaStream_t kStream = nullptr;  // libtorch's too
 constexpr size_t kMostUnchecked = 1024;    // iterations whose loss the host has not asked for
-// Of the rasteriser (render/cuda/raster_core.h), with the spare quarter of its arrays. How many tiles a Gaussian
-// reaches depends on the scene; trained ones reach about three in the mean, those out of sight counted in.
-constexpr int64_t kRasterizerBytesAGaussian = 100;
-constexpr int64_t kRasterizerBytesAPair = 280;
+// Of the rasteriser (render/cuda/raster_core.h), with the spare quarter of its arrays by pair. How many tiles a
+// Gaussian reaches depends on the scene; trained ones reach about three in the mean, those out of sight counted in.
+constexpr int64_t kRasterizerBytesAGaussian = 80;
+constexpr int64_t kRasterizerBytesAPair = 260;
 constexpr int64_t kPairsAGaussian = 3;
 constexpr int64_t kRasterizerBytesAPixel = 64;
-
-/// Runs what takes memory of libtorch; its error for too little of it becomes ours.
-template <class F>
-auto WithMemory(const char* purpose, const F& work) {
-  try {
-    return work();
-  } catch (const c10::Error& error) {
-    if (std::string(error.what()).find("out of memory") == std::string::npos) throw;
-    throw RunError("out of GPU memory for {}, with {:.2f} GB free; lower --max-gaussians or raise --downscale", purpose,
-                   static_cast<double>(MemoryOfDevice().free) * 1e-9);
-  }
-}
 
 class CudaTrainDevice final : public TrainDevice {
  public:
@@ -49,7 +37,7 @@ class CudaTrainDevice final : public TrainDevice {
         fusing_(dynamic_cast<CudaRasterizer*>(rasterizer_.get())),
         capacity_(std::max<int64_t>(options_.max_gaussians, setup.start)),
         loss_(view_loss_, ViewsOnDevice(), device) {
-    step_sums_.ReserveExactly(StepBlocks(capacity_));
+    ReserveForCapacity();
     ledger_.ReserveExactly(1);
     ledger_.FillBytes(0, 1, kStream);
     std::vector<double> choose;
@@ -69,6 +57,10 @@ class CudaTrainDevice final : public TrainDevice {
 
   /// With room for all Gaussians that there may ever be: no growth copies them.
   TrainedModel Upload(const TrainedModel& host) override {
+    if (host.gaussians.size() > capacity_) {  // a checkpoint of more
+      capacity_ = host.gaussians.size();
+      ReserveForCapacity();
+    }
     return WithMemory("Gaussians and their moments", [&] {
       const bool has_moments = host.adam.m.size() > 0;
       TrainedModel model;
@@ -143,7 +135,6 @@ class CudaTrainDevice final : public TrainDevice {
     const int64_t n = model->gaussians.size();
     const int64_t added = std::max<int64_t>(0, std::min<int64_t>(options_.max_gaussians, n + n / 20) - n);
     if (options_.prune_floaters) {
-      floats_.Reserve(n);
       RunPruneFloaters(
           {model->gaussians.Rows(), n, depth_views_.data(), num_depth_views_, floats_.data(), floater_counts_.data()},
           kStream);
@@ -225,13 +216,21 @@ class CudaTrainDevice final : public TrainDevice {
     return step;
   }
 
+  /// All that goes by Gaussian but the model itself.
+  void ReserveForCapacity() {
+    step_sums_.ReserveExactly(StepBlocks(capacity_));
+    opacity_factors_ = Tensor();
+    if (options_.prune_floaters) floats_.ReserveExactly(capacity_);
+    if (fusing_ != nullptr) fusing_->ReserveGaussians(capacity_);
+    weights_.ReserveExactly(capacity_);
+    ranks_.ReserveExactly(capacity_);
+    totals_.ReserveExactly(RefineBlocks(capacity_));
+    sources_.ReserveExactly(capacity_);
+    draws_.ReserveExactly(capacity_);
+  }
+
   RefineInput Refinement(const Iteration& iteration, const TrainedModel& model) {
     const int64_t n = model.gaussians.size();
-    weights_.Reserve(n);
-    ranks_.Reserve(n);
-    totals_.Reserve(RefineBlocks(n));
-    sources_.Reserve(n);
-    draws_.Reserve(n);
     RefineInput in;
     in.seed = iteration.seed;
     in.iteration = iteration.number;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/loss/cuda/depth.h"
+#include "oraclegs/render/cuda/torch_memory.h"
 #include "oraclegs/train/packed_picture.h"
 #include "oraclegs/train/schedule.h"
 
@@ -120,13 +121,16 @@ CudaViewLoss::CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, torch::
     : view_loss_(view_loss), views_(std::move(views)), iterations_(view_loss.options().iterations) {
   const auto floats = torch::TensorOptions().dtype(torch::kFloat).device(device);
   const auto [pixels, tiles] = LargestOf(view_loss);
-  grad_image_ = torch::empty({3 * pixels}, floats);
-  grad_inv_depth_ = torch::empty({pixels}, floats);
+  const auto image = [pixels = pixels, floats](int64_t channels) {
+    return WithMemory("the gradients of the picture", [&] { return torch::empty({channels * pixels}, floats); });
+  };
+  grad_image_ = image(3);
+  grad_inv_depth_ = image(1);
   slopes_.ReserveExactly(9 * pixels);
   photometric_sums_.ReserveExactly(tiles);
   depth_sums_.ReserveExactly(DepthBlocks(pixels));
   if (view_loss.exposures() == nullptr) return;
-  shown_ = torch::empty({3 * pixels}, floats);
+  shown_ = image(3);
   exposure_sums_.ReserveExactly(kExposureNumbers * ExposureBlocks(pixels));
   pull_.ReserveExactly(1);
   const ExposureState& start = view_loss.exposures()->state();
@@ -203,7 +207,9 @@ void CudaViewLoss::AddLpips(const Iteration& iteration, const Tensor& image, Los
   const double weight = view_loss_.objective().LpipsWeight(pictures.mean_confidence);
   if (weight == 0) return;  // the network is what takes the time
   Tensor grad = View(grad_image_, {image.size(0), image.size(1), 3});
-  terms->constant += weight * view_loss_.objective().lpips()(image, Unpacked(pictures.image), weight, &grad);
+  const auto distance = [&] { return view_loss_.objective().lpips()(image, Unpacked(pictures.image), weight, &grad); };
+  terms->constant +=
+      weight * WithMemory("LPIPS of a proposal", distance, "give --proposal-lpips 0 or raise --downscale");
 }
 
 /// Undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.

@@ -1,0 +1,65 @@
+// The kernels' gradients against differences of the kernels' own images. (cuda_rasterizer_test.cpp compares them with
+// differences of the reference in double precision.)
+
+#include <cmath>
+
+#include "render/cuda/device_scenes.h"
+
+namespace oraclegs {
+namespace {
+
+class FiniteDifferencesTest : public CudaTest {
+ protected:
+  FiniteDifferencesTest() : task{RandomGaussians(5, 0.3, 31), FrontCamera(16, 14), {{0.2f, 0.6f, 0.4f}, 3, false}} {
+    task.upstream = RandomUpstream(task.camera, 7);
+  }
+
+  /// <upstream, render> of the task as it is.
+  double Loss() {
+    Gaussians g = OnTestDevice(task.gaussians);
+    const RenderOutput out = rasterizer.Forward(g, task.camera, task.options, RenderPass::kInference);
+    const auto dot = [](const Tensor& a, const Tensor& b) {
+      return (a.to(torch::kDouble) * b.to(torch::kCPU).to(torch::kDouble)).sum().item<double>();
+    };
+    return dot(task.upstream.image, out.image) + dot(task.upstream.alpha, out.alpha) +
+           dot(task.upstream.inv_depth, out.inv_depth);
+  }
+
+  /// |difference quotient - gradient| of one number, the least of two steps: a pixel that crosses a threshold on the
+  /// way is a jump, not a slope.
+  double Error(float* value, double gradient) {
+    const float keep = *value;
+    double best = 1e30;
+    for (const float step : {4e-3f, 1e-3f}) {
+      *value = keep + step;
+      const double above = Loss(), moved_up = *value;
+      *value = keep - step;
+      const double slope = (above - Loss()) / (moved_up - *value);
+      best = std::min(best, std::abs(slope - gradient));
+      *value = keep;
+    }
+    return best;
+  }
+
+  RenderTask task;
+  cuda::CudaRasterizer rasterizer{TestDevice()};
+};
+
+TEST_F(FiniteDifferencesTest, ImagesChangeAsTheGradientsSay) {
+  const RenderedTask out = RunTask(&rasterizer, task, TestDevice());
+  const auto check = [&](const char* name, Tensor* values, const Tensor& grad, int64_t stride) {
+    const double largest = grad.abs().max().item<double>();
+    ASSERT_GT(largest, 0.01) << name;
+    for (int64_t k = 0; k < grad.numel(); k += stride) {
+      EXPECT_LE(Error(values->data_ptr<float>() + k, grad.data_ptr<float>()[k]), 1e-2 * largest) << name << " " << k;
+    }
+  };
+  check("means", &task.gaussians.means, out.grads.means, 1);
+  check("log_scales", &task.gaussians.log_scales, out.grads.log_scales, 1);
+  check("quats", &task.gaussians.quats, out.grads.quats, 1);
+  check("opacity_logits", &task.gaussians.opacity_logits, out.grads.opacity_logits, 1);
+  check("sh", &task.gaussians.sh, out.grads.sh, 11);
+}
+
+}  // namespace
+}  // namespace oraclegs
