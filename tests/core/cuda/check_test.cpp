@@ -11,6 +11,7 @@
 namespace oraclegs::cuda {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 template <class Error, class Body>
@@ -32,7 +33,8 @@ TEST(CudaCheck, AMissingDeviceIsTheUsersToMend) {
 }
 
 TEST(CudaCheck, AnOldDriverIsTold) {
-  EXPECT_THAT(MessageOf<UsageError>([] { Check(cudaErrorInsufficientDriver, "x"); }), HasSubstr("update the driver"));
+  EXPECT_THAT(MessageOf<UsageError>([] { Check(cudaErrorInsufficientDriver, "x"); }),
+              AllOf(HasSubstr("has no NVIDIA driver, or one older"), HasSubstr("install or update the driver")));
 }
 
 TEST(CudaCheck, ABuildForAnotherGpuIsTold) {

@@ -2,6 +2,7 @@
 // differences of the reference in double precision.)
 
 #include <cmath>
+#include <optional>
 
 #include "render/cuda/device_scenes.h"
 
@@ -17,7 +18,7 @@ class FiniteDifferencesTest : public CudaTest {
   /// <upstream, render> of the task as it is.
   double Loss() {
     Gaussians g = OnTestDevice(task.gaussians);
-    const RenderOutput out = rasterizer.Forward(g, task.camera, task.options, RenderPass::kInference);
+    const RenderOutput out = rasterizer->Forward(g, task.camera, task.options, RenderPass::kInference);
     const auto dot = [](const Tensor& a, const Tensor& b) {
       return (a.to(torch::kDouble) * b.to(torch::kCPU).to(torch::kDouble)).sum().item<double>();
     };
@@ -42,11 +43,12 @@ class FiniteDifferencesTest : public CudaTest {
   }
 
   RenderTask task;
-  cuda::CudaRasterizer rasterizer{TestDevice()};
+  std::optional<cuda::CudaRasterizer> rasterizer;  // made by a test, which a machine without a device skips
 };
 
 TEST_F(FiniteDifferencesTest, ImagesChangeAsTheGradientsSay) {
-  const RenderedTask out = RunTask(&rasterizer, task, TestDevice());
+  rasterizer.emplace(TestDevice());
+  const RenderedTask out = RunTask(&*rasterizer, task, TestDevice());
   const auto check = [&](const char* name, Tensor* values, const Tensor& grad, int64_t stride) {
     const double largest = grad.abs().max().item<double>();
     ASSERT_GT(largest, 0.01) << name;

@@ -27,8 +27,9 @@ void Check(cudaError_t status, const char* what) {
       throw UsageError("{}: this machine has no NVIDIA GPU that is free for use; use --device cpu", what);
     case cudaErrorInsufficientDriver:
       throw UsageError(
-          "{}: the NVIDIA driver is older than this program's CUDA {}.{}; update the driver or use --device cpu", what,
-          CUDART_VERSION / 1000, CUDART_VERSION % 1000 / 10);
+          "{}: this machine has no NVIDIA driver, or one older than this program's CUDA {}.{}; install or update the "
+          "driver, or use --device cpu",
+          what, CUDART_VERSION / 1000, CUDART_VERSION % 1000 / 10);
     case cudaErrorNoKernelImageForDevice:
       throw UsageError(
           "{}: this program was built for another GPU; build it with -DCMAKE_CUDA_ARCHITECTURES=native, or use "
