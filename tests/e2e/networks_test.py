@@ -14,7 +14,7 @@ TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
 PRESETS = ["mipnerf360-12", "mipnerf360-24", "blender-8"]
 SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iterations", 3, "--stereo-passes", 1,
-         "--iterations", 20, "--max-gaussians", 1500, "--opinions", 3, "--proposals", 3, "--trajectory", "dataset",
+         "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--opinions", 3, "--proposals", 3, "--trajectory", "dataset",
          "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2, "--candidates", 2]  # fmt: skip
 
 

@@ -65,11 +65,12 @@ TEST_F(ConsistencyTest, CalibrationMovesTheLevelAndKeepsTheOrder) {
   const ConfidenceMap level = calibrated.Validate({hidden[2].proposal})[0];
   const ConfidenceMap order = as_it_comes.Validate({hidden[2].proposal})[0];
   EXPECT_NE(level, order);
+  constexpr float kRounding = 1e-5f;  // near 1 both maps are flat
   for (size_t i = 1; i < order.size(); ++i) {
     if (order[i - 1] < order[i]) {
-      EXPECT_LE(level[i - 1], level[i]);
+      EXPECT_LE(level[i - 1], level[i] + kRounding);
     } else {
-      EXPECT_GE(level[i - 1], level[i]);
+      EXPECT_GE(level[i - 1] + kRounding, level[i]);
     }
   }
 }
