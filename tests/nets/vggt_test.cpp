@@ -82,6 +82,13 @@ TEST(Vggt, AFileOfAnotherNetworkIsRefusedByName) {
                          testing::HasSubstr("not part of it"))));
 }
 
+TEST(Vggt, TakesHalfPrecisionOnAGpuOnly) {
+  EXPECT_EQ(PlaceVggt(torch::kCPU).aggregator_type, torch::kFloat);
+  const VggtPlacement gpu = PlaceVggt({torch::kCUDA, 1});
+  EXPECT_EQ(gpu.aggregator_type, torch::kBFloat16);
+  EXPECT_EQ(gpu.device, torch::Device(torch::kCUDA, 1));
+}
+
 TEST(Vggt, HalfPrecisionAggregatorStaysNearFloat) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);
   CheckpointOptions options;

@@ -92,7 +92,7 @@ Tensor Forward(const DepthAnything& model, const Tensor& normalized) {
 
 Tensor RelativeInverseDepth(const DepthAnything& model, const Tensor& rgb) {
   const Tensor input = NormalizeRgb(ResizeForDepthAnything(rgb, model.config.input_side, model.config.backbone.patch));
-  const Tensor map = Forward(model, input).to(torch::kCPU).unsqueeze(0);
+  const Tensor map = Forward(model, input.to(model.backbone.class_token.device())).to(torch::kCPU).unsqueeze(0);
   return ResizeBilinear(map, rgb.size(0), rgb.size(1), Corners::kAligned)[0][0].contiguous();
 }
 

@@ -42,7 +42,8 @@ std::array<Tensor, 4> HeadLayers(const DepthAnything& model, const Tensor& norma
 /// 0.
 Tensor Forward(const DepthAnything& model, const Tensor& normalized);
 
-/// rgb [h, w, 3] float32 in [0, 1] -> relative inverse depth [h, w] float32 >= 0, on the CPU. Throws ShapeError.
+/// rgb [h, w, 3] float32 in [0, 1], on the CPU -> relative inverse depth [h, w] float32 >= 0, on the CPU wherever the
+/// network is. Throws ShapeError.
 Tensor RelativeInverseDepth(const DepthAnything& model, const Tensor& rgb);
 
 }  // namespace oraclegs

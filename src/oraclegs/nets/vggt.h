@@ -39,6 +39,10 @@ struct VggtPlacement {
   torch::Device device = torch::kCPU;
   torch::ScalarType aggregator_type = torch::kFloat;  ///< the heads are float32 always
 };
+/// As its authors run it: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for.
+inline VggtPlacement PlaceVggt(torch::Device device) {
+  return {device, device.is_cuda() ? torch::kBFloat16 : torch::kFloat};
+}
 /// The network of this configuration from safetensors files with the official names. Heads that are not asked for and
 /// the track head may be there and are not read. Throws InputError that lists all that does not fit.
 Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads,

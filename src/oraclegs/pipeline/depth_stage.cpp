@@ -7,6 +7,7 @@
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/monocular_stage.h"
 #include "oraclegs/pipeline/non_commercial.h"
@@ -71,7 +72,9 @@ std::vector<DepthMap> FindDepth(const Run& run, const std::vector<Photo>& photos
                                 const DepthSource& source, double* right) {
   const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
   std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
-  if (HasNetwork(source)) guesses = GuessDepth(source.weights, photos, run.listener);
+  if (HasNetwork(source)) {
+    guesses = GuessDepth(source.weights, photos, run.listener, ChooseDevice(run.options.device.device, ProbeDevices()));
+  }
   std::vector<DepthMap> maps;
   if (source.prior != DepthPrior::kMonocular) maps = EstimateDepth(photos, seen, run.options.stereo, run.listener);
   if (!HasNetwork(source)) return maps;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/memory.h"
 #include "oraclegs/nets/vggt_file.h"
 #include "oraclegs/nets/vggt_memory.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {
@@ -81,19 +81,20 @@ const Oracle& Judge::oracle() const {
 void Judge::LoadSecond(const Run& run, const std::vector<Photo>& photos, const VggtWeights& weights) {
   const ValidateOptions& asked = run.options.validate;
   const VggtFile file = ReadVggtFile(weights.path);
+  const VggtPlacement placement = PlaceVggt(ChooseDevice(run.options.device.device, ProbeDevices()));
   VggtOracleOptions options;
   options.mode = ModeOf(asked.oracle_mode);
   options.side = file.side;
   options.layers = file.oracle_layers;
   options.weights = file.oracle_weights;
   options.chunk = ChooseChunk([&](int64_t chunk) { return PassBytes(file, photos, options.mode, chunk + 1); },
-                              asked.oracle_chunk, AvailableMemory(), run.listener);
+                              asked.oracle_chunk, static_cast<uint64_t>(FreeBytes(placement.device)), run.listener);
   together_ = options.chunk;
   progress_ = std::make_shared<Progress>();
   progress_->listener = run.listener;
   options.looked = [progress = progress_](size_t pictures) { progress->Add(pictures); };
-  second_ = std::make_unique<VggtOracle>(LoadVggt({weights.path}, {}, {}, file.network).aggregator, std::move(options),
-                                         photos);
+  second_ = std::make_unique<VggtOracle>(LoadVggt({weights.path}, {}, placement, file.network).aggregator,
+                                         std::move(options), photos);
 }
 
 void Judge::Teach(const std::vector<Photo>& photos, const Proposers& proposers, size_t targets_to_come) {

@@ -23,8 +23,8 @@ AllowedPixels Allowed(const Photo& photo, const Silhouettes& silhouettes, size_t
 }  // namespace
 
 std::vector<RelativeDepth> GuessDepth(const std::filesystem::path& weights, const std::vector<Photo>& photos,
-                                      const Listener& listener) {
-  const DepthAnything model = LoadRecognizedDepthAnything(weights);
+                                      const Listener& listener, torch::Device device) {
+  const DepthAnything model = LoadRecognizedDepthAnything(weights, device);
   std::vector<RelativeDepth> guesses;
   for (const Photo& photo : photos) {
     ThrowIfInterrupted();

@@ -11,10 +11,10 @@
 
 namespace oraclegs {
 
-/// What Depth Anything V2 guesses of each photograph, at its size. Tells StepDone{"depth"}. Throws InputError for a
-/// file that does not hold it, Interrupted.
+/// What Depth Anything V2 guesses of each photograph, at its size, computed on `device`. Tells StepDone{"depth"}.
+/// Throws InputError for a file that does not hold it, Interrupted.
 std::vector<RelativeDepth> GuessDepth(const std::filesystem::path& weights, const std::vector<Photo>& photos,
-                                      const Listener& listener);
+                                      const Listener& listener, torch::Device device = torch::kCPU);
 
 /// "Depth Anything V2 small", "base", "large", or "of another size". Throws InputError.
 std::string DepthNetworkName(const std::filesystem::path& weights);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "oraclegs/nets/recognize.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/weights.h"
 
 namespace oraclegs {
@@ -16,8 +17,8 @@ namespace fs = std::filesystem;
 
 using SharedLpips = std::shared_ptr<const Lpips>;
 
-SharedLpips Load(const std::vector<fs::path>& files) {
-  return std::make_shared<const Lpips>(LoadRecognizedLpips(files));
+SharedLpips Load(const std::vector<fs::path>& files, torch::Device device = torch::kCPU) {
+  return std::make_shared<const Lpips>(LoadRecognizedLpips(files, device));
 }
 
 const char* NetworkName(const Lpips& lpips) {
@@ -86,7 +87,7 @@ TrainingLpips LpipsOfProposals(const RunOptions& options, const std::vector<Trai
   if (proposals.empty() || !UsesLpips(options.train)) return {};
   const std::vector<fs::path> files = FindLpips(options.weights);
   if (files.empty()) return {};
-  const SharedLpips lpips = Load(files);
+  const SharedLpips lpips = Load(files, ChooseDevice(options.device.device, ProbeDevices()));
   int64_t smallest = std::numeric_limits<int64_t>::max();
   for (const TrainView& view : proposals) {
     smallest = std::min<int64_t>(smallest, std::min(view.camera.width, view.camera.height));

@@ -25,8 +25,8 @@ inline constexpr int64_t kLpipsCacheBytes = int64_t{2} << 30;
 /// while `cache_bytes` last; so a target's numbers may not change. Throws InputError for files that do not hold LPIPS.
 PerceptualDistance LpipsLoss(const std::vector<std::filesystem::path>& files, int64_t cache_bytes = kLpipsCacheBytes);
 
-/// The loss of these proposals' --proposal-lpips, and what to call it; empty where there is no network or nothing would
-/// ask it, and, with a warning, where a proposal is too small for it.
+/// The loss of these proposals' --proposal-lpips on the device of the training, and what to call it; empty where there
+/// is no network or nothing would ask it, and, with a warning, where a proposal is too small for it.
 struct TrainingLpips {
   PerceptualDistance distance;
   std::string convention;  ///< e.g. "VGG16, pictures in [0, 1]"

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/pipeline/fingerprint.h"
 #include "oraclegs/pipeline/missing_networks.h"
 #include "oraclegs/pipeline/non_commercial.h"
@@ -56,7 +57,8 @@ Scene Register(Workspace* workspace, const Scene& photos, const RunOptions& opti
     fs::remove_all(workspace->sfm(), ignored);
   }
   const StageClock clock("register", listener);
-  Scene scene = network ? RegisterWithVggt(photos, *network, workspace->sfm(), listener)
+  Scene scene = network ? RegisterWithVggt(photos, *network, workspace->sfm(), listener,
+                                           ChooseDevice(options.device.device, ProbeDevices()))
                         : RegisterPhotos(photos, workspace->sfm(), listener);
   const double seconds = clock.Finish();
   if (!done) {

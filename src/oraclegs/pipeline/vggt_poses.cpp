@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/memory.h"
 #include "oraclegs/nets/vggt_cloud.h"
 #include "oraclegs/nets/vggt_file.h"
 #include "oraclegs/nets/vggt_memory.h"
+#include "oraclegs/pipeline/device.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_staging.h"
 #include "oraclegs/scene/sfm_workspace.h"
@@ -28,7 +28,7 @@ struct Seen {
 };
 
 Seen LookAt(const std::vector<StagedView>& plan, const VggtWeights& weights, const fs::path& work_dir,
-            const Listener& listener) {
+            const Listener& listener, torch::Device device) {
   Seen seen;
   std::vector<std::string> names;
   for (const StagedView& staged : plan) {
@@ -41,14 +41,16 @@ Seen LookAt(const std::vector<StagedView>& plan, const VggtWeights& weights, con
   const int64_t height = input.images.size(2), width = input.images.size(3);
   const int64_t needed = VggtWeightBytes(file.network, kHeads) +
                          VggtPassBytes(file.network, {static_cast<int64_t>(plan.size()), height, width, kHeads});
-  RequirePoseMemory(plan.size(), needed, AvailableMemory());
+  const VggtPlacement placement = PlaceVggt(device);
+  RequirePoseMemory(plan.size(), needed, static_cast<uint64_t>(FreeBytes(device)));
   listener(Note{fmt::format("{} looks at {} photographs of {} x {} at once, which needs about {:.1f} GiB", weights.name,
                             plan.size(), width, height, static_cast<double>(needed) / kGiB)});
-  const Vggt vggt = LoadVggt({weights.path}, kHeads, {}, file.network);
-  const AggregatorResult aggregated = Aggregate(vggt.aggregator, input.images, {HeadLayers(vggt), {}});
-  seen.cameras = PhotographCameras(PredictCameras(vggt, aggregated).back(), input, seen.photos, names);
+  const Vggt vggt = LoadVggt({weights.path}, kHeads, placement, file.network);
+  const AggregatorResult aggregated = Aggregate(vggt.aggregator, input.images.to(device), {HeadLayers(vggt), {}});
+  const Tensor encodings = PredictCameras(vggt, aggregated).back().to(torch::kCPU);
+  seen.cameras = PhotographCameras(encodings, input, seen.photos, names);
   DepthPrediction depth = PredictDepth(vggt, aggregated, {height / patch, width / patch});
-  depth = {depth.depth.contiguous(), depth.confidence.contiguous()};
+  depth = {depth.depth.to(torch::kCPU).contiguous(), depth.confidence.to(torch::kCPU).contiguous()};
   seen.cloud = MakeCloud({seen.cameras, seen.photos, input, depth}, kMostPoints);
   return seen;
 }
@@ -109,7 +111,7 @@ void RequirePoseMemory(size_t views, int64_t needed, uint64_t available) {
 }
 
 Scene RegisterWithVggt(const Scene& photos, const VggtWeights& weights, const fs::path& work_dir,
-                       const Listener& listener) {
+                       const Listener& listener, torch::Device device) {
   if (photos.views.size() < 2) {
     throw InputError("{}: has one photograph; VGGT needs at least two of the scene", photos.root.string());
   }
@@ -123,7 +125,7 @@ Scene RegisterWithVggt(const Scene& photos, const VggtWeights& weights, const fs
   } else {
     ClearWorkDir(work_dir);
     StageImages(photos, views, plan, work_dir);
-    const Seen seen = LookAt(plan, weights, work_dir, listener);
+    const Seen seen = LookAt(plan, weights, work_dir, listener, device);
     WriteModel(seen, plan, work_dir);
     MarkDone(work_dir, inputs);
   }
