@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its pictures: about five minutes
+# Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its pictures: under ten minutes
 # on two cores, nothing is downloaded but Debian packages. The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
 set -euo pipefail
