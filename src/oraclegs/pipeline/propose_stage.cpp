@@ -22,7 +22,7 @@ constexpr size_t kFewestPhotographs = 3;
 std::string OpinionKey(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
   Fingerprint print;
   print.Add(kProposeVersion).Add(geometry.key).Add(run.options.propose.opinions);
-  print.Add(run.options.propose.opinion_finish);
+  print.Add(run.options.propose.opinion_finish).Add(run.options.train.iterations);  // whose share the finish is
   print.Add(OptionsToJson(run.options.start).dump()).Add(OptionsToJson(OpinionOptions(run.options, decided)).dump());
   print.Add(OptionsToJson(run.options.photo).dump());
   print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));

@@ -107,8 +107,8 @@ class Generation {
     tile_ = ChooseTile({working_, weights, networks_.pictures}, bytes);
     if (tile_ * kLatentStride >= std::max(working_.width, working_.height)) return;
     listener_(Warning{fmt::format(
-        "seva's pictures are decoded in tiles of {} pixels, which differs a little from decoding them whole: of {:.1f} "
-        "GB of memory more is not free; a smaller --seva-short-side needs no tiles",
+        "seva's pictures are decoded in tiles of {} pixels, which differs a little from decoding them whole: "
+        "{:.1f} GB of memory are too few for that; a smaller --seva-short-side needs no tiles",
         tile_ * kLatentStride, static_cast<double>(bytes) / kBytesInGigabyte)});
   }
 
