@@ -49,11 +49,14 @@ endfunction()
 # and find the toolkit's headers. All others have the objects of a build without, which ccache knows. A macro that is
 # new in a file is seen when CMake configures.
 function(oraclegs_tell_of_cuda)
+  set(options -DORACLEGS_CUDA=1)
+  foreach(folder ${CUDAToolkit_INCLUDE_DIRS})
+    list(APPEND options -isystem ${folder})
+  endforeach()
   foreach(source ${ARGN})
     file(STRINGS ${source} asks REGEX "ORACLEGS_CUDA" LIMIT_COUNT 1)
     if(asks OR source MATCHES "${ORACLEGS_DEVICE_FOLDER}|/gpu_[a-z]+.cpp$")
-      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
-                                  "-DORACLEGS_CUDA=1;-isystem;${CUDAToolkit_INCLUDE_DIRS}")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${options}")
     endif()
   endforeach()
 endfunction()

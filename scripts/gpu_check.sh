@@ -69,9 +69,10 @@ if [[ -f .gpu/env.sh ]]; then
   set -u
   PATH=$PATH:$PWD/.gpu/deps/usr/bin
   # Of libraries that nothing is built against the machine's own are better than ours.
+  known=$(ldconfig -p 2>/dev/null)
   for file in .gpu/deps/{usr/,}lib/x86_64-linux-gnu/*.so.*; do
     name=$(basename "$file")
-    [[ -e ${file%%.so.*}.so ]] || ! ldconfig -p 2>/dev/null | grep -qF "$name (" || rm -f "$file"
+    [[ -e ${file%%.so.*}.so ]] || ! grep -qF "$name (" <<<"$known" || rm -f "$file"
   done
   export LD_LIBRARY_PATH=$LD_LIBRARY_PATH:$PWD/.gpu/deps/lib/x86_64-linux-gnu
 fi
@@ -91,7 +92,7 @@ esac
 nvidia-smi --query-gpu=name,driver_version,memory.total --format=csv,noheader 2>/dev/null || echo "no NVIDIA driver answers"
 
 # Warnings of compilers that we do not have are no errors; libraries that libtorch loads are found when it is loaded.
-step configure 60 cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES="${ORACLEGS_CUDA_ARCH:-native}" -DORACLEGS_WERROR=OFF \
+step configure 150 cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES="${ORACLEGS_CUDA_ARCH:-native}" -DORACLEGS_WERROR=OFF \
   -DCMAKE_EXE_LINKER_FLAGS=-Wl,--allow-shlib-undefined || finish
 step build 380 cmake --build --preset cuda --parallel "${ORACLEGS_JOBS:-16}" --target cuda_tests gpu_bench oraclegs || finish
 bin=build/cuda/bin

@@ -79,7 +79,7 @@ Tensor FeaturesBackward(const FeatureStack& stack, const FeatureTrace& trace, co
     }
     grad = at::threshold_backward(grad, trace.outputs[i], 0);
     const Conv& conv = layer.conv;
-    grad = std::get<0>(at::convolution_backward(grad, trace.inputs[i], conv.weight, c10::nullopt,
+    grad = std::get<0>(at::convolution_backward(grad, trace.inputs[i], conv.weight, at::OptionalIntArrayRef(),
                                                 {conv.stride, conv.stride}, {conv.padding, conv.padding}, {1, 1}, false,
                                                 {0, 0}, 1, {true, false, false}));
     if (layer.pool_before) {

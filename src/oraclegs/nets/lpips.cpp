@@ -80,8 +80,8 @@ LpipsValue Distance(const Lpips& lpips, const Tensor& image, const LpipsTarget& 
     if (backward) taps[i] = UnitBackward(weighted * (2 / pixels), taps[i], lengths);
   }
   if (backward) {
-    const Tensor by_input = FeaturesBackward(lpips.features, trace, taps).to(torch::kCPU)[0].permute({1, 2, 0});
-    grad->copy_(by_input * InputSlope(target.range));
+    const Tensor by_input = FeaturesBackward(lpips.features, trace, taps)[0].permute({1, 2, 0});
+    grad->copy_(by_input * InputSlope(target.range).to(by_input.device()));
   }
   return out;
 }

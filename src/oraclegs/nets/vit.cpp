@@ -25,14 +25,13 @@ Tensor PositionEmbedding(const Vit& vit, int64_t rows, int64_t cols) {
   const Tensor stored = vit.positions.to(torch::kFloat);
   if (rows == side && cols == side) return stored;
   const Tensor grid = stored.slice(1, 1).reshape({1, side, side, config.width}).permute({0, 3, 1, 2}).contiguous();
-  c10::optional<double> scale_y, scale_x;
-  if (config.position_offset != 0) {
-    scale_y = (static_cast<double>(rows) + config.position_offset) / static_cast<double>(side);
-    scale_x = (static_cast<double>(cols) + config.position_offset) / static_cast<double>(side);
-  }
-  const Tensor resampled = config.position_antialias
-                               ? at::_upsample_bicubic2d_aa(grid, {rows, cols}, false, scale_y, scale_x)
-                               : at::upsample_bicubic2d(grid, {rows, cols}, false, scale_y, scale_x);
+  const auto resample = [&](auto... scales) {
+    return config.position_antialias ? at::_upsample_bicubic2d_aa(grid, {rows, cols}, false, scales...)
+                                     : at::upsample_bicubic2d(grid, {rows, cols}, false, scales...);
+  };
+  const double scale_y = (static_cast<double>(rows) + config.position_offset) / static_cast<double>(side);
+  const double scale_x = (static_cast<double>(cols) + config.position_offset) / static_cast<double>(side);
+  const Tensor resampled = config.position_offset != 0 ? resample(scale_y, scale_x) : resample();
   return at::cat({stored.slice(1, 0, 1), resampled.flatten(2).transpose(1, 2)}, 1);
 }
 

@@ -9,6 +9,10 @@
 #include "oraclegs/core/memory.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
+#if __has_include(<c10/cuda/CUDACachingAllocator.h>)  // not in a libtorch for the CPU
+#include <c10/cuda/CUDACachingAllocator.h>
+#define ORACLEGS_TORCH_KEEPS_MEMORY 1
+#endif
 #endif
 
 namespace oraclegs {
@@ -42,6 +46,9 @@ DeviceSupport ProbeDevices() {
   support.built = true;
   support.torch_cuda = torch::cuda::is_available();
   support.devices = cuda::DeviceCount();
+#if defined(ORACLEGS_TORCH_KEEPS_MEMORY)
+  if (support.torch_cuda) cuda::SetMemoryRelief([] { c10::cuda::CUDACachingAllocator::emptyCache(); });
+#endif
 #endif
   return support;
 }

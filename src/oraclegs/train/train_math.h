@@ -45,14 +45,16 @@ ORACLEGS_HD inline double DrawUniform(uint64_t seed, RandomStream stream, uint64
   return static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
 }
 
-/// The factor of a Gaussian's opacity in one iteration; see opacity_factors.h. counter: iteration << 32 | index.
-ORACLEGS_HD inline double OpacityFactor(uint64_t seed, uint64_t counter, double drop, double noise) {
+/// The factor of a Gaussian's opacity in one iteration; see opacity_factors.h. counter: iteration << 32 | index. Real:
+/// double, or float where doubles are slow (all GPUs but those for servers); the draws have 23 bits.
+template <class Real>
+ORACLEGS_HD inline Real OpacityFactor(uint64_t seed, uint64_t counter, Real drop, Real noise) {
   const Philox r = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kOpacityFactors), counter);
-  const double factor = static_cast<double>(OpenUniform(r.x[0])) < drop ? 0 : 1 / (1 - drop);
+  const Real factor = static_cast<Real>(OpenUniform(r.x[0])) < drop ? 0 : 1 / (1 - drop);
   if (!(noise > 0)) return factor;
   // Box and Muller's.
-  const double u = static_cast<double>(OpenUniform(r.x[1])), v = static_cast<double>(OpenUniform(r.x[2]));
-  const double scaled = 1 + noise * (std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v));
+  const Real u = static_cast<Real>(OpenUniform(r.x[1])), v = static_cast<Real>(OpenUniform(r.x[2]));
+  const Real scaled = 1 + noise * (std::sqrt(-2 * std::log(u)) * std::cos(static_cast<Real>(6.283185307179586) * v));
   return factor * (scaled > 0 ? scaled : 0);
 }
 

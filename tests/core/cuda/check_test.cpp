@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/out_of_memory.h"
 #include "support/cuda_device.h"
 #if defined(ORACLEGS_EMULATED_CUDA)
 #include "support/emulated_cuda/runtime.h"
@@ -70,6 +71,18 @@ TEST_F(CudaMemory, IsReported) {
   const DeviceMemory memory = MemoryOfDevice();
   EXPECT_GT(memory.free, 0);
   EXPECT_LE(memory.free, memory.total);
+}
+
+TEST_F(CudaMemory, WhoKeepsSomeGivesItBackBeforeItEndsAndBeforeItIsCounted) {
+  static int calls = 0;
+  SetMemoryRelief([] { ++calls; });
+  MemoryOfDevice();
+  EXPECT_EQ(calls, 1);
+  EXPECT_THROW(AllocateDevice(int64_t{1} << 45, "the tile lists"), OutOfMemory);
+  EXPECT_EQ(calls, 2);
+  FreeDevice(AllocateDevice(100, "a little"));
+  EXPECT_EQ(calls, 2);
+  SetMemoryRelief(nullptr);
 }
 
 TEST_F(CudaMemory, ADeviceThatIsNotThereIsRefused) {

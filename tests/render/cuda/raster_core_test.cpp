@@ -42,6 +42,17 @@ TEST_F(RasterCoreTest, MemoryThatGrowsOnTheWayChangesNoBit) {
   ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);  // and what was there before does not matter
 }
 
+TEST_F(RasterCoreTest, AViewOfManyPairsMayComeWhenTheLastIsLongForgotten) {
+  const RenderTask few = Task(5, 20, 16), many = Task(300, 60, 40);
+  cuda::CudaRasterizer fresh(TestDevice()), rasterizer(TestDevice());
+  const RenderedTask expected = RunTask(&fresh, many, TestDevice());
+  ExpectSameBits(RunTask(&rasterizer, many, TestDevice()), expected);
+  const int64_t room = rasterizer.device_bytes();
+  for (int view = 0; view < 100; ++view) RunTask(&rasterizer, few, TestDevice());
+  ExpectSameBits(RunTask(&rasterizer, many, TestDevice()), expected);
+  EXPECT_EQ(rasterizer.device_bytes(), room);  // what is sent shrinks, and not what is held
+}
+
 TEST_F(RasterCoreTest, CountsAndTimesAreThere) {
   cuda::CudaRasterizer rasterizer(TestDevice());
   EXPECT_EQ(rasterizer.stats().tile_pairs, 0);

@@ -1,5 +1,7 @@
 #include "oraclegs/train/cuda/cuda_view_loss.h"
 
+#include <set>
+
 #include "oraclegs/train/cpu_train_device.h"
 #include "support/golden.h"
 #include "support/tensors.h"
@@ -85,6 +87,30 @@ TEST_F(CudaViewLossTest, ANetworkAddsToTheProposals) {
     return (render - target).square().sum().item<double>() / 2;
   };
   ExpectAsOnTheCpu(Options().Settled(), data);
+}
+
+TEST_F(CudaViewLossTest, ANetworkMeetsEachProposalAsOnePicture) {
+  TrainingData data = Data();
+  for (TrainView& view : data.proposals)
+    view.image = (view.image.clamp(0, 1) * 255).to(torch::kByte).to(torch::kFloat) / 255;
+  std::set<const void*> targets;
+  data.lpips = [&](const Tensor&, const Tensor& target, double, Tensor*) {
+    targets.insert(target.data_ptr());
+    return 0.;
+  };
+  const ViewLoss source(Options().Settled(), data);
+  DeviceViews views(source);
+  views.MoveTo(TestDevice());
+  CudaViewLoss loss(source, std::move(views), TestDevice());
+  for (int64_t number = 1; number <= 6; ++number) {
+    Iteration iteration;
+    iteration.number = number;
+    iteration.view = {ViewKind::kProposal, static_cast<int>(number % 2)};
+    const RenderOutput out = RandomRender();
+    LossTerms terms;
+    loss(iteration, {OnTestDevice(out.image), OnTestDevice(out.alpha), OnTestDevice(out.inv_depth)}, &terms);
+  }
+  EXPECT_EQ(targets.size(), 2u);
 }
 
 TEST_F(CudaViewLossTest, PicturesOfBytesLieThereAsBytes) {

@@ -5,6 +5,8 @@
 namespace oraclegs::cuda {
 namespace {
 
+void (*memory_relief)() = nullptr;
+
 double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 
 [[noreturn]] void ThrowOutOfMemory(int64_t bytes, const char* purpose, const char* where) {
@@ -45,7 +47,12 @@ void CheckLaunch(const char* kernel) { Check(cudaGetLastError(), kernel); }
 void* AllocateDevice(int64_t bytes, const char* purpose) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;
-  const cudaError_t status = cudaMalloc(&memory, static_cast<size_t>(bytes));
+  cudaError_t status = cudaMalloc(&memory, static_cast<size_t>(bytes));
+  if (status == cudaErrorMemoryAllocation && memory_relief != nullptr) {
+    cudaGetLastError();
+    memory_relief();
+    status = cudaMalloc(&memory, static_cast<size_t>(bytes));
+  }
   if (status == cudaErrorMemoryAllocation) ThrowOutOfMemory(bytes, purpose, "GPU");
   Check(status, purpose);
   return memory;
@@ -59,6 +66,8 @@ void* AllocatePinned(int64_t bytes, const char* purpose) {
   Check(status, purpose);
   return memory;
 }
+
+void SetMemoryRelief(void (*relief)()) { memory_relief = relief; }
 
 void FreeDevice(void* memory) noexcept {
   if (memory != nullptr && cudaFree(memory) != cudaSuccess) cudaGetLastError();  // at exit the driver may be gone
@@ -87,6 +96,7 @@ void UseDevice(int index) {
 }
 
 DeviceMemory MemoryOfDevice() {
+  if (memory_relief != nullptr) memory_relief();
   size_t free = 0, total = 0;
   Check(cudaMemGetInfo(&free, &total), "asking for the GPU's memory");
   return {static_cast<int64_t>(free), static_cast<int64_t>(total)};

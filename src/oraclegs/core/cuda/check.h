@@ -20,6 +20,9 @@ void CheckLaunch(const char* kernel);
 void* AllocateDevice(int64_t bytes, const char* purpose);
 /// Host memory that the device copies to without stopping the host.
 void* AllocatePinned(int64_t bytes, const char* purpose);
+/// Who keeps device memory that it does not use (libtorch does) gives it back when `relief` is called: before memory
+/// ends, and before it is counted. Null = nobody; no call from several threads at once.
+void SetMemoryRelief(void (*relief)());
 void FreeDevice(void* memory) noexcept;
 void FreePinned(void* memory) noexcept;
 
@@ -32,6 +35,7 @@ void UseDevice(int index);
 struct DeviceMemory {
   int64_t free, total;  ///< bytes
 };
+/// What is free once all relief there is has been given.
 DeviceMemory MemoryOfDevice();
 
 }  // namespace oraclegs::cuda

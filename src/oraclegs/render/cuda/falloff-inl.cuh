@@ -31,18 +31,24 @@ __device__ inline Reach ReachOf(const Splat& s) {
   const float tilt = s.by * s.by * s.slope;
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
   // centre is far away.
-  return {
-      s.mx, s.my, s.ax, s.by, s.slope, -tilt / (s.ax * s.ax + tilt * s.slope), s.log2_opacity - kLog2AlphaMin + 1e-3f};
+  return {s.mx,
+          s.my,
+          s.ax,
+          s.by,
+          s.slope,
+          -tilt / fmaf(s.ax, s.ax, tilt * s.slope),
+          s.log2_opacity - kLog2AlphaMin + 1e-3f};
 }
 
 /// Whether alpha may be 1/255 between the pixel centres (x, y) and (x + span_x, y + span_y): the exact minimum of the
-/// quadratic form over that rectangle, which lies on the edge nearest in x or on the one nearest in y.
+/// quadratic form over that rectangle, which lies on the edge nearest in x or on the one nearest in y. Fused by hand,
+/// as one kernel counts by it and another lists.
 __device__ inline bool Reaches(const Reach& r, float x, float y, float span_x, float span_y) {
   const float x0 = x - r.mx, x1 = x0 + span_x, y0 = y - r.my, y1 = y0 + span_y;
   const float near_x = Max(x0, Min(x1, 0.f)), near_y = Max(y0, Min(y1, 0.f));
   const float best_y = Max(y0, Min(y1, -r.slope * near_x)), best_x = Max(x0, Min(x1, r.across * near_y));
-  const float p1 = r.ax * near_x, q1 = r.by * (best_y + r.slope * near_x);
-  const float p2 = r.ax * best_x, q2 = r.by * (near_y + r.slope * best_x);
+  const float p1 = r.ax * near_x, q1 = r.by * fmaf(r.slope, near_x, best_y);
+  const float p2 = r.ax * best_x, q2 = r.by * fmaf(r.slope, best_x, near_y);
   return Min(fmaf(p1, p1, q1 * q1), fmaf(p2, p2, q2 * q2)) <= r.bound;
 }
 

@@ -1,5 +1,6 @@
 #include "oraclegs/render/cuda/raster_core.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 
@@ -12,7 +13,11 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr int64_t kSortedWords = 4;  // of a pair, see RasterCore::pair_work_
+constexpr int64_t kForgotten = 64;   // views after which one with many pairs counts little for those to come
 static_assert(kSortedWords <= kRecord && sizeof(float) == sizeof(uint32_t));
+
+/// The next view may have more.
+int64_t Roomy(int64_t count) { return count + count / 4; }
 
 }  // namespace
 
@@ -25,7 +30,7 @@ void RequireCountable(int64_t gaussians, int64_t pairs) {
 void RasterCore::ReservePairs(int64_t pairs) {
   RequireCountable(parameters_.n, pairs);
   pair_room_ = 0;  // until all is there
-  const int64_t roomy = pairs + pairs / 4;
+  const int64_t roomy = Roomy(pairs);
   sorted_numbers_.ReserveExactly(roomy);
   entry_ids_.ReserveExactly(roomy);
   pair_room_ = roomy;
@@ -62,30 +67,34 @@ void RasterCore::Forward(const View& view, const Parameters& parameters, const I
   GatherCounts(counts_.data(), sorted_ids_.data(), n, depths_.data(), stream_);
   ExclusiveSum(depths_.data(), ids_.data(), n, &scratch_, stream_);
 
-  // Most often there is room for this view's pairs: all is sent before the first look at their number.
-  const int64_t room = pair_room_;
-  const bool sent = room > 0;
+  // Most often this view has about as many pairs as the latest ones: all is sent before the first look at their number.
+  sent_pairs_ = std::min(pair_room_, Roomy(recent_pairs_));
+  const bool sent = sent_pairs_ > 0;
   if (sent) SendBinAndBlend();
   pairs_ = static_cast<int64_t>(counted_.Get().pairs);
-  if (pairs_ > room) ReservePairs(pairs_);
-  if (!sent || pairs_ > room) SendBinAndBlend();
+  recent_pairs_ = std::max(pairs_, recent_pairs_ - recent_pairs_ / kForgotten);
+  if (pairs_ > pair_room_) ReservePairs(pairs_);
+  if (!sent || pairs_ > sent_pairs_) {
+    sent_pairs_ = std::min(pair_room_, Roomy(recent_pairs_));
+    SendBinAndBlend();
+  }
   forward_done_ = true;
 }
 
 void RasterCore::SendBinAndBlend() {
   pair_work_.ReserveExactly(pair_room_ * (train_ ? kRecord : kSortedWords));
   uint32_t* const tile_of = pair_work_.data();
-  uint32_t* const sorted_tiles = tile_of + pair_room_;
-  uint32_t* const numbers = sorted_tiles + pair_room_;
-  uint32_t* const gaussians = numbers + pair_room_;
-  pair_work_.FillBytes(0xff, pair_room_, stream_);  // tiles that no pair overwrites sort to the end
+  uint32_t* const sorted_tiles = tile_of + sent_pairs_;
+  uint32_t* const numbers = sorted_tiles + sent_pairs_;
+  uint32_t* const gaussians = numbers + sent_pairs_;
+  pair_work_.FillBytes(0xff, sent_pairs_, stream_);  // tiles that no pair overwrites sort to the end
   ListPairs({splats_.data(), rects_.data(), sorted_ids_.data(), ids_.data(), parameters_.n, view_.tiles_x},
-            {tile_of, numbers, gaussians, begins_.data(), pair_room_}, stream_);
+            {tile_of, numbers, gaussians, begins_.data(), sent_pairs_}, stream_);
   const uint32_t tiles = static_cast<uint32_t>(view_.tiles());
-  SortByKey({tile_of, numbers, sorted_tiles, sorted_numbers_.data(), pair_room_}, std::bit_width(tiles), &scratch_,
+  SortByKey({tile_of, numbers, sorted_tiles, sorted_numbers_.data(), sent_pairs_}, std::bit_width(tiles), &scratch_,
             stream_);
   ranges_.FillBytes(0, view_.tiles(), stream_);
-  FindTileRanges({sorted_tiles, sorted_numbers_.data(), gaussians, pair_room_, tiles}, ranges_.data(),
+  FindTileRanges({sorted_tiles, sorted_numbers_.data(), gaussians, sent_pairs_, tiles}, ranges_.data(),
                  entry_ids_.data(), stream_);
   binned_.Record(stream_);
   if (train_ && bucket_room_ == 0) {
@@ -119,7 +128,7 @@ GaussianBackwardInput RasterCore::BlendBackward(const Parameters& parameters, co
   const int64_t buckets = blended_.Get().buckets;
   if (buckets > bucket_room_) {
     bucket_room_ = 0;
-    const int64_t roomy = buckets + buckets / 4;
+    const int64_t roomy = Roomy(buckets);
     buckets_.ReserveExactly(roomy);
     states_.ReserveExactly(roomy * kStateFloats * kTilePixels);
     bucket_room_ = roomy;

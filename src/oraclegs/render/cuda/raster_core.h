@@ -72,9 +72,11 @@ class RasterCore {
 
   // By pair.
   int64_t pairs_ = 0, pair_room_ = 0;
+  int64_t recent_pairs_ = 0;  ///< the most of the latest views, forgotten by and by
+  int64_t sent_pairs_ = 0;    ///< how many this view's binning was sent for, at most pair_room_
   DeviceArray<uint32_t> sorted_numbers_{"the tile lists"}, entry_ids_{"the tile lists"};
   /// First what is sorted, which nothing asks for once the ranges are known: tiles, sorted tiles, numbers, Gaussians,
-  /// pair_room_ each. In the backward pass the records.
+  /// sent_pairs_ each. In the backward pass the records.
   DeviceArray<uint32_t> pair_work_{"the tile lists and the gradients of their entries"};
 
   // By tile and pixel, and by bucket.

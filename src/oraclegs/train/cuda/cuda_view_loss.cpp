@@ -15,8 +15,13 @@ constexpr cudaStream_t kStream = nullptr;  // libtorch's too
 constexpr ViewKind kKinds[] = {ViewKind::kPhotograph, ViewKind::kProposal};
 
 DeviceViewPictures Pack(const TrainView& view) {
-  return {Packed(view.image), Packed(view.confidence), view.inv_depth, Packed(view.depth_mask),
-          MeanConfidence(view.confidence)};
+  DeviceViewPictures pictures;
+  pictures.image = Packed(view.image);
+  pictures.confidence = Packed(view.confidence);
+  pictures.inv_depth = view.inv_depth;
+  pictures.depth_mask = Packed(view.depth_mask);
+  pictures.mean_confidence = MeanConfidence(view.confidence);
+  return pictures;
 }
 
 DeviceImage ImageOf(const Tensor& picture) {
@@ -44,7 +49,7 @@ std::vector<ExposureMap> DownloadMaps(const DeviceArray<float>& from, int views)
 
 int64_t DeviceViewPictures::bytes() const {
   int64_t sum = 0;
-  for (const Tensor& t : {image, confidence, inv_depth, depth_mask}) {
+  for (const Tensor& t : {image, confidence, inv_depth, depth_mask, lpips_target}) {
     if (t.defined()) sum += t.numel() * static_cast<int64_t>(t.element_size());
   }
   return sum;
@@ -54,7 +59,9 @@ DeviceViews::DeviceViews(const ViewLoss& view_loss) {
   for (const ViewKind kind : kKinds) {
     for (const bool coarse : {false, true}) {
       for (const TrainView& view : view_loss.Views(kind, coarse)) {
-        groups_[static_cast<int>(kind)][coarse].push_back(Pack(view));
+        DeviceViewPictures pictures = Pack(view);
+        if (kind == ViewKind::kProposal && view_loss.has_lpips()) pictures.lpips_target = view.image;
+        groups_[static_cast<int>(kind)][coarse].push_back(std::move(pictures));
       }
     }
   }
@@ -64,7 +71,7 @@ void DeviceViews::MoveTo(torch::Device device) {
   for (auto& kind : groups_) {
     for (auto& group : kind) {
       for (DeviceViewPictures& view : group) {
-        for (Tensor* t : {&view.image, &view.confidence, &view.inv_depth, &view.depth_mask}) {
+        for (Tensor* t : view.Tensors()) {
           if (t->defined()) *t = t->to(device).contiguous();
         }
       }
@@ -207,7 +214,7 @@ void CudaViewLoss::AddLpips(const Iteration& iteration, const Tensor& image, Los
   const double weight = view_loss_.objective().LpipsWeight(pictures.mean_confidence);
   if (weight == 0) return;  // the network is what takes the time
   Tensor grad = View(grad_image_, {image.size(0), image.size(1), 3});
-  const auto distance = [&] { return view_loss_.objective().lpips()(image, Unpacked(pictures.image), weight, &grad); };
+  const auto distance = [&] { return view_loss_.objective().lpips()(image, pictures.lpips_target, weight, &grad); };
   terms->constant +=
       weight * WithMemory("LPIPS of a proposal", distance, "give --proposal-lpips 0 or raise --downscale");
 }

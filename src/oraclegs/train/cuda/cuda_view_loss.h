@@ -1,6 +1,7 @@
 #pragma once
 // What train/view_loss.h works out, on a GPU: the views lie there, and nothing comes back.
 
+#include <array>
 #include <vector>
 
 #include "oraclegs/core/cuda/device_array.h"
@@ -15,8 +16,10 @@ namespace oraclegs::cuda {
 /// A view's pictures, as bytes where those hold them exactly.
 struct DeviceViewPictures {
   Tensor image, confidence, inv_depth, depth_mask;  ///< as TrainView's
+  Tensor lpips_target;  ///< the image in floats, one object for all iterations, which the network's cache knows it by
   double mean_confidence = 1;
 
+  std::array<Tensor*, 5> Tensors() { return {&image, &confidence, &inv_depth, &depth_mask, &lpips_target}; }
   int64_t bytes() const;
 };
 

@@ -12,7 +12,7 @@ __global__ void DrawFactors(OpacityFactorsInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kFactorsBlock + threadIdx.x;
   if (i >= in.count) return;
   const uint64_t counter = static_cast<uint64_t>(in.iteration) << 32 | static_cast<uint64_t>(i);
-  in.factors[i] = static_cast<float>(OpacityFactor(in.seed, counter, in.drop, in.noise));
+  in.factors[i] = OpacityFactor(in.seed, counter, static_cast<float>(in.drop), static_cast<float>(in.noise));
 }
 
 }  // namespace
