@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/depth_stage.h"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "oraclegs/depth/depth_files.h"
@@ -19,8 +20,15 @@ constexpr double kStereoVersion = 4;     // raised when the same inputs give oth
 constexpr double kMonocularVersion = 1;  // likewise, of maps in which a network has a part
 constexpr double kNextToNothing = 0.02;  // share of confident pixels
 
+/// What finds planes there; throws UsageError as ChooseDevice.
+std::unique_ptr<PlaneSearch> SearchOn(torch::Device device) {
+  return device.is_cuda() ? MakeGpuPlaneSearch(device.index()) : MakeCpuPlaneSearch();
+}
+
 bool HasNetwork(const DepthSource& source) { return !source.weights.empty(); }
 
+/// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
+/// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 std::string Key(const Run& run, const std::vector<ScenePoint>& points, const DepthSource& source) {
   Fingerprint print;
   print.Add(kStereoVersion);
@@ -67,20 +75,29 @@ void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->points.insert(geometry->points.end(), more.begin(), more.end());
 }
 
-/// The maps as they will be written; `right` receives how often the network was.
-std::vector<DepthMap> FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
-                                const DepthSource& source, double* right) {
-  const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
-  std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
-  if (HasNetwork(source)) {
-    guesses = GuessDepth(source.weights, photos, run.listener, ChooseDevice(run.options.device.device, ProbeDevices()));
-  }
+/// The maps as they will be written.
+struct FoundDepth {
   std::vector<DepthMap> maps;
-  if (source.prior != DepthPrior::kMonocular) maps = EstimateDepth(photos, seen, run.options.stereo, run.listener);
-  if (!HasNetwork(source)) return maps;
-  MonocularMaps with = WithMonocularDepth(guesses, photos, std::move(maps), seen, run.listener);
-  *right = with.right;
-  return std::move(with.maps);
+  double right = 0;    ///< how often the network was
+  std::string device;  ///< that computed
+};
+
+FoundDepth FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                     const DepthSource& source) {
+  const torch::Device device = ChooseDevice(run.options.device.device, ProbeDevices());
+  const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
+  FoundDepth found;
+  found.device = device.str();
+  std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
+  if (HasNetwork(source)) guesses = GuessDepth(source.weights, photos, run.listener, device);
+  if (source.prior != DepthPrior::kMonocular) {
+    found.maps = EstimateDepth(photos, seen, run.options.stereo, SearchOn(device).get(), run.listener);
+  }
+  if (!HasNetwork(source)) return found;
+  MonocularMaps with = WithMonocularDepth(guesses, photos, std::move(found.maps), seen, run.listener);
+  found.maps = std::move(with.maps);
+  found.right = with.right;
+  return found;
 }
 
 nlohmann::json NetworkName(const DepthSource& source) {
@@ -144,8 +161,10 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
     std::filesystem::remove(run->workspace.dense_ply(),
                             ignored);  // first: without it what stands there is not believed
     std::filesystem::remove_all(run->workspace.depth(), ignored);
-    std::vector<std::string> files =
-        WriteDepthMaps(run->workspace.depth(), FindDepth(*run, photos, points, source, &right));
+    FoundDepth found = FindDepth(*run, photos, points, source);
+    right = found.right;
+    std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps);
+    found.maps = {};  // they are read back
     for (std::string& file : files) file = "depth/" + file;
     // What a later run will read, so that a continued run has the same bits as one that was never stopped.
     geometry.maps = ReadBack(*run, photos);
@@ -158,6 +177,7 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
                              {"confident_share", MeanConfidentShare(geometry.maps)},
                              {"prior", source.Name()},
                              {"right", right},
+                             {"device", found.device},
                              {"network", NetworkName(source)},
                              {"files", std::move(files)}};
     if (HasNetwork(source) && IsNonCommercialDepthNetwork(record["network"])) {
