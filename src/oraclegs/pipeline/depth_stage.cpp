@@ -75,29 +75,18 @@ void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->points.insert(geometry->points.end(), more.begin(), more.end());
 }
 
-/// The maps as they will be written.
-struct FoundDepth {
-  std::vector<DepthMap> maps;
-  double right = 0;    ///< how often the network was
-  std::string device;  ///< that computed
-};
-
-FoundDepth FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
-                     const DepthSource& source) {
-  const torch::Device device = ChooseDevice(run.options.device.device, ProbeDevices());
+/// The maps as they will be written, and how often the network was right.
+MonocularMaps FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                        const DepthSource& source, torch::Device device) {
   const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
-  FoundDepth found;
-  found.device = device.str();
   std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
   if (HasNetwork(source)) guesses = GuessDepth(source.weights, photos, run.listener, device);
+  std::vector<DepthMap> maps;
   if (source.prior != DepthPrior::kMonocular) {
-    found.maps = EstimateDepth(photos, seen, run.options.stereo, SearchOn(device).get(), run.listener);
+    maps = EstimateDepth(photos, seen, run.options.stereo, SearchOn(device).get(), run.listener);
   }
-  if (!HasNetwork(source)) return found;
-  MonocularMaps with = WithMonocularDepth(guesses, photos, std::move(found.maps), seen, run.listener);
-  found.maps = std::move(with.maps);
-  found.right = with.right;
-  return found;
+  if (!HasNetwork(source)) return {std::move(maps), 0};
+  return WithMonocularDepth(guesses, photos, std::move(maps), seen, run.listener);
 }
 
 nlohmann::json NetworkName(const DepthSource& source) {
@@ -157,11 +146,12 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
   TellMissingNetwork(*run, source);
   double right = cached ? run->workspace.Record("depth").value("right", 0.0) : 0;
   if (!cached) {
+    const torch::Device device = ChooseDevice(run->options.device.device, ProbeDevices());
     std::error_code ignored;
     std::filesystem::remove(run->workspace.dense_ply(),
                             ignored);  // first: without it what stands there is not believed
     std::filesystem::remove_all(run->workspace.depth(), ignored);
-    FoundDepth found = FindDepth(*run, photos, points, source);
+    MonocularMaps found = FindDepth(*run, photos, points, source, device);
     right = found.right;
     std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps);
     found.maps = {};  // they are read back
@@ -177,7 +167,7 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
                              {"confident_share", MeanConfidentShare(geometry.maps)},
                              {"prior", source.Name()},
                              {"right", right},
-                             {"device", found.device},
+                             {"device", device.str()},
                              {"network", NetworkName(source)},
                              {"files", std::move(files)}};
     if (HasNetwork(source) && IsNonCommercialDepthNetwork(record["network"])) {

@@ -147,9 +147,11 @@ TEST_F(CudaPlaneSearchTest, SilhouettesBoundEveryHypothesis) {
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   StereoScene scene;
-  for (size_t v = 0; v < 3; ++v) {  // pictures half as large as the silhouettes
+  for (size_t v = 0; v < 3; ++v) {  // pictures half as large as the silhouettes; beside them all planes are as good
     const ImageF small = ResizeArea(Luma(photos[v].rgb), 48, 36);
-    scene.views.push_back({Resized(cameras[v], 48, 36), Pack(small), {}, kRange, {v == 0 ? 1 : 0}});
+    std::vector<uint8_t> usable;
+    for (size_t i = 0; i < 48 * 36; ++i) usable.push_back(silhouettes.Object(v)[i / 48 * 2 * 96 + i % 48 * 2]);
+    scene.views.push_back({Resized(cameras[v], 48, 36), Pack(small), usable, kRange, {v == 0 ? 1 : 0}});
   }
   scene.silhouettes = &silhouettes;
   scene.silhouette_scale = 2;
@@ -171,7 +173,7 @@ TEST_F(CudaPlaneSearchTest, SilhouettesBoundEveryHypothesis) {
       }
     }
   }
-  EXPECT_GT(compared, 500);
+  EXPECT_GT(compared, 300);
 }
 
 TEST_F(CudaPlaneSearchTest, WithoutNeighboursChangesNothing) {
