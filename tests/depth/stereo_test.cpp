@@ -6,6 +6,7 @@
 
 #include "depth/surfaces.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {
 namespace {

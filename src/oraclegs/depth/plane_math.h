@@ -2,6 +2,7 @@
 // Planes and the ways between views in plain numbers, for host and device. plane.h has them for the rest of the host.
 
 #include <cmath>
+#include <cstdint>
 
 #include "oraclegs/core/device_macros.h"
 
@@ -55,7 +56,7 @@ ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const Plain
   const float u = q.x / q.z, v = q.y / q.z;
   if (!(u >= 0 && v >= 0 && u < static_cast<float>(other.width) && v < static_cast<float>(other.height))) return {};
   const int x = static_cast<int>(u), y = static_cast<int>(v);
-  const Plane plane = other.planes[static_cast<long long>(y) * other.width + x];
+  const Plane plane = other.planes[static_cast<int64_t>(y) * other.width + x];
   if (!(plane.inv_depth > 0)) return {};
   const float known = plane.At(u - static_cast<float>(x) - 0.5f, v - static_cast<float>(y) - 0.5f);
   if (!(known > 0)) return {};

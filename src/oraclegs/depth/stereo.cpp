@@ -9,6 +9,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/depth/confidence.h"
+#include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {
 namespace {

@@ -8,11 +8,12 @@
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/depth_map.h"
-#include "oraclegs/depth/plane_search.h"
 #include "oraclegs/scene/photos.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
+
+class PlaneSearch;
 
 struct StereoOptions {
   int neighbors = 5;

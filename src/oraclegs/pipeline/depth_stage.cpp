@@ -6,6 +6,7 @@
 
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/depth/plane_search.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/pipeline/device.h"
