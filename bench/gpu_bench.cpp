@@ -1,10 +1,11 @@
-// Training on a GPU beside what the device can do at most. Only in builds with CUDA; needs a GPU.
+// Training on a GPU beside what the device can do at most, and stereo. Only in builds with CUDA; needs a GPU.
 //
 //   build/cuda/bin/gpu_bench [--gaussians N] [--size WxH] [--dump FOLDER]
 //
 // Prints one table: milliseconds of each stage of an iteration and of the whole, and the time that its memory traffic
-// and its arithmetic would take at the rates measured in the same run. --dump writes the scene as raw float32 files and
-// the table's numbers (ours.json) for bench/gsplat_bench.py.
+// and its arithmetic would take at the rates measured in the same run; then what stereo takes for a photograph of the
+// same size. --dump writes the scene as raw float32 files and the table's numbers (ours.json) for
+// bench/gsplat_bench.py.
 
 #include <cstdio>
 #include <filesystem>
@@ -13,8 +14,10 @@
 #include <vector>
 
 #include "bench/gpu_fma.h"
+#include "bench/gpu_stereo.h"
 #include "bench/gpu_training.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/depth/cuda/cuda_plane_search.h"
 
 namespace oraclegs {
 namespace {
@@ -75,6 +78,7 @@ void Run(const Arguments& a) {
   const double n = report.work.gaussians;
   report.training_bytes = static_cast<double>(before - cuda::MemoryOfDevice().free) / n;
   report.scratch_bytes = static_cast<double>(training.scratch_bytes()) / n;
+  report.stereo = MeasureStereo(a.scene.width, a.scene.height, cuda::MakeCudaPlaneSearch(0).get());
   std::fputs(GpuTable(report).c_str(), stdout);
   if (!a.dump.empty()) std::ofstream(a.dump + "/ours.json") << GpuReportToJson(report).dump(1) << '\n';
 }

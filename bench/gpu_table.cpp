@@ -63,6 +63,8 @@ std::string GpuTable(const GpuReport& report) {
   }
   text += fmt::format("the host sends an iteration in {:.3f} ms; relocation takes {:.3f} ms, once in 100 iterations\n",
                       report.times.sending, report.times.refine);
+  text += fmt::format("stereo takes {:.3f} s for a photograph of {:.0f} pixels, {:.3f} s of it the search on the GPU\n",
+                      report.stereo.seconds, w.pixels, report.stereo.search_seconds);
   return text;
 }
 
@@ -77,6 +79,8 @@ nlohmann::json GpuReportToJson(const GpuReport& report) {
           {"iteration_ms", report.times.iteration},
           {"training_bytes_per_gaussian", report.training_bytes},
           {"bytes_per_second", report.ceilings.bytes},
+          {"stereo_seconds", report.stereo.seconds},
+          {"stereo_search_seconds", report.stereo.search_seconds},
           {"stages", stages}};
 }
 

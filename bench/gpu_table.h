@@ -48,10 +48,17 @@ std::vector<GpuStage> GpuStages(const GpuWork& work, const GpuTimes& times);
 /// Milliseconds that the stage would take at the ceilings, the larger of both; 0 where no floor is known.
 double FloorMilliseconds(const GpuStage& stage, const GpuCeilings& ceilings);
 
+/// Depth with the search on the GPU.
+struct GpuStereo {
+  double seconds = 0;         ///< a photograph, with what the CPU does
+  double search_seconds = 0;  ///< of these, with the copies to and fro
+};
+
 struct GpuReport {
   GpuWork work;
   GpuTimes times;
   GpuCeilings ceilings;
+  GpuStereo stereo;
   double scratch_bytes = 0;   ///< of the rasteriser, a Gaussian
   double training_bytes = 0;  ///< of everything that training took of the device's memory, a Gaussian
 };

@@ -117,7 +117,7 @@ step demo_scene 120 bash -c compare
 
 if command -v compute-sanitizer >/dev/null; then
   step memcheck 90 compute-sanitizer --error-exitcode 9 "$bin/cuda_tests" --gtest_brief=1 \
-    --gtest_filter='*RasterizerGolden*sh3:*RasterizerScenes*/huge:*LaunchTest*:GpuTrainingTest.Measures*'
+    --gtest_filter='*RasterizerGolden*sh3:*RasterizerScenes*/huge:*LaunchTest*:GpuTrainingTest.Measures*:CudaPlaneSearchTest.Silhouettes*'
   step racecheck 60 compute-sanitizer --tool racecheck --error-exitcode 9 "$bin/cuda_tests" --gtest_brief=1 \
     --gtest_filter='*RasterizerGolden*sh3:*Photometric*'
 else

@@ -158,29 +158,32 @@ TEST(Resized, NeverMakesDepthsBehindTheCamera) {
 TEST(GoAndReturn, OverTheSameSurfaceEndsWhereItBegan) {
   const std::vector<Camera> cameras = Arc(2, 12);
   const PlaneMap a = TrueMap(cameras[0], kSlanted), b = TrueMap(cameras[1], kSlanted);
-  const PixelMap there = MapBetween(cameras[0], cameras[1]), back = MapBetween(cameras[1], cameras[0]);
+  const PlainPixelMap there = Plain(MapBetween(cameras[0], cameras[1])),
+                      back = Plain(MapBetween(cameras[1], cameras[0]));
   const float w = a.At(50, 30).inv_depth;
-  const RoundTrip right = GoAndReturn(there, back, b, {50.5f, 30.5f, w});
+  const RoundTrip right = GoAndReturn(there, back, Known(b), {50.5f, 30.5f, w});
   EXPECT_TRUE(right.seen);
   EXPECT_NEAR(right.pixels, 0, 1e-2);
   EXPECT_NEAR(right.relative_depth, 0, 1e-3);
-  const RoundTrip hidden = GoAndReturn(there, back, b, {50.5f, 30.5f, 0.9f * w});
+  const RoundTrip hidden = GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 0.9f * w});
   EXPECT_TRUE(hidden.seen);
   EXPECT_GT(hidden.pixels, 1);
   EXPECT_GT(hidden.relative_depth, 0.05);
-  EXPECT_LT(GoAndReturn(there, back, b, {50.5f, 30.5f, 1.1f * w}).relative_depth, -0.05) << "in front of it";
+  EXPECT_LT(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 1.1f * w}).relative_depth, -0.05) << "in front of it";
 }
 
 TEST(GoAndReturn, SeesNothingBesideBehindOrWhereNothingIsKnown) {
   const std::vector<Camera> cameras = Arc(2, 12);
   PlaneMap b = TrueMap(cameras[1], kSlanted);
-  const PixelMap there = MapBetween(cameras[0], cameras[1]), back = MapBetween(cameras[1], cameras[0]);
-  EXPECT_FALSE(GoAndReturn(there, back, b, {50.5f, 30.5f, 1e3f}).seen) << "in front of the first lens";
+  const PlainPixelMap there = Plain(MapBetween(cameras[0], cameras[1])),
+                      back = Plain(MapBetween(cameras[1], cameras[0]));
+  EXPECT_FALSE(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 1e3f}).seen) << "in front of the first lens";
   const Camera ahead = CameraAt({0, 0, 5}, {0, 0, 9}, 96, 72);
-  EXPECT_FALSE(
-      GoAndReturn(MapBetween(cameras[0], ahead), MapBetween(ahead, cameras[0]), b, {50.5f, 30.5f, 0.25f}).seen);
+  EXPECT_FALSE(GoAndReturn(Plain(MapBetween(cameras[0], ahead)), Plain(MapBetween(ahead, cameras[0])), Known(b),
+                           {50.5f, 30.5f, 0.25f})
+                   .seen);
   for (Plane& plane : b.planes) plane = {};
-  EXPECT_FALSE(GoAndReturn(there, back, b, {50.5f, 30.5f, 0.25f}).seen);
+  EXPECT_FALSE(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 0.25f}).seen);
 }
 
 }  // namespace

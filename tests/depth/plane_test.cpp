@@ -23,6 +23,13 @@ TEST(MapBetween, CarriesAPixelToWhereItsPointProjects) {
   EXPECT_NEAR(q.z() * a.z(), b.z(), 1e-4) << "the third coordinate is the ratio of depths";
 }
 
+TEST(Plain, IsTheSameMapInPlainNumbers) {
+  const PixelMap map = MapBetween(kLeft, kRight);
+  const Eigen::Vector3f q = map(30.5f, 70.25f, 0.3f);
+  const Vec3f p = Plain(map)(30.5f, 70.25f, 0.3f);
+  EXPECT_EQ(Eigen::Vector3f(p.x, p.y, p.z), q);
+}
+
 TEST(Plane, IsLinearInInverseDepthAndHasTheSurfacesNormal) {
   const TexturedPlane surface{{0, 0, 0.5}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
   const auto inverse = [&](double u, double v) { return 1 / surface.DepthAt(kLeft, u, v); };

@@ -6,6 +6,7 @@
 
 #include "depth/surfaces.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {
 namespace {
@@ -34,6 +35,11 @@ struct Heard {
   }
 };
 
+std::vector<DepthMap> OnCpu(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                            const StereoOptions& options, const Listener& listener) {
+  return EstimateDepth(photos, points, options, MakeCpuPlaneSearch().get(), listener);
+}
+
 double MedianError(const DepthMap& map, const TexturedPlane& surface, float least_confidence = kConfident) {
   const PlaneMap truth = TrueMap(map.camera, surface);
   std::vector<double> errors;
@@ -60,7 +66,7 @@ void ExpectConsistent(const DepthMap& map) {
 TEST(EstimateDepth, FindsASlantedPlane) {
   Heard heard;
   const std::vector<Photo> photos = TakeAll(kSlanted, Arc(4, 8));
-  const std::vector<DepthMap> maps = EstimateDepth(photos, {}, Quick(), heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), heard.AsListener());
   ASSERT_EQ(maps.size(), 4u);
   for (size_t v = 0; v < 4; ++v) {
     EXPECT_EQ(maps[v].name, photos[v].name);
@@ -82,8 +88,7 @@ TEST(EstimateDepth, FindsASlantedPlane) {
 
 TEST(EstimateDepth, GoesFromCoarseToFineOnLargerPictures) {
   Heard heard;
-  const std::vector<DepthMap> maps =
-      EstimateDepth(TakeAll(kSlanted, Arc(3, 8, 161, 121)), {}, Quick(), heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 161, 121)), {}, Quick(), heard.AsListener());
   ASSERT_EQ(maps.size(), 3u);
   ExpectConsistent(maps[1]);
   EXPECT_GT(ConfidentShare(maps[1]), 0.8);
@@ -98,8 +103,7 @@ TEST(EstimateDepth, WithoutPassesGivesTheSearchAtTheCoarseResolution) {
   StereoOptions options = Quick();
   options.geometric_passes = 0;
   Heard heard;
-  const std::vector<DepthMap> maps =
-      EstimateDepth(TakeAll(kSlanted, Arc(3, 8, 160, 120)), {}, options, heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 160, 120)), {}, options, heard.AsListener());
   EXPECT_EQ(heard.steps.size(), 3u);
   EXPECT_EQ(heard.steps.back().total, 3);
   ExpectConsistent(maps[1]);
@@ -112,7 +116,7 @@ TEST(EstimateDepth, IsSureOfNothingWithoutTexture) {
     for (Photo& photo : photos) {
       for (float& value : photo.rgb.data) value = 0.5f + contrast * (value - 0.5f);
     }
-    for (const DepthMap& map : EstimateDepth(photos, {}, Quick(), Silent())) EXPECT_LT(ConfidentShare(map), 0.02);
+    for (const DepthMap& map : OnCpu(photos, {}, Quick(), Silent())) EXPECT_LT(ConfidentShare(map), 0.02);
   }
 }
 
@@ -120,7 +124,7 @@ TEST(EstimateDepth, NamesPhotographsThatOverlapWithNoOther) {
   std::vector<Camera> cameras = Arc(3, 8);
   cameras.push_back(CameraAt({0, 0, -4}, {0, 0, -90}, 96, 72));
   Heard heard;
-  const std::vector<DepthMap> maps = EstimateDepth(TakeAll(kSlanted, cameras), {}, Quick(), heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, cameras), {}, Quick(), heard.AsListener());
   ASSERT_EQ(heard.warnings.size(), 1u);
   EXPECT_THAT(heard.warnings[0], testing::AllOf(HasSubstr("p3.png"), Not(HasSubstr("p0.png"))));
   EXPECT_EQ(ConfidentShare(maps[3]), 0);
@@ -130,8 +134,7 @@ TEST(EstimateDepth, NamesPhotographsThatOverlapWithNoOther) {
 TEST(EstimateDepth, PhotographsOfOnePlaceAreNamed) {
   const Camera camera = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72);
   Heard heard;
-  const std::vector<DepthMap> maps =
-      EstimateDepth(TakeAll(kSlanted, {camera, camera}), {}, Quick(), heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, {camera, camera}), {}, Quick(), heard.AsListener());
   ASSERT_EQ(heard.warnings.size(), 1u);
   EXPECT_THAT(heard.warnings[0], testing::AllOf(HasSubstr("same point"), HasSubstr("p0.png, p1.png")));
   for (const DepthMap& map : maps) {
@@ -141,9 +144,9 @@ TEST(EstimateDepth, PhotographsOfOnePlaceAreNamed) {
 }
 
 TEST(EstimateDepth, OfOneOrNoPhotographKnowsNothing) {
-  EXPECT_TRUE(EstimateDepth({}, {}, Quick(), Silent()).empty());
+  EXPECT_TRUE(OnCpu({}, {}, Quick(), Silent()).empty());
   Heard heard;
-  const std::vector<DepthMap> maps = EstimateDepth(TakeAll(kSlanted, Arc(1, 8)), {}, Quick(), heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(1, 8)), {}, Quick(), heard.AsListener());
   ASSERT_EQ(maps.size(), 1u);
   EXPECT_EQ(ConfidentShare(maps[0]), 0);
   EXPECT_EQ(heard.warnings.size(), 1u);
@@ -156,7 +159,7 @@ TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
   for (const char* color : {"auto", "no"}) {
     StereoOptions options = Quick();
     options.stereo_color = color;
-    const std::vector<DepthMap> maps = EstimateDepth(photos, {}, options, Silent());
+    const std::vector<DepthMap> maps = OnCpu(photos, {}, options, Silent());
     const PlaneMap truth = TrueMap(photos[1].camera, square);
     size_t object = 0, confident = 0;
     for (size_t i = 0; i < maps[1].size(); ++i) {
@@ -176,7 +179,7 @@ TEST(EstimateDepth, MaskedPixelsStayUnknown) {
   std::vector<Photo> photos = TakeAll(kSlanted, Arc(3, 8));
   photos[1].mask.assign(96 * 72, 1);
   for (size_t i = 0; i < 2000; ++i) photos[1].mask[i] = 0;
-  const std::vector<DepthMap> maps = EstimateDepth(photos, {}, Quick(), Silent());
+  const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), Silent());
   for (size_t i = 0; i < 2000; ++i) EXPECT_EQ(maps[1].inv_depth[i], 0);
   EXPECT_GT(ConfidentShare(maps[1]), 0.4);
 }
@@ -192,7 +195,7 @@ TEST(EstimateDepth, PointsGiveItTheirDistances) {
     points.push_back({{x, y, 1.6 + 0.2 * x}, {}, {0, 1, 2}});
   }
   const std::vector<Photo> photos = TakeAll(wall, cameras);
-  const std::vector<DepthMap> maps = EstimateDepth(photos, points, Quick(), Silent());
+  const std::vector<DepthMap> maps = OnCpu(photos, points, Quick(), Silent());
   EXPECT_GT(ConfidentShare(maps[1]), 0.6);
   EXPECT_LT(MedianError(maps[1], wall), 0.01);
 }
@@ -210,9 +213,9 @@ TEST_F(EstimateDepthThreads, GiveTheSameBits) {
   StereoOptions options = Quick();
   options.iterations = 2;
   SetNumThreads(1);
-  const std::vector<DepthMap> one = EstimateDepth(photos, {}, options, Silent());
+  const std::vector<DepthMap> one = OnCpu(photos, {}, options, Silent());
   SetNumThreads(3);
-  const std::vector<DepthMap> three = EstimateDepth(photos, {}, options, Silent());
+  const std::vector<DepthMap> three = OnCpu(photos, {}, options, Silent());
   for (size_t v = 0; v < one.size(); ++v) {
     EXPECT_EQ(one[v].inv_depth, three[v].inv_depth);
     EXPECT_EQ(one[v].normals, three[v].normals);

@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/depth_stage.h"
 
 #include "oraclegs/depth/depth_files.h"
+#include "oraclegs/pipeline/device.h"
 #include "pipeline/fixtures.h"
 #include "support/network_files.h"
 
@@ -91,6 +92,7 @@ TEST_F(DepthStageTest, GivesAMapForEachTrainingPhotographAndWritesThem) {
   }
   const nlohmann::json record = run.workspace.Record("depth");
   EXPECT_EQ(record.at("points"), first->points.size());
+  EXPECT_EQ(record.at("device"), ChooseDevice(Request().options.device.device, ProbeDevices()).str());
   EXPECT_EQ(record.at("files").size(), 4 * first->maps.size() + 2);
   EXPECT_EQ(ReadFile(run.workspace.dense_ply()).substr(0, 4), "ply\n");
 }
@@ -139,6 +141,18 @@ TEST_F(DepthStageTest, OtherOptionsAreAnotherDepth) {
   request.options.stereo.iterations = 1;
   request.overwrite = true;
   EXPECT_TRUE(Searched(request, &geometry));
+}
+
+TEST_F(DepthStageTest, ADeviceTakesOverWhatAnotherFoundAndIsNeverReplaced) {
+  RunRequest request = Request();
+  request.out = temp->path() / "device";
+  Geometry geometry;
+  EXPECT_TRUE(Searched(request, &geometry));
+  request.options.device.device = "cuda:99";  // no machine has it
+  EXPECT_FALSE(Searched(request, &geometry));
+  request.options.stereo.iterations = 1;
+  request.overwrite = true;
+  EXPECT_THAT(MessageOf<UsageError>([&] { Again(request); }), HasSubstr("--device cuda:99"));
 }
 
 /// Points before each training photograph, which a network can be aligned to.

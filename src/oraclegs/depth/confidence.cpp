@@ -25,7 +25,7 @@ constexpr size_t kIsland = 40;  // pixels
 constexpr float kDamped = 0.3f;
 
 struct OtherView {
-  PixelMap there, back;
+  PlainPixelMap there, back;
   const PlaneMap* map;
   Eigen::Vector3f center;  ///< in the frame of the view whose depths are judged
 };
@@ -37,7 +37,7 @@ std::vector<OtherView> Others(const StereoScene& scene, size_t view, const std::
   for (size_t v = 0; v < scene.views.size(); ++v) {
     if (v == view) continue;
     const Camera& other = scene.views[v].camera;
-    others.push_back({MapBetween(camera, other), MapBetween(other, camera), &maps[v],
+    others.push_back({Plain(MapBetween(camera, other)), Plain(MapBetween(other, camera)), &maps[v],
                       (camera.cam_from_world * other.Center()).cast<float>()});
   }
   return others;
@@ -53,15 +53,15 @@ float Judge(const Camera& camera, const std::vector<OtherView>& others, const Pl
   float support = 0;
   int violations = 0;
   for (const OtherView& other : others) {
-    const RoundTrip trip = GoAndReturn(other.there, other.back, *other.map, {uv.x(), uv.y(), plane.inv_depth});
+    const RoundTrip trip = GoAndReturn(other.there, other.back, Known(*other.map), {uv.x(), uv.y(), plane.inv_depth});
     if (!trip.seen) continue;
     const float angle = AngleBetween(point, point - other.center);
     if (angle > kWidestAngle) continue;
     const float e = trip.pixels / kPixelSigma, r = trip.relative_depth / kDepthSigma;
     support += std::clamp(angle / kMeasuringAngle, kLeastShare, 1.f) * std::exp(-(e * e + r * r) / 2);
     if (trip.relative_depth > kSeenThrough) continue;
-    const Eigen::Vector3f q = other.there(uv.x(), uv.y(), plane.inv_depth);
-    const int x = static_cast<int>(q.x() / q.z()), y = static_cast<int>(q.y() / q.z());
+    const Vec3f q = other.there(uv.x(), uv.y(), plane.inv_depth);
+    const int x = static_cast<int>(q.x / q.z), y = static_cast<int>(q.y / q.z);
     violations += other.map->costs[static_cast<size_t>(y) * other.map->width + x] < kSeenThroughCost ? 1 : 0;
   }
   return (1 - std::exp(-kSupport * support)) * std::clamp((kHopelessCost - cost) / kCostSpan, 0.f, 1.f) *

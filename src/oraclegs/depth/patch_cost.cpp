@@ -13,18 +13,6 @@
 
 #include "oraclegs/depth/patch_cost.h"
 
-#ifndef ORACLEGS_DEPTH_PATCH_COST_ONCE_
-#define ORACLEGS_DEPTH_PATCH_COST_ONCE_
-namespace oraclegs {
-
-// Variance that 8-bit rounding and sensor noise give a flat patch, per channel: without it their correlation is chance.
-inline constexpr float kNoiseVariance = 1.5f * 1.5f;
-// No sample of a patch may come nearer to the source camera than this share of its centre's depth.
-inline constexpr float kNearestShare = 0.1f;
-
-}  // namespace oraclegs
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -123,8 +111,6 @@ namespace oraclegs {
 namespace {
 
 HWY_EXPORT(Costs);
-
-constexpr double kSigmaPixels = 4, kSigmaValue = 20;  // of the bilateral weights; value in 8-bit units of luma
 
 PatchOffsets MakeOffsets() {
   PatchOffsets offsets;

@@ -5,18 +5,12 @@
 #include <cstdint>
 
 #include "oraclegs/depth/packed_image.h"
+#include "oraclegs/depth/patch_constants.h"
 #include "oraclegs/depth/plane.h"
 
 namespace oraclegs {
 
-/// Every second pixel of a 9 x 9 window, like one colour of a chessboard.
-inline constexpr int kPatchRadius = 4;
-inline constexpr int kPatchSamples = 41;
-inline constexpr int kPatchSlots = 48;  ///< padded to whole vectors
-inline constexpr int kMaxChannels = 3;
-
-/// The worst cost: 1 - ZNCC of opposite patches, and what is given where a patch cannot be compared.
-inline constexpr float kWorstCost = 2;
+inline constexpr int kPatchSlots = 48;  ///< samples, padded to whole vectors
 
 struct PatchOffsets {
   alignas(64) std::array<float, kPatchSlots> x{};  ///< pixels from the centre, zero in the padding

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "oraclegs/depth/patch_cost.h"
+#include "oraclegs/depth/search_math.h"
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/depth/stereo_setup.h"
 
@@ -22,6 +23,7 @@ struct PlaneMap {
 
   const Plane& At(int x, int y) const { return planes[static_cast<size_t>(y) * width + x]; }
 };
+inline KnownPlanes Known(const PlaneMap& map) { return {map.planes.data(), map.width, map.height}; }
 
 /// One view at one resolution.
 struct StereoView {
@@ -53,16 +55,13 @@ struct PassOptions {
   const std::vector<PlaneMap>* geometry = nullptr;
 };
 
+/// What the search of any device knows of a view, but for its pointers into the scene and to maps, which are null, and
+/// its pass. At most kMaxSources neighbours take part.
+SearchView SearchOf(const StereoScene& scene, size_t view);
+/// The silhouettes of all other views as this one meets them, in the memory of the scene; none without an object.
+std::vector<SearchSilhouette> SilhouettesFor(const StereoScene& scene, size_t view);
+
 /// Improves the map of one view in place, on all threads. The same bits for any number of threads.
 void RunPass(const StereoScene& scene, size_t view, const PassOptions& options, PlaneMap* map);
-
-/// Where the pixel (u, v) with inverse depth w of one view lands when it is carried to another view and back with the
-/// depth that is known there.
-struct RoundTrip {
-  bool seen = false;         ///< in the other picture, where something is known
-  float pixels = 0;          ///< distance from the start
-  float relative_depth = 0;  ///< depth there, of the point / of the surface known there, minus 1: > 0 is hidden
-};
-RoundTrip GoAndReturn(const PixelMap& there, const PixelMap& back, const PlaneMap& other, const Eigen::Vector3f& uvw);
 
 }  // namespace oraclegs

@@ -19,6 +19,12 @@ PixelMap MapBetween(const Camera& from, const Camera& to) {
   return {(k * to_from.linear() * Intrinsics(from).inverse()).cast<float>(), (k * to_from.translation()).cast<float>()};
 }
 
+PlainPixelMap Plain(const PixelMap& map) {
+  const auto column = [](const Eigen::Vector3f& v) { return Vec3f{v.x(), v.y(), v.z()}; };
+  return {column(map.rotation.col(0)), column(map.rotation.col(1)), column(map.rotation.col(2)),
+          column(map.translation)};
+}
+
 Eigen::Vector3f NormalOf(const Camera& camera, const Plane& plane, float u, float v) {
   // n'X = d is 1/z = (n/d)' K^-1 (u, v, 1), hence n/d = K' (dx, dy, inverse depth at the pixel (0, 0)'s corner).
   const float at_axis = plane.At(static_cast<float>(camera.cx) - u, static_cast<float>(camera.cy) - v);

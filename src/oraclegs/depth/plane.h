@@ -3,19 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "oraclegs/depth/plane_math.h"
 #include "oraclegs/scene/camera.h"
 
 namespace oraclegs {
-
-/// A surface patch seen from one camera: its inverse depth at a pixel's centre and how that changes over the image. A
-/// plane in space is exactly linear in inverse depth over the image, so the homography it induces needs no normal.
-struct Plane {
-  float inv_depth = 0;   ///< 1/z, 1/world unit
-  float dx = 0, dy = 0;  ///< per pixel to the right, downwards
-
-  /// Inverse depth `x` pixels to the right and `y` down.
-  float At(float x, float y) const { return inv_depth + dx * x + dy * y; }
-};
 
 /// Pixel coordinates of one view to another's: the point at (u, v) with inverse depth w projects to the homogeneous
 /// pixel rotation * (u, v, 1) + translation * w, both in the frame whose pixel (0,0) has its centre at (0.5, 0.5). The
@@ -30,6 +21,7 @@ struct PixelMap {
 };
 
 PixelMap MapBetween(const Camera& from, const Camera& to);
+PlainPixelMap Plain(const PixelMap& map);
 
 /// Direction, in the camera's frame and not normalised, of the pixel (u, v), with z = 1.
 inline Eigen::Vector3f RayOf(const Camera& camera, float u, float v) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "oraclegs/depth/silhouette_mask.h"
 #include "oraclegs/scene/photos.h"
 
 namespace oraclegs {
@@ -21,12 +22,9 @@ class Silhouettes {
   const std::vector<uint8_t>& Object(size_t v) const { return object_[v]; }
   /// False when the pixel of view `v` is farther than two pixels from the object; true beyond the picture, of which
   /// nothing is known.
-  bool MayContain(size_t v, float x, float y) const {
-    if (!(x >= 0 && y >= 0 && x < static_cast<float>(sizes_[v].first) && y < static_cast<float>(sizes_[v].second))) {
-      return true;
-    }
-    return grown_[v][static_cast<size_t>(y) * static_cast<size_t>(sizes_[v].first) + static_cast<size_t>(x)] != 0;
-  }
+  bool MayContain(size_t v, float x, float y) const { return Mask(v).MayContain(x, y); }
+  /// The same in plain numbers; valid as long as this.
+  SilhouetteMask Mask(size_t v) const { return {grown_[v].data(), sizes_[v].first, sizes_[v].second}; }
 
  private:
   std::vector<std::vector<uint8_t>> object_, grown_;

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/depth/confidence.h"
-#include "oraclegs/depth/patch_match.h"
+#include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {
 namespace {
@@ -20,10 +21,11 @@ constexpr int kHintRadius = 1;           // pixels around a known point that sta
 class Stereo {
  public:
   Stereo(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points, const StereoOptions& options,
-         const Listener& listener)
+         PlaneSearch* search, const Listener& listener)
       : photos_(photos),
         points_(points),
         options_(options),
+        search_(*search),
         listener_(listener),
         silhouettes_(photos),
         ranges_(FindDepthRanges(photos, points, silhouettes_)),
@@ -41,18 +43,19 @@ class Stereo {
     int pass = 0;
     for (int level = levels_ - 1; level >= 0; --level) {
       const StereoScene scene = SceneAt(level);
-      if (maps.empty()) {
-        for (size_t v = 0; v < photos_.size(); ++v) maps.push_back(RandomPlanes(scene, v, Hints(scene, v)));
-        ImproveAll(scene, {options_.iterations, pass++, nullptr}, &maps);
-      } else {
-        for (size_t v = 0; v < maps.size(); ++v) {
-          maps[v] = Resized(maps[v], scene.views[v].camera.width, scene.views[v].camera.height);
+      const bool first = maps.empty();
+      for (size_t v = 0; v < photos_.size(); ++v) {
+        const Camera& camera = scene.views[v].camera;
+        if (first) {
+          maps.push_back(RandomPlanes(scene, v, Hints(scene, v)));
+        } else {
+          maps[v] = Resized(maps[v], camera.width, camera.height);
         }
       }
-      for (int k = 0; k < options_.geometric_passes; ++k) {
-        const std::vector<PlaneMap> before = maps;
-        ImproveAll(scene, {kGeometricIterations, pass++, &before}, &maps);
-      }
+      search_.BeginLevel(scene, std::move(maps));
+      if (first) ImproveAll(scene, {options_.iterations, pass++, false});
+      for (int k = 0; k < options_.geometric_passes; ++k) ImproveAll(scene, {kGeometricIterations, pass++, true});
+      maps = search_.EndLevel();
       if (level == 0) return Finish(scene, maps);
     }
     return {};
@@ -115,12 +118,13 @@ class Stereo {
     return hints;
   }
 
-  void ImproveAll(const StereoScene& scene, const PassOptions& options, std::vector<PlaneMap>* maps) {
-    for (size_t v = 0; v < maps->size(); ++v) {
+  void ImproveAll(const StereoScene& scene, const SearchPass& pass) {
+    search_.BeginPass(pass);
+    for (size_t v = 0; v < scene.views.size(); ++v) {
       ThrowIfInterrupted();
-      RunPass(scene, v, options, &(*maps)[v]);
-      listener_(StepDone{"depth", ++done_, total_, "photographs",
-                         fmt::format("{} x {}", (*maps)[v].width, (*maps)[v].height)});
+      search_.Improve(v);
+      const Camera& camera = scene.views[v].camera;
+      listener_(StepDone{"depth", ++done_, total_, "photographs", fmt::format("{} x {}", camera.width, camera.height)});
     }
   }
 
@@ -158,6 +162,7 @@ class Stereo {
   const std::vector<Photo>& photos_;
   const std::vector<ScenePoint>& points_;
   const StereoOptions& options_;
+  PlaneSearch& search_;
   const Listener& listener_;
   Silhouettes silhouettes_;
   std::vector<DepthRange> ranges_;
@@ -169,9 +174,9 @@ class Stereo {
 }  // namespace
 
 std::vector<DepthMap> EstimateDepth(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
-                                    const StereoOptions& options, const Listener& listener) {
+                                    const StereoOptions& options, PlaneSearch* search, const Listener& listener) {
   if (photos.empty()) return {};
-  return Stereo(photos, points, options, listener).Run();
+  return Stereo(photos, points, options, search, listener).Run();
 }
 
 }  // namespace oraclegs

@@ -1,5 +1,5 @@
 #pragma once
-// Multi-view stereo on the CPU: dense depth from posed photographs, without any network (spec/weight_free.md).
+// Multi-view stereo: dense depth from posed photographs, without any network (spec/weight_free.md).
 
 #include <cstdint>
 #include <string>
@@ -12,6 +12,8 @@
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
+
+class PlaneSearch;
 
 struct StereoOptions {
   int neighbors = 5;
@@ -36,9 +38,10 @@ struct StereoOptions {
 /// `points` (views index `photos`) give distances and neighbours where there are any; without them the cameras do.
 /// Silhouettes, where the photographs show one object before a plain background, bound every depth.
 /// Pixels that cannot be known (no texture, no overlap, mirrors, sky) come out with little or no confidence.
+/// `search` does the search for planes, on the device it was made for; the rest is the CPU's.
 /// `listener` hears StepDone{"depth"}, and a warning that names photographs that overlap with no other.
-/// The same bits for any number of threads. Throws Interrupted.
+/// The same bits for any number of threads. Throws Interrupted, and what `search` throws.
 std::vector<DepthMap> EstimateDepth(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
-                                    const StereoOptions& options, const Listener& listener);
+                                    const StereoOptions& options, PlaneSearch* search, const Listener& listener);
 
 }  // namespace oraclegs

@@ -1,10 +1,12 @@
 #include "oraclegs/pipeline/depth_stage.h"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/depth/plane_search.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/pipeline/device.h"
@@ -19,8 +21,15 @@ constexpr double kStereoVersion = 4;     // raised when the same inputs give oth
 constexpr double kMonocularVersion = 1;  // likewise, of maps in which a network has a part
 constexpr double kNextToNothing = 0.02;  // share of confident pixels
 
+/// What finds planes there; throws UsageError as ChooseDevice.
+std::unique_ptr<PlaneSearch> SearchOn(torch::Device device) {
+  return device.is_cuda() ? MakeGpuPlaneSearch(device.index()) : MakeCpuPlaneSearch();
+}
+
 bool HasNetwork(const DepthSource& source) { return !source.weights.empty(); }
 
+/// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
+/// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 std::string Key(const Run& run, const std::vector<ScenePoint>& points, const DepthSource& source) {
   Fingerprint print;
   print.Add(kStereoVersion);
@@ -67,20 +76,18 @@ void Fuse(const std::vector<Photo>& photos, Geometry* geometry) {
   geometry->points.insert(geometry->points.end(), more.begin(), more.end());
 }
 
-/// The maps as they will be written; `right` receives how often the network was.
-std::vector<DepthMap> FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
-                                const DepthSource& source, double* right) {
+/// The maps as they will be written, and how often the network was right.
+MonocularMaps FindDepth(const Run& run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+                        const DepthSource& source, torch::Device device) {
   const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
   std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
-  if (HasNetwork(source)) {
-    guesses = GuessDepth(source.weights, photos, run.listener, ChooseDevice(run.options.device.device, ProbeDevices()));
-  }
+  if (HasNetwork(source)) guesses = GuessDepth(source.weights, photos, run.listener, device);
   std::vector<DepthMap> maps;
-  if (source.prior != DepthPrior::kMonocular) maps = EstimateDepth(photos, seen, run.options.stereo, run.listener);
-  if (!HasNetwork(source)) return maps;
-  MonocularMaps with = WithMonocularDepth(guesses, photos, std::move(maps), seen, run.listener);
-  *right = with.right;
-  return std::move(with.maps);
+  if (source.prior != DepthPrior::kMonocular) {
+    maps = EstimateDepth(photos, seen, run.options.stereo, SearchOn(device).get(), run.listener);
+  }
+  if (!HasNetwork(source)) return {std::move(maps), 0};
+  return WithMonocularDepth(guesses, photos, std::move(maps), seen, run.listener);
 }
 
 nlohmann::json NetworkName(const DepthSource& source) {
@@ -140,12 +147,15 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
   TellMissingNetwork(*run, source);
   double right = cached ? run->workspace.Record("depth").value("right", 0.0) : 0;
   if (!cached) {
+    const torch::Device device = ChooseDevice(run->options.device.device, ProbeDevices());
     std::error_code ignored;
     std::filesystem::remove(run->workspace.dense_ply(),
                             ignored);  // first: without it what stands there is not believed
     std::filesystem::remove_all(run->workspace.depth(), ignored);
-    std::vector<std::string> files =
-        WriteDepthMaps(run->workspace.depth(), FindDepth(*run, photos, points, source, &right));
+    MonocularMaps found = FindDepth(*run, photos, points, source, device);
+    right = found.right;
+    std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps);
+    found.maps = {};  // they are read back
     for (std::string& file : files) file = "depth/" + file;
     // What a later run will read, so that a continued run has the same bits as one that was never stopped.
     geometry.maps = ReadBack(*run, photos);
@@ -158,6 +168,7 @@ Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<
                              {"confident_share", MeanConfidentShare(geometry.maps)},
                              {"prior", source.Name()},
                              {"right", right},
+                             {"device", device.str()},
                              {"network", NetworkName(source)},
                              {"files", std::move(files)}};
     if (HasNetwork(source) && IsNonCommercialDepthNetwork(record["network"])) {

@@ -30,9 +30,10 @@ inline constexpr size_t kFewDensePoints = 1000;
 
 /// Stage "depth": multi-view stereo over the training photographs, in the order of the split, and what Depth Anything
 /// V2 guesses of each (--depth-prior). Writes depth/ and sfm/dense.ply; read back when photographs, points, options and
-/// weights are unchanged. `points` are those of stage "sfm". Tells what share of the pixels is confident, how often the
-/// network was right, or what brings its weights where it is missed; warns of photographs of which next to nothing is
-/// known. Throws UsageError for --depth-prior none, InputError for weights that are missing or damaged.
+/// weights are unchanged, whatever --device. `points` are those of stage "sfm". Tells what share of the pixels is
+/// confident, how often the network was right, or what brings its weights where it is missed; warns of photographs of
+/// which next to nothing is known. Throws UsageError for --depth-prior none and for a device that cannot be used,
+/// InputError for weights that are missing or damaged.
 Geometry RunDepth(Run* run, const std::vector<Photo>& photos, const std::vector<ScenePoint>& points);
 
 }  // namespace oraclegs

@@ -13,6 +13,7 @@ GpuReport Report() {
   report.times.project = 0.5, report.times.blend = 2, report.times.iteration = 4;
   report.ceilings = {1e9, 1e9};
   report.training_bytes = 1234, report.scratch_bytes = 567;
+  report.stereo = {1.25, 0.75};
   return report;
 }
 
@@ -49,6 +50,7 @@ TEST(GpuTableTest, ShowsTimesFloorsAndMemory) {
   const std::string text = GpuTable(Report());
   EXPECT_THAT(text, HasSubstr("1000 Gaussians, 600 visible, 3000 pairs, 10000 pixels; 1 GB/s, 0.0 TFLOP/s"));
   EXPECT_THAT(text, HasSubstr("1234 bytes a Gaussian in training, 567 of them the rasteriser's"));
+  EXPECT_THAT(text, HasSubstr("1.250 s for a photograph of 10000 pixels, 0.750 s of it the search"));
   EXPECT_THAT(text, HasSubstr("project                      0.500     0.196     0.000     39%"));
   EXPECT_THAT(text, HasSubstr("blend                        2.000     0.596     0.840     42%"));
   EXPECT_THAT(text, HasSubstr("loss                         0.000     0.270     0.000      0%"));  // not measured
@@ -58,6 +60,8 @@ TEST(GpuTableTest, TellsOtherProgramsTheSame) {
   const nlohmann::json json = GpuReportToJson(Report());
   EXPECT_EQ(json.at("iteration_ms"), 4);
   EXPECT_EQ(json.at("training_bytes_per_gaussian"), 1234);
+  EXPECT_EQ(json.at("stereo_seconds"), 1.25);
+  EXPECT_EQ(json.at("stereo_search_seconds"), 0.75);
   EXPECT_NEAR(json.at("stages").at("project").at("floor_ms").get<double>(), 0.196, 1e-9);
 }
 

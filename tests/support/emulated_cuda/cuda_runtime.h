@@ -17,6 +17,7 @@
 #define __shared__ static  // blocks run one after another
 #define __constant__ static
 #define __launch_bounds__(...)
+#define __grid_constant__
 
 #define CUDART_VERSION 13000
 

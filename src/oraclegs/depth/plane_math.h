@@ -1,0 +1,69 @@
+#pragma once
+// Planes and the ways between views in plain numbers, for host and device. plane.h has them for the rest of the host.
+
+#include <cmath>
+#include <cstdint>
+
+#include "oraclegs/core/device_macros.h"
+
+namespace oraclegs {
+
+/// A surface patch seen from one camera: its inverse depth at a pixel's centre and how that changes over the image. A
+/// plane in space is exactly linear in inverse depth over the image, so the homography it induces needs no normal.
+struct Plane {
+  float inv_depth = 0;   ///< 1/z, 1/world unit
+  float dx = 0, dy = 0;  ///< per pixel to the right, downwards
+
+  /// Inverse depth `x` pixels to the right and `y` down.
+  ORACLEGS_HD inline float At(float x, float y) const { return inv_depth + dx * x + dy * y; }
+};
+
+struct Vec3f {
+  float x = 0, y = 0, z = 0;
+};
+/// Added in Eigen's order.
+ORACLEGS_HD inline float Dot(const Vec3f& a, const Vec3f& b) { return a.x * b.x + (a.y * b.y + a.z * b.z); }
+
+/// A PixelMap (plane.h): pixel (u, v) with inverse depth w goes to the homogeneous pixel
+/// right u + down v + corner + translation w.
+struct PlainPixelMap {
+  Vec3f right, down, corner, translation;
+
+  ORACLEGS_HD inline Vec3f operator()(float u, float v, float w) const {
+    return {right.x * u + down.x * v + corner.x + translation.x * w,
+            right.y * u + down.y * v + corner.y + translation.y * w,
+            right.z * u + down.z * v + corner.z + translation.z * w};
+  }
+};
+
+/// The planes of a view's pixels, height * width, in the memory of who reads them.
+struct KnownPlanes {
+  const Plane* planes = nullptr;
+  int width = 0, height = 0;
+};
+
+/// Where the pixel (u, v) with inverse depth w of one view lands when it is carried to another view and back with the
+/// depth that is known there.
+struct RoundTrip {
+  bool seen = false;         ///< in the other picture, where something is known
+  float pixels = 0;          ///< distance from the start
+  float relative_depth = 0;  ///< depth there, of the point / of the surface known there, minus 1: > 0 is hidden
+};
+ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const PlainPixelMap& back,
+                                         const KnownPlanes& other, const Vec3f& uvw) {
+  const Vec3f q = there(uvw.x, uvw.y, uvw.z);
+  if (!(q.z > 0)) return {};
+  const float u = q.x / q.z, v = q.y / q.z;
+  if (!(u >= 0 && v >= 0 && u < static_cast<float>(other.width) && v < static_cast<float>(other.height))) return {};
+  const int x = static_cast<int>(u), y = static_cast<int>(v);
+  const Plane plane = other.planes[static_cast<int64_t>(y) * other.width + x];
+  if (!(plane.inv_depth > 0)) return {};
+  const float known = plane.At(u - static_cast<float>(x) - 0.5f, v - static_cast<float>(y) - 0.5f);
+  if (!(known > 0)) return {};
+  const Vec3f r = back(u, v, known);
+  if (!(r.z > 0)) return {};
+  const float du = r.x / r.z - uvw.x, dv = r.y / r.z - uvw.y;
+  return {true, std::sqrt(du * du + dv * dv), q.z / uvw.z * known - 1};
+}
+
+}  // namespace oraclegs

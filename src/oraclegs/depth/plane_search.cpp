@@ -1,0 +1,52 @@
+#include "oraclegs/depth/plane_search.h"
+
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#if defined(ORACLEGS_CUDA)
+#include "oraclegs/depth/cuda/cuda_plane_search.h"
+#endif
+
+namespace oraclegs {
+namespace {
+
+class CpuPlaneSearch final : public PlaneSearch {
+ public:
+  void BeginLevel(const StereoScene& scene, std::vector<PlaneMap> maps) override {
+    scene_ = &scene;
+    maps_ = std::move(maps);
+  }
+
+  void BeginPass(const SearchPass& pass) override {
+    pass_ = pass;
+    if (pass.geometric) before_ = maps_;
+  }
+
+  void Improve(size_t view) override {
+    RunPass(*scene_, view, {pass_.iterations, pass_.number, pass_.geometric ? &before_ : nullptr}, &maps_[view]);
+  }
+
+  std::vector<PlaneMap> EndLevel() override {
+    before_.clear();
+    return std::exchange(maps_, {});
+  }
+
+ private:
+  const StereoScene* scene_ = nullptr;
+  std::vector<PlaneMap> maps_, before_;
+  SearchPass pass_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneSearch> MakeCpuPlaneSearch() { return std::make_unique<CpuPlaneSearch>(); }
+
+std::unique_ptr<PlaneSearch> MakeGpuPlaneSearch(int index) {
+#if defined(ORACLEGS_CUDA)
+  return cuda::MakeCudaPlaneSearch(index);
+#else
+  throw UsageError("this build finds depth on the CPU only, cuda:{} was asked for; use --device cpu", index);
+#endif
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,70 @@
+#include "oraclegs/depth/plane_search.h"
+
+#include <gtest/gtest.h>
+
+#include "depth/surfaces.h"
+
+namespace oraclegs {
+namespace {
+
+const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
+constexpr DepthRange kRange{1 / 9.f, 1 / 1.5f};
+
+bool Same(const PlaneMap& a, const PlaneMap& b) {
+  const auto same = [](const Plane& p, const Plane& q) {
+    return p.inv_depth == q.inv_depth && p.dx == q.dx && p.dy == q.dy;
+  };
+  return a.width == b.width && a.height == b.height && a.costs == b.costs &&
+         std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), same);
+}
+
+std::vector<PlaneMap> Start(const StereoScene& scene) {
+  std::vector<PlaneMap> maps;
+  for (size_t v = 0; v < scene.views.size(); ++v) maps.push_back(RandomPlanes(scene, v, {}));
+  return maps;
+}
+
+TEST(CpuPlaneSearch, IsRunPassOverAllViews) {
+  const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange);
+  std::vector<PlaneMap> maps = Start(scene);
+  const auto search = MakeCpuPlaneSearch();
+  search->BeginLevel(scene, maps);
+  for (const SearchPass& pass : {SearchPass{2, 0, false}, SearchPass{1, 1, true}}) {
+    search->BeginPass(pass);
+    for (size_t v = 0; v < maps.size(); ++v) search->Improve(v);
+  }
+  for (size_t v = 0; v < maps.size(); ++v) RunPass(scene, v, {2, 0, nullptr}, &maps[v]);
+  const std::vector<PlaneMap> before = maps;  // of all views, though some are improved before others
+  for (size_t v = 0; v < maps.size(); ++v) RunPass(scene, v, {1, 1, &before}, &maps[v]);
+  const std::vector<PlaneMap> found = search->EndLevel();
+  ASSERT_EQ(found.size(), 3u);
+  for (size_t v = 0; v < maps.size(); ++v) EXPECT_TRUE(Same(found[v], maps[v])) << v;
+}
+
+TEST(CpuPlaneSearch, ForgetsTheLevelBefore) {
+  const StereoScene large = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange),
+                    small = SceneOf(TakeAll(kSlanted, Arc(2, 8, 24, 18)), kRange);
+  const auto search = MakeCpuPlaneSearch();
+  search->BeginLevel(large, Start(large));
+  search->BeginPass({1, 0, true});
+  search->Improve(0);
+  search->BeginLevel(small, Start(small));
+  const std::vector<PlaneMap> maps = search->EndLevel();
+  ASSERT_EQ(maps.size(), 2u);
+  EXPECT_TRUE(Same(maps[1], RandomPlanes(small, 1, {})));
+}
+
+#if !defined(ORACLEGS_CUDA)
+TEST(MakeGpuPlaneSearch, IsRefusedWhereTheProgramHasNoCuda) {
+  try {
+    MakeGpuPlaneSearch(3);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("cuda:3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--device cpu"), std::string::npos) << error.what();
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace oraclegs
