@@ -120,7 +120,8 @@ ORACLEGS_HD inline DepthSplat SplatOf(const WarpScene& scene, const WarpSource& 
   const WarpVector q = from.to_new(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, inv_depth);
   if (!(q.z > 0)) return splat;
   const float px = q.x / q.z, py = q.y / q.z, size = from.magnification / q.z;
-  const float reach = std::min(kWidestSplat, 0.5f * std::max(1.f, size) + 0.25f);
+  // A copy, since device code has no address of a host's constant.
+  const float reach = std::min(float{kWidestSplat}, 0.5f * std::max(1.f, size) + 0.25f);
   if (!(px > -reach && py > -reach && px < static_cast<float>(scene.width) + reach &&
         py < static_cast<float>(scene.height) + reach)) {
     return splat;
