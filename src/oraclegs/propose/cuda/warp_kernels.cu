@@ -10,18 +10,8 @@ constexpr int kBlock = 128;
 
 __device__ int64_t ThreadOfGrid() { return static_cast<int64_t>(blockIdx.x) * kBlock + threadIdx.x; }
 
-__global__ void CountSamples(WarpScene scene, int k, uint32_t* counts) {
-  const WarpSource& from = scene.sources[k];
-  const int64_t i = ThreadOfGrid();
-  if (i >= static_cast<int64_t>(from.width) * from.height) return;
-  const DepthSplat splat = SplatOf(scene, from, static_cast<int>(i % from.width), static_cast<int>(i / from.width));
-  if (splat.right < splat.left) return;
-  for (int y = splat.top; y <= splat.bottom; ++y) {
-    for (int x = splat.left; x <= splat.right; ++x) atomicAdd(counts + (static_cast<int64_t>(y) * scene.width + x), 1u);
-  }
-}
-
-__global__ void ListSamples(WarpScene scene, int k, PixelBand band, uint32_t* ends, WarpSample* samples) {
+/// Counts and lists in one kernel, so that both find the same pixels to the last bit.
+__global__ void SplatDepths(WarpScene scene, int k, PixelBand band, uint32_t* cursors, WarpSample* samples) {
   const WarpSource& from = scene.sources[k];
   const int64_t i = ThreadOfGrid();
   if (i >= static_cast<int64_t>(from.width) * from.height) return;
@@ -31,7 +21,9 @@ __global__ void ListSamples(WarpScene scene, int k, PixelBand band, uint32_t* en
   for (int y = splat.top; y <= splat.bottom; ++y) {
     for (int x = splat.left; x <= splat.right; ++x) {
       const int64_t pixel = static_cast<int64_t>(y) * scene.width + x;
-      if (pixel >= band.begin && pixel < band.end) samples[atomicAdd(ends + pixel, 1u) - band.first] = sample;
+      if (pixel < band.begin || pixel >= band.end) continue;
+      const uint32_t place = atomicAdd(cursors + pixel, 1u) - band.first;
+      if (samples != nullptr && place < band.samples) samples[place] = sample;
     }
   }
 }
@@ -107,12 +99,13 @@ LaunchShape ShapeFor(const WarpSource& source) { return ShapeFor(static_cast<int
 }  // namespace
 
 void RunCountSamples(const WarpScene& scene, const WarpSource& source, int k, uint32_t* counts, cudaStream_t stream) {
-  Launch("counting warped depths", CountSamples, ShapeFor(source), stream, scene, k, counts);
+  const PixelBand all{0, static_cast<int64_t>(scene.pixels()), 0, 0};
+  Launch("counting warped depths", SplatDepths, ShapeFor(source), stream, scene, k, all, counts, nullptr);
 }
 
 void RunListSamples(const WarpScene& scene, const WarpSource& source, int k, const PixelBand& band, uint32_t* ends,
                     WarpSample* samples, cudaStream_t stream) {
-  Launch("listing warped depths", ListSamples, ShapeFor(source), stream, scene, k, band, ends, samples);
+  Launch("listing warped depths", SplatDepths, ShapeFor(source), stream, scene, k, band, ends, samples);
 }
 
 void RunFindSurfaces(const SurfacesInput& in, cudaStream_t stream) {
