@@ -11,8 +11,8 @@
 
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/proposer.h"
-#include "oraclegs/propose/warp_math.h"
 #include "oraclegs/scene/photos.h"
 
 namespace oraclegs {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "oraclegs/propose/warp.h"
+#include "oraclegs/propose/warp_math.h"
 
 namespace oraclegs {
 

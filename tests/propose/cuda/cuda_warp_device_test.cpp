@@ -190,9 +190,11 @@ TEST_F(CudaWarpTest, SaysWhatTheMemoryWasFor) {
   const DeviceMemory memory = MemoryOfDevice();
   emulated_cuda::SetMemory(static_cast<size_t>(memory.total - memory.free) + 1000);
   EXPECT_THAT([&] { Warped(Sources(), between); }, says("for the photographs that are warped"));
-  EXPECT_THAT([&] { warper.Warp(between, -1); }, says("for a new view that photographs are warped into"));
+  const Camera large = CameraAt({0.3, 0, -4}, {0, 0, 0}, 2 * kWidth, 2 * kHeight);
+  EXPECT_THAT([&] { warper.Warp(large, -1); }, says("for the depths that fall on a new view's pixels"));
+  ExpectTheCpus(warper.Warp(between, -1), Sources(), between);  // and goes on: there is memory for such views
   emulated_cuda::SetMemory(size_t{1} << 40);
-  ExpectTheCpus(warper.Warp(between, -1), Sources(), between);  // and may go on
+  ExpectTheCpus(warper.Warp(large, -1), Sources(), large);
 }
 #endif
 

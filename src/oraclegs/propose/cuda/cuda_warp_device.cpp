@@ -48,6 +48,8 @@ class SourcePictures {
     }
   }
 
+  int64_t pixels() const { return pixels_; }
+
   /// The same photograph with its pictures here.
   WarpSource Here(WarpSource source) const {
     const int64_t at = begin_[static_cast<size_t>(source.number)];
@@ -85,15 +87,19 @@ std::vector<PixelBand> CutIntoBands(const std::vector<uint32_t>& counts, int64_t
 class CudaWarpDevice : public WarpDevice {
  public:
   CudaWarpDevice(const WarpSources& sources, int index, int64_t listed_samples)
-      : index_(index), listed_samples_(listed_samples), pictures_(sources) {}
+      : index_(index), listed_samples_(listed_samples), pictures_(sources) {
+    size_t pixels = 0;
+    for (const DepthMap& map : sources.maps) pixels = std::max(pixels, map.size());
+    Reserve(static_cast<int64_t>(pixels));
+    sources_.ReserveExactly(static_cast<int64_t>(sources.maps.size()));
+    samples_.ReserveExactly(std::min(listed_samples, kMostOfOneDepth * pictures_.pixels()));
+  }
 
   WarpDepth FindSurfaces(const WarpTask& task) override {
     const std::lock_guard lock(mutex_);
     const WarpScene scene = SceneOf(task);
     const auto pixels = static_cast<int64_t>(scene.pixels());
-    ReserveDepth(pixels);
-    counts_.ReserveExactly(pixels);
-    ends_.ReserveExactly(pixels);
+    Reserve(pixels);
     counts_.FillBytes(0, pixels, nullptr);
     for (int k = 0; k < scene.count; ++k) {
       RunCountSamples(scene, task.sources[static_cast<size_t>(k)], k, counts_.data(), nullptr);
@@ -119,13 +125,9 @@ class CudaWarpDevice : public WarpDevice {
     const std::lock_guard lock(mutex_);
     const WarpScene scene = SceneOf(task);
     const auto pixels = static_cast<int64_t>(scene.pixels());
-    ReserveDepth(pixels);
+    Reserve(pixels);
     Send(depth.inv_depth.data(), scene.pixels(), inv_depth_.data());
     Send(depth.beside.data(), scene.pixels(), beside_.data());
-    rgb_.ReserveExactly(3 * pixels);
-    known_.ReserveExactly(pixels);
-    evidence_.ReserveExactly(pixels);
-    provenance_.ReserveExactly(pixels);
     RunShade(
         {scene, inv_depth_.data(), beside_.data(), rgb_.data(), known_.data(), evidence_.data(), provenance_.data()},
         nullptr);
@@ -150,11 +152,16 @@ class CudaWarpDevice : public WarpDevice {
     return scene;
   }
 
-  void ReserveDepth(int64_t pixels) {
-    inv_depth_.ReserveExactly(pixels);
+  void Reserve(int64_t pixels) {
+    for (DeviceArray<uint32_t>* array : {&counts_, &ends_}) array->ReserveExactly(pixels);
+    for (DeviceArray<float>* array : {&inv_depth_, &known_}) array->ReserveExactly(pixels);
     beside_.ReserveExactly(pixels);
+    rgb_.ReserveExactly(3 * pixels);
+    evidence_.ReserveExactly(pixels);
+    provenance_.ReserveExactly(pixels);
   }
 
+  static constexpr int64_t kMostOfOneDepth = 81;  // samples: (2 kWidestSplat + 1)^2
   static constexpr const char* kDepths = "the depths that fall on a new view's pixels";
   static constexpr const char* kView = "a new view that photographs are warped into";
 

@@ -8,19 +8,20 @@
 
 #include <cstdint>
 
+#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/warp_math.h"
 
 namespace oraclegs::cuda {
 
-/// A run of pixels whose samples are listed together; fewer than 2^32.
+/// A run of pixels whose samples, fewer than 2^32, are listed together.
 struct PixelBand {
   int64_t begin = 0, end = 0;  ///< pixels
   uint32_t first = 0;          ///< samples of the pixels before it, modulo 2^32
   int64_t samples = 0;
 };
 
-/// counts [pixels] += how many of the depths of source `k` fall on each pixel. As many pixels in all sources as 32 bits
-/// can count.
+/// counts [pixels] += how many of the depths of source `k` fall on each pixel. All sources together have fewer than
+/// 2^32 pixels.
 void RunCountSamples(const WarpScene& scene, const WarpSource& source, int k, uint32_t* counts, cudaStream_t stream);
 
 /// ends [pixels]: samples of the pixels before each; samples [band.samples]: those of source `k` are added to the lists
