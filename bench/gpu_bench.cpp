@@ -3,9 +3,9 @@
 //   build/cuda/bin/gpu_bench [--gaussians N] [--size WxH] [--dump FOLDER]
 //
 // Prints one table: milliseconds of each stage of an iteration and of the whole, and the time that its memory traffic
-// and its arithmetic would take at the rates measured in the same run; then what stereo takes for a photograph of the
-// same size. --dump writes the scene as raw float32 files and the table's numbers (ours.json) for
-// bench/gsplat_bench.py.
+// and its arithmetic would take at the rates measured in the same run. Below it, what stereo takes for a photograph of
+// the same size, and what else a run asks for before it trains, beside the same on the CPU. --dump writes the scene as
+// raw float32 files and the table's numbers (ours.json) for bench/gsplat_bench.py.
 
 #include <cstdio>
 #include <filesystem>
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bench/gpu_fma.h"
+#include "bench/gpu_once.h"
 #include "bench/gpu_stereo.h"
 #include "bench/gpu_training.h"
 #include "oraclegs/core/error.h"
@@ -23,6 +24,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int kPasses = 30;
+constexpr int kOncePasses = 5, kPhotographs = 12;
 constexpr int64_t kCopied = int64_t{1} << 30;  // bytes
 
 struct Arguments {
@@ -80,6 +82,7 @@ void Run(const Arguments& a) {
   report.scratch_bytes = static_cast<double>(training.scratch_bytes()) / n;
   report.stereo = MeasureStereo(a.scene.width, a.scene.height, cuda::MakeCudaPlaneSearch(0).get());
   std::fputs(GpuTable(report).c_str(), stdout);
+  std::fputs(OnceText(MeasureOnce(a.scene, kPhotographs, kOncePasses)).c_str(), stdout);
   if (!a.dump.empty()) std::ofstream(a.dump + "/ours.json") << GpuReportToJson(report).dump(1) << '\n';
 }
 

@@ -117,6 +117,10 @@ TEST(MeanSquaredNeighborDistance, HasAFloorAndRefusesWhatIsNotFinite) {
   for (const float d2 : MeanSquaredNeighborDistance({{huge, 0, 0}, {-huge, 0, 0}})) EXPECT_TRUE(std::isfinite(d2));
 }
 
+TEST(MeanSquaredNeighborDistance, NoOtherDeviceStandsInForOneThatCannotBeUsed) {
+  EXPECT_THROW(MeanSquaredNeighborDistance({{0, 0, 0}, {2, 0, 0}}, torch::Device(torch::kXLA)), UsageError);
+}
+
 TEST(InitializeGaussians, FollowsTheSpecification) {
   PointCloud cloud;
   cloud.xyz = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};

@@ -9,6 +9,10 @@
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/neighbors.h"
 #include "oraclegs/scene/looked_at.h"
+#if defined(ORACLEGS_CUDA)
+#include "oraclegs/core/cuda/check.h"
+#include "oraclegs/gaussians/cuda/neighbors.h"
+#endif
 
 namespace oraclegs {
 namespace {
@@ -125,11 +129,27 @@ PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uin
   return cloud;
 }
 
-std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points) {
+namespace {
+
+std::vector<double> MeansOn(torch::Device device, const std::vector<Eigen::Vector3f>& points) {
+  if (device.is_cpu()) return KdTree(points).MeanSquaredDistanceToThree();
+#if defined(ORACLEGS_CUDA)
+  if (device.is_cuda()) {
+    cuda::UseDevice(device.has_index() ? device.index() : 0);
+    return cuda::MeanSquaredDistanceToThree(points);
+  }
+#endif
+  throw UsageError("this build looks for neighbours on the CPU only, '{}' was asked for; use --device cpu",
+                   device.str());
+}
+
+}  // namespace
+
+std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, torch::Device device) {
   for (const Eigen::Vector3f& p : points) {
     if (!p.allFinite()) throw std::invalid_argument("MeanSquaredNeighborDistance: a coordinate is not finite");
   }
-  const std::vector<double> means = KdTree(points).MeanSquaredDistanceToThree();
+  const std::vector<double> means = MeansOn(device, points);
   std::vector<float> out(means.size());
   std::transform(means.begin(), means.end(), out.begin(), [](double d2) {
     return static_cast<float>(
@@ -150,14 +170,14 @@ void Flatten(const Eigen::Vector3f& normal, double flatness, float* log_scales, 
 
 }  // namespace
 
-Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options) {
+Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, torch::Device device) {
   if (points.rgb.size() != points.xyz.size()) {
     throw ShapeError("InitializeGaussians: {} colours for {} points", points.rgb.size(), points.xyz.size());
   }
   if (!points.normals.empty() && points.normals.size() != points.xyz.size()) {
     throw ShapeError("InitializeGaussians: {} normals for {} points", points.normals.size(), points.xyz.size());
   }
-  const std::vector<float> d2 = MeanSquaredNeighborDistance(points.xyz);
+  const std::vector<float> d2 = MeanSquaredNeighborDistance(points.xyz, device);
   const auto n = static_cast<int64_t>(points.xyz.size());
   Gaussians g = Gaussians::Zeros(n);
   g.opacity_logits.fill_(std::log(options.opacity / (1 - options.opacity)));

@@ -1,6 +1,8 @@
 #pragma once
 // Where the Gaussians start (spec/gaussian_core.md 8).
 
+#include <torch/types.h>
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
@@ -27,8 +29,10 @@ PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed);
 /// near and far bounds taken from the cameras' distance to the point nearest to all optical axes; colours near grey.
 PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uint64_t seed);
 
-/// Mean squared distance of each point to its three nearest other points, at least 1e-7; exact, on all threads.
-std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points);
+/// Mean squared distance of each point to its three nearest other points, at least 1e-7; exact. On all threads, or on
+/// the GPU that `device` names, which becomes the current one. Throws UsageError for a device this build cannot use.
+std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points,
+                                               torch::Device device = torch::kCPU);
 
 struct InitializeOptions {
   double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([MCMC]'s 0.1; [3DGS] has 1)
@@ -37,7 +41,9 @@ struct InitializeOptions {
 };
 
 /// Gaussians at the points: sh0 from the colour, scale from the neighbours; isotropic and not rotated, or, where the
-/// normal is known and flatness is not 1, the third axis along the normal.
-Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options);
+/// normal is known and flatness is not 1, the third axis along the normal. The tensors are the host's; `device` is
+/// where the neighbours are looked for.
+Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options,
+                              torch::Device device = torch::kCPU);
 
 }  // namespace oraclegs

@@ -5,6 +5,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/depth/gains.h"
+#include "oraclegs/pipeline/device.h"
 
 namespace oraclegs {
 
@@ -14,7 +15,7 @@ Proposers::Proposers(const Run& run, const std::vector<Photo>& photos, const Geo
   const std::array<float, 3> background = BackgroundColor(run.options.photo.background);
   WarpSources sources{photos, geometry.maps, {}, &silhouettes_, background};
   if (ExposureSpread(geometry.gains) > kVariedExposure) sources.gains = geometry.gains;
-  warper_ = std::make_unique<Warper>(std::move(sources));
+  warper_ = std::make_unique<Warper>(std::move(sources), ChooseDevice(run.options.device.device, ProbeDevices()));
   const std::string& asked = run.options.propose.proposers;
   // Also where nothing but a folder proposes: the oracle learns from what is known to be wrong.
   if (asked != "splat" || opinions.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);

@@ -90,12 +90,13 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   return std::nullopt;
 }
 
-Gaussians StartGaussians(Run* run, const Preparation& prepared) {
+Gaussians StartGaussians(Run* run, const Preparation& prepared, torch::Device device) {
   const StartPoints start = ChooseStart(run, prepared.photos, prepared.sfm, prepared.geometry);
   const StartOptions& options = run->options.start;
   const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
   return InitializeGaussians(
-      start.cloud, {options.init_scale > 0 ? options.init_scale : usual, options.init_opacity, options.init_flatness});
+      start.cloud, {options.init_scale > 0 ? options.init_scale : usual, options.init_opacity, options.init_flatness},
+      device);
 }
 
 nlohmann::json TimingsToJson(const TrainResult& result) {
@@ -145,7 +146,7 @@ void RunTrain(Run* run) {
       std::filesystem::remove(run->workspace.point_cloud(), ignored);
       std::filesystem::remove(run->workspace.exposures(), ignored);
     }
-    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared);
+    Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run, prepared, device);
     const StageClock clock("train", run->listener);
     TellDevice(device, ProbeDevices(), run->listener);
     TrainingLpips network = LpipsOfProposals(run->options, proposals, run->listener);

@@ -2,13 +2,16 @@
 // Forward warp of photographs into a new view by their stereo depth: the generator that needs no weights
 // (spec/weight_free.md, "Warp").
 
+#include <torch/types.h>
+
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "oraclegs/depth/depth_map.h"
-#include "oraclegs/depth/plane.h"
 #include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/proposer.h"
 #include "oraclegs/scene/photos.h"
 
@@ -23,20 +26,6 @@ struct WarpSources {
   std::array<float, 3> background = {0, 0, 0};  ///< colour of what no photograph's object covers
 };
 
-/// How a warped pixel is known.
-struct PixelEvidence {
-  float support = 0;     ///< sum over the photographs that show the point of (0.1 + confidence), nearer ones more
-  float views = 0;       ///< how many show it
-  float angle = 90;      ///< degrees between the ray and that of the nearest photograph that shows the point; 90 = none
-  float spread = 0;      ///< RMS difference of the photographs' colours there
-  float confidence = 0;  ///< of the depth, in the photograph that is surest
-  float conflicts = 0;   ///< summed confidence of photographs that look through the point
-  float hidden = 0;      ///< the same of those in which something stands before it
-  float ring = 0;        ///< pixels to the nearest one whose depth was warped, 0 for those
-  float resolution = 0;  ///< pixels of the best photograph in one pixel, per axis, at most 1
-  float background = 0;  ///< 1 = the ray misses the object
-};
-
 struct WarpedView {
   ImageF rgb;                    ///< whole: holes are filled
   std::vector<float> inv_depth;  ///< whole; 0 = background
@@ -44,10 +33,17 @@ struct WarpedView {
   std::vector<uint16_t> provenance;  ///< as in Proposal
 };
 
+class WarpDevice;
+
 /// Warps into any view. Safe to call from several threads at once.
 class Warper {
  public:
-  explicit Warper(WarpSources sources);
+  /// Works on `device`: on a GPU surfaces and colours, to the CPU's but for rounding, while holes are filled on the
+  /// CPU. Throws ShapeError for pictures of different sizes, and as MakeWarpDevice (warp_device.h).
+  explicit Warper(WarpSources sources, torch::Device device = torch::kCPU);
+  /// The same on a device of the caller's, which knows the same sources.
+  Warper(WarpSources sources, std::unique_ptr<WarpDevice> device);
+  ~Warper();
 
   /// The view from `camera`, without photograph `hidden` (-1: with all). Depths of all photographs are splatted; at
   /// each pixel the nearest surface that enough of them vote for is taken, what is missing filled from the farther
@@ -62,14 +58,10 @@ class Warper {
   }
 
  private:
-  struct Samples;
-  struct Geometry;
-  Samples Splat(const Camera& camera, int hidden) const;
-  float Surface(const Camera& camera, const Geometry& geometry, size_t pixel, const Samples& samples) const;
-  bool MissesObject(const Geometry& geometry, float u, float v) const;
-  void Shade(const Camera& camera, const Geometry& geometry, WarpedView* view, std::vector<float>* known) const;
+  void FindRange();
 
   WarpSources sources_;
+  std::unique_ptr<WarpDevice> device_;
   float nearest_ = 0, farthest_ = 0;  ///< distances of the known surfaces from the cameras
 };
 

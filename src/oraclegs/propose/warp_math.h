@@ -1,0 +1,232 @@
+#pragma once
+// The mathematics of one depth and of one pixel of the forward warp, for host and device (spec/weight_free.md, "Warp").
+// What visits them in which order is the device's (warp_device.h).
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "oraclegs/core/device_macros.h"
+
+namespace oraclegs {
+
+inline constexpr float kLeastConfidence = 0.04f;   // of a depth that takes part
+inline constexpr float kWidestSplat = 4;           // pixels to either side
+inline constexpr float kSameSurface = 0.02f;       // relative difference of inverse depth
+inline constexpr float kSeenThroughDepth = 0.03f;  // from which difference on a photograph looks past a point
+inline constexpr float kAgainst = 0.15f;           // of a vote, for a photograph that looks through the surface
+inline constexpr float kFrontVotes = 0.03f;  // of the best surface's; a front surface is often seen by few photographs
+inline constexpr float kVoteAngle = 25, kColorAngle = 8;  // degrees over which a photograph's say falls by e
+inline constexpr float kVisible = 0.02f;                  // relative depth over which it does
+inline constexpr float kUnknownVisible = 0.05f;           // where the photograph's own depth is not known
+inline constexpr int kBlended = 4;                        // photographs a colour is mixed from
+inline constexpr float kWellKnown = 0.02f;  // weight from which on a colour is not mixed with its surroundings'
+inline constexpr int kRaySteps = 64;
+inline constexpr float kDegrees = static_cast<float>(180 / M_PI);
+inline constexpr float kFullWeight = 65535;
+
+/// Three coordinates, or a homogeneous pixel. Sums are Eigen's, to the bit.
+struct WarpVector {
+  float x = 0, y = 0, z = 0;
+
+  ORACLEGS_HD inline float Dot(const WarpVector& b) const { return x * b.x + (y * b.y + z * b.z); }
+  ORACLEGS_HD inline WarpVector Cross(const WarpVector& b) const {
+    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
+  }
+};
+
+ORACLEGS_HD inline float DegreesBetween(const WarpVector& a, const WarpVector& b) {
+  const WarpVector cross = a.Cross(b);
+  return std::atan2(std::sqrt(cross.Dot(cross)), a.Dot(b)) * kDegrees;
+}
+
+/// PixelMap of depth/plane.h in plain numbers.
+struct PlainPixelMap {
+  float rotation[9];  ///< column by column
+  float translation[3];
+
+  ORACLEGS_HD inline float Row(int r, float u, float v, float inv_depth) const {
+    return rotation[r] * u + rotation[3 + r] * v + rotation[6 + r] + translation[r] * inv_depth;
+  }
+  ORACLEGS_HD inline WarpVector operator()(float u, float v, float inv_depth) const {
+    return {Row(0, u, v, inv_depth), Row(1, u, v, inv_depth), Row(2, u, v, inv_depth)};
+  }
+};
+
+/// A photograph that takes part, and where it stands, seen from the new view. Pictures row by row, in the device's
+/// memory.
+struct WarpSource {
+  const float* rgb = nullptr;            ///< [H,W,3]
+  const float* inv_depth = nullptr;      ///< [H,W]
+  const float* confidence = nullptr;     ///< [H,W]
+  const uint8_t* mask = nullptr;         ///< [H,W], 1 = counts; null: all do
+  const uint8_t* near_object = nullptr;  ///< [H,W], Silhouettes::NearObject; null: there are no silhouettes
+  int width = 0, height = 0;
+  int number = 0;           ///< of the photograph
+  float focal = 0;          ///< pixels
+  float magnification = 0;  ///< the new view's focal length over its
+  bool exposed = false;     ///< colours are divided by the gain
+  float gain[3] = {1, 1, 1};
+  PlainPixelMap to_new, from_new;
+  WarpVector center;  ///< in the new camera's frame
+};
+
+/// The new view, and what is seen from it.
+struct WarpScene {
+  const WarpSource* sources = nullptr;  ///< in the device's memory
+  int count = 0;
+  int width = 0, height = 0;
+  float fx = 0, fy = 0, cx = 0, cy = 0;
+  float background[3] = {0, 0, 0};
+  bool bounded = false;             ///< nothing is beside the silhouettes
+  float nearest = 0, farthest = 0;  ///< distances of the known surfaces
+
+  ORACLEGS_HD inline size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
+  ORACLEGS_HD inline float CenterX(size_t pixel) const {
+    return static_cast<float>(pixel % static_cast<size_t>(width)) + 0.5f;
+  }
+  ORACLEGS_HD inline float CenterY(size_t pixel) const {
+    return static_cast<float>(pixel / static_cast<size_t>(width)) + 0.5f;
+  }
+};
+
+/// The new view's pixels that a photograph's depth falls on: both corners included, none when right < left.
+struct DepthSplat {
+  float inv_depth = 0;
+  int left = 0, top = 0, right = -1, bottom = -1;
+};
+
+ORACLEGS_HD inline DepthSplat SplatOf(const WarpScene& scene, const WarpSource& from, int x, int y) {
+  DepthSplat splat;
+  const size_t i = static_cast<size_t>(y) * static_cast<size_t>(from.width) + static_cast<size_t>(x);
+  const float inv_depth = from.inv_depth[i];
+  if (!(from.confidence[i] > kLeastConfidence) || !(inv_depth > 0)) return splat;
+  const WarpVector q = from.to_new(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, inv_depth);
+  if (!(q.z > 0)) return splat;
+  const float px = q.x / q.z, py = q.y / q.z, size = from.magnification / q.z;
+  // A copy, since device code has no address of a host's constant.
+  const float reach = std::min(float{kWidestSplat}, 0.5f * std::max(1.f, size) + 0.25f);
+  if (!(px > -reach && py > -reach && px < static_cast<float>(scene.width) + reach &&
+        py < static_cast<float>(scene.height) + reach)) {
+    return splat;
+  }
+  splat.inv_depth = inv_depth / q.z;
+  splat.left = std::max(0, static_cast<int>(std::ceil(px - reach - 0.5f)));
+  splat.right = std::min(scene.width - 1, static_cast<int>(std::floor(px + reach - 0.5f)));
+  splat.top = std::max(0, static_cast<int>(std::ceil(py - reach - 0.5f)));
+  splat.bottom = std::min(scene.height - 1, static_cast<int>(std::floor(py + reach - 0.5f)));
+  return splat;
+}
+
+/// A depth that falls on a pixel.
+struct WarpSample {
+  float inv_depth;
+  uint16_t source;  ///< its place in WarpScene::sources
+  uint16_t weight;  ///< confidence, kFullWeight = 1
+};
+
+ORACLEGS_HD inline WarpSample SampleOf(float inv_depth, int source, float confidence) {
+  return {inv_depth, static_cast<uint16_t>(source), static_cast<uint16_t>(kFullWeight * std::min(1.f, confidence))};
+}
+
+/// What a photograph says of a point of the new view.
+struct Sighting {
+  bool in_frame = false;
+  float u = 0, v = 0;    ///< pixel
+  float confidence = 0;  ///< of the photograph's depth there, 0 = unknown
+  float relative = 0;    ///< inverse depth there over the point's, minus 1: > 0 something stands before it
+  float angle = 90;      ///< degrees between the rays
+  float resolution = 0;  ///< pixels of the photograph in one of the new view, per axis, at most 1
+};
+
+ORACLEGS_HD inline Sighting See(const WarpScene& scene, const WarpSource& from, float u, float v, float inv_depth) {
+  Sighting s;
+  const WarpVector q = from.from_new(u, v, inv_depth);
+  if (!(q.z > 0)) return s;
+  s.u = q.x / q.z, s.v = q.y / q.z;
+  if (!(s.u >= 0 && s.v >= 0 && s.u < static_cast<float>(from.width) && s.v < static_cast<float>(from.height))) {
+    return s;
+  }
+  const size_t i = static_cast<size_t>(s.v) * static_cast<size_t>(from.width) + static_cast<size_t>(s.u);
+  if (from.mask != nullptr && from.mask[i] == 0) return s;
+  s.in_frame = true;
+  const float expected = inv_depth / q.z, known = from.inv_depth[i];
+  if (known > 0) {
+    s.confidence = from.confidence[i];
+    s.relative = known / expected - 1;
+  }
+  const WarpVector point{(u - scene.cx) / scene.fx / inv_depth, (v - scene.cy) / scene.fy / inv_depth, 1 / inv_depth};
+  s.angle = DegreesBetween(point, {point.x - from.center.x, point.y - from.center.y, point.z - from.center.z});
+  s.resolution = std::min(1.f, expected * from.focal / (inv_depth * scene.fx));
+  return s;
+}
+
+/// A surface that a pixel may show; written over samples that were read.
+struct WarpSurface {
+  float inv_depth, vote;
+};
+static_assert(sizeof(WarpSurface) == sizeof(WarpSample));
+
+/// Inverse depth of the nearest surface that has enough votes, 0 without samples. They lie near to far, equals by
+/// source, and are overwritten. votes.Count(begin, end) is told the samples of a surface, and votes.Of(source) gives
+/// the largest weight of a source among them, as a share, 0 without one.
+template <class Votes>
+ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, WarpSample* samples, size_t count,
+                                      Votes&& votes) {
+  const float u = scene.CenterX(pixel), v = scene.CenterY(pixel);
+  size_t surfaces = 0;
+  float best = 0;
+  for (size_t first = 0; first < count;) {
+    const float end_of_surface = samples[first].inv_depth * (1 - kSameSurface);
+    size_t last = first;
+    float sum = 0, total = 0;
+    do {
+      const float weight = samples[last].weight;
+      sum += weight * samples[last].inv_depth, total += weight;
+      ++last;
+    } while (last < count && samples[last].inv_depth > end_of_surface);
+    WarpSurface surface{sum / total, 0};
+    votes.Count(samples + first, samples + last);
+    for (int k = 0; k < scene.count; ++k) {
+      const Sighting s = See(scene, scene.sources[k], u, v, surface.inv_depth);
+      const float say = std::exp(-s.angle / kVoteAngle), vote = votes.Of(k);
+      if (vote > 0) {
+        surface.vote += vote * say;
+      } else if (s.in_frame && s.relative < -kSeenThroughDepth) {
+        surface.vote -= kAgainst * s.confidence * say;
+      }
+    }
+    best = std::max(best, surface.vote);
+    samples[surfaces++] = std::bit_cast<WarpSample>(surface);
+    first = last;
+  }
+  for (size_t i = 0; i < surfaces; ++i) {
+    const auto surface = std::bit_cast<WarpSurface>(samples[i]);
+    if (surface.vote > 0 && surface.vote >= kFrontVotes * best) return surface.inv_depth;
+  }
+  return 0;
+}
+
+/// No point of the pixel's ray, as far as surfaces are known, projects onto the object in every photograph. Silhouettes
+/// are those of objects that photographs show whole, so beyond a picture's border there is nothing either.
+ORACLEGS_HD inline bool MissesObject(const WarpScene& scene, size_t pixel) {
+  const float u = scene.CenterX(pixel), v = scene.CenterY(pixel);
+  for (int step = 0; step < kRaySteps; ++step) {
+    const float depth = scene.nearest + (scene.farthest - scene.nearest) * static_cast<float>(step) / (kRaySteps - 1);
+    bool inside = true;
+    for (int k = 0; inside && k < scene.count; ++k) {
+      const WarpSource& from = scene.sources[k];
+      const WarpVector q = from.from_new(u, v, 1 / depth);
+      const float x = q.x / q.z, y = q.y / q.z;
+      inside = q.z > 0 && x >= 0 && y >= 0 && x < static_cast<float>(from.width) &&
+               y < static_cast<float>(from.height) &&
+               from.near_object[static_cast<size_t>(y) * static_cast<size_t>(from.width) + static_cast<size_t>(x)] != 0;
+    }
+    if (inside) return false;
+  }
+  return true;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,102 @@
+#pragma once
+// The colour of one pixel of the forward warp whose depth is known, and its evidence, for host and device.
+
+#include "oraclegs/propose/pixel_evidence.h"
+#include "oraclegs/propose/warp_math.h"
+
+namespace oraclegs {
+
+struct ShadedPixel {
+  WarpVector color;         ///< RGB
+  float known = 0;          ///< how far the colour is, for PushPull
+  uint16_t provenance = 0;  ///< as in Proposal
+  PixelEvidence evidence;   ///< but for the ring
+};
+
+/// Bilinear; (u, v) inside the picture. Of what the camera would have seen at the mean exposure.
+ORACLEGS_HD inline WarpVector ColorAt(const WarpSource& from, float u, float v) {
+  const float x = std::clamp(u - 0.5f, 0.f, static_cast<float>(from.width - 1));
+  const float y = std::clamp(v - 0.5f, 0.f, static_cast<float>(from.height - 1));
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, from.width - 1), y1 = std::min(y0 + 1, from.height - 1);
+  const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
+  const auto width = static_cast<size_t>(from.width);
+  const float* top = from.rgb + 3 * width * static_cast<size_t>(y0);
+  const float* bottom = from.rgb + 3 * width * static_cast<size_t>(y1);
+  float color[3];
+  for (int c = 0; c < 3; ++c) {
+    color[c] = (1 - b) * ((1 - a) * top[3 * x0 + c] + a * top[3 * x1 + c]) +
+               b * ((1 - a) * bottom[3 * x0 + c] + a * bottom[3 * x1 + c]);
+    if (from.exposed) color[c] = std::min(color[c] / from.gain[c], 1.f);
+  }
+  return {color[0], color[1], color[2]};
+}
+
+/// The photographs that a pixel's colour is mixed from, first those that say most, equals by number.
+struct Blend {
+  struct Shown {
+    float weight = 0;
+    int source = 0;
+    float u = 0, v = 0;
+  };
+  Shown shown[kBlended];
+  int count = 0;
+
+  /// In the order of the sources.
+  ORACLEGS_HD inline void Offer(const Shown& one) {
+    if (count == kBlended && !(one.weight > shown[kBlended - 1].weight)) return;
+    int place = count < kBlended ? count++ : kBlended - 1;
+    for (; place > 0 && one.weight > shown[place - 1].weight; --place) shown[place] = shown[place - 1];
+    shown[place] = one;
+  }
+};
+
+/// `beside`: the pixel's ray misses the object.
+ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, float inv_depth, bool beside) {
+  ShadedPixel out;
+  out.color = {scene.background[0], scene.background[1], scene.background[2]};
+  PixelEvidence& e = out.evidence;
+  if (beside) {
+    e.background = 1;
+    out.known = 1;
+    return out;
+  }
+  if (!(inv_depth > 0)) return out;
+  Blend blend;
+  for (int k = 0; k < scene.count; ++k) {
+    const Sighting s = See(scene, scene.sources[k], scene.CenterX(pixel), scene.CenterY(pixel), inv_depth);
+    if (!s.in_frame) continue;
+    const float off = s.relative / kVisible;
+    const float visible = s.confidence > 0 ? std::exp(-off * off) : kUnknownVisible;
+    if (s.relative < -kSeenThroughDepth) e.conflicts += s.confidence;
+    if (s.relative > kSeenThroughDepth) e.hidden += s.confidence;
+    e.support += visible * (0.1f + s.confidence) * std::exp(-s.angle / kVoteAngle);
+    e.views += visible;
+    if (visible > 0.5f) e.angle = std::min(e.angle, s.angle);
+    e.confidence = std::max(e.confidence, visible * s.confidence);
+    e.resolution = std::max(e.resolution, visible * s.resolution);
+    blend.Offer({visible * (0.1f + s.confidence) * std::exp(-s.angle / kColorAngle) * s.resolution, k, s.u, s.v});
+  }
+  WarpVector colors[kBlended], sum;
+  float total = 0, squares = 0;
+  for (int i = 0; i < blend.count; ++i) {
+    const Blend::Shown& one = blend.shown[i];
+    colors[i] = ColorAt(scene.sources[one.source], one.u, one.v);
+    sum.x += one.weight * colors[i].x, sum.y += one.weight * colors[i].y, sum.z += one.weight * colors[i].z;
+    total += one.weight;
+  }
+  if (!(total > 1e-12f)) return out;
+  const WarpVector mean{sum.x / total, sum.y / total, sum.z / total};
+  for (int i = 0; i < blend.count; ++i) {
+    const WarpVector off{colors[i].x - mean.x, colors[i].y - mean.y, colors[i].z - mean.z};
+    squares += blend.shown[i].weight * off.Dot(off);
+  }
+  e.spread = std::sqrt(squares / (3 * total));
+  out.color = mean;
+  out.provenance = static_cast<uint16_t>(scene.sources[blend.shown[0].source].number + 1);
+  // The angle's say is relative: a colour seen from far off is still better than none.
+  out.known = std::min(1.f, std::min(e.support, e.views) / kWellKnown);
+  return out;
+}
+
+}  // namespace oraclegs
