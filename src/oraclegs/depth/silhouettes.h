@@ -20,8 +20,6 @@ class Silhouettes {
   bool empty() const { return object_.empty(); }
   /// height * width of view `v`'s picture: 1 = object.
   const std::vector<uint8_t>& Object(size_t v) const { return object_[v]; }
-  /// The same: 1 = object, or not farther than two pixels from it.
-  const std::vector<uint8_t>& NearObject(size_t v) const { return grown_[v]; }
   /// False when the pixel of view `v` is farther than two pixels from the object; true beyond the picture, of which
   /// nothing is known.
   bool MayContain(size_t v, float x, float y) const { return Mask(v).MayContain(x, y); }

@@ -31,13 +31,6 @@ void CheckSizes(const WarpSources& sources) {
   }
 }
 
-PlainPixelMap Plain(const PixelMap& map) {
-  PlainPixelMap plain;
-  std::copy_n(map.rotation.data(), 9, plain.rotation);
-  std::copy_n(map.translation.data(), 3, plain.translation);
-  return plain;
-}
-
 WarpSource SourceOf(const WarpSources& all, size_t v, const Camera& camera) {
   const DepthMap& map = all.maps[v];
   const Photo& photo = all.photos[v];
@@ -45,8 +38,7 @@ WarpSource SourceOf(const WarpSources& all, size_t v, const Camera& camera) {
   source.rgb = photo.rgb.data.data();
   source.inv_depth = map.inv_depth.data(), source.confidence = map.confidence.data();
   if (!photo.mask.empty()) source.mask = photo.mask.data();
-  if (all.silhouettes != nullptr && !all.silhouettes->empty())
-    source.near_object = all.silhouettes->NearObject(v).data();
+  if (all.silhouettes != nullptr && !all.silhouettes->empty()) source.near_object = all.silhouettes->Mask(v).grown;
   source.width = map.camera.width, source.height = map.camera.height;
   source.number = static_cast<int>(v);
   source.focal = static_cast<float>(map.camera.fx);

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "oraclegs/core/device_macros.h"
+#include "oraclegs/depth/plane_math.h"
 
 namespace oraclegs {
 
@@ -27,33 +28,14 @@ inline constexpr int kRaySteps = 64;
 inline constexpr float kDegrees = static_cast<float>(180 / M_PI);
 inline constexpr float kFullWeight = 65535;
 
-/// Three coordinates, or a homogeneous pixel. Sums are Eigen's, to the bit.
-struct WarpVector {
-  float x = 0, y = 0, z = 0;
-
-  ORACLEGS_HD inline float Dot(const WarpVector& b) const { return x * b.x + (y * b.y + z * b.z); }
-  ORACLEGS_HD inline WarpVector Cross(const WarpVector& b) const {
-    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
-  }
-};
-
-ORACLEGS_HD inline float DegreesBetween(const WarpVector& a, const WarpVector& b) {
-  const WarpVector cross = a.Cross(b);
-  return std::atan2(std::sqrt(cross.Dot(cross)), a.Dot(b)) * kDegrees;
+ORACLEGS_HD inline Vec3f Cross(const Vec3f& a, const Vec3f& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// PixelMap of depth/plane.h in plain numbers.
-struct PlainPixelMap {
-  float rotation[9];  ///< column by column
-  float translation[3];
-
-  ORACLEGS_HD inline float Row(int r, float u, float v, float inv_depth) const {
-    return rotation[r] * u + rotation[3 + r] * v + rotation[6 + r] + translation[r] * inv_depth;
-  }
-  ORACLEGS_HD inline WarpVector operator()(float u, float v, float inv_depth) const {
-    return {Row(0, u, v, inv_depth), Row(1, u, v, inv_depth), Row(2, u, v, inv_depth)};
-  }
-};
+ORACLEGS_HD inline float DegreesBetween(const Vec3f& a, const Vec3f& b) {
+  const Vec3f cross = Cross(a, b);
+  return std::atan2(std::sqrt(Dot(cross, cross)), Dot(a, b)) * kDegrees;
+}
 
 /// A photograph that takes part, and where it stands, seen from the new view. Pictures row by row, in the device's
 /// memory.
@@ -62,7 +44,7 @@ struct WarpSource {
   const float* inv_depth = nullptr;      ///< [H,W]
   const float* confidence = nullptr;     ///< [H,W]
   const uint8_t* mask = nullptr;         ///< [H,W], 1 = counts; null: all do
-  const uint8_t* near_object = nullptr;  ///< [H,W], Silhouettes::NearObject; null: there are no silhouettes
+  const uint8_t* near_object = nullptr;  ///< [H,W], SilhouetteMask::grown; null: there are no silhouettes
   int width = 0, height = 0;
   int number = 0;           ///< of the photograph
   float focal = 0;          ///< pixels
@@ -70,7 +52,7 @@ struct WarpSource {
   bool exposed = false;     ///< colours are divided by the gain
   float gain[3] = {1, 1, 1};
   PlainPixelMap to_new, from_new;
-  WarpVector center;  ///< in the new camera's frame
+  Vec3f center;  ///< in the new camera's frame
 };
 
 /// The new view, and what is seen from it.
@@ -103,7 +85,7 @@ ORACLEGS_HD inline DepthSplat SplatOf(const WarpScene& scene, const WarpSource& 
   const size_t i = static_cast<size_t>(y) * static_cast<size_t>(from.width) + static_cast<size_t>(x);
   const float inv_depth = from.inv_depth[i];
   if (!(from.confidence[i] > kLeastConfidence) || !(inv_depth > 0)) return splat;
-  const WarpVector q = from.to_new(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, inv_depth);
+  const Vec3f q = from.to_new(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, inv_depth);
   if (!(q.z > 0)) return splat;
   const float px = q.x / q.z, py = q.y / q.z, size = from.magnification / q.z;
   // A copy, since device code has no address of a host's constant.
@@ -143,7 +125,7 @@ struct Sighting {
 
 ORACLEGS_HD inline Sighting See(const WarpScene& scene, const WarpSource& from, float u, float v, float inv_depth) {
   Sighting s;
-  const WarpVector q = from.from_new(u, v, inv_depth);
+  const Vec3f q = from.from_new(u, v, inv_depth);
   if (!(q.z > 0)) return s;
   s.u = q.x / q.z, s.v = q.y / q.z;
   if (!(s.u >= 0 && s.v >= 0 && s.u < static_cast<float>(from.width) && s.v < static_cast<float>(from.height))) {
@@ -157,7 +139,7 @@ ORACLEGS_HD inline Sighting See(const WarpScene& scene, const WarpSource& from, 
     s.confidence = from.confidence[i];
     s.relative = known / expected - 1;
   }
-  const WarpVector point{(u - scene.cx) / scene.fx / inv_depth, (v - scene.cy) / scene.fy / inv_depth, 1 / inv_depth};
+  const Vec3f point{(u - scene.cx) / scene.fx / inv_depth, (v - scene.cy) / scene.fy / inv_depth, 1 / inv_depth};
   s.angle = DegreesBetween(point, {point.x - from.center.x, point.y - from.center.y, point.z - from.center.z});
   s.resolution = std::min(1.f, expected * from.focal / (inv_depth * scene.fx));
   return s;
@@ -218,7 +200,7 @@ ORACLEGS_HD inline bool MissesObject(const WarpScene& scene, size_t pixel) {
     bool inside = true;
     for (int k = 0; inside && k < scene.count; ++k) {
       const WarpSource& from = scene.sources[k];
-      const WarpVector q = from.from_new(u, v, 1 / depth);
+      const Vec3f q = from.from_new(u, v, 1 / depth);
       const float x = q.x / q.z, y = q.y / q.z;
       inside = q.z > 0 && x >= 0 && y >= 0 && x < static_cast<float>(from.width) &&
                y < static_cast<float>(from.height) &&

@@ -7,14 +7,14 @@
 namespace oraclegs {
 
 struct ShadedPixel {
-  WarpVector color;         ///< RGB
+  Vec3f color;              ///< RGB
   float known = 0;          ///< how far the colour is, for PushPull
   uint16_t provenance = 0;  ///< as in Proposal
   PixelEvidence evidence;   ///< but for the ring
 };
 
 /// Bilinear; (u, v) inside the picture. Of what the camera would have seen at the mean exposure.
-ORACLEGS_HD inline WarpVector ColorAt(const WarpSource& from, float u, float v) {
+ORACLEGS_HD inline Vec3f ColorAt(const WarpSource& from, float u, float v) {
   const float x = std::clamp(u - 0.5f, 0.f, static_cast<float>(from.width - 1));
   const float y = std::clamp(v - 0.5f, 0.f, static_cast<float>(from.height - 1));
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
@@ -77,7 +77,7 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
     e.resolution = std::max(e.resolution, visible * s.resolution);
     blend.Offer({visible * (0.1f + s.confidence) * std::exp(-s.angle / kColorAngle) * s.resolution, k, s.u, s.v});
   }
-  WarpVector colors[kBlended], sum;
+  Vec3f colors[kBlended], sum;
   float total = 0, squares = 0;
   for (int i = 0; i < blend.count; ++i) {
     const Blend::Shown& one = blend.shown[i];
@@ -86,10 +86,10 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
     total += one.weight;
   }
   if (!(total > 1e-12f)) return out;
-  const WarpVector mean{sum.x / total, sum.y / total, sum.z / total};
+  const Vec3f mean{sum.x / total, sum.y / total, sum.z / total};
   for (int i = 0; i < blend.count; ++i) {
-    const WarpVector off{colors[i].x - mean.x, colors[i].y - mean.y, colors[i].z - mean.z};
-    squares += blend.shown[i].weight * off.Dot(off);
+    const Vec3f off{colors[i].x - mean.x, colors[i].y - mean.y, colors[i].z - mean.z};
+    squares += blend.shown[i].weight * Dot(off, off);
   }
   e.spread = std::sqrt(squares / (3 * total));
   out.color = mean;

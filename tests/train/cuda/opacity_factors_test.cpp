@@ -17,7 +17,7 @@ TEST_F(CudaOpacityFactors, AreTheCpus) {
     DrawOpacityFactors({5, 123, drop, noise}, expected);
     const Tensor factors = OnTestDevice(torch::full({kCount}, -1.f));
     RunOpacityFactors({5, 123, drop, noise, kCount, factors.data_ptr<float>()}, nullptr);
-    EXPECT_LE(MaxAbsError(OnHost(factors), expected), 4e-6);
+    EXPECT_LE(MaxAbsError(OnHost(factors), expected), 1e-5);  // floats of up to 36
     EXPECT_TRUE(torch::equal(OnHost(factors) == 0, expected == 0));
   }
 }

@@ -44,7 +44,7 @@ class SourcePictures {
       Send(map.inv_depth.data(), map.size(), inv_depth_.data() + at);
       Send(map.confidence.data(), map.size(), confidence_.data() + at);
       if (!photo.mask.empty()) Send(photo.mask.data(), map.size(), mask_.data() + at);
-      if (bounded) Send(sources.silhouettes->NearObject(v).data(), map.size(), near_object_.data() + at);
+      if (bounded) Send(sources.silhouettes->Mask(v).grown, map.size(), near_object_.data() + at);
     }
   }
 
