@@ -44,6 +44,7 @@ TEST(AblationRows, TheFirstIsMcmcAlone) {
   EXPECT_EQ(t.depth_weight + t.opacity_noise + t.dropout + t.coarse_share + t.proposal_lpips, 0);
   EXPECT_EQ(t.last_rates, 1);
   EXPECT_FALSE(t.prune_floaters);
+  EXPECT_EQ(t.largest_scale, 0);
   EXPECT_EQ(t.exposure, "off");
   EXPECT_EQ(first.split.views, 12) << "what no row is about holds for all of them";
   EXPECT_EQ(t.iterations, 100);

@@ -3,6 +3,7 @@
 #include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
+#include "oraclegs/train/scale_cap.h"
 
 namespace oraclegs {
 namespace {
@@ -59,6 +60,10 @@ class CpuTrainDevice final : public TrainDevice {
     loss_.smoothed = iteration.number == 1 ? loss : kLossSmoothing * loss_.smoothed + (1 - kLossSmoothing) * loss;
   }
 
+  void CapScales(TrainedModel* model) override {
+    oraclegs::CapScales(camera_centers_, options_.largest_scale, &model->gaussians);
+  }
+
   void Refine(const Iteration& iteration, TrainedModel* model) override {
     Gaussians* gaussians = &model->gaussians;
     if (options_.prune_floaters) PruneFloaters(view_loss_.photographs(), gaussians);
@@ -88,6 +93,7 @@ class CpuTrainDevice final : public TrainDevice {
   TrainOptions options_;
   ViewLoss& view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
+  std::vector<float> camera_centers_ = CameraCenters(view_loss_.photographs());
   Regularizers regularizers_;
   Tensor opacity_factors_;  // [N]
   double loss_of_view_ = 0;

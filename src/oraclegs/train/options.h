@@ -19,6 +19,7 @@ struct TrainOptions {
   double opacity_noise = -1;
   double coarse_share = 0;
   bool prune_floaters = false;
+  double largest_scale = 0.7;
   double last_rates = 0;
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
@@ -107,6 +108,10 @@ struct TrainOptions {
     visit("prune-floaters", prune_floaters,
           "At each relocation also move Gaussians that hang 10 % or more before the depth of some photographs and on "
           "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
+    visit("largest-scale", largest_scale,
+          "Largest standard deviation of a Gaussian, as a share of its distance to the nearest photograph's camera; "
+          "larger ones grow beside what the photographs show and veil views between them; 0 = any",
+          Range{0, 1e3});
     visit("last-rates", last_rates,
           "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "
           "the second half of the run. 3DGS keeps them (1); 0 = 0.1",

@@ -26,6 +26,7 @@ struct Iteration {
   int sh_degree = 0;
   bool moves = true;     ///< false in the last iteration
   bool refines = false;  ///< relocates and grows
+  bool caps_scales = false;
 };
 
 inline constexpr double kLossSmoothing = 0.9;  ///< share of the past in the loss that is shown
@@ -36,7 +37,8 @@ struct LossReport {
 };
 
 /// A device. An iteration is OpacityFactors, the rasteriser's Forward, LossOfView, BackwardAndStep and, where it
-/// refines, Refine, on a model that Upload made. Errors of training that diverges (RunError) may come as late as Loss.
+/// has them, CapScales and Refine, on a model that Upload made. Errors of training that diverges (RunError) may come as
+/// late as Loss.
 class TrainDevice {
  public:
   virtual ~TrainDevice() = default;
@@ -57,6 +59,8 @@ class TrainDevice {
   /// Everything between the gradient of the image and the moved Gaussians: backward, regularisers, Adam and, unless the
   /// iteration refines, noise. Closes the iteration's loss.
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
+  /// scale_cap.h with --largest-scale, in iterations that cap scales, before Refine.
+  virtual void CapScales(TrainedModel* model) = 0;
   /// Floaters pruned where that is asked for, relocation, growth, noise.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
 

@@ -58,6 +58,18 @@ ORACLEGS_HD inline Real OpacityFactor(uint64_t seed, uint64_t counter, Real drop
   return factor * (scaled > 0 ? scaled : 0);
 }
 
+/// The logarithm of the largest scale that a Gaussian of this centre may have; see scale_cap.h. centers: [count,3].
+ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, int count, float log_share) {
+  float nearest = 3.4e38f;
+  for (int c = 0; c < count; ++c) {
+    const float dx = mean[0] - centers[3 * c], dy = mean[1] - centers[3 * c + 1], dz = mean[2] - centers[3 * c + 2];
+    const float squared = dx * dx + dy * dy + dz * dz;
+    if (squared < nearest) nearest = squared;
+  }
+  constexpr float kLeastSquared = 1e-12f;  // a Gaussian in a camera's centre keeps some size
+  return log_share + 0.5f * std::log(nearest > kLeastSquared ? nearest : kLeastSquared);
+}
+
 /// What the views say of one Gaussian's centre; see floaters.h.
 struct FloaterVotes {
   int before = 0, agree = 0;

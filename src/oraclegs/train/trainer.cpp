@@ -104,6 +104,8 @@ Iteration Trainer::State::NextIteration() {
   next.view = sampler.Next(SyntheticProbability(i, options.iterations, options.Proposals()));
   next.moves = !IsLast(i);
   next.refines = Refines(i);
+  // Also after the last relocation: what is large grows until the end.
+  next.caps_scales = options.largest_scale > 0 && i % options.refine_every == 0;
   return next;
 }
 
@@ -131,6 +133,7 @@ void Trainer::State::Step() {
   device->BackwardAndStep(next, upstream, &model);
   last_timings.render = device->TimingsSoFar();
   lap.To(&rendering);
+  if (next.caps_scales) device->CapScales(&model);
   if (next.refines) device->Refine(next, &model);
   lap.To(&last_timings.refine);
   timings.Add(last_timings);

@@ -1,6 +1,7 @@
 #include "oraclegs/train/cuda/cuda_train_device.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -10,10 +11,12 @@
 #include "oraclegs/train/cuda/fused_step.h"
 #include "oraclegs/train/cuda/opacity_factors.h"
 #include "oraclegs/train/cuda/refine.h"
+#include "oraclegs/train/cuda/scale_cap.h"
 #include "oraclegs/train/cuda/step.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/memory_estimate.h"
 #include "oraclegs/train/rows.h"
+#include "oraclegs/train/scale_cap.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -49,6 +52,9 @@ class CudaTrainDevice final : public TrainDevice {
       depth_views_.Upload(views.data(), num_depth_views_);
       floater_counts_.ReserveExactly(2);
     }
+    const std::vector<float> centers = CameraCenters(view_loss_.photographs());
+    num_cameras_ = static_cast<int>(centers.size() / 3);
+    camera_centers_.Upload(centers.data(), static_cast<int64_t>(centers.size()));
     unchecked_.reserve(kMostUnchecked);
   }
 
@@ -129,6 +135,12 @@ class CudaTrainDevice final : public TrainDevice {
     RunLedger({terms_, iteration.number, kLossSmoothing, ledger_.data()}, kStream);
     unchecked_.push_back(iteration);
     if (unchecked_.size() >= kMostUnchecked) Loss();
+  }
+
+  void CapScales(TrainedModel* model) override {
+    RunCapScales({model->gaussians.Rows(), model->gaussians.size(), camera_centers_.data(), num_cameras_,
+                  static_cast<float>(std::log(options_.largest_scale))},
+                 kStream);
   }
 
   void Refine(const Iteration& iteration, TrainedModel* model) override {
@@ -259,6 +271,8 @@ class CudaTrainDevice final : public TrainDevice {
   DeviceArray<uint64_t> weights_{"relocation"}, ranks_{"relocation"}, totals_{"relocation"};
   DeviceArray<int> sources_{"relocation"}, draws_{"relocation"};
   DeviceArray<double> choose_{"relocation"};
+  DeviceArray<float> camera_centers_{"the photographs' places"};
+  int num_cameras_ = 0;
   DeviceArray<DepthView> depth_views_{"the pruning of floaters"};
   int num_depth_views_ = 0;
   DeviceArray<uint8_t> floats_{"the pruning of floaters"};

@@ -1,0 +1,24 @@
+#pragma once
+// train/scale_cap.h on a GPU.
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "oraclegs/gaussians/gaussian_rows.h"
+
+namespace oraclegs::cuda {
+
+/// All memory is the device's.
+struct ScaleCapInput {
+  GaussianRows params;
+  int64_t count = 0;
+  const float* centers = nullptr;  ///< [num_centers,3], of the photographs' cameras
+  int num_centers = 0;
+  float log_share = 0;  ///< ln of the largest scale to the distance
+};
+
+/// Queues the capping. Nothing happens without centres.
+void RunCapScales(const ScaleCapInput& in, cudaStream_t stream);
+
+}  // namespace oraclegs::cuda
