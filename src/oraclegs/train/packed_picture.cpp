@@ -30,9 +30,4 @@ Tensor Packed(const Tensor& picture) {
   return exact ? bytes.view(picture.sizes()) : picture;
 }
 
-Tensor Unpacked(const Tensor& packed) {
-  if (!packed.defined() || packed.scalar_type() != torch::kByte) return packed;
-  return packed.to(torch::kFloat).div_(255);
-}
-
 }  // namespace oraclegs

@@ -9,7 +9,4 @@ namespace oraclegs {
 /// picture that was read from a file and not resized are; else itself. Undefined stays undefined.
 Tensor Packed(const Tensor& picture);
 
-/// The float32 values again, on the same device.
-Tensor Unpacked(const Tensor& packed);
-
 }  // namespace oraclegs
