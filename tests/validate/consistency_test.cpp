@@ -182,9 +182,9 @@ TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
     return std::pair{inside / 900, outside / (96 * 72 - 900)};
   };
   const auto [inside, outside] = means(both.Validate({proposal})[0]);
-  const auto [inside_alone, outside_alone] = means(alone.Validate({proposal})[0]);
+  const double inside_alone = means(alone.Validate({proposal})[0]).first;
   EXPECT_LT(inside, inside_alone - 0.2);
-  EXPECT_GT(outside, outside_alone);
+  EXPECT_GT(outside, 0.98) << "but for the square's edge, where doubt spreads";
 }
 
 TEST_F(ConsistencyTest, WhatWasLookedAtIsNotAskedAboutAgain) {

@@ -8,6 +8,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/validate/smooth.h"
 
 namespace oraclegs {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 constexpr float kGoodError = 0.08f;
 // What orders the pixels: near the noise of a sensor as well as beyond it.
 constexpr float kFineError = 0.02f;
-constexpr size_t kSamples = 12000;  // of a source, over all hidden photographs
+constexpr size_t kSamples = 36000;  // of a source, over all hidden photographs
 
 float Likeness(float error, float scale) { return std::exp(-(error / scale) * (error / scale)); }
 
@@ -204,7 +205,11 @@ std::vector<ConfidenceMap> ConsistencyOracle::Judge(const std::vector<HiddenPhot
     const Model& model = own == by_source_.end() ? *any_ : own->second;
     const PixelRows rows(FeaturesAt(hidden[h], warped), second[h]);
     std::array<float, PixelRows::kMost> space;
-    for (size_t i = 0; i < rows.size(); ++i) maps[h].push_back(model.level(model.order(rows.Row(i, &space))));
+    ConfidenceMap& map = maps[h];
+    for (size_t i = 0; i < rows.size(); ++i) map.push_back(model.order(rows.Row(i, &space)));
+    const Camera& camera = hidden[h].proposal.camera;
+    if (ReadsPhotographs()) Smooth(camera.width, camera.height, &map);
+    for (float& trust : map) trust = model.level(trust);
   });
   return maps;
 }

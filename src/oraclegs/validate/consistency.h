@@ -26,8 +26,8 @@ enum class Evidence {
 };
 
 /// Confidence = the goodness that pixels with such features had where photographs were hidden: by logistic regression
-/// for the order of the pixels and an isotonic map for its level, one of each for every proposer. Never looks at a test
-/// view. What is referenced must outlive it.
+/// for the order of the pixels, smoothed where it comes from the photographs (smooth.h), and an isotonic map for its
+/// level, one of each for every proposer. Never looks at a test view. What is referenced must outlive it.
 class ConsistencyOracle : public Oracle {
  public:
   ConsistencyOracle(const Warper& warper, const std::vector<Photo>& photos) : warper_(warper), photos_(photos) {}
