@@ -41,7 +41,7 @@ TEST(AblationRows, TheFirstIsMcmcAlone) {
   EXPECT_EQ(first.propose.proposers, "none");
   EXPECT_TRUE(first.propose.proposal_folder.empty());
   const TrainOptions& t = first.train;
-  EXPECT_EQ(t.depth_weight + t.opacity_noise + t.dropout + t.coarse_share + t.proposal_lpips, 0);
+  EXPECT_EQ(t.depth_weight + t.alpha_weight + t.opacity_noise + t.dropout + t.coarse_share + t.proposal_lpips, 0);
   EXPECT_EQ(t.last_rates, 1);
   EXPECT_FALSE(t.prune_floaters);
   EXPECT_EQ(t.largest_scale, 0);

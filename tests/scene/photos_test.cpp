@@ -115,7 +115,24 @@ TEST(LoadPhotos, AlphaCompositesBeforeItIsFiltered) {
   const Photo white = one.Load({.downscale = 2, .background = "white"});
   EXPECT_THAT(white.rgb.data, ElementsAre(1.f, 0.5f, 0.5f));
   EXPECT_TRUE(white.mask.empty());  // what is behind a Blender scene is part of its pictures
+  EXPECT_THAT(white.alpha, ElementsAre(0.5f));
   EXPECT_THAT(one.Load({.downscale = 2}).rgb.data, ElementsAre(0.5f, 0.f, 0.f));
+}
+
+TEST(LoadPhotos, AlphaIsKnownOfABlenderScenesPicturesThatHaveIt) {
+  OneView blender(2, 1, SceneFormat::kBlender), photograph(2, 1, SceneFormat::kTransforms);
+  Image8 image = Filled(2, 1, {10, 20, 30, 255});
+  image.data[3] = 51;
+  for (OneView* one : {&blender, &photograph}) one->Write(image);
+  EXPECT_THAT(blender.Load().alpha, ElementsAre(0.2f, 1.f));
+  EXPECT_TRUE(photograph.Load().alpha.empty());  // there it is a mask
+  WritePng(blender.dir / "mask.png", Filled(2, 1, {0}));
+  blender.view().mask_path = blender.dir / "mask.png";
+  const Photo masked = blender.Load();
+  EXPECT_THAT(masked.alpha, ElementsAre(0.2f, 1.f));
+  EXPECT_THAT(masked.mask, ElementsAre(0, 0));
+  blender.Write(Filled(2, 1, {10, 20, 30}));
+  EXPECT_TRUE(blender.Load().alpha.empty());
 }
 
 TEST(LoadPhotos, AlphaMasksAPhotograph) {

@@ -30,6 +30,14 @@ TEST(HalfSizeTest, AveragesSquaresOfFourPixels) {
   EXPECT_LE(MaxAbsError(half.image, expected), 1e-6);
 }
 
+TEST(HalfSizeTest, AlphaIsAveragedOverWhatCounts) {
+  TrainView view = Plain(4, 2);
+  view.alpha = torch::tensor({{1.f, 0.f, 0.5f, 0.5f}, {1.f, 0.f, 0.5f, 0.1f}});
+  EXPECT_LE(MaxAbsError(HalfSize(view).alpha, torch::tensor({{0.5f, 0.4f}})), 1e-6);
+  view.confidence = torch::tensor({{1.f, 0.f, 1.f, 1.f}, {1.f, 0.f, 1.f, 0.f}});
+  EXPECT_LE(MaxAbsError(HalfSize(view).alpha, torch::tensor({{1.f, 0.5f}})), 1e-6);
+}
+
 TEST(HalfSizeTest, OddSizesAreRoundedUp) {
   const TrainView half = HalfSize(Plain(7, 1));
   EXPECT_EQ(half.camera.width, 4);

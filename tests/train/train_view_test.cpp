@@ -22,7 +22,19 @@ TEST(ToTrainViewTest, CopiesPixelsAndMask) {
   EXPECT_EQ(view.image.sum().item<float>(), 0.25f * kWidth * kHeight * 3 + 0.5f);
   EXPECT_EQ(view.confidence[0][5].item<float>(), 0);
   EXPECT_EQ(view.confidence.sum().item<float>(), kWidth * kHeight - 1);
+  EXPECT_FALSE(view.alpha.defined());
   photo.mask.pop_back();
+  EXPECT_THROW(ToTrainView(photo), ShapeError);
+}
+
+TEST(ToTrainViewTest, CopiesAlpha) {
+  Photo photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
+  photo.alpha.assign(kWidth * kHeight, 1);
+  photo.alpha[kWidth + 2] = 0.5f;
+  const TrainView view = ToTrainView(photo);
+  EXPECT_EQ(view.alpha[1][2].item<float>(), 0.5f);
+  EXPECT_EQ(view.alpha.sum().item<float>(), kWidth * kHeight - 0.5f);
+  photo.alpha.push_back(1);
   EXPECT_THROW(ToTrainView(photo), ShapeError);
 }
 
@@ -57,6 +69,23 @@ TEST(CheckViewsTest, NamesTheInverseDepthThatIsNotFinite) {
   }
   view.depth_mask[3][7] = 0;
   EXPECT_NO_THROW(CheckViews({view}));
+}
+
+TEST(CheckViewsTest, AlphaIsAShareOfEveryPixel) {
+  TrainView view = Photographs(1)[0];
+  view.alpha = torch::ones({kHeight, kWidth});
+  EXPECT_NO_THROW(CheckViews({view}));
+  for (const float wrong : {-0.1f, 1.1f, std::nanf("")}) {
+    view.alpha[2][4] = wrong;
+    try {
+      CheckViews({view});
+      ADD_FAILURE() << wrong << " was accepted";
+    } catch (const ShapeError& e) {
+      EXPECT_THAT(e.what(), HasSubstr("at column 4, row 2, must be in 0 .. 1"));
+    }
+  }
+  view.alpha = torch::ones({kHeight, kWidth + 1});
+  EXPECT_THROW(CheckViews({view}), ShapeError);
 }
 
 TEST(CheckProposalsTest, ConfidenceIsAShare) {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "oraclegs/loss/depth.h"
+#include "oraclegs/loss/masked_l1.h"
 #include "oraclegs/train/schedule.h"
 #include "support/tensors.h"
 #include "train/small_scene.h"
@@ -39,7 +39,7 @@ TEST(ViewLossTest, AProposalsIsWeighedByConfidenceAndHasDepthOfItsMask) {
   Tensor grad = torch::empty_like(out.image), grad_depth = torch::empty_like(out.inv_depth);
   const double picture = PhotometricLoss()(out.image, proposal.image, proposal.confidence, {0.7f, 0.3f}, &grad).loss;
   const double weight = 2 * CharacteristicDepth({proposal}) * DepthWeight(30, options.iterations);
-  const double depth = DepthLoss(out.inv_depth, proposal.inv_depth, proposal.depth_mask, weight, &grad_depth);
+  const double depth = MaskedL1(out.inv_depth, proposal.inv_depth, proposal.depth_mask, weight, &grad_depth);
   EXPECT_GT(depth, 0);
   EXPECT_DOUBLE_EQ(result.loss, picture + depth);
   EXPECT_TRUE(torch::equal(result.grads.image, grad));
@@ -49,6 +49,26 @@ TEST(ViewLossTest, AProposalsIsWeighedByConfidenceAndHasDepthOfItsMask) {
   options.proposal_weight = 0.5;
   ViewLoss half(options, {{photograph}, {proposal}});
   EXPECT_NEAR(half(kProposal, 30, out).loss, (picture + depth) / 2, 1e-9);
+}
+
+TEST(ViewLossTest, AlphaCountsWhereThePhotographDoes) {
+  TrainOptions options = Options();
+  options.alpha_weight = 0.4;
+  TrainView photograph = Photographs(1)[0];
+  photograph.confidence = (torch::rand({kHeight, kWidth}) > 0.3).to(torch::kFloat);
+  const RenderOutput out = Render();
+  const double without = ViewLoss(options, {{photograph}})(kPhotograph, 1, out).loss;
+  photograph.alpha = torch::rand({kHeight, kWidth});
+  ViewLoss loss(options, {{photograph}});
+  const ViewLossResult result = loss(kPhotograph, 1, out);
+  Tensor grad = torch::empty_like(out.alpha);
+  const double alpha = MaskedL1(out.alpha, photograph.alpha, photograph.confidence, 0.4, &grad);
+  EXPECT_GT(alpha, 0);
+  EXPECT_DOUBLE_EQ(result.loss, without + alpha);
+  EXPECT_TRUE(torch::equal(result.grads.alpha, grad));
+  options.alpha_weight = 0;
+  ViewLoss off(options, {{photograph}});
+  EXPECT_FALSE(off(kPhotograph, 1, out).grads.alpha.defined());
 }
 
 TEST(ViewLossTest, ThePhotographsSayWhatDistancesTheSceneHas) {

@@ -36,7 +36,7 @@ const std::vector<AblationRow>& AblationRows() {
          // Where everything is trusted alike there is nothing to calibrate, and no row of it.
          if (asked.validate.oracle != "uniform") o->validate.calibrate = false;
          o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
-         o->train.largest_scale = 0;
+         o->train.largest_scale = 0, o->train.alpha_weight = 0;
          o->train.proposal_lpips = 0;
          o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1, o->train.exposure = "off";
        }},
@@ -62,8 +62,8 @@ const std::vector<AblationRow>& AblationRows() {
          o->start = asked.start, o->start.seed = seed;
        }},
       {"regularisers", "+ regularisers",
-       "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, colour maps where "
-       "exposures vary",
+       "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, alpha in the loss "
+       "where photographs have it, colour maps where exposures vary",
        [](const RunOptions& asked, RunOptions* o) { o->train = asked.train, o->train.proposal_lpips = 0; }},
       {"calibration", "+ calibrated oracle",
        "what the oracle says is mapped to what such pixels were worth where photographs were hidden",

@@ -19,9 +19,10 @@ namespace fs = std::filesystem;
 
 constexpr uint8_t kMaskThreshold = 128;
 constexpr float kCoverage = 0.5f;                   // of a working pixel's area that must count for it to count
-constexpr int64_t kBytesPerPixel = 36;              // one photograph at full size: 8-bit, float, undistorted
+constexpr int64_t kBytesPerPixel = 44;              // one photograph at full size: 8-bit, float, undistorted
 constexpr int64_t kBytesAtOnce = int64_t{4} << 30;  // for all photographs in work, unless one alone needs more
-constexpr int kKeep = 3;  // the channel beside RGB that says what counts, 0 or 1 before filtering
+constexpr int kKeep = 3;   // the channel beside RGB that says what counts, 0 or 1 before filtering
+constexpr int kAlpha = 4;  // the channel beside these of a picture whose background is known to be nothing
 constexpr const char* kImageFolder = "images";
 
 /// The file of an images_N folder that stands for `path` at the given downscale; empty when there is none.
@@ -59,9 +60,11 @@ Source ReadSource(const SceneView& view, int downscale) {
                    file.string(), width, height, lens.width, lens.height);
 }
 
-/// RGB on the background, with a fourth channel of ones when asked for.
-ImageF Composite(const Image8& image, const std::array<float, 3>& background, bool with_keep) {
-  const size_t in_channels = static_cast<size_t>(image.channels), out_channels = with_keep ? 4 : 3;
+float* Keep(size_t pixel, ImageF* image) { return &image->data[static_cast<size_t>(image->channels) * pixel + kKeep]; }
+
+/// RGB on the background; of more channels the fourth is ones and the fifth alpha.
+ImageF Composite(const Image8& image, const std::array<float, 3>& background, size_t out_channels) {
+  const size_t in_channels = static_cast<size_t>(image.channels);
   const size_t pixels = image.data.size() / in_channels;
   ImageF result{image.width, image.height, static_cast<int>(out_channels),
                 std::vector<float>(pixels * out_channels, 1)};
@@ -70,13 +73,14 @@ ImageF Composite(const Image8& image, const std::array<float, 3>& background, bo
   for (size_t i = 0; i < pixels; ++i, in += in_channels, out += out_channels) {
     const float alpha = in_channels == 4 ? static_cast<float>(in[3]) / 255 : 1.f;
     for (size_t c = 0; c < 3; ++c) out[c] = alpha * (static_cast<float>(in[c]) / 255) + (1 - alpha) * background[c];
+    if (out_channels > kAlpha) out[kAlpha] = alpha;
   }
   return result;
 }
 
 void ExcludeTransparent(const Image8& image, ImageF* composite) {
   for (size_t i = 0; i < image.data.size() / 4; ++i) {
-    if (image.data[4 * i + 3] < kMaskThreshold) composite->data[4 * i + kKeep] = 0;
+    if (image.data[4 * i + 3] < kMaskThreshold) *Keep(i, composite) = 0;
   }
 }
 
@@ -97,37 +101,42 @@ ImageF ReadMask(const SceneView& view, const Lens& lens) {
 /// Multiplies the keep channel by other pictures of what counts.
 template <class Values>
 void Exclude(const Values& keep, ImageF* image) {
-  for (size_t i = 0; i < keep.size(); ++i) image->data[4 * i + kKeep] *= static_cast<float>(keep[i]);
+  for (size_t i = 0; i < keep.size(); ++i) *Keep(i, image) *= static_cast<float>(keep[i]);
 }
 
-/// The photograph as its lens took it, composited; 4 channels when some pixels may not count.
+/// The photograph as its lens took it, composited; 4 channels when some pixels may not count, 5 when alpha is known.
 ImageF ComposeSource(const Scene& scene, const SceneView& view, const Source& source, const PhotoOptions& options) {
-  const bool alpha_masks = source.image.channels == 4 && scene.format != SceneFormat::kBlender;
+  const bool has_alpha = source.image.channels == 4, is_rendered = scene.format == SceneFormat::kBlender;
+  const bool alpha_masks = has_alpha && !is_rendered;
   const bool with_keep = alpha_masks || !view.mask_path.empty() || !view.lens.IsPinhole();
-  ImageF image = Composite(source.image, BackgroundColor(options.background), with_keep);
+  const size_t channels = has_alpha && is_rendered ? 5 : with_keep ? 4 : 3;
+  ImageF image = Composite(source.image, BackgroundColor(options.background), channels);
   if (alpha_masks) ExcludeTransparent(source.image, &image);
   if (!view.mask_path.empty()) Exclude(ReadMask(view, source.lens).data, &image);
   return image;
 }
 
-/// Splits off the keep channel.
+/// Splits off the channels beside RGB.
 void Store(ImageF image, Photo* photo) {
   if (image.channels == 3) {
     photo->rgb = std::move(image);
     return;
   }
-  const size_t pixels = image.data.size() / 4;
+  const size_t channels = static_cast<size_t>(image.channels), pixels = image.data.size() / channels;
   photo->rgb = {image.width, image.height, 3, std::vector<float>(pixels * 3)};
   photo->mask.resize(pixels);
+  if (channels > kAlpha) photo->alpha.resize(pixels);
   for (size_t i = 0; i < pixels; ++i) {
-    std::copy_n(image.data.data() + 4 * i, 3, photo->rgb.data.data() + 3 * i);
-    photo->mask[i] = image.data[4 * i + kKeep] >= kCoverage;
+    const float* pixel = image.data.data() + channels * i;
+    std::copy_n(pixel, 3, photo->rgb.data.data() + 3 * i);
+    photo->mask[i] = pixel[kKeep] >= kCoverage;
+    if (channels > kAlpha) photo->alpha[i] = std::clamp(pixel[kAlpha], 0.f, 1.f);  // filters round
   }
   if (std::find(photo->mask.begin(), photo->mask.end(), 0) == photo->mask.end()) photo->mask.clear();
 }
 
 Photo LoadPhoto(const Scene& scene, const SceneView& view, const PhotoOptions& options) {
-  Photo photo{view.name, WorkingCamera(view, options), {}, {}};
+  Photo photo{view.name, WorkingCamera(view, options), {}, {}, {}};
   Source source = ReadSource(view, options.downscale);
   ImageF image = ComposeSource(scene, view, source, options);
   source.image = {};  // the 8-bit picture is not needed beside the float ones

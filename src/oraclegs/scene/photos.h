@@ -35,18 +35,20 @@ std::array<float, 3> BackgroundColor(const std::string& name);
 struct Photo {
   std::string name;
   Camera camera;
-  ImageF rgb;                 ///< 3 channels, composited on the background
-  std::vector<uint8_t> mask;  ///< height * width, 1 = counts in losses and metrics; empty = all count
+  ImageF rgb;                     ///< 3 channels, composited on the background
+  std::vector<uint8_t> mask;      ///< height * width, 1 = counts in losses and metrics; empty = all count
+  std::vector<float> alpha = {};  ///< height * width, how much of the pixel the scene covers, of a Blender scene's
+                                  ///< pictures with an alpha channel; empty = unknown
 };
 
 /// Loads the given views of a scene with poses, in their order, on all threads. Undistortion happens at full size, then
 /// the area filter; sizes are round(size / downscale). The alpha channel composites onto the background; it masks
-/// nothing (a Blender scene's background is part of what is scored) unless the scene is a photograph scene, where
-/// alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128.
-/// A file images_N/NAME beside images/NAME is read in the photograph's place when N = downscale and it has the working
-/// size. FittingOrientation says whether a JPEG's EXIF orientation is applied.
-/// `listener` hears StepDone{"load"}, from any thread but one at a time, and one warning that names the photographs
-/// of which no pixel counts. Throws InputError naming the file: unreadable, or of another size than its lens says.
+/// nothing (a Blender scene's background is part of what is scored, and its alpha is kept) unless the scene is a
+/// photograph scene, where alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128. A file images_N/NAME
+/// beside images/NAME is read in the photograph's place when N = downscale and it has the working size.
+/// FittingOrientation says whether a JPEG's EXIF orientation is applied. `listener` hears StepDone{"load"}, from any
+/// thread but one at a time, and one warning that names the photographs of which no pixel counts. Throws InputError
+/// naming the file: unreadable, or of another size than its lens says.
 std::vector<Photo> LoadPhotos(const Scene& scene, const std::vector<int>& views, const PhotoOptions& options,
                               const Listener& listener);
 

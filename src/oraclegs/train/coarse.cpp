@@ -58,6 +58,10 @@ TrainView HalfSize(const TrainView& view, ViewKind kind) {
   } else {
     half.image = Resize(view.image, size);
   }
+  if (view.alpha.defined()) {
+    half.alpha = view.confidence.defined() ? ResizeWeighted(view.alpha, view.confidence, half.confidence)
+                                           : Resize(view.alpha, size);
+  }
   if (view.inv_depth.defined()) {
     half.depth_mask = Resize(view.depth_mask, size);
     half.inv_depth = ResizeWeighted(view.inv_depth, view.depth_mask, half.depth_mask);

@@ -7,9 +7,9 @@
 namespace oraclegs {
 namespace {
 
-// Of a pixel: the gradients of the render and of its inverse depth, the render through an exposure map, and the nine
-// slopes of the SSIM.
-constexpr int64_t kLossBytesAPixel = (3 + 1 + 3 + 9) * 4;
+// Of a pixel: the gradients of the render, of its inverse depth and of its alpha, the render through an exposure map,
+// and the nine slopes of the SSIM.
+constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
 
 double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 

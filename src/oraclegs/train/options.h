@@ -14,6 +14,7 @@ struct TrainOptions {
   int iterations = 7000;
   int max_gaussians = 100000;
   double depth_weight = 1;
+  double alpha_weight = 0.1;
   std::string exposure = "auto";
   double dropout = -1;
   double opacity_noise = -1;
@@ -84,6 +85,10 @@ struct TrainOptions {
     visit("depth-weight", depth_weight,
           "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
+          Range{0, 1e3});
+    visit("alpha-weight", alpha_weight,
+          "Weight of the alpha term where a Blender scene's pictures have that channel: mean |alpha - rendered|, which "
+          "keeps objects from being thin and what is beside them from being veiled; 0 = off",
           Range{0, 1e3});
     visit("exposure", exposure,
           "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "

@@ -25,6 +25,15 @@ void CheckDepth(const TrainView& view) {
   }
 }
 
+void CheckShares(const TrainView& view, const char* what, const Tensor& shares) {
+  const float* values = shares.data_ptr<float>();
+  for (int64_t i = 0; i < shares.numel(); ++i) {
+    if (values[i] >= 0 && values[i] <= 1) continue;
+    throw ShapeError("Trainer: {} of {} is {} at column {}, row {}, must be in 0 .. 1", what, view.name, values[i],
+                     i % view.camera.width, i / view.camera.width);
+  }
+}
+
 void CheckView(const TrainView& view) {
   const int64_t height = view.camera.height, width = view.camera.width;
   RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
@@ -32,6 +41,22 @@ void CheckView(const TrainView& view) {
     RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
   }
   CheckDepth(view);
+  if (!view.alpha.defined()) return;
+  RequireFloat("Trainer", ("alpha of " + view.name).c_str(), view.alpha, {height, width});
+  CheckShares(view, "alpha", view.alpha);
+}
+
+/// One channel of a photograph, which has as many numbers as it has pixels.
+template <class T>
+Tensor Plane(const std::vector<T>& values, const char* what, const Photo& photo) {
+  const int64_t height = photo.rgb.height, width = photo.rgb.width;
+  if (values.size() != static_cast<size_t>(height * width)) {
+    throw ShapeError("ToTrainView: the {} of {} has {} pixels, expected {}", what, photo.name, values.size(),
+                     height * width);
+  }
+  const Tensor plane = torch::empty({height, width}, torch::kFloat);
+  std::copy(values.begin(), values.end(), plane.data_ptr<float>());
+  return plane;
 }
 
 /// The middle one, of an even count the upper; `values` is not empty and loses its order.
@@ -51,14 +76,8 @@ TrainView ToTrainView(const Photo& photo) {
   }
   view.image = torch::empty({height, width, 3}, torch::kFloat);
   std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data_ptr<float>());
-  if (photo.mask.empty()) return view;
-  if (photo.mask.size() != static_cast<size_t>(height * width)) {
-    throw ShapeError("ToTrainView: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
-                     height * width);
-  }
-  view.confidence = torch::empty({height, width}, torch::kFloat);
-  std::transform(photo.mask.begin(), photo.mask.end(), view.confidence.data_ptr<float>(),
-                 [](uint8_t counts) { return counts ? 1.f : 0.f; });
+  if (!photo.mask.empty()) view.confidence = Plane(photo.mask, "mask", photo);
+  if (!photo.alpha.empty()) view.alpha = Plane(photo.alpha, "alpha channel", photo);
   return view;
 }
 
@@ -70,13 +89,7 @@ void CheckViews(const std::vector<TrainView>& views) {
 void CheckProposals(const std::vector<TrainView>& proposals) {
   for (const TrainView& view : proposals) {
     CheckView(view);
-    if (!view.confidence.defined()) continue;
-    const float* u = view.confidence.data_ptr<float>();
-    for (int64_t i = 0; i < view.confidence.numel(); ++i) {
-      if (u[i] >= 0 && u[i] <= 1) continue;
-      throw ShapeError("Trainer: confidence of {} is {} at column {}, row {}, must be in 0 .. 1", view.name, u[i],
-                       i % view.camera.width, i / view.camera.width);
-    }
+    if (view.confidence.defined()) CheckShares(view, "confidence", view.confidence);
   }
 }
 

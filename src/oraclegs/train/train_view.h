@@ -19,14 +19,15 @@ struct TrainView {
   Tensor confidence;      ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
   Tensor inv_depth = {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
   Tensor depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
+  Tensor alpha = {};       ///< [H,W] in [0,1], how much of the pixel the scene covers; undefined = unknown
   ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
 };
 
-/// Without depth. Throws ShapeError when the photo's buffers do not fit its size.
+/// Without depth; with alpha where the photo has any. Throws ShapeError when the photo's buffers do not fit its size.
 TrainView ToTrainView(const Photo& photo);
 
 /// Throws UsageError when there is no view, ShapeError when a tensor does not fit its camera, when only one of
-/// inv_depth and depth_mask is there, or when an inverse depth that counts is not finite.
+/// inv_depth and depth_mask is there, when an inverse depth that counts is not finite, or an alpha not in [0, 1].
 void CheckViews(const std::vector<TrainView>& views);
 
 /// The same of proposals, of which there may be none; also throws ShapeError where a confidence is not in [0, 1].

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "oraclegs/loss/depth.h"
+#include "oraclegs/loss/masked_l1.h"
 #include "oraclegs/train/coarse.h"
 #include "oraclegs/train/schedule.h"
 
@@ -85,6 +85,7 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
   result.loss = is_proposal ? objective_.Proposal(out.image, view.image, view.confidence, &result.grads.image)
                             : PhotographLoss(sampled.index, iteration, out.image, &result.grads.image);
   result.loss += DepthTerm(view, DepthTermWeight(sampled.kind, iteration), out.inv_depth, &result.grads.inv_depth);
+  result.loss += AlphaTerm(view, out.alpha, &result.grads.alpha);
   RequireFinite(result.loss, iteration, view);
   return result;
 }
@@ -108,7 +109,14 @@ double ViewLoss::PhotographLoss(int index, int64_t iteration, const Tensor& imag
 double ViewLoss::DepthTerm(const TrainView& view, double weight, const Tensor& inv_depth, Tensor* grad) {
   if (weight == 0 || !view.inv_depth.defined()) return 0;
   *grad = grad_inv_depth_.Get({view.camera.height, view.camera.width});
-  return DepthLoss(inv_depth, view.inv_depth, view.depth_mask, weight, grad);
+  return MaskedL1(inv_depth, view.inv_depth, view.depth_mask, weight, grad);
+}
+
+/// Leaves `grad` undefined as DepthTerm does.
+double ViewLoss::AlphaTerm(const TrainView& view, const Tensor& alpha, Tensor* grad) {
+  if (options_.alpha_weight == 0 || !view.alpha.defined()) return 0;
+  *grad = grad_alpha_.Get({view.camera.height, view.camera.width});
+  return MaskedL1(alpha, view.alpha, view.confidence, options_.alpha_weight, grad);
 }
 
 void RequireFinite(double loss, int64_t iteration, const TrainView& view) {

@@ -35,7 +35,8 @@ struct ViewLossResult {
 ///   learns from it;
 /// - a proposal's: Objective::Proposal, through no map;
 /// - of a view with inv_depth also depth_weight * 0.01^t * CharacteristicDepth * mean(|inv_depth - rendered| *
-///   depth_mask) (spec 9); proposal_weight is a factor of this too.
+///   depth_mask) (spec 9); proposal_weight is a factor of this too;
+/// - of a view with alpha also alpha_weight * mean(|alpha - rendered| * confidence).
 /// Iterations count from 1.
 class ViewLoss {
  public:
@@ -68,6 +69,7 @@ class ViewLoss {
  private:
   double PhotographLoss(int index, int64_t iteration, const Tensor& image, Tensor* grad);
   double DepthTerm(const TrainView& view, double weight, const Tensor& inv_depth, Tensor* grad);
+  double AlphaTerm(const TrainView& view, const Tensor& alpha, Tensor* grad);
 
   TrainOptions options_;
   std::vector<TrainView> photographs_, proposals_;
@@ -76,7 +78,7 @@ class ViewLoss {
   double depth_scale_;  // of the depth term at the start of the run, world units; 0 = there is none
   std::optional<Exposures> exposures_;
   Objective objective_;
-  ImageBuffer grad_image_, grad_inv_depth_, exposed_image_;
+  ImageBuffer grad_image_, grad_inv_depth_, grad_alpha_, exposed_image_;
 };
 
 /// Throws RunError that names the iteration and the view when the loss is not finite.

@@ -21,6 +21,7 @@ TrainingData Data() {
     view->inv_depth = torch::rand({kHeight, kWidth});
     view->depth_mask = torch::rand({kHeight, kWidth});
   }
+  for (TrainView* view : {&data.photographs[1], &data.photographs[2]}) view->alpha = torch::rand({kHeight, kWidth});
   data.proposals[0].confidence = torch::rand({kHeight, kWidth});
   return data;
 }
@@ -59,9 +60,11 @@ class CudaViewLossTest : public CudaTest {
           loss(iteration, {OnTestDevice(out.image), OnTestDevice(out.alpha), OnTestDevice(out.inv_depth)}, &terms);
       EXPECT_NEAR(Total(terms), wanted.loss, 1e-6) << number;
       EXPECT_LE(RelativeL2(OnHost(grads.image), wanted.grads.image), 1e-5) << number;
-      ASSERT_EQ(grads.inv_depth.defined(), wanted.grads.inv_depth.defined()) << number;
-      if (!grads.inv_depth.defined()) continue;
-      EXPECT_LE(RelativeL2(OnHost(grads.inv_depth), wanted.grads.inv_depth), 1e-6) << number;
+      for (Tensor RenderGrads::*plane : {&RenderGrads::inv_depth, &RenderGrads::alpha}) {
+        ASSERT_EQ((grads.*plane).defined(), (wanted.grads.*plane).defined()) << number;
+        if (!(grads.*plane).defined()) continue;
+        EXPECT_LE(RelativeL2(OnHost(grads.*plane), wanted.grads.*plane), 1e-6) << number;
+      }
     }
     const ExposureState state = loss.exposures();
     ASSERT_EQ(state.maps.size(), expected.exposures() == nullptr ? 0u : 3u);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "oraclegs/loss/cuda/depth.h"
+#include "oraclegs/loss/cuda/masked_l1.h"
 #include "oraclegs/render/cuda/torch_memory.h"
 #include "oraclegs/train/packed_picture.h"
 #include "oraclegs/train/schedule.h"
@@ -20,6 +20,7 @@ DeviceViewPictures Pack(const TrainView& view) {
   pictures.confidence = Packed(view.confidence);
   pictures.inv_depth = view.inv_depth;
   pictures.depth_mask = Packed(view.depth_mask);
+  pictures.alpha = view.alpha;
   pictures.mean_confidence = MeanConfidence(view.confidence);
   return pictures;
 }
@@ -45,11 +46,21 @@ std::vector<ExposureMap> DownloadMaps(const DeviceArray<float>& from, int views)
   return maps;
 }
 
+/// Queues weight * mean(|rendered - target| * mask) of the pictures that `in` names; its gradient goes to `grad`.
+void AddMaskedL1(MaskedL1Input in, double weight, const Tensor& grad, LossTerms* terms) {
+  in.pixels = grad.numel();
+  const double scale = weight / static_cast<double>(in.pixels);
+  in.scale = static_cast<float>(scale);
+  in.grad = grad.data_ptr<float>();
+  RunMaskedL1(in, kStream);
+  terms->Add({in.sums, MaskedL1Blocks(in.pixels), 1, scale});
+}
+
 }  // namespace
 
 int64_t DeviceViewPictures::bytes() const {
   int64_t sum = 0;
-  for (const Tensor& t : {image, confidence, inv_depth, depth_mask, lpips_target}) {
+  for (const Tensor& t : {image, confidence, inv_depth, depth_mask, alpha, lpips_target}) {
     if (t.defined()) sum += t.numel() * static_cast<int64_t>(t.element_size());
   }
   return sum;
@@ -133,9 +144,11 @@ CudaViewLoss::CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, torch::
   };
   grad_image_ = image(3);
   grad_inv_depth_ = image(1);
+  grad_alpha_ = image(1);
   slopes_.ReserveExactly(9 * pixels);
   photometric_sums_.ReserveExactly(tiles);
-  depth_sums_.ReserveExactly(DepthBlocks(pixels));
+  depth_sums_.ReserveExactly(MaskedL1Blocks(pixels));
+  alpha_sums_.ReserveExactly(MaskedL1Blocks(pixels));
   if (view_loss.exposures() == nullptr) return;
   shown_ = image(3);
   exposure_sums_.ReserveExactly(kExposureNumbers * ExposureBlocks(pixels));
@@ -163,6 +176,7 @@ RenderGrads CudaViewLoss::operator()(const Iteration& iteration, const RenderOut
   RenderGrads grads;
   grads.image = View(grad_image_, {height, width, 3});
   grads.inv_depth = AddDepth(iteration, out.inv_depth, terms);
+  grads.alpha = AddAlpha(iteration, out.alpha, terms);
   return grads;
 }
 
@@ -225,16 +239,27 @@ Tensor CudaViewLoss::AddDepth(const Iteration& iteration, const Tensor& inv_dept
   const double weight = view_loss_.DepthTermWeight(iteration.view.kind, iteration.number);
   if (weight == 0 || !pictures.inv_depth.defined()) return {};
   const Tensor grad = View(grad_inv_depth_, {inv_depth.size(0), inv_depth.size(1)});
-  DepthInput in;
-  in.pixels = inv_depth.numel();
-  in.inv_depth = inv_depth.data_ptr<float>();
+  MaskedL1Input in;
+  in.rendered = inv_depth.data_ptr<float>();
   in.target = pictures.inv_depth.data_ptr<float>();
   in.mask = ImageOf(pictures.depth_mask);
-  in.scale = static_cast<float>(weight / static_cast<double>(in.pixels));
   in.sums = depth_sums_.data();
-  in.grad = grad.data_ptr<float>();
-  RunDepth(in, kStream);
-  terms->Add({in.sums, DepthBlocks(in.pixels), 1, weight / static_cast<double>(in.pixels)});
+  AddMaskedL1(in, weight, grad, terms);
+  return grad;
+}
+
+/// The same of alpha.
+Tensor CudaViewLoss::AddAlpha(const Iteration& iteration, const Tensor& alpha, LossTerms* terms) {
+  const DeviceViewPictures& pictures = Pictures(iteration);
+  const double weight = view_loss_.options().alpha_weight;
+  if (weight == 0 || !pictures.alpha.defined()) return {};
+  const Tensor grad = View(grad_alpha_, {alpha.size(0), alpha.size(1)});
+  MaskedL1Input in;
+  in.rendered = alpha.data_ptr<float>();
+  in.target = pictures.alpha.data_ptr<float>();
+  in.mask = ImageOf(pictures.confidence);
+  in.sums = alpha_sums_.data();
+  AddMaskedL1(in, weight, grad, terms);
   return grad;
 }
 

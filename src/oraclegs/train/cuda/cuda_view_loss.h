@@ -15,11 +15,11 @@ namespace oraclegs::cuda {
 
 /// A view's pictures, as bytes where those hold them exactly.
 struct DeviceViewPictures {
-  Tensor image, confidence, inv_depth, depth_mask;  ///< as TrainView's
+  Tensor image, confidence, inv_depth, depth_mask, alpha;  ///< as TrainView's
   Tensor lpips_target;  ///< the image in floats, one object for all iterations, which the network's cache knows it by
   double mean_confidence = 1;
 
-  std::array<Tensor*, 5> Tensors() { return {&image, &confidence, &inv_depth, &depth_mask, &lpips_target}; }
+  std::array<Tensor*, 6> Tensors() { return {&image, &confidence, &inv_depth, &depth_mask, &alpha, &lpips_target}; }
   int64_t bytes() const;
 };
 
@@ -56,6 +56,7 @@ class CudaViewLoss {
   void StepExposure(const Iteration& iteration, const Tensor& image, LossTerms* terms);
   void AddLpips(const Iteration& iteration, const Tensor& image, LossTerms* terms);
   Tensor AddDepth(const Iteration& iteration, const Tensor& inv_depth, LossTerms* terms);
+  Tensor AddAlpha(const Iteration& iteration, const Tensor& alpha, LossTerms* terms);
   bool HasExposure(const Iteration& iteration) const {
     return rows_.views > 0 && iteration.view.kind == ViewKind::kPhotograph;
   }
@@ -66,11 +67,11 @@ class CudaViewLoss {
   const ViewLoss& view_loss_;
   DeviceViews views_;
   int64_t iterations_;
-  Tensor grad_image_, shown_, grad_inv_depth_;  // of the largest view
+  Tensor grad_image_, shown_, grad_inv_depth_, grad_alpha_;  // of the largest view
   DeviceArray<float> slopes_{"the gradients of the picture"};
   DeviceArray<PhotometricSums> photometric_sums_{"the sums of the loss"};
-  DeviceArray<double> depth_sums_{"the sums of the loss"}, exposure_sums_{"the sums of the loss"},
-      pull_{"the sums of the loss"};
+  DeviceArray<double> depth_sums_{"the sums of the loss"}, alpha_sums_{"the sums of the loss"},
+      exposure_sums_{"the sums of the loss"}, pull_{"the sums of the loss"};
   DeviceArray<float> maps_{"exposure maps"}, m_{"exposure maps"}, v_{"exposure maps"};
   DeviceArray<int64_t> steps_{"exposure maps"};
   ExposureRows rows_;

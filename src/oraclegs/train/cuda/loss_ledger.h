@@ -15,7 +15,7 @@ struct LossTerm {
   double weight = 0;
 };
 
-inline constexpr int kMaxLossTerms = 6;
+inline constexpr int kMaxLossTerms = 7;
 
 struct LossTerms {
   LossTerm terms[kMaxLossTerms];

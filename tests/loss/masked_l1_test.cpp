@@ -1,4 +1,4 @@
-#include "oraclegs/loss/depth.h"
+#include "oraclegs/loss/masked_l1.h"
 
 #include <gtest/gtest.h>
 
@@ -10,28 +10,36 @@
 namespace oraclegs {
 namespace {
 
-TEST(DepthLoss, MeanRunsOverAllPixelsNotOverTheMask) {
-  const Tensor inv_depth = torch::full({4, 5}, 0.5f), target = torch::full({4, 5}, 0.25f);
+TEST(MaskedL1, MeanRunsOverAllPixelsNotOverTheMask) {
+  const Tensor rendered = torch::full({4, 5}, 0.5f), target = torch::full({4, 5}, 0.25f);
   Tensor mask = torch::zeros({4, 5}), grad = torch::full({4, 5}, 9.f);
   mask[1][2] = 1;
   mask[3][4] = 1;
-  EXPECT_NEAR(DepthLoss(inv_depth, target, mask, 0.5, &grad), 0.5 * 2 * 0.25 / 20, 1e-9);
+  EXPECT_NEAR(MaskedL1(rendered, target, mask, 0.5, &grad), 0.5 * 2 * 0.25 / 20, 1e-9);
   EXPECT_LT(MaxAbsError(grad, mask * (0.5 / 20)), 1e-9);
 }
 
-TEST(DepthLoss, EqualityHasNoGradient) {
+TEST(MaskedL1, WithoutAMaskAllPixelsCount) {
+  torch::manual_seed(4);
+  const Tensor a = torch::rand({13, 29}), b = torch::rand({13, 29});
+  Tensor grad = torch::empty_like(a), of_ones = torch::empty_like(a);
+  EXPECT_EQ(MaskedL1(a, b, {}, 0.3, &grad), MaskedL1(a, b, torch::ones_like(a), 0.3, &of_ones));
+  EXPECT_TRUE(torch::equal(grad, of_ones));
+}
+
+TEST(MaskedL1, EqualityHasNoGradient) {
   const Tensor same = torch::rand({6, 7});
   Tensor grad = torch::full({6, 7}, 9.f);
-  EXPECT_EQ(DepthLoss(same, same, torch::ones({6, 7}), 1, &grad), 0);
+  EXPECT_EQ(MaskedL1(same, same, torch::ones({6, 7}), 1, &grad), 0);
   EXPECT_EQ(grad.abs().max().item<float>(), 0);
 }
 
-TEST(DepthLoss, MatchesTensorAlgebraAndCentralDifferences) {
+TEST(MaskedL1, MatchesTensorAlgebraAndCentralDifferences) {
   torch::manual_seed(1);
   const Tensor a = torch::rand({150, 230}), b = torch::rand({150, 230});  // several blocks and a remainder
   const Tensor mask = (torch::rand({150, 230}) > 0.4).to(torch::kFloat);
   Tensor grad = torch::empty({150, 230});
-  const double value = DepthLoss(a, b, mask, 0.7, &grad);
+  const double value = MaskedL1(a, b, mask, 0.7, &grad);
   const auto loss_at = [&](const Tensor& x) {
     return 0.7 * ((x - b.to(torch::kDouble)).abs() * mask.to(torch::kDouble)).mean().item<double>();
   };
@@ -44,30 +52,30 @@ TEST(DepthLoss, MatchesTensorAlgebraAndCentralDifferences) {
   EXPECT_LT(MaxAbsError(grad, (a - b).sign() * mask * (0.7 / (150 * 230))), 1e-10);
 }
 
-TEST(DepthLoss, SameBitsForAnyNumberOfThreads) {
+TEST(MaskedL1, SameBitsForAnyNumberOfThreads) {
   const Tensor a = torch::rand({300, 301}), b = torch::rand({300, 301}), mask = torch::ones({300, 301});
   SetNumThreads(1);
-  const double one = DepthLoss(a, b, mask, 1, nullptr);
+  const double one = MaskedL1(a, b, mask, 1, nullptr);
   SetNumThreads(3);
-  EXPECT_EQ(DepthLoss(a, b, mask, 1, nullptr), one);
+  EXPECT_EQ(MaskedL1(a, b, mask, 1, nullptr), one);
   SetNumThreads(0);
 }
 
-TEST(DepthLoss, HugePicturesAreWholeToo) {
+TEST(MaskedL1, HugePicturesAreWholeToo) {
   const int64_t height = 2100, width = 2003;  // more pixels than the sums have room for in the usual stretches
   const Tensor a = torch::full({height, width}, 0.75f), b = torch::full({height, width}, 0.5f);
   Tensor grad = torch::zeros({height, width});
-  EXPECT_NEAR(DepthLoss(a, b, torch::ones({height, width}), 2, &grad), 0.5, 1e-9);
+  EXPECT_NEAR(MaskedL1(a, b, torch::ones({height, width}), 2, &grad), 0.5, 1e-9);
   EXPECT_GT(grad.min().item<float>(), 0);
 }
 
-TEST(DepthLoss, RefusesTensorsThatDoNotFit) {
+TEST(MaskedL1, RefusesTensorsThatDoNotFit) {
   const Tensor a = torch::rand({3, 4});
   Tensor grad = torch::empty({4, 3});
-  EXPECT_THROW(DepthLoss(a, torch::rand({4, 3}), a, 1, nullptr), ShapeError);
-  EXPECT_THROW(DepthLoss(a, a, torch::rand({3, 3}), 1, nullptr), ShapeError);
-  EXPECT_THROW(DepthLoss(a, a, a, 1, &grad), ShapeError);
-  EXPECT_THROW(DepthLoss(torch::empty({0, 4}), torch::empty({0, 4}), torch::empty({0, 4}), 1, nullptr), ShapeError);
+  EXPECT_THROW(MaskedL1(a, torch::rand({4, 3}), a, 1, nullptr), ShapeError);
+  EXPECT_THROW(MaskedL1(a, a, torch::rand({3, 3}), 1, nullptr), ShapeError);
+  EXPECT_THROW(MaskedL1(a, a, a, 1, &grad), ShapeError);
+  EXPECT_THROW(MaskedL1(torch::empty({0, 4}), torch::empty({0, 4}), torch::empty({0, 4}), 1, nullptr), ShapeError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "oraclegs/loss/depth.h"
+#include "oraclegs/loss/masked_l1.h"
 
 #include <algorithm>
 #include <array>
@@ -13,13 +13,17 @@ constexpr int64_t kGrain = 1 << 14;  // pixels a task, at least
 constexpr int64_t kMostTasks = 256;  // so that their sums need no heap
 constexpr int kSums = 8;             // independent sums, so that additions need not wait for each other
 
+/// A null mask is 1 everywhere.
 double MaskedDistance(const float* a, const float* b, const float* mask, int64_t begin, int64_t end) {
+  const auto distance = [=](int64_t i) {
+    return static_cast<double>(std::abs(a[i] - b[i]) * (mask == nullptr ? 1 : mask[i]));
+  };
   double sums[kSums] = {};
   int64_t i = begin;
   for (; i + kSums <= end; i += kSums) {
-    for (int k = 0; k < kSums; ++k) sums[k] += static_cast<double>(std::abs(a[i + k] - b[i + k]) * mask[i + k]);
+    for (int k = 0; k < kSums; ++k) sums[k] += distance(i + k);
   }
-  for (; i < end; ++i) sums[0] += static_cast<double>(std::abs(a[i] - b[i]) * mask[i]);
+  for (; i < end; ++i) sums[0] += distance(i);
   double total = 0;
   for (const double sum : sums) total += sum;
   return total;
@@ -27,21 +31,21 @@ double MaskedDistance(const float* a, const float* b, const float* mask, int64_t
 
 }  // namespace
 
-double DepthLoss(const Tensor& inv_depth, const Tensor& target, const Tensor& mask, double weight, Tensor* grad) {
-  RequireFloat("DepthLoss", "inv_depth", inv_depth, {-1, -1});
-  const int64_t height = inv_depth.size(0), width = inv_depth.size(1), n = height * width;
-  RequireFloat("DepthLoss", "target", target, {height, width});
-  RequireFloat("DepthLoss", "mask", mask, {height, width});
+double MaskedL1(const Tensor& rendered, const Tensor& target, const Tensor& mask, double weight, Tensor* grad) {
+  RequireFloat("MaskedL1", "rendered", rendered, {-1, -1});
+  const int64_t height = rendered.size(0), width = rendered.size(1), n = height * width;
+  RequireFloat("MaskedL1", "target", target, {height, width});
+  if (mask.defined()) RequireFloat("MaskedL1", "mask", mask, {height, width});
   float* g = nullptr;
   if (grad != nullptr && grad->defined()) {
-    RequireFloat("DepthLoss", "grad", *grad, {height, width});
+    RequireFloat("MaskedL1", "grad", *grad, {height, width});
     g = grad->data_ptr<float>();
   }
-  if (n == 0) throw ShapeError("DepthLoss: inv_depth is empty");
+  if (n == 0) throw ShapeError("MaskedL1: rendered is empty");
 
-  const float* a = inv_depth.data_ptr<float>();
+  const float* a = rendered.data_ptr<float>();
   const float* b = target.data_ptr<float>();
-  const float* m = mask.data_ptr<float>();
+  const float* m = mask.defined() ? mask.data_ptr<float>() : nullptr;
   const float step = static_cast<float>(weight / static_cast<double>(n));
   const int64_t grain = std::max(kGrain, (n + kMostTasks - 1) / kMostTasks);
   std::array<double, kMostTasks> sums = {};
@@ -50,7 +54,7 @@ double DepthLoss(const Tensor& inv_depth, const Tensor& target, const Tensor& ma
     if (g == nullptr) return;
     for (int64_t i = begin; i < end; ++i) {
       const float sign = static_cast<float>(a[i] > b[i]) - static_cast<float>(a[i] < b[i]);
-      g[i] = step * sign * m[i];
+      g[i] = step * sign * (m == nullptr ? 1 : m[i]);
     }
   });
   double total = 0;

@@ -1,4 +1,4 @@
-#include "oraclegs/loss/cuda/depth.h"
+#include "oraclegs/loss/cuda/masked_l1.h"
 
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/loss/cuda/sums-inl.cuh"
@@ -6,14 +6,14 @@
 namespace oraclegs::cuda {
 namespace {
 
-__global__ void MaskedDepthDistance(DepthInput in) {
+__global__ void MaskedDistance(MaskedL1Input in) {
   __shared__ double sums[kSumThreads];
   const int thread = static_cast<int>(threadIdx.x);
-  const int64_t begin = static_cast<int64_t>(blockIdx.x) * kDepthPixelsABlock;
+  const int64_t begin = static_cast<int64_t>(blockIdx.x) * kMaskedL1PixelsABlock;
   double sum = 0;
-  for (int k = thread; k < kDepthPixelsABlock && begin + k < in.pixels; k += kSumThreads) {
+  for (int k = thread; k < kMaskedL1PixelsABlock && begin + k < in.pixels; k += kSumThreads) {
     const int64_t i = begin + k;
-    const float a = in.inv_depth[i], b = in.target[i], m = in.mask.At(i);
+    const float a = in.rendered[i], b = in.target[i], m = in.mask.is_there() ? in.mask.At(i) : 1.f;
     const float away = a - b;
     sum += static_cast<double>((away < 0 ? -away : away) * m);
     in.grad[i] = in.scale * (static_cast<float>(a > b) - static_cast<float>(a < b)) * m;
@@ -24,8 +24,8 @@ __global__ void MaskedDepthDistance(DepthInput in) {
 
 }  // namespace
 
-void RunDepth(const DepthInput& in, cudaStream_t stream) {
-  Launch("depth loss", MaskedDepthDistance, {DepthBlocks(in.pixels), kSumThreads}, stream, in);
+void RunMaskedL1(const MaskedL1Input& in, cudaStream_t stream) {
+  Launch("masked L1", MaskedDistance, {MaskedL1Blocks(in.pixels), kSumThreads}, stream, in);
 }
 
 }  // namespace oraclegs::cuda
