@@ -10,8 +10,8 @@
 #include <string>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/nets/depth_anything.h"
-#include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/networks/depth_anything/depth_anything.h"
+#include "oraclegs/pipeline/workspace/metrics.h"
 
 int main(int argc, char** argv) {
   using namespace oraclegs;

@@ -11,7 +11,7 @@
 
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/pipeline/run.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 namespace {

@@ -35,9 +35,9 @@ Camera OnArc(const GpuScene& scene, double angle) {
 }
 
 /// Any colours; depth of the plane.
-void Take(const Camera& camera, Rng* rng, std::vector<Photo>* photos, std::vector<DepthMap>* maps) {
+void Take(const Camera& camera, Rng* rng, std::vector<LoadedView>* photos, std::vector<DepthMap>* maps) {
   const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
-  Photo photo{"p", camera, {camera.width, camera.height, 3, std::vector<float>(3 * pixels)}, {}};
+  LoadedView photo{"p", camera, {camera.width, camera.height, 3, std::vector<float>(3 * pixels)}, {}};
   DepthMap map{"p", camera, std::vector<float>(pixels), {}, std::vector<float>(pixels, kConfidence)};
   const Eigen::Vector3d towards = camera.cam_from_world.linear().col(2) / -camera.Center().z();
   for (size_t i = 0; i < pixels; ++i) {
@@ -64,7 +64,7 @@ OnBoth TimeNeighbors(const GpuScene& scene, int passes) {
 
 OnBoth TimeWarp(const GpuScene& scene, int photographs, int passes) {
   Rng rng(kSeed, RandomStream::kInitialPoints);
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
   for (int i = 0; i < photographs; ++i) Take(OnArc(scene, kStep * (i - photographs / 2)), &rng, &photos, &maps);
   const WarpSources sources{photos, maps};

@@ -52,7 +52,7 @@ class TimedSearch final : public PlaneSearch {
 GpuStereo MeasureStereo(int width, int height, PlaneSearch* search) {
   const TexturedPlane surface{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
   const std::vector<Camera> cameras = Arc(kPhotographs, kStep, width, height);
-  std::vector<Photo> photos(kPhotographs);
+  std::vector<LoadedView> photos(kPhotographs);
   ParallelFor(kPhotographs, [&](int64_t v) {
     const auto i = static_cast<size_t>(v);
     photos[i] = surface.Take(cameras[i], std::to_string(i));

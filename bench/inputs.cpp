@@ -56,7 +56,7 @@ Gaussians Grown(const Gaussians& gaussians, int64_t n) {
   return Clone(grown);  // without the spare rows
 }
 
-TrainView ResizedView(const Photo& photo, const InputSize& size) {
+TrainView ResizedView(const LoadedView& photo, const InputSize& size) {
   const double pixels = static_cast<double>(size.width) * size.height;
   const double aspect = static_cast<double>(photo.rgb.width) / photo.rgb.height;
   int width = size.width, height = size.height;
@@ -64,7 +64,7 @@ TrainView ResizedView(const Photo& photo, const InputSize& size) {
     width = static_cast<int>(std::lround(std::sqrt(pixels * aspect)));
     height = static_cast<int>(std::lround(pixels / width));
   }
-  Photo resized = photo;
+  LoadedView resized = photo;
   resized.mask.clear();
   resized.rgb = ResizeArea(photo.rgb, width, height);
   resized.camera = Resized(photo.camera, width, height);
@@ -80,7 +80,7 @@ BenchInput FromWorkspace(const std::filesystem::path& workspace, const InputSize
   BenchInput input;
   input.background = BackgroundColor(options.photo.background);
   input.antialiased = options.train.antialiased;
-  for (const Photo& photo : LoadPhotos(posed.scene, posed.split.train, options.photo, Silent())) {
+  for (const LoadedView& photo : LoadViews(posed.scene, posed.split.train, options.photo, Silent())) {
     input.views.push_back(ResizedView(photo, size));
   }
   input.gaussians = ReadGaussianPly(WorkspacePaths(workspace).point_cloud()).gaussians;

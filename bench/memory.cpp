@@ -1,7 +1,7 @@
 // What a training run holds at its largest.
 
 #include "bench/benchmarks.h"
-#include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/pipeline/workspace/metrics.h"
 
 namespace oraclegs {
 

@@ -12,8 +12,8 @@
 #include "oraclegs/core/memory.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/nets/vggt_memory.h"
-#include "oraclegs/pipeline/metrics.h"
+#include "oraclegs/networks/vggt/memory.h"
+#include "oraclegs/pipeline/workspace/metrics.h"
 
 namespace oraclegs {
 namespace {

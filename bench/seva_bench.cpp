@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/nets/seva/conditioning.h"
-#include "oraclegs/nets/seva/cost.h"
-#include "oraclegs/nets/seva/memory.h"
+#include "oraclegs/networks/seva/conditioning.h"
+#include "oraclegs/networks/seva/cost.h"
+#include "oraclegs/networks/seva/memory.h"
 
 namespace oraclegs {
 namespace {

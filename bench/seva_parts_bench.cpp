@@ -11,8 +11,8 @@
 #include <exception>
 #include <functional>
 
-#include "oraclegs/nets/openclip.h"
-#include "oraclegs/nets/seva/vae_tiles.h"
+#include "oraclegs/networks/seva/openclip.h"
+#include "oraclegs/networks/seva/vae_tiles.h"
 
 namespace oraclegs {
 namespace {

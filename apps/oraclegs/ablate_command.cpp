@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/ablation.h"
+#include "oraclegs/experiments/ablation.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

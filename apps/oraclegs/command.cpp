@@ -9,8 +9,8 @@
 #include "config_file.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/pipeline/device.h"
-#include "oraclegs/pipeline/workspace.h"
+#include "oraclegs/pipeline/settings/device.h"
+#include "oraclegs/pipeline/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "option_binder.h"
-#include "oraclegs/pipeline/options.h"
+#include "oraclegs/pipeline/settings/options.h"
 #include "terminal.h"
 
 namespace oraclegs {

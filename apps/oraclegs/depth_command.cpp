@@ -1,5 +1,5 @@
-#include "oraclegs/pipeline/depth_stage.h"
-#include "oraclegs/pipeline/start_points.h"
+#include "oraclegs/pipeline/stages/depth_stage.h"
+#include "oraclegs/pipeline/stages/start_points.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -15,7 +15,7 @@ class DepthCommand : public WorkspaceCommand {
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
     const std::vector<ScenePoint> points = RunSfm(&run);
-    const std::vector<Photo> photos = LoadPhotos(run.scene, run.split.train, run.options.photo, listener);
+    const std::vector<LoadedView> photos = LoadViews(run.scene, run.split.train, run.options.photo, listener);
     const Geometry geometry = RunDepth(&run, photos, points);
     for (const DepthMap& map : geometry.maps) {
       Print(fmt::format("{:<24} {:5.1f} % confident", map.name, 100 * ConfidentShare(map)));

@@ -1,6 +1,6 @@
-#include "oraclegs/pipeline/evaluate_stage.h"
-#include "oraclegs/pipeline/metrics.h"
-#include "oraclegs/pipeline/oracle_report.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
+#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/oracle_report.h"
 #include "source_command.h"
 
 namespace oraclegs {

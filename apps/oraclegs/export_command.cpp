@@ -1,6 +1,6 @@
 #include "command.h"
 #include "oraclegs/pipeline/export.h"
-#include "oraclegs/pipeline/workspace.h"
+#include "oraclegs/pipeline/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

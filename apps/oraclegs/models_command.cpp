@@ -2,9 +2,9 @@
 
 #include "command.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/models/check.h"
-#include "oraclegs/models/fetch.h"
-#include "oraclegs/models/folder.h"
+#include "oraclegs/weights/check.h"
+#include "oraclegs/weights/fetch.h"
+#include "oraclegs/weights/folder.h"
 
 namespace oraclegs {
 namespace {

@@ -1,5 +1,5 @@
-#include "oraclegs/pipeline/prepare.h"
-#include "oraclegs/pipeline/propose_stage.h"
+#include "oraclegs/pipeline/stages/prepare.h"
+#include "oraclegs/pipeline/stages/propose_stage.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

@@ -1,5 +1,5 @@
 #include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/stage_table.h"
+#include "oraclegs/pipeline/workspace/stage_table.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/start_points.h"
+#include "oraclegs/pipeline/stages/start_points.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/train_stage.h"
+#include "oraclegs/pipeline/stages/train_stage.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

@@ -13,7 +13,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/demo/raytracer.h"
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 #include "support/golden.h"
 
 namespace oraclegs {

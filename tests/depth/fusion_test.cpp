@@ -10,10 +10,10 @@ namespace {
 const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 constexpr size_t kPixels = 96 * 72;
 
-std::vector<DepthMap> TrueDepths(const std::vector<Photo>& photos, const TexturedPlane& surface,
+std::vector<DepthMap> TrueDepths(const std::vector<LoadedView>& photos, const TexturedPlane& surface,
                                  float confidence = 0.9f) {
   std::vector<DepthMap> maps;
-  for (const Photo& photo : photos) maps.push_back(TrueDepth(photo, surface, confidence));
+  for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, surface, confidence));
   return maps;
 }
 
@@ -22,7 +22,7 @@ double DistanceFrom(const TexturedPlane& surface, const DensePoint& point) {
 }
 
 TEST(FuseDepth, TwoPicturesOfOnePlaceMakeEachPointOnce) {
-  const std::vector<Photo> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
+  const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   const std::vector<DensePoint> points = FuseDepth(TrueDepths(two, kSlanted), two, {});
   ASSERT_EQ(points.size(), kPixels);
   for (size_t i = 0; i < kPixels; i += 97) {
@@ -40,7 +40,7 @@ TEST(FuseDepth, TwoPicturesOfOnePlaceMakeEachPointOnce) {
 }
 
 TEST(FuseDepth, ASurfacePatchIsOnePointHoweverManySeeIt) {
-  const std::vector<Photo> photos = TakeAll(kSlanted, Arc(3, 6));
+  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 6));
   const std::vector<DensePoint> points = FuseDepth(TrueDepths(photos, kSlanted), photos, {});
   EXPECT_GE(points.size(), kPixels);
   EXPECT_LT(points.size(), 1.7 * kPixels) << "three times as many pixels show it";
@@ -53,7 +53,7 @@ TEST(FuseDepth, ASurfacePatchIsOnePointHoweverManySeeIt) {
 }
 
 TEST(FuseDepth, WhatIsNotConfidentMakesNoPoint) {
-  const std::vector<Photo> photos = TakeAll(kSlanted, Arc(1, 8));
+  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(1, 8));
   std::vector<DepthMap> maps = TrueDepths(photos, kSlanted, 0.49f);
   EXPECT_TRUE(FuseDepth(maps, photos, {}).empty());
   EXPECT_EQ(FuseDepth(maps, photos, {.min_confidence = 0.4f}).size(), kPixels);
@@ -63,7 +63,7 @@ TEST(FuseDepth, WhatIsNotConfidentMakesNoPoint) {
 }
 
 TEST(FuseDepth, OtherDepthsAreOtherPoints) {
-  const std::vector<Photo> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
+  const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   std::vector<DepthMap> maps = TrueDepths(two, kSlanted);
   for (float& w : maps[1].inv_depth) w *= 1.02f;
   const std::vector<DensePoint> points = FuseDepth(maps, two, {});
@@ -73,15 +73,15 @@ TEST(FuseDepth, OtherDepthsAreOtherPoints) {
 }
 
 TEST(FuseDepth, BothSidesOfASheetAreTwoPoints) {
-  const std::vector<Photo> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
+  const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   std::vector<DepthMap> maps = TrueDepths(two, kSlanted);
   for (Eigen::Vector3f& n : maps[1].normals) n = -n;
   EXPECT_EQ(FuseDepth(maps, two, {}).size(), 2 * kPixels);
 }
 
 TEST(FuseDepth, TheSurerAndNearerViewWeighsMore) {
-  const std::vector<Photo> one = TakeAll(kSlanted, Arc(1, 8));
-  std::vector<Photo> two = {one[0], one[0]};
+  const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8));
+  std::vector<LoadedView> two = {one[0], one[0]};
   for (float& value : two[0].rgb.data) value = 0;
   for (float& value : two[1].rgb.data) value = 1;
   std::vector<DepthMap> maps = TrueDepths(two, kSlanted, 0.9f);
@@ -95,13 +95,13 @@ TEST(FuseDepth, TheSurerAndNearerViewWeighsMore) {
 TEST(FuseDepth, AMuchNearerViewKeepsItsFinerPoints) {
   const std::vector<Camera> cameras = {CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72),
                                        CameraAt({0, 0, -1}, {0, 0, 0}, 96, 72)};
-  const std::vector<Photo> photos = TakeAll(kSlanted, cameras);
+  const std::vector<LoadedView> photos = TakeAll(kSlanted, cameras);
   const std::vector<DensePoint> points = FuseDepth(TrueDepths(photos, kSlanted), photos, {});
   EXPECT_GT(points.size(), 1.95 * kPixels) << "a few far pixels stand for many near ones";
 }
 
 TEST(FuseDepth, DetailIsWhereThePictureChanges) {
-  std::vector<Photo> photos = TakeAll(kSlanted, Arc(1, 8));
+  std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(1, 8));
   for (int y = 0; y < 72; ++y) {
     for (int x = 0; x < 96; ++x) {
       for (int c = 0; c < 3; ++c)

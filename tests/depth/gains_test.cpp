@@ -14,7 +14,7 @@ class GainsTest : public testing::Test {
   /// Another camera that sees the wall, its photograph darkened by `gain`.
   void Add(double x, const Eigen::Vector3f& gain) {
     const Camera camera = CameraAt({x, 0.05 * x, -4}, {0, 0, 0});
-    Photo photo = kWall.Take(camera, std::to_string(photos.size()));
+    LoadedView photo = kWall.Take(camera, std::to_string(photos.size()));
     DepthMap map{photo.name, camera, {}, {}, {}};
     for (int i = 0; i < camera.width * camera.height; ++i) {
       const double depth = kWall.DepthAt(camera, i % camera.width + 0.5, i / camera.width + 0.5);
@@ -27,7 +27,7 @@ class GainsTest : public testing::Test {
     maps.push_back(std::move(map));
   }
 
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
 };
 

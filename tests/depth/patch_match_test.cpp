@@ -99,7 +99,7 @@ TEST(RunPass, SilhouettesBoundEveryHypothesis) {
   // The third camera looks along the square and rules most depths out.
   std::vector<Camera> cameras = Arc(2, 8);
   cameras.push_back(CameraAt({3.5, 0, 0.5}, {0, 0, 0.3}, 96, 72));
-  const std::vector<Photo> photos = TakeAll(square, cameras);
+  const std::vector<LoadedView> photos = TakeAll(square, cameras);
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   StereoScene scene = SceneOf(photos, kRange);

@@ -54,7 +54,7 @@ class FillPlanesTest : public testing::Test {
  protected:
   void SetUp() override {
     photos = TakeAll(kSlanted, Arc(3, 6));
-    for (const Photo& photo : photos) {
+    for (const LoadedView& photo : photos) {
       maps.push_back(TrueDepth(photo, kSlanted, 0.9f));
       for (int y = 25; y < 47; ++y) {
         for (int x = 36; x < 60; ++x) Forget(&maps.back(), static_cast<size_t>(y) * 96 + static_cast<size_t>(x));
@@ -68,7 +68,7 @@ class FillPlanesTest : public testing::Test {
   }
   std::vector<DensePoint> Fill() const { return FillPlanes(maps, photos, points, {}); }
 
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
   std::vector<DensePoint> points;
 };
@@ -118,7 +118,7 @@ TEST_F(FillPlanesTest, MaskedPixelsOfOtherPhotographsHaveNoSay) {
 }
 
 TEST_F(FillPlanesTest, MaskedPixelsStayEmpty) {
-  for (Photo& photo : photos) photo.mask.assign(maps[0].size(), 0);
+  for (LoadedView& photo : photos) photo.mask.assign(maps[0].size(), 0);
   EXPECT_TRUE(Fill().empty());
 }
 

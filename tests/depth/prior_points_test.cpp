@@ -15,7 +15,7 @@ class PriorPointsTest : public testing::Test {
  protected:
   void SetUp() override {
     photos = TakeAll(kSlanted, Arc(3, 6));
-    for (const Photo& photo : photos) {
+    for (const LoadedView& photo : photos) {
       maps.push_back(TrueDepth(photo, kSlanted, 0.9f));
       maps.back().monocular = true;
       for (int y = 25; y < 47; ++y) {
@@ -26,7 +26,7 @@ class PriorPointsTest : public testing::Test {
   }
   std::vector<DensePoint> Fill() const { return PriorPoints(maps, photos, dense, {}); }
 
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
   std::vector<DensePoint> dense;
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
@@ -57,8 +57,8 @@ struct TexturedPlane {
     return t;
   }
 
-  Photo Take(const Camera& camera, const std::string& name) const {
-    Photo photo{name, camera, {camera.width, camera.height, 3, {}}, {}};
+  LoadedView Take(const Camera& camera, const std::string& name) const {
+    LoadedView photo{name, camera, {camera.width, camera.height, 3, {}}, {}};
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) {
         Eigen::Vector2d uv;

@@ -8,8 +8,8 @@ namespace oraclegs {
 namespace {
 
 /// A dark disc with a hole of the background's colour, at (x, y), before one colour.
-Photo Disc(const Camera& camera, double x, double y, double radius, float background = 1) {
-  Photo photo{"disc", camera, {camera.width, camera.height, 3, {}}, {}};
+LoadedView Disc(const Camera& camera, double x, double y, double radius, float background = 1) {
+  LoadedView photo{"disc", camera, {camera.width, camera.height, 3, {}}, {}};
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const double r = std::hypot(u + 0.5 - x, v + 0.5 - y);
@@ -46,7 +46,7 @@ TEST(Silhouettes, MayContainAllowsTwoPixelsAndWhatIsBeyondThePicture) {
 }
 
 TEST(Silhouettes, MasksAreSilhouettesOfAnyPicture) {
-  Photo photo = TexturedPlane{}.Take(kFront, "busy");
+  LoadedView photo = TexturedPlane{}.Take(kFront, "busy");
   photo.mask.assign(photo.rgb.data.size() / 3, 0);
   for (int y = 20; y < 50; ++y) {
     for (int x = 30; x < 60; ++x) photo.mask[At(x, y)] = 1;
@@ -60,7 +60,7 @@ TEST(Silhouettes, MasksAreSilhouettesOfAnyPicture) {
 TEST(Silhouettes, ThereAreNoneWhereOnePhotographsBorderIsNotBackground) {
   EXPECT_TRUE(Silhouettes({}).empty());
   EXPECT_TRUE(Silhouettes({TexturedPlane{}.Take(kFront, "busy")}).empty());
-  const Photo disc = Disc(kFront, 48, 36, 20);
+  const LoadedView disc = Disc(kFront, 48, 36, 20);
   EXPECT_TRUE(Silhouettes({disc, TexturedPlane{}.Take(kSide, "busy"), disc}).empty());
   EXPECT_TRUE(Silhouettes({disc, disc, Disc(kSide, 48, 36, 20, 0.9f)}).empty()) << "another background";
   EXPECT_TRUE(Silhouettes({disc, Disc(kSide, -9, -9, 3)}).empty()) << "an empty picture";
@@ -72,7 +72,7 @@ TEST(Silhouettes, ATenthOfTheBorderMayBeObject) {
 }
 
 TEST(Silhouettes, SmallDifferencesOfColourAreBackground) {
-  Photo photo = Disc(kFront, 48, 36, 20, 0.5f);
+  LoadedView photo = Disc(kFront, 48, 36, 20, 0.5f);
   for (size_t i = 0; i < photo.rgb.data.size(); i += 7) photo.rgb.data[i] += 2.f / 255;
   const Silhouettes silhouettes({photo});
   ASSERT_FALSE(silhouettes.empty());

@@ -10,13 +10,13 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-Photo Blank(const Camera& camera) {
+LoadedView Blank(const Camera& camera) {
   return {
       "blank", camera, {camera.width, camera.height, 3, std::vector<float>(camera.width * camera.height * 3, 1.f)}, {}};
 }
 
-std::vector<Photo> Blanks(const std::vector<Camera>& cameras) {
-  std::vector<Photo> photos;
+std::vector<LoadedView> Blanks(const std::vector<Camera>& cameras) {
+  std::vector<LoadedView> photos;
   for (const Camera& camera : cameras) photos.push_back(Blank(camera));
   return photos;
 }
@@ -34,9 +34,9 @@ std::vector<ScenePoint> Points(int n, double near, double far, const std::vector
 }
 
 /// A dark square in the middle of each picture.
-std::vector<Photo> Squares(const std::vector<Camera>& cameras) {
-  std::vector<Photo> photos = Blanks(cameras);
-  for (Photo& photo : photos) {
+std::vector<LoadedView> Squares(const std::vector<Camera>& cameras) {
+  std::vector<LoadedView> photos = Blanks(cameras);
+  for (LoadedView& photo : photos) {
     for (int y = 20; y < 50; ++y) {
       for (int x = 30; x < 60; ++x) photo.rgb.row(y)[3 * x] = 0;
     }
@@ -53,7 +53,7 @@ TEST(AngleAt, IsInDegreesBetweenTheRays) {
 
 TEST(FindDepthRanges, FollowThePointsWithAMargin) {
   const Camera camera = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72);
-  const std::vector<Photo> photos = Blanks({camera});
+  const std::vector<LoadedView> photos = Blanks({camera});
   const DepthRange range = FindDepthRanges(photos, Points(1000, 3, 6, {0}), Silhouettes({}))[0];
   EXPECT_NEAR(1 / range.near, 0.3 * 3, 0.05);
   EXPECT_NEAR(1 / range.far, 2.5 * 6, 0.1);
@@ -75,7 +75,7 @@ TEST(FindDepthRanges, WithFewPointsFollowTheCameras) {
 }
 
 TEST(FindDepthRanges, WithSilhouettesFollowTheCamerasAndReachEveryPoint) {
-  const std::vector<Photo> photos = Squares(Arc(4, 30));
+  const std::vector<LoadedView> photos = Squares(Arc(4, 30));
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   for (const DepthRange& range : FindDepthRanges(photos, Points(19, 1, 50, {0, 1, 2, 3}), silhouettes)) {

@@ -35,7 +35,7 @@ struct Heard {
   }
 };
 
-std::vector<DepthMap> OnCpu(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthMap> OnCpu(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
                             const StereoOptions& options, const Listener& listener) {
   return EstimateDepth(photos, points, options, MakeCpuPlaneSearch().get(), listener);
 }
@@ -65,7 +65,7 @@ void ExpectConsistent(const DepthMap& map) {
 
 TEST(EstimateDepth, FindsASlantedPlane) {
   Heard heard;
-  const std::vector<Photo> photos = TakeAll(kSlanted, Arc(4, 8));
+  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(4, 8));
   const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), heard.AsListener());
   ASSERT_EQ(maps.size(), 4u);
   for (size_t v = 0; v < 4; ++v) {
@@ -112,8 +112,8 @@ TEST(EstimateDepth, WithoutPassesGivesTheSearchAtTheCoarseResolution) {
 
 TEST(EstimateDepth, IsSureOfNothingWithoutTexture) {
   for (const float contrast : {0.f, 0.003f}) {
-    std::vector<Photo> photos = TakeAll(kSlanted, Arc(4, 8));
-    for (Photo& photo : photos) {
+    std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(4, 8));
+    for (LoadedView& photo : photos) {
       for (float& value : photo.rgb.data) value = 0.5f + contrast * (value - 0.5f);
     }
     for (const DepthMap& map : OnCpu(photos, {}, Quick(), Silent())) EXPECT_LT(ConfidentShare(map), 0.02);
@@ -155,7 +155,7 @@ TEST(EstimateDepth, OfOneOrNoPhotographKnowsNothing) {
 TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
   TexturedPlane square = kSlanted;
   square.half_side = 0.75;
-  const std::vector<Photo> photos = TakeAll(square, Arc(4, 8));
+  const std::vector<LoadedView> photos = TakeAll(square, Arc(4, 8));
   for (const char* color : {"auto", "no"}) {
     StereoOptions options = Quick();
     options.stereo_color = color;
@@ -176,7 +176,7 @@ TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
 }
 
 TEST(EstimateDepth, MaskedPixelsStayUnknown) {
-  std::vector<Photo> photos = TakeAll(kSlanted, Arc(3, 8));
+  std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8));
   photos[1].mask.assign(96 * 72, 1);
   for (size_t i = 0; i < 2000; ++i) photos[1].mask[i] = 0;
   const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), Silent());
@@ -194,7 +194,7 @@ TEST(EstimateDepth, PointsGiveItTheirDistances) {
     const double x = 0.1 * (i % 10 - 4.5), y = 0.1 * (i / 10 - 2.5);
     points.push_back({{x, y, 1.6 + 0.2 * x}, {}, {0, 1, 2}});
   }
-  const std::vector<Photo> photos = TakeAll(wall, cameras);
+  const std::vector<LoadedView> photos = TakeAll(wall, cameras);
   const std::vector<DepthMap> maps = OnCpu(photos, points, Quick(), Silent());
   EXPECT_GT(ConfidentShare(maps[1]), 0.6);
   EXPECT_LT(MedianError(maps[1], wall), 0.01);
@@ -209,7 +209,7 @@ class EstimateDepthThreads : public testing::Test {
 };
 
 TEST_F(EstimateDepthThreads, GiveTheSameBits) {
-  const std::vector<Photo> photos = TakeAll(kSlanted, Arc(3, 8, 64, 48));
+  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8, 64, 48));
   StereoOptions options = Quick();
   options.iterations = 2;
   SetNumThreads(1);

@@ -22,8 +22,8 @@ inline std::vector<Camera> Arc(int n, double step, int width = 96, int height = 
   return cameras;
 }
 
-inline std::vector<Photo> TakeAll(const TexturedPlane& surface, const std::vector<Camera>& cameras) {
-  std::vector<Photo> photos;
+inline std::vector<LoadedView> TakeAll(const TexturedPlane& surface, const std::vector<Camera>& cameras) {
+  std::vector<LoadedView> photos;
   for (size_t v = 0; v < cameras.size(); ++v) photos.push_back(surface.Take(cameras[v], fmt::format("p{}.png", v)));
   return photos;
 }
@@ -48,7 +48,7 @@ inline PlaneMap TrueMap(const Camera& camera, const TexturedPlane& surface, floa
   return map;
 }
 
-inline DepthMap TrueDepth(const Photo& photo, const TexturedPlane& surface, float confidence) {
+inline DepthMap TrueDepth(const LoadedView& photo, const TexturedPlane& surface, float confidence) {
   const PlaneMap planes = TrueMap(photo.camera, surface);
   DepthMap map{photo.name, photo.camera, {}, {}, {}};
   const Eigen::Vector3f normal = (photo.camera.cam_from_world.linear() * surface.normal).cast<float>();
@@ -62,7 +62,7 @@ inline DepthMap TrueDepth(const Photo& photo, const TexturedPlane& surface, floa
 }
 
 /// Views that are all compared with one another, in grey.
-inline StereoScene SceneOf(const std::vector<Photo>& photos, const DepthRange& range) {
+inline StereoScene SceneOf(const std::vector<LoadedView>& photos, const DepthRange& range) {
   StereoScene scene;
   for (size_t v = 0; v < photos.size(); ++v) {
     StereoView view{photos[v].camera, Pack(Luma(photos[v].rgb)), {}, range, {}};

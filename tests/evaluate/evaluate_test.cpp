@@ -44,8 +44,8 @@ Tensor Rendered(const Gaussians& g) {
   return MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(), kOnGrey, RenderPass::kInference).image.clone();
 }
 
-Photo PhotoOf(const std::string& name, const Tensor& image) {
-  Photo photo;
+LoadedView PhotoOf(const std::string& name, const Tensor& image) {
+  LoadedView photo;
   photo.name = name;
   photo.camera = FrontCamera();
   photo.rgb = ToImageF(image);
@@ -66,7 +66,7 @@ TEST(Evaluate, AveragesViewsAndHonoursMasks) {
   const Tensor image = Quantized(Rendered(g));
   const Tensor brighter = Quantized(image + 0.1f), spoilt = brighter.clone();
   spoilt.slice(0, 0, 10).fill_(0);
-  Photo masked = PhotoOf("b.png", spoilt);
+  LoadedView masked = PhotoOf("b.png", spoilt);
   masked.mask.assign(40 * 30, 1);
   std::fill_n(masked.mask.begin(), 40 * 10, uint8_t{0});
   const TestMetrics metrics = Evaluate(g, {PhotoOf("a.png", brighter), masked}, kOnGrey, {}, Silent());
@@ -81,7 +81,7 @@ TEST(Evaluate, AveragesViewsAndHonoursMasks) {
 
 TEST(Evaluate, AFullyMaskedViewIsToldAndNotScored) {
   const Gaussians g = RedBlob();
-  Photo masked = PhotoOf("nothing.png", Rendered(g));
+  LoadedView masked = PhotoOf("nothing.png", Rendered(g));
   masked.mask.assign(40 * 30, 0);
   std::vector<std::string> warnings;
   int steps = 0;
@@ -111,7 +111,7 @@ TEST(Evaluate, AsksFurtherScoresWhichSeeThePhotoWhereItIsMasked) {
   const Gaussians g = RedBlob();
   const Tensor image = Quantized(Rendered(g)), spoilt = image.clone();
   spoilt.slice(0, 0, 15) += 0.5f - spoilt.slice(0, 0, 15);
-  Photo masked = PhotoOf("b.png", spoilt);
+  LoadedView masked = PhotoOf("b.png", spoilt);
   masked.mask.assign(40 * 30, 1);
   std::fill_n(masked.mask.begin(), 40 * 15, uint8_t{0});
   const TestMetrics metrics = Evaluate(g, {PhotoOf("a.png", spoilt), masked}, kOnGrey, {"", Differing()}, Silent());
@@ -163,9 +163,9 @@ TEST(Evaluate, StopsWhenAsked) {
 }
 
 TEST(Evaluate, WithoutAnyPixelToScoreTheMeansAreNullNotZero) {
-  Photo masked = PhotoOf("nothing.png", torch::zeros({30, 40, 3}));
+  LoadedView masked = PhotoOf("nothing.png", torch::zeros({30, 40, 3}));
   masked.mask.assign(40 * 30, 0);
-  for (const auto& photos : {std::vector<Photo>{}, std::vector<Photo>{masked}}) {
+  for (const auto& photos : {std::vector<LoadedView>{}, std::vector<LoadedView>{masked}}) {
     const TestMetrics metrics = Evaluate(RedBlob(), photos, kOnGrey, {}, Silent());
     EXPECT_TRUE(metrics.views.empty());
     EXPECT_TRUE(std::isnan(metrics.psnr));

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "oraclegs/pipeline/prepare.h"
-#include "oraclegs/pipeline/propose_stage.h"
+#include "oraclegs/pipeline/stages/prepare.h"
+#include "oraclegs/pipeline/stages/propose_stage.h"
 #include "pipeline/fixtures.h"
 
 namespace oraclegs {

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 #include "pipeline/trained.h"
 
 namespace oraclegs {

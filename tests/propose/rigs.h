@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "oraclegs/depth/fusion.h"
-#include "oraclegs/scene/camera_path.h"
+#include "oraclegs/camera/camera_path.h"
 
 namespace oraclegs {
 

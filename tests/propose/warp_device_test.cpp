@@ -8,14 +8,14 @@ namespace oraclegs {
 namespace {
 
 TEST(WarpDevice, NoOtherDeviceStandsInForOneThatCannotBeUsed) {
-  const std::vector<Photo> photos;
+  const std::vector<LoadedView> photos;
   const std::vector<DepthMap> maps;
   EXPECT_THROW(MakeWarpDevice(torch::Device(torch::kXLA), {photos, maps}), UsageError);
 }
 
 TEST(WarpDevice, RefusesPicturesOfDifferentSizes) {
   const TexturedPlane plane;
-  std::vector<Photo> photos = TakeAll(plane, Arc(2, 8, 12, 8));
+  std::vector<LoadedView> photos = TakeAll(plane, Arc(2, 8, 12, 8));
   std::vector<DepthMap> maps = {TrueDepth(photos[0], plane, 0.9f), TrueDepth(photos[1], plane, 0.9f)};
   EXPECT_NO_THROW(Warper({photos, maps}));
   EXPECT_THROW(Warper({photos, maps, {Eigen::Vector3f::Ones()}}), ShapeError);

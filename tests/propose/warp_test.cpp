@@ -26,8 +26,8 @@ class WarpTest : public testing::Test {
     }
   }
 
-  Photo Take(const Camera& camera) const {
-    Photo front = near.Take(camera, fmt::format("p{}", photos.size())), back = far.Take(camera, front.name);
+  LoadedView Take(const Camera& camera) const {
+    LoadedView front = near.Take(camera, fmt::format("p{}", photos.size())), back = far.Take(camera, front.name);
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) {
         if (near.DepthAt(camera, x + 0.5, y + 0.5) > 0) continue;
@@ -49,7 +49,7 @@ class WarpTest : public testing::Test {
   }
 
   TexturedPlane near, far;
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
 };
 
@@ -119,14 +119,14 @@ TEST(WarpOfAnObject, KnowsTheBackgroundBesideItsHull) {
   TexturedPlane square;
   square.half_side = 0.7;
   const std::vector<Camera> cameras = Arc(5, 14);
-  const std::vector<Photo> photos = TakeAll(square, cameras);
+  const std::vector<LoadedView> photos = TakeAll(square, cameras);
   std::vector<DepthMap> maps;
-  for (const Photo& photo : photos) maps.push_back(TrueDepth(photo, square, 0.9f));
+  for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, square, 0.9f));
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   const Camera between = CameraAt({0.4, 0, -4}, {0, 0, 0}, 96, 72);
   const WarpedView view = Warper({photos, maps, {}, &silhouettes, {1, 1, 1}}).Warp(between, -1);
-  const Photo truth = square.Take(between, "truth");
+  const LoadedView truth = square.Take(between, "truth");
   EXPECT_EQ(view.evidence[0].background, 1.f);
   EXPECT_EQ(view.evidence[72 / 2 * 96 + 96 / 2].background, 0.f);
   EXPECT_LT(MeanError(view.rgb, truth.rgb), 0.02);

@@ -13,11 +13,11 @@ using ::testing::HasSubstr;
 TEST(ColmapBinary, ReadsCameras) {
   const ColmapCameras cameras = ParseCamerasBinary(TinyCamerasBin(), "cameras.bin");
   ASSERT_EQ(cameras.size(), 2u);
-  EXPECT_EQ(cameras.at(1).model, LensModel::kOpenCv);
+  EXPECT_EQ(cameras.at(1).model, CameraModel::kOpenCv);
   EXPECT_EQ(cameras.at(1).width, 6);
   EXPECT_EQ(cameras.at(1).height, 4);
   EXPECT_THAT(cameras.at(1).params, ElementsAre(5, 5.5, 3, 2, 0.1, -0.2, 0.01, 0.02));
-  EXPECT_EQ(cameras.at(7).model, LensModel::kSimplePinhole);
+  EXPECT_EQ(cameras.at(7).model, CameraModel::kSimplePinhole);
 }
 
 TEST(ColmapBinary, ReadsImagesAndNormalisesQuaternions) {

@@ -32,7 +32,7 @@ TEST_F(ColmapModelTest, ViewsAreSortedAndTracksBecomeViewIndices) {
   ASSERT_EQ(scene.views.size(), 3u);
   EXPECT_EQ(scene.views[0].name, "a.png");
   EXPECT_EQ(scene.views[1].name, "b.png");
-  EXPECT_EQ(scene.views[1].lens.model, LensModel::kOpenCv);
+  EXPECT_EQ(scene.views[1].lens.model, CameraModel::kOpenCv);
   EXPECT_EQ(scene.views[1].image_path, dir_ / "images/b.png");
   EXPECT_TRUE(scene.views[1].as_stored);
   EXPECT_EQ(scene.views[1].cam_from_world->translation(), Eigen::Vector3d(1, 2, 3));
@@ -96,7 +96,7 @@ TEST_F(ColmapModelTest, NamesCannotLeaveTheFolderTheyAreWrittenTo) {
 
 TEST_F(ColmapModelTest, WrittenTextReadsBack) {
   ColmapCameras cameras;
-  cameras[3] = {LensModel::kOpenCv, 6, 4, {5.1, 5.2, 1.0 / 3, 2, 0.1, -0.2, 1e-17, 0}};
+  cameras[3] = {CameraModel::kOpenCv, 6, 4, {5.1, 5.2, 1.0 / 3, 2, 0.1, -0.2, 1e-17, 0}};
   ColmapImage image{.id = 12, .name = "sub/a.png", .camera_id = 3};
   image.cam_from_world.linear() =
       Eigen::AngleAxisd(3.0, Eigen::Vector3d(1, -2, 3).normalized()).toRotationMatrix();  // w is small, its sign free
@@ -118,7 +118,7 @@ TEST_F(ColmapModelTest, WrittenTextReadsBack) {
 }
 
 TEST_F(ColmapModelTest, PointsAreWrittenWithTheirTracks) {
-  const ColmapCameras cameras = {{1, {LensModel::kPinhole, 6, 4, {5, 5, 3, 2}}}};
+  const ColmapCameras cameras = {{1, {CameraModel::kPinhole, 6, 4, {5, 5, 3, 2}}}};
   const std::vector<ColmapImage> images = {{1, "a.png", 1}, {2, "b.png", 1}};
   const std::vector<ColmapTrack> points = {{{0.5, -1.25, 3}, {10, 20, 255}, {{1, {1.5, 2.5}}, {2, {3.25, 0.5}}}},
                                            {{1, 2, 4}, {1, 2, 3}, {{2, {5, 3}}, {1, {0.5, 0.5}}}}};

@@ -13,7 +13,7 @@ TEST(ColmapText, ReadsCamerasWithCommentsBlankLinesAndWindowsLineEnds) {
       "# Camera list\r\n\r\n1 OPENCV 6 4 5 5.5 3 2 0.1 -2e-1 0.01 0.02\r\n  7\tSIMPLE_PINHOLE 6 4 5 3 2",
       "cameras.txt");
   ASSERT_EQ(cameras.size(), 2u);
-  EXPECT_EQ(cameras.at(1).model, LensModel::kOpenCv);
+  EXPECT_EQ(cameras.at(1).model, CameraModel::kOpenCv);
   EXPECT_THAT(cameras.at(1).params, ElementsAre(5, 5.5, 3, 2, 0.1, -0.2, 0.01, 0.02));
   EXPECT_THAT(cameras.at(7).params, ElementsAre(5, 3, 2));
 }

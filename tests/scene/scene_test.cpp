@@ -47,7 +47,7 @@ TEST_F(SceneTest, FindsColmapModelsInTheirUsualPlaces) {
 TEST_F(SceneTest, TheLargestOfSeveralModelsWins) {
   WritePictures("images");
   WriteTinyModel(root() / "sparse/1");
-  WriteColmapText(root() / "sparse/0", {{1, {LensModel::kPinhole, 6, 4, {5, 5, 3, 2}}}},
+  WriteColmapText(root() / "sparse/0", {{1, {CameraModel::kPinhole, 6, 4, {5, 5, 3, 2}}}},
                   {{.id = 1, .name = "a.png", .camera_id = 1}});
   EXPECT_EQ(Read().views.size(), 3u);
   ASSERT_EQ(heard_.notes.size(), 1u);

@@ -10,7 +10,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 #include "support/golden.h"
 
 namespace oraclegs {

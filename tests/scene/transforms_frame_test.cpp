@@ -13,7 +13,7 @@ using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Lens LensOf(const json& file, const json& frame = json::object(), const std::filesystem::path& image = "unread.png") {
+Intrinsics LensOf(const json& file, const json& frame = json::object(), const std::filesystem::path& image = "unread.png") {
   return ReadTransformsLens({file, frame, "FILE: frame 'x'"}, image);
 }
 
@@ -32,40 +32,40 @@ json MatrixOf(const Eigen::Matrix3d& r, const Eigen::Vector3d& t) {
 
 TEST(TransformsLens, ModelFollowsTheCoefficients) {
   const json base = {{"fl_x", 50}, {"fl_y", 60}, {"cx", 31.5}, {"cy", 20}, {"w", 64.0}, {"h", 40}};
-  const Lens pinhole = LensOf(base);
-  EXPECT_EQ(pinhole.model, LensModel::kPinhole);
+  const Intrinsics pinhole = LensOf(base);
+  EXPECT_EQ(pinhole.model, CameraModel::kPinhole);
   EXPECT_EQ(pinhole.width, 64);
   EXPECT_EQ(pinhole.height, 40);
   EXPECT_THAT(pinhole.params, ElementsAre(50, 60, 31.5, 20));
 
   json distorted = base;
   distorted.update({{"k1", 0.1}, {"k2", -0.2}, {"p1", 0.01}, {"p2", 0.02}});
-  EXPECT_EQ(LensOf(distorted).model, LensModel::kOpenCv);
+  EXPECT_EQ(LensOf(distorted).model, CameraModel::kOpenCv);
   EXPECT_THAT(LensOf(distorted).params, ElementsAre(50, 60, 31.5, 20, 0.1, -0.2, 0.01, 0.02));
 
   distorted["k3"] = 0.3;
-  EXPECT_EQ(LensOf(distorted).model, LensModel::kFullOpenCv);
+  EXPECT_EQ(LensOf(distorted).model, CameraModel::kFullOpenCv);
   EXPECT_THAT(LensOf(distorted).params, ElementsAre(50, 60, 31.5, 20, 0.1, -0.2, 0.01, 0.02, 0.3, 0, 0, 0));
 
   distorted["k4"] = 0.4;
   EXPECT_THAT(InputErrorOf([&] { LensOf(distorted); }), HasSubstr("FILE: frame 'x': \"k4\""));
   distorted["camera_model"] = "OPENCV_FISHEYE";
-  EXPECT_EQ(LensOf(distorted).model, LensModel::kOpenCvFisheye);
+  EXPECT_EQ(LensOf(distorted).model, CameraModel::kOpenCvFisheye);
   EXPECT_THAT(LensOf(distorted).params, ElementsAre(50, 60, 31.5, 20, 0.1, -0.2, 0.3, 0.4));
   distorted["camera_model"] = "PINHOLE";
   distorted["is_fisheye"] = true;
-  EXPECT_EQ(LensOf(distorted).model, LensModel::kOpenCvFisheye);
+  EXPECT_EQ(LensOf(distorted).model, CameraModel::kOpenCvFisheye);
 }
 
 TEST(TransformsLens, DefaultsOfFocalsAndCentre) {
   EXPECT_THAT(LensOf({{"fl_x", 50}, {"w", 64}, {"h", 40}}).params, ElementsAre(50, 50, 32, 20));
   EXPECT_THAT(LensOf({{"fl_y", 50}, {"w", 64}, {"h", 40}}).params, ElementsAre(50, 50, 32, 20));
   const double right_angle = std::numbers::pi / 2;  // half the width over tan 45 degrees
-  const Lens square = LensOf({{"camera_angle_x", right_angle}, {"w", 64}, {"h", 40}});
+  const Intrinsics square = LensOf({{"camera_angle_x", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(square.params, ElementsAre(DoubleNear(32, 1e-12), DoubleNear(32, 1e-12), 32, 20));
-  const Lens height_only = LensOf({{"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
+  const Intrinsics height_only = LensOf({{"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(height_only.params, ElementsAre(DoubleNear(20, 1e-12), DoubleNear(20, 1e-12), 32, 20));
-  const Lens both = LensOf({{"camera_angle_x", right_angle}, {"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
+  const Intrinsics both = LensOf({{"camera_angle_x", right_angle}, {"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(both.params, ElementsAre(DoubleNear(32, 1e-12), DoubleNear(20, 1e-12), 32, 20));
   // The length in pixels is the exact one; the angle beside it was derived from it.
   EXPECT_EQ(LensOf({{"fl_x", 50}, {"fl_y", 50}, {"camera_angle_x", 1.0}, {"w", 64}, {"h", 40}}).fx(), 50);
@@ -73,16 +73,16 @@ TEST(TransformsLens, DefaultsOfFocalsAndCentre) {
 
 TEST(TransformsLens, TheFrameComesBeforeTheFile) {
   const json file = {{"fl_x", 50}, {"fl_y", 60}, {"cx", 30}, {"cy", 20}, {"w", 64}, {"h", 40}, {"k1", 0.1}};
-  const Lens lens = LensOf(file, {{"fl_x", 70}, {"cx", 33}, {"k1", 0}});
+  const Intrinsics lens = LensOf(file, {{"fl_x", 70}, {"cx", 33}, {"k1", 0}});
   EXPECT_THAT(lens.params, ElementsAre(70, 70, 33, 20));
-  const Lens angle = LensOf(file, {{"camera_angle_x", std::numbers::pi / 2}});
+  const Intrinsics angle = LensOf(file, {{"camera_angle_x", std::numbers::pi / 2}});
   EXPECT_NEAR(angle.fx(), 32, 1e-12);
 }
 
 TEST(TransformsLens, SizeComesFromTheImageHeader) {
   TempDir dir;
   WritePicture(dir / "x.png", 14, 10);
-  const Lens lens = LensOf({{"camera_angle_x", std::numbers::pi / 2}}, json::object(), dir / "x.png");
+  const Intrinsics lens = LensOf({{"camera_angle_x", std::numbers::pi / 2}}, json::object(), dir / "x.png");
   EXPECT_EQ(lens.width, 14);
   EXPECT_EQ(lens.height, 10);
   EXPECT_THAT(lens.params, ElementsAre(DoubleNear(7, 1e-12), DoubleNear(7, 1e-12), 7, 5));

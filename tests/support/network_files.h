@@ -7,8 +7,8 @@
 #include <string>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/nets/depth_anything.h"
-#include "oraclegs/nets/lpips.h"
+#include "oraclegs/networks/depth_anything/depth_anything.h"
+#include "oraclegs/networks/lpips/lpips.h"
 
 namespace oraclegs {
 

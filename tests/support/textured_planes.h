@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -42,7 +42,7 @@ inline Scene WriteTexturedPlanes(const std::filesystem::path& dir, int views) {
     SceneView view;
     view.name = std::to_string(v) + ".png";
     view.image_path = dir / "images" / view.name;
-    view.lens = {LensModel::kPinhole,
+    view.lens = {CameraModel::kPinhole,
                  kPlanesWidth,
                  kPlanesHeight,
                  {kPlanesFocal, kPlanesFocal, kPlanesWidth / 2., kPlanesHeight / 2.}};

@@ -2,8 +2,8 @@
 // A folder of weights as `oraclegs models` leaves it, of networks so small that a whole run takes seconds: all that the
 // paper's pipeline asks for.
 
-#include "nets/seva/tiny_files.h"
-#include "nets/vggt_fixture.h"
+#include "networks/seva/tiny_files.h"
+#include "networks/vggt_fixture.h"
 #include "support/network_files.h"
 
 namespace oraclegs {

@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST(ToTrainViewTest, CopiesPixelsAndMask) {
-  Photo photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
+  LoadedView photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
   photo.rgb.data[3 * (kWidth + 2) + 1] = 0.75f;  // row 1, column 2, green
   EXPECT_FALSE(ToTrainView(photo).confidence.defined());
   photo.mask.assign(kWidth * kHeight, 1);
@@ -28,7 +28,7 @@ TEST(ToTrainViewTest, CopiesPixelsAndMask) {
 }
 
 TEST(ToTrainViewTest, CopiesAlpha) {
-  Photo photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
+  LoadedView photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
   photo.alpha.assign(kWidth * kHeight, 1);
   photo.alpha[kWidth + 2] = 0.5f;
   const TrainView view = ToTrainView(photo);

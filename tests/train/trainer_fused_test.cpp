@@ -4,7 +4,7 @@
 
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/loss/photometric.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"

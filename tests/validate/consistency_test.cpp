@@ -15,7 +15,7 @@ namespace {
 class ConsistencyTest : public testing::Test {
  protected:
   ConsistencyTest() : photos(TakeAll(plane, Arc(6, 8))) {
-    for (const Photo& photo : photos) maps.push_back(TrueDepth(photo, plane, 0.9f));
+    for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, plane, 0.9f));
     for (int v = 0; v < 6; ++v) hidden.push_back({v, Spoilt(photos[static_cast<size_t>(v)], 10 + 9 * v)});
   }
 
@@ -24,7 +24,7 @@ class ConsistencyTest : public testing::Test {
     return x >= left && x < left + 30 && y >= 20 && y < 50;
   }
 
-  static Proposal Spoilt(const Photo& photo, int left) {
+  static Proposal Spoilt(const LoadedView& photo, int left) {
     Proposal p{photo.name, "test", photo.camera, photo.rgb};
     Rng rng(static_cast<uint64_t>(left), RandomStream::kDemoScene);
     for (size_t i = 0; i < 96 * 72; ++i) {
@@ -34,7 +34,7 @@ class ConsistencyTest : public testing::Test {
   }
 
   TexturedPlane plane;
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
   std::vector<HiddenPhotograph> hidden;
 };
@@ -43,7 +43,7 @@ TEST_F(ConsistencyTest, TrustsWhatPhotographsShowAndDoubtsWhatIsInvented) {
   const Warper warper({photos, maps});
   ConsistencyOracle oracle(warper, photos);
   oracle.Learn(hidden);
-  const Photo truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
+  const LoadedView truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
   const ConfidenceMap map = oracle.Validate({Spoilt(truth, 40)})[0];
   ASSERT_EQ(map.size(), 96u * 72u);
   double inside = 0, outside = 0;
@@ -160,10 +160,10 @@ TEST_F(ConsistencyTest, ASecondOracleIsCalibratedAlone) {
 TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
   // Each photograph shows something in its square that no other one shows, and no proposal has.
   std::map<std::string, int> lefts = {{"new", 40}};
-  std::vector<Photo> surprising = photos;
+  std::vector<LoadedView> surprising = photos;
   std::vector<HiddenPhotograph> blind;
   for (int v = 0; v < 6; ++v) {
-    const Photo& photo = photos[static_cast<size_t>(v)];
+    const LoadedView& photo = photos[static_cast<size_t>(v)];
     lefts[photo.name] = 10 + 9 * v;
     surprising[static_cast<size_t>(v)].rgb = hidden[static_cast<size_t>(v)].proposal.rgb;
     blind.push_back({v, {photo.name, "test", photo.camera, photo.rgb}});
@@ -174,7 +174,7 @@ TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
   EXPECT_EQ(both.name(), "seer+consistency");
   alone.Learn(blind);
   both.Learn(blind);
-  const Photo truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
+  const LoadedView truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
   const Proposal proposal{"new", "test", truth.camera, truth.rgb};
   const auto means = [](const ConfidenceMap& map) {
     double inside = 0, outside = 0;

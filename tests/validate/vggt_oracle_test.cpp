@@ -1,6 +1,6 @@
 #include "oraclegs/validate/vggt_oracle.h"
 
-#include "nets/vggt_fixture.h"
+#include "networks/vggt_fixture.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/rng.h"
 
@@ -45,7 +45,7 @@ class VggtOracleTest : public testing::Test {
   }
 
   const SafetensorsFile file = OpenGolden(kVggtFixture);
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<Proposal> proposals;
 };
 

@@ -10,13 +10,13 @@ namespace {
 using testing::ElementsAre;
 using testing::Pair;
 
-std::vector<Photo> Photos(int n) {
-  std::vector<Photo> photos;
+std::vector<LoadedView> Photos(int n) {
+  std::vector<LoadedView> photos;
   for (const Camera& camera : Arc(n, 8)) photos.push_back({"p" + std::to_string(photos.size()), camera, {}, {}});
   return photos;
 }
 
-std::vector<HiddenPhotograph> At(const std::vector<Photo>& photos, const std::vector<int>& numbers, int hide) {
+std::vector<HiddenPhotograph> At(const std::vector<LoadedView>& photos, const std::vector<int>& numbers, int hide) {
   std::vector<HiddenPhotograph> out;
   for (const int n : numbers) {
     out.push_back({hide != 0 ? n : -1, {"t" + std::to_string(n), "warp", photos[static_cast<size_t>(n)].camera, {}}});

@@ -6,7 +6,7 @@
 
 #include "oraclegs/demo/shapes.h"
 #include "oraclegs/demo/textures.h"
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {

@@ -10,7 +10,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

@@ -35,13 +35,13 @@ std::vector<float> DetailOf(const ImageF& rgb) {
 
 class Fusion {
  public:
-  Fusion(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos, const FusionOptions& options)
+  Fusion(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, const FusionOptions& options)
       : maps_(maps), photos_(photos), options_(options) {
     for (const DepthMap& map : maps) {
       claimed_.emplace_back(map.size(), 0);
       world_from_cam_.push_back(map.camera.cam_from_world.inverse().cast<float>());
     }
-    for (const Photo& photo : photos) detail_.push_back(DetailOf(photo.rgb));
+    for (const LoadedView& photo : photos) detail_.push_back(DetailOf(photo.rgb));
   }
 
   std::vector<DensePoint> Run() {
@@ -140,7 +140,7 @@ class Fusion {
   }
 
   const std::vector<DepthMap>& maps_;
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
   const FusionOptions& options_;
   std::vector<std::vector<uint8_t>> claimed_;
   std::vector<std::vector<float>> detail_;
@@ -149,7 +149,7 @@ class Fusion {
 
 }  // namespace
 
-std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
                                   const FusionOptions& options) {
   return Fusion(maps, photos, options).Run();
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "oraclegs/depth/depth_map.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
@@ -27,7 +27,7 @@ struct FusionOptions {
 
 /// One point for each surface patch that pixels of at least `min_confidence` show: the weighted mean of all pixels that
 /// other photographs have of it. `photos` belong to `maps`, one by one.
-std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
                                   const FusionOptions& options);
 
 /// At most `budget` of the points, more where the photographs show detail, by a draw that depends on the seed alone. In

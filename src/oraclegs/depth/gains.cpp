@@ -29,7 +29,7 @@ bool IsUsable(const float* rgb) {
 }
 
 /// Of view a over view b.
-Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos, size_t a, size_t b) {
+Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, size_t a, size_t b) {
   const PixelMap there = MapBetween(maps[a].camera, maps[b].camera), back = MapBetween(maps[b].camera, maps[a].camera);
   std::vector<double> logs[3];
   for (size_t i = 0; i < maps[a].size(); i += kStride) {
@@ -54,7 +54,7 @@ Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<Photo>& photo
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos) {
+std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos) {
   const size_t n = maps.size();
   std::vector<Ratio> ratios(n * n);
   ParallelFor(static_cast<int64_t>(n * n), [&](int64_t k) {

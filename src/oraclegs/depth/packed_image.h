@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 

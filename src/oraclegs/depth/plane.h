@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "oraclegs/depth/plane_math.h"
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

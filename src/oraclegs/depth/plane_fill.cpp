@@ -83,7 +83,7 @@ std::vector<Eigen::Vector3f> Uprights(const std::vector<ScenePlane>& planes) {
 
 class PlaneFill {
  public:
-  PlaneFill(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos, std::vector<ScenePlane> planes,
+  PlaneFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, std::vector<ScenePlane> planes,
             const FusionOptions& options)
       : maps_(maps), photos_(photos), planes_(std::move(planes)), options_(options), silhouettes_(photos) {
     for (const DepthMap& map : maps) filled_.emplace_back(map.size(), 0);
@@ -276,7 +276,7 @@ class PlaneFill {
   }
 
   const std::vector<DepthMap>& maps_;
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
   std::vector<ScenePlane> planes_;
   const FusionOptions& options_;
   Silhouettes silhouettes_;
@@ -318,7 +318,7 @@ std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points) {
   return planes;
 }
 
-std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
                                    const std::vector<DensePoint>& points, const FusionOptions& options) {
   std::vector<ScenePlane> planes;
   if (!maps.empty()) planes = FindPlanes(points);

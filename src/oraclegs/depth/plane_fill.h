@@ -25,7 +25,7 @@ std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points);
 /// there and none looks through it; what no other photograph sees is believed. `points` are those of FuseDepth with the
 /// same arguments. A point has confidence 0, found by one view. Nothing beside silhouettes, where the photographs have
 /// any (silhouettes.h), or where a mask excludes.
-std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
                                    const std::vector<DensePoint>& points, const FusionOptions& options);
 
 }  // namespace oraclegs

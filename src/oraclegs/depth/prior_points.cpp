@@ -17,7 +17,7 @@ constexpr float kSeenThrough = 0.9f;  // of the depth that another photograph is
 
 class PriorFill {
  public:
-  PriorFill(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos, const FusionOptions& options)
+  PriorFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, const FusionOptions& options)
       : maps_(maps), photos_(photos), options_(options) {
     for (const DepthMap& map : maps) {
       const auto cells = static_cast<size_t>(Across(map.camera)) * static_cast<size_t>(Cells(map.camera.height));
@@ -122,7 +122,7 @@ class PriorFill {
   }
 
   const std::vector<DepthMap>& maps_;
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
   const FusionOptions& options_;
   std::vector<std::vector<uint8_t>> covered_;  // of each photograph, in cells of kStep pixels
   std::vector<Eigen::Isometry3f> cam_from_world_;
@@ -130,7 +130,7 @@ class PriorFill {
 
 }  // namespace
 
-std::vector<DensePoint> PriorPoints(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+std::vector<DensePoint> PriorPoints(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
                                     const std::vector<DensePoint>& points, const FusionOptions& options) {
   const bool any = std::any_of(maps.begin(), maps.end(), [](const DepthMap& map) { return map.monocular; });
   if (!any) return {};

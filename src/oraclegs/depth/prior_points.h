@@ -11,7 +11,7 @@ namespace oraclegs {
 /// point added for an earlier photograph, falls on, unless that lies far behind; as far as no photograph whose depth is
 /// confident looks through them. A point has the confidence of its pixel, found by one view. `photos` belong to
 /// `maps`, one by one. Nothing without monocular maps.
-std::vector<DensePoint> PriorPoints(const std::vector<DepthMap>& maps, const std::vector<Photo>& photos,
+std::vector<DensePoint> PriorPoints(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
                                     const std::vector<DensePoint>& points, const FusionOptions& options);
 
 }  // namespace oraclegs

@@ -14,7 +14,7 @@ constexpr int kGrowth = 2;                // pixels by which a silhouette may be
 
 using Color = std::array<float, 3>;
 
-Color ColorAt(const Photo& photo, size_t pixel) {
+Color ColorAt(const LoadedView& photo, size_t pixel) {
   const float* p = photo.rgb.data.data() + 3 * pixel;
   return {p[0], p[1], p[2]};
 }
@@ -39,11 +39,11 @@ std::vector<size_t> BorderPixels(int width, int height) {
 }
 
 /// The background's colour: the median of all photographs' borders.
-Color BorderColor(const std::vector<Photo>& photos) {
+Color BorderColor(const std::vector<LoadedView>& photos) {
   Color color{};
   for (size_t c = 0; c < 3; ++c) {
     std::vector<float> values;
-    for (const Photo& photo : photos) {
+    for (const LoadedView& photo : photos) {
       for (const size_t i : BorderPixels(photo.rgb.width, photo.rgb.height)) values.push_back(ColorAt(photo, i)[c]);
     }
     const auto middle = values.begin() + static_cast<int64_t>(values.size() / 2);
@@ -54,13 +54,13 @@ Color BorderColor(const std::vector<Photo>& photos) {
 }
 
 /// One mask for all photographs is the lens's rim or the photographer's finger, not an object's surroundings.
-bool MasksFollowTheScene(const std::vector<Photo>& photos) {
+bool MasksFollowTheScene(const std::vector<LoadedView>& photos) {
   return photos.size() == 1 ||
-         std::any_of(photos.begin(), photos.end(), [&](const Photo& p) { return p.mask != photos.front().mask; });
+         std::any_of(photos.begin(), photos.end(), [&](const LoadedView& p) { return p.mask != photos.front().mask; });
 }
 
 /// 1 = object; empty when the border is not background.
-std::vector<uint8_t> ObjectOf(const Photo& photo, const Color& background, bool use_mask) {
+std::vector<uint8_t> ObjectOf(const LoadedView& photo, const Color& background, bool use_mask) {
   const int width = photo.rgb.width, height = photo.rgb.height;
   const auto is_background = [&](size_t i) {
     return (use_mask && !photo.mask.empty() && photo.mask[i] == 0) || Same(ColorAt(photo, i), background);
@@ -107,11 +107,11 @@ std::vector<uint8_t> Grown(const std::vector<uint8_t>& object, int width, int he
 
 }  // namespace
 
-Silhouettes::Silhouettes(const std::vector<Photo>& photos) {
+Silhouettes::Silhouettes(const std::vector<LoadedView>& photos) {
   if (photos.empty()) return;
   const Color background = BorderColor(photos);
   const bool use_masks = MasksFollowTheScene(photos);
-  for (const Photo& photo : photos) {
+  for (const LoadedView& photo : photos) {
     std::vector<uint8_t> object = ObjectOf(photo, background, use_masks);
     if (object.empty()) {
       *this = Silhouettes({});

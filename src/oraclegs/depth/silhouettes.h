@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "oraclegs/depth/silhouette_mask.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
@@ -15,7 +15,7 @@ class Silhouettes {
   /// be excluded by its mask (unless all have the same) or show one colour, the same in all photographs (a Blender
   /// scene composited on its background; a turntable before a sheet). Background is then what is masked or is that
   /// colour and connected with the border.
-  explicit Silhouettes(const std::vector<Photo>& photos);
+  explicit Silhouettes(const std::vector<LoadedView>& photos);
 
   bool empty() const { return object_.empty(); }
   /// height * width of view `v`'s picture: 1 = object.

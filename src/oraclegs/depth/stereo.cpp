@@ -20,7 +20,7 @@ constexpr int kHintRadius = 1;           // pixels around a known point that sta
 
 class Stereo {
  public:
-  Stereo(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points, const StereoOptions& options,
+  Stereo(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points, const StereoOptions& options,
          PlaneSearch* search, const Listener& listener)
       : photos_(photos),
         points_(points),
@@ -31,7 +31,7 @@ class Stereo {
         ranges_(FindDepthRanges(photos, points, silhouettes_)),
         neighbors_(FindNeighbors(photos, points, options.neighbors)) {
     int smallest = photos.front().camera.width;
-    for (const Photo& p : photos) smallest = std::min({smallest, p.camera.width, p.camera.height});
+    for (const LoadedView& p : photos) smallest = std::min({smallest, p.camera.width, p.camera.height});
     levels_ = smallest >= 2 * kSmallestCoarseSide ? 2 : 1;
     const auto n = static_cast<int64_t>(photos.size());
     total_ = n * levels_ * options.geometric_passes + n;
@@ -71,7 +71,7 @@ class Stereo {
     scene.silhouettes = &silhouettes_;
     scene.silhouette_scale = static_cast<float>(1 << level);
     for (size_t v = 0; v < photos_.size(); ++v) {
-      const Photo& photo = photos_[v];
+      const LoadedView& photo = photos_[v];
       const int width = std::max(1, photo.camera.width >> level), height = std::max(1, photo.camera.height >> level);
       StereoView view{Resized(photo.camera, width, height), {}, Usable(v, width, height), ranges_[v], neighbors_[v]};
       const ImageF small = level == 0 ? photo.rgb : ResizeArea(photo.rgb, width, height);
@@ -83,7 +83,7 @@ class Stereo {
 
   /// Pixels that count and show the object, at a resolution; empty = all.
   std::vector<uint8_t> Usable(size_t v, int width, int height) const {
-    const Photo& photo = photos_[v];
+    const LoadedView& photo = photos_[v];
     if (photo.mask.empty() && silhouettes_.empty()) return {};
     std::vector<uint8_t> usable(static_cast<size_t>(width) * height);
     for (int y = 0; y < height; ++y) {
@@ -159,7 +159,7 @@ class Stereo {
         fmt::join(names, ", "))});
   }
 
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
   const std::vector<ScenePoint>& points_;
   const StereoOptions& options_;
   PlaneSearch& search_;
@@ -173,7 +173,7 @@ class Stereo {
 
 }  // namespace
 
-std::vector<DepthMap> EstimateDepth(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
                                     const StereoOptions& options, PlaneSearch* search, const Listener& listener) {
   if (photos.empty()) return {};
   return Stereo(photos, points, options, search, listener).Run();

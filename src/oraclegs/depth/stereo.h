@@ -8,7 +8,7 @@
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/depth/depth_map.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -41,7 +41,7 @@ struct StereoOptions {
 /// `search` does the search for planes, on the device it was made for; the rest is the CPU's.
 /// `listener` hears StepDone{"depth"}, and a warning that names photographs that overlap with no other.
 /// The same bits for any number of threads. Throws Interrupted, and what `search` throws.
-std::vector<DepthMap> EstimateDepth(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
                                     const StereoOptions& options, PlaneSearch* search, const Listener& listener);
 
 }  // namespace oraclegs

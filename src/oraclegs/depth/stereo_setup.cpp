@@ -5,7 +5,7 @@
 #include <set>
 
 #include "oraclegs/core/rng.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/camera/scene_bounds.h"
 
 namespace oraclegs {
 namespace {
@@ -33,9 +33,9 @@ double AngleScore(double angle) {
   return std::exp(-std::pow((angle - kBestAngle) / sigma, 2) / 2);
 }
 
-std::vector<Camera> CamerasOf(const std::vector<Photo>& photos) {
+std::vector<Camera> CamerasOf(const std::vector<LoadedView>& photos) {
   std::vector<Camera> cameras;
-  for (const Photo& photo : photos) cameras.push_back(photo.camera);
+  for (const LoadedView& photo : photos) cameras.push_back(photo.camera);
   return cameras;
 }
 
@@ -80,7 +80,7 @@ double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b) {
   return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0)) * 180 / M_PI;
 }
 
-std::vector<DepthRange> FindDepthRanges(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
                                         const Silhouettes& silhouettes) {
   std::vector<std::vector<double>> depths(photos.size());
   for (const ScenePoint& point : points) {
@@ -111,7 +111,7 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<Photo>& photos, const 
   return ranges;
 }
 
-std::vector<std::vector<int>> FindNeighbors(const std::vector<Photo>& photos, const std::vector<ScenePoint>& points,
+std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
                                             int most) {
   const std::vector<Eigen::Vector3d> stand_ins = StandIns(CamerasOf(photos));
   const int n = static_cast<int>(photos.size());

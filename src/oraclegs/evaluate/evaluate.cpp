@@ -12,7 +12,7 @@ namespace oraclegs {
 namespace {
 
 /// The photo's mask [H,W], undefined when every pixel counts.
-Tensor MaskOf(const Photo& photo) {
+Tensor MaskOf(const LoadedView& photo) {
   if (photo.mask.empty()) return {};
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
   if (static_cast<int64_t>(photo.mask.size()) != height * width) {
@@ -22,7 +22,7 @@ Tensor MaskOf(const Photo& photo) {
   return torch::from_blob(const_cast<uint8_t*>(photo.mask.data()), {height, width}, torch::kByte).clone();
 }
 
-ViewMetrics Score(const Photo& photo, const Tensor& render, const Tensor& truth, const PictureScores& scores) {
+ViewMetrics Score(const LoadedView& photo, const Tensor& render, const Tensor& truth, const PictureScores& scores) {
   const Tensor mask = MaskOf(photo);
   ViewMetrics view;
   view.name = photo.name;
@@ -36,8 +36,8 @@ ViewMetrics Score(const Photo& photo, const Tensor& render, const Tensor& truth,
 }
 
 /// The scores, or none where a photo is too small for them.
-PictureScores Usable(const PictureScores& scores, const std::vector<Photo>& photos, const Listener& listener) {
-  for (const Photo& photo : photos) {
+PictureScores Usable(const PictureScores& scores, const std::vector<LoadedView>& photos, const Listener& listener) {
+  for (const LoadedView& photo : photos) {
     if (!scores.of || std::min(photo.camera.width, photo.camera.height) >= scores.smallest_side) continue;
     std::vector<std::string> names;
     for (const auto& [name, convention] : scores.conventions) names.push_back(name);
@@ -48,13 +48,13 @@ PictureScores Usable(const PictureScores& scores, const std::vector<Photo>& phot
   return scores;
 }
 
-std::vector<std::string> NamesOf(const std::vector<Photo>& photos) {
+std::vector<std::string> NamesOf(const std::vector<LoadedView>& photos) {
   std::vector<std::string> names;
-  for (const Photo& photo : photos) names.push_back(photo.name);
+  for (const LoadedView& photo : photos) names.push_back(photo.name);
   return names;
 }
 
-bool CountsNowhere(const Photo& photo) {
+bool CountsNowhere(const LoadedView& photo) {
   return !photo.mask.empty() && std::all_of(photo.mask.begin(), photo.mask.end(), [](uint8_t m) { return m == 0; });
 }
 
@@ -71,7 +71,7 @@ void SetMeans(TestMetrics* metrics) {
 
 }  // namespace
 
-TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
+TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& photos, const RenderOptions& options,
                      const EvaluateExtras& extras, const Listener& listener) {
   const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
   const std::vector<std::string> pictures = PictureNames(NamesOf(photos));
@@ -80,7 +80,7 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photo
   metrics.conventions = scores.conventions;
   for (size_t i = 0; i < photos.size(); ++i) {
     ThrowIfInterrupted();
-    const Photo& photo = photos[i];
+    const LoadedView& photo = photos[i];
     const RenderOutput out = rasterizer->Forward(gaussians, photo.camera, options, RenderPass::kInference);
     const Tensor render = Quantized(out.image.to(torch::kCPU)).contiguous(), truth = Quantized(ToTensor(photo.rgb));
     if (CountsNowhere(photo)) {

@@ -10,7 +10,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/render/render.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
@@ -49,7 +49,7 @@ struct TestMetrics {
 /// Renders each photo's camera, compares 8-bit with 8-bit, and writes both as `extras` asks. Where a photo's mask
 /// excludes, the scores of `extras` see the photo in both pictures. A photo too small for them leaves them out for all,
 /// with a warning.
-TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<Photo>& photos, const RenderOptions& options,
+TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& photos, const RenderOptions& options,
                      const EvaluateExtras& extras, const Listener& listener);
 
 /// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}, and of each

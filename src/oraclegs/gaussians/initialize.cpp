@@ -8,7 +8,7 @@
 
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/neighbors.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/camera/scene_bounds.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
 #include "oraclegs/gaussians/cuda/neighbors.h"

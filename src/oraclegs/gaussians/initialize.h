@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {

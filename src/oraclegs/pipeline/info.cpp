@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "oraclegs/gaussians/ply.h"
-#include "oraclegs/pipeline/metrics.h"
-#include "oraclegs/pipeline/workspace.h"
+#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/workspace/workspace.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/train/checkpoint.h"
 
@@ -36,7 +36,7 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
   for (const SceneView& view : scene.views) {
     masks += view.mask_path.empty() ? 0 : 1;
     if (view.lens.params.empty()) continue;
-    ++lenses[std::string(LensModelName(view.lens.model))];
+    ++lenses[std::string(CameraModelName(view.lens.model))];
     ++sizes[fmt::format("{}x{}", view.lens.width, view.lens.height)];
   }
   return {{"kind", "scene"},

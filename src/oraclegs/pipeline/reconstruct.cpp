@@ -1,14 +1,14 @@
 #include "oraclegs/pipeline/reconstruct.h"
 
-#include "oraclegs/pipeline/evaluate_stage.h"
-#include "oraclegs/pipeline/metrics.h"
-#include "oraclegs/pipeline/train_stage.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
+#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/train_stage.h"
 
 namespace oraclegs {
 
 nlohmann::json Reconstruct(Run* run) {
   if (!IsTrained(*run)) {
-    for (const int view : run->split.test) LoadPhotos(run->scene, {view}, run->options.photo, Silent());
+    for (const int view : run->split.test) LoadViews(run->scene, {view}, run->options.photo, Silent());
     RunTrain(run);
   }
   RunEvaluate(run);

@@ -4,9 +4,9 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/evaluate/picture_names.h"
-#include "oraclegs/pipeline/device.h"
+#include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/run.h"
-#include "oraclegs/scene/camera_path.h"
+#include "oraclegs/camera/camera_path.h"
 
 namespace oraclegs {
 namespace {
@@ -51,7 +51,7 @@ bool WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, in
 
 }  // namespace
 
-std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const PhotoOptions& photo,
+std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const ImageOptions& photo,
                                      const RenderPathOptions& options) {
   const std::vector<int>& views = options.path == "test" ? split.test : split.train;
   std::vector<std::string> names;

@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/pipeline/evaluate_stage.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
 
 namespace oraclegs {
 
@@ -33,7 +33,7 @@ struct NamedCamera {
 };
 
 /// The cameras of a path through a scene.
-std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const PhotoOptions& photo,
+std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const ImageOptions& photo,
                                      const RenderPathOptions& options);
 
 /// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out/video.mp4. Returns the path of

@@ -4,16 +4,16 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/pipeline/device.h"
-#include "oraclegs/pipeline/fingerprint.h"
-#include "oraclegs/pipeline/missing_networks.h"
-#include "oraclegs/pipeline/non_commercial.h"
-#include "oraclegs/pipeline/oracle_choice.h"
-#include "oraclegs/pipeline/propose_stage.h"
-#include "oraclegs/pipeline/vggt_poses.h"
-#include "oraclegs/scene/photos.h"
-#include "oraclegs/scene/sfm.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/pipeline/settings/device.h"
+#include "oraclegs/pipeline/workspace/fingerprint.h"
+#include "oraclegs/pipeline/settings/missing_networks.h"
+#include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/pipeline/settings/oracle_choice.h"
+#include "oraclegs/pipeline/stages/propose_stage.h"
+#include "oraclegs/pipeline/stages/vggt_registration.h"
+#include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/pipeline/options.h"
-#include "oraclegs/pipeline/workspace.h"
+#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/pipeline/workspace/workspace.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/split.h"
 

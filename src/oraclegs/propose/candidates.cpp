@@ -8,8 +8,8 @@
 
 #include "oraclegs/core/rng.h"
 #include "oraclegs/propose/nearest_order.h"
-#include "oraclegs/scene/camera_path.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/camera/camera_path.h"
+#include "oraclegs/camera/scene_bounds.h"
 
 namespace oraclegs {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

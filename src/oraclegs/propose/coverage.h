@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "oraclegs/depth/fusion.h"
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

@@ -9,7 +9,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/propose/folder_layout.h"
 #include "oraclegs/propose/target_check.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {

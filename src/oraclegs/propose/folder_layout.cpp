@@ -9,7 +9,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/transforms_frame.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -154,9 +154,9 @@ void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* conte
       leave_out(kUnreadablePicture);
       continue;
     }
-    const Lens lens = ReadTransformsLens(frame, picture.file);
+    const Intrinsics lens = ReadTransformsLens(frame, picture.file);
     picture.camera = {lens.width, lens.height, lens.fx(), lens.fy(), lens.cx(), lens.cy(), ReadTransformsPose(frame)};
-    if (lens.model != LensModel::kPinhole) {
+    if (lens.model != CameraModel::kPinhole) {
       leave_out(kLens);
     } else if (views.IsTest(file_path)) {
       leave_out(kTestName);

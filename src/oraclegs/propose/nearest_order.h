@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/scene/camera.h"
-#include "oraclegs/scene/image.h"
+#include "oraclegs/camera/camera.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 

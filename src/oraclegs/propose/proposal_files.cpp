@@ -8,7 +8,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/transforms_frame.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -109,10 +109,10 @@ std::vector<Target> ReadTargets(const fs::path& dir) {
   for (const json& entry : file["frames"]) {
     const auto [frame, file_path] = NamedFrame(file, entry, path, index++);
     Target target{FileName(file_path), {}};
-    const Lens lens = ReadTransformsLens(frame, dir / file_path);
-    if (lens.model != LensModel::kPinhole) {
+    const Intrinsics lens = ReadTransformsLens(frame, dir / file_path);
+    if (lens.model != CameraModel::kPinhole) {
       throw InputError("{}: its lens is {}, a target needs a pinhole; remove the distortion", frame.place,
-                       LensModelName(lens.model));
+                       CameraModelName(lens.model));
     }
     if (!names.insert(target.name).second) {
       throw InputError("{}: another frame is called '{}', too; rename one", frame.place, target.name);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 

@@ -12,7 +12,7 @@
 #include "oraclegs/propose/coverage.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/target_check.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/camera/scene_bounds.h"
 
 namespace oraclegs {
 namespace {

@@ -19,7 +19,7 @@ void CheckSizes(const WarpSources& sources) {
     throw ShapeError("Warper: {} gains of {} photographs", sources.gains.size(), sources.photos.size());
   }
   for (size_t v = 0; v < sources.maps.size(); ++v) {
-    const Photo& photo = sources.photos[v];
+    const LoadedView& photo = sources.photos[v];
     const DepthMap& map = sources.maps[v];
     const size_t pixels = static_cast<size_t>(map.camera.width) * static_cast<size_t>(map.camera.height);
     if (photo.rgb.width != map.camera.width || photo.rgb.height != map.camera.height ||
@@ -33,7 +33,7 @@ void CheckSizes(const WarpSources& sources) {
 
 WarpSource SourceOf(const WarpSources& all, size_t v, const Camera& camera) {
   const DepthMap& map = all.maps[v];
-  const Photo& photo = all.photos[v];
+  const LoadedView& photo = all.photos[v];
   WarpSource source;
   source.rgb = photo.rgb.data.data();
   source.inv_depth = map.inv_depth.data(), source.confidence = map.confidence.data();

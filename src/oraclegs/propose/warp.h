@@ -13,13 +13,13 @@
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/proposer.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
 
 /// What the photographs know of a scene. The referenced objects must outlive whoever holds this.
 struct WarpSources {
-  const std::vector<Photo>& photos;
+  const std::vector<LoadedView>& photos;
   const std::vector<DepthMap>& maps;            ///< of the photographs, one by one
   std::vector<Eigen::Vector3f> gains = {};      ///< their exposures, which colours are freed of; empty = all 1
   const Silhouettes* silhouettes = nullptr;     ///< null or empty: no plain background

@@ -6,7 +6,7 @@
 
 #include "oraclegs/core/function_ref.h"
 #include "oraclegs/gaussians/gaussians.h"
-#include "oraclegs/scene/camera.h"
+#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -90,13 +90,13 @@ ColmapCameras ParseCamerasBinary(std::string_view bytes, const std::string& file
   for (size_t i = 0; i < count; ++i) {
     const uint32_t id = reader.Get<uint32_t>();
     const int model_id = reader.Get<int32_t>();
-    const auto model = LensModelFromId(model_id);
+    const auto model = CameraModelFromId(model_id);
     if (!model) throw InputError("{}: camera {} has the unknown model id {}, COLMAP 3.8 has 0..10", file, id, model_id);
-    Lens lens;
+    Intrinsics lens;
     lens.model = *model;
     lens.width = GetImageSide(reader, file, id);
     lens.height = GetImageSide(reader, file, id);
-    lens.params.resize(static_cast<size_t>(LensParameterCount(*model)));
+    lens.params.resize(static_cast<size_t>(CameraModelParameterCount(*model)));
     for (double& p : lens.params) p = reader.Get<double>();
     lens.Check(fmt::format("{}: camera {}", file, id));
     if (!cameras.emplace(id, std::move(lens)).second) throw InputError("{}: camera {} is there twice", file, id);

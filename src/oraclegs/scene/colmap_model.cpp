@@ -7,7 +7,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_binary.h"
 #include "oraclegs/scene/colmap_text.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -181,7 +181,7 @@ void WriteColmapText(const fs::path& dir, const ColmapCameras& cameras, const st
   const Tracks tracks(points);
   std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
   for (const auto& [id, lens] : cameras) {
-    text += fmt::format("{} {} {} {} {}\n", id, LensModelName(lens.model), lens.width, lens.height,
+    text += fmt::format("{} {} {} {} {}\n", id, CameraModelName(lens.model), lens.width, lens.height,
                         fmt::join(lens.params, " "));
   }
   WriteFileAtomically(dir / "cameras.txt", text);

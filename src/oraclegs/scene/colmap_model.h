@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/scene/lens.h"
+#include "oraclegs/camera/intrinsics.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 
-using ColmapCameras = std::map<uint32_t, Lens>;  ///< by camera id
+using ColmapCameras = std::map<uint32_t, Intrinsics>;  ///< by camera id
 
 struct ColmapImage {
   uint32_t id = 0;

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -125,10 +125,10 @@ ColmapCameras ParseCamerasText(std::string_view text, const std::string& file) {
     Fields fields(*line, lines);
     const uint32_t id = fields.Number<uint32_t>("the camera id");
     const std::string_view model_name = fields.Word("the camera model");
-    const auto model = LensModelFromName(model_name);
+    const auto model = CameraModelFromName(model_name);
     if (!model)
       throw InputError("{}: unknown camera model '{}', COLMAP 3.8 has eleven", lines.Place(), Shown(model_name));
-    Lens lens;
+    Intrinsics lens;
     lens.model = *model;
     lens.width = ImageSide(fields, lines);
     lens.height = ImageSide(fields, lines);

@@ -6,9 +6,9 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 #include "oraclegs/scene/transforms.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {

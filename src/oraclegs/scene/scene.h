@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/scene/lens.h"
+#include "oraclegs/camera/intrinsics.h"
 
 namespace oraclegs {
 
@@ -25,7 +25,7 @@ struct SceneView {
   std::string name;                  ///< unique; the image's path below the image folder, e.g. "0001.jpg"
   std::filesystem::path image_path;  ///< exists
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
-  Lens lens;                         ///< of the full-size photograph; params empty for a plain folder
+  Intrinsics lens;                         ///< of the full-size photograph; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
   bool as_stored = false;  ///< lens and pose describe the pixels as stored: the EXIF orientation does not count
   DeclaredRole role = DeclaredRole::kNone;

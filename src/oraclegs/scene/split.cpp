@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {

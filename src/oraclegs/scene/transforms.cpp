@@ -5,7 +5,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/scene/transforms_frame.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/scene/image.h"
-#include "oraclegs/scene/view_list.h"
+#include "oraclegs/image/image.h"
+#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -45,7 +45,7 @@ std::optional<int> FindSide(const TransformsFrame& frame, const char* key) {
   return static_cast<int>(std::round(*side));
 }
 
-void ReadSize(const TransformsFrame& frame, const std::filesystem::path& image_path, Lens* lens) {
+void ReadSize(const TransformsFrame& frame, const std::filesystem::path& image_path, Intrinsics* lens) {
   const auto width = FindSide(frame, "w"), height = FindSide(frame, "h");
   if (!width || !height) ReadImageSize(image_path, &lens->width, &lens->height);
   if (width) lens->width = *width;
@@ -65,7 +65,7 @@ std::optional<double> FocalIn(const json& object, const char* focal_key, const c
 }
 
 /// fx and fy from the frame if it says anything about focal lengths, else from the file; one missing equals the other.
-std::pair<double, double> ReadFocals(const TransformsFrame& frame, const Lens& lens) {
+std::pair<double, double> ReadFocals(const TransformsFrame& frame, const Intrinsics& lens) {
   for (const json* object : {&frame.frame, &frame.file}) {
     const auto fx = FocalIn(*object, "fl_x", "camera_angle_x", lens.width, frame.place);
     const auto fy = FocalIn(*object, "fl_y", "camera_angle_y", lens.height, frame.place);
@@ -178,8 +178,8 @@ std::optional<std::string> TransformsFrame::FindText(const char* key) const {
   return value->get<std::string>();
 }
 
-Lens ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path) {
-  Lens lens;
+Intrinsics ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path) {
+  Intrinsics lens;
   ReadSize(frame, image_path, &lens);
   const auto [fx, fy] = ReadFocals(frame, lens);
   const double cx = frame.FindNumber("cx").value_or(lens.width / 2.0);
@@ -189,18 +189,18 @@ Lens ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::pat
   const double p1 = coefficient("p1"), p2 = coefficient("p2");
 
   if (IsFisheye(frame)) {
-    lens.model = LensModel::kOpenCvFisheye;
+    lens.model = CameraModel::kOpenCvFisheye;
     lens.params = {fx, fy, cx, cy, k1, k2, k3, k4};
   } else if (k4 != 0) {
     throw InputError("{}: \"k4\" of a lens that is not OPENCV_FISHEYE cannot be undistorted; set it to 0", frame.place);
   } else if (k3 != 0) {
-    lens.model = LensModel::kFullOpenCv;
+    lens.model = CameraModel::kFullOpenCv;
     lens.params = {fx, fy, cx, cy, k1, k2, p1, p2, k3, 0, 0, 0};
   } else if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
-    lens.model = LensModel::kOpenCv;
+    lens.model = CameraModel::kOpenCv;
     lens.params = {fx, fy, cx, cy, k1, k2, p1, p2};
   } else {
-    lens.model = LensModel::kPinhole;
+    lens.model = CameraModel::kPinhole;
     lens.params = {fx, fy, cx, cy};
   }
   lens.Check(frame.place);

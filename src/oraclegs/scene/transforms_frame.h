@@ -40,7 +40,7 @@ NamedTransformsFrame NamedFrame(const nlohmann::json& file, const nlohmann::json
 std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const std::string& file_path);
 
 /// The lens; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
-Lens ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path);
+Intrinsics ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path);
 
 /// transform_matrix (3x4 or 4x4, camera to world, OpenGL axes) as a pose. Throws InputError when it is not finite, not
 /// a rotation (a scale, a mirror), or of another shape.

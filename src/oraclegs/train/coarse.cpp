@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "oraclegs/scene/image.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 namespace {

@@ -48,7 +48,7 @@ void CheckView(const TrainView& view) {
 
 /// One channel of a photograph, which has as many numbers as it has pixels.
 template <class T>
-Tensor Plane(const std::vector<T>& values, const char* what, const Photo& photo) {
+Tensor Plane(const std::vector<T>& values, const char* what, const LoadedView& photo) {
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
   if (values.size() != static_cast<size_t>(height * width)) {
     throw ShapeError("ToTrainView: the {} of {} has {} pixels, expected {}", what, photo.name, values.size(),
@@ -68,7 +68,7 @@ double Median(std::vector<float>* values) {
 
 }  // namespace
 
-TrainView ToTrainView(const Photo& photo) {
+TrainView ToTrainView(const LoadedView& photo) {
   TrainView view{photo.name, photo.camera, {}, {}};
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
   if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {

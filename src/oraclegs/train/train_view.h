@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "oraclegs/core/tensor.h"
-#include "oraclegs/scene/camera.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/camera/camera.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/train/exposure.h"
 
 namespace oraclegs {
@@ -24,7 +24,7 @@ struct TrainView {
 };
 
 /// Without depth; with alpha where the photo has any. Throws ShapeError when the photo's buffers do not fit its size.
-TrainView ToTrainView(const Photo& photo);
+TrainView ToTrainView(const LoadedView& photo);
 
 /// Throws UsageError when there is no view, ShapeError when a tensor does not fit its camera, when only one of
 /// inv_depth and depth_mask is there, when an inverse depth that counts is not finite, or an alpha not in [0, 1].

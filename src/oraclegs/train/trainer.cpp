@@ -6,7 +6,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/out_of_memory.h"
-#include "oraclegs/scene/looked_at.h"
+#include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {

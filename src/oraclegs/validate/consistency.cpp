@@ -71,7 +71,7 @@ class PixelRows {
 
 /// A photograph whose exposure colours are freed of.
 struct Truth {
-  const Photo& photo;
+  const LoadedView& photo;
   Eigen::Vector3f gain;
 };
 

@@ -30,9 +30,9 @@ enum class Evidence {
 /// level, one of each for every proposer. Never looks at a test view. What is referenced must outlive it.
 class ConsistencyOracle : public Oracle {
  public:
-  ConsistencyOracle(const Warper& warper, const std::vector<Photo>& photos) : warper_(warper), photos_(photos) {}
+  ConsistencyOracle(const Warper& warper, const std::vector<LoadedView>& photos) : warper_(warper), photos_(photos) {}
   /// Calibrates another oracle, alone or beside the photographs: its maps are one more feature.
-  ConsistencyOracle(const Warper& warper, const std::vector<Photo>& photos, const Oracle& second, Evidence evidence)
+  ConsistencyOracle(const Warper& warper, const std::vector<LoadedView>& photos, const Oracle& second, Evidence evidence)
       : warper_(warper), photos_(photos), evidence_(evidence), second_(&second) {}
 
   /// The level stays as the regression has it. To be called before Learn.
@@ -67,7 +67,7 @@ class ConsistencyOracle : public Oracle {
   void ForEach(const std::vector<HiddenPhotograph>& hidden, const Take& take) const;
 
   const Warper& warper_;
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
   Evidence evidence_ = Evidence::kPhotographs;
   const Oracle* second_ = nullptr;
   bool finds_level_ = true;

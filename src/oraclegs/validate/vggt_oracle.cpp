@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/nets/vggt_input.h"
+#include "oraclegs/networks/vggt/input.h"
 #include "oraclegs/validate/view_chunks.h"
 
 namespace oraclegs {
@@ -28,7 +28,7 @@ Image8 Fitted(const Image8& photo, int width, int height) {
 
 }  // namespace
 
-VggtOracle::VggtOracle(Aggregator aggregator, VggtOracleOptions options, const std::vector<Photo>& photos)
+VggtOracle::VggtOracle(Aggregator aggregator, VggtOracleOptions options, const std::vector<LoadedView>& photos)
     : aggregator_(std::move(aggregator)), options_(std::move(options)), photos_(photos) {
   if (options_.layers.empty() || options_.layers.size() != options_.weights.size() || options_.chunk == 0) {
     throw ShapeError("VggtOracle: {} layers, {} weights, chunks of {}", options_.layers.size(), options_.weights.size(),

@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "oraclegs/nets/vggt_confidence.h"
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/networks/vggt/attention_confidence.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/validate/oracle.h"
 
 namespace oraclegs {
@@ -26,7 +26,7 @@ struct VggtOracleOptions {
 class VggtOracle : public Oracle {
  public:
   /// `photos` must outlive it. Throws ShapeError when layers and weights differ in number or the chunk is 0.
-  VggtOracle(Aggregator aggregator, VggtOracleOptions options, const std::vector<Photo>& photos);
+  VggtOracle(Aggregator aggregator, VggtOracleOptions options, const std::vector<LoadedView>& photos);
 
   std::string name() const override { return "vggt"; }
   /// Throws InputError as PlanChunks does, and Interrupted.
@@ -38,7 +38,7 @@ class VggtOracle : public Oracle {
 
   Aggregator aggregator_;
   VggtOracleOptions options_;
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
 };
 
 }  // namespace oraclegs

@@ -13,11 +13,11 @@ namespace oraclegs {
 namespace {
 
 /// Mean distance of the photographs from their centre.
-double SpreadOf(const std::vector<Photo>& photos) {
+double SpreadOf(const std::vector<LoadedView>& photos) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const Photo& photo : photos) centre += photo.camera.Center() / static_cast<double>(photos.size());
+  for (const LoadedView& photo : photos) centre += photo.camera.Center() / static_cast<double>(photos.size());
   double spread = 0;
-  for (const Photo& photo : photos) {
+  for (const LoadedView& photo : photos) {
     spread += (photo.camera.Center() - centre).norm() / static_cast<double>(photos.size());
   }
   return std::max(spread, 1e-9);
@@ -25,7 +25,7 @@ double SpreadOf(const std::vector<Photo>& photos) {
 
 class Planner {
  public:
-  Planner(const std::vector<HiddenPhotograph>& hidden, const std::vector<Photo>& photos)
+  Planner(const std::vector<HiddenPhotograph>& hidden, const std::vector<LoadedView>& photos)
       : hidden_(hidden), photos_(photos), spread_(photos.empty() ? 1 : SpreadOf(photos)) {}
 
   void Add(std::vector<size_t> members) {
@@ -69,7 +69,7 @@ class Planner {
   }
 
   const std::vector<HiddenPhotograph>& hidden_;
-  const std::vector<Photo>& photos_;
+  const std::vector<LoadedView>& photos_;
   double spread_;
   std::vector<ViewChunk> chunks_;
 };
@@ -83,7 +83,7 @@ std::vector<std::pair<size_t, size_t>> EvenRuns(size_t count, size_t most) {
   return runs;
 }
 
-std::vector<ViewChunk> PlanChunks(const std::vector<HiddenPhotograph>& hidden, const std::vector<Photo>& photos,
+std::vector<ViewChunk> PlanChunks(const std::vector<HiddenPhotograph>& hidden, const std::vector<LoadedView>& photos,
                                   size_t most) {
   std::map<std::tuple<std::string, int, int>, std::vector<size_t>> groups;
   for (size_t h = 0; h < hidden.size(); ++h) {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/scene/photos.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/validate/oracle.h"
 
 namespace oraclegs {
@@ -21,7 +21,7 @@ struct ViewChunk {
 /// Each proposal in one chunk: those of one source and size, in their order, at most `most` together, beside the
 /// photograph whose camera is nearest to theirs; of the photographs of their size, where one is free. A chunk that
 /// hides every photograph is halved. Throws InputError when a proposal hides the only photograph there is.
-std::vector<ViewChunk> PlanChunks(const std::vector<HiddenPhotograph>& hidden, const std::vector<Photo>& photos,
+std::vector<ViewChunk> PlanChunks(const std::vector<HiddenPhotograph>& hidden, const std::vector<LoadedView>& photos,
                                   size_t most);
 
 }  // namespace oraclegs

@@ -75,14 +75,14 @@ TEST_F(CudaMemory, IsReported) {
 
 TEST_F(CudaMemory, WhoKeepsSomeGivesItBackBeforeItEndsAndBeforeItIsCounted) {
   static int calls = 0;
-  SetMemoryRelief([] { ++calls; });
+  SetOutOfMemoryCallback([] { ++calls; });
   MemoryOfDevice();
   EXPECT_EQ(calls, 1);
   EXPECT_THROW(AllocateDevice(int64_t{1} << 45, "the tile lists"), OutOfMemory);
   EXPECT_EQ(calls, 2);
   FreeDevice(AllocateDevice(100, "a little"));
   EXPECT_EQ(calls, 2);
-  SetMemoryRelief(nullptr);
+  SetOutOfMemoryCallback(nullptr);
 }
 
 TEST_F(CudaMemory, ADeviceThatIsNotThereIsRefused) {

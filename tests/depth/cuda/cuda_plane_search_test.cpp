@@ -69,7 +69,7 @@ class CudaPlaneSearchTest : public CudaTest {
 TEST_F(CudaPlaneSearchTest, AgreesWithTheCpuAfterOneIteration) {
   for (const bool in_color : {false, true}) {
     StereoScene scene = Scene();
-    const std::vector<Photo> photos = TakeAll(kSlanted, Arc(3, 8, kWidth, kHeight));
+    const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8, kWidth, kHeight));
     for (size_t v = 0; in_color && v < 3; ++v) scene.views[v].image = Pack(photos[v].rgb);
     const std::vector<PlaneMap> start = Start(scene), gpu = OnGpu(scene, start, {{1, 0, false}}),
                                 cpu = OnCpu(scene, start, {{1, 0, false}});
@@ -143,7 +143,7 @@ TEST_F(CudaPlaneSearchTest, SilhouettesBoundEveryHypothesis) {
   // The third camera looks along the square and rules most depths out.
   std::vector<Camera> cameras = Arc(2, 8, 96, 72);
   cameras.push_back(CameraAt({3.5, 0, 0.5}, {0, 0, 0.3}, 96, 72));
-  const std::vector<Photo> photos = TakeAll(square, cameras);
+  const std::vector<LoadedView> photos = TakeAll(square, cameras);
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   StereoScene scene;
@@ -200,7 +200,7 @@ TEST_F(CudaPlaneSearchTest, TakesOneLevelAfterAnother) {
 }
 
 TEST_F(CudaPlaneSearchTest, FindsDepthLikeTheCpu) {
-  const std::vector<Photo> photos = TakeAll(kSlanted, Arc(3, 8, 64, 48));
+  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8, 64, 48));
   StereoOptions options;
   options.iterations = 3;
   options.geometric_passes = 1;

@@ -32,7 +32,7 @@ class CudaWarpTest : public CudaTest {
     for (const Camera& camera : cameras) {
       photos.push_back(far.Take(camera, "p"));
       maps.push_back(TrueDepth(photos.back(), far, 0.9f));
-      const Photo front = near.Take(camera, "p");
+      const LoadedView front = near.Take(camera, "p");
       for (size_t i = 0; i < maps.back().size(); ++i) {
         const size_t x = i % static_cast<size_t>(camera.width), y = i / static_cast<size_t>(camera.width);
         const double depth = near.DepthAt(camera, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
@@ -85,7 +85,7 @@ class CudaWarpTest : public CudaTest {
   }
 
   TexturedPlane near, far;
-  std::vector<Photo> photos;
+  std::vector<LoadedView> photos;
   std::vector<DepthMap> maps;
   Rng rng{3, RandomStream::kInitialPoints};
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, kWidth, kHeight);
@@ -107,7 +107,7 @@ TEST_F(CudaWarpTest, FromNearAndFromFar) {
 }
 
 TEST_F(CudaWarpTest, KnowsMasksAndExposures) {
-  for (Photo& photo : photos) {
+  for (LoadedView& photo : photos) {
     photo.mask.resize(size_t{kWidth} * kHeight);
     for (uint8_t& counts : photo.mask) counts = rng.Uniform() < 0.8;
   }
@@ -122,7 +122,7 @@ TEST_F(CudaWarpTest, KnowsTheBackgroundBesideAnObject) {
   square.half_side = 0.7;
   photos = TakeAll(square, Arc(4, 14, kWidth, kHeight));
   maps.clear();
-  for (const Photo& photo : photos) maps.push_back(TrueDepth(photo, square, 0.9f));
+  for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, square, 0.9f));
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   const WarpSources sources{photos, maps, {}, &silhouettes, {1, 1, 1}};

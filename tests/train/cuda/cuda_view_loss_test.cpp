@@ -31,8 +31,8 @@ RenderOutput RandomRender() {
 }
 
 double Total(const LossTerms& terms) {
-  DeviceArray<LossLedger> ledger("a test");
-  const LossLedger empty;
+  DeviceArray<LossAccumulator> ledger("a test");
+  const LossAccumulator empty;
   ledger.Upload(&empty, 1);
   RunLedger({terms, 1, 0, ledger.data()}, nullptr);
   return ToHost(ledger, 1)[0].last;

@@ -67,7 +67,7 @@ void* AllocatePinned(int64_t bytes, const char* purpose) {
   return memory;
 }
 
-void SetMemoryRelief(void (*relief)()) { memory_relief = relief; }
+void SetOutOfMemoryCallback(void (*relief)()) { memory_relief = relief; }
 
 void FreeDevice(void* memory) noexcept {
   if (memory != nullptr && cudaFree(memory) != cudaSuccess) cudaGetLastError();  // at exit the driver may be gone

@@ -22,7 +22,7 @@ void* AllocateDevice(int64_t bytes, const char* purpose);
 void* AllocatePinned(int64_t bytes, const char* purpose);
 /// Who keeps device memory that it does not use (libtorch does) gives it back when `relief` is called: before memory
 /// ends, and before it is counted. Null = nobody; no call from several threads at once.
-void SetMemoryRelief(void (*relief)());
+void SetOutOfMemoryCallback(void (*relief)());
 void FreeDevice(void* memory) noexcept;
 void FreePinned(void* memory) noexcept;
 

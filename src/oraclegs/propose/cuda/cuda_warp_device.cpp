@@ -33,12 +33,12 @@ class SourcePictures {
     confidence_.ReserveExactly(pixels_);
     const bool bounded = sources.silhouettes != nullptr && !sources.silhouettes->empty();
     const bool masked = std::any_of(sources.photos.begin(), sources.photos.end(),
-                                    [](const Photo& photo) { return !photo.mask.empty(); });
+                                    [](const LoadedView& photo) { return !photo.mask.empty(); });
     if (bounded) near_object_.ReserveExactly(pixels_);
     if (masked) mask_.ReserveExactly(pixels_);
     for (size_t v = 0; v < sources.maps.size(); ++v) {
       const DepthMap& map = sources.maps[v];
-      const Photo& photo = sources.photos[v];
+      const LoadedView& photo = sources.photos[v];
       const int64_t at = begin_[v];
       Send(photo.rgb.data.data(), 3 * map.size(), rgb_.data() + 3 * at);
       Send(map.inv_depth.data(), map.size(), inv_depth_.data() + at);

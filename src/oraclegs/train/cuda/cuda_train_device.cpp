@@ -166,7 +166,7 @@ class CudaTrainDevice final : public TrainDevice {
 
   LossReport Loss() override {
     read_ledger_.Ask(ledger_.data(), kStream);
-    const LossLedger ledger = read_ledger_.Get();
+    const LossAccumulator ledger = read_ledger_.Get();
     for (const Iteration& iteration : unchecked_) {
       if (iteration.number == ledger.broken) {
         RequireFinite(ledger.broken_loss, iteration.number, view_loss_.View(iteration.view, iteration.number));
@@ -177,7 +177,7 @@ class CudaTrainDevice final : public TrainDevice {
   }
 
   void RestoreLoss(double smoothed) override {
-    LossLedger ledger;
+    LossAccumulator ledger;
     ledger.smoothed = smoothed;
     ledger_.Upload(&ledger, 1);
     unchecked_.clear();
@@ -264,8 +264,8 @@ class CudaTrainDevice final : public TrainDevice {
   LossTerms terms_;                   // of the iteration
   std::vector<Iteration> unchecked_;  // whose loss the host has not seen
   DeviceArray<RegularizerBlock> step_sums_{"the sums of the loss"};
-  DeviceArray<LossLedger> ledger_{"the sums of the loss"};
-  Readback<LossLedger> read_ledger_;
+  DeviceArray<LossAccumulator> ledger_{"the sums of the loss"};
+  Readback<LossAccumulator> read_ledger_;
   Readback<uint64_t> total_weight_;
   Tensor opacity_factors_;  // [capacity]
   DeviceArray<uint64_t> weights_{"relocation"}, ranks_{"relocation"}, totals_{"relocation"};

@@ -8,7 +8,7 @@
 #include "oraclegs/loss/cuda/photometric.h"
 #include "oraclegs/train/cuda/exposure.h"
 #include "oraclegs/train/cuda/floaters.h"
-#include "oraclegs/train/cuda/loss_ledger.h"
+#include "oraclegs/train/cuda/loss_accumulator.h"
 #include "oraclegs/train/train_device.h"
 
 namespace oraclegs::cuda {

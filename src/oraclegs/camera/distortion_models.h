@@ -1,0 +1,58 @@
+#pragma once
+// The one function behind all eleven lens models. A ray (x, y, 1) at distance r from the axis first moves to distance
+// m(r): r itself (the models built on a pinhole), atan r (the fisheye models) or the FOV model's arctangent. The result
+// (a, b), with s = a^2 + b^2, then goes through a radial factor, tangential and thin-prism terms:
+//   R = (1 + n1 s + n2 s^2 + n3 s^3 + n4 s^4) / (1 + d1 s + d2 s^2 + d3 s^3)
+//   u = a R + 2 p1 a b + p2 (s + 2 a^2) + sx s,   v = b R + 2 p2 a b + p1 (s + 2 b^2) + sy s
+// Brown 1966; Devernay and Faugeras 2001 (FOV); Kannala and Brandt 2006 (fisheye); Weng et al. 1992 (thin prism).
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "oraclegs/camera/intrinsics.h"
+
+namespace oraclegs {
+
+/// A lens made ready to map many rays. Radial factors that turn back (m R is not monotone) end at the turning point, so
+/// that no two rays share a pixel.
+class DistortionMap {
+ public:
+  explicit DistortionMap(const Intrinsics& lens);
+
+  /// Pixel of the ray (x, y, 1); false when the lens cannot see it.
+  bool Project(double x, double y, double* px, double* py) const;
+  /// Ray of a pixel; nullopt when no ray falls on it.
+  std::optional<Eigen::Vector2d> Unproject(double px, double py) const;
+
+ private:
+  enum class Curve { kIdentity, kArcTangent, kFieldOfView };
+
+  struct Radial {
+    double factor, slope;  ///< R and dR/ds
+  };
+  /// (u, v) at (a, b) and its derivatives.
+  struct Bend {
+    double u, v, du_da, du_db, dv_da, dv_db;
+    double Determinant() const { return du_da * dv_db - du_db * dv_da; }
+  };
+
+  double CurveScale(double r2) const;   ///< m(r) / r
+  double CurveInverse(double m) const;  ///< r / m(r)
+  Radial RadialAt(double s) const;
+  Bend BendAt(double a, double b) const;
+  std::optional<double> InverseRadial(double wanted) const;
+  std::optional<Eigen::Vector2d> InverseBend(const Eigen::Vector2d& uv, double start) const;
+
+  Curve curve_ = Curve::kIdentity;
+  double fx_, fy_, cx_, cy_;
+  double omega_ = 0;           ///< of the FOV model
+  double tan_omega_ = 0;       ///< 2 tan(omega / 2)
+  std::array<double, 4> n_{};  ///< numerator of R
+  std::array<double, 3> d_{};  ///< denominator of R
+  double p1_ = 0, p2_ = 0, sx_ = 0, sy_ = 0;
+  bool has_radial_ = false, has_denominator_ = false, has_bend_ = false;
+  double limit_ = 0;  ///< s of a ray that is seen is below this
+};
+
+}  // namespace oraclegs

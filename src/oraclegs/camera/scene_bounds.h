@@ -1,0 +1,24 @@
+#pragma once
+// Where and how large a scene is, as far as its cameras tell.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "oraclegs/camera/camera.h"
+
+namespace oraclegs {
+
+struct Ball {
+  Eigen::Vector3d center;  ///< world
+  double radius;           ///< world units
+};
+
+/// Radius of the cameras' positions: 1.1 * max distance of a camera centre from their mean (getNerfppNorm of [3DGS]); 0
+/// without cameras.
+double SpatialExtent(const std::vector<Camera>& cameras);
+
+/// What the cameras look at: around the point nearest to all optical axes, as far as the median camera is from it, or,
+/// when the axes are parallel or meet behind the cameras, ahead of the mean camera. At least one camera.
+Ball LookedAt(const std::vector<Camera>& cameras);
+
+}  // namespace oraclegs

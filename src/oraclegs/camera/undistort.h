@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/image/image.h"
+#include "oraclegs/camera/intrinsics.h"
+
+namespace oraclegs {
+
+/// The pinhole camera (identity pose) of the same size that sees as much as possible of what `lens` sees without a
+/// blank pixel at the border: the principal point is kept, the focal length is scaled by 0.2 to 5. A pinhole lens
+/// keeps its focal length, and so does a lens whose axis lies outside the image (no scale fills its border).
+Camera UndistortedCamera(const Intrinsics& lens);
+
+struct UndistortedImage {
+  ImageF image;
+  std::vector<uint8_t> valid;  ///< height * width, 1 where the source was seen; empty when all are
+};
+
+/// Resamples `source` (any channel count, taken by `lens`) as `target` sees it, bilinearly.
+UndistortedImage Undistort(const ImageF& source, const Intrinsics& lens, const Camera& target);
+
+}  // namespace oraclegs

@@ -1,0 +1,311 @@
+#include "oraclegs/experiments/ablation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/experiments/ablation_rows.h"
+#include "oraclegs/pipeline/stages/perceptual.h"
+#include "oraclegs/pipeline/stages/propose_stage.h"
+#include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/workspace/stage_sharing.h"
+#include "oraclegs/pipeline/stages/start_points.h"
+#include "oraclegs/pipeline/stages/train_stage.h"
+#include "oraclegs/pipeline/settings/weights.h"
+#include "oraclegs/scene/loaded_view.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr char kRows[] = "rows", kJson[] = "ablation.json", kMarkdown[] = "ablation.md";
+constexpr std::string_view kLpipsRow = "lpips";
+
+/// Throws InputError when `out` holds anything but an ablation, or one of another program.
+void RequireOurs(const fs::path& out) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(out, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name == kRows || name == kJson || name == kMarkdown || name.rfind(".oraclegs-", 0) == 0) continue;
+    throw InputError("{}: is not empty and holds no ablation of oraclegs; choose a new or empty folder with -o",
+                     out.string());
+  }
+  if (!fs::exists(out / kJson, ignored)) return;
+  const json saved = json::parse(ReadFile(out / kJson), nullptr, false);
+  if (saved.is_object() && saved.value("program", json()) == "oraclegs") return;
+  throw InputError("{}: was not written by oraclegs; choose a new or empty folder with -o", (out / kJson).string());
+}
+
+/// Options of a row that another has not.
+json Changes(const json& before, const json& now) {
+  json changes = json::object();
+  for (const auto& [name, value] : now.items()) {
+    if (before.at(name) != value) changes[name] = value;
+  }
+  return changes;
+}
+
+std::optional<double> NumberOf(const json& test, const char* name) {
+  const json value = test.value(name, json());
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+AblationRun Scored(AblationRun run, const json& metrics) {
+  const json& test = metrics.at("test");
+  run.psnr = NumberOf(test, "psnr"), run.ssim = NumberOf(test, "ssim");
+  run.psnr_color_corrected = NumberOf(test, "psnr_color_corrected");
+  run.gaussians = metrics.value("gaussians", int64_t{0});
+  run.training_seconds = metrics.value("train", json::object()).value("seconds", 0.0);
+  run.start = metrics.value("start", json::object()).value("source", "");
+  return run;
+}
+
+class Ablator {
+ public:
+  Ablator(const AblationRequest& request, const Listener& listener) : request_(request), listener_(listener) {
+    CheckOptions(request.options);
+    CheckRunOptions(request.run.options);
+    RequireAblatable(request.run.options);
+    RequireOutsideScene(request.run.out, request.run.scene);
+    RequireOurs(request.run.out);
+    PlanRows();
+  }
+
+  Ablation Run() {
+    for (size_t s = 0; s < ablation_.seeds.size(); ++s) {
+      for (size_t r = 0; r < rows_.size(); ++r) RunOne(r, ablation_.seeds[s]);
+    }
+    listener_(FileWritten{request_.run.out / kJson});
+    listener_(FileWritten{request_.run.out / kMarkdown});
+    if (!scored_) std::rethrow_exception(first_failure_);
+    return std::move(ablation_);
+  }
+
+ private:
+  void PlanRows() {
+    ablation_.scene = request_.run.scene.string();
+    ablation_.command = request_.command, ablation_.version = request_.run.version;
+    const RunOptions& asked = request_.run.options;
+    ablation_.iterations = asked.train.iterations, ablation_.max_gaussians = asked.train.max_gaussians;
+    for (int s = 0; s < request_.options.seeds; ++s) {
+      ablation_.seeds.push_back(asked.start.seed + static_cast<uint64_t>(s));
+    }
+    ablation_.notes = {
+        "± is the sample standard deviation over the seeds; a gain is the mean over seeds of a row's PSNR minus that "
+        "of the nearest row above with scores."};
+    json before = ShapingOptionsToJson(asked);
+    for (const size_t row : ChooseRows(request_.options.rows)) {
+      const AblationRow& part = AblationRows()[row];
+      if (part.name == kLpipsRow && FindLpips(asked.weights).empty()) {
+        if (!request_.options.rows.empty()) {
+          throw InputError("--rows names {}, which needs the weights of LPIPS; {}, or name a file with --lpips-weights",
+                           kLpipsRow, HowToFetch(kLpipsModel));
+        }
+        ablation_.notes.push_back(
+            fmt::format("There is no row for LPIPS: without weights for it, its share of a proposal's loss is L1; {}.",
+                        HowToFetch(kLpipsModel)));
+        continue;
+      }
+      const json now = ShapingOptionsToJson(RowOptions(row, asked));
+      if (!rows_.empty() && now == before) {
+        ablation_.notes.push_back(
+            fmt::format("Row {} ({}) is left out: the options that were asked for leave it as the "
+                        "row above.",
+                        row + 1, part.label));
+        listener_(Note{ablation_.notes.back()});
+        continue;
+      }
+      rows_.push_back(row);
+      ablation_.rows.push_back({row + 1, part.name, part.label, part.explanation, Changes(before, now), {}});
+      before = now;
+    }
+    seconds_.resize(rows_.size());
+  }
+
+  /// Relative to the ablation's folder.
+  std::string Folder(size_t r, uint64_t seed) const {
+    return fmt::format("{}/{:02}-{}/seed-{}", kRows, ablation_.rows[r].number, ablation_.rows[r].name, seed);
+  }
+
+  /// Whose stages the next run may use, the likeliest first: the row above of the same seed, then the others.
+  std::vector<fs::path> Donors(size_t r, uint64_t seed, bool other_seeds) const {
+    std::vector<std::string> folders;
+    const auto add = [&](uint64_t of) {
+      for (size_t above = r; above-- > 0;) folders.push_back(Folder(above, of));
+      for (size_t below = r + 1; below < rows_.size(); ++below) folders.push_back(Folder(below, of));
+    };
+    add(seed);
+    if (other_seeds) {
+      for (const uint64_t other : ablation_.seeds) {
+        if (other != seed) folders.push_back(Folder(r, other)), add(other);
+      }
+    }
+    std::vector<fs::path> donors;
+    for (const std::string& folder : folders) {
+      // What --overwrite asks to be made anew is no source.
+      if (request_.run.overwrite && finished_.count(folder) == 0) continue;
+      if (IsWorkspace(request_.run.out / folder)) donors.push_back(request_.run.out / folder);
+    }
+    return donors;
+  }
+
+  RunRequest RequestOf(size_t r, uint64_t seed) const {
+    RunRequest request = request_.run;
+    request.out = request_.run.out / Folder(r, seed);
+    request.options = RowOptions(rows_[r], request_.run.options);
+    request.options.start.seed = seed;
+    return request;
+  }
+
+  void TakeOver(Workspace* workspace, const RunOptions& options, size_t r, uint64_t seed) const {
+    if (NeedsDepth(options)) {
+      TakeOverGeometry(workspace, Donors(r, seed, true));
+    } else {
+      TakeOverRegistration(workspace, Donors(r, seed, true));
+    }
+    const bool proposes = ProposesViews(options) || !options.propose.proposal_folder.empty();
+    if (proposes) TakeOverProposals(workspace, Donors(r, seed, false));
+  }
+
+  oraclegs::Run Start(size_t r, uint64_t seed, const Listener& listener) {
+    RunRequest request = RequestOf(r, seed);
+    // The first one of all may find that the scene cannot be read, before a folder is made.
+    std::error_code none;
+    if (scene_is_good_ || fs::exists(request_.run.out / kJson, none)) {
+      Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);
+      request.overwrite = false;
+      std::error_code ignored;
+      if (!fs::exists(workspace.metrics(), ignored)) TakeOver(&workspace, request.options, r, seed);
+    }
+    oraclegs::Run run = StartRun(request, listener);
+    if (!scene_is_good_) {
+      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.options.photo);
+      ablation_.width = camera.width, ablation_.height = camera.height;
+      ablation_.train_views = run.split.train.size(), ablation_.test_views = run.split.test.size();
+      scene_is_good_ = true;
+      if (!fs::exists(request_.run.out / kJson, none)) Write();  // what an earlier call measured stands until more is
+    }
+    return run;
+  }
+
+  /// The report says once what of it was made with networks that must not be used for everything.
+  void NoteLicence(const json& metrics) {
+    for (const std::string& part : metrics.value("non_commercial", std::vector<std::string>())) {
+      std::string note = fmt::format("Not for commercial use: rows were made with {}.", part);
+      auto& notes = ablation_.notes;
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+    }
+  }
+
+  void RunOne(size_t r, uint64_t seed) {
+    ThrowIfInterrupted();
+    oraclegs::Run run = Start(r, seed, ListenerOf(r, seed));
+    AblationRun result;
+    result.seed = seed, result.workspace = Folder(r, seed);
+    const bool was_trained = IsTrained(run);
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+      const json metrics = Reconstruct(&run);
+      result = Scored(std::move(result), metrics);
+      NoteLicence(metrics);
+      scored_ = true;
+      std::error_code ignored;  // gigabytes, and of no more use
+      fs::remove_all(run.workspace.checkpoints(), ignored);
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& failure) {  // also out of memory, in whatever library
+      result.failure = failure.what();
+      result.failure.resize(std::min(result.failure.size(), result.failure.find('\n')));  // libtorch adds a backtrace
+      if (!first_failure_) first_failure_ = std::current_exception();
+      listener_(Warning{fmt::format("row {} ({}), seed {} failed: {}", ablation_.rows[r].number,
+                                    ablation_.rows[r].label, seed, result.failure)});
+    }
+    if (!was_trained) {
+      seconds_[r] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+    finished_.insert(Folder(r, seed));
+    ablation_.rows[r].runs.push_back(result);
+    Write();
+    Tell(r, result);
+  }
+
+  void Tell(size_t r, const AblationRun& run) {
+    std::vector<size_t> left;
+    for (const uint64_t seed : ablation_.seeds) {
+      for (size_t row = 0; row < rows_.size(); ++row) {
+        std::error_code ignored;
+        const bool scored_before = !request_.run.overwrite &&
+                                   fs::exists(WorkspacePaths(request_.run.out / Folder(row, seed)).metrics(), ignored);
+        if (finished_.count(Folder(row, seed)) == 0 && !scored_before) left.push_back(row);
+      }
+    }
+    const double seconds = SecondsLeft(seconds_, left);
+    const std::string outcome = !run.failure.empty() ? "failed"
+                                : run.psnr           ? fmt::format("{:.2f} dB", *run.psnr)
+                                                     : "no test pixels";
+    listener_(Note{fmt::format("row {} of {} ({}), seed {}: {}{}", ablation_.rows[r].number, AblationRows().size(),
+                               ablation_.rows[r].label, run.seed, outcome,
+                               seconds > 0 ? ", about " + FormatSeconds(seconds) + " left" : "")});
+  }
+
+  void Write() const {
+    const auto replace = json::error_handler_t::replace;
+    WriteFileAtomically(request_.run.out / kJson, AblationToJson(ablation_).dump(2, ' ', false, replace) + "\n");
+    WriteFileAtomically(request_.run.out / kMarkdown, AblationMarkdown(ablation_));
+  }
+
+  /// What a run says, without what all of them say alike: notes of the first only, each warning once.
+  Listener ListenerOf(size_t r, uint64_t seed) {
+    const std::string where = fmt::format("row {}, seed {}: ", ablation_.rows[r].number, seed);
+    const bool first = finished_.empty();
+    return [this, where, first](const Event& event) {
+      if (const auto* stage = std::get_if<StageStarted>(&event)) {
+        listener_(StageStarted{where + stage->stage});
+      } else if (const auto* step = std::get_if<StepDone>(&event)) {
+        listener_(StepDone{where + step->stage, step->done, step->total, step->unit, step->detail});
+      } else if (const auto* end = std::get_if<StageFinished>(&event)) {
+        listener_(StageFinished{where + end->stage, end->seconds});
+      } else if (const auto* warning = std::get_if<Warning>(&event)) {
+        if (warned_.insert(warning->text).second) listener_(*warning);
+      } else if (std::holds_alternative<Note>(event) && first) {
+        listener_(event);
+      }
+    };
+  }
+
+  const AblationRequest& request_;
+  const Listener& listener_;
+  Ablation ablation_;
+  std::vector<size_t> rows_;     ///< of AblationRows(), those in the table
+  std::vector<double> seconds_;  ///< that a run of each took, 0 = not known
+  std::set<std::string> finished_, warned_;
+  std::exception_ptr first_failure_;
+  bool scene_is_good_ = false, scored_ = false;
+};
+
+}  // namespace
+
+Ablation RunAblation(const AblationRequest& request, const Listener& listener) {
+  return Ablator(request, listener).Run();
+}
+
+double SecondsLeft(const std::vector<double>& known, const std::vector<size_t>& left) {
+  double sum = 0, count = 0, seconds = 0;
+  for (const double s : known) {
+    sum += s;
+    count += s > 0 ? 1 : 0;
+  }
+  if (count == 0) return 0;
+  for (const size_t row : left) seconds += known[row] > 0 ? known[row] : sum / count;
+  return seconds;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,43 @@
+#pragma once
+// One scene trained several times, each time with one part of the program more.
+
+#include <string>
+#include <vector>
+
+#include "oraclegs/experiments/ablation_report.h"
+#include "oraclegs/pipeline/run.h"
+
+namespace oraclegs {
+
+struct AblateOptions {
+  int seeds = 3;
+  std::string rows;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("seeds", seeds, "Trainings of each row, of seeds --seed, --seed + 1, ...", Range{1, 1000});
+    visit("rows", rows,
+          "Rows to train, by number or name, separated by commas: mcmc, proposals, schedule, sfm, depth, confidence, "
+          "dense, regularisers, calibration, opinions, lpips (with its weights only); all unless given");
+  }
+};
+
+struct AblationRequest {
+  RunRequest run;  ///< its options are those of every row, but for what rows are about
+  AblateOptions options;
+  std::string command;  ///< as it was typed, for the report
+};
+
+/// Trains the rows of ablation_rows.h seed after seed, each in a workspace of its own, out/rows/NN-NAME/seed-S; those
+/// of one scene share structure from motion, depth and proposals where their options allow. Writes out/ablation.json
+/// and out/ablation.md anew after each run; given again, it goes on where it was stopped. Tells "row 4 of 10 ..." and
+/// the time that is left. A row that fails is told and the others go on, but the first failure is thrown when nothing
+/// was scored at all. Throws UsageError for contradicting options, InputError when the scene cannot be read, the row of
+/// LPIPS is asked for and its weights are not there, or `out` holds something else, Interrupted.
+Ablation RunAblation(const AblationRequest& request, const Listener& listener);
+
+/// How long `left` runs, by their row, will take, where those of row r took known[r] seconds (0 = not known: as long as
+/// the mean of the others). 0 when nothing is known.
+double SecondsLeft(const std::vector<double>& known, const std::vector<size_t>& left);
+
+}  // namespace oraclegs

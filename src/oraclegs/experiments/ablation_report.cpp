@@ -1,0 +1,219 @@
+#include "oraclegs/experiments/ablation_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "oraclegs/core/text.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+
+constexpr char kNone[] = "-";
+
+using Value = std::optional<double> (*)(const AblationRun& run);
+std::optional<double> Psnr(const AblationRun& run) { return run.psnr; }
+std::optional<double> Ssim(const AblationRun& run) { return run.ssim; }
+std::optional<double> Corrected(const AblationRun& run) { return run.psnr_color_corrected; }
+std::optional<double> Seconds(const AblationRun& run) { return run.training_seconds; }
+
+/// Over the runs that were scored.
+std::optional<Spread> SpreadOver(const AblationResult& row, Value value) {
+  std::vector<double> values;
+  for (const AblationRun& run : row.runs) {
+    if (!run.failure.empty()) continue;
+    if (const auto v = value(run)) values.push_back(*v);
+  }
+  return SpreadOf(values);
+}
+
+bool HasScores(const AblationResult& row) {
+  for (const AblationRun& run : row.runs) {
+    if (run.failure.empty()) return true;
+  }
+  return false;
+}
+
+std::string Shown(const std::optional<Spread>& spread, int decimals, bool sign = false) {
+  if (!spread) return kNone;
+  std::string text =
+      sign ? fmt::format("{:+.{}f}", spread->mean, decimals) : fmt::format("{:.{}f}", spread->mean, decimals);
+  if (spread->deviation) text += fmt::format(" ± {:.{}f}", *spread->deviation, decimals);
+  return text;
+}
+
+/// What the table says of a row in place of scores.
+std::string WithoutScores(const AblationResult& row) {
+  return row.runs.empty() ? "not run yet" : "failed: " + row.runs.front().failure;
+}
+
+/// The cells of a row that has scores.
+std::vector<std::string> Cells(const Ablation& ablation, size_t r) {
+  const AblationResult& row = ablation.rows[r];
+  const std::optional<Gain> gain = GainOf(ablation, r);
+  const std::optional<Spread> seconds = SpreadOver(row, Seconds);
+  return {Shown(SpreadOver(row, Psnr), 2), Shown(SpreadOver(row, Ssim), 4), Shown(SpreadOver(row, Corrected), 2),
+          gain ? Shown(gain->psnr, 2, true) : kNone, FormatSeconds(seconds->mean)};
+}
+
+/// Failures of rows that have scores of other seeds; "" without any.
+std::vector<std::string> PartialFailures(const Ablation& ablation) {
+  std::vector<std::string> lines;
+  for (const AblationResult& row : ablation.rows) {
+    if (!HasScores(row)) continue;
+    for (const AblationRun& run : row.runs) {
+      if (run.failure.empty()) continue;
+      lines.push_back(fmt::format("row {} ({}), seed {} failed: {}", row.number, row.label, run.seed, run.failure));
+    }
+  }
+  return lines;
+}
+
+std::string Protocol(const Ablation& a) {
+  return fmt::format("{} training views, {} test views, {} × {} pixels, {} iterations, at most {} Gaussians, seed{} {}",
+                     a.train_views, a.test_views, a.width, a.height, a.iterations, a.max_gaussians,
+                     a.seeds.size() == 1 ? "" : "s", fmt::join(a.seeds, ", "));
+}
+
+/// "--init sfm", as it would be typed.
+std::string Typed(const std::string& name, const json& value) {
+  if (value.is_boolean()) return fmt::format("--{}{}", value.get<bool>() ? "" : "no-", name);
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  return text.empty() ? fmt::format("no --{}", name) : fmt::format("--{} {}", name, text);
+}
+
+/// A text that stays within its cell and is no markup.
+std::string InCell(const std::string& text) {
+  std::string cell;
+  for (const char c : text) {
+    if (c == '|' || c == '\\') cell += '\\';
+    cell += c == '\n' ? ' ' : c;
+  }
+  return cell;
+}
+
+json ToJson(const std::optional<double>& value) { return value ? json(*value) : json(); }
+
+json ToJson(const std::optional<Spread>& spread) {
+  if (!spread) return nullptr;
+  return {{"mean", spread->mean}, {"deviation", ToJson(spread->deviation)}, {"count", spread->count}};
+}
+
+json ToJson(const AblationRun& run) {
+  json out = {{"seed", run.seed}, {"workspace", run.workspace}};
+  if (!run.failure.empty()) {
+    out["failure"] = run.failure;
+    return out;
+  }
+  out["psnr"] = ToJson(run.psnr), out["ssim"] = ToJson(run.ssim);
+  out["psnr_color_corrected"] = ToJson(run.psnr_color_corrected);
+  out["training_seconds"] = run.training_seconds, out["gaussians"] = run.gaussians, out["start"] = run.start;
+  return out;
+}
+
+}  // namespace
+
+std::optional<Spread> SpreadOf(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  Spread spread{values.size(), 0, std::nullopt};
+  const auto n = static_cast<double>(values.size());
+  for (const double v : values) spread.mean += v / n;
+  if (values.size() == 1) return spread;
+  double squares = 0;
+  for (const double v : values) squares += (v - spread.mean) * (v - spread.mean);
+  spread.deviation = std::sqrt(squares / (n - 1));
+  return spread;
+}
+
+std::optional<Gain> GainOf(const Ablation& ablation, size_t row) {
+  for (size_t above = row; above-- > 0;) {
+    if (!HasScores(ablation.rows[above])) continue;
+    std::vector<double> gains;
+    for (const AblationRun& now : ablation.rows[row].runs) {
+      for (const AblationRun& then : ablation.rows[above].runs) {
+        if (now.seed == then.seed && now.psnr && then.psnr) gains.push_back(*now.psnr - *then.psnr);
+      }
+    }
+    const std::optional<Spread> spread = SpreadOf(gains);
+    if (!spread) return std::nullopt;
+    return Gain{above, *spread};
+  }
+  return std::nullopt;
+}
+
+json AblationToJson(const Ablation& a) {
+  json rows = json::array();
+  for (size_t r = 0; r < a.rows.size(); ++r) {
+    const AblationResult& row = a.rows[r];
+    json runs = json::array();
+    for (const AblationRun& run : row.runs) runs.push_back(ToJson(run));
+    const std::optional<Gain> gain = GainOf(a, r);
+    rows.push_back({{"number", row.number},
+                    {"name", row.name},
+                    {"label", row.label},
+                    {"explanation", row.explanation},
+                    {"changes", row.changes},
+                    {"psnr", ToJson(SpreadOver(row, Psnr))},
+                    {"ssim", ToJson(SpreadOver(row, Ssim))},
+                    {"psnr_color_corrected", ToJson(SpreadOver(row, Corrected))},
+                    {"training_seconds", ToJson(SpreadOver(row, Seconds))},
+                    {"gain", gain ? ToJson(gain->psnr) : json()},
+                    {"gain_over", gain ? json(a.rows[gain->over].name) : json()},
+                    {"runs", std::move(runs)}});
+  }
+  return {{"program", "oraclegs"},
+          {"version", a.version},
+          {"command", a.command},
+          {"scene", a.scene},
+          {"views", {{"train", a.train_views}, {"test", a.test_views}}},
+          {"width", a.width},
+          {"height", a.height},
+          {"iterations", a.iterations},
+          {"max_gaussians", a.max_gaussians},
+          {"seeds", a.seeds},
+          {"rows", std::move(rows)},
+          {"notes", a.notes}};
+}
+
+std::string AblationText(const Ablation& ablation) {
+  std::vector<std::vector<std::string>> lines = {{"row", "PSNR", "SSIM", "corrected", "gain", "training"}};
+  for (size_t r = 0; r < ablation.rows.size(); ++r) {
+    const AblationResult& row = ablation.rows[r];
+    lines.push_back({fmt::format("{} {}", row.number, row.label)});
+    std::vector<std::string> cells = {WithoutScores(row)};
+    if (HasScores(row)) cells = Cells(ablation, r);
+    lines.back().insert(lines.back().end(), cells.begin(), cells.end());
+  }
+  std::string text = Protocol(ablation) + "\n" + AlignColumns(lines, "lrrrrr");
+  for (const std::string& line : PartialFailures(ablation)) text += line + "\n";
+  return text;
+}
+
+std::string AblationMarkdown(const Ablation& ablation) {
+  std::string text = fmt::format("# Ablation of {}\n\n{}; oraclegs {}.\n\n    {}\n\n", ablation.scene,
+                                 Protocol(ablation), ablation.version, ablation.command);
+  text += "| row | PSNR, dB | SSIM | PSNR, colour-corrected | gain, dB | training |\n";
+  text += "| --- | --- | --- | --- | --- | --- |\n";
+  for (size_t r = 0; r < ablation.rows.size(); ++r) {
+    const AblationResult& row = ablation.rows[r];
+    const std::string head = fmt::format("| {} {} |", row.number, InCell(row.label));
+    text += HasScores(row) ? fmt::format("{} {} |\n", head, fmt::join(Cells(ablation, r), " | "))
+                           : fmt::format("{} {} | | | | |\n", head, InCell(WithoutScores(row)));
+  }
+  text += "\n| row | adds | options |\n| --- | --- | --- |\n";
+  for (const AblationResult& row : ablation.rows) {
+    std::vector<std::string> options;
+    for (const auto& [name, value] : row.changes.items())
+      options.push_back(fmt::format("`{}`", InCell(Typed(name, value))));
+    text += fmt::format("| {} {} | {} | {} |\n", row.number, InCell(row.label), InCell(row.explanation),
+                        fmt::join(options, " "));
+  }
+  text += "\n";
+  for (const std::string& line : PartialFailures(ablation)) text += "- " + line + "\n";
+  for (const std::string& note : ablation.notes) text += "- " + note + "\n";
+  return text;
+}
+
+}  // namespace oraclegs

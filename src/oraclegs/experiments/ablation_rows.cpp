@@ -1,0 +1,120 @@
+#include "oraclegs/experiments/ablation_rows.h"
+
+#include <algorithm>
+#include <set>
+
+#include "oraclegs/pipeline/stages/propose_stage.h"
+
+namespace oraclegs {
+namespace {
+
+std::string RowList() {
+  std::vector<std::string> words;
+  for (const AblationRow& row : AblationRows()) words.push_back(fmt::format("{} {}", words.size() + 1, row.name));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+size_t RowOf(const std::string& word) {
+  const std::vector<AblationRow>& rows = AblationRows();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (word == rows[i].name || word == std::to_string(i + 1)) return i;
+  }
+  throw UsageError("--rows names '{}'; there are {}", word, RowList());
+}
+
+}  // namespace
+
+const std::vector<AblationRow>& AblationRows() {
+  static const std::vector<AblationRow> rows = {
+      {"mcmc", "MCMC, random start", "3DGS-MCMC on the photographs alone, as its authors start and train it",
+       [](const RunOptions& asked, RunOptions* o) {
+         const StartOptions usual;
+         o->start.init = "random", o->start.init_scale = usual.init_scale;
+         o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
+         o->propose.proposers = "none", o->propose.proposal_folder.clear();
+         o->train.schedule = "constant", o->validate.oracle = "uniform";
+         // Where everything is trusted alike there is nothing to calibrate, and no row of it.
+         if (asked.validate.oracle != "uniform") o->validate.calibrate = false;
+         o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
+         o->train.largest_scale = 0, o->train.alpha_weight = 0;
+         o->train.proposal_lpips = 0;
+         o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1, o->train.exposure = "off";
+       }},
+      {"proposals", "+ proposals",
+       "photographs warped to new views by stereo's depth, all pixels trusted alike, a constant share of the "
+       "iterations",
+       [](const RunOptions& asked, RunOptions* o) {
+         o->propose.proposers = asked.propose.proposers == "none" ? "none" : "warp";
+         o->propose.proposal_folder = asked.propose.proposal_folder;
+       }},
+      {"schedule", "+ schedule", "the paper's share of proposals over the run, 0.1 + t (1-t)^3",
+       [](const RunOptions& asked, RunOptions* o) { o->train.schedule = asked.train.schedule; }},
+      {"sfm", "+ SfM start", "Gaussians start at points triangulated from the training photographs",
+       [](const RunOptions&, RunOptions* o) { o->start.init = "sfm"; }},
+      {"depth", "+ depth", "stereo's inverse depth in the loss of the photographs",
+       [](const RunOptions& asked, RunOptions* o) { o->train.depth_weight = asked.train.depth_weight; }},
+      {"confidence", "+ confidence",
+       "each proposed pixel counts by what its oracle says of it, which orders the pixels",
+       [](const RunOptions& asked, RunOptions* o) { o->validate.oracle = asked.validate.oracle; }},
+      {"dense", "+ dense start", "Gaussians start at stereo's dense points, at the size of their distances",
+       [](const RunOptions& asked, RunOptions* o) {
+         const uint64_t seed = o->start.seed;
+         o->start = asked.start, o->start.seed = seed;
+       }},
+      {"regularisers", "+ regularisers",
+       "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, alpha in the loss "
+       "where photographs have it, colour maps where exposures vary",
+       [](const RunOptions& asked, RunOptions* o) { o->train = asked.train, o->train.proposal_lpips = 0; }},
+      {"calibration", "+ calibrated oracle",
+       "what the oracle says is mapped to what such pixels were worth where photographs were hidden",
+       [](const RunOptions& asked, RunOptions* o) { o->validate.calibrate = asked.validate.calibrate; }},
+      {"opinions", "+ second opinion",
+       "the mean of quick models beside the warped photographs, their confidence calibrated together and the two "
+       "blended by it: everything `reconstruct` does without LPIPS",
+       [](const RunOptions& asked, RunOptions* o) { o->propose.proposers = asked.propose.proposers; }},
+      {"lpips", "+ LPIPS", "the proposals' loss has a share of LPIPS, which it takes from L1",
+       [](const RunOptions& asked, RunOptions* o) { o->train.proposal_lpips = asked.train.proposal_lpips; }},
+  };
+  return rows;
+}
+
+RunOptions RowOptions(size_t row, const RunOptions& asked) {
+  RunOptions options = asked;
+  for (size_t i = 0; i <= row; ++i) AblationRows()[i].apply(asked, &options);
+  return options;
+}
+
+std::vector<size_t> ChooseRows(const std::string& words) {
+  std::set<size_t> chosen;
+  for (size_t begin = 0; begin <= words.size() && !words.empty();) {
+    const size_t end = std::min(words.find(',', begin), words.size());
+    std::string word = words.substr(begin, end - begin);
+    word.erase(0, std::min(word.find_first_not_of(' '), word.size()));
+    word.erase(word.find_last_not_of(' ') + 1);
+    chosen.insert(RowOf(word));
+    begin = end + 1;
+  }
+  if (words.empty()) {
+    for (size_t i = 0; i < AblationRows().size(); ++i) chosen.insert(i);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+void RequireAblatable(const RunOptions& asked) {
+  const bool proposes = ProposesViews(asked) || !asked.propose.proposal_folder.empty();
+  if (!proposes || asked.train.schedule == "none") {
+    throw UsageError(
+        "--proposers none, --proposals 0 and --schedule none leave an ablation no proposals to speak of; leave them "
+        "out");
+  }
+  if (asked.depth.depth_prior == "none") {
+    throw UsageError("--depth-prior none leaves an ablation no depth to speak of; leave it out");
+  }
+  const std::string& init = asked.start.init;
+  if (init == "random" || init == "sfm") {
+    throw UsageError("--init {} is what some rows start from by themselves; leave it out, or give dense or hybrid",
+                     init);
+  }
+}
+
+}  // namespace oraclegs

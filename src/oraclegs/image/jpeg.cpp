@@ -1,0 +1,106 @@
+#include "oraclegs/image/jpeg.h"
+
+#include <turbojpeg.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/image/exif.h"
+#include "oraclegs/image/image_size.h"
+
+namespace oraclegs {
+namespace {
+
+// A progressive scan can skip 32767 blocks with two bytes, but the first scan spends at least a bit on each block.
+constexpr uint64_t kPixelsPerByte = 1024;
+
+struct CloseDecoder {
+  void operator()(void* handle) const { tjDestroy(handle); }
+};
+using Decoder = std::unique_ptr<void, CloseDecoder>;
+
+struct Header {
+  int width = 0, height = 0, subsampling = 0, colors = 0;
+};
+
+std::string OneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+const unsigned char* Data(std::string_view bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
+
+Decoder MakeDecoder() {
+  Decoder decoder(tjInitDecompress());
+  if (!decoder) throw RunError("the JPEG decoder cannot start: {}", tjGetErrorStr2(nullptr));
+  return decoder;
+}
+
+Header ReadHeader(const Decoder& decoder, std::string_view bytes, const std::string& file) {
+  Header header;
+  if (tjDecompressHeader3(decoder.get(), Data(bytes), bytes.size(), &header.width, &header.height, &header.subsampling,
+                          &header.colors) != 0 &&
+      tjGetErrorCode(decoder.get()) != TJERR_WARNING) {
+    throw InputError("{}: is a damaged JPEG ({}); copy or export it again", file,
+                     OneLine(tjGetErrorStr2(decoder.get())));
+  }
+  CheckPictureSize(header.width, header.height, bytes.size() * kPixelsPerByte, file);
+  return header;
+}
+
+/// libjpeg goes on after damage and paints the rest grey; only oddities that leave the picture whole may pass.
+bool IsHarmless(std::string_view warning) {
+  const auto says = [warning](std::string_view words) { return warning.find(words) != std::string_view::npos; };
+  return says("extraneous bytes") || !(says("Corrupt JPEG") || says("Premature end"));
+}
+
+/// Inks to light: Adobe's programs store 255 for no ink, the format itself says 0.
+Image8 CmykToRgb(const std::vector<uint8_t>& cmyk, const Header& header, bool inverted) {
+  Image8 rgb{header.width, header.height, 3, std::vector<uint8_t>(cmyk.size() / 4 * 3)};
+  for (size_t i = 0; i < cmyk.size() / 4; ++i) {
+    const auto light = [&](size_t channel) {
+      const int stored = cmyk[4 * i + channel];
+      return inverted ? stored : 255 - stored;
+    };
+    for (size_t c = 0; c < 3; ++c) rgb.data[3 * i + c] = static_cast<uint8_t>((light(c) * light(3) + 127) / 255);
+  }
+  return rgb;
+}
+
+}  // namespace
+
+bool IsJpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD8\xFF"); }
+
+Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation orientation) {
+  const Decoder decoder = MakeDecoder();
+  const Header header = ReadHeader(decoder, bytes, file);
+  const JpegMetadata notes = ReadJpegNotes(bytes);
+  const bool is_cmyk = header.colors == TJCS_CMYK || header.colors == TJCS_YCCK;
+  const int channels = is_cmyk ? 4 : 3;
+  Image8 image{header.width, header.height, 3, {}};
+  image.data.resize(static_cast<size_t>(header.width) * static_cast<size_t>(header.height) *
+                    static_cast<size_t>(channels));
+  // Many scans in a small file take minutes to decode and make no picture that a camera writes.
+  const int result = tjDecompress2(decoder.get(), Data(bytes), bytes.size(), image.data.data(), header.width, 0,
+                                   header.height, is_cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_LIMITSCANS);
+  if (result != 0) {
+    const std::string message = OneLine(tjGetErrorStr2(decoder.get()));
+    if (tjGetErrorCode(decoder.get()) != TJERR_WARNING || !IsHarmless(message)) {
+      throw InputError("{}: is a damaged or incomplete JPEG ({}); copy or export it again", file, message);
+    }
+  }
+  if (is_cmyk) image = CmykToRgb(image.data, header, notes.has_adobe_mark);
+  return ApplyOrientation(std::move(image), orientation == Orientation::kUpright ? notes.orientation : 1);
+}
+
+void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height) {
+  const Decoder decoder = MakeDecoder();
+  const Header header = ReadHeader(decoder, bytes, file);
+  *width = header.width;
+  *height = header.height;
+  if (orientation == Orientation::kUpright && SwapsAxes(ReadJpegNotes(bytes).orientation)) std::swap(*width, *height);
+}
+
+}  // namespace oraclegs

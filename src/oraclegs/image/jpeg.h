@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "oraclegs/image/image.h"
+
+namespace oraclegs {
+
+/// True when the bytes begin like a JPEG.
+bool IsJpeg(std::string_view bytes);
+
+/// Decodes a baseline or progressive JPEG as RGB. `file` names it in error messages. Throws InputError when it is
+/// damaged or cut short, or when its header promises more pixels than its bytes can hold.
+Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation orientation);
+
+/// The size that DecodeJpeg would return, from the header.
+void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height);
+
+}  // namespace oraclegs

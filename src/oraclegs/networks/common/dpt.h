@@ -1,0 +1,64 @@
+#pragma once
+// The dense prediction head: tokens of four layers become one map of the photograph's size
+// (spec/depth_anything_v2.md 4, spec/vggt.md 10).
+
+#include <array>
+#include <optional>
+
+#include "oraclegs/networks/common/layers.h"
+
+namespace oraclegs {
+
+/// Where the two networks that have this head differ.
+enum class DptStyle {
+  kDepthAnything,  ///< a residual unit adds its input; the last fusion's side unit is in the file but never used
+  kVggt,           ///< one norm for the tokens, grid embeddings; a residual unit adds its *rectified* input
+};
+
+struct DptConfig {
+  DptStyle style = DptStyle::kDepthAnything;
+  int64_t width = 384;  ///< of the tokens
+  int64_t features = 64;
+  std::array<int64_t, 4> channels = {48, 96, 192, 384};
+  int64_t outputs = 1;
+  int64_t patch = 14;      ///< side of a patch in pixels
+  double norm_eps = 1e-5;  ///< of kVggt
+};
+
+struct ResidualUnit {
+  Conv conv1, conv2;
+};
+
+/// One step of the way from coarse to fine.
+struct Fusion {
+  std::optional<ResidualUnit> side;  ///< for the map that joins here
+  ResidualUnit main;
+  Conv out;
+};
+
+struct DptHead {
+  DptConfig config;
+  std::optional<LayerNorm> norm;
+  std::array<Conv, 4> projects;
+  Upconv up4, up2;  ///< resize_layers 0 and 1; 2 is the identity
+  Conv down;        ///< resize_layers 3
+  std::array<Conv, 4> to_features;
+  std::array<Fusion, 4> fusions;
+  Conv out1, out2, out3;  ///< output_conv1, output_conv2.0, output_conv2.2
+};
+DptHead LoadDptHead(const ParameterScope& at, const DptConfig& config);
+
+/// Rows and columns of the patches of one view.
+struct PatchGrid {
+  int64_t rows = 0, cols = 0;
+};
+
+/// The results of the four fusions, [k - 1] that of refinenet k; layers: tokens of the patches alone, from shallow to
+/// deep, each [B, rows * cols, width] (ShapeError otherwise).
+std::array<Tensor, 4> FuseLayers(const DptHead& head, const std::array<Tensor, 4>& layers, const PatchGrid& grid);
+
+/// The raw outputs [B, outputs, patch * rows, patch * cols]. Views go through one at a time on a CPU: their maps are
+/// large, and nothing is shared. Throws ShapeError.
+Tensor Forward(const DptHead& head, const std::array<Tensor, 4>& layers, const PatchGrid& grid);
+
+}  // namespace oraclegs

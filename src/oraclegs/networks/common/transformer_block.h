@@ -1,0 +1,43 @@
+#pragma once
+// The pre-norm transformer block with LayerScale that DINOv2, VGGT and its camera head are made of (spec/vggt.md 3).
+
+#include <optional>
+
+#include "oraclegs/networks/common/layers.h"
+#include "oraclegs/networks/common/rope.h"
+
+namespace oraclegs {
+
+enum class QueryKeyNorm { kNone, kLayerNorm };
+
+struct BlockConfig {
+  int64_t width = 0, heads = 0;
+  int64_t mlp_ratio = 4;
+  double norm_eps = 1e-5;  ///< also of the norms of queries and keys
+  QueryKeyNorm query_key_norm = QueryKeyNorm::kNone;
+};
+
+struct Block {
+  int64_t heads = 0;
+  LayerNorm norm1, norm2;
+  Linear qkv, proj;
+  std::optional<LayerNorm> q_norm, k_norm;
+  Tensor attention_scale, mlp_scale;  ///< LayerScale, [width]
+  Mlp mlp;
+};
+/// Throws ShapeError when the heads do not divide the width.
+Block LoadBlock(const ParameterScope& at, const BlockConfig& config);
+
+/// Each [B, heads, N, width / heads]; queries and keys after norm and rotation.
+struct QueriesKeysValues {
+  Tensor q, k, v;
+};
+
+/// What the attention of a block works on; x [B, N, width], rope null for none.
+QueriesKeysValues AttentionInputs(const Block& block, const Tensor& x, const RopeTable* rope);
+/// The rest of a block behind its attention: x and the attended values [B, heads, N, width / heads] -> [B, N, width].
+Tensor AfterAttention(const Block& block, const Tensor& x, const Tensor& attended);
+/// The whole block: x [B, N, width] -> [B, N, width].
+Tensor Forward(const Block& block, const Tensor& x, const RopeTable* rope = nullptr);
+
+}  // namespace oraclegs

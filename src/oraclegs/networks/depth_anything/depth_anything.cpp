@@ -1,0 +1,99 @@
+#include "oraclegs/networks/depth_anything/depth_anything.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace oraclegs {
+namespace {
+
+const char* Name(DepthAnythingSize size) {
+  switch (size) {
+    case DepthAnythingSize::kSmall:
+      return "Depth Anything V2 S";
+    case DepthAnythingSize::kBase:
+      return "Depth Anything V2 B";
+    case DepthAnythingSize::kLarge:
+      return "Depth Anything V2 L";
+  }
+  return "Depth Anything V2";
+}
+
+/// The multiple of `patch` nearest to `length`, half to even; the next one up where that is below `least`.
+int64_t MultipleOf(int64_t patch, double length, int64_t least) {
+  const double patches = length / static_cast<double>(patch);
+  const int64_t rounded = patch * static_cast<int64_t>(std::nearbyint(patches));
+  return rounded >= least ? rounded : patch * static_cast<int64_t>(std::ceil(patches));
+}
+
+}  // namespace
+
+DepthAnythingConfig DepthAnythingV2(DepthAnythingSize size) {
+  DepthAnythingConfig config;  // the defaults are the small network
+  if (size == DepthAnythingSize::kBase) {
+    config.backbone.width = config.head.width = 768;
+    config.backbone.heads = 12;
+    config.head.features = 128;
+    config.head.channels = {96, 192, 384, 768};
+  } else if (size == DepthAnythingSize::kLarge) {
+    config.backbone.width = config.head.width = 1024;
+    config.backbone.heads = 16;
+    config.backbone.depth = 24;
+    config.layers = {4, 11, 17, 23};
+    config.head.features = 256;
+    config.head.channels = {256, 512, 1024, 1024};
+  }
+  return config;
+}
+
+DepthAnything LoadDepthAnything(ParameterSource& source, const DepthAnythingConfig& config) {
+  const ParameterScope at(source);
+  return {config, LoadVit(at / "pretrained", config.backbone), LoadDptHead(at / "depth_head", config.head)};
+}
+
+DepthAnything LoadDepthAnything(const std::filesystem::path& path, DepthAnythingSize size, torch::Device device) {
+  CheckpointOptions options;
+  options.model = Name(size);
+  options.device = device;
+  FileParameters source({path}, options);
+  DepthAnything model = LoadDepthAnything(source, DepthAnythingV2(size));
+  source.Finish();
+  return model;
+}
+
+Tensor ResizeForDepthAnything(const Tensor& rgb, int64_t side, int64_t patch) {
+  RequireFloat("ResizeForDepthAnything", "rgb", rgb, {-1, -1, 3});
+  const int64_t height = rgb.size(0), width = rgb.size(1);
+  if (height < 1 || width < 1) throw ShapeError("ResizeForDepthAnything: the photograph has no pixel");
+  // The smaller side becomes `side` exactly: s * side need not, and its ceiling would then be a patch too much.
+  const double scale = static_cast<double>(side) / static_cast<double>(std::min(width, height));
+  const auto target = [&](int64_t length) {
+    const double scaled =
+        length == std::min(width, height) ? static_cast<double>(side) : scale * static_cast<double>(length);
+    return MultipleOf(patch, scaled, side);
+  };
+  const Tensor planes = rgb.permute({2, 0, 1}).unsqueeze(0).contiguous();
+  return at::upsample_bicubic2d(planes, {target(height), target(width)}, false);
+}
+
+std::array<Tensor, 4> HeadLayers(const DepthAnything& model, const Tensor& normalized) {
+  const std::vector<Tensor> tokens =
+      LayerTokens(model.backbone, normalized, {model.config.layers.begin(), model.config.layers.end()});
+  std::array<Tensor, 4> patches;
+  for (size_t i = 0; i < 4; ++i) patches[i] = tokens[i].slice(1, model.backbone.special_tokens());
+  return patches;
+}
+
+Tensor Forward(const DepthAnything& model, const Tensor& normalized) {
+  const std::array<Tensor, 4> layers = HeadLayers(model, normalized);
+  const int64_t patch = model.config.backbone.patch;
+  const Tensor raw = Forward(model.head, layers, {normalized.size(2) / patch, normalized.size(3) / patch});
+  return at::relu(raw.select(1, 0).to(torch::kFloat));
+}
+
+Tensor RelativeInverseDepth(const DepthAnything& model, const Tensor& rgb) {
+  const Tensor input = NormalizeRgb(ResizeForDepthAnything(rgb, model.config.input_side, model.config.backbone.patch));
+  const Tensor map = Forward(model, input.to(model.backbone.class_token.device())).to(torch::kCPU).unsqueeze(0);
+  return ResizeBilinear(map, rgb.size(0), rgb.size(1), Corners::kAligned)[0][0].contiguous();
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,49 @@
+#pragma once
+// Depth Anything V2: one photograph becomes a map of relative inverse depth (spec/depth_anything_v2.md). Larger is
+// nearer; unit and zero point are unknown.
+
+#include <array>
+#include <string>
+
+#include "oraclegs/networks/common/dpt.h"
+#include "oraclegs/networks/common/vit.h"
+
+namespace oraclegs {
+
+struct DepthAnythingConfig {
+  VitConfig backbone;
+  std::array<int64_t, 4> layers = {2, 5, 8, 11};  ///< of the backbone, 0-based, that the head reads
+  DptConfig head;
+  int64_t input_side = 518;  ///< both sides of what the network sees are at least this
+};
+
+enum class DepthAnythingSize { kSmall, kBase, kLarge };
+/// The published networks: vits, vitb, vitl.
+DepthAnythingConfig DepthAnythingV2(DepthAnythingSize size);
+
+struct DepthAnything {
+  DepthAnythingConfig config;
+  Vit backbone;
+  DptHead head;
+};
+DepthAnything LoadDepthAnything(ParameterSource& source, const DepthAnythingConfig& config);
+/// From a safetensors file with the official names. Throws InputError that lists all that does not fit.
+DepthAnything LoadDepthAnything(const std::filesystem::path& path, DepthAnythingSize size,
+                                torch::Device device = torch::kCPU);
+
+/// rgb [h, w, 3] float32 in [0, 1] -> [1, 3, H, W]: the smaller side becomes `side`, both multiples of `patch`; bicubic
+/// without antialiasing, not clamped, not yet normalised. Throws ShapeError.
+Tensor ResizeForDepthAnything(const Tensor& rgb, int64_t side, int64_t patch);
+
+/// Tokens of the patches [B, P, width] after each of the layers that the head reads.
+std::array<Tensor, 4> HeadLayers(const DepthAnything& model, const Tensor& normalized);
+
+/// normalized [B, 3, H, W] float32 (NormalizeRgb), sides multiples of the patch -> inverse depth [B, H, W] float32 >=
+/// 0.
+Tensor Forward(const DepthAnything& model, const Tensor& normalized);
+
+/// rgb [h, w, 3] float32 in [0, 1], on the CPU -> relative inverse depth [h, w] float32 >= 0, on the CPU wherever the
+/// network is. Throws ShapeError.
+Tensor RelativeInverseDepth(const DepthAnything& model, const Tensor& rgb);
+
+}  // namespace oraclegs

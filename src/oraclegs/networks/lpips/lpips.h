@@ -1,0 +1,46 @@
+#pragma once
+// LPIPS v0.1, a learned distance of pictures: value and gradient (spec/gaussian_core.md 11).
+
+#include <array>
+
+#include "oraclegs/networks/common/feature_stack.h"
+
+namespace oraclegs {
+
+/// What the scaling layer is fed. The two give different numbers, and both are in use.
+enum class LpipsRange {
+  kZeroOne,      ///< the picture in [0, 1] as it is: training losses and scores of the 3DGS family
+  kMinusOneOne,  ///< 2 x - 1: what the authors of LPIPS ask for
+};
+
+struct Lpips {
+  FeatureStack features;
+  std::array<Tensor, 5> weights;  ///< of the channels at each tap, [1, C, 1, 1]
+};
+/// Names features.N as in torchvision, lin0.model.1.weight ... lin4.model.1.weight as in LPIPS v0.1.
+Lpips LoadLpips(ParameterSource& source, const FeatureStackConfig& config);
+/// From safetensors files that together hold the published features and linear weights; torchvision's `classifier.` is
+/// not read. Throws InputError that lists all that does not fit.
+Lpips LoadLpips(const std::vector<std::filesystem::path>& paths, FeatureNetwork network,
+                torch::Device device = torch::kCPU);
+
+/// All that a distance needs of the target: computed once, compared with many renders.
+struct LpipsTarget {
+  LpipsRange range = LpipsRange::kZeroOne;
+  int64_t height = 0, width = 0;
+  std::array<Tensor, 5> features;  ///< of unit length in each pixel
+};
+/// image [H, W, 3] float32 in [0, 1]. Throws ShapeError when it is too small for the network.
+LpipsTarget PrepareTarget(const Lpips& lpips, const Tensor& image, LpipsRange range);
+
+struct LpipsValue {
+  double value = 0;
+  std::array<double, 5> layers = {};  ///< its five summands
+};
+
+/// image [H, W, 3] float32 in [0, 1], of the target's size. grad [H, W, 3] receives d(value)/d(image); null or
+/// undefined = value only. Where all channels of a tap are zero the length has no derivative; zero is taken. Throws
+/// ShapeError.
+LpipsValue Distance(const Lpips& lpips, const Tensor& image, const LpipsTarget& target, Tensor* grad = nullptr);
+
+}  // namespace oraclegs

@@ -1,0 +1,106 @@
+// Targets beside the sources that are near to them.
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "oraclegs/networks/seva/chunks.h"
+
+namespace oraclegs {
+namespace {
+
+/// Fills chunks that all begin with the same frames.
+class Filler {
+ public:
+  Filler(const ChunkProblem& problem, SevaChunk base)
+      : frames_(static_cast<size_t>(problem.frames)), base_(std::move(base)), chunk_(base_) {}
+
+  bool InBase(int64_t source) const {
+    return std::find(base_.begin(), base_.end(), SevaSlot{SevaSlotKind::kGiven, source}) != base_.end();
+  }
+
+  void Add(int64_t source, const std::vector<int64_t>& targets) {
+    const size_t prefix = InBase(source) ? 0 : 1;
+    for (size_t next = 0; next < targets.size();) {
+      if (chunk_.size() + prefix == frames_) Close();
+      if (prefix) chunk_.push_back({SevaSlotKind::kGiven, source});
+      while (next < targets.size() && chunk_.size() < frames_) {
+        chunk_.push_back({SevaSlotKind::kTarget, targets[next++]});
+      }
+      if (chunk_.size() == frames_) Close();
+    }
+  }
+
+  std::vector<SevaChunk> Finish() {
+    if (chunk_ != base_) Close();
+    return std::move(chunks_);
+  }
+
+ private:
+  void Close() {
+    chunks_.push_back(chunk_);
+    chunk_ = base_;
+  }
+
+  size_t frames_;
+  SevaChunk base_, chunk_;
+  std::vector<SevaChunk> chunks_;
+};
+
+/// The `count` sources nearest to a view, nearest first.
+std::vector<int64_t> NearestSources(const SevaView& view, const std::vector<SevaView>& sources, int64_t count) {
+  std::vector<int64_t> order(sources.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto distance = [&](int64_t i) { return (sources[static_cast<size_t>(i)].center() - view.center()).norm(); };
+  std::stable_sort(order.begin(), order.end(), [&](int64_t a, int64_t b) { return distance(a) < distance(b); });
+  order.resize(std::min(order.size(), static_cast<size_t>(count)));
+  return order;
+}
+
+}  // namespace
+
+std::vector<SevaChunk> NearestChunks(const ChunkProblem& problem, NearestBase base) {
+  SevaChunk lead;
+  if (base == NearestBase::kPhotographs) {
+    for (const int64_t p : problem.photographs) lead.push_back({SevaSlotKind::kGiven, p});
+  }
+  const auto leading = static_cast<int64_t>(lead.size());
+  if (leading + 1 >= problem.frames) {
+    throw UsageError("{} photographs leave no room in chunks of {} frames; --seva-frames must be at least {}", leading,
+                     problem.frames, leading + 2);
+  }
+  std::map<int64_t, std::vector<int64_t>> of_source;
+  for (size_t t = 0; t < problem.targets.size(); ++t) {
+    of_source[NearestByDistance(problem.targets[t], problem.sources)].push_back(static_cast<int64_t>(t));
+  }
+  Filler filler(problem, std::move(lead));
+  for (const auto& [source, targets] : of_source) filler.Add(source, targets);
+  return filler.Finish();
+}
+
+std::vector<SevaChunk> NearestBlocks(const ChunkProblem& problem, int64_t count) {
+  const int64_t block = problem.frames - count, targets = static_cast<int64_t>(problem.targets.size());
+  if (block < 1) {
+    throw UsageError("nearest-{} leaves no room in chunks of {} frames; --seva-frames must be at least {}", count,
+                     problem.frames, count + 1);
+  }
+  std::vector<SevaChunk> chunks;
+  for (int64_t begin = 0; begin < targets; begin += block) {
+    const int64_t end = std::min(begin + block, targets);
+    std::vector<int64_t> near;
+    for (int64_t t = begin; t < end; ++t) {
+      for (const int64_t source : NearestSources(problem.targets[static_cast<size_t>(t)], problem.sources, count)) {
+        near.push_back(source);
+      }
+    }
+    SevaChunk chunk;
+    for (const int64_t source : MostFrequent(near, static_cast<size_t>(count))) {
+      chunk.push_back({SevaSlotKind::kGiven, source});
+    }
+    for (int64_t t = begin; t < end; ++t) chunk.push_back({SevaSlotKind::kTarget, t});
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
+}
+
+}  // namespace oraclegs

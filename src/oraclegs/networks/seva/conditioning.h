@@ -1,0 +1,40 @@
+#pragma once
+// What the network is told of one joint problem (spec/seva.md 2), and the network as the sampler calls it.
+
+#include <vector>
+
+#include "oraclegs/networks/seva/cameras.h"
+#include "oraclegs/networks/seva/sampler.h"
+#include "oraclegs/networks/seva/unet.h"
+
+namespace oraclegs {
+
+/// The frames of a joint problem. latents and embeddings are looked at where `given`.
+struct SevaFrames {
+  std::vector<SevaView> views;  ///< normalised
+  std::vector<bool> given;
+  std::vector<Tensor> latents;     ///< [1, 4, h, w] each, scaled
+  std::vector<Tensor> embeddings;  ///< [1, context width] each
+  int64_t height = 0, width = 0;   ///< of the latents
+};
+
+/// The conditional inputs; the unconditional ones have zeros for all but the rays.
+struct SevaInputs {
+  Tensor given;    ///< [T, 5, h, w]: latents and 1 where a frame is given, else 0
+  Tensor mask;     ///< [T, 1, h, w]: 1 where a frame is given
+  Tensor rays;     ///< [T, 6, h, w] Pluecker maps
+  Tensor context;  ///< [T, 1, context width]: the mean embedding of the given frames
+};
+/// float32 on `device`. Throws ShapeError for lists of unequal length and when no frame is given.
+SevaInputs MakeInputs(const SevaFrames& frames, torch::Device device);
+
+/// How the two halves of guidance go through the network.
+enum class SevaHalves {
+  kBatched,  ///< at once
+  kInTurn    ///< one after the other, with half the memory
+};
+
+/// For SevaDenoiser. All that does not change from step to step is computed here, once. `unet` must outlive it.
+SevaNetwork MakeNetwork(const SevaUnet& unet, const SevaInputs& inputs, SevaHalves halves);
+
+}  // namespace oraclegs

@@ -1,0 +1,17 @@
+#pragma once
+// What a step of SEVA costs, so that a measured time can be held against what the machine can do (spec/seva.md 11).
+
+#include "oraclegs/networks/seva/unet.h"
+
+namespace oraclegs {
+
+/// Operations, a multiply-add being two, of one evaluation of both halves of guidance: linear layers, convolutions and
+/// attention as the published network has them. (With one context token we skip a few per cent of it.)
+struct SevaCost {
+  double total = 0;
+  double joint_attention = 0;  ///< of that, scores and values where all frames look at each other
+};
+/// `unet` may be one without memory (ListedParameters); latents of `height` x `width`.
+SevaCost CostOfStep(const SevaUnet& unet, int64_t frames, int64_t height, int64_t width);
+
+}  // namespace oraclegs

@@ -1,0 +1,292 @@
+#include "oraclegs/networks/seva/generator.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/memory.h"
+#include "oraclegs/networks/seva/chunk_store.h"
+#include "oraclegs/networks/seva/conditioning.h"
+#include "oraclegs/networks/seva/guidance.h"
+#include "oraclegs/networks/seva/plan.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kLatentStride = 8, kLatentChannels = 4;
+constexpr double kBytesInGigabyte = 1e9;
+
+SevaGuider GuiderOf(const std::string& word) {
+  if (word == "plain") return SevaGuider::kPlain;
+  return word == "temporal" ? SevaGuider::kTemporal : SevaGuider::kMultiView;
+}
+
+Eigen::Matrix3d Intrinsics(const Camera& camera) {
+  Eigen::Matrix3d k;
+  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  return k;
+}
+
+SevaView ViewOf(const Camera& camera, const ImageFit& fit) {
+  return {camera.cam_from_world.inverse(), FittedIntrinsics(Intrinsics(camera), fit)};
+}
+
+SevaSize SizeOf(const Camera& camera) { return {camera.width, camera.height}; }
+
+/// What else than the request's key decides how a chunk looks. How many candidates are wanted and how they fit into
+/// memory does not.
+std::string KeyOf(const SevaRequest& request, const SevaOptions& options) {
+  nlohmann::json json = OptionsToJson(options);
+  for (const char* name : {"candidates", "seva-halves", "seva-memory"}) json.erase(name);
+  return request.key + " " + json.dump();
+}
+
+/// One generation: the views, the plan, and the pictures made so far.
+class Generation {
+ public:
+  Generation(const SevaNetworks& networks, const SevaOptions& options, const SevaRequest& request,
+             const Listener& listener)
+      : networks_(networks),
+        options_(options),
+        listener_(listener),
+        store_(request.workspace, KeyOf(request, options)),
+        device_(networks.unet->any_weight().device()),
+        schedule_(MakeSevaSchedule()) {
+    const std::vector<LoadedView>& photographs = *request.photographs;
+    working_ = SevaWorkingSize(SizeOf(photographs.front().camera), options.short_side);
+    for (const LoadedView& photo : photographs) AddPhotograph(photo);
+    for (const Camera& target : request.targets) {
+      target_fits_.push_back(FitImage(SizeOf(target), working_, FitMode::kPad));
+      target_views_.push_back(ViewOf(target, target_fits_.back()));
+    }
+    all_views_ = photograph_views_;
+    all_views_.insert(all_views_.end(), target_views_.begin(), target_views_.end());
+    plan_ = PlanSeva(photograph_views_, target_views_, options);
+  }
+
+  std::vector<std::vector<ImageF>> Run() {
+    std::vector<std::vector<ImageF>> answers(target_views_.size());
+    if (plan_.jobs.empty()) return answers;
+    PlanMemory();
+    CountSteps();
+    for (int candidate = 0; candidate < options_.candidates; ++candidate) {
+      made_.clear();
+      for (size_t job = 0; job < plan_.jobs.size(); ++job) RunJob(candidate, job);
+      for (size_t t = 0; t < answers.size(); ++t) {
+        const Picture& picture = made_.at({SevaFrameSource::kTarget, static_cast<int64_t>(t)});
+        answers[t].push_back(FromSevaPicture(FromWorkingSize(picture.pixels, target_fits_[t])));
+      }
+    }
+    return answers;
+  }
+
+ private:
+  /// A frame whose pixels are known, and what its conditioning takes, once it was asked for.
+  struct Picture {
+    Tensor pixels;  ///< [1, 3, H, W]
+    Tensor latent, embedding;
+  };
+  using FrameKey = std::pair<SevaFrameSource, int64_t>;
+
+  int64_t BytesToUse() const {
+    if (options_.memory > 0) return static_cast<int64_t>(options_.memory * kBytesInGigabyte);
+    if (networks_.free_bytes > 0) return networks_.free_bytes;
+    const uint64_t free = AvailableMemory();
+    return free > 0 ? static_cast<int64_t>(free) : std::numeric_limits<int64_t>::max();
+  }
+
+  void PlanMemory() {
+    SevaMemoryRequest memory{plan_.largest(), working_};
+    memory.type = networks_.unet->any_weight().scalar_type();
+    memory.other_weights = networks_.other_weights;
+    memory.gpu = networks_.unet->any_weight().is_cuda();
+    const int64_t bytes = BytesToUse(), weights = EstimateMemory(networks_.unet->config, memory).weights;
+    halves_ = ChooseHalves(networks_.unet->config, memory, options_, bytes);
+    tile_ = ChooseTile({working_, weights, networks_.pictures}, bytes);
+    if (tile_ * kLatentStride >= std::max(working_.width, working_.height)) return;
+    listener_(Warning{fmt::format(
+        "seva's pictures are decoded in tiles of {} pixels, which differs a little from decoding them whole: "
+        "{:.1f} GB of memory are too few for that; a smaller --seva-short-side needs no tiles",
+        tile_ * kLatentStride, static_cast<double>(bytes) / kBytesInGigabyte)});
+  }
+
+  void AddPhotograph(const LoadedView& photo) {
+    const SevaSize working = SevaWorkingSize(SizeOf(photo.camera), options_.short_side);
+    if (working.width != working_.width || working.height != working_.height) {
+      throw InputError(
+          "{}: seva would work on {} x {} pixels of it and on {} x {} of the first photograph; give it "
+          "photographs of one shape",
+          photo.name, working.width, working.height, working_.width, working_.height);
+    }
+    const ImageFit fit = FitImage(SizeOf(photo.camera), working_, FitMode::kCrop);
+    photograph_views_.push_back(ViewOf(photo.camera, fit));
+    photographs_.push_back({ToWorkingSize(ToSevaPicture(photo.rgb), fit), {}, {}});
+  }
+
+  Picture& PictureOf(const SevaFrame& frame) {
+    if (frame.source == SevaFrameSource::kPhotograph) return photographs_.at(static_cast<size_t>(frame.index));
+    return made_.at({frame.source, frame.index});
+  }
+
+  const SevaView& ViewAt(const SevaFrame& frame) const {
+    const auto index = static_cast<size_t>(frame.index);
+    if (frame.source == SevaFrameSource::kPhotograph) return photograph_views_.at(index);
+    return frame.source == SevaFrameSource::kAnchor ? plan_.anchors.at(index) : target_views_.at(index);
+  }
+
+  static std::vector<SevaFrame> MadeFrames(const SevaJob& job) {
+    std::vector<SevaFrame> made;
+    for (const SevaFrame& frame : job.frames) {
+      if (!frame.given && !frame.copy) made.push_back(frame);
+    }
+    return made;
+  }
+
+  std::optional<Tensor> Stored(int candidate, size_t job) const {
+    const auto count = static_cast<int64_t>(MadeFrames(plan_.jobs[job]).size());
+    return store_.Read(candidate, job, {count, 3, working_.height, working_.width});
+  }
+
+  /// Steps that are left to do: finished chunks would spoil the estimate of the time left.
+  void CountSteps() {
+    for (int candidate = 0; candidate < options_.candidates; ++candidate) {
+      for (size_t job = 0; job < plan_.jobs.size(); ++job) {
+        if (!Stored(candidate, job)) steps_total_ += options_.steps;
+      }
+    }
+  }
+
+  void Place(SevaPart part) const {
+    if (networks_.place) networks_.place(part);
+  }
+
+  void RunJob(int candidate, size_t index) {
+    const SevaJob& job = plan_.jobs[index];
+    std::optional<Tensor> pictures = Stored(candidate, index);
+    if (!pictures) {
+      pictures = Decode(job, Sample(job, candidate, index));
+      store_.Write(candidate, index, *pictures);
+    }
+    const std::vector<SevaFrame> made = MadeFrames(job);
+    for (size_t i = 0; i < made.size(); ++i) {
+      const Tensor bytes = pictures->slice(0, static_cast<int64_t>(i), static_cast<int64_t>(i) + 1);
+      made_[{made[i].source, made[i].index}].pixels = bytes.to(torch::kFloat) * (2.0 / 255) - 1;
+    }
+  }
+
+  SevaInputs InputsOf(const SevaJob& job, const std::vector<SevaView>& views) {
+    Place(SevaPart::kEncoder);
+    SevaFrames frames{views, {}, {}, {}, working_.height / kLatentStride, working_.width / kLatentStride};
+    for (const SevaFrame& frame : job.frames) {
+      frames.given.push_back(frame.given);
+      Picture none;
+      Picture& picture = frame.given ? PictureOf(frame) : none;
+      if (frame.given && !picture.latent.defined()) {
+        ThrowIfInterrupted();
+        picture.latent = networks_.encode(picture.pixels);
+        picture.embedding = networks_.embed(picture.pixels);
+      }
+      frames.latents.push_back(picture.latent);
+      frames.embeddings.push_back(picture.embedding);
+    }
+    return MakeInputs(frames, device_);
+  }
+
+  /// [T, 4, h, w]
+  Tensor Sample(const SevaJob& job, int candidate, size_t index) {
+    std::vector<SevaView> views;
+    std::vector<bool> given;
+    for (const SevaFrame& frame : job.frames) {
+      views.push_back(ViewAt(frame));
+      given.push_back(frame.given);
+    }
+    views = NormalizedViews(views, all_views_, options_.camera_scale);
+    const SevaInputs inputs = InputsOf(job, views);
+    Place(SevaPart::kUnet);
+    SevaDenoiser denoiser;
+    denoiser.schedule = &schedule_;
+    denoiser.given = inputs.given;
+    denoiser.weights =
+        GuidanceWeights(views, given, {GuiderOf(options_.guider), options_.cfg, options_.cfg_min}).to(device_);
+    denoiser.network = MakeNetwork(*networks_.unet, inputs, halves_);
+    const std::vector<int64_t> shape = {static_cast<int64_t>(views.size()), kLatentChannels, inputs.rays.size(2),
+                                        inputs.rays.size(3)};
+    const auto noise = [&, draw = static_cast<uint64_t>(candidate) << 16 | index](uint64_t step) {
+      return SevaNoise({static_cast<uint64_t>(options_.seed), draw, step}, shape).to(device_);
+    };
+    EulerProblem problem;
+    problem.sigmas = SevaSigmas(schedule_, options_.steps);
+    problem.denoise = [&](const Tensor& x, float sigma) { return Denoise(denoiser, x, sigma); };
+    problem.noise = [&](int64_t step) { return noise(static_cast<uint64_t>(step) + 1); };
+    problem.after_step = [&](int64_t, const Tensor&) {
+      listener_(StepDone{"propose", ++steps_done_, steps_total_, "denoising steps",
+                         fmt::format("pass {}, chunk {} of {}", job.pass, index + 1, plan_.jobs.size())});
+      ThrowIfInterrupted();
+    };
+    return SampleEuler(noise(0), problem);
+  }
+
+  /// The made frames as [M, 3, H, W] uint8, as they are stored and condition later chunks.
+  Tensor Decode(const SevaJob& job, const Tensor& latents) const {
+    Place(SevaPart::kDecoder);
+    std::vector<Tensor> pictures;
+    for (size_t t = 0; t < job.frames.size(); ++t) {
+      if (job.frames[t].given || job.frames[t].copy) continue;
+      ThrowIfInterrupted();
+      const Tensor latent = latents.slice(0, static_cast<int64_t>(t), static_cast<int64_t>(t) + 1);
+      const Tensor picture = networks_.decode(latent, tile_);
+      pictures.push_back(((picture.to(torch::kCPU) + 1) * 127.5).clamp(0, 255).to(torch::kByte));
+    }
+    return at::cat(pictures, 0);
+  }
+
+  const SevaNetworks& networks_;
+  const SevaOptions& options_;
+  const Listener& listener_;
+  ChunkStore store_;
+  torch::Device device_;
+  SevaSchedule schedule_;
+  SevaSize working_;
+  std::vector<SevaView> photograph_views_, target_views_, all_views_;
+  std::vector<ImageFit> target_fits_;
+  SevaPlan plan_;
+  SevaHalves halves_ = SevaHalves::kBatched;
+  int64_t tile_ = 0;  ///< latent pixels
+  std::vector<Picture> photographs_;
+  std::map<FrameKey, Picture> made_;  ///< of the candidate at work
+  int64_t steps_done_ = 0, steps_total_ = 0;
+};
+
+}  // namespace
+
+SevaGenerator::SevaGenerator(SevaNetworks networks, SevaOptions options, Listener listener)
+    : networks_(std::move(networks)), options_(std::move(options)), listener_(std::move(listener)) {
+  CheckOptions(options_);
+  if (!networks_.unet || !networks_.encode || !networks_.decode || !networks_.embed) {
+    throw ShapeError("SevaGenerator: a network is missing");
+  }
+}
+
+std::vector<std::vector<ImageF>> SevaGenerator::Generate(const SevaRequest& request) const {
+  if (!request.photographs || request.photographs->empty()) {
+    throw ShapeError("SevaGenerator: there are no photographs");
+  }
+  return Generation(networks_, options_, request, listener_).Run();
+}
+
+Tensor ToSevaPicture(const ImageF& image) {
+  const Tensor pixels = torch::from_blob(const_cast<float*>(image.data.data()),
+                                         {1, image.height, image.width, image.channels}, torch::kFloat);
+  return pixels.permute({0, 3, 1, 2}).contiguous().mul(2).sub(1);
+}
+
+ImageF FromSevaPicture(const Tensor& picture) {
+  const Tensor pixels = ((picture + 1) * 0.5).clamp(0, 1).squeeze(0).permute({1, 2, 0}).contiguous();
+  ImageF image{static_cast<int>(picture.size(3)), static_cast<int>(picture.size(2)), 3, {}};
+  image.data.assign(pixels.data_ptr<float>(), pixels.data_ptr<float>() + pixels.numel());
+  return image;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,25 @@
+#pragma once
+// Classifier-free guidance with a weight per frame (spec/seva.md 8.3).
+
+#include <vector>
+
+#include "oraclegs/networks/seva/cameras.h"
+
+namespace oraclegs {
+
+enum class SevaGuider {
+  kPlain,      ///< cfg everywhere
+  kMultiView,  ///< cfg, but cfg_min for conditioning frames and frames at the place of one
+  kTemporal    ///< rises from cfg_min to cfg with the distance, in frames, to a conditioning frame; the same exception
+};
+
+struct SevaGuidance {
+  SevaGuider guider = SevaGuider::kMultiView;
+  double cfg = 3, cfg_min = 1.2;
+};
+
+/// [T] float32. Throws ShapeError unless `given` (which frames condition) has one entry a view and a true one.
+Tensor GuidanceWeights(const std::vector<SevaView>& views, const std::vector<bool>& given,
+                       const SevaGuidance& guidance);
+
+}  // namespace oraclegs

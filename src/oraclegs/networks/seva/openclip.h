@@ -1,0 +1,65 @@
+#pragma once
+// The image half of OpenCLIP (spec/seva.md 6): an image becomes one vector that says what it shows. The defaults are
+// ViT-H-14 trained on laion2b_s32b_b79k.
+
+#include <filesystem>
+#include <vector>
+
+#include "oraclegs/networks/common/layers.h"
+#include "oraclegs/networks/seva/openclip_input.h"
+
+namespace oraclegs {
+
+struct OpenClipConfig {
+  int64_t width = 1280, depth = 32, heads = 16;
+  int64_t hidden = 5120;     ///< of the blocks' two linear layers
+  int64_t patch = 14;        ///< side of a patch in pixels
+  int64_t image_side = 224;  ///< of what the network sees, pixels
+  int64_t output = 1024;     ///< numbers of an embedding
+  double norm_eps = 1e-5;
+
+  int64_t tokens() const { return 1 + (image_side / patch) * (image_side / patch); }
+};
+
+/// A pre-norm block without LayerScale, under OpenCLIP's names.
+struct OpenClipBlock {
+  int64_t heads = 0;
+  LayerNorm norm1, norm2;
+  Linear qkv, proj;
+  Mlp mlp;
+};
+
+struct OpenClip {
+  OpenClipConfig config;
+  Conv patches;
+  Tensor class_token;  ///< [width]
+  Tensor positions;    ///< [tokens, width]
+  LayerNorm norm_pre, norm_post;
+  std::vector<OpenClipBlock> blocks;
+  Tensor projection;  ///< [width, output]
+};
+/// `at` is where the names conv1.weight, ln_pre.weight, ... begin: "visual" of a checkpoint. Throws ShapeError when the
+/// heads do not divide the width or the patch does not divide the image.
+OpenClip LoadOpenClip(const ParameterScope& at, const OpenClipConfig& config);
+/// From a safetensors file of the whole model (only names that begin with `visual.` are looked at; the text half is
+/// never read). Throws InputError that lists all that does not fit.
+OpenClip LoadOpenClip(const std::filesystem::path& path, const OpenClipConfig& config = {},
+                      torch::Device device = torch::kCPU, torch::ScalarType type = torch::kFloat);
+
+/// What enters the first block: [B, tokens, width], class token first, then patches row by row. prepared [B, 3,
+/// image_side, image_side] as PrepareOpenClipInput gives it (ShapeError otherwise).
+Tensor EmbedPatches(const OpenClip& clip, const Tensor& prepared);
+
+/// What a block's attention adds to x [B, tokens, width].
+Tensor AttentionUpdate(const OpenClipBlock& block, const Tensor& x);
+/// The whole block: x [B, tokens, width] -> the same shape.
+Tensor Forward(const OpenClipBlock& block, const Tensor& x);
+
+/// prepared [B, 3, image_side, image_side] -> [B, output] float32, not of unit length.
+Tensor Forward(const OpenClip& clip, const Tensor& prepared);
+
+/// images [B, 3, H, W] float32 RGB in [-1, 1] of any size -> [B, output] float32, not of unit length, on the device of
+/// the weights. One image at a time. Throws ShapeError.
+Tensor ImageEmbeddings(const OpenClip& clip, const Tensor& images);
+
+}  // namespace oraclegs

@@ -1,0 +1,43 @@
+#include "oraclegs/networks/seva/res_block.h"
+
+#include "oraclegs/networks/seva/slices.h"
+
+namespace oraclegs {
+namespace {
+
+/// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y.
+void Modulate(const Conv& layer, const Tensor& dense, Tensor* y) {
+  const int64_t frames = y->size(0), channels = y->size(1);
+  const int64_t step = RowsAtOnce(*y, 2 * channels * y->size(2) * y->size(3));
+  for (int64_t begin = 0; begin < frames; begin += step) {
+    const int64_t end = std::min(begin + step, frames);
+    const Tensor both = Forward(layer, dense.slice(0, begin, end));
+    Tensor part = y->slice(0, begin, end);
+    part.mul_(both.slice(1, 0, channels).add_(1)).add_(both.slice(1, channels));
+  }
+}
+
+}  // namespace
+
+SevaResBlock LoadSevaResBlock(const ParameterScope& at, const SevaResShape& shape) {
+  SevaResBlock block;
+  block.norm_in = LoadGroupNorm(at / "in_layers" / 0, shape.in, shape.groups, 1e-5);
+  block.conv_in = LoadConv(at / "in_layers" / 2, {shape.in, shape.out});
+  block.embedding = LoadLinear(at / "emb_layers" / 1, shape.embedding, shape.out);
+  block.dense = LoadConv(at / "dense_emb_layers" / 0, {shape.dense, 2 * shape.in, 1, 1, 0});
+  block.norm_out = LoadGroupNorm(at / "out_layers" / 0, shape.out, shape.groups, 1e-5);
+  block.conv_out = LoadConv(at / "out_layers" / 3, {shape.out, shape.out});
+  if (shape.in != shape.out) block.skip = LoadConv(at / "skip_connection", {shape.in, shape.out, 1, 1, 0});
+  return block;
+}
+
+Tensor Forward(const SevaResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
+  Tensor y = NormThenSilu(block.norm_in, x);
+  Modulate(block.dense, dense, &y);
+  y = Forward(block.conv_in, y);
+  y.add_(Forward(block.embedding, embedding).unsqueeze(-1).unsqueeze(-1));
+  y = Forward(block.conv_out, NormThenSilu(block.norm_out, y));
+  return y.add_(block.skip ? Forward(*block.skip, x) : x);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,52 @@
+#pragma once
+// From noise to latents in steps of Euler's method (spec/seva.md 8.2 to 8.4).
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/seva/schedule.h"
+
+namespace oraclegs {
+
+/// The network on both halves of guidance: scaled latents [2T, 4, h, w], the T unconditional ones first, and the index
+/// of the noise level -> [2T, 4, h, w] float32.
+using SevaNetwork = std::function<Tensor(const Tensor& scaled, int64_t index)>;
+
+struct SevaDenoiser {
+  SevaNetwork network;
+  const SevaSchedule* schedule = nullptr;
+  Tensor given;    ///< [T, 5, h, w]: latents of conditioning frames and 1 in channel 4, 0 for all other frames
+  Tensor weights;  ///< [T] of guidance
+};
+
+/// x [T, 4, h, w] float32 without its noise, guided. Conditioning frames enter as their clean latents.
+Tensor Denoise(const SevaDenoiser& denoiser, const Tensor& x, float sigma);
+
+/// Euler steps down the sigmas, of which the last is 0.
+struct EulerProblem {
+  std::vector<float> sigmas;
+  std::function<Tensor(const Tensor& x, float sigma)> denoise = {};
+  /// Standard normal numbers like x for step i.
+  std::function<Tensor(int64_t step)> noise = {};
+  /// Told after every step, with x; may be empty. May throw to stop.
+  std::function<void(int64_t step, const Tensor& x)> after_step = {};
+};
+/// unit_noise: standard normal, [T, 4, h, w] float32 -> the result, like it.
+Tensor SampleEuler(const Tensor& unit_noise, const EulerProblem& problem);
+
+/// Every step begins with a millionth more noise than it should; what is added for that. Computed in float32 as the
+/// model's authors do, where it vanishes for large sigmas.
+float EulerNoiseFactor(float sigma);
+
+/// Which normal numbers: of one use of a seed.
+struct SevaNoiseKey {
+  uint64_t seed = 0;
+  uint64_t draw = 0;  ///< counts candidates, passes and chunks
+  uint64_t step = 0;  ///< 0 for the start, 1 + i for step i
+};
+/// Standard normal float32 numbers; the same for any number of threads.
+Tensor SevaNoise(const SevaNoiseKey& key, at::IntArrayRef shape);
+
+}  // namespace oraclegs

@@ -1,0 +1,89 @@
+#pragma once
+// SEVA's multi-view UNet (spec/seva.md 3): from noisy latents of all frames of a sequence, their cameras and what the
+// photographs show, the noise in them. The defaults are Stable Virtual Camera 1.1.
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "oraclegs/networks/seva/multi_view.h"
+#include "oraclegs/networks/seva/res_block.h"
+
+namespace oraclegs {
+
+struct SevaUnetConfig {
+  int64_t in_channels = 11;  ///< latent 4, mask 1, rays 6
+  int64_t out_channels = 4;
+  int64_t channels = 320;  ///< of the first level
+  std::vector<int64_t> channel_mult = {1, 2, 4, 4};
+  int64_t res_blocks = 2;                                 ///< of a level on the way down; one more on the way up
+  std::vector<int64_t> attention_downscales = {4, 2, 1};  ///< levels with multi-view transformers
+  int64_t head_width = 64;
+  std::vector<int64_t> transformer_depth = {1, 1, 1, 1};  ///< of each level
+  int64_t context_width = 1024;
+  int64_t dense_channels = 6;
+  int64_t groups = 32;
+  /// Transformers in which all frames of a sequence look at each other: "input_ds1", "middle_ds8", "output_ds4" ...
+  std::vector<std::string> joint = {"middle_ds8", "output_ds4", "output_ds2"};
+
+  int64_t embedding_width() const { return 4 * channels; }
+  /// Latent sides must be multiples of this.
+  int64_t downscale() const { return int64_t{1} << (channel_mult.size() - 1); }
+};
+
+/// Nearest neighbours to twice the size, then a convolution.
+struct SevaUp {
+  Conv conv;
+};
+using SevaLayer = std::variant<Conv, SevaUp, SevaResBlock, SevaMultiView>;
+using SevaBlock = std::vector<SevaLayer>;
+
+struct SevaUnet {
+  SevaUnetConfig config;
+  Linear time1, time2;
+  std::vector<SevaBlock> input_blocks, output_blocks;
+  SevaBlock middle;
+  GroupNorm norm_out;
+  Conv conv_out;
+
+  const Tensor& any_weight() const { return time1.weight; }  ///< of its type, on its device
+};
+/// Throws ShapeError for a configuration without levels, or whose groups or heads do not divide a level's channels.
+SevaUnet LoadSevaUnet(ParameterSource& source, const SevaUnetConfig& config);
+
+struct SevaPlacement {
+  torch::Device device = torch::kCPU;
+  torch::ScalarType type = torch::kFloat;
+};
+/// From safetensors files with the official names, "module." in front of them or not. Throws InputError that lists
+/// all that does not fit.
+SevaUnet LoadSevaUnet(const std::vector<std::filesystem::path>& paths, const SevaUnetConfig& config = {},
+                      const SevaPlacement& placement = {});
+
+/// What stays the same from step to step, worked out once: the rays at each level's size, and what cross attention
+/// takes from the context. In the type and on the device of the weights.
+struct SevaConditioning {
+  int64_t frames = 0;
+  std::vector<Tensor> dense;  ///< [N, 6, h / 2^level, w / 2^level]
+  std::vector<SevaMultiViewContext> contexts;
+};
+struct SevaConditions {
+  Tensor context;                 ///< [N, L, context_width]
+  Tensor dense;                   ///< [N, dense_channels, any, any]; resized to each level with corners aligned
+  int64_t frames = 0;             ///< of a sequence; adjacent rows
+  int64_t height = 0, width = 0;  ///< of the latents
+};
+/// Throws ShapeError for rows that are no whole sequences, and sides that are no multiples of downscale().
+SevaConditioning Prepare(const SevaUnet& unet, const SevaConditions& conditions);
+
+/// steps [N] int64 in 0 .. 999 -> [N, embedding_width].
+Tensor TimeEmbedding(const SevaUnet& unet, const Tensor& steps);
+
+/// x [N, in_channels, h, w], steps [N] int64 -> [N, out_channels, h, w] float32. Throws ShapeError.
+Tensor Forward(const SevaUnet& unet, const Tensor& x, const Tensor& steps, const SevaConditioning& conditioning);
+
+/// One block, for the tests: `embedding` is SiLU(TimeEmbedding).
+Tensor Forward(const SevaBlock& block, const Tensor& x, const Tensor& embedding, const SevaConditioning& conditioning);
+
+}  // namespace oraclegs

@@ -1,0 +1,61 @@
+#pragma once
+// VGGT's aggregator: blocks that attend inside each view and over all views in turn (spec/vggt.md 3 to 6, 8).
+
+#include <map>
+#include <vector>
+
+#include "oraclegs/networks/common/vit.h"
+
+namespace oraclegs {
+
+struct AggregatorConfig {
+  VitConfig backbone{
+      .width = 1024, .depth = 24, .heads = 16, .registers = 4, .position_offset = 0, .position_antialias = true};
+  int64_t depth = 24;  ///< pairs of a frame block and a global block
+  int64_t heads = 16;
+  int64_t mlp_ratio = 4;
+  int64_t registers = 4;
+  double norm_eps = 1e-5;
+  double rope_base = 100;
+  QueryKeyNorm query_key_norm = QueryKeyNorm::kLayerNorm;
+
+  int64_t width() const { return backbone.width; }
+};
+
+struct Aggregator {
+  AggregatorConfig config;
+  Vit backbone;
+  Tensor camera_token, register_token;  ///< [1, 2, 1 or registers, width]; along axis 1: of view 0, of the others
+  std::vector<Block> frame_blocks, global_blocks;
+
+  /// Tokens of a view in front of its patches: the camera's and the registers.
+  int64_t special_tokens() const { return 1 + config.registers; }
+};
+Aggregator LoadAggregator(const ParameterScope& at, const AggregatorConfig& config);
+
+/// How one global block's attention falls on the patches, mean over heads. [i, j, p]: from view i to patch p of view j.
+struct GlobalAttention {
+  Tensor from_patches;  ///< [S, S, P] float32: mean over the patches of view i as queries
+  Tensor from_camera;   ///< [S, S, P] float32: the camera token of view i as the only query
+};
+
+/// What is wanted of a pass over the views.
+struct AggregatorRequest {
+  std::vector<int64_t> token_layers;      ///< whose tokens the heads read
+  std::vector<int64_t> attention_layers;  ///< whose global attention an oracle reads
+};
+
+struct AggregatorResult {
+  std::map<int64_t, Tensor> tokens;  ///< [S, special + P, 2 width]: behind the frame block, then the global block
+  std::map<int64_t, GlobalAttention> attention;
+};
+
+/// What enters the first frame block: [S, special + P, width]. images [S, 3, H, W] float32 RGB in [0, 1], sides
+/// multiples of the patch; view 0 is the reference. Throws ShapeError.
+Tensor EmbedViews(const Aggregator& aggregator, const Tensor& images);
+
+/// Runs the layers up to the last one asked for; behind the last attention nothing is computed. Throws ShapeError for
+/// layers that do not exist, and when nothing is asked for; Interrupted between two layers when a stop was asked for.
+AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, const AggregatorRequest& request);
+
+}  // namespace oraclegs

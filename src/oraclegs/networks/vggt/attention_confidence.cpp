@@ -1,0 +1,48 @@
+#include "oraclegs/networks/vggt/attention_confidence.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kSmallestRange = 1e-12;  // attention is of the order of one over the tokens: nothing larger will do
+
+/// [S, P] float64: how much each patch is looked at.
+Tensor LookedAt(const GlobalAttention& attention, AttentionMode mode) {
+  if (mode == AttentionMode::kOfficial) return attention.from_camera[0].to(torch::kDouble);
+  const Tensor from = attention.from_patches.to(torch::kDouble);
+  if (mode == AttentionMode::kReference) return from[0];
+  const Tensor own = from.diagonal(0, 0, 1).t();  // [S, P]
+  return (from.sum(0) - own) / static_cast<double>(from.size(0) - 1);
+}
+
+}  // namespace
+
+Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMode mode, const PatchGrid& grid) {
+  if (layers.empty()) throw ShapeError("PatchConfidence: there are no layers");
+  Tensor sum;
+  for (const WeightedAttention& layer : layers) {
+    const Tensor& from = layer.attention.from_patches;
+    if (from.dim() != 3 || from.size(0) != from.size(1) || from.size(2) != grid.rows * grid.cols) {
+      throw ShapeError("PatchConfidence: the attention is [{}], expected [S, S, {}]", fmt::join(from.sizes(), ", "),
+                       grid.rows * grid.cols);
+    }
+    if (mode == AttentionMode::kOthers && from.size(0) < 2) {
+      throw ShapeError("PatchConfidence: one view has no others to look at it");
+    }
+    const Tensor map = LookedAt(layer.attention, mode);
+    const bool together = mode == AttentionMode::kOfficial;
+    const Tensor low = together ? map.min() : map.amin({1}, true), high = together ? map.max() : map.amax({1}, true);
+    const Tensor stretched = (map - low) / (high - low).clamp_min(kSmallestRange) * layer.weight;
+    sum = sum.defined() ? sum + stretched : stretched;
+  }
+  return sum.view({sum.size(0), grid.rows, grid.cols}).to(torch::kFloat);
+}
+
+Tensor UpsampleConfidence(const Tensor& confidence, int64_t height, int64_t width) {
+  if (confidence.dim() != 3) {
+    throw ShapeError("UpsampleConfidence: the map is [{}], expected [S, rows, cols]",
+                     fmt::join(confidence.sizes(), ", "));
+  }
+  return ResizeBilinear(confidence.unsqueeze(1), height, width, Corners::kHalfPixel).squeeze(1);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,31 @@
+#pragma once
+// From the attention of VGGT's global blocks to the confidence of each pixel (spec/vggt.md 8).
+
+#include <vector>
+
+#include "oraclegs/networks/common/dpt.h"
+#include "oraclegs/networks/vggt/aggregator.h"
+
+namespace oraclegs {
+
+/// Whose attention counts for a view.
+enum class AttentionMode {
+  kOthers,     ///< the patches of all other views
+  kReference,  ///< the patches of view 0
+  kOfficial,   ///< the camera token of view 0; minimum and maximum over all views together
+};
+
+struct WeightedAttention {
+  GlobalAttention attention;
+  double weight = 1;
+};
+
+/// Confidence on the grid of patches: [S, rows, cols] float32 in [0, the sum of the weights]; large where the other
+/// views look. Each layer's map is stretched to [0, 1] first; a constant map becomes 0. Throws ShapeError, for kOthers
+/// also when there is one view only.
+Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMode mode, const PatchGrid& grid);
+
+/// [S, rows, cols] -> [S, height, width]: bilinear, half-pixel centres, edges clamped.
+Tensor UpsampleConfidence(const Tensor& confidence, int64_t height, int64_t width);
+
+}  // namespace oraclegs

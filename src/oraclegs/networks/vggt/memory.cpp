@@ -1,0 +1,50 @@
+#include "oraclegs/networks/vggt/memory.h"
+
+#include <algorithm>
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kFloat = 4;
+// Inside a block: its input, queries, keys and values before and after norm and rotation, and their copies for the
+// product; or the wide layer of the MLP with what stands before and behind it. The input of the frame block stays.
+constexpr int64_t kWidthsInBlock = 16;
+constexpr int64_t kWidthsKept = 2;                   // of a layer that the heads read
+constexpr int64_t kBytesOnTop = int64_t{256} << 20;  // scores in work, buffers of the libraries
+
+/// Of the depth head, view by view: maps of 8x the grid with all features, then of the picture's size with half of
+/// them, with what a convolution unrolls.
+int64_t DenseBytes(const VggtConfig& config, const VggtPass& pass) {
+  const int64_t patch = config.aggregator.backbone.patch, features = config.dense.features;
+  const int64_t fine = 64 * (pass.height / patch) * (pass.width / patch), pixels = pass.height * pass.width;
+  const int64_t fusing = 5 * features * fine, shown = 5 * (features / 2) * pixels;
+  return kFloat * (std::max(fusing, shown) + 4 * pass.views * pixels);
+}
+
+}  // namespace
+
+int64_t VggtWeightBytes(const VggtConfig& config, const VggtHeads& heads) {
+  ListedParameters list;
+  LoadVggt(list, config, heads);
+  int64_t numbers = 0;
+  for (const auto& [name, shape] : list.shapes()) {
+    int64_t size = 1;
+    for (const int64_t n : shape) size *= n;
+    numbers += size;
+  }
+  return kFloat * numbers;
+}
+
+int64_t VggtPassBytes(const VggtConfig& config, const VggtPass& pass) {
+  const int64_t patch = config.aggregator.backbone.patch;
+  const int64_t patches = (pass.height / patch) * (pass.width / patch);
+  const int64_t tokens = pass.views * (1 + config.aggregator.registers + patches);
+  const int64_t row = kFloat * tokens * config.aggregator.width();
+  const int64_t block = kWidthsInBlock * row;
+  const bool dense = pass.heads.depth || pass.heads.points;
+  const int64_t kept = (dense ? 4 : pass.heads.camera ? 1 : 0) * kWidthsKept * row;
+  const int64_t pictures = 3 * kFloat * 3 * pass.views * pass.height * pass.width;
+  return kept + pictures + std::max(block, dense ? DenseBytes(config, pass) : 0) + kBytesOnTop;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,21 @@
+#pragma once
+// What VGGT needs, told before it starts.
+
+#include "oraclegs/networks/vggt/vggt.h"
+
+namespace oraclegs {
+
+struct VggtPass {
+  int64_t views = 1;
+  int64_t height = 518, width = 518;  ///< of the network's input, pixels
+  VggtHeads heads = {};
+};
+
+/// Of the tensors that LoadVggt reads for these heads, as float32.
+int64_t VggtWeightBytes(const VggtConfig& config, const VggtHeads& heads);
+
+/// What a pass on a CPU in float32 holds beside the weights where it holds most; of VGGT-1B only the oracle pass was
+/// measured, with a margin; the heads are counted (bench/nets_bench.cpp).
+int64_t VggtPassBytes(const VggtConfig& config, const VggtPass& pass);
+
+}  // namespace oraclegs

@@ -1,0 +1,69 @@
+#pragma once
+// VGGT: from photographs of one scene, in one pass, a camera, a depth map and a point map each (spec/vggt.md).
+
+#include <array>
+#include <optional>
+
+#include "oraclegs/networks/common/dpt.h"
+#include "oraclegs/networks/vggt/aggregator.h"
+#include "oraclegs/networks/vggt/camera_head.h"
+
+namespace oraclegs {
+
+/// The defaults are VGGT-1B.
+struct VggtConfig {
+  AggregatorConfig aggregator;
+  CameraHeadConfig camera;
+  std::array<int64_t, 4> dense_layers = {4, 11, 17, 23};  ///< that the depth and point heads read
+  DptConfig dense{.style = DptStyle::kVggt,
+                  .width = 2048,
+                  .features = 256,
+                  .channels = {256, 512, 1024, 1024},
+                  .outputs = 2};  ///< outputs: depth and confidence; the point head has two more
+};
+
+/// The heads that a caller needs; an oracle needs none.
+struct VggtHeads {
+  bool camera = false, depth = false, points = false;
+};
+
+struct Vggt {
+  VggtConfig config;
+  Aggregator aggregator;
+  std::optional<CameraHead> camera_head;
+  std::optional<DptHead> depth_head, point_head;
+};
+Vggt LoadVggt(ParameterSource& source, const VggtConfig& config, const VggtHeads& heads);
+
+struct VggtPlacement {
+  torch::Device device = torch::kCPU;
+  torch::ScalarType aggregator_type = torch::kFloat;  ///< the heads are float32 always
+};
+/// As its authors run it: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for.
+inline VggtPlacement PlaceVggt(torch::Device device) {
+  return {device, device.is_cuda() ? torch::kBFloat16 : torch::kFloat};
+}
+/// The network of this configuration from safetensors files with the official names. Heads that are not asked for and
+/// the track head may be there and are not read. Throws InputError that lists all that does not fit.
+Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads,
+              const VggtPlacement& placement = {}, const VggtConfig& config = {});
+
+/// What the loaded heads read of the aggregator, for AggregatorRequest::token_layers.
+std::vector<int64_t> HeadLayers(const Vggt& vggt);
+
+/// encoding [S, 9] after each iteration of the camera head (CameraEncodings, DecodeCameras).
+std::vector<Tensor> PredictCameras(const Vggt& vggt, const AggregatorResult& aggregated);
+
+struct DepthPrediction {
+  Tensor depth;       ///< [S, H, W] float32 > 0, along the optical axis
+  Tensor confidence;  ///< [S, H, W] float32 >= 1
+};
+DepthPrediction PredictDepth(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid);
+
+struct PointPrediction {
+  Tensor points;      ///< [S, H, W, 3] float32, about the frame of view 0
+  Tensor confidence;  ///< [S, H, W] float32 >= 1
+};
+PointPrediction PredictPoints(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid);
+
+}  // namespace oraclegs

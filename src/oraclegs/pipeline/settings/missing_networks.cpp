@@ -1,0 +1,134 @@
+#include "oraclegs/pipeline/settings/missing_networks.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/weights/folder.h"
+#include "oraclegs/pipeline/stages/perceptual.h"
+#include "oraclegs/pipeline/stages/propose_stage.h"
+#include "oraclegs/pipeline/stages/seva_stage.h"
+#include "oraclegs/pipeline/stages/start_points.h"
+#include "oraclegs/pipeline/settings/vggt_weights.h"
+#include "oraclegs/pipeline/settings/weights.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr const char* kVggtModel = "vggt";
+constexpr const char* kVggtFile = "--vggt-weights";
+
+bool IsHere(const char* model) {
+  try {
+    return LocateModel(model).has_value();
+  } catch (const UsageError&) {  // there is no home folder to look in
+    return false;
+  }
+}
+
+/// "--option word"
+std::string Asked(const char* option, const std::string& word) { return fmt::format("--{} {}", option, word); }
+
+void AddIf(bool missing, MissingNetwork network, std::vector<MissingNetwork>* list) {
+  if (missing) list->push_back(std::move(network));
+}
+
+void AddSeva(const RunOptions& options, std::vector<MissingNetwork>* list) {
+  if (!ProposesViews(options) || !options.propose.Names("seva")) return;
+  MissingNetwork seva{Asked("proposers", options.propose.proposers), {}, "", "--proposers both", [](RunOptions* o) {
+                        o->propose.proposers = "both";
+                      }};
+  for (const char* model : kSevaModels) {
+    if (!IsHere(model)) seva.models.emplace_back(model);
+  }
+  const bool missing = !seva.models.empty();
+  AddIf(missing, std::move(seva), list);
+}
+
+void AddDepth(const RunOptions& options, std::vector<MissingNetwork>* list) {
+  const std::string& word = options.depth.depth_prior;
+  if (!NeedsDepth(options) || (word != "depth-anything" && word != "fused")) return;
+  AddIf(FindWeights(kDepthModel, options.weights.depth_weights).empty(),
+        {Asked("depth-prior", word),
+         {kDepthModel},
+         "--depth-weights",
+         "--depth-prior stereo",
+         [](RunOptions* o) { o->depth.depth_prior = "stereo"; }},
+        list);
+}
+
+void AddOracle(const RunOptions& options, std::vector<MissingNetwork>* list) {
+  const std::string& word = options.validate.oracle;
+  const bool validates = ProposesViews(options) || !options.propose.proposal_folder.empty();
+  if (!validates || !word.starts_with("vggt")) return;
+  AddIf(!FindVggtWeights(options.weights.vggt_weights),
+        {Asked("oracle", word),
+         {kVggtModel},
+         kVggtFile,
+         "--oracle consistency",
+         [](RunOptions* o) { o->validate.oracle = "consistency"; }},
+        list);
+}
+
+/// What `text` says of each, without repetitions, in their order.
+template <class Of>
+std::vector<std::string> Distinct(const std::vector<MissingNetwork>& missing, const Of& of) {
+  std::vector<std::string> texts;
+  for (const MissingNetwork& network : missing) {
+    for (const std::string& text : of(network)) {
+      if (!text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(text);
+    }
+  }
+  return texts;
+}
+
+[[noreturn]] void Refuse(const std::vector<MissingNetwork>& missing) {
+  std::vector<std::string> needs, commands;
+  for (const MissingNetwork& network : missing) {
+    needs.push_back(fmt::format("{} needs the weights of {}", network.asked, fmt::join(network.models, ", ")));
+  }
+  for (const std::string& model : Distinct(missing, [](const MissingNetwork& n) { return n.models; })) {
+    commands.push_back(fmt::format("`oraclegs models fetch {}`", model));
+  }
+  const auto files = Distinct(missing, [](const MissingNetwork& n) { return std::vector{n.names_a_file}; });
+  const std::string elsewhere = files.empty() ? "" : fmt::format("; {} if they are elsewhere", fmt::join(files, ", "));
+  throw InputError("{}, which are not here; get them with {}{}; --allow-fallback does without them",
+                   fmt::join(needs, ", "), fmt::join(commands, ", "), elsewhere);
+}
+
+}  // namespace
+
+std::vector<MissingNetwork> MissingNetworks(const RunOptions& options, bool has_poses) {
+  std::vector<MissingNetwork> missing;
+  if (!has_poses && options.input.poses == "vggt") {
+    AddIf(!FindVggtWeights(options.weights.vggt_weights),
+          {"--poses vggt", {kVggtModel}, kVggtFile, "--poses colmap", [](RunOptions* o) { o->input.poses = "colmap"; }},
+          &missing);
+  }
+  AddDepth(options, &missing);
+  AddSeva(options, &missing);
+  AddOracle(options, &missing);
+  if (options.weights.lpips == "required") {
+    AddIf(FindLpips(options.weights).empty(),
+          {"--lpips required",
+           {kLpipsModel},
+           "--lpips-weights",
+           "L1 and SSIM, and no LPIPS among the scores,",
+           [](RunOptions* o) { o->weights.lpips = "auto"; }},
+          &missing);
+  }
+  return missing;
+}
+
+RunOptions WithNetworksAtHand(const RunOptions& options, bool has_poses, const Listener& listener) {
+  const std::vector<MissingNetwork> missing = MissingNetworks(options, has_poses);
+  if (!missing.empty() && !options.weights.allow_fallback) Refuse(missing);
+  RunOptions changed = options;
+  for (const MissingNetwork& network : missing) {
+    network.apply(&changed);
+    listener(Warning{fmt::format("{}: the weights of {} are not here; {} instead", network.asked,
+                                 fmt::join(network.models, ", "), network.instead)});
+  }
+  return changed;
+}
+
+}  // namespace oraclegs

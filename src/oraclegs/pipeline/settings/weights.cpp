@@ -1,0 +1,91 @@
+#include "oraclegs/pipeline/settings/weights.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/weights/folder.h"
+#include "oraclegs/pipeline/workspace/fingerprint.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSuffix = ".safetensors";
+
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.is_regular_file(ignored) && entry.path().extension() == kSuffix) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::vector<fs::path> FindWeights(const std::string& model, const fs::path& given) {
+  std::error_code ignored;
+  if (given.empty()) {
+    try {
+      if (const auto file = LocateModel(model)) return {*file};
+      return FilesIn(ModelsFolder() / model);  // put there by hand
+    } catch (const UsageError&) {              // there is no home folder to look in
+      return {};
+    }
+  }
+  if (fs::is_regular_file(given, ignored)) return {given};
+  if (!fs::is_directory(given, ignored)) {
+    throw InputError("{}: does not exist; name a {} file with the weights of {}", given.string(), kSuffix, model);
+  }
+  std::vector<fs::path> files = FilesIn(given);
+  if (files.empty()) {
+    throw InputError("{}: has no {} file in it; name one with the weights of {}", given.string(), kSuffix, model);
+  }
+  return files;
+}
+
+std::string HowToFetch(const std::string& model) {
+  return fmt::format("`oraclegs models fetch {}` brings them", model);
+}
+
+std::string WeightsFingerprint(const std::vector<fs::path>& files) {
+  if (files.empty()) return "";
+  Fingerprint print;
+  for (const fs::path& file : files) print.AddFile(file);
+  return print.Hex();
+}
+
+const char* DepthSource::Name() const {
+  switch (prior) {
+    case DepthPrior::kNone:
+      return "none";
+    case DepthPrior::kStereo:
+      return "stereo";
+    case DepthPrior::kMonocular:
+      return "depth-anything";
+    case DepthPrior::kFused:
+      return "fused";
+  }
+  return "stereo";
+}
+
+DepthSource ChooseDepthSource(const RunOptions& options) {
+  const std::string& asked = options.depth.depth_prior;
+  if (asked == "none") return {DepthPrior::kNone, {}};
+  if (asked == "stereo") return {DepthPrior::kStereo, {}};
+  const std::vector<fs::path> files = FindWeights(kDepthModel, options.weights.depth_weights);
+  if (files.size() > 1) {
+    throw InputError("{}: holds {} files, Depth Anything V2 has one; name one with --depth-weights",
+                     files[0].parent_path().string(), files.size());
+  }
+  if (files.empty() && asked == "auto") return {DepthPrior::kStereo, {}};
+  if (files.empty()) {
+    throw InputError("--depth-prior {} needs the weights of Depth Anything V2; {}, or name a file with --depth-weights",
+                     asked, HowToFetch(kDepthModel));
+  }
+  return {asked == "depth-anything" ? DepthPrior::kMonocular : DepthPrior::kFused, files[0]};
+}
+
+}  // namespace oraclegs

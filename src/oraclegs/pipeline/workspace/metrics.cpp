@@ -1,0 +1,85 @@
+#include "oraclegs/pipeline/workspace/metrics.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/pipeline/workspace/non_commercial.h"
+
+namespace oraclegs {
+namespace {
+
+// The stages whose time is reported, in their order.
+constexpr const char* kStages[] = {"register", "sfm", "depth", "propose", "validate", "train"};
+
+double PerSecond(const nlohmann::json& record) {
+  const double seconds = record.value("training_seconds", 0.0);
+  return seconds > 0 ? record.value("iterations", 0.0) / seconds : 0;
+}
+
+}  // namespace
+
+int64_t PeakMemoryBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return int64_t{usage.ru_maxrss} * 1024;
+}
+
+nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record) {
+  nlohmann::json metrics;
+  metrics["test"] = evaluate_record.at("test");
+  metrics["gaussians"] = evaluate_record.at("gaussians");
+  metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
+  for (const char* stage : kStages) {
+    const nlohmann::json record = run.workspace.Record(stage);
+    if (record.is_object()) metrics["stages"][stage]["seconds"] = record.value("seconds", 0.0);
+  }
+  const nlohmann::json train = run.workspace.Record("train"), start = run.workspace.Record("start");
+  int64_t peak = evaluate_record.at("peak_memory_bytes").get<int64_t>();
+  if (train.is_object()) {
+    metrics["train"] = {{"iterations", train.value("iterations", int64_t{0})},
+                        {"iterations_per_second", PerSecond(train)},
+                        {"seconds", train.value("training_seconds", 0.0)},
+                        {"lpips", train.value("lpips", nlohmann::json())},
+                        {"milliseconds_per_iteration", train.value("milliseconds_per_iteration", nlohmann::json())}};
+    peak = std::max(peak, train.value("peak_memory_bytes", int64_t{0}));
+  }
+  const nlohmann::json depth = run.workspace.Record("depth");
+  if (depth.is_object() && depth.contains("prior")) {
+    metrics["depth"] = {{"prior", depth.at("prior")},
+                        {"right", depth.value("right", 0.0)},
+                        {"network", depth.value("network", nlohmann::json())}};
+  }
+  const nlohmann::json validate = run.workspace.Record("validate");
+  if (validate.is_object() && validate.contains("oracle")) {
+    const nlohmann::json trust = validate.value("mean_confidence", nlohmann::json::object());
+    double sum = 0;
+    for (const auto& mean : trust) sum += mean.get<double>();
+    metrics["proposals"] = {
+        {"count", trust.size()}, {"oracle", validate.at("oracle")}, {"mean_confidence", nlohmann::json()}};
+    if (!trust.empty()) metrics["proposals"]["mean_confidence"] = sum / static_cast<double>(trust.size());
+  }
+  if (start.is_object()) {
+    metrics["start"] = {{"source", start.value("source", "")}, {"points", start.value("points", int64_t{0})}};
+  }
+  metrics["peak_memory_bytes"] = peak;
+  metrics["views"] = {{"train", run.split.train.size()}, {"test", run.split.test.size()}};
+  metrics["non_commercial"] = NonCommercialParts(run.workspace);
+  metrics["program"] = "oraclegs";
+  metrics["version"] = run.version;
+  metrics["options"] = RunOptionsToJson(run.options);
+  metrics["seed"] = run.options.start.seed;
+  return metrics;
+}
+
+nlohmann::json ReadMetrics(const std::filesystem::path& workspace) {
+  const auto path = WorkspacePaths(workspace).metrics();
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  if (!json.is_object()) {
+    throw InputError("{}: not valid JSON; delete it and run `oraclegs evaluate`", path.string());
+  }
+  return json;
+}
+
+}  // namespace oraclegs

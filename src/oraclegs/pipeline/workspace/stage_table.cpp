@@ -1,0 +1,89 @@
+#include "oraclegs/pipeline/workspace/stage_table.h"
+
+#include <fmt/format.h>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/pipeline/workspace/workspace.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+
+int64_t Count(const json& record, const char* what) { return record.value(what, int64_t{0}); }
+
+std::string Proposed(const json& record) {
+  std::string text = fmt::format("{} views", Count(record, "targets"));
+  if (Count(record, "folder") > 0) text += fmt::format(", {} from the folder", Count(record, "folder"));
+  if (Count(record, "opinions") > 0) text += fmt::format(", {} quick models", Count(record, "opinions"));
+  return text;
+}
+
+std::string Validated(const json& record) {
+  const json means = record.value("mean_confidence", json::object());
+  if (means.empty()) return "0 proposals";
+  double sum = 0;
+  for (const json& mean : means) sum += mean.is_number() ? mean.get<double>() : 0;
+  return fmt::format("{} proposals, trusted to {:.0f} % in the mean", means.size(),
+                     100 * sum / static_cast<double>(means.size()));
+}
+
+std::string Scored(const json& record) {
+  const json test = record.value("test", json::object());
+  const json psnr = test.value("psnr", json()), ssim = test.value("ssim", json());
+  if (!psnr.is_number() || !ssim.is_number()) return "no test pixels";
+  return fmt::format("PSNR {:.2f} dB, SSIM {:.4f}", psnr.get<double>(), ssim.get<double>());
+}
+
+struct Row {
+  const char* stage;
+  std::string (*result)(const json& record);
+};
+
+constexpr Row kRows[] = {
+    {"register",
+     [](const json& r) {
+       return fmt::format("{} of {} photographs", Count(r, "registered"), Count(r, "photographs"));
+     }},
+    {"sfm", [](const json& r) { return fmt::format("{} points", Count(r, "points")); }},
+    {"depth",
+     [](const json& r) {
+       const std::string points = fmt::format("{} dense points", Count(r, "points"));
+       if (!r.contains("confident_share")) return points;  // written by an earlier version
+       return fmt::format("sure on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
+     }},
+    {"propose", Proposed},
+    {"validate", Validated},
+    {"train",
+     [](const json& r) {
+       return fmt::format("{} Gaussians, {} iterations", Count(r, "gaussians"), Count(r, "iterations"));
+     }},
+    {"evaluate", Scored},
+};
+
+}  // namespace
+
+json ReadStageRecords(const std::filesystem::path& workspace) {
+  try {
+    json records = json::parse(ReadFile(WorkspacePaths(workspace).stages()), nullptr, false);
+    return records.is_object() ? records : json::object();
+  } catch (const Error&) {
+    return json::object();
+  }
+}
+
+std::string StageTable(const json& before, const json& after) {
+  std::vector<std::vector<std::string>> lines = {{"stage", "time", "result"}};
+  for (const Row& row : kRows) {
+    if (!after.contains(row.stage) || !after[row.stage].is_object()) continue;
+    const json& record = after[row.stage];
+    const bool unchanged = before.contains(row.stage) && before[row.stage] == record;
+    lines.push_back({row.stage, FormatSeconds(record.value("seconds", 0.0)), row.result(record)});
+    if (unchanged) lines.back().back() += " (unchanged)";
+  }
+  return AlignColumns(lines, "lrl");
+}
+
+}  // namespace oraclegs

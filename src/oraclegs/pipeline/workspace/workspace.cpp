@@ -1,0 +1,255 @@
+#include "oraclegs/pipeline/workspace/workspace.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <set>
+#include <utility>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/scene_validation.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFormat = 1;
+constexpr uint64_t kMaxJsonBytes = 64 << 20;
+
+// Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
+constexpr const char* kOwnNames[] = {"options.json",    "split.json",  "stages.json", "metrics.json", "sfm",
+                                     "point_cloud.ply", "checkpoints", "renders",     "depth",        "exposures.json",
+                                     "proposals",       "confidence",  "oracle.json"};
+
+nlohmann::json ReadJson(const fs::path& path) {
+  try {
+    return nlohmann::json::parse(ReadFile(path, kMaxJsonBytes));
+  } catch (const nlohmann::json::exception&) {
+    throw InputError("{}: not valid JSON; start anew with another -o, or delete the folder", path.string());
+  }
+}
+
+fs::path Canonical(const fs::path& path) {
+  std::error_code ignored;
+  fs::path out = fs::weakly_canonical(fs::absolute(path, ignored), ignored);
+  return out.has_filename() ? out : out.parent_path();  // "dir/" and "dir" are one folder
+}
+
+// A killed run can leave a temporary file before its first real one; it stands in nobody's way.
+bool IsLeftover(const fs::path& path) {
+  return path.filename().string().rfind(".oraclegs-", 0) == 0 && path.extension() == ".tmp";
+}
+
+bool HoldsAnything(const fs::path& dir) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(dir, error)) {
+    if (!IsLeftover(entry.path())) return true;
+  }
+  return false;
+}
+
+bool HasResults(const WorkspacePaths& paths) {
+  std::error_code ignored;
+  return fs::exists(paths.point_cloud(), ignored) || fs::exists(paths.metrics(), ignored) ||
+         (fs::is_directory(paths.checkpoints(), ignored) && HoldsAnything(paths.checkpoints()));
+}
+
+void RemoveRun(const fs::path& dir) {
+  // options.json goes last: as long as it stands, the folder is recognised as ours.
+  for (const char* name : kOwnNames) {
+    if (std::string_view(name) == "options.json") continue;
+    std::error_code error;
+    fs::remove_all(dir / name, error);
+    if (error) throw RunError("{}: cannot be removed: {}", (dir / name).string(), error.message());
+  }
+  fs::remove(dir / "options.json");
+}
+
+/// The text that JSON can hold: bytes that are not UTF-8 are replaced.
+std::string JsonText(const fs::path& path) {
+  const auto replace = nlohmann::json::error_handler_t::replace;
+  return nlohmann::json::parse(nlohmann::json(path.string()).dump(-1, ' ', false, replace)).get<std::string>();
+}
+
+void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOptions& options) {
+  if (!IsWorkspace(dir)) {
+    if (HoldsAnything(dir)) {
+      throw InputError("{}: is not empty and holds no run of oraclegs; choose a new or empty folder with -o",
+                       dir.string());
+    }
+    return;
+  }
+  const SavedRun saved = ReadSavedRun(dir);
+  std::error_code ignored;
+  if (saved.scene != JsonText(scene) &&
+      (HasResults(WorkspacePaths(dir)) || fs::exists(WorkspacePaths(dir).sfm(), ignored))) {
+    throw InputError(
+        "{}: holds a run of another scene ({}, now is {}); choose another -o, or start anew with "
+        "--overwrite",
+        dir.string(), saved.scene.string(), scene.string());
+  }
+  const std::string difference = DescribeDifference(saved.options, options);
+  // Nothing is lost by other options as long as there is nothing but structure from motion, which checks its own
+  // inputs.
+  if (!difference.empty() && HasResults(WorkspacePaths(dir))) {
+    throw InputError(
+        "{}: holds a run with other options ({}); give the same options to continue it, choose another -o, "
+        "or start anew with --overwrite",
+        dir.string(), difference);
+  }
+}
+
+void WriteJson(const fs::path& path, const nlohmann::json& json) {
+  WriteFileAtomically(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void RequireOutside(const fs::path& dir, const fs::path& folder, const char* what) {
+  const fs::path out = Canonical(dir), inside = Canonical(folder);
+  const auto [end, rest] = std::mismatch(inside.begin(), inside.end(), out.begin(), out.end());
+  if (end != inside.end()) return;
+  throw InputError("{}: lies in {} {}, which is never written to; choose a folder outside it with -o", dir.string(),
+                   what, folder.string());
+}
+
+std::string Shown(const nlohmann::json& value) {
+  return value.is_string() ? (value.get<std::string>().empty() ? "not given" : value.get<std::string>()) : value.dump();
+}
+
+}  // namespace
+
+bool IsWorkspace(const fs::path& dir) {
+  std::error_code ignored;
+  return fs::is_regular_file(WorkspacePaths(dir).options(), ignored);
+}
+
+SavedRun ReadSavedRun(const fs::path& dir) {
+  const fs::path path = WorkspacePaths(dir).options();
+  const nlohmann::json json = ReadJson(path);
+  const bool ours = json.is_object() && json.value("program", nlohmann::json()) == "oraclegs" &&
+                    json.contains("scene") && json["scene"].is_string() && json.contains("options") &&
+                    json["options"].is_object();
+  if (!ours) throw InputError("{}: was not written by oraclegs; choose another folder", path.string());
+  if (json.value("format", nlohmann::json()) != kFormat) {
+    throw InputError("{}: is of format {}, this program reads {}; choose another -o", path.string(),
+                     json.value("format", nlohmann::json()).dump(), kFormat);
+  }
+  return {json["scene"].get<std::string>(), json["options"]};
+}
+
+std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& now) {
+  const nlohmann::json current = ShapingOptionsToJson(now), defaults = ShapingOptionsToJson(RunOptions{});
+  std::string text;
+  for (const auto& [name, value] : current.items()) {
+    const nlohmann::json& before = saved.contains(name) ? saved.at(name) : defaults.at(name);
+    if (before == value) continue;
+    text += fmt::format("{}--{} was {}, now is {}", text.empty() ? "" : "; ", name, Shown(before), Shown(value));
+  }
+  return text;
+}
+
+void RequireOutsideScene(const fs::path& dir, const fs::path& scene_root) {
+  RequireOutside(dir, scene_root, "the scene folder");
+}
+
+void RequireOutsideScene(const fs::path& dir, const Scene& scene, const fs::path& images) {
+  RequireOutsideScene(dir, scene.root);
+  std::set<fs::path> folders;
+  if (!images.empty()) folders.insert(scene.root / images);
+  for (const SceneView& view : scene.views) folders.insert(view.image_path.parent_path());
+  for (const fs::path& folder : folders) RequireOutside(dir, folder, "the scene's image folder");
+}
+
+void RequireApart(const fs::path& dir, const fs::path& folder) {
+  if (!IsUtf8(folder.string())) {
+    throw InputError("{}: the name of the --proposal-folder is not valid UTF-8; rename it",
+                     EscapeBytes(folder.string()));
+  }
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw InputError("{}: is no folder; name one that holds proposals with --proposal-folder", folder.string());
+  }
+  RequireOutside(dir, folder, "the proposal folder");
+  const fs::path out = Canonical(dir), inside = Canonical(folder);
+  const auto [end, rest] = std::mismatch(out.begin(), out.end(), inside.begin(), inside.end());
+  if (end != out.end()) return;
+  throw InputError("{}: lies in the workspace {}, whose files are written anew; move the proposals elsewhere",
+                   folder.string(), dir.string());
+}
+
+Workspace Workspace::Lock(const fs::path& dir) {
+  RequireWritableFolder(dir);
+  const int fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) throw RunError("{}: cannot be opened (error {})", dir.string(), errno);
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {  // a file system without locks is let pass
+    close(fd);
+    throw InputError("{}: another oraclegs is working there; wait for it, or choose another -o", dir.string());
+  }
+  return Workspace(dir, fd);
+}
+
+Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, const RunOptions& options, bool overwrite) {
+  RequireOutsideScene(dir, scene_root);
+  const fs::path scene = Canonical(scene_root);
+  const bool start_anew = overwrite && IsWorkspace(dir);
+  if (!start_anew) RefuseForeignFolder(dir, scene, options);
+  Workspace workspace = Lock(dir);
+  if (start_anew) {
+    ReadSavedRun(dir);  // throws when the file of that name is somebody else's
+    RemoveRun(dir);
+  }
+  WriteJson(workspace.options(), {{"program", "oraclegs"},
+                                  {"format", kFormat},
+                                  {"scene", JsonText(scene)},
+                                  {"options", RunOptionsToJson(options)}});
+  return workspace;
+}
+
+Workspace Workspace::Open(const fs::path& dir) {
+  ReadSavedRun(dir);
+  return Lock(dir);
+}
+
+Workspace::Workspace(Workspace&& other) noexcept
+    : WorkspacePaths(other.root()), lock_(std::exchange(other.lock_, -1)) {}
+
+Workspace::~Workspace() {
+  if (lock_ >= 0) close(lock_);
+}
+
+nlohmann::json Workspace::Record(const std::string& stage) const {
+  std::error_code ignored;
+  if (!fs::exists(stages(), ignored)) return nullptr;
+  const nlohmann::json all = ReadJson(stages());
+  return all.is_object() && all.contains(stage) ? all[stage] : nullptr;
+}
+
+bool Workspace::IsDone(const std::string& stage, const std::string& key) const {
+  const nlohmann::json record = Record(stage);
+  if (!record.is_object() || record.value("key", nlohmann::json()) != key) return false;
+  const nlohmann::json files = record.value("files", nlohmann::json::array());
+  return std::all_of(files.begin(), files.end(), [&](const nlohmann::json& file) {
+    std::error_code ignored;
+    return file.is_string() && fs::exists(root() / file.get<std::string>(), ignored);
+  });
+}
+
+void Workspace::MarkUndone(const std::string& stage) {
+  if (Record(stage).is_null()) return;
+  nlohmann::json all = ReadJson(stages());
+  all.erase(stage);
+  WriteJson(stages(), all);
+}
+
+void Workspace::MarkDone(const std::string& stage, const nlohmann::json& record) {
+  std::error_code ignored;
+  nlohmann::json all = fs::exists(stages(), ignored) ? ReadJson(stages()) : nlohmann::json::object();
+  if (!all.is_object()) all = nlohmann::json::object();
+  all[stage] = record;
+  WriteJson(stages(), all);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,94 @@
+#pragma once
+// The folder of one run: plain files that other tools open, and who may write to it.
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+/// Where a run's files are. Making one touches nothing.
+class WorkspacePaths {
+ public:
+  explicit WorkspacePaths(std::filesystem::path root) : root_(std::move(root)) {}
+
+  const std::filesystem::path& root() const { return root_; }
+  std::filesystem::path options() const { return root_ / "options.json"; }  ///< scene and options of the run
+  std::filesystem::path split() const { return root_ / "split.json"; }      ///< names of train and test views
+  std::filesystem::path stages() const { return root_ / "stages.json"; }    ///< what is finished, from what inputs
+  std::filesystem::path metrics() const { return root_ / "metrics.json"; }
+  std::filesystem::path point_cloud() const { return root_ / "point_cloud.ply"; }
+  std::filesystem::path exposures() const { return root_ / "exposures.json"; }
+  std::filesystem::path sfm() const { return root_ / "sfm"; }
+  std::filesystem::path dense_ply() const { return sfm() / "dense.ply"; }
+  std::filesystem::path depth() const { return root_ / "depth"; }
+  std::filesystem::path proposals() const { return root_ / "proposals"; }
+  std::filesystem::path confidence() const { return root_ / "confidence"; }
+  std::filesystem::path checkpoints() const { return root_ / "checkpoints"; }
+  std::filesystem::path renders(const std::string& path_name) const { return root_ / "renders" / path_name; }
+
+ private:
+  std::filesystem::path root_;
+};
+
+/// What options.json holds.
+struct SavedRun {
+  std::filesystem::path scene;  ///< absolute; bytes that are not UTF-8 are replaced
+  nlohmann::json options;       ///< of all groups
+};
+
+/// True when `dir` holds a run of this program.
+bool IsWorkspace(const std::filesystem::path& dir);
+/// Throws InputError naming the file when it is missing or damaged.
+SavedRun ReadSavedRun(const std::filesystem::path& dir);
+
+/// "--views was 9, now is 12; --seed was 0, now is 1": the options that shape the result and differ; empty when none.
+/// A run saved before an option existed has its default.
+std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& now);
+
+/// A workspace held for writing; a second program that asks for the same folder is refused meanwhile.
+class Workspace : public WorkspacePaths {
+ public:
+  /// Claims `dir` for a run of `scene_root` with these options, and says so in options.json. An empty or missing folder
+  /// is taken; one that holds this run (same scene, same result-shaping options) is continued; with `overwrite` what a
+  /// run of this program left there is removed first. Throws InputError naming the folder, the difference and the mend
+  /// when it holds another run with results, or files of someone else, or lies in the scene folder; RunError when it
+  /// cannot be written.
+  static Workspace Claim(const std::filesystem::path& dir, const std::filesystem::path& scene_root,
+                         const RunOptions& options, bool overwrite);
+  /// Holds an existing workspace as it is. Throws InputError when `dir` is none, RunError when it cannot be written.
+  static Workspace Open(const std::filesystem::path& dir);
+
+  Workspace(Workspace&& other) noexcept;
+  Workspace& operator=(Workspace&&) = delete;
+  ~Workspace();
+
+  /// True when `stage` was finished from inputs of this key and its files (relative to the root) are still there.
+  bool IsDone(const std::string& stage, const std::string& key) const;
+  /// What the finished stage left to remember; null when it never finished.
+  nlohmann::json Record(const std::string& stage) const;
+  /// Remembers that `stage` is finished: record must hold {"key", "seconds", "files": [...]}.
+  void MarkDone(const std::string& stage, const nlohmann::json& record);
+  /// Forgets that `stage` was finished, before its files are written anew: killed halfway, they are not believed.
+  void MarkUndone(const std::string& stage);
+
+ private:
+  Workspace(std::filesystem::path root, int lock) : WorkspacePaths(std::move(root)), lock_(lock) {}
+  static Workspace Lock(const std::filesystem::path& dir);
+
+  int lock_ = -1;  ///< file descriptor of the locked folder
+};
+
+/// Throws InputError when writing to `dir` would write into the user's scene folder.
+void RequireOutsideScene(const std::filesystem::path& dir, const std::filesystem::path& scene_root);
+/// The same, also for the folders of its photographs, which may lie elsewhere, and for --images unless empty.
+void RequireOutsideScene(const std::filesystem::path& dir, const Scene& scene, const std::filesystem::path& images);
+
+/// Throws InputError unless `folder`, a folder of proposals, is there, has a name in UTF-8, and neither it nor `dir`
+/// lies in the other.
+void RequireApart(const std::filesystem::path& dir, const std::filesystem::path& folder);
+
+}  // namespace oraclegs

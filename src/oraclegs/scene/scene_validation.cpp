@@ -1,0 +1,122 @@
+#include "oraclegs/scene/scene_validation.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kNamesShown = 5;
+constexpr std::string_view kImageFolder = "images/";
+
+std::filesystem::path FindMask(const std::filesystem::path& mask_dir, const std::string& name) {
+  std::vector<std::string> names{name};
+  if (name.starts_with(kImageFolder)) names.push_back(name.substr(kImageFolder.size()));
+  for (const std::string& n : names) {
+    const std::filesystem::path as_is = mask_dir / n;
+    std::filesystem::path appended = as_is, replaced = as_is;
+    appended += ".png";
+    replaced.replace_extension(".png");
+    for (const auto& path : {as_is, appended, replaced}) {
+      if (IsFile(path)) return path;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+std::string ViewName(const std::string& written_path) {
+  std::string name;
+  for (const auto& part : std::filesystem::path(written_path).relative_path()) {
+    if (part.empty() || part == "." || part == "..") continue;
+    name += (name.empty() ? "" : "/") + part.string();
+  }
+  return name;
+}
+
+std::string SomeNames(const std::vector<std::string>& names) {
+  const size_t shown = std::min(names.size(), kNamesShown);
+  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<ptrdiff_t>(shown), ", "));
+  if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
+  return text;
+}
+
+bool IsUtf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
+std::string EscapeBytes(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    escaped += byte < 0x80 ? std::string(1, c) : fmt::format("\\x{:02X}", byte);
+  }
+  return escaped;
+}
+
+void RequireUtf8Names(const Scene& scene) {
+  const auto require = [](const std::string& name, const std::filesystem::path& shown) {
+    if (IsUtf8(name)) return;
+    throw InputError("{}: the photograph's name is not valid UTF-8; rename it, also where the scene's files name it",
+                     EscapeBytes(shown.string()));
+  };
+  for (const SceneView& view : scene.views) require(view.name, view.image_path);
+  for (const std::string& name : scene.missing_images) require(name, scene.root / name);
+}
+
+void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,
+                         const Listener& listener, Scene* scene) {
+  std::sort(candidates.begin(), candidates.end(),
+            [](const SceneView& a, const SceneView& b) { return a.name < b.name; });
+  const auto twin = std::adjacent_find(candidates.begin(), candidates.end(),
+                                       [](const SceneView& a, const SceneView& b) { return a.name == b.name; });
+  if (twin != candidates.end()) {
+    throw InputError("{}: lists the view '{}' twice; every photograph may have one pose only", source, twin->name);
+  }
+  const size_t total = candidates.size();
+  for (SceneView& view : candidates) {
+    if (view.image_path.empty()) {
+      scene->missing_images.push_back(view.name);
+    } else {
+      scene->views.push_back(std::move(view));
+    }
+  }
+  if (scene->missing_images.empty() && total > 0) return;
+  if (scene->views.empty()) {
+    throw InputError("{}: none of its {} views has an image file in {}{}{}; name the image folder with --images",
+                     source, total, searched, total > 0 ? ", e.g. " : "",
+                     total > 0 ? scene->missing_images.front() : "");
+  }
+  listener(Warning{fmt::format("{}: {} of {} views have no image file in {} and are left out: {}", source,
+                               scene->missing_images.size(), total, searched, SomeNames(scene->missing_images))});
+}
+
+void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(mask_dir, error)) return;
+  bool any = false;
+  for (SceneView& view : scene->views) {
+    if (view.mask_path.empty()) view.mask_path = FindMask(mask_dir, view.name);
+    any |= !view.mask_path.empty();
+  }
+  if (!any) {
+    listener(Warning{
+        fmt::format("{}: fits no view, so all pixels are used; a mask is named like its photograph, e.g. {}.png",
+                    mask_dir.string(), scene->views.empty() ? "NAME" : scene->views.front().name)});
+  }
+}
+
+}  // namespace oraclegs

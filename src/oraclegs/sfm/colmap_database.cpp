@@ -1,0 +1,254 @@
+#include "oraclegs/sfm/colmap_database.h"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kPairBase = 2147483647;           // colmap's pair id is kPairBase * first + second, first < second
+constexpr int kPlanar = 4, kPlanarOrPanoramic = 6;  // colmap's two-view configurations that a homography explains
+
+/// An open database; its errors name the file.
+class Database {
+ public:
+  explicit Database(const fs::path& path) : path_(path) {
+    sqlite3* raw = nullptr;
+    const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE, nullptr);
+    handle_.reset(raw);
+    if (code != SQLITE_OK) Fail();
+  }
+
+  [[noreturn]] void Fail() const {
+    throw RunError("{}: {}; delete it, colmap makes it anew", path_.string(),
+                   handle_ ? sqlite3_errmsg(handle_.get()) : "cannot be opened");
+  }
+
+  void Execute(const char* sql) const {
+    if (sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) Fail();
+  }
+
+  sqlite3* get() const { return handle_.get(); }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const { sqlite3_close(handle); }
+  };
+  fs::path path_;
+  std::unique_ptr<sqlite3, Close> handle_;
+};
+
+class Statement {
+ public:
+  Statement(const Database& database, const char* sql) : database_(database) {
+    sqlite3_stmt* raw = nullptr;
+    if (sqlite3_prepare_v2(database.get(), sql, -1, &raw, nullptr) != SQLITE_OK) database.Fail();
+    handle_.reset(raw);
+  }
+
+  /// True while there is a row.
+  bool Step() const {
+    const int code = sqlite3_step(handle_.get());
+    if (code != SQLITE_ROW && code != SQLITE_DONE) database_.Fail();
+    return code == SQLITE_ROW;
+  }
+
+  sqlite3_stmt* get() const { return handle_.get(); }
+
+ private:
+  struct Finalize {
+    void operator()(sqlite3_stmt* handle) const { sqlite3_finalize(handle); }
+  };
+  const Database& database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> handle_;
+};
+
+int64_t PairId(uint32_t a, uint32_t b) { return kPairBase * std::min(a, b) + std::max(a, b); }
+
+/// The 3x3 matrix of doubles, row by row, in a column; nothing when it is not one or is zero.
+std::optional<Eigen::Matrix3d> GetMatrix(sqlite3_stmt* row, int column) {
+  const void* bytes = sqlite3_column_blob(row, column);
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
+  if (bytes == nullptr || sqlite3_column_bytes(row, column) != static_cast<int>(sizeof(matrix))) return std::nullopt;
+  std::memcpy(matrix.data(), bytes, sizeof(matrix));
+  if (!matrix.allFinite() || matrix.isZero(0)) return std::nullopt;
+  return matrix;
+}
+
+/// Column `column`, a blob, as a list of `rows` x `columns` numbers; empty when it has another size.
+template <class T>
+std::vector<T> GetList(sqlite3_stmt* row, int column, int64_t rows, int64_t columns) {
+  const void* bytes = sqlite3_column_blob(row, column);
+  const int64_t size = sqlite3_column_bytes(row, column);
+  if (bytes == nullptr || rows <= 0 || columns <= 0 || columns > size || rows > size ||
+      size != rows * columns * static_cast<int64_t>(sizeof(T))) {
+    return {};
+  }
+  std::vector<T> list(static_cast<size_t>(rows * columns));
+  std::memcpy(list.data(), bytes, static_cast<size_t>(size));
+  return list;
+}
+
+int GetCount(sqlite3_stmt* row, int column) {
+  return static_cast<int>(std::clamp<int64_t>(sqlite3_column_int64(row, column), 0, kPairBase));
+}
+
+/// Pixel positions of an image's features.
+std::vector<Eigen::Vector2d> ReadKeypoints(const Database& open, uint32_t image_id) {
+  const Statement rows(open, "SELECT rows, cols, data FROM keypoints WHERE image_id = ?1");
+  sqlite3_bind_int64(rows.get(), 1, image_id);
+  std::vector<Eigen::Vector2d> points;
+  if (!rows.Step()) return points;
+  const int columns = GetCount(rows.get(), 1);  // x, y, and the feature's shape
+  if (columns < 2) return points;
+  const auto values = GetList<float>(rows.get(), 2, GetCount(rows.get(), 0), columns);
+  for (size_t i = 0; i < values.size(); i += static_cast<size_t>(columns))
+    points.emplace_back(values[i], values[i + 1]);
+  return points;
+}
+
+}  // namespace
+
+std::map<std::string, DatabaseImage> ReadDatabaseImages(const fs::path& database) {
+  const Database open(database);
+  const Statement rows(open, "SELECT image_id, name, camera_id FROM images");
+  std::map<std::string, DatabaseImage> images;
+  while (rows.Step()) {
+    const auto* name = reinterpret_cast<const char*>(sqlite3_column_text(rows.get(), 1));
+    if (name == nullptr) continue;
+    images[name] = {static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0)),
+                    static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 2))};
+  }
+  return images;
+}
+
+std::map<uint32_t, int> ReadFeatureCounts(const fs::path& database) {
+  const Database open(database);
+  const Statement rows(open,
+                       "SELECT images.image_id, keypoints.rows FROM images LEFT JOIN keypoints "
+                       "ON images.image_id = keypoints.image_id");
+  std::map<uint32_t, int> counts;
+  while (rows.Step()) counts[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = GetCount(rows.get(), 1);
+  return counts;
+}
+
+std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
+  const Database open(database);
+  const Statement rows(open,
+                       "SELECT matches.pair_id, matches.rows, two_view_geometries.rows, config, H FROM matches LEFT "
+                       "JOIN two_view_geometries ON matches.pair_id = two_view_geometries.pair_id "
+                       "ORDER BY matches.pair_id");
+  std::vector<MatchedPair> pairs;
+  while (rows.Step()) {
+    const int64_t id = sqlite3_column_int64(rows.get(), 0);
+    MatchedPair pair;
+    pair.first = static_cast<uint32_t>(id / kPairBase);
+    pair.second = static_cast<uint32_t>(id % kPairBase);
+    if (id <= 0 || pair.first >= pair.second || pair.first >= kPairBase) {
+      throw RunError("{}: {} is not the number of a pair of images; delete it, colmap makes it anew", database.string(),
+                     id);
+    }
+    pair.matches = GetCount(rows.get(), 1);
+    pair.inliers = GetCount(rows.get(), 2);
+    const int config = sqlite3_column_int(rows.get(), 3);
+    if (config >= kPlanar && config <= kPlanarOrPanoramic) pair.homography = GetMatrix(rows.get(), 4);
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+std::vector<PointMatch> ReadInliers(const fs::path& database, uint32_t first, uint32_t second) {
+  const Database open(database);
+  const Statement rows(open, "SELECT rows, data FROM two_view_geometries WHERE pair_id = ?1");
+  sqlite3_bind_int64(rows.get(), 1, PairId(first, second));
+  if (!rows.Step()) return {};
+  const auto indices = GetList<uint32_t>(rows.get(), 1, GetCount(rows.get(), 0), 2);
+  const std::vector<Eigen::Vector2d> a = ReadKeypoints(open, first), b = ReadKeypoints(open, second);
+  std::vector<PointMatch> matches;
+  for (size_t i = 0; i < indices.size(); i += 2) {
+    if (indices[i] >= a.size() || indices[i + 1] >= b.size()) return {};
+    matches.push_back({a[indices[i]], b[indices[i + 1]]});
+  }
+  return matches;
+}
+
+void ForgetMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  const Database open(database);
+  open.Execute("BEGIN");
+  for (const auto& [a, b] : pairs) {
+    for (const char* table : {"matches", "two_view_geometries"}) {
+      open.Execute(fmt::format("DELETE FROM {} WHERE pair_id = {}", table, PairId(a, b)).c_str());
+    }
+  }
+  open.Execute("COMMIT");
+}
+
+void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Intrinsics>& cameras) {
+  const Database open(database);
+  open.Execute("BEGIN");
+  for (const auto& [id, lens] : cameras) {
+    const Statement update(open,
+                           "UPDATE cameras SET model = ?1, width = ?2, height = ?3, params = ?4, "
+                           "prior_focal_length = 1 WHERE camera_id = ?5");
+    sqlite3_bind_int(update.get(), 1, static_cast<int>(lens.model));
+    sqlite3_bind_int(update.get(), 2, lens.width);
+    sqlite3_bind_int(update.get(), 3, lens.height);
+    sqlite3_bind_blob(update.get(), 4, lens.params.data(), static_cast<int>(lens.params.size() * sizeof(double)),
+                      SQLITE_STATIC);
+    sqlite3_bind_int64(update.get(), 5, id);
+    update.Step();
+  }
+  open.Execute("COMMIT");
+}
+
+int SetFocalGuess(const fs::path& database, double sides) {
+  const Database open(database);
+  const Statement rows(
+      open, "SELECT camera_id, width, height, params FROM cameras WHERE prior_focal_length = 0 AND model = ?1");
+  sqlite3_bind_int(rows.get(), 1, static_cast<int>(CameraModel::kSimpleRadial));
+  std::map<uint32_t, std::vector<double>> params;
+  while (rows.Step()) {
+    const void* bytes = sqlite3_column_blob(rows.get(), 3);
+    std::vector<double> lens(static_cast<size_t>(CameraModelParameterCount(CameraModel::kSimpleRadial)));
+    const size_t size = lens.size() * sizeof(double);
+    if (bytes == nullptr || sqlite3_column_bytes(rows.get(), 3) != static_cast<int>(size)) continue;
+    std::memcpy(lens.data(), bytes, size);
+    lens[0] = sides * std::max(sqlite3_column_int(rows.get(), 1), sqlite3_column_int(rows.get(), 2));
+    params[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = std::move(lens);
+  }
+  open.Execute("BEGIN");
+  for (const auto& [id, lens] : params) {
+    const Statement update(open, "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
+    sqlite3_bind_blob(update.get(), 1, lens.data(), static_cast<int>(lens.size() * sizeof(double)), SQLITE_STATIC);
+    sqlite3_bind_int64(update.get(), 2, id);
+    update.Step();
+  }
+  open.Execute("COMMIT");
+  return static_cast<int>(params.size());
+}
+
+void NumberImagesByName(const fs::path& database) {
+  constexpr int64_t kOutOfTheWay = int64_t{1} << 30;  // colmap allows ids up to 2^31 - 2
+  const auto images = ReadDatabaseImages(database);
+  const Database open(database);
+  open.Execute("BEGIN");
+  for (const char* table : {"images", "keypoints", "descriptors"}) {
+    open.Execute(fmt::format("UPDATE {} SET image_id = image_id + {}", table, kOutOfTheWay).c_str());
+    int64_t number = 0;
+    for (const auto& [name, image] : images) {
+      open.Execute(
+          fmt::format("UPDATE {} SET image_id = {} WHERE image_id = {}", table, ++number, image.image_id + kOutOfTheWay)
+              .c_str());
+    }
+  }
+  open.Execute("COMMIT");
+}
+
+}  // namespace oraclegs

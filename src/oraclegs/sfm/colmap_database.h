@@ -1,0 +1,61 @@
+#pragma once
+// The little of COLMAP's SQLite database that is read and written here: its images, cameras, features and matches.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "oraclegs/sfm/homography.h"
+#include "oraclegs/camera/intrinsics.h"
+
+namespace oraclegs {
+
+struct DatabaseImage {
+  uint32_t image_id = 0;
+  uint32_t camera_id = 0;
+};
+
+/// The images table by name. Throws RunError naming the database when it cannot be read.
+std::map<std::string, DatabaseImage> ReadDatabaseImages(const std::filesystem::path& database);
+
+/// Features found in each image, by image id; 0 for an image without an entry. Throws RunError naming the database.
+std::map<uint32_t, int> ReadFeatureCounts(const std::filesystem::path& database);
+
+/// What colmap found between two images.
+struct MatchedPair {
+  uint32_t first = 0, second = 0;  ///< image ids, first < second
+  int matches = 0;                 ///< features that look alike
+  int inliers = 0;                 ///< of these, what one motion of the camera explains; 0 = not verified
+  /// Pixel of `second` from pixel of `first`, where such a map explains the inliers: the photographs show one plane, or
+  /// were taken from one point. As RANSAC left it: RefitHomography makes it exact.
+  std::optional<Eigen::Matrix3d> homography;
+};
+
+/// Every pair that was matched, ordered by (first, second). Throws RunError naming the database, also for a pair that
+/// is not one of two images.
+std::vector<MatchedPair> ReadMatchedPairs(const std::filesystem::path& database);
+
+/// Where the inliers of that pair (first < second) lie, in pixels: a in `first`, b in `second`. Empty when the pair was
+/// not verified, or when its lists and the images' keypoints do not fit together. Throws RunError naming the database.
+std::vector<PointMatch> ReadInliers(const std::filesystem::path& database, uint32_t first, uint32_t second);
+
+/// Removes what was found between those pairs of image ids, so that colmap matches them again. Throws RunError.
+void ForgetMatches(const std::filesystem::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
+
+/// Replaces the cameras of those ids, marked as calibrated. Throws RunError naming the database.
+void SetDatabaseCameras(const std::filesystem::path& database, const std::map<uint32_t, Intrinsics>& cameras);
+
+/// Lets the focal length of each SIMPLE_RADIAL camera whose own is not known (no EXIF) start at `sides` longer sides of
+/// the picture; returns how many there are. Throws RunError naming the database.
+int SetFocalGuess(const std::filesystem::path& database, double sides);
+
+/// Numbers the images 1, 2, ... in the order of their names, before there are matches: colmap numbers them as its
+/// threads finish, and what follows depends on the numbers. Throws RunError naming the database.
+void NumberImagesByName(const std::filesystem::path& database);
+
+}  // namespace oraclegs

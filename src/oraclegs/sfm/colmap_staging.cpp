@@ -1,0 +1,189 @@
+#include "oraclegs/sfm/colmap_staging.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/image/exif.h"
+#include "oraclegs/image/image.h"
+#include "oraclegs/scene/loaded_view.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kHeaderBytes = 128 * 1024;  // an EXIF segment holds 64 KiB at most and stands near the start
+constexpr uint8_t kMaskThreshold = 128;
+
+std::string ReadHeader(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kHeaderBytes, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return bytes;
+}
+
+/// True when colmap, which ignores the EXIF orientation, would see the photograph otherwise than its lens does.
+bool MustBeTurned(const SceneView& view) {
+  if (ReadJpegNotes(ReadHeader(view.image_path)).orientation == 1) return false;
+  if (view.lens.params.empty()) return true;
+  return FittingOrientation(view, view.image_path, view.lens.width, view.lens.height) == Orientation::kUpright;
+}
+
+/// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
+bool MayBeTransparent(std::string_view bytes) {
+  if (bytes.size() < 26 || bytes.substr(1, 3) != "PNG") return false;
+  const int color_type = bytes[25];
+  return color_type == 3 || color_type == 4 || color_type == 6;
+}
+
+/// The name as one path component that colmap's text files can hold.
+std::string PlainName(const SceneView& view) {
+  std::string name = view.name;
+  for (char& c : name) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
+  }
+  if (name.empty() || name[0] == '.') name.insert(0, "_");
+  if (!HasImageExtension(name)) name += view.image_path.extension().string();
+  return name;
+}
+
+/// Views with equal keys were taken by one camera.
+using CameraKey = std::tuple<int, int, int, std::vector<double>>;
+
+CameraKey CameraKeyOf(const SceneView& view) {
+  if (!view.lens.params.empty()) {
+    return {static_cast<int>(view.lens.model), view.lens.width, view.lens.height, view.lens.params};
+  }
+  int width = 0, height = 0;
+  ReadImageSize(view.image_path, &width, &height);
+  return {-1, width, height, {}};
+}
+
+void PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
+  if (staged.turned) {
+    WritePng(target, ReadImage(view.image_path));
+    return;
+  }
+  std::error_code error;
+  fs::create_symlink(fs::absolute(view.image_path), target, error);
+  if (error) fs::copy_file(view.image_path, target, error);
+  if (error) throw RunError("{}: cannot be written: {}", target.string(), error.message());
+}
+
+/// 255 where features may be found; no data when they may be anywhere.
+Image8 FeatureMask(const SceneView& view) {
+  Image8 mask;
+  if (MayBeTransparent(ReadHeader(view.image_path))) {
+    const Image8 image = ReadImage(view.image_path);
+    if (image.channels == 4) {
+      mask = {image.width, image.height, 1, std::vector<uint8_t>(image.data.size() / 4)};
+      for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = image.data[4 * i + 3] < kMaskThreshold ? 0 : 255;
+    }
+  }
+  if (view.mask_path.empty()) return mask;
+  const Image8 drawn = ReadImage(view.mask_path);
+  if (mask.data.empty()) {
+    mask = {drawn.width, drawn.height, 1, std::vector<uint8_t>(drawn.data.size() / drawn.channels, 255)};
+  }
+  if (mask.width != drawn.width || mask.height != drawn.height) {
+    throw InputError("{}: is {} x {}, but its photograph is {} x {}; make them the same size", view.mask_path.string(),
+                     drawn.width, drawn.height, mask.width, mask.height);
+  }
+  for (size_t i = 0; i < mask.data.size(); ++i) {
+    if (drawn.data[i * drawn.channels] < kMaskThreshold) mask.data[i] = 0;
+  }
+  return mask;
+}
+
+/// By content: a copied, moved or merely touched file is still the same photograph.
+nlohmann::json DescribeFile(const fs::path& path) {
+  if (path.empty()) return nullptr;
+  const std::string bytes = ReadFile(path);
+  const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  return {{"bytes", bytes.size()}, {"crc32", sum}};
+}
+
+}  // namespace
+
+std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views) {
+  std::vector<StagedView> plan;
+  std::vector<CameraKey> cameras;
+  std::set<std::string> taken;
+  for (const int v : views) {
+    const SceneView& view = scene.views.at(v);
+    const CameraKey key = CameraKeyOf(view);
+    const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
+    if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
+    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, MustBeTurned(view)};
+    if (staged.turned) staged.name += ".png";
+    if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
+      staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
+      taken.insert(staged.name);
+    }
+    plan.push_back(std::move(staged));
+  }
+  return plan;
+}
+
+bool StageImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                 const fs::path& work_dir) {
+  std::error_code error;
+  fs::remove_all(work_dir / "images", error);
+  fs::remove_all(work_dir / "masks", error);
+  for (const StagedView& staged : plan) {
+    fs::create_directories((work_dir / "images" / staged.name).parent_path(), error);
+    if (error) throw RunError("{}: cannot be made: {}", (work_dir / "images").string(), error.message());
+  }
+  std::vector<uint8_t> masked(views.size(), 0);
+  ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
+    const SceneView& view = scene.views.at(views[i]);
+    PlaceImage(view, plan[i], work_dir / "images" / plan[i].name);
+    const Image8 mask = FeatureMask(view);
+    if (mask.data.empty()) return;
+    WritePng(work_dir / "masks" / (plan[i].name + ".png"), mask);
+    masked[i] = 1;
+  });
+  return std::count(masked.begin(), masked.end(), 1) > 0;
+}
+
+nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views) {
+  std::vector<std::array<nlohmann::json, 2>> files(views.size());
+  ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
+    const SceneView& view = scene.views.at(views[i]);
+    files[i] = {DescribeFile(view.image_path), DescribeFile(view.mask_path)};
+  });
+  nlohmann::json images = nlohmann::json::array();
+  for (size_t i = 0; i < views.size(); ++i) {
+    const SceneView& view = scene.views.at(views[i]);
+    nlohmann::json entry = {
+        {"name", view.name}, {"file", files[i][0]}, {"mask", files[i][1]}, {"as_stored", view.as_stored}};
+    if (!view.lens.params.empty()) {
+      entry["lens"] = {{"model", CameraModelName(view.lens.model)},
+                       {"width", view.lens.width},
+                       {"height", view.lens.height},
+                       {"params", view.lens.params}};
+    }
+    if (view.cam_from_world) {
+      const Eigen::Matrix<double, 3, 4> pose = view.cam_from_world->matrix().topRows<3>();
+      for (int row = 0; row < 3; ++row) {
+        entry["cam_from_world"].push_back({pose(row, 0), pose(row, 1), pose(row, 2), pose(row, 3)});
+      }
+    }
+    images.push_back(std::move(entry));
+  }
+  return {{"format", 2}, {"images", std::move(images)}};
+}
+
+}  // namespace oraclegs

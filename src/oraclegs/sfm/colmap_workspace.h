@@ -1,0 +1,45 @@
+#pragma once
+// The folder one run of structure from motion works in, and how a later run knows that it may use the result.
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/sfm/colmap_staging.h"
+#include "oraclegs/scene/scene.h"
+
+namespace oraclegs {
+
+/// True when work_dir holds a finished result of exactly these inputs (see MarkDone).
+bool IsUnchanged(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
+/// Writes inputs.json, the last file of a run: its presence says that the rest is whole.
+void MarkDone(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
+/// Makes work_dir and removes what an earlier run left there, and nothing else. Throws RunError.
+void ClearWorkDir(const std::filesystem::path& work_dir);
+/// Removes what only the making of a result needs: models and databases of attempts, lists of pairs.
+void RemoveIntermediate(const std::filesystem::path& work_dir);
+/// Stages the photographs of a finished result again when a link to one leads nowhere: they were moved since.
+void RestoreImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                   const std::filesystem::path& work_dir);
+/// Creates a folder and its parents. Throws RunError.
+void MakeFolder(const std::filesystem::path& dir);
+/// Renames a folder, in place of what stands at `to`. Throws RunError.
+void MoveFolder(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// The model in work_dir/sparse/0 in terms of `scene`: which of its views the model's images are, and the points with
+/// indices of `scene`.
+struct ModelInScene {
+  std::map<int, SceneView> views;  ///< by index into Scene::views; lens and pose are the model's
+  std::vector<ScenePoint> points;
+};
+
+/// Throws InputError when the model is missing or damaged, or holds photographs that are not in the plan.
+ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                       const std::filesystem::path& work_dir, const Listener& listener);
+
+/// The model's views and points as a scene of format kColmap; `photos` is what it was made of.
+Scene RegisteredScene(const Scene& photos, ModelInScene model);
+
+}  // namespace oraclegs

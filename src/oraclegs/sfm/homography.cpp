@@ -1,0 +1,79 @@
+#include "oraclegs/sfm/homography.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kFewest = 8;       // twice what determines a map
+constexpr int kRounds = 4;          // fits, each with the matches that the one before explains
+constexpr double kOutlier = 3;      // times the median error
+constexpr double kLeastLimit = .5;  // pixels: a match that is no worse always counts
+
+double ErrorOf(const Eigen::Matrix3d& h, const PointMatch& match) {
+  const Eigen::Vector3d mapped = h * match.a.homogeneous();
+  const double error = (mapped.hnormalized() - match.b).norm();
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
+}
+
+std::vector<PointMatch> Agreeing(const Eigen::Matrix3d& h, const std::vector<PointMatch>& matches) {
+  std::vector<double> errors;
+  for (const PointMatch& match : matches) errors.push_back(ErrorOf(h, match));
+  std::vector<double> ordered = errors;
+  const auto middle = ordered.begin() + static_cast<ptrdiff_t>(ordered.size() / 2);
+  std::nth_element(ordered.begin(), middle, ordered.end());
+  const double limit = std::max(kLeastLimit, kOutlier * *middle);
+  std::vector<PointMatch> agreeing;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (errors[i] <= limit && std::isfinite(errors[i])) agreeing.push_back(matches[i]);
+  }
+  return agreeing;
+}
+
+/// To points around the origin at a mean distance of sqrt(2).
+Eigen::Matrix3d Normalizer(const std::vector<PointMatch>& matches, Eigen::Vector2d PointMatch::*side) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const PointMatch& match : matches) mean += match.*side / static_cast<double>(matches.size());
+  double spread = 0;
+  for (const PointMatch& match : matches) spread += (match.*side - mean).norm() / static_cast<double>(matches.size());
+  const double scale = spread > 0 ? std::sqrt(2.) / spread : 1;
+  Eigen::Matrix3d t;
+  t << scale, 0, -scale * mean.x(), 0, scale, -scale * mean.y(), 0, 0, 1;
+  return t;
+}
+
+Eigen::Matrix3d Fit(const std::vector<PointMatch>& matches) {
+  const Eigen::Matrix3d ta = Normalizer(matches, &PointMatch::a), tb = Normalizer(matches, &PointMatch::b);
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const PointMatch& match : matches) {
+    const Eigen::Vector3d a = ta * match.a.homogeneous(), b = tb * match.b.homogeneous();
+    Eigen::Matrix<double, 2, 9> rows;
+    rows << a.transpose(), Eigen::RowVector3d::Zero(), -b.x() * a.transpose(),  //
+        Eigen::RowVector3d::Zero(), a.transpose(), -b.y() * a.transpose();
+    normal += rows.transpose() * rows;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(normal);
+  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);  // of the smallest eigenvalue
+  Eigen::Matrix3d map;
+  map << h.head<3>().transpose(), h.segment<3>(3).transpose(), h.tail<3>().transpose();
+  return tb.inverse() * map * ta;
+}
+
+}  // namespace
+
+Eigen::Matrix3d RefitHomography(const Eigen::Matrix3d& start, const std::vector<PointMatch>& matches) {
+  Eigen::Matrix3d map = start;
+  for (int round = 0; round < kRounds && !matches.empty(); ++round) {
+    const std::vector<PointMatch> agreeing = Agreeing(map, matches);
+    if (agreeing.size() < kFewest) break;
+    const Eigen::Matrix3d fitted = Fit(agreeing);
+    if (!fitted.allFinite()) break;
+    map = fitted;
+  }
+  return map;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,40 @@
+#pragma once
+// Runs the attempts of sfm_ladder.h in a folder of structure from motion, and keeps the best model of all.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/sfm/colmap_quality.h"
+
+namespace oraclegs {
+
+/// What one run of the mapper or the registration of what was left over gave.
+struct AttemptRecord {
+  std::string features, name;
+  int registered = 0, points = 0;
+  double reprojection_error = 0;  ///< pixels
+  double parallax_degrees = 0;
+  bool kept = false;  ///< at most one is
+};
+
+struct AttemptRequest {
+  std::vector<std::string> names;  ///< of the photographs, below work_dir/images
+  bool has_masks = false;
+  std::filesystem::path work_dir;
+};
+
+struct AttemptResult {
+  ModelQuality best;  ///< of the model in work_dir/sparse/0; unsound when there is none
+  std::vector<AttemptRecord> attempts;
+};
+
+/// Climbs the ladder until it is enough. Leaves the best sound model in work_dir/sparse/0 and, as work_dir/database.db,
+/// the features and matches it was made from; without a sound model the first set's. Throws ColmapFailure when the
+/// first set's features or matches fail; later failures only end their attempt.
+AttemptResult FindModel(const AttemptRequest& request, const Listener& listener);
+
+}  // namespace oraclegs

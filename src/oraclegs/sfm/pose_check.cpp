@@ -1,0 +1,232 @@
+#include "oraclegs/sfm/pose_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "oraclegs/scene/scene_validation.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kSmallestBaseline = 1e-3;  // of the distance looked at: 0.06 degrees of parallax, below a pixel
+constexpr double kRounding = 1e-6;          // of the distance from the origin, times kSamePlace: what doubles round
+constexpr double kSamePlace = 1e-6;         // of the extent of the cameras: rounding of a file with six digits
+constexpr double kSameDirection = 1e-4;     // radians
+constexpr double kSmallestOverlap = .02;    // of what a view sees
+constexpr double kParallelAxes = 1e-6;      // squared sine of the angle between two axes: a twentieth of a degree
+constexpr size_t kFewestPoints = 10;        // fewer say nothing of the distance
+constexpr int kPixelSamples = 6;            // along each side of the image
+constexpr int kDepthSamples = 6;            // from half to twice the distance looked at
+constexpr double kNearestInBaselines = .1;  // where that distance is not known: of that to the nearest camera
+constexpr double kFarthestInBaselines = 100;
+
+struct PosedView {
+  const SceneView* view;
+  Eigen::Vector3d center;
+  Eigen::Vector3d forward;  ///< unit length
+};
+
+std::vector<PosedView> PosedViews(const Scene& scene, const std::vector<int>& views) {
+  std::vector<PosedView> posed;
+  for (const int v : views) {
+    const SceneView& view = scene.views.at(static_cast<size_t>(v));
+    if (!view.cam_from_world || view.lens.params.empty()) continue;
+    posed.push_back(
+        {&view, view.cam_from_world->inverse().translation(), view.cam_from_world->linear().row(2).transpose()});
+  }
+  return posed;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The largest distance between two cameras.
+double LargestBaseline(const std::vector<PosedView>& views) {
+  double largest = 0;
+  for (const PosedView& a : views) {
+    for (const PosedView& b : views) largest = std::max(largest, (a.center - b.center).norm());
+  }
+  return largest;
+}
+
+std::optional<double> MedianDepthOfPoints(const Scene& scene, const std::vector<PosedView>& views) {
+  std::vector<double> depths;
+  for (const ScenePoint& point : scene.points) {
+    for (const PosedView& v : views) {
+      const double depth = v.forward.dot(point.xyz - v.center);
+      if (depth > 0) depths.push_back(depth);
+    }
+  }
+  if (depths.size() < kFewestPoints) return std::nullopt;
+  return Median(std::move(depths));
+}
+
+/// Where the axis of `view` passes nearest to that of `other`, along it; nothing when they run in parallel or meet
+/// behind one of the two.
+std::optional<double> DepthOfMeeting(const PosedView& view, const PosedView& other, double extent) {
+  const Eigen::Vector3d apart = other.center - view.center;
+  const double cosine = view.forward.dot(other.forward), along = apart.dot(view.forward);
+  const double along_other = apart.dot(other.forward), sine2 = 1 - cosine * cosine;
+  if (sine2 < kParallelAxes) return std::nullopt;
+  const double depth = (along - cosine * along_other) / sine2;
+  const double depth_of_other = (cosine * along - along_other) / sine2;
+  if (depth < kSamePlace * extent || depth_of_other < kSamePlace * extent) return std::nullopt;
+  return depth;
+}
+
+/// How far away each view's subject is: the median depth of the scene's points or, without them, of where its axis
+/// meets the others'.
+std::vector<std::optional<double>> DistancesLookedAt(const Scene& scene, const std::vector<PosedView>& views,
+                                                     double extent) {
+  const std::optional<double> by_points = MedianDepthOfPoints(scene, views);
+  std::vector<std::optional<double>> distances(views.size(), by_points);
+  if (by_points) return distances;
+  for (size_t i = 0; i < views.size(); ++i) {
+    std::vector<double> depths;
+    for (size_t j = 0; j < views.size(); ++j) {
+      const std::optional<double> depth = i == j ? std::nullopt : DepthOfMeeting(views[i], views[j], extent);
+      if (depth) depths.push_back(*depth);
+    }
+    if (!depths.empty()) distances[i] = Median(std::move(depths));
+  }
+  return distances;
+}
+
+bool OnePoint(const std::vector<PosedView>& views, const std::vector<std::optional<double>>& distances, double extent) {
+  const double baseline = LargestBaseline(views);
+  if (baseline <= kSamePlace * extent) return true;
+  std::vector<double> known;
+  for (const std::optional<double>& distance : distances) {
+    if (distance) known.push_back(*distance);
+  }
+  return !known.empty() && baseline < kSmallestBaseline * Median(std::move(known));
+}
+
+/// Groups of two views or more that stand in one place and look one way.
+std::vector<std::vector<std::string>> SamePoses(const std::vector<PosedView>& views, double extent) {
+  std::vector<std::vector<std::string>> groups;
+  std::vector<bool> grouped(views.size(), false);
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (grouped[i]) continue;
+    std::vector<std::string> names{views[i].view->name};
+    for (size_t j = i + 1; j < views.size(); ++j) {
+      const Eigen::Matrix3d turn =
+          views[i].view->cam_from_world->linear() * views[j].view->cam_from_world->linear().transpose();
+      // |R - I| (Frobenius) is sqrt(2) times the angle when that is small; the trace would lose half of the digits.
+      const double angle = (turn - Eigen::Matrix3d::Identity()).norm() / std::sqrt(2.);
+      if (angle > kSameDirection || (views[i].center - views[j].center).norm() > kSamePlace * extent) continue;
+      grouped[j] = true;
+      names.push_back(views[j].view->name);
+    }
+    if (names.size() > 1) groups.push_back(std::move(names));
+  }
+  return groups;
+}
+
+struct DepthRange {
+  double near, far;
+};
+
+/// Where what a view looks at may be, along its axis.
+DepthRange RangeLookedAt(const std::vector<PosedView>& views, size_t index, std::optional<double> distance) {
+  if (distance) return {*distance / 2, *distance * 2};
+  double nearest = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < views.size(); ++i) {
+    const double baseline = (views[i].center - views[index].center).norm();
+    if (i != index && baseline > 0) nearest = std::min(nearest, baseline);
+  }
+  if (!std::isfinite(nearest)) nearest = 1;  // all cameras in one place: then every depth gives the same answer
+  return {nearest * kNearestInBaselines, nearest * kFarthestInBaselines};
+}
+
+bool Sees(const SceneView& view, const Eigen::Vector3d& world) {
+  const Eigen::Vector3d in_camera = *view.cam_from_world * world;
+  if (!(in_camera.z() > 0)) return false;
+  const auto pixel = view.lens.Project(in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
+  return pixel && pixel->x() >= 0 && pixel->y() >= 0 && pixel->x() < view.lens.width && pixel->y() < view.lens.height;
+}
+
+/// The share of samples of a view's volume that another view sees too.
+double SharedVolume(const std::vector<PosedView>& views, size_t index, const DepthRange& range) {
+  const SceneView& view = *views[index].view;
+  const Eigen::Isometry3d world_from_cam = view.cam_from_world->inverse();
+  int samples = 0, shared = 0;
+  for (int i = 0; i < kPixelSamples * kPixelSamples; ++i) {
+    const auto ray = view.lens.Unproject(view.lens.width * (i % kPixelSamples + .5) / kPixelSamples,
+                                         view.lens.height * (i / kPixelSamples + .5) / kPixelSamples);
+    if (!ray) continue;
+    for (int k = 0; k < kDepthSamples; ++k) {
+      const double depth = range.near * std::pow(range.far / range.near, (k + .5) / kDepthSamples);
+      const Eigen::Vector3d world = world_from_cam * (Eigen::Vector3d(ray->x(), ray->y(), 1) * depth);
+      ++samples;
+      for (size_t other = 0; other < views.size(); ++other) {
+        if (other == index || !Sees(*views[other].view, world)) continue;
+        ++shared;
+        break;
+      }
+    }
+  }
+  return samples > 0 ? static_cast<double>(shared) / samples : 1;
+}
+
+std::string NearestView(const std::vector<PosedView>& views, size_t index) {
+  size_t nearest = index == 0 ? 1 : 0;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (i == index) continue;
+    const auto distance = [&](size_t j) { return (views[j].center - views[index].center).norm(); };
+    if (distance(i) < distance(nearest)) nearest = i;
+  }
+  return views[nearest].view->name;
+}
+
+}  // namespace
+
+std::vector<std::string> PoseWarnings(const Scene& scene, const std::vector<int>& train_views) {
+  const std::vector<PosedView> views = PosedViews(scene, train_views);
+  if (views.size() < 2) return {};
+  std::vector<std::string> warnings;
+  double extent = LargestBaseline(views);
+  for (const PosedView& v : views) extent = std::max(extent, kRounding * v.center.norm());
+  const std::vector<std::optional<double>> distances = DistancesLookedAt(scene, views, extent);
+  for (const std::vector<std::string>& names : SamePoses(views, extent)) {
+    warnings.push_back(
+        fmt::format("{} have one and the same pose, so they show no depth against each other; correct the poses, or "
+                    "leave out all but one",
+                    SomeNames(names)));
+  }
+  if (OnePoint(views, distances, extent)) {
+    warnings.push_back(
+        fmt::format("the {} training photographs were taken from one point, so depth cannot be found; move sideways "
+                    "between photographs instead of turning on the spot",
+                    views.size()));
+    return warnings;  // how far such views overlap no longer matters
+  }
+  std::vector<std::string> alone;
+  std::string nearest;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (SharedVolume(views, i, RangeLookedAt(views, i, distances[i])) >= kSmallestOverlap) continue;
+    if (alone.empty()) nearest = NearestView(views, i);
+    alone.push_back(views[i].view->name);
+  }
+  if (alone.size() == 1) {
+    warnings.push_back(
+        fmt::format("{} sees nothing that another training photograph sees, so its depth cannot be found; add a "
+                    "photograph between it and {}, or correct its pose",
+                    alone[0], nearest));
+  } else if (!alone.empty()) {
+    warnings.push_back(
+        fmt::format("{} each see nothing that another training photograph sees, so their depth cannot be found; add "
+                    "photographs between them and their neighbours, or correct their poses",
+                    SomeNames(alone)));
+  }
+  return warnings;
+}
+
+}  // namespace oraclegs

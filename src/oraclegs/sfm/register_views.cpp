@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/colmap_runner.h"
+#include "oraclegs/sfm/colmap_staging.h"
+#include "oraclegs/image/image.h"
+#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/sfm/mapper_attempts.h"
+#include "oraclegs/sfm/registration_report.h"
+#include "oraclegs/sfm/colmap_workspace.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kReport[] = "registration.json";
+constexpr double kTurnedOnly = .02;  // TurnResidual: a step aside by a fiftieth of the distance, about one degree
+
+std::vector<int> AllViews(const Scene& scene) {
+  std::vector<int> views(scene.views.size());
+  for (size_t i = 0; i < views.size(); ++i) views[i] = static_cast<int>(i);
+  return views;
+}
+
+/// The photographs that take part, and those that are copies of one of them.
+struct Distinct {
+  std::vector<int> views;      ///< indices into Scene::views
+  std::map<int, int> same_as;  ///< a copy's index -> that of the one that counts
+};
+
+Distinct FindDistinct(const Scene& photos, const nlohmann::json& inputs) {
+  Distinct distinct;
+  std::map<std::string, std::vector<int>> by_sum;
+  for (const int v : AllViews(photos)) {
+    std::vector<int>& alike = by_sum[inputs.at("images").at(static_cast<size_t>(v)).at("file").dump()];
+    for (const int other : alike) {
+      if (ReadFile(photos.views[other].image_path) != ReadFile(photos.views[v].image_path)) continue;
+      distinct.same_as[v] = other;
+      break;
+    }
+    if (distinct.same_as.count(v) > 0) continue;
+    alike.push_back(v);
+    distinct.views.push_back(v);
+  }
+  return distinct;
+}
+
+/// What is open to judgement, by the database that the kept model was made from.
+std::vector<PhotoReport> GatherEvidence(const Scene& photos, const Distinct& distinct,
+                                        const std::vector<StagedView>& plan, const fs::path& work_dir) {
+  std::vector<PhotoReport> reports(photos.views.size());
+  for (size_t v = 0; v < reports.size(); ++v) reports[v].name = photos.views[v].name;
+  for (const auto& [copy, original] : distinct.same_as) reports[copy].same_as = photos.views[original].name;
+
+  struct Stored {
+    int view = 0;
+    std::array<int, 2> size{};
+  };
+  std::map<uint32_t, Stored> stored;
+  const fs::path database = work_dir / "database.db";
+  const auto images = ReadDatabaseImages(database);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    const auto found = images.find(plan[i].name);
+    if (found == images.end()) continue;  // colmap could not read it: no features
+    Stored& entry = stored[found->second.image_id];
+    entry.view = distinct.views[i];
+    ReadImageSize(work_dir / "images" / plan[i].name, &entry.size[0], &entry.size[1]);
+  }
+  for (const auto& [id, count] : ReadFeatureCounts(database)) {
+    if (stored.count(id) > 0) reports[stored[id].view].features = count;
+  }
+  for (const MatchedPair& pair : ReadMatchedPairs(database)) {
+    const auto a = stored.find(pair.first), b = stored.find(pair.second);
+    if (pair.inliers == 0 || a == stored.end() || b == stored.end()) continue;
+    const bool turned = pair.homography &&
+                        TurnResidual(RefitHomography(*pair.homography, ReadInliers(database, pair.first, pair.second)),
+                                     a->second.size, b->second.size) < kTurnedOnly;
+    PhotoReport &first = reports[a->second.view], &second = reports[b->second.view];
+    first.neighbours.push_back({second.name, pair.inliers, turned});
+    second.neighbours.push_back({first.name, pair.inliers, turned});
+  }
+  return reports;
+}
+
+[[noreturn]] void FailRegistration(const Scene& photos, const RegistrationReport& report, const fs::path& work_dir) {
+  const std::string see = (work_dir / kReport).string();
+  if (TakenFromOnePoint(report)) {
+    throw InputError(
+        "{}: its {} photographs were taken from one point (they differ by a turn of the camera alone), so depth cannot "
+        "be found; move sideways between photographs instead of turning on the spot; see {}",
+        photos.root.string(), photos.views.size(), see);
+  }
+  throw InputError(
+      "{}: the cameras of its {} photographs could not be found: {}. Take them again with more overlap between "
+      "neighbours and sharp, textured surfaces, or give poses (transforms.json or a COLMAP model); see {}",
+      photos.root.string(), photos.views.size(), WhyMissing(report), see);
+}
+
+RegistrationReport Register(const Scene& photos, const Distinct& distinct, const std::vector<StagedView>& plan,
+                            const fs::path& work_dir, const Listener& listener) {
+  AttemptRequest request;
+  request.work_dir = work_dir;
+  for (const StagedView& staged : plan) request.names.push_back(staged.name);
+  AttemptResult result;
+  try {
+    request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
+    result = FindModel(request, listener);
+  } catch (const ColmapFailure& failure) {
+    throw RunError("colmap {} ended with code {}: {}; see {}", failure.command, failure.exit_code, failure.last_line,
+                   (work_dir / "colmap.log").string());
+  }
+  std::map<std::string, RegisteredImage> by_view_name;
+  for (size_t i = 0; i < plan.size(); ++i) {
+    const auto found = result.best.images.find(plan[i].name);
+    if (found != result.best.images.end()) by_view_name[photos.views[distinct.views[i]].name] = found->second;
+  }
+  result.best.images = std::move(by_view_name);
+  const RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
+  WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
+  // Of a camera that only turned, colmap now and then makes a model out of the matches' noise.
+  if (report.registered() < 2 || TakenFromOnePoint(report)) FailRegistration(photos, report, work_dir);
+  return report;
+}
+
+/// What an earlier run told, so that a cached result is told with the same words.
+std::vector<std::string> ToldBefore(const fs::path& work_dir) {
+  try {
+    return nlohmann::json::parse(ReadFile(work_dir / kReport)).at("warnings").get<std::vector<std::string>>();
+  } catch (const std::exception&) {
+    return {};  // of a version that wrote none, or damaged: the model alone counts
+  }
+}
+
+void RequireColmap(const Scene& photos) {
+  if (ColmapAvailable()) return;
+  throw InputError(
+      "{}: has photographs without poses, and the colmap program that finds them is not installed; install it "
+      "(Debian: apt install colmap) or give a scene with poses",
+      photos.root.string());
+}
+
+}  // namespace
+
+Scene RegisterPhotos(const Scene& photos, const fs::path& work_dir, const Listener& listener) {
+  const nlohmann::json inputs = DescribeInputs(photos, AllViews(photos));
+  const Distinct distinct = FindDistinct(photos, inputs);
+  if (distinct.views.size() < 2 && photos.views.size() >= 2) {
+    throw InputError("{}: its {} photographs are one and the same; take photographs from different places",
+                     photos.root.string(), photos.views.size());
+  }
+  const std::vector<StagedView> plan = PlanStaging(photos, distinct.views);
+  std::vector<std::string> warnings;
+  if (IsUnchanged(work_dir, inputs)) {
+    RestoreImages(photos, distinct.views, plan, work_dir);
+    warnings = ToldBefore(work_dir);
+  } else {
+    RequireColmap(photos);
+    ClearWorkDir(work_dir);
+    warnings = Register(photos, distinct, plan, work_dir, listener).warnings;
+    MarkDone(work_dir, inputs);
+  }
+  ModelInScene model = ReadModel(photos, distinct.views, plan, work_dir, listener);
+  for (const std::string& warning : warnings) listener(Warning{warning});
+  if (model.views.size() == photos.views.size()) {
+    listener(Note{fmt::format("registered {} of {} photographs", model.views.size(), photos.views.size())});
+  }
+  return RegisteredScene(photos, std::move(model));
+}
+
+}  // namespace oraclegs

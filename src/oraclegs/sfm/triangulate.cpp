@@ -1,0 +1,131 @@
+#include "oraclegs/sfm/triangulate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <system_error>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/subprocess.h"
+#include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/sfm/colmap_runner.h"
+#include "oraclegs/sfm/colmap_staging.h"
+#include "oraclegs/sfm/colmap_workspace.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string PointsPly(const std::vector<ScenePoint>& points) {
+  std::string ply = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+      points.size());
+  for (const ScenePoint& p : points) {
+    fmt::format_to(std::back_inserter(ply), "{:.9g} {:.9g} {:.9g} {} {} {}\n", p.xyz.x(), p.xyz.y(), p.xyz.z(),
+                   p.rgb[0], p.rgb[1], p.rgb[2]);
+  }
+  return ply;
+}
+
+/// A text model of the given poses with the ids the database has. Returns its number of images.
+size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                       const ColmapRunner& colmap, const fs::path& dir) {
+  const auto stored = ReadDatabaseImages(colmap.database());
+  ColmapCameras cameras;
+  std::vector<ColmapImage> images;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const auto found = stored.find(plan[i].name);
+    if (found == stored.end()) continue;  // colmap could not use this photograph and said so in its log
+    const SceneView& view = scene.views[views[i]];
+    cameras[found->second.camera_id] = view.lens;
+    images.push_back({found->second.image_id, plan[i].name, found->second.camera_id, *view.cam_from_world});
+  }
+  SetDatabaseCameras(colmap.database(), cameras);
+  WriteColmapText(dir, cameras, images);
+  return images.size();
+}
+
+void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
+                 const fs::path& work_dir, const Listener& listener) {
+  const ColmapRunner colmap(work_dir, listener);
+  const bool has_masks = StageImages(scene, views, plan, work_dir);
+  colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
+  if (WriteKnownPoses(scene, views, plan, colmap, work_dir / "poses") < 2) {
+    throw ColmapFailure{"feature_extractor", 0, "fewer than two photographs could be used"};
+  }
+  colmap.MatchExhaustively();
+  const fs::path made = work_dir / "models" / "0";
+  MakeFolder(made);
+  colmap.Run("point_triangulator",
+             {{"image_path", colmap.images().string()},
+              {"input_path", (work_dir / "poses").string()},
+              {"output_path", made.string()},
+              {"clear_points", "1"},
+              {"Mapper.tri_ignore_two_view_tracks", "0"},  // few photographs: most points are seen twice only
+              {"Mapper.ba_refine_focal_length", "0"},
+              {"Mapper.ba_refine_principal_point", "0"},
+              {"Mapper.ba_refine_extra_params", "0"},
+              {"Mapper.fix_existing_images", "1"}},
+             "triangulating");
+  MoveFolder(made, work_dir / "sparse" / "0");
+}
+
+}  // namespace
+
+bool ColmapAvailable() { return !FindProgram("colmap").empty(); }
+
+std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<int>& views, const fs::path& work_dir,
+                                          const Listener& listener) {
+  const nlohmann::json inputs = DescribeInputs(scene, views);
+  const std::vector<StagedView> plan = PlanStaging(scene, views);
+  if (IsUnchanged(work_dir, inputs)) {
+    try {
+      RestoreImages(scene, views, plan, work_dir);
+      return ReadModel(scene, views, plan, work_dir, Silent()).points;
+    } catch (const InputError& damage) {
+      listener(Warning{fmt::format("{}; the points are triangulated again", damage.what())});
+    }
+  }
+  if (!ColmapAvailable()) {
+    listener(Warning{"the colmap program is not installed (Debian: apt install colmap): no points are triangulated"});
+    return {};
+  }
+  ClearWorkDir(work_dir);
+  try {
+    Triangulate(scene, views, plan, work_dir, listener);
+  } catch (const ColmapFailure& failure) {
+    listener(Warning{
+        fmt::format("no points are triangulated, as happens when photographs match nowhere or poses are wrong: "
+                    "colmap {} ended with code {}: {}; see {}",
+                    failure.command, failure.exit_code, failure.last_line, (work_dir / "colmap.log").string())});
+    return {};
+  }
+  std::vector<ScenePoint> points = ReadModel(scene, views, plan, work_dir, listener).points;
+  WriteFileAtomically(work_dir / "points.ply", PointsPly(points));
+  MarkDone(work_dir, inputs);
+  std::error_code ignored;
+  for (const char* name : {"poses", "models"}) fs::remove_all(work_dir / name, ignored);
+  listener(Note{fmt::format("triangulated {} points from {} photographs", points.size(), views.size())});
+  return points;
+}
+
+std::vector<ScenePoint> PointsSeenBy(const Scene& scene, const std::vector<int>& views) {
+  const std::set<int> allowed(views.begin(), views.end());
+  std::vector<ScenePoint> points;
+  for (const ScenePoint& point : scene.points) {
+    const auto seen =
+        std::count_if(point.views.begin(), point.views.end(), [&](int v) { return allowed.count(v) > 0; });
+    if (seen >= 2) points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,74 @@
+#include "oraclegs/weights/check.h"
+
+#include <algorithm>
+#include <set>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/unique_json.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kListed = 20;
+constexpr std::string_view kWrapper = "module.";
+
+std::string Shape(const std::vector<int64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
+
+/// A name out of a file, made fit for a one-line message.
+std::string Printable(const std::string& name) {
+  const std::string quoted = QuotedForMessage(name);
+  return quoted.substr(1, quoted.size() - 2);
+}
+
+/// "; 23 missing: a, b, ... and 3 more", or nothing.
+std::string Listed(const char* what, const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  const size_t shown = std::min(names.size(), kListed);
+  const std::vector<std::string> first(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown));
+  const std::string more = shown < names.size() ? fmt::format(" and {} more", names.size() - shown) : "";
+  return fmt::format("; {} {}: {}{}", names.size(), what, fmt::join(first, ", "), more);
+}
+
+}  // namespace
+
+ModelFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected) {
+  static const std::set<std::string> kTypes = {"F32", "F16", "BF16", "F64"};
+  const auto& held = file.tensors();
+  const bool wrapped = !held.empty() && std::all_of(held.begin(), held.end(),
+                                                    [](const auto& item) { return item.first.starts_with(kWrapper); });
+  ModelFaults faults;
+  std::set<std::string> seen;
+  for (const auto& [stored, entry] : held) {
+    const std::string name = wrapped ? stored.substr(kWrapper.size()) : stored;
+    seen.insert(name);
+    const auto it = expected.tensors.find(name);
+    if (it == expected.tensors.end()) {
+      if (!expected.Ignores(name)) faults.extra.push_back(Printable(name));
+      continue;
+    }
+    if (entry.shape != it->second.shape) {
+      faults.wrong_shape.push_back(
+          fmt::format("{} is {}, expected {}", name, Shape(entry.shape), Shape(it->second.shape)));
+    } else if (!kTypes.count(entry.dtype)) {
+      faults.wrong_type.push_back(fmt::format("{} is {}", name, entry.dtype));
+    }
+  }
+  for (const auto& [name, tensor] : expected.tensors) {
+    if (!tensor.optional && !seen.count(name)) faults.missing.push_back(name);
+  }
+  return faults;
+}
+
+size_t CheckModel(const ModelInfo& model, const std::filesystem::path& weights) {
+  const SafetensorsFile file = SafetensorsFile::Open(weights);
+  const ModelFaults faults = CompareParameters(file, ParametersOf(model.parameters));
+  if (!faults.none()) {
+    throw InputError("{}: does not hold {}{}{}{}{}; `oraclegs models fetch {}` gets its official weights",
+                     weights.string(), model.name, Listed("missing", faults.missing),
+                     Listed("that are no part of it", faults.extra), Listed("of another shape", faults.wrong_shape),
+                     Listed("of a type that cannot be read", faults.wrong_type), model.name);
+  }
+  return file.tensors().size();
+}
+
+}  // namespace oraclegs

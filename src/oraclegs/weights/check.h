@@ -1,0 +1,30 @@
+#pragma once
+// Does a file hold the model it should? Names, shapes and types only: no number is read.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/safetensors.h"
+#include "oraclegs/weights/parameter_list.h"
+#include "oraclegs/weights/registry.h"
+
+namespace oraclegs {
+
+struct ModelFaults {
+  std::vector<std::string> missing;      ///< names
+  std::vector<std::string> extra;        ///< names
+  std::vector<std::string> wrong_shape;  ///< "NAME is [3], expected [4]"
+  std::vector<std::string> wrong_type;   ///< "NAME is I64"
+
+  bool none() const { return missing.empty() && extra.empty() && wrong_shape.empty() && wrong_type.empty(); }
+};
+
+/// All names may begin with "module.", as some published files have it. Types: F32, F16, BF16, F64.
+ModelFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected);
+
+/// Checks the file against the list of the model; returns how many tensors it holds. Throws InputError that names the
+/// file and lists the faults, of each kind the first twenty, or what SafetensorsFile::Open says.
+size_t CheckModel(const ModelInfo& model, const std::filesystem::path& weights);
+
+}  // namespace oraclegs

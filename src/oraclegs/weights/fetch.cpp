@@ -1,0 +1,119 @@
+#include "oraclegs/weights/fetch.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/subprocess.h"
+#include "oraclegs/weights/check.h"
+#include "oraclegs/weights/download.h"
+#include "oraclegs/weights/folder.h"
+
+namespace oraclegs {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kHub = "https://huggingface.co/";
+
+std::string Variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+/// The last line of what a program wrote.
+std::string LastLine(std::string text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
+}
+
+void Convert(const ModelInfo& model, const std::vector<fs::path>& published, const fs::path& to,
+             const fs::path& converter) {
+  std::vector<std::string> argv = {"python3", converter.string(), "--model", model.name, "--out", to.string()};
+  std::string command = "python3 scripts/convert_weights.py --model " + model.name + " --out " + to.string();
+  for (const fs::path& file : published) {
+    argv.push_back(file.string());
+    command += " " + file.string();
+  }
+  if (FindProgram("python3").empty() || !fs::exists(converter)) {
+    throw RunError("{}: the files are here, but python3 or {} is not, which converts them; then run: {}", model.name,
+                   converter.string(), command);
+  }
+  const ProcessResult result = RunProcess(argv);
+  if (result.exit_code != 0) {
+    throw RunError("{}: cannot convert its files: {} (exit code {}); remove them from {} to get them again", model.name,
+                   LastLine(result.output), result.exit_code, to.parent_path().string());
+  }
+}
+
+/// `mend` is what to do about it, beyond what the check says.
+void WarnIfUnexpected(const ModelInfo& model, const fs::path& weights, const char* mend, const Listener& listener) {
+  try {
+    CheckModel(model, weights);
+  } catch (const InputError& error) {
+    listener(Warning{fmt::format("{}{}", error.what(), mend)});
+  }
+}
+
+}  // namespace
+
+FetchSettings FetchSettingsFromEnvironment(const fs::path& converter) {
+  FetchSettings settings{Variable("HF_TOKEN"), Variable("ORACLEGS_MODELS_URL"), converter};
+  const bool printable =
+      std::all_of(settings.token.begin(), settings.token.end(), [](unsigned char c) { return c > 0x20 && c < 0x7f; });
+  if (!printable) throw UsageError("HF_TOKEN holds blanks or line breaks; set it to the token alone");
+  const std::string& mirror = settings.mirror;
+  if (!mirror.empty() && !mirror.starts_with("http://") && !mirror.starts_with("https://")) {
+    throw UsageError("ORACLEGS_MODELS_URL is '{}', must begin with http:// or https://", mirror);
+  }
+  return settings;
+}
+
+std::string LicenceText(const ModelInfo& model) {
+  std::string text = fmt::format("{}: licence {}", model.name, model.licence);
+  if (model.non_commercial) text += "; not for commercial use";
+  if (!model.restriction.empty()) text += "; " + model.restriction;
+  return text + "; see " + model.licence_page;
+}
+
+std::string AtMirror(const std::string& url, const std::string& mirror) {
+  if (mirror.empty()) return url;
+  const size_t path = url.find('/', url.find("://") + 3);
+  return mirror.substr(0, mirror.find_last_not_of('/') + 1) + url.substr(path);
+}
+
+fs::path FetchModel(const ModelInfo& model, const FetchOptions& options, const FetchSettings& settings,
+                    const Listener& listener) {
+  if (const auto here = LocateModel(model.name)) {
+    WarnIfUnexpected(model, *here, "; it is here already and is not replaced: remove it first", listener);
+    return *here;
+  }
+  if (!options.accept_licence) {
+    throw UsageError("{}; if you agree to it, add --accept-licence", LicenceText(model));
+  }
+  listener(Note{LicenceText(model)});
+  const fs::path weights = FetchedFile(model.name);
+  std::vector<fs::path> published;
+  for (const PublishedFile& file : model.files) {
+    DownloadRequest request;
+    request.url = AtMirror(file.url, settings.mirror);
+    request.to = model.convert ? weights.parent_path() / file.url.substr(file.url.rfind('/') + 1) : weights;
+    if (file.url.starts_with(kHub)) request.bearer = settings.token;
+    request.sha256 = file.sha256;
+    request.bytes = file.bytes;
+    request.stage = "fetch " + request.to.filename().string();
+    published.push_back(request.to);
+    if (!fs::exists(request.to)) Download(request, listener);
+  }
+  if (model.convert) {
+    listener(Note{fmt::format("{}: converting to {}", model.name, weights.string())});
+    Convert(model, published, weights, settings.converter);
+    for (const fs::path& file : published) {
+      if (!options.keep_published) fs::remove(file);
+    }
+  }
+  WarnIfUnexpected(model, weights, "", listener);
+  return weights;
+}
+
+}  // namespace oraclegs

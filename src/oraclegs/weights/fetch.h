@@ -1,0 +1,45 @@
+#pragma once
+// From the name of a model to its weights on this machine.
+
+#include <filesystem>
+#include <string>
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/weights/registry.h"
+
+namespace oraclegs {
+
+struct FetchOptions {
+  bool accept_licence = false;
+  bool keep_published = false;
+
+  template <class V>
+  void Visit(V&& visit) {
+    visit("accept-licence", accept_licence, "Agree to the licence of the model, which `fetch` shows");
+    visit("keep-published", keep_published, "Keep the published files after they were converted");
+  }
+};
+
+/// What the machine adds.
+struct FetchSettings {
+  std::string token = {};                ///< HF_TOKEN: sent to huggingface.co (or the mirror) alone
+  std::string mirror = {};               ///< ORACLEGS_MODELS_URL: takes the place of scheme and host of every address
+  std::filesystem::path converter = {};  ///< scripts/convert_weights.py
+};
+/// From the environment. Throws UsageError when a variable cannot be what it should.
+FetchSettings FetchSettingsFromEnvironment(const std::filesystem::path& converter);
+
+/// One line about the licence for people.
+std::string LicenceText(const ModelInfo& model);
+
+/// The address at the mirror; the address itself without one.
+std::string AtMirror(const std::string& url, const std::string& mirror);
+
+/// Downloads the published files into ModelsFolder()/NAME, converts them where that is needed, and checks names and
+/// shapes, of which a Warning tells if they are not as expected. Returns the weights; those that are there already are
+/// checked and never replaced. Throws UsageError without agreement to the licence, what Download throws, RunError when
+/// the conversion fails.
+std::filesystem::path FetchModel(const ModelInfo& model, const FetchOptions& options, const FetchSettings& settings,
+                                 const Listener& listener);
+
+}  // namespace oraclegs

@@ -1,0 +1,48 @@
+#include "oraclegs/weights/folder.h"
+
+#include <cstdlib>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/weights/registry.h"
+
+namespace oraclegs {
+namespace fs = std::filesystem;
+namespace {
+
+bool IsFile(const fs::path& path) {
+  std::error_code unreadable;
+  return fs::is_regular_file(path, unreadable);
+}
+
+}  // namespace
+
+fs::path ModelsFolder() {
+  const char* chosen = std::getenv("ORACLEGS_MODELS");
+  if (chosen && *chosen) return chosen;
+  const char* home = std::getenv("HOME");
+  if (!home || !*home) throw UsageError("HOME is not set; set ORACLEGS_MODELS to the folder for the weights of models");
+  return fs::path(home) / ".cache" / "oraclegs";
+}
+
+fs::path FetchedFile(const std::string& name) { return ModelsFolder() / name / "model.safetensors"; }
+
+std::optional<fs::path> LocateModel(const std::string& name) {
+  const ModelInfo& model = ModelNamed(name);
+  for (const fs::path& path : {FetchedFile(model.name), ModelsFolder() / model.name / "model.safetensors.index.json",
+                               ModelsFolder() / (model.name + ".safetensors")}) {
+    if (IsFile(path)) return path;
+  }
+  return std::nullopt;
+}
+
+fs::path FindModel(const std::string& name) { return FindFirstModel({name}).weights; }
+
+FoundModel FindFirstModel(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (const auto path = LocateModel(name)) return {name, *path};
+  }
+  throw InputError("{}: the weights of {} are not here; `oraclegs models fetch {}` brings them",
+                   FetchedFile(names.at(0)).string(), fmt::join(names, " or "), names.at(0));
+}
+
+}  // namespace oraclegs

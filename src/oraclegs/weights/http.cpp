@@ -1,0 +1,219 @@
+#include "oraclegs/weights/http.h"
+
+#include <curl/curl.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <exception>
+#include <memory>
+#include <mutex>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/interrupt.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kMaxRedirects = 10;
+constexpr long kConnectSeconds = 30, kStallSeconds = 60;
+constexpr size_t kMaxHeaders = 1000, kMaxHeaderBytes = 16384;
+
+struct UrlDeleter {
+  void operator()(CURLU* url) const { curl_url_cleanup(url); }
+};
+struct EasyDeleter {
+  void operator()(CURL* curl) const { curl_easy_cleanup(curl); }
+};
+struct ListDeleter {
+  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
+};
+using Easy = std::unique_ptr<CURL, EasyDeleter>;
+
+/// "https", "https://host:443"; both empty when it is no address.
+struct Origin {
+  std::string scheme, text;
+};
+Origin OriginOf(const std::string& address) {
+  const std::unique_ptr<CURLU, UrlDeleter> url(curl_url());
+  if (!url || curl_url_set(url.get(), CURLUPART_URL, address.c_str(), 0) != CURLUE_OK) return {};
+  const auto part = [&](CURLUPart which) {
+    char* text = nullptr;
+    if (curl_url_get(url.get(), which, &text, CURLU_DEFAULT_PORT) != CURLUE_OK) return std::string();
+    const std::string out = text;
+    curl_free(text);
+    return out;
+  };
+  std::string host = part(CURLUPART_HOST);
+  std::transform(host.begin(), host.end(), host.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string scheme = part(CURLUPART_SCHEME);
+  return {scheme, fmt::format("{}://{}:{}", scheme, host, part(CURLUPART_PORT))};
+}
+
+std::string_view Trimmed(std::string_view text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
+  return text;
+}
+
+/// One request and its answer; a member of what libcurl calls back.
+struct Exchange {
+  CURL* curl;
+  const HttpHandlers* handlers;
+  HttpReply* reply;
+  bool begun = false;
+  std::exception_ptr thrown;
+
+  bool HasFile() const { return reply->status == 200 || reply->status == 206; }
+
+  /// Runs `action`; keeps what it throws, which must not travel through libcurl.
+  template <class Action>
+  bool Guarded(const Action& action) {
+    try {
+      action();
+      return true;
+    } catch (...) {
+      thrown = std::current_exception();
+      return false;
+    }
+  }
+  void Begin() {
+    if (begun) return;
+    begun = true;
+    handlers->begin(*reply);
+  }
+  void Header(std::string_view line) {
+    if (line.starts_with("HTTP/")) return;
+    const size_t colon = line.find(':');
+    if (colon == std::string_view::npos || line.size() > kMaxHeaderBytes || reply->headers.size() >= kMaxHeaders)
+      return;
+    std::string name(line.substr(0, colon));
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string value(Trimmed(line.substr(colon + 1)));
+    // What the first server says of the file is not overruled by whom it redirects to.
+    if (name.starts_with("x-linked-")) {
+      reply->headers.emplace(name, value);
+    } else {
+      reply->headers[name] = value;
+    }
+  }
+  void Body(std::string_view bytes) {
+    long status = 0;
+    curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
+    reply->status = static_cast<int>(status);
+    if (!HasFile()) return;
+    Begin();
+    handlers->body(bytes);
+  }
+
+  static size_t OnHeader(char* data, size_t size, size_t count, void* self) {
+    auto* exchange = static_cast<Exchange*>(self);
+    const bool good = exchange->Guarded([&] { exchange->Header({data, size * count}); });
+    return good ? size * count : 0;
+  }
+  static size_t OnBody(char* data, size_t size, size_t count, void* self) {
+    auto* exchange = static_cast<Exchange*>(self);
+    const bool good = exchange->Guarded([&] { exchange->Body({data, size * count}); });
+    return good ? size * count : 0;
+  }
+  static int OnProgress(void*, curl_off_t, curl_off_t, curl_off_t, curl_off_t) { return InterruptRequested() ? 1 : 0; }
+};
+
+/// Failures after which the same request may well succeed, and what has arrived is good.
+bool IsDropped(CURLcode code) {
+  return code == CURLE_PARTIAL_FILE || code == CURLE_RECV_ERROR || code == CURLE_OPERATION_TIMEDOUT ||
+         code == CURLE_HTTP2 || code == CURLE_HTTP2_STREAM || code == CURLE_GOT_NOTHING || code == CURLE_SEND_ERROR;
+}
+
+Easy MakeEasy() {
+  static std::once_flag once;
+  std::call_once(once, [] { curl_global_init(CURL_GLOBAL_DEFAULT); });
+  Easy easy(curl_easy_init());
+  if (!easy) throw RunError("libcurl cannot start");
+  CURL* curl = easy.get();
+  curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
+  curl_easy_setopt(curl, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);  // a proxy's answer is not the server's
+  curl_easy_setopt(curl, CURLOPT_USERAGENT, "oraclegs");
+  curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, kConnectSeconds);
+  curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
+  curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, kStallSeconds);
+  curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
+  curl_easy_setopt(curl, CURLOPT_XFERINFOFUNCTION, Exchange::OnProgress);
+  curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, Exchange::OnHeader);
+  curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, Exchange::OnBody);
+  return easy;
+}
+
+std::string Reason(CURLcode code, const char* detail) { return *detail ? detail : curl_easy_strerror(code); }
+
+}  // namespace
+
+uint64_t HttpReply::Number(const std::string& header, uint64_t otherwise) const {
+  const auto it = headers.find(header);
+  if (it == headers.end()) return otherwise;
+  uint64_t number = 0;
+  const char* last = it->second.data() + it->second.size();
+  const auto [end, error] = std::from_chars(it->second.data(), last, number);
+  return error == std::errc() && end == last && !it->second.empty() ? number : otherwise;
+}
+
+std::string WithoutQuery(const std::string& url) { return url.substr(0, url.find_first_of("?#")); }
+
+HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers) {
+  const Easy easy = MakeEasy();
+  CURL* curl = easy.get();
+  const Origin first = OriginOf(request.url);
+  HttpEnd end;
+  std::string url = request.url;
+  for (int hop = 0; hop <= kMaxRedirects; ++hop) {
+    ThrowIfInterrupted();
+    const Origin origin = OriginOf(url);
+    const std::string shown = WithoutQuery(url);
+    if (origin.text.empty()) throw RunError("{}: is no address of a server", shown);
+    if (first.scheme == "https" && origin.scheme != "https") {
+      throw RunError("{}: redirects to {}, which is not encrypted; refused", WithoutQuery(request.url), shown);
+    }
+    end.reply.status = 0;
+    end.reply.headers.erase("location");
+    for (const char* of_one_answer : {"content-length", "content-range"}) end.reply.headers.erase(of_one_answer);
+    Exchange exchange{curl, &handlers, &end.reply, false, nullptr};
+    char detail[CURL_ERROR_SIZE] = "";
+    // Whoever is redirected to is another party: it gets neither the secret nor a header that held it.
+    const bool trusted = !request.bearer.empty() && origin.text == first.text;
+    const std::unique_ptr<curl_slist, ListDeleter> list(
+        trusted ? curl_slist_append(nullptr, ("Authorization: Bearer " + request.bearer).c_str()) : nullptr);
+    curl_easy_setopt(curl, CURLOPT_HTTPHEADER, list.get());
+    curl_easy_setopt(curl, CURLOPT_URL, url.c_str());
+    const std::string range = fmt::format("{}-", request.offset);
+    curl_easy_setopt(curl, CURLOPT_RANGE, request.offset > 0 ? range.c_str() : nullptr);
+    curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, detail);
+    curl_easy_setopt(curl, CURLOPT_HEADERDATA, &exchange);
+    curl_easy_setopt(curl, CURLOPT_WRITEDATA, &exchange);
+    const CURLcode code = curl_easy_perform(curl);
+    curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, nullptr);
+    if (exchange.thrown) std::rethrow_exception(exchange.thrown);
+    if (code == CURLE_ABORTED_BY_CALLBACK) ThrowIfInterrupted();
+    long status = 0;
+    curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
+    end.reply.status = static_cast<int>(status);
+    if (code != CURLE_OK) {
+      if (exchange.HasFile() && IsDropped(code)) {
+        end.dropped = Reason(code, detail);
+        return end;
+      }
+      throw RunError("{}: no answer: {}; check the network, and http_proxy and https_proxy", shown,
+                     Reason(code, detail));
+    }
+    char* next = nullptr;
+    curl_easy_getinfo(curl, CURLINFO_REDIRECT_URL, &next);
+    if (status < 300 || status >= 400 || !next) {
+      if (exchange.HasFile()) exchange.Begin();
+      return end;
+    }
+    url = next;
+  }
+  throw RunError("{}: redirects more than {} times", WithoutQuery(request.url), kMaxRedirects);
+}
+
+}  // namespace oraclegs

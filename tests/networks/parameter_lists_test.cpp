@@ -1,0 +1,48 @@
+// The lists by which `models check` judges a file are what the networks ask for.
+
+#include "oraclegs/weights/parameter_list.h"
+#include "oraclegs/networks/depth_anything/depth_anything.h"
+#include "oraclegs/networks/lpips/lpips.h"
+#include "oraclegs/networks/vggt/vggt.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+using Shapes = std::map<std::string, std::vector<int64_t>>;
+
+Shapes Required(const std::string& list) {
+  Shapes shapes;
+  for (const auto& [name, tensor] : ParametersOf(list).tensors) {
+    if (!tensor.optional) shapes[name] = tensor.shape;
+  }
+  return shapes;
+}
+
+TEST(ModelLists, DepthAnything) {
+  for (const auto& [list, size] : {std::pair{"depth-anything-v2-small", DepthAnythingSize::kSmall},
+                                   {"depth-anything-v2-base", DepthAnythingSize::kBase},
+                                   {"depth-anything-v2-large", DepthAnythingSize::kLarge}}) {
+    ListedParameters listed;
+    LoadDepthAnything(listed, DepthAnythingV2(size));
+    EXPECT_EQ(Required(list), listed.shapes()) << list;
+  }
+}
+
+TEST(ModelLists, Vggt) {
+  ListedParameters listed;
+  LoadVggt(listed, VggtConfig(), VggtHeads{true, true, true});
+  EXPECT_EQ(Required("vggt"), listed.shapes());
+}
+
+TEST(ModelLists, Lpips) {
+  for (const auto& [list, network] :
+       {std::pair{"lpips-vgg", FeatureNetwork::kVgg16}, {"lpips-alex", FeatureNetwork::kAlexNet}}) {
+    ListedParameters listed;
+    LoadLpips(listed, PublishedFeatures(network));
+    EXPECT_EQ(Required(list), listed.shapes()) << list;
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs

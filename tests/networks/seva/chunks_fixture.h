@@ -1,0 +1,62 @@
+#pragma once
+// The chunks of tests/golden/seva_sampling, and ours in the same code.
+
+#include "networks/seva/sampling_fixture.h"
+#include "oraclegs/networks/seva/chunks.h"
+
+namespace oraclegs {
+
+/// -1 empty, 1000 + i conditioning view i, j target j.
+inline std::vector<int64_t> Codes(const std::vector<SevaChunk>& chunks) {
+  std::vector<int64_t> codes;
+  for (const SevaChunk& chunk : chunks) {
+    for (const SevaSlot& slot : chunk) {
+      if (slot.kind == SevaSlotKind::kEmpty) codes.push_back(-1);
+      if (slot.kind == SevaSlotKind::kGiven) codes.push_back(1000 + slot.index);
+      if (slot.kind == SevaSlotKind::kTarget) codes.push_back(slot.index);
+    }
+  }
+  return codes;
+}
+
+/// Of each place after padding the index within the chunk's own list of views of this kind, -1 for another kind.
+inline std::vector<int64_t> Places(const std::vector<SevaChunk>& chunks, SevaSlotKind kind) {
+  std::vector<int64_t> places;
+  for (const SevaChunk& chunk : chunks) {
+    const SevaChunk padded = Padded(chunk);
+    int64_t seen = 0;
+    for (size_t i = 0; i < padded.size(); ++i) {
+      if (padded[i].kind == kind && chunk[i].kind == kind) ++seen;
+      places.push_back(padded[i].kind == kind ? seen - 1 : -1);
+    }
+  }
+  return places;
+}
+
+inline void ExpectGoldenChunks(const std::vector<SevaChunk>& chunks, const SafetensorsFile& file,
+                               const std::string& name) {
+  EXPECT_EQ(Codes(chunks), file.Values<int64_t>("chunk." + name + ".codes")) << name;
+  EXPECT_EQ(Places(chunks, SevaSlotKind::kGiven), file.Values<int64_t>("chunk." + name + ".input_maps")) << name;
+  EXPECT_EQ(Places(chunks, SevaSlotKind::kTarget), file.Values<int64_t>("chunk." + name + ".test_maps")) << name;
+}
+
+/// All conditioning views are photographs.
+inline ChunkProblem GoldenChunkProblem(const SafetensorsFile& file) {
+  ChunkProblem problem;
+  problem.sources = GoldenViews(file, "chunk.input_c2w");
+  problem.targets = GoldenViews(file, "chunk.test_c2w");
+  for (size_t i = 0; i < problem.sources.size(); ++i) problem.photographs.push_back(static_cast<int64_t>(i));
+  problem.frames = file.Values<int64_t>("chunk.T").at(0);
+  problem.source_orders = file.Values<double>("chunk.input_ords");
+  problem.target_orders = file.Values<double>("chunk.test_ords");
+  return problem;
+}
+
+/// `count` cameras in a row, one unit apart, the first at `start`.
+inline std::vector<SevaView> Row(int count, double start = 0) {
+  std::vector<SevaView> views(static_cast<size_t>(count));
+  for (int i = 0; i < count; ++i) views[static_cast<size_t>(i)].world_from_camera.translation().x() = start + i;
+  return views;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,221 @@
+#include "oraclegs/networks/seva/generator.h"
+
+#include <set>
+
+#include "networks/seva/tiny_seva.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
+
+namespace oraclegs {
+namespace {
+
+Camera CameraAt(double angle, int width, int height) {
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = camera.fy = width;
+  camera.cx = width / 2.0;
+  camera.cy = height / 2.0;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  pose.translation() = pose.linear() * Eigen::Vector3d(0, 0, -3);
+  camera.cam_from_world = pose.inverse();
+  return camera;
+}
+
+/// Two photographs of 100 x 70 and three targets on an arc, at the smallest size that seva works at.
+struct TinyScene {
+  std::vector<LoadedView> photographs;
+  SevaOptions options;
+  SevaRequest request;
+  SevaUnet unet = TinySevaUnet();
+
+  TinyScene() {
+    for (int i = 0; i < 2; ++i) {
+      LoadedView photo;
+      photo.name = fmt::format("{}.jpg", i);
+      photo.camera = CameraAt(0.4 * i, 100, 70);
+      photo.rgb = {100, 70, 3, std::vector<float>(100 * 70 * 3)};
+      for (size_t p = 0; p < photo.rgb.data.size(); ++p) {
+        photo.rgb.data[p] = static_cast<float>((p * 37 + static_cast<size_t>(i) * 11) % 256) / 255;
+      }
+      photographs.push_back(std::move(photo));
+    }
+    for (int i = 0; i < 3; ++i) request.targets.push_back(CameraAt(0.1 + 0.3 * i, 100, 70));
+    request.photographs = &photographs;
+    request.key = "scene";
+    options.frames = 4;
+    options.short_side = 64;
+    options.steps = 2;
+  }
+  std::vector<std::vector<ImageF>> Generate(const Listener& listener = Silent()) const {
+    return SevaGenerator(TinySevaNetworks(unet), options, listener).Generate(request);
+  }
+};
+
+TEST(SevaGenerator, MakesEveryTargetAtItsCamerasSize) {
+  for (const int passes : {1, 2}) {
+    TinyScene scene;
+    scene.options.passes = passes;
+    scene.options.candidates = 2;
+    const auto pictures = scene.Generate();
+    ASSERT_EQ(pictures.size(), 3u);
+    for (const auto& candidates : pictures) {
+      ASSERT_EQ(candidates.size(), 2u);
+      for (const ImageF& picture : candidates) {
+        EXPECT_EQ(picture.width, 100);
+        EXPECT_EQ(picture.height, 70);
+        EXPECT_EQ(picture.channels, 3);
+        EXPECT_EQ(picture.data.size(), 100u * 70 * 3);
+        const auto [low, high] = std::minmax_element(picture.data.begin(), picture.data.end());
+        EXPECT_GE(*low, 0);
+        EXPECT_LE(*high, 1);
+      }
+      EXPECT_NE(candidates[0].data, candidates[1].data);
+    }
+  }
+}
+
+TEST(SevaGenerator, SameBitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
+  TinyScene scene;
+  const auto run = [&](int threads) {
+    SetNumThreads(threads);
+    at::set_num_threads(threads);
+    return scene.Generate();
+  };
+  const int before = NumThreads(), torch_before = at::get_num_threads();
+  const auto one = run(1), three = run(3);
+  SetNumThreads(before);
+  at::set_num_threads(torch_before);
+  for (size_t t = 0; t < one.size(); ++t) EXPECT_EQ(one[t][0].data, three[t][0].data) << t;
+  scene.options.seed = 24;
+  EXPECT_NE(scene.Generate()[0][0].data, one[0][0].data);
+}
+
+TEST(SevaGenerator, GoesOnBehindTheLastFinishedChunk) {
+  const TempDir dir;
+  TinyScene scene;
+  const auto expected = scene.Generate();
+  scene.request.workspace = dir / "seva";
+  int64_t total = 0, steps = 0;
+  const auto count = [&](const Event& event) {
+    const auto* step = std::get_if<StepDone>(&event);
+    if (!step) return;
+    EXPECT_EQ(step->stage, "propose");
+    EXPECT_EQ(step->unit, "denoising steps");
+    EXPECT_EQ(step->done, ++steps);
+    total = step->total;
+  };
+  // The first chunk has two steps: the third belongs to the second.
+  EXPECT_THROW(scene.Generate([&](const Event& event) {
+    count(event);
+    if (steps == 3) RequestInterrupt(true);
+  }),
+               Interrupted);
+  RequestInterrupt(false);
+  const int64_t all_steps = total;
+  steps = 0;
+  const auto resumed = scene.Generate(count);
+  EXPECT_EQ(total, all_steps - 2);
+  EXPECT_EQ(steps, all_steps - 2);
+  for (size_t t = 0; t < expected.size(); ++t) EXPECT_EQ(resumed[t][0].data, expected[t][0].data);
+  steps = 0;
+  scene.Generate(count);
+  EXPECT_EQ(steps, 0);
+  scene.options.candidates = 2;  // the first is there
+  scene.Generate(count);
+  EXPECT_EQ(steps, all_steps);
+  steps = 0;
+  scene.options.cfg = 2;
+  scene.options.candidates = 1;
+  scene.Generate(count);
+  EXPECT_EQ(steps, all_steps);
+}
+
+TEST(SevaGenerator, PlacesTheNetworksInTurn) {
+  TinyScene scene;
+  scene.options.passes = 1;
+  scene.options.frames = 8;
+  std::vector<SevaPart> parts;
+  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  networks.place = [&](SevaPart part) { parts.push_back(part); };
+  SevaGenerator(networks, scene.options, Silent()).Generate(scene.request);
+  EXPECT_EQ(parts, (std::vector<SevaPart>{SevaPart::kEncoder, SevaPart::kUnet, SevaPart::kDecoder}));
+}
+
+TEST(SevaGenerator, EncodesEveryPhotographOnce) {
+  TinyScene scene;
+  scene.options.passes = 1;
+  scene.options.candidates = 3;
+  int encoded = 0;
+  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  networks.encode = [&, encode = networks.encode](const Tensor& picture) {
+    ++encoded;
+    return encode(picture);
+  };
+  SevaGenerator(networks, scene.options, Silent()).Generate(scene.request);
+  EXPECT_EQ(encoded, 2);
+}
+
+TEST(SevaGenerator, DecodesInTilesWhereMemoryIsShort) {
+  TinyScene scene;
+  scene.options.passes = 1;
+  scene.options.steps = 1;
+  scene.request.targets.resize(1);
+  std::vector<std::string> warnings;
+  std::set<int64_t> sides;
+  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  networks.decode = [&, decode = networks.decode](const Tensor& latent, int64_t side) {
+    sides.insert(side);
+    return decode(latent, side);
+  };
+  const auto generate = [&] {
+    sides.clear();
+    SevaGenerator(networks, scene.options, [&](const Event& event) {
+      if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
+    }).Generate(scene.request);
+  };
+  generate();
+  EXPECT_THAT(sides, testing::ElementsAre(8));
+  EXPECT_TRUE(warnings.empty());
+  scene.options.short_side = 256;  // pictures of 384 x 256, latents of 48 x 32
+  networks.free_bytes = int64_t{1} << 30;
+  networks.pictures.tile = networks.free_bytes / (40 * 32);
+  generate();
+  EXPECT_THAT(sides, testing::ElementsAre(32));
+  EXPECT_THAT(warnings, testing::ElementsAre(testing::HasSubstr("decoded in tiles of 256 pixels")));
+}
+
+TEST(SevaGenerator, RefusesWhatItCannotDo) {
+  TinyScene scene;
+  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  networks.free_bytes = 1000;
+  EXPECT_THROW(SevaGenerator(networks, scene.options, Silent()).Generate(scene.request), RunError);
+  networks.decode = {};
+  EXPECT_THROW(SevaGenerator(networks, scene.options, Silent()), ShapeError);
+  scene.photographs[1].camera = CameraAt(0.4, 70, 100);
+  scene.photographs[1].rgb.width = 70;
+  scene.photographs[1].rgb.height = 100;
+  scene.options.short_side = 128;
+  try {
+    scene.Generate();
+    FAIL() << "generated";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("1.jpg: seva would work on 128 x 192 pixels"));
+  }
+  scene.photographs.clear();
+  EXPECT_THROW(scene.Generate(), ShapeError);
+  scene.options.steps = 0;
+  EXPECT_THROW(scene.Generate(), UsageError);
+}
+
+TEST(SevaGenerator, PicturesAndTensorsAreTheSame) {
+  ImageF image{2, 1, 3, {0, 0.25f, 0.5f, 0.75f, 1, 0.125f}};
+  const Tensor picture = ToSevaPicture(image);
+  EXPECT_EQ(picture.sizes(), (at::IntArrayRef{1, 3, 1, 2}));
+  EXPECT_EQ(picture[0][1][0][0].item<float>(), -0.5f);
+  EXPECT_EQ(FromSevaPicture(picture).data, image.data);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,71 @@
+#include "oraclegs/networks/seva/model.h"
+
+#include "networks/seva/tiny_files.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
+  const TempDir dir;
+  const SevaModel model(WriteTinySeva(dir.path()), {});
+  Camera camera;
+  camera.width = camera.height = 64;
+  camera.fx = camera.fy = camera.cx = camera.cy = 32;
+  const std::vector<LoadedView> photographs = {{"a.jpg", camera, {64, 64, 3, std::vector<float>(64 * 64 * 3, 0.25f)}, {}}};
+  SevaRequest request;
+  request.photographs = &photographs;
+  camera.cam_from_world.translation().x() = 1;
+  request.targets = {camera};
+  SevaOptions options;
+  options.frames = 4;
+  options.short_side = 64;
+  options.steps = 2;
+  options.passes = 1;
+  const auto pictures = SevaGenerator(model.networks(), options, Silent()).Generate(request);
+  ASSERT_EQ(pictures.size(), 1u);
+  const std::vector<float>& data = pictures[0][0].data;
+  EXPECT_EQ(data.size(), 64u * 64 * 3);
+  EXPECT_GT(*std::max_element(data.begin(), data.end()), *std::min_element(data.begin(), data.end()));
+}
+
+TEST(SevaModel, SaysWhichFileDoesNotFit) {
+  const TempDir dir;
+  const SevaFiles files = WriteTinySeva(dir.path());
+  const auto message = [&](const SevaFiles& wrong) -> std::string {
+    try {
+      SevaModel(wrong, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "loaded";
+  };
+  SevaFiles swapped = files;
+  std::swap(swapped.vae, swapped.clip);
+  EXPECT_THAT(message(swapped), testing::HasSubstr("does not hold the Stable Diffusion 2.1 autoencoder"));
+  KeptParameters source(3);
+  OpenClipConfig clip;
+  clip.width = 8;
+  clip.depth = 1;
+  clip.heads = 2;
+  clip.hidden = 32;
+  clip.patch = 112;
+  clip.output = 5;
+  LoadOpenClip(ParameterScope(source) / "visual", clip);
+  source.Write(files.clip, {{"patch_size", 112}, {"width", 8}, {"layers", 1}, {"heads", 2}, {"output_dim", 5}});
+  EXPECT_THAT(message(files), testing::HasSubstr("gives embeddings of 5 numbers"));
+  source.Write(files.clip, {{"patch_size", "large"}});
+  EXPECT_THAT(message(files), testing::HasSubstr("says that patch_size is '\"large\"'"));
+  SevaFiles none = files;
+  none.unet.clear();
+  EXPECT_THROW(SevaModel(none, {}), ShapeError);
+}
+
+TEST(SevaModel, KnowsTheWordsOfItsPrecision) {
+  EXPECT_EQ(SevaPrecision("float32"), torch::kFloat);
+  EXPECT_EQ(SevaPrecision("bfloat16"), torch::kBFloat16);
+  EXPECT_EQ(SevaPrecision("float16"), torch::kHalf);
+  EXPECT_THROW(SevaPrecision("int8"), UsageError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,50 @@
+#include "oraclegs/networks/seva/orbit.h"
+
+#include "networks/seva/sampling_fixture.h"
+#include "oraclegs/camera/camera_path.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(SevaOrbit, MatchesTheOfficialOne) {
+  const SafetensorsFile file = SamplingFixture();
+  const std::vector<SevaView> all = GoldenViews(file, "traj.all_c2w"), orbit = GoldenViews(file, "traj.orbit_c2w");
+  std::vector<SevaView> photographs;
+  for (const int64_t i : file.Values<int64_t>("traj.train_ids")) photographs.push_back(all.at(static_cast<size_t>(i)));
+  const std::vector<double> center = file.Values<double>("traj.lookat"), up = file.Values<double>("traj.up");
+  const Eigen::Vector3d our_center = LookAtPoint(all), our_up = UpOf(photographs);
+  EXPECT_LE((our_center - Eigen::Map<const Eigen::Vector3d>(center.data())).norm(), 1e-4 * our_center.norm());
+  EXPECT_LE((our_up - Eigen::Map<const Eigen::Vector3d>(up.data())).norm(), 1e-4);
+  const std::vector<Eigen::Isometry3d> poses =
+      Orbit(photographs.front().center(), our_center, our_up, static_cast<int64_t>(orbit.size()));
+  for (size_t i = 0; i < orbit.size(); ++i) {
+    const Eigen::Matrix4d expected = orbit[i].world_from_camera.matrix();
+    EXPECT_LE((poses[i].matrix() - expected).cwiseAbs().maxCoeff(), 1e-4 * expected.cwiseAbs().maxCoeff()) << i;
+  }
+}
+
+TEST(SevaOrbit, AnchorsLeaveOutThePhotograph) {
+  SevaView photograph, target;
+  photograph.world_from_camera = LookAt({3, 0, 0}, {0, 0, 0}, {0, 0, 1}).inverse();
+  target.world_from_camera = LookAt({0, 3, 0}, {0, 0, 0}, {0, 0, 1}).inverse();
+  target.intrinsics(0, 0) = 7;
+  const std::vector<SevaView> anchors = OrbitAnchors({photograph}, {target}, 5);
+  ASSERT_EQ(anchors.size(), 5u);
+  for (const SevaView& anchor : anchors) {
+    EXPECT_NEAR(anchor.center().norm(), 3, 1e-9);
+    EXPECT_GE((anchor.center() - photograph.center()).norm(), 1);
+    EXPECT_EQ(anchor.intrinsics, target.intrinsics);
+    EXPECT_NEAR(anchor.world_from_camera.linear().determinant(), 1, 1e-9);
+  }
+}
+
+TEST(SevaOrbit, ParallelAxesMeetBesideTheirMean) {
+  std::vector<SevaView> views(2);
+  views[1].world_from_camera.translation().x() = 2;
+  EXPECT_LE((LookAtPoint(views) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9);
+  EXPECT_THROW(LookAtPoint({}), ShapeError);
+  EXPECT_THROW(OrbitAnchors({}, {}, 3), ShapeError);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,111 @@
+#include "oraclegs/networks/seva/sampler.h"
+
+#include "networks/seva/sampling_fixture.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/networks/seva/guidance.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(SevaSampler, EveryEulerStateMatchesTheOfficialOne) {
+  const SafetensorsFile file = SamplingFixture();
+  const Tensor eps = GoldenFloat(file, "euler.eps"), states = GoldenTensor(file, "euler.x_after_step");
+  const float a = file.Values<float>("euler.a").at(0);
+  const auto steps = static_cast<int>(eps.size(0));
+  EulerProblem problem;
+  problem.sigmas = SevaSigmas(MakeSevaSchedule(), steps);
+  problem.denoise = [a](const Tensor& x, float sigma) { return x * a / (1 + sigma); };
+  problem.noise = [&](int64_t step) { return eps[step]; };
+  int told = 0;
+  problem.after_step = [&](int64_t step, const Tensor& x) {
+    EXPECT_EQ(step, told++);
+    ExpectRatio(x, states[step], 1e-5, "step " + std::to_string(step));
+  };
+  ExpectRatio(SampleEuler(GoldenFloat(file, "euler.x_init_unit"), problem), GoldenTensor(file, "euler.x_final"), 1e-5,
+              "result");
+  EXPECT_EQ(told, steps);
+  const std::vector<float> factors = file.Values<float>("euler.noise_scale");
+  for (size_t i = 0; i < factors.size(); ++i) EXPECT_NEAR(EulerNoiseFactor(problem.sigmas[i]), factors[i], 1e-6) << i;
+}
+
+/// The network that the fixture's metadata describes.
+Tensor AnalyticNetwork(const Tensor& x, int64_t index, const Tensor& concat, const Tensor& context) {
+  return 0.6 * x + 0.25 * std::sin(0.01 * static_cast<double>(index)) * concat.slice(1, 1, 5) +
+         0.3 * at::tanh(at::roll(x, 1, 1)) * (0.5 + concat.slice(1, 0, 1)) +
+         0.1 * context.mean({1, 2}).view({-1, 1, 1, 1});
+}
+
+class SevaFullSampling : public testing::TestWithParam<std::pair<const char*, SevaGuider>> {};
+
+TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
+  const SafetensorsFile file = SamplingFixture();
+  const std::string name = std::string("full.") + GetParam().first;
+  const std::vector<double> cfg = file.Values<double>("full.cfg");
+  const std::vector<bool> given = GoldenMask(file, "full.input_frame_mask");
+  const Tensor rays = GoldenFloat(file, "full.plucker"), context = GoldenFloat(file, "full.crossattn");
+  const Tensor mask = AsTensor(given).to(torch::kFloat).view({-1, 1, 1, 1}).expand_as(rays.slice(1, 0, 1));
+  const Tensor concat = at::cat({at::cat({at::zeros_like(mask), rays}, 1), at::cat({mask, rays}, 1)}, 0);
+  const Tensor contexts = at::cat({at::zeros_like(context), context}, 0);
+  const SevaSchedule schedule = MakeSevaSchedule();
+  const int64_t probe = file.Values<int64_t>("full.probe_call").at(0);
+  int64_t calls = 0;
+  std::vector<int64_t> indices;
+  SevaDenoiser denoiser;
+  denoiser.schedule = &schedule;
+  denoiser.given = GoldenFloat(file, "full.replace");
+  denoiser.weights =
+      GuidanceWeights(GoldenViews(file, "full.c2w", "full.K"), given, {GetParam().second, cfg.at(0), cfg.at(1)});
+  denoiser.network = [&](const Tensor& scaled, int64_t index) {
+    indices.push_back(index);
+    const Tensor out = AnalyticNetwork(scaled, index, concat, contexts);
+    if (++calls == probe && GetParam().second == SevaGuider::kMultiView) {
+      EXPECT_EQ(index, file.Values<int64_t>("full.probe_idx").at(0));
+      ExpectRatio(scaled, GoldenTensor(file, "full.probe_net_in"), 1e-4, "what the network is given");
+      ExpectRatio(out, GoldenTensor(file, "full.probe_net_out"), 1e-4, "what it answers");
+    }
+    return out;
+  };
+  const Tensor eps = GoldenFloat(file, name + ".eps"), states = GoldenTensor(file, name + ".x_after_step");
+  const std::vector<int64_t> stored = file.Values<int64_t>(name + ".step_index");
+  EulerProblem problem;
+  problem.sigmas = SevaSigmas(schedule, static_cast<int>(eps.size(0)));
+  problem.denoise = [&](const Tensor& x, float sigma) { return Denoise(denoiser, x, sigma); };
+  problem.noise = [&](int64_t step) { return eps[step]; };
+  problem.after_step = [&](int64_t step, const Tensor& x) {
+    for (size_t i = 0; i < stored.size(); ++i) {
+      if (stored[i] == step) ExpectRatio(x, states[static_cast<int64_t>(i)], 1e-4, "step " + std::to_string(step));
+    }
+  };
+  ExpectRatio(SampleEuler(GoldenFloat(file, "full.x_init_unit"), problem), GoldenTensor(file, name + ".x_final"), 1e-4,
+              "result");
+  EXPECT_EQ(indices, file.Values<int64_t>("full.c_noise_per_step"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Guiders, SevaFullSampling,
+                         testing::Values(std::pair{"multiview", SevaGuider::kMultiView},
+                                         std::pair{"temporal", SevaGuider::kTemporal}));
+
+TEST(SevaSampler, NeedsTwoSigmas) { EXPECT_THROW(SampleEuler(torch::zeros({1, 4, 2, 2}), {{1.f}}), ShapeError); }
+
+TEST(SevaNoise, IsStandardNormalAndDependsOnEveryPartOfItsKey) {
+  const Tensor noise = SevaNoise({7, 2, 3}, {40, 4, 31, 33});
+  EXPECT_NEAR(noise.mean().item<double>(), 0, 0.01);
+  EXPECT_NEAR(noise.std().item<double>(), 1, 0.01);
+  EXPECT_NEAR(noise.pow(4).mean().item<double>(), 3, 0.1);
+  for (const SevaNoiseKey& other : {SevaNoiseKey{8, 2, 3}, SevaNoiseKey{7, 3, 3}, SevaNoiseKey{7, 2, 4}}) {
+    EXPECT_LE(std::abs((noise * SevaNoise(other, noise.sizes())).mean().item<double>()), 0.01);
+  }
+}
+
+TEST(SevaNoise, SameBitsForAnyNumberOfThreads) {
+  const int before = NumThreads();
+  SetNumThreads(1);
+  const Tensor one = SevaNoise({1, 1, 1}, {3, 4, 61, 67});
+  SetNumThreads(3);
+  const Tensor three = SevaNoise({1, 1, 1}, {3, 4, 61, 67});
+  SetNumThreads(before);
+  EXPECT_TRUE(torch::equal(one, three));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,116 @@
+#include "oraclegs/networks/vggt/vggt.h"
+
+#include "networks/vggt_fixture.h"
+
+namespace oraclegs {
+namespace {
+
+class VggtParity : public OnThreads {};
+
+TEST_P(VggtParity, CamerasDepthAndPointsMatchTheOfficialNetwork) {
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  const Vggt vggt = GoldenVggt();
+  const PatchGrid grid = GoldenGrid(file);
+  const AggregatorResult aggregated =
+      Aggregate(vggt.aggregator, GoldenFloat(file, "input.images"), {HeadLayers(vggt), {}});
+  ExpectGolden(PredictCameras(vggt, aggregated).back(), file, "output.pose_enc", 5e-5);
+  const DepthPrediction depth = PredictDepth(vggt, aggregated, grid);
+  ExpectGolden(depth.depth, file, "output.depth", 2e-4);
+  ExpectGolden(depth.confidence, file, "output.depth_conf", 2e-4);
+  const PointPrediction points = PredictPoints(vggt, aggregated, grid);
+  ExpectGolden(points.points, file, "output.world_points", 2e-4);
+  ExpectGolden(points.confidence, file, "output.world_points_conf", 2e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, VggtParity, testing::Values(1, 2));
+
+TEST(Vggt, SameBitsForAnyNumberOfThreads) {
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  const Vggt vggt = GoldenVggt();
+  const auto run = [&](int threads) {
+    at::set_num_threads(threads);
+    const AggregatorResult aggregated =
+        Aggregate(vggt.aggregator, GoldenFloat(file, "input.images"), {HeadLayers(vggt), OracleLayers(file)});
+    return std::vector<Tensor>{PredictCameras(vggt, aggregated).back(),
+                               PredictDepth(vggt, aggregated, GoldenGrid(file)).depth,
+                               aggregated.attention.at(OracleLayers(file).back()).from_patches};
+  };
+  const int before = at::get_num_threads();
+  const std::vector<Tensor> one = run(1), three = run(3);
+  at::set_num_threads(before);
+  for (size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(torch::equal(one[i], three[i])) << i;
+}
+
+TEST(Vggt, NamesAndShapesAreThoseOfThePublishedNetwork) {
+  ListedParameters parameters;
+  LoadVggt(parameters, VggtConfig(), {true, true, true});
+  const auto expected = ParameterList("vggt_params.tsv", "track_head.");
+  ASSERT_EQ(expected.size(), 1797u - 394u);
+  EXPECT_EQ(parameters.shapes(), expected);
+}
+
+TEST(Vggt, AnOracleLoadsTheAggregatorAlone) {
+  ListedParameters parameters;
+  const Vggt vggt = LoadVggt(parameters, VggtConfig(), {});
+  EXPECT_EQ(parameters.shapes().size(), 1210u);
+  EXPECT_TRUE(HeadLayers(vggt).empty());
+  EXPECT_THROW(PredictCameras(vggt, {}), ShapeError);
+  EXPECT_THROW(PredictDepth(vggt, {}, {}), ShapeError);
+  EXPECT_THROW(PredictPoints(vggt, {}, {}), ShapeError);
+}
+
+TEST(Vggt, HeadsReadTheLayersOfTheSpecification) {
+  ListedParameters parameters;
+  EXPECT_EQ(HeadLayers(LoadVggt(parameters, VggtConfig(), {true, false, false})), std::vector<int64_t>{23});
+  EXPECT_EQ(HeadLayers(LoadVggt(parameters, VggtConfig(), {false, true, false})),
+            (std::vector<int64_t>{4, 11, 17, 23}));
+}
+
+TEST(Vggt, TokensThatWereNotKeptAreNamed) {
+  const Vggt vggt = GoldenVggt();
+  EXPECT_THAT([&] { PredictCameras(vggt, {}); },
+              testing::ThrowsMessage<ShapeError>(testing::HasSubstr("the tokens of layer")));
+}
+
+TEST(Vggt, AFileOfAnotherNetworkIsRefusedByName) {
+  EXPECT_THAT(
+      [] {
+        LoadVggt({GoldenDir() / "lpips_tiny.safetensors"}, {true, false, false});
+      },
+      testing::ThrowsMessage<InputError>(
+          testing::AllOf(testing::HasSubstr("lpips_tiny.safetensors: does not hold VGGT-1B; missing 1278: "),
+                         testing::HasSubstr("not part of it"))));
+}
+
+TEST(Vggt, TakesHalfPrecisionOnAGpuOnly) {
+  EXPECT_EQ(PlaceVggt(torch::kCPU).aggregator_type, torch::kFloat);
+  const VggtPlacement gpu = PlaceVggt({torch::kCUDA, 1});
+  EXPECT_EQ(gpu.aggregator_type, torch::kBFloat16);
+  EXPECT_EQ(gpu.device, torch::Device(torch::kCUDA, 1));
+}
+
+TEST(Vggt, HalfPrecisionAggregatorStaysNearFloat) {
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  CheckpointOptions options;
+  options.prefix = "weights.";
+  options.cast_type = torch::kBFloat16;
+  options.cast_prefix = "aggregator.";
+  FileParameters source({GoldenDir() / (std::string(kVggtFixture) + ".safetensors")}, options);
+  const Vggt half = LoadVggt(source, GoldenVggtConfig(), {true, true, true});
+  source.Finish();
+  const int64_t last = half.config.aggregator.depth - 1;
+  const AggregatorResult aggregated =
+      Aggregate(half.aggregator, GoldenFloat(file, "input.images"), {HeadLayers(half), OracleLayers(file)});
+  EXPECT_EQ(aggregated.tokens.at(last).scalar_type(), torch::kBFloat16);
+  EXPECT_LT(
+      RelativeL2(aggregated.tokens.at(last), GoldenTensor(file, "output.aggregated_tokens." + std::to_string(last))),
+      0.05);
+  EXPECT_EQ(PredictDepth(half, aggregated, GoldenGrid(file)).depth.scalar_type(), torch::kFloat);
+  for (const auto& [layer, attention] : aggregated.attention) {
+    const Tensor expected = GoldenTensor(file, "output.attention.layer" + std::to_string(layer));
+    EXPECT_LT(RelativeL2(attention.from_patches.flatten(1), expected), 0.05);
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,169 @@
+#include "oraclegs/pipeline/stages/seva_stage.h"
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/pipeline/reconstruct.h"
+#include "pipeline/proposing.h"
+#include "pipeline/weights.h"
+#include "support/tiny_networks.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// With random networks of a few thousand numbers in temp/models.
+class SevaStageTest : public ProposingTest {
+ protected:
+  static void SetUpTestSuite() {
+    ProposingTest::SetUpTestSuite();
+    WriteTinyNetworks(*temp / "models");
+  }
+
+  static RunRequest SevaRequestOf(const std::string& out, const std::string& proposers) {
+    RunRequest request = Request(out);
+    request.options.propose.proposers = proposers;
+    request.options.trajectory.proposals = 3;
+    request.options.seva.frames = 16;
+    request.options.seva.short_side = 64;
+    request.options.seva.steps = 1;
+    return request;
+  }
+
+  /// The generated pictures of a run.
+  static std::vector<std::string> PicturesOf(const fs::path& out) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(out / "proposals" / "seva")) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    std::vector<std::string> bytes;
+    for (const fs::path& file : files) bytes.push_back(ReadFile(file));
+    return bytes;
+  }
+
+  const ModelsAt models{*temp / "models"};
+};
+
+TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
+  RunRequest request = SevaRequestOf("seva", "seva");
+  request.options.seva.candidates = 2;
+  auto run = StartRun(request, recorder.AsListener());
+  const Preparation prepared = Prepare(&run);
+  const ProposalPlan plan = Propose(&run, prepared);
+  ASSERT_EQ(plan.targets.size(), 3u);
+  EXPECT_TRUE(plan.opinions.empty());
+  for (const Target& target : plan.targets) {
+    for (const char* source : {"seva", "seva_2"}) {
+      const Image8 picture = ReadImage(run.workspace.proposals() / source / (target.name + ".png"));
+      EXPECT_EQ(picture.width, target.camera.width);
+      EXPECT_EQ(picture.height, target.camera.height);
+    }
+    EXPECT_FALSE(fs::exists(run.workspace.proposals() / "warp" / (target.name + ".png")));
+  }
+  EXPECT_TRUE(fs::exists(run.workspace.proposals() / "transforms.json"));
+  EXPECT_FALSE(fs::exists(run.workspace.proposals() / "seva_chunks")) << "nobody needs them any more";
+  const Proposers proposers(run, prepared.photos, prepared.geometry, {});
+  const auto answers = proposers.Ask({plan.targets[0], {"hidden", prepared.photos[0].camera}}, {-1, 0});
+  ASSERT_EQ(answers[0].size(), 2u);
+  EXPECT_EQ(answers[0][0].source, "seva");
+  EXPECT_EQ(answers[0][1].source, "seva_2");
+  ASSERT_EQ(answers[1].size(), 1u);
+  EXPECT_EQ(answers[1][0].source, "warp");  // what the oracle learns from
+  EXPECT_EQ(Propose(&run, prepared).key, plan.key);
+  EXPECT_EQ(run.workspace.Record("propose").at("non_commercial"), nlohmann::json::array({"Stable Virtual Camera"}));
+}
+
+TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
+  int64_t done = 0, total = 0, stop_after = 0;
+  const Listener listener = [&](const Event& event) {
+    const auto* step = std::get_if<StepDone>(&event);
+    if (!step || step->unit != "denoising steps") return;
+    done = step->done, total = step->total;
+    if (done == stop_after) RequestInterrupt(true);
+  };
+  const auto propose = [&](const std::string& out) {
+    auto run = StartRun(SevaRequestOf(out, "seva"), listener);
+    const Preparation prepared = Prepare(&run);
+    done = total = 0;
+    Propose(&run, prepared);
+  };
+  propose("straight");
+  const int64_t chunks = total;  // of one step each
+  ASSERT_GE(chunks, 2);
+  stop_after = 2;
+  EXPECT_THROW(propose("stopped"), Interrupted);
+  RequestInterrupt(false);
+  EXPECT_TRUE(fs::exists(*temp / "stopped" / "proposals" / "seva_chunks"));
+  stop_after = 0;
+  propose("stopped");
+  EXPECT_EQ(total, chunks - 1);
+  EXPECT_EQ(done, total);
+  EXPECT_EQ(PicturesOf(*temp / "stopped"), PicturesOf(*temp / "straight"));
+}
+
+TEST_F(SevaStageTest, AWholeRunWithEveryNetwork) {
+  RunRequest request = SevaRequestOf("whole", "all");
+  request.options.depth.depth_prior = "fused";
+  request.options.validate.oracle = "vggt+consistency";
+  request.options.weights.lpips = "required";
+  const nlohmann::json metrics = Reconstruct(request, recorder.AsListener());
+  for (const char* folder : {"proposals/seva", "proposals/warp", "proposals/splat", "confidence"}) {
+    EXPECT_TRUE(fs::exists(request.out / folder)) << folder;
+  }
+  EXPECT_EQ(metrics.at("depth").at("prior"), "fused");
+  EXPECT_TRUE(metrics.at("test").contains("lpips"));
+  EXPECT_TRUE(metrics.at("train").at("lpips").is_string());
+  EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json::array({"Stable Virtual Camera", "VGGT-1B"}));
+  EXPECT_THAT(ReadFile(request.out / "point_cloud.ply").substr(0, 1000),
+              HasSubstr("comment not for commercial use: made with Stable Virtual Camera\n"));
+}
+
+TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
+  const TempDir dir;
+  const ModelsAt own(dir.path());
+  WriteTinySeva(dir.path());
+  RunOptions options;
+  const std::string before = SevaKey(options);
+  options.seva.seed = 24;
+  EXPECT_NE(SevaKey(options), before);
+  options = {};
+  options.seva.halves = "in-turn", options.seva.memory = 5;
+  EXPECT_EQ(SevaKey(options), before) << "where it is computed is no reason to do it again";
+  fs::copy_file(dir / "seva/model.safetensors", dir / "sd21-vae/model.safetensors",
+                fs::copy_options::overwrite_existing);
+  EXPECT_NE(SevaKey(options), before);
+  fs::remove(dir / "openclip-vith14/model.safetensors");
+  EXPECT_THAT(MessageOf<InputError>([&] { SevaKey(options); }), HasSubstr("`oraclegs models fetch openclip-vith14`"));
+}
+
+TEST_F(SevaStageTest, RefusesAPictureOfAnotherSize) {
+  const TempDir dir;
+  WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36)});
+  Camera camera;
+  camera.width = 4, camera.height = 3;
+  EXPECT_TRUE(SevaProposer(dir.path(), 0).Propose({"view", camera}, -1));
+  EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"view", camera}, 2));
+  EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"other", camera}, -1));
+  camera.width = 5;
+  EXPECT_THAT(MessageOf<InputError>([&] {
+                SevaProposer(dir.path(), 0).Propose({"view", camera}, -1);
+              }),
+              HasSubstr("is 4 x 3 with 3 channels, not 5 x 3"));
+}
+
+TEST(RemoveGenerated, LeavesOtherFolders) {
+  const TempDir dir;
+  for (const char* name : {"seva", "seva_2", "seva_13", "seva_", "seva_chunks", "sevan", "warp"}) {
+    fs::create_directory(dir / name);
+  }
+  RemoveGenerated(dir.path());
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(dir.path())) left.push_back(entry.path().filename().string());
+  std::sort(left.begin(), left.end());
+  EXPECT_THAT(left, ElementsAre("seva_", "seva_chunks", "sevan", "warp"));
+  RemoveChunks(dir.path());
+  EXPECT_FALSE(fs::exists(dir / "seva_chunks"));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,101 @@
+#include "oraclegs/pipeline/stages/train_inputs.h"
+
+#include <gmock/gmock.h>
+
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kSide = 24;
+
+/// A grey square in the middle of a white picture, at inverse depth 0.5, of which the left half is confident.
+struct Object {
+  std::vector<LoadedView> photos;
+  Geometry geometry;
+
+  Object() {
+    Camera camera{kSide, kSide, 20, 20, kSide / 2., kSide / 2., Eigen::Isometry3d::Identity()};
+    LoadedView photo{"a.png", camera, {kSide, kSide, 3, {}}, {}};
+    DepthMap map{"a.png", camera, {}, {}, {}};
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const int x = i % kSide, y = i / kSide;
+      const bool object = x >= 8 && x < 16 && y >= 8 && y < 16;
+      photo.rgb.data.insert(photo.rgb.data.end(), 3, object ? 0.4f : 1.f);
+      map.inv_depth.push_back(object ? 0.5f : 0.f);
+      map.normals.emplace_back(0, 0, object ? -1 : 0);
+      map.confidence.push_back(!object ? 0 : x < 12 ? 0.9f : 0.3f);
+    }
+    photos.push_back(std::move(photo));
+    geometry.maps.push_back(std::move(map));
+    geometry.gains.emplace_back(1.2f, 1.f, 0.8f);
+  }
+};
+
+TEST(TrainInputs, DepthCountsWhereItIsConfidentAndBesideTheSilhouetteThereIsNothing) {
+  const Object object;
+  const TrainView view = TrainViews(object.photos, object.geometry).front();
+  const auto depth = view.inv_depth.accessor<float, 2>(), mask = view.depth_mask.accessor<float, 2>();
+  EXPECT_EQ(depth[10][9], 0.5f);
+  EXPECT_NEAR(mask[10][9], 0.9, 1e-6);
+  EXPECT_EQ(mask[10][14], 0) << "not confident";
+  EXPECT_EQ(depth[2][2], 0);
+  EXPECT_EQ(mask[2][2], 1) << "empty for certain";
+  EXPECT_EQ(mask[10][7], 0) << "too near the silhouette to be certain";
+  EXPECT_FLOAT_EQ(view.exposure[0], 1.2f);
+  EXPECT_FLOAT_EQ(view.exposure[10], 0.8f);
+  EXPECT_FALSE(TrainViews(object.photos, {}).front().inv_depth.defined());
+}
+
+TEST(TrainInputs, WhatANetworkGuessedCountsAsMuchAsItIsBelieved) {
+  Object object;
+  object.geometry.maps[0].monocular = true;
+  const TrainView view = TrainViews(object.photos, object.geometry).front();
+  const auto mask = view.depth_mask.accessor<float, 2>();
+  EXPECT_NEAR(mask[10][9], 0.9, 1e-6);
+  EXPECT_NEAR(mask[10][14], 0.3, 1e-6);
+}
+
+TEST(TrainInputs, ExposureIsLearntWhereItVaries) {
+  Recorder recorder;
+  Geometry geometry;
+  geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
+  TrainOptions options;
+  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "off");
+  EXPECT_EQ(DecideOptions(options, {}, {}, recorder.AsListener()).exposure, "off");
+  EXPECT_TRUE(recorder.notes.empty());
+  geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);
+  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "on");
+  EXPECT_THAT(recorder.notes.back(), testing::HasSubstr("--exposure"));
+  options.exposure = "off";
+  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "off");
+}
+
+TEST(TrainInputs, WhatIsLeftToChooseIsChosenAndWhatIsGivenIsKept) {
+  Recorder recorder;
+  const Object object;
+  TrainOptions options = DecideOptions({}, object.photos, object.geometry, recorder.AsListener());
+  EXPECT_GT(options.dropout, 0) << "an object";
+  EXPECT_THAT(recorder.notes.front(), testing::HasSubstr("silhouettes"));
+  EXPECT_GT(options.opacity_noise, 0);
+  EXPECT_LT(options.last_rates, 1);
+  Object scene;
+  for (size_t i = 0; i < scene.photos[0].rgb.data.size(); i += 2) scene.photos[0].rgb.data[i] = 0;  // no plain border
+  EXPECT_EQ(DecideOptions({}, scene.photos, scene.geometry, Silent()).dropout, 0);
+  TrainOptions given;
+  given.dropout = given.opacity_noise = 0;
+  given.last_rates = 1;
+  given = DecideOptions(given, object.photos, object.geometry, Silent());
+  EXPECT_EQ(given.dropout, 0);
+  EXPECT_EQ(given.opacity_noise, 0);
+  EXPECT_EQ(given.last_rates, 1);
+}
+
+TEST(TrainInputs, ExposuresAreSavedByName) {
+  const auto json = ExposuresToJson({"a.png"}, torch::arange(12, torch::kFloat).reshape({1, 3, 4}));
+  EXPECT_EQ(json.at("a.png").size(), 12u);
+  EXPECT_EQ(json.at("a.png").at(7), 7);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,141 @@
+#include "oraclegs/pipeline/stages/train_stage.h"
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
+#include "oraclegs/image/image.h"
+#include "pipeline/fixtures.h"
+#include "pipeline/proposing.h"
+#include "support/network_files.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+class TrainStageTest : public testing::Test {
+ protected:
+  ~TrainStageTest() override { RequestInterrupt(false); }
+
+  std::string Train(const RunRequest& r) {
+    auto run = StartRun(r, recorder.AsListener());
+    RunTrain(&run);
+    return ReadFile(run.workspace.point_cloud());
+  }
+  /// Trains until an interrupt comes, at most 99 iterations after this one: so far apart are the reports of progress.
+  void TrainUntil(const RunRequest& r, int64_t iteration) {
+    const Listener listener = [iteration](const Event& event) {
+      const auto* step = std::get_if<StepDone>(&event);
+      if (step && step->stage == "train" && step->done >= iteration) RequestInterrupt(true);
+    };
+    auto run = StartRun(r, listener);
+    EXPECT_THROW(RunTrain(&run), Interrupted);
+    RequestInterrupt(false);
+  }
+  void ChangeAPhotograph() {
+    const PosedScene posed = ReadPosedScene(request.scene, request.options, Silent());
+    const auto photo = posed.scene.views[static_cast<size_t>(posed.split.train[0])].image_path;
+    Image8 image = ReadImage(photo);
+    image.data[0] ^= 0xff;
+    WritePng(photo, image);
+  }
+
+  TempDir temp;
+  RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
+  Recorder recorder;
+};
+
+TEST_F(TrainStageTest, TrainsOnceAndIsThenDone) {
+  const std::string ply = Train(request);
+  EXPECT_THAT(ply, testing::StartsWith("ply\n"));
+  recorder = {};
+  EXPECT_EQ(Train(request), ply);
+  EXPECT_THAT(recorder.started, testing::Not(Contains("train")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("nothing has changed")));
+}
+
+TEST_F(TrainStageTest, AnInterruptedRunContinuesToTheSameBits) {
+  request.options.train.iterations = 250;
+  RunRequest straight = request;
+  straight.out = temp / "straight";
+  const std::string expected = Train(straight);
+  TrainUntil(request, 100);
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
+  EXPECT_EQ(Train(request), expected);
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration ")));
+}
+
+TEST_F(TrainStageTest, ARunWithNothingLeftToDoKnowsNoTimings) {
+  request.options.checkpoints.checkpoint_every = request.options.train.iterations;
+  const std::string ply = Train(request);
+  const auto timings = [&] {
+    return nlohmann::json::parse(ReadFile(temp / "out" / "stages.json")).at("train").at("milliseconds_per_iteration");
+  };
+  EXPECT_GT(timings().at("total"), 0);
+  EXPECT_GT(timings().at("gaussian_backward"), 0);
+  std::filesystem::remove(temp / "out" / "point_cloud.ply");
+  EXPECT_EQ(Train(request), ply);  // from the checkpoint of the last iteration
+  EXPECT_TRUE(timings().is_null());
+}
+
+TEST_F(TrainStageTest, OtherOptionsThanTheInterruptedRunsAreRefused) {
+  request.options.train.iterations = 250;
+  TrainUntil(request, 100);
+  request.options.start.seed = 3;
+  EXPECT_THAT(MessageOf<InputError>([&] { Train(request); }), HasSubstr("--seed was 0, now is 3"));
+}
+
+TEST_F(TrainStageTest, ChangedPhotographsAreTrainedAnew) {
+  request.options.train.iterations = 250;
+  TrainUntil(request, 100);
+  ChangeAPhotograph();
+  Train(request);
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("changed")));
+}
+
+TEST_F(TrainStageTest, ResultsOfOldPhotographsAreGoneWhenTrainingAnewIsInterrupted) {
+  request.options.train.iterations = 250;
+  Train(request);
+  WriteText(temp / "out" / "metrics.json", "{}");
+  ChangeAPhotograph();
+  TrainUntil(request, 100);
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "metrics.json"));
+  auto run = OpenRun(request, Silent());
+  EXPECT_THAT(MessageOf<InputError>([&] { RunEvaluate(&run); }), HasSubstr("point_cloud.ply: does not exist"));
+}
+
+using TrainOnProposalsTest = ProposingTest;
+
+TEST_F(TrainOnProposalsTest, LpipsHasItsShareWhereThereAreWeights) {
+  RunRequest plain = Request("plain"), with = Request("lpips");
+  for (RunRequest* request : {&plain, &with}) {
+    request->options.propose.proposers = "warp";
+    request->options.train.iterations = 12, request->options.train.synthetic_floor = 0.9;
+  }
+  with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");
+  const auto train = [&](const RunRequest& request) {
+    auto run = StartRun(request, recorder.AsListener());
+    RunTrain(&run);
+    return std::pair{ReadFile(run.workspace.point_cloud()), run.workspace.Record("train")};
+  };
+  const auto without_network = train(plain);
+  EXPECT_TRUE(without_network.second.at("lpips").is_null());
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch lpips-vgg` brings one")));
+  recorder = {};
+  const auto with_network = train(with);
+  EXPECT_EQ(with_network.second.at("lpips"), "VGG16, pictures in [0, 1]");
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("no LPIPS network"))));
+  EXPECT_NE(with_network.first, without_network.first);
+  EXPECT_EQ(train(with), with_network) << "nothing has changed";
+
+  // Weights that come are a reason to train anew, also where a checkpoint of the last iteration stands.
+  plain.options.weights = with.options.weights;
+  recorder = {};
+  EXPECT_EQ(train(plain).first, with_network.first);
+  WriteTinyLpips(*temp / "lpips.safetensors", 8);
+  EXPECT_NE(train(plain).first, with_network.first);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,220 @@
+#include "oraclegs/pipeline/workspace/workspace.h"
+
+#include "pipeline/fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class WorkspaceTest : public testing::Test {
+ protected:
+  WorkspaceTest() { std::filesystem::create_directories(scene); }
+
+  Workspace Claim(bool overwrite = false) { return Workspace::Claim(out, scene, options, overwrite); }
+  std::string Refusal(bool overwrite = false) {
+    return MessageOf<InputError>([&] { Claim(overwrite); });
+  }
+
+  TempDir temp;
+  std::filesystem::path scene = temp / "scene", out = temp / "out";
+  RunOptions options;
+};
+
+TEST_F(WorkspaceTest, TakesAMissingAndAnEmptyFolderAndSaysWhoseItIs) {
+  EXPECT_FALSE(IsWorkspace(out));
+  { const Workspace workspace = Claim(); }
+  EXPECT_TRUE(IsWorkspace(out));
+  const SavedRun saved = ReadSavedRun(out);
+  EXPECT_EQ(saved.scene, std::filesystem::canonical(scene));
+  EXPECT_EQ(saved.options, RunOptionsToJson(options));
+}
+
+TEST_F(WorkspaceTest, ContinuesTheSameRunHoweverThePathIsSpelt) {
+  { const Workspace workspace = Claim(); }
+  WriteText(out / "point_cloud.ply", "x");
+  options.machine.threads = 7;  // changes nothing in the result
+  options.checkpoints.checkpoint_every = 3;
+  EXPECT_NO_THROW(Workspace::Claim(out / ".", temp.path() / "out" / ".." / "scene" / "", options, false));
+}
+
+TEST_F(WorkspaceTest, RefusesOtherOptionsWithTheirNamesAndValues) {
+  { const Workspace workspace = Claim(); }
+  WriteText(out / "point_cloud.ply", "x");
+  options.train.iterations = 200;
+  options.split.test_views = "a,b";
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr(out.string()), HasSubstr("--iterations was 7000, now is 200"),
+                               HasSubstr("--test-views was not given, now is a,b"), HasSubstr("--overwrite"),
+                               testing::Not(HasSubstr("\n"))));
+  EXPECT_THAT(ReadSavedRun(out).options.at("iterations"), 7000);
+}
+
+TEST_F(WorkspaceTest, ACheckpointIsAResultToProtect) {
+  { const Workspace workspace = Claim(); }
+  options.start.seed = 1;
+  std::filesystem::create_directories(out / "checkpoints");
+  EXPECT_EQ(Refusal(), "");  // nothing is lost yet
+  options.start.seed = 2;
+  WriteText(out / "checkpoints" / "iteration_0000001.safetensors", "x");
+  EXPECT_THAT(Refusal(), HasSubstr("--seed was 1, now is 2"));
+}
+
+TEST_F(WorkspaceTest, OptionsMayChangeBeforeThereIsAResult) {
+  { const Workspace workspace = Claim(); }
+  options.train.iterations = 5;
+  { const Workspace workspace = Claim(); }
+  EXPECT_EQ(ReadSavedRun(out).options.at("iterations"), 5);
+}
+
+TEST_F(WorkspaceTest, RefusesAnotherScene) {
+  { const Workspace workspace = Claim(); }
+  std::filesystem::create_directories(temp / "other");
+  std::filesystem::create_directories(out / "sfm");
+  const std::string message = MessageOf<InputError>([&] { Workspace::Claim(out, temp / "other", options, false); });
+  EXPECT_THAT(message, AllOf(HasSubstr("another scene"), HasSubstr(scene.string()), HasSubstr("-o")));
+  std::filesystem::remove(out / "sfm");  // then nothing has been made of the scene that was named by mistake
+  EXPECT_NO_THROW(Workspace::Claim(out, temp / "other", options, false));
+}
+
+TEST_F(WorkspaceTest, RefusesFilesOfSomebodyElseEvenWithOverwrite) {
+  std::filesystem::create_directories(out);
+  WriteText(out / "thesis.tex", "precious");
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr(out.string()), HasSubstr("not empty")));
+  EXPECT_THAT(Refusal(true), HasSubstr("not empty"));
+  WriteText(out / "options.json", R"({"colour": "blue"})");
+  EXPECT_THAT(Refusal(true), HasSubstr("was not written by oraclegs"));
+  EXPECT_TRUE(std::filesystem::exists(out / "thesis.tex"));
+}
+
+TEST_F(WorkspaceTest, ALeftoverOfAKilledRunIsNobodysFile) {
+  std::filesystem::create_directories(out);
+  WriteText(out / ".oraclegs-17-0.tmp", "half");
+  EXPECT_EQ(Refusal(), "");
+}
+
+TEST_F(WorkspaceTest, OverwriteRemovesTheRunAndNothingElse) {
+  { const Workspace workspace = Claim(); }
+  WriteText(out / "point_cloud.ply", "x");
+  WriteText(out / "notes.txt", "mine");
+  std::filesystem::create_directories(out / "sfm" / "sparse");
+  options.train.iterations = 3;
+  { const Workspace workspace = Claim(true); }
+  EXPECT_FALSE(std::filesystem::exists(out / "point_cloud.ply"));
+  EXPECT_FALSE(std::filesystem::exists(out / "sfm"));
+  EXPECT_TRUE(std::filesystem::exists(out / "notes.txt"));
+  EXPECT_EQ(ReadSavedRun(out).options.at("iterations"), 3);
+}
+
+TEST_F(WorkspaceTest, NeverWritesIntoTheScene) {
+  for (const auto& dir : {scene, scene / "out", scene / ".." / "scene" / "a" / "b"}) {
+    const std::string message = MessageOf<InputError>([&] { Workspace::Claim(dir, scene, options, false); });
+    EXPECT_THAT(message, AllOf(HasSubstr("scene folder"), HasSubstr("-o"))) << dir;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scene));
+  EXPECT_NO_THROW(RequireOutsideScene(temp / "scene2", scene));  // a name that only begins alike
+  EXPECT_NO_THROW(RequireOutsideScene(temp.path(), scene));
+}
+
+TEST_F(WorkspaceTest, AFolderThatCannotBeMadeIsARunError) {
+  WriteText(temp / "file", "x");
+  out = temp / "file" / "out";
+  EXPECT_THAT(MessageOf<RunError>([&] { Claim(); }), HasSubstr("file"));
+}
+
+TEST_F(WorkspaceTest, TwoRunsDoNotShareAFolder) {
+  {
+    const Workspace first = Claim();
+    EXPECT_THAT(Refusal(), HasSubstr("another oraclegs is working there"));
+  }
+  EXPECT_EQ(Refusal(), "");
+}
+
+TEST_F(WorkspaceTest, OpenTakesOnlyAWorkspace) {
+  EXPECT_THROW(Workspace::Open(temp.path()), InputError);
+  { const Workspace workspace = Claim(); }
+  EXPECT_EQ(Workspace::Open(out).root(), out);
+}
+
+TEST_F(WorkspaceTest, DamagedOptionsAreNamed) {
+  { const Workspace workspace = Claim(); }
+  for (const char* text : {"{", "[]", "{}", R"({"program":"oraclegs","format":99,"scene":"/x","options":{}})"}) {
+    WriteText(out / "options.json", text);
+    EXPECT_THAT(MessageOf<InputError>([&] { ReadSavedRun(out); }), HasSubstr("options.json")) << text;
+  }
+}
+
+TEST_F(WorkspaceTest, RemembersFinishedStagesUntilInputsOrFilesChange) {
+  Workspace workspace = Claim();
+  EXPECT_FALSE(workspace.IsDone("train", "k1"));
+  EXPECT_TRUE(workspace.Record("train").is_null());
+  WriteText(out / "point_cloud.ply", "x");
+  workspace.MarkDone("train", {{"key", "k1"}, {"seconds", 2.5}, {"files", {"point_cloud.ply"}}});
+  workspace.MarkDone("sfm", {{"key", "k0"}, {"seconds", 1}, {"files", nlohmann::json::array()}});
+  EXPECT_TRUE(workspace.IsDone("train", "k1"));
+  EXPECT_TRUE(workspace.IsDone("sfm", "k0"));
+  EXPECT_FALSE(workspace.IsDone("train", "k2"));
+  EXPECT_EQ(workspace.Record("train").at("seconds"), 2.5);
+  std::filesystem::remove(out / "point_cloud.ply");
+  EXPECT_FALSE(workspace.IsDone("train", "k1"));
+}
+
+TEST(DescribeDifference, ComparesWithDefaultsWhatAnOlderRunDidNotSave) {
+  RunOptions options;
+  EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "");
+  options.photo.downscale = 2;
+  EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "--downscale was 1, now is 2");
+  EXPECT_EQ(DescribeDifference({{"downscale", 2}, {"gone", 1}}, options), "");
+}
+
+TEST_F(WorkspaceTest, NeverWritesIntoThePhotographsFolderEither) {
+  Scene posed;
+  posed.root = scene;
+  posed.views.resize(2);
+  posed.views[0].image_path = scene / "images" / "a.png";
+  posed.views[1].image_path = temp / "photos" / "left" / "b.png";
+  const auto refusal = [&](const std::filesystem::path& dir, const std::filesystem::path& images) {
+    return MessageOf<InputError>([&] { RequireOutsideScene(dir, posed, images); });
+  };
+  EXPECT_EQ(refusal(out, "images"), "");
+  EXPECT_EQ(refusal(temp / "photos" / "out", ""), "");
+  EXPECT_THAT(refusal(temp / "photos" / "left" / "out", ""), AllOf(HasSubstr("image folder"), HasSubstr("-o")));
+  EXPECT_THAT(refusal(temp / "photos" / "out", temp / "photos"), HasSubstr("image folder"));
+  EXPECT_THAT(refusal(temp / "photos", "../photos"), HasSubstr("image folder"));
+  EXPECT_THAT(refusal(scene / "out", ""), HasSubstr("scene folder"));
+}
+
+TEST_F(WorkspaceTest, AFolderNameThatIsNotUtf8DoesNoHarm) {
+  scene = temp / "sc\xE9ne";
+  out = temp / "\xFFout";
+  std::filesystem::create_directories(scene);
+  { const Workspace workspace = Claim(); }
+  EXPECT_EQ(ReadSavedRun(out).scene.filename(), "sc\xEF\xBF\xBDne");
+  WriteText(out / "point_cloud.ply", "x");
+  EXPECT_EQ(Refusal(), "") << "still the same scene";
+}
+
+TEST_F(WorkspaceTest, ForgetsThatAStageWasFinished) {
+  Workspace workspace = Claim();
+  workspace.MarkUndone("depth");  // never finished: nothing to forget
+  workspace.MarkDone("depth", {{"key", "k"}, {"files", nlohmann::json::array()}});
+  workspace.MarkDone("sfm", {{"key", "k"}, {"files", nlohmann::json::array()}});
+  workspace.MarkUndone("depth");
+  EXPECT_FALSE(workspace.IsDone("depth", "k"));
+  EXPECT_TRUE(workspace.Record("depth").is_null());
+  EXPECT_TRUE(workspace.IsDone("sfm", "k"));
+}
+
+TEST_F(WorkspaceTest, KeepsProposalFoldersApartFromTheRun) {
+  const std::filesystem::path folder = temp / "proposals";
+  std::filesystem::create_directories(out / "proposals");
+  std::filesystem::create_directories(folder);
+  EXPECT_EQ(MessageOf<InputError>([&] { RequireApart(out, folder); }), "");
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(out, temp / "nowhere"); }), HasSubstr("is no folder"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(out, out / "proposals"); }), HasSubstr("lies in the workspace"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(folder / "out", folder); }), HasSubstr("never written to"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireApart(out, temp / "p\xff"); }), HasSubstr("not valid UTF-8"));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,329 @@
+#include "oraclegs/scene/loaded_view.h"
+
+#include <numeric>
+
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
+#include "scene/jpeg_files.h"
+
+namespace oraclegs {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A scene of one view in a folder of its own.
+struct OneView {
+  TempDir dir;
+  Scene scene;
+
+  OneView(int width, int height, SceneFormat format = SceneFormat::kColmap) {
+    scene.root = dir.path();
+    scene.format = format;
+    SceneView view;
+    view.name = "a.png";
+    view.image_path = dir / "images" / "a.png";
+    view.lens = {CameraModel::kPinhole, width, height, {20, 22, width / 2., height / 2.}};
+    view.cam_from_world = Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3));
+    scene.views.push_back(view);
+  }
+  SceneView& view() { return scene.views[0]; }
+  void Write(const Image8& image) { WritePng(view().image_path, image); }
+  LoadedView Load(const ImageOptions& options = {}) { return LoadViews(scene, {0}, options, Silent())[0]; }
+};
+
+Image8 Filled(int width, int height, std::vector<uint8_t> pixel) {
+  Image8 image{width, height, static_cast<int>(pixel.size()), {}};
+  for (int i = 0; i < width * height; ++i) image.data.insert(image.data.end(), pixel.begin(), pixel.end());
+  return image;
+}
+
+TEST(BackgroundColor, KnowsThreeWords) {
+  EXPECT_THAT(BackgroundColor("black"), ElementsAre(0.f, 0.f, 0.f));
+  EXPECT_THAT(BackgroundColor("white"), ElementsAre(1.f, 1.f, 1.f));
+  EXPECT_THAT(BackgroundColor("grey"), ElementsAre(0.5f, 0.5f, 0.5f));
+  EXPECT_THROW(BackgroundColor("pink"), UsageError);
+}
+
+TEST(LoadViews, APlainPhotographIsItsPixels) {
+  OneView one(12, 8);
+  const Image8 picture = SmoothPicture(12, 8, 3);
+  one.Write(picture);
+  const LoadedView photo = one.Load();
+  EXPECT_EQ(photo.name, "a.png");
+  EXPECT_EQ(ToImage8(photo.rgb).data, picture.data);
+  EXPECT_TRUE(photo.mask.empty());
+  EXPECT_EQ(photo.camera.fx, 20);
+  EXPECT_EQ(photo.camera.cam_from_world.translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(LoadViews, DownscaleAveragesAndScalesTheCamera) {
+  OneView one(13, 9);
+  const Image8 picture = SmoothPicture(13, 9, 3);
+  one.Write(picture);
+  const LoadedView photo = one.Load({.downscale = 2});
+  EXPECT_EQ(photo.rgb.width, 7);  // 6.5 and 4.5, rounded half up
+  EXPECT_EQ(photo.rgb.height, 5);
+  EXPECT_EQ(photo.rgb.data, ResizeArea(ToFloat(picture), 7, 5).data);
+  EXPECT_DOUBLE_EQ(photo.camera.fx, 20 * 7 / 13.);
+  EXPECT_DOUBLE_EQ(photo.camera.fy, 22 * 5 / 9.);
+  EXPECT_DOUBLE_EQ(photo.camera.cx, 3.5);
+  const Camera camera = WorkingCamera(one.view(), {.downscale = 2});
+  EXPECT_EQ(camera.width, photo.camera.width);
+  EXPECT_EQ(camera.fx, photo.camera.fx);
+  EXPECT_EQ(one.Load({.downscale = 64}).rgb.data.size(), 3u);
+}
+
+TEST(LoadViews, AFittingDownscaledFolderIsUsed) {
+  OneView one(12, 8);
+  one.Write(Filled(12, 8, {10, 10, 10}));
+  const auto small = one.dir / "images_2" / "a.png";
+  WritePng(small, Filled(6, 4, {200, 200, 200}));
+  EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data[0], 200);
+  EXPECT_EQ(ToImage8(one.Load({.downscale = 4}).rgb).data[0], 10);
+  EXPECT_EQ(ToImage8(one.Load().rgb).data[0], 10);
+  WritePng(small, Filled(5, 4, {200, 200, 200}));  // of another size: it is not what its name says
+  EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data[0], 10);
+}
+
+TEST(LoadViews, TheDownscaledFileAndTheFullOneGiveOneUndistortedPicture) {
+  OneView one(120, 80);
+  one.view().lens = {CameraModel::kRadial, 120, 80, {100, 60, 40, -0.2, 0.05}};
+  const Image8 picture = SmoothPicture(120, 80, 3);
+  one.Write(picture);
+  const LoadedView full = one.Load({.downscale = 2});
+  WritePng(one.dir / "images_2" / "a.png", ToImage8(ResizeArea(ToFloat(picture), 60, 40)));
+  const LoadedView small = one.Load({.downscale = 2});
+  EXPECT_EQ(full.camera.fx, small.camera.fx);
+  EXPECT_TRUE(full.mask.empty());
+  EXPECT_TRUE(small.mask.empty());
+  ASSERT_EQ(full.rgb.data.size(), small.rgb.data.size());
+  float largest = 0;
+  for (size_t i = 0; i < full.rgb.data.size(); ++i) {
+    largest = std::max(largest, std::abs(full.rgb.data[i] - small.rgb.data[i]));
+  }
+  EXPECT_LT(largest, 0.02f);
+  EXPECT_NE(full.rgb.data, small.rgb.data);
+}
+
+TEST(LoadViews, AlphaCompositesBeforeItIsFiltered) {
+  OneView one(2, 2, SceneFormat::kBlender);
+  Image8 image = Filled(2, 2, {255, 0, 0, 255});
+  std::fill_n(image.data.begin(), 8, uint8_t{0});  // the upper row is transparent
+  one.Write(image);
+  const LoadedView white = one.Load({.downscale = 2, .background = "white"});
+  EXPECT_THAT(white.rgb.data, ElementsAre(1.f, 0.5f, 0.5f));
+  EXPECT_TRUE(white.mask.empty());  // what is behind a Blender scene is part of its pictures
+  EXPECT_THAT(white.alpha, ElementsAre(0.5f));
+  EXPECT_THAT(one.Load({.downscale = 2}).rgb.data, ElementsAre(0.5f, 0.f, 0.f));
+}
+
+TEST(LoadViews, AlphaIsKnownOfABlenderScenesPicturesThatHaveIt) {
+  OneView blender(2, 1, SceneFormat::kBlender), photograph(2, 1, SceneFormat::kTransforms);
+  Image8 image = Filled(2, 1, {10, 20, 30, 255});
+  image.data[3] = 51;
+  for (OneView* one : {&blender, &photograph}) one->Write(image);
+  EXPECT_THAT(blender.Load().alpha, ElementsAre(0.2f, 1.f));
+  EXPECT_TRUE(photograph.Load().alpha.empty());  // there it is a mask
+  WritePng(blender.dir / "mask.png", Filled(2, 1, {0}));
+  blender.view().mask_path = blender.dir / "mask.png";
+  const LoadedView masked = blender.Load();
+  EXPECT_THAT(masked.alpha, ElementsAre(0.2f, 1.f));
+  EXPECT_THAT(masked.mask, ElementsAre(0, 0));
+  blender.Write(Filled(2, 1, {10, 20, 30}));
+  EXPECT_TRUE(blender.Load().alpha.empty());
+}
+
+TEST(LoadViews, AlphaMasksAPhotograph) {
+  OneView one(2, 2, SceneFormat::kTransforms);
+  Image8 image = Filled(2, 2, {255, 255, 255, 255});
+  image.data[3] = 127;
+  image.data[7] = 128;
+  one.Write(image);
+  EXPECT_THAT(one.Load().mask, ElementsAre(0, 1, 1, 1));
+  EXPECT_TRUE(one.Load({.downscale = 2}).mask.empty());  // three quarters of the pixel count
+  image.data[7] = image.data[11] = 0;
+  one.Write(image);
+  EXPECT_THAT(one.Load({.downscale = 2}).mask, ElementsAre(0));
+}
+
+TEST(LoadViews, AMaskFileExcludesPixelsAndJoinsAlpha) {
+  OneView one(2, 2);
+  Image8 image = Filled(2, 2, {255, 255, 255, 255});
+  image.data[3] = 0;
+  one.Write(image);
+  one.view().mask_path = one.dir / "masks" / "a.png";
+  WritePng(one.view().mask_path, {2, 2, 1, {255, 127, 128, 255}});
+  EXPECT_THAT(one.Load().mask, ElementsAre(0, 0, 1, 1));
+  one.scene.format = SceneFormat::kBlender;
+  EXPECT_THAT(one.Load().mask, ElementsAre(1, 0, 1, 1));
+  WritePng(one.view().mask_path, {2, 2, 1, {255, 255, 255, 255}});
+  EXPECT_TRUE(one.Load().mask.empty());
+}
+
+TEST(LoadViews, AMaskOfAnotherSizeNamesBothSizes) {
+  OneView one(4, 2);
+  one.Write(Filled(4, 2, {9, 9, 9}));
+  one.view().mask_path = one.dir / "masks" / "a.png";
+  WritePng(one.view().mask_path, {3, 2, 1, std::vector<uint8_t>(6)});
+  EXPECT_THAT(InputErrorOf([&] { one.Load(); }),
+              AllOf(HasSubstr("masks/a.png"), HasSubstr("3 x 2"), HasSubstr("4 x 2")));
+}
+
+TEST(LoadViews, AFullSizeMaskFitsADownscaledFile) {
+  OneView one(4, 2);
+  one.Write(Filled(4, 2, {9, 9, 9}));
+  WritePng(one.dir / "images_2" / "a.png", Filled(2, 1, {9, 9, 9}));
+  one.view().mask_path = one.dir / "masks" / "a.png";
+  WritePng(one.view().mask_path, {4, 2, 1, {0, 0, 255, 255, 0, 0, 255, 255}});
+  EXPECT_THAT(one.Load({.downscale = 2}).mask, ElementsAre(0, 1));
+}
+
+TEST(LoadViews, BlankPixelsOfUndistortionDoNotCount) {
+  OneView one(40, 30);
+  one.view().lens = {CameraModel::kSimpleRadial, 40, 30, {30, -2, 15, 0.1}};  // the principal point lies outside
+  one.Write(Filled(40, 30, {200, 100, 50}));
+  const LoadedView photo = one.Load();
+  ASSERT_EQ(photo.mask.size(), 1200u);
+  const int counted = std::accumulate(photo.mask.begin(), photo.mask.end(), 0);
+  EXPECT_GT(counted, 0);
+  EXPECT_LT(counted, 1200);
+  for (size_t i = 0; i < photo.mask.size(); ++i) {
+    if (photo.mask[i] == 0) continue;
+    EXPECT_NEAR(photo.rgb.data[3 * i], 200 / 255., 1e-6);
+  }
+}
+
+TEST(LoadViews, ASizeThatIsNotTheLenssNamesBoth) {
+  OneView one(12, 8);
+  one.Write(Filled(13, 8, {1, 2, 3}));
+  EXPECT_THAT(InputErrorOf([&] { one.Load(); }),
+              AllOf(HasSubstr("images/a.png"), HasSubstr("13 x 8"), HasSubstr("12 x 8")));
+}
+
+TEST(LoadViews, ATurnedPhotographFitsTheLensOfItsStoredOrUprightPicture) {
+  const Image8 picture = SmoothPicture(24, 16, 3);
+  const std::string jpeg = WithOrientation(EncodeJpeg(picture), 6);
+  OneView upright(16, 24), stored(24, 16);
+  WriteText(upright.view().image_path, jpeg);
+  WriteText(stored.view().image_path, jpeg);
+  EXPECT_EQ(ToImage8(upright.Load().rgb).data, ReadImage(upright.view().image_path).data);
+  EXPECT_EQ(ToImage8(stored.Load().rgb).data, ReadImage(stored.view().image_path, Orientation::kAsStored).data);
+  OneView neither(16, 24);
+  neither.Write(picture);
+  EXPECT_THAT(InputErrorOf([&] { neither.Load(); }), HasSubstr("24 x 16"));
+}
+
+TEST(LoadViews, AsStoredViewsIgnoreTheOrientationUnlessOnlyTheUprightPictureFits) {
+  const Image8 wide = SmoothPicture(24, 16, 3), square = SmoothPicture(16, 16, 3);
+  const auto load = [](const Image8& picture, int orientation, int width, bool as_stored) {
+    OneView one(width, 40 - width);
+    if (picture.width == picture.height) one.view().lens.height = width;
+    one.view().as_stored = as_stored;
+    WriteText(one.view().image_path, WithOrientation(EncodeJpeg(picture), orientation));
+    return ToImage8(one.Load().rgb).data;
+  };
+  const auto stored = load(wide, 1, 24, true), stored_square = load(square, 1, 16, true);
+  for (const int orientation : {2, 3, 4}) {
+    EXPECT_EQ(load(wide, orientation, 24, true), stored) << orientation;
+    EXPECT_NE(load(wide, orientation, 24, false), stored) << orientation;
+  }
+  for (const int orientation : {5, 6, 7, 8}) {
+    EXPECT_EQ(load(square, orientation, 16, true), stored_square) << orientation;
+    EXPECT_NE(load(square, orientation, 16, false), stored_square) << orientation;
+    EXPECT_EQ(load(wide, orientation, 24, true), stored) << orientation;
+    EXPECT_EQ(load(wide, orientation, 16, true), load(wide, orientation, 16, false)) << orientation;
+  }
+}
+
+TEST(ImageFile, IsTheDownscaledOneWhenThatIsUsed) {
+  OneView one(12, 8);
+  one.Write(Filled(12, 8, {10, 10, 10}));
+  const auto small = one.dir / "images_2" / "a.png";
+  EXPECT_EQ(ImageFile(one.view(), 2), one.view().image_path);
+  WritePng(small, Filled(6, 4, {200, 200, 200}));
+  EXPECT_EQ(ImageFile(one.view(), 2), small);
+  EXPECT_EQ(ImageFile(one.view(), 1), one.view().image_path);
+  WritePng(small, Filled(5, 4, {200, 200, 200}));
+  EXPECT_EQ(ImageFile(one.view(), 2), one.view().image_path);
+  // A turned one in the folder is held to the same rule.
+  WriteText(small, WithOrientation(EncodeJpeg(SmoothPicture(6, 4, 3)), 6));
+  one.view().as_stored = true;
+  EXPECT_EQ(ImageFile(one.view(), 2), small);
+  EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data, ReadImage(small, Orientation::kAsStored).data);
+}
+
+TEST(LoadViews, DamagedFilesAreNamed) {
+  OneView one(12, 8);
+  WriteText(one.view().image_path, "no picture");
+  EXPECT_THAT(InputErrorOf([&] { one.Load(); }), HasSubstr("a.png"));
+}
+
+/// Four views of one size, each with its own grey.
+Scene FourViews(const TempDir& dir) {
+  Scene scene;
+  scene.format = SceneFormat::kColmap;
+  for (int i = 0; i < 4; ++i) {
+    SceneView view;
+    view.name = std::to_string(i) + ".png";
+    view.image_path = dir / view.name;
+    view.lens = {CameraModel::kOpenCv, 30, 20, {25, 25, 15, 10, -0.1, 0, 0, 0.001}};
+    view.cam_from_world = Eigen::Isometry3d::Identity();
+    const auto grey = static_cast<uint8_t>(50 * i);
+    WritePng(view.image_path, Filled(30, 20, {grey, grey, grey, static_cast<uint8_t>(i < 2 ? 0 : 255)}));
+    scene.views.push_back(view);
+  }
+  return scene;
+}
+
+TEST(LoadViews, KeepsTheOrderOfTheViewsAndCountsThem) {
+  const TempDir dir;
+  const Scene scene = FourViews(dir);
+  std::vector<int64_t> done;
+  const auto photos = LoadViews(scene, {3, 1, 2}, {}, [&done](const Event& event) {
+    if (const auto* step = std::get_if<StepDone>(&event)) {
+      EXPECT_EQ(step->stage, "load");
+      EXPECT_EQ(step->total, 3);
+      done.push_back(step->done);
+    }
+  });
+  ASSERT_EQ(photos.size(), 3u);
+  EXPECT_EQ(photos[0].name, "3.png");
+  EXPECT_EQ(photos[1].name, "1.png");
+  EXPECT_EQ(photos[2].name, "2.png");
+  EXPECT_NEAR(photos[0].rgb.data[0], 150 / 255., 1e-6);
+  EXPECT_THAT(done, ElementsAre(1, 2, 3));
+}
+
+TEST(LoadViews, WarnsOnceOfPhotographsWithoutAPixelThatCounts) {
+  const TempDir dir;
+  Heard heard;
+  LoadViews(FourViews(dir), {0, 1, 2, 3}, {}, heard.listener());
+  ASSERT_EQ(heard.warnings.size(), 1u);
+  EXPECT_THAT(heard.warnings[0], HasSubstr("0.png, 1.png"));
+  EXPECT_THAT(heard.warnings[0], testing::Not(HasSubstr("2.png")));
+}
+
+TEST(LoadViews, TheSameBitsForAnyNumberOfThreads) {
+  const TempDir dir;
+  Scene scene = FourViews(dir);
+  for (auto& view : scene.views) WritePng(view.image_path, SmoothPicture(30, 20, 3));
+  SetNumThreads(1);
+  const auto one = LoadViews(scene, {0, 1, 2, 3}, {.downscale = 2}, Silent());
+  SetNumThreads(4);
+  const auto four = LoadViews(scene, {0, 1, 2, 3}, {.downscale = 2}, Silent());
+  SetNumThreads(0);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(one[i].rgb.data, four[i].rgb.data);
+}
+
+TEST(LoadViews, StopsWhenAskedTo) {
+  OneView one(12, 8);
+  one.Write(Filled(12, 8, {1, 2, 3}));
+  RequestInterrupt(true);
+  EXPECT_THROW(one.Load(), Interrupted);
+  RequestInterrupt(false);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,103 @@
+#include "oraclegs/sfm/colmap_staging.h"
+
+#include <set>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/image/image.h"
+#include "scene/jpeg_files.h"
+#include "support/golden.h"
+#include "support/textured_planes.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(PlanStaging, OneCameraForEachLensAndUniqueNamesWithoutBlanks) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 4);
+  scene.views[0].name = "a b.png";
+  scene.views[1].name = "a_b.png";
+  scene.views[2].name = "../left/c";
+  scene.views[3].lens.params[0] += 1;
+  const auto plan = PlanStaging(scene, {0, 1, 2, 3});
+  std::set<std::string> names;
+  for (const StagedView& staged : plan) {
+    names.insert(staged.name);
+    EXPECT_EQ(staged.name.find(' '), std::string::npos);
+    EXPECT_FALSE(staged.turned);
+  }
+  EXPECT_EQ(names.size(), 4u);
+  EXPECT_EQ(plan[0].name, "camera0/a_b.png");
+  EXPECT_EQ(plan[2].name, "camera0/_.._left_c.png");
+  EXPECT_EQ(plan[1].camera, 0);
+  EXPECT_EQ(plan[3].camera, 1);
+}
+
+TEST(PlanStaging, TurnsWhatTheLensSawUpright) {
+  const TempDir dir;
+  Scene scene;
+  SceneView view;
+  view.name = "a.jpg";
+  view.image_path = dir / view.name;
+  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothPicture(24, 16, 3)), 3));
+  scene.views = {view};
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned) << "a plain photograph is used upright";
+  scene.views[0].lens = {CameraModel::kSimplePinhole, 24, 16, {20, 12, 8}};
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned);
+  scene.views[0].as_stored = true;
+  EXPECT_FALSE(PlanStaging(scene, {0})[0].turned) << "colmap's poses are of the stored pixels";
+  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothPicture(16, 24, 3)), 6));
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned) << "only the upright picture has the lens's size";
+}
+
+TEST(StageImages, LinksPhotographsAndWritesMasksFromAlphaAndFiles) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 3);
+  WritePng(scene.views[1].image_path, {2, 1, 4, {9, 9, 9, 255, 9, 9, 9, 0}});
+  scene.views[2].mask_path = dir / "mask.png";
+  WritePng(scene.views[2].mask_path, {2, 1, 1, {127, 128}});
+  const std::vector<int> views{0, 1, 2};
+  const auto plan = PlanStaging(scene, views);
+  EXPECT_TRUE(StageImages(scene, views, plan, dir / "sfm"));
+  for (size_t i = 0; i < 3; ++i) {
+    const fs::path link = dir / "sfm" / "images" / plan[i].name;
+    EXPECT_TRUE(fs::is_symlink(link));
+    EXPECT_TRUE(fs::equivalent(link, scene.views[i].image_path));
+  }
+  const auto mask = [&](size_t i) { return dir / "sfm" / "masks" / (plan[i].name + ".png"); };
+  EXPECT_FALSE(fs::exists(mask(0)));
+  const Image8 from_alpha = ReadImage(mask(1)), from_file = ReadImage(mask(2));
+  EXPECT_EQ(from_alpha.data[0], 255);
+  EXPECT_EQ(from_alpha.data.back(), 0);
+  EXPECT_EQ(from_file.data[0], 0);
+  EXPECT_EQ(from_file.data.back(), 255);
+}
+
+TEST(StageImages, AMaskOfAnotherSizeThanTheAlphaIsRefused) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 1);
+  WritePng(scene.views[0].image_path, {2, 1, 4, std::vector<uint8_t>(8, 0)});
+  scene.views[0].mask_path = dir / "mask.png";
+  WritePng(scene.views[0].mask_path, {3, 1, 1, {1, 2, 3}});
+  EXPECT_THROW(StageImages(scene, {0}, PlanStaging(scene, {0}), dir / "sfm"), InputError);
+}
+
+TEST(DescribeInputs, ChangesWithPoseAndLensAndFile) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 2);
+  const auto before = DescribeInputs(scene, {0, 1});
+  EXPECT_EQ(before, DescribeInputs(scene, {0, 1}));
+  EXPECT_NE(before, DescribeInputs(scene, {0}));
+  Scene moved = scene;
+  moved.views[1].cam_from_world->translation().x() += 1e-9;
+  EXPECT_NE(before, DescribeInputs(moved, {0, 1}));
+  Scene zoomed = scene;
+  zoomed.views[0].lens.params[0] += 1e-9;
+  EXPECT_NE(before, DescribeInputs(zoomed, {0, 1}));
+  WritePng(scene.views[0].image_path, {1, 1, 3, {0, 0, 0}});
+  EXPECT_NE(before, DescribeInputs(scene, {0, 1}));
+}
+
+}  // namespace
+}  // namespace oraclegs

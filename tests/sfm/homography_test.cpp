@@ -1,0 +1,63 @@
+#include "oraclegs/sfm/homography.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "oraclegs/core/rng.h"
+
+namespace oraclegs {
+namespace {
+
+Eigen::Matrix3d SomeMap() {
+  Eigen::Matrix3d h;
+  h << 1.1, .05, -20, -.04, .95, 12, 2e-4, -1e-4, 1;
+  return h;
+}
+
+/// Points over a picture of 320 x 240, seen with up to `noise` pixels of error.
+std::vector<PointMatch> Matches(int count, double noise) {
+  std::vector<PointMatch> matches;
+  Rng rng(7, RandomStream::kInitialPoints);
+  for (int i = 0; i < count; ++i) {
+    const double x = rng.Uniform(0, 320), y = rng.Uniform(0, 240);
+    const double dx = rng.Uniform(-noise, noise), dy = rng.Uniform(-noise, noise);
+    const Eigen::Vector2d a(x, y);
+    matches.push_back({a, (SomeMap() * a.homogeneous()).hnormalized() + Eigen::Vector2d(dx, dy)});
+  }
+  return matches;
+}
+
+double WorstError(const Eigen::Matrix3d& h) {
+  double worst = 0;
+  for (const PointMatch& exact : Matches(100, 0)) {
+    worst = std::max(worst, ((h * exact.a.homogeneous()).hnormalized() - exact.b).norm());
+  }
+  return worst;
+}
+
+TEST(RefitHomography, MendsAMapThatAFewNoisyPointsGave) {
+  Eigen::Matrix3d start = SomeMap();
+  start(0, 2) += 4;
+  start(2, 0) += 2e-5;
+  ASSERT_GT(WorstError(start), 3);
+  EXPECT_LT(WorstError(RefitHomography(start, Matches(300, .5))), .2);
+}
+
+TEST(RefitHomography, LeavesOutMatchesThatAreWrong) {
+  std::vector<PointMatch> matches = Matches(300, .3);
+  for (size_t i = 0; i < matches.size(); i += 10) matches[i].b += Eigen::Vector2d(40, -25);
+  EXPECT_LT(WorstError(RefitHomography(SomeMap(), matches)), .15);
+}
+
+TEST(RefitHomography, KeepsTheStartWhereTooFewAgree) {
+  EXPECT_EQ(RefitHomography(SomeMap(), {}), SomeMap());
+  EXPECT_EQ(RefitHomography(SomeMap(), Matches(7, 0)), SomeMap());
+}
+
+TEST(RefitHomography, PointsAllInOnePlaceGiveAFiniteMap) {
+  EXPECT_TRUE(RefitHomography(SomeMap(), std::vector<PointMatch>(20, Matches(1, 0)[0])).allFinite());
+}
+
+}  // namespace
+}  // namespace oraclegs

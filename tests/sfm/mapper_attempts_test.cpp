@@ -1,0 +1,202 @@
+#include "oraclegs/sfm/mapper_attempts.h"
+
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/sfm/colmap_runner.h"
+#include "scene/tiny_scenes.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::vector<std::string> kNames{"camera0/0.png", "camera0/1.png", "camera0/2.png"};
+
+/// A model of the first `images` photographs, side by side before `points` points.
+void WriteModel(const fs::path& dir, int images, int points) {
+  std::vector<ColmapImage> views;
+  std::string track;
+  for (int i = 0; i < images; ++i) {
+    ColmapImage image{static_cast<uint32_t>(i + 1), kNames[static_cast<size_t>(i)], 1};
+    image.cam_from_world.translation() = Eigen::Vector3d(-.5 * i, 0, 0);
+    views.push_back(image);
+    track += fmt::format(" {} 0", i + 1);
+  }
+  WriteColmapText(dir, {{1, {CameraModel::kSimpleRadial, 100, 80, {90, 50, 40, 0}}}}, views);
+  std::string text;
+  for (int i = 0; i < points; ++i) text += fmt::format("{} 0.{} 0 5 9 9 9 0.5{}\n", i + 1, i % 10, track);
+  WriteText(dir / "points3D.txt", text);
+}
+
+void WriteDatabase(const fs::path& path) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  std::string sql =
+      "CREATE TABLE cameras (camera_id INTEGER PRIMARY KEY, model INTEGER, width INTEGER, height INTEGER, params BLOB, "
+      "prior_focal_length INTEGER); CREATE TABLE images (image_id INTEGER PRIMARY KEY, name TEXT, camera_id INTEGER);"
+      "CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY, rows INTEGER);"
+      "CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY);"
+      "CREATE TABLE matches (pair_id INTEGER PRIMARY KEY, rows INTEGER);"
+      "CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY, rows INTEGER, config INTEGER, H BLOB);"
+      "INSERT INTO cameras VALUES (1, 2, 100, 80, zeroblob(32), 0);";
+  for (size_t i = 0; i < kNames.size(); ++i) {
+    sql += fmt::format(
+        "INSERT INTO images VALUES ({0}, '{1}', 1); INSERT INTO keypoints VALUES ({0}, 900);"
+        "INSERT INTO descriptors VALUES ({0});",
+        i + 1, kNames[i]);
+  }
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
+  sqlite3_close(database);
+}
+
+/// A shell script in colmap's place. It notes its commands; `mapper` is its body for the n-th run of the mapper ($n),
+/// `rest` decides other commands; both may call `give MODEL`, which copies a folder of models to the --output_path.
+class FakeColmap {
+ public:
+  FakeColmap(const std::string& mapper, const std::string& rest) : old_path_(std::getenv("PATH")) {
+    WriteModel(dir_ / "models" / "two", 2, 40);
+    WriteModel(dir_ / "models" / "rich", 2, 90);
+    WriteModel(dir_ / "models" / "three", 3, 60);
+    WriteModel(dir_ / "models" / "hollow", 3, 5);
+    WriteDatabase(dir_ / "fresh.db");
+    WriteText(dir_ / "colmap", fmt::format("#!/bin/sh\n"
+                                           "here='{}'\n"
+                                           "echo \"$1\" >> \"$here/commands\"\n"
+                                           "command=$1 database=$3\n"
+                                           "while [ $# -gt 0 ]; do [ \"$1\" = --output_path ] && out=$2; shift; done\n"
+                                           "give() {{ mkdir -p \"$out$2\" && cp \"$here/models/$1/\"* \"$out$2/\"; }}\n"
+                                           "case $command in\n"
+                                           "feature_extractor) cp \"$here/fresh.db\" \"$database\";;\n"
+                                           "mapper) n=$(grep -c mapper \"$here/commands\"); {};;\n"
+                                           "{}\n"
+                                           "esac\n",
+                                           dir_.path().string(), mapper, rest));
+    fs::permissions(dir_ / "colmap", fs::perms::owner_all);
+    setenv("PATH", (dir_.path().string() + ":" + old_path_).c_str(), 1);
+  }
+  ~FakeColmap() { setenv("PATH", old_path_.c_str(), 1); }
+  FakeColmap(const FakeColmap&) = delete;
+  FakeColmap& operator=(const FakeColmap&) = delete;
+
+  std::vector<std::string> Commands() const {
+    std::vector<std::string> lines;
+    const std::string text = ReadFile(dir_ / "commands");
+    for (size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+      lines.push_back(text.substr(at, end - at));
+    }
+    return lines;
+  }
+  long Count(const std::string& command) const {
+    const auto commands = Commands();
+    return std::count(commands.begin(), commands.end(), command);
+  }
+
+ private:
+  TempDir dir_;
+  std::string old_path_;
+};
+
+std::vector<std::string> FilesIn(const fs::path& dir) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(dir)) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(FindModel, StopsWhenTheFirstAttemptHasAll) {
+  const TempDir dir;
+  const FakeColmap fake("give three /0", "");
+  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  EXPECT_THAT(fake.Commands(), ElementsAre("feature_extractor", "exhaustive_matcher", "mapper"));
+  EXPECT_EQ(result.best.registered(), 3);
+  ASSERT_EQ(result.attempts.size(), 1u);
+  EXPECT_EQ(result.attempts[0].name, "strict");
+  EXPECT_TRUE(result.attempts[0].kept);
+  EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
+  EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 3u);
+}
+
+TEST(FindModel, ALargerModelThatCannotBeIsNotKept) {
+  const TempDir dir;
+  const FakeColmap fake("case $n in 1) give two /0;; 2) give hollow /0; give rich /1;; esac", "");
+  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 2);
+  EXPECT_EQ(result.best.points, 90) << "of two models of two photographs that with more points";
+  EXPECT_EQ(ReadColmapPoints(dir / "sparse" / "0").size(), 90u);
+  ASSERT_GE(result.attempts.size(), 2u);
+  EXPECT_EQ(result.attempts[1].name, "relaxed");
+  EXPECT_TRUE(result.attempts[1].kept);
+  for (size_t i = 0; i < result.attempts.size(); ++i) EXPECT_EQ(result.attempts[i].kept, i == 1) << i;
+  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "one photograph is missing: every set of features is tried";
+  EXPECT_EQ(fake.Count("matches_importer"), 1) << "the pairs of the missing one, once its lens is known";
+  EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
+}
+
+TEST(FindModel, WhatIsLeftOverIsRegisteredIntoTheModelThatStands) {
+  const TempDir dir;
+  const FakeColmap fake("give two /0", "image_registrator|point_triangulator|bundle_adjuster) give three ;;");
+  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 3);
+  EXPECT_EQ(result.attempts.back().name, "left over");
+  EXPECT_TRUE(result.attempts.back().kept);
+  EXPECT_EQ(fake.Count("feature_extractor"), 1);
+  EXPECT_EQ(fake.Commands().back(), "bundle_adjuster");
+}
+
+TEST(FindModel, AFailedContinuationLeavesTheModelThatStood) {
+  const TempDir dir;
+  const FakeColmap fake("[ $n = 1 ] && give two /0", "image_registrator) give three ;; point_triangulator) exit 1;;");
+  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 2);
+  EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 2u);
+}
+
+TEST(FindModel, WithoutAModelEverySetIsTriedAndNothingLeftButTheFirstDatabase) {
+  const TempDir dir;
+  const FakeColmap fake("exit 1", "");
+  std::string said;
+  const Listener listener = [&](const Event& event) {
+    if (const auto* note = std::get_if<Note>(&event)) said += note->text + "\n";
+  };
+  const AttemptResult result = FindModel({kNames, false, dir.path()}, listener);
+  EXPECT_EQ(result.best.registered(), 0);
+  EXPECT_EQ(fake.Count("feature_extractor"), 4);
+  EXPECT_THAT(said, HasSubstr("0 of 3 photographs are registered; trying again with more features"));
+  EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db"));
+}
+
+TEST(FindModel, TheDatabaseOfTheKeptModelIsKept) {
+  const TempDir dir;
+  // Only the fifth run of the mapper, the first with other features, finds anything.
+  const FakeColmap fake("[ $n = 5 ] && give three /0", "");
+  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 3);
+  EXPECT_EQ(result.attempts.back().features, "more features");
+  EXPECT_EQ(fake.Count("feature_extractor"), 2);
+  EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
+}
+
+TEST(FindModel, FailureOfTheFirstFeaturesIsTheCallersToTell) {
+  const TempDir dir;
+  const FakeColmap fake("", "exhaustive_matcher) exit 7;;");
+  try {
+    FindModel({kNames, false, dir.path()}, Silent());
+    ADD_FAILURE() << "no ColmapFailure was thrown";
+  } catch (const ColmapFailure& failure) {
+    EXPECT_EQ(failure.command, "exhaustive_matcher");
+    EXPECT_EQ(failure.exit_code, 7);
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs

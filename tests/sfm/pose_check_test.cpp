@@ -1,0 +1,114 @@
+#include "oraclegs/sfm/pose_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// A camera of 53 degrees at `center`, turned by `yaw` radians about the vertical: at 0 it looks along z.
+SceneView View(const std::string& name, const Eigen::Vector3d& center, double yaw) {
+  SceneView view;
+  view.name = name;
+  view.lens = {CameraModel::kPinhole, 100, 80, {100, 100, 50, 40}};
+  Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
+  world_from_cam.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  world_from_cam.translation() = center;
+  view.cam_from_world = world_from_cam.inverse();
+  return view;
+}
+
+/// n cameras on a circle of radius 3 that look at its middle.
+Scene Ring(int n) {
+  Scene scene;
+  scene.format = SceneFormat::kTransforms;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * std::acos(-1.) * i / n;
+    scene.views.push_back(View(std::to_string(i) + ".png", {-3 * std::sin(angle), 0, -3 * std::cos(angle)}, angle));
+  }
+  return scene;
+}
+
+std::vector<int> All(const Scene& scene) {
+  std::vector<int> all;
+  for (size_t i = 0; i < scene.views.size(); ++i) all.push_back(static_cast<int>(i));
+  return all;
+}
+
+TEST(PoseWarnings, ASoundSceneHasNone) {
+  const Scene ring = Ring(8);
+  EXPECT_THAT(PoseWarnings(ring, All(ring)), IsEmpty());
+  EXPECT_THAT(PoseWarnings(ring, {0, 4}), IsEmpty()) << "from opposite sides they see the same volume";
+}
+
+TEST(PoseWarnings, ParallelAxesMeetNowhereAndAreNoFault) {
+  Scene scene;
+  for (int i = 0; i < 4; ++i) scene.views.push_back(View(std::to_string(i), {.1 * i, 0, 0}, 0));
+  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty());
+}
+
+TEST(PoseWarnings, FewerThanTwoPosedViewsSayNothing) {
+  Scene scene = Ring(3);
+  EXPECT_THAT(PoseWarnings(scene, {}), IsEmpty());
+  EXPECT_THAT(PoseWarnings(scene, {1}), IsEmpty());
+  scene.views[0].cam_from_world.reset();
+  scene.views[1].lens.params.clear();
+  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty());
+}
+
+TEST(PoseWarnings, CamerasOfOnePoseAreNamed) {
+  Scene scene = Ring(6);
+  scene.views.push_back(scene.views[2]);
+  scene.views.back().name = "copy.png";
+  EXPECT_THAT(PoseWarnings(scene, All(scene)),
+              ElementsAre(AllOf(HasSubstr("2.png, copy.png have one and the same pose"), HasSubstr("leave out"))));
+  EXPECT_THAT(PoseWarnings(scene, {0, 1, 2, 3, 4, 5}), IsEmpty()) << "the copy does not train";
+  // Turned by a degree, from the same place: another view, though a poor one.
+  scene.views.back() =
+      View("turned.png", scene.views[2].cam_from_world->inverse().translation(), 2 * std::acos(-1.) / 3 + .02);
+  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty());
+}
+
+TEST(PoseWarnings, TurningOnTheSpotFindsNoDepth) {
+  Scene scene;
+  for (int i = 0; i < 5; ++i) scene.views.push_back(View(std::to_string(i), {4, 1, -2}, .2 * i));
+  const auto warnings = PoseWarnings(scene, All(scene));
+  EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("the 5 training photographs were taken from one point"),
+                                          HasSubstr("depth cannot be found"), HasSubstr("move sideways"))));
+}
+
+TEST(PoseWarnings, ATinyBaselineIsMeasuredAgainstThePoints) {
+  Scene scene;
+  for (int i = 0; i < 3; ++i) scene.views.push_back(View(std::to_string(i), {.001 * i, 0, 0}, 0));
+  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty()) << "the world may be as small as that";
+  for (int i = 0; i < 20; ++i) scene.points.push_back({{.1 * i - 1, 0, 10}, {}, {0, 1}});
+  EXPECT_THAT(PoseWarnings(scene, All(scene)), ElementsAre(HasSubstr("taken from one point")));
+}
+
+TEST(PoseWarnings, AViewThatLooksElsewhereIsNamedWithItsNeighbour) {
+  Scene scene;
+  for (int i = 0; i < 3; ++i) scene.views.push_back(View(std::to_string(i) + ".png", {.3 * i, 0, 0}, -.1 * (i - 1)));
+  scene.views.push_back(View("away.png", {.9, 0, 0}, std::acos(-1.) / 2));
+  EXPECT_THAT(PoseWarnings(scene, All(scene)),
+              ElementsAre(AllOf(HasSubstr("away.png sees nothing that another training photograph sees"),
+                                HasSubstr("between it and 2.png"))));
+  EXPECT_THAT(PoseWarnings(scene, {0, 1, 2}), IsEmpty());
+}
+
+TEST(PoseWarnings, TwoViewsBackToBackShareNothing) {
+  Scene scene;
+  scene.views = {View("a", {0, 0, 1}, 0), View("b", {0, 0, -1}, std::acos(-1.))};
+  EXPECT_THAT(PoseWarnings(scene, All(scene)),
+              ElementsAre(AllOf(HasSubstr("a, b each see nothing"), Not(HasSubstr("one point")))));
+}
+
+}  // namespace
+}  // namespace oraclegs

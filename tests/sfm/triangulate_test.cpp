@@ -1,0 +1,115 @@
+#include "oraclegs/sfm/triangulate.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/image/image.h"
+#include "support/golden.h"
+#include "support/textured_planes.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Collects what the library says.
+struct Heard {
+  std::string warnings, notes;
+  Listener listener() {
+    return [this](const Event& event) {
+      if (const auto* warning = std::get_if<Warning>(&event)) warnings += warning->text + "\n";
+      if (const auto* note = std::get_if<Note>(&event)) notes += note->text + "\n";
+    };
+  }
+};
+
+/// An environment without programs.
+class EmptyPath {
+ public:
+  EmptyPath() : old_(std::getenv("PATH")) { setenv("PATH", "/nowhere", 1); }
+  ~EmptyPath() { setenv("PATH", old_.c_str(), 1); }
+
+ private:
+  std::string old_;
+};
+
+TEST(TriangulatePoints, PointsLieOnThePlanesAndAreCached) {
+  const TempDir dir;
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 5);
+  const std::vector<int> views{0, 1, 3, 4};  // index 2 is held out
+  Heard heard;
+  const auto points = TriangulatePoints(scene, views, dir / "sfm", heard.listener());
+  ASSERT_GT(points.size(), 100u) << heard.warnings;
+  EXPECT_EQ(heard.warnings, "");
+  size_t off = 0;
+  int on_wall = 0, on_shelf = 0;
+  for (const ScenePoint& point : points) {
+    const double to_wall = std::abs(point.xyz.z() - kWallDepth), to_shelf = std::abs(point.xyz.z() - kShelfDepth);
+    off += std::min(to_wall, to_shelf) > .08;
+    ++(to_wall < to_shelf ? on_wall : on_shelf);
+    ASSERT_GE(point.views.size(), 2u);
+    for (const int v : point.views) ASSERT_TRUE(v == 0 || v == 1 || v == 3 || v == 4) << v;
+  }
+  EXPECT_LT(static_cast<double>(off), .05 * static_cast<double>(points.size()));
+  EXPECT_GT(on_wall, 20);
+  EXPECT_GT(on_shelf, 20);
+
+  // Again: the same points, and colmap does not run.
+  const std::string log = ReadFile(dir / "sfm" / "colmap.log");
+  const EmptyPath no_programs;
+  const auto again = TriangulatePoints(scene, views, dir / "sfm", heard.listener());
+  ASSERT_EQ(again.size(), points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(again[i].xyz, points[i].xyz);
+    ASSERT_EQ(again[i].views, points[i].views);
+  }
+  EXPECT_EQ(ReadFile(dir / "sfm" / "colmap.log"), log);
+  EXPECT_EQ(ReadFile(dir / "sfm" / "points.ply").substr(0, 3), "ply");
+
+  // Other views are other inputs.
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", heard.listener()).empty());
+  EXPECT_THAT(heard.warnings, HasSubstr("colmap program is not installed"));
+}
+
+TEST(TriangulatePoints, WithoutColmapWarnsAndLeavesNothing) {
+  const TempDir dir;
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
+  Heard heard;
+  const EmptyPath no_programs;
+  EXPECT_FALSE(ColmapAvailable());
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", heard.listener()).empty());
+  EXPECT_THAT(heard.warnings, HasSubstr("apt install colmap"));
+  EXPECT_FALSE(fs::exists(dir / "sfm"));
+}
+
+TEST(TriangulatePoints, FailureIsAWarningThatNamesTheLog) {
+  const TempDir dir;
+  fs::create_directories(dir / "bin");
+  std::ofstream(dir / "bin" / "colmap") << "#!/bin/sh\necho it broke\nexit 3\n";
+  fs::permissions(dir / "bin" / "colmap", fs::perms::owner_all);
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
+  Heard heard;
+  const EmptyPath no_programs;
+  setenv("PATH", (dir / "bin").c_str(), 1);
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", heard.listener()).empty());
+  EXPECT_THAT(heard.warnings,
+              AllOf(HasSubstr("feature_extractor ended with code 3"), HasSubstr("it broke"), HasSubstr("colmap.log")));
+  EXPECT_FALSE(fs::exists(dir / "sfm" / "inputs.json"));
+}
+
+TEST(PointsSeenBy, KeepsPointsThatTwoOfTheViewsSaw) {
+  Scene scene;
+  scene.points = {{{1, 0, 0}, {}, {0, 1, 2}}, {{2, 0, 0}, {}, {0, 3}}, {{3, 0, 0}, {}, {1, 2}}, {{4, 0, 0}, {}, {}}};
+  const auto kept = PointsSeenBy(scene, {0, 2});
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].xyz.x(), 1);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,61 @@
+#include "oraclegs/weights/part_file.h"
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "support/golden.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(PartFile, GoesOnWhereItStoppedWithTheSameChecksum) {
+  const TempDir dir;
+  {
+    PartFile part(dir / "f");
+    part.Append("ab");
+  }
+  EXPECT_EQ(ReadFile(dir / "f.part"), "ab");
+  PartFile part(dir / "f");
+  EXPECT_EQ(part.size(), 2u);
+  part.Append("c");
+  EXPECT_EQ(part.Sha256Hex(), Sha256().Add("abc").Hex());
+  EXPECT_FALSE(std::filesystem::exists(dir / "f"));
+  part.Finish();
+  EXPECT_EQ(ReadFile(dir / "f"), "abc");
+  EXPECT_FALSE(std::filesystem::exists(dir / "f.part"));
+}
+
+TEST(PartFile, RestartsAndDiscards) {
+  const TempDir dir;
+  PartFile part(dir / "f");
+  part.Append("wrong");
+  part.Restart();
+  EXPECT_EQ(part.size(), 0u);
+  part.Append("ok");
+  EXPECT_EQ(part.Sha256Hex(), Sha256().Add("ok").Hex());
+  EXPECT_EQ(ReadFile(dir / "f.part"), "ok");
+  part.Discard();
+  EXPECT_FALSE(std::filesystem::exists(dir / "f.part"));
+}
+
+TEST(PartFile, TwoProcessesDoNotWriteTheSameFile) {
+  const TempDir dir;
+  const PartFile part(dir / "f");
+  EXPECT_THAT([&] { PartFile second(dir / "f"); },
+              ThrowsMessage<RunError>(EndsWith("f.part: another process is downloading it; wait for that one")));
+}
+
+TEST(PartFile, AFolderInTheWayAndNoFolder) {
+  const TempDir dir;
+  PartFile part(dir / "f");
+  std::filesystem::create_directories(dir / "f");
+  EXPECT_THAT([&] { part.Finish(); }, ThrowsMessage<RunError>(HasSubstr("f.part: cannot rename: Is a directory")));
+  EXPECT_THAT([&] { PartFile none(dir / "none/f"); },
+              ThrowsMessage<RunError>(HasSubstr("f.part: cannot write: No such file")));
+}
+
+}  // namespace
+}  // namespace oraclegs

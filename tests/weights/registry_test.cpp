@@ -1,0 +1,59 @@
+#include "oraclegs/weights/registry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/sha256.h"
+#include "oraclegs/weights/parameter_list.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+using testing::ThrowsMessage;
+
+TEST(Registry, EveryEntryIsComplete) {
+  std::set<std::string> names;
+  for (const ModelInfo& model : AllModels()) {
+    EXPECT_TRUE(names.insert(model.name).second) << model.name;
+    EXPECT_FALSE(model.purpose.empty() || model.licence.empty() || model.files.empty()) << model.name;
+    EXPECT_THAT(model.licence_page, StartsWith("https://")) << model.name;
+    EXPECT_FALSE(ParametersOf(model.parameters).tensors.empty()) << model.name;
+    uint64_t bytes = 0;
+    for (const PublishedFile& file : model.files) {
+      EXPECT_THAT(file.url, StartsWith("https://"));
+      EXPECT_TRUE(file.sha256.empty() || IsSha256(file.sha256)) << file.url;
+      bytes += file.bytes;
+    }
+    EXPECT_GT(model.download_bytes, 0u);
+    EXPECT_LE(bytes, model.download_bytes);
+    // A file that is used as it is published must be one safetensors file.
+    if (!model.convert) {
+      EXPECT_EQ(model.files.size(), 1u);
+      EXPECT_TRUE(model.files[0].url.ends_with(".safetensors"));
+    }
+  }
+}
+
+TEST(Registry, NonCommercialNetworksAreMarked) {
+  std::set<std::string> restricted;
+  for (const ModelInfo& model : AllModels()) {
+    if (model.non_commercial) restricted.insert(model.name);
+  }
+  EXPECT_EQ(restricted, (std::set<std::string>{"depth-anything-v2-base", "depth-anything-v2-large", "seva", "vggt"}));
+  EXPECT_THAT(ModelNamed("seva").restriction, HasSubstr("pictures that the network makes"));
+  EXPECT_EQ(ModelNamed("depth-anything-v2-small").licence, "Apache-2.0");
+}
+
+TEST(Registry, AnUnknownNameListsThoseThereAre) {
+  EXPECT_THAT([] { ModelNamed("vgt"); }, ThrowsMessage<UsageError>(AllOf(StartsWith("there is no model 'vgt', only: "),
+                                                                         HasSubstr("vggt-commercial, lpips-vgg"))));
+}
+
+}  // namespace
+}  // namespace oraclegs
