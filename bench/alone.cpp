@@ -15,7 +15,7 @@ struct AloneRun {
   BenchInput input;
   Gaussians grads;
   Adam adam;
-  std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(torch::kCPU);
+  std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(kCpu);
   PhotometricLoss photometric;
   ImageBuffer grad_image;
   int64_t next = 0;
@@ -35,7 +35,7 @@ AloneSample StepAlone(AloneRun* run) {
   const TrainView& view = input.views[run->next++ % input.views.size()];
   const RenderOutput out = run->rasterizer->Forward(
       input.gaussians, view.camera, {input.background, kMaxShDegree, input.antialiased}, RenderPass::kTrain);
-  Tensor grad_image = run->grad_image.Get({view.camera.height, view.camera.width, 3});
+  Buffer<float> grad_image = run->grad_image.Get({view.camera.height, view.camera.width, 3});
   ms.photometric = MillisecondsOf([&] { run->photometric(out.image, view.image, {}, {}, &grad_image); });
   run->rasterizer->Backward(input.gaussians, {grad_image, {}, {}}, &run->grads);
   ms.gaussian_backward = run->rasterizer->timings().gaussian_backward;

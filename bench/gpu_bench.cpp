@@ -58,7 +58,7 @@ Arguments Parse(const std::vector<std::string>& words) {
 void Dump(const std::string& folder, const GpuScene& scene) {
   std::filesystem::create_directories(folder);
   const Gaussians gaussians = GaussiansOf(scene);
-  gaussians.ForEach([&](const char* name, const Tensor& t) {
+  gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
     std::ofstream file(folder + "/" + name + ".f32", std::ios::binary);
     file.write(static_cast<const char*>(t.data_ptr()), static_cast<std::streamsize>(t.nbytes()));
   });
@@ -74,7 +74,7 @@ void Run(const Arguments& a) {
   GpuReport report;
   report.ceilings = {MeasureBandwidth(kCopied), MeasureFmaRate()};
   const int64_t before = cuda::MemoryOfDevice().free;
-  GpuTraining training(a.scene, torch::Device(torch::kCUDA, 0));
+  GpuTraining training(a.scene, Device(torch::kCUDA, 0));
   report.times = training.Measure(kPasses);
   report.work = training.Work();
   const double n = report.work.gaussians;

@@ -19,19 +19,19 @@ constexpr int kViews = 3;
 constexpr double kOpacityNoise = 0.5;  // what the pipeline chooses
 constexpr double kExtent = 1;
 
-Gaussians On(const Gaussians& gaussians, torch::Device device) {
+Gaussians On(const Gaussians& gaussians, Device device) {
   Gaussians moved = gaussians;
-  moved.ForEach([&](const char*, Tensor& t) { t = t.to(device); });
+  moved.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
   return moved;
 }
 
 /// Photographs of another scene, from poses side by side.
-std::vector<TrainView> Photographs(const GpuScene& scene, torch::Device device) {
+std::vector<TrainView> Photographs(const GpuScene& scene, Device device) {
   cuda::CudaRasterizer rasterizer(device);
   const Gaussians truth = On(RandomGaussians(scene.gaussians, kScale, kSeed + 1), device);
-  const Tensor picture =
-      rasterizer.Forward(truth, CameraOf(scene), {}, RenderPass::kInference).image.to(torch::kCPU).clone().clamp(0, 1);
-  const Tensor rounded = torch::round(picture * 255) / 255;  // as files hold them
+  const Buffer<float> picture =
+      rasterizer.Forward(truth, CameraOf(scene), {}, RenderPass::kInference).image.To(kCpu).Clone().clamp(0, 1);
+  const Buffer<float> rounded = torch::round(picture * 255) / 255;  // as files hold them
   std::vector<TrainView> views;
   for (int i = 0; i < kViews; ++i) {
     TrainView view{"view" + std::to_string(i), CameraOf(scene), rounded, {}};
@@ -51,7 +51,7 @@ TrainOptions OptionsOf(const GpuScene& scene) {
 
 TrainedModel SteadyModel(const GpuScene& scene) {
   TrainedModel model{GaussiansOf(scene), Adam(scene.gaussians)};
-  model.adam.v.ForEach([](const char*, Tensor& t) { t.fill_(1); });
+  model.adam.v.ForEach([](const char*, Buffer<float>& t) { t.fill_(1); });
   model.adam.step = 100'000;  // no bias is left to correct
   return model;
 }
@@ -61,7 +61,7 @@ TrainedModel SteadyModel(const GpuScene& scene) {
 Camera CameraOf(const GpuScene& scene) { return FrontCamera(scene.width, scene.height); }
 Gaussians GaussiansOf(const GpuScene& scene) { return RandomGaussians(scene.gaussians, kScale, kSeed); }
 
-GpuTraining::GpuTraining(const GpuScene& scene, torch::Device device)
+GpuTraining::GpuTraining(const GpuScene& scene, Device device)
     : scene_(scene), options_(OptionsOf(scene)), number_(kIterations / 10 * 9) {
   view_loss_ = std::make_unique<ViewLoss>(options_, TrainingData(Photographs(scene, device)));
   train_ = cuda::MakeCudaTrainDevice(device, {options_, view_loss_.get(), scene.gaussians},
@@ -80,11 +80,11 @@ Iteration GpuTraining::Next() {
   return next;
 }
 
-Tensor GpuTraining::Factors(const Iteration& iteration) {
+Buffer<float> GpuTraining::Factors(const Iteration& iteration) {
   return train_->OpacityFactors({kSeed, iteration.number, 0, kOpacityNoise}, model_.gaussians.size());
 }
 
-RenderOutput GpuTraining::Forward(const Iteration& iteration, const Tensor& factors) {
+RenderOutput GpuTraining::Forward(const Iteration& iteration, const Buffer<float>& factors) {
   return train_->rasterizer().Forward(model_.gaussians, view_loss_->View(iteration.view, iteration.number).camera,
                                       {{}, iteration.sh_degree, false, factors}, RenderPass::kTrain);
 }
@@ -101,7 +101,7 @@ void GpuTraining::TimeStages(int passes, GpuTimes* times) {
   for (int i = 0; i < passes; ++i) {
     const Iteration next = Next();
     begin.Record(nullptr);
-    const Tensor opacities = Factors(next);
+    const Buffer<float> opacities = Factors(next);
     drawn_from.Record(nullptr);
     const RenderOutput out = Forward(next, opacities);
     drawn.Record(nullptr);

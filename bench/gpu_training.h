@@ -24,7 +24,7 @@ Gaussians GaussiansOf(const GpuScene& scene);
 class GpuTraining {
  public:
   /// Errors as MakeCudaTrainDevice.
-  GpuTraining(const GpuScene& scene, torch::Device device);
+  GpuTraining(const GpuScene& scene, Device device);
 
   /// Medians over `passes` iterations of each kind.
   GpuTimes Measure(int passes);
@@ -34,8 +34,8 @@ class GpuTraining {
 
  private:
   Iteration Next();
-  RenderOutput Forward(const Iteration& iteration, const Tensor& factors);
-  Tensor Factors(const Iteration& iteration);
+  RenderOutput Forward(const Iteration& iteration, const Buffer<float>& factors);
+  Buffer<float> Factors(const Iteration& iteration);
   void Send();
   void TimeStages(int passes, GpuTimes* times);
   void TimeWhole(int passes, GpuTimes* times);

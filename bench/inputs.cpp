@@ -41,9 +41,9 @@ Gaussians Thinned(const Gaussians& gaussians, int64_t n) {
   for (int64_t i = 0; i < n; ++i) std::swap(rows[i], rows[i + rng.Index(gaussians.size() - i)]);
   rows.resize(n);
   std::sort(rows.begin(), rows.end());
-  const Tensor index = torch::tensor(rows);
+  const Buffer<float> index = torch::tensor(rows);
   Gaussians thinned = gaussians;
-  thinned.ForEach([&](const char*, Tensor& t) { t = t.index_select(0, index).contiguous(); });
+  thinned.ForEach([&](const char*, Buffer<float>& t) { t = t.index_select(0, index); });
   return thinned;
 }
 
@@ -95,10 +95,10 @@ BenchInput Synthetic(const InputSize& size) {
   const double scale = 2.2 / std::sqrt(static_cast<double>(size.gaussians));
   const Camera front = FrontCamera(size.width, size.height);
   BenchInput input;
-  const Tensor picture =
-      MakeRasterizer(torch::kCPU)
+  const Buffer<float> picture =
+      MakeRasterizer(kCpu)
           ->Forward(RandomGaussians(size.gaussians, scale, kSeed + 1), front, {}, RenderPass::kInference)
-          .image.clone();
+          .image.Clone();
   for (int i = 0; i < kSyntheticViews; ++i) {
     Camera camera = front;
     camera.cam_from_world.translation().x() = 0.1 * i;
@@ -124,7 +124,7 @@ BenchInput MakeInput(const InputSource& source, const InputSize& size) {
 
 Adam SteadyAdam(int64_t n) {
   Adam adam(n);
-  adam.v.ForEach([](const char*, Tensor& t) { t.fill_(1); });
+  adam.v.ForEach([](const char*, Buffer<float>& t) { t.fill_(1); });
   adam.step = 100'000;  // no bias is left to correct
   return adam;
 }

@@ -10,9 +10,9 @@
 namespace oraclegs {
 namespace {
 
-bool SameBits(const Tensor& a, const Tensor& b) {
-  return a.numel() == b.numel() &&
-         std::memcmp(a.data_ptr<float>(), b.data_ptr<float>(), a.numel() * sizeof(float)) == 0;
+bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
+  return a.count() == b.count() &&
+         std::memcmp(a.data(), b.data(), a.count() * sizeof(float)) == 0;
 }
 
 struct Rendered {
@@ -27,7 +27,7 @@ Rendered RenderWith(int threads, const BenchInput& input, const TrainView& view,
   r.grads = Gaussians::Zeros(input.gaussians.size());
   const RenderOutput out = rasterizer->Forward(input.gaussians, view.camera,
                                                {input.background, kMaxShDegree, input.antialiased}, RenderPass::kTrain);
-  r.images = {out.image.clone(), out.alpha.clone(), out.inv_depth.clone()};
+  r.images = {out.image.Clone(), out.alpha.Clone(), out.inv_depth.Clone()};
   rasterizer->Backward(input.gaussians, {view.image, {}, {}}, &r.grads);  // any upstream gradient serves
   r.timings = rasterizer->timings();
   SetNumThreads(0);
@@ -37,9 +37,9 @@ Rendered RenderWith(int threads, const BenchInput& input, const TrainView& view,
 bool SameBits(const Rendered& a, const Rendered& b) {
   bool same = SameBits(a.images.image, b.images.image) && SameBits(a.images.alpha, b.images.alpha) &&
               SameBits(a.images.inv_depth, b.images.inv_depth);
-  std::vector<Tensor> of_a, of_b;
-  a.grads.ForEach([&](const char*, const Tensor& t) { of_a.push_back(t); });
-  b.grads.ForEach([&](const char*, const Tensor& t) { of_b.push_back(t); });
+  std::vector<Buffer<float>> of_a, of_b;
+  a.grads.ForEach([&](const char*, const Buffer<float>& t) { of_a.push_back(t); });
+  b.grads.ForEach([&](const char*, const Buffer<float>& t) { of_b.push_back(t); });
   for (size_t i = 0; i < of_a.size(); ++i) same = same && SameBits(of_a[i], of_b[i]);
   return same;
 }
@@ -48,7 +48,7 @@ bool SameBits(const Rendered& a, const Rendered& b) {
 
 void MeasureThreads(benchmark::State& state, const Case& c) {
   const BenchInput input = MakeInput(c.source, c.size);
-  const auto rasterizer = MakeRasterizer(torch::kCPU);
+  const auto rasterizer = MakeRasterizer(kCpu);
   RenderWith(0, input, input.views.front(), rasterizer.get());  // buffers get their size
   std::vector<double> forward_1, forward_all, backward_1, backward_all, forward_ratio, backward_ratio;
   bool same = true;

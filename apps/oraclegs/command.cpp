@@ -1,6 +1,5 @@
 #include "command.h"
 
-#include <torch/types.h>
 
 #include <ATen/Parallel.h>
 

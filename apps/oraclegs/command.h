@@ -17,10 +17,10 @@ struct OutputOptions {
   bool quiet = false;
   bool verbose = false;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("quiet", quiet, "Print warnings and errors only");
-    visit("verbose", verbose, "Also print the options in force");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("quiet", self.quiet, "Print warnings and errors only");
+    visit("verbose", self.verbose, "Also print the options in force");
   }
 };
 
@@ -28,10 +28,10 @@ struct WorkspaceOptions {
   std::filesystem::path out;
   bool overwrite = false;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("out", out, "Workspace: the folder that receives all results; a run that was stopped there is continued");
-    visit("overwrite", overwrite, "Start anew: remove what an earlier run left in the workspace");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("out", self.out, "Workspace: the folder that receives all results; a run that was stopped there is continued");
+    visit("overwrite", self.overwrite, "Start anew: remove what an earlier run left in the workspace");
   }
 };
 

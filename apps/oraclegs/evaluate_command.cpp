@@ -9,9 +9,9 @@ namespace {
 struct EvaluateOptions {
   bool oracle = false;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("check-oracle", oracle,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("check-oracle", self.oracle,
           "Instead measure how right the confidence of the run's proposals is, on photographs taken from their poses "
           "that neither train nor test (--trajectory dataset)");
   }

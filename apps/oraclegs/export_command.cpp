@@ -8,9 +8,9 @@ namespace {
 struct ExportFile {
   std::filesystem::path out;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("out", out, "The .ply file to write");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("out", self.out, "The .ply file to write");
   }
 };
 

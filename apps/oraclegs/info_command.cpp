@@ -9,9 +9,9 @@ namespace {
 struct InfoOptions {
   bool json = false;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("json", json, "Print JSON instead of lines");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("json", self.json, "Print JSON instead of lines");
   }
 };
 

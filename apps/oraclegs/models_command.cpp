@@ -12,9 +12,9 @@ namespace {
 struct CheckFileOptions {
   std::filesystem::path file;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("file", file, "File to check in place of the one that `fetch` brings");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("file", self.file, "File to check in place of the one that `fetch` brings");
   }
 };
 

@@ -11,9 +11,9 @@ namespace oraclegs {
 struct ModelOptions {
   std::filesystem::path ply;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("ply", ply,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("ply", self.ply,
           "Point cloud to use, of any 3DGS trainer; needed with a scene, in place of the run's own otherwise");
   }
 };
@@ -21,9 +21,9 @@ struct ModelOptions {
 struct OutOptions {
   std::filesystem::path out;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("out", out, "Folder that receives the results");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("out", self.out, "Folder that receives the results");
   }
 };
 

@@ -16,14 +16,14 @@ struct TestOptions {
   std::filesystem::path folder = "out";
   std::vector<std::string> names = {"a", "b"};
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("views", views, "Training views", Range{0, 100});
-    visit("rate", rate, "Learning rate", Range{0, 1});
-    visit("order", order, "Order of the views", Choice{{"name", "time"}});
-    visit("fast", fast, "Be fast");
-    visit("folder", folder, "Where to write");
-    visit("names", names, "Names");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("views", self.views, "Training views", Range{0, 100});
+    visit("rate", self.rate, "Learning rate", Range{0, 1});
+    visit("order", self.order, "Order of the views", Choice{{"name", "time"}});
+    visit("fast", self.fast, "Be fast");
+    visit("folder", self.folder, "Where to write");
+    visit("names", self.names, "Names");
   }
 };
 

@@ -31,20 +31,20 @@ Gaussians RedBlob() {
   return g;
 }
 
-ImageF ToImageF(const Tensor& t) {
+ImageF ToImageF(const Buffer<float>& t) {
   ImageF image;
   image.height = static_cast<int>(t.size(0)), image.width = static_cast<int>(t.size(1)), image.channels = 3;
-  image.data.assign(t.data_ptr<float>(), t.data_ptr<float>() + t.numel());
+  image.data.assign(t.data(), t.data() + t.count());
   return image;
 }
 
 const RenderOptions kOnGrey{{0.5f, 0.5f, 0.5f}};
 
-Tensor Rendered(const Gaussians& g) {
-  return MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(), kOnGrey, RenderPass::kInference).image.clone();
+Buffer<float> Rendered(const Gaussians& g) {
+  return MakeRasterizer(kCpu)->Forward(g, FrontCamera(), kOnGrey, RenderPass::kInference).image.Clone();
 }
 
-LoadedView PhotoOf(const std::string& name, const Tensor& image) {
+LoadedView PhotoOf(const std::string& name, const Buffer<float>& image) {
   LoadedView photo;
   photo.name = name;
   photo.camera = FrontCamera();
@@ -63,8 +63,8 @@ TEST(Evaluate, ItsOwnRenderIsPerfect) {
 
 TEST(Evaluate, AveragesViewsAndHonoursMasks) {
   const Gaussians g = RedBlob();
-  const Tensor image = Quantized(Rendered(g));
-  const Tensor brighter = Quantized(image + 0.1f), spoilt = brighter.clone();
+  const Buffer<float> image = Quantized(Rendered(g));
+  const Buffer<float> brighter = Quantized(image + 0.1f), spoilt = brighter.Clone();
   spoilt.slice(0, 0, 10).fill_(0);
   LoadedView masked = PhotoOf("b.png", spoilt);
   masked.mask.assign(40 * 30, 1);
@@ -72,7 +72,7 @@ TEST(Evaluate, AveragesViewsAndHonoursMasks) {
   const TestMetrics metrics = Evaluate(g, {PhotoOf("a.png", brighter), masked}, kOnGrey, {}, Silent());
   ASSERT_EQ(metrics.views.size(), 2u);
   EXPECT_EQ(metrics.views[1].name, "b.png");
-  EXPECT_NEAR(metrics.views[0].psnr, Psnr(image.contiguous(), brighter), 1e-9);
+  EXPECT_NEAR(metrics.views[0].psnr, Psnr(image, brighter), 1e-9);
   EXPECT_NEAR(metrics.views[1].psnr, metrics.views[0].psnr, 0.5);
   EXPECT_NEAR(metrics.psnr, (metrics.views[0].psnr + metrics.views[1].psnr) / 2, 1e-9);
   EXPECT_NEAR(metrics.ssim, (metrics.views[0].ssim + metrics.views[1].ssim) / 2, 1e-9);
@@ -89,7 +89,7 @@ TEST(Evaluate, AFullyMaskedViewIsToldAndNotScored) {
     if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
     steps += std::holds_alternative<StepDone>(event) ? 1 : 0;
   };
-  const TestMetrics metrics = Evaluate(g, {masked, PhotoOf("a.png", torch::zeros({30, 40, 3}))}, kOnGrey, {}, listener);
+  const TestMetrics metrics = Evaluate(g, {masked, PhotoOf("a.png", Buffer<float>::Zeros({30, 40, 3}))}, kOnGrey, {}, listener);
   EXPECT_EQ(metrics.views.size(), 1u);
   EXPECT_TRUE(std::isfinite(metrics.psnr));
   ASSERT_EQ(warnings.size(), 1u);
@@ -101,7 +101,7 @@ TEST(Evaluate, AFullyMaskedViewIsToldAndNotScored) {
 PictureScores Differing() {
   PictureScores scores;
   scores.conventions = {{"differing", "share of the values that differ"}};
-  scores.of = [](const Tensor& a, const Tensor& b) {
+  scores.of = [](const Buffer<float>& a, const Buffer<float>& b) {
     return std::map<std::string, double>{{"differing", (a != b).to(torch::kDouble).mean().item<double>()}};
   };
   return scores;
@@ -109,7 +109,7 @@ PictureScores Differing() {
 
 TEST(Evaluate, AsksFurtherScoresWhichSeeThePhotoWhereItIsMasked) {
   const Gaussians g = RedBlob();
-  const Tensor image = Quantized(Rendered(g)), spoilt = image.clone();
+  const Buffer<float> image = Quantized(Rendered(g)), spoilt = image.Clone();
   spoilt.slice(0, 0, 15) += 0.5f - spoilt.slice(0, 0, 15);
   LoadedView masked = PhotoOf("b.png", spoilt);
   masked.mask.assign(40 * 30, 1);
@@ -129,7 +129,7 @@ TEST(Evaluate, LeavesScoresOutForWhichAPhotoIsTooSmall) {
   PictureScores scores = Differing();
   scores.smallest_side = 31;
   std::vector<std::string> warnings;
-  const TestMetrics metrics = Evaluate(RedBlob(), {PhotoOf("a.png", torch::zeros({30, 40, 3}))}, kOnGrey, {"", scores},
+  const TestMetrics metrics = Evaluate(RedBlob(), {PhotoOf("a.png", Buffer<float>::Zeros({30, 40, 3}))}, kOnGrey, {"", scores},
                                        [&](const Event& event) {
                                          if (const auto* w = std::get_if<Warning>(&event)) warnings.push_back(w->text);
                                        });
@@ -140,7 +140,7 @@ TEST(Evaluate, LeavesScoresOutForWhichAPhotoIsTooSmall) {
 TEST(Evaluate, WritesRendersBesideTheTruth) {
   const TempDir dir;
   const Gaussians g = RedBlob();
-  Evaluate(g, {PhotoOf("left/0001.jpg", torch::full({30, 40, 3}, 0.2f))}, kOnGrey, dir / "renders", Silent());
+  Evaluate(g, {PhotoOf("left/0001.jpg", Buffer<float>::Full({30, 40, 3}, 0.2f))}, kOnGrey, dir / "renders", Silent());
   const Image8 render = ReadImage(dir / "renders" / "left_0001.png");
   const Image8 truth = ReadImage(dir / "renders" / "left_0001_gt.png");
   EXPECT_EQ(render.data, ToImage8(Rendered(g)).data);
@@ -150,7 +150,7 @@ TEST(Evaluate, WritesRendersBesideTheTruth) {
 
 TEST(Evaluate, ViewsOfOneStemDoNotOverwriteEachOther) {
   const TempDir dir;
-  const auto grey = [](const char* name, float value) { return PhotoOf(name, torch::full({30, 40, 3}, value)); };
+  const auto grey = [](const char* name, float value) { return PhotoOf(name, Buffer<float>::Full({30, 40, 3}, value)); };
   Evaluate(RedBlob(), {grey("1.jpg", 0.2f), grey("1.png", 0.4f)}, kOnGrey, dir.path(), Silent());
   EXPECT_EQ(ReadImage(dir / "1_jpg_gt.png").data[0], 51);
   EXPECT_EQ(ReadImage(dir / "1_png_gt.png").data[0], 102);
@@ -158,12 +158,12 @@ TEST(Evaluate, ViewsOfOneStemDoNotOverwriteEachOther) {
 
 TEST(Evaluate, StopsWhenAsked) {
   RequestInterrupt(true);
-  EXPECT_THROW(Evaluate(RedBlob(), {PhotoOf("a", torch::zeros({30, 40, 3}))}, kOnGrey, {}, Silent()), Interrupted);
+  EXPECT_THROW(Evaluate(RedBlob(), {PhotoOf("a", Buffer<float>::Zeros({30, 40, 3}))}, kOnGrey, {}, Silent()), Interrupted);
   RequestInterrupt(false);
 }
 
 TEST(Evaluate, WithoutAnyPixelToScoreTheMeansAreNullNotZero) {
-  LoadedView masked = PhotoOf("nothing.png", torch::zeros({30, 40, 3}));
+  LoadedView masked = PhotoOf("nothing.png", Buffer<float>::Zeros({30, 40, 3}));
   masked.mask.assign(40 * 30, 0);
   for (const auto& photos : {std::vector<LoadedView>{}, std::vector<LoadedView>{masked}}) {
     const TestMetrics metrics = Evaluate(RedBlob(), photos, kOnGrey, {}, Silent());
@@ -183,12 +183,12 @@ TEST(EvaluateToJson, HasTheKeysOfMetricsJson) {
 }
 
 TEST(ImageConversion, RoundTripsAndRefusesOtherChannels) {
-  const Tensor image = Quantized(torch::rand({7, 9, 3}));
-  const Tensor back = ToTensor(ToFloat(ToImage8(image)));
+  const Buffer<float> image = Quantized(torch::rand({7, 9, 3}));
+  const Buffer<float> back = ToTensor(ToFloat(ToImage8(image)));
   EXPECT_LT(MaxAbsError(back, image), 1e-7);
   EXPECT_THROW(ToTensor(ImageF{2, 2, 1, std::vector<float>(4)}), ShapeError);
-  EXPECT_THROW(ToImage8(torch::zeros({4, 4})), ShapeError);
-  const Tensor wild = torch::tensor({{{-3.f, 0.5f, 9.f}}});
+  EXPECT_THROW(ToImage8(Buffer<float>::Zeros({4, 4})), ShapeError);
+  const Buffer<float> wild = torch::tensor({{{-3.f, 0.5f, 9.f}}});
   EXPECT_EQ(ToImage8(wild).data, (std::vector<uint8_t>{0, 128, 255}));
 }
 

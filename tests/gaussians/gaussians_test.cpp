@@ -11,14 +11,14 @@ TEST(Gaussians, FreshOnesPassTheirOwnCheck) {
     g.Check("test");
     Gaussians::Empty(n).Check("test");
     EXPECT_EQ(g.size(), n);
-    g.ForEach([](const char*, const Tensor& t) { EXPECT_EQ(t.abs().sum().item<float>(), 0); });
+    g.ForEach([](const char*, const Buffer<float>& t) { EXPECT_EQ(t.abs().sum().item<float>(), 0); });
   }
   EXPECT_EQ(Gaussians().size(), 0);
 }
 
 TEST(Gaussians, NamesComeInTheOrderOfTheCheckpoint) {
   std::vector<std::string> names;
-  Gaussians::Zeros(2).ForEach([&](const char* name, const Tensor&) { names.push_back(name); });
+  Gaussians::Zeros(2).ForEach([&](const char* name, const Buffer<float>&) { names.push_back(name); });
   EXPECT_EQ(names, (std::vector<std::string>{"means", "log_scales", "quats", "opacity_logits", "sh"}));
 }
 
@@ -32,10 +32,10 @@ TEST(Gaussians, CheckNamesTheCallerAndTheTensor) {
     return "no error";
   };
   Gaussians g = Gaussians::Zeros(5);
-  g.quats = torch::zeros({5, 3});
+  g.quats = Buffer<float>::Zeros({5, 3});
   EXPECT_NE(message(g).find("Caller: quats is [5, 3]"), std::string::npos) << message(g);
   g = Gaussians::Zeros(5);
-  g.sh = torch::zeros({4, 16, 3});
+  g.sh = Buffer<float>::Zeros({4, 16, 3});
   EXPECT_NE(message(g).find("Caller: sh is [4, 16, 3]"), std::string::npos);
   g = Gaussians::Zeros(5);
   g.means = g.means.to(torch::kDouble);

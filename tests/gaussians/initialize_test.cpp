@@ -118,7 +118,7 @@ TEST(MeanSquaredNeighborDistance, HasAFloorAndRefusesWhatIsNotFinite) {
 }
 
 TEST(MeanSquaredNeighborDistance, NoOtherDeviceStandsInForOneThatCannotBeUsed) {
-  EXPECT_THROW(MeanSquaredNeighborDistance({{0, 0, 0}, {2, 0, 0}}, torch::Device(torch::kXLA)), UsageError);
+  EXPECT_THROW(MeanSquaredNeighborDistance({{0, 0, 0}, {2, 0, 0}}, Device(torch::kXLA)), UsageError);
 }
 
 TEST(InitializeGaussians, FollowsTheSpecification) {

@@ -19,15 +19,15 @@ using testing::HasSubstr;
 Gaussians RandomGaussians(int64_t n) {
   torch::manual_seed(2);
   Gaussians g = Gaussians::Empty(n);
-  g.ForEach([](const char*, Tensor& t) { t.normal_(); });
+  g.ForEach([](const char*, Buffer<float>& t) { t.normal_(); });
   return g;
 }
 
 void ExpectSameBits(const Gaussians& a, const Gaussians& b) {
-  std::vector<Tensor> left;
-  a.ForEach([&](const char*, const Tensor& t) { left.push_back(t); });
+  std::vector<Buffer<float>> left;
+  a.ForEach([&](const char*, const Buffer<float>& t) { left.push_back(t); });
   size_t i = 0;
-  b.ForEach([&](const char* name, const Tensor& t) { EXPECT_TRUE(torch::equal(left[i++], t)) << name; });
+  b.ForEach([&](const char* name, const Buffer<float>& t) { EXPECT_TRUE(torch::equal(left[i++], t)) << name; });
 }
 
 /// The message of the InputError that reading gives.
@@ -60,8 +60,8 @@ TEST_F(GaussianPlyFile, RoundTripsBitsAtEveryDegree) {
     const GaussianPly read = ReadGaussianPly(path_);
     EXPECT_EQ(read.sh_degree, degree);
     Gaussians expected = g;
-    expected.sh = g.sh.clone();
-    expected.sh.slice(1, ShCount(degree)).zero_();
+    expected.sh = g.sh.Clone();
+    expected.sh.slice(1, ShCount(degree)).SetZero();
     ExpectSameBits(read.gaussians, expected);
   }
 }
@@ -170,7 +170,7 @@ TEST_F(GaussianPlyFile, RefusesNumbersThatWouldPoisonARender) {
     EXPECT_THAT(ReadError(path_), HasSubstr("scale_1 of vertex 3"));
   }
   Gaussians g = RandomGaussians(5);
-  g.quats[4].zero_();
+  g.quats[4].SetZero();
   WriteGaussianPly(path_, g);
   EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
 }
@@ -218,7 +218,7 @@ TEST_F(GaussianPlyFile, WriterRefusesWrongShapesAndUnwritablePlaces) {
   Gaussians g = RandomGaussians(3);
   EXPECT_THROW(WriteGaussianPly(path_, g, 4), ShapeError);
   EXPECT_THROW(WriteGaussianPly(dir_.path(), g, 0), RunError);
-  g.sh = torch::zeros({3, 9, 3});
+  g.sh = Buffer<float>::Zeros({3, 9, 3});
   EXPECT_THROW(WriteGaussianPly(path_, g), ShapeError);
   EXPECT_FALSE(std::filesystem::exists(path_));
 }

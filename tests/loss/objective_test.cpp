@@ -10,24 +10,24 @@ namespace oraclegs {
 namespace {
 
 /// Golden pictures are [3,H,W].
-Tensor Interleaved(const Tensor& planes) { return planes.permute({1, 2, 0}).contiguous(); }
+Buffer<float> Interleaved(const Buffer<float>& planes) { return planes.permute({1, 2, 0}); }
 
 class ObjectiveGoldenTest : public testing::Test {
  protected:
   double Number(const std::string& name) const { return GoldenTensor(file, name).item<double>(); }
-  Tensor Picture(const std::string& name) const { return Interleaved(GoldenTensor(file, name)); }
+  Buffer<float> Picture(const std::string& name) const { return Interleaved(GoldenTensor(file, name)); }
 
   const SafetensorsFile file = OpenGolden("ssim");
-  const Tensor render = Interleaved(GoldenFloat(file, "render"));
-  const Tensor target = Interleaved(GoldenFloat(file, "target"));
-  const Tensor confidence = GoldenFloat(file, "confidence");
-  Tensor grad = torch::full_like(render, std::nanf(""));  // every entry must be written
+  const Buffer<float> render = Interleaved(GoldenFloat(file, "render"));
+  const Buffer<float> target = Interleaved(GoldenFloat(file, "target"));
+  const Buffer<float> confidence = GoldenFloat(file, "confidence");
+  Buffer<float> grad = torch::full_like(render, std::nanf(""));  // every entry must be written
 };
 
 /// A stand-in that is easy to differentiate: mean (render - target)^2.
-double MeanSquare(const Tensor& render, const Tensor& target, double weight, Tensor* grad) {
-  const Tensor difference = render - target;
-  if (grad != nullptr && grad->defined()) *grad += 2 * weight / static_cast<double>(render.numel()) * difference;
+double MeanSquare(const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad) {
+  const Buffer<float> difference = render - target;
+  if (grad != nullptr && grad->defined()) *grad += 2 * weight / static_cast<double>(render.count()) * difference;
   return difference.to(torch::kDouble).square().mean().item<double>();
 }
 
@@ -53,15 +53,15 @@ TEST_F(ObjectiveGoldenTest, WithoutLpipsItsShareGoesToL1) {
 
 TEST_F(ObjectiveGoldenTest, LpipsIsWeighedByTheMeanConfidence) {
   const double mean = confidence.to(torch::kDouble).mean().item<double>();
-  const Tensor difference = (render - target).to(torch::kDouble);
+  const Buffer<float> difference = (render - target).to(torch::kDouble);
   const double square = difference.square().mean().item<double>();
   Objective objective({}, MeanSquare);
   EXPECT_NEAR(objective.Proposal(render, target, confidence, &grad), Number("loss_proposal") + 0.3 * mean * square,
               2e-6);
-  const Tensor pull = 0.3 * mean * 2 / static_cast<double>(render.numel()) * difference;
+  const Buffer<float> pull = 0.3 * mean * 2 / static_cast<double>(render.count()) * difference;
   EXPECT_LE(RelativeL2(grad, Picture("grad_loss_proposal") + pull), 5e-5);
 
-  Tensor none;
+  Buffer<float> none;
   EXPECT_NEAR(objective.Proposal(render, target, {}, &none),
               0.4 * Number("l1") + 0.3 * (1 - Number("ssim")) + 0.3 * square, 2e-6);
 }
@@ -69,13 +69,13 @@ TEST_F(ObjectiveGoldenTest, LpipsIsWeighedByTheMeanConfidence) {
 TEST_F(ObjectiveGoldenTest, TheFactorIsOfAProposalsWholeLoss) {
   ObjectiveWeights weights;
   Objective one(weights, MeanSquare);
-  Tensor expected = torch::empty_like(render);
+  Buffer<float> expected = Buffer<float>::Empty(render.shape());
   const double loss = one.Proposal(render, target, confidence, &expected);
   weights.proposal = 2.5;
   Objective more(weights, MeanSquare);
   EXPECT_NEAR(more.Proposal(render, target, confidence, &grad), 2.5 * loss, 1e-6);
   EXPECT_LE(RelativeL2(grad, 2.5 * expected.to(torch::kDouble)), 1e-6);
-  Tensor none;
+  Buffer<float> none;
   EXPECT_EQ(more.Photograph(render, target, {}, &none), one.Photograph(render, target, {}, &none));
   weights.proposal = 0;
   EXPECT_EQ(Objective(weights, MeanSquare).Proposal(render, target, confidence, &grad), 0);
@@ -94,12 +94,12 @@ TEST_F(ObjectiveGoldenTest, AProposalWithoutConfidenceNeitherCostsNorPullsNorAsk
 }
 
 TEST_F(ObjectiveGoldenTest, WhatAMaskHidesHasNoSay) {
-  Tensor mask = torch::ones_like(confidence);
-  mask.narrow(1, 20, 10).zero_();
-  Tensor other = render.clone(), none;
+  Buffer<float> mask = torch::ones_like(confidence);
+  mask.narrow(1, 20, 10).SetZero();
+  Buffer<float> other = render.Clone(), none;
   other.narrow(1, 20, 10).fill_(9);
   Objective objective({});
-  Tensor expected = torch::empty_like(render);
+  Buffer<float> expected = Buffer<float>::Empty(render.shape());
   const double loss = objective.Photograph(render, target, mask, &expected);
   EXPECT_EQ(objective.Photograph(other, target, mask, &grad), loss);
   EXPECT_EQ(objective.Photograph(other, target, mask, &none), loss);
@@ -109,12 +109,12 @@ TEST_F(ObjectiveGoldenTest, WhatAMaskHidesHasNoSay) {
 }
 
 TEST(ObjectiveTest, RefusesWhatDoesNotFit) {
-  const Tensor image = torch::rand({8, 9, 3});
-  Tensor none;
-  EXPECT_THROW(Objective({}).Photograph(image, image, torch::ones({9, 8}), &none), ShapeError);
-  EXPECT_THROW(Objective({}).Photograph(image, torch::rand({9, 8, 3}), torch::ones({8, 9}), &none), ShapeError);
-  EXPECT_THROW(Objective({}).Photograph(torch::rand({8, 9}), image, torch::ones({8, 9}), &none), ShapeError);
-  EXPECT_THROW(Objective({}).Proposal(image, image, torch::ones({9, 8}), &none), ShapeError);
+  const Buffer<float> image = torch::rand({8, 9, 3});
+  Buffer<float> none;
+  EXPECT_THROW(Objective({}).Photograph(image, image, Buffer<float>::Full({9, 8}, 1.f), &none), ShapeError);
+  EXPECT_THROW(Objective({}).Photograph(image, torch::rand({9, 8, 3}), Buffer<float>::Full({8, 9}, 1.f), &none), ShapeError);
+  EXPECT_THROW(Objective({}).Photograph(torch::rand({8, 9}), image, Buffer<float>::Full({8, 9}, 1.f), &none), ShapeError);
+  EXPECT_THROW(Objective({}).Proposal(image, image, Buffer<float>::Full({9, 8}, 1.f), &none), ShapeError);
   try {
     Objective({0.2, 0.75, 0.5, 1});
     ADD_FAILURE() << "shares of more than 1 were accepted";

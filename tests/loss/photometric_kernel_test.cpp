@@ -14,7 +14,7 @@ namespace oraclegs {
 namespace {
 
 /// [3,H,W] as stored to [H,W,3] as used.
-Tensor Interleaved(const Tensor& planar) { return planar.permute({1, 2, 0}).contiguous(); }
+Buffer<float> Interleaved(const Buffer<float>& planar) { return planar.permute({1, 2, 0}); }
 
 std::vector<int64_t> MachineTargets() {
   std::vector<int64_t> targets;
@@ -38,17 +38,17 @@ class PhotometricGolden : public testing::TestWithParam<int64_t> {
 
   /// Runs the loss and holds gradient and value to the file's.
   PhotometricValue Run(const PhotometricWeights& weights, bool weighted, const std::string& gradient) const {
-    Tensor grad = torch::empty_like(render_);
+    Buffer<float> grad = Buffer<float>::Empty(render_.shape());
     const PhotometricValue value =
-        PhotometricLoss()(render_, target_, weighted ? confidence_ : Tensor(), weights, &grad);
-    const Tensor expected = Interleaved(GoldenTensor(OpenGolden("ssim"), gradient));
+        PhotometricLoss()(render_, target_, weighted ? confidence_ : Buffer<float>(), weights, &grad);
+    const Buffer<float> expected = Interleaved(GoldenTensor(OpenGolden("ssim"), gradient));
     EXPECT_LT(RelativeL2(grad, expected), 5e-5) << gradient;
     return value;
   }
 
   double Golden(const std::string& name) const { return GoldenTensor(OpenGolden("ssim"), name).item<double>(); }
 
-  Tensor render_, target_, confidence_;
+  Buffer<float> render_, target_, confidence_;
 };
 
 TEST_P(PhotometricGolden, ValuesAndGradients) {
@@ -61,7 +61,7 @@ TEST_P(PhotometricGolden, ValuesAndGradients) {
 }
 
 TEST_P(PhotometricGolden, Map) {
-  const Tensor expected = Interleaved(GoldenTensor(OpenGolden("ssim"), "ssim_map"));
+  const Buffer<float> expected = Interleaved(GoldenTensor(OpenGolden("ssim"), "ssim_map"));
   EXPECT_LT(MaxAbsError(SsimMap(render_, target_), expected), 1e-4);
 }
 
@@ -70,13 +70,13 @@ INSTANTIATE_TEST_SUITE_P(Targets, PhotometricGolden, testing::ValuesIn(MachineTa
 
 TEST(PhotometricThreads, SameBitsForAnyNumber) {
   torch::manual_seed(3);
-  const Tensor render = torch::rand({203, 307, 3}), target = torch::rand({203, 307, 3});
-  const Tensor confidence = torch::rand({203, 307});
+  const Buffer<float> render = torch::rand({203, 307, 3}), target = torch::rand({203, 307, 3});
+  const Buffer<float> confidence = torch::rand({203, 307});
   double loss = 0;
-  Tensor first, map;
+  Buffer<float> first, map;
   for (const int threads : {1, 2, 3}) {
     SetNumThreads(threads);
-    Tensor grad = torch::empty_like(render);
+    Buffer<float> grad = Buffer<float>::Empty(render.shape());
     const PhotometricValue value = PhotometricLoss()(render, target, confidence, {}, &grad);
     if (threads == 1) {
       first = grad;
@@ -91,19 +91,19 @@ TEST(PhotometricThreads, SameBitsForAnyNumber) {
 }
 
 TEST(PhotometricTile, WritesOnlyItsOwnPixels) {
-  const Tensor render = torch::rand({40, 40, 3}), target = torch::rand({40, 40, 3});
-  Tensor grad = torch::full({40, 40, 3}, -5.f), whole = torch::empty({40, 40, 3});
+  const Buffer<float> render = torch::rand({40, 40, 3}), target = torch::rand({40, 40, 3});
+  Buffer<float> grad = Buffer<float>::Full({40, 40, 3}, -5.f), whole = torch::empty({40, 40, 3});
   photometric::Picture picture;
   picture.width = picture.height = 40;
-  picture.render = render.data_ptr<float>();
-  picture.target = target.data_ptr<float>();
-  picture.grad = grad.data_ptr<float>();
+  picture.render = render.data();
+  picture.target = target.data();
+  picture.grad = grad.data();
   picture.l1_scale = static_cast<float>(static_cast<double>(0.8f) / (3 * 40 * 40));
   picture.dssim_scale = static_cast<float>(static_cast<double>(0.2f) / (3 * 40 * 40));
   const auto scratch = std::make_unique<photometric::Scratch>();
   photometric::RunTile(picture, {7, 9, 26, 22}, scratch.get());
   PhotometricLoss()(render, target, {}, {}, &whole);
-  const auto inside = [](const Tensor& t) { return t.slice(0, 9, 22).slice(1, 7, 26); };
+  const auto inside = [](const Buffer<float>& t) { return t.slice(0, 9, 22).slice(1, 7, 26); };
   EXPECT_LT(MaxAbsError(inside(grad), inside(whole)), 1e-8);
   EXPECT_EQ((grad == -5).sum().item<int64_t>(), 3 * (40 * 40 - 13 * 19));
 }

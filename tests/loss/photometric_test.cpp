@@ -11,19 +11,19 @@ namespace oraclegs {
 namespace {
 
 struct Pair {
-  Tensor render, target, confidence;
+  Buffer<float> render, target, confidence;
 };
 
 Pair RandomPair(int64_t height, int64_t width, uint64_t seed) {
   torch::manual_seed(seed);
-  const Tensor target = torch::rand({height, width, 3});
-  const Tensor render = (target + 0.3 * torch::randn({height, width, 3})).contiguous();
+  const Buffer<float> target = torch::rand({height, width, 3});
+  const Buffer<float> render = (target + 0.3 * torch::randn({height, width, 3}));
   return {render, target, torch::rand({height, width})};
 }
 
 TEST(PhotometricLoss, IdenticalPicturesCostNothing) {
-  const Tensor image = torch::rand({33, 29, 3});
-  Tensor grad = torch::full({33, 29, 3}, 7.f);
+  const Buffer<float> image = torch::rand({33, 29, 3});
+  Buffer<float> grad = Buffer<float>::Full({33, 29, 3}, 7.f);
   const PhotometricValue value = PhotometricLoss()(image, image, {}, {}, &grad);
   EXPECT_EQ(value.l1, 0);
   EXPECT_NEAR(value.dssim, 0, 1e-6);
@@ -33,11 +33,11 @@ TEST(PhotometricLoss, IdenticalPicturesCostNothing) {
 TEST(PhotometricLoss, FlatPicturesHaveTheClosedForm) {
   // In the interior of two constant pictures all variances vanish: S = (2ab + C1) / (a^2 + b^2 + C1).
   const float a = 0.6f, b = 0.2f;
-  const Tensor map = SsimMap(torch::full({31, 31, 3}, a), torch::full({31, 31, 3}, b));
+  const Buffer<float> map = SsimMap(Buffer<float>::Full({31, 31, 3}, a), Buffer<float>::Full({31, 31, 3}, b));
   const double expected = (2 * a * b + 1e-4) / (a * a + b * b + 1e-4);
   EXPECT_NEAR(map[15][15][1].item<float>(), expected, 1e-4);
   const PhotometricValue value =
-      PhotometricLoss()(torch::full({31, 31, 3}, a), torch::full({31, 31, 3}, b), {}, {1.f, 0.f}, nullptr);
+      PhotometricLoss()(Buffer<float>::Full({31, 31, 3}, a), Buffer<float>::Full({31, 31, 3}, b), {}, {1.f, 0.f}, nullptr);
   EXPECT_NEAR(value.l1, 0.4, 1e-6);
   EXPECT_EQ(value.loss, value.l1);
 }
@@ -59,11 +59,11 @@ TEST_P(PhotometricSizes, GradientMatchesCentralDifferences) {
   const auto [height, width] = GetParam();
   const Pair p = RandomPair(height, width, 12);
   const PhotometricWeights weights{0.4f, 0.3f};
-  Tensor grad = torch::full({height, width, 3}, std::nanf(""));  // every entry must be written
+  Buffer<float> grad = torch::full({height, width, 3}, std::nanf(""));  // every entry must be written
   PhotometricLoss()(p.render, p.target, p.confidence, weights, &grad);
   ASSERT_TRUE(torch::isfinite(grad).all().item<bool>());
 
-  const Tensor direction = torch::randn({height, width, 3}, torch::kDouble);
+  const Buffer<float> direction = torch::randn({height, width, 3}, torch::kDouble);
   const auto loss_at = [&](double step) {
     const ReferencePhotometric r =
         ReferenceLoss(p.render.to(torch::kDouble) + step * direction, p.target, p.confidence);
@@ -82,12 +82,12 @@ INSTANTIATE_TEST_SUITE_P(Sizes, PhotometricSizes,
 
 TEST(PhotometricLoss, SinglePixelsOfTheGradientMatchCentralDifferences) {
   const Pair p = RandomPair(17, 23, 13);
-  Tensor grad = torch::empty_like(p.render);
+  Buffer<float> grad = Buffer<float>::Empty(p.render.shape());
   PhotometricLoss()(p.render, p.target, p.confidence, {0.8f, 0.2f}, &grad);
-  const Tensor base = p.render.to(torch::kDouble);
+  const Buffer<float> base = p.render.to(torch::kDouble);
   for (const auto& [y, x, c] : {std::array{0, 0, 0}, {16, 22, 2}, {8, 11, 1}, {0, 12, 2}, {15, 1, 0}}) {
     const auto loss_at = [&, y = y, x = x, c = c](double step) {
-      Tensor moved = base.clone();
+      Buffer<float> moved = base.Clone();
       moved[y][x][c] += step;
       const ReferencePhotometric r = ReferenceLoss(moved, p.target, p.confidence);
       return static_cast<double>(0.8f) * r.l1 + static_cast<double>(0.2f) * r.dssim;
@@ -99,23 +99,23 @@ TEST(PhotometricLoss, SinglePixelsOfTheGradientMatchCentralDifferences) {
 
 TEST(PhotometricLoss, NoConfidenceMeansFullConfidence) {
   const Pair p = RandomPair(50, 70, 14);
-  Tensor without = torch::empty_like(p.render), with = torch::empty_like(p.render);
+  Buffer<float> without = Buffer<float>::Empty(p.render.shape()), with = Buffer<float>::Empty(p.render.shape());
   const PhotometricValue a = PhotometricLoss()(p.render, p.target, {}, {}, &without);
-  const PhotometricValue b = PhotometricLoss()(p.render, p.target, torch::ones({50, 70}), {}, &with);
+  const PhotometricValue b = PhotometricLoss()(p.render, p.target, Buffer<float>::Full({50, 70}, 1.f), {}, &with);
   EXPECT_EQ(a.loss, b.loss);
   EXPECT_TRUE(torch::equal(without, with));
 }
 
 TEST(PhotometricLoss, PixelsFarFromAllConfidenceGetNoGradient) {
   const Pair p = RandomPair(40, 60, 15);
-  Tensor confidence = torch::zeros({40, 60});
+  Buffer<float> confidence = Buffer<float>::Zeros({40, 60});
   confidence.slice(1, 0, 20).fill_(1);
-  Tensor grad = torch::empty_like(p.render);
+  Buffer<float> grad = Buffer<float>::Empty(p.render.shape());
   const PhotometricValue value = PhotometricLoss()(p.render, p.target, confidence, {}, &grad);
   EXPECT_EQ(grad.slice(1, 25).abs().max().item<float>(), 0);  // the window reaches five pixels
   EXPECT_GT(grad.slice(1, 0, 20).abs().min().item<float>(), 0);
 
-  Tensor elsewhere = p.render.clone();
+  Buffer<float> elsewhere = p.render.Clone();
   elsewhere.slice(1, 25).fill_(0.5);
   EXPECT_EQ(PhotometricLoss()(elsewhere, p.target, confidence, {}, nullptr).loss, value.loss);
 }
@@ -123,7 +123,7 @@ TEST(PhotometricLoss, PixelsFarFromAllConfidenceGetNoGradient) {
 TEST(PhotometricLoss, ValueDoesNotDependOnWhetherTheGradientIsAsked) {
   const Pair p = RandomPair(60, 45, 16);
   PhotometricLoss loss;
-  Tensor grad = torch::empty_like(p.render), none;
+  Buffer<float> grad = Buffer<float>::Empty(p.render.shape()), none;
   const double with = loss(p.render, p.target, p.confidence, {}, &grad).loss;
   EXPECT_EQ(loss(p.render, p.target, p.confidence, {}, &none).loss, with);
   EXPECT_EQ(loss(p.render, p.target, p.confidence, {}, nullptr).loss, with);
@@ -131,17 +131,17 @@ TEST(PhotometricLoss, ValueDoesNotDependOnWhetherTheGradientIsAsked) {
 
 TEST(PhotometricLoss, BrightRendersStayFinite) {
   // A raw render is not clamped: rounding must not turn a variance negative.
-  const Tensor render = torch::full({30, 30, 3}, 300.f) + 0.01 * torch::rand({30, 30, 3});
-  Tensor grad = torch::empty({30, 30, 3});
-  const PhotometricValue value = PhotometricLoss()(render.contiguous(), torch::rand({30, 30, 3}), {}, {}, &grad);
+  const Buffer<float> render = Buffer<float>::Full({30, 30, 3}, 300.f) + 0.01 * torch::rand({30, 30, 3});
+  Buffer<float> grad = torch::empty({30, 30, 3});
+  const PhotometricValue value = PhotometricLoss()(render, torch::rand({30, 30, 3}), {}, {}, &grad);
   EXPECT_TRUE(std::isfinite(value.loss));
   EXPECT_TRUE(torch::isfinite(grad).all().item<bool>());
 }
 
 TEST(PhotometricLoss, RefusesTensorsThatDoNotFit) {
-  const Tensor image = torch::rand({8, 9, 3});
+  const Buffer<float> image = torch::rand({8, 9, 3});
   PhotometricLoss loss;
-  Tensor small = torch::empty({8, 8, 3});
+  Buffer<float> small = torch::empty({8, 8, 3});
   EXPECT_THROW(loss(image, torch::rand({9, 8, 3}), {}, {}, nullptr), ShapeError);
   EXPECT_THROW(loss(torch::rand({3, 8, 9}), torch::rand({3, 8, 9}), {}, {}, nullptr), ShapeError);
   EXPECT_THROW(loss(image, image, torch::rand({8, 8}), {}, nullptr), ShapeError);

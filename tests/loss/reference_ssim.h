@@ -4,19 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 
 namespace oraclegs {
 
 struct ReferencePhotometric {
   double l1 = 0, dssim = 0;
-  Tensor ssim;  ///< [H,W,3] float64
+  Buffer<float> ssim;  ///< [H,W,3] float64
 };
 
 /// render, target [H,W,3], confidence [H,W]; any floating type.
-inline ReferencePhotometric ReferenceLoss(const Tensor& render, const Tensor& target, const Tensor& confidence) {
-  const Tensor x = render.to(torch::kDouble).contiguous(), y = target.to(torch::kDouble).contiguous();
-  const Tensor u = confidence.to(torch::kDouble).contiguous();
+inline ReferencePhotometric ReferenceLoss(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence) {
+  const Buffer<float> x = render.to(torch::kDouble), y = target.to(torch::kDouble);
+  const Buffer<float> u = confidence.to(torch::kDouble);
   const int64_t height = x.size(0), width = x.size(1);
   double window[11], sum = 0;
   for (int i = 0; i < 11; ++i) sum += window[i] = std::exp(-(i - 5) * (i - 5) / (2 * 1.5 * 1.5));

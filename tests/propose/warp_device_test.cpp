@@ -10,7 +10,7 @@ namespace {
 TEST(WarpDevice, NoOtherDeviceStandsInForOneThatCannotBeUsed) {
   const std::vector<LoadedView> photos;
   const std::vector<DepthMap> maps;
-  EXPECT_THROW(MakeWarpDevice(torch::Device(torch::kXLA), {photos, maps}), UsageError);
+  EXPECT_THROW(MakeWarpDevice(Device(torch::kXLA), {photos, maps}), UsageError);
 }
 
 TEST(WarpDevice, RefusesPicturesOfDifferentSizes) {

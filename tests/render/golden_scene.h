@@ -14,7 +14,7 @@ struct GoldenScene {
   Camera camera;
   RenderOptions options;
   RenderGrads upstream;
-  Tensor visible;  ///< bool [N]: contributes to some pixel
+  Buffer<float> visible;  ///< bool [N]: contributes to some pixel
 
   GoldenScene() {
     gaussians = {GoldenFloat(file, "means"), GoldenFloat(file, "log_scales"), GoldenFloat(file, "quats"),

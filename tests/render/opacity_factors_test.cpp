@@ -16,21 +16,21 @@ RenderGrads Upstream() {
 }
 
 struct Rendered {
-  Tensor image, alpha, inv_depth;
+  Buffer<float> image, alpha, inv_depth;
   Gaussians grads;
   RenderStats stats;
 };
 
 Rendered Render(const Gaussians& g, const RenderOptions& options) {
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   const RenderOutput out = rasterizer->Forward(g, FrontCamera(kWidth, kHeight), options, RenderPass::kTrain);
-  Rendered r{out.image.clone(), out.alpha.clone(), out.inv_depth.clone(), Gaussians::Zeros(g.size()), {}};
+  Rendered r{out.image.Clone(), out.alpha.Clone(), out.inv_depth.Clone(), Gaussians::Zeros(g.size()), {}};
   rasterizer->Backward(g, Upstream(), &r.grads);
   r.stats = rasterizer->stats();
   return r;
 }
 
-RenderOptions Options(bool antialiased, const Tensor& factors) { return {{0.1f, 0.5f, 0.9f}, 3, antialiased, factors}; }
+RenderOptions Options(bool antialiased, const Buffer<float>& factors) { return {{0.1f, 0.5f, 0.9f}, 3, antialiased, factors}; }
 
 class OpacityFactors : public testing::TestWithParam<bool> {
  protected:
@@ -40,7 +40,7 @@ class OpacityFactors : public testing::TestWithParam<bool> {
 TEST_P(OpacityFactors, OnesChangeNoBit) {
   const Gaussians g = RandomGaussians(300, 0.1, 11);
   const Rendered without = Render(g, Options(antialiased, {})),
-                 with = Render(g, Options(antialiased, torch::ones({300})));
+                 with = Render(g, Options(antialiased, Buffer<float>::Full({300}, 1.f)));
   EXPECT_TRUE(torch::equal(with.image, without.image));
   EXPECT_TRUE(torch::equal(with.inv_depth, without.inv_depth));
   EXPECT_TRUE(torch::equal(with.grads.means, without.grads.means));
@@ -50,12 +50,12 @@ TEST_P(OpacityFactors, OnesChangeNoBit) {
 TEST_P(OpacityFactors, BelowOneAreLowerOpacities) {
   const Gaussians g = RandomGaussians(300, 0.1, 11);
   torch::manual_seed(2);
-  const Tensor factors = torch::rand({300}) * 0.98 + 0.01;
+  const Buffer<float> factors = torch::rand({300}) * 0.98 + 0.01;
   const Rendered scaled = Render(g, Options(antialiased, factors));
   Gaussians by_hand = g;
-  const Tensor opacity = torch::sigmoid(g.opacity_logits.to(torch::kDouble));
-  const Tensor product = opacity * factors;
-  by_hand.opacity_logits = torch::logit(product).to(torch::kFloat).contiguous();
+  const Buffer<float> opacity = torch::sigmoid(g.opacity_logits.to(torch::kDouble));
+  const Buffer<float> product = opacity * factors;
+  by_hand.opacity_logits = torch::logit(product).to(torch::kFloat);
   const Rendered expected = Render(by_hand, Options(antialiased, {}));
   EXPECT_LE(MaxAbsError(scaled.image, expected.image), 2e-5);
   EXPECT_LE(MaxAbsError(scaled.alpha, expected.alpha), 2e-5);
@@ -79,19 +79,19 @@ TEST_P(OpacityFactors, AboveOneMatchCentralDifferences) {
   const auto loss = [&] {
     const ReferenceImage out = scene.Render();
     double sum = 0;
-    for (size_t i = 0; i < out.image.size(); ++i) sum += up.image.data_ptr<float>()[i] * out.image[i];
+    for (size_t i = 0; i < out.image.size(); ++i) sum += up.image.data()[i] * out.image[i];
     for (size_t i = 0; i < out.alpha.size(); ++i) {
-      sum += up.alpha.data_ptr<float>()[i] * out.alpha[i] + up.inv_depth.data_ptr<float>()[i] * out.inv_depth[i];
+      sum += up.alpha.data()[i] * out.alpha[i] + up.inv_depth.data()[i] * out.inv_depth[i];
     }
     return sum;
   };
   const ReferenceImage reference = scene.Render();
   double worst = 0;
   for (size_t i = 0; i < reference.image.size(); ++i) {
-    worst = std::max(worst, std::abs(rendered.image.data_ptr<float>()[i] - reference.image[i]));
+    worst = std::max(worst, std::abs(rendered.image.data()[i] - reference.image[i]));
   }
   EXPECT_LE(worst, 3e-5);
-  const auto check = [&](const char* name, std::vector<double>& values, const Tensor& grad) {
+  const auto check = [&](const char* name, std::vector<double>& values, const Buffer<float>& grad) {
     const double scale = grad.abs().max().item<double>();
     for (size_t k = 0; k < values.size(); ++k) {
       double best = 1e30;  // of three steps: a pixel that crosses a threshold on the way is a jump, not a slope
@@ -100,7 +100,7 @@ TEST_P(OpacityFactors, AboveOneMatchCentralDifferences) {
         values[k] = keep + step;
         const double above = loss();
         values[k] = keep - step;
-        best = std::min(best, std::abs((above - loss()) / (2 * step) - grad.data_ptr<float>()[k]));
+        best = std::min(best, std::abs((above - loss()) / (2 * step) - grad.data()[k]));
         values[k] = keep;
       }
       EXPECT_LE(best, 2e-3 * scale) << name << " " << k;
@@ -113,16 +113,16 @@ TEST_P(OpacityFactors, AboveOneMatchCentralDifferences) {
 
 TEST_P(OpacityFactors, ZeroLeavesTheGaussianOut) {
   const Gaussians g = RandomGaussians(200, 0.1, 12);
-  Tensor factors = torch::ones({200});
-  factors.narrow(0, 50, 100).zero_();
+  Buffer<float> factors = Buffer<float>::Full({200}, 1.f);
+  factors.narrow(0, 50, 100).SetZero();
   const Rendered with = Render(g, Options(antialiased, factors));
   Gaussians rest = g;
-  rest.ForEach([](const char*, Tensor& t) { t = torch::cat({t.narrow(0, 0, 50), t.narrow(0, 150, 50)}).contiguous(); });
+  rest.ForEach([](const char*, Buffer<float>& t) { t = torch::cat({t.narrow(0, 0, 50), t.narrow(0, 150, 50)}); });
   const Rendered without = Render(rest, Options(antialiased, {}));
   EXPECT_TRUE(torch::equal(with.image, without.image));
   EXPECT_EQ(with.stats.visible, without.stats.visible);
   with.grads.ForEach(
-      [](const char* name, const Tensor& t) { EXPECT_EQ(t.narrow(0, 50, 100).abs().max().item<float>(), 0) << name; });
+      [](const char* name, const Buffer<float>& t) { EXPECT_EQ(t.narrow(0, 50, 100).abs().max().item<float>(), 0) << name; });
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, OpacityFactors, testing::Bool(),
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, OpacityFactors, testing::Bool(),
 
 TEST(OpacityFactorsTest, RefusesAnotherNumberOfThem) {
   const Gaussians g = RandomGaussians(20, 0.1, 12);
-  EXPECT_THROW(Render(g, Options(false, torch::ones({19}))), ShapeError);
+  EXPECT_THROW(Render(g, Options(false, Buffer<float>::Full({19}, 1.f))), ShapeError);
   EXPECT_THROW(Render(g, Options(false, torch::ones({20}, torch::kDouble))), ShapeError);
 }
 

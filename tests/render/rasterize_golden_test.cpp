@@ -9,12 +9,12 @@ namespace oraclegs {
 namespace {
 
 /// Row by row: |error| <= 0.02 (|ref| + 0.01 median |ref| over visible).
-void ExpectRowsAgree(const Tensor& x, const Tensor& ref, const Tensor& visible, const std::string& what) {
+void ExpectRowsAgree(const Buffer<float>& x, const Buffer<float>& ref, const Buffer<float>& visible, const std::string& what) {
   const int64_t n = ref.size(0);
-  const Tensor r = ref.reshape({n, -1});
-  const Tensor error = (x.to(torch::kDouble).reshape({n, -1}) - r).norm(2, {1}), norm = r.norm(2, {1});
+  const Buffer<float> r = ref.reshape({n, -1});
+  const Buffer<float> error = (x.to(torch::kDouble).reshape({n, -1}) - r).norm(2, {1}), norm = r.norm(2, {1});
   const double median = norm.index({visible}).median().item<double>();
-  const Tensor excess = error / (0.02 * (norm + 0.01 * median));
+  const Buffer<float> excess = error / (0.02 * (norm + 0.01 * median));
   EXPECT_LE(excess.max().item<double>(), 1.0) << what << ", Gaussian " << excess.argmax().item<int64_t>();
 }
 
@@ -29,7 +29,7 @@ TEST_P(RasterizeGolden, ImagesMatch) {
   GoldenScene f;
   f.Select(variant());
   const RenderOutput out =
-      MakeRasterizer(torch::kCPU)->Forward(f.gaussians, f.camera, f.options, RenderPass::kInference);
+      MakeRasterizer(kCpu)->Forward(f.gaussians, f.camera, f.options, RenderPass::kInference);
   EXPECT_LE(MaxAbsError(out.image, GoldenTensor(f.file, variant() + ".image")), 2e-5);
   EXPECT_LE(MaxAbsError(out.inv_depth, GoldenTensor(f.file, variant() + ".inv_depth")), 2e-5);
   EXPECT_LE(MaxAbsError(out.alpha, GoldenTensor(f.file, variant() + ".alpha")), 2e-5);
@@ -38,13 +38,13 @@ TEST_P(RasterizeGolden, ImagesMatch) {
 TEST_P(RasterizeGolden, GradientsMatch) {
   GoldenScene f;
   f.Select(variant());
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(f.gaussians, f.camera, f.options, RenderPass::kTrain);
   Gaussians grads = Gaussians::Zeros(f.gaussians.size());
   rasterizer->Backward(f.gaussians, f.upstream, &grads);
-  grads.ForEach([&](const char* name, const Tensor& grad) {
+  grads.ForEach([&](const char* name, const Buffer<float>& grad) {
     const std::string key = variant() + ".grad_" + name;
-    const Tensor ref = GoldenTensor(f.file, key);
+    const Buffer<float> ref = GoldenTensor(f.file, key);
     EXPECT_LE(RelativeL2(grad, ref), 2e-4) << key;
     EXPECT_LE(MaxAbsError(grad, ref), 4e-4 * ref.abs().max().item<double>()) << key;
     ExpectRowsAgree(grad, ref, f.visible, key);

@@ -7,16 +7,16 @@
 namespace oraclegs {
 namespace {
 
-double MaxError(const Tensor& x, const std::vector<double>& ref) {
-  const float* v = x.data_ptr<float>();
+double MaxError(const Buffer<float>& x, const std::vector<double>& ref) {
+  const float* v = x.data();
   double worst = 0;
   for (size_t i = 0; i < ref.size(); ++i) worst = std::max(worst, std::abs(v[i] - ref[i]));
   return worst;
 }
 
 /// Share of values further than `tolerance` from the reference: decisions at a threshold may fall the other way.
-double FlippedShare(const Tensor& x, const std::vector<double>& ref, double tolerance) {
-  const float* v = x.data_ptr<float>();
+double FlippedShare(const Buffer<float>& x, const std::vector<double>& ref, double tolerance) {
+  const float* v = x.data();
   int64_t flips = 0;
   for (size_t i = 0; i < ref.size(); ++i) flips += std::abs(v[i] - ref[i]) > tolerance;
   return static_cast<double>(flips) / static_cast<double>(ref.size());
@@ -37,11 +37,11 @@ TEST_P(RasterizeReference, AgreesWithTheSlowTwin) {
   const Gaussians g = RandomGaussians(c.gaussians, c.scale, 11);
   const Camera camera = FrontCamera(c.width, c.height);
   const RenderOptions options{{0.3f, 0.1f, 0.6f}, 3, c.antialiased};
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   const RenderOutput out = rasterizer->Forward(g, camera, options, RenderPass::kTrain);
   Gaussians grads = Gaussians::Empty(g.size());
-  rasterizer->Backward(g, {torch::ones({c.height, c.width, 3}), {}, {}}, &grads);
-  grads.ForEach([](const char* name, const Tensor& t) { EXPECT_TRUE(torch::isfinite(t).all().item<bool>()) << name; });
+  rasterizer->Backward(g, {Buffer<float>::Full({c.height, c.width, 3}, 1.f), {}, {}}, &grads);
+  grads.ForEach([](const char* name, const Buffer<float>& t) { EXPECT_TRUE(torch::isfinite(t).all().item<bool>()) << name; });
   const ReferenceImage ref = ReferenceScene(g, camera, options).Render();
   // One contributor at alpha = 1/255 weighs up to 0.4 % of a colour; anything larger is a mistake.
   EXPECT_LE(MaxError(out.image, ref.image), 0.02);
@@ -62,57 +62,57 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RasterizeReference,
 TEST(RasterizeClosedForm, OneGaussianIsItsFormula) {
   Gaussians g = Gaussians::Zeros(1);
   const double z = 4, scale = 0.3, opacity = 0.8;
-  g.means.data_ptr<float>()[2] = static_cast<float>(z);
+  g.means.data()[2] = static_cast<float>(z);
   g.log_scales.fill_(std::log(scale));
-  g.quats.data_ptr<float>()[0] = 2;  // any length is the identity
+  g.quats.data()[0] = 2;  // any length is the identity
   g.opacity_logits.fill_(std::log(opacity / (1 - opacity)));
   Camera camera;
   camera.width = 40, camera.height = 30;
   camera.fx = 50, camera.fy = 60, camera.cx = 19.5, camera.cy = 15.25;
   const RenderOutput out =
-      MakeRasterizer(torch::kCPU)->Forward(g, camera, {{1, 0, 0}, 0, false}, RenderPass::kInference);
+      MakeRasterizer(kCpu)->Forward(g, camera, {{1, 0, 0}, 0, false}, RenderPass::kInference);
   const double var_x = std::pow(50 / z * scale, 2) + 0.3, var_y = std::pow(60 / z * scale, 2) + 0.3;
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 40; ++x) {
       const double dx = x + 0.5 - 19.5, dy = y + 0.5 - 15.25;
       double alpha = opacity * std::exp(-0.5 * (dx * dx / var_x + dy * dy / var_y));
       if (alpha < 1.0 / 255) alpha = 0;
-      EXPECT_NEAR(out.alpha.data_ptr<float>()[y * 40 + x], alpha, 1e-5);
-      EXPECT_NEAR(out.inv_depth.data_ptr<float>()[y * 40 + x], alpha / z, 1e-5);
-      EXPECT_NEAR(out.image.data_ptr<float>()[3 * (y * 40 + x)], 0.5 * alpha + (1 - alpha), 1e-5);
-      EXPECT_NEAR(out.image.data_ptr<float>()[3 * (y * 40 + x) + 1], 0.5 * alpha, 1e-5);
+      EXPECT_NEAR(out.alpha.data()[y * 40 + x], alpha, 1e-5);
+      EXPECT_NEAR(out.inv_depth.data()[y * 40 + x], alpha / z, 1e-5);
+      EXPECT_NEAR(out.image.data()[3 * (y * 40 + x)], 0.5 * alpha + (1 - alpha), 1e-5);
+      EXPECT_NEAR(out.image.data()[3 * (y * 40 + x) + 1], 0.5 * alpha, 1e-5);
     }
   }
 }
 
 TEST(RasterizeClosedForm, OneColourStaysOneColour) {
   Gaussians g = RandomGaussians(500, 0.1, 5);
-  g.sh.zero_();
+  g.sh.SetZero();
   g.sh.select(1, 0).fill_((0.7 - 0.5) / 0.28209479177387814);
   const RenderOutput out =
-      MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(64, 48), {{0, 0, 0}, 3, false}, RenderPass::kInference);
+      MakeRasterizer(kCpu)->Forward(g, FrontCamera(64, 48), {{0, 0, 0}, 3, false}, RenderPass::kInference);
   EXPECT_LE(MaxAbsError(out.image, out.alpha.unsqueeze(-1).expand({48, 64, 3}) * 0.7), 1e-5);
 }
 
 TEST(RasterizeClosedForm, NothingInViewIsBackground) {
   Gaussians g = RandomGaussians(20, 0.1, 5);
   g.means.select(1, 2).neg_();
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   const RenderOutput out =
       rasterizer->Forward(g, FrontCamera(20, 20), {{0.2f, 0.4f, 0.6f}, 3, false}, RenderPass::kTrain);
   EXPECT_LE(MaxAbsError(out.image, torch::tensor({0.2f, 0.4f, 0.6f}).expand({20, 20, 3})), 0);
   EXPECT_EQ(rasterizer->stats().visible, 0);
   Gaussians grads = Gaussians::Zeros(20);
-  rasterizer->Backward(g, {torch::ones({20, 20, 3}), {}, {}}, &grads);
-  grads.ForEach([](const char*, const Tensor& t) { EXPECT_EQ(t.abs().sum().item<float>(), 0); });
+  rasterizer->Backward(g, {Buffer<float>::Full({20, 20, 3}, 1.f), {}, {}}, &grads);
+  grads.ForEach([](const char*, const Buffer<float>& t) { EXPECT_EQ(t.abs().sum().item<float>(), 0); });
 }
 
 TEST(RasterizeClosedForm, NoGaussiansAtAll) {
   const Gaussians none = Gaussians::Zeros(0);
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   const RenderOutput out = rasterizer->Forward(none, FrontCamera(17, 9), {{1, 1, 1}, 3, false}, RenderPass::kTrain);
   Gaussians grads = Gaussians::Zeros(0);
-  rasterizer->Backward(none, {torch::ones({9, 17, 3}), {}, {}}, &grads);
+  rasterizer->Backward(none, {Buffer<float>::Full({9, 17, 3}, 1.f), {}, {}}, &grads);
   EXPECT_EQ(out.image.min().item<float>(), 1);
   EXPECT_EQ(out.alpha.max().item<float>(), 0);
 }
@@ -126,7 +126,7 @@ TEST_P(RasterizeGradient, MatchesCentralDifferences) {
   const RenderOptions options{{0.1f, 0.5f, 0.9f}, 3, GetParam()};
   torch::manual_seed(1);
   const RenderGrads up{torch::randn({20, 24, 3}), torch::randn({20, 24}), torch::randn({20, 24})};
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(g, camera, options, RenderPass::kTrain);
   Gaussians grads = Gaussians::Zeros(g.size());
   rasterizer->Backward(g, up, &grads);
@@ -135,13 +135,13 @@ TEST_P(RasterizeGradient, MatchesCentralDifferences) {
   const auto loss = [&] {
     const ReferenceImage out = scene.Render();
     double sum = 0;
-    for (size_t i = 0; i < out.image.size(); ++i) sum += up.image.data_ptr<float>()[i] * out.image[i];
+    for (size_t i = 0; i < out.image.size(); ++i) sum += up.image.data()[i] * out.image[i];
     for (size_t i = 0; i < out.alpha.size(); ++i) {
-      sum += up.alpha.data_ptr<float>()[i] * out.alpha[i] + up.inv_depth.data_ptr<float>()[i] * out.inv_depth[i];
+      sum += up.alpha.data()[i] * out.alpha[i] + up.inv_depth.data()[i] * out.inv_depth[i];
     }
     return sum;
   };
-  const auto check = [&](const char* name, std::vector<double>& values, const Tensor& grad, size_t stride) {
+  const auto check = [&](const char* name, std::vector<double>& values, const Buffer<float>& grad, size_t stride) {
     // A pixel that crosses a threshold between the two sides is a jump, not a slope: take the best of three steps.
     const double scale = grad.abs().max().item<double>();
     for (size_t k = 0; k < values.size(); k += stride) {
@@ -153,7 +153,7 @@ TEST_P(RasterizeGradient, MatchesCentralDifferences) {
         values[k] = keep - step;
         const double numeric = (up_loss - loss()) / (2 * step);
         values[k] = keep;
-        best = std::min(best, std::abs(numeric - grad.data_ptr<float>()[k]));
+        best = std::min(best, std::abs(numeric - grad.data()[k]));
       }
       EXPECT_LE(best, 2e-3 * scale) << name << " " << k;
     }

@@ -21,9 +21,9 @@ struct ReferenceScene {
   Camera camera;
   RenderOptions options;
 
-  static std::vector<double> Values(const Tensor& t) {
-    const Tensor d = t.to(torch::kDouble).contiguous();
-    return {d.data_ptr<double>(), d.data_ptr<double>() + d.numel()};
+  static std::vector<double> Values(const Buffer<float>& t) {
+    const Buffer<float> d = t.to(torch::kDouble);
+    return {d.data(), d.data() + d.count()};
   }
   ReferenceScene(const Gaussians& g, const Camera& camera, const RenderOptions& options)
       : means(Values(g.means)),
@@ -62,7 +62,7 @@ struct ReferenceScene {
                                        opacity_logits[i]};
       Item item{math::Project(math::EvaluateChain(raw, cam, options.antialiased), cam), {}};
       if (options.opacity_factors.defined()) {
-        item.p.opacity *= static_cast<double>(options.opacity_factors.data_ptr<float>()[i]);
+        item.p.opacity *= static_cast<double>(options.opacity_factors.data()[i]);
       }
       if (item.p.z <= kNearPlane) continue;
       math::Vec3<double> d{m[0] - eye[0], m[1] - eye[1], m[2] - eye[2]};

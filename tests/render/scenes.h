@@ -18,8 +18,8 @@ inline Camera FrontCamera(int width, int height) {
 inline Gaussians RandomGaussians(int64_t n, double scale, uint64_t seed) {
   Rng rng(seed, RandomStream::kInitialPoints);
   Gaussians g = Gaussians::Empty(n);
-  float *mean = g.means.data_ptr<float>(), *log_scale = g.log_scales.data_ptr<float>();
-  float *quat = g.quats.data_ptr<float>(), *logit = g.opacity_logits.data_ptr<float>(), *sh = g.sh.data_ptr<float>();
+  float *mean = g.means.data(), *log_scale = g.log_scales.data();
+  float *quat = g.quats.data(), *logit = g.opacity_logits.data(), *sh = g.sh.data();
   for (int64_t i = 0; i < n; ++i) {
     const double z = rng.Uniform(1.5, 6);
     mean[3 * i] = static_cast<float>(rng.Uniform(-0.7, 0.7) * z);

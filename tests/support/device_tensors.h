@@ -1,18 +1,18 @@
 #pragma once
 // Tensors that kernels work on: on the emulated device the host's.
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 #include "support/cuda_device.h"
 
 namespace oraclegs {
 
-inline torch::Device TestDevice() {
-  return kEmulatedCuda ? torch::Device(torch::kCPU) : torch::Device(torch::kCUDA, 0);
+inline Device TestDevice() {
+  return kEmulatedCuda ? Device(kCpu) : Device(torch::kCUDA, 0);
 }
 
 /// A copy in memory of its own.
-inline Tensor OnTestDevice(const Tensor& t) { return t.defined() ? t.clone().to(TestDevice()) : t; }
+inline Buffer<float> OnTestDevice(const Buffer<float>& t) { return t.defined() ? t.Clone().to(TestDevice()) : t; }
 
-inline Tensor OnHost(const Tensor& t) { return t.to(torch::kCPU); }
+inline Buffer<float> OnHost(const Buffer<float>& t) { return t.To(kCpu); }
 
 }  // namespace oraclegs

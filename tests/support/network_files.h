@@ -16,19 +16,19 @@ namespace oraclegs {
 class KeptParameters : public ParameterSource {
  public:
   explicit KeptParameters(uint64_t seed) : random_(seed) {}
-  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
+  Buffer<float> Get(const std::string& name, at::IntArrayRef shape) override {
     return tensors_[name] = random_.Get(name, shape);
   }
   void Unused(const std::string&, at::IntArrayRef) override {}
-  Tensor& at(const std::string& name) { return tensors_.at(name); }
+  Buffer<float>& at(const std::string& name) { return tensors_.at(name); }
 
   /// `sizes` become its metadata.
   std::filesystem::path Write(const std::filesystem::path& path,
                               const std::map<std::string, nlohmann::json>& sizes = {}) const {
     std::map<std::string, TensorEntry> entries;
     for (const auto& [name, t] : tensors_) {
-      const std::string_view bytes(static_cast<const char*>(t.data_ptr()), static_cast<size_t>(t.numel()) * 4);
-      entries[name] = {"F32", t.sizes().vec(), bytes};
+      const std::string_view bytes(static_cast<const char*>(t.data_ptr()), static_cast<size_t>(t.count()) * 4);
+      entries[name] = {"F32", t.shape().vec(), bytes};
     }
     std::map<std::string, std::string> metadata;
     for (const auto& [name, value] : sizes) metadata[name] = value.dump();
@@ -38,7 +38,7 @@ class KeptParameters : public ParameterSource {
 
  private:
   RandomParameters random_;
-  std::map<std::string, Tensor> tensors_;
+  std::map<std::string, Buffer<float>> tensors_;
 };
 
 /// Depth Anything V2 of four narrow blocks; its input is 70 pixels.

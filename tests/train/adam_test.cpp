@@ -13,15 +13,15 @@ constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-15;
 
 /// The textbook in double, one tensor.
 struct SlowAdam {
-  Tensor p, m, v;
-  explicit SlowAdam(const Tensor& start)
+  Buffer<float> p, m, v;
+  explicit SlowAdam(const Buffer<float>& start)
       : p(start.to(torch::kDouble)), m(torch::zeros_like(p)), v(torch::zeros_like(p)) {}
-  void Step(const Tensor& grad, const Tensor& rate, int64_t t) {
-    const Tensor g = grad.to(torch::kDouble);
+  void Step(const Buffer<float>& grad, const Buffer<float>& rate, int64_t t) {
+    const Buffer<float> g = grad.to(torch::kDouble);
     m = kBeta1 * m + (1 - kBeta1) * g;
     v = kBeta2 * v + (1 - kBeta2) * g * g;
     const double t_double = static_cast<double>(t);
-    const Tensor m_hat = m / (1 - std::pow(kBeta1, t_double)), v_hat = v / (1 - std::pow(kBeta2, t_double));
+    const Buffer<float> m_hat = m / (1 - std::pow(kBeta1, t_double)), v_hat = v / (1 - std::pow(kBeta2, t_double));
     p = p - rate * m_hat / (v_hat.sqrt() + kEpsilon);
   }
 };
@@ -30,13 +30,13 @@ struct SlowAdam {
 Gaussians RandomGrads(int64_t n, uint64_t seed, int degree) {
   Gaussians g = RandomGaussians(n, seed);
   g.ForEach(
-      [](const char*, Tensor& t) { t = t * torch::pow(10.f, -3 * t.abs()) * (t.abs() > 0.1f).to(torch::kFloat); });
+      [](const char*, Buffer<float>& t) { t = t * torch::pow(10.f, -3 * t.abs()) * (t.abs() > 0.1f).to(torch::kFloat); });
   g.sh.narrow(1, ShCount(degree), kShCoefficients - ShCount(degree)).fill_(std::nanf(""));
   return g;
 }
 
-std::vector<Tensor> RateOf(const LearningRates& r) {
-  Tensor sh = torch::full({1, 16, 3}, r.sh_rest, torch::kDouble);
+std::vector<Buffer<float>> RateOf(const LearningRates& r) {
+  Buffer<float> sh = torch::full({1, 16, 3}, r.sh_rest, torch::kDouble);
   sh.narrow(1, 0, 1).fill_(r.sh0);
   const auto scalar = [](double x) { return torch::tensor(x, torch::kDouble); };
   return {scalar(r.means), scalar(r.log_scales), scalar(r.quats), scalar(r.opacity_logits), sh};
@@ -55,7 +55,7 @@ TEST_P(AdamDegreeTest, AgreesWithDoublePrecisionOnEveryTarget) {
       Gaussians params = Copy(start);
       Adam adam(n);
       std::vector<SlowAdam> slow;
-      for (const Tensor& t : Tensors(start)) slow.emplace_back(t);
+      for (const Buffer<float>& t : Tensors(start)) slow.emplace_back(t);
       for (int64_t step = 1; step <= 6; ++step) {
         const Gaussians grads = RandomGrads(n, 100 + step, degree);
         adam.Step(grads, rates, degree, &params);
@@ -111,7 +111,7 @@ TEST(AdamTest, FirstStepMovesByTheLearningRate) {
   // m_hat / sqrt(v_hat) is the sign of the gradient in the first step, whatever its size.
   Gaussians params = Gaussians::Zeros(3);
   Gaussians grads = Gaussians::Zeros(3);
-  grads.ForEach([](const char*, Tensor& t) { t.fill_(-1e-6f); });
+  grads.ForEach([](const char*, Buffer<float>& t) { t.fill_(-1e-6f); });
   LearningRates rates;
   rates.means = 0.125;
   Adam adam(3);
@@ -129,7 +129,7 @@ TEST(AdamTest, MomentsOfTheForgottenEndAtZero) {
   grads.means.fill_(1e-10f);
   Adam adam(2);
   adam.Step(grads, {}, 3, &params);
-  grads.means.zero_();
+  grads.means.SetZero();
   for (int step = 0; step < 1000; ++step) adam.Step(grads, {}, 3, &params);
   EXPECT_EQ(adam.m.means.abs().max().item<float>(), 0);
 }

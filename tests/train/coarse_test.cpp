@@ -26,7 +26,7 @@ TEST(HalfSizeTest, AveragesSquaresOfFourPixels) {
   EXPECT_EQ(half.camera.cy, 1.25);
   EXPECT_FALSE(half.confidence.defined());
   EXPECT_FALSE(half.inv_depth.defined());
-  const Tensor expected = view.image.reshape({2, 2, 3, 2, 3}).mean({1, 3});
+  const Buffer<float> expected = view.image.reshape({2, 2, 3, 2, 3}).mean({1, 3});
   EXPECT_LE(MaxAbsError(half.image, expected), 1e-6);
 }
 
@@ -42,7 +42,7 @@ TEST(HalfSizeTest, OddSizesAreRoundedUp) {
   const TrainView half = HalfSize(Plain(7, 1));
   EXPECT_EQ(half.camera.width, 4);
   EXPECT_EQ(half.camera.height, 1);
-  EXPECT_EQ(half.image.sizes(), (std::vector<int64_t>{1, 4, 3}));
+  EXPECT_EQ(half.image.shape(), (std::vector<int64_t>{1, 4, 3}));
   EXPECT_NEAR(half.camera.fx, 40 * 4 / 7.0, 1e-9);
   EXPECT_NEAR(half.camera.fy, 42, 1e-9);
 }
@@ -55,7 +55,7 @@ TEST(HalfSizeTest, WhatDoesNotCountLeavesNoTrace) {
   view.inv_depth = torch::tensor({{9.f, 1.f, 9.f, 9.f}, {9.f, 4.f, 9.f, 9.f}});
   const TrainView half = HalfSize(view);
   EXPECT_LE(MaxAbsError(half.confidence, torch::tensor({{0.75f, 0.f}})), 1e-6);
-  const Tensor mean = (view.image[0][1] + view.image[1][0] + view.image[1][1]) / 3;
+  const Buffer<float> mean = (view.image[0][1] + view.image[1][0] + view.image[1][1]) / 3;
   EXPECT_LE(MaxAbsError(half.image[0][0], mean), 1e-6);
   EXPECT_EQ(half.image[0][1].abs().max().item<float>(), 0);
   EXPECT_LE(MaxAbsError(half.depth_mask, torch::tensor({{0.375f, 0.f}})), 1e-6);
@@ -67,7 +67,7 @@ TEST(HalfSizeTest, AProposalsConfidenceIsAWeight) {
   view.confidence = torch::tensor({{0.2f, 0.6f, 0.f, 0.f}, {0.f, 0.4f, 0.f, 0.f}});
   const TrainView half = HalfSize(view, ViewKind::kProposal);
   EXPECT_LE(MaxAbsError(half.confidence, torch::tensor({{0.3f, 0.f}})), 1e-6);
-  const Tensor mean = (view.image[0][0] * 0.2 + view.image[0][1] * 0.6 + view.image[1][1] * 0.4) / 1.2;
+  const Buffer<float> mean = (view.image[0][0] * 0.2 + view.image[0][1] * 0.6 + view.image[1][1] * 0.4) / 1.2;
   EXPECT_LE(MaxAbsError(half.image[0][0], mean), 1e-6);
   // Nothing is sure here, but windows that belong to the pixel beside it see what is proposed.
   EXPECT_LE(MaxAbsError(half.image[0][1], view.image.narrow(1, 2, 2).reshape({-1, 3}).mean(0)), 1e-6);
@@ -85,8 +85,8 @@ TEST(TrainerCoarseTest, TheShareIsTrainedAtHalfSize) {
   auto views = Photographs(2);
   for (TrainView& view : views) {
     view.camera = Resized(view.camera, 36, 28);
-    const Tensor odd = (torch::arange(28).unsqueeze(1) + torch::arange(36)).remainder(2).to(torch::kFloat);
-    view.image = odd.unsqueeze(2).expand({28, 36, 3}).contiguous();
+    const Buffer<float> odd = (torch::arange(28).unsqueeze(1) + torch::arange(36)).remainder(2).to(torch::kFloat);
+    view.image = odd.unsqueeze(2).expand({28, 36, 3});
   }
   TrainOptions options = Options(40);
   options.opacity_reg = options.scale_reg = options.ssim_weight = 0;

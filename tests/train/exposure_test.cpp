@@ -16,20 +16,20 @@ ExposureMap Gain(float gain) { return {gain, 0, 0, 0, 0, gain, 0, 0, 0, 0, gain,
 
 ExposureMap RandomMap() {
   ExposureMap map = kIdentityExposure;
-  const Tensor offset = torch::randn({12}) * 0.2;
-  for (int k = 0; k < 12; ++k) map[k] += offset.data_ptr<float>()[k];
+  const Buffer<float> offset = torch::randn({12}) * 0.2;
+  for (int k = 0; k < 12; ++k) map[k] += offset.data()[k];
   return map;
 }
 
-Tensor Applied(const Exposures& exposures, int view, const Tensor& image) {
-  const Tensor shown = torch::empty_like(image);
+Buffer<float> Applied(const Exposures& exposures, int view, const Buffer<float>& image) {
+  const Buffer<float> shown = Buffer<float>::Empty(image.shape());
   exposures.Apply(view, image, shown);
   return shown;
 }
 
 TEST(ExposuresTest, TheIdentityChangesNoBit) {
   torch::manual_seed(1);
-  const Tensor image = torch::rand({31, 17, 3});
+  const Buffer<float> image = torch::rand({31, 17, 3});
   const Exposures exposures({kIdentityExposure, kIdentityExposure});
   EXPECT_EQ(exposures.maps()[1], kIdentityExposure);
   EXPECT_TRUE(torch::equal(Applied(exposures, 1, image), image));
@@ -39,27 +39,27 @@ TEST(ExposuresTest, GradientsMatchCentralDifferences) {
   torch::manual_seed(2);
   const std::vector<ExposureMap> maps = {RandomMap(), RandomMap(), RandomMap()};
   Exposures exposures(maps);
-  Tensor image = torch::rand({8, 7, 3}), upstream = torch::randn({8, 7, 3});
-  Tensor grad = upstream.clone();
+  Buffer<float> image = torch::rand({8, 7, 3}), upstream = torch::randn({8, 7, 3});
+  Buffer<float> grad = upstream.Clone();
   const ExposureGradient by_map = exposures.Backward(1, image, grad);
 
   // In double, as a function of the map that the gauge has left.
-  const Tensor pixels = image.reshape({-1, 3}).to(torch::kDouble),
+  const Buffer<float> pixels = image.reshape({-1, 3}).to(torch::kDouble),
                weights = upstream.reshape({-1, 3}).to(torch::kDouble);
-  const auto loss = [&](const Tensor& map, const Tensor& x) {
+  const auto loss = [&](const Buffer<float>& map, const Buffer<float>& x) {
     return ((x.matmul(map.narrow(1, 0, 3).t()) + map.select(1, 3)) * weights).sum().item<double>();
   };
   std::vector<double> values(exposures.maps()[1].begin(), exposures.maps()[1].end());
-  const Tensor map = torch::tensor(values, torch::kDouble).reshape({3, 4});
+  const Buffer<float> map = torch::tensor(values, torch::kDouble).reshape({3, 4});
   const double step = 1e-3;  // the loss is linear in both: any step does
   for (int k = 0; k < 12; ++k) {
-    Tensor up = map.clone(), down = map.clone();
+    Buffer<float> up = map.Clone(), down = map.Clone();
     up.view(-1)[k] += step;
     down.view(-1)[k] -= step;
     EXPECT_NEAR(by_map[k], (loss(up, pixels) - loss(down, pixels)) / (2 * step), 1e-4) << k;
   }
   for (int k = 0; k < 168; k += 5) {
-    Tensor up = pixels.clone(), down = pixels.clone();
+    Buffer<float> up = pixels.Clone(), down = pixels.Clone();
     up.view(-1)[k] += step;
     down.view(-1)[k] -= step;
     EXPECT_NEAR(grad.view(-1)[k].item<double>(), (loss(map, up) - loss(map, down)) / (2 * step), 1e-5) << k;
@@ -95,7 +95,7 @@ TEST(ExposuresTest, TheGaugeKeepsRatiosAndTheMeanAtTheIdentity) {
   }
   // Where the pictures of two maps meet does not depend on the gauge: shown0 = T(shown1) with T = map0 map1^-1.
   const auto affine = [](const ExposureMap& map) {
-    Tensor t = torch::eye(4, torch::kDouble);
+    Buffer<float> t = torch::eye(4, torch::kDouble);
     for (int k = 0; k < 12; ++k) t[k / 4][k % 4] = static_cast<double>(map[k]);
     return t;
   };
@@ -107,11 +107,11 @@ TEST(ExposuresTest, TheGaugeKeepsRatiosAndTheMeanAtTheIdentity) {
 
 TEST(ExposuresTest, SameBitsForAnyNumberOfThreads) {
   torch::manual_seed(4);
-  const Tensor image = torch::rand({211, 173, 3}), upstream = torch::randn({211, 173, 3});
+  const Buffer<float> image = torch::rand({211, 173, 3}), upstream = torch::randn({211, 173, 3});
   const auto run = [&](int threads) {
     const Threads scope(threads);
     Exposures exposures({Gain(1.1f), Gain(0.9f)});
-    return exposures.Backward(0, image, upstream.clone());
+    return exposures.Backward(0, image, upstream.Clone());
   };
   EXPECT_EQ(run(1), run(4));
 }
@@ -145,11 +145,11 @@ TEST(TrainerExposureTest, FindsTheGainBetweenPhotographs) {
   const double first = trainer.Step();
   for (int i = 2; i < 300; ++i) trainer.Step();
   EXPECT_LT(trainer.Step(), 0.2 * first);
-  const Tensor maps = trainer.exposures();
-  ASSERT_EQ(maps.sizes(), torch::IntArrayRef({4, 3, 4}));
+  const Buffer<float> maps = trainer.exposures();
+  ASSERT_EQ(maps.shape(), torch::IntArrayRef({4, 3, 4}));
   // What a map does to a grey of the scene.
-  const Tensor grey = torch::tensor({0.5f, 0.5f, 0.5f, 1.f});
-  const Tensor shown = maps.matmul(grey);  // [4,3]
+  const Buffer<float> grey = torch::tensor({0.5f, 0.5f, 0.5f, 1.f});
+  const Buffer<float> shown = maps.matmul(grey);  // [4,3]
   EXPECT_LE(((shown[0] + shown[2]) / (shown[1] + shown[3]) - 1.5).abs().max().item<float>(), 0.06);
 }
 
@@ -179,8 +179,8 @@ TEST(TrainerExposureTest, MaskedPixelsContributeNothing) {
   const auto run = [&](float hidden) {
     auto views = Exposed({1.2f, 0.8f, 1.f});
     for (TrainView& view : views) {
-      view.confidence = torch::ones({kHeight, kWidth});
-      view.confidence.narrow(1, 20, kWidth - 20).zero_();
+      view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+      view.confidence.narrow(1, 20, kWidth - 20).SetZero();
       view.image.narrow(1, 20, kWidth - 20).fill_(hidden);
     }
     TrainOptions options = WithExposure(60);
@@ -192,7 +192,7 @@ TEST(TrainerExposureTest, MaskedPixelsContributeNothing) {
   EXPECT_TRUE(torch::equal(run(0.1f), run(0.9f)));
   // All hidden: only the gauge and the pull are left, which do nothing at the identity.
   auto views = Exposed({1.2f, 0.8f});
-  for (TrainView& view : views) view.confidence = torch::zeros({kHeight, kWidth});
+  for (TrainView& view : views) view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
   Trainer blind(WithExposure(30), kSeed, {0, 0, 0}, views, Start());
   blind.Run({}, Silent());
   EXPECT_TRUE(torch::equal(blind.exposures()[0], blind.exposures()[1]));

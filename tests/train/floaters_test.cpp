@@ -12,17 +12,17 @@ namespace {
 
 /// Looks along z from (x, 0, 0) at a wall at z = 4.
 TrainView WallView(double x) {
-  TrainView view{"a", {20, 16, 20, 20, 10, 8, Eigen::Isometry3d::Identity()}, torch::zeros({16, 20, 3}), {}};
+  TrainView view{"a", {20, 16, 20, 20, 10, 8, Eigen::Isometry3d::Identity()}, Buffer<float>::Zeros({16, 20, 3}), {}};
   view.camera.cam_from_world.translation() = Eigen::Vector3d(-x, 0, 0);
-  view.inv_depth = torch::full({16, 20}, 0.25f);
-  view.depth_mask = torch::ones({16, 20});
+  view.inv_depth = Buffer<float>::Full({16, 20}, 0.25f);
+  view.depth_mask = Buffer<float>::Full({16, 20}, 1.f);
   return view;
 }
 
 /// Opaque Gaussians at these places.
 Gaussians At(const std::vector<std::array<float, 3>>& places) {
   Gaussians g = RandomGaussians(static_cast<int64_t>(places.size()), 1);
-  std::copy(&places[0][0], &places[0][0] + 3 * places.size(), g.means.data_ptr<float>());
+  std::copy(&places[0][0], &places[0][0] + 3 * places.size(), g.means.data());
   g.opacity_logits.fill_(2);
   return g;
 }
@@ -45,7 +45,7 @@ TEST(PruneFloatersTest, WhatHangsBeforeTheWallDies) {
 
 TEST(PruneFloatersTest, ViewsWithoutTrustedDepthHaveNoSay) {
   TrainView mute = WallView(0), doubtful = WallView(0);
-  mute.inv_depth = mute.depth_mask = Tensor();
+  mute.inv_depth = mute.depth_mask = Buffer<float>();
   doubtful.depth_mask.fill_(0.5f);
   Gaussians g = At({{0, 0, 4}, {0, 0, 3}});
   EXPECT_EQ(PruneFloaters({mute, doubtful}, &g), 0);
@@ -86,8 +86,8 @@ TEST(PruneFloatersTest, SameForAnyNumberOfThreads) {
 TEST(TrainerFloatersTest, PruningMovesThemToTheSurface) {
   auto views = Photographs(4);
   for (TrainView& view : views) {  // everything is as far away as the origin: before it is the air
-    view.inv_depth = torch::full({kHeight, kWidth}, 1 / 3.f);
-    view.depth_mask = torch::ones({kHeight, kWidth});
+    view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, 1 / 3.f);
+    view.depth_mask = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   }
   const auto before = [&](bool prune) {
     TrainOptions options = Options(100);

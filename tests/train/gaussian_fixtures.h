@@ -25,20 +25,20 @@ inline Gaussians RandomGaussians(int64_t n, uint64_t seed) {
 
 inline Gaussians Copy(const Gaussians& gaussians) {
   Gaussians copy = gaussians;
-  copy.ForEach([](const char*, Tensor& t) { t = t.clone(); });
+  copy.ForEach([](const char*, Buffer<float>& t) { t = t.Clone(); });
   return copy;
 }
 
-inline std::vector<Tensor> Tensors(const Gaussians& gaussians) {
-  std::vector<Tensor> all;
-  gaussians.ForEach([&](const char*, const Tensor& t) { all.push_back(t); });
+inline std::vector<Buffer<float>> Tensors(const Gaussians& gaussians) {
+  std::vector<Buffer<float>> all;
+  gaussians.ForEach([&](const char*, const Buffer<float>& t) { all.push_back(t); });
   return all;
 }
 
 inline bool SameBits(const Gaussians& a, const Gaussians& b) {
   const auto x = Tensors(a), y = Tensors(b);
   for (size_t i = 0; i < x.size(); ++i) {
-    if (x[i].sizes() != y[i].sizes() || !torch::equal(x[i].view(torch::kInt), y[i].view(torch::kInt))) return false;
+    if (x[i].shape() != y[i].shape() || !torch::equal(x[i].view(torch::kInt), y[i].view(torch::kInt))) return false;
   }
   return true;
 }

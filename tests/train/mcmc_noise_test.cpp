@@ -24,20 +24,20 @@ Gaussians UnitGaussians(int64_t n, float logit) {
 TEST(NoiseTest, MatchesGoldenOnEveryTarget) {
   const SafetensorsFile golden = OpenGolden("mcmc_relocation");
   const double lr = golden.Values<double>("noise_lr_xyz").at(0);
-  const Tensor epsilon = GoldenFloat(golden, "noise_epsilon");
-  const Tensor wanted = GoldenTensor(golden, "noise_displacement");
-  const Tensor wanted_means = GoldenTensor(golden, "noise_means_out");
+  const Buffer<float> epsilon = GoldenFloat(golden, "noise_epsilon");
+  const Buffer<float> wanted = GoldenTensor(golden, "noise_displacement");
+  const Buffer<float> wanted_means = GoldenTensor(golden, "noise_means_out");
   ForEachTarget([&](int64_t target) {
     Gaussians g = Gaussians::Zeros(epsilon.size(0));
     g.log_scales = GoldenFloat(golden, "noise_log_scales");
     g.quats = GoldenFloat(golden, "noise_quats");
     g.opacity_logits = GoldenFloat(golden, "noise_opacity_logits");
     AddNoiseFrom(epsilon, lr, &g);
-    const Tensor allowed = 2e-4 * wanted.abs() + 1e-6 * wanted.abs().max();
+    const Buffer<float> allowed = 2e-4 * wanted.abs() + 1e-6 * wanted.abs().max();
     EXPECT_TRUE(((g.means.to(torch::kDouble) - wanted).abs() <= allowed).all().item<bool>()) << target;
     g.means = GoldenFloat(golden, "noise_means");
     AddNoiseFrom(epsilon, lr, &g);
-    const Tensor rounding = 1e-6 * wanted_means.abs();
+    const Buffer<float> rounding = 1e-6 * wanted_means.abs();
     EXPECT_TRUE(((g.means.to(torch::kDouble) - wanted_means).abs() <= allowed + rounding).all().item<bool>()) << target;
   });
 }
@@ -46,7 +46,7 @@ TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
   constexpr int64_t kCount = 53, kIteration = 77;
   constexpr double kRate = 1e-5;  // 5e5 times this is 5
   constexpr double kPi = 3.14159265358979323846;
-  Tensor wanted = torch::empty({kCount, 3}, torch::kDouble);
+  Buffer<float> wanted = torch::empty({kCount, 3}, torch::kDouble);
   for (int64_t i = 0; i < kCount; ++i) {
     const Philox w = Philox::Draw(kSeed, static_cast<uint64_t>(RandomStream::kNoise), uint64_t{kIteration} << 32 | i);
     const auto uniform = [&](int k) { return (static_cast<double>(w.x[k] >> 8) + 0.5) * 0x1.0p-24; };
@@ -68,9 +68,9 @@ TEST(NoiseTest, IsStandardNormal) {
   Gaussians g = UnitGaussians(kCount, -40);
   const double gate = 1 / (1 + std::exp(-0.5));
   AddNoise({1, 9, 1 / (5e5 * gate)}, &g);
-  const Tensor x = g.means.to(torch::kDouble);
+  const Buffer<float> x = g.means.to(torch::kDouble);
   EXPECT_LT(x.mean(0).abs().max().item<double>(), 0.02);
-  const Tensor covariance = x.t().mm(x) / kCount;
+  const Buffer<float> covariance = x.t().mm(x) / kCount;
   EXPECT_LT(MaxAbsError(covariance, torch::eye(3)), 0.03);
   EXPECT_NEAR(x.pow(4).mean().item<double>(), 3, 0.1);
 }
@@ -78,10 +78,10 @@ TEST(NoiseTest, IsStandardNormal) {
 TEST(NoiseTest, MultipliesByTheCovarianceItself) {
   Gaussians g = RandomGaussians(31, 4);
   g.opacity_logits.fill_(-40);
-  const Tensor before = g.means.to(torch::kDouble);
-  const Tensor epsilon = torch::ones({31, 3});
+  const Buffer<float> before = g.means.to(torch::kDouble);
+  const Buffer<float> epsilon = Buffer<float>::Full({31, 3}, 1.f);
   AddNoiseFrom(epsilon, 1e-6, &g);
-  const Tensor q = g.quats.to(torch::kDouble) / g.quats.to(torch::kDouble).norm(2, 1, true);
+  const Buffer<float> q = g.quats.to(torch::kDouble) / g.quats.to(torch::kDouble).norm(2, 1, true);
   const double gate = 1 / (1 + std::exp(-0.5));
   for (int64_t i = 0; i < 31; ++i) {
     const Eigen::Quaterniond rotation(q[i][0].item<double>(), q[i][1].item<double>(), q[i][2].item<double>(),
@@ -102,7 +102,7 @@ TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
   g.log_scales.fill_(2);
   g.opacity_logits.narrow(0, 0, 99).fill_(0);  // gate exp(-49.5)
   g.opacity_logits[99] = -6;
-  const Tensor before = g.means.clone();
+  const Buffer<float> before = g.means.Clone();
   AddNoise({1, 9, 1e-4}, &g);
   EXPECT_TRUE(torch::equal(g.means.narrow(0, 0, 99), before.narrow(0, 0, 99)));
   EXPECT_FALSE(torch::equal(g.means[99], before[99]));
@@ -143,16 +143,16 @@ TEST(NoiseTest, IterationAndSeedMatter) {
 
 TEST(NoiseTest, RefusesEpsilonOfAnotherShape) {
   Gaussians g = RandomGaussians(8, 4);
-  EXPECT_THROW(AddNoiseFrom(torch::zeros({7, 3}), 1e-4, &g), ShapeError);
+  EXPECT_THROW(AddNoiseFrom(Buffer<float>::Zeros({7, 3}), 1e-4, &g), ShapeError);
 }
 
 TEST(RegularizerTest, AgreesWithAutogradOnEveryTarget) {
   constexpr double kOpacityReg = 0.3, kScaleReg = 0.7;
   for (const int64_t n : {1, 37, 3001}) {
     const Gaussians g = RandomGaussians(n, 8);
-    const Tensor logits = g.opacity_logits.to(torch::kDouble).requires_grad_();
-    const Tensor log_scales = g.log_scales.to(torch::kDouble).requires_grad_();
-    const Tensor value = kOpacityReg * torch::sigmoid(logits).mean() + kScaleReg * log_scales.exp().mean();
+    const Buffer<float> logits = g.opacity_logits.to(torch::kDouble).requires_grad_();
+    const Buffer<float> log_scales = g.log_scales.to(torch::kDouble).requires_grad_();
+    const Buffer<float> value = kOpacityReg * torch::sigmoid(logits).mean() + kScaleReg * log_scales.exp().mean();
     value.backward();
     const Gaussians start = RandomGaussians(n, 9);
     ForEachTarget([&](int64_t target) {

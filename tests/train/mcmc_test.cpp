@@ -21,9 +21,9 @@ Adam RandomMoments(int64_t n) {
 }
 
 /// Row i of every tensor, one after the other.
-Tensor Row(const Gaussians& g, int64_t i) {
-  std::vector<Tensor> parts;
-  for (const Tensor& t : Tensors(g)) parts.push_back(t[i].reshape({-1}));
+Buffer<float> Row(const Gaussians& g, int64_t i) {
+  std::vector<Buffer<float>> parts;
+  for (const Buffer<float>& t : Tensors(g)) parts.push_back(t[i].reshape({-1}));
   return torch::cat(parts);
 }
 
@@ -86,8 +86,8 @@ TEST(RelocateDeadTest, DeadBecomeCopiesOfSources) {
   Gaussians after = Copy(before);
   Adam adam = RandomMoments(kCount);
   const Gaussians m_before = Copy(adam.m), v_before = Copy(adam.v);
-  const Tensor opacity = torch::sigmoid(before.opacity_logits.to(torch::kDouble));
-  const Tensor dead = opacity <= 0.005;
+  const Buffer<float> opacity = torch::sigmoid(before.opacity_logits.to(torch::kDouble));
+  const Buffer<float> dead = opacity <= 0.005;
   EXPECT_EQ(RelocateDead(3, 600, &after, &adam), dead.sum().item<int64_t>());
   EXPECT_EQ(adam.step, 600);
 
@@ -115,8 +115,8 @@ TEST(RelocateDeadTest, DeadBecomeCopiesOfSources) {
     }
     const Relocated r = Relocate(opacity[j].item<double>(), 1 + draws[j]);
     EXPECT_NEAR(Sigmoid(after.opacity_logits[j].item<double>()), r.opacity, 1e-6);
-    const Tensor ratio = (after.log_scales[j] - before.log_scales[j]).exp();
-    EXPECT_LT(MaxAbsError(ratio, torch::full({3}, r.scale_ratio)), 1e-5);
+    const Buffer<float> ratio = (after.log_scales[j] - before.log_scales[j]).exp();
+    EXPECT_LT(MaxAbsError(ratio, Buffer<float>::Full({3}, r.scale_ratio)), 1e-5);
     EXPECT_EQ(Row(adam.m, j).abs().sum().item<float>(), 0);
     EXPECT_EQ(Row(adam.v, j).abs().sum().item<float>(), 0);
   }
@@ -168,7 +168,7 @@ TEST(AddGaussiansTest, AppendsCopiesWithZeroMoments) {
   Gaussians after = Copy(before);
   Adam adam = RandomMoments(kCount);
   const Gaussians m_before = Copy(adam.m);
-  const Tensor opacity = torch::sigmoid(before.opacity_logits.to(torch::kDouble));
+  const Buffer<float> opacity = torch::sigmoid(before.opacity_logits.to(torch::kDouble));
   EXPECT_EQ(AddGaussians(3, 600, 100000, &after, &adam), 11);  // floor(1.05 * 230) = 241
   ASSERT_EQ(after.size(), kCount + 11);
   after.Check("after");

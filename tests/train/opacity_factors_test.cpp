@@ -10,8 +10,8 @@
 namespace oraclegs {
 namespace {
 
-Tensor Draw(const OpacityPerturbation& perturbation, int64_t n) {
-  const Tensor factors = torch::empty({n}, torch::kFloat);
+Buffer<float> Draw(const OpacityPerturbation& perturbation, int64_t n) {
+  const Buffer<float> factors = Buffer<float>::Empty({n});
   DrawOpacityFactors(perturbation, factors);
   return factors;
 }
@@ -25,7 +25,7 @@ TEST(DropProbabilityTest, GrowsToTheEndButSparesTheLastIteration) {
 
 TEST(DrawOpacityFactorsTest, LeavesOutTheShareAndFillsIn) {
   const int64_t n = 100000;
-  const Tensor factors = Draw({3, 17, 0.25, 0}, n);
+  const Buffer<float> factors = Draw({3, 17, 0.25, 0}, n);
   const float kept = 1 / 0.75f;
   EXPECT_EQ(((factors == 0) | (factors == kept)).sum().item<int64_t>(), n);
   EXPECT_NEAR(static_cast<double>((factors == 0).sum().item<int64_t>()) / n, 0.25, 0.006);  // four sigma
@@ -33,11 +33,11 @@ TEST(DrawOpacityFactorsTest, LeavesOutTheShareAndFillsIn) {
 
 TEST(DrawOpacityFactorsTest, NoiseHasItsMomentsAndIsNeverNegative) {
   const int64_t n = 100000;
-  const Tensor factors = Draw({3, 17, 0, 0.2}, n);
+  const Buffer<float> factors = Draw({3, 17, 0, 0.2}, n);
   EXPECT_NEAR(factors.mean().item<double>(), 1, 0.003);
   EXPECT_NEAR(factors.std().item<double>(), 0.2, 0.002);
   EXPECT_NEAR((factors - 1).pow(3).mean().item<double>() / 0.008, 0, 0.04);  // no skew
-  const Tensor wide = Draw({3, 17, 0, 2}, n);
+  const Buffer<float> wide = Draw({3, 17, 0, 2}, n);
   EXPECT_GE(wide.min().item<float>(), 0);
   EXPECT_NEAR(static_cast<double>((wide == 0).sum().item<int64_t>()) / n, 0.3085, 0.006);  // N(0,1) < -1/2
   EXPECT_NEAR(Draw({3, 17, 0.5, 0.2}, n).mean().item<double>(), 1, 0.015);
@@ -45,7 +45,7 @@ TEST(DrawOpacityFactorsTest, NoiseHasItsMomentsAndIsNeverNegative) {
 
 TEST(DrawOpacityFactorsTest, IsAFunctionOfSeedIterationAndIndex) {
   const OpacityPerturbation perturbation{3, 17, 0.3, 0.5};
-  const Tensor factors = Draw(perturbation, 10000);
+  const Buffer<float> factors = Draw(perturbation, 10000);
   EXPECT_TRUE(torch::equal(Draw(perturbation, 5000), factors.narrow(0, 0, 5000)));
   {
     const Threads scope(4);

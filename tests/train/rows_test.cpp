@@ -15,13 +15,13 @@ TEST(RowsTest, GrowthKeepsValuesAndStaysContiguous) {
     grown.Check("test");
     ASSERT_EQ(grown.size(), rows);
     Gaussians head = grown;
-    head.ForEach([](const char*, Tensor& t) { t = t.narrow(0, 0, 20); });
+    head.ForEach([](const char*, Buffer<float>& t) { t = t.narrow(0, 0, 20); });
     EXPECT_TRUE(SameBits(head, start));
   }
 }
 
 TEST(RowsTest, MostGrowthMovesNothing) {
-  Tensor t = torch::zeros({1000, 3});
+  Buffer<float> t = Buffer<float>::Zeros({1000, 3});
   int moves = 0;
   for (int64_t rows = 1000; rows < 10000; rows += rows / 20) {
     const void* before = t.data_ptr();
@@ -33,9 +33,9 @@ TEST(RowsTest, MostGrowthMovesNothing) {
 }
 
 TEST(RowsTest, NeverReadsBeyondItsStorage) {
-  const Tensor all = torch::arange(30, torch::kFloat).view({10, 3});
-  const Tensor middle = all.narrow(0, 2, 3);  // begins inside: no room of its own
-  const Tensor grown = GrowRows(middle, 5);
+  const Buffer<float> all = torch::arange(30, torch::kFloat).view({10, 3});
+  const Buffer<float> middle = all.narrow(0, 2, 3);  // begins inside: no room of its own
+  const Buffer<float> grown = GrowRows(middle, 5);
   EXPECT_NE(grown.data_ptr(), middle.data_ptr());
   EXPECT_TRUE(torch::equal(grown.narrow(0, 0, 3), middle));
 }
@@ -44,7 +44,7 @@ TEST(RowsTest, CloneSharesNothing) {
   const Gaussians a = RandomGaussians(5, 1);
   Gaussians b = Clone(a);
   EXPECT_TRUE(SameBits(a, b));
-  b.sh.zero_();
+  b.sh.SetZero();
   EXPECT_GT(a.sh.abs().sum().item<float>(), 0);
 }
 

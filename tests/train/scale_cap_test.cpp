@@ -12,7 +12,7 @@ namespace {
 /// Gaussians of one scale on the x axis.
 Gaussians OnAxis(const std::vector<float>& places, float scale) {
   Gaussians g = RandomGaussians(static_cast<int64_t>(places.size()), 1);
-  g.means.zero_();
+  g.means.SetZero();
   for (size_t i = 0; i < places.size(); ++i) g.means[static_cast<int64_t>(i)][0] = places[i];
   g.log_scales.fill_(std::log(scale));
   return g;
@@ -74,7 +74,7 @@ TEST(CapScalesTest, ATrainingKeepsThemToTheEnd) {
       double nearest = 1e30;
       for (size_t c = 0; c < centers.size(); c += 3) {
         const Eigen::Vector3f center(centers[c], centers[c + 1], centers[c + 2]);
-        const Eigen::Map<const Eigen::Vector3f> mean(g.means.data_ptr<float>() + 3 * i);
+        const Eigen::Map<const Eigen::Vector3f> mean(g.means.data() + 3 * i);
         nearest = std::min(nearest, static_cast<double>((mean - center).norm()));
       }
       for (int64_t k = 0; k < 3; ++k) most = std::max(most, Scale(g, i, k) / nearest);

@@ -22,18 +22,18 @@ inline Gaussians Truth() {
   Gaussians truth = RandomGaussians(40, 21);
   truth.means *= 0.4f;
   truth.opacity_logits.fill_(2);
-  truth.sh.narrow(1, 1, 15).zero_();
+  truth.sh.narrow(1, 1, 15).SetZero();
   return truth;
 }
 
 /// Photographs of them, taken by the rasteriser itself.
 inline std::vector<TrainView> Photographs(int count) {
   const Gaussians truth = Truth();
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   std::vector<TrainView> views;
   for (int i = 0; i < count; ++i) {
     TrainView view{"photo" + std::to_string(i), CameraOnCircle(0.3 * i), {}, {}};
-    view.image = rasterizer->Forward(truth, view.camera, {}, RenderPass::kInference).image.clone();
+    view.image = rasterizer->Forward(truth, view.camera, {}, RenderPass::kInference).image.Clone();
     views.push_back(view);
   }
   return views;
@@ -43,9 +43,9 @@ inline Gaussians Start(int64_t n = 60) {
   Gaussians start = RandomGaussians(n, 22);
   start.means *= 0.5f;
   start.log_scales.fill_(-2.5f);
-  start.opacity_logits.zero_();
+  start.opacity_logits.SetZero();
   start.opacity_logits.narrow(0, 0, 5).fill_(-7);  // dead, to be relocated
-  start.sh.zero_();
+  start.sh.SetZero();
   return start;
 }
 

@@ -11,14 +11,14 @@ using testing::HasSubstr;
 TEST(TrainDeviceTest, TheCpuIsAlwaysThere) {
   const TrainOptions options = Options().Settled();
   ViewLoss view_loss(options, Photographs(1));
-  EXPECT_NE(MakeTrainDevice(torch::kCPU, {options, &view_loss, 60}), nullptr);
+  EXPECT_NE(MakeTrainDevice(kCpu, {options, &view_loss, 60}), nullptr);
 }
 
 TEST(TrainDeviceTest, ADeviceThatTheBuildHasNotIsRefused) {
   const TrainOptions options = Options().Settled();
   ViewLoss view_loss(options, Photographs(1));
   try {
-    MakeTrainDevice(torch::Device(torch::kXLA), {options, &view_loss, 60});
+    MakeTrainDevice(Device(torch::kXLA), {options, &view_loss, 60});
     FAIL() << "there is no such device";
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("--device cpu"));

@@ -40,21 +40,21 @@ TEST(ToTrainViewTest, CopiesAlpha) {
 
 TrainView WithDepth(float inv_depth) {
   TrainView view{"a", CameraOnCircle(0), torch::rand({kHeight, kWidth, 3}), {}};
-  view.inv_depth = torch::full({kHeight, kWidth}, inv_depth);
-  view.depth_mask = torch::ones({kHeight, kWidth});
+  view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, inv_depth);
+  view.depth_mask = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   return view;
 }
 
 TEST(CheckViewsTest, RefusesDepthThatDoesNotFit) {
   EXPECT_NO_THROW(CheckViews({WithDepth(0.5f)}));
   TrainView view = WithDepth(0.5f);
-  view.depth_mask = Tensor();
+  view.depth_mask = Buffer<float>();
   EXPECT_THROW(CheckViews({view}), ShapeError);
   view = WithDepth(0.5f);
-  view.inv_depth = Tensor();
+  view.inv_depth = Buffer<float>();
   EXPECT_THROW(CheckViews({view}), ShapeError);
   view = WithDepth(0.5f);
-  view.depth_mask = torch::ones({kHeight, kWidth + 1});
+  view.depth_mask = Buffer<float>::Full({kHeight, kWidth + 1}, 1.f);
   EXPECT_THROW(CheckViews({view}), ShapeError);
 }
 
@@ -73,7 +73,7 @@ TEST(CheckViewsTest, NamesTheInverseDepthThatIsNotFinite) {
 
 TEST(CheckViewsTest, AlphaIsAShareOfEveryPixel) {
   TrainView view = Photographs(1)[0];
-  view.alpha = torch::ones({kHeight, kWidth});
+  view.alpha = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   EXPECT_NO_THROW(CheckViews({view}));
   for (const float wrong : {-0.1f, 1.1f, std::nanf("")}) {
     view.alpha[2][4] = wrong;
@@ -84,7 +84,7 @@ TEST(CheckViewsTest, AlphaIsAShareOfEveryPixel) {
       EXPECT_THAT(e.what(), HasSubstr("at column 4, row 2, must be in 0 .. 1"));
     }
   }
-  view.alpha = torch::ones({kHeight, kWidth + 1});
+  view.alpha = Buffer<float>::Full({kHeight, kWidth + 1}, 1.f);
   EXPECT_THROW(CheckViews({view}), ShapeError);
 }
 
@@ -103,21 +103,21 @@ TEST(CheckProposalsTest, ConfidenceIsAShare) {
       EXPECT_THAT(e.what(), HasSubstr("confidence of a is " + fmt::format("{}", wrong) + " at column 7, row 3"));
     }
   }
-  view.confidence = torch::ones({kHeight, kWidth - 1});
+  view.confidence = Buffer<float>::Full({kHeight, kWidth - 1}, 1.f);
   EXPECT_THROW(CheckProposals({view}), ShapeError);
 }
 
 TEST(WithGatedConfidenceTest, GateIsHardAndWhatPassesIsSoft) {
   TrainView view = WithDepth(0.5f);
   EXPECT_FALSE(WithGatedConfidence(view, 0.9, 2).confidence.defined());
-  view.confidence = torch::zeros({kHeight, kWidth});
+  view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
   view.confidence[0][1] = 0.25f;
   view.confidence[0][2] = 0.5f;
   view.confidence[0][3] = 1.f;
-  const Tensor before = view.confidence.clone();
+  const Buffer<float> before = view.confidence.Clone();
   const auto row = [&](double gate, double power) {
-    const Tensor u = WithGatedConfidence(view, gate, power).confidence;
-    return std::vector<float>(u.data_ptr<float>(), u.data_ptr<float>() + 4);
+    const Buffer<float> u = WithGatedConfidence(view, gate, power).confidence;
+    return std::vector<float>(u.data(), u.data() + 4);
   };
   EXPECT_TRUE(torch::equal(WithGatedConfidence(view, 0, 1).confidence, before));
   EXPECT_EQ(row(0.5, 1), (std::vector<float>{0, 0, 0.5f, 1}));
@@ -132,15 +132,15 @@ TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotographDoes) {
   view.inv_depth[3][7] = std::nanf("");
   view.depth_mask[3][7] = 0;
   view.depth_mask[4][8] = 0.25f;
-  view.confidence = torch::ones({kHeight, kWidth});
-  view.confidence[5].zero_();
+  view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+  view.confidence[5].SetZero();
   const TrainView clean = WithCleanDepth(view);
   EXPECT_EQ(clean.inv_depth[3][7].item<float>(), 0);
   EXPECT_EQ(clean.depth_mask[4][8].item<float>(), 0.25f);
   EXPECT_EQ(clean.depth_mask[5].abs().max().item<float>(), 0);
   EXPECT_EQ(clean.depth_mask.sum().item<float>(), kHeight * kWidth - kWidth - 1.75f);
   EXPECT_EQ(view.depth_mask[5].min().item<float>(), 1);  // not written
-  view.confidence.zero_();
+  view.confidence.SetZero();
   EXPECT_FALSE(WithCleanDepth(view).inv_depth.defined());
   EXPECT_FALSE(WithCleanDepth(view).depth_mask.defined());
 }
@@ -164,7 +164,7 @@ TEST(CharacteristicDepthTest, IsTheMedianOfTheViewsMedians) {
   EXPECT_EQ(CharacteristicDepth({near, none, far, farther}), 8);
   far.inv_depth.narrow(0, 0, kHeight / 2 + 2).fill_(0.25f);  // most pixels
   EXPECT_EQ(CharacteristicDepth({near, far, farther}), 4);
-  far.depth_mask.narrow(0, 0, kHeight / 2 + 2).zero_();  // which do not count
+  far.depth_mask.narrow(0, 0, kHeight / 2 + 2).SetZero();  // which do not count
   EXPECT_EQ(CharacteristicDepth({near, far, farther}), 8);
 }
 

@@ -12,17 +12,17 @@ constexpr int kWarmUp = 40, kCounted = 20;
 
 /// Two sizes, one with a mask.
 std::vector<TrainView> Photographs() {
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   std::vector<TrainView> views;
   for (int i = 0; i < 4; ++i) {
     const int width = i % 2 ? 70 : 41, height = i % 2 ? 51 : 64;
     TrainView view{"photo", {width, height, 50, 50, width / 2.0, height / 2.0, Eigen::Isometry3d::Identity()}, {}, {}};
     view.camera.cam_from_world.translation() = Eigen::Vector3d(0.1 * i, 0, 5);
-    view.image = rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.clone();
+    view.image = rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.Clone();
     views.push_back(view);
   }
-  views[3].confidence = torch::ones({51, 70});
-  views[3].confidence.narrow(1, 30, 20).zero_();
+  views[3].confidence = Buffer<float>::Full({51, 70}, 1.f);
+  views[3].confidence.narrow(1, 30, 20).SetZero();
   return views;
 }
 
@@ -42,7 +42,7 @@ TEST(AllocationCounterTest, SeesTheHeapsFunctions) {
   EXPECT_THAT(AllocationCounter::First(), testing::HasSubstr("train_tests"));
   std::unique_ptr<Wide> wide;
   EXPECT_EQ(count([&] { wide = std::make_unique<Wide>(); }), 1);
-  Tensor tensor;
+  Buffer<float> tensor;
   EXPECT_GT(count([&] { tensor = torch::empty({5}); }), 1);
 }
 
@@ -50,7 +50,7 @@ TEST(AllocationCounterTest, SeesTheHeapsFunctions) {
 std::vector<TrainView> Proposals() {
   std::vector<TrainView> views = Photographs();
   for (TrainView& view : views) view.confidence = torch::rand({view.camera.height, view.camera.width});
-  views[1].inv_depth = views[1].depth_mask = torch::full({51, 70}, 0.2f);
+  views[1].inv_depth = views[1].depth_mask = Buffer<float>::Full({51, 70}, 0.2f);
   return views;
 }
 

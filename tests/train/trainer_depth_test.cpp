@@ -14,10 +14,10 @@ namespace {
 /// Photographs with the depth that the rasteriser finds, where the Gaussians cover the view.
 std::vector<TrainView> WithTrueDepth(int count) {
   auto views = Photographs(count);
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   for (TrainView& view : views) {
     const RenderOutput out = rasterizer->Forward(Truth(), view.camera, {}, RenderPass::kInference);
-    view.inv_depth = out.inv_depth.clone();
+    view.inv_depth = out.inv_depth.Clone();
     view.depth_mask = (out.alpha > 0.9).to(torch::kFloat);
   }
   return views;
@@ -51,7 +51,7 @@ TEST(TrainerDepthTest, TheTermIsThatOfTheFormula) {
   EXPECT_GT(expected, 0.01);
   EXPECT_NEAR(FirstLoss(OnlyDepth(3), views), expected, 1e-4);
   EXPECT_NEAR(FirstLoss(OnlyDepth(0), views), 0, 1e-5);
-  views[0].confidence = torch::zeros({kHeight, kWidth});  // where the photograph does not count, its depth does not
+  views[0].confidence = Buffer<float>::Zeros({kHeight, kWidth});  // where the photograph does not count, its depth does not
   EXPECT_EQ(FirstLoss(OnlyDepth(3), views), 0);
 }
 
@@ -79,14 +79,14 @@ TEST(TrainerDepthTest, WithoutDepthOrWeightTheBitsAreTheSame) {
   off.depth_weight = 0;
   EXPECT_TRUE(SameBits(After(45, off, deep), expected));
   EXPECT_FALSE(SameBits(After(45, Options(), deep), expected));
-  for (TrainView& view : deep) view.depth_mask.zero_();
+  for (TrainView& view : deep) view.depth_mask.SetZero();
   EXPECT_TRUE(SameBits(After(45, Options(), deep), expected));
 }
 
 /// Sum over the views of mean(|inv_depth - rendered| * depth_mask).
 double DepthError(const Gaussians& gaussians, const std::vector<TrainView>& views) {
   double sum = 0;
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   for (const TrainView& view : views) {
     const RenderOutput out = rasterizer->Forward(gaussians, view.camera, {}, RenderPass::kInference);
     sum += ((out.inv_depth - view.inv_depth).abs() * view.depth_mask).mean().item<double>();
@@ -99,7 +99,7 @@ TEST(TrainerDepthTest, BringsTheRenderToTheDepthWherePicturesSayNothing) {
   Gaussians start = Truth();
   start.means.select(1, 2) += 0.2f;  // behind where they belong
   start.sh.fill_(-100);              // black before black: no picture shows it
-  for (TrainView& view : views) view.image.zero_();
+  for (TrainView& view : views) view.image.SetZero();
   const double before = DepthError(start, views);
   const auto after = [&](double weight) {
     TrainOptions options = OnlyDepth(weight);
@@ -114,7 +114,7 @@ TEST(TrainerDepthTest, BringsTheRenderToTheDepthWherePicturesSayNothing) {
 
 TEST(TrainerDepthTest, RefusesDepthThatDoesNotFit) {
   auto views = WithTrueDepth(2);
-  views[1].depth_mask = Tensor();
+  views[1].depth_mask = Buffer<float>();
   EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, views, Start()), ShapeError);
 }
 

@@ -21,11 +21,11 @@ constexpr int64_t kCount = 3 * kGradBlock + 21;  // neither whole blocks nor who
 
 std::vector<TrainView> Photographs() {
   std::vector<TrainView> views;
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   for (int i = 0; i < 3; ++i) {
     TrainView view{"photo" + std::to_string(i), {45, 33, 40, 40, 22, 16, Eigen::Isometry3d::Identity()}, {}, {}};
     view.camera.cam_from_world.translation() = Eigen::Vector3d(0.1 * i, 0, 5);
-    view.image = rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.clone();
+    view.image = rasterizer->Forward(RandomGaussians(50, 7), view.camera, {}, RenderPass::kInference).image.Clone();
     views.push_back(view);
   }
   return views;
@@ -53,7 +53,7 @@ class SlowTrainer {
     const int degree = ActiveShDegree(i, options.sh_degree_interval);
     const TrainView& view = views_[sampler_.Next(0).index];
     const RenderOutput out = rasterizer_->Forward(gaussians_, view.camera, {{}, degree, false}, RenderPass::kTrain);
-    Tensor grad_image = torch::empty_like(out.image);
+    Buffer<float> grad_image = Buffer<float>::Empty(out.image.shape());
     const double photometric = PhotometricLoss()(out.image, view.image, {}, {0.8f, 0.2f}, &grad_image).loss;
     Gaussians grads = Gaussians::Zeros(gaussians_.size());
     rasterizer_->Backward(gaussians_, {grad_image, {}, {}}, &grads);
@@ -80,7 +80,7 @@ class SlowTrainer {
   }
 
   std::vector<TrainView> views_ = Photographs();
-  std::unique_ptr<Rasterizer> rasterizer_ = MakeRasterizer(torch::kCPU);
+  std::unique_ptr<Rasterizer> rasterizer_ = MakeRasterizer(kCpu);
   Gaussians gaussians_;
   Adam adam_;
   ViewSampler sampler_;

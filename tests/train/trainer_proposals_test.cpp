@@ -17,14 +17,14 @@ std::vector<TrainView> Proposals(int count) {
   auto views = Photographs(count);
   for (int i = 0; i < count; ++i) {
     views[i].name = "proposal" + std::to_string(i);
-    views[i].confidence = torch::full({kHeight, kWidth}, 0.25f);
+    views[i].confidence = Buffer<float>::Full({kHeight, kWidth}, 0.25f);
     views[i].confidence.narrow(1, 0, kWidth / 2).fill_(0.9f);
   }
   return views;
 }
 
 std::vector<TrainView> WithConfidence(std::vector<TrainView> views, float value) {
-  for (TrainView& view : views) view.confidence = torch::full({kHeight, kWidth}, value);
+  for (TrainView& view : views) view.confidence = Buffer<float>::Full({kHeight, kWidth}, value);
   return views;
 }
 
@@ -102,8 +102,8 @@ TEST(TrainerProposalsTest, ShowWhatPhotographsDoNot) {
   const std::vector<TrainView> photographs = {all[0]}, proposals = WithConfidence({all[1], all[2], all[3]}, 0.8f);
   const auto error = [&](const TrainingData& data) {
     const Gaussians gaussians = After(150, Constantly(0.5, 150), data);
-    auto rasterizer = MakeRasterizer(torch::kCPU);
-    const Tensor image = rasterizer->Forward(gaussians, all[3].camera, {}, RenderPass::kInference).image;
+    auto rasterizer = MakeRasterizer(kCpu);
+    const Buffer<float> image = rasterizer->Forward(gaussians, all[3].camera, {}, RenderPass::kInference).image;
     return (image - all[3].image).abs().mean().item<double>();
   };
   const double without = error(photographs), with = error({photographs, proposals});

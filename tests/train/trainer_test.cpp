@@ -137,22 +137,22 @@ TEST(TrainerTest, WhatTheMaskHidesIsNoLoss) {
   // not see the difference.
   auto views = Photographs(3);
   for (TrainView& view : views) {
-    view.confidence = torch::ones({kHeight, kWidth});
-    view.confidence.narrow(1, 20, kWidth - 20).zero_();
+    view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
+    view.confidence.narrow(1, 20, kWidth - 20).SetZero();
     view.image.narrow(1, 20, kWidth - 20).fill_(0.9);
   }
   TrainOptions options = Options();
   options.opacity_reg = options.scale_reg = 0;
   Trainer trainer(options, kSeed, {0, 0, 0}, views, Truth());
   EXPECT_NEAR(trainer.Step(), 0, 1e-5);
-  for (TrainView& view : views) view.confidence = Tensor();
+  for (TrainView& view : views) view.confidence = Buffer<float>();
   Trainer unmasked(options, kSeed, {0, 0, 0}, views, Truth());
   EXPECT_GT(unmasked.Step(), 0.1);
 }
 
 TEST(TrainerTest, WhatTheMaskHidesGivesNoGradient) {
   auto views = Photographs(2);
-  for (TrainView& view : views) view.confidence = torch::zeros({kHeight, kWidth});
+  for (TrainView& view : views) view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
   Trainer blind(Options(60), kSeed, {0, 0, 0}, views, Start());
   for (int i = 0; i < 25; ++i) blind.Step();  // regularisers and noise only: no colour changes
   EXPECT_EQ(blind.gaussians().sh.abs().max().item<float>(), 0);
@@ -162,7 +162,7 @@ TEST(TrainerTest, AMaskOfOnesIsNoMask) {
   const auto run = [](bool masked) {
     auto views = Photographs(3);
     for (TrainView& view : views) {
-      if (masked) view.confidence = torch::ones({kHeight, kWidth});
+      if (masked) view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
     }
     Trainer trainer(Options(60), kSeed, {0, 0, 0}, views, Start());
     for (int i = 0; i < 5; ++i) trainer.Step();

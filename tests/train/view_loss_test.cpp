@@ -36,7 +36,7 @@ TEST(ViewLossTest, AProposalsIsWeighedByConfidenceAndHasDepthOfItsMask) {
   ViewLoss loss(options, {{photograph}, {proposal}});
   const ViewLossResult result = loss(kProposal, 30, out);
 
-  Tensor grad = torch::empty_like(out.image), grad_depth = torch::empty_like(out.inv_depth);
+  Buffer<float> grad = Buffer<float>::Empty(out.image.shape()), grad_depth = Buffer<float>::Empty(out.inv_depth.shape());
   const double picture = PhotometricLoss()(out.image, proposal.image, proposal.confidence, {0.7f, 0.3f}, &grad).loss;
   const double weight = 2 * CharacteristicDepth({proposal}) * DepthWeight(30, options.iterations);
   const double depth = MaskedL1(out.inv_depth, proposal.inv_depth, proposal.depth_mask, weight, &grad_depth);
@@ -61,7 +61,7 @@ TEST(ViewLossTest, AlphaCountsWhereThePhotographDoes) {
   photograph.alpha = torch::rand({kHeight, kWidth});
   ViewLoss loss(options, {{photograph}});
   const ViewLossResult result = loss(kPhotograph, 1, out);
-  Tensor grad = torch::empty_like(out.alpha);
+  Buffer<float> grad = Buffer<float>::Empty(out.alpha.shape());
   const double alpha = MaskedL1(out.alpha, photograph.alpha, photograph.confidence, 0.4, &grad);
   EXPECT_GT(alpha, 0);
   EXPECT_DOUBLE_EQ(result.loss, without + alpha);
@@ -94,11 +94,11 @@ TEST(ViewLossTest, WhatTheGateStopsHasNeitherColourNorDepth) {
   const RenderOutput out = Render();
   ViewLoss loss(options, {{Photographs(1)[0]}, {proposal}});
   const ViewLossResult result = loss(kProposal, 1, out);
-  const Tensor passes = (proposal.confidence >= 0.5).to(torch::kFloat);
+  const Buffer<float> passes = (proposal.confidence >= 0.5).to(torch::kFloat);
   EXPECT_EQ((result.grads.inv_depth * (1 - passes)).abs().max().item<float>(), 0);
   EXPECT_GT((result.grads.inv_depth * passes).abs().max().item<float>(), 0);
-  Tensor grad = torch::empty_like(out.image);
-  PhotometricLoss()(out.image, proposal.image, (proposal.confidence.square() * passes).contiguous(), {0.7f, 0.3f},
+  Buffer<float> grad = Buffer<float>::Empty(out.image.shape());
+  PhotometricLoss()(out.image, proposal.image, (proposal.confidence.square() * passes), {0.7f, 0.3f},
                     &grad);
   EXPECT_LE(MaxAbsError(result.grads.image, grad), 1e-9);
   EXPECT_TRUE(torch::equal(loss.View(kProposal, 1).image, proposal.image));

@@ -4,21 +4,51 @@
 //
 //   struct SplitOptions {
 //     int views = 0;
-//     template <class V> void Visit(V&& visit) {
-//       visit("views", views, "Training views to pick, 0 = all", Range{0, 100000});
+//     template <class Self, class V> static void Visit(Self& self, V&& visit) {
+//       visit("views", self.views, "Training views to pick, 0 = all", Range{0, 100000});
 //     }
 //   };
+//
+// A field is a bool, a number, a text, a path, an enumeration with words (enum_words.h), or Auto of a number or an
+// enumeration: "auto" decides for the user.
 
+#include <charconv>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
+#include "oraclegs/core/enum_words.h"
 #include "oraclegs/core/error.h"
 
 namespace oraclegs {
+
+/// A value of the user's, or nothing: the program decides ("auto").
+template <class T>
+class Auto {
+ public:
+  Auto() = default;
+  Auto(T value) : value_(value) {}  // NOLINT: an option is assigned like a plain value
+
+  bool is_auto() const { return !value_; }
+  /// Of one that is not automatic.
+  T value() const { return *value_; }
+  T ValueOr(T decided) const { return value_.value_or(decided); }
+  bool operator==(const Auto&) const = default;
+
+ private:
+  std::optional<T> value_;
+};
+
+template <class T>
+inline constexpr bool kIsAuto = false;
+template <class T>
+inline constexpr bool kIsAuto<Auto<T>> = true;
 
 /// Inclusive bounds of a number.
 struct Range {
@@ -26,26 +56,77 @@ struct Range {
   double high = std::numeric_limits<double>::infinity();
 };
 
-/// The allowed words of a text option.
-struct Choice {
-  std::vector<std::string> words;
-};
+/// What a field holds, for files.
+using OptionValue = std::variant<bool, int64_t, double, std::string>;
 
-/// Throws UsageError "--views is -3, must be in 0 .. 100000" for the first field out of its bounds or words.
+template <class T>
+OptionValue ToOptionValue(const T& field) {
+  if constexpr (kIsAuto<T>) {
+    return field.is_auto() ? OptionValue(std::string("auto")) : ToOptionValue(field.value());
+  } else if constexpr (std::is_enum_v<T>) {
+    return Word(field);
+  } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+    return field.string();
+  } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
+    return field;
+  } else if constexpr (std::is_integral_v<T>) {
+    return static_cast<int64_t>(field);
+  } else {
+    return static_cast<double>(field);
+  }
+}
+
+/// "true", "12", "0.5", "auto": as the help and the messages show it.
+std::string TextOf(const OptionValue& value);
+
+/// Sets the field from the user's text. Throws UsageError "--init is 'x', must be one of: auto, dense".
+template <class T>
+void SetOption(const char* name, const std::string& text, T* field) {
+  if constexpr (kIsAuto<T>) {
+    using Value = std::remove_cvref_t<decltype(field->value())>;
+    if (text == "auto") {
+      *field = {};
+      return;
+    }
+    Value value{};
+    if constexpr (std::is_enum_v<Value>) {
+      const std::optional<Value> known = FromWord<Value>(text);
+      if (!known) throw UsageError("--{} is '{}', must be one of: auto, {}", name, text, AllWords<Value>(", "));
+      value = *known;
+    } else {
+      SetOption(name, text, &value);
+    }
+    *field = value;
+  } else if constexpr (std::is_enum_v<T>) {
+    const std::optional<T> value = FromWord<T>(text);
+    if (!value) throw UsageError("--{} is '{}', must be one of: {}", name, text, AllWords<T>(", "));
+    *field = *value;
+  } else if constexpr (std::is_same_v<T, bool>) {
+    if (text != "true" && text != "false") throw UsageError("--{} is '{}', must be true or false", name, text);
+    *field = text == "true";
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      throw UsageError("--{} is '{}', must be a number", name, text);
+    }
+    *field = value;
+  } else {
+    *field = text;
+  }
+}
+
+/// Throws UsageError "--views is -3, must be in 0 .. 100000" for the first field out of its bounds.
 struct OptionChecker {
   template <class T>
-  void operator()(const char* name, const T& value, const char*, const Range& range) const {
-    if constexpr (std::is_arithmetic_v<T>) {
+  void operator()(const char* name, const T& value, const char* help, const Range& range) const {
+    if constexpr (kIsAuto<T>) {
+      if (!value.is_auto()) (*this)(name, value.value(), help, range);
+    } else if constexpr (std::is_arithmetic_v<T>) {
       if (!(static_cast<double>(value) >= range.low && static_cast<double>(value) <= range.high)) {
         throw UsageError("--{} is {}, must be in {} .. {}", name, value, range.low, range.high);
       }
     }
-  }
-  void operator()(const char* name, const std::string& value, const char*, const Choice& choice) const {
-    for (const auto& word : choice.words) {
-      if (word == value) return;
-    }
-    throw UsageError("--{} is '{}', must be one of: {}", name, value, fmt::join(choice.words, ", "));
   }
   template <class T>
   void operator()(const char*, const T&, const char*) const {}
@@ -53,21 +134,29 @@ struct OptionChecker {
 
 template <class Options>
 void CheckOptions(const Options& options) {
-  const_cast<Options&>(options).Visit(OptionChecker{});  // Visit is non-const only because the parser writes through it
+  Options::Visit(options, OptionChecker{});
+}
+
+struct NamedOption {
+  std::string name;
+  OptionValue value;
+};
+
+/// Every field with its value, in the order of Visit.
+template <class Options>
+std::vector<NamedOption> ListOptions(const Options& options) {
+  std::vector<NamedOption> list;
+  Options::Visit(options, [&](const char* name, const auto& value, auto&&...) {
+    list.push_back({name, ToOptionValue(value)});
+  });
+  return list;
 }
 
 /// {"views": 12, ...}: what a run saves, and what resuming compares.
+nlohmann::json ToJson(const std::vector<NamedOption>& options);
 template <class Options>
 nlohmann::json OptionsToJson(const Options& options) {
-  nlohmann::json json = nlohmann::json::object();
-  const_cast<Options&>(options).Visit([&](const char* name, const auto& value, auto&&...) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::filesystem::path>) {
-      json[name] = value.string();
-    } else {
-      json[name] = value;
-    }
-  });
-  return json;
+  return ToJson(ListOptions(options));
 }
 
 }  // namespace oraclegs

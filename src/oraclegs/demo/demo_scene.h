@@ -14,12 +14,12 @@ struct DemoSceneOptions {
   int height = 240;  ///< pixels
   int samples = 4;   ///< rays per pixel side (samples x samples)
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("demo-views", views, "Photographs to render", Range{2, 1000});
-    visit("width", width, "Pixels", Range{16, 8192});
-    visit("height", height, "Pixels", Range{16, 8192});
-    visit("samples", samples, "Rays per pixel side; n x n rays per pixel", Range{1, 16});
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("demo-views", self.views, "Photographs to render", Range{2, 1000});
+    visit("width", self.width, "Pixels", Range{16, 8192});
+    visit("height", self.height, "Pixels", Range{16, 8192});
+    visit("samples", self.samples, "Rays per pixel side; n x n rays per pixel", Range{1, 16});
   }
 };
 

@@ -21,13 +21,13 @@ struct StereoOptions {
   int geometric_passes = 2;
   std::string stereo_color = "auto";
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("stereo-neighbors", neighbors, "Photographs each one is compared with to find its depth", Range{1, 8});
-    visit("stereo-iterations", iterations, "Rounds of the photometric search, at the coarse resolution", Range{1, 50});
-    visit("stereo-passes", geometric_passes,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("stereo-neighbors", self.neighbors, "Photographs each one is compared with to find its depth", Range{1, 8});
+    visit("stereo-iterations", self.iterations, "Rounds of the photometric search, at the coarse resolution", Range{1, 50});
+    visit("stereo-passes", self.geometric_passes,
           "Passes in which the photographs' depths are made to agree, at each resolution", Range{1, 16});
-    visit("stereo-color", stereo_color,
+    visit("stereo-color", self.stereo_color,
           "Compare colours or brightness only, which is three times as fast; auto = colours for an object before a "
           "plain background",
           Choice{{"auto", "yes", "no"}});

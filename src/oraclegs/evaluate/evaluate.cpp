@@ -12,25 +12,25 @@ namespace oraclegs {
 namespace {
 
 /// The photo's mask [H,W], undefined when every pixel counts.
-Tensor MaskOf(const LoadedView& photo) {
+Buffer<float> MaskOf(const LoadedView& photo) {
   if (photo.mask.empty()) return {};
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
   if (static_cast<int64_t>(photo.mask.size()) != height * width) {
     throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
                      height * width);
   }
-  return torch::from_blob(const_cast<uint8_t*>(photo.mask.data()), {height, width}, torch::kByte).clone();
+  return torch::from_blob(const_cast<uint8_t*>(photo.mask.data()), {height, width}, torch::kByte).Clone();
 }
 
-ViewMetrics Score(const LoadedView& photo, const Tensor& render, const Tensor& truth, const PictureScores& scores) {
-  const Tensor mask = MaskOf(photo);
+ViewMetrics Score(const LoadedView& photo, const Buffer<float>& render, const Buffer<float>& truth, const PictureScores& scores) {
+  const Buffer<float> mask = MaskOf(photo);
   ViewMetrics view;
   view.name = photo.name;
   view.psnr = Psnr(render, truth, mask);
   view.ssim = Ssim(render, truth, mask);
   view.psnr_color_corrected = ColorCorrectedPsnr(render, truth, mask);
   if (!scores.of) return view;
-  const Tensor shown = mask.defined() ? torch::where((mask > 0).unsqueeze(2), render, truth).contiguous() : render;
+  const Buffer<float> shown = mask.defined() ? torch::where((mask > 0).unsqueeze(2), render, truth) : render;
   view.more = scores.of(shown, truth);
   return view;
 }
@@ -82,7 +82,7 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& 
     ThrowIfInterrupted();
     const LoadedView& photo = photos[i];
     const RenderOutput out = rasterizer->Forward(gaussians, photo.camera, options, RenderPass::kInference);
-    const Tensor render = Quantized(out.image.to(torch::kCPU)).contiguous(), truth = Quantized(ToTensor(photo.rgb));
+    const Buffer<float> render = Quantized(out.image.To(kCpu)), truth = Quantized(ToTensor(photo.rgb));
     if (CountsNowhere(photo)) {
       listener(Warning{fmt::format("{} is masked out completely and is not scored", photo.name)});
     } else {
@@ -119,20 +119,20 @@ nlohmann::json ToJson(const TestMetrics& metrics) {
   return json;
 }
 
-Image8 ToImage8(const Tensor& image) {
-  RequireFloat("ToImage8", "image", image, {-1, -1, 3});
-  const Tensor bytes = torch::floor(image.to(torch::kCPU).clamp(0, 1) * 255.f + 0.5f).to(torch::kByte).contiguous();
+Image8 ToImage8(const Buffer<float>& image) {
+  RequireShape("ToImage8", "image", image, {-1, -1, 3});
+  const Buffer<float> bytes = torch::floor(image.To(kCpu).clamp(0, 1) * 255.f + 0.5f).to(torch::kByte);
   Image8 out;
   out.height = static_cast<int>(image.size(0));
   out.width = static_cast<int>(image.size(1));
   out.channels = 3;
-  out.data.assign(bytes.data_ptr<uint8_t>(), bytes.data_ptr<uint8_t>() + bytes.numel());
+  out.data.assign(bytes.data(), bytes.data() + bytes.count());
   return out;
 }
 
-Tensor ToTensor(const ImageF& image) {
+Buffer<float> ToTensor(const ImageF& image) {
   if (image.channels != 3) throw ShapeError("ToTensor: {} channels, expected 3", image.channels);
-  return torch::from_blob(const_cast<float*>(image.data.data()), {image.height, image.width, 3}, torch::kFloat).clone();
+  return torch::from_blob(const_cast<float*>(image.data.data()), {image.height, image.width, 3}, torch::kFloat).Clone();
 }
 
 }  // namespace oraclegs

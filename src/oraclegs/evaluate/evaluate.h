@@ -17,7 +17,7 @@ namespace oraclegs {
 /// Scores beside PSNR and SSIM that a floor above knows how to compute.
 struct PictureScores {
   /// name -> score of a render against the truth, [H,W,3] in [0,1]; empty = none. Always the same names.
-  std::function<std::map<std::string, double>(const Tensor& render, const Tensor& truth)> of;
+  std::function<std::map<std::string, double>(const Buffer<float>& render, const Buffer<float>& truth)> of;
   std::map<std::string, std::string> conventions;  ///< name -> how it is computed
   int64_t smallest_side = 1;                       ///< pixels, of a picture that can be scored
 };
@@ -57,8 +57,8 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& 
 nlohmann::json ToJson(const TestMetrics& metrics);
 
 /// Converts a render [H,W,3] for writing: clamped, 8 bit.
-Image8 ToImage8(const Tensor& image);
+Image8 ToImage8(const Buffer<float>& image);
 /// [H,W,3] tensor of an image, copied.
-Tensor ToTensor(const ImageF& image);
+Buffer<float> ToTensor(const ImageF& image);
 
 }  // namespace oraclegs

@@ -18,14 +18,14 @@ using Equations = Eigen::Matrix<double, 4, 7>;
 Eigen::Vector4d Homogeneous(const float* color) { return {color[0], color[1], color[2], 1}; }
 
 /// Checks that both are pictures of one size and the mask fits; returns the mask in double, all ones when undefined.
-Tensor CheckedMask(const char* who, const Tensor& a, const Tensor& b, const Tensor& mask) {
-  RequireFloat(who, "first image", a, {-1, -1, 3});
-  RequireFloat(who, "second image", b, {a.size(0), a.size(1), 3});
+Buffer<float> CheckedMask(const char* who, const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask) {
+  RequireShape(who, "first image", a, {-1, -1, 3});
+  RequireShape(who, "second image", b, {a.size(0), a.size(1), 3});
   if (!mask.defined()) return torch::ones({a.size(0), a.size(1)}, torch::kDouble);
   if (mask.dim() != 2 || mask.size(0) != a.size(0) || mask.size(1) != a.size(1)) {
-    throw ShapeError("{}: mask is [{}], expected [{}, {}]", who, fmt::join(mask.sizes(), ", "), a.size(0), a.size(1));
+    throw ShapeError("{}: mask is [{}], expected [{}, {}]", who, fmt::join(mask.shape(), ", "), a.size(0), a.size(1));
   }
-  return mask.to(torch::kDouble).contiguous();
+  return mask.to(torch::kDouble);
 }
 
 /// Adds up over pixels in blocks of fixed size, so that the sum has the same bits for any number of threads (those of
@@ -45,29 +45,29 @@ Sum SumOverPixels(int64_t pixels, const Sum& zero, const Add& add) {
 
 /// Mean of value(i), i a place in [H,W,3], over the pixels of the mask. NaN when it is empty.
 template <class Value>
-double MaskedMean(const Tensor& mask, const Value& value) {
-  const double* weights = mask.data_ptr<double>();
+double MaskedMean(const Buffer<float>& mask, const Value& value) {
+  const double* weights = mask.data();
   const Eigen::Array2d sums =
-      SumOverPixels<Eigen::Array2d>(mask.numel(), Eigen::Array2d::Zero(), [&](int64_t i, Eigen::Array2d* sum) {
+      SumOverPixels<Eigen::Array2d>(mask.count(), Eigen::Array2d::Zero(), [&](int64_t i, Eigen::Array2d* sum) {
         *sum += weights[i] * Eigen::Array2d(1, value(3 * i) + value(3 * i + 1) + value(3 * i + 2));
       });
   if (!(sums[0] > 0)) return std::numeric_limits<double>::quiet_NaN();
   return sums[1] / (3 * sums[0]);
 }
 
-double SsimMean(const Tensor& a, const Tensor& b, const Tensor& mask) {
-  const Tensor map = SsimMap(a, b);
-  const float* values = map.data_ptr<float>();
+double SsimMean(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask) {
+  const Buffer<float> map = SsimMap(a, b);
+  const float* values = map.data();
   return MaskedMean(mask, [&](int64_t i) { return static_cast<double>(values[i]); });
 }
 
 }  // namespace
 
-Tensor Quantized(const Tensor& image) { return torch::floor(image.clamp(0, 1) * 255.f + 0.5f) / 255.f; }
+Buffer<float> Quantized(const Buffer<float>& image) { return torch::floor(image.clamp(0, 1) * 255.f + 0.5f) / 255.f; }
 
-double Psnr(const Tensor& a, const Tensor& b, const Tensor& mask) {
-  const Tensor weights = CheckedMask("Psnr", a, b, mask);
-  const float *left = a.data_ptr<float>(), *right = b.data_ptr<float>();
+double Psnr(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask) {
+  const Buffer<float> weights = CheckedMask("Psnr", a, b, mask);
+  const float *left = a.data(), *right = b.data();
   const double mse = MaskedMean(weights, [&](int64_t i) {
     const double difference = static_cast<double>(left[i]) - static_cast<double>(right[i]);
     return difference * difference;
@@ -75,21 +75,21 @@ double Psnr(const Tensor& a, const Tensor& b, const Tensor& mask) {
   return -10 * std::log10(mse);
 }
 
-double Ssim(const Tensor& a, const Tensor& b, const Tensor& mask) {
-  const Tensor weights = CheckedMask("Ssim", a, b, mask);
+double Ssim(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask) {
+  const Buffer<float> weights = CheckedMask("Ssim", a, b, mask);
   if (!mask.defined()) return SsimMean(a, b, weights);
   // The windows of pixels that count reach 5 pixels into those that do not: there both pictures are made the same, as
   // the training loss does it, so that what is masked says nothing.
-  return SsimMean(torch::where(weights.unsqueeze(-1) > 0, a, b).contiguous(), b, weights);
+  return SsimMean(torch::where(weights.unsqueeze(-1) > 0, a, b), b, weights);
 }
 
-double ColorCorrectedPsnr(const Tensor& render, const Tensor& target, const Tensor& mask) {
-  const Tensor weights = CheckedMask("ColorCorrectedPsnr", render, target, mask);
-  const double* w = weights.data_ptr<double>();
-  const float *from = render.data_ptr<float>(), *to = target.data_ptr<float>();
+double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask) {
+  const Buffer<float> weights = CheckedMask("ColorCorrectedPsnr", render, target, mask);
+  const double* w = weights.data();
+  const float *from = render.data(), *to = target.data();
   // The normal equations of w (from, 1) M = w to: the left four columns, and the right side in the other three.
   const Equations equations =
-      SumOverPixels<Equations>(weights.numel(), Equations::Zero(), [&](int64_t i, Equations* sum) {
+      SumOverPixels<Equations>(weights.count(), Equations::Zero(), [&](int64_t i, Equations* sum) {
         const Eigen::Vector4d row = Homogeneous(from + 3 * i);
         sum->leftCols<4>() += w[i] * row * row.transpose();
         sum->rightCols<3>() += w[i] * row * Eigen::Map<const Eigen::RowVector3f>(to + 3 * i).cast<double>();
@@ -97,9 +97,9 @@ double ColorCorrectedPsnr(const Tensor& render, const Tensor& target, const Tens
   // A flat or grey picture leaves colours undetermined: the decomposition then gives the smallest of the solutions.
   const Eigen::Matrix<double, 4, 3> map =
       Eigen::Matrix4d(equations.leftCols<4>()).completeOrthogonalDecomposition().solve(equations.rightCols<3>());
-  Tensor corrected = torch::empty_like(render);
-  float* out = corrected.data_ptr<float>();
-  ParallelBlocks(weights.numel(), kGrain, [&](int64_t begin, int64_t end) {
+  Buffer<float> corrected = Buffer<float>::Empty(render.shape());
+  float* out = corrected.data();
+  ParallelBlocks(weights.count(), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const Eigen::Vector3d color = map.transpose() * Homogeneous(from + 3 * i);
       Eigen::Map<Eigen::Vector3f>(out + 3 * i) = color.cwiseMax(0).cwiseMin(1).cast<float>();

@@ -13,10 +13,10 @@ struct AblateOptions {
   int seeds = 3;
   std::string rows;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("seeds", seeds, "Trainings of each row, of seeds --seed, --seed + 1, ...", Range{1, 1000});
-    visit("rows", rows,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("seeds", self.seeds, "Trainings of each row, of seeds --seed, --seed + 1, ...", Range{1, 1000});
+    visit("rows", self.rows,
           "Rows to train, by number or name, separated by commas: mcmc, proposals, schedule, sfm, depth, confidence, "
           "dense, regularisers, calibration, opinions, lpips (with its weights only); all unless given");
   }

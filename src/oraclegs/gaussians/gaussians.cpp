@@ -2,39 +2,45 @@
 
 namespace oraclegs {
 
-Gaussians Gaussians::Empty(int64_t n) {
-  const auto f32 = torch::TensorOptions().dtype(torch::kFloat);
-  Gaussians g;
-  g.means = torch::empty({n, 3}, f32);
-  g.log_scales = torch::empty({n, 3}, f32);
-  g.quats = torch::empty({n, 4}, f32);
-  g.opacity_logits = torch::empty({n}, f32);
-  g.sh = torch::empty({n, kShCoefficients, 3}, f32);
-  return g;
+Gaussians Gaussians::Empty(int64_t n, Device device) {
+  const auto rows = [&](const Shape& shape) { return Buffer<float>::Empty(shape, device, "Gaussians"); };
+  return {rows({n, 3}), rows({n, 3}), rows({n, 4}), rows({n}), rows({n, kShCoefficients, 3})};
 }
 
-Gaussians Gaussians::Zeros(int64_t n) {
-  Gaussians g = Empty(n);
-  g.ForEach([](const char*, Tensor& t) { t.zero_(); });
+Gaussians Gaussians::Zeros(int64_t n, Device device) {
+  Gaussians g = Empty(n, device);
+  g.ForEach([](const char*, Buffer<float>& t) { t.SetZero(); });
   return g;
 }
 
 void Gaussians::Check(const char* who) const {
-  RequireFloat(who, "means", means, {-1, 3});
+  RequireShape(who, "means", means, {-1, 3});
   const int64_t n = size();
-  RequireFloat(who, "log_scales", log_scales, {n, 3});
-  RequireFloat(who, "quats", quats, {n, 4});
-  RequireFloat(who, "opacity_logits", opacity_logits, {n});
-  RequireFloat(who, "sh", sh, {n, kShCoefficients, 3});
-  ForEach([&](const char* name, const Tensor& t) {
+  RequireShape(who, "log_scales", log_scales, {n, 3});
+  RequireShape(who, "quats", quats, {n, 4});
+  RequireShape(who, "opacity_logits", opacity_logits, {n});
+  RequireShape(who, "sh", sh, {n, kShCoefficients, 3});
+  ForEach([&](const char* name, const Buffer<float>& t) {
     if (t.device() == means.device()) return;
-    throw ShapeError("{}: {} is on {}, means on {}", who, name, t.device().str(), means.device().str());
+    throw ShapeError("{}: {} is on {}, means on {}", who, name, t.device().Name(), means.device().Name());
   });
 }
 
 GaussianRows Gaussians::Rows() const {
-  return {means.data_ptr<float>(), log_scales.data_ptr<float>(), quats.data_ptr<float>(),
-          opacity_logits.data_ptr<float>(), sh.data_ptr<float>()};
+  return {means.data(), log_scales.data(), quats.data(),
+          opacity_logits.data(), sh.data()};
+}
+
+Gaussians Gaussians::Clone() const {
+  Gaussians copy = *this;
+  copy.ForEach([](const char*, Buffer<float>& t) { t = t.Clone(); });
+  return copy;
+}
+
+Gaussians Gaussians::To(Device device) const {
+  Gaussians moved = *this;
+  moved.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
+  return moved;
 }
 
 }  // namespace oraclegs

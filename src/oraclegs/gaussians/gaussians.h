@@ -1,6 +1,6 @@
 #pragma once
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/gaussians/gaussian_rows.h"
 
 namespace oraclegs {
@@ -12,26 +12,31 @@ static_assert(kShFloats == 3 * kShCoefficients);
 /// Coefficients of spherical harmonics up to `degree`.
 inline constexpr int ShCount(int degree) { return (degree + 1) * (degree + 1); }
 
-/// The raw, unconstrained parameters of N Gaussians (spec/gaussian_core.md 2): contiguous float32 tensors on one
+/// The raw, unconstrained parameters of N Gaussians (spec/gaussian_core.md 2): float32 buffers on one
 /// device. Also used for anything of the same layout: gradients, moments.
 struct Gaussians {
-  Tensor means;           ///< [N,3] world units
-  Tensor log_scales;      ///< [N,3] ln of the standard deviations in world units
-  Tensor quats;           ///< [N,4] w,x,y,z, not normalised
-  Tensor opacity_logits;  ///< [N]
-  Tensor sh;              ///< [N,16,3] coefficient first, then RGB
+  Buffer<float> means;           ///< [N,3] world units
+  Buffer<float> log_scales;      ///< [N,3] ln of the standard deviations in world units
+  Buffer<float> quats;           ///< [N,4] w,x,y,z, not normalised
+  Buffer<float> opacity_logits;  ///< [N]
+  Buffer<float> sh;              ///< [N,16,3] coefficient first, then RGB
 
   int64_t size() const { return means.defined() ? means.size(0) : 0; }
 
-  /// Uninitialised / zero tensors for n Gaussians.
-  static Gaussians Empty(int64_t n);
-  static Gaussians Zeros(int64_t n);
+  /// Uninitialised / zero parameters of n Gaussians.
+  static Gaussians Empty(int64_t n, Device device = kCpu);
+  static Gaussians Zeros(int64_t n, Device device = kCpu);
 
   /// Throws ShapeError naming `who` and the tensor that does not fit.
   void Check(const char* who) const;
 
-  /// All rows, of tensors that pass Check.
+  /// All rows, of buffers that pass Check.
   GaussianRows Rows() const;
+
+  Device device() const { return means.device(); }
+  /// The same numbers in new memory / on the device, in new memory unless they lie there.
+  Gaussians Clone() const;
+  Gaussians To(Device device) const;
 
   /// Calls f(name, tensor) for each parameter, in the order above. The names are the checkpoint's.
   template <class F>
@@ -44,7 +49,11 @@ struct Gaussians {
   }
   template <class F>
   void ForEach(F&& f) const {
-    const_cast<Gaussians*>(this)->ForEach([&](const char* name, const Tensor& t) { f(name, t); });
+    f("means", means);
+    f("log_scales", log_scales);
+    f("quats", quats);
+    f("opacity_logits", opacity_logits);
+    f("sh", sh);
   }
 };
 

@@ -131,7 +131,7 @@ PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uin
 
 namespace {
 
-std::vector<double> MeansOn(torch::Device device, const std::vector<Eigen::Vector3f>& points) {
+std::vector<double> MeansOn(Device device, const std::vector<Eigen::Vector3f>& points) {
   if (device.is_cpu()) return KdTree(points).MeanSquaredDistanceToThree();
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) {
@@ -145,7 +145,7 @@ std::vector<double> MeansOn(torch::Device device, const std::vector<Eigen::Vecto
 
 }  // namespace
 
-std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, torch::Device device) {
+std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device) {
   for (const Eigen::Vector3f& p : points) {
     if (!p.allFinite()) throw std::invalid_argument("MeanSquaredNeighborDistance: a coordinate is not finite");
   }
@@ -170,7 +170,7 @@ void Flatten(const Eigen::Vector3f& normal, double flatness, float* log_scales, 
 
 }  // namespace
 
-Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, torch::Device device) {
+Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device) {
   if (points.rgb.size() != points.xyz.size()) {
     throw ShapeError("InitializeGaussians: {} colours for {} points", points.rgb.size(), points.xyz.size());
   }

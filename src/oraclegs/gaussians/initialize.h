@@ -1,7 +1,6 @@
 #pragma once
 // Where the Gaussians start (spec/gaussian_core.md 8).
 
-#include <torch/types.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -32,7 +31,7 @@ PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uin
 /// Mean squared distance of each point to its three nearest other points, at least 1e-7; exact. On all threads, or on
 /// the GPU that `device` names, which becomes the current one. Throws UsageError for a device this build cannot use.
 std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points,
-                                               torch::Device device = torch::kCPU);
+                                               Device device = kCpu);
 
 struct InitializeOptions {
   double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([MCMC]'s 0.1; [3DGS] has 1)
@@ -44,6 +43,6 @@ struct InitializeOptions {
 /// normal is known and flatness is not 1, the third axis along the normal. The tensors are the host's; `device` is
 /// where the neighbours are looked for.
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options,
-                              torch::Device device = torch::kCPU);
+                              Device device = kCpu);
 
 }  // namespace oraclegs

@@ -58,11 +58,11 @@ struct Rows {
   float *means, *log_scales, *quats, *opacity_logits, *sh;
 
   explicit Rows(const Gaussians& g)
-      : means(g.means.data_ptr<float>()),
-        log_scales(g.log_scales.data_ptr<float>()),
-        quats(g.quats.data_ptr<float>()),
-        opacity_logits(g.opacity_logits.data_ptr<float>()),
-        sh(g.sh.data_ptr<float>()) {}
+      : means(g.means.data()),
+        log_scales(g.log_scales.data()),
+        quats(g.quats.data()),
+        opacity_logits(g.opacity_logits.data()),
+        sh(g.sh.data()) {}
   float* ShOf(int64_t i) const { return sh + i * kShCoefficients * 3; }
 };
 
@@ -131,7 +131,7 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
   gaussians.Check("WriteGaussianPly");
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("WriteGaussianPly: degree {}", sh_degree);
   Gaussians host = gaussians;
-  host.ForEach([](const char*, Tensor& t) { t = t.detach().to(torch::kCPU); });
+  host.ForEach([](const char*, Buffer<float>& t) { t = t.To(kCpu); });
   const int64_t n = host.size();
   const int rest = RestCount(sh_degree);
   const size_t columns = kFixedColumns + 3 + rest, row_bytes = columns * sizeof(float);

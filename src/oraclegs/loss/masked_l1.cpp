@@ -31,21 +31,21 @@ double MaskedDistance(const float* a, const float* b, const float* mask, int64_t
 
 }  // namespace
 
-double MaskedL1(const Tensor& rendered, const Tensor& target, const Tensor& mask, double weight, Tensor* grad) {
-  RequireFloat("MaskedL1", "rendered", rendered, {-1, -1});
+double MaskedL1(const Buffer<float>& rendered, const Buffer<float>& target, const Buffer<float>& mask, double weight, Buffer<float>* grad) {
+  RequireShape("MaskedL1", "rendered", rendered, {-1, -1});
   const int64_t height = rendered.size(0), width = rendered.size(1), n = height * width;
-  RequireFloat("MaskedL1", "target", target, {height, width});
-  if (mask.defined()) RequireFloat("MaskedL1", "mask", mask, {height, width});
+  RequireShape("MaskedL1", "target", target, {height, width});
+  if (mask.defined()) RequireShape("MaskedL1", "mask", mask, {height, width});
   float* g = nullptr;
   if (grad != nullptr && grad->defined()) {
-    RequireFloat("MaskedL1", "grad", *grad, {height, width});
+    RequireShape("MaskedL1", "grad", *grad, {height, width});
     g = grad->data_ptr<float>();
   }
   if (n == 0) throw ShapeError("MaskedL1: rendered is empty");
 
-  const float* a = rendered.data_ptr<float>();
-  const float* b = target.data_ptr<float>();
-  const float* m = mask.defined() ? mask.data_ptr<float>() : nullptr;
+  const float* a = rendered.data();
+  const float* b = target.data();
+  const float* m = mask.defined() ? mask.data() : nullptr;
   const float step = static_cast<float>(weight / static_cast<double>(n));
   const int64_t grain = std::max(kGrain, (n + kMostTasks - 1) / kMostTasks);
   std::array<double, kMostTasks> sums = {};

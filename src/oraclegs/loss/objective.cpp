@@ -10,12 +10,12 @@ namespace {
 constexpr double kRounding = 1e-9;  // of a sum of shares that is 1 on paper
 
 /// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
-void SelectByMask(const Tensor& mask, const Tensor& inside, const Tensor& outside, const Tensor& out) {
-  const float* m = mask.data_ptr<float>();
-  const float* a = inside.data_ptr<float>();
-  const float* b = outside.defined() ? outside.data_ptr<float>() : nullptr;
-  float* o = out.data_ptr<float>();
-  ParallelBlocks(mask.numel(), 1 << 14, [&](int64_t begin, int64_t end) {
+void SelectByMask(const Buffer<float>& mask, const Buffer<float>& inside, const Buffer<float>& outside, const Buffer<float>& out) {
+  const float* m = mask.data();
+  const float* a = inside.data();
+  const float* b = outside.defined() ? outside.data() : nullptr;
+  float* o = out.data();
+  ParallelBlocks(mask.count(), 1 << 14, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       for (int64_t c = 3 * i; c < 3 * i + 3; ++c) o[c] = m[i] > 0 ? a[c] : (b ? b[c] : 0.f);
     }
@@ -46,22 +46,22 @@ double Objective::LpipsWeight(double mean_confidence) const {
   return lpips_ ? weights_.proposal * weights_.proposal_lpips * mean_confidence : 0;
 }
 
-double Objective::Photograph(const Tensor& render, const Tensor& target, const Tensor& mask, Tensor* grad) {
+double Objective::Photograph(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask, Buffer<float>* grad) {
   const PhotometricWeights weights = PhotographWeights();
   if (!mask.defined()) return photometric_(render, target, {}, weights, grad).loss;
-  RequireFloat("Objective", "render", render, {-1, -1, 3});
-  RequireFloat("Objective", "target", target, {render.size(0), render.size(1), 3});
-  RequireFloat("Objective", "mask", mask, {render.size(0), render.size(1)});
+  RequireShape("Objective", "render", render, {-1, -1, 3});
+  RequireShape("Objective", "target", target, {render.size(0), render.size(1), 3});
+  RequireShape("Objective", "mask", mask, {render.size(0), render.size(1)});
   // SSIM looks 5 pixels around: where the mask is zero the render is replaced by the photograph, so that what stands
   // there says nothing about the pixels that count, and takes no gradient from them.
-  const Tensor masked = masked_.Get({render.size(0), render.size(1), 3});
+  const Buffer<float> masked = masked_.Get({render.size(0), render.size(1), 3});
   SelectByMask(mask, render, target, masked);
   const double value = photometric_(masked, target, mask, weights, grad).loss;
   if (grad != nullptr && grad->defined()) SelectByMask(mask, *grad, {}, *grad);
   return value;
 }
 
-double Objective::Proposal(const Tensor& render, const Tensor& target, const Tensor& confidence, Tensor* grad) {
+double Objective::Proposal(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence, Buffer<float>* grad) {
   const double value = photometric_(render, target, confidence, ProposalWeights(), grad).loss;
   if (!lpips_) return value;
   const double weight = LpipsWeight(MeanConfidence(confidence));
@@ -69,12 +69,12 @@ double Objective::Proposal(const Tensor& render, const Tensor& target, const Ten
   return value + weight * lpips_(render, target, weight, grad);
 }
 
-double MeanConfidence(const Tensor& confidence) {
+double MeanConfidence(const Buffer<float>& confidence) {
   if (!confidence.defined()) return 1;
-  const float* u = confidence.data_ptr<float>();
+  const float* u = confidence.data();
   double sum = 0;
-  for (int64_t i = 0; i < confidence.numel(); ++i) sum += static_cast<double>(u[i]);
-  return sum / static_cast<double>(confidence.numel());
+  for (int64_t i = 0; i < confidence.count(); ++i) sum += static_cast<double>(u[i]);
+  return sum / static_cast<double>(confidence.count());
 }
 
 }  // namespace oraclegs

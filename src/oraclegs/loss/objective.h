@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 
@@ -13,7 +13,7 @@ namespace oraclegs {
 /// LPIPS(render, target) of two pictures [H,W,3] in [0,1]. Adds weight * dLPIPS/d(render) to grad [H,W,3]; undefined =
 /// value only.
 using PerceptualDistance =
-    std::function<double(const Tensor& render, const Tensor& target, double weight, Tensor* grad)>;
+    std::function<double(const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad)>;
 
 struct ObjectiveWeights {
   double photograph_ssim = 0.2;  ///< share of 1-SSIM in a photograph's loss, the rest is L1
@@ -33,11 +33,11 @@ class Objective {
 
   /// render, target [H,W,3]; mask [H,W], undefined = 1 everywhere. Where the mask is zero nothing that stands in either
   /// picture has a say, not through SSIM's windows either. grad [H,W,3] receives dL/d(render). Throws ShapeError.
-  double Photograph(const Tensor& render, const Tensor& target, const Tensor& mask, Tensor* grad);
+  double Photograph(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask, Buffer<float>* grad);
 
   /// The same with confidence U [H,W] in [0,1], undefined = 1 everywhere. It weighs each pixel's terms; windows of
   /// pixels that count see the proposal as it is.
-  double Proposal(const Tensor& render, const Tensor& target, const Tensor& confidence, Tensor* grad);
+  double Proposal(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence, Buffer<float>* grad);
 
   bool has_lpips() const { return static_cast<bool>(lpips_); }
 
@@ -56,6 +56,6 @@ class Objective {
 };
 
 /// Mean over the pixels; 1 where it is undefined, which stands for 1 everywhere.
-double MeanConfidence(const Tensor& confidence);
+double MeanConfidence(const Buffer<float>& confidence);
 
 }  // namespace oraclegs

@@ -32,18 +32,18 @@ void CutTiles(int width, int height, std::vector<Tile>* tiles) {
   }
 }
 
-void RequireImage(const char* who, const char* name, const Tensor& image) {
-  RequireFloat(who, name, image, {-1, -1, 3});
+void RequireImage(const char* who, const char* name, const Buffer<float>& image) {
+  RequireShape(who, name, image, {-1, -1, 3});
   if (!image.is_cpu()) throw ShapeError("{}: {} is not on the CPU", who, name);
-  if (image.numel() == 0) throw ShapeError("{}: {} is empty", who, name);
+  if (image.count() == 0) throw ShapeError("{}: {} is empty", who, name);
 }
 
-Picture PictureOf(const Tensor& render, const Tensor& target) {
+Picture PictureOf(const Buffer<float>& render, const Buffer<float>& target) {
   Picture picture;
   picture.height = static_cast<int>(render.size(0));
   picture.width = static_cast<int>(render.size(1));
-  picture.render = render.data_ptr<float>();
-  picture.target = target.data_ptr<float>();
+  picture.render = render.data();
+  picture.target = target.data();
   return picture;
 }
 
@@ -95,19 +95,19 @@ PhotometricLoss::~PhotometricLoss() = default;
 PhotometricLoss::PhotometricLoss(PhotometricLoss&&) noexcept = default;
 PhotometricLoss& PhotometricLoss::operator=(PhotometricLoss&&) noexcept = default;
 
-PhotometricValue PhotometricLoss::operator()(const Tensor& render, const Tensor& target, const Tensor& confidence,
-                                             const PhotometricWeights& weights, Tensor* grad) {
+PhotometricValue PhotometricLoss::operator()(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
+                                             const PhotometricWeights& weights, Buffer<float>* grad) {
   constexpr const char* kWho = "PhotometricLoss";
   RequireImage(kWho, "render", render);
   const int64_t height = render.size(0), width = render.size(1);
-  RequireFloat(kWho, "target", target, {height, width, 3});
-  if (confidence.defined()) RequireFloat(kWho, "confidence", confidence, {height, width});
+  RequireShape(kWho, "target", target, {height, width, 3});
+  if (confidence.defined()) RequireShape(kWho, "confidence", confidence, {height, width});
   const bool with_grad = grad != nullptr && grad->defined();
-  if (with_grad) RequireFloat(kWho, "grad", *grad, {height, width, 3});
+  if (with_grad) RequireShape(kWho, "grad", *grad, {height, width, 3});
 
   const double entries = 3.0 * static_cast<double>(height) * static_cast<double>(width);
   Picture picture = PictureOf(render, target);
-  if (confidence.defined()) picture.confidence = confidence.data_ptr<float>();
+  if (confidence.defined()) picture.confidence = confidence.data();
   if (with_grad) picture.grad = grad->data_ptr<float>();
   picture.l1_scale = static_cast<float>(weights.l1 / entries);
   picture.dssim_scale = static_cast<float>(weights.dssim / entries);
@@ -120,12 +120,12 @@ PhotometricValue PhotometricLoss::operator()(const Tensor& render, const Tensor&
   return value;
 }
 
-Tensor SsimMap(const Tensor& a, const Tensor& b) {
+Buffer<float> SsimMap(const Buffer<float>& a, const Buffer<float>& b) {
   RequireImage("SsimMap", "a", a);
-  RequireFloat("SsimMap", "b", b, {a.size(0), a.size(1), 3});
-  Tensor map = torch::empty_like(a);
+  RequireShape("SsimMap", "b", b, {a.size(0), a.size(1), 3});
+  Buffer<float> map = Buffer<float>::Empty(a.shape());
   Picture picture = PictureOf(a, b);
-  picture.ssim = map.data_ptr<float>();
+  picture.ssim = map.data();
   const int64_t tall = picture.height;
   ParallelBlocks(tall, kTileHeight, [&](int64_t begin, int64_t end) {
     const auto scratch = std::make_unique<Scratch>();

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 
 namespace oraclegs {
 
@@ -29,8 +29,8 @@ class PhotometricLoss {
 
   /// render, target [H,W,3] float32; confidence U [H,W] in [0,1], undefined = 1 everywhere.
   /// grad [H,W,3] receives dL/d(render); undefined = value only. Throws ShapeError.
-  PhotometricValue operator()(const Tensor& render, const Tensor& target, const Tensor& confidence,
-                              const PhotometricWeights& weights, Tensor* grad);
+  PhotometricValue operator()(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
+                              const PhotometricWeights& weights, Buffer<float>* grad);
 
  private:
   struct Buffers;
@@ -38,6 +38,6 @@ class PhotometricLoss {
 };
 
 /// SSIM map [H,W,3] of two images [H,W,3]; for metrics and tests.
-Tensor SsimMap(const Tensor& a, const Tensor& b);
+Buffer<float> SsimMap(const Buffer<float>& a, const Buffer<float>& b);
 
 }  // namespace oraclegs

@@ -21,8 +21,8 @@ float Weight(float opacity, const float* log_scales) {
 
 Gaussians Pruned(const Gaussians& gaussians, const ExportOptions& options) {
   gaussians.Check("Pruned");
-  const float* logits = gaussians.opacity_logits.data_ptr<float>();
-  const float* scales = gaussians.log_scales.data_ptr<float>();
+  const float* logits = gaussians.opacity_logits.data();
+  const float* scales = gaussians.log_scales.data();
   std::vector<int64_t> kept;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
     if (Opacity(logits[i]) >= options.min_opacity) kept.push_back(i);
@@ -35,9 +35,9 @@ Gaussians Pruned(const Gaussians& gaussians, const ExportOptions& options) {
     kept.resize(limit);
     std::sort(kept.begin(), kept.end());
   }
-  const Tensor rows = torch::tensor(kept, torch::kLong);
+  const Buffer<float> rows = torch::tensor(kept, torch::kLong);
   Gaussians result = gaussians;
-  result.ForEach([&](const char*, Tensor& t) { t = t.index_select(0, rows).contiguous(); });
+  result.ForEach([&](const char*, Buffer<float>& t) { t = t.index_select(0, rows); });
   return result;
 }
 

@@ -57,11 +57,11 @@ nlohmann::json DescribePly(const fs::path& path) {
   if (ply.gaussians.size() == 0) return info;
   std::vector<double> low, high;
   for (int axis = 0; axis < 3; ++axis) {
-    const Tensor column = ply.gaussians.means.select(1, axis);
+    const Buffer<float> column = ply.gaussians.means.select(1, axis);
     low.push_back(column.min().item<double>());
     high.push_back(column.max().item<double>());
   }
-  const Tensor opacity = torch::sigmoid(ply.gaussians.opacity_logits);
+  const Buffer<float> opacity = torch::sigmoid(ply.gaussians.opacity_logits);
   info["bounding_box"] = {{"min", low}, {"max", high}};
   info["mean_opacity"] = opacity.mean().item<double>();
   info["median_scale"] = ply.gaussians.log_scales.flatten().median().exp().item<double>();

@@ -78,7 +78,7 @@ fs::path RenderCameras(const Model& model, const std::vector<NamedCamera>& camer
   CheckOptions(options);
   RequireWritableFolder(out);
   const StageClock clock("render", listener);
-  const torch::Device device = model.gaussians.means.device();
+  const Device device = model.gaussians.means.device();
   TellDevice(device, ProbeDevices(), listener);
   const auto rasterizer = MakeRasterizer(device);
   std::vector<fs::path> pictures;

@@ -17,13 +17,13 @@ struct RenderPathOptions {
   int fps = 30;
   bool video = true;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("path", path, "Cameras to render: the training views, the test views, or a flight among the training views",
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("path", self.path, "Cameras to render: the training views, the test views, or a flight among the training views",
           Choice{{"train", "test", "orbit"}});
-    visit("frames", frames, "Pictures of the orbit", Range{1, 1e5});
-    visit("fps", fps, "Pictures per second of the video", Range{1, 240});
-    visit("video", video, "Also write video.mp4 among the pictures, when ffmpeg is installed");
+    visit("frames", self.frames, "Pictures of the orbit", Range{1, 1e5});
+    visit("fps", self.fps, "Pictures per second of the video", Range{1, 240});
+    visit("video", self.video, "Also write video.mp4 among the pictures, when ffmpeg is installed");
   }
 };
 

@@ -17,12 +17,12 @@ struct Render {
 
 Render ToRender(const RenderOutput& out) {
   Render render;
-  const float* image = out.image.data_ptr<float>();
-  const float* alpha = out.alpha.data_ptr<float>();
-  const float* inv_depth = out.inv_depth.data_ptr<float>();
-  render.rgb.resize(static_cast<size_t>(out.image.numel()));
-  std::transform(image, image + out.image.numel(), render.rgb.begin(), [](float v) { return std::clamp(v, 0.f, 1.f); });
-  for (int64_t i = 0; i < out.alpha.numel(); ++i) {
+  const float* image = out.image.data();
+  const float* alpha = out.alpha.data();
+  const float* inv_depth = out.inv_depth.data();
+  render.rgb.resize(static_cast<size_t>(out.image.count()));
+  std::transform(image, image + out.image.count(), render.rgb.begin(), [](float v) { return std::clamp(v, 0.f, 1.f); });
+  for (int64_t i = 0; i < out.alpha.count(); ++i) {
     render.inv_depth.push_back(alpha[i] > kOpaque ? inv_depth[i] / alpha[i] : 0.f);
   }
   return render;
@@ -40,7 +40,7 @@ float TrimmedMean(std::vector<float>* values) {
 }  // namespace
 
 EnsembleProposer::EnsembleProposer(std::vector<ProxyModel> opinions, RenderOptions render)
-    : opinions_(std::move(opinions)), render_(std::move(render)), rasterizer_(MakeRasterizer(torch::kCPU)) {}
+    : opinions_(std::move(opinions)), render_(std::move(render)), rasterizer_(MakeRasterizer(kCpu)) {}
 
 std::optional<Proposal> EnsembleProposer::Propose(const Target& target, int hidden) const {
   std::vector<Render> renders;

@@ -14,14 +14,14 @@ struct TrajectoryOptions {
   std::string trajectory = "auto";
   int proposals = 32;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("trajectory", trajectory,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("trajectory", self.trajectory,
           "Where proposals are looked for: dataset = poses of the scene that are neither training nor test, orbit, "
           "spiral, interpolate = a path through the training poses, coverage = where the photographs leave most "
           "unseen, auto = dataset when it has at least 4 poses, else coverage",
           Choice{{"auto", "dataset", "orbit", "spiral", "interpolate", "coverage"}});
-    visit("proposals", proposals, "Poses to propose pictures for; 0 = none, train on the photographs alone",
+    visit("proposals", self.proposals, "Poses to propose pictures for; 0 = none, train on the photographs alone",
           Range{0, 10000});
   }
 };

@@ -53,7 +53,7 @@ WarpSource SourceOf(const WarpSources& all, size_t v, const Camera& camera) {
 
 }  // namespace
 
-Warper::Warper(WarpSources sources, torch::Device device) : sources_(std::move(sources)) {
+Warper::Warper(WarpSources sources, Device device) : sources_(std::move(sources)) {
   CheckSizes(sources_);
   device_ = MakeWarpDevice(device, sources_);
   FindRange();

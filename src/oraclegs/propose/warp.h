@@ -2,7 +2,6 @@
 // Forward warp of photographs into a new view by their stereo depth: the generator that needs no weights
 // (spec/weight_free.md, "Warp").
 
-#include <torch/types.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -40,7 +39,7 @@ class Warper {
  public:
   /// Works on `device`: on a GPU surfaces and colours, to the CPU's but for rounding, while holes are filled on the
   /// CPU. Throws ShapeError for pictures of different sizes, and as MakeWarpDevice (warp_device.h).
-  explicit Warper(WarpSources sources, torch::Device device = torch::kCPU);
+  explicit Warper(WarpSources sources, Device device = kCpu);
   /// The same on a device of the caller's, which knows the same sources.
   Warper(WarpSources sources, std::unique_ptr<WarpDevice> device);
   ~Warper();

@@ -108,7 +108,7 @@ class CpuWarpDevice : public WarpDevice {
 
 }  // namespace
 
-std::unique_ptr<WarpDevice> MakeWarpDevice(torch::Device device, const WarpSources& sources) {
+std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources) {
   static_cast<void>(sources);  // the CPU reads the caller's pictures
   if (device.is_cpu()) return std::make_unique<CpuWarpDevice>();
 #if defined(ORACLEGS_CUDA)

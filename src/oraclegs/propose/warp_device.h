@@ -1,7 +1,6 @@
 #pragma once
 // The seam between what decides how a view is warped (Warper) and what works on its pixels.
 
-#include <torch/types.h>
 
 #include <memory>
 #include <vector>
@@ -38,6 +37,6 @@ class WarpDevice {
 
 /// What works on the named device; `sources` must outlive it. On a GPU, which becomes the current one, it keeps a copy
 /// of all pictures. Throws UsageError for a device this build cannot use, OutOfMemory.
-std::unique_ptr<WarpDevice> MakeWarpDevice(torch::Device device, const WarpSources& sources);
+std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources);
 
 }  // namespace oraclegs

@@ -3,7 +3,7 @@
 #include <initializer_list>
 #include <vector>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 
 namespace oraclegs {
 
@@ -11,16 +11,16 @@ namespace oraclegs {
 /// is made the first time its shape is asked for and kept, so that from then on nothing is allocated.
 class ImageBuffer {
  public:
-  explicit ImageBuffer(torch::Device device = torch::kCPU) : device_(device) {}
+  explicit ImageBuffer(Device device = kCpu) : device_(device) {}
 
   /// A contiguous tensor of this shape on the device, holding anything. All tensors of one buffer share their memory:
   /// it is to be used until the next Get.
-  const Tensor& Get(std::initializer_list<int64_t> shape);
+  const Buffer<float>& Get(std::initializer_list<int64_t> shape);
 
  private:
-  torch::Device device_;
-  Tensor storage_;             // [count]
-  std::vector<Tensor> views_;  // into storage_, of different shapes
+  Device device_;
+  Buffer<float> storage_;             // [count]
+  std::vector<Buffer<float>> views_;  // into storage_, of different shapes
 };
 
 }  // namespace oraclegs

@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-std::unique_ptr<Rasterizer> MakeRasterizer(torch::Device device) {
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
   if (device.is_cpu()) return cpu::MakeCpuRasterizer();
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return std::make_unique<cuda::CudaRasterizer>(device);

@@ -17,7 +17,7 @@ struct RenderOptions {
   /// [N] float32, finite and >= 0, undefined = 1: multiplies each Gaussian's opacity for this render. 0 leaves the
   /// Gaussian out, without gradient. The product may exceed 1, alpha is capped as ever. Gradients are those of the raw
   /// parameters; the factors get none. Read by Forward only.
-  Tensor opacity_factors = {};
+  Buffer<float> opacity_factors = {};
 };
 
 enum class RenderPass {
@@ -27,16 +27,16 @@ enum class RenderPass {
 
 /// Images of one camera. Valid until the rasteriser's next Forward: buffers are reused.
 struct RenderOutput {
-  Tensor image;      ///< [H,W,3] composited on the background, not clamped
-  Tensor alpha;      ///< [H,W] 1 - transmittance
-  Tensor inv_depth;  ///< [H,W] sum of weight / z, not divided by alpha, 1/world unit
+  Buffer<float> image;      ///< [H,W,3] composited on the background, not clamped
+  Buffer<float> alpha;      ///< [H,W] 1 - transmittance
+  Buffer<float> inv_depth;  ///< [H,W] sum of weight / z, not divided by alpha, 1/world unit
 };
 
 /// dL/d(output). An undefined tensor means zero.
 struct RenderGrads {
-  Tensor image;      ///< [H,W,3]
-  Tensor alpha;      ///< [H,W]
-  Tensor inv_depth;  ///< [H,W]
+  Buffer<float> image;      ///< [H,W,3]
+  Buffer<float> alpha;      ///< [H,W]
+  Buffer<float> inv_depth;  ///< [H,W]
 };
 
 /// Takes the gradients of Gaussians [begin, end); see Rasterizer::BackwardBlocks.
@@ -89,6 +89,6 @@ class Rasterizer {
 };
 
 /// The rasteriser of a device. Throws UsageError when this build has none for it.
-std::unique_ptr<Rasterizer> MakeRasterizer(torch::Device device);
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
 }  // namespace oraclegs

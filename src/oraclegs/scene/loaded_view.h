@@ -19,11 +19,11 @@ struct ImageOptions {
   int downscale = 1;                 ///< whole factor
   std::string background = "black";  ///< what transparent pixels are composited on
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("downscale", downscale,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("downscale", self.downscale,
           "Divide the photographs' size by this (antialiased; an existing images_N folder is used)", Range{1, 64});
-    visit("background", background, "Colour behind transparent pixels and behind the scene",
+    visit("background", self.background, "Colour behind transparent pixels and behind the scene",
           Choice{{"black", "white", "grey"}});
   }
 };

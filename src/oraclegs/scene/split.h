@@ -14,15 +14,15 @@ struct SplitOptions {
   int views = 0;             ///< training views, 0 = all that are not test views
   std::string test_views{};  ///< comma-separated names (with or without extension); replaces test_every
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("test-every", test_every,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("test-every", self.test_every,
           "Every n-th view in name order, from the first, is held out for testing; 0 = none. Blender scenes use their "
           "own test file",
           Range{0, 1e6});
-    visit("views", views, "Training views, picked evenly from the rest: linspace(0, n-1, N) truncated; 0 = all",
+    visit("views", self.views, "Training views, picked evenly from the rest: linspace(0, n-1, N) truncated; 0 = all",
           Range{0, 1e6});
-    visit("test-views", test_views, "Comma-separated names of the test views; replaces --test-every");
+    visit("test-views", self.test_views, "Comma-separated names of the test views; replaces --test-every");
   }
 };
 

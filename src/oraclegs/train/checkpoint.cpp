@@ -49,8 +49,8 @@ TensorEntry Entry(const char* dtype, std::vector<int64_t> shape, const T* data, 
 
 void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std::string, TensorEntry>* tensors) {
   gaussians.Check("WriteCheckpoint");
-  gaussians.ForEach([&](const char* name, const Tensor& t) {
-    tensors->emplace(group + name, Entry("F32", t.sizes().vec(), t.data_ptr<float>(), t.numel()));
+  gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
+    tensors->emplace(group + name, Entry("F32", t.shape().vec(), t.data(), t.count()));
   });
 }
 
@@ -136,16 +136,16 @@ struct Reader {
   /// The five tensors of a group, each of `n` Gaussians.
   Gaussians Group(const std::string& group, int64_t n) const {
     Gaussians result = Gaussians::Empty(0);  // for the shapes
-    result.ForEach([&](const char* name, Tensor& t) {
+    result.ForEach([&](const char* name, Buffer<float>& t) {
       const TensorEntry& entry = Typed(group + name, "F32");
-      std::vector<int64_t> shape = t.sizes().vec();
+      std::vector<int64_t> shape = t.shape().vec();
       shape[0] = n;
       if (entry.shape != shape) {
         throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), group + name,
                          fmt::join(entry.shape, ", "), fmt::join(shape, ", "));
       }
       t = torch::empty(shape, torch::kFloat);
-      if (!entry.bytes.empty()) std::memcpy(t.data_ptr<float>(), entry.bytes.data(), entry.bytes.size());
+      if (!entry.bytes.empty()) std::memcpy(t.data(), entry.bytes.data(), entry.bytes.size());
     });
     return result;
   }

@@ -12,32 +12,32 @@ struct Size {
 };
 
 /// [H,W] or [H,W,C] at another size, averaged over areas.
-Tensor Resize(const Tensor& image, Size size) {
+Buffer<float> Resize(const Buffer<float>& image, Size size) {
   const int channels = image.dim() == 3 ? static_cast<int>(image.size(2)) : 1;
   ImageF full{static_cast<int>(image.size(1)), static_cast<int>(image.size(0)), channels, {}};
-  full.data.assign(image.data_ptr<float>(), image.data_ptr<float>() + image.numel());
+  full.data.assign(image.data(), image.data() + image.count());
   const ImageF small = ResizeArea(full, size.width, size.height);
-  std::vector<int64_t> shape = image.sizes().vec();
+  std::vector<int64_t> shape = image.shape().vec();
   shape[0] = size.height;
   shape[1] = size.width;
-  Tensor result = torch::empty(shape, torch::kFloat);
-  std::copy(small.data.begin(), small.data.end(), result.data_ptr<float>());
+  Buffer<float> result = torch::empty(shape, torch::kFloat);
+  std::copy(small.data.begin(), small.data.end(), result.data());
   return result;
 }
 
 /// image [H,W] or [H,W,C] averaged with `weights` [H,W], whose own average is `small_weights`.
-Tensor ResizeWeighted(const Tensor& image, const Tensor& weights, const Tensor& small_weights) {
-  Tensor product = image.clone();
-  const int64_t channels = image.numel() / weights.numel();
-  const auto scale = [channels](const Tensor& t, const Tensor& by, auto&& op) {
-    float* values = t.data_ptr<float>();
-    const float* w = by.data_ptr<float>();
-    for (int64_t i = 0; i < by.numel(); ++i) {
+Buffer<float> ResizeWeighted(const Buffer<float>& image, const Buffer<float>& weights, const Buffer<float>& small_weights) {
+  Buffer<float> product = image.Clone();
+  const int64_t channels = image.count() / weights.count();
+  const auto scale = [channels](const Buffer<float>& t, const Buffer<float>& by, auto&& op) {
+    float* values = t.data();
+    const float* w = by.data();
+    for (int64_t i = 0; i < by.count(); ++i) {
       for (int64_t c = 0; c < channels; ++c) values[i * channels + c] = op(values[i * channels + c], w[i]);
     }
   };
   scale(product, weights, [](float value, float weight) { return weight > 0 ? value * weight : 0; });
-  const Tensor small =
+  const Buffer<float> small =
       Resize(product, {static_cast<int>(small_weights.size(1)), static_cast<int>(small_weights.size(0))});
   scale(small, small_weights, [](float value, float weight) { return weight > 0 ? value / weight : 0; });
   return small;
@@ -53,7 +53,7 @@ TrainView HalfSize(const TrainView& view, ViewKind kind) {
     half.confidence = Resize(view.confidence, size);
     half.image = ResizeWeighted(view.image, view.confidence, half.confidence);
     if (kind == ViewKind::kProposal) {
-      half.image = torch::where(half.confidence.unsqueeze(2) > 0, half.image, Resize(view.image, size)).contiguous();
+      half.image = torch::where(half.confidence.unsqueeze(2) > 0, half.image, Resize(view.image, size));
     }
   } else {
     half.image = Resize(view.image, size);

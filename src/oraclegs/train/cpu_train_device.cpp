@@ -11,7 +11,7 @@ namespace {
 class CpuTrainDevice final : public TrainDevice {
  public:
   explicit CpuTrainDevice(const TrainDeviceSetup& setup)
-      : options_(setup.options), view_loss_(*setup.view_loss), rasterizer_(MakeRasterizer(torch::kCPU)) {}
+      : options_(setup.options), view_loss_(*setup.view_loss), rasterizer_(MakeRasterizer(kCpu)) {}
 
   Rasterizer& rasterizer() override { return *rasterizer_; }
   RenderTimings TimingsSoFar() const override { return rasterizer_->timings(); }
@@ -22,9 +22,9 @@ class CpuTrainDevice final : public TrainDevice {
   }
   TrainedModel Download(const TrainedModel& model) const override { return Copy(model); }
 
-  Tensor OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
-    if (!opacity_factors_.defined() || opacity_factors_.numel() != n) {
-      opacity_factors_ = torch::empty({n}, torch::kFloat);
+  Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
+    if (!opacity_factors_.defined() || opacity_factors_.count() != n) {
+      opacity_factors_ = Buffer<float>::Empty({n});
     }
     DrawOpacityFactors(perturbation, opacity_factors_);
     return opacity_factors_;
@@ -95,7 +95,7 @@ class CpuTrainDevice final : public TrainDevice {
   std::unique_ptr<Rasterizer> rasterizer_;
   std::vector<float> camera_centers_ = CameraCenters(view_loss_.photographs());
   Regularizers regularizers_;
-  Tensor opacity_factors_;  // [N]
+  Buffer<float> opacity_factors_;  // [N]
   double loss_of_view_ = 0;
   LossReport loss_;
 };

@@ -18,9 +18,9 @@ Matrix34 ToMatrix(const ExposureMap& map) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(map.data()).cast<double>();
 }
 
-void RequirePair(const char* who, const Tensor& image, const Tensor& other) {
-  RequireFloat(who, "image", image, {-1, -1, 3});
-  RequireFloat(who, "its partner", other, {image.size(0), image.size(1), 3});
+void RequirePair(const char* who, const Buffer<float>& image, const Buffer<float>& other) {
+  RequireShape(who, "image", image, {-1, -1, 3});
+  RequireShape(who, "its partner", other, {image.size(0), image.size(1), 3});
 }
 
 /// Adds grad (shown by image, 1)' of pixels [begin, end) and multiplies grad by A'.
@@ -58,11 +58,11 @@ Exposures::Exposures(std::vector<ExposureMap> start) {
   FixGauge();
 }
 
-void Exposures::Apply(int view, const Tensor& image, const Tensor& shown) const {
+void Exposures::Apply(int view, const Buffer<float>& image, const Buffer<float>& shown) const {
   RequirePair("Exposures::Apply", image, shown);
   const ExposureMap& a = state_.maps[view];
-  const float* in = image.data_ptr<float>();
-  float* out = shown.data_ptr<float>();
+  const float* in = image.data();
+  float* out = shown.data();
   ParallelBlocks(image.size(0) * image.size(1), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = 3 * begin; i < 3 * end; i += 3) {
       const float r = in[i], g = in[i + 1], b = in[i + 2];
@@ -71,11 +71,11 @@ void Exposures::Apply(int view, const Tensor& image, const Tensor& shown) const 
   });
 }
 
-ExposureGradient Exposures::Backward(int view, const Tensor& image, const Tensor& grad) {
+ExposureGradient Exposures::Backward(int view, const Buffer<float>& image, const Buffer<float>& grad) {
   RequirePair("Exposures::Backward", image, grad);
   const int64_t pixels = image.size(0) * image.size(1);
-  const float* in = image.data_ptr<float>();
-  float* g = grad.data_ptr<float>();
+  const float* in = image.data();
+  float* g = grad.data();
   sums_.resize((pixels + kGrain - 1) / kGrain);
   ParallelBlocks(pixels, kGrain, [&](int64_t begin, int64_t end) {
     sums_[begin / kGrain] = BackwardPixels(state_.maps[view], in, g, begin, end);

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/train/constants.h"
 
 namespace oraclegs {
@@ -38,11 +38,11 @@ class Exposures {
   explicit Exposures(std::vector<ExposureMap> start);
 
   /// shown = A image + b, pixel by pixel. Both [H,W,3] and contiguous.
-  void Apply(int view, const Tensor& image, const Tensor& shown) const;
+  void Apply(int view, const Buffer<float>& image, const Buffer<float>& shown) const;
 
   /// The adjoint of Apply: turns `grad`, dL/d(shown), into dL/d(image) in place and returns dL/d(map). The same bits
   /// for any number of threads.
-  ExposureGradient Backward(int view, const Tensor& image, const Tensor& grad);
+  ExposureGradient Backward(int view, const Buffer<float>& image, const Buffer<float>& grad);
 
   /// kExposurePull / 2 * |map - identity|^2; adds its gradient.
   double AddPull(int view, ExposureGradient* gradient) const;

@@ -21,8 +21,8 @@ std::optional<double> DepthRatio(const TrainView& view, const Eigen::Vector3d& w
   const double x = camera.fx * point.x() / point.z() + camera.cx, y = camera.fy * point.y() / point.z() + camera.cy;
   if (!(x >= 0 && y >= 0 && x < camera.width && y < camera.height)) return std::nullopt;
   const int64_t pixel = static_cast<int64_t>(y) * camera.width + static_cast<int64_t>(x);
-  if (!(view.depth_mask.data_ptr<float>()[pixel] > kTrustedDepth)) return std::nullopt;
-  return point.z() * static_cast<double>(view.inv_depth.data_ptr<float>()[pixel]);
+  if (!(view.depth_mask.data()[pixel] > kTrustedDepth)) return std::nullopt;
+  return point.z() * static_cast<double>(view.inv_depth.data()[pixel]);
 }
 
 bool IsFloater(const std::vector<TrainView>& views, const Eigen::Vector3d& world) {
@@ -41,8 +41,8 @@ bool IsAlive(float logit) { return OpacityOf(logit) > static_cast<double>(kDeadO
 int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians) {
   gaussians->Check("PruneFloaters");
   const int64_t n = gaussians->size();
-  const float* means = gaussians->means.data_ptr<float>();
-  float* logits = gaussians->opacity_logits.data_ptr<float>();
+  const float* means = gaussians->means.data();
+  float* logits = gaussians->opacity_logits.data();
   std::vector<uint8_t> alive(n), floats(n);
   ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {

@@ -17,7 +17,7 @@ constexpr int64_t kGrain = 4096;
 
 std::vector<double> Opacities(const Gaussians& gaussians) {
   std::vector<double> opacities(gaussians.size());
-  const float* logits = gaussians.opacity_logits.data_ptr<float>();
+  const float* logits = gaussians.opacity_logits.data();
   ParallelBlocks(gaussians.size(), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) opacities[i] = OpacityOf(logits[i]);
   });
@@ -66,17 +66,17 @@ std::vector<int64_t> DrawSources(const WeightedDraw& draw, int64_t count) {
 }
 
 void CopyRow(Gaussians* gaussians, int64_t from, int64_t to) {
-  gaussians->ForEach([&](const char*, Tensor& t) {
-    const int64_t row = t.numel() / t.size(0);
-    float* data = t.data_ptr<float>();
+  gaussians->ForEach([&](const char*, Buffer<float>& t) {
+    const int64_t row = t.count() / t.size(0);
+    float* data = t.data();
     std::memcpy(data + to * row, data + from * row, row * sizeof(float));
   });
 }
 
 void ZeroRow(Gaussians* gaussians, int64_t at) {
-  gaussians->ForEach([&](const char*, Tensor& t) {
-    const int64_t row = t.numel() / t.size(0);
-    std::memset(t.data_ptr<float>() + at * row, 0, row * sizeof(float));
+  gaussians->ForEach([&](const char*, Buffer<float>& t) {
+    const int64_t row = t.count() / t.size(0);
+    std::memset(t.data() + at * row, 0, row * sizeof(float));
   });
 }
 
@@ -90,8 +90,8 @@ struct Sharing {
 void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
   std::vector<int> draws(sharing.opacities.size(), 0);
   for (const int64_t source : sharing.sources) ++draws[source];
-  float* logits = gaussians->opacity_logits.data_ptr<float>();
-  float* log_scales = gaussians->log_scales.data_ptr<float>();
+  float* logits = gaussians->opacity_logits.data();
+  float* log_scales = gaussians->log_scales.data();
   ParallelBlocks(static_cast<int64_t>(draws.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       if (draws[i] == 0) continue;
@@ -169,7 +169,7 @@ int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Ga
   GrowRows(gaussians, n + added);
   for (Gaussians* moments : {&adam->m, &adam->v}) {
     GrowRows(moments, n + added);
-    moments->ForEach([&](const char*, Tensor& t) { t.narrow(0, n, added).zero_(); });
+    moments->ForEach([&](const char*, Buffer<float>& t) { t.narrow(0, n, added).SetZero(); });
   }
   Share({opacities, sources, targets}, gaussians, adam);
   return added;

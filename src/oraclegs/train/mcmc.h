@@ -36,7 +36,7 @@ void AddNoise(const MeansNoise& noise, Gaussians* gaussians);
 /// The same for Gaussians [begin, end) alone, on this thread; how they are cut into blocks changes no bit.
 void AddNoiseToBlock(const MeansNoise& noise, int64_t begin, int64_t end, Gaussians* gaussians);
 /// The same with epsilon [N,3] given; for tests.
-void AddNoiseFrom(const Tensor& epsilon, double lr_means, Gaussians* gaussians);
+void AddNoiseFrom(const Buffer<float>& epsilon, double lr_means, Gaussians* gaussians);
 
 struct RegularizerSums {
   double opacity = 0, scale = 0;

@@ -257,10 +257,10 @@ HWY_EXPORT(RegularizeBlock);
 
 constexpr int64_t kGrain = 1024;
 
-void MoveRows(const Tensor& epsilon, const NoiseStep& step, int64_t begin, int64_t end, Gaussians* gaussians) {
+void MoveRows(const Buffer<float>& epsilon, const NoiseStep& step, int64_t begin, int64_t end, Gaussians* gaussians) {
   const GaussianRows rows = gaussians->Rows();
   const NoiseArrays arrays{rows.means, rows.log_scales, rows.quats, rows.opacity_logits,
-                           epsilon.defined() ? epsilon.data_ptr<float>() : nullptr};
+                           epsilon.defined() ? epsilon.data() : nullptr};
   HWY_DYNAMIC_DISPATCH(AddNoiseBlock)(arrays, step, begin, end);
 }
 
@@ -278,9 +278,9 @@ void AddNoise(const MeansNoise& noise, Gaussians* gaussians) {
                  [&](int64_t begin, int64_t end) { AddNoiseToBlock(noise, begin, end, gaussians); });
 }
 
-void AddNoiseFrom(const Tensor& epsilon, double lr_means, Gaussians* gaussians) {
+void AddNoiseFrom(const Buffer<float>& epsilon, double lr_means, Gaussians* gaussians) {
   gaussians->Check("AddNoiseFrom");
-  RequireFloat("AddNoiseFrom", "epsilon", epsilon, {gaussians->size(), 3});
+  RequireShape("AddNoiseFrom", "epsilon", epsilon, {gaussians->size(), 3});
   MoveRows(epsilon, {0, 0, static_cast<float>(kNoiseRate * lr_means)}, 0, gaussians->size(), gaussians);
 }
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 
 namespace oraclegs {
 
@@ -28,6 +28,6 @@ struct OpacityPerturbation {
 double DropProbability(double dropout, int64_t iteration, int64_t iterations);
 
 /// Writes the factors of Gaussians 0 .. N-1 into `factors` [N]. Each is a pure function of (seed, iteration, index).
-void DrawOpacityFactors(const OpacityPerturbation& perturbation, const Tensor& factors);
+void DrawOpacityFactors(const OpacityPerturbation& perturbation, const Buffer<float>& factors);
 
 }  // namespace oraclegs

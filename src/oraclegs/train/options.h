@@ -57,76 +57,76 @@ struct TrainOptions {
     return {synthetic_floor, schedule == "constant" ? 0 : synthetic_peak};
   }
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("iterations", iterations, "Training steps, one photograph each", Range{1, 1e7});
-    visit("max-gaussians", max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
-    visit("sh-degree", sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
-    visit("sh-degree-interval", sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
-    visit("antialiased", antialiased, "Train and render with opacity compensation for small Gaussians");
-    visit("ssim-weight", ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
-    visit("schedule", schedule,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("iterations", self.iterations, "Training steps, one photograph each", Range{1, 1e7});
+    visit("max-gaussians", self.max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
+    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
+    visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
+    visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
+    visit("ssim-weight", self.ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("schedule", self.schedule,
           "How often an iteration takes a proposal instead of a photograph: paper = synthetic-floor + synthetic-peak * "
           "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never",
           Choice{{"paper", "constant", "none"}});
-    visit("synthetic-floor", synthetic_floor, "Share of the iterations that take a proposal, at both ends of the run",
+    visit("synthetic-floor", self.synthetic_floor, "Share of the iterations that take a proposal, at both ends of the run",
           Range{0, 1});
-    visit("synthetic-peak", synthetic_peak,
+    visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
-    visit("proposal-weight", proposal_weight, "Factor of a proposal's whole loss", Range{0, 100});
-    visit("proposal-ssim", proposal_ssim, "Share of 1-SSIM in a proposal's loss; what SSIM and LPIPS leave is L1",
+    visit("proposal-weight", self.proposal_weight, "Factor of a proposal's whole loss", Range{0, 100});
+    visit("proposal-ssim", self.proposal_ssim, "Share of 1-SSIM in a proposal's loss; what SSIM and LPIPS leave is L1",
           Range{0, 1});
-    visit("proposal-lpips", proposal_lpips, "Share of LPIPS in it; without LPIPS weights L1 gets it", Range{0, 1});
-    visit("confidence-gate", confidence_gate, "Pixels of proposals of less confidence than this count nothing",
+    visit("proposal-lpips", self.proposal_lpips, "Share of LPIPS in it; without LPIPS weights L1 gets it", Range{0, 1});
+    visit("confidence-gate", self.confidence_gate, "Pixels of proposals of less confidence than this count nothing",
           Range{0, 1});
-    visit("confidence-power", confidence_power,
+    visit("confidence-power", self.confidence_power,
           "The others count confidence to this power; 0 = all of them fully, as far as there is any confidence",
           Range{0, 100});
-    visit("depth-weight", depth_weight,
+    visit("depth-weight", self.depth_weight,
           "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
           Range{0, 1e3});
-    visit("alpha-weight", alpha_weight,
+    visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha term where a Blender scene's pictures have that channel: mean |alpha - rendered|, which "
           "keeps objects from being thin and what is beside them from being veiled; 0 = off",
           Range{0, 1e3});
-    visit("exposure", exposure,
+    visit("exposure", self.exposure,
           "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
           "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure. auto = where the "
           "colours of common surfaces differ",
           Choice{{"auto", "on", "off"}});
-    visit("dropout", dropout,
+    visit("dropout", self.dropout,
           "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
           "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "
           "2025, uses 0.2); -1 = 0.2 for an object before a plain background, else 0",
           Range{-1, 0.95});
     visit(
-        "opacity-noise", opacity_noise,
+        "opacity-noise", self.opacity_noise,
         "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
         "Sparse-View 3DGS, 2025, uses 0.8); -1 = 0.5, 0.3 for an object before a plain background",
         Range{-1, 10});
-    visit("coarse-share", coarse_share,
+    visit("coarse-share", self.coarse_share,
           "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "
           "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
           Range{0, 0.9});
-    visit("prune-floaters", prune_floaters,
+    visit("prune-floaters", self.prune_floaters,
           "At each relocation also move Gaussians that hang 10 % or more before the depth of some photographs and on "
           "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
-    visit("largest-scale", largest_scale,
+    visit("largest-scale", self.largest_scale,
           "Largest standard deviation of a Gaussian, as a share of its distance to the nearest photograph's camera; "
           "larger ones grow beside what the photographs show and veil views between them; 0 = any",
           Range{0, 1e3});
-    visit("last-rates", last_rates,
+    visit("last-rates", self.last_rates,
           "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "
           "the second half of the run. 3DGS keeps them (1); 0 = 0.1",
           Range{0, 1});
-    visit("opacity-reg", opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
-    visit("scale-reg", scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
-    visit("random-points", random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});
-    visit("refine-start", refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
-    visit("refine-every", refine_every, "Iterations between relocations", Range{1, 1e7});
-    visit("refine-stop", refine_stop, "Share of the iterations after which they end", Range{0, 1});
+    visit("opacity-reg", self.opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
+    visit("scale-reg", self.scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
+    visit("random-points", self.random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});
+    visit("refine-start", self.refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
+    visit("refine-every", self.refine_every, "Iterations between relocations", Range{1, 1e7});
+    visit("refine-stop", self.refine_stop, "Share of the iterations after which they end", Range{0, 1});
   }
 };
 

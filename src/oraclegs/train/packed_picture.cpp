@@ -12,22 +12,22 @@ constexpr int64_t kGrain = 1 << 16;  // values a task
 
 }  // namespace
 
-Tensor Packed(const Tensor& picture) {
+Buffer<float> Packed(const Buffer<float>& picture) {
   if (!picture.defined()) return picture;
-  const Tensor flat = picture.reshape({-1});
-  RequireFloat("Packed", "picture", flat, {-1});
-  const Tensor bytes = torch::empty({flat.numel()}, torch::kByte);
-  const float* from = flat.data_ptr<float>();
-  uint8_t* to = bytes.data_ptr<uint8_t>();
+  const Buffer<float> flat = picture.reshape({-1});
+  RequireShape("Packed", "picture", flat, {-1});
+  const Buffer<float> bytes = torch::empty({flat.count()}, torch::kByte);
+  const float* from = flat.data();
+  uint8_t* to = bytes.data();
   std::atomic<bool> exact = true;
-  ParallelBlocks(flat.numel(), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(flat.count(), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end && exact; ++i) {
       const bool in_range = from[i] >= 0 && from[i] <= 1;
       to[i] = in_range ? static_cast<uint8_t>(from[i] * 255 + 0.5f) : 0;
       if (!in_range || static_cast<float>(to[i]) / 255 != from[i]) exact = false;
     }
   });
-  return exact ? bytes.view(picture.sizes()) : picture;
+  return exact ? bytes.view(picture.shape()) : picture;
 }
 
 }  // namespace oraclegs

@@ -4,9 +4,9 @@
 
 namespace oraclegs {
 
-Tensor GrowRows(const Tensor& t, int64_t rows) {
+Buffer<float> GrowRows(const Buffer<float>& t, int64_t rows) {
   if (rows == t.size(0)) return t;
-  std::vector<int64_t> shape = t.sizes().vec();
+  std::vector<int64_t> shape = t.shape().vec();
   int64_t row = 1;
   for (size_t i = 1; i < shape.size(); ++i) row *= shape[i];
   shape[0] = rows;
@@ -15,18 +15,18 @@ Tensor GrowRows(const Tensor& t, int64_t rows) {
     return t.as_strided(shape, t.strides());
   }
   shape[0] = std::max(rows, t.size(0) + t.size(0) / 2);
-  const Tensor grown = torch::empty(shape, t.options());
+  const Buffer<float> grown = torch::empty(shape, t.options());
   grown.narrow(0, 0, t.size(0)).copy_(t);
   return grown.narrow(0, 0, rows);
 }
 
 void GrowRows(Gaussians* gaussians, int64_t rows) {
-  gaussians->ForEach([&](const char*, Tensor& t) { t = GrowRows(t, rows); });
+  gaussians->ForEach([&](const char*, Buffer<float>& t) { t = GrowRows(t, rows); });
 }
 
 Gaussians Clone(const Gaussians& gaussians) {
   Gaussians copy = gaussians;
-  copy.ForEach([](const char*, Tensor& t) { t = t.clone(); });
+  copy.ForEach([](const char*, Buffer<float>& t) { t = t.Clone(); });
   return copy;
 }
 

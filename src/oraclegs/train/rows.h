@@ -8,7 +8,7 @@ namespace oraclegs {
 /// `t` with `rows` >= t.size(0) rows, contiguous; the rows that were there keep their values, new ones hold anything.
 /// When the storage of `t` has room, the result is a longer view of it (so hand in only tensors whose storage nobody
 /// else uses); otherwise a copy in a storage half as large again.
-Tensor GrowRows(const Tensor& t, int64_t rows);
+Buffer<float> GrowRows(const Buffer<float>& t, int64_t rows);
 
 /// GrowRows of each tensor.
 void GrowRows(Gaussians* gaussians, int64_t rows);

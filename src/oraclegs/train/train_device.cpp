@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-std::unique_ptr<TrainDevice> MakeTrainDevice(torch::Device device, const TrainDeviceSetup& setup) {
+std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup) {
   if (device.is_cpu()) return MakeCpuTrainDevice(setup);
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return cuda::MakeCudaTrainDevice(device, setup);

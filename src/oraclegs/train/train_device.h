@@ -53,7 +53,7 @@ class TrainDevice {
   virtual TrainedModel Download(const TrainedModel& model) const = 0;
 
   /// [n]; valid until the next call.
-  virtual Tensor OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) = 0;
+  virtual Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) = 0;
   /// dL/d(render) of the iteration's view; valid until the next call.
   virtual RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) = 0;
   /// Everything between the gradient of the image and the moved Gaussians: backward, regularisers, Adam and, unless the
@@ -85,6 +85,6 @@ using TrainDeviceMaker = std::function<std::unique_ptr<TrainDevice>(const TrainD
 
 /// The device of this name. Throws UsageError when this build has none for it, RunError when its memory does not
 /// suffice.
-std::unique_ptr<TrainDevice> MakeTrainDevice(torch::Device device, const TrainDeviceSetup& setup);
+std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup);
 
 }  // namespace oraclegs

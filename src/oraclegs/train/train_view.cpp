@@ -7,16 +7,16 @@ namespace oraclegs {
 namespace {
 
 bool DepthCounts(const TrainView& view, int64_t pixel) {
-  return view.depth_mask.data_ptr<float>()[pixel] > 0 &&
-         (!view.confidence.defined() || view.confidence.data_ptr<float>()[pixel] > 0);
+  return view.depth_mask.data()[pixel] > 0 &&
+         (!view.confidence.defined() || view.confidence.data()[pixel] > 0);
 }
 
 void CheckDepth(const TrainView& view) {
   if (!view.inv_depth.defined() && !view.depth_mask.defined()) return;
   const int64_t height = view.camera.height, width = view.camera.width;
-  RequireFloat("Trainer", ("inv_depth of " + view.name).c_str(), view.inv_depth, {height, width});
-  RequireFloat("Trainer", ("depth_mask of " + view.name).c_str(), view.depth_mask, {height, width});
-  const float* inv_depth = view.inv_depth.data_ptr<float>();
+  RequireShape("Trainer", ("inv_depth of " + view.name).c_str(), view.inv_depth, {height, width});
+  RequireShape("Trainer", ("depth_mask of " + view.name).c_str(), view.depth_mask, {height, width});
+  const float* inv_depth = view.inv_depth.data();
   for (int64_t i = 0; i < height * width; ++i) {
     if (DepthCounts(view, i) && !std::isfinite(inv_depth[i])) {
       throw ShapeError("Trainer: inv_depth of {} is {} at column {}, row {}, where depth_mask counts it", view.name,
@@ -25,9 +25,9 @@ void CheckDepth(const TrainView& view) {
   }
 }
 
-void CheckShares(const TrainView& view, const char* what, const Tensor& shares) {
-  const float* values = shares.data_ptr<float>();
-  for (int64_t i = 0; i < shares.numel(); ++i) {
+void CheckShares(const TrainView& view, const char* what, const Buffer<float>& shares) {
+  const float* values = shares.data();
+  for (int64_t i = 0; i < shares.count(); ++i) {
     if (values[i] >= 0 && values[i] <= 1) continue;
     throw ShapeError("Trainer: {} of {} is {} at column {}, row {}, must be in 0 .. 1", what, view.name, values[i],
                      i % view.camera.width, i / view.camera.width);
@@ -36,26 +36,26 @@ void CheckShares(const TrainView& view, const char* what, const Tensor& shares) 
 
 void CheckView(const TrainView& view) {
   const int64_t height = view.camera.height, width = view.camera.width;
-  RequireFloat("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
+  RequireShape("Trainer", ("image of " + view.name).c_str(), view.image, {height, width, 3});
   if (view.confidence.defined()) {
-    RequireFloat("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
+    RequireShape("Trainer", ("confidence of " + view.name).c_str(), view.confidence, {height, width});
   }
   CheckDepth(view);
   if (!view.alpha.defined()) return;
-  RequireFloat("Trainer", ("alpha of " + view.name).c_str(), view.alpha, {height, width});
+  RequireShape("Trainer", ("alpha of " + view.name).c_str(), view.alpha, {height, width});
   CheckShares(view, "alpha", view.alpha);
 }
 
 /// One channel of a photograph, which has as many numbers as it has pixels.
 template <class T>
-Tensor Plane(const std::vector<T>& values, const char* what, const LoadedView& photo) {
+Buffer<float> Plane(const std::vector<T>& values, const char* what, const LoadedView& photo) {
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
   if (values.size() != static_cast<size_t>(height * width)) {
     throw ShapeError("ToTrainView: the {} of {} has {} pixels, expected {}", what, photo.name, values.size(),
                      height * width);
   }
-  const Tensor plane = torch::empty({height, width}, torch::kFloat);
-  std::copy(values.begin(), values.end(), plane.data_ptr<float>());
+  const Buffer<float> plane = Buffer<float>::Empty({height, width});
+  std::copy(values.begin(), values.end(), plane.data());
   return plane;
 }
 
@@ -74,8 +74,8 @@ TrainView ToTrainView(const LoadedView& photo) {
   if (photo.rgb.channels != 3 || photo.rgb.data.size() != static_cast<size_t>(height * width * 3)) {
     throw ShapeError("ToTrainView: {} has {} channels, expected 3", photo.name, photo.rgb.channels);
   }
-  view.image = torch::empty({height, width, 3}, torch::kFloat);
-  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data_ptr<float>());
+  view.image = Buffer<float>::Empty({height, width, 3});
+  std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data());
   if (!photo.mask.empty()) view.confidence = Plane(photo.mask, "mask", photo);
   if (!photo.alpha.empty()) view.alpha = Plane(photo.alpha, "alpha channel", photo);
   return view;
@@ -95,9 +95,9 @@ void CheckProposals(const std::vector<TrainView>& proposals) {
 
 TrainView WithGatedConfidence(TrainView proposal, double gate, double power) {
   if (!proposal.confidence.defined()) return proposal;  // 1 passes every gate, and stays 1
-  proposal.confidence = proposal.confidence.clone();
-  float* u = proposal.confidence.data_ptr<float>();
-  for (int64_t i = 0; i < proposal.confidence.numel(); ++i) {
+  proposal.confidence = proposal.confidence.Clone();
+  float* u = proposal.confidence.data();
+  for (int64_t i = 0; i < proposal.confidence.count(); ++i) {
     const bool counts = u[i] > 0 && u[i] >= static_cast<float>(gate);
     u[i] = counts ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
   }
@@ -112,17 +112,17 @@ std::vector<Camera> Cameras(const std::vector<TrainView>& views) {
 
 TrainView WithCleanDepth(TrainView view) {
   if (!view.inv_depth.defined()) return view;
-  const Tensor inv_depth = view.inv_depth.clone(), mask = view.depth_mask.clone();
+  const Buffer<float> inv_depth = view.inv_depth.Clone(), mask = view.depth_mask.Clone();
   bool counts = false;
-  for (int64_t i = 0; i < mask.numel(); ++i) {
+  for (int64_t i = 0; i < mask.count(); ++i) {
     if (DepthCounts(view, i)) {
       counts = true;
     } else {
-      inv_depth.data_ptr<float>()[i] = mask.data_ptr<float>()[i] = 0;
+      inv_depth.data()[i] = mask.data()[i] = 0;
     }
   }
-  view.inv_depth = counts ? inv_depth : Tensor();
-  view.depth_mask = counts ? mask : Tensor();
+  view.inv_depth = counts ? inv_depth : Buffer<float>();
+  view.depth_mask = counts ? mask : Buffer<float>();
   return view;
 }
 
@@ -130,9 +130,9 @@ double CharacteristicDepth(const std::vector<TrainView>& views) {
   std::vector<float> medians, known;
   for (const TrainView& view : views) {
     if (!view.inv_depth.defined()) continue;
-    const float *inv_depth = view.inv_depth.data_ptr<float>(), *mask = view.depth_mask.data_ptr<float>();
+    const float *inv_depth = view.inv_depth.data(), *mask = view.depth_mask.data();
     known.clear();
-    for (int64_t i = 0; i < view.inv_depth.numel(); ++i) {
+    for (int64_t i = 0; i < view.inv_depth.count(); ++i) {
       if (mask[i] > 0 && inv_depth[i] > 0) known.push_back(inv_depth[i]);
     }
     if (!known.empty()) medians.push_back(static_cast<float>(Median(&known)));

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/camera/camera.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/train/exposure.h"
@@ -15,11 +15,11 @@ namespace oraclegs {
 struct TrainView {
   std::string name;
   Camera camera;
-  Tensor image;           ///< [H,W,3]
-  Tensor confidence;      ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
-  Tensor inv_depth = {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
-  Tensor depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
-  Tensor alpha = {};       ///< [H,W] in [0,1], how much of the pixel the scene covers; undefined = unknown
+  Buffer<float> image;           ///< [H,W,3]
+  Buffer<float> confidence;      ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
+  Buffer<float> inv_depth = {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
+  Buffer<float> depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
+  Buffer<float> alpha = {};       ///< [H,W] in [0,1], how much of the pixel the scene covers; undefined = unknown
   ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
 };
 

@@ -40,7 +40,7 @@ void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& sa
 }
 
 void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
-  gaussians.ForEach([&](const char* name, const Tensor& t) {
+  gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
     if (torch::isfinite(t).all().item<bool>()) return;
     throw RunError(
         "{} of a Gaussian are not finite at iteration {}: training has diverged; check the poses and the "
@@ -63,7 +63,7 @@ struct Trainer::State {
         sampler(seed, view_loss.num_photographs(), view_loss.num_proposals()) {}
 
   Iteration NextIteration();
-  Tensor OpacityFactors();
+  Buffer<float> OpacityFactors();
   void Step();
   void TellWhatIsMissing(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations; }
@@ -111,11 +111,11 @@ Iteration Trainer::State::NextIteration() {
 
 /// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
 /// model as it will be used.
-Tensor Trainer::State::OpacityFactors() {
+Buffer<float> Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
   const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
                                          IsLast(i) ? 0 : options.opacity_noise};
-  return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Tensor();
+  return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Buffer<float>();
 }
 
 void Trainer::State::Step() {
@@ -158,7 +158,7 @@ void Trainer::State::TellWhatIsMissing(const Listener& listener) const {
 Trainer::Trainer(const TrainOptions& options, uint64_t seed, std::array<float, 3> background, TrainingData data,
                  Gaussians start)
     : Trainer({options, seed, background, std::move(data), std::move(start)},
-              [](const TrainDeviceSetup& setup) { return MakeTrainDevice(torch::kCPU, setup); }) {}
+              [](const TrainDeviceSetup& setup) { return MakeTrainDevice(kCpu, setup); }) {}
 
 Trainer::Trainer(TrainSetup setup, const TrainDeviceMaker& make_device) {
   CheckOptions(setup.options);
@@ -249,11 +249,11 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
 
 const Gaussians& Trainer::gaussians() const { return state_->model.gaussians; }
 
-Tensor Trainer::exposures() const {
+Buffer<float> Trainer::exposures() const {
   const std::vector<ExposureMap> maps = state_->device->exposures().maps;
   if (maps.empty()) return {};
-  Tensor result = torch::empty({static_cast<int64_t>(maps.size()), 3, 4}, torch::kFloat);
-  std::memcpy(result.data_ptr<float>(), maps.data(), maps.size() * sizeof(ExposureMap));
+  Buffer<float> result = Buffer<float>::Empty({static_cast<int64_t>(maps.size()), 3, 4});
+  std::memcpy(result.data(), maps.data(), maps.size() * sizeof(ExposureMap));
   return result;
 }
 

@@ -68,7 +68,7 @@ class Trainer {
   const Gaussians& gaussians() const;
   int64_t iteration() const;
   /// [V,3,4], what turns a render into each photograph's colours; undefined unless the exposure is trained.
-  Tensor exposures() const;
+  Buffer<float> exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;
   /// Of the last iteration alone; without `total`. On a GPU waits for it, and `loss` and `refine` are what sending the

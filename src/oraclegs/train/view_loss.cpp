@@ -90,10 +90,10 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
   return result;
 }
 
-double ViewLoss::PhotographLoss(int index, int64_t iteration, const Tensor& image, Tensor* grad) {
+double ViewLoss::PhotographLoss(int index, int64_t iteration, const Buffer<float>& image, Buffer<float>* grad) {
   const TrainView& view = View({ViewKind::kPhotograph, index}, iteration);
   if (!exposures_) return objective_.Photograph(image, view.image, view.confidence, grad);
-  const Tensor exposed = exposed_image_.Get({view.camera.height, view.camera.width, 3});
+  const Buffer<float> exposed = exposed_image_.Get({view.camera.height, view.camera.width, 3});
   exposures_->Apply(index, image, exposed);
   double value = objective_.Photograph(exposed, view.image, view.confidence, grad);
   ExposureGradient gradient = exposures_->Backward(index, image, *grad);
@@ -106,14 +106,14 @@ double ViewLoss::PhotographLoss(int index, int64_t iteration, const Tensor& imag
 }
 
 /// Leaves `grad` undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.
-double ViewLoss::DepthTerm(const TrainView& view, double weight, const Tensor& inv_depth, Tensor* grad) {
+double ViewLoss::DepthTerm(const TrainView& view, double weight, const Buffer<float>& inv_depth, Buffer<float>* grad) {
   if (weight == 0 || !view.inv_depth.defined()) return 0;
   *grad = grad_inv_depth_.Get({view.camera.height, view.camera.width});
   return MaskedL1(inv_depth, view.inv_depth, view.depth_mask, weight, grad);
 }
 
 /// Leaves `grad` undefined as DepthTerm does.
-double ViewLoss::AlphaTerm(const TrainView& view, const Tensor& alpha, Tensor* grad) {
+double ViewLoss::AlphaTerm(const TrainView& view, const Buffer<float>& alpha, Buffer<float>* grad) {
   if (options_.alpha_weight == 0 || !view.alpha.defined()) return 0;
   *grad = grad_alpha_.Get({view.camera.height, view.camera.width});
   return MaskedL1(alpha, view.alpha, view.confidence, options_.alpha_weight, grad);

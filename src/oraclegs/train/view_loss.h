@@ -67,9 +67,9 @@ class ViewLoss {
   const Exposures* exposures() const { return exposures_ ? &*exposures_ : nullptr; }
 
  private:
-  double PhotographLoss(int index, int64_t iteration, const Tensor& image, Tensor* grad);
-  double DepthTerm(const TrainView& view, double weight, const Tensor& inv_depth, Tensor* grad);
-  double AlphaTerm(const TrainView& view, const Tensor& alpha, Tensor* grad);
+  double PhotographLoss(int index, int64_t iteration, const Buffer<float>& image, Buffer<float>* grad);
+  double DepthTerm(const TrainView& view, double weight, const Buffer<float>& inv_depth, Buffer<float>* grad);
+  double AlphaTerm(const TrainView& view, const Buffer<float>& alpha, Buffer<float>* grad);
 
   TrainOptions options_;
   std::vector<TrainView> photographs_, proposals_;

@@ -13,10 +13,10 @@ struct FetchOptions {
   bool accept_licence = false;
   bool keep_published = false;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("accept-licence", accept_licence, "Agree to the licence of the model, which `fetch` shows");
-    visit("keep-published", keep_published, "Keep the published files after they were converted");
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("accept-licence", self.accept_licence, "Agree to the licence of the model, which `fetch` shows");
+    visit("keep-published", self.keep_published, "Keep the published files after they were converted");
   }
 };
 

@@ -10,21 +10,21 @@ namespace {
 
 struct Value {
   double l1 = 0, dssim = 0;  ///< means
-  Tensor grad;
+  Buffer<float> grad;
 };
 
-DeviceImage ImageOf(const Tensor& t) {
+DeviceImage ImageOf(const Buffer<float>& t) {
   if (!t.defined()) return {};
   return {t.data_ptr(), t.scalar_type() == torch::kByte};
 }
 
-Value RunOnDevice(const Tensor& render, const Tensor& target, const Tensor& confidence,
+Value RunOnDevice(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
                   const PhotometricWeights& weights, MaskMeaning meaning = MaskMeaning::kConfidence) {
-  const Tensor x = OnTestDevice(render), y = OnTestDevice(target), u = OnTestDevice(confidence);
+  const Buffer<float> x = OnTestDevice(render), y = OnTestDevice(target), u = OnTestDevice(confidence);
   PhotometricInput in;
   in.height = static_cast<int>(render.size(0));
   in.width = static_cast<int>(render.size(1));
-  in.render = x.data_ptr<float>();
+  in.render = x.data();
   in.target = ImageOf(y);
   in.confidence = ImageOf(u);
   in.meaning = meaning;
@@ -35,8 +35,8 @@ Value RunOnDevice(const Tensor& render, const Tensor& target, const Tensor& conf
   DeviceArray<float> slopes("a test");
   sums.ReserveExactly(PhotometricTiles(in.width, in.height));
   slopes.ReserveExactly(PhotometricSlopes(in.width, in.height));
-  const Tensor grad = torch::full_like(x, 7.f);
-  RunPhotometric(in, {sums.data(), slopes.data(), grad.data_ptr<float>()}, nullptr);
+  const Buffer<float> grad = torch::full_like(x, 7.f);
+  RunPhotometric(in, {sums.data(), slopes.data(), grad.data()}, nullptr);
   Value value;
   for (const PhotometricSums& tile : ToHost(sums, PhotometricTiles(in.width, in.height))) {
     value.l1 += tile.l1 / entries;
@@ -46,7 +46,7 @@ Value RunOnDevice(const Tensor& render, const Tensor& target, const Tensor& conf
   return value;
 }
 
-Tensor RandomTarget(int64_t height, int64_t width) {
+Buffer<float> RandomTarget(int64_t height, int64_t width) {
   torch::manual_seed(7 * height + width);
   return torch::rand({height, width, 3});
 }
@@ -57,13 +57,13 @@ class CudaPhotometric : public OnDevice<testing::TestWithParam<std::pair<int64_t
     OnDevice::SetUp();
     const auto [height, width] = GetParam();
     target = RandomTarget(height, width);
-    render = (target + 0.3 * torch::randn_like(target)).contiguous();
+    render = (target + 0.3 * torch::randn_like(target));
     confidence = torch::rand({height, width});
   }
 
-  void ExpectAsOnTheCpu(const Tensor& u) {
+  void ExpectAsOnTheCpu(const Buffer<float>& u) {
     const PhotometricWeights weights{0.7f, 0.3f};
-    Tensor grad = torch::empty_like(render);
+    Buffer<float> grad = Buffer<float>::Empty(render.shape());
     const PhotometricValue expected = PhotometricLoss()(render, target, u, weights, &grad);
     const Value value = RunOnDevice(render, target, u, weights);
     EXPECT_NEAR(value.l1, expected.l1, 1e-7);
@@ -71,13 +71,13 @@ class CudaPhotometric : public OnDevice<testing::TestWithParam<std::pair<int64_t
     EXPECT_LE(MaxAbsError(value.grad, grad), 1e-5 * grad.abs().max().item<double>());
   }
 
-  Tensor render, target, confidence;
+  Buffer<float> render, target, confidence;
 };
 
 TEST_P(CudaPhotometric, IsTheCpusWithoutConfidence) { ExpectAsOnTheCpu({}); }
 
 TEST_P(CudaPhotometric, IsTheCpusWithConfidence) {
-  confidence.narrow(1, 0, (confidence.size(1) + 1) / 2).zero_();
+  confidence.narrow(1, 0, (confidence.size(1) + 1) / 2).SetZero();
   ExpectAsOnTheCpu(confidence);
 }
 
@@ -89,19 +89,19 @@ TEST_P(CudaPhotometric, NothingCountsWithoutAnyConfidence) {
 }
 
 TEST_P(CudaPhotometric, AMaskHidesTheRenderAsOnTheCpu) {
-  const Tensor mask = (confidence > 0.4).to(torch::kFloat);
-  Tensor grad = torch::empty_like(render);
+  const Buffer<float> mask = (confidence > 0.4).to(torch::kFloat);
+  Buffer<float> grad = Buffer<float>::Empty(render.shape());
   const double expected = Objective(ObjectiveWeights()).Photograph(render, target, mask, &grad);
   // What stands where the mask is zero has no say, whatever it is.
-  const Tensor noisy = torch::where(mask.unsqueeze(2) > 0, render, torch::full_like(render, 50.f)).contiguous();
+  const Buffer<float> noisy = torch::where(mask.unsqueeze(2) > 0, render, torch::full_like(render, 50.f));
   const Value value = RunOnDevice(noisy, target, mask, {0.8f, 0.2f}, MaskMeaning::kMask);
   EXPECT_NEAR(0.8 * value.l1 + 0.2 * value.dssim, expected, 1e-6);
   EXPECT_LE(MaxAbsError(value.grad, grad), 1e-5 * grad.abs().max().item<double>() + 1e-12);
 }
 
 TEST_P(CudaPhotometric, BytesAreTheSameToTheBit) {
-  const Tensor bytes = (target * 255 + 0.5f).to(torch::kByte), floats = bytes.to(torch::kFloat) / 255;
-  const Tensor mask_bytes = (confidence * 255).to(torch::kByte), mask_floats = mask_bytes.to(torch::kFloat) / 255;
+  const Buffer<float> bytes = (target * 255 + 0.5f).to(torch::kByte), floats = bytes.to(torch::kFloat) / 255;
+  const Buffer<float> mask_bytes = (confidence * 255).to(torch::kByte), mask_floats = mask_bytes.to(torch::kFloat) / 255;
   const Value packed = RunOnDevice(render, bytes, mask_bytes, {}), plain = RunOnDevice(render, floats, mask_floats, {});
   EXPECT_EQ(packed.l1, plain.l1);
   EXPECT_EQ(packed.dssim, plain.dssim);
@@ -117,13 +117,13 @@ class CudaPhotometricGolden : public CudaTest {};
 
 TEST_F(CudaPhotometricGolden, MatchesTheReference) {
   const SafetensorsFile golden = OpenGolden("ssim");
-  const auto image = [&](const char* name) { return GoldenFloat(golden, name).permute({1, 2, 0}).contiguous(); };
-  const Tensor render = image("render"), target = image("target"), confidence = GoldenFloat(golden, "confidence");
+  const auto image = [&](const char* name) { return GoldenFloat(golden, name).permute({1, 2, 0}); };
+  const Buffer<float> render = image("render"), target = image("target"), confidence = GoldenFloat(golden, "confidence");
   const auto number = [&](const char* name) { return golden.Values<double>(name).at(0); };
   const Value photograph = RunOnDevice(render, target, {}, {0.8f, 0.2f});
   EXPECT_NEAR(photograph.l1, number("l1"), 2e-6);
   EXPECT_NEAR(1 - photograph.dssim, number("ssim"), 2e-6);
-  const Tensor grad = GoldenTensor(golden, "grad_loss_photograph").permute({1, 2, 0});
+  const Buffer<float> grad = GoldenTensor(golden, "grad_loss_photograph").permute({1, 2, 0});
   EXPECT_LE(RelativeL2(photograph.grad, grad), 5e-5);
   const Value proposal = RunOnDevice(render, target, confidence, {0.4f, 0.3f});
   EXPECT_NEAR(proposal.dssim, number("dssim_weighted"), 2e-6);

@@ -22,11 +22,11 @@ std::string Refusal(const std::string& text, const DeviceSupport& support) {
 }
 
 TEST(DeviceTest, AutoTakesAGpuWhereThereIsOne) {
-  EXPECT_EQ(ChooseDevice("auto", kTwoGpus), torch::Device(torch::kCUDA, 0));
-  EXPECT_EQ(ChooseDevice("auto", kNone), torch::Device(torch::kCPU));
-  EXPECT_EQ(ChooseDevice("cpu", kTwoGpus), torch::Device(torch::kCPU));
-  EXPECT_EQ(ChooseDevice("cuda", kTwoGpus), torch::Device(torch::kCUDA, 0));
-  EXPECT_EQ(ChooseDevice("cuda:1", kTwoGpus), torch::Device(torch::kCUDA, 1));
+  EXPECT_EQ(ChooseDevice("auto", kTwoGpus), Device(torch::kCUDA, 0));
+  EXPECT_EQ(ChooseDevice("auto", kNone), Device(kCpu));
+  EXPECT_EQ(ChooseDevice("cpu", kTwoGpus), Device(kCpu));
+  EXPECT_EQ(ChooseDevice("cuda", kTwoGpus), Device(torch::kCUDA, 0));
+  EXPECT_EQ(ChooseDevice("cuda:1", kTwoGpus), Device(torch::kCUDA, 1));
 }
 
 TEST(DeviceTest, NeverFallsBackToTheCpuSilently) {
@@ -37,7 +37,7 @@ TEST(DeviceTest, NeverFallsBackToTheCpuSilently) {
   EXPECT_THAT(Refusal("cuda:1", {true, true, 1}), HasSubstr("has 1 NVIDIA GPU, numbered from 0"));
 }
 
-TEST(DeviceTest, KnowsWhatIsFree) { EXPECT_GT(FreeBytes(torch::kCPU), 0); }
+TEST(DeviceTest, KnowsWhatIsFree) { EXPECT_GT(FreeBytes(kCpu), 0); }
 
 TEST(DeviceTest, RefusesOtherWords) {
   for (const char* text : {"", "gpu", "cuda:", "cuda:-1", "cuda:1x", "cuda:999999999999", "cuda1"}) {
@@ -45,22 +45,22 @@ TEST(DeviceTest, RefusesOtherWords) {
   }
 }
 
-std::vector<std::string> Told(torch::Device device, const DeviceSupport& support) {
+std::vector<std::string> Told(Device device, const DeviceSupport& support) {
   std::vector<std::string> notes;
   TellDevice(device, support, [&](const Event& event) { notes.push_back(std::get<Note>(event).text); });
   return notes;
 }
 
 TEST(DeviceTest, TellsWhichGpu) {
-  EXPECT_THAT(Told(torch::Device(torch::kCUDA, 1), kTwoGpus), testing::ElementsAre("computing on the GPU cuda:1"));
+  EXPECT_THAT(Told(Device(torch::kCUDA, 1), kTwoGpus), testing::ElementsAre("computing on the GPU cuda:1"));
 }
 
 TEST(DeviceTest, TellsWhyAProgramForGpusTakesTheCpu) {
-  EXPECT_THAT(Told(torch::kCPU, {true, false, 0}),
+  EXPECT_THAT(Told(kCpu, {true, false, 0}),
               testing::ElementsAre("computing on the CPU: this machine has no NVIDIA GPU with a working driver"));
-  EXPECT_THAT(Told(torch::kCPU, {true, false, 1}), testing::ElementsAre(HasSubstr("the libtorch")));
-  EXPECT_THAT(Told(torch::kCPU, kNone), testing::IsEmpty());     // nothing else was to be expected
-  EXPECT_THAT(Told(torch::kCPU, kTwoGpus), testing::IsEmpty());  // it was chosen
+  EXPECT_THAT(Told(kCpu, {true, false, 1}), testing::ElementsAre(HasSubstr("the libtorch")));
+  EXPECT_THAT(Told(kCpu, kNone), testing::IsEmpty());     // nothing else was to be expected
+  EXPECT_THAT(Told(kCpu, kTwoGpus), testing::IsEmpty());  // it was chosen
 }
 
 TEST(DeviceTest, ThisMachineHasSomeDevice) { EXPECT_NO_THROW(ChooseDevice("auto", ProbeDevices())); }

@@ -1,6 +1,6 @@
 #include "oraclegs/pipeline/stages/perceptual.h"
 
-#include "oraclegs/networks/recognize.h"
+#include "oraclegs/networks/common/recognize.h"
 #include "pipeline/fixtures.h"
 #include "support/network_files.h"
 #include "support/tensors.h"

@@ -32,8 +32,8 @@ TEST_F(ValidateStageTest, GivesTrainingViewsWithConfidenceAndFilesToLookAt) {
   const Result result = Validate(Request(), recorder.AsListener());
   ASSERT_EQ(result.views.size(), 8u);
   for (const TrainView& view : result.views) {
-    EXPECT_EQ(view.image.sizes(), (std::vector<int64_t>{60, 80, 3}));
-    EXPECT_EQ(view.confidence.sizes(), (std::vector<int64_t>{60, 80}));
+    EXPECT_EQ(view.image.shape(), (std::vector<int64_t>{60, 80, 3}));
+    EXPECT_EQ(view.confidence.shape(), (std::vector<int64_t>{60, 80}));
     EXPECT_GE(view.confidence.min().item<float>(), 0.f);
     EXPECT_LE(view.confidence.max().item<float>(), 1.f);
     EXPECT_GT(view.confidence.std().item<float>(), 0.01f);  // it tells pixels apart

@@ -12,8 +12,8 @@
 namespace oraclegs {
 namespace {
 
-bool SameBits(const Tensor& a, const Tensor& b) {
-  return a.sizes() == b.sizes() && std::memcmp(a.data_ptr(), b.data_ptr(), a.nbytes()) == 0;
+bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
+  return a.shape() == b.shape() && std::memcmp(a.data_ptr(), b.data_ptr(), a.nbytes()) == 0;
 }
 
 TEST(CpuRasterizer, SameBitsForAnyNumberOfThreads) {
@@ -23,7 +23,7 @@ TEST(CpuRasterizer, SameBitsForAnyNumberOfThreads) {
   const RenderGrads up{torch::randn({110, 150, 3}), torch::randn({110, 150}), torch::randn({110, 150})};
   const auto run = [&](int threads) {
     SetNumThreads(threads);
-    auto rasterizer = MakeRasterizer(torch::kCPU);
+    auto rasterizer = MakeRasterizer(kCpu);
     const RenderOutput out = rasterizer->Forward(g, camera, {}, RenderPass::kTrain);
     Gaussians grads = Gaussians::Zeros(g.size());
     rasterizer->Backward(g, up, &grads);
@@ -44,11 +44,11 @@ TEST(CpuRasterizer, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(CpuRasterizer, BuffersOfALargerViewDoNotLeakIntoASmallerOne) {
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(RandomGaussians(5000, 0.1, 1), FrontCamera(200, 160), {}, RenderPass::kTrain);
   const Gaussians g = RandomGaussians(300, 0.1, 2);
   const RenderOutput reused = rasterizer->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
-  const RenderOutput fresh = MakeRasterizer(torch::kCPU)->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
+  const RenderOutput fresh = MakeRasterizer(kCpu)->Forward(g, FrontCamera(40, 30), {}, RenderPass::kTrain);
   EXPECT_TRUE(SameBits(reused.image, fresh.image));
   EXPECT_TRUE(SameBits(reused.inv_depth, fresh.inv_depth));
 }
@@ -56,12 +56,12 @@ TEST(CpuRasterizer, BuffersOfALargerViewDoNotLeakIntoASmallerOne) {
 TEST(CpuRasterizer, HigherCoefficientsAreNeitherReadNorWritten) {
   Gaussians g = RandomGaussians(200, 0.1, 9);
   g.sh.slice(1, 4).fill_(std::numeric_limits<float>::quiet_NaN());
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   const RenderOutput out = rasterizer->Forward(g, FrontCamera(32, 32), {{0, 0, 0}, 1, false}, RenderPass::kTrain);
   EXPECT_TRUE(torch::isfinite(out.image).all().item<bool>());
   Gaussians grads = Gaussians::Zeros(200);
   grads.sh.fill_(7);
-  rasterizer->Backward(g, {torch::ones({32, 32, 3}), {}, {}}, &grads);
+  rasterizer->Backward(g, {Buffer<float>::Full({32, 32, 3}, 1.f), {}, {}}, &grads);
   EXPECT_EQ(grads.sh.slice(1, 4).min().item<float>(), 7);
   EXPECT_TRUE(torch::isfinite(grads.sh).all().item<bool>());
 }
@@ -70,8 +70,8 @@ TEST(CpuRasterizer, BlocksHoldTheBitsOfTheWholeAndComeOnceEach) {
   constexpr int64_t kCount = 5 * kGradBlock + 37;
   Gaussians g = RandomGaussians(kCount, 0.1, 9);
   g.means.narrow(0, 2 * kGradBlock, kGradBlock).fill_(-5.f);  // a block behind the camera
-  const RenderGrads up{torch::ones({40, 50, 3}), {}, {}};
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  const RenderGrads up{Buffer<float>::Full({40, 50, 3}, 1.f), {}, {}};
+  auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(g, FrontCamera(50, 40), {{0, 0, 0}, 2, false}, RenderPass::kTrain);
   Gaussians whole = Gaussians::Zeros(kCount);
   rasterizer->Backward(g, up, &whole);
@@ -79,8 +79,8 @@ TEST(CpuRasterizer, BlocksHoldTheBitsOfTheWholeAndComeOnceEach) {
   for (const int threads : {1, 3}) {
     SetNumThreads(threads);
     Gaussians pieces = Gaussians::Empty(kCount);
-    pieces.ForEach([](const char*, Tensor& t) { t.fill_(-7.f); });
-    pieces.sh.slice(1, 9).zero_();
+    pieces.ForEach([](const char*, Buffer<float>& t) { t.fill_(-7.f); });
+    pieces.sh.slice(1, 9).SetZero();
     const GaussianRows all = pieces.Rows();
     std::atomic<int64_t> rows = 0;
     rasterizer->BackwardBlocks(g, up, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
@@ -107,16 +107,16 @@ TEST(CpuRasterizer, BlocksHoldTheBitsOfTheWholeAndComeOnceEach) {
 
 TEST(CpuRasterizer, ABlockMayBeMovedWhileOthersAreDifferentiated) {
   constexpr int64_t kCount = 4 * kGradBlock;
-  const RenderGrads up{torch::ones({40, 50, 3}), {}, {}};
+  const RenderGrads up{Buffer<float>::Full({40, 50, 3}, 1.f), {}, {}};
   Gaussians still = RandomGaussians(kCount, 0.1, 9), moving = RandomGaussians(kCount, 0.1, 9);
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(still, FrontCamera(50, 40), {}, RenderPass::kTrain);
   Gaussians whole = Gaussians::Zeros(kCount);
   rasterizer->Backward(still, up, &whole);
-  Tensor means = torch::zeros({kCount, 3});
+  Buffer<float> means = Buffer<float>::Zeros({kCount, 3});
   rasterizer->Forward(moving, FrontCamera(50, 40), {}, RenderPass::kTrain);
   rasterizer->BackwardBlocks(moving, up, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
-    std::copy_n(grads.means, 3 * (end - begin), means.data_ptr<float>() + 3 * begin);
+    std::copy_n(grads.means, 3 * (end - begin), means.data() + 3 * begin);
     const GaussianRows own = moving.Rows().From(begin);
     std::fill_n(own.means, 3 * (end - begin), 1e9f);
     std::fill_n(own.sh, kShFloats * (end - begin), 1e9f);
@@ -134,15 +134,15 @@ TEST(CpuRasterizer, OddParametersDoNoHarm) {
                        -1e38f,
                        1e-40f};
   for (int i = 0; i < 6; ++i) {
-    g.means.data_ptr<float>()[3 * i + i % 3] = odd[i];
-    g.log_scales.data_ptr<float>()[3 * (i + 8)] = odd[i];
-    g.quats.data_ptr<float>()[4 * (i + 16)] = odd[i];
-    g.opacity_logits.data_ptr<float>()[i + 24] = odd[i];
+    g.means.data()[3 * i + i % 3] = odd[i];
+    g.log_scales.data()[3 * (i + 8)] = odd[i];
+    g.quats.data()[4 * (i + 16)] = odd[i];
+    g.opacity_logits.data()[i + 24] = odd[i];
   }
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(g, FrontCamera(48, 48), {}, RenderPass::kTrain);
   Gaussians grads = Gaussians::Zeros(64);
-  rasterizer->Backward(g, {torch::ones({48, 48, 3}), {}, {}}, &grads);
+  rasterizer->Backward(g, {Buffer<float>::Full({48, 48, 3}, 1.f), {}, {}}, &grads);
   EXPECT_TRUE(torch::isfinite(grads.means.slice(0, 32)).all().item<bool>());
 }
 
@@ -151,7 +151,7 @@ TEST(CpuRasterizer, OpacityLogitsBeyondTheExponentialAreInvisibleOrSolid) {
   g.means.copy_(torch::tensor({{0.f, 0.f, 3.f}, {0.f, 0.f, 3.f}}));
   for (const float logit : {-100.f, -200.f, -1000.f}) {
     g.opacity_logits.fill_(logit);
-    EXPECT_EQ(MakeRasterizer(torch::kCPU)
+    EXPECT_EQ(MakeRasterizer(kCpu)
                   ->Forward(g, FrontCamera(32, 32), {}, RenderPass::kInference)
                   .alpha.max()
                   .item<float>(),
@@ -159,7 +159,7 @@ TEST(CpuRasterizer, OpacityLogitsBeyondTheExponentialAreInvisibleOrSolid) {
         << logit;
   }
   g.opacity_logits.fill_(1000.f);
-  EXPECT_GT(MakeRasterizer(torch::kCPU)
+  EXPECT_GT(MakeRasterizer(kCpu)
                 ->Forward(g, FrontCamera(32, 32), {}, RenderPass::kInference)
                 .alpha.max()
                 .item<float>(),
@@ -167,9 +167,9 @@ TEST(CpuRasterizer, OpacityLogitsBeyondTheExponentialAreInvisibleOrSolid) {
 }
 
 TEST(CpuRasterizer, WrongShapesAreRefusedByName) {
-  auto rasterizer = MakeRasterizer(torch::kCPU);
+  auto rasterizer = MakeRasterizer(kCpu);
   Gaussians g = RandomGaussians(10, 0.1, 1);
-  g.quats = torch::zeros({10, 3});
+  g.quats = Buffer<float>::Zeros({10, 3});
   EXPECT_THROW(rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain), ShapeError);
   g = RandomGaussians(10, 0.1, 1);
   EXPECT_THROW(rasterizer->Forward(g, FrontCamera(0, 8), {}, RenderPass::kTrain), ShapeError);
@@ -178,7 +178,7 @@ TEST(CpuRasterizer, WrongShapesAreRefusedByName) {
   const auto never = [](int64_t, int64_t, const GaussianRows&) { ADD_FAILURE() << "called"; };
   EXPECT_THROW(rasterizer->BackwardBlocks(g, {}, never), ShapeError);
   rasterizer->Forward(g, FrontCamera(8, 8), {}, RenderPass::kTrain);
-  EXPECT_THROW(rasterizer->Backward(g, {torch::zeros({8, 9, 3}), {}, {}}, &grads), ShapeError);
+  EXPECT_THROW(rasterizer->Backward(g, {Buffer<float>::Zeros({8, 9, 3}), {}, {}}, &grads), ShapeError);
 }
 
 }  // namespace

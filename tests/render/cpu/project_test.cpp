@@ -12,11 +12,11 @@ namespace {
 
 cpu::ProjectInput MakeInput(const GoldenScene& scene) {
   cpu::ProjectInput in{};
-  in.means = scene.gaussians.means.data_ptr<float>();
-  in.log_scales = scene.gaussians.log_scales.data_ptr<float>();
-  in.quats = scene.gaussians.quats.data_ptr<float>();
-  in.opacity_logits = scene.gaussians.opacity_logits.data_ptr<float>();
-  in.sh = scene.gaussians.sh.data_ptr<float>();
+  in.means = scene.gaussians.means.data();
+  in.log_scales = scene.gaussians.log_scales.data();
+  in.quats = scene.gaussians.quats.data();
+  in.opacity_logits = scene.gaussians.opacity_logits.data();
+  in.sh = scene.gaussians.sh.data();
   const Camera& c = scene.camera;
   const Eigen::Vector3d eye = c.Center();
   for (int i = 0; i < 3; ++i) {

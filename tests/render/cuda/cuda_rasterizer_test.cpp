@@ -10,12 +10,12 @@ namespace oraclegs {
 namespace {
 
 /// Row by row: |error| <= 0.02 (|ref| + 0.01 median |ref| over visible).
-void ExpectRowsAgree(const Tensor& x, const Tensor& ref, const Tensor& visible, const std::string& what) {
+void ExpectRowsAgree(const Buffer<float>& x, const Buffer<float>& ref, const Buffer<float>& visible, const std::string& what) {
   const int64_t n = ref.size(0);
-  const Tensor r = ref.reshape({n, -1});
-  const Tensor error = (x.to(torch::kDouble).reshape({n, -1}) - r).norm(2, {1}), norm = r.norm(2, {1});
+  const Buffer<float> r = ref.reshape({n, -1});
+  const Buffer<float> error = (x.to(torch::kDouble).reshape({n, -1}) - r).norm(2, {1}), norm = r.norm(2, {1});
   const double median = norm.index({visible}).median().item<double>();
-  const Tensor excess = error / (0.02 * (norm + 0.01 * median));
+  const Buffer<float> excess = error / (0.02 * (norm + 0.01 * median));
   EXPECT_LE(excess.max().item<double>(), 1.0) << what << ", Gaussian " << excess.argmax().item<int64_t>();
 }
 
@@ -30,8 +30,8 @@ TEST_P(CudaRasterizerGolden, ImagesAndGradientsMatch) {
   EXPECT_LE(MaxAbsError(out.image, golden("image")), 2e-5);
   EXPECT_LE(MaxAbsError(out.alpha, golden("alpha")), 2e-5);
   EXPECT_LE(MaxAbsError(out.inv_depth, golden("inv_depth")), 2e-5);
-  out.grads.ForEach([&](const char* name, const Tensor& grad) {
-    const Tensor ref = golden(std::string("grad_") + name);
+  out.grads.ForEach([&](const char* name, const Buffer<float>& grad) {
+    const Buffer<float> ref = golden(std::string("grad_") + name);
     EXPECT_LE(RelativeL2(grad, ref), 2e-4) << name;
     EXPECT_LE(MaxAbsError(grad, ref), 4e-4 * ref.abs().max().item<double>()) << name;
     ExpectRowsAgree(grad, ref, f.visible, name);
@@ -54,7 +54,7 @@ struct SceneCase {
 class CudaRasterizerScenes : public OnDevice<testing::TestWithParam<SceneCase>> {};
 
 /// Share of values that differ by more: decisions at a threshold may fall the other way.
-double DifferingShare(const Tensor& a, const Tensor& b, double tolerance) {
+double DifferingShare(const Buffer<float>& a, const Buffer<float>& b, double tolerance) {
   return ((a - b).abs() > tolerance).to(torch::kDouble).mean().item<double>();
 }
 
@@ -67,16 +67,16 @@ TEST_P(CudaRasterizerScenes, AgreesWithTheCpu) {
   if (c.change != nullptr) c.change(&task);
   cuda::CudaRasterizer rasterizer(TestDevice());
   const RenderedTask out = RunTask(&rasterizer, task, TestDevice());
-  const RenderedTask cpu = RunTask(MakeRasterizer(torch::kCPU).get(), task, torch::kCPU);
+  const RenderedTask cpu = RunTask(MakeRasterizer(kCpu).get(), task, kCpu);
   // One contributor at alpha = 1/255 weighs up to 0.4 % of a colour; anything larger is a mistake.
   EXPECT_LE(MaxAbsError(out.image, cpu.image), 0.02);
   EXPECT_LE(DifferingShare(out.image, cpu.image, 3e-5), 0.002);
   EXPECT_LE(DifferingShare(out.alpha, cpu.alpha, 3e-5), 0.002);
   EXPECT_LE(DifferingShare(out.inv_depth, cpu.inv_depth, 3e-5), 0.002);
   const int coefficients = ShCount(c.sh_degree);
-  out.grads.ForEach([&](const char* name, const Tensor& grad) {
-    Tensor ref;
-    cpu.grads.ForEach([&](const char* other, const Tensor& t) {
+  out.grads.ForEach([&](const char* name, const Buffer<float>& grad) {
+    Buffer<float> ref;
+    cpu.grads.ForEach([&](const char* other, const Buffer<float>& t) {
       if (std::string(other) == name) ref = t;
     });
     EXPECT_TRUE(torch::isfinite(grad).all().item<bool>()) << name;
@@ -99,7 +99,7 @@ void TurnHalfAway(RenderTask* task) {
   task->gaussians.means.narrow(0, 0, task->gaussians.size() / 2).select(1, 2).neg_();
 }
 void AtThresholds(RenderTask* task) {
-  float* logits = task->gaussians.opacity_logits.data_ptr<float>();
+  float* logits = task->gaussians.opacity_logits.data();
   const double at[] = {1.0 / 255, 0.9 / 255, 1.1 / 255, 0.98, 0.995, 0.9999, 1e-6};
   for (int64_t i = 0; i < task->gaussians.size(); ++i) {
     const double o = at[i % 7];
@@ -109,10 +109,10 @@ void AtThresholds(RenderTask* task) {
 void WithFactors(RenderTask* task) {
   torch::manual_seed(5);
   task->options.opacity_factors = torch::rand({task->gaussians.size()}) * 1.5;
-  task->options.opacity_factors.narrow(0, 0, 10).zero_();
+  task->options.opacity_factors.narrow(0, 0, 10).SetZero();
 }
-void OnlyColour(RenderTask* task) { task->upstream.alpha = task->upstream.inv_depth = Tensor(); }
-void OnlyDepth(RenderTask* task) { task->upstream.alpha = task->upstream.image = Tensor(); }
+void OnlyColour(RenderTask* task) { task->upstream.alpha = task->upstream.inv_depth = Buffer<float>(); }
+void OnlyDepth(RenderTask* task) { task->upstream.alpha = task->upstream.image = Buffer<float>(); }
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, CudaRasterizerScenes,
@@ -146,8 +146,8 @@ TEST_F(CudaRasterizerTest, BlocksAreOneBlockOfTheSameNumbers) {
     ++calls;
     EXPECT_EQ(begin, 0);
     EXPECT_EQ(end, 120);
-    const Tensor means = torch::from_blob(rows.means, {120, 3}, torch::dtype(torch::kFloat).device(TestDevice()));
-    EXPECT_TRUE(torch::equal(means.to(torch::kCPU), out.grads.means));
+    const Buffer<float> means = torch::from_blob(rows.means, {120, 3}, torch::dtype(torch::kFloat).device(TestDevice()));
+    EXPECT_TRUE(torch::equal(means.To(kCpu), out.grads.means));
   });
   EXPECT_EQ(calls, 1);
 }
@@ -161,14 +161,14 @@ TEST_F(CudaRasterizerTest, GradientsMatchCentralDifferences) {
   const auto loss = [&] {
     const ReferenceImage image = scene.Render();
     double sum = 0;
-    for (size_t i = 0; i < image.image.size(); ++i) sum += few.upstream.image.data_ptr<float>()[i] * image.image[i];
+    for (size_t i = 0; i < image.image.size(); ++i) sum += few.upstream.image.data()[i] * image.image[i];
     for (size_t i = 0; i < image.alpha.size(); ++i) {
-      sum += few.upstream.alpha.data_ptr<float>()[i] * image.alpha[i] +
-             few.upstream.inv_depth.data_ptr<float>()[i] * image.inv_depth[i];
+      sum += few.upstream.alpha.data()[i] * image.alpha[i] +
+             few.upstream.inv_depth.data()[i] * image.inv_depth[i];
     }
     return sum;
   };
-  const auto check = [&](const char* name, std::vector<double>& values, const Tensor& grad, size_t stride) {
+  const auto check = [&](const char* name, std::vector<double>& values, const Buffer<float>& grad, size_t stride) {
     const double scale = grad.abs().max().item<double>();
     for (size_t k = 0; k < values.size(); k += stride) {
       double best = 1e30;  // of three steps: a pixel that crosses a threshold on the way is a jump, not a slope
@@ -177,7 +177,7 @@ TEST_F(CudaRasterizerTest, GradientsMatchCentralDifferences) {
         values[k] = keep + step;
         const double above = loss();
         values[k] = keep - step;
-        best = std::min(best, std::abs((above - loss()) / (2 * step) - grad.data_ptr<float>()[k]));
+        best = std::min(best, std::abs((above - loss()) / (2 * step) - grad.data()[k]));
         values[k] = keep;
       }
       EXPECT_LE(best, 2e-3 * scale) << name << " " << k;
@@ -200,16 +200,16 @@ TEST_F(CudaRasterizerTest, RefusesWhatDoesNotFit) {
   EXPECT_THROW(rasterizer.Forward(g, camera, {}, RenderPass::kTrain), ShapeError);
   EXPECT_THROW(rasterizer.Forward(g, task.camera, {{}, 4, false}, RenderPass::kTrain), ShapeError);
   RenderOptions options;
-  options.opacity_factors = torch::ones({119});
+  options.opacity_factors = Buffer<float>::Full({119}, 1.f);
   EXPECT_THROW(rasterizer.Forward(g, task.camera, options, RenderPass::kTrain), ShapeError);
   rasterizer.Forward(g, task.camera, {}, RenderPass::kInference);
   EXPECT_THROW(rasterizer.Backward(g, {}, &grads), ShapeError);  // it was not to train
   rasterizer.Forward(g, task.camera, {}, RenderPass::kTrain);
-  EXPECT_THROW(rasterizer.Backward(g, OnTestDevice(RenderGrads{torch::ones({30, 41, 3}), {}, {}}), &grads), ShapeError);
+  EXPECT_THROW(rasterizer.Backward(g, OnTestDevice(RenderGrads{Buffer<float>::Full({30, 41, 3}, 1.f), {}, {}}), &grads), ShapeError);
   Gaussians few = OnTestDevice(Gaussians::Zeros(119));
   EXPECT_THROW(rasterizer.Backward(g, {}, &few), ShapeError);
   Gaussians elsewhere = g;
-  elsewhere.ForEach([](const char*, Tensor& t) { t = t.to(torch::kMeta); });
+  elsewhere.ForEach([](const char*, Buffer<float>& t) { t = t.to(torch::kMeta); });
   EXPECT_THROW(rasterizer.Forward(elsewhere, task.camera, {}, RenderPass::kTrain), ShapeError);
 }
 
@@ -221,7 +221,7 @@ TEST_F(CudaRasterizerTest, IsWhatADeviceGets) {
 #endif
 
 TEST_F(CudaRasterizerTest, ADeviceThatIsNotThereIsRefused) {
-  EXPECT_THROW(cuda::CudaRasterizer(torch::Device(torch::kCUDA, 99)), UsageError);
+  EXPECT_THROW(cuda::CudaRasterizer(Device(torch::kCUDA, 99)), UsageError);
 }
 
 }  // namespace

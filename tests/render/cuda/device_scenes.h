@@ -9,15 +9,15 @@
 namespace oraclegs {
 
 /// The emulated device's memory is the CPU's.
-inline torch::Device TestDevice() {
-  return kEmulatedCuda ? torch::Device(torch::kCPU) : torch::Device(torch::kCUDA, 0);
+inline Device TestDevice() {
+  return kEmulatedCuda ? Device(kCpu) : Device(torch::kCUDA, 0);
 }
 
-inline Tensor OnTestDevice(const Tensor& t) { return t.defined() ? t.to(TestDevice()).contiguous() : t; }
+inline Buffer<float> OnTestDevice(const Buffer<float>& t) { return t.defined() ? t.to(TestDevice()) : t; }
 
 inline Gaussians OnTestDevice(const Gaussians& g) {
   Gaussians out = g;
-  out.ForEach([](const char*, Tensor& t) { t = OnTestDevice(t); });
+  out.ForEach([](const char*, Buffer<float>& t) { t = OnTestDevice(t); });
   return out;
 }
 
@@ -35,27 +35,27 @@ struct RenderTask {
 
 /// Copies on the CPU.
 struct RenderedTask {
-  Tensor image, alpha, inv_depth;
+  Buffer<float> image, alpha, inv_depth;
   Gaussians grads;
   RenderStats stats;
 };
 
-inline RenderedTask RunTask(Rasterizer* rasterizer, const RenderTask& task, torch::Device device) {
+inline RenderedTask RunTask(Rasterizer* rasterizer, const RenderTask& task, Device device) {
   Gaussians g = task.gaussians;
-  g.ForEach([&](const char*, Tensor& t) { t = t.to(device).contiguous(); });
+  g.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
   RenderOptions options = task.options;
-  if (options.opacity_factors.defined()) options.opacity_factors = options.opacity_factors.to(device);
+  if (options.opacity_factors.defined()) options.opacity_factors = options.opacity_factors.To(device);
   const RenderOutput out = rasterizer->Forward(g, task.camera, options, RenderPass::kTrain);
-  RenderedTask result{out.image.to(torch::kCPU).clone(),
-                      out.alpha.to(torch::kCPU).clone(),
-                      out.inv_depth.to(torch::kCPU).clone(),
+  RenderedTask result{out.image.To(kCpu).Clone(),
+                      out.alpha.To(kCpu).Clone(),
+                      out.inv_depth.To(kCpu).Clone(),
                       Gaussians::Zeros(g.size()),
                       {}};
-  result.grads.ForEach([&](const char*, Tensor& t) { t = t.to(device); });
-  const auto move = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
+  result.grads.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
+  const auto move = [&](const Buffer<float>& t) { return t.defined() ? t.To(device) : t; };
   rasterizer->Backward(g, {move(task.upstream.image), move(task.upstream.alpha), move(task.upstream.inv_depth)},
                        &result.grads);
-  result.grads.ForEach([](const char*, Tensor& t) { t = t.to(torch::kCPU); });
+  result.grads.ForEach([](const char*, Buffer<float>& t) { t = t.To(kCpu); });
   result.stats = rasterizer->stats();
   return result;
 }

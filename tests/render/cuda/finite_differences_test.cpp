@@ -19,8 +19,8 @@ class FiniteDifferencesTest : public CudaTest {
   double Loss() {
     Gaussians g = OnTestDevice(task.gaussians);
     const RenderOutput out = rasterizer->Forward(g, task.camera, task.options, RenderPass::kInference);
-    const auto dot = [](const Tensor& a, const Tensor& b) {
-      return (a.to(torch::kDouble) * b.to(torch::kCPU).to(torch::kDouble)).sum().item<double>();
+    const auto dot = [](const Buffer<float>& a, const Buffer<float>& b) {
+      return (a.to(torch::kDouble) * b.To(kCpu).to(torch::kDouble)).sum().item<double>();
     };
     return dot(task.upstream.image, out.image) + dot(task.upstream.alpha, out.alpha) +
            dot(task.upstream.inv_depth, out.inv_depth);
@@ -49,11 +49,11 @@ class FiniteDifferencesTest : public CudaTest {
 TEST_F(FiniteDifferencesTest, ImagesChangeAsTheGradientsSay) {
   rasterizer.emplace(TestDevice());
   const RenderedTask out = RunTask(&*rasterizer, task, TestDevice());
-  const auto check = [&](const char* name, Tensor* values, const Tensor& grad, int64_t stride) {
+  const auto check = [&](const char* name, Buffer<float>* values, const Buffer<float>& grad, int64_t stride) {
     const double largest = grad.abs().max().item<double>();
     ASSERT_GT(largest, 0.01) << name;
-    for (int64_t k = 0; k < grad.numel(); k += stride) {
-      EXPECT_LE(Error(values->data_ptr<float>() + k, grad.data_ptr<float>()[k]), 1e-2 * largest) << name << " " << k;
+    for (int64_t k = 0; k < grad.count(); k += stride) {
+      EXPECT_LE(Error(values->data_ptr<float>() + k, grad.data()[k]), 1e-2 * largest) << name << " " << k;
     }
   };
   check("means", &task.gaussians.means, out.grads.means, 1);

@@ -30,10 +30,10 @@ TrainOptions AllAtOnce() {
 TrainingData AllData() {
   TrainingData data(Photographs(3), Photographs(2));
   for (TrainView& view : data.photographs) {
-    view.inv_depth = torch::full({kHeight, kWidth}, 0.4f);
-    view.depth_mask = torch::ones({kHeight, kWidth});
+    view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, 0.4f);
+    view.depth_mask = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   }
-  data.proposals[1].confidence = torch::full({kHeight, kWidth}, 0.5f);
+  data.proposals[1].confidence = Buffer<float>::Full({kHeight, kWidth}, 0.5f);
   return data;
 }
 

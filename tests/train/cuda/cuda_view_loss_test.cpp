@@ -60,7 +60,7 @@ class CudaViewLossTest : public CudaTest {
           loss(iteration, {OnTestDevice(out.image), OnTestDevice(out.alpha), OnTestDevice(out.inv_depth)}, &terms);
       EXPECT_NEAR(Total(terms), wanted.loss, 1e-6) << number;
       EXPECT_LE(RelativeL2(OnHost(grads.image), wanted.grads.image), 1e-5) << number;
-      for (Tensor RenderGrads::*plane : {&RenderGrads::inv_depth, &RenderGrads::alpha}) {
+      for (Buffer<float> RenderGrads::*plane : {&RenderGrads::inv_depth, &RenderGrads::alpha}) {
         ASSERT_EQ((grads.*plane).defined(), (wanted.grads.*plane).defined()) << number;
         if (!(grads.*plane).defined()) continue;
         EXPECT_LE(RelativeL2(OnHost(grads.*plane), wanted.grads.*plane), 1e-6) << number;
@@ -85,7 +85,7 @@ TEST_F(CudaViewLossTest, LearnsExposures) {
 
 TEST_F(CudaViewLossTest, ANetworkAddsToTheProposals) {
   TrainingData data = Data();
-  data.lpips = [](const Tensor& render, const Tensor& target, double weight, Tensor* grad) {
+  data.lpips = [](const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad) {
     grad->add_(weight * (render - target));
     return (render - target).square().sum().item<double>() / 2;
   };
@@ -97,7 +97,7 @@ TEST_F(CudaViewLossTest, ANetworkMeetsEachProposalAsOnePicture) {
   for (TrainView& view : data.proposals)
     view.image = (view.image.clamp(0, 1) * 255).to(torch::kByte).to(torch::kFloat) / 255;
   std::set<const void*> targets;
-  data.lpips = [&](const Tensor&, const Tensor& target, double, Tensor*) {
+  data.lpips = [&](const Buffer<float>&, const Buffer<float>& target, double, Buffer<float>*) {
     targets.insert(target.data_ptr());
     return 0.;
   };

@@ -15,7 +15,7 @@ constexpr int kViews = 300, kView = 2;  // more views than threads
 class CudaExposure : public CudaTest {
  protected:
   std::vector<ExposureMap> start;
-  Tensor image, upstream;
+  Buffer<float> image, upstream;
   DeviceArray<float> maps{"a test"}, m{"a test"}, v{"a test"};
   DeviceArray<int64_t> steps{"a test"};
   DeviceArray<double> sums{"a test"}, pull{"a test"};
@@ -25,8 +25,8 @@ class CudaExposure : public CudaTest {
     torch::manual_seed(4);
     for (int i = 0; i < kViews; ++i) {
       ExposureMap map = kIdentityExposure;
-      const Tensor offset = torch::randn({12}) * 0.2;
-      for (int k = 0; k < 12; ++k) map[k] += offset.data_ptr<float>()[k];
+      const Buffer<float> offset = torch::randn({12}) * 0.2;
+      for (int k = 0; k < 12; ++k) map[k] += offset.data()[k];
       start.push_back(map);
     }
     image = torch::rand({61, 43, 3});
@@ -39,7 +39,7 @@ class CudaExposure : public CudaTest {
     m.Upload(state.m[0].data(), 12 * views);
     v.Upload(state.v[0].data(), 12 * views);
     steps.Upload(state.steps.data(), views);
-    sums.Reserve(12 * ExposureBlocks(image.numel() / 3));
+    sums.Reserve(12 * ExposureBlocks(image.count() / 3));
     pull.Reserve(1);
     return {static_cast<int>(views), maps.data(), m.data(), v.data(), steps.data()};
   }
@@ -49,7 +49,7 @@ class CudaExposure : public CudaTest {
     in.rows = rows;
     in.view = kView;
     in.sums = sums.data();
-    in.blocks = ExposureBlocks(image.numel() / 3);
+    in.blocks = ExposureBlocks(image.count() / 3);
     in.learning_rate = 0.01;
     in.pull = pull.data();
     return in;
@@ -64,20 +64,20 @@ class CudaExposure : public CudaTest {
 TEST_F(CudaExposure, AppliesAndLearnsAsTheCpuDoes) {
   Exposures expected(start);
   const ExposureRows rows = Upload(expected.state());
-  const Tensor x = OnTestDevice(image), shown = torch::empty_like(x);
+  const Buffer<float> x = OnTestDevice(image), shown = Buffer<float>::Empty(x.shape());
   for (int i = 0; i < 3; ++i) {
-    Tensor expected_shown = torch::empty_like(image), expected_grad = upstream.clone();
+    Buffer<float> expected_shown = Buffer<float>::Empty(image.shape()), expected_grad = upstream.Clone();
     expected.Apply(kView, image, expected_shown);
     ExposureGradient gradient = expected.Backward(kView, image, expected_grad);
     const double expected_pull = expected.AddPull(kView, &gradient);
 
-    const Tensor grad = OnTestDevice(upstream);
+    const Buffer<float> grad = OnTestDevice(upstream);
     ExposurePixels pixels;
-    pixels.pixels = image.numel() / 3;
+    pixels.pixels = image.count() / 3;
     pixels.map = rows.maps + 12 * kView;
-    pixels.image = x.data_ptr<float>();
-    pixels.shown = shown.data_ptr<float>();
-    pixels.grad = grad.data_ptr<float>();
+    pixels.image = x.data();
+    pixels.shown = shown.data();
+    pixels.grad = grad.data();
     pixels.sums = sums.data();
     RunExposureApply(pixels, nullptr);
     RunExposureBackward(pixels, nullptr);

@@ -14,7 +14,7 @@ constexpr int64_t kCount = 500;
 class CudaFloaters : public CudaTest {
  protected:
   std::vector<TrainView> views;
-  std::vector<Tensor> kept;  // what the views on the device point to
+  std::vector<Buffer<float>> kept;  // what the views on the device point to
   Gaussians start = RandomGaussians(kCount, 3);
   DeviceArray<DepthView> depth_views{"a test"};
   DeviceArray<uint8_t> floats{"a test"};
@@ -26,10 +26,10 @@ class CudaFloaters : public CudaTest {
     torch::manual_seed(5);
     views = Photographs(4);
     for (TrainView& view : views) {
-      view.inv_depth = torch::full({kHeight, kWidth}, 1 / 3.f);
+      view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, 1 / 3.f);
       view.depth_mask = (torch::rand({kHeight, kWidth}) > 0.2).to(torch::kFloat);
     }
-    views[3].inv_depth.narrow(1, 0, 5).zero_();
+    views[3].inv_depth.narrow(1, 0, 5).SetZero();
     views.push_back(Photographs(1)[0]);  // without depth
   }
 
@@ -43,7 +43,7 @@ class CudaFloaters : public CudaTest {
       out.fx = view.camera.fx, out.fy = view.camera.fy, out.cx = view.camera.cx, out.cy = view.camera.cy;
       out.width = view.camera.width, out.height = view.camera.height;
       kept.push_back(OnTestDevice(view.inv_depth));
-      out.inv_depth = kept.back().data_ptr<float>();
+      out.inv_depth = kept.back().data();
       kept.push_back(OnTestDevice(view.depth_mask));
       out.depth_mask = {kept.back().data_ptr(), false};
       all.push_back(out);
@@ -66,7 +66,7 @@ TEST_F(CudaFloaters, AreTheCpus) {
 }
 
 TEST_F(CudaFloaters, NothingHappensWhenAllWouldDie) {
-  start.means.zero_();
+  start.means.SetZero();
   start.means.narrow(1, 2, 1).fill_(-1);  // before the walls of all
   Gaussians expected = Copy(start);
   ASSERT_EQ(PruneFloaters({views[0]}, &expected), 0);

@@ -13,10 +13,10 @@ class CudaOpacityFactors : public CudaTest {};
 TEST_F(CudaOpacityFactors, AreTheCpus) {
   constexpr int64_t kCount = 777;
   for (const auto& [drop, noise] : {std::pair{0.2, 0.0}, std::pair{0.0, 0.8}, std::pair{0.5, 3.0}}) {
-    const Tensor expected = torch::empty({kCount});
+    const Buffer<float> expected = torch::empty({kCount});
     DrawOpacityFactors({5, 123, drop, noise}, expected);
-    const Tensor factors = OnTestDevice(torch::full({kCount}, -1.f));
-    RunOpacityFactors({5, 123, drop, noise, kCount, factors.data_ptr<float>()}, nullptr);
+    const Buffer<float> factors = OnTestDevice(Buffer<float>::Full({kCount}, -1.f));
+    RunOpacityFactors({5, 123, drop, noise, kCount, factors.data()}, nullptr);
     EXPECT_LE(MaxAbsError(OnHost(factors), expected), 1e-5);  // floats of up to 36
     EXPECT_TRUE(torch::equal(OnHost(factors) == 0, expected == 0));
   }

@@ -21,7 +21,7 @@ class CudaStep : public CudaTest {
   void SetUp() override {
     CudaTest::SetUp();
     start.opacity_logits -= 4;  // so that the noise moves something
-    grads.sh.narrow(0, 5, 40).zero_();
+    grads.sh.narrow(0, 5, 40).SetZero();
   }
 
   /// Steps on the CPU, and the value of the regularisers in the last one.
@@ -93,8 +93,8 @@ TEST_F(CudaStep, MomentsDoNotStayAmongTheSubnormalNumbers) {
   Gaussians gaussians = OnTestDevice(start);
   grads = Gaussians::Zeros(kCount);
   Adam adam(kCount);
-  adam.m.ForEach([](const char*, Tensor& t) { t.fill_(1.2e-38f); });
-  adam.v.ForEach([](const char*, Tensor& t) { t.fill_(1.2e-38f); });
+  adam.m.ForEach([](const char*, Buffer<float>& t) { t.fill_(1.2e-38f); });
+  adam.v.ForEach([](const char*, Buffer<float>& t) { t.fill_(1.2e-38f); });
   adam.m = OnTestDevice(adam.m);
   adam.v = OnTestDevice(adam.v);
   OnGpu(1, 3, &gaussians, &adam);
@@ -107,7 +107,7 @@ TEST_F(CudaStep, NoiseIsTheCpus) {
   AddNoise({0x123456789abcdef0, 77, 1e-5}, &expected);
   const Gaussians gaussians = OnTestDevice(start);
   RunNoise({kCount, gaussians.Rows(), {0x123456789abcdef0, 77, static_cast<float>(kNoiseRate * 1e-5)}}, nullptr);
-  const Tensor moved = OnHost(gaussians.means) - start.means, wanted = expected.means - start.means;
+  const Buffer<float> moved = OnHost(gaussians.means) - start.means, wanted = expected.means - start.means;
   EXPECT_GT(wanted.abs().max().item<float>(), 0.01f);
   EXPECT_LE(MaxAbsError(moved, wanted), 2e-5 * wanted.abs().max().item<double>());
   EXPECT_TRUE(torch::equal(OnHost(gaussians.quats), start.quats));

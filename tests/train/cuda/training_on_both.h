@@ -9,24 +9,24 @@ namespace oraclegs {
 /// On a device of its own memory it copies to and fro.
 class CopyingRasterizer final : public Rasterizer {
  public:
-  explicit CopyingRasterizer(torch::Device device) : device_(device) {}
+  explicit CopyingRasterizer(Device device) : device_(device) {}
 
   RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                        RenderPass pass) override {
     RenderOptions on_host = options;
-    if (options.opacity_factors.defined()) on_host.opacity_factors = options.opacity_factors.to(torch::kCPU);
+    if (options.opacity_factors.defined()) on_host.opacity_factors = options.opacity_factors.To(kCpu);
     const RenderOutput out = inner_->Forward(OnHost(gaussians), camera, on_host, pass);
-    return {out.image.to(device_), out.alpha.to(device_), out.inv_depth.to(device_)};
+    return {out.image.To(device_), out.alpha.To(device_), out.inv_depth.To(device_)};
   }
   void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
     Gaussians host = Gaussians::Zeros(gaussians.size());
     RenderGrads up = upstream;
-    for (Tensor* t : {&up.image, &up.alpha, &up.inv_depth}) {
-      if (t->defined()) *t = t->to(torch::kCPU).contiguous();
+    for (Buffer<float>* t : {&up.image, &up.alpha, &up.inv_depth}) {
+      if (t->defined()) *t = t->to(kCpu);
     }
     inner_->Backward(OnHost(gaussians), up, &host);
     *grads = host;
-    grads->ForEach([&](const char*, Tensor& t) { t = t.to(device_); });
+    grads->ForEach([&](const char*, Buffer<float>& t) { t = t.To(device_); });
   }
   void BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) override {
     Gaussians grads;
@@ -39,15 +39,15 @@ class CopyingRasterizer final : public Rasterizer {
  private:
   static Gaussians OnHost(const Gaussians& gaussians) {
     Gaussians host = gaussians;
-    host.ForEach([](const char*, Tensor& t) { t = t.to(torch::kCPU).contiguous(); });
+    host.ForEach([](const char*, Buffer<float>& t) { t = t.To(kCpu); });
     return host;
   }
 
-  torch::Device device_;
-  std::unique_ptr<Rasterizer> inner_ = MakeRasterizer(torch::kCPU);
+  Device device_;
+  std::unique_ptr<Rasterizer> inner_ = MakeRasterizer(kCpu);
 };
 
-inline TrainDeviceMaker OnGpu(torch::Device device) {
+inline TrainDeviceMaker OnGpu(Device device) {
   return [device](const TrainDeviceSetup& setup) {
     return cuda::MakeCudaTrainDevice(device, setup, std::make_unique<CopyingRasterizer>(device));
   };

@@ -69,6 +69,14 @@ void* AllocatePinned(int64_t bytes, const char* purpose) {
 
 void SetOutOfMemoryCallback(void (*relief)()) { memory_relief = relief; }
 
+void Copy(void* to, const void* from, int64_t bytes) {
+  Check(cudaMemcpy(to, from, static_cast<size_t>(bytes), cudaMemcpyDefault), "copying between the host and the GPU");
+}
+
+void FillWithZeros(void* memory, int64_t bytes) {
+  Check(cudaMemsetAsync(memory, 0, static_cast<size_t>(bytes), nullptr), "clearing memory of the GPU");
+}
+
 void FreeDevice(void* memory) noexcept {
   if (memory != nullptr && cudaFree(memory) != cudaSuccess) cudaGetLastError();  // at exit the driver may be gone
 }

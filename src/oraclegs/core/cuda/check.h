@@ -23,6 +23,10 @@ void* AllocatePinned(int64_t bytes, const char* purpose);
 /// Who keeps device memory that it does not use (libtorch does) gives it back when `relief` is called: before memory
 /// ends, and before it is counted. Null = nobody; no call from several threads at once.
 void SetOutOfMemoryCallback(void (*relief)());
+/// From or to memory of any kind; waits until it is done.
+void Copy(void* to, const void* from, int64_t bytes);
+/// In order with the default stream.
+void FillWithZeros(void* memory, int64_t bytes);
 void FreeDevice(void* memory) noexcept;
 void FreePinned(void* memory) noexcept;
 

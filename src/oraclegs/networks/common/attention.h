@@ -2,7 +2,7 @@
 // Softmax attention that never holds all scores: queries go through in chunks. With libtorch 2 on a GPU the library's
 // fused kernel takes its place.
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The sinusoidal embedding that VGGT's dense heads add to their maps (spec/vggt.md 10).
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "oraclegs/core/safetensors.h"
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

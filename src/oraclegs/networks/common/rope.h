@@ -1,7 +1,7 @@
 #pragma once
 // Rotary position embedding over two axes (spec/vggt.md 5).
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

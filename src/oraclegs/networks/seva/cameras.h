@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

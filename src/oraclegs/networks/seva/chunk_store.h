@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/seva/schedule.h"
 
 namespace oraclegs {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

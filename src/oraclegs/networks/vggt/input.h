@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/image/image.h"
 
 namespace oraclegs {

@@ -1,6 +1,5 @@
 #include "oraclegs/pipeline/settings/device.h"
 
-#include <torch/cuda.h>
 
 #include <charconv>
 #include <string_view>
@@ -53,10 +52,10 @@ DeviceSupport ProbeDevices() {
   return support;
 }
 
-torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support) {
-  if (text == "cpu") return torch::kCPU;
+Device ChooseDevice(const std::string& text, const DeviceSupport& support) {
+  if (text == "cpu") return kCpu;
   const std::string why = WhyNoGpu(support);
-  if (text == "auto") return why.empty() ? torch::Device(torch::kCUDA, 0) : torch::Device(torch::kCPU);
+  if (text == "auto") return why.empty() ? Device(torch::kCUDA, 0) : Device(kCpu);
   const int index = CudaIndex(text);
   if (index < 0) throw UsageError("--device is '{}', must be auto, cpu, cuda or cuda:N", text);
   if (!why.empty()) throw UsageError("--device {}: {}, or use --device cpu", text, why);
@@ -67,7 +66,7 @@ torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support
   return {torch::kCUDA, static_cast<int8_t>(index)};
 }
 
-int64_t FreeBytes(torch::Device device) {
+int64_t FreeBytes(Device device) {
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) {
     cuda::UseDevice(device.index());
@@ -77,7 +76,7 @@ int64_t FreeBytes(torch::Device device) {
   return device.is_cpu() ? static_cast<int64_t>(AvailableMemory()) : 0;
 }
 
-void TellDevice(torch::Device device, const DeviceSupport& support, const Listener& listener) {
+void TellDevice(Device device, const DeviceSupport& support, const Listener& listener) {
   if (device.is_cuda()) {
     listener(Note{fmt::format("computing on the GPU {}", device.str())});
   } else if (support.built && !WhyNoGpu(support).empty()) {

@@ -1,7 +1,6 @@
 #pragma once
 // What --device asks for, and what there is.
 
-#include <torch/types.h>
 
 #include <string>
 
@@ -20,13 +19,13 @@ DeviceSupport ProbeDevices();
 
 /// The device that `text` names: auto (cuda:0 where it can be used, else the CPU), cpu, cuda, cuda:N. Throws UsageError
 /// for any other text, and when a GPU is asked for that cannot be used: the CPU never stands in silently.
-torch::Device ChooseDevice(const std::string& text, const DeviceSupport& support);
+Device ChooseDevice(const std::string& text, const DeviceSupport& support);
 
 /// Bytes that are free on the device; 0 = nobody knows.
-int64_t FreeBytes(torch::Device device);
+int64_t FreeBytes(Device device);
 
 /// Says on which GPU is computed, or why a program that was built with CUDA cannot use one. Nothing of the CPU where
 /// that was built for, or chosen although there is a GPU.
-void TellDevice(torch::Device device, const DeviceSupport& support, const Listener& listener);
+void TellDevice(Device device, const DeviceSupport& support, const Listener& listener);
 
 }  // namespace oraclegs

@@ -22,10 +22,10 @@ struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
   std::string poses = "colmap";
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("images", images, "Folder of the photographs, where it is not the scene's usual one");
-    visit("poses", poses,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("images", self.images, "Folder of the photographs, where it is not the scene's usual one");
+    visit("poses", self.poses,
           "Who finds the cameras of photographs without poses: colmap = structure from motion; vggt = the network, in "
           "one pass, also from photographs that share too little for colmap",
           Choice{{"colmap", "vggt"}});
@@ -40,35 +40,35 @@ struct StartOptions {
   std::string init_planes = "yes";
   uint64_t seed = 0;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("init", init,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("init", self.init,
           "Where the Gaussians start: dense = what stereo found, sfm = points triangulated from the training views, "
           "random = in the volume they look at, hybrid = all three, auto = dense, or sfm joined by random points "
           "where stereo finds little, or random alone below 100",
           Choice{{"auto", "dense", "sfm", "random", "hybrid"}});
-    visit("init-scale", init_scale,
+    visit("init-scale", self.init_scale,
           "Start scale as a factor of the distance to the neighbours; 0 = 1 for a dense start, "
           "0.1 for others",
           Range{0, 10});
-    visit("init-opacity", init_opacity, "Start opacity", Range{0.006, 0.99});
-    visit("init-flatness", init_flatness,
+    visit("init-opacity", self.init_opacity, "Start opacity", Range{0.006, 0.99});
+    visit("init-flatness", self.init_flatness,
           "Start thickness along the surface's normal, as a share of the other two scales; "
           "1 = round",
           Range{0.01, 1});
-    visit("init-planes", init_planes,
+    visit("init-planes", self.init_planes,
           "A dense start also where stereo finds nothing, as far as the planes beside go on there (lawns, plain walls)",
           Choice{{"yes", "no"}});
-    visit("seed", seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
+    visit("seed", self.seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
   }
 };
 
 struct DepthOptions {
   std::string depth_prior = "auto";
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("depth-prior", depth_prior,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("depth-prior", self.depth_prior,
           "Where the photographs' depth comes from: stereo; depth-anything = a network's guess from each photograph "
           "alone, aligned to the sparse points; fused = stereo where it is sure, elsewhere the network's, bent to "
           "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
@@ -81,10 +81,10 @@ struct DepthOptions {
 struct DeviceOptions {
   std::string device = "auto";  ///< see ChooseDevice
 
-  template <class V>
-  void Visit(V&& visit) {
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
     visit(
-        "device", device,
+        "device", self.device,
         "What trains and renders: auto = an NVIDIA GPU when this program and the machine have one, else the CPU; cpu; "
         "cuda = that GPU or an error; cuda:N = the GPU of this number, from 0");
   }
@@ -94,9 +94,9 @@ struct DeviceOptions {
 struct MachineOptions {
   int threads = 0;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("threads", threads, "Threads to compute with, 0 = all cores", Range{0, 4096});
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("threads", self.threads, "Threads to compute with, 0 = all cores", Range{0, 4096});
   }
 };
 
@@ -104,9 +104,9 @@ struct MachineOptions {
 struct CheckpointSchedule {
   int checkpoint_every = 1000;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("checkpoint-every", checkpoint_every,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("checkpoint-every", self.checkpoint_every,
           "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted",
           Range{0, 1e7});
   }
@@ -121,21 +121,21 @@ struct WeightOptions {
   std::filesystem::path lpips_weights;
   std::filesystem::path vggt_weights;
 
-  template <class V>
-  void Visit(V&& visit) {
-    visit("allow-fallback", allow_fallback,
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("allow-fallback", self.allow_fallback,
           "Where weights of a network are missing that other options ask for, take what needs none, and say so");
-    visit("lpips", lpips,
+    visit("lpips", self.lpips,
           "LPIPS in the proposals' loss and among the scores: auto = where its weights are; required = an error where "
           "they are not",
           Choice{{"auto", "required"}});
-    visit("depth-weights", depth_weights,
+    visit("depth-weights", self.depth_weights,
           "File of Depth Anything V2's weights, S, B or L (safetensors), where it is not the one that `oraclegs models "
           "fetch depth-anything-v2-small` brings");
-    visit("lpips-weights", lpips_weights,
+    visit("lpips-weights", self.lpips_weights,
           "File of LPIPS's weights, with VGG16 or AlexNet (safetensors), where it is not the one that `oraclegs models "
           "fetch lpips-vgg` brings");
-    visit("vggt-weights", vggt_weights,
+    visit("vggt-weights", self.vggt_weights,
           "File of VGGT's weights (safetensors), where it is not the one that `oraclegs models fetch vggt` brings");
   }
 };

@@ -22,7 +22,7 @@ constexpr double kMonocularVersion = 1;  // likewise, of maps in which a network
 constexpr double kNextToNothing = 0.02;  // share of confident pixels
 
 /// What finds planes there; throws UsageError as ChooseDevice.
-std::unique_ptr<PlaneSearch> SearchOn(torch::Device device) {
+std::unique_ptr<PlaneSearch> SearchOn(Device device) {
   return device.is_cuda() ? MakeGpuPlaneSearch(device.index()) : MakeCpuPlaneSearch();
 }
 
@@ -78,7 +78,7 @@ void Fuse(const std::vector<LoadedView>& photos, Geometry* geometry) {
 
 /// The maps as they will be written, and how often the network was right.
 MonocularMaps FindDepth(const Run& run, const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
-                        const DepthSource& source, torch::Device device) {
+                        const DepthSource& source, Device device) {
   const std::vector<ScenePoint> seen = SeenByPhotos(run, points);
   std::vector<RelativeDepth> guesses;  // first: a damaged file is told at once
   if (HasNetwork(source)) guesses = GuessDepth(source.weights, photos, run.listener, device);
@@ -147,7 +147,7 @@ Geometry RunDepth(Run* run, const std::vector<LoadedView>& photos, const std::ve
   TellMissingNetwork(*run, source);
   double right = cached ? run->workspace.Record("depth").value("right", 0.0) : 0;
   if (!cached) {
-    const torch::Device device = ChooseDevice(run->options.device.device, ProbeDevices());
+    const Device device = ChooseDevice(run->options.device.device, ProbeDevices());
     std::error_code ignored;
     std::filesystem::remove(run->workspace.dense_ply(),
                             ignored);  // first: without it what stands there is not believed

@@ -51,9 +51,9 @@ void RemoveOldRenders(const fs::path& dir) {
 }  // namespace
 
 Model LoadModel(const fs::path& ply, const RunOptions& options) {
-  const torch::Device device = ChooseDevice(options.device.device, ProbeDevices());
+  const Device device = ChooseDevice(options.device.device, ProbeDevices());
   GaussianPly file = ReadGaussianPly(ply);
-  file.gaussians.ForEach([&](const char*, Tensor& t) { t = t.to(device); });
+  file.gaussians.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
   return {std::move(file.gaussians),
           {BackgroundColor(options.photo.background), file.sh_degree, options.train.antialiased},
           PartsInComments(file.comments)};

@@ -5,7 +5,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/evaluate/evaluate.h"
-#include "oraclegs/networks/recognize.h"
+#include "oraclegs/networks/common/recognize.h"
 
 namespace oraclegs {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "oraclegs/networks/recognize.h"
+#include "oraclegs/networks/common/recognize.h"
 #include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/settings/weights.h"
 

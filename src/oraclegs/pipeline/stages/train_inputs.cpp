@@ -11,8 +11,8 @@ constexpr double kOpacityNoise = 0.5, kObjectOpacityNoise = 0.3, kLastRates = 0.
 // what dropout blurs. Photographs that overlap much lose by it.
 constexpr double kObjectDropout = 0.2;
 
-Tensor Picture(const std::vector<float>& values, const Camera& camera) {
-  return torch::from_blob(const_cast<float*>(values.data()), {camera.height, camera.width}, torch::kFloat).clone();
+Buffer<float> Picture(const std::vector<float>& values, const Camera& camera) {
+  return torch::from_blob(const_cast<float*>(values.data()), {camera.height, camera.width}, torch::kFloat).Clone();
 }
 
 /// The depth map as a target; what stereo is not confident of counts nothing, what a network guessed in its place as
@@ -26,8 +26,8 @@ void AddDepth(const DepthMap& map, TrainView* view) {
 /// Beside an object's silhouette there is nothing, at any distance.
 void AddEmptiness(const Silhouettes& silhouettes, size_t v, TrainView* view) {
   const int64_t height = view->camera.height, width = view->camera.width;
-  float* inv_depth = view->inv_depth.data_ptr<float>();
-  float* mask = view->depth_mask.data_ptr<float>();
+  float* inv_depth = view->inv_depth.data();
+  float* mask = view->depth_mask.data();
   for (int64_t i = 0; i < height * width; ++i) {
     if (silhouettes.MayContain(v, static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f)) continue;
     inv_depth[i] = 0;
@@ -76,11 +76,11 @@ std::vector<TrainView> TrainViews(const std::vector<LoadedView>& photos, const G
   return views;
 }
 
-nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Tensor& exposures) {
+nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Buffer<float>& exposures) {
   nlohmann::json json = nlohmann::json::object();
-  const Tensor rows = exposures.reshape({-1, 12}).to(torch::kCPU).contiguous();
+  const Buffer<float> rows = exposures.reshape({-1, 12}).To(kCpu);
   for (size_t v = 0; v < names.size(); ++v) {
-    const float* row = rows.data_ptr<float>() + 12 * v;
+    const float* row = rows.data() + 12 * v;
     json[names[v]] = std::vector<float>(row, row + 12);
   }
   return json;

@@ -20,6 +20,6 @@ TrainOptions DecideOptions(TrainOptions options, const std::vector<LoadedView>& 
 std::vector<TrainView> TrainViews(const std::vector<LoadedView>& photos, const Geometry& geometry);
 
 /// {"NAME": [12 numbers, the 3x4 colour map row by row]} of trained exposures.
-nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Tensor& exposures);
+nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Buffer<float>& exposures);
 
 }  // namespace oraclegs

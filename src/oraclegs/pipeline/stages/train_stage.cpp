@@ -90,7 +90,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   return std::nullopt;
 }
 
-Gaussians StartGaussians(Run* run, const Preparation& prepared, torch::Device device) {
+Gaussians StartGaussians(Run* run, const Preparation& prepared, Device device) {
   const StartPoints start = ChooseStart(run, prepared.photos, prepared.sfm, prepared.geometry);
   const StartOptions& options = run->options.start;
   const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
@@ -121,7 +121,7 @@ void RunTrain(Run* run) {
     run->listener(Note{"train: nothing has changed, point_cloud.ply is kept"});
     return;
   }
-  const torch::Device device = ChooseDevice(run->options.device.device, ProbeDevices());
+  const Device device = ChooseDevice(run->options.device.device, ProbeDevices());
   const std::string key = TrainKey(*run);
   std::error_code ignored;
   std::filesystem::remove(run->workspace.metrics(), ignored);  // would be mistaken for the results of these inputs

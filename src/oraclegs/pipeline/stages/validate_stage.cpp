@@ -50,16 +50,16 @@ std::vector<std::string> Write(const Workspace& workspace, const Validated& vali
   return files;
 }
 
-Tensor ReadPicture(const std::filesystem::path& path, const Camera& camera, int channels) {
+Buffer<float> ReadPicture(const std::filesystem::path& path, const Camera& camera, int channels) {
   Image8 image = ReadImage(path);
   if (image.width != camera.width || image.height != camera.height || image.channels != 3) {
     throw InputError("{}: is {} x {} with {} channels, not {} x {}; delete it and run again", path.string(),
                      image.width, image.height, image.channels, camera.width, camera.height);
   }
   const ImageF values = ToFloat(image);
-  const Tensor rgb =
+  const Buffer<float> rgb =
       torch::from_blob(const_cast<float*>(values.data.data()), {camera.height, camera.width, 3}, torch::kFloat);
-  return channels == 3 ? rgb.clone() : rgb.select(2, 0).contiguous().clone();
+  return channels == 3 ? rgb.Clone() : rgb.select(2, 0).Clone();
 }
 
 /// What an earlier validation left, first of all that it was finished.

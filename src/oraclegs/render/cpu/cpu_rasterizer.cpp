@@ -32,12 +32,12 @@ class StageClock {
 
 ProjectInput MakeInput(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options) {
   ProjectInput in{};
-  in.means = gaussians.means.data_ptr<float>();
-  in.log_scales = gaussians.log_scales.data_ptr<float>();
-  in.quats = gaussians.quats.data_ptr<float>();
-  in.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
-  in.sh = gaussians.sh.data_ptr<float>();
-  if (options.opacity_factors.defined()) in.opacity_factors = options.opacity_factors.data_ptr<float>();
+  in.means = gaussians.means.data();
+  in.log_scales = gaussians.log_scales.data();
+  in.quats = gaussians.quats.data();
+  in.opacity_logits = gaussians.opacity_logits.data();
+  in.sh = gaussians.sh.data();
+  if (options.opacity_factors.defined()) in.opacity_factors = options.opacity_factors.data();
   const Eigen::Matrix3d r = camera.cam_from_world.linear();
   const Eigen::Vector3d t = camera.cam_from_world.translation(), eye = camera.Center();
   for (int i = 0; i < 3; ++i) {
@@ -61,10 +61,10 @@ ProjectInput MakeInput(const Gaussians& gaussians, const Camera& camera, const R
   return in;
 }
 
-const float* DataOrNull(const char* name, const Tensor& t, std::initializer_list<int64_t> shape) {
+const float* DataOrNull(const char* name, const Buffer<float>& t, std::initializer_list<int64_t> shape) {
   if (!t.defined()) return nullptr;
-  RequireFloat("Rasterizer::Backward", name, t, shape);
-  return t.data_ptr<float>();
+  RequireShape("Rasterizer::Backward", name, t, shape);
+  return t.data();
 }
 
 /// The gradients of one block, on the stack of the thread that works on it.
@@ -92,7 +92,7 @@ class CpuRasterizer final : public Rasterizer {
     }
     const int64_t n = gaussians.size();
     if (options.opacity_factors.defined()) {
-      RequireFloat("Rasterizer::Forward", "opacity_factors", options.opacity_factors, {n});
+      RequireShape("Rasterizer::Forward", "opacity_factors", options.opacity_factors, {n});
     }
     trained_size_ = -1;  // until all is in place
     StageClock clock;
@@ -119,9 +119,9 @@ class CpuRasterizer final : public Rasterizer {
     blend_ = {camera.width,
               camera.height,
               {options.background[0], options.background[1], options.background[2]},
-              output_.image.data_ptr<float>(),
-              output_.alpha.data_ptr<float>(),
-              output_.inv_depth.data_ptr<float>(),
+              output_.image.data(),
+              output_.alpha.data(),
+              output_.inv_depth.data(),
               train ? transmittance_.data() : nullptr,
               train ? end_.data() : nullptr};
     stats_.pixel_pairs = SumOverTiles([&](int64_t tile) { return BlendTile(Work(tile), blend_); });
@@ -202,11 +202,11 @@ class CpuRasterizer final : public Rasterizer {
     timings_.blend_backward = clock.Lap();
 
     // The parameters may have moved to other memory since Forward, but not changed.
-    input_.means = gaussians.means.data_ptr<float>();
-    input_.log_scales = gaussians.log_scales.data_ptr<float>();
-    input_.quats = gaussians.quats.data_ptr<float>();
-    input_.opacity_logits = gaussians.opacity_logits.data_ptr<float>();
-    input_.sh = gaussians.sh.data_ptr<float>();
+    input_.means = gaussians.means.data();
+    input_.log_scales = gaussians.log_scales.data();
+    input_.quats = gaussians.quats.data();
+    input_.opacity_logits = gaussians.opacity_logits.data();
+    input_.sh = gaussians.sh.data();
     return {lists_.ranges.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
   }
 

@@ -37,37 +37,37 @@ Parameters MakeParameters(const Gaussians& g) {
   return {rows.means, rows.log_scales, rows.quats, rows.opacity_logits, rows.sh, nullptr, g.size()};
 }
 
-void Use(torch::Device device) { UseDevice(device.has_index() ? device.index() : 0); }
+void Use(Device device) { UseDevice(device.has_index() ? device.index() : 0); }
 
 /// The device's default stream; the device is the one that memory is taken from afterwards.
-cudaStream_t StreamOf(torch::Device device) {
+cudaStream_t StreamOf(Device device) {
   Use(device);
   return nullptr;
 }
 
 }  // namespace
 
-CudaRasterizer::CudaRasterizer(torch::Device device)
+CudaRasterizer::CudaRasterizer(Device device)
     : device_(device), core_(StreamOf(device)), image_(device), alpha_(device), inv_depth_(device) {}
 
-void CudaRasterizer::RequireHere(const char* who, const char* name, const Tensor& t) const {
+void CudaRasterizer::RequireHere(const char* who, const char* name, const Buffer<float>& t) const {
   if (t.device().type() == device_.type() && (!device_.has_index() || t.device().index() == device_.index())) return;
   throw ShapeError("{}: {} is on {}, expected on {}", who, name, t.device().str(), device_.str());
 }
 
-const float* CudaRasterizer::PlaneOrNull(const char* name, const Tensor& t,
+const float* CudaRasterizer::PlaneOrNull(const char* name, const Buffer<float>& t,
                                          std::initializer_list<int64_t> shape) const {
   if (!t.defined()) return nullptr;
-  RequireFloat("Rasterizer::Backward", name, t, shape);
+  RequireShape("Rasterizer::Backward", name, t, shape);
   RequireHere("Rasterizer::Backward", name, t);
-  return t.data_ptr<float>();
+  return t.data();
 }
 
 RenderOutput CudaRasterizer::Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                                      RenderPass pass) {
   constexpr const char* kWho = "Rasterizer::Forward";
   gaussians.Check(kWho);
-  gaussians.ForEach([&](const char* name, const Tensor& t) { RequireHere(kWho, name, t); });
+  gaussians.ForEach([&](const char* name, const Buffer<float>& t) { RequireHere(kWho, name, t); });
   if (camera.width < 1 || camera.height < 1 || camera.width > 32768 || camera.height > 32768) {
     throw ShapeError("{}: image is {} x {}, each side must be in 1 .. 32768", kWho, camera.width, camera.height);
   }
@@ -76,9 +76,9 @@ RenderOutput CudaRasterizer::Forward(const Gaussians& gaussians, const Camera& c
   }
   Parameters parameters = MakeParameters(gaussians);
   if (options.opacity_factors.defined()) {
-    RequireFloat(kWho, "opacity_factors", options.opacity_factors, {gaussians.size()});
+    RequireShape(kWho, "opacity_factors", options.opacity_factors, {gaussians.size()});
     RequireHere(kWho, "opacity_factors", options.opacity_factors);
-    parameters.opacity_factors = options.opacity_factors.data_ptr<float>();
+    parameters.opacity_factors = options.opacity_factors.data();
   }
   Use(device_);
   trained_size_ = -1;  // until all is in place
@@ -88,7 +88,7 @@ RenderOutput CudaRasterizer::Forward(const Gaussians& gaussians, const Camera& c
                         inv_depth_.Get({height_, width_})};
   });
   core_.Forward(MakeView(camera, options), parameters,
-                {out.image.data_ptr<float>(), out.alpha.data_ptr<float>(), out.inv_depth.data_ptr<float>()},
+                {out.image.data(), out.alpha.data(), out.inv_depth.data()},
                 pass == RenderPass::kTrain);
   if (pass == RenderPass::kTrain) trained_size_ = gaussians.size();
   return out;
@@ -111,7 +111,7 @@ void CudaRasterizer::Backward(const Gaussians& gaussians, const RenderGrads& ups
   if (grads->size() != gaussians.size()) {
     throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
   }
-  grads->ForEach([&](const char* name, const Tensor& t) { RequireHere("Rasterizer::Backward, grads", name, t); });
+  grads->ForEach([&](const char* name, const Buffer<float>& t) { RequireHere("Rasterizer::Backward, grads", name, t); });
   WriteGaussianGrads(BlendBackward(gaussians, upstream), grads->Rows(), stream());
   EndBackward();
 }

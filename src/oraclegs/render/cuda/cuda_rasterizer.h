@@ -18,7 +18,7 @@ namespace oraclegs::cuda {
 class CudaRasterizer final : public Rasterizer {
  public:
   /// Throws UsageError when there is no such device.
-  explicit CudaRasterizer(torch::Device device);
+  explicit CudaRasterizer(Device device);
 
   RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                        RenderPass pass) override;
@@ -41,10 +41,10 @@ class CudaRasterizer final : public Rasterizer {
   RenderStats stats() const override;
 
  private:
-  void RequireHere(const char* who, const char* name, const Tensor& t) const;
-  const float* PlaneOrNull(const char* name, const Tensor& t, std::initializer_list<int64_t> shape) const;
+  void RequireHere(const char* who, const char* name, const Buffer<float>& t) const;
+  const float* PlaneOrNull(const char* name, const Buffer<float>& t, std::initializer_list<int64_t> shape) const;
 
-  torch::Device device_;
+  Device device_;
   RasterCore core_;
   ImageBuffer image_, alpha_, inv_depth_;
   Gaussians block_;  // of BackwardBlocks

@@ -5,7 +5,7 @@
 
 #include "oraclegs/core/cuda/check.h"
 #include "oraclegs/core/out_of_memory.h"
-#include "oraclegs/core/tensor.h"
+#include "oraclegs/core/buffer.h"
 
 namespace oraclegs::cuda {
 

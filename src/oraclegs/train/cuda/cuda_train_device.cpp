@@ -32,7 +32,7 @@ constexpr int64_t kRasterizerBytesAPixel = 64;
 
 class CudaTrainDevice final : public TrainDevice {
  public:
-  CudaTrainDevice(torch::Device device, const TrainDeviceSetup& setup, std::unique_ptr<Rasterizer> rasterizer)
+  CudaTrainDevice(Device device, const TrainDeviceSetup& setup, std::unique_ptr<Rasterizer> rasterizer)
       : device_(device),
         options_(setup.options),
         view_loss_(*setup.view_loss),
@@ -88,15 +88,15 @@ class CudaTrainDevice final : public TrainDevice {
     return host;
   }
 
-  Tensor OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
+  Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
     if (!opacity_factors_.defined()) {
       opacity_factors_ = WithMemory("opacity factors", [&] {
         return torch::empty({capacity_}, torch::TensorOptions().dtype(torch::kFloat).device(device_));
       });
     }
-    const Tensor factors = opacity_factors_.narrow(0, 0, n);
+    const Buffer<float> factors = opacity_factors_.narrow(0, 0, n);
     RunOpacityFactors({perturbation.seed, perturbation.iteration, perturbation.drop, perturbation.noise, n,
-                       factors.data_ptr<float>()},
+                       factors.data()},
                       kStream);
     return factors;
   }
@@ -200,10 +200,10 @@ class CudaTrainDevice final : public TrainDevice {
 
   Gaussians UploadRows(const Gaussians& host) const {
     Gaussians rows = host;
-    rows.ForEach([&](const char*, Tensor& t) {
-      std::vector<int64_t> shape = t.sizes().vec();
+    rows.ForEach([&](const char*, Buffer<float>& t) {
+      std::vector<int64_t> shape = t.shape().vec();
       shape[0] = std::max(capacity_, t.size(0));
-      const Tensor room = torch::empty(shape, t.options().device(device_)).narrow(0, 0, t.size(0));
+      const Buffer<float> room = torch::empty(shape, t.options().device(device_)).narrow(0, 0, t.size(0));
       room.copy_(t);
       t = room;
     });
@@ -212,7 +212,7 @@ class CudaTrainDevice final : public TrainDevice {
 
   static Gaussians DownloadRows(const Gaussians& rows) {
     Gaussians host = rows;
-    host.ForEach([](const char*, Tensor& t) { t = t.is_cpu() ? t.clone() : t.to(torch::kCPU); });
+    host.ForEach([](const char*, Buffer<float>& t) { t = t.is_cpu() ? t.Clone() : t.To(kCpu); });
     return host;
   }
 
@@ -231,7 +231,7 @@ class CudaTrainDevice final : public TrainDevice {
   /// All that goes by Gaussian but the model itself.
   void ReserveForCapacity() {
     step_sums_.ReserveExactly(StepBlocks(capacity_));
-    opacity_factors_ = Tensor();
+    opacity_factors_ = Buffer<float>();
     if (options_.prune_floaters) floats_.ReserveExactly(capacity_);
     if (fusing_ != nullptr) fusing_->ReserveGaussians(capacity_);
     weights_.ReserveExactly(capacity_);
@@ -254,7 +254,7 @@ class CudaTrainDevice final : public TrainDevice {
     return in;
   }
 
-  torch::Device device_;
+  Device device_;
   TrainOptions options_;
   const ViewLoss& view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
@@ -267,7 +267,7 @@ class CudaTrainDevice final : public TrainDevice {
   DeviceArray<LossAccumulator> ledger_{"the sums of the loss"};
   Readback<LossAccumulator> read_ledger_;
   Readback<uint64_t> total_weight_;
-  Tensor opacity_factors_;  // [capacity]
+  Buffer<float> opacity_factors_;  // [capacity]
   DeviceArray<uint64_t> weights_{"relocation"}, ranks_{"relocation"}, totals_{"relocation"};
   DeviceArray<int> sources_{"relocation"}, draws_{"relocation"};
   DeviceArray<double> choose_{"relocation"};
@@ -281,12 +281,12 @@ class CudaTrainDevice final : public TrainDevice {
 
 }  // namespace
 
-std::unique_ptr<TrainDevice> MakeCudaTrainDevice(torch::Device device, const TrainDeviceSetup& setup) {
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup) {
   UseDevice(std::max(0, static_cast<int>(device.index())));
   return MakeCudaTrainDevice(device, setup, std::make_unique<CudaRasterizer>(device));
 }
 
-std::unique_ptr<TrainDevice> MakeCudaTrainDevice(torch::Device device, const TrainDeviceSetup& setup,
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup,
                                                  std::unique_ptr<Rasterizer> rasterizer) {
   return std::make_unique<CudaTrainDevice>(device, setup, std::move(rasterizer));
 }

@@ -6,11 +6,11 @@ namespace oraclegs::cuda {
 
 /// Trains on the GPU of this name, which becomes the current one. Throws UsageError when there is none, RunError when
 /// its memory does not suffice for what is estimated (memory_estimate.h).
-std::unique_ptr<TrainDevice> MakeCudaTrainDevice(torch::Device device, const TrainDeviceSetup& setup);
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup);
 
 /// The same with a rasteriser of the caller's, the tensors on `device`; for tests, whose emulated device has the host's
 /// memory. BackwardBlocks of the rasteriser hands out one block at a time.
-std::unique_ptr<TrainDevice> MakeCudaTrainDevice(torch::Device device, const TrainDeviceSetup& setup,
+std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup,
                                                  std::unique_ptr<Rasterizer> rasterizer);
 
 }  // namespace oraclegs::cuda

@@ -25,12 +25,12 @@ DeviceViewPictures Pack(const TrainView& view) {
   return pictures;
 }
 
-DeviceImage ImageOf(const Tensor& picture) {
+DeviceImage ImageOf(const Buffer<float>& picture) {
   if (!picture.defined()) return {};
   return {picture.data_ptr(), picture.scalar_type() == torch::kByte};
 }
 
-Tensor View(const Tensor& buffer, std::initializer_list<int64_t> shape) {
+Buffer<float> View(const Buffer<float>& buffer, std::initializer_list<int64_t> shape) {
   int64_t count = 1;
   for (const int64_t size : shape) count *= size;
   return buffer.narrow(0, 0, count).view(shape);
@@ -47,11 +47,11 @@ std::vector<ExposureMap> DownloadMaps(const DeviceArray<float>& from, int views)
 }
 
 /// Queues weight * mean(|rendered - target| * mask) of the pictures that `in` names; its gradient goes to `grad`.
-void AddMaskedL1(MaskedL1Input in, double weight, const Tensor& grad, LossTerms* terms) {
-  in.pixels = grad.numel();
+void AddMaskedL1(MaskedL1Input in, double weight, const Buffer<float>& grad, LossTerms* terms) {
+  in.pixels = grad.count();
   const double scale = weight / static_cast<double>(in.pixels);
   in.scale = static_cast<float>(scale);
-  in.grad = grad.data_ptr<float>();
+  in.grad = grad.data();
   RunMaskedL1(in, kStream);
   terms->Add({in.sums, MaskedL1Blocks(in.pixels), 1, scale});
 }
@@ -60,8 +60,8 @@ void AddMaskedL1(MaskedL1Input in, double weight, const Tensor& grad, LossTerms*
 
 int64_t DeviceViewPictures::bytes() const {
   int64_t sum = 0;
-  for (const Tensor& t : {image, confidence, inv_depth, depth_mask, alpha, lpips_target}) {
-    if (t.defined()) sum += t.numel() * static_cast<int64_t>(t.element_size());
+  for (const Buffer<float>& t : {image, confidence, inv_depth, depth_mask, alpha, lpips_target}) {
+    if (t.defined()) sum += t.count() * static_cast<int64_t>(t.element_size());
   }
   return sum;
 }
@@ -78,12 +78,12 @@ DeviceViews::DeviceViews(const ViewLoss& view_loss) {
   }
 }
 
-void DeviceViews::MoveTo(torch::Device device) {
+void DeviceViews::MoveTo(Device device) {
   for (auto& kind : groups_) {
     for (auto& group : kind) {
       for (DeviceViewPictures& view : group) {
-        for (Tensor* t : view.Tensors()) {
-          if (t->defined()) *t = t->to(device).contiguous();
+        for (Buffer<float>* t : view.Tensors()) {
+          if (t->defined()) *t = t->to(device);
         }
       }
     }
@@ -107,7 +107,7 @@ std::vector<DepthView> DeviceViews::DepthViews(const std::vector<TrainView>& pho
     }
     view.fx = camera.fx, view.fy = camera.fy, view.cx = camera.cx, view.cy = camera.cy;
     view.width = camera.width, view.height = camera.height;
-    view.inv_depth = pictures.inv_depth.data_ptr<float>();
+    view.inv_depth = pictures.inv_depth.data();
     view.depth_mask = ImageOf(pictures.depth_mask);
     views.push_back(view);
   }
@@ -135,7 +135,7 @@ LargestView LargestOf(const ViewLoss& view_loss) {
   return largest;
 }
 
-CudaViewLoss::CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, torch::Device device)
+CudaViewLoss::CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, Device device)
     : view_loss_(view_loss), views_(std::move(views)), iterations_(view_loss.options().iterations) {
   const auto floats = torch::TensorOptions().dtype(torch::kFloat).device(device);
   const auto [pixels, tiles] = LargestOf(view_loss);
@@ -160,14 +160,14 @@ CudaViewLoss::CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, torch::
 
 RenderGrads CudaViewLoss::operator()(const Iteration& iteration, const RenderOutput& out, LossTerms* terms) {
   const int64_t height = out.image.size(0), width = out.image.size(1);
-  Tensor image = out.image;
+  Buffer<float> image = out.image;
   if (HasExposure(iteration)) {
     image = View(shown_, {height, width, 3});
     ExposurePixels in;
     in.pixels = height * width;
     in.map = rows_.maps + kExposureNumbers * iteration.view.index;
-    in.image = out.image.data_ptr<float>();
-    in.shown = image.data_ptr<float>();
+    in.image = out.image.data();
+    in.shown = image.data();
     RunExposureApply(in, kStream);
   }
   AddPhotometric(iteration, image, terms);
@@ -180,7 +180,7 @@ RenderGrads CudaViewLoss::operator()(const Iteration& iteration, const RenderOut
   return grads;
 }
 
-void CudaViewLoss::AddPhotometric(const Iteration& iteration, const Tensor& image, LossTerms* terms) {
+void CudaViewLoss::AddPhotometric(const Iteration& iteration, const Buffer<float>& image, LossTerms* terms) {
   const DeviceViewPictures& pictures = Pictures(iteration);
   const bool is_proposal = iteration.view.kind == ViewKind::kProposal;
   const Objective& objective = view_loss_.objective();
@@ -188,7 +188,7 @@ void CudaViewLoss::AddPhotometric(const Iteration& iteration, const Tensor& imag
   PhotometricInput in;
   in.height = static_cast<int>(image.size(0));
   in.width = static_cast<int>(image.size(1));
-  in.render = image.data_ptr<float>();
+  in.render = image.data();
   in.target = ImageOf(pictures.image);
   in.confidence = ImageOf(pictures.confidence);
   in.meaning = is_proposal ? MaskMeaning::kConfidence : MaskMeaning::kMask;
@@ -196,18 +196,18 @@ void CudaViewLoss::AddPhotometric(const Iteration& iteration, const Tensor& imag
   in.l1_scale = static_cast<float>(weights.l1 / entries);
   in.dssim_scale = static_cast<float>(weights.dssim / entries);
   const int64_t tiles = PhotometricTiles(in.width, in.height);
-  RunPhotometric(in, {photometric_sums_.data(), slopes_.data(), grad_image_.data_ptr<float>()}, kStream);
+  RunPhotometric(in, {photometric_sums_.data(), slopes_.data(), grad_image_.data()}, kStream);
   const PhotometricSums* sums = photometric_sums_.data();
   terms->Add({&sums->l1, tiles, 2, static_cast<double>(weights.l1) / entries});
   terms->Add({&sums->dssim, tiles, 2, static_cast<double>(weights.dssim) / entries});
 }
 
-void CudaViewLoss::StepExposure(const Iteration& iteration, const Tensor& image, LossTerms* terms) {
+void CudaViewLoss::StepExposure(const Iteration& iteration, const Buffer<float>& image, LossTerms* terms) {
   ExposurePixels pixels;
   pixels.pixels = image.size(0) * image.size(1);
   pixels.map = rows_.maps + kExposureNumbers * iteration.view.index;
-  pixels.image = image.data_ptr<float>();
-  pixels.grad = grad_image_.data_ptr<float>();
+  pixels.image = image.data();
+  pixels.grad = grad_image_.data();
   pixels.sums = exposure_sums_.data();
   RunExposureBackward(pixels, kStream);
   ExposureStepInput step;
@@ -222,26 +222,26 @@ void CudaViewLoss::StepExposure(const Iteration& iteration, const Tensor& image,
   terms->Add({pull_.data(), 1, 1, 1});
 }
 
-void CudaViewLoss::AddLpips(const Iteration& iteration, const Tensor& image, LossTerms* terms) {
+void CudaViewLoss::AddLpips(const Iteration& iteration, const Buffer<float>& image, LossTerms* terms) {
   if (iteration.view.kind != ViewKind::kProposal) return;
   const DeviceViewPictures& pictures = Pictures(iteration);
   const double weight = view_loss_.objective().LpipsWeight(pictures.mean_confidence);
   if (weight == 0) return;  // the network is what takes the time
-  Tensor grad = View(grad_image_, {image.size(0), image.size(1), 3});
+  Buffer<float> grad = View(grad_image_, {image.size(0), image.size(1), 3});
   const auto distance = [&] { return view_loss_.objective().lpips()(image, pictures.lpips_target, weight, &grad); };
   terms->constant +=
       weight * WithMemory("LPIPS of a proposal", distance, "give --proposal-lpips 0 or raise --downscale");
 }
 
 /// Undefined, which the rasteriser takes for zero at no cost, where there is no depth to learn from.
-Tensor CudaViewLoss::AddDepth(const Iteration& iteration, const Tensor& inv_depth, LossTerms* terms) {
+Buffer<float> CudaViewLoss::AddDepth(const Iteration& iteration, const Buffer<float>& inv_depth, LossTerms* terms) {
   const DeviceViewPictures& pictures = Pictures(iteration);
   const double weight = view_loss_.DepthTermWeight(iteration.view.kind, iteration.number);
   if (weight == 0 || !pictures.inv_depth.defined()) return {};
-  const Tensor grad = View(grad_inv_depth_, {inv_depth.size(0), inv_depth.size(1)});
+  const Buffer<float> grad = View(grad_inv_depth_, {inv_depth.size(0), inv_depth.size(1)});
   MaskedL1Input in;
-  in.rendered = inv_depth.data_ptr<float>();
-  in.target = pictures.inv_depth.data_ptr<float>();
+  in.rendered = inv_depth.data();
+  in.target = pictures.inv_depth.data();
   in.mask = ImageOf(pictures.depth_mask);
   in.sums = depth_sums_.data();
   AddMaskedL1(in, weight, grad, terms);
@@ -249,14 +249,14 @@ Tensor CudaViewLoss::AddDepth(const Iteration& iteration, const Tensor& inv_dept
 }
 
 /// The same of alpha.
-Tensor CudaViewLoss::AddAlpha(const Iteration& iteration, const Tensor& alpha, LossTerms* terms) {
+Buffer<float> CudaViewLoss::AddAlpha(const Iteration& iteration, const Buffer<float>& alpha, LossTerms* terms) {
   const DeviceViewPictures& pictures = Pictures(iteration);
   const double weight = view_loss_.options().alpha_weight;
   if (weight == 0 || !pictures.alpha.defined()) return {};
-  const Tensor grad = View(grad_alpha_, {alpha.size(0), alpha.size(1)});
+  const Buffer<float> grad = View(grad_alpha_, {alpha.size(0), alpha.size(1)});
   MaskedL1Input in;
-  in.rendered = alpha.data_ptr<float>();
-  in.target = pictures.alpha.data_ptr<float>();
+  in.rendered = alpha.data();
+  in.target = pictures.alpha.data();
   in.mask = ImageOf(pictures.confidence);
   in.sums = alpha_sums_.data();
   AddMaskedL1(in, weight, grad, terms);

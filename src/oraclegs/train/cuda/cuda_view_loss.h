@@ -15,11 +15,11 @@ namespace oraclegs::cuda {
 
 /// A view's pictures, as bytes where those hold them exactly.
 struct DeviceViewPictures {
-  Tensor image, confidence, inv_depth, depth_mask, alpha;  ///< as TrainView's
-  Tensor lpips_target;  ///< the image in floats, one object for all iterations, which the network's cache knows it by
+  Buffer<float> image, confidence, inv_depth, depth_mask, alpha;  ///< as TrainView's
+  Buffer<float> lpips_target;  ///< the image in floats, one object for all iterations, which the network's cache knows it by
   double mean_confidence = 1;
 
-  std::array<Tensor*, 6> Tensors() { return {&image, &confidence, &inv_depth, &depth_mask, &alpha, &lpips_target}; }
+  std::array<Buffer<float>*, 6> Tensors() { return {&image, &confidence, &inv_depth, &depth_mask, &alpha, &lpips_target}; }
   int64_t bytes() const;
 };
 
@@ -28,7 +28,7 @@ class DeviceViews {
  public:
   /// On the CPU.
   explicit DeviceViews(const ViewLoss& view_loss);
-  void MoveTo(torch::Device device);
+  void MoveTo(Device device);
 
   const DeviceViewPictures& At(const SampledView& view, bool coarse) const;
   /// The full-size photographs that have depth, with the pictures that lie on the device.
@@ -42,7 +42,7 @@ class DeviceViews {
 class CudaViewLoss {
  public:
   /// `views` on `device`. All memory that an iteration needs is taken here.
-  CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, torch::Device device);
+  CudaViewLoss(const ViewLoss& view_loss, DeviceViews views, Device device);
 
   /// Queues the loss of the view; adds what it consists of to `terms`.
   RenderGrads operator()(const Iteration& iteration, const RenderOutput& out, LossTerms* terms);
@@ -52,11 +52,11 @@ class CudaViewLoss {
   void RestoreExposures(const ExposureState& state);
 
  private:
-  void AddPhotometric(const Iteration& iteration, const Tensor& image, LossTerms* terms);
-  void StepExposure(const Iteration& iteration, const Tensor& image, LossTerms* terms);
-  void AddLpips(const Iteration& iteration, const Tensor& image, LossTerms* terms);
-  Tensor AddDepth(const Iteration& iteration, const Tensor& inv_depth, LossTerms* terms);
-  Tensor AddAlpha(const Iteration& iteration, const Tensor& alpha, LossTerms* terms);
+  void AddPhotometric(const Iteration& iteration, const Buffer<float>& image, LossTerms* terms);
+  void StepExposure(const Iteration& iteration, const Buffer<float>& image, LossTerms* terms);
+  void AddLpips(const Iteration& iteration, const Buffer<float>& image, LossTerms* terms);
+  Buffer<float> AddDepth(const Iteration& iteration, const Buffer<float>& inv_depth, LossTerms* terms);
+  Buffer<float> AddAlpha(const Iteration& iteration, const Buffer<float>& alpha, LossTerms* terms);
   bool HasExposure(const Iteration& iteration) const {
     return rows_.views > 0 && iteration.view.kind == ViewKind::kPhotograph;
   }
@@ -67,7 +67,7 @@ class CudaViewLoss {
   const ViewLoss& view_loss_;
   DeviceViews views_;
   int64_t iterations_;
-  Tensor grad_image_, shown_, grad_inv_depth_, grad_alpha_;  // of the largest view
+  Buffer<float> grad_image_, shown_, grad_inv_depth_, grad_alpha_;  // of the largest view
   DeviceArray<float> slopes_{"the gradients of the picture"};
   DeviceArray<PhotometricSums> photometric_sums_{"the sums of the loss"};
   DeviceArray<double> depth_sums_{"the sums of the loss"}, alpha_sums_{"the sums of the loss"},

@@ -1,4 +1,4 @@
-#include "oraclegs/networks/recognize.h"
+#include "oraclegs/networks/common/recognize.h"
 
 #include <gmock/gmock.h>
 

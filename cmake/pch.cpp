@@ -1,0 +1,1 @@
+// Compiled only to carry a precompiled header.

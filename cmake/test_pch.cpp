@@ -1,1 +1,0 @@
-// Compiled only to carry a precompiled header of the tests.
