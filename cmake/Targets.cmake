@@ -6,6 +6,9 @@ set(ORACLEGS_DEVICE_FOLDER "/(oraclegs|tests)/[a-z]+/cuda/[^/]+$")
 
 configure_file(${CMAKE_SOURCE_DIR}/cmake/config.h.in ${CMAKE_BINARY_DIR}/generated/oraclegs/core/config.h)
 
+# One set of objects for programs and for the shared libraries; without interposition that costs programs nothing.
+add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fPIC> $<$<COMPILE_LANGUAGE:CXX>:-fno-semantic-interposition>)
+
 add_library(oraclegs_flags INTERFACE)
 # GCC 12 warns falsely about overlapping copies in std::string (GCC bug 105651).
 target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wno-restrict;-fno-math-errno>)

@@ -50,7 +50,7 @@ class Command {
  protected:
   template <class Options>
   void Bind(const char* group, Options* options) {
-    options->Visit(OptionBinder(app_, group));
+    Options::Visit(*options, OptionBinder(app_, group));
     checks_.push_back([options] { CheckOptions(*options); });
   }
   /// All groups of a run, and --preset.

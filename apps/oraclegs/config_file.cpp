@@ -77,6 +77,8 @@ void ApplyConfigFile(const fs::path& file, CLI::App* command) {
     }
     try {
       Set(option, item, toml);
+    } catch (const UsageError& error) {
+      throw UsageError("{}: {}", file.string(), error.what());
     } catch (const CLI::Error&) {
       throw UsageError("{}: '{}' is not a value for '{}'", file.string(), item.inputs.front(), item.name);
     }
@@ -104,11 +106,16 @@ void ApplySavedOptions(const nlohmann::json& options, const fs::path& file, CLI:
     CLI::ConfigItem item;
     item.name = name;
     item.inputs = {value.is_string() ? value.get<std::string>() : value.dump()};
-    try {
-      Set(option, item, toml);
-    } catch (const CLI::Error&) {
+    const auto refuse = [&] {
       throw InputError("{}: '{}' is not a value for '{}'; the file is damaged", file.string(), item.inputs.front(),
                        name);
+    };
+    try {
+      Set(option, item, toml);
+    } catch (const UsageError&) {
+      refuse();
+    } catch (const CLI::Error&) {
+      refuse();
     }
   }
 }

@@ -24,7 +24,9 @@ template <class E>
 struct EnumWords;
 
 template <class E>
-concept NamedEnum = requires { EnumWords<E>::kWords; };
+concept NamedEnum = requires {
+  EnumWords<E>::kWords;
+};
 
 template <NamedEnum E>
 std::string Word(E value) {

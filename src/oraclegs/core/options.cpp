@@ -8,6 +8,8 @@ std::string TextOf(const OptionValue& value) {
   if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const int64_t* whole = std::get_if<int64_t>(&value)) return fmt::format("{}", *whole);
   if (const double* number = std::get_if<double>(&value)) return fmt::format("{:.6}", *number);
+  if (const auto* list = std::get_if<std::vector<std::string>>(&value))
+    return fmt::format("{}", fmt::join(*list, ", "));
   return std::get<std::string>(value);
 }
 

@@ -9,8 +9,8 @@
 //     }
 //   };
 //
-// A field is a bool, a number, a text, a path, an enumeration with words (enum_words.h), or Auto of a number or an
-// enumeration: "auto" decides for the user.
+// A field is a bool, a number, a text, a list of texts, a path, an enumeration with words (enum_words.h), or Auto of a
+// number or an enumeration: "auto" decides for the user.
 
 #include <charconv>
 #include <cstdint>
@@ -32,6 +32,8 @@ namespace oraclegs {
 template <class T>
 class Auto {
  public:
+  using Value = T;
+
   Auto() = default;
   Auto(T value) : value_(value) {}  // NOLINT: an option is assigned like a plain value
 
@@ -57,7 +59,7 @@ struct Range {
 };
 
 /// What a field holds, for files.
-using OptionValue = std::variant<bool, int64_t, double, std::string>;
+using OptionValue = std::variant<bool, int64_t, double, std::string, std::vector<std::string>>;
 
 template <class T>
 OptionValue ToOptionValue(const T& field) {
@@ -67,7 +69,8 @@ OptionValue ToOptionValue(const T& field) {
     return Word(field);
   } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
     return field.string();
-  } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
+  } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string> ||
+                       std::is_same_v<T, std::vector<std::string>>) {
     return field;
   } else if constexpr (std::is_integral_v<T>) {
     return static_cast<int64_t>(field);
@@ -76,22 +79,22 @@ OptionValue ToOptionValue(const T& field) {
   }
 }
 
-/// "true", "12", "0.5", "auto": as the help and the messages show it.
+/// "true", "12", "0.5", "auto", "a, b": as the help and the messages show it.
 std::string TextOf(const OptionValue& value);
 
 /// Sets the field from the user's text. Throws UsageError "--init is 'x', must be one of: auto, dense".
 template <class T>
 void SetOption(const char* name, const std::string& text, T* field) {
   if constexpr (kIsAuto<T>) {
-    using Value = std::remove_cvref_t<decltype(field->value())>;
     if (text == "auto") {
       *field = {};
       return;
     }
-    Value value{};
-    if constexpr (std::is_enum_v<Value>) {
-      const std::optional<Value> known = FromWord<Value>(text);
-      if (!known) throw UsageError("--{} is '{}', must be one of: auto, {}", name, text, AllWords<Value>(", "));
+    typename T::Value value{};
+    if constexpr (std::is_enum_v<typename T::Value>) {
+      const auto known = FromWord<typename T::Value>(text);
+      if (!known)
+        throw UsageError("--{} is '{}', must be one of: auto, {}", name, text, AllWords<typename T::Value>(", "));
       value = *known;
     } else {
       SetOption(name, text, &value);
@@ -154,8 +157,8 @@ std::vector<NamedOption> ListOptions(const Options& options) {
 
 /// {"views": 12, ...}: what a run saves, and what resuming compares.
 nlohmann::json ToJson(const std::vector<NamedOption>& options);
-template <class Options>
-nlohmann::json OptionsToJson(const Options& options) {
+template <class Options, class Json = nlohmann::json>  // a parameter: only callers need the whole type
+Json OptionsToJson(const Options& options) {
   return ToJson(ListOptions(options));
 }
 

@@ -5,7 +5,8 @@
 namespace oraclegs {
 
 Shape::Shape(std::span<const int64_t> sizes) : dims_(static_cast<int>(sizes.size())) {
-  if (sizes.size() > kMaxDims) throw ShapeError("an array of {} dimensions, at most {} are possible", sizes.size(), kMaxDims);
+  if (sizes.size() > kMaxDims)
+    throw ShapeError("an array of {} dimensions, at most {} are possible", sizes.size(), kMaxDims);
   std::copy(sizes.begin(), sizes.end(), sizes_.begin());
   for (const int64_t size : sizes) {
     if (size < 0) throw ShapeError("{} has a negative size", Text());
