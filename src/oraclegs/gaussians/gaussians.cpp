@@ -27,8 +27,7 @@ void Gaussians::Check(const char* who) const {
 }
 
 GaussianRows Gaussians::Rows() const {
-  return {means.data(), log_scales.data(), quats.data(),
-          opacity_logits.data(), sh.data()};
+  return {means.data(), log_scales.data(), quats.data(), opacity_logits.data(), sh.data()};
 }
 
 Gaussians Gaussians::Clone() const {

@@ -6,9 +6,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/config.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/neighbors.h"
-#include "oraclegs/camera/scene_bounds.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/core/cuda/check.h"
 #include "oraclegs/gaussians/cuda/neighbors.h"
@@ -135,12 +136,12 @@ std::vector<double> MeansOn(Device device, const std::vector<Eigen::Vector3f>& p
   if (device.is_cpu()) return KdTree(points).MeanSquaredDistanceToThree();
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) {
-    cuda::UseDevice(device.has_index() ? device.index() : 0);
+    cuda::UseDevice(device.index);
     return cuda::MeanSquaredDistanceToThree(points);
   }
 #endif
   throw UsageError("this build looks for neighbours on the CPU only, '{}' was asked for; use --device cpu",
-                   device.str());
+                   device.Name());
 }
 
 }  // namespace
@@ -180,20 +181,20 @@ Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions&
   const std::vector<float> d2 = MeanSquaredNeighborDistance(points.xyz, device);
   const auto n = static_cast<int64_t>(points.xyz.size());
   Gaussians g = Gaussians::Zeros(n);
-  g.opacity_logits.fill_(std::log(options.opacity / (1 - options.opacity)));
-  auto means = g.means.accessor<float, 2>(), log_scales = g.log_scales.accessor<float, 2>();
-  auto quats = g.quats.accessor<float, 2>();
-  auto sh = g.sh.accessor<float, 3>();
+  const auto logit = static_cast<float>(std::log(options.opacity / (1 - options.opacity)));
+  const GaussianRows all = g.Rows();
   for (int64_t i = 0; i < n; ++i) {
     const auto log_scale = static_cast<float>(std::log(options.scale_factor * std::sqrt(static_cast<double>(d2[i]))));
-    quats[i][0] = 1;
+    const GaussianRows row = all.From(i);
+    row.quats[0] = 1;
+    row.opacity_logits[0] = logit;
     for (int k = 0; k < 3; ++k) {
-      means[i][k] = points.xyz[i][k];
-      log_scales[i][k] = log_scale;
-      sh[i][0][k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kC0);
+      row.means[k] = points.xyz[i][k];
+      row.log_scales[k] = log_scale;
+      row.sh[k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kC0);
     }
     if (!points.normals.empty() && options.flatness != 1) {
-      Flatten(points.normals[i], options.flatness, &log_scales[i][0], &quats[i][0]);
+      Flatten(points.normals[i], options.flatness, row.log_scales, row.quats);
     }
   }
   return g;

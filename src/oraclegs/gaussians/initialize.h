@@ -1,13 +1,12 @@
 #pragma once
 // Where the Gaussians start (spec/gaussian_core.md 8).
 
-
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
-#include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/camera/camera.h"
+#include "oraclegs/gaussians/gaussians.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -30,8 +29,7 @@ PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uin
 
 /// Mean squared distance of each point to its three nearest other points, at least 1e-7; exact. On all threads, or on
 /// the GPU that `device` names, which becomes the current one. Throws UsageError for a device this build cannot use.
-std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points,
-                                               Device device = kCpu);
+std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device = kCpu);
 
 struct InitializeOptions {
   double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([MCMC]'s 0.1; [3DGS] has 1)
@@ -42,7 +40,6 @@ struct InitializeOptions {
 /// Gaussians at the points: sh0 from the colour, scale from the neighbours; isotropic and not rotated, or, where the
 /// normal is known and flatness is not 1, the third axis along the normal. The tensors are the host's; `device` is
 /// where the neighbours are looked for.
-Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options,
-                              Device device = kCpu);
+Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device = kCpu);
 
 }  // namespace oraclegs

@@ -1,5 +1,6 @@
 #include "oraclegs/render/render.h"
 
+#include "oraclegs/core/config.h"
 #include "oraclegs/render/cpu/cpu_rasterizer.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
@@ -12,7 +13,7 @@ std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return std::make_unique<cuda::CudaRasterizer>(device);
 #endif
-  throw UsageError("this build has no rasteriser for '{}'; use --device cpu", device.str());
+  throw UsageError("this build has no rasteriser for '{}'; use --device cpu", device.Name());
 }
 
 }  // namespace oraclegs

@@ -4,9 +4,9 @@
 #include <array>
 #include <memory>
 
+#include "oraclegs/camera/camera.h"
 #include "oraclegs/core/function_ref.h"
 #include "oraclegs/gaussians/gaussians.h"
-#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 

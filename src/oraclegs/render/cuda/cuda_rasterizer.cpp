@@ -1,10 +1,11 @@
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 
 #include "oraclegs/render/constants.h"
-#include "oraclegs/render/cuda/torch_memory.h"
 
 namespace oraclegs::cuda {
 namespace {
+
+constexpr const char* kImages = "the rendered images";
 
 View MakeView(const Camera& camera, const RenderOptions& options) {
   View view{};
@@ -37,7 +38,7 @@ Parameters MakeParameters(const Gaussians& g) {
   return {rows.means, rows.log_scales, rows.quats, rows.opacity_logits, rows.sh, nullptr, g.size()};
 }
 
-void Use(Device device) { UseDevice(device.has_index() ? device.index() : 0); }
+void Use(Device device) { UseDevice(device.index); }
 
 /// The device's default stream; the device is the one that memory is taken from afterwards.
 cudaStream_t StreamOf(Device device) {
@@ -48,11 +49,15 @@ cudaStream_t StreamOf(Device device) {
 }  // namespace
 
 CudaRasterizer::CudaRasterizer(Device device)
-    : device_(device), core_(StreamOf(device)), image_(device), alpha_(device), inv_depth_(device) {}
+    : device_(device),
+      core_(StreamOf(device)),
+      image_(device, kImages),
+      alpha_(device, kImages),
+      inv_depth_(device, kImages) {}
 
 void CudaRasterizer::RequireHere(const char* who, const char* name, const Buffer<float>& t) const {
-  if (t.device().type() == device_.type() && (!device_.has_index() || t.device().index() == device_.index())) return;
-  throw ShapeError("{}: {} is on {}, expected on {}", who, name, t.device().str(), device_.str());
+  if (t.device() == device_) return;
+  throw ShapeError("{}: {} is on {}, expected on {}", who, name, t.device().Name(), device_.Name());
 }
 
 const float* CudaRasterizer::PlaneOrNull(const char* name, const Buffer<float>& t,
@@ -83,12 +88,9 @@ RenderOutput CudaRasterizer::Forward(const Gaussians& gaussians, const Camera& c
   Use(device_);
   trained_size_ = -1;  // until all is in place
   height_ = camera.height, width_ = camera.width;
-  const RenderOutput out = WithMemory("the rendered pictures", [&] {
-    return RenderOutput{image_.Get({height_, width_, 3}), alpha_.Get({height_, width_}),
-                        inv_depth_.Get({height_, width_})};
-  });
-  core_.Forward(MakeView(camera, options), parameters,
-                {out.image.data(), out.alpha.data(), out.inv_depth.data()},
+  const RenderOutput out{image_.Get({height_, width_, 3}), alpha_.Get({height_, width_}),
+                         inv_depth_.Get({height_, width_})};
+  core_.Forward(MakeView(camera, options), parameters, {out.image.data(), out.alpha.data(), out.inv_depth.data()},
                 pass == RenderPass::kTrain);
   if (pass == RenderPass::kTrain) trained_size_ = gaussians.size();
   return out;
@@ -111,7 +113,8 @@ void CudaRasterizer::Backward(const Gaussians& gaussians, const RenderGrads& ups
   if (grads->size() != gaussians.size()) {
     throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
   }
-  grads->ForEach([&](const char* name, const Buffer<float>& t) { RequireHere("Rasterizer::Backward, grads", name, t); });
+  grads->ForEach(
+      [&](const char* name, const Buffer<float>& t) { RequireHere("Rasterizer::Backward, grads", name, t); });
   WriteGaussianGrads(BlendBackward(gaussians, upstream), grads->Rows(), stream());
   EndBackward();
 }
@@ -119,13 +122,8 @@ void CudaRasterizer::Backward(const Gaussians& gaussians, const RenderGrads& ups
 void CudaRasterizer::BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) {
   const int64_t n = gaussians.size();
   if (block_.size() != n) {
-    const auto rows = [&](std::vector<int64_t> shape) {
-      return torch::empty(shape, torch::dtype(torch::kFloat).device(device_));
-    };
     block_ = {};  // first, so that two are never held at once
-    block_ = WithMemory("the gradients of Gaussians", [&] {
-      return Gaussians{rows({n, 3}), rows({n, 3}), rows({n, 4}), rows({n}), rows({n, kShCoefficients, 3})};
-    });
+    block_ = Gaussians::Empty(n, device_);
   }
   Backward(gaussians, upstream, &block_);
   if (n > 0) consume(0, n, block_.Rows());
