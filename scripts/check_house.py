@@ -1,24 +1,28 @@
 #!/usr/bin/env python3
 """Refuses what breaks the rules of the house (CONTRIBUTING.md). One line per violation, `file:line: what`; exit code 1.
 
-usage: scripts/check_house.py [ROOT]
+usage: scripts/check_house.py [ROOT] [FLOORS.json]
+
+FLOORS.json is what CMake writes into a build folder; the newest of build/*/floors.json is taken when it is not given.
 """
 
+import json
 import re
 import sys
+from collections import defaultdict
 from pathlib import Path
 
-# The floors, bottom first; those of one line do not know each other.
-FLOORS = [["core"], ["scene", "models"], ["demo", "depth", "nets", "gaussians"], ["render"], ["loss", "propose"], ["train", "evaluate", "validate"], ["pipeline"]]
-RANK = {floor: rank for rank, floors in enumerate(FLOORS) for floor in floors}
-TORCH_FREE_FLOORS = {"core", "scene", "models", "demo", "depth"}
-TORCH_HEADER_OF_CORE = "core/tensor.h"
+TORCH_ROOMS = re.compile(r"^networks/[^/]+/")  # the only folders below src/oraclegs that may include libtorch
+DEVICE_ROOMS = {"cpu", "cuda"}  # back ends, which the files beside their folder choose between
 
 FOLDERS = ["src", "apps", "tests", "bench", "scripts", "cmake"]
 CPP = {".cpp", ".h", ".cu", ".cuh"}
 SOURCES = CPP | {".py", ".sh", ".cmake"}
-MAX_LINES = 500
+MAX_LINES = 500  # of a file
+MAX_UNIT_LINES = 400  # of a unit's header and source together, below src
 MAX_DEPTH = 4  # folders below src
+MAX_PARAMETERS = 5
+MAX_UNITS_IN_ROOM = 25  # of a folder of pipeline
 
 # src file below src/oraclegs -> why no tests/FLOOR/..._test.cpp has its name. Keep it tiny.
 WITHOUT_TEST = {}
@@ -26,13 +30,25 @@ WITHOUT_TEST = {}
 INCLUDE = re.compile(r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^>"]+)[>"]')
 TORCH = re.compile(r"^(torch|ATen|c10|caffe2)/")
 OWN = re.compile(r"^oraclegs/(([^/]+)/.+)$")
+GENERATED = {"oraclegs/core/config.h"}
 LATER = re.compile(r"\b(TO" + r"DO|FIX" + r"ME)\b")
 PRINTS = re.compile(
     r"\bstd::(cout|cerr|clog)\b|\bfmt::print\b|(?<![\w.>])(?:std::)?(v?f?printf|puts|_?exit|quick_exit|abort)\s*\("
 )
+CASTS = re.compile(r"\b(const_cast|dynamic_cast)\b")
 SKIPPED = re.compile(r"GTEST_SKIP\s*\(\s*\)(?!\s*<<)")
 DISABLED = re.compile(r"\bDISABLED_\w")
 TEXT_OR_COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//.*|/\*.*?\*/')
+COMMENT = re.compile(r"//.*|^\s*#.*")
+SIGNATURE = re.compile(r"(?<![\w.>])(?!(?:return|else|new|throw|case|using|co_return)\b)[\w:<>,*&\]]+[\s*&]+(?:\w+::)*(~?\w+)\(")
+TYPE = re.compile(r"^(?:struct|class|enum class|union) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: : [^;]*)? ?\{")
+NAMESPACE = re.compile(r"^(?:inline )?namespace ?([\w:]*) ?\{")
+
+WORKSHOP = re.compile(r"\.\./shared|\bshared/(?:data|spec|golden|review)\b|\bCI minutes\b")
+SPEC = re.compile(r"\bspec/|\bspec \d|\((?:spec )?[1-9]\.\d\)|\[(?:3DGS|MCMC|gsplat)\]")
+METHOD = re.compile(r"docs/method\.md(?:#([\w-]+))?")
+REFERENCE = re.compile(r"\[([A-Z][\w\-']+(?: et al\.)? (?:19|20)\d\d[a-z]?)\]")
+HISTORY = re.compile(r"\bissue #?\d+\b|(?<![\w/.#&])#\d{1,3}\b|\bcommit [0-9a-f]{7,40}\b|\b(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7}\b")
 
 
 def code_of(line):
@@ -40,17 +56,65 @@ def code_of(line):
     return TEXT_OR_COMMENT.sub('""', line)
 
 
+def unit_of(name):
+    """A header and its source are one unit; so is a .cu file and its header."""
+    return re.sub(r"\.(h|cpp|cu|cuh)$", "", name)
+
+
+def circles(graph):
+    """The strongly connected components of more than one node, each sorted."""
+    index, low, stack, found = {}, {}, [], []
+
+    def visit(node):
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in sorted(graph.get(node, ())):
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            component = stack[stack.index(node):]
+            del stack[stack.index(node):]
+            if len(component) > 1:
+                found.append(sorted(component))
+
+    sys.setrecursionlimit(10000)
+    for node in sorted(graph):
+        if node not in index:
+            visit(node)
+    return found
+
+
+def heading_anchor(line):
+    """GitHub's anchor of a Markdown heading."""
+    text = re.sub(r"[^\w\- ]", "", line.lstrip("#").strip().lower())
+    return text.replace(" ", "-")
+
+
 class House:
-    def __init__(self, root):
+    def __init__(self, root, floors):
+        """floors: [{"name": "core", "uses": []}, ...], bottom first."""
         self.root = root
         self.violations = []
-        self.lines = {}
+        self.below = {}
+        for floor in floors:
+            uses = set(floor["uses"])
+            self.below[floor["name"]] = uses.union(*(self.below.get(use, set()) for use in uses))
+        self.lines, self.docs = {}, {}
         for folder in FOLDERS:
             for path in sorted((root / folder).rglob("*")):
                 if path.is_file() and path.suffix in SOURCES and "__pycache__" not in path.parts:
-                    text = path.read_text(encoding="utf-8", errors="replace")
-                    self.lines[path.relative_to(root).as_posix()] = text.splitlines()
+                    self.lines[path.relative_to(root).as_posix()] = self._read(path)
+        for path in sorted([*root.glob("*.md"), *(root / "docs").rglob("*.md"), *(root / "presets").glob("*.toml")]):
+            self.docs[path.relative_to(root).as_posix()] = self._read(path)
         self.own_includes = {name: self._own_includes(name) for name in self.lines if name.startswith("src/oraclegs/")}
+        self.types = defaultdict(dict)
+
+    @staticmethod
+    def _read(path):
+        return path.read_text(encoding="utf-8", errors="replace").splitlines()
 
     def refuse(self, name, line, what):
         self.violations.append((name, line, what))
@@ -62,7 +126,7 @@ class House:
                 yield number, match.group(1)
 
     def _own_includes(self, name):
-        return [header for _, header in self.includes(name) if OWN.match(header)]
+        return [header for _, header in self.includes(name) if OWN.match(header) and header not in GENERATED]
 
     def reaches_torch(self, name, seen):
         """True when this file of src includes a torch header, also through others of the house."""
@@ -79,10 +143,18 @@ class House:
             if len(lines) > MAX_LINES:
                 self.refuse(name, MAX_LINES + 1, f"has {len(lines)} lines, at most {MAX_LINES}: it is two ideas")
             self.check_lines(name, lines, suffix)
+            self.check_citations(name, lines)
             if suffix in CPP and name.startswith("src/"):
                 self.check_depth(name)
-                self.check_includes(name, suffix)
+                self.check_includes(name)
                 self.check_mirror(name, suffix)
+                self.check_parameters(name, lines)
+                self.check_types(name, lines)
+        self.check_units()
+        self.check_circles()
+        for name, lines in self.docs.items():
+            self.check_citations(name, lines)
+            self.check_history(name, lines)
         for name in WITHOUT_TEST:
             if "src/oraclegs/" + name not in self.lines:
                 self.refuse("scripts/check_house.py", 1, f"{name} is excused from a test but does not exist")
@@ -99,40 +171,65 @@ class House:
             match = PRINTS.search(code) if name.startswith("src/") else None
             if match:
                 self.refuse(name, number, f"{match.group(0).strip(' (')}: the library neither prints nor exits")
+            match = CASTS.search(code) if name.startswith("src/") else None
+            if match:
+                self.refuse(name, number, f"{match.group(1)}: change the interface instead")
             if SKIPPED.search(code):
                 self.refuse(name, number, "GTEST_SKIP without a reason: GTEST_SKIP() << \"needs ...\"")
             above = lines[number - 2] if number > 1 else ""
             if DISABLED.search(code) and "//" not in line and not above.lstrip().startswith("//"):
                 self.refuse(name, number, "a DISABLED_ test without a comment that says why")
 
+    def check_citations(self, name, lines):
+        """What a comment or a page cites is in the repository."""
+        if name.startswith("scripts/check_house"):
+            return
+        anchors = {heading_anchor(line) for line in self.docs.get("docs/method.md", []) if line.startswith("#")}
+        keys = set(REFERENCE.findall("\n".join(self.docs.get("docs/references.md", []))))
+        for number, line in enumerate(lines, 1):
+            text = line if name.endswith((".md", ".toml")) else "".join(COMMENT.findall(line))
+            match = WORKSHOP.search(line)
+            if match:
+                self.refuse(name, number, f"{match.group(0)}: is not in the repository")
+            match = SPEC.search(text)
+            if match:
+                self.refuse(name, number, f"cites {match.group(0)}: cite docs/method.md#SECTION or a key of docs/references.md")
+            for anchor in METHOD.findall(line):
+                if anchor and anchor not in anchors:
+                    self.refuse(name, number, f"docs/method.md has no section #{anchor}")
+            for key in REFERENCE.findall(text):
+                if key not in keys:
+                    self.refuse(name, number, f"docs/references.md has no [{key}]")
+
+    def check_history(self, name, lines):
+        for number, line in enumerate(lines, 1):
+            match = HISTORY.search(line)
+            if match:
+                self.refuse(name, number, f"{match.group(0).strip()}: pages show the state of today; history is in git")
+
     def check_depth(self, name):
         depth = len(Path(name).parts) - 2
         if depth > MAX_DEPTH:
             self.refuse(name, 1, f"lies {depth} folders below src, at most {MAX_DEPTH}")
 
-    def check_includes(self, name, suffix):
+    def check_includes(self, name):
         own = OWN.match(name[len("src/"):])
         floor = own.group(2) if own else None
-        if floor not in RANK:
-            self.refuse(name, 1, "is on no floor: give its folder a place in FLOORS of scripts/check_house.py")
+        if floor not in self.below:
+            self.refuse(name, 1, "is on no floor: give its folder a line in src/CMakeLists.txt")
             return
-        torch_free = suffix in {".cu", ".cuh"} or floor in TORCH_FREE_FLOORS
-        if own.group(1) == TORCH_HEADER_OF_CORE:
-            torch_free = False
+        torch_free = not TORCH_ROOMS.match(own.group(1))
         for number, header in self.includes(name):
             target = OWN.match(header)
             if target:
                 self.check_floor(name, number, floor, target.group(2))
-            if not torch_free:
-                continue
-            if TORCH.match(header) or (target and self.reaches_torch("src/" + header, set())):
-                where = f"a {suffix} file" if suffix in {".cu", ".cuh"} else f"floor {floor}"
-                self.refuse(name, number, f"<{header}> brings libtorch into {where}, which is free of it")
+            if torch_free and (TORCH.match(header) or (target and self.reaches_torch("src/" + header, set()))):
+                self.refuse(name, number, f"<{header}> brings libtorch into {Path(own.group(1)).parent}, which is free of it")
 
     def check_floor(self, name, number, floor, target):
-        if target not in RANK:
+        if target not in self.below:
             self.refuse(name, number, f"includes from {target}, which is no floor")
-        elif target != floor and RANK[target] >= RANK[floor]:
+        elif target != floor and target not in self.below[floor]:
             self.refuse(name, number, f"floor {floor} includes from {target}, which is not below it")
 
     def check_mirror(self, name, suffix):
@@ -145,10 +242,89 @@ class House:
         if not any(pattern.match(other) for other in self.lines):
             self.refuse(name, 1, f"has no test: write tests/{own.parts[0]}/{own.stem}_test.cpp")
 
+    def check_parameters(self, name, lines):
+        """Counts the parameters of what looks like a function's declaration: every one has a type and a name."""
+        text = "\n".join(code_of(line) for line in lines)
+        for match in SIGNATURE.finditer(text):
+            depth, end, parameters, start = 1, match.end(), [], match.end()
+            while end < len(text) and depth:
+                depth += {"(": 1, "<": 1, "{": 1, "[": 1, ")": -1, ">": -1, "}": -1, "]": -1}.get(text[end], 0)
+                if text[end] == "," and depth == 1:
+                    parameters.append(text[start:end])
+                    start = end + 1
+                end += 1
+            parameters.append(text[start:end - 1])
+            named = all(re.match(r"^\s*[\w:<>,\s*&()\[\].]+[\s*&>]\s*\w*(\[\w*\])?\s*(=.*)?$", p, re.S) for p in parameters)
+            if len(parameters) > MAX_PARAMETERS and named:
+                number = text.count("\n", 0, match.start(1)) + 1
+                self.refuse(name, number, f"{match.group(1)} has {len(parameters)} parameters, at most {MAX_PARAMETERS}: name a struct")
+
+    def check_types(self, name, lines):
+        """A type's name stands once in a namespace; anonymous namespaces are their file's own."""
+        spaces = []
+        for number, line in enumerate(lines, 1):
+            match = NAMESPACE.match(line)
+            if match:
+                spaces.append(match.group(1) or f"(anonymous in {name})")
+                continue
+            if re.match(r"^\}\s*// namespace", line):
+                if spaces:
+                    spaces.pop()
+                continue
+            match = TYPE.match(line)
+            if not match or not spaces:
+                continue
+            key = ("::".join(spaces), match.group(1))
+            other = self.types[key].setdefault("place", (name, number))
+            if other != (name, number) and unit_of(other[0]) != unit_of(name):
+                self.refuse(name, number, f"{match.group(1)} is also a type in {other[0]}: two types of one name in {key[0]}")
+
+    def check_units(self):
+        """Length of a unit, number of units in a room."""
+        length, rooms = defaultdict(int), defaultdict(set)
+        for name, lines in self.lines.items():
+            if name.startswith("src/oraclegs/") and Path(name).suffix in CPP:
+                unit = unit_of(name)
+                length[unit] += len(lines)
+                rooms[str(Path(unit).parent)].add(unit)
+        for unit, lines in length.items():
+            if lines > MAX_UNIT_LINES:
+                suffix = ".cpp" if unit + ".cpp" in self.lines else ".h"
+                self.refuse(unit + suffix, 1, f"the unit has {lines} lines, at most {MAX_UNIT_LINES}: it is two ideas")
+        for room, units in rooms.items():
+            if room.startswith("src/oraclegs/pipeline") and len(units) > MAX_UNITS_IN_ROOM:
+                self.refuse(room, 1, f"has {len(units)} units, at most {MAX_UNITS_IN_ROOM}")
+
+    def check_circles(self):
+        """No circle between units, nor between the rooms of a floor."""
+        units, rooms = defaultdict(set), defaultdict(set)
+        for name, headers in self.own_includes.items():
+            unit = unit_of(name)
+            units[unit].update(unit_of("src/" + header) for header in headers)
+            units[unit].discard(unit)
+        for unit, others in units.items():
+            for other in others:
+                here, there = Path(unit).parent, Path(other).parent
+                if here != there and here.parts[2] == there.parts[2] and not {here.name, there.name} & DEVICE_ROOMS:
+                    rooms[here.as_posix()].add(there.as_posix())
+        for circle in circles(units):
+            first = next(n for n in self.own_includes if unit_of(n) == circle[0])
+            self.refuse(first, 1, f"includes itself through {', '.join(circle[1:])}")
+        for circle in circles(rooms):
+            self.refuse(circle[0], 1, f"the room includes itself through {', '.join(circle[1:])}")
+
+
+def find_floors(root):
+    found = sorted(root.glob("build/*/floors.json"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        sys.exit("scripts/check_house.py: there is no build/*/floors.json; run cmake --preset release first")
+    return found[-1]
+
 
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
-    violations = House(root).check()
+    floors = Path(sys.argv[2]) if len(sys.argv) > 2 else find_floors(root)
+    violations = House(root, json.loads(floors.read_text())).check()
     for name, line, what in violations:
         print(f"{name}:{line}: {what}")
     return 1 if violations else 0
