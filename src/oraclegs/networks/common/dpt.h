@@ -1,6 +1,6 @@
 #pragma once
 // The dense prediction head: tokens of four layers become one map of the photograph's size
-// (spec/depth_anything_v2.md 4, spec/vggt.md 10).
+// (docs/method.md#dpt-head).
 
 #include <array>
 #include <optional>

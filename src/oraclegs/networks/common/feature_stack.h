@@ -1,5 +1,5 @@
 #pragma once
-// The convolutional part of VGG16 and AlexNet up to five taps, forward and backward (spec/gaussian_core.md 11).
+// The convolutional part of VGG16 and AlexNet up to five taps, forward and backward (docs/method.md#lpips).
 
 #include <array>
 #include <vector>

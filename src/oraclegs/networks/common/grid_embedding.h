@@ -1,5 +1,5 @@
 #pragma once
-// The sinusoidal embedding that VGGT's dense heads add to their maps (spec/vggt.md 10).
+// The sinusoidal embedding that VGGT's dense heads add to their maps (docs/method.md#grid-embedding).
 
 #include "oraclegs/networks/common/tensor.h"
 

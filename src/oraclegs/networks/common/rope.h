@@ -1,5 +1,5 @@
 #pragma once
-// Rotary position embedding over two axes (spec/vggt.md 5).
+// Rotary position embedding over two axes (docs/method.md#rotary-positions).
 
 #include "oraclegs/networks/common/tensor.h"
 

@@ -1,5 +1,6 @@
 #pragma once
-// The pre-norm transformer block with LayerScale that DINOv2, VGGT and its camera head are made of (spec/vggt.md 3).
+// The pre-norm transformer block with LayerScale that DINOv2, VGGT and its camera head are made of
+// (docs/method.md#transformer-block).
 
 #include <optional>
 

@@ -1,5 +1,5 @@
 #pragma once
-// The DINOv2 vision transformer, with and without register tokens (spec/depth_anything_v2.md 3, spec/vggt.md 4).
+// The DINOv2 vision transformer, with and without register tokens (docs/method.md#vision-transformer).
 
 #include <vector>
 

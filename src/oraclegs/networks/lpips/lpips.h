@@ -1,5 +1,5 @@
 #pragma once
-// LPIPS v0.1, a learned distance of pictures: value and gradient (spec/gaussian_core.md 11).
+// LPIPS v0.1, a learned distance of pictures: value and gradient (docs/method.md#lpips).
 
 #include <array>
 

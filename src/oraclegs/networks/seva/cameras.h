@@ -1,5 +1,6 @@
 #pragma once
-// Cameras as SEVA sees them (spec/seva.md 7): intrinsics in shares of the image, a scene of standard size, and rays.
+// Cameras as SEVA sees them (docs/method.md#seva-cameras): intrinsics in shares of the image, a scene of standard size,
+// and rays.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

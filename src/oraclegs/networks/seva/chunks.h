@@ -1,5 +1,5 @@
 #pragma once
-// Which frames are denoised together (spec/seva.md 9).
+// Which frames are denoised together (docs/method.md#seva-chunks).
 
 #include <cstdint>
 #include <string>

@@ -1,5 +1,6 @@
 #pragma once
-// What the network is told of one joint problem (spec/seva.md 2), and the network as the sampler calls it.
+// What the network is told of one joint problem (docs/method.md#seva-data-flow), and the network as the sampler calls
+// it.
 
 #include <vector>
 

@@ -1,5 +1,6 @@
 #pragma once
-// What a step of SEVA costs, so that a measured time can be held against what the machine can do (spec/seva.md 11).
+// What a step of SEVA costs, so that a measured time can be held against what the machine can do
+// (docs/method.md#seva-cost-and-memory).
 
 #include "oraclegs/networks/seva/unet.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Stable Virtual Camera as OracleGS uses it (spec/seva.md 11): photographs and target poses in, pictures out.
+// Stable Virtual Camera as OracleGS uses it (docs/method.md#seva): photographs and target poses in, pictures out.
 
 #include <filesystem>
 #include <functional>

@@ -1,5 +1,5 @@
 #pragma once
-// Group normalisation as Stable Diffusion's networks use it (spec/seva.md 3.3, 5).
+// Group normalisation as Stable Diffusion's networks use it (docs/method.md#seva-group-norm).
 
 #include "oraclegs/networks/common/layers.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Classifier-free guidance with a weight per frame (spec/seva.md 8.3).
+// Classifier-free guidance with a weight per frame (docs/method.md#seva-guidance).
 
 #include <vector>
 

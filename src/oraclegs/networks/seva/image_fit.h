@@ -1,5 +1,5 @@
 #pragma once
-// Photographs brought to the size that SEVA works at, and its pictures back to theirs (spec/seva.md 7.1).
+// Photographs brought to the size that SEVA works at, and its pictures back to theirs (docs/method.md#seva-image-size).
 
 #include <Eigen/Core>
 #include <cstdint>

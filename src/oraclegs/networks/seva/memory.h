@@ -1,5 +1,5 @@
 #pragma once
-// How much memory a generation needs, before it starts (spec/seva.md 11).
+// How much memory a generation needs, before it starts (docs/method.md#seva-cost-and-memory).
 
 #include <cstdint>
 #include <string>

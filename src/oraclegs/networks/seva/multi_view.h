@@ -1,7 +1,7 @@
 #pragma once
-// The multi-view transformer of SEVA's UNet (spec/seva.md 3.4): attention within frames or over all frames of a
-// sequence, then attention over the frames at one pixel. There is no positional encoding: cameras alone tell frames
-// apart.
+// The multi-view transformer of SEVA's UNet (docs/method.md#seva-multi-view-transformer): attention within frames or
+// over all frames of a sequence, then attention over the frames at one pixel. There is no positional encoding: cameras
+// alone tell frames apart.
 
 #include <vector>
 

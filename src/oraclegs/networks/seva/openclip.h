@@ -1,6 +1,6 @@
 #pragma once
-// The image half of OpenCLIP (spec/seva.md 6): an image becomes one vector that says what it shows. The defaults are
-// ViT-H-14 trained on laion2b_s32b_b79k.
+// The image half of OpenCLIP (docs/method.md#seva-image-encoder): an image becomes one vector that says what it shows.
+// The defaults are ViT-H-14 trained on laion2b_s32b_b79k.
 
 #include <filesystem>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// Images as the OpenCLIP encoder wants them (spec/seva.md 6).
+// Images as the OpenCLIP encoder wants them (docs/method.md#seva-image-encoder).
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Cameras around what a scene's cameras look at (spec/seva.md 10).
+// Cameras around what a scene's cameras look at (docs/method.md#seva-trajectories).
 
 #include <vector>
 

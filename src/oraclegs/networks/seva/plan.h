@@ -1,6 +1,6 @@
 #pragma once
 // The joint problems that make up a generation: one pass or two, which frames together, which of them are given
-// (spec/seva.md 9.1).
+// (docs/method.md#seva-plan).
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// The residual block of SEVA's UNet (spec/seva.md 3.3): two convolutions, the first modulated by the camera rays of
-// each pixel, with the time embedding added between.
+// The residual block of SEVA's UNet (docs/method.md#seva-residual-block): two convolutions, the first modulated by the
+// camera rays of each pixel, with the time embedding added between.
 
 #include <optional>
 

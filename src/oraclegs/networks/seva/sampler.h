@@ -1,5 +1,5 @@
 #pragma once
-// From noise to latents in steps of Euler's method (spec/seva.md 8.2 to 8.4).
+// From noise to latents in steps of Euler's method (docs/method.md#seva-sampler).
 
 #include <cstdint>
 #include <functional>

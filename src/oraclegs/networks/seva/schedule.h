@@ -1,5 +1,5 @@
 #pragma once
-// The noise levels of SEVA's diffusion (spec/seva.md 8.1, 8.2).
+// The noise levels of SEVA's diffusion (docs/method.md#seva-noise-schedule).
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// The autoencoder of Stable Diffusion 2.1: images to latents and back (spec/seva.md 5). The defaults are the published
-// network, stabilityai/stable-diffusion-2-1-base, folder vae.
+// The autoencoder of Stable Diffusion 2.1: images to latents and back (docs/method.md#seva-autoencoder). The defaults
+// are the published network, stabilityai/stable-diffusion-2-1-base, folder vae.
 
 #include <filesystem>
 #include <vector>

@@ -1,5 +1,6 @@
 #pragma once
-// What encoder and decoder of the autoencoder are built of (spec/seva.md 5). All tensors are [B, channels, h, w].
+// What encoder and decoder of the autoencoder are built of (docs/method.md#seva-autoencoder). All tensors are [B,
+// channels, h, w].
 
 #include <optional>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// VGGT's aggregator: blocks that attend inside each view and over all views in turn (spec/vggt.md 3 to 6, 8).
+// VGGT's aggregator: blocks that attend inside each view and over all views in turn (docs/method.md#vggt-aggregator).
 
 #include <map>
 #include <vector>

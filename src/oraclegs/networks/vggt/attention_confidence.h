@@ -1,5 +1,5 @@
 #pragma once
-// From the attention of VGGT's global blocks to the confidence of each pixel (spec/vggt.md 8).
+// From the attention of VGGT's global blocks to the confidence of each pixel (docs/method.md#vggt-oracle).
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// VGGT's camera head (spec/vggt.md 9).
+// VGGT's camera head (docs/method.md#vggt-camera-head).
 
 #include <vector>
 

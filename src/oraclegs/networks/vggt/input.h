@@ -1,10 +1,10 @@
 #pragma once
-// Photographs as VGGT wants them (spec/vggt.md 2).
+// Photographs as VGGT wants them (docs/method.md#vggt-input).
 
 #include <vector>
 
-#include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/networks/common/tensor.h"
 
 namespace oraclegs {
 

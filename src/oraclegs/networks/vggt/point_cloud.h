@@ -1,16 +1,16 @@
 #pragma once
-// From what VGGT says of its input to cameras in the photographs' own pixels and a cloud of points (spec/vggt.md 9,
-// 11).
+// From what VGGT says of its input to cameras in the photographs' own pixels and a cloud of points
+// (docs/method.md#vggt-camera-head, docs/method.md#vggt-cameras-and-cloud).
 
 #include <Eigen/Core>
 #include <array>
 #include <string>
 #include <vector>
 
-#include "oraclegs/networks/vggt/vggt.h"
-#include "oraclegs/networks/vggt/input.h"
 #include "oraclegs/camera/camera.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/networks/vggt/input.h"
+#include "oraclegs/networks/vggt/vggt.h"
 
 namespace oraclegs {
 

@@ -18,9 +18,9 @@ struct VggtFile {
   std::vector<double> oracle_weights = {0.25, 0.75};  ///< of these layers; they sum to 1
 };
 
-/// The metadata "model" is the name; the sizes are those of spec/vggt.md 13 ("embed_dim", "depth", ...) where the file
-/// has them, else VGGT-1B's: published files have none. Throws InputError naming the file: not safetensors, a size that
-/// is missing, no number, or does not fit the others.
+/// The metadata "model" is the name; the sizes are those of docs/method.md#vggt-files ("embed_dim", "depth", ...) where
+/// the file has them, else VGGT-1B's: published files have none. Throws InputError naming the file: not safetensors, a
+/// size that is missing, no number, or does not fit the others.
 VggtFile ReadVggtFile(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -1,0 +1,162 @@
+#pragma once
+// The networks as the program sees them: interfaces over a library of their own, which has libtorch behind it and is
+// loaded when a network is asked for (loader.h). This folder is in every build; the rooms below it are that library.
+//
+// Memory is shared where both sides compute on one device: a Buffer becomes a tensor and back without a copy.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "oraclegs/camera/camera.h"
+#include "oraclegs/core/buffer.h"
+#include "oraclegs/core/enum_words.h"
+#include "oraclegs/core/progress.h"
+#include "oraclegs/image/image.h"
+#include "oraclegs/networks/seva_options.h"
+
+namespace oraclegs {
+
+struct LoadedView;
+
+/// "Depth Anything V2 small", "base", "large", or "of another size", read from the header of its weights without
+/// loading any library. Throws InputError for a file that is none.
+std::string DepthNetworkName(const std::filesystem::path& weights);
+
+/// Depth Anything V2: from one image to relative inverse depth.
+class DepthNetwork {
+ public:
+  virtual ~DepthNetwork() = default;
+  /// [height, width] on the host; larger is nearer, unit and zero point are unknown.
+  virtual Buffer<float> InverseDepth(const ImageF& rgb) const = 0;
+};
+
+/// What LPIPS is fed. The two give different numbers, and both are in use.
+enum class LpipsRange {
+  kZeroOne,      ///< the image in [0, 1] as it is: training losses and scores of the 3DGS family
+  kMinusOneOne,  ///< 2 x - 1: what the authors of LPIPS ask for
+};
+
+/// LPIPS of two images [H, W, 3] in [0, 1]. Buffers may lie on the host or on the network's device.
+class PerceptualNetwork {
+ public:
+  virtual ~PerceptualNetwork() = default;
+  virtual std::string name() const = 0;       ///< "VGG16" or "AlexNet"
+  virtual int64_t smallest_side() const = 0;  ///< of an image, pixels
+  /// Throws ShapeError for images of different sizes or smaller than that.
+  virtual double Score(const Buffer<float>& image, const Buffer<float>& target, LpipsRange range) const = 0;
+  /// The score of kZeroOne; adds weight * d(score)/d(image) to grad [H, W, 3], null or undefined = score only. The
+  /// target's features are kept for the next call as long as the cache has room: its numbers may not change.
+  virtual double Loss(const Buffer<float>& image, const Buffer<float>& target, double weight,
+                      Buffer<float>* grad) const = 0;
+};
+
+/// Whose attention counts as support of a proposal.
+enum class AttentionMode {
+  kOfficial,   ///< the camera token of the reference; minimum and maximum over all views of the pass together
+  kReference,  ///< the patches of the reference
+  kOthers,     ///< the patches of all other views of the pass
+};
+template <>
+struct EnumWords<AttentionMode> {
+  static constexpr EnumWord<AttentionMode> kWords[] = {{AttentionMode::kOfficial, "official"},
+                                                       {AttentionMode::kReference, "reference"},
+                                                       {AttentionMode::kOthers, "others"}};
+};
+
+/// VGGT's aggregator: which pixels of some images the other images of a scene attend to.
+class AttentionNetwork {
+ public:
+  virtual ~AttentionNetwork() = default;
+  /// Bytes that a pass over `views` images needs on the device, weights included; of the given cameras' sizes the
+  /// one that needs most. Needs no weights in memory.
+  virtual int64_t PassBytes(const std::vector<Camera>& cameras, int64_t views) const = 0;
+  /// Reads the weights, else the first Confidence does. Throws InputError that lists all that does not fit.
+  virtual void Load() = 0;
+  /// [proposals, height, width] in [0, 1] on the host: large where the other views attend. All proposals have one size.
+  /// It orders pixels and is no probability. Throws Interrupted.
+  virtual Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) = 0;
+};
+
+/// Where a point stands in one image.
+struct CloudSight {
+  int view = 0;           ///< index of the image
+  Eigen::Vector2d pixel;  ///< from the image's top-left corner
+};
+
+struct CloudPoint {
+  Eigen::Vector3d xyz;
+  std::array<uint8_t, 3> rgb{};
+  std::vector<CloudSight> sights;  ///< at least two, by view
+};
+
+/// Cameras and a cloud of points, in a world whose scale and orientation are VGGT's own.
+struct PoseEstimate {
+  std::vector<Camera> cameras;  ///< pinhole, in the pixels of each image
+  std::vector<CloudPoint> cloud;
+};
+
+struct PoseRequest {
+  std::filesystem::path weights;
+  std::vector<Image8> images;
+  std::vector<std::string> names;  ///< of the images, for errors
+  Device device;
+  int64_t free_bytes = 0;  ///< of the device; 0 = unknown
+};
+
+/// The files of Stable Virtual Camera.
+struct SevaFiles {
+  std::vector<std::filesystem::path> unet;
+  std::filesystem::path vae, clip;
+};
+
+struct ViewGeneratorRequest {
+  SevaFiles files;
+  SevaOptions options;
+  Device device;
+  int64_t free_bytes = 0;  ///< of the device before the networks are loaded; 0 = unknown
+};
+
+struct ViewRequest {
+  const std::vector<LoadedView>* views = nullptr;  ///< to condition on, at least one
+  std::vector<Camera> targets;
+  std::filesystem::path workspace = {};  ///< finished chunks are kept here; empty: nowhere
+  std::string key = {};  ///< stands for views, targets and weights: chunks of another key are not used again
+};
+
+/// Stable Virtual Camera: images and target cameras to new views.
+class ViewGenerator {
+ public:
+  virtual ~ViewGenerator() = default;
+  /// Of each target options.candidates images of its camera's size, RGB in [0, 1]; the whole frame of the camera is
+  /// generated, so its pose and intrinsics are exact. The same for a seed, whether the work was interrupted or not;
+  /// only decoding in tiles, where memory is short, gives others, with a warning. Polls for interrupts between steps;
+  /// reports StepDone{"propose"} after each. Throws RunError when memory does not suffice (before the first step),
+  /// UsageError for options that do not fit the views, InputError for views of different working sizes, Interrupted.
+  virtual std::vector<std::vector<ImageF>> Generate(const ViewRequest& request, const Listener& listener) const = 0;
+};
+
+/// Makes networks out of files. All throw InputError, one line that lists everything that does not fit, and ask the
+/// thread pool how many threads to use. A device must be one that this library can use: see has_cuda.
+class Networks {
+ public:
+  virtual ~Networks() = default;
+  /// True when its libtorch computes on GPUs; otherwise networks run on the CPU alone.
+  virtual bool has_cuda() const = 0;
+  virtual std::unique_ptr<DepthNetwork> LoadDepth(const std::filesystem::path& weights, Device device) const = 0;
+  /// cache_bytes: for targets' features (PerceptualNetwork::Loss); what does not fit is computed each time.
+  virtual std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>& weights,
+                                                            Device device, int64_t cache_bytes) const = 0;
+  virtual std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
+                                                          Device device) const = 0;
+  /// VGGT in one pass over all images. Says in a Note how much memory that needs. Throws RunError when that is more
+  /// than there is, InputError naming the images that get no camera.
+  virtual PoseEstimate EstimatePoses(const PoseRequest& request, const Listener& listener) const = 0;
+  virtual std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request) const = 0;
+};
+
+}  // namespace oraclegs
