@@ -30,11 +30,6 @@ int Fail(const std::string& text, int code) {
   return code;
 }
 
-// libtorch reports a failed allocation as its own error.
-bool IsTorchOutOfMemory(const std::string& what) {
-  return what.find("can't allocate memory") != std::string::npos || what.find("out of memory") != std::string::npos;
-}
-
 /// "oraclegs train 'my scene' -o out", which a shell reads as what was typed.
 std::string CommandLine(int argc, char** argv) {
   std::string line = "oraclegs";
@@ -63,7 +58,6 @@ int RunChosen(const std::vector<std::unique_ptr<Command>>& commands, const std::
   } catch (const std::filesystem::filesystem_error& e) {
     return Fail(fmt::format("{}: {}", e.path1().string(), e.code().message()), kFailed);
   } catch (const std::exception& e) {
-    if (IsTorchOutOfMemory(e.what())) return Fail(kMemoryAdvice, kFailed);
     return Fail(fmt::format("internal error, please report it: {}", e.what()), kFailed);
   }
 }
@@ -71,9 +65,9 @@ int RunChosen(const std::vector<std::unique_ptr<Command>>& commands, const std::
 int Main(int argc, char** argv) {
   InstallInterruptHandlers();
   std::signal(SIGPIPE, SIG_IGN);  // `oraclegs info ... | head` is no crash
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that outgrows its limit is told as a failed write
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that outgrows its limit is reported as a failed write
 
-  CLI::App app{"OracleGS: a handful of photographs becomes a Gaussian splat, on a CPU."};
+  CLI::App app{"OracleGS: a few photos become a 3D Gaussian splat."};
   app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", "oraclegs " ORACLEGS_VERSION);
   app.require_subcommand(1);

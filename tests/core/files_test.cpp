@@ -1,12 +1,15 @@
 #include "oraclegs/core/files.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <csignal>
 
 #include "oraclegs/core/error.h"
-#include "support/golden.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;

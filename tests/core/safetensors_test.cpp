@@ -7,6 +7,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "support/golden.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

@@ -1,8 +1,11 @@
 #include "oraclegs/core/shard_index.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "support/golden.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

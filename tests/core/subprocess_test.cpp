@@ -1,11 +1,14 @@
 #include "oraclegs/core/subprocess.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <csignal>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
-#include "support/golden.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-// Errors are typed by who can mend them; the program's exit code follows from the type.
+// Errors are typed by who can fix their cause; the program's exit code follows from the type.
 
 #include <fmt/format.h>
 
@@ -9,14 +9,15 @@
 
 namespace oraclegs {
 
-/// Base of everything the library throws on purpose. what() is one line: where, what was found, what would mend it.
+/// Base of everything the library throws on purpose. what() is one line: where, what was found, how to fix
+/// it.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
   virtual int exit_code() const { return 4; }
 };
 
-/// The command line or a configuration file is wrong: the user's to mend, exit code 2.
+/// The command line or a configuration file is wrong: a user error, exit code 2.
 class UsageError : public Error {
  public:
   template <class... Args>
@@ -25,7 +26,8 @@ class UsageError : public Error {
   int exit_code() const override { return 2; }
 };
 
-/// A file or folder given as input is wrong: the user's to mend, exit code 3. The message names the file and the mend.
+/// A file or folder given as input is wrong: a user error, exit code 3. The message names the file and how to fix
+/// it.
 class InputError : public Error {
  public:
   template <class... Args>
@@ -42,6 +44,13 @@ class RunError : public Error {
       : Error(fmt::format(format, std::forward<Args>(args)...)) {}
 };
 
+/// Memory ended. The message says how much of it was needed for what, and which options lower it. Whoever catches it
+/// may go on.
+class OutOfMemory : public RunError {
+ public:
+  using RunError::RunError;
+};
+
 /// SIGINT or SIGTERM was received and the work stopped at a safe point: exit code 130.
 class Interrupted : public Error {
  public:
@@ -49,7 +58,7 @@ class Interrupted : public Error {
   int exit_code() const override { return 130; }
 };
 
-/// A tensor has the wrong shape: a bug of the caller.
+/// An array has the wrong shape: a bug of the caller.
 class ShapeError : public std::logic_error {
  public:
   template <class... Args>

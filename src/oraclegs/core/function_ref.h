@@ -19,6 +19,7 @@ class FunctionRef<Result(Arguments...)> {
   requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef> && std::is_object_v<std::remove_reference_t<F>> &&
            std::is_invocable_r_v<Result, F&, Arguments...>)
       FunctionRef(F&& callable)  // NOLINT: implicit, so that a lambda can be written where one is wanted
+      // The lambda below gives the object its own type back, const or not.
       : callable_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))),
         call_([](void* target, Arguments... arguments) -> Result {
           return (*static_cast<std::remove_reference_t<F>*>(target))(std::forward<Arguments>(arguments)...);

@@ -2,7 +2,7 @@
 // it never waits for a helper that has not been given a core (an OpenMP barrier does, at several milliseconds a time on
 // a busy laptop). Helpers spin for a moment between regions, then sleep.
 //
-// Each thread begins with its own stretch of the tasks, the same from region to region, and helps the others when that
+// Each thread begins with its own chunk of the tasks, the same from region to region, and helps the others when that
 // is done: what one region wrote is in the cache of the core whose thread reads it in the next, and threads rarely
 // write to neighbouring places at the same time.
 
@@ -45,14 +45,14 @@ class Pool {
   bool Run(int64_t tasks, int threads, FunctionRef<void(int64_t)> body) {
     const std::unique_lock region(region_mutex_, std::try_to_lock);
     if (!region) return false;
-    if (stretches_.size() < static_cast<size_t>(threads)) stretches_ = std::vector<Stretch>(threads);
-    for (int seat = 0; seat < threads; ++seat) {
-      stretches_[seat].next = tasks * seat / threads;
-      stretches_[seat].end = tasks * (seat + 1) / threads;
+    if (chunks_.size() < static_cast<size_t>(threads)) chunks_ = std::vector<Chunk>(threads);
+    for (int worker_index = 0; seat < threads; ++seat) {
+      chunks_[worker_index].next = tasks * worker_index / threads;
+      chunks_[worker_index].end = tasks * (worker_index + 1) / threads;
     }
     while (static_cast<int>(workers_.size()) < threads - 1) {
-      const int seat = static_cast<int>(workers_.size()) + 1;
-      workers_.emplace_back([this, seat] { Work(seat); });
+      const int worker_index = static_cast<int>(workers_.size()) + 1;
+      workers_.emplace_back([this, worker_index] { Work(worker_index); });
     }
     body_ = &body;
     threads_ = threads;
@@ -74,16 +74,16 @@ class Pool {
 
  private:
   /// Tasks that one thread begins with, on a cache line of their own.
-  struct alignas(64) Stretch {
+  struct alignas(64) Chunk {
     std::atomic<int64_t> next{0};
     int64_t end = 0;
   };
 
-  void TakeTasks(int seat) {
+  void TakeTasks(int worker_index) {
     t_in_region = true;
-    for (int turn = 0; turn < threads_; ++turn) {
-      Stretch& stretch = stretches_[(seat + turn) % threads_];
-      for (int64_t i = stretch.next++; i < stretch.end; i = stretch.next++) RunTask(i);
+    for (int offset = 0; offset < threads_; ++offset) {
+      Chunk& chunk = chunks_[(worker_index + offset) % threads_];
+      for (int64_t i = chunk.next++; i < chunk.end; i = chunk.next++) RunTask(i);
     }
     t_in_region = false;
   }
@@ -97,7 +97,7 @@ class Pool {
     }
   }
 
-  void Work(int seat) {
+  void Work(int worker_index) {
     uint64_t seen = 0;
     while (true) {
       for (int spin = 0; spin < kSpins && generation_ == seen; ++spin) Pause();
@@ -108,7 +108,7 @@ class Pool {
       seen = generation_;
       if (stop_) return;
       ++busy_;
-      if (open_ && seat < threads_) TakeTasks(seat);
+      if (open_ && worker_index < threads_) TakeTasks(worker_index);
       --busy_;
     }
   }
@@ -119,7 +119,7 @@ class Pool {
   std::atomic<uint64_t> generation_{0};
   std::atomic<bool> stop_{false}, open_{false}, failed_{false};
   std::atomic<int> busy_{0};
-  std::vector<Stretch> stretches_;
+  std::vector<Chunk> chunks_;
   int threads_ = 0;
   const FunctionRef<void(int64_t)>* body_ = nullptr;
   std::exception_ptr error_;

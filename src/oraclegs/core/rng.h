@@ -10,7 +10,7 @@
 
 namespace oraclegs {
 
-/// Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): four 32-bit words.
+/// Philox4x32-10 [Salmon 2011]: four 32-bit words.
 struct Philox {
   uint32_t x[4];
 

@@ -167,6 +167,7 @@ std::shared_ptr<const void> MapFile(const std::filesystem::path& path, std::stri
   void* address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
   if (address == MAP_FAILED) throw InputError("{}: cannot map into memory: {}", name, std::strerror(errno));
   *bytes = std::string_view(static_cast<const char*>(address), size);
+  // munmap takes what mmap gave, the owner shows it read-only.
   return std::shared_ptr<const void>(address, [size](const void* a) { munmap(const_cast<void*>(a), size); });
 }
 

@@ -79,6 +79,7 @@ class Child {
  private:
   int Spawn(const std::vector<std::string>& argv, int write_end) {
     std::vector<char*> arguments;
+    // posix_spawn takes char* but writes nothing.
     for (const auto& argument : argv) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t files;

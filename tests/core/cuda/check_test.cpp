@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/out_of_memory.h"
 #include "support/cuda_device.h"
+#include "support/errors.h"
 #if defined(ORACLEGS_EMULATED_CUDA)
 #include "support/emulated_cuda/runtime.h"
 #endif
@@ -14,16 +14,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-template <class Error, class Body>
-std::string MessageOf(const Body& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no such error";
-}
 
 TEST(CudaCheck, SuccessIsSilent) { EXPECT_NO_THROW(Check(cudaSuccess, "nothing")); }
 

@@ -1,16 +1,15 @@
 #include "oraclegs/core/cuda/check.h"
 
-#include "oraclegs/core/out_of_memory.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs::cuda {
 namespace {
 
-void (*memory_relief)() = nullptr;
-
-double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
+void (*g_release_memory)() = nullptr;
 
 [[noreturn]] void ThrowOutOfMemory(int64_t bytes, const char* purpose, const char* where) {
-  cudaGetLastError();  // it is told here: later calls must not report it again
+  cudaGetLastError();  // reported here: later calls must not report it again
   size_t free = 0, total = 0;
   if (cudaMemGetInfo(&free, &total) != cudaSuccess) cudaGetLastError();
   throw OutOfMemory(
@@ -48,9 +47,9 @@ void* AllocateDevice(int64_t bytes, const char* purpose) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;
   cudaError_t status = cudaMalloc(&memory, static_cast<size_t>(bytes));
-  if (status == cudaErrorMemoryAllocation && memory_relief != nullptr) {
+  if (status == cudaErrorMemoryAllocation && g_release_memory != nullptr) {
     cudaGetLastError();
-    memory_relief();
+    g_release_memory();
     status = cudaMalloc(&memory, static_cast<size_t>(bytes));
   }
   if (status == cudaErrorMemoryAllocation) ThrowOutOfMemory(bytes, purpose, "GPU");
@@ -67,7 +66,7 @@ void* AllocatePinned(int64_t bytes, const char* purpose) {
   return memory;
 }
 
-void SetOutOfMemoryCallback(void (*relief)()) { memory_relief = relief; }
+void SetOutOfMemoryCallback(void (*release)()) { g_release_memory = release; }
 
 void Copy(void* to, const void* from, int64_t bytes) {
   Check(cudaMemcpy(to, from, static_cast<size_t>(bytes), cudaMemcpyDefault), "copying between the host and the GPU");
@@ -104,7 +103,7 @@ void UseDevice(int index) {
 }
 
 DeviceMemory MemoryOfDevice() {
-  if (memory_relief != nullptr) memory_relief();
+  if (g_release_memory != nullptr) g_release_memory();
   size_t free = 0, total = 0;
   Check(cudaMemGetInfo(&free, &total), "asking for the GPU's memory");
   return {static_cast<int64_t>(free), static_cast<int64_t>(total)};

@@ -20,9 +20,9 @@ void CheckLaunch(const char* kernel);
 void* AllocateDevice(int64_t bytes, const char* purpose);
 /// Host memory that the device copies to without stopping the host.
 void* AllocatePinned(int64_t bytes, const char* purpose);
-/// Who keeps device memory that it does not use (libtorch does) gives it back when `relief` is called: before memory
-/// ends, and before it is counted. Null = nobody; no call from several threads at once.
-void SetOutOfMemoryCallback(void (*relief)());
+/// `release` is called before memory ends and before it is counted: a library that caches device memory (libtorch does)
+/// gives it back then. Null = no callback. Not to be called from several threads at once.
+void SetOutOfMemoryCallback(void (*release)());
 /// From or to memory of any kind; waits until it is done.
 void Copy(void* to, const void* from, int64_t bytes);
 /// In order with the default stream.
@@ -39,7 +39,7 @@ void UseDevice(int index);
 struct DeviceMemory {
   int64_t free, total;  ///< bytes
 };
-/// What is free once all relief there is has been given.
+/// After the out-of-memory callback.
 DeviceMemory MemoryOfDevice();
 
 }  // namespace oraclegs::cuda
