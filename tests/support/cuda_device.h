@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/cuda/device_array.h"
 
 namespace oraclegs {
@@ -30,6 +31,19 @@ std::vector<T> ToHost(const cuda::DeviceArray<T>& array, int64_t count) {
   std::vector<T> out(static_cast<size_t>(count));
   array.Download(count, out.data());
   return out;
+}
+
+/// Where the buffers of kernels lie: the emulated device's memory is the host's.
+inline Device TestDevice() { return kEmulatedCuda ? kCpu : Device{DeviceKind::kCuda, 0}; }
+
+/// A copy in memory of its own.
+template <class T>
+Buffer<T> OnTestDevice(const Buffer<T>& buffer) {
+  return buffer.CopyOn(TestDevice());
+}
+template <class T>
+Buffer<T> OnHost(const Buffer<T>& buffer) {
+  return buffer.To(kCpu);
 }
 
 }  // namespace oraclegs

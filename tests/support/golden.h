@@ -1,5 +1,5 @@
 #pragma once
-// What tests share: the reference numbers, and a folder that is gone afterwards.
+// The reference numbers.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,19 +15,5 @@ namespace oraclegs {
 std::filesystem::path GoldenDir();
 /// GoldenDir()/NAME.safetensors
 SafetensorsFile OpenGolden(const std::string& name);
-
-/// A fresh folder, removed with everything in it at the end of the scope.
-class TempDir {
- public:
-  TempDir();
-  ~TempDir();
-  TempDir(const TempDir&) = delete;
-  TempDir& operator=(const TempDir&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace oraclegs

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/png.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {

@@ -3,8 +3,8 @@
 // paper's pipeline asks for.
 
 #include "networks/seva/tiny_files.h"
-#include "networks/vggt_fixture.h"
-#include "support/network_files.h"
+#include "networks/vggt/fixture.h"
+#include "networks/network_files.h"
 
 namespace oraclegs {
 

@@ -1,29 +1,33 @@
 #pragma once
-// Golden numbers as tensors, and the error measures of spec/gaussian_core.md 12.
+// Golden numbers as tensors of libtorch, and how far two tensors are apart.
 
-#include "oraclegs/core/buffer.h"
+#include <torch/types.h>
+
+#include <string>
+#include <vector>
+
 #include "support/golden.h"
 
 namespace oraclegs {
 
 /// A stored tensor converted to float64.
-inline Buffer<float> GoldenTensor(const SafetensorsFile& file, const std::string& name) {
+inline torch::Tensor GoldenTensor(const SafetensorsFile& file, const std::string& name) {
   const std::vector<double> values = file.Values<double>(name);
   return torch::tensor(values, torch::kDouble).reshape(file.Get(name).shape);
 }
 
 /// The same as contiguous float32, for inputs.
-inline Buffer<float> GoldenFloat(const SafetensorsFile& file, const std::string& name) {
+inline torch::Tensor GoldenFloat(const SafetensorsFile& file, const std::string& name) {
   return GoldenTensor(file, name).to(torch::kFloat);
 }
 
 /// |x - ref|_2 / |ref|_2 in double.
-inline double RelativeL2(const Buffer<float>& x, const Buffer<float>& ref) {
-  const Buffer<float> r = ref.to(torch::kDouble);
+inline double RelativeL2(const torch::Tensor& x, const torch::Tensor& ref) {
+  const torch::Tensor r = ref.to(torch::kDouble);
   return ((x.to(torch::kDouble) - r).norm() / r.norm()).item<double>();
 }
 
-inline double MaxAbsError(const Buffer<float>& x, const Buffer<float>& ref) {
+inline double MaxAbsError(const torch::Tensor& x, const torch::Tensor& ref) {
   return (x.to(torch::kDouble) - ref.to(torch::kDouble)).abs().max().item<double>();
 }
 
