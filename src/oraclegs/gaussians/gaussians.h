@@ -12,7 +12,7 @@ static_assert(kShFloats == 3 * kShCoefficients);
 /// Coefficients of spherical harmonics up to `degree`.
 inline constexpr int ShCount(int degree) { return (degree + 1) * (degree + 1); }
 
-/// The raw, unconstrained parameters of N Gaussians (spec/gaussian_core.md 2): float32 buffers on one
+/// The raw, unconstrained parameters of N Gaussians (docs/method.md#gaussian-parameters): float32 buffers on one
 /// device. Also used for anything of the same layout: gradients, moments.
 struct Gaussians {
   Buffer<float> means;           ///< [N,3] world units

@@ -1,5 +1,5 @@
 #pragma once
-// Where the Gaussians start (spec/gaussian_core.md 8).
+// Where the Gaussians start (docs/method.md#initialisation).
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -32,7 +32,7 @@ PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uin
 std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device = kCpu);
 
 struct InitializeOptions {
-  double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([MCMC]'s 0.1; [3DGS] has 1)
+  double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([Kheradmand 2024]: 0.1; [Kerbl 2023]: 1)
   double opacity = 0.5;       ///< start opacity
   double flatness = 1;        ///< thickness along the normal, of the other two scales; where a normal is known
 };

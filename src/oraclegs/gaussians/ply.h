@@ -1,5 +1,5 @@
 #pragma once
-// The de-facto 3DGS point cloud file (spec/gaussian_core.md 7).
+// The de-facto 3DGS point cloud file (docs/method.md#ply-and-checkpoint).
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// The constants of the rasteriser (spec/gaussian_core.md 3, 4), each once. Plain floats, so that kernels of every
-// device can include this.
+// The constants of the rasteriser (docs/method.md#projection, #blending), each once. Plain floats, so that kernels of
+// every device can include this.
 
 namespace oraclegs {
 

@@ -1,19 +1,13 @@
 #include "oraclegs/render/render.h"
 
-#include "oraclegs/core/config.h"
-#include "oraclegs/render/cpu/cpu_rasterizer.h"
-#if defined(ORACLEGS_CUDA)
-#include "oraclegs/render/cuda/cuda_rasterizer.h"
-#endif
-
 namespace oraclegs {
 
-std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
-  if (device.is_cpu()) return cpu::MakeCpuRasterizer();
-#if defined(ORACLEGS_CUDA)
-  if (device.is_cuda()) return std::make_unique<cuda::CudaRasterizer>(device);
-#endif
-  throw UsageError("this build has no rasteriser for '{}'; use --device cpu", device.Name());
+void GradientConsumer::ConsumeBlock(int64_t, int64_t, const GaussianRows&) {
+  throw ShapeError("this consumer of gradients does not work on a CPU");
+}
+
+void GradientConsumer::ConsumeOnDevice(const cuda::GaussianBackwardInput&) {
+  throw ShapeError("this consumer of gradients does not work on a GPU");
 }
 
 }  // namespace oraclegs

@@ -1,19 +1,22 @@
 #pragma once
-// The one rasteriser interface. Semantics: spec/gaussian_core.md 3 to 6; what runs underneath is the device's affair.
+// The one rasteriser interface. Semantics: docs/method.md#projection to #colour-gradient; make_rasterizer.h makes the
+// one of a device.
 
 #include <array>
-#include <memory>
 
 #include "oraclegs/camera/camera.h"
-#include "oraclegs/core/function_ref.h"
 #include "oraclegs/gaussians/gaussians.h"
 
 namespace oraclegs {
 
+namespace cuda {
+struct GaussianBackwardInput;  // render/cuda/splats.h
+}
+
 struct RenderOptions {
   std::array<float, 3> background{0, 0, 0};  ///< RGB, [0, 1]
   int sh_degree = kMaxShDegree;              ///< active degree, 0..3; higher coefficients are neither read nor written
-  bool antialiased = false;                  ///< opacity compensation (3.8); a model is rendered as it was trained
+  bool antialiased = false;                  ///< docs/method.md#antialiasing; a model is rendered as it was trained
   /// [N] float32, finite and >= 0, undefined = 1: multiplies each Gaussian's opacity for this render. 0 leaves the
   /// Gaussian out, without gradient. The product may exceed 1, alpha is capped as ever. Gradients are those of the raw
   /// parameters; the factors get none. Read by Forward only.
@@ -39,17 +42,32 @@ struct RenderGrads {
   Buffer<float> inv_depth;  ///< [H,W]
 };
 
-/// Takes the gradients of Gaussians [begin, end); see Rasterizer::BackwardBlocks.
-using GradConsumer = FunctionRef<void(int64_t begin, int64_t end, const GaussianRows& grads)>;
-
 /// Blocks of gradients begin at multiples of this many Gaussians. Parameters, moments and gradients of so many are 60
 /// KB: they stay in the nearest caches while they are worked on.
 inline constexpr int64_t kGradBlock = 64;
 
+/// Uses the gradients of a backward pass where they are computed, so that they never go through main memory: an
+/// optimiser's step. A rasteriser calls the function of its device; the other one throws ShapeError unless overridden.
+class GradientConsumer {
+ public:
+  virtual ~GradientConsumer() = default;
+
+  /// CPU: called once for each block of Gaussians, from several threads at once and in any order; the blocks depend on
+  /// the number of Gaussians only, cover all of them and begin at multiples of kGradBlock. `grads` holds dL/d(raw
+  /// parameter) of Gaussians [begin, end), row 0 belonging to `begin`; rows of unseen Gaussians are zero, coefficients
+  /// of sh above the active degree hold anything. It is valid during the call, the consumer's to overwrite. The
+  /// consumer may change Gaussians [begin, end) themselves, no others, and may not move their buffers.
+  virtual void ConsumeBlock(int64_t begin, int64_t end, const GaussianRows& grads);
+
+  /// GPU: called once. Queues RunGaussianBackward (render/cuda/gaussian_backward-inl.cuh) with `in`, which computes
+  /// each Gaussian's gradient in registers and hands it to device code of the consumer's.
+  virtual void ConsumeOnDevice(const cuda::GaussianBackwardInput& in);
+};
+
 /// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
 struct RenderTimings {
   double project = 0, bin = 0, blend = 0;  ///< Forward
-  double blend_backward = 0;               ///< Backward or BackwardBlocks
+  double blend_backward = 0;               ///< Backward or BackwardInto
   double gaussian_backward = 0;            ///< the same, with what the consumer does
 };
 
@@ -59,6 +77,7 @@ struct RenderStats {
   int64_t tile_pairs = 0;            ///< (tile, Gaussian) pairs
   int64_t pixel_pairs = 0;           ///< (pixel, Gaussian) pairs evaluated by the forward blend
   int64_t pixel_pairs_backward = 0;  ///< by the backward blend
+  int64_t device_bytes = 0;          ///< memory of a GPU held now, without the images; 0 of a CPU's
 };
 
 /// Renders Gaussians and differentiates the render. One object serves one thread of work; its buffers grow to the
@@ -75,20 +94,14 @@ class Rasterizer {
   /// of unseen Gaussians are zero). Of grads.sh only coefficients of the active degree are written.
   virtual void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) = 0;
 
-  /// The same, a block of Gaussians at a time, for whoever needs the gradients only once: they never go through main
-  /// memory. Calls consume(begin, end, grads) once for each block, from several threads at once and in any order; the
-  /// blocks depend on the number of Gaussians only, cover all of them and begin at multiples of kGradBlock.
-  /// grads, on the device of the Gaussians, holds the rows of [begin, end), row 0 belonging to `begin`; rows of unseen
-  /// Gaussians are zero, coefficients of sh above the active degree hold anything. It is valid during the call, the
-  /// consumer's to overwrite. The consumer may change Gaussians [begin, end) themselves, no others, and may not move
-  /// their tensors.
-  virtual void BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) = 0;
+  /// The same gradients, handed to `consumer` instead of being written.
+  virtual void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) = 0;
+
+  /// Takes the memory for so many Gaussians now, on a GPU. Throws OutOfMemory.
+  virtual void ReserveGaussians(int64_t) {}
 
   virtual RenderTimings timings() const = 0;
   virtual RenderStats stats() const = 0;
 };
-
-/// The rasteriser of a device. Throws UsageError when this build has none for it.
-std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
 }  // namespace oraclegs

@@ -1,4 +1,5 @@
-// Real spherical harmonics to degree 3 and their gradient (spec/gaussian_core.md 5). F as in splat_math-inl.h.
+// Real spherical harmonics to degree 3 and their gradient (docs/method.md#spherical-harmonics). F as in
+// splat_math-inl.h.
 
 #if defined(ORACLEGS_RENDER_SH_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ORACLEGS_RENDER_SH_MATH_INL_H_

@@ -1,4 +1,5 @@
-// The mathematics of one Gaussian: projection, colour, and their derivatives (spec/gaussian_core.md 2, 3, 5, 6).
+// The mathematics of one Gaussian: projection, colour, and their derivatives (docs/method.md#gaussian-parameters to
+// #colour-gradient).
 //
 // One body for everybody. F is the number type: float or double on the host and in CUDA threads, a SIMD vector in
 // cpu/project.cpp. It needs + - * /, unary -, construction from float, comparisons that give a mask type, and the
@@ -32,7 +33,7 @@ struct SplatCamera {
   T t[3];                        ///< translation
   T eye[3];                      ///< centre, -R' t
   T fx, fy, cx, cy;              ///< pixels
-  T min_u, max_u, min_v, max_v;  ///< clamp of the linearisation point (3.3)
+  T min_u, max_u, min_v, max_v;  ///< clamp of the linearisation point (docs/method.md#projection)
 };
 
 /// Raw parameters of one Gaussian without SH.
@@ -116,7 +117,7 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
     c.n0[j] = jx * (c.m[j] - c.cu * c.m[6 + j]);
     c.n1[j] = jy * (c.m[3 + j] - c.cv * c.m[6 + j]);
   }
-  // Cauchy-Binet keeps the determinant of needles free of cancellation (spec 3, numerics).
+  // Cauchy-Binet keeps the determinant of needles free of cancellation (docs/method.md#projection).
   const F k0 = c.n0[1] * c.n1[2] - c.n0[2] * c.n1[1];
   const F k1 = c.n0[2] * c.n1[0] - c.n0[0] * c.n1[2];
   const F k2 = c.n0[0] * c.n1[1] - c.n0[1] * c.n1[0];
@@ -134,7 +135,7 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
   return c;
 }
 
-/// Sections 3.1 to 3.8. Values are meaningless where z <= kNearPlane.
+/// docs/method.md#projection. Values are meaningless where z <= kNearPlane.
 template <class F, class T>
 ORACLEGS_HD inline ProjectedSplat<F> Project(const SplatChain<F>& c, const SplatCamera<T>& camera) {
   const F inv_det = F(1.f) / c.det;
@@ -161,8 +162,8 @@ struct RawGrad {
   F qw, qx, qy, qz, logit;
 };
 
-/// Sections 6.2, 6.3, 6.5: the adjoint of EvaluateChain and Project. The colour's part of d/d(mean) is added by the
-/// caller. With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
+/// docs/method.md#gaussian-gradient: the adjoint of EvaluateChain and Project. The colour's part of d/d(mean) is added
+/// by the caller. With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
 template <class F, class T>
 ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera, bool antialiased,
                                               const ProjectedGrad<F>& g) {

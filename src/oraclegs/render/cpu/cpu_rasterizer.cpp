@@ -105,7 +105,7 @@ class CpuRasterizer final : public Rasterizer {
     timings_.project = clock.Lap();
 
     lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
-    stats_ = {lists_.visible, lists_.pairs, 0, 0};
+    stats_ = {lists_.visible, lists_.pairs};
     timings_.bin = clock.Lap();
 
     output_ = {image_.Get({camera.height, camera.width, 3}), alpha_.Get({camera.height, camera.width}),
@@ -144,13 +144,13 @@ class CpuRasterizer final : public Rasterizer {
     timings_.gaussian_backward = clock.Lap();
   }
 
-  void BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) override {
+  void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) override {
     const GradInput in = BlendBackward(gaussians, upstream);
     StageClock clock;
     ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
       BlockGrads grads;
       ProjectSplatsBackward(input_, in, begin, end, grads.Rows());
-      consume(begin, end, grads.Rows());
+      consumer->ConsumeBlock(begin, end, grads.Rows());
     });
     timings_.gaussian_backward = clock.Lap();
   }

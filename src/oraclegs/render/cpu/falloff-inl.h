@@ -19,7 +19,8 @@ namespace oraclegs::HWY_NAMESPACE {
 inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(1/255)
 
 /// 2^x in the lanes of `where`, where |x| < 126, and 0 elsewhere. The polynomial is the minimax one of degree 4 for 2^f
-/// on [0, 1): relative error 2.6e-6, 2.9e-6 with rounding; the fixtures ask for 1e-5 (spec 12).
+/// on [0, 1): relative error 2.6e-6, 2.9e-6 with rounding; the reference numbers ask for 1e-5
+/// (docs/method.md#tolerances).
 HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
   const FloatTag d;
 #if HWY_TARGET <= HWY_AVX3
@@ -56,7 +57,7 @@ struct HWY_ALIGN Segment {
   int32_t positions[cpu::kBlocksPerTile][kSize + 16];  // not 1024 bytes apart: they would share cache sets
   int counts[cpu::kBlocksPerTile];
 
-  /// alpha of splat i (spec 4) at pixels x, y: 0 where it is below 1/255, at most 0.99.
+  /// alpha of splat i (docs/method.md#blending) at pixels x, y: 0 where it is below 1/255, at most 0.99.
   HWY_INLINE FloatVec Alpha(int i, FloatVec x, FloatVec y) const {
     const FloatVec e = Log2Alpha(i, x, y);
     return CappedAlpha(hn::Ge(e, hn::Set(FloatTag(), kLog2AlphaMin)), e);

@@ -97,7 +97,7 @@ struct TileWork {
   int64_t index;             ///< among the image's tiles
 };
 
-/// Blends one tile's list, near to far (spec/gaussian_core.md 4). Returns how many pixel-Gaussian pairs it evaluated:
+/// Blends one tile's list, near to far (docs/method.md#blending). Returns how many pixel-Gaussian pairs it evaluated:
 /// 16 for each block and Gaussian that reaches it, until the block is opaque.
 int64_t BlendTile(const TileWork& tile, const BlendImage& out);
 

@@ -68,7 +68,8 @@ HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coe
 }
 
 /// Tile rectangles of the lanes' ellipses alpha >= 1/255: centre and half extents in pixels. Exact but for rounding,
-/// which widens them (spec 4). Empty where not `visible` or outside the image. Returns whether any is not.
+/// which widens them (docs/method.md#tiles-and-sorting). Empty where not `visible` or outside the image. Returns
+/// whether any is not.
 HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2], const Lanes (&half)[2],
                            LanesMask visible, int count, cpu::TileRect* rects) {
   const IntTag di;
@@ -266,7 +267,8 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
   }
 }
 
-/// Gradient rows of SH, from lane 0's on, and the part of d/d(mean) that comes through the viewing direction (6.4).
+/// Gradient rows of SH, from lane 0's on, and the part of d/d(mean) that comes through the viewing direction
+/// (docs/method.md#colour-gradient).
 HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
                                      const LaneGroup& group, float* sh_rows) {
   const SplatCamera<float> camera = CameraOf(in);

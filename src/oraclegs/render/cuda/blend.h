@@ -1,5 +1,5 @@
 #pragma once
-// Stage 3: blending (spec/gaussian_core.md 4) and its adjoint (6.1).
+// Stage 3: blending (docs/method.md#blending) and its adjoint (#blending-gradient).
 
 #include "oraclegs/render/cuda/splats.h"
 

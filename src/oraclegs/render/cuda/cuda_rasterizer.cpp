@@ -1,6 +1,9 @@
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 
 #include "oraclegs/render/constants.h"
+#include "oraclegs/render/cuda/gaussian_backward.h"
+#include "oraclegs/render/cuda/raster_core.h"
+#include "oraclegs/render/image_buffer.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -38,106 +41,112 @@ Parameters MakeParameters(const Gaussians& g) {
   return {rows.means, rows.log_scales, rows.quats, rows.opacity_logits, rows.sh, nullptr, g.size()};
 }
 
-void Use(Device device) { UseDevice(device.index); }
-
 /// The device's default stream; the device is the one that memory is taken from afterwards.
 cudaStream_t StreamOf(Device device) {
-  Use(device);
+  UseDevice(device.index);
   return nullptr;
 }
 
+class CudaRasterizer final : public Rasterizer {
+ public:
+  explicit CudaRasterizer(Device device)
+      : device_(device),
+        core_(StreamOf(device)),
+        image_(device, kImages),
+        alpha_(device, kImages),
+        inv_depth_(device, kImages) {}
+
+  RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
+                       RenderPass pass) override {
+    constexpr const char* kWho = "Rasterizer::Forward";
+    gaussians.Check(kWho);
+    gaussians.ForEach([&](const char* name, const Buffer<float>& t) { RequireHere(kWho, name, t); });
+    if (camera.width < 1 || camera.height < 1 || camera.width > 32768 || camera.height > 32768) {
+      throw ShapeError("{}: image is {} x {}, each side must be in 1 .. 32768", kWho, camera.width, camera.height);
+    }
+    if (options.sh_degree < 0 || options.sh_degree > kMaxShDegree) {
+      throw ShapeError("{}: sh_degree is {}, must be in 0 .. {}", kWho, options.sh_degree, kMaxShDegree);
+    }
+    Parameters parameters = MakeParameters(gaussians);
+    if (options.opacity_factors.defined()) {
+      RequireShape(kWho, "opacity_factors", options.opacity_factors, {gaussians.size()});
+      RequireHere(kWho, "opacity_factors", options.opacity_factors);
+      parameters.opacity_factors = options.opacity_factors.data();
+    }
+    UseDevice(device_.index);
+    trained_size_ = -1;  // until all is in place
+    height_ = camera.height, width_ = camera.width;
+    const RenderOutput out{image_.Get({height_, width_, 3}), alpha_.Get({height_, width_}),
+                           inv_depth_.Get({height_, width_})};
+    core_.Forward(MakeView(camera, options), parameters, {out.image.data(), out.alpha.data(), out.inv_depth.data()},
+                  pass == RenderPass::kTrain);
+    if (pass == RenderPass::kTrain) trained_size_ = gaussians.size();
+    return out;
+  }
+
+  void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
+    grads->Check("Rasterizer::Backward, grads");
+    if (grads->size() != gaussians.size()) {
+      throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
+    }
+    grads->ForEach(
+        [&](const char* name, const Buffer<float>& t) { RequireHere("Rasterizer::Backward, grads", name, t); });
+    WriteGaussianGrads(BlendBackward(gaussians, upstream), grads->Rows());
+    core_.EndBackward();
+  }
+
+  void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) override {
+    consumer->ConsumeOnDevice(BlendBackward(gaussians, upstream));
+    core_.EndBackward();
+  }
+
+  void ReserveGaussians(int64_t n) override { core_.ReserveGaussians(n); }
+
+  RenderTimings timings() const override {
+    const StageTimes t = core_.times();
+    return {t.project, t.bin, t.blend, t.blend_backward, t.gaussian_backward};
+  }
+
+  RenderStats stats() const override {
+    const Counters c = core_.counters();
+    return {static_cast<int64_t>(c.visible), static_cast<int64_t>(c.pairs), static_cast<int64_t>(c.pixel_pairs),
+            static_cast<int64_t>(c.pixel_pairs_backward), core_.bytes()};
+  }
+
+ private:
+  void RequireHere(const char* who, const char* name, const Buffer<float>& t) const {
+    if (t.device() == device_) return;
+    throw ShapeError("{}: {} is on {}, expected on {}", who, name, t.device().Name(), device_.Name());
+  }
+
+  const float* PlaneOrNull(const char* name, const Buffer<float>& t, std::initializer_list<int64_t> shape) const {
+    if (!t.defined()) return nullptr;
+    RequireShape("Rasterizer::Backward", name, t, shape);
+    RequireHere("Rasterizer::Backward", name, t);
+    return t.data();
+  }
+
+  /// The backward pass up to the gradients of Gaussians on the image plane.
+  GaussianBackwardInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
+    if (gaussians.size() != trained_size_) {
+      throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
+                       trained_size_);
+    }
+    UseDevice(device_.index);
+    return core_.BlendBackward(MakeParameters(gaussians),
+                               {PlaneOrNull("upstream.image", upstream.image, {height_, width_, 3}),
+                                PlaneOrNull("upstream.alpha", upstream.alpha, {height_, width_}),
+                                PlaneOrNull("upstream.inv_depth", upstream.inv_depth, {height_, width_})});
+  }
+
+  Device device_;
+  RasterCore core_;
+  ImageBuffer image_, alpha_, inv_depth_;
+  int64_t trained_size_ = -1, height_ = 0, width_ = 0;
+};
+
 }  // namespace
 
-CudaRasterizer::CudaRasterizer(Device device)
-    : device_(device),
-      core_(StreamOf(device)),
-      image_(device, kImages),
-      alpha_(device, kImages),
-      inv_depth_(device, kImages) {}
-
-void CudaRasterizer::RequireHere(const char* who, const char* name, const Buffer<float>& t) const {
-  if (t.device() == device_) return;
-  throw ShapeError("{}: {} is on {}, expected on {}", who, name, t.device().Name(), device_.Name());
-}
-
-const float* CudaRasterizer::PlaneOrNull(const char* name, const Buffer<float>& t,
-                                         std::initializer_list<int64_t> shape) const {
-  if (!t.defined()) return nullptr;
-  RequireShape("Rasterizer::Backward", name, t, shape);
-  RequireHere("Rasterizer::Backward", name, t);
-  return t.data();
-}
-
-RenderOutput CudaRasterizer::Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
-                                     RenderPass pass) {
-  constexpr const char* kWho = "Rasterizer::Forward";
-  gaussians.Check(kWho);
-  gaussians.ForEach([&](const char* name, const Buffer<float>& t) { RequireHere(kWho, name, t); });
-  if (camera.width < 1 || camera.height < 1 || camera.width > 32768 || camera.height > 32768) {
-    throw ShapeError("{}: image is {} x {}, each side must be in 1 .. 32768", kWho, camera.width, camera.height);
-  }
-  if (options.sh_degree < 0 || options.sh_degree > kMaxShDegree) {
-    throw ShapeError("{}: sh_degree is {}, must be in 0 .. {}", kWho, options.sh_degree, kMaxShDegree);
-  }
-  Parameters parameters = MakeParameters(gaussians);
-  if (options.opacity_factors.defined()) {
-    RequireShape(kWho, "opacity_factors", options.opacity_factors, {gaussians.size()});
-    RequireHere(kWho, "opacity_factors", options.opacity_factors);
-    parameters.opacity_factors = options.opacity_factors.data();
-  }
-  Use(device_);
-  trained_size_ = -1;  // until all is in place
-  height_ = camera.height, width_ = camera.width;
-  const RenderOutput out{image_.Get({height_, width_, 3}), alpha_.Get({height_, width_}),
-                         inv_depth_.Get({height_, width_})};
-  core_.Forward(MakeView(camera, options), parameters, {out.image.data(), out.alpha.data(), out.inv_depth.data()},
-                pass == RenderPass::kTrain);
-  if (pass == RenderPass::kTrain) trained_size_ = gaussians.size();
-  return out;
-}
-
-GaussianBackwardInput CudaRasterizer::BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
-  if (gaussians.size() != trained_size_) {
-    throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
-                     trained_size_);
-  }
-  Use(device_);
-  return core_.BlendBackward(MakeParameters(gaussians),
-                             {PlaneOrNull("upstream.image", upstream.image, {height_, width_, 3}),
-                              PlaneOrNull("upstream.alpha", upstream.alpha, {height_, width_}),
-                              PlaneOrNull("upstream.inv_depth", upstream.inv_depth, {height_, width_})});
-}
-
-void CudaRasterizer::Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) {
-  grads->Check("Rasterizer::Backward, grads");
-  if (grads->size() != gaussians.size()) {
-    throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
-  }
-  grads->ForEach(
-      [&](const char* name, const Buffer<float>& t) { RequireHere("Rasterizer::Backward, grads", name, t); });
-  WriteGaussianGrads(BlendBackward(gaussians, upstream), grads->Rows(), stream());
-  EndBackward();
-}
-
-void CudaRasterizer::BackwardBlocks(const Gaussians& gaussians, const RenderGrads& upstream, GradConsumer consume) {
-  const int64_t n = gaussians.size();
-  if (block_.size() != n) {
-    block_ = {};  // first, so that two are never held at once
-    block_ = Gaussians::Empty(n, device_);
-  }
-  Backward(gaussians, upstream, &block_);
-  if (n > 0) consume(0, n, block_.Rows());
-}
-
-RenderTimings CudaRasterizer::timings() const {
-  const StageTimes t = core_.times();
-  return {t.project, t.bin, t.blend, t.blend_backward, t.gaussian_backward};
-}
-
-RenderStats CudaRasterizer::stats() const {
-  const Counters c = core_.counters();
-  return {static_cast<int64_t>(c.visible), static_cast<int64_t>(c.pairs), static_cast<int64_t>(c.pixel_pairs),
-          static_cast<int64_t>(c.pixel_pairs_backward)};
-}
+std::unique_ptr<Rasterizer> MakeCudaRasterizer(Device device) { return std::make_unique<CudaRasterizer>(device); }
 
 }  // namespace oraclegs::cuda

@@ -11,7 +11,6 @@
 // lanes have neighbouring floats. Both may change row i of the parameters, and no other: TakeSh that of sh, TakeSmall
 // the rest.
 
-#include "oraclegs/render/cuda/gaussian_backward.h"
 #include "oraclegs/render/cuda/warp-inl.cuh"
 
 namespace oraclegs::cuda {
@@ -126,11 +125,12 @@ __global__ void __launch_bounds__(kShThreads) GaussianBackwardKernel(GaussianBac
   }
 }
 
-/// Computes all gradients and hands them to copies of `consumer`. `name` stands in errors.
+/// Queues the stage on its stream: computes all gradients and hands them to copies of `consumer`. `name` stands in
+/// errors.
 template <class Consumer>
-void RunGaussianBackward(const char* name, const GaussianBackwardInput& in, const Consumer& consumer,
-                         cudaStream_t stream) {
-  Launch(name, GaussianBackwardKernel<Consumer>, LaunchShape::For(in.parameters.n, kShThreads), stream, in, consumer);
+void RunGaussianBackward(const char* name, const GaussianBackwardInput& in, const Consumer& consumer) {
+  Launch(name, GaussianBackwardKernel<Consumer>, LaunchShape::For(in.parameters.n, kShThreads), in.stream, in,
+         consumer);
 }
 
 }  // namespace oraclegs::cuda

@@ -31,9 +31,9 @@ struct WriteRows {
 
 }  // namespace
 
-void WriteGaussianGrads(const GaussianBackwardInput& in, const GaussianRows& grads, cudaStream_t stream) {
+void WriteGaussianGrads(const GaussianBackwardInput& in, const GaussianRows& grads) {
   const int floats = 3 * (in.view.sh_degree + 1) * (in.view.sh_degree + 1);
-  RunGaussianBackward("gradients of Gaussians", in, WriteRows{grads, floats}, stream);
+  RunGaussianBackward("gradients of Gaussians", in, WriteRows{grads, floats});
 }
 
 }  // namespace oraclegs::cuda

@@ -141,7 +141,7 @@ GaussianBackwardInput RasterCore::BlendBackward(const Parameters& parameters, co
                        {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)}};
   cuda::BlendBackward({forward, kept, upstream, sorted_numbers_.data(), buckets}, records(), counters_.data(), stream_);
   blended_backward_.Record(stream_);
-  return {view_, parameters, begins_.data(), counts_.data(), records()};
+  return {view_, parameters, begins_.data(), counts_.data(), records(), stream_};
 }
 
 void RasterCore::EndBackward() {

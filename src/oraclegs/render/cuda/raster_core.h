@@ -7,7 +7,7 @@
 
 #include "oraclegs/core/cuda/sort_scan.h"
 #include "oraclegs/render/cuda/blend.h"
-#include "oraclegs/render/cuda/gaussian_backward.h"
+#include "oraclegs/render/cuda/splats.h"
 
 namespace oraclegs::cuda {
 

@@ -20,8 +20,9 @@ inline constexpr int kStateFloats = 5;   ///< of a pixel at the start of a bucke
 
 /// A camera and how to render, as kernels take it.
 struct View {
-  float r[9], t[3], eye[3];                          ///< world to camera, row-major; centre
-  float fx, fy, cx, cy, min_u, max_u, min_v, max_v;  ///< pixels; clamp of the linearisation point (spec 3.3)
+  float r[9], t[3], eye[3];  ///< world to camera, row-major; centre
+  float fx, fy, cx, cy, min_u, max_u, min_v,
+      max_v;  ///< pixels; clamp of the linearisation point (docs/method.md#projection)
   int width, height, tiles_x, tiles_y;
   int sh_degree;
   bool antialiased;
@@ -90,6 +91,15 @@ struct BucketStates {
   Bucket* buckets;
   float* states;      ///< [buckets, kStateFloats, 256]
   uint32_t capacity;  ///< buckets; what comes later is counted only
+};
+
+/// What the last stage, the gradients of Gaussians, reads. Valid until the next Forward.
+struct GaussianBackwardInput {
+  View view;
+  Parameters parameters;
+  const uint32_t *begins, *counts;  ///< [n] pairs of each Gaussian: number of the first, how many
+  const float* records;             ///< [pairs, kRecord], see BlendBackward
+  cudaStream_t stream;              ///< where the stage is queued
 };
 
 }  // namespace oraclegs::cuda

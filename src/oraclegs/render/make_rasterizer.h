@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include "oraclegs/render/render.h"
+
+namespace oraclegs {
+
+/// The rasteriser of a device. Throws UsageError when this build has none for it.
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
+
+}  // namespace oraclegs
