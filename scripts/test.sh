@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, checks the format and the house rules, runs every test. Arguments go to ctest, e.g.
-#   scripts/test.sh -R core
-# With CI=true the output is plain, warnings are errors whatever the build folder was configured with before, and nvcc, where
-# there is one, compiles and links the device code, too, which else is compiled for the emulated device only. It is left out when
-# all before took a quarter of an hour (an empty compiler cache), since CI has 25 minutes. ORACLEGS_NVCC=1: in any case, 0: never.
+# Installs what is missing, builds, checks the format and the house rules, runs every test; then the same of the engine with
+# sanitizers and without optimisation, and compiles the device code with nvcc where there is one.
+#   scripts/test.sh                  everything
+#   scripts/test.sh -R render        the optimised build alone; arguments go to ctest
+# ORACLEGS_NVCC=0 leaves nvcc out, ORACLEGS_NVCC=1 fails without one. CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,22 +12,34 @@ if [[ ${CI:-} == true ]]; then
   configure+=(-DORACLEGS_WERROR=ON)
   export CLICOLOR=0 GTEST_COLOR=no GTEST_BRIEF=1
 fi
+PATH=$PATH:/usr/local/cuda/bin
+
+step() { echo "== $1 ($((SECONDS / 60)):$(printf %02d $((SECONDS % 60))))"; }
+
+# run PRESET CTEST_ARGUMENTS...: configures, builds, tests.
+run() {
+  local preset=$1
+  shift
+  step "preset $preset"
+  cmake --preset "$preset" "${configure[@]}" >/dev/null
+  cmake --build --preset "$preset" --parallel "$(nproc)"
+  ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "$@"
+}
 
 scripts/bootstrap.sh
 scripts/format.sh --check
 python3 scripts/check_house_test.py --quiet
+cmake --preset release "${configure[@]}" >/dev/null
 python3 scripts/check_house.py
-cmake --preset release "${configure[@]}"
-cmake --build --preset release --parallel "$(nproc)"
-ctest --preset release --parallel "$(nproc)" --no-tests=error "$@"
+run release "$@"
+(($# == 0)) || exit 0
 
-wants_nvcc=${ORACLEGS_NVCC:-}
-if [[ -z $wants_nvcc && ${CI:-} == true ]] && PATH=$PATH:/usr/local/cuda/bin command -v nvcc >/dev/null; then
-  wants_nvcc=$((SECONDS < 900))
-  ((wants_nvcc)) || echo "Device code is not compiled with nvcc: $((SECONDS / 60)) minutes have passed"
-fi
-if [[ $wants_nvcc == 1 ]]; then  # for a real device; running it needs a GPU
-  cmake --preset cuda -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
-  cmake --build --preset cuda --parallel "$(nproc)" --target cuda_tests
+run asan
+run debug
+if [[ ${ORACLEGS_NVCC:-} != 0 ]] && { [[ ${ORACLEGS_NVCC:-} == 1 ]] || command -v nvcc >/dev/null; }; then
+  step "preset cuda"  # for a real device; running it needs a GPU
+  cmake --preset cuda -DORACLEGS_NETWORKS=OFF -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
+  cmake --build --preset cuda --parallel "$(nproc)" --target cuda_tests gpu_bench
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
 fi
+step "all passed"

@@ -46,7 +46,7 @@ class Pool {
     const std::unique_lock region(region_mutex_, std::try_to_lock);
     if (!region) return false;
     if (chunks_.size() < static_cast<size_t>(threads)) chunks_ = std::vector<Chunk>(threads);
-    for (int worker_index = 0; seat < threads; ++seat) {
+    for (int worker_index = 0; worker_index < threads; ++worker_index) {
       chunks_[worker_index].next = tasks * worker_index / threads;
       chunks_[worker_index].end = tasks * (worker_index + 1) / threads;
     }
