@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/safetensors.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
