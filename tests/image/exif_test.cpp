@@ -1,6 +1,6 @@
 #include "oraclegs/image/exif.h"
 
-#include "scene/jpeg_files.h"
+#include "image/jpeg_files.h"
 
 namespace oraclegs {
 namespace {
@@ -14,8 +14,8 @@ struct OrientationCase {
   std::vector<uint8_t> upright;
 };
 
-TEST(Exif, EveryOrientationIsUndone) {
-  // What EXIF says about the stored picture's first row and first column: 1 top left, 2 top right, 3 bottom right,
+TEST(ApplyOrientation, UndoesEveryOrientation) {
+  // What EXIF says about the stored image's first row and first column: 1 top left, 2 top right, 3 bottom right,
   // 4 bottom left, 5 left top, 6 right top, 7 right bottom, 8 left bottom.
   const OrientationCase cases[] = {{1, 3, {0, 1, 2, 3, 4, 5}}, {2, 3, {2, 1, 0, 5, 4, 3}}, {3, 3, {5, 4, 3, 2, 1, 0}},
                                    {4, 3, {3, 4, 5, 0, 1, 2}}, {5, 2, {0, 3, 1, 4, 2, 5}}, {6, 2, {3, 0, 4, 1, 5, 2}},
@@ -29,21 +29,21 @@ TEST(Exif, EveryOrientationIsUndone) {
   }
 }
 
-TEST(Exif, ChannelsStayTogether) {
+TEST(ApplyOrientation, KeepsChannelsTogether) {
   const Image8 pair{2, 1, 3, {1, 2, 3, 4, 5, 6}};
   EXPECT_EQ(ApplyOrientation(pair, 2).data, (std::vector<uint8_t>{4, 5, 6, 1, 2, 3}));
 }
 
-TEST(Exif, BothByteOrdersAreRead) {
+TEST(ReadJpegMetadata, ReadsBothByteOrders) {
   for (const bool big_endian : {false, true}) {
     for (int orientation = 1; orientation <= 8; ++orientation) {
       const std::string jpeg = "\xFF\xD8" + ExifSegment(orientation, big_endian) + "\xFF\xD9";
-      EXPECT_EQ(ReadJpegNotes(jpeg).orientation, orientation) << big_endian;
+      EXPECT_EQ(ReadJpegMetadata(jpeg).orientation, orientation) << big_endian;
     }
   }
 }
 
-TEST(Exif, OtherSegmentsAndFillBytesAreStepped) {
+TEST(ReadJpegMetadata, SkipsOtherSegmentsAndFillBytes) {
   const std::string other(
       "\xFF\xE0\x00\x05"
       "abc",
@@ -52,35 +52,35 @@ TEST(Exif, OtherSegmentsAndFillBytesAreStepped) {
       "\xFF\xEE\x00\x0E"
       "Adobe\0\0\0\0\0\0\0",
       16);
-  const JpegMetadata notes = ReadJpegNotes("\xFF\xD8" + other + "\xFF\xFF" + ExifSegment(6, true) + adobe);
-  EXPECT_EQ(notes.orientation, 6);
-  EXPECT_TRUE(notes.has_adobe_mark);
+  const JpegMetadata metadata = ReadJpegMetadata("\xFF\xD8" + other + "\xFF\xFF" + ExifSegment(6, true) + adobe);
+  EXPECT_EQ(metadata.orientation, 6);
+  EXPECT_TRUE(metadata.has_adobe_mark);
 }
 
-TEST(Exif, WhatStandsInTheScanIsNotRead) {
+TEST(ReadJpegMetadata, StopsAtTheScan) {
   const std::string scan("\xFF\xDA\x00\x02", 4);
-  EXPECT_EQ(ReadJpegNotes("\xFF\xD8" + scan + ExifSegment(6, true)).orientation, 1);
+  EXPECT_EQ(ReadJpegMetadata("\xFF\xD8" + scan + ExifSegment(6, true)).orientation, 1);
 }
 
-TEST(Exif, DamageMeansUpright) {
+TEST(ReadJpegMetadata, TakesDamageAsUpright) {
   const std::string whole = "\xFF\xD8" + ExifSegment(6, false) + "\xFF\xD9";
   for (size_t length = 0; length < whole.size(); ++length) {
-    const int orientation = ReadJpegNotes(std::string_view(whole).substr(0, length)).orientation;
+    const int orientation = ReadJpegMetadata(std::string_view(whole).substr(0, length)).orientation;
     EXPECT_TRUE(orientation == 1 || length >= whole.size() - 2) << length;
   }
   for (size_t i = 2; i < whole.size(); ++i) {  // any byte, any value: the answer is one of the eight
     for (const int value : {0, 1, 9, 0x7F, 0x80, 0xFF}) {
       std::string damaged = whole;
       damaged[i] = static_cast<char>(value);
-      const int orientation = ReadJpegNotes(damaged).orientation;
+      const int orientation = ReadJpegMetadata(damaged).orientation;
       EXPECT_TRUE(orientation >= 1 && orientation <= 8) << i << " " << value;
     }
   }
 }
 
-TEST(Exif, AValueThatIsNotAnOrientationMeansUpright) {
-  EXPECT_EQ(ReadJpegNotes("\xFF\xD8" + ExifSegment(0, false)).orientation, 1);
-  EXPECT_EQ(ReadJpegNotes("\xFF\xD8" + ExifSegment(9, false)).orientation, 1);
+TEST(ReadJpegMetadata, TakesInvalidOrientationsAsUpright) {
+  EXPECT_EQ(ReadJpegMetadata("\xFF\xD8" + ExifSegment(0, false)).orientation, 1);
+  EXPECT_EQ(ReadJpegMetadata("\xFF\xD8" + ExifSegment(9, false)).orientation, 1);
 }
 
 }  // namespace

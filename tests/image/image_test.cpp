@@ -1,62 +1,19 @@
 #include "oraclegs/image/image.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "scene/jpeg_files.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/parallel.h"
 
 namespace oraclegs {
 namespace {
 
-using ::testing::HasSubstr;
-
-TEST(Image, TheFormatIsKnownByContentNotByName) {
-  const TempDir dir;
-  WriteText(dir / "really_jpeg.png", EncodeJpeg(SmoothPicture(20, 12, 3)));
-  WritePng(dir / "really_png.jpg", SmoothPicture(9, 7, 4));
-  EXPECT_EQ(ReadImage(dir / "really_jpeg.png").width, 20);
-  EXPECT_EQ(ReadImage(dir / "really_png.jpg").channels, 4);
-}
-
-TEST(Image, TheSizeFromTheHeaderIsThatOfTheUprightPicture) {
-  const TempDir dir;
-  WriteText(dir / "a.jpg", WithOrientation(EncodeJpeg(SmoothPicture(20, 12, 3)), 8));
-  WritePng(dir / "b.png", SmoothPicture(9, 7, 4));
-  for (const char* name : {"a.jpg", "b.png"}) {
-    int width = 0, height = 0;
-    ReadImageSize(dir / name, &width, &height);
-    const Image8 image = ReadImage(dir / name);
-    EXPECT_EQ(width, image.width) << name;
-    EXPECT_EQ(height, image.height) << name;
-  }
-  EXPECT_EQ(ReadImage(dir / "a.jpg").width, 12);
-  EXPECT_EQ(ReadImage(dir / "a.jpg", Orientation::kAsStored).width, 20);
-}
-
-TEST(Image, WhatIsNotAPictureIsAnErrorThatNamesTheFile) {
-  const TempDir dir;
-  WriteText(dir / "empty.png", "");
-  WriteText(dir / "text.png", "Dear diary");
-  WriteText(dir / "start.jpg", "\xFF\xD8\xFF");
-  WriteText(dir / "start.png", "\x89PNG\r\n\x1a\n");
-  std::filesystem::create_directories(dir / "folder.png");
-  for (const char* name : {"empty.png", "text.png", "start.jpg", "start.png", "folder.png", "missing.png"}) {
-    int width = 0, height = 0;
-    EXPECT_THAT(InputErrorOf([&] { ReadImage(dir / name); }), HasSubstr(name));
-    EXPECT_THAT(InputErrorOf([&] { ReadImageSize(dir / name, &width, &height); }), HasSubstr(name));
-  }
-  EXPECT_THAT(InputErrorOf([&] { ReadImage(dir / "text.png"); }), HasSubstr("not a JPEG or PNG"));
-  EXPECT_THAT(InputErrorOf([&] { ReadImage(dir / "empty.png"); }), HasSubstr("is empty"));
-}
-
-TEST(Image, ExtensionsInAnyCase) {
-  for (const char* name : {"a.jpg", "a.JPG", "b/a.Jpeg", "a.png", "a.b.PNG"})
-    EXPECT_TRUE(HasImageExtension(name)) << name;
-  for (const char* name : {"a.jp", "a", "a.png.txt", "png", ".png", "a.webp"})
-    EXPECT_FALSE(HasImageExtension(name)) << name;
-}
-
-TEST(Image, EightBitsSurviveTheWayThroughFloat) {
+TEST(ToFloat, RoundTripsEightBits) {
   Image8 all{16, 16, 1, {}};
   for (int i = 0; i < 256; ++i) all.data.push_back(static_cast<uint8_t>(i));
   const ImageF floats = ToFloat(all);
@@ -65,10 +22,107 @@ TEST(Image, EightBitsSurviveTheWayThroughFloat) {
   EXPECT_EQ(ToImage8(floats).data, all.data);
 }
 
-TEST(Image, ToImage8ClampsAndRoundsHalfUp) {
+TEST(ToImage8, ClampsAndRoundsHalfUp) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const ImageF image{6, 1, 1, {-1.f, 2.f, nan, 0.4999f / 255, 0.5f / 255, 254.5f / 255}};
   EXPECT_THAT(ToImage8(image).data, testing::ElementsAre(0, 255, 0, 0, 1, 255));
+}
+
+ImageF Noise(int width, int height, int channels) {
+  ImageF image{width, height, channels, std::vector<float>(static_cast<size_t>(width * height * channels))};
+  uint32_t state = 7;
+  for (float& value : image.data) {
+    state = state * 1664525u + 1013904223u;
+    value = static_cast<float>(state >> 8) / static_cast<float>(1 << 24);
+  }
+  return image;
+}
+
+double Mean(const ImageF& image) {
+  return std::accumulate(image.data.begin(), image.data.end(), 0.) / static_cast<double>(image.data.size());
+}
+
+TEST(ResizeArea, KeepsAConstant) {
+  ImageF image = Noise(13, 11, 3);
+  std::fill(image.data.begin(), image.data.end(), 0.37f);
+  for (const auto& [width, height] : {std::pair{6, 5}, {13, 4}, {1, 1}, {12, 11}, {29, 30}, {5, 20}}) {
+    const ImageF resized = ResizeArea(image, width, height);
+    ASSERT_EQ(resized.data.size(), static_cast<size_t>(width * height * 3));
+    for (const float value : resized.data) EXPECT_NEAR(value, 0.37f, 2e-7);
+  }
+}
+
+TEST(ResizeArea, KeepsTheMeanWhenShrinking) {
+  const ImageF image = Noise(37, 23, 3);
+  for (const auto& [width, height] : {std::pair{18, 11}, {36, 22}, {37, 5}, {1, 1}, {10, 23}}) {
+    EXPECT_NEAR(Mean(ResizeArea(image, width, height)), Mean(image), 1e-6) << width << " x " << height;
+  }
+}
+
+TEST(ResizeArea, AveragesFourPixelsAtHalfSize) {
+  const ImageF image = Noise(8, 6, 3);
+  const ImageF half = ResizeArea(image, 4, 3);
+  for (int y = 0; y < 3; ++y) {
+    for (int i = 0; i < 12; ++i) {
+      const int x = i / 3, c = i % 3;
+      const auto at = [&](int dx, int dy) { return image.row(2 * y + dy)[3 * (2 * x + dx) + c]; };
+      EXPECT_NEAR(half.row(y)[i], (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4, 1e-7);
+    }
+  }
+}
+
+TEST(ResizeArea, WeighsByAreaAtFractionalFactors) {
+  // 5 pixels to 2: each new one is 2.5 wide and owns half of the middle one.
+  const ImageF row{5, 1, 1, {1, 2, 4, 8, 16}};
+  const ImageF two = ResizeArea(row, 2, 1);
+  EXPECT_FLOAT_EQ(two.data[0], (1 + 2 + 4 / 2.f) / 2.5f);
+  EXPECT_FLOAT_EQ(two.data[1], (4 / 2.f + 8 + 16) / 2.5f);
+  const ImageF column{1, 5, 1, {1, 2, 4, 8, 16}};
+  EXPECT_EQ(ResizeArea(column, 1, 2).data, two.data);
+  const ImageF three = ResizeArea({4, 1, 1, {1, 2, 4, 8}}, 3, 1);
+  EXPECT_FLOAT_EQ(three.data[0], (1 + 2 / 3.f) * 0.75f);
+  EXPECT_FLOAT_EQ(three.data[1], (2 * 2 / 3.f + 4 * 2 / 3.f) * 0.75f);
+  EXPECT_FLOAT_EQ(three.data[2], (4 / 3.f + 8) * 0.75f);
+}
+
+TEST(ResizeArea, InterpolatesWhenEnlarging) {
+  const ImageF row{2, 1, 1, {0, 1}};
+  EXPECT_THAT(ResizeArea(row, 4, 1).data, testing::ElementsAre(0.f, 0.25f, 0.75f, 1.f));
+}
+
+TEST(ResizeArea, FollowsTheScaledIntrinsics) {
+  // The value at u is u; after shrinking, the pixel centre u' sees u = u' * old / new.
+  ImageF ramp{90, 2, 1, std::vector<float>(180)};
+  for (int i = 0; i < 180; ++i) ramp.data[static_cast<size_t>(i)] = static_cast<float>(i % 90) + 0.5f;
+  const ImageF third = ResizeArea(ramp, 30, 1);
+  for (int x = 0; x < 30; ++x) EXPECT_NEAR(third.data[static_cast<size_t>(x)], (x + 0.5) * 3, 1e-5);
+  const ImageF odd = ResizeArea(ramp, 40, 1);  // steps of the old pixels show, but never a shift
+  double shift = 0;
+  for (int x = 0; x < 40; ++x) {
+    const double off = odd.data[static_cast<size_t>(x)] - (x + 0.5) * 90 / 40;
+    EXPECT_LT(std::abs(off), 0.05);
+    shift += off;
+  }
+  EXPECT_NEAR(shift / 40, 0, 1e-5);
+}
+
+TEST(ResizeArea, CopiesAtTheSameSize) {
+  const ImageF image = Noise(7, 5, 4);
+  EXPECT_EQ(ResizeArea(image, 7, 5).data, image.data);
+}
+
+TEST(ResizeArea, GivesTheSameBitsForAnyThreadCount) {
+  const ImageF image = Noise(101, 203, 3);
+  SetNumThreads(1);
+  const ImageF one = ResizeArea(image, 33, 77);
+  SetNumThreads(4);
+  EXPECT_EQ(ResizeArea(image, 33, 77).data, one.data);
+  SetNumThreads(0);
+}
+
+TEST(ResizeArea, RefusesAnEmptyImage) {
+  EXPECT_THROW(ResizeArea(Noise(4, 4, 1), 0, 2), ShapeError);
+  EXPECT_THROW(ResizeArea({}, 2, 2), ShapeError);
 }
 
 }  // namespace

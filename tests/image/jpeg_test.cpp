@@ -1,6 +1,7 @@
 #include "oraclegs/image/jpeg.h"
 
-#include "scene/jpeg_files.h"
+#include "image/jpeg_files.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -20,19 +21,19 @@ int LargestDifference(const Image8& a, const Image8& b) {
   return largest;
 }
 
-TEST(Jpeg, BaselineAndProgressiveGiveThePictureBack) {
-  const Image8 picture = SmoothPicture(61, 47, 3);
+TEST(DecodeJpeg, ReadsBaselineAndProgressive) {
+  const Image8 image = SmoothImage(61, 47, 3);
   for (const int flags : {0, TJFLAG_PROGRESSIVE}) {
-    const Image8 decoded = Decode(EncodeJpeg(picture, {.flags = flags}));
+    const Image8 decoded = Decode(EncodeJpeg(image, {.flags = flags}));
     EXPECT_EQ(decoded.width, 61);
     EXPECT_EQ(decoded.height, 47);
     EXPECT_EQ(decoded.channels, 3);
-    EXPECT_LE(LargestDifference(decoded, picture), 4);
+    EXPECT_LE(LargestDifference(decoded, image), 4);
   }
 }
 
-TEST(Jpeg, GreyBecomesRgb) {
-  const Image8 grey = SmoothPicture(20, 10, 1);
+TEST(DecodeJpeg, ConvertsGreyToRgb) {
+  const Image8 grey = SmoothImage(20, 10, 1);
   const Image8 decoded = Decode(EncodeJpeg(grey, {TJPF_GRAY, TJSAMP_GRAY}));
   ASSERT_EQ(decoded.channels, 3);
   for (size_t i = 0; i < grey.data.size(); ++i) {
@@ -41,7 +42,7 @@ TEST(Jpeg, GreyBecomesRgb) {
   }
 }
 
-TEST(Jpeg, CmykBecomesRgbBothWaysItIsStored) {
+TEST(DecodeJpeg, ConvertsPlainAndInvertedCmyk) {
   // libjpeg writes the values it gets and adds Adobe's mark, which says that 255 is no ink.
   Image8 cmyk{16, 16, 4, {}};
   for (int i = 0; i < 256; ++i) cmyk.data.insert(cmyk.data.end(), {200, 100, 50, 128});
@@ -60,9 +61,9 @@ TEST(Jpeg, CmykBecomesRgbBothWaysItIsStored) {
   EXPECT_NEAR(plain.data[0], (255 - luma) * (255 - 128) / 255., 3);
 }
 
-TEST(Jpeg, OrientationIsAppliedUnlessToldNotTo) {
-  const Image8 picture = SmoothPicture(40, 24, 3);
-  const std::string plain = EncodeJpeg(picture);
+TEST(DecodeJpeg, AppliesTheOrientationUnlessAsStored) {
+  const Image8 image = SmoothImage(40, 24, 3);
+  const std::string plain = EncodeJpeg(image);
   const Image8 stored = Decode(plain);
   for (int orientation = 1; orientation <= 8; ++orientation) {
     const std::string jpeg = WithOrientation(plain, orientation);
@@ -79,16 +80,16 @@ TEST(Jpeg, OrientationIsAppliedUnlessToldNotTo) {
     EXPECT_EQ(turned.data[23 * 3 + static_cast<size_t>(c)], stored.data[static_cast<size_t>(c)]);
 }
 
-TEST(Jpeg, ATruncatedFileIsAnErrorThatNamesIt) {
-  const std::string jpeg = EncodeJpeg(SmoothPicture(160, 120, 3));
+TEST(DecodeJpeg, NamesATruncatedFile) {
+  const std::string jpeg = EncodeJpeg(SmoothImage(160, 120, 3));
   for (const double share : {0.001, 0.01, 0.1, 0.5, 0.9, 0.99}) {
     const std::string part = jpeg.substr(0, std::max<size_t>(3, static_cast<size_t>(share * jpeg.size())));
-    EXPECT_THAT(InputErrorOf([&] { Decode(part); }), HasSubstr("photo.jpg: "));
+    EXPECT_THAT(MessageOf<InputError>([&] { Decode(part); }), HasSubstr("photo.jpg: "));
   }
 }
 
-TEST(Jpeg, DamageInTheScanIsAnErrorOrHarmless) {
-  const std::string jpeg = EncodeJpeg(SmoothPicture(64, 64, 3));
+TEST(DecodeJpeg, RefusesDamageInTheScan) {
+  const std::string jpeg = EncodeJpeg(SmoothImage(64, 64, 3));
   int refused = 0;
   for (size_t i = 2; i < jpeg.size(); i += 7) {
     std::string damaged = jpeg;
@@ -103,16 +104,16 @@ TEST(Jpeg, DamageInTheScanIsAnErrorOrHarmless) {
   EXPECT_GT(refused, 10);
 }
 
-TEST(Jpeg, BytesAfterTheScanAreHarmless) {
-  std::string jpeg = EncodeJpeg(SmoothPicture(64, 64, 3));
+TEST(DecodeJpeg, IgnoresBytesAfterTheScan) {
+  std::string jpeg = EncodeJpeg(SmoothImage(64, 64, 3));
   const Image8 whole = Decode(jpeg);
   jpeg.insert(jpeg.size() - 2, 5, '\0');
   EXPECT_EQ(Decode(jpeg).data, whole.data);
   EXPECT_EQ(Decode(jpeg + "trailer of a motion photo").data, whole.data);
 }
 
-TEST(Jpeg, AHeaderThatPromisesTooMuchIsRefusedBeforeMemoryIsReserved) {
-  std::string jpeg = EncodeJpeg(SmoothPicture(16, 16, 3));
+TEST(DecodeJpeg, RefusesAHeaderThatExceedsItsBytes) {
+  std::string jpeg = EncodeJpeg(SmoothImage(16, 16, 3));
   const size_t frame = jpeg.find("\xFF\xC0");
   ASSERT_NE(frame, std::string::npos);
   const auto with_size = [&](unsigned width, unsigned height) {
@@ -123,9 +124,10 @@ TEST(Jpeg, AHeaderThatPromisesTooMuchIsRefusedBeforeMemoryIsReserved) {
     changed[frame + 8] = static_cast<char>(width & 255);
     return changed;
   };
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_size(65500, 65500)); }), HasSubstr("photo.jpg: its header says 65500 x"));
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_size(9000, 9000)); }), HasSubstr("more than its bytes can hold"));
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_size(0, 16)); }), HasSubstr("photo.jpg"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_size(65500, 65500)); }),
+              HasSubstr("photo.jpg: its header says 65500 x"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_size(9000, 9000)); }), HasSubstr("more than its bytes can hold"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_size(0, 16)); }), HasSubstr("photo.jpg"));
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 
 #include <png.h>
 
-#include "scene/jpeg_files.h"
+#include "image/jpeg_files.h"
+#include "oraclegs/image/read_image.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -49,42 +52,42 @@ std::string EncodePng(const PngFile& file) {
 
 Image8 Decode(const std::string& bytes) { return DecodePng(bytes, "photo.png"); }
 
-TEST(Png, RgbAndRgbaComeBackExactlyAlsoInterlaced) {
+TEST(DecodePng, ReadsRgbAndRgbaExactly) {
   for (const int interlace : {PNG_INTERLACE_NONE, PNG_INTERLACE_ADAM7}) {
     for (const int channels : {3, 4}) {
-      const Image8 picture = SmoothPicture(19, 13, channels);
+      const Image8 image = SmoothImage(19, 13, channels);
       const Image8 decoded = Decode(EncodePng(
-          {19, 13, 8, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, picture.data, interlace, {}, {}}));
+          {19, 13, 8, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, image.data, interlace, {}, {}}));
       EXPECT_EQ(decoded.width, 19);
       EXPECT_EQ(decoded.height, 13);
       EXPECT_EQ(decoded.channels, channels);
-      EXPECT_EQ(decoded.data, picture.data);
+      EXPECT_EQ(decoded.data, image.data);
     }
   }
 }
 
-TEST(Png, PaletteBecomesRgb) {
+TEST(DecodePng, ConvertsAPaletteToRgb) {
   const PngFile file{2, 1, 8, PNG_COLOR_TYPE_PALETTE, {1, 0}, PNG_INTERLACE_NONE, {{10, 20, 30}, {40, 50, 60}}, {}};
   const Image8 decoded = Decode(EncodePng(file));
   EXPECT_EQ(decoded.channels, 3);
   EXPECT_THAT(decoded.data, ElementsAre(40, 50, 60, 10, 20, 30));
 }
 
-TEST(Png, ATransparentPaletteEntryBecomesAlpha) {
+TEST(DecodePng, ConvertsPaletteTransparencyToAlpha) {
   const PngFile file{2, 1, 8, PNG_COLOR_TYPE_PALETTE, {1, 0}, PNG_INTERLACE_NONE, {{10, 20, 30}, {40, 50, 60}}, {7}};
   const Image8 decoded = Decode(EncodePng(file));
   EXPECT_EQ(decoded.channels, 4);
   EXPECT_THAT(decoded.data, ElementsAre(40, 50, 60, 255, 10, 20, 30, 7));
 }
 
-TEST(Png, SixteenBitsAreRoundedToEight) {
+TEST(DecodePng, RoundsSixteenBitsToEight) {
   const std::vector<uint8_t> data{0x00, 0x00, 0x80, 0x00, 0xFF, 0xFF, 0x01, 0x7F, 0x12, 0x34, 0x00, 0x81};
   const Image8 decoded = Decode(EncodePng({2, 1, 16, PNG_COLOR_TYPE_RGB, data, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_EQ(decoded.channels, 3);
   EXPECT_THAT(decoded.data, ElementsAre(0, 128, 255, 1, 18, 1));  // round(value / 257)
 }
 
-TEST(Png, GreyAndGreyWithAlphaBecomeColour) {
+TEST(DecodePng, ConvertsGreyToColour) {
   const Image8 grey = Decode(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY, {9, 200}, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_THAT(grey.data, ElementsAre(9, 9, 9, 200, 200, 200));
   const Image8 alpha =
@@ -95,54 +98,54 @@ TEST(Png, GreyAndGreyWithAlphaBecomeColour) {
   EXPECT_THAT(bits.data, ElementsAre(255, 255, 255, 0, 0, 0, 255, 255, 255, 0, 0, 0));
 }
 
-TEST(Png, EveryTruncationIsAnErrorThatNamesTheFile) {
-  const std::string whole = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothPicture(19, 13, 3).data, 0, {}, {}});
+TEST(DecodePng, NamesATruncatedFile) {
+  const std::string whole = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothImage(19, 13, 3).data, 0, {}, {}});
   for (size_t length = 8; length < whole.size(); length += 3) {
-    EXPECT_THAT(InputErrorOf([&] { Decode(whole.substr(0, length)); }), HasSubstr("photo.png: ")) << length;
+    EXPECT_THAT(MessageOf<InputError>([&] { Decode(whole.substr(0, length)); }), HasSubstr("photo.png: ")) << length;
   }
 }
 
-TEST(Png, ADamagedByteIsAnError) {
-  const std::string whole = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothPicture(19, 13, 3).data, 0, {}, {}});
+TEST(DecodePng, RefusesADamagedByte) {
+  const std::string whole = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothImage(19, 13, 3).data, 0, {}, {}});
   for (size_t i = 8; i < whole.size(); ++i) {
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
-    EXPECT_THAT(InputErrorOf([&] { Decode(damaged); }), HasSubstr("photo.png: ")) << i;
+    EXPECT_THAT(MessageOf<InputError>([&] { Decode(damaged); }), HasSubstr("photo.png: ")) << i;
   }
 }
 
-TEST(Png, AHeaderThatPromisesTooMuchIsRefusedBeforeMemoryIsReserved) {
-  std::string png = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothPicture(19, 13, 3).data, 0, {}, {}});
+TEST(DecodePng, RefusesAHeaderThatExceedsItsBytes) {
+  std::string png = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothImage(19, 13, 3).data, 0, {}, {}});
   const auto with_width = [&png](std::string width) { return png.replace(16, 4, width); };
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_width("\x7F\xFF\xFF\xFF")); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width("\x7F\xFF\xFF\xFF")); }),
               HasSubstr("photo.png: its header says 2147483647 x 13 pixels"));
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_width("\xFF\xFF\xFF\xFF")); }), HasSubstr("4294967295 x 13"));
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_width(std::string("\x00\xFF\xFF\xFF", 4))); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width("\xFF\xFF\xFF\xFF")); }), HasSubstr("4294967295 x 13"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width(std::string("\x00\xFF\xFF\xFF", 4))); }),
               HasSubstr("more than its bytes can hold"));
-  EXPECT_THAT(InputErrorOf([&] { Decode(with_width(std::string(4, '\0'))); }), HasSubstr("0 x 13"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width(std::string(4, '\0'))); }), HasSubstr("0 x 13"));
 }
 
-TEST(Png, WrittenPicturesAreReadBack) {
+TEST(WritePng, RoundTrips) {
   const TempDir dir;
   for (const int channels : {1, 3, 4}) {
-    const Image8 picture = SmoothPicture(23, 17, channels);
-    WritePng(dir / "new" / "picture.png", picture);
-    const Image8 read = ReadImage(dir / "new" / "picture.png");
+    const Image8 image = SmoothImage(23, 17, channels);
+    WritePng(dir / "new" / "image.png", image);
+    const Image8 read = ReadImage(dir / "new" / "image.png");
     ASSERT_EQ(read.channels, channels == 1 ? 3 : channels);
-    for (size_t i = 0; i < picture.data.size(); ++i) {
-      EXPECT_EQ(read.data[channels == 1 ? 3 * i : i], picture.data[i]);
+    for (size_t i = 0; i < image.data.size(); ++i) {
+      EXPECT_EQ(read.data[channels == 1 ? 3 * i : i], image.data[i]);
     }
   }
 }
 
-TEST(Png, SixteenBitGreyIsBigEndianInTheFile) {
+TEST(WritePng16, IsBigEndian) {
   const TempDir dir;
   WritePng16(dir / "depth.png", 2, 2, {0, 257, 0x8000, 0xFFFF});
   const Image8 read = ReadImage(dir / "depth.png");
   EXPECT_THAT(read.data, ElementsAre(0, 0, 0, 1, 1, 1, 128, 128, 128, 255, 255, 255));
 }
 
-TEST(ReadPng16, GivesBackWhatWasWritten) {
+TEST(ReadPng16, RoundTrips) {
   const TempDir dir;
   std::vector<uint16_t> values;
   for (int i = 0; i < 7 * 5; ++i) values.push_back(static_cast<uint16_t>(1871 * i));
@@ -153,7 +156,7 @@ TEST(ReadPng16, GivesBackWhatWasWritten) {
   EXPECT_EQ(read.values, values);
 }
 
-TEST(ReadPng16, RefusesEveryOtherKindOfPng) {
+TEST(ReadPng16, RefusesOtherKindsOfPng) {
   const TempDir dir;
   const std::vector<uint8_t> bytes(2 * 4 * 4 * 3, 7);
   const auto some = [&](size_t count) { return std::vector<uint8_t>(bytes.begin(), bytes.begin() + count); };
@@ -165,25 +168,25 @@ TEST(ReadPng16, RefusesEveryOtherKindOfPng) {
   };
   for (const PngFile& file : others) {
     WriteText(dir / "other.png", EncodePng(file));
-    EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "other.png"); }),
+    EXPECT_THAT(MessageOf<InputError>([&] { ReadPng16(dir / "other.png"); }),
                 ::testing::AllOf(HasSubstr("other.png: "), HasSubstr("16 bits")));
   }
 }
 
-TEST(ReadPng16, EveryTruncationAndWhatIsNoPngNameTheFile) {
+TEST(ReadPng16, NamesADamagedFile) {
   const TempDir dir;
   WritePng16(dir / "depth.png", 7, 5, std::vector<uint16_t>(35, 12345));
   const std::string whole = ReadFile(dir / "depth.png");
   for (size_t length = 0; length < whole.size(); length += 3) {
     WriteText(dir / "cut.png", whole.substr(0, length));
-    EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "cut.png"); }), HasSubstr("cut.png: ")) << length;
+    EXPECT_THAT(MessageOf<InputError>([&] { ReadPng16(dir / "cut.png"); }), HasSubstr("cut.png: ")) << length;
   }
-  WriteText(dir / "cut.png", "no picture");
-  EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "cut.png"); }), HasSubstr("is no PNG"));
-  EXPECT_THAT(InputErrorOf([&] { ReadPng16(dir / "none.png"); }), HasSubstr("none.png"));
+  WriteText(dir / "cut.png", "no image");
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadPng16(dir / "cut.png"); }), HasSubstr("is no PNG"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadPng16(dir / "none.png"); }), HasSubstr("none.png"));
 }
 
-TEST(Png, WritingRefusesWrongShapesAndPlaces) {
+TEST(WritePng, RefusesWrongShapesAndPaths) {
   const TempDir dir;
   EXPECT_THROW(WritePng(dir / "a.png", {2, 2, 2, std::vector<uint8_t>(8)}), ShapeError);
   EXPECT_THROW(WritePng(dir / "a.png", {2, 2, 3, std::vector<uint8_t>(11)}), ShapeError);
@@ -191,7 +194,7 @@ TEST(Png, WritingRefusesWrongShapesAndPlaces) {
   EXPECT_THROW(WritePng16(dir / "a.png", 2, 2, {1, 2, 3}), ShapeError);
   EXPECT_FALSE(std::filesystem::exists(dir / "a.png"));
   WriteText(dir / "file", "x");
-  EXPECT_THROW(WritePng(dir / "file" / "a.png", SmoothPicture(2, 2, 3)), RunError);
+  EXPECT_THROW(WritePng(dir / "file" / "a.png", SmoothImage(2, 2, 3)), RunError);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -80,7 +81,7 @@ TEST(ColmapBinary, EveryDamagedByteIsParsedOrRefused) {
 
 TEST(ColmapBinary, CountsLargerThanTheFileReserveNothing) {
   const std::string huge = Bytes().Add<uint64_t>(~uint64_t{0}).str();
-  EXPECT_THAT(InputErrorOf([&] { ParseImagesBinary(huge, "images.bin"); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { ParseImagesBinary(huge, "images.bin"); }),
               HasSubstr("images.bin: promises 18446744073709551615 images"));
   EXPECT_THROW(ParseCamerasBinary(huge, "f"), InputError);
   EXPECT_THROW(ParsePointsBinary(huge, "f"), InputError);
@@ -92,7 +93,7 @@ std::string OneCamera(int32_t model, uint64_t width, std::initializer_list<doubl
 
 TEST(ColmapBinary, RefusesBadCameras) {
   const auto message = [](const std::string& bytes) {
-    return InputErrorOf([&] { ParseCamerasBinary(bytes, "cameras.bin"); });
+    return MessageOf<InputError>([&] { ParseCamerasBinary(bytes, "cameras.bin"); });
   };
   EXPECT_THAT(message(OneCamera(99, 6, {5, 5, 3, 2})), HasSubstr("cameras.bin: camera 5 has the unknown model id 99"));
   EXPECT_THAT(message(OneCamera(1, 6, {0, 5, 3, 2})), HasSubstr("cameras.bin: camera 5"));
@@ -107,7 +108,7 @@ std::string OneImage(std::initializer_list<double> pose, const std::string& name
 
 TEST(ColmapBinary, RefusesBadPoses) {
   const auto message = [](const std::string& bytes) {
-    return InputErrorOf([&] { ParseImagesBinary(bytes, "images.bin"); });
+    return MessageOf<InputError>([&] { ParseImagesBinary(bytes, "images.bin"); });
   };
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   EXPECT_THAT(message(OneImage({0, 0, 0, 0, 1, 2, 3})),

@@ -4,6 +4,9 @@
 
 #include "oraclegs/core/files.h"
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -18,12 +21,12 @@ class ColmapModelTest : public ::testing::Test {
     WriteTinyModel(dir_ / "model");
     for (const char* name : {"a.png", "b.png", "c.png"}) WritePicture(dir_ / "images" / name);
   }
-  Scene Read() { return ReadColmapScene(dir_ / "model", dir_ / "images", heard_.listener()); }
+  Scene Read() { return ReadColmapScene(dir_ / "model", dir_ / "images", events_.AsListener()); }
 
   struct Folder : TempDir {
     fs::path operator/(const fs::path& p) const { return path() / p; }
   } dir_;
-  Heard heard_;
+  EventRecorder events_;
 };
 
 TEST_F(ColmapModelTest, ViewsAreSortedAndTracksBecomeViewIndices) {
@@ -39,8 +42,8 @@ TEST_F(ColmapModelTest, ViewsAreSortedAndTracksBecomeViewIndices) {
   ASSERT_EQ(scene.points.size(), 1u);
   EXPECT_THAT(scene.points[0].views, ElementsAre(1, 2));
   EXPECT_THAT(scene.points[0].rgb, ElementsAre(10, 20, 255));
-  ASSERT_EQ(heard_.warnings.size(), 1u);
-  EXPECT_THAT(heard_.warnings[0], HasSubstr("2 of 3 points are left out"));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0], HasSubstr("2 of 3 points are left out"));
 }
 
 TEST_F(ColmapModelTest, ViewsWithoutImageAreReportedAndLeftOut) {
@@ -50,34 +53,34 @@ TEST_F(ColmapModelTest, ViewsWithoutImageAreReportedAndLeftOut) {
   ASSERT_EQ(scene.views.size(), 2u);
   ASSERT_EQ(scene.points.size(), 1u);
   EXPECT_THAT(scene.points[0].views, ElementsAre(0, 1));
-  EXPECT_THAT(heard_.warnings.front(), HasSubstr("1 of 3 views have no image file"));
-  EXPECT_THAT(heard_.warnings.front(), HasSubstr(": a.png"));
+  EXPECT_THAT(events_.warnings.front(), HasSubstr("1 of 3 views have no image file"));
+  EXPECT_THAT(events_.warnings.front(), HasSubstr(": a.png"));
 }
 
 TEST_F(ColmapModelTest, NoImageAtAllIsAnError) {
   fs::remove_all(dir_ / "images");
-  EXPECT_THAT(InputErrorOf([&] { Read(); }), HasSubstr("none of its 3 views has an image file"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Read(); }), HasSubstr("none of its 3 views has an image file"));
 }
 
 TEST_F(ColmapModelTest, MissingPartsAreNamed) {
   fs::remove(dir_ / "model/points3D.bin");
   EXPECT_TRUE(Read().points.empty());
-  EXPECT_THAT(heard_.warnings.back(), HasSubstr("no points3D"));
+  EXPECT_THAT(events_.warnings.back(), HasSubstr("no points3D"));
   fs::remove(dir_ / "model/cameras.bin");
   EXPECT_FALSE(IsColmapModel(dir_ / "model"));
-  EXPECT_THAT(InputErrorOf([&] { Read(); }), HasSubstr("neither cameras.bin nor cameras.txt"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Read(); }), HasSubstr("neither cameras.bin nor cameras.txt"));
 }
 
 TEST_F(ColmapModelTest, TruncatedFilesAreNamed) {
   WriteText(dir_ / "model/images.bin", TinyImagesBin().substr(0, 150));
-  EXPECT_THAT(InputErrorOf([&] { Read(); }), HasSubstr("images.bin: "));
+  EXPECT_THAT(MessageOf<InputError>([&] { Read(); }), HasSubstr("images.bin: "));
 }
 
 TEST_F(ColmapModelTest, RefusesImagesThatContradictEachOtherOrTheCameras) {
   const auto with_images = [&](const char* text) {
     fs::remove(dir_ / "model/images.bin");
     WriteText(dir_ / "model/images.txt", text);
-    return InputErrorOf([&] { Read(); });
+    return MessageOf<InputError>([&] { Read(); });
   };
   EXPECT_THAT(with_images("1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 a.png\n\n"), HasSubstr("'a.png' twice"));
   EXPECT_THAT(with_images("1 1 0 0 0 0 0 0 1 a.png\n\n1 1 0 0 0 0 0 0 1 b.png\n\n"), HasSubstr("image id 1"));
@@ -104,17 +107,17 @@ TEST_F(ColmapModelTest, WrittenTextReadsBack) {
   WriteColmapText(dir_ / "written", cameras, {image});
 
   WritePicture(dir_ / "images/sub/a.png");
-  const Scene scene = ReadColmapScene(dir_ / "written", dir_ / "images", heard_.listener());
+  const Scene scene = ReadColmapScene(dir_ / "written", dir_ / "images", events_.AsListener());
   ASSERT_EQ(scene.views.size(), 1u);
   EXPECT_EQ(scene.views[0].name, "sub/a.png");
   EXPECT_EQ(scene.views[0].lens.params, cameras[3].params);
   EXPECT_EQ(scene.views[0].cam_from_world->translation(), image.cam_from_world.translation());
   EXPECT_TRUE(scene.views[0].cam_from_world->linear().isApprox(image.cam_from_world.linear(), 1e-14));
   EXPECT_TRUE(scene.points.empty());
-  EXPECT_TRUE(heard_.warnings.empty());
+  EXPECT_TRUE(events_.warnings.empty());
 
   image.name = "a photo.png";
-  EXPECT_THAT(InputErrorOf([&] { WriteColmapText(dir_ / "bad", cameras, {image}); }), HasSubstr("'a photo.png'"));
+  EXPECT_THAT(MessageOf<InputError>([&] { WriteColmapText(dir_ / "bad", cameras, {image}); }), HasSubstr("'a photo.png'"));
 }
 
 TEST_F(ColmapModelTest, PointsAreWrittenWithTheirTracks) {
@@ -130,7 +133,7 @@ TEST_F(ColmapModelTest, PointsAreWrittenWithTheirTracks) {
               HasSubstr("\n1 0.5 -1.25 3 10 20 255 0 1 0 2 0\n2 1 2 4 1 2 3 0 2 1 1 1\n"));
   WritePicture(dir_ / "images/a.png");
   WritePicture(dir_ / "images/b.png");
-  const Scene scene = ReadColmapScene(dir_ / "tracks", dir_ / "images", heard_.listener());
+  const Scene scene = ReadColmapScene(dir_ / "tracks", dir_ / "images", events_.AsListener());
   ASSERT_EQ(scene.points.size(), 2u);
   EXPECT_EQ(scene.points[0].xyz, points[0].xyz);
   EXPECT_EQ(scene.points[0].rgb, points[0].rgb);

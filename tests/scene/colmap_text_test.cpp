@@ -1,6 +1,7 @@
 #include "oraclegs/scene/colmap_text.h"
 
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -48,7 +49,7 @@ TEST(ColmapText, ReadsPoints) {
 }
 
 TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
-  const auto cameras = [](const char* text) { return InputErrorOf([&] { ParseCamerasText(text, "cameras.txt"); }); };
+  const auto cameras = [](const char* text) { return MessageOf<InputError>([&] { ParseCamerasText(text, "cameras.txt"); }); };
   EXPECT_THAT(cameras("#\n1 OPENCV 6 4 5 five 3 2"), HasSubstr("cameras.txt line 2: 'five' is not a number"));
   EXPECT_THAT(cameras("1 FANCY 6 4 5 3 2"), HasSubstr("cameras.txt line 1: unknown camera model 'FANCY'"));
   EXPECT_THAT(cameras("1 PINHOLE 6 4 5 3 2"), HasSubstr("cameras.txt: camera 1"));
@@ -56,7 +57,7 @@ TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
   EXPECT_THAT(cameras("1 PINHOLE 6"), HasSubstr("line 1: ends before the image size"));
   EXPECT_THAT(cameras("1 PINHOLE 6 4 5 5 3 2\n1 PINHOLE 6 4 5 5 3 2"), HasSubstr("camera 1 is there twice"));
 
-  const auto images = [](const char* text) { return InputErrorOf([&] { ParseImagesText(text, "images.txt"); }); };
+  const auto images = [](const char* text) { return MessageOf<InputError>([&] { ParseImagesText(text, "images.txt"); }); };
   EXPECT_THAT(images("1 0 0 0 0 0 0 0 1 a.jpg\n\n"), HasSubstr("images.txt: the rotation of image 'a.jpg' is not one"));
   EXPECT_THAT(images("1 nan 0 0 0 0 0 0 1 a.jpg\n\n"),
               HasSubstr("images.txt: the pose of image 'a.jpg' is not finite"));
@@ -64,7 +65,7 @@ TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
   EXPECT_THAT(images("1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 0 0 0 1 b.jpg\n"),
               HasSubstr("line 2: expected the keypoints"));
 
-  const auto points = [](const char* text) { return InputErrorOf([&] { ParsePointsText(text, "points3D.txt"); }); };
+  const auto points = [](const char* text) { return MessageOf<InputError>([&] { ParsePointsText(text, "points3D.txt"); }); };
   EXPECT_THAT(points("1 1 2 3 10 20 256 0.5"), HasSubstr("points3D.txt line 1: '256' is not a number"));
   EXPECT_THAT(points("1 1 2 3 10 20 25 0.5 4"), HasSubstr("ends before a keypoint index"));
 }

@@ -4,7 +4,12 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "scene/jpeg_files.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "image/jpeg_files.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -48,7 +53,7 @@ TEST(BackgroundColor, KnowsThreeWords) {
 
 TEST(LoadViews, APlainPhotographIsItsPixels) {
   OneView one(12, 8);
-  const Image8 picture = SmoothPicture(12, 8, 3);
+  const Image8 picture = SmoothImage(12, 8, 3);
   one.Write(picture);
   const LoadedView photo = one.Load();
   EXPECT_EQ(photo.name, "a.png");
@@ -60,7 +65,7 @@ TEST(LoadViews, APlainPhotographIsItsPixels) {
 
 TEST(LoadViews, DownscaleAveragesAndScalesTheCamera) {
   OneView one(13, 9);
-  const Image8 picture = SmoothPicture(13, 9, 3);
+  const Image8 picture = SmoothImage(13, 9, 3);
   one.Write(picture);
   const LoadedView photo = one.Load({.downscale = 2});
   EXPECT_EQ(photo.rgb.width, 7);  // 6.5 and 4.5, rounded half up
@@ -90,7 +95,7 @@ TEST(LoadViews, AFittingDownscaledFolderIsUsed) {
 TEST(LoadViews, TheDownscaledFileAndTheFullOneGiveOneUndistortedPicture) {
   OneView one(120, 80);
   one.view().lens = {CameraModel::kRadial, 120, 80, {100, 60, 40, -0.2, 0.05}};
-  const Image8 picture = SmoothPicture(120, 80, 3);
+  const Image8 picture = SmoothImage(120, 80, 3);
   one.Write(picture);
   const LoadedView full = one.Load({.downscale = 2});
   WritePng(one.dir / "images_2" / "a.png", ToImage8(ResizeArea(ToFloat(picture), 60, 40)));
@@ -167,7 +172,7 @@ TEST(LoadViews, AMaskOfAnotherSizeNamesBothSizes) {
   one.Write(Filled(4, 2, {9, 9, 9}));
   one.view().mask_path = one.dir / "masks" / "a.png";
   WritePng(one.view().mask_path, {3, 2, 1, std::vector<uint8_t>(6)});
-  EXPECT_THAT(InputErrorOf([&] { one.Load(); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { one.Load(); }),
               AllOf(HasSubstr("masks/a.png"), HasSubstr("3 x 2"), HasSubstr("4 x 2")));
 }
 
@@ -198,12 +203,12 @@ TEST(LoadViews, BlankPixelsOfUndistortionDoNotCount) {
 TEST(LoadViews, ASizeThatIsNotTheLenssNamesBoth) {
   OneView one(12, 8);
   one.Write(Filled(13, 8, {1, 2, 3}));
-  EXPECT_THAT(InputErrorOf([&] { one.Load(); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { one.Load(); }),
               AllOf(HasSubstr("images/a.png"), HasSubstr("13 x 8"), HasSubstr("12 x 8")));
 }
 
 TEST(LoadViews, ATurnedPhotographFitsTheLensOfItsStoredOrUprightPicture) {
-  const Image8 picture = SmoothPicture(24, 16, 3);
+  const Image8 picture = SmoothImage(24, 16, 3);
   const std::string jpeg = WithOrientation(EncodeJpeg(picture), 6);
   OneView upright(16, 24), stored(24, 16);
   WriteText(upright.view().image_path, jpeg);
@@ -212,11 +217,11 @@ TEST(LoadViews, ATurnedPhotographFitsTheLensOfItsStoredOrUprightPicture) {
   EXPECT_EQ(ToImage8(stored.Load().rgb).data, ReadImage(stored.view().image_path, Orientation::kAsStored).data);
   OneView neither(16, 24);
   neither.Write(picture);
-  EXPECT_THAT(InputErrorOf([&] { neither.Load(); }), HasSubstr("24 x 16"));
+  EXPECT_THAT(MessageOf<InputError>([&] { neither.Load(); }), HasSubstr("24 x 16"));
 }
 
 TEST(LoadViews, AsStoredViewsIgnoreTheOrientationUnlessOnlyTheUprightPictureFits) {
-  const Image8 wide = SmoothPicture(24, 16, 3), square = SmoothPicture(16, 16, 3);
+  const Image8 wide = SmoothImage(24, 16, 3), square = SmoothImage(16, 16, 3);
   const auto load = [](const Image8& picture, int orientation, int width, bool as_stored) {
     OneView one(width, 40 - width);
     if (picture.width == picture.height) one.view().lens.height = width;
@@ -248,7 +253,7 @@ TEST(ImageFile, IsTheDownscaledOneWhenThatIsUsed) {
   WritePng(small, Filled(5, 4, {200, 200, 200}));
   EXPECT_EQ(ImageFile(one.view(), 2), one.view().image_path);
   // A turned one in the folder is held to the same rule.
-  WriteText(small, WithOrientation(EncodeJpeg(SmoothPicture(6, 4, 3)), 6));
+  WriteText(small, WithOrientation(EncodeJpeg(SmoothImage(6, 4, 3)), 6));
   one.view().as_stored = true;
   EXPECT_EQ(ImageFile(one.view(), 2), small);
   EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data, ReadImage(small, Orientation::kAsStored).data);
@@ -257,7 +262,7 @@ TEST(ImageFile, IsTheDownscaledOneWhenThatIsUsed) {
 TEST(LoadViews, DamagedFilesAreNamed) {
   OneView one(12, 8);
   WriteText(one.view().image_path, "no picture");
-  EXPECT_THAT(InputErrorOf([&] { one.Load(); }), HasSubstr("a.png"));
+  EXPECT_THAT(MessageOf<InputError>([&] { one.Load(); }), HasSubstr("a.png"));
 }
 
 /// Four views of one size, each with its own grey.
@@ -298,17 +303,17 @@ TEST(LoadViews, KeepsTheOrderOfTheViewsAndCountsThem) {
 
 TEST(LoadViews, WarnsOnceOfPhotographsWithoutAPixelThatCounts) {
   const TempDir dir;
-  Heard heard;
-  LoadViews(FourViews(dir), {0, 1, 2, 3}, {}, heard.listener());
-  ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_THAT(heard.warnings[0], HasSubstr("0.png, 1.png"));
-  EXPECT_THAT(heard.warnings[0], testing::Not(HasSubstr("2.png")));
+  EventRecorder events;
+  LoadViews(FourViews(dir), {0, 1, 2, 3}, {}, events.AsListener());
+  ASSERT_EQ(events.warnings.size(), 1u);
+  EXPECT_THAT(events.warnings[0], HasSubstr("0.png, 1.png"));
+  EXPECT_THAT(events.warnings[0], testing::Not(HasSubstr("2.png")));
 }
 
 TEST(LoadViews, TheSameBitsForAnyNumberOfThreads) {
   const TempDir dir;
   Scene scene = FourViews(dir);
-  for (auto& view : scene.views) WritePng(view.image_path, SmoothPicture(30, 20, 3));
+  for (auto& view : scene.views) WritePng(view.image_path, SmoothImage(30, 20, 3));
   SetNumThreads(1);
   const auto one = LoadViews(scene, {0, 1, 2, 3}, {.downscale = 2}, Silent());
   SetNumThreads(4);

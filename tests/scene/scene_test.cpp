@@ -6,6 +6,9 @@
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/split.h"
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -18,9 +21,9 @@ using ::testing::IsEmpty;
 
 class SceneTest : public ::testing::Test {
  protected:
-  Scene Read(const SceneReadOptions& options = {}) { return ReadScene(root(), options, heard_.listener()); }
+  Scene Read(const SceneReadOptions& options = {}) { return ReadScene(root(), options, events_.AsListener()); }
   std::string ReadError(const SceneReadOptions& options = {}) {
-    return InputErrorOf([&] { Read(options); });
+    return MessageOf<InputError>([&] { Read(options); });
   }
   void WritePictures(const char* folder) {
     for (const char* name : {"a.png", "b.png", "c.png"}) WritePicture(root() / folder / name);
@@ -28,7 +31,7 @@ class SceneTest : public ::testing::Test {
   const fs::path& root() const { return dir_.path(); }
 
   TempDir dir_;
-  Heard heard_;
+  EventRecorder events_;
 };
 
 TEST_F(SceneTest, FindsColmapModelsInTheirUsualPlaces) {
@@ -50,8 +53,8 @@ TEST_F(SceneTest, TheLargestOfSeveralModelsWins) {
   WriteColmapText(root() / "sparse/0", {{1, {CameraModel::kPinhole, 6, 4, {5, 5, 3, 2}}}},
                   {{.id = 1, .name = "a.png", .camera_id = 1}});
   EXPECT_EQ(Read().views.size(), 3u);
-  ASSERT_EQ(heard_.notes.size(), 1u);
-  EXPECT_THAT(heard_.notes[0], HasSubstr("sparse/1: the largest of 2 models is used, with 3 of their 4 images"));
+  ASSERT_EQ(events_.notes.size(), 1u);
+  EXPECT_THAT(events_.notes[0], HasSubstr("sparse/1: the largest of 2 models is used, with 3 of their 4 images"));
 }
 
 TEST_F(SceneTest, ImagesMayLieInTheRootOrElsewhere) {
@@ -131,8 +134,8 @@ TEST_F(SceneTest, MasksAreAttached) {
 TEST_F(SceneTest, SaysWhatIsMissing) {
   EXPECT_THAT(ReadError(), HasSubstr("no scene found; expected a COLMAP model"));
   WriteText(root() / "file", "x");
-  EXPECT_THAT(InputErrorOf([&] { ReadScene(root() / "file", {}, Silent()); }), HasSubstr("file: is not a folder"));
-  EXPECT_THAT(InputErrorOf([&] { ReadScene(root() / "absent", {}, Silent()); }), HasSubstr("absent: no such folder"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadScene(root() / "file", {}, Silent()); }), HasSubstr("file: is not a folder"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadScene(root() / "absent", {}, Silent()); }), HasSubstr("absent: no such folder"));
   WriteText(root() / "broken.jpg", "not a JPEG");
   EXPECT_THAT(ReadError(), HasSubstr("broken.jpg"));
 }

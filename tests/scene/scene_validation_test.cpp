@@ -1,6 +1,9 @@
 #include "oraclegs/scene/scene_validation.h"
 
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -37,33 +40,33 @@ TEST(RequireUtf8Names, NamesTheFileWithItsBytesEscaped) {
   scene.views = {View("caf\xC3\xA9.jpg", "/scene/caf\xC3\xA9.jpg")};
   EXPECT_NO_THROW(RequireUtf8Names(scene));
   scene.missing_images = {"b\xFF.jpg"};
-  EXPECT_THAT(InputErrorOf([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/b\\xFF.jpg: "));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/b\\xFF.jpg: "));
   scene.views.push_back(View("caf\xE9.jpg", "/scene/caf\xE9.jpg"));
-  EXPECT_THAT(InputErrorOf([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/caf\\xE9.jpg: "));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/caf\\xE9.jpg: "));
   EXPECT_TRUE(IsUtf8(""));
   EXPECT_FALSE(IsUtf8("\xC3"));  // cut short
 }
 
 TEST(KeepViewsWithImages, SortsByBytesAndWarnsOnce) {
   Scene scene;
-  Heard heard;
+  EventRecorder events;
   KeepViewsWithImages({View("b", "x"), View("a10", "x"), View("a9", ""), View("B", "x")}, "FILE", "FOLDER",
-                      heard.listener(), &scene);
+                      events.AsListener(), &scene);
   ASSERT_EQ(scene.views.size(), 3u);
   EXPECT_EQ(scene.views[0].name, "B");
   EXPECT_EQ(scene.views[1].name, "a10");
   EXPECT_EQ(scene.views[2].name, "b");
   EXPECT_THAT(scene.missing_images, ElementsAre("a9"));
-  EXPECT_THAT(heard.warnings, ElementsAre("FILE: 1 of 4 views have no image file in FOLDER and are left out: a9"));
+  EXPECT_THAT(events.warnings, ElementsAre("FILE: 1 of 4 views have no image file in FOLDER and are left out: a9"));
 }
 
 TEST(KeepViewsWithImages, RefusesTwinsAndNothing) {
   Scene scene;
-  EXPECT_THAT(InputErrorOf([&] {
+  EXPECT_THAT(MessageOf<InputError>([&] {
                 KeepViewsWithImages({View("a", "x"), View("a", "")}, "FILE", "F", Silent(), &scene);
               }),
               HasSubstr("FILE: lists the view 'a' twice"));
-  EXPECT_THAT(InputErrorOf([&] { KeepViewsWithImages({View("a", "")}, "FILE", "FOLDER", Silent(), &scene); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { KeepViewsWithImages({View("a", "")}, "FILE", "FOLDER", Silent(), &scene); }),
               HasSubstr("in FOLDER, e.g. a"));
 }
 
@@ -76,27 +79,27 @@ TEST(AttachMasks, FindsTheUsualNames) {
   }
   scene.views.push_back(View("given.png", "x"));
   scene.views.back().mask_path = "given";
-  Heard heard;
-  AttachMasks(dir.path(), heard.listener(), &scene);
+  EventRecorder events;
+  AttachMasks(dir.path(), events.AsListener(), &scene);
   EXPECT_EQ(scene.views[0].mask_path, dir / "as_is.png");
   EXPECT_EQ(scene.views[1].mask_path, dir / "appended.jpg.png");
   EXPECT_EQ(scene.views[2].mask_path, dir / "replaced.png");
   EXPECT_EQ(scene.views[3].mask_path, dir / "sub/x.png");
   EXPECT_TRUE(scene.views[4].mask_path.empty());
   EXPECT_EQ(scene.views[5].mask_path, "given");
-  EXPECT_TRUE(heard.warnings.empty());
+  EXPECT_TRUE(events.warnings.empty());
 }
 
 TEST(AttachMasks, AFolderThatFitsNothingIsToldAndNoFolderIsNot) {
   TempDir dir;
   Scene scene;
   scene.views.push_back(View("a.jpg", "x"));
-  Heard heard;
-  AttachMasks(dir / "absent", heard.listener(), &scene);
-  EXPECT_TRUE(heard.warnings.empty());
-  AttachMasks(dir.path(), heard.listener(), &scene);
-  ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_THAT(heard.warnings[0], HasSubstr("fits no view"));
+  EventRecorder events;
+  AttachMasks(dir / "absent", events.AsListener(), &scene);
+  EXPECT_TRUE(events.warnings.empty());
+  AttachMasks(dir.path(), events.AsListener(), &scene);
+  ASSERT_EQ(events.warnings.size(), 1u);
+  EXPECT_THAT(events.warnings[0], HasSubstr("fits no view"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/error.h"
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -39,7 +40,7 @@ SplitOptions Options(int views, int test_every = 8) {
 }
 
 std::string SplitError(const Scene& scene, const SplitOptions& options) {
-  return InputErrorOf([&] { SplitViews(scene, options); });
+  return MessageOf<InputError>([&] { SplitViews(scene, options); });
 }
 
 TEST(SplitViews, EveryEighthIsTestAndTheRestTrains) {

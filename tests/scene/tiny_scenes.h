@@ -1,5 +1,8 @@
 #pragma once
-// Scenes of a few pixels that the readers' tests write, and what they say to the listener.
+// Scenes of a few pixels that the readers' tests write.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cstring>
 #include <filesystem>
@@ -10,15 +13,10 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/image/image.h"
-#include "support/golden.h"
+#include "oraclegs/image/png.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
-
-inline void WriteText(const std::filesystem::path& path, std::string_view text) {
-  std::filesystem::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 inline void WritePicture(const std::filesystem::path& path, int width = 6, int height = 4) {
   std::filesystem::create_directories(path.parent_path());
@@ -89,32 +87,6 @@ inline void WriteTinyModel(const std::filesystem::path& dir) {
   WriteText(dir / "cameras.bin", TinyCamerasBin());
   WriteText(dir / "images.bin", TinyImagesBin());
   WriteText(dir / "points3D.bin", TinyPointsBin());
-}
-
-/// Remembers the warnings and notes it hears.
-struct Heard {
-  std::vector<std::string> warnings, notes;
-
-  Listener listener() {
-    return [this](const Event& event) {
-      if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
-      if (const auto* note = std::get_if<Note>(&event)) notes.push_back(note->text);
-    };
-  }
-};
-
-/// The message of the InputError that `action` throws; fails the test when it throws something else, or a message that
-/// is not one line.
-template <class Action>
-std::string InputErrorOf(Action action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no InputError was thrown";
-  return {};
 }
 
 }  // namespace oraclegs

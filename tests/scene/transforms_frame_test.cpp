@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -48,7 +50,7 @@ TEST(TransformsLens, ModelFollowsTheCoefficients) {
   EXPECT_THAT(LensOf(distorted).params, ElementsAre(50, 60, 31.5, 20, 0.1, -0.2, 0.01, 0.02, 0.3, 0, 0, 0));
 
   distorted["k4"] = 0.4;
-  EXPECT_THAT(InputErrorOf([&] { LensOf(distorted); }), HasSubstr("FILE: frame 'x': \"k4\""));
+  EXPECT_THAT(MessageOf<InputError>([&] { LensOf(distorted); }), HasSubstr("FILE: frame 'x': \"k4\""));
   distorted["camera_model"] = "OPENCV_FISHEYE";
   EXPECT_EQ(LensOf(distorted).model, CameraModel::kOpenCvFisheye);
   EXPECT_THAT(LensOf(distorted).params, ElementsAre(50, 60, 31.5, 20, 0.1, -0.2, 0.3, 0.4));
@@ -89,7 +91,7 @@ TEST(TransformsLens, SizeComesFromTheImageHeader) {
 }
 
 TEST(TransformsLens, RefusesBadNumbers) {
-  const auto message = [](const json& file) { return InputErrorOf([&] { LensOf(file); }); };
+  const auto message = [](const json& file) { return MessageOf<InputError>([&] { LensOf(file); }); };
   EXPECT_THAT(message({{"fl_x", 0}, {"w", 64}, {"h", 40}}), HasSubstr("FILE: frame 'x'"));
   EXPECT_THAT(message({{"fl_x", -5}, {"w", 64}, {"h", 40}}), HasSubstr("FILE: frame 'x'"));
   EXPECT_THAT(message({{"fl_x", "NaN"}, {"w", 64}, {"h", 40}}), HasSubstr("\"fl_x\" is not a finite number"));
@@ -124,7 +126,7 @@ TEST(TransformsPose, ARoundedRotationBecomesExact) {
 }
 
 TEST(TransformsPose, SaysWhatIsWrong) {
-  const auto message = [](const json& matrix) { return InputErrorOf([&] { PoseOf(matrix); }); };
+  const auto message = [](const json& matrix) { return MessageOf<InputError>([&] { PoseOf(matrix); }); };
   const Eigen::Matrix3d r = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const Eigen::Vector3d t(1, 2, 3);
   EXPECT_THAT(message(MatrixOf(2.5 * r, t)),

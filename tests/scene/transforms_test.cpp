@@ -3,6 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -24,14 +27,14 @@ class TransformsTest : public ::testing::Test {
   void Write(const std::vector<json>& frames, const char* name = "transforms.json") {
     WriteText(root() / name, json{{"fl_x", 5}, {"frames", frames}}.dump(1));
   }
-  Scene Read(const SceneReadOptions& options = {}) { return ReadTransformsScene(root(), options, heard_.listener()); }
+  Scene Read(const SceneReadOptions& options = {}) { return ReadTransformsScene(root(), options, events_.AsListener()); }
   std::string ReadError() {
-    return InputErrorOf([&] { Read(); });
+    return MessageOf<InputError>([&] { Read(); });
   }
   const fs::path& root() const { return dir_.path(); }
 
   TempDir dir_;
-  Heard heard_;
+  EventRecorder events_;
 };
 
 std::vector<std::string> Names(const Scene& scene) {
@@ -49,7 +52,7 @@ TEST_F(TransformsTest, FindsImagesWithAndWithoutExtension) {
   EXPECT_TRUE(fs::exists(scene.views[2].image_path));
   EXPECT_EQ(scene.views[0].lens.width, 6);
   EXPECT_EQ(scene.views[0].lens.cx(), 3);
-  EXPECT_THAT(heard_.warnings, IsEmpty());
+  EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
 TEST_F(TransformsTest, FramesWithoutImageAreLeftOutWithOneWarning) {
@@ -60,8 +63,8 @@ TEST_F(TransformsTest, FramesWithoutImageAreLeftOutWithOneWarning) {
   const Scene scene = Read();
   EXPECT_THAT(Names(scene), ElementsAre("images/h.png"));
   EXPECT_EQ(scene.missing_images.size(), 7u);
-  ASSERT_EQ(heard_.warnings.size(), 1u);
-  EXPECT_THAT(heard_.warnings[0], AllOf(HasSubstr("7 of 8 views"), HasSubstr(": a, b, c, d, e and 2 more")));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0], AllOf(HasSubstr("7 of 8 views"), HasSubstr(": a, b, c, d, e and 2 more")));
 }
 
 TEST_F(TransformsTest, AnotherImageFolder) {
@@ -78,7 +81,7 @@ TEST_F(TransformsTest, PathsThatLeaveTheSceneCountWhenTheyExist) {
   fs::create_directories(root() / "inside");
   WriteText(root() / "inside/transforms.json",
             json{{"fl_x", 5}, {"frames", {Frame("../outside.png"), Frame("../no")}}}.dump());
-  const Scene scene = ReadTransformsScene(root() / "inside", {}, heard_.listener());
+  const Scene scene = ReadTransformsScene(root() / "inside", {}, events_.AsListener());
   EXPECT_THAT(Names(scene), ElementsAre("outside.png"));
   EXPECT_THAT(scene.missing_images, ElementsAre("no"));
 }
@@ -92,8 +95,8 @@ TEST_F(TransformsTest, MasksOfFrames) {
   const Scene scene = Read();
   EXPECT_EQ(scene.views[0].mask_path, root() / "m/a.png");
   EXPECT_TRUE(scene.views[1].mask_path.empty());
-  ASSERT_EQ(heard_.warnings.size(), 1u);
-  EXPECT_THAT(heard_.warnings[0], HasSubstr("1 mask files do not exist, those views use all pixels: m/b.png"));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0], HasSubstr("1 mask files do not exist, those views use all pixels: m/b.png"));
 }
 
 TEST_F(TransformsTest, SyntaxErrorsHaveAPlace) {
@@ -160,7 +163,7 @@ TEST_F(TransformsTest, EveryPrefixIsRefused) {
 
 class BlenderTest : public TransformsTest {
  protected:
-  Scene ReadBlender() { return ReadBlenderScene(root(), {}, heard_.listener()); }
+  Scene ReadBlender() { return ReadBlenderScene(root(), {}, events_.AsListener()); }
 };
 
 TEST_F(BlenderTest, ViewsRememberTheirFile) {
@@ -175,22 +178,22 @@ TEST_F(BlenderTest, ViewsRememberTheirFile) {
   EXPECT_EQ(scene.views[0].role, DeclaredRole::kTest);
   EXPECT_EQ(scene.views[1].role, DeclaredRole::kTrain);
   EXPECT_EQ(scene.views[3].role, DeclaredRole::kVal);
-  EXPECT_THAT(heard_.warnings, IsEmpty());
+  EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
 TEST_F(BlenderTest, TrainAloneIsReadAndTold) {
   WritePicture(root() / "train/r_0.png");
   Write({Frame("./train/r_0")}, "transforms_train.json");
   EXPECT_EQ(ReadBlender().views.size(), 1u);
-  ASSERT_EQ(heard_.warnings.size(), 1u);
-  EXPECT_THAT(heard_.warnings[0], HasSubstr("no view is held out"));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0], HasSubstr("no view is held out"));
 }
 
 TEST_F(BlenderTest, AViewCannotBeTrainAndTest) {
   WritePicture(root() / "train/r_0.png");
   Write({Frame("./train/r_0")}, "transforms_train.json");
   Write({Frame("./train/r_0")}, "transforms_test.json");
-  EXPECT_THAT(InputErrorOf([&] { ReadBlender(); }), HasSubstr("'train/r_0.png' twice"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadBlender(); }), HasSubstr("'train/r_0.png' twice"));
 }
 
 }  // namespace

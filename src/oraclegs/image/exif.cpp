@@ -56,8 +56,8 @@ std::optional<int> TiffOrientation(std::string_view tiff) {
 
 }  // namespace
 
-JpegMetadata ReadJpegNotes(std::string_view jpeg) {
-  JpegMetadata notes;
+JpegMetadata ReadJpegMetadata(std::string_view jpeg) {
+  JpegMetadata metadata;
   bool has_exif = false;
   const Reader reader(jpeg, /*big_endian=*/true);
   size_t at = 2;
@@ -66,13 +66,13 @@ JpegMetadata ReadJpegNotes(std::string_view jpeg) {
     const auto marker = reader.U16(at);
     const auto length = reader.U16(at + 2);
     const bool ends = !marker || *marker < 0xFF01 || *marker == 0xFFDA || *marker == 0xFFD9;
-    if (ends || !length || *length < 2 || jpeg.size() - at - 2 < *length) return notes;
+    if (ends || !length || *length < 2 || jpeg.size() - at - 2 < *length) return metadata;
     const std::string_view body = jpeg.substr(at + 4, *length - 2);
     if (*marker == 0xFFE1 && body.starts_with(kExifMark) && !has_exif) {
       has_exif = true;
-      notes.orientation = TiffOrientation(body.substr(kExifMark.size())).value_or(1);
+      metadata.orientation = TiffOrientation(body.substr(kExifMark.size())).value_or(1);
     }
-    if (*marker == 0xFFEE && body.starts_with(kAdobeMark)) notes.has_adobe_mark = true;
+    if (*marker == 0xFFEE && body.starts_with(kAdobeMark)) metadata.has_adobe_mark = true;
     at += 2 + *length;
   }
 }
@@ -82,7 +82,7 @@ bool SwapsAxes(int orientation) { return orientation >= 5 && orientation <= 8; }
 Image8 ApplyOrientation(Image8 image, int orientation) {
   if (orientation < 2 || orientation > 8) return image;
   const bool swap = SwapsAxes(orientation);
-  // Where the stored picture is read from the right or from the bottom.
+  // Where the stored image is read from the right or from the bottom.
   const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
   Image8 upright{swap ? image.height : image.width, swap ? image.width : image.height, image.channels, {}};

@@ -1,5 +1,5 @@
 #pragma once
-// The two things a JPEG's application segments tell about its pixels.
+// What a JPEG's application segments say about its pixels: orientation, and inverted CMYK.
 
 #include <string_view>
 
@@ -12,13 +12,13 @@ struct JpegMetadata {
   bool has_adobe_mark = false;  ///< an APP14 "Adobe" segment: CMYK is stored inverted
 };
 
-/// Looks through the segments before the first scan. Damage there is no error: what cannot be read keeps its default.
-JpegMetadata ReadJpegNotes(std::string_view jpeg);
+/// Reads the segments before the first scan. Damage there is no error: what cannot be read keeps its default.
+JpegMetadata ReadJpegMetadata(std::string_view jpeg);
 
 /// True when the orientation swaps width and height.
 bool SwapsAxes(int orientation);
 
-/// Turns and mirrors a stored picture so that it stands upright.
+/// Turns and mirrors a stored image so that it stands upright.
 Image8 ApplyOrientation(Image8 image, int orientation);
 
 }  // namespace oraclegs

@@ -1,45 +1,73 @@
 #include "oraclegs/image/image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/files.h"
-#include "oraclegs/image/jpeg.h"
-#include "oraclegs/image/png.h"
+#include "oraclegs/core/parallel.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;  // a picture of the largest size without compression
+constexpr int64_t kRowsPerTask = 16;
 
-[[noreturn]] void RefuseFormat(const std::string& bytes, const std::string& file) {
-  if (bytes.empty()) throw InputError("{}: is empty; copy the picture again", file);
-  throw InputError("{}: is not a JPEG or PNG picture, whatever its name says; convert it to one", file);
+/// The old pixels that make one new one: weights[i] belongs to pixel first + i.
+struct Taps {
+  int first = 0;
+  std::vector<float> weights;
+};
+
+/// Overlap of the new pixel with each old one, as a share of the new pixel.
+Taps AreaTaps(int i, int old_size, int new_size) {
+  const double scale = static_cast<double>(old_size) / new_size;
+  const double begin = i * scale, end = std::min<double>((i + 1) * scale, old_size);
+  Taps taps{static_cast<int>(begin), {}};
+  for (int k = taps.first; k < old_size && k < end; ++k) {
+    taps.weights.push_back(static_cast<float>((std::min<double>(k + 1, end) - std::max<double>(k, begin)) / scale));
+  }
+  return taps;
+}
+
+Taps LinearTaps(int i, int old_size, int new_size) {
+  const double at = std::clamp((i + 0.5) * old_size / new_size - 0.5, 0., old_size - 1.);
+  const int first = std::min(static_cast<int>(at), std::max(0, old_size - 2));
+  const float second = static_cast<float>(at - first);
+  if (second == 0) return {first, {1.f}};
+  return {first, {1 - second, second}};
+}
+
+std::vector<Taps> AxisTaps(int old_size, int new_size) {
+  std::vector<Taps> taps;
+  for (int i = 0; i < new_size; ++i) {
+    taps.push_back(new_size > old_size ? LinearTaps(i, old_size, new_size) : AreaTaps(i, old_size, new_size));
+  }
+  return taps;
+}
+
+void ReduceColumns(const float* row, const std::vector<Taps>& taps, int channels, float* out) {
+  for (const Taps& tap : taps) {
+    for (int c = 0; c < channels; ++c) {
+      const float* in = row + static_cast<size_t>(tap.first) * channels + c;
+      float sum = 0;
+      for (size_t k = 0; k < tap.weights.size(); ++k) sum += tap.weights[k] * in[k * channels];
+      *out++ = sum;
+    }
+  }
 }
 
 }  // namespace
 
-Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
-  const std::string bytes = ReadFile(path, kMaxFileBytes);
-  if (IsJpeg(bytes)) return DecodeJpeg(bytes, path.string(), orientation);
-  if (IsPng(bytes)) return DecodePng(bytes, path.string());
-  RefuseFormat(bytes, path.string());
-}
-
-void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
-  const std::string bytes = ReadFile(path, kMaxFileBytes);
-  if (IsJpeg(bytes)) return ReadJpegSize(bytes, path.string(), orientation, width, height);
-  if (IsPng(bytes)) return ReadPngSize(bytes, path.string(), width, height);
-  RefuseFormat(bytes, path.string());
-}
-
-bool HasImageExtension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+void CheckImageSize(int64_t width, int64_t height, uint64_t possible, const std::string& file) {
+  if (width <= 0 || height <= 0) throw InputError("{}: its header says {} x {} pixels", file, width, height);
+  if (width > kMaxImagePixels || height > kMaxImagePixels || width * height > kMaxImagePixels) {
+    throw InputError("{}: its header says {} x {} pixels, at most {} million are possible; make it smaller", file,
+                     width, height, kMaxImagePixels / 1000000);
+  }
+  if (static_cast<uint64_t>(width * height) > possible) {
+    throw InputError(
+        "{}: its header says {} x {} pixels, more than its bytes can hold; it is incomplete, copy it again", file,
+        width, height);
+  }
 }
 
 ImageF ToFloat(const Image8& image) {
@@ -54,6 +82,31 @@ Image8 ToImage8(const ImageF& image) {
   std::transform(image.data.begin(), image.data.end(), result.data.begin(), [](float value) {
     const float clamped = value > 0 ? std::min(value, 1.f) : 0.f;  // not a number becomes 0
     return static_cast<uint8_t>(255 * clamped + 0.5f);
+  });
+  return result;
+}
+
+ImageF ResizeArea(const ImageF& image, int width, int height) {
+  if (width <= 0 || height <= 0 || image.width <= 0 || image.height <= 0) {
+    throw ShapeError("ResizeArea: {} x {} to {} x {}", image.width, image.height, width, height);
+  }
+  if (width == image.width && height == image.height) return image;
+  const std::vector<Taps> columns = AxisTaps(image.width, width), rows = AxisTaps(image.height, height);
+  ImageF result{width, height, image.channels, {}};
+  result.data.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * static_cast<size_t>(image.channels));
+  const size_t row_values = static_cast<size_t>(image.width) * static_cast<size_t>(image.channels);
+  ParallelBlocks(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
+    std::vector<float> sum(row_values);
+    for (int y = static_cast<int>(begin); y < end; ++y) {
+      std::fill(sum.begin(), sum.end(), 0.f);
+      const Taps& tap = rows[static_cast<size_t>(y)];
+      for (size_t k = 0; k < tap.weights.size(); ++k) {
+        const float* in = image.row(tap.first + static_cast<int>(k));
+        const float weight = tap.weights[k];
+        for (size_t i = 0; i < row_values; ++i) sum[i] += weight * in[i];
+      }
+      ReduceColumns(sum.data(), columns, image.channels, result.row(y));
+    }
   });
   return result;
 }

@@ -8,7 +8,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/image/exif.h"
-#include "oraclegs/image/image_size.h"
 
 namespace oraclegs {
 namespace {
@@ -46,11 +45,11 @@ Header ReadHeader(const Decoder& decoder, std::string_view bytes, const std::str
     throw InputError("{}: is a damaged JPEG ({}); copy or export it again", file,
                      OneLine(tjGetErrorStr2(decoder.get())));
   }
-  CheckPictureSize(header.width, header.height, bytes.size() * kPixelsPerByte, file);
+  CheckImageSize(header.width, header.height, bytes.size() * kPixelsPerByte, file);
   return header;
 }
 
-/// libjpeg goes on after damage and paints the rest grey; only oddities that leave the picture whole may pass.
+/// libjpeg goes on after damage and paints the rest grey; only oddities that leave the image whole may pass.
 bool IsHarmless(std::string_view warning) {
   const auto says = [warning](std::string_view words) { return warning.find(words) != std::string_view::npos; };
   return says("extraneous bytes") || !(says("Corrupt JPEG") || says("Premature end"));
@@ -76,13 +75,13 @@ bool IsJpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD8\xFF"); 
 Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation orientation) {
   const Decoder decoder = MakeDecoder();
   const Header header = ReadHeader(decoder, bytes, file);
-  const JpegMetadata notes = ReadJpegNotes(bytes);
+  const JpegMetadata metadata = ReadJpegMetadata(bytes);
   const bool is_cmyk = header.colors == TJCS_CMYK || header.colors == TJCS_YCCK;
   const int channels = is_cmyk ? 4 : 3;
   Image8 image{header.width, header.height, 3, {}};
   image.data.resize(static_cast<size_t>(header.width) * static_cast<size_t>(header.height) *
                     static_cast<size_t>(channels));
-  // Many scans in a small file take minutes to decode and make no picture that a camera writes.
+  // Many scans in a small file take minutes to decode and make no image that a camera writes.
   const int result = tjDecompress2(decoder.get(), Data(bytes), bytes.size(), image.data.data(), header.width, 0,
                                    header.height, is_cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_LIMITSCANS);
   if (result != 0) {
@@ -91,8 +90,8 @@ Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation o
       throw InputError("{}: is a damaged or incomplete JPEG ({}); copy or export it again", file, message);
     }
   }
-  if (is_cmyk) image = CmykToRgb(image.data, header, notes.has_adobe_mark);
-  return ApplyOrientation(std::move(image), orientation == Orientation::kUpright ? notes.orientation : 1);
+  if (is_cmyk) image = CmykToRgb(image.data, header, metadata.has_adobe_mark);
+  return ApplyOrientation(std::move(image), orientation == Orientation::kUpright ? metadata.orientation : 1);
 }
 
 void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height) {
@@ -100,7 +99,8 @@ void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation o
   const Header header = ReadHeader(decoder, bytes, file);
   *width = header.width;
   *height = header.height;
-  if (orientation == Orientation::kUpright && SwapsAxes(ReadJpegNotes(bytes).orientation)) std::swap(*width, *height);
+  if (orientation == Orientation::kUpright && SwapsAxes(ReadJpegMetadata(bytes).orientation))
+    std::swap(*width, *height);
 }
 
 }  // namespace oraclegs

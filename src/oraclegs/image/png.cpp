@@ -10,7 +10,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/image_size.h"
 
 namespace oraclegs {
 namespace {
@@ -59,7 +58,7 @@ void OnRead(png_structp png, png_bytep target, size_t count) {
 /// Up to the pixels; from then on rows are 8-bit RGB or RGBA, or as stored.
 void StartRead(ReadState* state) {
   png_set_read_fn(state->png, state, OnRead);
-  png_set_user_limits(state->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // CheckPictureSize has looked
+  png_set_user_limits(state->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // CheckImageSize has looked
   png_read_info(state->png, state->info);
   if (state->as_stored) return;
   png_set_expand(state->png);
@@ -178,7 +177,7 @@ void ReadPngSize(std::string_view bytes, const std::string& file, int* width, in
     return value;
   };
   const int64_t w = number(kSizeAt), h = number(kSizeAt + 4);
-  CheckPictureSize(w, h, bytes.size() * kPixelsPerByte, file);
+  CheckImageSize(w, h, bytes.size() * kPixelsPerByte, file);
   *width = static_cast<int>(w);
   *height = static_cast<int>(h);
 }

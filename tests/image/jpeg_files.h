@@ -1,13 +1,14 @@
 #pragma once
 // JPEGs that the image tests make.
 
+#include <gtest/gtest.h>
 #include <turbojpeg.h>
 
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "scene/tiny_scenes.h"
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 
@@ -53,8 +54,8 @@ inline std::string WithOrientation(const std::string& jpeg, int orientation) {
   return jpeg.substr(0, 2) + ExifSegment(orientation, false) + jpeg.substr(2);
 }
 
-/// A smooth picture, which JPEG keeps to a few steps of 255.
-inline Image8 SmoothPicture(int width, int height, int channels) {
+/// A smooth image, which JPEG keeps to a few steps of 255.
+inline Image8 SmoothImage(int width, int height, int channels) {
   Image8 image{width, height, channels, {}};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
