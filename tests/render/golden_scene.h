@@ -3,8 +3,10 @@
 
 #include <algorithm>
 
+#include <gtest/gtest.h>
+
 #include "oraclegs/render/render.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 
 namespace oraclegs {
 
@@ -14,7 +16,7 @@ struct GoldenScene {
   Camera camera;
   RenderOptions options;
   RenderGrads upstream;
-  Buffer<float> visible;  ///< bool [N]: contributes to some pixel
+  std::vector<uint8_t> visible;  ///< [N]: contributes to some pixel
 
   GoldenScene() {
     gaussians = {GoldenFloat(file, "means"), GoldenFloat(file, "log_scales"), GoldenFloat(file, "quats"),
@@ -32,13 +34,27 @@ struct GoldenScene {
     std::copy_n(background.begin(), 3, options.background.begin());
     upstream = {GoldenFloat(file, "upstream_image"), GoldenFloat(file, "upstream_alpha"),
                 GoldenFloat(file, "upstream_inv_depth")};
-    visible = GoldenTensor(file, "visible").to(torch::kBool);
+    visible = file.Values<uint8_t>("visible");
   }
 
   /// "sh3", "sh0" or "aa".
   void Select(const std::string& variant) {
     options.sh_degree = variant == "sh0" ? 0 : std::stoi(file.metadata().at("sh_degree_stored"));
     options.antialiased = variant == "aa";
+  }
+
+  /// Row by row: |error| <= 0.02 (|reference| + 0.01 median |reference| over the visible Gaussians).
+  void ExpectRowsAgree(const Buffer<float>& x, const Buffer<double>& reference, const std::string& what) const {
+    const Eigen::ArrayXd norm = Table(reference).rowwise().norm();
+    const Eigen::ArrayXd error = (Table(x).cast<double>() - Table(reference)).rowwise().norm();
+    std::vector<double> seen;
+    for (int64_t i = 0; i < norm.size(); ++i) {
+      if (visible[static_cast<size_t>(i)]) seen.push_back(norm[i]);
+    }
+    std::nth_element(seen.begin(), seen.begin() + (seen.size() - 1) / 2, seen.end());
+    const double median = seen[(seen.size() - 1) / 2];
+    Eigen::Index worst = 0;
+    EXPECT_LE((error / (0.02 * (norm + 0.01 * median))).maxCoeff(&worst), 1.0) << what << ", Gaussian " << worst;
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 // The slow twin of the rasteriser: double precision, one pixel after another, every Gaussian tried on every pixel,
-// straight from spec/gaussian_core.md 3 to 5. No tiles, no bounds, no tricks. The per-Gaussian mathematics is the
-// shared header.
+// straight from docs/method.md#projection to #spherical-harmonics. No tiles, no bounds, no tricks. The per-Gaussian
+// mathematics is the shared header.
 
 #include <algorithm>
 #include <vector>
@@ -21,10 +21,7 @@ struct ReferenceScene {
   Camera camera;
   RenderOptions options;
 
-  static std::vector<double> Values(const Buffer<float>& t) {
-    const Buffer<float> d = t.to(torch::kDouble);
-    return {d.data(), d.data() + d.count()};
-  }
+  static std::vector<double> Values(const Buffer<float>& t) { return {t.data(), t.data() + t.count()}; }
   ReferenceScene(const Gaussians& g, const Camera& camera, const RenderOptions& options)
       : means(Values(g.means)),
         log_scales(Values(g.log_scales)),
@@ -34,6 +31,17 @@ struct ReferenceScene {
         camera(camera),
         options(options) {}
   int64_t size() const { return static_cast<int64_t>(opacity_logits.size()); }
+
+  /// The sum of upstream times output.
+  double Loss(const RenderGrads& upstream) const {
+    const ReferenceImage out = Render();
+    double sum = 0;
+    for (size_t i = 0; i < out.image.size(); ++i) sum += upstream.image.data()[i] * out.image[i];
+    for (size_t i = 0; i < out.alpha.size(); ++i) {
+      sum += upstream.alpha.data()[i] * out.alpha[i] + upstream.inv_depth.data()[i] * out.inv_depth[i];
+    }
+    return sum;
+  }
 
   ReferenceImage Render() const {
     namespace math = HWY_NAMESPACE;
@@ -86,7 +94,8 @@ struct ReferenceScene {
         for (const Item& item : items) {
           const double dx = item.p.mx - (x + 0.5), dy = item.p.my - (y + 0.5);
           const double power = -0.5 * (item.p.conic_a * dx * dx + item.p.conic_c * dy * dy) - item.p.conic_b * dx * dy;
-          // The float32 cap: two in a row leave less than 1e-4, in double exactly 1e-4 and a coin flip (spec 4).
+          // The float32 cap: two in a row leave less than 1e-4, in double exactly 1e-4 and a coin flip
+          // (docs/method.md#blending).
           const double alpha = std::min(static_cast<double>(0.99f), item.p.opacity * std::exp(power));
           if (power > 0 || alpha < 1.0 / 255) continue;
           const double next = t * (1 - alpha);

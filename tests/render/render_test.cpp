@@ -1,22 +1,18 @@
 #include "oraclegs/render/render.h"
 
-#include "support/golden.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace oraclegs {
 namespace {
 
-TEST(MakeRasterizer, TheCpuIsAlwaysThere) { EXPECT_NE(MakeRasterizer(kCpu), nullptr); }
+class NoConsumer final : public GradientConsumer {};
 
-#if !defined(ORACLEGS_CUDA)
-TEST(MakeRasterizer, ADeviceThatThisBuildLacksIsRefusedByName) {
-  try {
-    MakeRasterizer(Device(torch::kCUDA, 1));
-    FAIL() << "a CPU-only build must not fall back in silence";
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("cuda:1"));
-  }
+TEST(GradientConsumer, ThrowsOnADeviceItIsNotMadeFor) {
+  NoConsumer consumer;
+  EXPECT_THAT([&] { consumer.ConsumeBlock(0, 1, {}); },
+              testing::ThrowsMessage<ShapeError>(testing::HasSubstr("on a CPU")));
 }
-#endif
 
 }  // namespace
 }  // namespace oraclegs

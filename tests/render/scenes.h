@@ -3,6 +3,7 @@
 
 #include "oraclegs/core/rng.h"
 #include "oraclegs/render/render.h"
+#include "support/buffers.h"
 
 namespace oraclegs {
 
@@ -31,6 +32,12 @@ inline Gaussians RandomGaussians(int64_t n, double scale, uint64_t seed) {
     for (int k = 0; k < 48; ++k) sh[48 * i + k] = static_cast<float>(rng.Uniform(-1, 1) * (k < 3 ? 1.2 : 0.25));
   }
   return g;
+}
+
+/// dL/d(output), standard normal.
+inline RenderGrads RandomUpstream(const Camera& camera, uint64_t seed) {
+  const int64_t h = camera.height, w = camera.width;
+  return {RandomNormal({h, w, 3}, seed), RandomNormal({h, w}, seed + 1), RandomNormal({h, w}, seed + 2)};
 }
 
 }  // namespace oraclegs

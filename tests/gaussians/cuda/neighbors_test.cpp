@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "oraclegs/core/out_of_memory.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/cuda/neighbor_tree.h"
 #include "oraclegs/gaussians/neighbors.h"

@@ -1,3 +1,6 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <hwy/aligned_allocator.h>
 
 #include <array>
@@ -6,7 +9,6 @@
 
 #include "render/cpu/every_target.h"
 #include "render/cpu/splats.h"
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {
@@ -57,7 +59,7 @@ struct Work {
     return rows;
   }
 
-  /// Adds one pixel's terms, in double (spec 6.1).
+  /// Adds one pixel's terms, in double (docs/method.md#blending-gradient).
   void AddPixel(int x, int y, std::vector<std::array<double, 12>>* sums, std::vector<double>* sizes) const {
     struct Hit {
       size_t entry;

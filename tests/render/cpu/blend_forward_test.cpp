@@ -1,8 +1,10 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <vector>
 
 #include "render/cpu/every_target.h"
 #include "render/cpu/splats.h"
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {
@@ -38,7 +40,7 @@ TEST_P(BlendTile, TwoLayersBlendNearToFar) {
 }
 
 TEST_P(BlendTile, StopsBeforeTheSplatThatWouldEndIt) {
-  // 0.99 twice leaves less than 1e-4 in float32: the second one contributes nothing (spec 4).
+  // 0.99 twice leaves less than 1e-4 in float32: the second one contributes nothing (docs/method.md#blending).
   const double wide[3] = {1e8, 0, 1e8};
   const std::vector<cpu::Splat> splats(3, MakeSplat(8, 8, wide, 0.999));
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}, {2, 0xffff, 2}};

@@ -1,6 +1,8 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "render/cpu/every_target.h"
 #include "render/cpu/splats.h"
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {

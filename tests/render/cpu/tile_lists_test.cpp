@@ -1,11 +1,13 @@
 #include "oraclegs/render/cpu/tile_lists.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <map>
 
 #include "oraclegs/core/parallel.h"
 #include "render/cpu/splats.h"
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {

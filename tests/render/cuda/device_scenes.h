@@ -3,17 +3,10 @@
 
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 #include "render/scenes.h"
+#include "support/buffers.h"
 #include "support/cuda_device.h"
-#include "support/tensors.h"
 
 namespace oraclegs {
-
-/// The emulated device's memory is the CPU's.
-inline Device TestDevice() {
-  return kEmulatedCuda ? Device(kCpu) : Device(torch::kCUDA, 0);
-}
-
-inline Buffer<float> OnTestDevice(const Buffer<float>& t) { return t.defined() ? t.to(TestDevice()) : t; }
 
 inline Gaussians OnTestDevice(const Gaussians& g) {
   Gaussians out = g;
@@ -41,29 +34,18 @@ struct RenderedTask {
 };
 
 inline RenderedTask RunTask(Rasterizer* rasterizer, const RenderTask& task, Device device) {
-  Gaussians g = task.gaussians;
-  g.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
+  const Gaussians g = task.gaussians.To(device);
   RenderOptions options = task.options;
-  if (options.opacity_factors.defined()) options.opacity_factors = options.opacity_factors.To(device);
+  options.opacity_factors = options.opacity_factors.To(device);
   const RenderOutput out = rasterizer->Forward(g, task.camera, options, RenderPass::kTrain);
-  RenderedTask result{out.image.To(kCpu).Clone(),
-                      out.alpha.To(kCpu).Clone(),
-                      out.inv_depth.To(kCpu).Clone(),
-                      Gaussians::Zeros(g.size()),
-                      {}};
-  result.grads.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
-  const auto move = [&](const Buffer<float>& t) { return t.defined() ? t.To(device) : t; };
-  rasterizer->Backward(g, {move(task.upstream.image), move(task.upstream.alpha), move(task.upstream.inv_depth)},
-                       &result.grads);
-  result.grads.ForEach([](const char*, Buffer<float>& t) { t = t.To(kCpu); });
+  RenderedTask result{
+      out.image.CopyOn(kCpu), out.alpha.CopyOn(kCpu), out.inv_depth.CopyOn(kCpu), Gaussians::Zeros(g.size()), {}};
+  result.grads = result.grads.To(device);
+  const RenderGrads& up = task.upstream;
+  rasterizer->Backward(g, {up.image.To(device), up.alpha.To(device), up.inv_depth.To(device)}, &result.grads);
+  result.grads = result.grads.To(kCpu);
   result.stats = rasterizer->stats();
   return result;
-}
-
-inline RenderGrads RandomUpstream(const Camera& camera, uint64_t seed) {
-  torch::manual_seed(seed);
-  return {torch::randn({camera.height, camera.width, 3}), torch::randn({camera.height, camera.width}),
-          torch::randn({camera.height, camera.width})};
 }
 
 }  // namespace oraclegs

@@ -2,7 +2,7 @@
 // differences of the reference in double precision.)
 
 #include <cmath>
-#include <optional>
+#include <memory>
 
 #include "render/cuda/device_scenes.h"
 
@@ -19,15 +19,13 @@ class FiniteDifferencesTest : public CudaTest {
   double Loss() {
     Gaussians g = OnTestDevice(task.gaussians);
     const RenderOutput out = rasterizer->Forward(g, task.camera, task.options, RenderPass::kInference);
-    const auto dot = [](const Buffer<float>& a, const Buffer<float>& b) {
-      return (a.to(torch::kDouble) * b.To(kCpu).to(torch::kDouble)).sum().item<double>();
-    };
+    const auto dot = [](const Buffer<float>& a, const Buffer<float>& b) { return (Wide(a) * Wide(OnHost(b))).sum(); };
     return dot(task.upstream.image, out.image) + dot(task.upstream.alpha, out.alpha) +
            dot(task.upstream.inv_depth, out.inv_depth);
   }
 
   /// |difference quotient - gradient| of one number, the least of two steps: a pixel that crosses a threshold on the
-  /// way is a jump, not a slope.
+  /// way is a jump, not a derivative.
   double Error(float* value, double gradient) {
     const float keep = *value;
     double best = 1e30;
@@ -35,25 +33,25 @@ class FiniteDifferencesTest : public CudaTest {
       *value = keep + step;
       const double above = Loss(), moved_up = *value;
       *value = keep - step;
-      const double slope = (above - Loss()) / (moved_up - *value);
-      best = std::min(best, std::abs(slope - gradient));
+      const double derivative = (above - Loss()) / (moved_up - *value);
+      best = std::min(best, std::abs(derivative - gradient));
       *value = keep;
     }
     return best;
   }
 
   RenderTask task;
-  std::optional<cuda::CudaRasterizer> rasterizer;  // made by a test, which a machine without a device skips
+  std::unique_ptr<Rasterizer> rasterizer;  // made by a test, which a machine without a device skips
 };
 
 TEST_F(FiniteDifferencesTest, ImagesChangeAsTheGradientsSay) {
-  rasterizer.emplace(TestDevice());
-  const RenderedTask out = RunTask(&*rasterizer, task, TestDevice());
+  rasterizer = cuda::MakeCudaRasterizer(TestDevice());
+  const RenderedTask out = RunTask(rasterizer.get(), task, TestDevice());
   const auto check = [&](const char* name, Buffer<float>* values, const Buffer<float>& grad, int64_t stride) {
-    const double largest = grad.abs().max().item<double>();
+    const double largest = MaxAbs(grad);
     ASSERT_GT(largest, 0.01) << name;
     for (int64_t k = 0; k < grad.count(); k += stride) {
-      EXPECT_LE(Error(values->data_ptr<float>() + k, grad.data()[k]), 1e-2 * largest) << name << " " << k;
+      EXPECT_LE(Error(values->data() + k, grad.data()[k]), 1e-2 * largest) << name << " " << k;
     }
   };
   check("means", &task.gaussians.means, out.grads.means, 1);

@@ -19,11 +19,11 @@ class RasterCoreTest : public CudaTest {
     return task;
   }
   static void ExpectSameBits(const RenderedTask& a, const RenderedTask& b) {
-    EXPECT_TRUE(torch::equal(a.image, b.image));
-    EXPECT_TRUE(torch::equal(a.inv_depth, b.inv_depth));
-    EXPECT_TRUE(torch::equal(a.grads.means, b.grads.means));
-    EXPECT_TRUE(torch::equal(a.grads.quats, b.grads.quats));
-    EXPECT_TRUE(torch::equal(a.grads.sh, b.grads.sh));
+    EXPECT_TRUE(Equal(a.image, b.image));
+    EXPECT_TRUE(Equal(a.inv_depth, b.inv_depth));
+    EXPECT_TRUE(Equal(a.grads.means, b.grads.means));
+    EXPECT_TRUE(Equal(a.grads.quats, b.grads.quats));
+    EXPECT_TRUE(Equal(a.grads.sh, b.grads.sh));
     EXPECT_EQ(a.stats.pixel_pairs, b.stats.pixel_pairs);
     EXPECT_EQ(a.stats.pixel_pairs_backward, b.stats.pixel_pairs_backward);
   }
@@ -31,38 +31,38 @@ class RasterCoreTest : public CudaTest {
 
 TEST_F(RasterCoreTest, MemoryThatGrowsOnTheWayChangesNoBit) {
   const RenderTask few = Task(20, 30, 20), many = Task(700, 60, 40);
-  cuda::CudaRasterizer fresh(TestDevice()), grown(TestDevice());
-  const RenderedTask expected = RunTask(&fresh, many, TestDevice());
-  RunTask(&grown, few, TestDevice());
-  const int64_t before = grown.device_bytes();
-  ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);
-  EXPECT_GT(grown.device_bytes(), before);
-  ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);  // now there is room
-  RunTask(&grown, few, TestDevice());
-  ExpectSameBits(RunTask(&grown, many, TestDevice()), expected);  // and what was there before does not matter
+  const auto fresh = cuda::MakeCudaRasterizer(TestDevice()), grown = cuda::MakeCudaRasterizer(TestDevice());
+  const RenderedTask expected = RunTask(fresh.get(), many, TestDevice());
+  RunTask(grown.get(), few, TestDevice());
+  const int64_t before = grown->stats().device_bytes;
+  ExpectSameBits(RunTask(grown.get(), many, TestDevice()), expected);
+  EXPECT_GT(grown->stats().device_bytes, before);
+  ExpectSameBits(RunTask(grown.get(), many, TestDevice()), expected);  // now there is room
+  RunTask(grown.get(), few, TestDevice());
+  ExpectSameBits(RunTask(grown.get(), many, TestDevice()), expected);  // and what was there before does not matter
 }
 
 TEST_F(RasterCoreTest, AViewOfManyPairsMayComeWhenTheLastIsLongForgotten) {
   const RenderTask few = Task(5, 20, 16), many = Task(300, 60, 40);
-  cuda::CudaRasterizer fresh(TestDevice()), rasterizer(TestDevice());
-  const RenderedTask expected = RunTask(&fresh, many, TestDevice());
-  ExpectSameBits(RunTask(&rasterizer, many, TestDevice()), expected);
-  const int64_t room = rasterizer.device_bytes();
-  for (int view = 0; view < 100; ++view) RunTask(&rasterizer, few, TestDevice());
-  ExpectSameBits(RunTask(&rasterizer, many, TestDevice()), expected);
-  EXPECT_EQ(rasterizer.device_bytes(), room);  // what is sent shrinks, and not what is held
+  const auto fresh = cuda::MakeCudaRasterizer(TestDevice()), rasterizer = cuda::MakeCudaRasterizer(TestDevice());
+  const RenderedTask expected = RunTask(fresh.get(), many, TestDevice());
+  ExpectSameBits(RunTask(rasterizer.get(), many, TestDevice()), expected);
+  const int64_t room = rasterizer->stats().device_bytes;
+  for (int view = 0; view < 100; ++view) RunTask(rasterizer.get(), few, TestDevice());
+  ExpectSameBits(RunTask(rasterizer.get(), many, TestDevice()), expected);
+  EXPECT_EQ(rasterizer->stats().device_bytes, room);  // what is sent shrinks, and not what is held
 }
 
 TEST_F(RasterCoreTest, CountsAndTimesAreThere) {
-  cuda::CudaRasterizer rasterizer(TestDevice());
-  EXPECT_EQ(rasterizer.stats().tile_pairs, 0);
-  EXPECT_EQ(rasterizer.timings().blend, 0);
-  const RenderedTask out = RunTask(&rasterizer, Task(100, 40, 30), TestDevice());
+  const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
+  EXPECT_EQ(rasterizer->stats().tile_pairs, 0);
+  EXPECT_EQ(rasterizer->timings().blend, 0);
+  const RenderedTask out = RunTask(rasterizer.get(), Task(100, 40, 30), TestDevice());
   EXPECT_GT(out.stats.visible, 0);
   EXPECT_GE(out.stats.tile_pairs, out.stats.visible);
   EXPECT_GT(out.stats.pixel_pairs, 0);
   EXPECT_GT(out.stats.pixel_pairs_backward, 0);
-  EXPECT_GE(rasterizer.timings().blend_backward, 0);
+  EXPECT_GE(rasterizer->timings().blend_backward, 0);
 }
 
 TEST_F(RasterCoreTest, TooManyPairsAreRefused) {
@@ -78,11 +78,11 @@ TEST_F(RasterCoreTest, BackwardAsksForForward) {
 #if defined(ORACLEGS_EMULATED_CUDA)
 TEST_F(RasterCoreTest, ASteadyIterationTakesNoMemoryAndWaitsTwice) {
   const RenderTask task = Task(150, 40, 30);
-  cuda::CudaRasterizer rasterizer(TestDevice());
+  const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   Gaussians grads = Gaussians::Zeros(150);
   const auto iterate = [&] {
-    rasterizer.Forward(task.gaussians, task.camera, {}, RenderPass::kTrain);
-    rasterizer.Backward(task.gaussians, task.upstream, &grads);
+    rasterizer->Forward(task.gaussians, task.camera, {}, RenderPass::kTrain);
+    rasterizer->Backward(task.gaussians, task.upstream, &grads);
   };
   iterate();
   const emulated_cuda::Counts before = emulated_cuda::CountCalls();
@@ -94,12 +94,12 @@ TEST_F(RasterCoreTest, ASteadyIterationTakesNoMemoryAndWaitsTwice) {
 
 TEST_F(RasterCoreTest, MemoryThatEndsIsSaidAndSurvived) {
   const RenderTask task = Task(200, 40, 30);
-  cuda::CudaRasterizer rasterizer(TestDevice());
+  const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   emulated_cuda::SetMemory(100000);
-  EXPECT_THROW(RunTask(&rasterizer, task, TestDevice()), RunError);
+  EXPECT_THROW(RunTask(rasterizer.get(), task, TestDevice()), RunError);
   emulated_cuda::SetMemory(size_t{1} << 40);
-  cuda::CudaRasterizer other(TestDevice());
-  ExpectSameBits(RunTask(&rasterizer, task, TestDevice()), RunTask(&other, task, TestDevice()));
+  const auto other = cuda::MakeCudaRasterizer(TestDevice());
+  ExpectSameBits(RunTask(rasterizer.get(), task, TestDevice()), RunTask(other.get(), task, TestDevice()));
 }
 #endif
 
