@@ -8,13 +8,10 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/loss/photometric.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 
 namespace oraclegs {
 namespace {
-
-/// [3,H,W] as stored to [H,W,3] as used.
-Buffer<float> Interleaved(const Buffer<float>& planar) { return planar.permute({1, 2, 0}); }
 
 std::vector<int64_t> MachineTargets() {
   std::vector<int64_t> targets;
@@ -27,28 +24,24 @@ std::vector<int64_t> MachineTargets() {
 
 class PhotometricGolden : public testing::TestWithParam<int64_t> {
  protected:
-  void SetUp() override {
-    hwy::SetSupportedTargetsForTest(GetParam());
-    const SafetensorsFile file = OpenGolden("ssim");
-    render_ = Interleaved(GoldenFloat(file, "render"));
-    target_ = Interleaved(GoldenFloat(file, "target"));
-    confidence_ = GoldenFloat(file, "confidence");
-  }
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
-  /// Runs the loss and holds gradient and value to the file's.
+  /// Runs the loss and compares gradient and value with the file's.
   PhotometricValue Run(const PhotometricWeights& weights, bool weighted, const std::string& gradient) const {
-    Buffer<float> grad = Buffer<float>::Empty(render_.shape());
+    Buffer<float> grad = Buffer<float>::Empty(render.shape());
     const PhotometricValue value =
-        PhotometricLoss()(render_, target_, weighted ? confidence_ : Buffer<float>(), weights, &grad);
-    const Buffer<float> expected = Interleaved(GoldenTensor(OpenGolden("ssim"), gradient));
-    EXPECT_LT(RelativeL2(grad, expected), 5e-5) << gradient;
+        PhotometricLoss()(render, target, weighted ? confidence : Buffer<float>(), weights, &grad);
+    EXPECT_LT(RelativeL2(grad, Interleaved(GoldenDouble(file, gradient))), 5e-5) << gradient;
     return value;
   }
 
-  double Golden(const std::string& name) const { return GoldenTensor(OpenGolden("ssim"), name).item<double>(); }
+  double Golden(const std::string& name) const { return GoldenDouble(file, name)[0]; }
 
-  Buffer<float> render_, target_, confidence_;
+  const SafetensorsFile file = OpenGolden("ssim");  // its images are [3,H,W]
+  const Buffer<float> render = Interleaved(GoldenFloat(file, "render"));
+  const Buffer<float> target = Interleaved(GoldenFloat(file, "target"));
+  const Buffer<float> confidence = GoldenFloat(file, "confidence");
 };
 
 TEST_P(PhotometricGolden, ValuesAndGradients) {
@@ -61,17 +54,15 @@ TEST_P(PhotometricGolden, ValuesAndGradients) {
 }
 
 TEST_P(PhotometricGolden, Map) {
-  const Buffer<float> expected = Interleaved(GoldenTensor(OpenGolden("ssim"), "ssim_map"));
-  EXPECT_LT(MaxAbsError(SsimMap(render_, target_), expected), 1e-4);
+  EXPECT_LT(MaxAbsError(SsimMap(render, target), Interleaved(GoldenDouble(file, "ssim_map"))), 1e-4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, PhotometricGolden, testing::ValuesIn(MachineTargets()),
                          [](const auto& info) { return std::string(hwy::TargetName(info.param)); });
 
-TEST(PhotometricThreads, SameBitsForAnyNumber) {
-  torch::manual_seed(3);
-  const Buffer<float> render = torch::rand({203, 307, 3}), target = torch::rand({203, 307, 3});
-  const Buffer<float> confidence = torch::rand({203, 307});
+TEST(PhotometricThreads, GiveTheSameBits) {
+  const Buffer<float> render = RandomUniform({203, 307, 3}, 3), target = RandomUniform({203, 307, 3}, 4);
+  const Buffer<float> confidence = RandomUniform({203, 307}, 5);
   double loss = 0;
   Buffer<float> first, map;
   for (const int threads : {1, 2, 3}) {
@@ -84,28 +75,28 @@ TEST(PhotometricThreads, SameBitsForAnyNumber) {
       map = SsimMap(render, target);
     }
     EXPECT_EQ(value.loss, loss) << threads;
-    EXPECT_TRUE(torch::equal(grad, first)) << threads;
-    EXPECT_TRUE(torch::equal(SsimMap(render, target), map)) << threads;
+    EXPECT_TRUE(SameBytes(grad, first)) << threads;
+    EXPECT_TRUE(SameBytes(SsimMap(render, target), map)) << threads;
   }
   SetNumThreads(0);
 }
 
 TEST(PhotometricTile, WritesOnlyItsOwnPixels) {
-  const Buffer<float> render = torch::rand({40, 40, 3}), target = torch::rand({40, 40, 3});
-  Buffer<float> grad = Buffer<float>::Full({40, 40, 3}, -5.f), whole = torch::empty({40, 40, 3});
-  photometric::Picture picture;
-  picture.width = picture.height = 40;
-  picture.render = render.data();
-  picture.target = target.data();
-  picture.grad = grad.data();
-  picture.l1_scale = static_cast<float>(static_cast<double>(0.8f) / (3 * 40 * 40));
-  picture.dssim_scale = static_cast<float>(static_cast<double>(0.2f) / (3 * 40 * 40));
+  const Buffer<float> render = RandomUniform({40, 40, 3}, 1), target = RandomUniform({40, 40, 3}, 2);
+  Buffer<float> grad = Buffer<float>::Full({40, 40, 3}, -5.f), whole = Buffer<float>::Empty({40, 40, 3});
+  photometric::Images images;
+  images.width = images.height = 40;
+  images.render = render.data();
+  images.target = target.data();
+  images.grad = grad.data();
+  images.l1_scale = static_cast<float>(static_cast<double>(0.8f) / (3 * 40 * 40));
+  images.dssim_scale = static_cast<float>(static_cast<double>(0.2f) / (3 * 40 * 40));
   const auto scratch = std::make_unique<photometric::Scratch>();
-  photometric::RunTile(picture, {7, 9, 26, 22}, scratch.get());
+  photometric::RunTile(images, {7, 9, 26, 22}, scratch.get());
   PhotometricLoss()(render, target, {}, {}, &whole);
-  const auto inside = [](const Buffer<float>& t) { return t.slice(0, 9, 22).slice(1, 7, 26); };
-  EXPECT_LT(MaxAbsError(inside(grad), inside(whole)), 1e-8);
-  EXPECT_EQ((grad == -5).sum().item<int64_t>(), 3 * (40 * 40 - 13 * 19));
+  const auto inside = [](const Buffer<float>& t) { return Table(t).block(9, 3 * 7, 13, 3 * 19); };
+  EXPECT_LT((inside(grad) - inside(whole)).abs().maxCoeff(), 1e-8f);
+  EXPECT_EQ((Flat(grad) == -5).count(), 3 * (40 * 40 - 13 * 19));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "loss/reference_ssim.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 
 namespace oraclegs {
 namespace {
@@ -14,30 +14,36 @@ struct Pair {
   Buffer<float> render, target, confidence;
 };
 
-Pair RandomPair(int64_t height, int64_t width, uint64_t seed) {
-  torch::manual_seed(seed);
-  const Buffer<float> target = torch::rand({height, width, 3});
-  const Buffer<float> render = (target + 0.3 * torch::randn({height, width, 3}));
-  return {render, target, torch::rand({height, width})};
+Pair RandomPair(int64_t height, int64_t width, uint32_t seed) {
+  const Shape shape{height, width, 3};
+  const Buffer<float> target = RandomUniform(shape, seed), noise = RandomNormal(shape, seed + 1000);
+  return {ToBuffer(shape, Flat(target) + 0.3f * Flat(noise)), target, RandomUniform({height, width}, seed + 2000)};
 }
 
-TEST(PhotometricLoss, IdenticalPicturesCostNothing) {
-  const Buffer<float> image = torch::rand({33, 29, 3});
+/// Moved from `base` along `direction`.
+Buffer<double> Moved(const Buffer<float>& base, const Eigen::ArrayXd& direction, double step) {
+  const Buffer<double> moved = Buffer<double>::Empty(base.shape());
+  Flat(moved) = Wide(base) + step * direction;
+  return moved;
+}
+
+TEST(PhotometricLoss, IsZeroForIdenticalImages) {
+  const Buffer<float> image = RandomUniform({33, 29, 3}, 1);
   Buffer<float> grad = Buffer<float>::Full({33, 29, 3}, 7.f);
   const PhotometricValue value = PhotometricLoss()(image, image, {}, {}, &grad);
   EXPECT_EQ(value.l1, 0);
   EXPECT_NEAR(value.dssim, 0, 1e-6);
-  EXPECT_LT(grad.abs().max().item<float>(), 1e-6f);
+  EXPECT_LT(MaxAbs(grad), 1e-6);
 }
 
-TEST(PhotometricLoss, FlatPicturesHaveTheClosedForm) {
-  // In the interior of two constant pictures all variances vanish: S = (2ab + C1) / (a^2 + b^2 + C1).
+TEST(PhotometricLoss, HasTheClosedFormForFlatImages) {
+  // In the interior of two constant images all variances vanish: S = (2ab + C1) / (a^2 + b^2 + C1).
   const float a = 0.6f, b = 0.2f;
-  const Buffer<float> map = SsimMap(Buffer<float>::Full({31, 31, 3}, a), Buffer<float>::Full({31, 31, 3}, b));
+  const Buffer<float> flat_a = Buffer<float>::Full({31, 31, 3}, a), flat_b = Buffer<float>::Full({31, 31, 3}, b);
+  const Buffer<float> map = SsimMap(flat_a, flat_b);
   const double expected = (2 * a * b + 1e-4) / (a * a + b * b + 1e-4);
-  EXPECT_NEAR(map[15][15][1].item<float>(), expected, 1e-4);
-  const PhotometricValue value =
-      PhotometricLoss()(Buffer<float>::Full({31, 31, 3}, a), Buffer<float>::Full({31, 31, 3}, b), {}, {1.f, 0.f}, nullptr);
+  EXPECT_NEAR(map[(15 * 31 + 15) * 3 + 1], expected, 1e-4);
+  const PhotometricValue value = PhotometricLoss()(flat_a, flat_b, {}, {1.f, 0.f}, nullptr);
   EXPECT_NEAR(value.l1, 0.4, 1e-6);
   EXPECT_EQ(value.loss, value.l1);
 }
@@ -59,19 +65,18 @@ TEST_P(PhotometricSizes, GradientMatchesCentralDifferences) {
   const auto [height, width] = GetParam();
   const Pair p = RandomPair(height, width, 12);
   const PhotometricWeights weights{0.4f, 0.3f};
-  Buffer<float> grad = torch::full({height, width, 3}, std::nanf(""));  // every entry must be written
+  Buffer<float> grad = Buffer<float>::Full({height, width, 3}, std::nanf(""));  // every entry must be written
   PhotometricLoss()(p.render, p.target, p.confidence, weights, &grad);
-  ASSERT_TRUE(torch::isfinite(grad).all().item<bool>());
+  ASSERT_TRUE(AllFinite(grad));
 
-  const Buffer<float> direction = torch::randn({height, width, 3}, torch::kDouble);
+  const Eigen::ArrayXd direction = Wide(RandomNormal({height, width, 3}, 99));
   const auto loss_at = [&](double step) {
-    const ReferencePhotometric r =
-        ReferenceLoss(p.render.to(torch::kDouble) + step * direction, p.target, p.confidence);
+    const ReferencePhotometric r = ReferenceLoss(Moved(p.render, direction, step), p.target, p.confidence);
     return static_cast<double>(weights.l1) * r.l1 + static_cast<double>(weights.dssim) * r.dssim;
   };
   const double numeric = (loss_at(1e-6) - loss_at(-1e-6)) / 2e-6;
-  const double scale = (grad.to(torch::kDouble) * direction).norm().item<double>();
-  EXPECT_NEAR((grad.to(torch::kDouble) * direction).sum().item<double>(), numeric, 2e-4 * std::max(scale, 1e-3));
+  const Eigen::ArrayXd product = Wide(grad) * direction;
+  EXPECT_NEAR(product.sum(), numeric, 2e-4 * std::max(product.matrix().norm(), 1e-3));
 }
 
 // Smaller than the window, one pixel, exact and inexact multiples of vectors, several tiles both ways.
@@ -80,47 +85,47 @@ INSTANTIATE_TEST_SUITE_P(Sizes, PhotometricSizes,
                                          std::pair{16, 16}, std::pair{49, 31}, std::pair{100, 17}, std::pair{13, 261},
                                          std::pair{9, 530}));
 
-TEST(PhotometricLoss, SinglePixelsOfTheGradientMatchCentralDifferences) {
+TEST(PhotometricLoss, GradientOfSinglePixelsMatchesCentralDifferences) {
   const Pair p = RandomPair(17, 23, 13);
   Buffer<float> grad = Buffer<float>::Empty(p.render.shape());
   PhotometricLoss()(p.render, p.target, p.confidence, {0.8f, 0.2f}, &grad);
-  const Buffer<float> base = p.render.to(torch::kDouble);
   for (const auto& [y, x, c] : {std::array{0, 0, 0}, {16, 22, 2}, {8, 11, 1}, {0, 12, 2}, {15, 1, 0}}) {
-    const auto loss_at = [&, y = y, x = x, c = c](double step) {
-      Buffer<float> moved = base.Clone();
-      moved[y][x][c] += step;
-      const ReferencePhotometric r = ReferenceLoss(moved, p.target, p.confidence);
+    const int64_t at = (y * 23 + x) * 3 + c;
+    Eigen::ArrayXd direction = Eigen::ArrayXd::Zero(p.render.count());
+    direction[at] = 1;
+    const auto loss_at = [&](double step) {
+      const ReferencePhotometric r = ReferenceLoss(Moved(p.render, direction, step), p.target, p.confidence);
       return static_cast<double>(0.8f) * r.l1 + static_cast<double>(0.2f) * r.dssim;
     };
     const double numeric = (loss_at(1e-6) - loss_at(-1e-6)) / 2e-6;
-    EXPECT_NEAR(grad[y][x][c].item<float>(), numeric, 1e-7) << y << " " << x << " " << c;
+    EXPECT_NEAR(grad[at], numeric, 1e-7) << y << " " << x << " " << c;
   }
 }
 
-TEST(PhotometricLoss, NoConfidenceMeansFullConfidence) {
+TEST(PhotometricLoss, TakesNoConfidenceForFullConfidence) {
   const Pair p = RandomPair(50, 70, 14);
   Buffer<float> without = Buffer<float>::Empty(p.render.shape()), with = Buffer<float>::Empty(p.render.shape());
   const PhotometricValue a = PhotometricLoss()(p.render, p.target, {}, {}, &without);
   const PhotometricValue b = PhotometricLoss()(p.render, p.target, Buffer<float>::Full({50, 70}, 1.f), {}, &with);
   EXPECT_EQ(a.loss, b.loss);
-  EXPECT_TRUE(torch::equal(without, with));
+  EXPECT_TRUE(SameBytes(without, with));
 }
 
-TEST(PhotometricLoss, PixelsFarFromAllConfidenceGetNoGradient) {
+TEST(PhotometricLoss, GivesNoGradientFarFromAllConfidence) {
   const Pair p = RandomPair(40, 60, 15);
-  Buffer<float> confidence = Buffer<float>::Zeros({40, 60});
-  confidence.slice(1, 0, 20).fill_(1);
+  const Buffer<float> confidence = Buffer<float>::Zeros({40, 60});
+  Table(confidence).leftCols(20).setOnes();
   Buffer<float> grad = Buffer<float>::Empty(p.render.shape());
   const PhotometricValue value = PhotometricLoss()(p.render, p.target, confidence, {}, &grad);
-  EXPECT_EQ(grad.slice(1, 25).abs().max().item<float>(), 0);  // the window reaches five pixels
-  EXPECT_GT(grad.slice(1, 0, 20).abs().min().item<float>(), 0);
+  EXPECT_EQ(Table(grad).rightCols(3 * 35).abs().maxCoeff(), 0);  // the window reaches five pixels
+  EXPECT_GT(Table(grad).leftCols(3 * 20).abs().minCoeff(), 0);
 
-  Buffer<float> elsewhere = p.render.Clone();
-  elsewhere.slice(1, 25).fill_(0.5);
+  const Buffer<float> elsewhere = p.render.Clone();
+  Table(elsewhere).rightCols(3 * 35).setConstant(0.5f);
   EXPECT_EQ(PhotometricLoss()(elsewhere, p.target, confidence, {}, nullptr).loss, value.loss);
 }
 
-TEST(PhotometricLoss, ValueDoesNotDependOnWhetherTheGradientIsAsked) {
+TEST(PhotometricLoss, HasTheSameValueWithoutGradient) {
   const Pair p = RandomPair(60, 45, 16);
   PhotometricLoss loss;
   Buffer<float> grad = Buffer<float>::Empty(p.render.shape()), none;
@@ -129,26 +134,27 @@ TEST(PhotometricLoss, ValueDoesNotDependOnWhetherTheGradientIsAsked) {
   EXPECT_EQ(loss(p.render, p.target, p.confidence, {}, nullptr).loss, with);
 }
 
-TEST(PhotometricLoss, BrightRendersStayFinite) {
+TEST(PhotometricLoss, StaysFiniteForBrightRenders) {
   // A raw render is not clamped: rounding must not turn a variance negative.
-  const Buffer<float> render = Buffer<float>::Full({30, 30, 3}, 300.f) + 0.01 * torch::rand({30, 30, 3});
-  Buffer<float> grad = torch::empty({30, 30, 3});
-  const PhotometricValue value = PhotometricLoss()(render, torch::rand({30, 30, 3}), {}, {}, &grad);
+  const Buffer<float> render = RandomUniform({30, 30, 3}, 1);
+  Flat(render) = 300 + 0.01f * Flat(render);
+  Buffer<float> grad = Buffer<float>::Empty({30, 30, 3});
+  const PhotometricValue value = PhotometricLoss()(render, RandomUniform({30, 30, 3}, 2), {}, {}, &grad);
   EXPECT_TRUE(std::isfinite(value.loss));
-  EXPECT_TRUE(torch::isfinite(grad).all().item<bool>());
+  EXPECT_TRUE(AllFinite(grad));
 }
 
-TEST(PhotometricLoss, RefusesTensorsThatDoNotFit) {
-  const Buffer<float> image = torch::rand({8, 9, 3});
+TEST(PhotometricLoss, RefusesShapesThatDoNotFit) {
+  const Buffer<float> image = RandomUniform({8, 9, 3}, 1), empty = Buffer<float>::Empty({0, 4, 3});
   PhotometricLoss loss;
-  Buffer<float> small = torch::empty({8, 8, 3});
-  EXPECT_THROW(loss(image, torch::rand({9, 8, 3}), {}, {}, nullptr), ShapeError);
-  EXPECT_THROW(loss(torch::rand({3, 8, 9}), torch::rand({3, 8, 9}), {}, {}, nullptr), ShapeError);
-  EXPECT_THROW(loss(image, image, torch::rand({8, 8}), {}, nullptr), ShapeError);
+  Buffer<float> small = Buffer<float>::Empty({8, 8, 3});
+  EXPECT_THROW(loss(image, RandomUniform({9, 8, 3}, 1), {}, {}, nullptr), ShapeError);
+  EXPECT_THROW(loss(RandomUniform({3, 8, 9}, 1), RandomUniform({3, 8, 9}, 2), {}, {}, nullptr), ShapeError);
+  EXPECT_THROW(loss(image, image, RandomUniform({8, 8}, 1), {}, nullptr), ShapeError);
   EXPECT_THROW(loss(image, image, {}, {}, &small), ShapeError);
-  EXPECT_THROW(loss(image.to(torch::kDouble), image, {}, {}, nullptr), ShapeError);
-  EXPECT_THROW(loss(torch::empty({0, 4, 3}), torch::empty({0, 4, 3}), {}, {}, nullptr), ShapeError);
-  EXPECT_THROW(SsimMap(image, torch::rand({8, 8, 3})), ShapeError);
+  EXPECT_THROW(loss({}, image, {}, {}, nullptr), ShapeError);
+  EXPECT_THROW(loss(empty, empty, {}, {}, nullptr), ShapeError);
+  EXPECT_THROW(SsimMap(image, RandomUniform({8, 8, 3}, 1)), ShapeError);
 }
 
 }  // namespace

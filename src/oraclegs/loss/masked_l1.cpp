@@ -31,7 +31,8 @@ double MaskedDistance(const float* a, const float* b, const float* mask, int64_t
 
 }  // namespace
 
-double MaskedL1(const Buffer<float>& rendered, const Buffer<float>& target, const Buffer<float>& mask, double weight, Buffer<float>* grad) {
+double MaskedL1(const Buffer<float>& rendered, const Buffer<float>& target, const Buffer<float>& mask, double weight,
+                Buffer<float>* grad) {
   RequireShape("MaskedL1", "rendered", rendered, {-1, -1});
   const int64_t height = rendered.size(0), width = rendered.size(1), n = height * width;
   RequireShape("MaskedL1", "target", target, {height, width});
@@ -39,7 +40,7 @@ double MaskedL1(const Buffer<float>& rendered, const Buffer<float>& target, cons
   float* g = nullptr;
   if (grad != nullptr && grad->defined()) {
     RequireShape("MaskedL1", "grad", *grad, {height, width});
-    g = grad->data_ptr<float>();
+    g = grad->data();
   }
   if (n == 0) throw ShapeError("MaskedL1: rendered is empty");
 

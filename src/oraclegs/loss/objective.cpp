@@ -10,7 +10,8 @@ namespace {
 constexpr double kRounding = 1e-9;  // of a sum of shares that is 1 on paper
 
 /// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
-void SelectByMask(const Buffer<float>& mask, const Buffer<float>& inside, const Buffer<float>& outside, const Buffer<float>& out) {
+void SelectByMask(const Buffer<float>& mask, const Buffer<float>& inside, const Buffer<float>& outside,
+                  const Buffer<float>& out) {
   const float* m = mask.data();
   const float* a = inside.data();
   const float* b = outside.defined() ? outside.data() : nullptr;
@@ -46,7 +47,8 @@ double Objective::LpipsWeight(double mean_confidence) const {
   return lpips_ ? weights_.proposal * weights_.proposal_lpips * mean_confidence : 0;
 }
 
-double Objective::Photograph(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask, Buffer<float>* grad) {
+double Objective::Photograph(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask,
+                             Buffer<float>* grad) {
   const PhotometricWeights weights = PhotographWeights();
   if (!mask.defined()) return photometric_(render, target, {}, weights, grad).loss;
   RequireShape("Objective", "render", render, {-1, -1, 3});
@@ -61,7 +63,8 @@ double Objective::Photograph(const Buffer<float>& render, const Buffer<float>& t
   return value;
 }
 
-double Objective::Proposal(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence, Buffer<float>* grad) {
+double Objective::Proposal(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
+                           Buffer<float>* grad) {
   const double value = photometric_(render, target, confidence, ProposalWeights(), grad).loss;
   if (!lpips_) return value;
   const double weight = LpipsWeight(MeanConfidence(confidence));

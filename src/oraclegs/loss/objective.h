@@ -1,6 +1,6 @@
 #pragma once
 // What training minimises in a picture: the paper's two losses, of photographs and of proposals
-// (spec/gaussian_core.md 9).
+// (docs/method.md#losses).
 
 #include <functional>
 
@@ -33,11 +33,13 @@ class Objective {
 
   /// render, target [H,W,3]; mask [H,W], undefined = 1 everywhere. Where the mask is zero nothing that stands in either
   /// picture has a say, not through SSIM's windows either. grad [H,W,3] receives dL/d(render). Throws ShapeError.
-  double Photograph(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask, Buffer<float>* grad);
+  double Photograph(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask,
+                    Buffer<float>* grad);
 
   /// The same with confidence U [H,W] in [0,1], undefined = 1 everywhere. It weighs each pixel's terms; windows of
   /// pixels that count see the proposal as it is.
-  double Proposal(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence, Buffer<float>* grad);
+  double Proposal(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
+                  Buffer<float>* grad);
 
   bool has_lpips() const { return static_cast<bool>(lpips_); }
 

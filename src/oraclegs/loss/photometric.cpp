@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-using photometric::Picture;
+using photometric::Images;
 using photometric::Scratch;
 using photometric::Tile;
 using photometric::TileSums;
@@ -20,7 +20,7 @@ constexpr int kWidthStep = 16;   // pixels; keeps the inner tiles' rows whole ve
 
 int CeilDiv(int a, int b) { return (a + b - 1) / b; }
 
-/// The tiles depend on the picture's size only, so the sums have the same bits for any number of threads.
+/// The tiles depend on the images' size only, so the sums have the same bits for any number of threads.
 void CutTiles(int width, int height, std::vector<Tile>* tiles) {
   tiles->clear();
   const int strips = CeilDiv(width, photometric::kMaxTileWidth);
@@ -34,17 +34,17 @@ void CutTiles(int width, int height, std::vector<Tile>* tiles) {
 
 void RequireImage(const char* who, const char* name, const Buffer<float>& image) {
   RequireShape(who, name, image, {-1, -1, 3});
-  if (!image.is_cpu()) throw ShapeError("{}: {} is not on the CPU", who, name);
+  if (!image.device().is_cpu()) throw ShapeError("{}: {} is not on the CPU", who, name);
   if (image.count() == 0) throw ShapeError("{}: {} is empty", who, name);
 }
 
-Picture PictureOf(const Buffer<float>& render, const Buffer<float>& target) {
-  Picture picture;
-  picture.height = static_cast<int>(render.size(0));
-  picture.width = static_cast<int>(render.size(1));
-  picture.render = render.data();
-  picture.target = target.data();
-  return picture;
+Images ImagesOf(const Buffer<float>& render, const Buffer<float>& target) {
+  Images images;
+  images.height = static_cast<int>(render.size(0));
+  images.width = static_cast<int>(render.size(1));
+  images.render = render.data();
+  images.target = target.data();
+  return images;
 }
 
 }  // namespace
@@ -53,8 +53,8 @@ struct PhotometricLoss::Buffers {
   std::vector<Tile> tiles;
   std::vector<TileSums> sums;
 
-  TileSums Run(const Picture& picture) {
-    CutTiles(picture.width, picture.height, &tiles);
+  TileSums Run(const Images& images) {
+    CutTiles(images.width, images.height, &tiles);
     sums.resize(tiles.size());
     // All that can be busy at once: else a helper that comes late for the first time would allocate in the midst of a
     // run.
@@ -62,7 +62,7 @@ struct PhotometricLoss::Buffers {
     while (idle.size() < busy) idle.push_back(std::make_unique<Scratch>());
     ParallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
       std::unique_ptr<Scratch> scratch = Take();
-      sums[i] = photometric::RunTile(picture, tiles[i], scratch.get());
+      sums[i] = photometric::RunTile(images, tiles[i], scratch.get());
       Return(std::move(scratch));
     });
     TileSums total;
@@ -95,8 +95,9 @@ PhotometricLoss::~PhotometricLoss() = default;
 PhotometricLoss::PhotometricLoss(PhotometricLoss&&) noexcept = default;
 PhotometricLoss& PhotometricLoss::operator=(PhotometricLoss&&) noexcept = default;
 
-PhotometricValue PhotometricLoss::operator()(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
-                                             const PhotometricWeights& weights, Buffer<float>* grad) {
+PhotometricValue PhotometricLoss::operator()(const Buffer<float>& render, const Buffer<float>& target,
+                                             const Buffer<float>& confidence, const PhotometricWeights& weights,
+                                             Buffer<float>* grad) {
   constexpr const char* kWho = "PhotometricLoss";
   RequireImage(kWho, "render", render);
   const int64_t height = render.size(0), width = render.size(1);
@@ -106,13 +107,13 @@ PhotometricValue PhotometricLoss::operator()(const Buffer<float>& render, const 
   if (with_grad) RequireShape(kWho, "grad", *grad, {height, width, 3});
 
   const double entries = 3.0 * static_cast<double>(height) * static_cast<double>(width);
-  Picture picture = PictureOf(render, target);
-  if (confidence.defined()) picture.confidence = confidence.data();
-  if (with_grad) picture.grad = grad->data_ptr<float>();
-  picture.l1_scale = static_cast<float>(weights.l1 / entries);
-  picture.dssim_scale = static_cast<float>(weights.dssim / entries);
+  Images images = ImagesOf(render, target);
+  if (confidence.defined()) images.confidence = confidence.data();
+  if (with_grad) images.grad = grad->data();
+  images.l1_scale = static_cast<float>(weights.l1 / entries);
+  images.dssim_scale = static_cast<float>(weights.dssim / entries);
 
-  const TileSums total = buffers_->Run(picture);
+  const TileSums total = buffers_->Run(images);
   PhotometricValue value;
   value.l1 = total.l1 / entries;
   value.dssim = total.dssim / entries;
@@ -124,14 +125,14 @@ Buffer<float> SsimMap(const Buffer<float>& a, const Buffer<float>& b) {
   RequireImage("SsimMap", "a", a);
   RequireShape("SsimMap", "b", b, {a.size(0), a.size(1), 3});
   Buffer<float> map = Buffer<float>::Empty(a.shape());
-  Picture picture = PictureOf(a, b);
-  picture.ssim = map.data();
-  const int64_t tall = picture.height;
+  Images images = ImagesOf(a, b);
+  images.ssim = map.data();
+  const int64_t tall = images.height;
   ParallelBlocks(tall, kTileHeight, [&](int64_t begin, int64_t end) {
     const auto scratch = std::make_unique<Scratch>();
-    for (int x = 0; x < picture.width; x += photometric::kMaxTileWidth) {
-      const int right = std::min(x + photometric::kMaxTileWidth, picture.width);
-      photometric::RunTile(picture, {x, static_cast<int>(begin), right, static_cast<int>(end)}, scratch.get());
+    for (int x = 0; x < images.width; x += photometric::kMaxTileWidth) {
+      const int right = std::min(x + photometric::kMaxTileWidth, images.width);
+      photometric::RunTile(images, {x, static_cast<int>(begin), right, static_cast<int>(end)}, scratch.get());
     }
   });
   return map;

@@ -1,5 +1,5 @@
 #pragma once
-// Fused L1 + SSIM, value and gradient in one pass over the rows (spec/gaussian_core.md 9).
+// Fused L1 + SSIM, value and gradient in one pass over the rows (docs/method.md#ssim).
 
 #include <memory>
 

@@ -1,6 +1,6 @@
-// Fused L1 + SSIM with gradient (spec/gaussian_core.md 9). A tile is read top to bottom, once. Rows hold interleaved
+// Fused L1 + SSIM with gradient (docs/method.md#ssim). A tile is read top to bottom, once. Rows hold interleaved
 // RGB, so a pixel to the right is three floats on and no channel is ever taken apart. Per group of four rows:
-//   1. input rows are fetched with ten pixels of halo, zero outside the picture (the confidence too, so that nothing
+//   1. input rows are fetched with ten pixels of halo, zero outside the image (the confidence too, so that nothing
 //      outside contributes): render x, target y, x^2 + y^2, x y. The SSIM needs both variances only as a sum.
 //   2. the vertical window makes four rows at once: 14 loads serve 44 multiplications.
 //   3. horizontal window, SSIM and its three derivatives, then the horizontal window over those.
@@ -26,12 +26,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+using photometric::Images;
 using photometric::kGroup;
 using photometric::kRadius;
 using photometric::kRingRows;
 using photometric::kStride;
 using photometric::kTaps;
-using photometric::Picture;
 using photometric::Scratch;
 using photometric::Tile;
 using photometric::TileSums;
@@ -52,7 +52,7 @@ HWY_INLINE constexpr float Tap(int k) {
 /// Floats rounded up to whole vectors.
 HWY_INLINE constexpr int WholeVectors(int n) { return (n + kVector - 1) / kVector * kVector; }
 
-/// Writes one picture row of the tile with its halo into `out`, zero where there is no picture.
+/// Writes one image row of the tile with its halo into `out`, zero outside the image.
 HWY_INLINE void CopyColumns(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
   const int left = tile.x0 - 2 * kRadius, right = tile.x1 + 2 * kRadius;
   const int begin = std::max(left, 0), end = std::min(right, width);
@@ -80,20 +80,20 @@ HWY_INLINE void SpreadConfidence(const float* HWY_RESTRICT row, int width, const
   std::fill_n(out + 3 * (end - left), WholeVectors(3 * (right - left)) - 3 * (end - left), 0.f);
 }
 
-/// Step 1 for row y of the picture.
-HWY_INLINE void FetchRow(const Picture& picture, const Tile& tile, int y, int slot, Scratch* HWY_RESTRICT s) {
+/// Step 1 for row y of the images.
+HWY_INLINE void FetchRow(const Images& images, const Tile& tile, int y, int slot, Scratch* HWY_RESTRICT s) {
   const FloatTag d;
   const int columns = WholeVectors(3 * (tile.x1 - tile.x0 + 4 * kRadius));
-  if (y < 0 || y >= picture.height) {
+  if (y < 0 || y >= images.height) {
     for (auto& plane : s->input) std::fill_n(plane[slot], columns, 0.f);
     return;
   }
-  const int64_t row = static_cast<int64_t>(y) * picture.width;
+  const int64_t row = static_cast<int64_t>(y) * images.width;
   float* HWY_RESTRICT xs = s->input[Scratch::kRender][slot];
   float* HWY_RESTRICT ys = s->input[Scratch::kTarget][slot];
-  CopyColumns(picture.render + 3 * row, picture.width, tile, xs);
-  CopyColumns(picture.target + 3 * row, picture.width, tile, ys);
-  SpreadConfidence(picture.confidence == nullptr ? nullptr : picture.confidence + row, picture.width, tile,
+  CopyColumns(images.render + 3 * row, images.width, tile, xs);
+  CopyColumns(images.target + 3 * row, images.width, tile, ys);
+  SpreadConfidence(images.confidence == nullptr ? nullptr : images.confidence + row, images.width, tile,
                    s->input[Scratch::kConfidence][slot]);
   for (int i = 0; i < columns; i += kVector) {
     const FloatVec x = hn::Load(d, xs + i), y_value = hn::Load(d, ys + i);
@@ -199,20 +199,20 @@ HWY_INLINE void AddRow(int columns, int center, const Scratch& s, TileSums* sums
 }
 
 /// Step 3 for row y. `row` counts from the first row of statistics, y0 - kRadius.
-HWY_INLINE void FinishRow(const Picture& picture, const Tile& tile, int row, Scratch* HWY_RESTRICT s, TileSums* sums) {
+HWY_INLINE void FinishRow(const Images& images, const Tile& tile, int row, Scratch* HWY_RESTRICT s, TileSums* sums) {
   const FloatTag d;
   const int own = 3 * (tile.x1 - tile.x0), y = tile.y0 - kRadius + row;
   const int center = (row + kRadius) & kSlots;
   StatisticsRow(own + 6 * kRadius, row % kGroup, s->input[Scratch::kConfidence][center] + 3 * kRadius,
-                picture.dssim_scale, s);
+                images.dssim_scale, s);
   if (y >= tile.y0 && y < tile.y1) {
     AddRow(own, center, *s, sums);
-    if (picture.ssim != nullptr) {
-      float* out = picture.ssim + 3 * (static_cast<int64_t>(y) * picture.width + tile.x0);
+    if (images.ssim != nullptr) {
+      float* out = images.ssim + 3 * (static_cast<int64_t>(y) * images.width + tile.x0);
       std::memcpy(out, s->ssim + 3 * kRadius, sizeof(float) * own);
     }
   }
-  if (picture.grad == nullptr) return;
+  if (images.grad == nullptr) return;
   for (int c = 0; c < Scratch::kCoefficients; ++c) {
     float* HWY_RESTRICT out = s->backward[c][row & kSlots];
     for (int i = 0; i < own; i += kVector) hn::Store(FilterRow(s->coefficient[c] + i), d, out + i);
@@ -239,17 +239,17 @@ HWY_INLINE void GradientVector(const Scratch& s, const float* const (*rows)[kGro
 }
 
 /// Step 4: the gradient of rows y0 + first ... + kGroup - 1, as far as they are the tile's.
-HWY_INLINE void GradientGroup(const Picture& picture, const Tile& tile, int first, const Scratch& s) {
+HWY_INLINE void GradientGroup(const Images& images, const Tile& tile, int first, const Scratch& s) {
   const FloatTag d;
   const float* rows[Scratch::kCoefficients][kGroupInputs];
   for (int c = 0; c < Scratch::kCoefficients; ++c) RingRows(s.backward[c], first, rows[c]);
   const int own = 3 * (tile.x1 - tile.x0), count = std::min(kGroup, tile.y1 - tile.y0 - first);
-  float* out = picture.grad + 3 * ((static_cast<int64_t>(tile.y0) + first) * picture.width + tile.x0);
+  float* out = images.grad + 3 * ((static_cast<int64_t>(tile.y0) + first) * images.width + tile.x0);
   for (int i = 0; i < own; i += kVector) {
     FloatVec grad[kGroup];
-    GradientVector(s, rows, first, i, picture.l1_scale, grad);
+    GradientVector(s, rows, first, i, images.l1_scale, grad);
     for (int r = 0; r < count; ++r) {
-      float* to = out + 3 * static_cast<int64_t>(r) * picture.width + i;
+      float* to = out + 3 * static_cast<int64_t>(r) * images.width + i;
       if (own - i >= kVector) {
         hn::StoreU(grad[r], d, to);
       } else {
@@ -261,7 +261,7 @@ HWY_INLINE void GradientGroup(const Picture& picture, const Tile& tile, int firs
   }
 }
 
-TileSums RunTileKernel(const Picture& picture, const Tile& tile, Scratch* s) {
+TileSums RunTileKernel(const Images& images, const Tile& tile, Scratch* s) {
   TileSums sums;
   const int columns = 3 * (tile.x1 - tile.x0 + 4 * kRadius);
   const int groups = (tile.y1 - tile.y0 + kGroup - 1) / kGroup + kGradientLag;
@@ -269,12 +269,12 @@ TileSums RunTileKernel(const Picture& picture, const Tile& tile, Scratch* s) {
   for (int group = 0; group < groups; ++group) {
     const int first = group * kGroup;
     for (; fetched < first + kGroupInputs; ++fetched) {
-      FetchRow(picture, tile, tile.y0 - 2 * kRadius + fetched, fetched & kSlots, s);
+      FetchRow(images, tile, tile.y0 - 2 * kRadius + fetched, fetched & kSlots, s);
     }
     FilterGroup(columns, first, s);
-    for (int row = first; row < first + kGroup; ++row) FinishRow(picture, tile, row, s, &sums);
-    if (picture.grad != nullptr && group >= kGradientLag) {
-      GradientGroup(picture, tile, (group - kGradientLag) * kGroup, *s);
+    for (int row = first; row < first + kGroup; ++row) FinishRow(images, tile, row, s, &sums);
+    if (images.grad != nullptr && group >= kGradientLag) {
+      GradientGroup(images, tile, (group - kGradientLag) * kGroup, *s);
     }
   }
   return sums;
@@ -289,8 +289,8 @@ HWY_EXPORT(RunTileKernel);
 
 namespace photometric {
 
-TileSums RunTile(const Picture& picture, const Tile& tile, Scratch* scratch) {
-  return HWY_DYNAMIC_DISPATCH(RunTileKernel)(picture, tile, scratch);
+TileSums RunTile(const Images& images, const Tile& tile, Scratch* scratch) {
+  return HWY_DYNAMIC_DISPATCH(RunTileKernel)(images, tile, scratch);
 }
 
 }  // namespace photometric

@@ -1,5 +1,5 @@
 #pragma once
-// The photometric loss on plain memory, one task a tile of the picture; compiled for several instruction sets and
+// The photometric loss on plain memory, one task a tile; compiled for several instruction sets and
 // chosen at run time.
 
 #include <cstdint>
@@ -17,7 +17,7 @@ inline constexpr int kStride = 57 * 16;    ///< floats a buffered row; an odd nu
 static_assert(kStride >= (kMaxTileWidth + 4 * kRadius) * 3 + 64, "a row, and what the last vector reads past it");
 
 /// Pointers to row-major planes, colours interleaved. A null pointer means: confidence 1, no such output.
-struct Picture {
+struct Images {
   int width = 0, height = 0;
   const float* render = nullptr;      ///< [H,W,3]
   const float* target = nullptr;      ///< [H,W,3]
@@ -53,6 +53,6 @@ struct Scratch {
 };
 
 /// Value, and the outputs asked for, of one tile. Writes only the tile's pixels.
-TileSums RunTile(const Picture& picture, const Tile& tile, Scratch* scratch);
+TileSums RunTile(const Images& images, const Tile& tile, Scratch* scratch);
 
 }  // namespace oraclegs::photometric

@@ -1,5 +1,5 @@
 #pragma once
-// The window and the constants of SSIM (spec/gaussian_core.md 9), as every device's kernel uses them.
+// The window and the constants of SSIM (docs/method.md#ssim), as every device's kernel uses them.
 
 namespace oraclegs {
 

@@ -1,9 +1,9 @@
 #include "oraclegs/loss/cuda/photometric.h"
 
 #include "oraclegs/loss/objective.h"
-#include "support/device_tensors.h"
+#include "support/cuda_device.h"
 #include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 
 namespace oraclegs::cuda {
 namespace {

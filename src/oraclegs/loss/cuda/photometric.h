@@ -1,5 +1,5 @@
 #pragma once
-// Fused L1 + SSIM on a GPU, value and gradient (spec/gaussian_core.md 9); what loss/photometric.h and the mask of
+// Fused L1 + SSIM on a GPU, value and gradient (docs/method.md#ssim); what loss/photometric.h and the mask of
 // loss/objective.h are on the CPU.
 
 #include <cuda_runtime.h>
