@@ -26,7 +26,7 @@ std::vector<Camera> Arc(int n, double from_deg, double to_deg, const Vector3d& f
   return cameras;
 }
 
-TEST(LookAt, PutsTheTargetOnTheAxisAndUpwardsUp) {
+TEST(LookAt, PutsTheTargetOnTheAxis) {
   const Eigen::Isometry3d pose = LookAt({1, 2, 3}, {4, 2, 3}, Vector3d::UnitZ());
   EXPECT_NEAR(pose.linear().determinant(), 1, 1e-12);
   EXPECT_TRUE((pose * Vector3d(4, 2, 3)).isApprox(Vector3d(0, 0, 3), 1e-12));
@@ -34,17 +34,17 @@ TEST(LookAt, PutsTheTargetOnTheAxisAndUpwardsUp) {
   EXPECT_NEAR(LookAt({0, 0, 5}, {0, 0, 0}, Vector3d::UnitZ()).linear().determinant(), 1, 1e-12);
 }
 
-TEST(NearestToAxes, IsWhereAllAxesMeet) {
+TEST(NearestToAxes, FindsWhereAllAxesMeet) {
   const Vector3d focus(0.3, -2, 5);
   EXPECT_TRUE(NearestToAxes(Arc(5, 0, 70, focus)).isApprox(focus, 1e-9));
 }
 
-TEST(NearestToAxes, StaysWithTheCamerasWhenTheAxesAreParallel) {
+TEST(NearestToAxes, StaysAtTheCamerasForParallelAxes) {
   const std::vector<Camera> cameras = {CameraAt({0, 0, 0}, {0, 9, 0}), CameraAt({2, 0, 0}, {2, 9, 0})};
   EXPECT_TRUE(NearestToAxes(cameras).isApprox(Vector3d(1, 0, 0), 1e-9));
 }
 
-TEST(OrbitPath, CirclesWhatWasPhotographedAllAround) {
+TEST(OrbitPath, CirclesViewsFromAllAround) {
   const Vector3d focus(1, 2, 3);
   const auto path = OrbitPath(Arc(9, 0, 360, focus), 30);
   ASSERT_EQ(path.size(), 30u);
@@ -57,10 +57,10 @@ TEST(OrbitPath, CirclesWhatWasPhotographedAllAround) {
   EXPECT_NEAR((path[0].Center() - path[15].Center()).norm(), 8, 1e-6);
 }
 
-TEST(OrbitPath, StaysOnTheArcThatWasPhotographed) {
+TEST(OrbitPath, StaysOnTheArcOfTheViews) {
   const Vector3d focus(0, 0, 0);
   auto cameras = Arc(6, 0, 120, focus);
-  std::swap(cameras[1], cameras[4]);  // the order of the photographs does not matter
+  std::swap(cameras[1], cameras[4]);  // the order of the views does not matter
   const auto path = OrbitPath(cameras, 50);
   for (const Camera& c : path) {
     EXPECT_NO_THROW(c.Check("orbit"));
@@ -74,7 +74,7 @@ TEST(OrbitPath, StaysOnTheArcThatWasPhotographed) {
   EXPECT_NEAR(std::atan2(path[25].Center().y(), path[25].Center().x()) * 180 / std::numbers::pi, 100, 1e-6);
 }
 
-TEST(OrbitPath, GoesAlongCamerasThatLookTheSameWay) {
+TEST(OrbitPath, FollowsParallelCameras) {
   std::vector<Camera> cameras;
   for (const double x : {2.0, 0.0, 3.0, 1.0}) cameras.push_back(CameraAt({x, 0, 0}, {x, 9, 0}));
   const auto path = OrbitPath(cameras, 20);
@@ -86,12 +86,12 @@ TEST(OrbitPath, GoesAlongCamerasThatLookTheSameWay) {
   EXPECT_NEAR(std::abs(path[0].Center().x() - path[10].Center().x()), 3, 1e-9);
 }
 
-TEST(OrbitPath, OneCameraStaysWhereItIs) {
+TEST(OrbitPath, StaysAtASingleCamera) {
   const auto cameras = Arc(1, 30, 40, Vector3d::Zero());
   for (const Camera& c : OrbitPath(cameras, 3)) EXPECT_TRUE(c.Center().isApprox(cameras[0].Center(), 1e-12));
 }
 
-TEST(PoseAlong, MeetsTheCamerasAndMakesNoLoops) {
+TEST(PoseAlong, PassesTheCamerasWithoutLoops) {
   std::vector<Camera> cameras;  // a short step after long ones: Catmull-Rom would run back there
   for (const double x : {0.0, 10.0, 10.2, 20.0}) cameras.push_back(CameraAt({x, 0, 0}, {x, 9, 0}));
   const std::vector<size_t> order = {0, 1, 2, 3};
@@ -107,7 +107,7 @@ TEST(PoseAlong, MeetsTheCamerasAndMakesNoLoops) {
   }
 }
 
-TEST(RingAround, FindsTheGapAndWhetherAllLookInwards) {
+TEST(RingAround, FindsTheWidestGap) {
   const Vector3d focus(1, 0, 2), up = Vector3d::UnitZ();
   auto cameras = Arc(8, 0, 360, focus);
   EXPECT_TRUE(RingAround(cameras, focus, up).all_around);
@@ -121,9 +121,9 @@ TEST(RingAround, FindsTheGapAndWhetherAllLookInwards) {
   EXPECT_NEAR(arc.first_azimuth, std::atan2(first.y(), first.x()), 1e-12);
 }
 
-TEST(MeanUp, IsUpInTheImages) { EXPECT_TRUE(MeanUp(Arc(6, 0, 360, {0, 0, 0})).isApprox(Vector3d::UnitZ(), 1e-9)); }
+TEST(MeanUp, PointsUpInTheImages) { EXPECT_TRUE(MeanUp(Arc(6, 0, 360, {0, 0, 0})).isApprox(Vector3d::UnitZ(), 1e-9)); }
 
-TEST(OrbitPath, RefusesNothingToGoBy) {
+TEST(OrbitPath, RefusesNoCamerasAndNoFrames) {
   EXPECT_THROW(OrbitPath({}, 3), std::invalid_argument);
   EXPECT_THROW(OrbitPath(Arc(2, 0, 9, Vector3d::Zero()), 0), std::invalid_argument);
 }

@@ -1,8 +1,9 @@
 #include "oraclegs/camera/camera.h"
 
+#include <cmath>
 #include <limits>
 
-#include "scene/tiny_scenes.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -16,18 +17,18 @@ Camera SomeCamera() {
   return camera;
 }
 
-TEST(Camera, CentreMapsToTheOriginAndForwardToTheAxis) {
+TEST(Camera, MapsItsCentreToTheOrigin) {
   const Camera camera = SomeCamera();
   EXPECT_LT((camera.cam_from_world * camera.Center()).norm(), 1e-14);
   EXPECT_LT((camera.cam_from_world.linear() * camera.Forward() - Eigen::Vector3d::UnitZ()).norm(), 1e-14);
 }
 
-TEST(Camera, CheckAcceptsACameraAndNamesWhatIsWrong) {
+TEST(Camera, CheckNamesTheFault) {
   EXPECT_NO_THROW(SomeCamera().Check("a.png"));
   const auto message = [](auto change) {
     Camera camera = SomeCamera();
     change(&camera);
-    return InputErrorOf([&] { camera.Check("a.png"); });
+    return MessageOf<InputError>([&] { camera.Check("a.png"); });
   };
   EXPECT_THAT(message([](Camera* c) { c->width = 0; }), HasSubstr("a.png: the image size is 0 x 480"));
   EXPECT_THAT(message([](Camera* c) { c->fy = 0; }), HasSubstr("focal length is 500 x 0"));
@@ -39,7 +40,7 @@ TEST(Camera, CheckAcceptsACameraAndNamesWhatIsWrong) {
   EXPECT_THAT(message([](Camera* c) { c->cam_from_world.linear().row(0) *= -1; }), HasSubstr("not a rotation"));
 }
 
-TEST(Camera, ResizedKeepsTheRayOfEveryPointOfTheImage) {
+TEST(Camera, ResizesWithTheSameRays) {
   const Camera camera = SomeCamera();
   const Camera small = Resized(camera, 160, 96);
   EXPECT_EQ(small.width, 160);

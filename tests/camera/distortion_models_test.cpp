@@ -1,15 +1,15 @@
 #include "oraclegs/camera/distortion_models.h"
 
-#include <cmath>
+#include <gtest/gtest.h>
 
-#include "scene/tiny_scenes.h"
+#include <cmath>
 
 namespace oraclegs {
 namespace {
 
 constexpr double kF = 500, kCx = 320, kCy = 240;
 
-/// One lens of each model, as strongly bent as real ones.
+/// One of each model, as strongly distorted as real ones.
 std::vector<Intrinsics> OneOfEach() {
   return {
       {CameraModel::kSimplePinhole, 640, 480, {kF, kCx, kCy}},
@@ -29,18 +29,18 @@ std::vector<Intrinsics> OneOfEach() {
   };
 }
 
-class EveryLens : public testing::TestWithParam<int> {};
+class EveryCameraModel : public testing::TestWithParam<int> {};
 
-TEST_P(EveryLens, UnprojectUndoesProjectOverTheImage) {
-  const Intrinsics lens = OneOfEach()[static_cast<size_t>(GetParam())];
-  lens.Check("lens");
-  const DistortionMap map(lens);
+TEST_P(EveryCameraModel, UnprojectsEveryPixel) {
+  const Intrinsics intrinsics = OneOfEach()[static_cast<size_t>(GetParam())];
+  intrinsics.Check("camera");
+  const DistortionMap map(intrinsics);
   int seen = 0;
   for (double py = 0; py <= 480; py += 24) {
     for (double px = 0; px <= 640; px += 32) {
       const auto ray = map.Unproject(px, py);
       ASSERT_TRUE(ray.has_value()) << px << ", " << py;
-      const auto pixel = lens.Project(ray->x(), ray->y());
+      const auto pixel = Project(intrinsics, ray->x(), ray->y());
       ASSERT_TRUE(pixel.has_value()) << px << ", " << py;
       EXPECT_NEAR(pixel->x(), px, 1e-7);
       EXPECT_NEAR(pixel->y(), py, 1e-7);
@@ -50,13 +50,13 @@ TEST_P(EveryLens, UnprojectUndoesProjectOverTheImage) {
   EXPECT_EQ(seen, 21 * 21);
 }
 
-TEST_P(EveryLens, ProjectUndoesUnprojectOverRays) {
-  const Intrinsics lens = OneOfEach()[static_cast<size_t>(GetParam())];
+TEST_P(EveryCameraModel, ProjectsEveryRay) {
+  const Intrinsics intrinsics = OneOfEach()[static_cast<size_t>(GetParam())];
   for (double y = -0.5; y <= 0.5; y += 0.1) {
     for (double x = -0.6; x <= 0.6; x += 0.1) {
-      const auto pixel = lens.Project(x, y);
+      const auto pixel = Project(intrinsics, x, y);
       ASSERT_TRUE(pixel.has_value()) << x << ", " << y;
-      const auto ray = lens.Unproject(pixel->x(), pixel->y());
+      const auto ray = Unproject(intrinsics, pixel->x(), pixel->y());
       ASSERT_TRUE(ray.has_value()) << x << ", " << y;
       EXPECT_NEAR(ray->x(), x, 1e-9);
       EXPECT_NEAR(ray->y(), y, 1e-9);
@@ -64,31 +64,31 @@ TEST_P(EveryLens, ProjectUndoesUnprojectOverRays) {
   }
 }
 
-TEST_P(EveryLens, TheAxisFallsOnThePrincipalPoint) {
-  const Intrinsics lens = OneOfEach()[static_cast<size_t>(GetParam())];
-  EXPECT_EQ(lens.Project(0, 0).value(), Eigen::Vector2d(kCx, kCy));
-  EXPECT_LT(lens.Unproject(kCx, kCy).value().norm(), 1e-15);
+TEST_P(EveryCameraModel, MapsTheAxisToThePrincipalPoint) {
+  const Intrinsics intrinsics = OneOfEach()[static_cast<size_t>(GetParam())];
+  EXPECT_EQ(Project(intrinsics, 0, 0).value(), Eigen::Vector2d(kCx, kCy));
+  EXPECT_LT(Unproject(intrinsics, kCx, kCy).value().norm(), 1e-15);
 }
 
-TEST_P(EveryLens, RefusesWhatIsNotFinite) {
-  const Intrinsics lens = OneOfEach()[static_cast<size_t>(GetParam())];
-  EXPECT_FALSE(lens.Project(std::nan(""), 0).has_value());
-  EXPECT_FALSE(lens.Unproject(0, std::nan("")).has_value());
-  EXPECT_FALSE(lens.Unproject(HUGE_VAL, 0).has_value());
+TEST_P(EveryCameraModel, RefusesNonFiniteInput) {
+  const Intrinsics intrinsics = OneOfEach()[static_cast<size_t>(GetParam())];
+  EXPECT_FALSE(Project(intrinsics, std::nan(""), 0).has_value());
+  EXPECT_FALSE(Unproject(intrinsics, 0, std::nan("")).has_value());
+  EXPECT_FALSE(Unproject(intrinsics, HUGE_VAL, 0).has_value());
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, EveryLens, testing::Range(0, 11), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Models, EveryCameraModel, testing::Range(0, 11), [](const auto& info) {
   return std::string(CameraModelName(static_cast<CameraModel>(info.param)));
 });
 
 /// The distorted plane coordinates that the model's published formula gives for x = 0.3, y = -0.4 (r = 1/2).
-TEST(LensModels, ClosedFormsAtOneRay) {
+TEST(Project, FollowsThePublishedFormulas) {
   const auto plane = [](CameraModel model, std::vector<double> coefficients) {
     const bool one = model == CameraModel::kSimpleRadial || model == CameraModel::kRadial ||
                      model == CameraModel::kSimpleRadialFisheye || model == CameraModel::kRadialFisheye;
-    Intrinsics lens{model, 2, 2, one ? std::vector<double>{1, 0, 0} : std::vector<double>{1, 1, 0, 0}};
-    lens.params.insert(lens.params.end(), coefficients.begin(), coefficients.end());
-    return lens.Project(0.3, -0.4).value();
+    Intrinsics intrinsics{model, 2, 2, one ? std::vector<double>{1, 0, 0} : std::vector<double>{1, 1, 0, 0}};
+    intrinsics.params.insert(intrinsics.params.end(), coefficients.begin(), coefficients.end());
+    return Project(intrinsics, 0.3, -0.4).value();
   };
   const auto expect = [](const Eigen::Vector2d& got, double u, double v) {
     EXPECT_NEAR(got.x(), u, 1e-15);
@@ -118,58 +118,58 @@ TEST(LensModels, ClosedFormsAtOneRay) {
          b * k4 + 2 * p2 * a * b + p1 * (t2 + 2 * b * b) + 0.06 * t2);
 }
 
-TEST(LensModels, FieldOfViewIsAPinholeInTheLimitAndEvenInOmega) {
+TEST(Project, FovIsAPinholeInTheLimit) {
   const auto x = [](double omega) {
-    return Intrinsics{CameraModel::kFov, 2, 2, {1, 1, 0, 0, omega}}.Project(0.5, 0).value().x();
+    return Project(Intrinsics{CameraModel::kFov, 2, 2, {1, 1, 0, 0, omega}}, 0.5, 0).value().x();
   };
   EXPECT_EQ(x(0), 0.5);
   EXPECT_NEAR(x(1e-7), 0.5, 1e-14);
   EXPECT_NEAR(x(0.01), 0.5 * (1 + 1e-4 / 12 - 1e-4 * 0.25 / 3), 1e-9);
   EXPECT_EQ(x(0.7), x(-0.7));
-  EXPECT_FALSE((Intrinsics{CameraModel::kFov, 2, 2, {1, 1, 0, 0, 3.2}}.Project(0.5, 0).has_value()));
+  EXPECT_FALSE((Project(Intrinsics{CameraModel::kFov, 2, 2, {1, 1, 0, 0, 3.2}}, 0.5, 0).has_value()));
 }
 
-TEST(LensModels, ARayBeyondTheTurningPointIsNotSeen) {
+TEST(Project, StopsAtTheTurningPoint) {
   // r (1 - k r^2) turns at r = 1 / sqrt(3 k), here 1, where it is 2/3.
-  const Intrinsics lens{CameraModel::kSimpleRadial, 1000, 1000, {500, 500, 500, -1. / 3}};
-  EXPECT_NEAR(lens.Project(1 - 1e-9, 0).value().x(), 500 + 500 * 2. / 3, 1e-6);
-  EXPECT_FALSE(lens.Project(1 + 1e-9, 0).has_value());
-  EXPECT_FALSE(lens.Project(0.8, 0.8).has_value());
-  EXPECT_FALSE(lens.Project(30, 0).has_value());
-  EXPECT_NEAR(lens.Unproject(500 + 333.3, 500).value().x(), 0.98, 0.02);
-  EXPECT_FALSE(lens.Unproject(500 + 333.4, 500).has_value());
+  const Intrinsics intrinsics{CameraModel::kSimpleRadial, 1000, 1000, {500, 500, 500, -1. / 3}};
+  EXPECT_NEAR(Project(intrinsics, 1 - 1e-9, 0).value().x(), 500 + 500 * 2. / 3, 1e-6);
+  EXPECT_FALSE(Project(intrinsics, 1 + 1e-9, 0).has_value());
+  EXPECT_FALSE(Project(intrinsics, 0.8, 0.8).has_value());
+  EXPECT_FALSE(Project(intrinsics, 30, 0).has_value());
+  EXPECT_NEAR(Unproject(intrinsics, 500 + 333.3, 500).value().x(), 0.98, 0.02);
+  EXPECT_FALSE(Unproject(intrinsics, 500 + 333.4, 500).has_value());
 }
 
-TEST(LensModels, ADipThatTurnsBackIsFoundBetweenTheRoots) {
-  // The slope 1 + 3 k1 s + 5 k2 s^2 = (1 - s)(1 - s / 4) is zero at s = 1 and again at s = 4.
-  const Intrinsics lens{CameraModel::kRadial, 1000, 1000, {500, 500, 500, -1.25 / 3, 0.25 / 5}};
-  EXPECT_TRUE(lens.Project(0.999999, 0).has_value());
-  EXPECT_FALSE(lens.Project(1.000001, 0).has_value());
-  EXPECT_FALSE(lens.Project(5, 0).has_value());
+TEST(Project, StopsAtTheFirstOfTwoTurningPoints) {
+  // The derivative 1 + 3 k1 s + 5 k2 s^2 = (1 - s)(1 - s / 4) is zero at s = 1 and again at s = 4.
+  const Intrinsics intrinsics{CameraModel::kRadial, 1000, 1000, {500, 500, 500, -1.25 / 3, 0.25 / 5}};
+  EXPECT_TRUE(Project(intrinsics, 0.999999, 0).has_value());
+  EXPECT_FALSE(Project(intrinsics, 1.000001, 0).has_value());
+  EXPECT_FALSE(Project(intrinsics, 5, 0).has_value());
 }
 
-TEST(LensModels, ARationalLensEndsBeforeItsPole) {
+TEST(Project, StopsBeforeThePoleOfARationalModel) {
   // R = 1 / (1 - s): grows without bound towards s = 1.
-  const Intrinsics lens{CameraModel::kFullOpenCv, 1000, 1000, {500, 500, 500, 500, 0, 0, 0, 0, 0, -1, 0, 0}};
-  EXPECT_NEAR(lens.Project(0.5, 0).value().x(), 500 + 500 * 0.5 / 0.75, 1e-9);
-  EXPECT_FALSE(lens.Project(1, 0).has_value());
-  EXPECT_FALSE(lens.Project(2, 0).has_value());
-  EXPECT_NEAR(lens.Unproject(500 + 500 * 0.5 / 0.75, 500).value().x(), 0.5, 1e-12);
+  const Intrinsics intrinsics{CameraModel::kFullOpenCv, 1000, 1000, {500, 500, 500, 500, 0, 0, 0, 0, 0, -1, 0, 0}};
+  EXPECT_NEAR(Project(intrinsics, 0.5, 0).value().x(), 500 + 500 * 0.5 / 0.75, 1e-9);
+  EXPECT_FALSE(Project(intrinsics, 1, 0).has_value());
+  EXPECT_FALSE(Project(intrinsics, 2, 0).has_value());
+  EXPECT_NEAR(Unproject(intrinsics, 500 + 500 * 0.5 / 0.75, 500).value().x(), 0.5, 1e-12);
 }
 
-TEST(LensModels, TangentialTermsThatFoldTheImageAreNotFollowed) {
-  const Intrinsics lens{CameraModel::kOpenCv, 1000, 1000, {500, 500, 500, 500, 0, 0, 0, 0.2}};
+TEST(Project, StopsWhereTangentialTermsFoldTheImage) {
+  const Intrinsics intrinsics{CameraModel::kOpenCv, 1000, 1000, {500, 500, 500, 500, 0, 0, 0, 0.2}};
   // u = x + 3 p2 x^2 along y = 0 turns at x = -1 / (6 p2).
-  EXPECT_TRUE(lens.Project(-0.83, 0).has_value());
-  EXPECT_FALSE(lens.Project(-0.84, 0).has_value());
+  EXPECT_TRUE(Project(intrinsics, -0.83, 0).has_value());
+  EXPECT_FALSE(Project(intrinsics, -0.84, 0).has_value());
 }
 
-TEST(LensModels, AFisheyeReachesAlmostAHalfSpace) {
-  const Intrinsics lens{CameraModel::kOpenCvFisheye, 1000, 1000, {300, 300, 500, 500, 0, 0, 0, 0}};
+TEST(Project, FisheyeReachesAlmostAHalfSpace) {
+  const Intrinsics intrinsics{CameraModel::kOpenCvFisheye, 1000, 1000, {300, 300, 500, 500, 0, 0, 0, 0}};
   const double angle = 89.9 * M_PI / 180;
-  EXPECT_NEAR(lens.Project(std::tan(angle), 0).value().x(), 500 + 300 * angle, 1e-7);
-  EXPECT_NEAR(std::atan(lens.Unproject(500 + 300 * angle, 500).value().x()), angle, 1e-12);
-  EXPECT_FALSE(lens.Unproject(500 + 300 * 1.58, 500).has_value());
+  EXPECT_NEAR(Project(intrinsics, std::tan(angle), 0).value().x(), 500 + 300 * angle, 1e-7);
+  EXPECT_NEAR(std::atan(Unproject(intrinsics, 500 + 300 * angle, 500).value().x()), angle, 1e-12);
+  EXPECT_FALSE(Unproject(intrinsics, 500 + 300 * 1.58, 500).has_value());
 }
 
 }  // namespace

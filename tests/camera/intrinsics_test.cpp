@@ -1,8 +1,10 @@
 #include "oraclegs/camera/intrinsics.h"
 
+#include <cmath>
 #include <limits>
 
-#include "scene/tiny_scenes.h"
+#include "oraclegs/camera/distortion_models.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -10,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(CameraModel, NamesIdsAndCountsAreColmaps) {
+TEST(CameraModel, HasColmapsNamesIdsAndCounts) {
   struct Row {
     int id;
     const char* name;
@@ -41,14 +43,14 @@ TEST(CameraModel, NamesIdsAndCountsAreColmaps) {
   EXPECT_FALSE(CameraModelFromName("").has_value());
 }
 
-TEST(Intrinsics, AccessorsFollowTheParameterOrder) {
+TEST(Intrinsics, ReadsParametersInColmapsOrder) {
   const Intrinsics one{CameraModel::kSimpleRadial, 60, 40, {50, 30, 20, 0.1}};
   EXPECT_THAT((std::vector{one.fx(), one.fy(), one.cx(), one.cy()}), ElementsAre(50, 50, 30, 20));
   const Intrinsics two{CameraModel::kFov, 60, 40, {50, 51, 30, 20, 0.9}};
   EXPECT_THAT((std::vector{two.fx(), two.fy(), two.cx(), two.cy()}), ElementsAre(50, 51, 30, 20));
 }
 
-TEST(Intrinsics, IsPinholeLooksAtTheCoefficients) {
+TEST(Intrinsics, IsPinholeWithoutDistortion) {
   EXPECT_TRUE((Intrinsics{CameraModel::kSimplePinhole, 60, 40, {50, 30, 20}}.IsPinhole()));
   EXPECT_TRUE((Intrinsics{CameraModel::kOpenCv, 60, 40, {50, 50, 30, 20, 0, 0, 0, 0}}.IsPinhole()));
   EXPECT_TRUE((Intrinsics{CameraModel::kFov, 60, 40, {50, 50, 30, 20, 0}}.IsPinhole()));
@@ -57,24 +59,24 @@ TEST(Intrinsics, IsPinholeLooksAtTheCoefficients) {
   EXPECT_FALSE((Intrinsics{CameraModel::kOpenCvFisheye, 60, 40, {50, 50, 30, 20, 0, 0, 0, 0}}.IsPinhole()));
 }
 
-TEST(Intrinsics, CheckNamesWhatIsWrong) {
+TEST(Intrinsics, CheckNamesTheFault) {
   const Intrinsics good{CameraModel::kSimpleRadial, 60, 40, {50, 30, 20, 0.1}};
   EXPECT_NO_THROW(good.Check("cameras.txt"));
   const auto message = [&good](auto change) {
-    Intrinsics lens = good;
-    change(&lens);
-    return InputErrorOf([&] { lens.Check("cameras.txt: camera 3"); });
+    Intrinsics intrinsics = good;
+    change(&intrinsics);
+    return MessageOf<InputError>([&] { intrinsics.Check("cameras.txt: camera 3"); });
   };
-  EXPECT_THAT(message([](Intrinsics* l) { l->params.pop_back(); }),
-              HasSubstr("cameras.txt: camera 3: a SIMPLE_RADIAL lens has 4 parameters, found 3"));
-  EXPECT_THAT(message([](Intrinsics* l) { l->params.clear(); }), HasSubstr("found 0"));
-  EXPECT_THAT(message([](Intrinsics* l) { l->params[3] = std::nan(""); }), HasSubstr("not finite"));
-  EXPECT_THAT(message([](Intrinsics* l) { l->params[0] = 0; }), HasSubstr("focal length is 0 x 0"));
-  EXPECT_THAT(message([](Intrinsics* l) { l->height = -1; }), HasSubstr("60 x -1"));
+  EXPECT_THAT(message([](Intrinsics* i) { i->params.pop_back(); }),
+              HasSubstr("cameras.txt: camera 3: camera model SIMPLE_RADIAL has 4 parameters, found 3"));
+  EXPECT_THAT(message([](Intrinsics* i) { i->params.clear(); }), HasSubstr("found 0"));
+  EXPECT_THAT(message([](Intrinsics* i) { i->params[3] = std::nan(""); }), HasSubstr("not finite"));
+  EXPECT_THAT(message([](Intrinsics* i) { i->params[0] = 0; }), HasSubstr("focal length is 0 x 0"));
+  EXPECT_THAT(message([](Intrinsics* i) { i->height = -1; }), HasSubstr("60 x -1"));
 }
 
-TEST(Intrinsics, ResizedMovesEveryPixelInProportion) {
-  const Intrinsics lenses[] = {
+TEST(Intrinsics, ResizesEveryPixelInProportion) {
+  const Intrinsics cameras[] = {
       {CameraModel::kSimplePinhole, 60, 40, {50, 30, 20}},
       {CameraModel::kSimpleRadial, 60, 40, {50, 30, 20, -0.1}},
       {CameraModel::kRadial, 60, 40, {50, 30, 20, -0.1, 0.02}},
@@ -83,15 +85,15 @@ TEST(Intrinsics, ResizedMovesEveryPixelInProportion) {
       {CameraModel::kThinPrismFisheye, 60, 40, {50, 52, 30, 20, 0.1, 0, 0.01, 0.02, 0, 0, 0.01, 0}},
       {CameraModel::kFov, 60, 40, {50, 52, 30, 20, 0.8}},
   };
-  for (const Intrinsics& lens : lenses) {
-    const Intrinsics small = Resized(lens, 30, 13);
+  for (const Intrinsics& intrinsics : cameras) {
+    const Intrinsics small = Resized(intrinsics, 30, 13);
     EXPECT_NO_THROW(small.Check("small"));
     EXPECT_EQ(small.width, 30);
     EXPECT_EQ(small.height, 13);
-    const auto pixel = lens.Project(0.3, -0.2), small_pixel = small.Project(0.3, -0.2);
-    ASSERT_TRUE(pixel && small_pixel) << CameraModelName(lens.model);
-    EXPECT_NEAR(small_pixel->x(), pixel->x() / 2, 1e-12) << CameraModelName(lens.model);
-    EXPECT_NEAR(small_pixel->y(), pixel->y() * 13 / 40, 1e-12) << CameraModelName(lens.model);
+    const auto pixel = Project(intrinsics, 0.3, -0.2), small_pixel = Project(small, 0.3, -0.2);
+    ASSERT_TRUE(pixel && small_pixel) << CameraModelName(intrinsics.model);
+    EXPECT_NEAR(small_pixel->x(), pixel->x() / 2, 1e-12) << CameraModelName(intrinsics.model);
+    EXPECT_NEAR(small_pixel->y(), pixel->y() * 13 / 40, 1e-12) << CameraModelName(intrinsics.model);
   }
 }
 

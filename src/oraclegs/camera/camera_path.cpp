@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kWidestGap = kTwoPi / 3;  // a wider one is a side that nobody has photographed
+constexpr double kMaxGap = kTwoPi / 3;  // a wider one is a side that no view shows
 
 bool AllLookTowards(const std::vector<Camera>& cameras, const Vector3d& focus) {
   return std::all_of(cameras.begin(), cameras.end(),
@@ -98,7 +98,7 @@ CameraRing RingAround(const std::vector<Camera>& cameras, const Vector3d& focus,
   }
   std::rotate(ring.order.begin(), ring.order.begin() + static_cast<std::ptrdiff_t>(first), ring.order.end());
   ring.first_azimuth = azimuth[ring.order.front()];
-  ring.all_around = ring.widest_gap < kWidestGap && AllLookTowards(cameras, focus);
+  ring.all_around = ring.widest_gap < kMaxGap && AllLookTowards(cameras, focus);
   return ring;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Where a camera can fly through a scene that only a few photographs have seen.
+// Paths of a camera through a scene of which there are only a few views.
 
 #include <vector>
 
@@ -8,10 +8,10 @@
 namespace oraclegs {
 
 /// A smooth closed path of `frames` poses with the intrinsics of the first camera, from the training cameras alone.
-/// Photographs taken all around (no gap of 120 degrees or more between neighbours, seen from the point nearest to all
+/// Views from all around (no gap of 120 degrees or more between neighbours, seen from the point nearest to all
 /// optical axes): a circle around the axis of mean "up", at their mean height and distance, looking at that point.
 /// Otherwise there and back through the poses in the order in which they lie beside each other, so that the path never
-/// leaves what was photographed. Throws std::invalid_argument without cameras or frames.
+/// leaves what the views show. Throws std::invalid_argument without cameras or frames.
 std::vector<Camera> OrbitPath(const std::vector<Camera>& cameras, int frames);
 
 /// A pose of the smooth path through the cameras in this order, at s in [0, order.size() - 1]: whole numbers are the

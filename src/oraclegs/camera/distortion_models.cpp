@@ -10,10 +10,11 @@ namespace {
 
 constexpr double kHalfPi = 1.57079632679489661923;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFarthest = 1e12;     // squared distance beyond which no turning point is looked for: 89.9999 degrees
+constexpr double kMaxSquaredRadius =
+    1e12;                              // squared distance beyond which no turning point is looked for: 89.9999 degrees
 constexpr double kSmallAngle2 = 1e-8;  // below it two terms of the arctangent's series are exact in double precision
-constexpr int kSteps = 100, kCuts = 30;  // of Newton's method: steps, and times that one is halved
-constexpr double kResidual = 1e-12;      // of Newton's method, in focal lengths: 1e-8 pixels at most
+constexpr int kMaxNewtonSteps = 100, kMaxStepHalvings = 30;  // of Newton's method: steps, and times that one is halved
+constexpr double kMaxResidual = 1e-12;  // of Newton's method, in focal lengths: 1e-8 pixels at most
 
 /// Coefficients, lowest power first.
 using Polynomial = std::vector<double>;
@@ -47,14 +48,14 @@ double Bisect(const Polynomial& c, double low, double high) {
   }
 }
 
-/// Places in (0, kFarthest) where the polynomial changes sign, ascending. Between two turning points, which are the
-/// derivative's changes of sign, there is at most one.
+/// Places in (0, kMaxSquaredRadius) where the polynomial changes sign, ascending. Between two turning points, which are
+/// the derivative's changes of sign, there is at most one.
 std::vector<double> SignChanges(const Polynomial& c) {
   if (c.size() < 2) return {};
   std::vector<double> places;
   double low = 0;
   std::vector<double> ends = SignChanges(Derivative(c));
-  ends.push_back(kFarthest);
+  ends.push_back(kMaxSquaredRadius);
   for (const double high : ends) {
     if ((Evaluate(c, low) < 0) != (Evaluate(c, high) < 0)) places.push_back(Bisect(c, low, high));
     low = high;
@@ -72,21 +73,27 @@ double FirstSignChange(const Polynomial& c) {
 double TurningPoint(const Polynomial& n, const Polynomial& d) {
   // d/dr of r N(r^2) / D(r^2), times D^2: (N + 2 s N') D - 2 s N D'
   const Polynomial two_s{0, 2};
-  Polynomial slope = Product(n, d);
-  const auto add = [&slope](const Polynomial& term, double sign) {
-    slope.resize(std::max(slope.size(), term.size()), 0.);
-    for (size_t i = 0; i < term.size(); ++i) slope[i] += sign * term[i];
+  Polynomial derivative = Product(n, d);
+  const auto add = [&derivative](const Polynomial& term, double sign) {
+    derivative.resize(std::max(derivative.size(), term.size()), 0.);
+    for (size_t i = 0; i < term.size(); ++i) derivative[i] += sign * term[i];
   };
   add(Product(two_s, Product(Derivative(n), d)), 1);
   add(Product(two_s, Product(n, Derivative(d))), -1);
-  return std::min(FirstSignChange(slope), FirstSignChange(d));
+  return std::min(FirstSignChange(derivative), FirstSignChange(d));
 }
 
 }  // namespace
 
-DistortionMap::DistortionMap(const Intrinsics& lens) : fx_(lens.fx()), fy_(lens.fy()), cx_(lens.cx()), cy_(lens.cy()) {
-  const auto& p = lens.params;
-  switch (lens.model) {
+DistortionMap::DistortionMap(const Intrinsics& intrinsics)
+    : width_(intrinsics.width),
+      height_(intrinsics.height),
+      fx_(intrinsics.fx()),
+      fy_(intrinsics.fy()),
+      cx_(intrinsics.cx()),
+      cy_(intrinsics.cy()) {
+  const auto& p = intrinsics.params;
+  switch (intrinsics.model) {
     case CameraModel::kSimplePinhole:
     case CameraModel::kPinhole:
       break;
@@ -130,11 +137,11 @@ DistortionMap::DistortionMap(const Intrinsics& lens) : fx_(lens.fx()), fy_(lens.
   const auto nonzero = [](double x) { return x != 0; };
   has_denominator_ = std::any_of(d_.begin(), d_.end(), nonzero);
   has_radial_ = has_denominator_ || std::any_of(n_.begin(), n_.end(), nonzero);
-  has_bend_ = p1_ != 0 || p2_ != 0 || sx_ != 0 || sy_ != 0;
+  has_tangential_ = p1_ != 0 || p2_ != 0 || sx_ != 0 || sy_ != 0;
   limit_ = has_radial_ ? TurningPoint({1, n_[0], n_[1], n_[2], n_[3]}, {1, d_[0], d_[1], d_[2]}) : kInfinity;
   if (curve_ == Curve::kArcTangent) limit_ = std::min(limit_, kHalfPi * kHalfPi);
   if (curve_ == Curve::kFieldOfView) {
-    limit_ = omega_ < 2 * kHalfPi ? kHalfPi * kHalfPi / (omega_ * omega_) : 0;  // a wider lens sees behind itself
+    limit_ = omega_ < 2 * kHalfPi ? kHalfPi * kHalfPi / (omega_ * omega_) : 0;  // a wider camera sees behind itself
   }
 }
 
@@ -155,26 +162,26 @@ double DistortionMap::CurveInverse(double m) const {
 
 inline DistortionMap::Radial DistortionMap::RadialAt(double s) const {
   const double numerator = 1 + s * (n_[0] + s * (n_[1] + s * (n_[2] + s * n_[3])));
-  const double slope = n_[0] + s * (2 * n_[1] + s * (3 * n_[2] + s * 4 * n_[3]));
-  if (!has_denominator_) return {numerator, slope};
+  const double derivative = n_[0] + s * (2 * n_[1] + s * (3 * n_[2] + s * 4 * n_[3]));
+  if (!has_denominator_) return {numerator, derivative};
   const double inverse = 1 / (1 + s * (d_[0] + s * (d_[1] + s * d_[2])));
-  const double denominator_slope = d_[0] + s * (2 * d_[1] + s * 3 * d_[2]);
+  const double denominator_derivative = d_[0] + s * (2 * d_[1] + s * 3 * d_[2]);
   const double factor = numerator * inverse;
-  return {factor, (slope - factor * denominator_slope) * inverse};
+  return {factor, (derivative - factor * denominator_derivative) * inverse};
 }
 
-inline DistortionMap::Bend DistortionMap::BendAt(double a, double b) const {
+inline DistortionMap::Distorted DistortionMap::DistortedAt(double a, double b) const {
   const double s = a * a + b * b;
   const Radial radial = RadialAt(s);
-  Bend bend;
-  bend.u = a * radial.factor + 2 * p1_ * a * b + p2_ * (s + 2 * a * a) + sx_ * s;
-  bend.v = b * radial.factor + 2 * p2_ * a * b + p1_ * (s + 2 * b * b) + sy_ * s;
-  const double mixed = 2 * a * b * radial.slope + 2 * p1_ * a + 2 * p2_ * b;
-  bend.du_da = radial.factor + 2 * a * a * radial.slope + 2 * p1_ * b + 6 * p2_ * a + 2 * sx_ * a;
-  bend.du_db = mixed + 2 * sx_ * b;
-  bend.dv_da = mixed + 2 * sy_ * a;
-  bend.dv_db = radial.factor + 2 * b * b * radial.slope + 2 * p2_ * a + 6 * p1_ * b + 2 * sy_ * b;
-  return bend;
+  Distorted distorted;
+  distorted.u = a * radial.factor + 2 * p1_ * a * b + p2_ * (s + 2 * a * a) + sx_ * s;
+  distorted.v = b * radial.factor + 2 * p2_ * a * b + p1_ * (s + 2 * b * b) + sy_ * s;
+  const double mixed = 2 * a * b * radial.derivative + 2 * p1_ * a + 2 * p2_ * b;
+  distorted.du_da = radial.factor + 2 * a * a * radial.derivative + 2 * p1_ * b + 6 * p2_ * a + 2 * sx_ * a;
+  distorted.du_db = mixed + 2 * sx_ * b;
+  distorted.dv_da = mixed + 2 * sy_ * a;
+  distorted.dv_db = radial.factor + 2 * b * b * radial.derivative + 2 * p2_ * a + 6 * p1_ * b + 2 * sy_ * b;
+  return distorted;
 }
 
 bool DistortionMap::Project(double x, double y, double* px, double* py) const {
@@ -183,11 +190,11 @@ bool DistortionMap::Project(double x, double y, double* px, double* py) const {
   const double s = r2 * scale * scale;
   if (!(s < limit_)) return false;
   double u = x * scale, v = y * scale;
-  if (has_bend_) {
-    const Bend bend = BendAt(u, v);
-    if (!(bend.Determinant() > 0)) return false;  // here the image is folded back over itself
-    u = bend.u;
-    v = bend.v;
+  if (has_tangential_) {
+    const Distorted distorted = DistortedAt(u, v);
+    if (!(distorted.Determinant() > 0)) return false;  // here the image is folded back over itself
+    u = distorted.u;
+    v = distorted.v;
   } else if (has_radial_) {
     const double radial = RadialAt(s).factor;
     u *= radial;
@@ -198,21 +205,26 @@ bool DistortionMap::Project(double x, double y, double* px, double* py) const {
   return std::isfinite(*px) && std::isfinite(*py);
 }
 
+bool DistortionMap::Sees(double x, double y) const {
+  double px = 0, py = 0;
+  return Project(x, y, &px, &py) && px >= 0 && px <= width_ && py >= 0 && py <= height_;
+}
+
 /// m with m R(m^2) = wanted, by Newton's method inside a bracket that halves when a step leaves it.
 std::optional<double> DistortionMap::InverseRadial(double wanted) const {
   const auto value = [this](double m) { return m * RadialAt(m * m).factor; };
-  const double end = std::sqrt(std::min(limit_, kFarthest));
+  const double end = std::sqrt(std::min(limit_, kMaxSquaredRadius));
   if (!has_radial_) return wanted < end ? std::optional(wanted) : std::nullopt;
   double low = 0, high = std::min(end, std::max(wanted, 1e-3));
   while (value(high) < wanted && high < end) high = std::min(2 * high, end);
   if (!(value(high) >= wanted)) return std::nullopt;
   double m = std::min(wanted, high);
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kMaxNewtonSteps; ++step) {
     const Radial radial = RadialAt(m * m);
     const double error = m * radial.factor - wanted;
     if (error == 0) return m;
     (error < 0 ? low : high) = m;
-    double next = m - error / (radial.factor + 2 * m * m * radial.slope);
+    double next = m - error / (radial.factor + 2 * m * m * radial.derivative);
     if (!(next > low && next < high)) next = low + (high - low) / 2;
     if (next <= low || next >= high || next == m) return m;
     m = next;
@@ -220,32 +232,32 @@ std::optional<double> DistortionMap::InverseRadial(double wanted) const {
   return m;
 }
 
-/// (a, b) that bends to uv, by Newton's method with steps cut until the error falls; `start` is the radial solution.
-std::optional<Eigen::Vector2d> DistortionMap::InverseBend(const Eigen::Vector2d& uv, double start) const {
+/// (a, b) that distorts to uv, by Newton's method with steps cut until the error falls; `start` is the radial solution.
+std::optional<Eigen::Vector2d> DistortionMap::InverseDistortion(const Eigen::Vector2d& uv, double start) const {
   const double length = uv.norm();
   Eigen::Vector2d ab = length > 0 ? Eigen::Vector2d(uv * (start / length)) : Eigen::Vector2d::Zero();
-  Bend bend = BendAt(ab.x(), ab.y());
-  const auto error_of = [&uv](const Bend& at) { return Eigen::Vector2d(at.u - uv.x(), at.v - uv.y()); };
-  for (int step = 0; step < kSteps; ++step) {
-    const Eigen::Vector2d error = error_of(bend);
-    const double determinant = bend.Determinant();
-    if (error.norm() <= kResidual * (1 + length) || !(determinant > 0)) break;
-    const Eigen::Vector2d move((bend.dv_db * error.x() - bend.du_db * error.y()) / determinant,
-                               (bend.du_da * error.y() - bend.dv_da * error.x()) / determinant);
+  Distorted distorted = DistortedAt(ab.x(), ab.y());
+  const auto error_of = [&uv](const Distorted& at) { return Eigen::Vector2d(at.u - uv.x(), at.v - uv.y()); };
+  for (int step = 0; step < kMaxNewtonSteps; ++step) {
+    const Eigen::Vector2d error = error_of(distorted);
+    const double determinant = distorted.Determinant();
+    if (error.norm() <= kMaxResidual * (1 + length) || !(determinant > 0)) break;
+    const Eigen::Vector2d move((distorted.dv_db * error.x() - distorted.du_db * error.y()) / determinant,
+                               (distorted.du_da * error.y() - distorted.dv_da * error.x()) / determinant);
     double cut = 1;
     Eigen::Vector2d next = ab;
-    for (int i = 0; i < kCuts; ++i, cut /= 2) {
+    for (int i = 0; i < kMaxStepHalvings; ++i, cut /= 2) {
       next = ab - cut * move;
       if (!(next.squaredNorm() < limit_)) continue;
-      bend = BendAt(next.x(), next.y());
-      if (error_of(bend).norm() < error.norm() && bend.Determinant() > 0) break;
+      distorted = DistortedAt(next.x(), next.y());
+      if (error_of(distorted).norm() < error.norm() && distorted.Determinant() > 0) break;
     }
     if (next == ab) break;
     ab = next;
   }
-  bend = BendAt(ab.x(), ab.y());
-  const bool found =
-      error_of(bend).norm() <= 100 * kResidual * (1 + length) && ab.squaredNorm() < limit_ && bend.Determinant() > 0;
+  distorted = DistortedAt(ab.x(), ab.y());
+  const bool found = error_of(distorted).norm() <= 100 * kMaxResidual * (1 + length) && ab.squaredNorm() < limit_ &&
+                     distorted.Determinant() > 0;
   return found ? std::optional(ab) : std::nullopt;
 }
 
@@ -255,10 +267,10 @@ std::optional<Eigen::Vector2d> DistortionMap::Unproject(double px, double py) co
   if (!std::isfinite(length)) return std::nullopt;
   const std::optional<double> radial = InverseRadial(length);
   Eigen::Vector2d ab = uv;
-  if (has_bend_) {
+  if (has_tangential_) {
     // Tangential terms reach pixels a little beyond the end of the radial part.
-    const double start = radial.value_or(0.9 * std::sqrt(std::min(limit_, kFarthest)));
-    const auto inverse = InverseBend(uv, start);
+    const double start = radial.value_or(0.9 * std::sqrt(std::min(limit_, kMaxSquaredRadius)));
+    const auto inverse = InverseDistortion(uv, start);
     if (!inverse) return std::nullopt;
     ab = *inverse;
   } else {
@@ -267,6 +279,16 @@ std::optional<Eigen::Vector2d> DistortionMap::Unproject(double px, double py) co
   }
   const Eigen::Vector2d ray = ab * CurveInverse(ab.norm());
   return ray.allFinite() ? std::optional(ray) : std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> Project(const Intrinsics& intrinsics, double x, double y) {
+  Eigen::Vector2d pixel;
+  if (!DistortionMap(intrinsics).Project(x, y, &pixel.x(), &pixel.y())) return std::nullopt;
+  return pixel;
+}
+
+std::optional<Eigen::Vector2d> Unproject(const Intrinsics& intrinsics, double px, double py) {
+  return DistortionMap(intrinsics).Unproject(px, py);
 }
 
 }  // namespace oraclegs

@@ -1,10 +1,11 @@
 #pragma once
-// The one function behind all eleven lens models. A ray (x, y, 1) at distance r from the axis first moves to distance
-// m(r): r itself (the models built on a pinhole), atan r (the fisheye models) or the FOV model's arctangent. The result
-// (a, b), with s = a^2 + b^2, then goes through a radial factor, tangential and thin-prism terms:
+// Projection with distortion: the one function behind all eleven camera models. A ray (x, y, 1) at distance r from the
+// axis first moves to distance m(r): r itself (the models built on a pinhole), atan r (the fisheye models) or the FOV
+// model's arctangent. The result (a, b), with s = a^2 + b^2, then goes through a radial factor, tangential and
+// thin-prism terms:
 //   R = (1 + n1 s + n2 s^2 + n3 s^3 + n4 s^4) / (1 + d1 s + d2 s^2 + d3 s^3)
 //   u = a R + 2 p1 a b + p2 (s + 2 a^2) + sx s,   v = b R + 2 p2 a b + p1 (s + 2 b^2) + sy s
-// Brown 1966; Devernay and Faugeras 2001 (FOV); Kannala and Brandt 2006 (fisheye); Weng et al. 1992 (thin prism).
+// [Brown 1966]; [Devernay 2001] (FOV); [Kannala 2006] (fisheye); [Weng 1992] (thin prism).
 
 #include <Eigen/Core>
 #include <array>
@@ -14,14 +15,16 @@
 
 namespace oraclegs {
 
-/// A lens made ready to map many rays. Radial factors that turn back (m R is not monotone) end at the turning point, so
-/// that no two rays share a pixel.
+/// Intrinsics made ready to map many rays. Radial factors that turn back (m R is not monotone) end at the turning
+/// point, so that no two rays share a pixel.
 class DistortionMap {
  public:
-  explicit DistortionMap(const Intrinsics& lens);
+  explicit DistortionMap(const Intrinsics& intrinsics);
 
-  /// Pixel of the ray (x, y, 1); false when the lens cannot see it.
+  /// Pixel of the ray (x, y, 1); false when the camera cannot see it.
   bool Project(double x, double y, double* px, double* py) const;
+  /// True when the ray falls into the image, its edges included.
+  bool Sees(double x, double y) const;
   /// Ray of a pixel; nullopt when no ray falls on it.
   std::optional<Eigen::Vector2d> Unproject(double px, double py) const;
 
@@ -29,10 +32,10 @@ class DistortionMap {
   enum class Curve { kIdentity, kArcTangent, kFieldOfView };
 
   struct Radial {
-    double factor, slope;  ///< R and dR/ds
+    double factor, derivative;  ///< R and dR/ds
   };
   /// (u, v) at (a, b) and its derivatives.
-  struct Bend {
+  struct Distorted {
     double u, v, du_da, du_db, dv_da, dv_db;
     double Determinant() const { return du_da * dv_db - du_db * dv_da; }
   };
@@ -40,19 +43,26 @@ class DistortionMap {
   double CurveScale(double r2) const;   ///< m(r) / r
   double CurveInverse(double m) const;  ///< r / m(r)
   Radial RadialAt(double s) const;
-  Bend BendAt(double a, double b) const;
+  Distorted DistortedAt(double a, double b) const;
   std::optional<double> InverseRadial(double wanted) const;
-  std::optional<Eigen::Vector2d> InverseBend(const Eigen::Vector2d& uv, double start) const;
+  std::optional<Eigen::Vector2d> InverseDistortion(const Eigen::Vector2d& uv, double start) const;
 
   Curve curve_ = Curve::kIdentity;
+  int width_, height_;
   double fx_, fy_, cx_, cy_;
   double omega_ = 0;           ///< of the FOV model
   double tan_omega_ = 0;       ///< 2 tan(omega / 2)
   std::array<double, 4> n_{};  ///< numerator of R
   std::array<double, 3> d_{};  ///< denominator of R
   double p1_ = 0, p2_ = 0, sx_ = 0, sy_ = 0;
-  bool has_radial_ = false, has_denominator_ = false, has_bend_ = false;
+  bool has_radial_ = false, has_denominator_ = false, has_tangential_ = false;
   double limit_ = 0;  ///< s of a ray that is seen is below this
 };
+
+/// Pixel of the ray (x, y, 1), in pixels from the top-left corner; nullopt where the camera cannot see the ray.
+std::optional<Eigen::Vector2d> Project(const Intrinsics& intrinsics, double x, double y);
+
+/// The inverse, by the model's own formula or Newton's method; nullopt when it does not converge.
+std::optional<Eigen::Vector2d> Unproject(const Intrinsics& intrinsics, double px, double py);
 
 }  // namespace oraclegs

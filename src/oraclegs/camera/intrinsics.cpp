@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/camera/distortion_models.h"
 
 namespace oraclegs {
 namespace {
@@ -14,7 +13,7 @@ struct ModelFacts {
   std::string_view name;
   int parameters;
   int focal_lengths;  ///< 1: f, cx, cy, ...; 2: fx, fy, cx, cy, ...
-  bool bends;         ///< even when all that follows the principal point is zero
+  bool distorts;      ///< even when all that follows the principal point is zero
 };
 
 constexpr std::array<ModelFacts, 11> kModels{{
@@ -72,25 +71,18 @@ double Intrinsics::cx() const { return params[static_cast<size_t>(FactsOf(model)
 double Intrinsics::cy() const { return params[static_cast<size_t>(FactsOf(model).focal_lengths) + 1]; }
 
 bool Intrinsics::IsPinhole() const {
-  if (FactsOf(model).bends) return false;
+  if (FactsOf(model).distorts) return false;
   return std::all_of(params.begin() + FactsOf(model).focal_lengths + 2, params.end(), [](double x) { return x == 0; });
 }
-
-std::optional<Eigen::Vector2d> Intrinsics::Project(double x, double y) const {
-  Eigen::Vector2d pixel;
-  if (!DistortionMap(*this).Project(x, y, &pixel.x(), &pixel.y())) return std::nullopt;
-  return pixel;
-}
-
-std::optional<Eigen::Vector2d> Intrinsics::Unproject(double px, double py) const { return DistortionMap(*this).Unproject(px, py); }
 
 void Intrinsics::Check(const std::string& name) const {
   const auto& facts = FactsOf(model);
   if (params.size() != static_cast<size_t>(facts.parameters)) {
-    throw InputError("{}: a {} lens has {} parameters, found {}", name, facts.name, facts.parameters, params.size());
+    throw InputError("{}: camera model {} has {} parameters, found {}", name, facts.name, facts.parameters,
+                     params.size());
   }
   if (!std::all_of(params.begin(), params.end(), [](double x) { return std::isfinite(x); })) {
-    throw InputError("{}: the {} lens has a parameter that is not finite", name, facts.name);
+    throw InputError("{}: a parameter of camera model {} is not finite", name, facts.name);
   }
   if (width <= 0 || height <= 0)
     throw InputError("{}: the image size is {} x {}, must be positive", name, width, height);
@@ -99,16 +91,17 @@ void Intrinsics::Check(const std::string& name) const {
   }
 }
 
-Intrinsics Resized(const Intrinsics& lens, int width, int height) {
-  const auto& facts = FactsOf(lens.model);
+Intrinsics Resized(const Intrinsics& intrinsics, int width, int height) {
+  const auto& facts = FactsOf(intrinsics.model);
   Intrinsics resized;
-  resized.model = WithTwoFocalLengths(lens.model);
+  resized.model = WithTwoFocalLengths(intrinsics.model);
   resized.width = width;
   resized.height = height;
-  const double sx = static_cast<double>(width) / lens.width;
-  const double sy = static_cast<double>(height) / lens.height;
-  resized.params = {lens.fx() * sx, lens.fy() * sy, lens.cx() * sx, lens.cy() * sy};
-  resized.params.insert(resized.params.end(), lens.params.begin() + facts.focal_lengths + 2, lens.params.end());
+  const double sx = static_cast<double>(width) / intrinsics.width;
+  const double sy = static_cast<double>(height) / intrinsics.height;
+  resized.params = {intrinsics.fx() * sx, intrinsics.fy() * sy, intrinsics.cx() * sx, intrinsics.cy() * sy};
+  resized.params.insert(resized.params.end(), intrinsics.params.begin() + facts.focal_lengths + 2,
+                        intrinsics.params.end());
   resized.params.resize(static_cast<size_t>(CameraModelParameterCount(resized.model)), 0.);
   return resized;
 }

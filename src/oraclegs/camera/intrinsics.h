@@ -1,13 +1,10 @@
 #pragma once
-// Intrinsics models: all eleven of COLMAP 3.8, by its names, parameter orders and formulas.
+// Camera models: all eleven of COLMAP 3.8 [Schoenberger 2016], by its names and parameter orders.
 
-#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "oraclegs/camera/camera.h"
 
 namespace oraclegs {
 
@@ -31,7 +28,7 @@ std::optional<CameraModel> CameraModelFromId(int id);
 std::string_view CameraModelName(CameraModel model);
 int CameraModelParameterCount(CameraModel model);
 
-/// Intrinsics of a real lens as COLMAP stores them.
+/// What a camera does to rays, as COLMAP stores it. distortion_models.h projects with it.
 struct Intrinsics {
   CameraModel model = CameraModel::kPinhole;
   int width = 0, height = 0;   ///< pixels
@@ -43,16 +40,12 @@ struct Intrinsics {
   double cy() const;
   /// True when every distortion coefficient is zero (a fisheye model never is).
   bool IsPinhole() const;
-  /// Pixel of the ray (x, y, 1), pixels from the top-left corner; nullopt where the model cannot see the ray.
-  std::optional<Eigen::Vector2d> Project(double x, double y) const;
-  /// The inverse, by the model's own formula or Newton's method; nullopt when it does not converge.
-  std::optional<Eigen::Vector2d> Unproject(double px, double py) const;
   /// Throws InputError "NAME: ..." for a wrong count, a number that is not finite, or a size or focal length <= 0.
   void Check(const std::string& name) const;
 };
 
-/// The same lens on an image of another size. The axes may scale differently, so a model of one focal length becomes
+/// The same camera on an image of another size. The axes may scale differently, so a model of one focal length becomes
 /// the one of two that takes the same coefficients.
-Intrinsics Resized(const Intrinsics& lens, int width, int height);
+Intrinsics Resized(const Intrinsics& intrinsics, int width, int height);
 
 }  // namespace oraclegs

@@ -3,18 +3,18 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "oraclegs/core/statistics.h"
+
 namespace oraclegs {
 namespace {
 
-constexpr double kParallelAxes = 1e-3;  // below, the point nearest to all axes is ill-determined
-constexpr double kFallbackReach = 3;    // extents; scenes seen side by side begin about there
+constexpr double kMinAxisSpread = 1e-3;  // below, the point nearest to all axes is ill-determined
+constexpr double kFallbackReach = 3;     // extents; scenes seen side by side begin about there
 
 double MedianDistance(const std::vector<Camera>& cameras, const Eigen::Vector3d& point) {
   std::vector<double> distances;
   for (const Camera& c : cameras) distances.push_back((c.Center() - point).norm());
-  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return UpperMedian(&distances);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ Ball LookedAt(const std::vector<Camera>& cameras) {
     eye += c.Center() / n;
     forward += f / n;
   }
-  if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal).eigenvalues()[0] > kParallelAxes) {
+  if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal).eigenvalues()[0] > kMinAxisSpread) {
     const Eigen::Vector3d center = normal.ldlt().solve(right);
     size_t ahead = 0;
     for (const Camera& c : cameras) ahead += c.Forward().dot(center - c.Center()) > 0 ? 1 : 0;

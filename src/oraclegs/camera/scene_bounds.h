@@ -1,5 +1,5 @@
 #pragma once
-// Where and how large a scene is, as far as its cameras tell.
+// Where and how large a scene is, by its cameras.
 
 #include <Eigen/Core>
 #include <vector>
@@ -13,8 +13,8 @@ struct Ball {
   double radius;           ///< world units
 };
 
-/// Radius of the cameras' positions: 1.1 * max distance of a camera centre from their mean (getNerfppNorm of [3DGS]); 0
-/// without cameras.
+/// Radius of the cameras' positions: 1.1 * max distance of a camera centre from their mean ([Kerbl 2023],
+/// docs/method.md#scene-extent); 0 without cameras.
 double SpatialExtent(const std::vector<Camera>& cameras);
 
 /// What the cameras look at: around the point nearest to all optical axes, as far as the median camera is from it, or,

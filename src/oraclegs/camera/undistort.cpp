@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/camera/distortion_models.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/camera/distortion_models.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr double kLeastMagnification = 0.2, kMostMagnification = 5;
+constexpr double kMinMagnification = 0.2, kMaxMagnification = 5;
 constexpr int kBisections = 45;  // halves the range to below one rounding step
 constexpr size_t kCoarseStep = 16;
 constexpr int64_t kRowsPerTask = 8;
@@ -29,35 +29,33 @@ std::vector<Eigen::Vector2d> BorderPixels(int width, int height) {
   return pixels;
 }
 
-/// Finds the smallest magnification at which the lens has seen what each pixel shows.
+/// Finds the smallest magnification at which the source image shows what each pixel shows.
 class MagnificationSearch {
  public:
-  explicit MagnificationSearch(const Intrinsics& lens) : lens_(lens), map_(lens) {}
+  explicit MagnificationSearch(const Intrinsics& intrinsics) : intrinsics_(intrinsics), map_(intrinsics) {}
 
   /// Raises the magnification as far as this pixel needs it.
   void Include(const Eigen::Vector2d& pixel) {
-    if (Sees(pixel, least_)) return;
-    double low = least_, high = kMostMagnification;
+    if (Sees(pixel, smallest_)) return;
+    double low = smallest_, high = kMaxMagnification;
     if (!Sees(pixel, high)) low = high;
     for (int i = 0; i < kBisections && low < high; ++i) {
       const double middle = (low + high) / 2;
       (Sees(pixel, middle) ? high : low) = middle;
     }
-    least_ = high;
+    smallest_ = high;
   }
-  double least() const { return least_; }
+  double smallest() const { return smallest_; }
 
  private:
   bool Sees(const Eigen::Vector2d& pixel, double magnification) const {
-    double u = 0, v = 0;
-    return map_.Project((pixel.x() - lens_.cx()) / (magnification * lens_.fx()),
-                        (pixel.y() - lens_.cy()) / (magnification * lens_.fy()), &u, &v) &&
-           u >= 0 && u <= lens_.width && v >= 0 && v <= lens_.height;
+    return map_.Sees((pixel.x() - intrinsics_.cx()) / (magnification * intrinsics_.fx()),
+                     (pixel.y() - intrinsics_.cy()) / (magnification * intrinsics_.fy()));
   }
 
-  const Intrinsics& lens_;
+  const Intrinsics& intrinsics_;
   DistortionMap map_;
-  double least_ = kLeastMagnification;
+  double smallest_ = kMinMagnification;
 };
 
 /// Between which two pixels of an axis a position lies; past the outermost centres the border is repeated.
@@ -97,26 +95,33 @@ SampleFunction SampleFor(int channels) {
 
 }  // namespace
 
-Camera UndistortedCamera(const Intrinsics& lens) {
-  Camera camera{lens.width, lens.height, lens.fx(), lens.fy(), lens.cx(), lens.cy(), Eigen::Isometry3d::Identity()};
-  const bool has_axis = lens.cx() >= 0 && lens.cx() <= lens.width && lens.cy() >= 0 && lens.cy() <= lens.height;
-  if (lens.IsPinhole() || !has_axis) return camera;
-  MagnificationSearch search(lens);
-  const auto pixels = BorderPixels(lens.width, lens.height);
+Camera UndistortedCamera(const Intrinsics& intrinsics) {
+  Camera camera{intrinsics.width,
+                intrinsics.height,
+                intrinsics.fx(),
+                intrinsics.fy(),
+                intrinsics.cx(),
+                intrinsics.cy(),
+                Eigen::Isometry3d::Identity()};
+  const bool has_axis = intrinsics.cx() >= 0 && intrinsics.cx() <= intrinsics.width && intrinsics.cy() >= 0 &&
+                        intrinsics.cy() <= intrinsics.height;
+  if (intrinsics.IsPinhole() || !has_axis) return camera;
+  MagnificationSearch search(intrinsics);
+  const auto pixels = BorderPixels(intrinsics.width, intrinsics.height);
   // A coarse pass first: it settles most of the value, and the second then bisects for few pixels.
   for (size_t i = 0; i < pixels.size(); i += kCoarseStep) search.Include(pixels[i]);
   for (const auto& pixel : pixels) search.Include(pixel);
-  camera.fx *= search.least();
-  camera.fy *= search.least();
+  camera.fx *= search.smallest();
+  camera.fy *= search.smallest();
   return camera;
 }
 
-UndistortedImage Undistort(const ImageF& source, const Intrinsics& lens, const Camera& target) {
-  if (source.width != lens.width || source.height != lens.height) {
-    throw ShapeError("Undistort: the image is {} x {}, the lens {} x {}", source.width, source.height, lens.width,
-                     lens.height);
+UndistortedImage Undistort(const ImageF& source, const Intrinsics& intrinsics, const Camera& target) {
+  if (source.width != intrinsics.width || source.height != intrinsics.height) {
+    throw ShapeError("Undistort: the image is {} x {}, the camera {} x {}", source.width, source.height,
+                     intrinsics.width, intrinsics.height);
   }
-  const DistortionMap map(lens);
+  const DistortionMap map(intrinsics);
   const SampleFunction sample = SampleFor(source.channels);
   const size_t pixels = static_cast<size_t>(target.width) * static_cast<size_t>(target.height);
   UndistortedImage result{{target.width, target.height, source.channels, {}}, std::vector<uint8_t>(pixels, 0)};
