@@ -102,6 +102,7 @@ struct PoseEstimate {
 
 struct PoseRequest {
   std::filesystem::path weights;
+  std::string network = "VGGT";  ///< what messages call it
   std::vector<Image8> images;
   std::vector<std::string> names;  ///< of the images, for errors
   Device device;

@@ -1,6 +1,7 @@
 #include "oraclegs/networks/common/parameters.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -103,9 +104,9 @@ Tensor FileParameters::Get(const std::string& name, at::IntArrayRef shape) {
     wrong_shape_.push_back(fmt::format("{} is {}, expected {}", name, Shape(entry.shape), Shape(shape)));
     return WithoutMemory(shape);
   }
-  // The deleter keeps the mapping alive as long as any tensor of it.
+  // The deleter keeps the mapping alive as long as any tensor of it. Nobody writes to it.
   Tensor stored = torch::from_blob(
-      const_cast<char*>(entry.bytes.data()), shape, [keep = place.file](void*) {}, *type);
+      std::bit_cast<void*>(entry.bytes.data()), shape, [keep = place.file](void*) {}, *type);
   const bool aligned = reinterpret_cast<uintptr_t>(entry.bytes.data()) % stored.element_size() == 0;
   if (!aligned) stored = torch::empty(shape, *type);
   if (!aligned) std::copy(entry.bytes.begin(), entry.bytes.end(), static_cast<char*>(stored.data_ptr()));
@@ -125,6 +126,27 @@ void FileParameters::Finish() const {
   if (faults.empty()) return;
   throw InputError("{}: does not hold {}{}; get its official weights again, or name the model that the file holds",
                    files_, options_.model, faults);
+}
+
+StoredShapes::StoredShapes(const std::vector<std::filesystem::path>& paths) {
+  for (const auto& path : paths) {
+    names_ += (names_.empty() ? "" : " + ") + path.string();
+    files_.push_back(SafetensorsFile::Open(path));
+  }
+}
+
+bool StoredShapes::Has(const std::string& name) const {
+  return std::any_of(files_.begin(), files_.end(), [&](const SafetensorsFile& file) { return file.Has(name); });
+}
+
+std::optional<std::vector<int64_t>> StoredShapes::Find(const std::string& name, size_t dimensions) const {
+  for (const SafetensorsFile& file : files_) {
+    if (!file.Has(name)) continue;
+    const std::vector<int64_t>& shape = file.Get(name).shape;
+    const bool positive = std::all_of(shape.begin(), shape.end(), [](int64_t side) { return side > 0; });
+    if (positive && shape.size() == dimensions) return shape;
+  }
+  return std::nullopt;
 }
 
 Tensor ListedParameters::Get(const std::string& name, at::IntArrayRef shape) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -86,6 +87,23 @@ class FileParameters : public ParameterSource {
   std::map<std::string, Place> places_;
   std::set<std::string> known_;
   std::vector<std::string> missing_, twice_, wrong_type_, wrong_shape_;
+};
+
+/// What files say of their tensors' shapes, to recognise by it which size of a network they hold.
+class StoredShapes {
+ public:
+  /// Throws InputError as SafetensorsFile does.
+  explicit StoredShapes(const std::vector<std::filesystem::path>& paths);
+
+  bool Has(const std::string& name) const;
+  /// The shape of a tensor that one of the files holds with so many dimensions, all of them positive.
+  std::optional<std::vector<int64_t>> Find(const std::string& name, size_t dimensions) const;
+  /// Their names, for messages.
+  const std::string& files() const { return names_; }
+
+ private:
+  std::vector<SafetensorsFile> files_;
+  std::string names_;
 };
 
 /// Notes names and shapes; the tensors have no memory (device meta).

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "oraclegs/networks/common/tensor_buffer.h"
 
 namespace oraclegs {
 namespace {
@@ -17,6 +20,31 @@ const char* Name(DepthAnythingSize size) {
   }
   return "Depth Anything V2";
 }
+
+constexpr int64_t kHeadWidth = 64;
+
+DepthAnything LoadFrom(const std::filesystem::path& path, const char* name, const DepthAnythingConfig& config,
+                       torch::Device device) {
+  CheckpointOptions options;
+  options.model = name;
+  options.device = device;
+  FileParameters source({path}, options);
+  DepthAnything model = LoadDepthAnything(source, config);
+  source.Finish();
+  return model;
+}
+
+class LoadedDepthAnything : public DepthNetwork {
+ public:
+  explicit LoadedDepthAnything(DepthAnything model) : model_(std::move(model)) {}
+  Buffer<float> InverseDepth(const ImageF& rgb) const override {
+    const auto pixels = Buffer<float>::From({rgb.height, rgb.width, rgb.channels}, std::span<const float>(rgb.data));
+    return BufferOf(RelativeInverseDepth(model_, TensorOf(pixels)));
+  }
+
+ private:
+  DepthAnything model_;
+};
 
 /// The multiple of `patch` nearest to `length`, half to even; the next one up where that is below `least`.
 int64_t MultipleOf(int64_t patch, double length, int64_t least) {
@@ -51,13 +79,52 @@ DepthAnything LoadDepthAnything(ParameterSource& source, const DepthAnythingConf
 }
 
 DepthAnything LoadDepthAnything(const std::filesystem::path& path, DepthAnythingSize size, torch::Device device) {
-  CheckpointOptions options;
-  options.model = Name(size);
-  options.device = device;
-  FileParameters source({path}, options);
-  DepthAnything model = LoadDepthAnything(source, DepthAnythingV2(size));
-  source.Finish();
-  return model;
+  return LoadFrom(path, Name(size), DepthAnythingV2(size), device);
+}
+
+DepthAnythingConfig RecognizeDepthAnything(const std::filesystem::path& path) {
+  const StoredShapes files({path});
+  const auto shape = [&](const std::string& name, size_t dimensions) {
+    const auto found = files.Find(name, dimensions);
+    if (found) return *found;
+    throw InputError("{}: is no Depth Anything V2, it has no {} with {} dimensions; name its official weights",
+                     path.string(), name, dimensions);
+  };
+  DepthAnythingConfig config;
+  VitConfig& backbone = config.backbone;
+  const std::vector<int64_t> positions = shape("pretrained.pos_embed", 3);
+  backbone.width = positions[2];
+  backbone.heads = backbone.width / kHeadWidth;
+  backbone.position_grid = std::lround(std::sqrt(static_cast<double>(positions[1] - 1)));
+  backbone.patch = shape("pretrained.patch_embed.proj.weight", 4)[3];
+  backbone.depth = 0;
+  while (files.Has("pretrained.blocks." + std::to_string(backbone.depth) + ".norm1.weight")) ++backbone.depth;
+  const bool is_whole =
+      backbone.width % kHeadWidth == 0 && backbone.depth >= 4 && backbone.depth % 4 == 0 && backbone.position_grid > 0;
+  if (!is_whole) {
+    throw InputError(
+        "{}: has {} blocks of width {} with {} positions, which is no Depth Anything V2; name its official weights",
+        path.string(), backbone.depth, backbone.width, positions[1]);
+  }
+  const int64_t quarter = backbone.depth / 4;
+  config.layers = {quarter - 1, 2 * quarter - 1, 3 * quarter - 1, 4 * quarter - 1};
+  if (backbone.depth == 24) config.layers = DepthAnythingV2(DepthAnythingSize::kLarge).layers;
+  config.head.width = backbone.width;
+  config.head.patch = backbone.patch;
+  config.head.features = shape("depth_head.scratch.output_conv1.weight", 4)[1];
+  for (size_t i = 0; i < 4; ++i) {
+    config.head.channels[i] = shape("depth_head.projects." + std::to_string(i) + ".weight", 4)[0];
+  }
+  config.input_side = backbone.position_grid * backbone.patch;
+  return config;
+}
+
+DepthAnything LoadRecognizedDepthAnything(const std::filesystem::path& path, torch::Device device) {
+  return LoadFrom(path, "Depth Anything V2", RecognizeDepthAnything(path), device);
+}
+
+std::unique_ptr<DepthNetwork> LoadDepthNetwork(const std::filesystem::path& path, torch::Device device) {
+  return std::make_unique<LoadedDepthAnything>(LoadRecognizedDepthAnything(path, device));
 }
 
 Tensor ResizeForDepthAnything(const Tensor& rgb, int64_t side, int64_t patch) {

@@ -3,10 +3,12 @@
 // nearer; unit and zero point are unknown.
 
 #include <array>
+#include <memory>
 #include <string>
 
 #include "oraclegs/networks/common/dpt.h"
 #include "oraclegs/networks/common/vit.h"
+#include "oraclegs/networks/networks.h"
 
 namespace oraclegs {
 
@@ -30,6 +32,15 @@ DepthAnything LoadDepthAnything(ParameterSource& source, const DepthAnythingConf
 /// From a safetensors file with the official names. Throws InputError that lists all that does not fit.
 DepthAnything LoadDepthAnything(const std::filesystem::path& path, DepthAnythingSize size,
                                 torch::Device device = torch::kCPU);
+
+/// S, B, L, or any other that keeps their rules: heads of 64, the head reads after each quarter of the blocks (of 24
+/// blocks after 4, 11, 17 and 23), the input has the size that positions are stored for. Throws InputError for a file
+/// that is none.
+DepthAnythingConfig RecognizeDepthAnything(const std::filesystem::path& path);
+/// Loads what RecognizeDepthAnything finds. Throws InputError, also one that lists all that does not fit.
+DepthAnything LoadRecognizedDepthAnything(const std::filesystem::path& path, torch::Device device = torch::kCPU);
+/// The same as the program sees it.
+std::unique_ptr<DepthNetwork> LoadDepthNetwork(const std::filesystem::path& path, torch::Device device = torch::kCPU);
 
 /// rgb [h, w, 3] float32 in [0, 1] -> [1, 3, H, W]: the smaller side becomes `side`, both multiples of `patch`; bicubic
 /// without antialiasing, not clamped, not yet normalised. Throws ShapeError.

@@ -4,6 +4,19 @@ namespace oraclegs {
 namespace {
 
 constexpr double kLengthFloor = 1e-10;
+constexpr int64_t kVggKernel = 3, kAlexNetKernel = 11;
+
+Lpips LoadFrom(const std::vector<std::filesystem::path>& paths, const FeatureStackConfig& config,
+               torch::Device device) {
+  CheckpointOptions options;
+  options.model = config.network == FeatureNetwork::kVgg16 ? "LPIPS with VGG16" : "LPIPS with AlexNet";
+  options.ignored = {"classifier."};
+  options.device = device;
+  FileParameters source(paths, options);
+  Lpips lpips = LoadLpips(source, config);
+  source.Finish();
+  return lpips;
+}
 
 /// The scaling layer: picture [H, W, 3] to what the network reads, [1, 3, H, W].
 Tensor NetworkInput(const Lpips& lpips, const Tensor& image, LpipsRange range) {
@@ -45,14 +58,33 @@ Lpips LoadLpips(ParameterSource& source, const FeatureStackConfig& config) {
 }
 
 Lpips LoadLpips(const std::vector<std::filesystem::path>& paths, FeatureNetwork network, torch::Device device) {
-  CheckpointOptions options;
-  options.model = network == FeatureNetwork::kVgg16 ? "LPIPS with VGG16" : "LPIPS with AlexNet";
-  options.ignored = {"classifier."};
-  options.device = device;
-  FileParameters source(paths, options);
-  Lpips lpips = LoadLpips(source, PublishedFeatures(network));
-  source.Finish();
-  return lpips;
+  return LoadFrom(paths, PublishedFeatures(network), device);
+}
+
+FeatureStackConfig RecognizeLpips(const std::vector<std::filesystem::path>& paths) {
+  const StoredShapes files(paths);
+  const auto shape = [&](const std::string& name) {
+    const auto found = files.Find(name, 4);
+    if (found) return *found;
+    throw InputError(
+        "{}: is no LPIPS, it has no {} with 4 dimensions; name weights that hold its features and lin0 to "
+        "lin4",
+        files.files(), name);
+  };
+  FeatureStackConfig config;
+  const int64_t kernel = shape("features.0.weight")[3];
+  if (kernel != kVggKernel && kernel != kAlexNetKernel) {
+    throw InputError(
+        "{}: its first convolution is {} pixels wide, LPIPS has {} (VGG16) or {} (AlexNet); name its weights",
+        files.files(), kernel, kVggKernel, kAlexNetKernel);
+  }
+  config.network = kernel == kVggKernel ? FeatureNetwork::kVgg16 : FeatureNetwork::kAlexNet;
+  for (size_t i = 0; i < 5; ++i) config.channels[i] = shape("lin" + std::to_string(i) + ".model.1.weight")[1];
+  return config;
+}
+
+Lpips LoadRecognizedLpips(const std::vector<std::filesystem::path>& paths, torch::Device device) {
+  return LoadFrom(paths, RecognizeLpips(paths), device);
 }
 
 LpipsTarget PrepareTarget(const Lpips& lpips, const Tensor& image, LpipsRange range) {

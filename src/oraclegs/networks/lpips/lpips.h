@@ -2,16 +2,13 @@
 // LPIPS v0.1, a learned distance of pictures: value and gradient (docs/method.md#lpips).
 
 #include <array>
+#include <filesystem>
+#include <vector>
 
 #include "oraclegs/networks/common/feature_stack.h"
+#include "oraclegs/networks/networks.h"
 
 namespace oraclegs {
-
-/// What the scaling layer is fed. The two give different numbers, and both are in use.
-enum class LpipsRange {
-  kZeroOne,      ///< the picture in [0, 1] as it is: training losses and scores of the 3DGS family
-  kMinusOneOne,  ///< 2 x - 1: what the authors of LPIPS ask for
-};
 
 struct Lpips {
   FeatureStack features;
@@ -23,6 +20,10 @@ Lpips LoadLpips(ParameterSource& source, const FeatureStackConfig& config);
 /// not read. Throws InputError that lists all that does not fit.
 Lpips LoadLpips(const std::vector<std::filesystem::path>& paths, FeatureNetwork network,
                 torch::Device device = torch::kCPU);
+
+/// LPIPS with VGG16 or AlexNet, of any widths, whose tensors stand in these files. Throws InputError.
+FeatureStackConfig RecognizeLpips(const std::vector<std::filesystem::path>& paths);
+Lpips LoadRecognizedLpips(const std::vector<std::filesystem::path>& paths, torch::Device device = torch::kCPU);
 
 /// All that a distance needs of the target: computed once, compared with many renders.
 struct LpipsTarget {

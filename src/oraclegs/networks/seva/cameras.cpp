@@ -6,7 +6,7 @@
 
 #include "oraclegs/core/parallel.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr double kQuantile = 0.97, kFarthest = 1e6, kOutlier = 10, kInTheMiddle = 1e-5;
@@ -58,20 +58,19 @@ SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers) {
   return middle;
 }
 
-std::vector<SevaView> NormalizedViews(const std::vector<SevaView>& chunk, const std::vector<SevaView>& all,
-                                      double camera_scale) {
+std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all, double camera_scale) {
   if (chunk.empty()) throw ShapeError("NormalizedViews: there are no frames");
   std::vector<Eigen::Vector3d> centers;
-  for (const SevaView& view : all) centers.push_back(view.center());
+  for (const View& view : all) centers.push_back(view.center());
   const Eigen::Vector3d middle = FindSceneMiddle(centers).mean;
   const double first = (chunk.front().center() - middle).norm();
   const double scale = first <= kInTheMiddle ? camera_scale : camera_scale / first;
-  std::vector<SevaView> views = chunk;
-  for (SevaView& view : views) view.world_from_camera.translation() = scale * (view.center() - middle);
+  std::vector<View> views = chunk;
+  for (View& view : views) view.world_from_camera.translation() = scale * (view.center() - middle);
   return views;
 }
 
-Tensor PlueckerMaps(const std::vector<SevaView>& views, int64_t height, int64_t width) {
+Tensor PlueckerMaps(const std::vector<View>& views, int64_t height, int64_t width) {
   if (views.empty() || height <= 0 || width <= 0) {
     throw ShapeError("PlueckerMaps: {} views of {} x {} pixels", views.size(), width, height);
   }
@@ -80,7 +79,7 @@ Tensor PlueckerMaps(const std::vector<SevaView>& views, int64_t height, int64_t 
   const int64_t pixels = height * width;
   const Eigen::Isometry3d first_from_world = views.front().world_from_camera.inverse();
   ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t t) {
-    const SevaView& view = views[static_cast<size_t>(t)];
+    const View& view = views[static_cast<size_t>(t)];
     const Eigen::Isometry3d pose = first_from_world * view.world_from_camera;
     Eigen::Matrix3d pixel_intrinsics = view.intrinsics;
     pixel_intrinsics.row(0) *= static_cast<double>(width);
@@ -101,4 +100,4 @@ Tensor PlueckerMaps(const std::vector<SevaView>& views, int64_t height, int64_t 
   return maps;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -8,10 +8,10 @@
 
 #include "oraclegs/networks/common/tensor.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// A frame's view. Camera axes: x right, y down, z forward.
-struct SevaView {
+struct View {
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();  ///< row 0 in widths, row 1 in heights of the image
 
@@ -35,11 +35,10 @@ SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers);
 /// `chunk` about the middle of `all` (the photographs and targets of the scene), scaled so that its first frame is
 /// `camera_scale` from there; one that stands in the middle leaves the scale at `camera_scale`. Rotations stay. Throws
 /// ShapeError when either is empty.
-std::vector<SevaView> NormalizedViews(const std::vector<SevaView>& chunk, const std::vector<SevaView>& all,
-                                      double camera_scale);
+std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all, double camera_scale);
 
 /// Rays of every pixel in the frame of the first view, as Pluecker coordinates: [T, 6, height, width] float32,
 /// channels 0-2 the unit direction, 3-5 origin x direction.
-Tensor PlueckerMaps(const std::vector<SevaView>& views, int64_t height, int64_t width);
+Tensor PlueckerMaps(const std::vector<View>& views, int64_t height, int64_t width);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

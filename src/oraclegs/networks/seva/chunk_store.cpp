@@ -5,7 +5,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr const char* kPictures = "pictures";
@@ -41,4 +41,4 @@ std::optional<Tensor> ChunkStore::Read(int candidate, size_t job, at::IntArrayRe
   }
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

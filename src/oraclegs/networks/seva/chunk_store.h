@@ -7,7 +7,7 @@
 
 #include "oraclegs/networks/common/tensor.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 class ChunkStore {
  public:
@@ -26,4 +26,4 @@ class ChunkStore {
   std::string key_;
 };
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -1,17 +1,16 @@
 #include "oraclegs/networks/seva/chunks.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr double kPseudoShare = 0.33;
 
 template <class Distance>
-int64_t Nearest(const std::vector<SevaView>& sources, Distance&& distance) {
+int64_t Nearest(const std::vector<View>& sources, Distance&& distance) {
   if (sources.empty()) throw ShapeError("PlanChunks: there are no conditioning views");
   int64_t nearest = 0;
   double least = distance(sources.front());
@@ -22,9 +21,9 @@ int64_t Nearest(const std::vector<SevaView>& sources, Distance&& distance) {
   return nearest;
 }
 
-SevaChunk OfPhotographs(const ChunkProblem& problem) {
-  SevaChunk chunk;
-  for (const int64_t p : problem.photographs) chunk.push_back({SevaSlotKind::kGiven, p});
+Chunk OfPhotographs(const ChunkProblem& problem) {
+  Chunk chunk;
+  for (const int64_t p : problem.photographs) chunk.push_back({SlotKind::kGiven, p});
   return chunk;
 }
 
@@ -39,14 +38,14 @@ int64_t FreeSlots(const ChunkProblem& problem) {
 
 /// What the remaining targets' nearest made frames suggest (docs/method.md#seva-chunks, gt-nearest).
 std::vector<int64_t> SuggestedFrames(const ChunkProblem& problem, int64_t made, int64_t wanted) {
-  const std::vector<SevaView> earlier(problem.targets.begin(), problem.targets.begin() + made);
+  const std::vector<View> earlier(problem.targets.begin(), problem.targets.begin() + made);
   const auto count = static_cast<int64_t>(problem.targets.size());
   const int64_t slots = FreeSlots(problem), last = made - 1;
   int64_t places = wanted;
   while (true) {
     std::vector<int64_t> suggested;
     for (int64_t t = made; t < std::min(made + slots - places, count); ++t) {
-      const SevaView& view = problem.targets[static_cast<size_t>(t)];
+      const View& view = problem.targets[static_cast<size_t>(t)];
       for (const int64_t frame : {NearestByRotation(view, earlier), NearestByDistance(view, earlier)}) {
         if (frame != last) suggested.push_back(frame);
       }
@@ -61,12 +60,12 @@ std::vector<int64_t> SuggestedFrames(const ChunkProblem& problem, int64_t made, 
 
 }  // namespace
 
-int64_t NearestByDistance(const SevaView& view, const std::vector<SevaView>& sources) {
-  return Nearest(sources, [&](const SevaView& source) { return (source.center() - view.center()).norm(); });
+int64_t NearestByDistance(const View& view, const std::vector<View>& sources) {
+  return Nearest(sources, [&](const View& source) { return (source.center() - view.center()).norm(); });
 }
 
-int64_t NearestByRotation(const SevaView& view, const std::vector<SevaView>& sources) {
-  return Nearest(sources, [&](const SevaView& source) {
+int64_t NearestByRotation(const View& view, const std::vector<View>& sources) {
+  return Nearest(sources, [&](const View& source) {
     return RotationDegrees(view.world_from_camera.linear(), source.world_from_camera.linear());
   });
 }
@@ -83,24 +82,24 @@ std::vector<int64_t> MostFrequent(const std::vector<int64_t>& values, size_t cou
   return distinct;
 }
 
-std::vector<SevaChunk> PhotographChunks(const ChunkProblem& problem) {
+std::vector<Chunk> PhotographChunks(const ChunkProblem& problem) {
   const int64_t slots = FreeSlots(problem), count = static_cast<int64_t>(problem.targets.size());
-  std::vector<SevaChunk> chunks;
+  std::vector<Chunk> chunks;
   for (int64_t begin = 0; begin < count; begin += slots) {
-    SevaChunk chunk = OfPhotographs(problem);
-    for (int64_t t = begin; t < std::min(begin + slots, count); ++t) chunk.push_back({SevaSlotKind::kTarget, t});
+    Chunk chunk = OfPhotographs(problem);
+    for (int64_t t = begin; t < std::min(begin + slots, count); ++t) chunk.push_back({SlotKind::kTarget, t});
     chunks.push_back(std::move(chunk));
   }
   return chunks;
 }
 
-std::vector<SevaChunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier) {
+std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier) {
   const int64_t slots = FreeSlots(problem), count = static_cast<int64_t>(problem.targets.size());
   const auto sources = static_cast<int64_t>(problem.sources.size());
   const double share = kPseudoShare * static_cast<double>(slots);
-  std::vector<SevaChunk> chunks;
+  std::vector<Chunk> chunks;
   for (int64_t made = 0; made < count;) {
-    SevaChunk chunk = OfPhotographs(problem);
+    Chunk chunk = OfPhotographs(problem);
     if (made > 0) {
       const int64_t remaining = count - made;
       const bool many = remaining >= static_cast<int64_t>(std::floor(share));
@@ -117,48 +116,65 @@ std::vector<SevaChunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames e
       } else {
         for (int64_t t = made - wanted; t < made; ++t) frames.push_back(t);
       }
-      for (const int64_t frame : frames) chunk.push_back({SevaSlotKind::kGiven, sources + frame});
+      for (const int64_t frame : frames) chunk.push_back({SlotKind::kGiven, sources + frame});
     }
     while (made < count && static_cast<int64_t>(chunk.size()) < problem.frames) {
-      chunk.push_back({SevaSlotKind::kTarget, made++});
+      chunk.push_back({SlotKind::kTarget, made++});
     }
     chunks.push_back(std::move(chunk));
   }
   return chunks;
 }
 
-std::vector<SevaChunk> PlanChunks(const ChunkProblem& problem, const std::string& strategy) {
-  const auto plan = [&]() -> std::vector<SevaChunk> {
-    if (strategy == "gt") return PhotographChunks(problem);
-    if (strategy == "gt-nearest") return PseudoChunks(problem, EarlierFrames::kNearest);
-    if (strategy == "gt-ltr") return PseudoChunks(problem, EarlierFrames::kLast);
-    if (strategy == "nearest") return NearestChunks(problem, NearestBase::kNone);
-    if (strategy == "nearest-gt") return NearestChunks(problem, NearestBase::kPhotographs);
-    if (strategy == "interp") return IntervalChunks(problem, NearestBase::kNone);
-    if (strategy == "interp-gt") return IntervalChunks(problem, NearestBase::kPhotographs);
-    int64_t count = 0;
-    const std::string number = strategy.starts_with("nearest-") ? strategy.substr(8) : "";
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), count);
-    const bool whole = error == std::errc() && end == number.data() + number.size();
-    if (!number.empty() && whole && count > 0) return NearestBlocks(problem, count);
-    throw UsageError(
-        "'{}' is no way to choose frames; gt, gt-nearest, gt-ltr, nearest, nearest-gt, nearest-K, interp "
-        "or interp-gt",
-        strategy);
+Chunking ToChunking(FirstChunking chunking) {
+  switch (chunking) {
+    case FirstChunking::kGt:
+      return Chunking::kGt;
+    case FirstChunking::kGtLtr:
+      return Chunking::kGtLtr;
+    case FirstChunking::kNearest:
+      return Chunking::kNearest;
+    case FirstChunking::kNearestGt:
+      return Chunking::kNearestGt;
+    case FirstChunking::kGtNearest:
+      break;
+  }
+  return Chunking::kGtNearest;
+}
+
+std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking) {
+  const auto plan = [&]() -> std::vector<Chunk> {
+    switch (chunking) {
+      case Chunking::kGt:
+        return PhotographChunks(problem);
+      case Chunking::kGtNearest:
+        return PseudoChunks(problem, EarlierFrames::kNearest);
+      case Chunking::kGtLtr:
+        return PseudoChunks(problem, EarlierFrames::kLast);
+      case Chunking::kNearest:
+        return NearestChunks(problem, NearestBase::kNone);
+      case Chunking::kInterp:
+        return IntervalChunks(problem, NearestBase::kNone);
+      case Chunking::kInterpGt:
+        return IntervalChunks(problem, NearestBase::kPhotographs);
+      case Chunking::kNearestGt:
+        break;
+    }
+    return NearestChunks(problem, NearestBase::kPhotographs);
   };
-  std::vector<SevaChunk> chunks = plan();
-  for (SevaChunk& chunk : chunks) chunk.resize(static_cast<size_t>(problem.frames));
+  std::vector<Chunk> chunks = plan();
+  for (Chunk& chunk : chunks) chunk.resize(static_cast<size_t>(problem.frames));
   return chunks;
 }
 
-SevaChunk Padded(const SevaChunk& chunk) {
-  SevaChunk padded = chunk;
-  SevaSlot last;
-  for (SevaSlot& slot : padded) {
-    if (slot.kind == SevaSlotKind::kEmpty) slot = last;
+Chunk Padded(const Chunk& chunk) {
+  Chunk padded = chunk;
+  Slot last;
+  for (Slot& slot : padded) {
+    if (slot.kind == SlotKind::kEmpty) slot = last;
     last = slot;
   }
   return padded;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,63 +2,63 @@
 // Which frames are denoised together (docs/method.md#seva-chunks).
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "oraclegs/networks/seva/cameras.h"
+#include "oraclegs/networks/seva_options.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-enum class SevaSlotKind { kEmpty, kGiven, kTarget };
+enum class SlotKind { kEmpty, kGiven, kTarget };
 
 /// A place in a chunk. kGiven: a conditioning view; index into the sources, or, from their number on, a target that an
 /// earlier chunk has made. kTarget: index into the targets.
-struct SevaSlot {
-  SevaSlotKind kind = SevaSlotKind::kEmpty;
+struct Slot {
+  SlotKind kind = SlotKind::kEmpty;
   int64_t index = -1;
 
-  bool operator==(const SevaSlot&) const = default;
+  bool operator==(const Slot&) const = default;
 };
 /// As many slots as frames go through the network together; empty ones at the end.
-using SevaChunk = std::vector<SevaSlot>;
+using Chunk = std::vector<Slot>;
 
 /// Photographs whose order on the time line of interp means nothing bound no intervals there.
-enum class SevaTimeLine { kAllSources, kWithoutPhotographs };
+enum class TimeLine { kAllSources, kWithoutPhotographs };
 
 struct ChunkProblem {
-  std::vector<SevaView> sources, targets;
+  std::vector<View> sources, targets;
   std::vector<int64_t> photographs;                            ///< the sources that are real, ascending
   int64_t frames = 21;                                         ///< of a chunk
   std::vector<double> source_orders = {}, target_orders = {};  ///< places on the time line, ascending; for interp
-  SevaTimeLine time_line = SevaTimeLine::kAllSources;
+  TimeLine time_line = TimeLine::kAllSources;
 };
 
-/// Every target is in exactly one chunk. strategy:
+/// Every target is in exactly one chunk:
 ///   gt                   all photographs, then targets in order
 ///   gt-nearest, gt-ltr   with earlier targets, near ones or the last ones, from the second chunk on
 ///   nearest, nearest-gt  targets beside their nearest source; -gt: all photographs lead every chunk
-///   nearest-K            blocks of targets behind the K sources that are nearest most often
 ///   interp, interp-gt    targets between the sources that bound them on the time line
-/// Throws UsageError for another word, and when the frames of a chunk are too few for it, naming --seva-frames.
-std::vector<SevaChunk> PlanChunks(const ChunkProblem& problem, const std::string& strategy);
+/// Throws UsageError when the frames of a chunk are too few for it, naming --seva-frames.
+std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking);
+Chunking ToChunking(FirstChunking chunking);
 
 /// Empty slots become copies: of the last given view when the last filled slot holds one, else of the last target.
-SevaChunk Padded(const SevaChunk& chunk);
+Chunk Padded(const Chunk& chunk);
 
 /// Index of the nearest of `sources`, by distance of centres or by rotation; the first of equals.
-int64_t NearestByDistance(const SevaView& view, const std::vector<SevaView>& sources);
-int64_t NearestByRotation(const SevaView& view, const std::vector<SevaView>& sources);
+int64_t NearestByDistance(const View& view, const std::vector<View>& sources);
+int64_t NearestByRotation(const View& view, const std::vector<View>& sources);
 
 /// The `count` most frequent values, the first seen first among equals; ascending.
 std::vector<int64_t> MostFrequent(const std::vector<int64_t>& values, size_t count);
 
 /// The families of strategies.
 enum class NearestBase { kNone, kPhotographs };
-std::vector<SevaChunk> PhotographChunks(const ChunkProblem& problem);
+std::vector<Chunk> PhotographChunks(const ChunkProblem& problem);
 enum class EarlierFrames { kNearest, kLast };
-std::vector<SevaChunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier);
-std::vector<SevaChunk> NearestChunks(const ChunkProblem& problem, NearestBase base);
-std::vector<SevaChunk> NearestBlocks(const ChunkProblem& problem, int64_t count);
-std::vector<SevaChunk> IntervalChunks(const ChunkProblem& problem, NearestBase base);
+std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier);
+std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base);
+std::vector<Chunk> NearestBlocks(const ChunkProblem& problem, int64_t count);
+std::vector<Chunk> IntervalChunks(const ChunkProblem& problem, NearestBase base);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -6,32 +6,32 @@
 
 #include "oraclegs/networks/seva/chunks.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// Fills chunks that all begin with the same frames.
 class Filler {
  public:
-  Filler(const ChunkProblem& problem, SevaChunk base)
+  Filler(const ChunkProblem& problem, Chunk base)
       : frames_(static_cast<size_t>(problem.frames)), base_(std::move(base)), chunk_(base_) {}
 
   bool InBase(int64_t source) const {
-    return std::find(base_.begin(), base_.end(), SevaSlot{SevaSlotKind::kGiven, source}) != base_.end();
+    return std::find(base_.begin(), base_.end(), Slot{SlotKind::kGiven, source}) != base_.end();
   }
 
   void Add(int64_t source, const std::vector<int64_t>& targets) {
     const size_t prefix = InBase(source) ? 0 : 1;
     for (size_t next = 0; next < targets.size();) {
       if (chunk_.size() + prefix == frames_) Close();
-      if (prefix) chunk_.push_back({SevaSlotKind::kGiven, source});
+      if (prefix) chunk_.push_back({SlotKind::kGiven, source});
       while (next < targets.size() && chunk_.size() < frames_) {
-        chunk_.push_back({SevaSlotKind::kTarget, targets[next++]});
+        chunk_.push_back({SlotKind::kTarget, targets[next++]});
       }
       if (chunk_.size() == frames_) Close();
     }
   }
 
-  std::vector<SevaChunk> Finish() {
+  std::vector<Chunk> Finish() {
     if (chunk_ != base_) Close();
     return std::move(chunks_);
   }
@@ -43,12 +43,12 @@ class Filler {
   }
 
   size_t frames_;
-  SevaChunk base_, chunk_;
-  std::vector<SevaChunk> chunks_;
+  Chunk base_, chunk_;
+  std::vector<Chunk> chunks_;
 };
 
 /// The `count` sources nearest to a view, nearest first.
-std::vector<int64_t> NearestSources(const SevaView& view, const std::vector<SevaView>& sources, int64_t count) {
+std::vector<int64_t> NearestSources(const View& view, const std::vector<View>& sources, int64_t count) {
   std::vector<int64_t> order(sources.size());
   std::iota(order.begin(), order.end(), 0);
   const auto distance = [&](int64_t i) { return (sources[static_cast<size_t>(i)].center() - view.center()).norm(); };
@@ -59,10 +59,10 @@ std::vector<int64_t> NearestSources(const SevaView& view, const std::vector<Seva
 
 }  // namespace
 
-std::vector<SevaChunk> NearestChunks(const ChunkProblem& problem, NearestBase base) {
-  SevaChunk lead;
+std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base) {
+  Chunk lead;
   if (base == NearestBase::kPhotographs) {
-    for (const int64_t p : problem.photographs) lead.push_back({SevaSlotKind::kGiven, p});
+    for (const int64_t p : problem.photographs) lead.push_back({SlotKind::kGiven, p});
   }
   const auto leading = static_cast<int64_t>(lead.size());
   if (leading + 1 >= problem.frames) {
@@ -78,13 +78,13 @@ std::vector<SevaChunk> NearestChunks(const ChunkProblem& problem, NearestBase ba
   return filler.Finish();
 }
 
-std::vector<SevaChunk> NearestBlocks(const ChunkProblem& problem, int64_t count) {
+std::vector<Chunk> NearestBlocks(const ChunkProblem& problem, int64_t count) {
   const int64_t block = problem.frames - count, targets = static_cast<int64_t>(problem.targets.size());
   if (block < 1) {
     throw UsageError("nearest-{} leaves no room in chunks of {} frames; --seva-frames must be at least {}", count,
                      problem.frames, count + 1);
   }
-  std::vector<SevaChunk> chunks;
+  std::vector<Chunk> chunks;
   for (int64_t begin = 0; begin < targets; begin += block) {
     const int64_t end = std::min(begin + block, targets);
     std::vector<int64_t> near;
@@ -93,14 +93,14 @@ std::vector<SevaChunk> NearestBlocks(const ChunkProblem& problem, int64_t count)
         near.push_back(source);
       }
     }
-    SevaChunk chunk;
+    Chunk chunk;
     for (const int64_t source : MostFrequent(near, static_cast<size_t>(count))) {
-      chunk.push_back({SevaSlotKind::kGiven, source});
+      chunk.push_back({SlotKind::kGiven, source});
     }
-    for (int64_t t = begin; t < end; ++t) chunk.push_back({SevaSlotKind::kTarget, t});
+    for (int64_t t = begin; t < end; ++t) chunk.push_back({SlotKind::kTarget, t});
     chunks.push_back(std::move(chunk));
   }
   return chunks;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,15 +2,15 @@
 
 #include <memory>
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// One call of the UNet: what is appended to its latents, and what was prepared.
 struct Half {
   Tensor concat;
-  SevaConditioning conditioning;
+  Conditioning conditioning;
 
-  Tensor Run(const SevaUnet& unet, const Tensor& scaled, int64_t index) const {
+  Tensor Run(const Unet& unet, const Tensor& scaled, int64_t index) const {
     const Tensor steps = at::full({scaled.size(0)}, index, scaled.options().dtype(torch::kLong));
     return Forward(unet, at::cat({scaled, concat}, 1), steps, conditioning);
   }
@@ -18,7 +18,7 @@ struct Half {
 
 }  // namespace
 
-SevaInputs MakeInputs(const SevaFrames& frames, torch::Device device) {
+NetworkInputs MakeInputs(const Frames& frames, torch::Device device) {
   const size_t count = frames.views.size();
   if (count == 0 || frames.given.size() != count || frames.latents.size() != count ||
       frames.embeddings.size() != count) {
@@ -27,7 +27,7 @@ SevaInputs MakeInputs(const SevaFrames& frames, torch::Device device) {
   }
   const auto options = torch::TensorOptions(device).dtype(torch::kFloat);
   const auto rows = static_cast<int64_t>(count);
-  SevaInputs inputs;
+  NetworkInputs inputs;
   inputs.given = at::zeros({rows, 5, frames.height, frames.width}, options);
   Tensor sum;
   int64_t given = 0;
@@ -46,7 +46,7 @@ SevaInputs MakeInputs(const SevaFrames& frames, torch::Device device) {
   return inputs;
 }
 
-SevaNetwork MakeNetwork(const SevaUnet& unet, const SevaInputs& inputs, SevaHalves halves) {
+Network MakeNetwork(const Unet& unet, const NetworkInputs& inputs, Halves halves) {
   const int64_t frames = inputs.rays.size(0), height = inputs.rays.size(2), width = inputs.rays.size(3);
   const auto half = [&](const Tensor& mask, const Tensor& context) {
     const int64_t sequences = mask.size(0) / frames;
@@ -55,7 +55,7 @@ SevaNetwork MakeNetwork(const SevaUnet& unet, const SevaInputs& inputs, SevaHalv
         Half{at::cat({mask, rays}, 1), Prepare(unet, {context, rays, frames, height, width})});
   };
   const Tensor no_mask = at::zeros_like(inputs.mask), no_context = at::zeros_like(inputs.context);
-  if (halves == SevaHalves::kBatched) {
+  if (halves == Halves::kBatched) {
     const auto both = half(at::cat({no_mask, inputs.mask}, 0), at::cat({no_context, inputs.context}, 0));
     return [&unet, both](const Tensor& scaled, int64_t index) { return both->Run(unet, scaled, index); };
   }
@@ -66,4 +66,4 @@ SevaNetwork MakeNetwork(const SevaUnet& unet, const SevaInputs& inputs, SevaHalv
   };
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

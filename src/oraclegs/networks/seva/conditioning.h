@@ -7,12 +7,13 @@
 #include "oraclegs/networks/seva/cameras.h"
 #include "oraclegs/networks/seva/sampler.h"
 #include "oraclegs/networks/seva/unet.h"
+#include "oraclegs/networks/seva_options.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// The frames of a joint problem. latents and embeddings are looked at where `given`.
-struct SevaFrames {
-  std::vector<SevaView> views;  ///< normalised
+struct Frames {
+  std::vector<View> views;  ///< normalised
   std::vector<bool> given;
   std::vector<Tensor> latents;     ///< [1, 4, h, w] each, scaled
   std::vector<Tensor> embeddings;  ///< [1, context width] each
@@ -20,22 +21,16 @@ struct SevaFrames {
 };
 
 /// The conditional inputs; the unconditional ones have zeros for all but the rays.
-struct SevaInputs {
+struct NetworkInputs {
   Tensor given;    ///< [T, 5, h, w]: latents and 1 where a frame is given, else 0
   Tensor mask;     ///< [T, 1, h, w]: 1 where a frame is given
   Tensor rays;     ///< [T, 6, h, w] Pluecker maps
   Tensor context;  ///< [T, 1, context width]: the mean embedding of the given frames
 };
 /// float32 on `device`. Throws ShapeError for lists of unequal length and when no frame is given.
-SevaInputs MakeInputs(const SevaFrames& frames, torch::Device device);
+NetworkInputs MakeInputs(const Frames& frames, torch::Device device);
 
-/// How the two halves of guidance go through the network.
-enum class SevaHalves {
-  kBatched,  ///< at once
-  kInTurn    ///< one after the other, with half the memory
-};
+/// For Denoiser. All that does not change from step to step is computed here, once. `unet` must outlive it.
+Network MakeNetwork(const Unet& unet, const NetworkInputs& inputs, Halves halves);
 
-/// For SevaDenoiser. All that does not change from step to step is computed here, once. `unet` must outlive it.
-SevaNetwork MakeNetwork(const SevaUnet& unet, const SevaInputs& inputs, SevaHalves halves);
-
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -4,15 +4,15 @@
 
 #include "oraclegs/networks/seva/unet.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// Operations, a multiply-add being two, of one evaluation of both halves of guidance: linear layers, convolutions and
 /// attention as the published network has them. (With one context token we skip a few per cent of it.)
-struct SevaCost {
+struct Cost {
   double total = 0;
   double joint_attention = 0;  ///< of that, scores and values where all frames look at each other
 };
 /// `unet` may be one without memory (ListedParameters); latents of `height` x `width`.
-SevaCost CostOfStep(const SevaUnet& unet, int64_t frames, int64_t height, int64_t width);
+Cost CostOfStep(const Unet& unet, int64_t frames, int64_t height, int64_t width);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -3,25 +3,22 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/memory.h"
+#include "oraclegs/networks/common/tensor_buffer.h"
 #include "oraclegs/networks/seva/chunk_store.h"
 #include "oraclegs/networks/seva/conditioning.h"
 #include "oraclegs/networks/seva/guidance.h"
 #include "oraclegs/networks/seva/plan.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr int64_t kLatentStride = 8, kLatentChannels = 4;
 constexpr double kBytesInGigabyte = 1e9;
-
-SevaGuider GuiderOf(const std::string& word) {
-  if (word == "plain") return SevaGuider::kPlain;
-  return word == "temporal" ? SevaGuider::kTemporal : SevaGuider::kMultiView;
-}
 
 Eigen::Matrix3d Intrinsics(const Camera& camera) {
   Eigen::Matrix3d k;
@@ -29,15 +26,15 @@ Eigen::Matrix3d Intrinsics(const Camera& camera) {
   return k;
 }
 
-SevaView ViewOf(const Camera& camera, const ImageFit& fit) {
+View ViewOf(const Camera& camera, const ImageFit& fit) {
   return {camera.cam_from_world.inverse(), FittedIntrinsics(Intrinsics(camera), fit)};
 }
 
-SevaSize SizeOf(const Camera& camera) { return {camera.width, camera.height}; }
+Size SizeOf(const Camera& camera) { return {camera.width, camera.height}; }
 
 /// What else than the request's key decides how a chunk looks. How many candidates are wanted and how they fit into
 /// memory does not.
-std::string KeyOf(const SevaRequest& request, const SevaOptions& options) {
+std::string KeyOf(const ViewRequest& request, const SevaOptions& options) {
   nlohmann::json json = OptionsToJson(options);
   for (const char* name : {"candidates", "seva-halves", "seva-memory"}) json.erase(name);
   return request.key + " " + json.dump();
@@ -46,16 +43,16 @@ std::string KeyOf(const SevaRequest& request, const SevaOptions& options) {
 /// One generation: the views, the plan, and the pictures made so far.
 class Generation {
  public:
-  Generation(const SevaNetworks& networks, const SevaOptions& options, const SevaRequest& request,
+  Generation(const NetworkSet& networks, const SevaOptions& options, const ViewRequest& request,
              const Listener& listener)
       : networks_(networks),
         options_(options),
         listener_(listener),
         store_(request.workspace, KeyOf(request, options)),
         device_(networks.unet->any_weight().device()),
-        schedule_(MakeSevaSchedule()) {
-    const std::vector<LoadedView>& photographs = *request.photographs;
-    working_ = SevaWorkingSize(SizeOf(photographs.front().camera), options.short_side);
+        schedule_(MakeSchedule()) {
+    const std::vector<LoadedView>& photographs = *request.views;
+    working_ = WorkingSize(SizeOf(photographs.front().camera), options.short_side);
     for (const LoadedView& photo : photographs) AddPhotograph(photo);
     for (const Camera& target : request.targets) {
       target_fits_.push_back(FitImage(SizeOf(target), working_, FitMode::kPad));
@@ -63,7 +60,7 @@ class Generation {
     }
     all_views_ = photograph_views_;
     all_views_.insert(all_views_.end(), target_views_.begin(), target_views_.end());
-    plan_ = PlanSeva(photograph_views_, target_views_, options);
+    plan_ = MakePlan(photograph_views_, target_views_, options);
   }
 
   std::vector<std::vector<ImageF>> Run() {
@@ -75,8 +72,8 @@ class Generation {
       made_.clear();
       for (size_t job = 0; job < plan_.jobs.size(); ++job) RunJob(candidate, job);
       for (size_t t = 0; t < answers.size(); ++t) {
-        const Picture& picture = made_.at({SevaFrameSource::kTarget, static_cast<int64_t>(t)});
-        answers[t].push_back(FromSevaPicture(FromWorkingSize(picture.pixels, target_fits_[t])));
+        const Picture& picture = made_.at({FrameSource::kTarget, static_cast<int64_t>(t)});
+        answers[t].push_back(FromNetworkImage(FromWorkingSize(picture.pixels, target_fits_[t])));
       }
     }
     return answers;
@@ -88,17 +85,17 @@ class Generation {
     Tensor pixels;  ///< [1, 3, H, W]
     Tensor latent, embedding;
   };
-  using FrameKey = std::pair<SevaFrameSource, int64_t>;
+  using FrameKey = std::pair<FrameSource, int64_t>;
 
   int64_t BytesToUse() const {
-    if (options_.memory > 0) return static_cast<int64_t>(options_.memory * kBytesInGigabyte);
+    if (!options_.memory.is_auto()) return static_cast<int64_t>(options_.memory.value() * kBytesInGigabyte);
     if (networks_.free_bytes > 0) return networks_.free_bytes;
     const uint64_t free = AvailableMemory();
     return free > 0 ? static_cast<int64_t>(free) : std::numeric_limits<int64_t>::max();
   }
 
   void PlanMemory() {
-    SevaMemoryRequest memory{plan_.largest(), working_};
+    MemoryRequest memory{plan_.largest(), working_};
     memory.type = networks_.unet->any_weight().scalar_type();
     memory.other_weights = networks_.other_weights;
     memory.gpu = networks_.unet->any_weight().is_cuda();
@@ -113,7 +110,7 @@ class Generation {
   }
 
   void AddPhotograph(const LoadedView& photo) {
-    const SevaSize working = SevaWorkingSize(SizeOf(photo.camera), options_.short_side);
+    const Size working = WorkingSize(SizeOf(photo.camera), options_.short_side);
     if (working.width != working_.width || working.height != working_.height) {
       throw InputError(
           "{}: seva would work on {} x {} pixels of it and on {} x {} of the first photograph; give it "
@@ -122,23 +119,23 @@ class Generation {
     }
     const ImageFit fit = FitImage(SizeOf(photo.camera), working_, FitMode::kCrop);
     photograph_views_.push_back(ViewOf(photo.camera, fit));
-    photographs_.push_back({ToWorkingSize(ToSevaPicture(photo.rgb), fit), {}, {}});
+    photographs_.push_back({ToWorkingSize(ToNetworkImage(photo.rgb), fit), {}, {}});
   }
 
-  Picture& PictureOf(const SevaFrame& frame) {
-    if (frame.source == SevaFrameSource::kPhotograph) return photographs_.at(static_cast<size_t>(frame.index));
+  Picture& PictureOf(const Frame& frame) {
+    if (frame.source == FrameSource::kPhotograph) return photographs_.at(static_cast<size_t>(frame.index));
     return made_.at({frame.source, frame.index});
   }
 
-  const SevaView& ViewAt(const SevaFrame& frame) const {
+  const View& ViewAt(const Frame& frame) const {
     const auto index = static_cast<size_t>(frame.index);
-    if (frame.source == SevaFrameSource::kPhotograph) return photograph_views_.at(index);
-    return frame.source == SevaFrameSource::kAnchor ? plan_.anchors.at(index) : target_views_.at(index);
+    if (frame.source == FrameSource::kPhotograph) return photograph_views_.at(index);
+    return frame.source == FrameSource::kAnchor ? plan_.anchors.at(index) : target_views_.at(index);
   }
 
-  static std::vector<SevaFrame> MadeFrames(const SevaJob& job) {
-    std::vector<SevaFrame> made;
-    for (const SevaFrame& frame : job.frames) {
+  static std::vector<Frame> MadeFrames(const Job& job) {
+    std::vector<Frame> made;
+    for (const Frame& frame : job.frames) {
       if (!frame.given && !frame.copy) made.push_back(frame);
     }
     return made;
@@ -158,28 +155,28 @@ class Generation {
     }
   }
 
-  void Place(SevaPart part) const {
+  void Place(Part part) const {
     if (networks_.place) networks_.place(part);
   }
 
   void RunJob(int candidate, size_t index) {
-    const SevaJob& job = plan_.jobs[index];
+    const Job& job = plan_.jobs[index];
     std::optional<Tensor> pictures = Stored(candidate, index);
     if (!pictures) {
       pictures = Decode(job, Sample(job, candidate, index));
       store_.Write(candidate, index, *pictures);
     }
-    const std::vector<SevaFrame> made = MadeFrames(job);
+    const std::vector<Frame> made = MadeFrames(job);
     for (size_t i = 0; i < made.size(); ++i) {
       const Tensor bytes = pictures->slice(0, static_cast<int64_t>(i), static_cast<int64_t>(i) + 1);
       made_[{made[i].source, made[i].index}].pixels = bytes.to(torch::kFloat) * (2.0 / 255) - 1;
     }
   }
 
-  SevaInputs InputsOf(const SevaJob& job, const std::vector<SevaView>& views) {
-    Place(SevaPart::kEncoder);
-    SevaFrames frames{views, {}, {}, {}, working_.height / kLatentStride, working_.width / kLatentStride};
-    for (const SevaFrame& frame : job.frames) {
+  NetworkInputs InputsOf(const Job& job, const std::vector<View>& views) {
+    Place(Part::kEncoder);
+    Frames frames{views, {}, {}, {}, working_.height / kLatentStride, working_.width / kLatentStride};
+    for (const Frame& frame : job.frames) {
       frames.given.push_back(frame.given);
       Picture none;
       Picture& picture = frame.given ? PictureOf(frame) : none;
@@ -195,29 +192,28 @@ class Generation {
   }
 
   /// [T, 4, h, w]
-  Tensor Sample(const SevaJob& job, int candidate, size_t index) {
-    std::vector<SevaView> views;
+  Tensor Sample(const Job& job, int candidate, size_t index) {
+    std::vector<View> views;
     std::vector<bool> given;
-    for (const SevaFrame& frame : job.frames) {
+    for (const Frame& frame : job.frames) {
       views.push_back(ViewAt(frame));
       given.push_back(frame.given);
     }
     views = NormalizedViews(views, all_views_, options_.camera_scale);
-    const SevaInputs inputs = InputsOf(job, views);
-    Place(SevaPart::kUnet);
-    SevaDenoiser denoiser;
+    const NetworkInputs inputs = InputsOf(job, views);
+    Place(Part::kUnet);
+    Denoiser denoiser;
     denoiser.schedule = &schedule_;
     denoiser.given = inputs.given;
-    denoiser.weights =
-        GuidanceWeights(views, given, {GuiderOf(options_.guider), options_.cfg, options_.cfg_min}).to(device_);
+    denoiser.weights = GuidanceWeights(views, given, {options_.guider, options_.cfg, options_.cfg_min}).to(device_);
     denoiser.network = MakeNetwork(*networks_.unet, inputs, halves_);
     const std::vector<int64_t> shape = {static_cast<int64_t>(views.size()), kLatentChannels, inputs.rays.size(2),
                                         inputs.rays.size(3)};
     const auto noise = [&, draw = static_cast<uint64_t>(candidate) << 16 | index](uint64_t step) {
-      return SevaNoise({static_cast<uint64_t>(options_.seed), draw, step}, shape).to(device_);
+      return Noise({static_cast<uint64_t>(options_.seed), draw, step}, shape).to(device_);
     };
     EulerProblem problem;
-    problem.sigmas = SevaSigmas(schedule_, options_.steps);
+    problem.sigmas = Sigmas(schedule_, options_.steps);
     problem.denoise = [&](const Tensor& x, float sigma) { return Denoise(denoiser, x, sigma); };
     problem.noise = [&](int64_t step) { return noise(static_cast<uint64_t>(step) + 1); };
     problem.after_step = [&](int64_t, const Tensor&) {
@@ -229,8 +225,8 @@ class Generation {
   }
 
   /// The made frames as [M, 3, H, W] uint8, as they are stored and condition later chunks.
-  Tensor Decode(const SevaJob& job, const Tensor& latents) const {
-    Place(SevaPart::kDecoder);
+  Tensor Decode(const Job& job, const Tensor& latents) const {
+    Place(Part::kDecoder);
     std::vector<Tensor> pictures;
     for (size_t t = 0; t < job.frames.size(); ++t) {
       if (job.frames[t].given || job.frames[t].copy) continue;
@@ -242,17 +238,17 @@ class Generation {
     return at::cat(pictures, 0);
   }
 
-  const SevaNetworks& networks_;
+  const NetworkSet& networks_;
   const SevaOptions& options_;
   const Listener& listener_;
   ChunkStore store_;
   torch::Device device_;
-  SevaSchedule schedule_;
-  SevaSize working_;
-  std::vector<SevaView> photograph_views_, target_views_, all_views_;
+  Schedule schedule_;
+  Size working_;
+  std::vector<View> photograph_views_, target_views_, all_views_;
   std::vector<ImageFit> target_fits_;
-  SevaPlan plan_;
-  SevaHalves halves_ = SevaHalves::kBatched;
+  Plan plan_;
+  Halves halves_ = Halves::kBatched;
   int64_t tile_ = 0;  ///< latent pixels
   std::vector<Picture> photographs_;
   std::map<FrameKey, Picture> made_;  ///< of the candidate at work
@@ -261,32 +257,33 @@ class Generation {
 
 }  // namespace
 
-SevaGenerator::SevaGenerator(SevaNetworks networks, SevaOptions options, Listener listener)
+Generator::Generator(NetworkSet networks, SevaOptions options, Listener listener)
     : networks_(std::move(networks)), options_(std::move(options)), listener_(std::move(listener)) {
   CheckOptions(options_);
   if (!networks_.unet || !networks_.encode || !networks_.decode || !networks_.embed) {
-    throw ShapeError("SevaGenerator: a network is missing");
+    throw ShapeError("Generator: a network is missing");
   }
 }
 
-std::vector<std::vector<ImageF>> SevaGenerator::Generate(const SevaRequest& request) const {
-  if (!request.photographs || request.photographs->empty()) {
-    throw ShapeError("SevaGenerator: there are no photographs");
+std::vector<std::vector<ImageF>> Generator::Generate(const ViewRequest& request) const {
+  if (!request.views || request.views->empty()) {
+    throw ShapeError("Generator: there are no photographs");
   }
   return Generation(networks_, options_, request, listener_).Run();
 }
 
-Tensor ToSevaPicture(const ImageF& image) {
-  const Tensor pixels = torch::from_blob(const_cast<float*>(image.data.data()),
-                                         {1, image.height, image.width, image.channels}, torch::kFloat);
+Tensor ToNetworkImage(const ImageF& image) {
+  const auto copy =
+      Buffer<float>::From({1, image.height, image.width, image.channels}, std::span<const float>(image.data));
+  const Tensor pixels = TensorOf(copy);
   return pixels.permute({0, 3, 1, 2}).contiguous().mul(2).sub(1);
 }
 
-ImageF FromSevaPicture(const Tensor& picture) {
+ImageF FromNetworkImage(const Tensor& picture) {
   const Tensor pixels = ((picture + 1) * 0.5).clamp(0, 1).squeeze(0).permute({1, 2, 0}).contiguous();
   ImageF image{static_cast<int>(picture.size(3)), static_cast<int>(picture.size(2)), 3, {}};
   image.data.assign(pixels.data_ptr<float>(), pixels.data_ptr<float>() + pixels.numel());
   return image;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -1,6 +1,6 @@
 #include "oraclegs/networks/seva/group_norm.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// In float32.
@@ -25,4 +25,4 @@ Tensor NormThenSilu(const GroupNorm& layer, const Tensor& x) {
   return at::silu_(y).to(x.scalar_type());
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -3,7 +3,7 @@
 
 #include "oraclegs/networks/common/layers.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// Channels in `groups` of neighbours; each group of each image gets mean 0 and (biased) variance 1, then each channel
 /// its own scale and shift.
@@ -19,4 +19,4 @@ Tensor Forward(const GroupNorm& layer, const Tensor& x);
 /// y sigmoid(y) of the above, with no second copy of it.
 Tensor NormThenSilu(const GroupNorm& layer, const Tensor& x);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

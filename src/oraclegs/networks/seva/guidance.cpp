@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr double kCloseDegrees = 10, kCloseDistance = 1e-5;
 
 /// Turned, moved and zoomed like conditioning frames, though not necessarily the same one.
-bool IsClose(const std::vector<SevaView>& views, const std::vector<bool>& given, size_t frame) {
-  const SevaView& view = views[frame];
+bool IsClose(const std::vector<View>& views, const std::vector<bool>& given, size_t frame) {
+  const View& view = views[frame];
   bool turned = false, moved = false, zoomed = false;
   for (size_t i = 0; i < views.size(); ++i) {
     if (!given[i]) continue;
@@ -40,23 +40,22 @@ std::vector<double> TemporalDistances(const std::vector<bool>& given) {
 
 }  // namespace
 
-Tensor GuidanceWeights(const std::vector<SevaView>& views, const std::vector<bool>& given,
-                       const SevaGuidance& guidance) {
+Tensor GuidanceWeights(const std::vector<View>& views, const std::vector<bool>& given, const Guidance& guidance) {
   if (views.size() != given.size() || std::find(given.begin(), given.end(), true) == given.end()) {
     throw ShapeError("GuidanceWeights: {} views and {} marks, of which one at least must be true", views.size(),
                      given.size());
   }
   std::vector<double> weights(views.size(), guidance.cfg);
-  if (guidance.guider == SevaGuider::kTemporal) {
+  if (guidance.guider == Guider::kTemporal) {
     const std::vector<double> distances = TemporalDistances(given);
     for (size_t i = 0; i < weights.size(); ++i) {
       weights[i] = guidance.cfg_min + distances[i] * (guidance.cfg - guidance.cfg_min);
     }
   }
-  for (size_t i = 0; i < weights.size() && guidance.guider != SevaGuider::kPlain; ++i) {
+  for (size_t i = 0; i < weights.size() && guidance.guider != Guider::kPlain; ++i) {
     if (IsClose(views, given, i)) weights[i] = guidance.cfg_min;
   }
   return torch::tensor(weights, torch::kDouble).to(torch::kFloat);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

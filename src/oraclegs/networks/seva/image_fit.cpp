@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
-void RequirePositive(const char* who, const SevaSize& size) {
+void RequirePositive(const char* who, const Size& size) {
   if (size.width > 0 && size.height > 0) return;
   throw ShapeError("{}: a picture of {} x {} pixels", who, size.width, size.height);
 }
@@ -38,16 +38,16 @@ Tensor Taken(const Tensor& x, int64_t dim, int64_t offset, int64_t size) {
 
 }  // namespace
 
-SevaSize SevaWorkingSize(const SevaSize& photograph, int64_t short_side, int64_t stride) {
-  RequirePositive("SevaWorkingSize", photograph);
-  if (short_side <= 0 || stride <= 0) throw ShapeError("SevaWorkingSize: side {} and stride {}", short_side, stride);
+Size WorkingSize(const Size& photograph, int64_t short_side, int64_t stride) {
+  RequirePositive("WorkingSize", photograph);
+  if (short_side <= 0 || stride <= 0) throw ShapeError("WorkingSize: side {} and stride {}", short_side, stride);
   const int64_t shorter = std::min(photograph.width, photograph.height);
   const int64_t longer = short_side * std::max(photograph.width, photograph.height) / shorter;
   const int64_t a = std::max(RoundTo(short_side, stride), stride), b = std::max(RoundTo(longer, stride), stride);
-  return photograph.width > photograph.height ? SevaSize{b, a} : SevaSize{a, b};
+  return photograph.width > photograph.height ? Size{b, a} : Size{a, b};
 }
 
-ImageFit FitImage(const SevaSize& photograph, const SevaSize& working, FitMode mode) {
+ImageFit FitImage(const Size& photograph, const Size& working, FitMode mode) {
   RequirePositive("FitImage", photograph);
   RequirePositive("FitImage", working);
   const double by_height = static_cast<double>(working.height) / static_cast<double>(photograph.height);
@@ -86,4 +86,4 @@ Tensor FromWorkingSize(const Tensor& image, const ImageFit& fit) {
   return at::_upsample_bicubic2d_aa(taken.contiguous(), {fit.photograph.height, fit.photograph.width}, false);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -6,15 +6,15 @@
 
 #include "oraclegs/networks/common/tensor.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-struct SevaSize {
+struct Size {
   int64_t width = 576, height = 576;
 };
 
 /// The shorter side becomes `short_side`, the other keeps the shape; both rounded to multiples of `stride`. Throws
 /// ShapeError unless all are positive.
-SevaSize SevaWorkingSize(const SevaSize& photograph, int64_t short_side, int64_t stride = 64);
+Size WorkingSize(const Size& photograph, int64_t short_side, int64_t stride = 64);
 
 enum class FitMode {
   kCrop,  ///< the working picture is filled, what hangs over at two sides is cut off: photographs
@@ -24,11 +24,11 @@ enum class FitMode {
 
 /// Where the resized photograph lies in the working picture, in pixels of that.
 struct ImageFit {
-  SevaSize photograph, resized, working;
+  Size photograph, resized, working;
   int64_t left = 0, top = 0;  ///< of the resized photograph; negative where it hangs over
 };
 /// Throws ShapeError for sizes that are not positive.
-ImageFit FitImage(const SevaSize& photograph, const SevaSize& working, FitMode mode);
+ImageFit FitImage(const Size& photograph, const Size& working, FitMode mode);
 
 /// Intrinsics in pixels of the photograph -> in shares of the working picture's width (row 0) and height (row 1).
 Eigen::Matrix3d FittedIntrinsics(const Eigen::Matrix3d& pixels, const ImageFit& fit);
@@ -40,4 +40,4 @@ Tensor ToWorkingSize(const Tensor& image, const ImageFit& fit);
 /// border.
 Tensor FromWorkingSize(const Tensor& image, const ImageFit& fit);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "oraclegs/core/text.h"
 #include "oraclegs/networks/seva/slices.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
-constexpr double kGigabyte = 1e9;
 constexpr int64_t kFloat = 4, kLatentStride = 8;
 constexpr int64_t kColors = 3;
 constexpr int64_t kTileStep = 16, kSmallestTile = 32;  // latent pixels
@@ -21,7 +21,7 @@ int64_t MultiViewBytes(int64_t channels, int64_t type) { return channels * (kFlo
 
 /// The largest of everything along the UNet, for one frame's latents.
 struct Walk {
-  const SevaUnetConfig& config;
+  const UnetConfig& config;
   int64_t type, pixels;
   int64_t skips = 0, largest = 0;
 
@@ -62,41 +62,39 @@ struct Walk {
 
 int64_t BytesOf(torch::ScalarType type) { return static_cast<int64_t>(c10::elementSize(type)); }
 
-int64_t WeightBytes(const SevaUnetConfig& config, torch::ScalarType type) {
+int64_t WeightBytes(const UnetConfig& config, torch::ScalarType type) {
   ListedParameters listed;
-  LoadSevaUnet(listed, config);
+  LoadUnet(listed, config);
   int64_t numbers = 0;
   for (const auto& [name, shape] : listed.shapes()) numbers += c10::multiply_integers(shape);
   return numbers * BytesOf(type);
 }
 
-double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) / kGigabyte; }
-
 /// "--seva-frames 21 (12.3 GB)", the options that lower the need, cheapest in quality first.
-std::string Suggestions(const SevaUnetConfig& config, const SevaMemoryRequest& request) {
+std::string Suggestions(const UnetConfig& config, const MemoryRequest& request) {
   std::vector<std::string> options;
-  const auto suggest = [&](const std::string& option, const SevaMemoryRequest& other) {
+  const auto suggest = [&](const std::string& option, const MemoryRequest& other) {
     options.push_back(fmt::format("{} ({:.1f} GB)", option, Gigabytes(EstimateMemory(config, other).total())));
   };
-  if (request.halves == SevaHalves::kBatched) {
-    SevaMemoryRequest other = request;
-    other.halves = SevaHalves::kInTurn;
+  if (request.halves == Halves::kBatched) {
+    MemoryRequest other = request;
+    other.halves = Halves::kInTurn;
     suggest("--seva-halves in-turn", other);
   }
   if (request.type == torch::kFloat) {
-    SevaMemoryRequest other = request;
+    MemoryRequest other = request;
     other.type = torch::kBFloat16;
     other.other_weights /= 2;
     suggest("--seva-precision bfloat16", other);
   }
   if (request.frames > kFewFrames) {
-    SevaMemoryRequest other = request;
+    MemoryRequest other = request;
     other.frames = kFewFrames;
     suggest(fmt::format("--seva-frames {}", kFewFrames), other);
   }
   if (std::min(request.size.width, request.size.height) > kShortSide) {
-    SevaMemoryRequest other = request;
-    other.size = SevaWorkingSize(request.size, kShortSide);
+    MemoryRequest other = request;
+    other.size = WorkingSize(request.size, kShortSide);
     suggest(fmt::format("--seva-short-side {}", kShortSide), other);
   }
   if (options.empty()) return "more memory is needed";
@@ -105,12 +103,12 @@ std::string Suggestions(const SevaUnetConfig& config, const SevaMemoryRequest& r
 
 }  // namespace
 
-SevaMemory EstimateMemory(const SevaUnetConfig& config, const SevaMemoryRequest& request) {
-  const int64_t rows = request.frames * (request.halves == SevaHalves::kBatched ? 2 : 1);
+Memory EstimateMemory(const UnetConfig& config, const MemoryRequest& request) {
+  const int64_t rows = request.frames * (request.halves == Halves::kBatched ? 2 : 1);
   const int64_t pixels = (request.size.width / kLatentStride) * (request.size.height / kLatentStride);
   Walk walk{config, BytesOf(request.type), pixels};
   walk.Run();
-  SevaMemory memory;
+  Memory memory;
   memory.weights = WeightBytes(config, request.type) + request.other_weights;
   memory.skips = rows * walk.skips;
   memory.activations = rows * walk.largest;
@@ -118,15 +116,13 @@ SevaMemory EstimateMemory(const SevaUnetConfig& config, const SevaMemoryRequest&
   return memory;
 }
 
-SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request, const SevaOptions& options,
-                        int64_t available) {
-  for (const SevaHalves halves : {SevaHalves::kBatched, SevaHalves::kInTurn}) {
-    const bool batched = halves == SevaHalves::kBatched;
-    if (options.halves != "auto" && (options.halves == "batched") != batched) continue;
+Halves ChooseHalves(const UnetConfig& config, MemoryRequest request, const SevaOptions& options, int64_t available) {
+  for (const Halves halves : {Halves::kBatched, Halves::kInTurn}) {
+    if (!options.halves.is_auto() && options.halves.value() != halves) continue;
     request.halves = halves;
     if (EstimateMemory(config, request).total() <= available) return halves;
   }
-  const SevaMemory need = EstimateMemory(config, request);
+  const Memory need = EstimateMemory(config, request);
   throw RunError(
       "seva needs about {:.1f} GB for {} frames of {} x {} (weights {:.1f}, skips {:.1f}, activations {:.1f}, "
       "attention {:.1f}) and {:.1f} GB are there; {}",
@@ -135,9 +131,9 @@ SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request,
       Suggestions(config, request));
 }
 
-SevaPictureMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type) {
+ImageMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type) {
   const int64_t bytes = BytesOf(type), levels = static_cast<int64_t>(config.channels.size());
-  SevaPictureMemory memory;
+  ImageMemory memory;
   for (int64_t level = 0; level < levels; ++level) {
     const auto channels = [&](int64_t l) {
       return config.channels[static_cast<size_t>(std::clamp<int64_t>(l, 0, levels - 1))];
@@ -155,9 +151,9 @@ SevaPictureMemory EstimatePictures(const VaeConfig& config, torch::ScalarType ty
   return memory;
 }
 
-int64_t ChooseTile(const SevaPictureRequest& request, int64_t available) {
+int64_t ChooseTile(const TileRequest& request, int64_t available) {
   const int64_t height = request.size.height / kLatentStride, width = request.size.width / kLatentStride;
-  const SevaPictureMemory& takes = request.takes;
+  const ImageMemory& takes = request.takes;
   const int64_t fixed = request.weights + takes.weights, longer = std::max(height, width);
   const auto decoding = [&](int64_t side) {
     return fixed + takes.frame * height * width + takes.tile * std::min(side, height) * std::min(side, width);
@@ -176,4 +172,4 @@ int64_t ChooseTile(const SevaPictureRequest& request, int64_t available) {
       Gigabytes(need), request.size.width, request.size.height, Gigabytes(available));
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

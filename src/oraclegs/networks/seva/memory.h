@@ -6,13 +6,13 @@
 
 #include "oraclegs/networks/seva/conditioning.h"
 #include "oraclegs/networks/seva/image_fit.h"
-#include "oraclegs/networks/seva/options.h"
 #include "oraclegs/networks/seva/vae.h"
+#include "oraclegs/networks/seva_options.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// Bytes.
-struct SevaMemory {
+struct Memory {
   int64_t weights = 0;      ///< of the UNet, and of the other networks where they stay
   int64_t skips = 0;        ///< what the way down keeps for the way up
   int64_t activations = 0;  ///< of the widest block
@@ -20,40 +20,39 @@ struct SevaMemory {
   int64_t total() const { return weights + skips + activations + attention; }
 };
 
-struct SevaMemoryRequest {
+struct MemoryRequest {
   int64_t frames = 21;
-  SevaSize size;  ///< of the pictures
-  SevaHalves halves = SevaHalves::kBatched;
+  Size size;  ///< of the pictures
+  Halves halves = Halves::kBatched;
   torch::ScalarType type = torch::kFloat;
   int64_t other_weights = 0;  ///< bytes
   bool gpu = false;           ///< larger slices keep it busy
 };
 /// An upper estimate: attention is chunked or fused, wide layers go in slices.
-SevaMemory EstimateMemory(const SevaUnetConfig& config, const SevaMemoryRequest& request);
+Memory EstimateMemory(const UnetConfig& config, const MemoryRequest& request);
 
 /// Batched where that fits into `available` bytes or --seva-halves asks for it, else in turn. Throws RunError with
 /// what is needed, what is there, and what each option that lowers it would need.
-SevaHalves ChooseHalves(const SevaUnetConfig& config, SevaMemoryRequest request, const SevaOptions& options,
-                        int64_t available);
+Halves ChooseHalves(const UnetConfig& config, MemoryRequest request, const SevaOptions& options, int64_t available);
 
 /// What the autoencoder takes, bytes; upper estimates.
-struct SevaPictureMemory {
+struct ImageMemory {
   int64_t weights = 0;  ///< that come beside those that stay
   int64_t encode = 0;   ///< for each pixel of a latent
   int64_t frame = 0;    ///< for each pixel of a latent that is decoded, even in tiles
   int64_t tile = 0;     ///< and for each that is decoded together
 };
 /// Without `weights`.
-SevaPictureMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type);
+ImageMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type);
 
 /// The side of the tiles in which frames are decoded (vae_tiles.h), latent pixels: the frame's longer side, which is
 /// one tile, where that fits into `available` bytes; else the largest that does. Throws RunError that says which option
 /// lowers the need where tiles of 32 or the encoding of a photograph do not fit.
-struct SevaPictureRequest {
-  SevaSize size;            ///< of the pictures
-  int64_t weights = 0;      ///< that stay, bytes
-  SevaPictureMemory takes;  ///< beside them
+struct TileRequest {
+  Size size;            ///< of the pictures
+  int64_t weights = 0;  ///< that stay, bytes
+  ImageMemory takes;    ///< beside them
 };
-int64_t ChooseTile(const SevaPictureRequest& request, int64_t available);
+int64_t ChooseTile(const TileRequest& request, int64_t available);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -4,10 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "oraclegs/networks/common/tensor_buffer.h"
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,8 +36,8 @@ class Sizes {
   std::map<std::string, std::string> metadata_;
 };
 
-SevaUnetConfig UnetConfigOf(const fs::path& path) {
-  SevaUnetConfig config;
+UnetConfig UnetConfigOf(const fs::path& path) {
+  UnetConfig config;
   const Sizes sizes(path);
   sizes.Read("model_channels", &config.channels);
   sizes.Read("num_res_blocks", &config.res_blocks);
@@ -77,43 +78,71 @@ OpenClipConfig ClipConfigOf(const fs::path& path) {
 
 }  // namespace
 
-struct SevaModel::State {
+namespace {
+
+class LoadedGenerator : public ViewGenerator {
+ public:
+  explicit LoadedGenerator(const ViewGeneratorRequest& request)
+      : model_(request.files, {ToTorch(request.device), ScalarTypeOf(request.options.precision)}),
+        options_(request.options),
+        free_bytes_(request.free_bytes) {}
+
+  std::vector<std::vector<ImageF>> Generate(const ViewRequest& request, const Listener& listener) const override {
+    NetworkSet networks = model_.networks();
+    networks.free_bytes = free_bytes_;
+    return Generator(networks, options_, listener).Generate(request);
+  }
+
+ private:
+  Model model_;
+  SevaOptions options_;
+  int64_t free_bytes_;
+};
+
+}  // namespace
+
+struct Model::State {
   SevaFiles files;
-  SevaPlacement placement;
+  Placement placement;
   VaeConfig vae_config;
   OpenClipConfig clip_config;
-  SevaUnet unet;
+  Unet unet;
   std::optional<Vae> vae;
   std::optional<OpenClip> clip;
 
   /// Mapped files cost nothing to keep; elsewhere only what works next is there.
-  void Place(SevaPart part) {
+  void Place(Part part) {
     const bool stays = placement.device.is_cpu();
-    if (part == SevaPart::kUnet && !stays) vae.reset();
-    if (part != SevaPart::kEncoder && !stays) clip.reset();
-    if (part != SevaPart::kUnet && !vae) vae = LoadVae(files.vae, vae_config, placement.device, placement.type);
-    if (part == SevaPart::kEncoder && !clip) {
+    if (part == Part::kUnet && !stays) vae.reset();
+    if (part != Part::kEncoder && !stays) clip.reset();
+    if (part != Part::kUnet && !vae) vae = LoadVae(files.vae, vae_config, placement.device, placement.type);
+    if (part == Part::kEncoder && !clip) {
       clip = LoadOpenClip(files.clip, clip_config, placement.device, placement.type);
     }
   }
 };
 
-torch::ScalarType SevaPrecision(const std::string& word) {
-  if (word == "float32") return torch::kFloat;
-  if (word == "bfloat16") return torch::kBFloat16;
-  if (word == "float16") return torch::kHalf;
-  throw UsageError("'{}' is no number type of seva; float32, bfloat16 or float16", word);
+torch::ScalarType ScalarTypeOf(Precision precision) {
+  switch (precision) {
+    case Precision::kBFloat16:
+      return torch::kBFloat16;
+    case Precision::kFloat16:
+      return torch::kHalf;
+    case Precision::kFloat32:
+      break;
+  }
+  return torch::kFloat;
 }
 
-SevaModel::SevaModel(const SevaFiles& files, const SevaPlacement& placement) : state_(std::make_unique<State>()) {
-  if (files.unet.empty()) throw ShapeError("SevaModel: there is no file of the UNet");
+Model::Model(const SevaFiles& files, const Placement& placement) : state_(std::make_unique<State>()) {
+  if (files.unet.empty()) throw ShapeError("Model: there is no file of the UNet");
   state_->files = files;
   state_->placement = placement;
   state_->vae_config = VaeConfigOf(files.vae);
   state_->clip_config = ClipConfigOf(files.clip);
-  state_->unet = LoadSevaUnet(files.unet, UnetConfigOf(files.unet.front()), placement);
-  state_->Place(SevaPart::kEncoder);  // what is wrong with the files is told now
-  state_->Place(SevaPart::kUnet);
+  state_->unet = LoadUnet(files.unet, UnetConfigOf(files.unet.front()), placement);
+  state_->Place(Part::kEncoder);  // what is wrong with the files is told now
+  state_->Place(Part::kUnet);
   const int64_t wanted = state_->unet.config.context_width, given = state_->clip_config.output;
   if (wanted != given) {
     throw InputError("{}: gives embeddings of {} numbers and {} takes {}; get the weights again", files.clip.string(),
@@ -121,13 +150,13 @@ SevaModel::SevaModel(const SevaFiles& files, const SevaPlacement& placement) : s
   }
 }
 
-SevaModel::~SevaModel() = default;
+Model::~Model() = default;
 
-SevaNetworks SevaModel::networks() const {
+NetworkSet Model::networks() const {
   State* state = state_.get();
-  SevaNetworks networks;
+  NetworkSet networks;
   networks.unet = &state->unet;
-  networks.place = [state](SevaPart part) { state->Place(part); };
+  networks.place = [state](Part part) { state->Place(part); };
   networks.encode = [state](const Tensor& picture) { return EncodeImages(*state->vae, picture); };
   networks.decode = [state](const Tensor& latent, int64_t side) {
     return DecodeTiled(*state->vae, latent, {side, std::max<int64_t>(1, side / 3)});
@@ -143,4 +172,9 @@ SevaNetworks SevaModel::networks() const {
   return networks;
 }
 
-}  // namespace oraclegs
+std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request) {
+  CheckOptions(request.options);
+  return std::make_unique<LoadedGenerator>(request);
+}
+
+}  // namespace oraclegs::seva

@@ -8,31 +8,28 @@
 
 #include "oraclegs/networks/seva/generator.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-struct SevaFiles {
-  std::vector<std::filesystem::path> unet;
-  std::filesystem::path vae, clip;
-};
-
-/// float32, bfloat16 or float16, the words of --seva-precision. Throws UsageError for another.
-torch::ScalarType SevaPrecision(const std::string& word);
+torch::ScalarType ScalarTypeOf(Precision precision);
 
 /// Owns the networks. On the CPU the files are mapped and nothing is copied in float32. On another device the UNet
 /// stays; the encoders and the decoder come when they are needed and leave before the UNet works.
-class SevaModel {
+class Model {
  public:
   /// Files of other sizes than the published ones say so in their metadata, as tests/golden/seva_unet_tiny,
   /// seva_vae_tiny and openclip_visual_tiny do. Throws InputError that lists all that does not fit.
-  SevaModel(const SevaFiles& files, const SevaPlacement& placement);
-  ~SevaModel();
+  Model(const SevaFiles& files, const Placement& placement);
+  ~Model();
 
   /// Valid as long as this lives.
-  SevaNetworks networks() const;
+  NetworkSet networks() const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-}  // namespace oraclegs
+/// The generator as the program sees it. Throws InputError as Model does, UsageError for options out of range.
+std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest& request);
+
+}  // namespace oraclegs::seva

@@ -3,27 +3,27 @@
 #include "oraclegs/networks/common/attention.h"
 #include "oraclegs/networks/seva/slices.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr int64_t kFeedForwardRatio = 4;
 
 Linear LoadWithoutBias(const ParameterScope& at, int64_t in, int64_t out) { return {at.Get("weight", {out, in}), {}}; }
 
-SevaAttention LoadAttention(const ParameterScope& at, const SevaMultiViewShape& shape, int64_t context) {
+Attention LoadAttention(const ParameterScope& at, const MultiViewShape& shape, int64_t context) {
   const int64_t channels = shape.channels;
   return {LoadWithoutBias(at / "to_q", channels, channels), LoadWithoutBias(at / "to_k", context, channels),
           LoadWithoutBias(at / "to_v", context, channels), LoadLinear(at / "to_out" / 0, channels, channels),
           channels / shape.head_width};
 }
 
-SevaFeedForward LoadFeedForward(const ParameterScope& at, int64_t channels) {
+FeedForward LoadFeedForward(const ParameterScope& at, int64_t channels) {
   const int64_t hidden = kFeedForwardRatio * channels;
   return {LoadLinear(at / "net" / 0 / "proj", channels, 2 * hidden), LoadLinear(at / "net" / 2, hidden, channels)};
 }
 
-SevaTokenBlock LoadTokenBlock(const ParameterScope& at, const SevaMultiViewShape& shape) {
-  SevaTokenBlock block;
+TokenBlock LoadTokenBlock(const ParameterScope& at, const MultiViewShape& shape) {
+  TokenBlock block;
   block.norm1 = LoadLayerNorm(at / "norm1", shape.channels, 1e-5);
   block.norm2 = LoadLayerNorm(at / "norm2", shape.channels, 1e-5);
   block.norm3 = LoadLayerNorm(at / "norm3", shape.channels, 1e-5);
@@ -39,12 +39,12 @@ Tensor Heads(const Tensor& x, int64_t heads) {
 }
 
 /// The reverse, then the output layer.
-Tensor Join(const SevaAttention& layer, const Tensor& attended) {
+Tensor Join(const Attention& layer, const Tensor& attended) {
   return Forward(layer.out, attended.transpose(1, 2).flatten(2));
 }
 
 /// into += feed-forward(norm(from)), some tokens at a time; `from` may be `into`.
-void AddFeedForward(const SevaFeedForward& layer, const LayerNorm& norm, const Tensor& from, Tensor* into) {
+void AddFeedForward(const FeedForward& layer, const LayerNorm& norm, const Tensor& from, Tensor* into) {
   const int64_t channels = from.size(-1);
   const Tensor tokens = from.view({-1, channels});
   Tensor sums = into->view({-1, channels});
@@ -57,7 +57,7 @@ void AddFeedForward(const SevaFeedForward& layer, const LayerNorm& norm, const T
   }
 }
 
-void AddCross(const SevaTokenBlock& block, const SevaCross& cross, Tensor* y) {
+void AddCross(const TokenBlock& block, const Cross& cross, Tensor* y) {
   if (cross.update.defined()) {
     y->add_(cross.update);
     return;
@@ -67,7 +67,7 @@ void AddCross(const SevaTokenBlock& block, const SevaCross& cross, Tensor* y) {
 }
 
 /// y [G, tokens, C], attention within each of the G.
-void ApplySpatial(const SevaTokenBlock& block, const SevaCross& cross, Tensor* y) {
+void ApplySpatial(const TokenBlock& block, const Cross& cross, Tensor* y) {
   {
     const Tensor x = Forward(block.norm1, *y);
     const int64_t heads = block.self.heads;
@@ -85,9 +85,9 @@ Tensor PixelHeads(const Tensor& x, int64_t heads) {
 }
 
 /// s [B, T, S, C] += time-mix block of s. All but its self attention is token by token, so nothing else is regrouped.
-void AddTimeMix(const SevaTimeBlock& block, const SevaCross& cross, Tensor* s) {
+void AddTimeMix(const TimeBlock& block, const Cross& cross, Tensor* s) {
   const int64_t batch = s->size(0), frames = s->size(1), pixels = s->size(2), channels = s->size(3);
-  const SevaTokenBlock& rest = block.tokens;
+  const TokenBlock& rest = block.tokens;
   Tensor v = s->clone();
   AddFeedForward(block.feed_forward_in, block.norm_in, *s, &v);
   {
@@ -104,7 +104,7 @@ void AddTimeMix(const SevaTimeBlock& block, const SevaCross& cross, Tensor* s) {
   AddFeedForward(rest.feed_forward, rest.norm3, v, s);  // the last one has no residual of v
 }
 
-SevaCross PrepareCross(const SevaAttention& layer, const Tensor& context) {
+Cross PrepareCross(const Attention& layer, const Tensor& context) {
   const Tensor v = Forward(layer.v, context);
   if (context.size(1) == 1) return {Forward(layer.out, v), {}, {}};  // the softmax over one token is 1
   return {{}, Heads(Forward(layer.k, context), layer.heads), Heads(v, layer.heads)};
@@ -112,11 +112,11 @@ SevaCross PrepareCross(const SevaAttention& layer, const Tensor& context) {
 
 }  // namespace
 
-SevaMultiView LoadSevaMultiView(const ParameterScope& at, const SevaMultiViewShape& shape) {
+MultiView LoadMultiView(const ParameterScope& at, const MultiViewShape& shape) {
   if (shape.head_width <= 0 || shape.channels % shape.head_width != 0) {
-    throw ShapeError("LoadSevaMultiView: heads of {} do not divide {} channels", shape.head_width, shape.channels);
+    throw ShapeError("LoadMultiView: heads of {} do not divide {} channels", shape.head_width, shape.channels);
   }
-  SevaMultiView block;
+  MultiView block;
   block.reach = shape.reach;
   block.norm = LoadGroupNorm(at / "norm", shape.channels, shape.groups, 1e-6);
   block.proj_in = LoadLinear(at / "proj_in", shape.channels, shape.channels);
@@ -130,22 +130,22 @@ SevaMultiView LoadSevaMultiView(const ParameterScope& at, const SevaMultiViewSha
   return block;
 }
 
-SevaMultiViewContext PrepareContext(const SevaMultiView& block, const Tensor& context, int64_t frames) {
+MultiViewContext PrepareContext(const MultiView& block, const Tensor& context, int64_t frames) {
   const Tensor first = context.slice(0, 0, context.size(0), frames);
-  SevaMultiViewContext prepared;
+  MultiViewContext prepared;
   for (size_t i = 0; i < block.spatial.size(); ++i) {
-    const bool sequence = block.reach == SevaReach::kSequence;
+    const bool sequence = block.reach == Reach::kSequence;
     prepared.spatial.push_back(PrepareCross(block.spatial[i].cross, sequence ? first : context));
     prepared.time.push_back(PrepareCross(block.time[i].tokens.cross, first));
   }
   return prepared;
 }
 
-Tensor Forward(const SevaMultiView& block, const Tensor& x, const SevaMultiViewContext& context, int64_t frames) {
+Tensor Forward(const MultiView& block, const Tensor& x, const MultiViewContext& context, int64_t frames) {
   const int64_t rows = x.size(0), channels = x.size(1), pixels = x.size(2) * x.size(3), batch = rows / frames;
   Tensor z = Forward(block.proj_in, Forward(block.norm, x).flatten(2).transpose(1, 2).contiguous());
   for (size_t i = 0; i < block.spatial.size(); ++i) {
-    const bool sequence = block.reach == SevaReach::kSequence;
+    const bool sequence = block.reach == Reach::kSequence;
     Tensor groups = sequence ? z.view({batch, frames * pixels, channels}) : z;
     ApplySpatial(block.spatial[i], context.spatial[i], &groups);
     Tensor by_frame = z.view({batch, frames, pixels, channels});
@@ -154,4 +154,4 @@ Tensor Forward(const SevaMultiView& block, const Tensor& x, const SevaMultiViewC
   return x + Forward(block.proj_out, z).transpose(1, 2).reshape(x.sizes());
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -7,63 +7,63 @@
 
 #include "oraclegs/networks/seva/group_norm.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-struct SevaAttention {
+struct Attention {
   Linear q, k, v;  ///< without bias
   Linear out;
   int64_t heads = 0;
 };
 
 /// Two linear layers; half of what the first gives gates the other half: a * GELU(g).
-struct SevaFeedForward {
+struct FeedForward {
   Linear in, out;
 };
 
-struct SevaTokenBlock {
+struct TokenBlock {
   LayerNorm norm1, norm2, norm3;
-  SevaAttention self, cross;
-  SevaFeedForward feed_forward;
+  Attention self, cross;
+  FeedForward feed_forward;
 };
 
-struct SevaTimeBlock {
+struct TimeBlock {
   LayerNorm norm_in;
-  SevaFeedForward feed_forward_in;
-  SevaTokenBlock tokens;
+  FeedForward feed_forward_in;
+  TokenBlock tokens;
 };
 
 /// Which tokens of a sequence the spatial blocks let look at each other.
-enum class SevaReach { kFrame, kSequence };
+enum class Reach { kFrame, kSequence };
 
-struct SevaMultiView {
+struct MultiView {
   GroupNorm norm;
   Linear proj_in, proj_out;
-  std::vector<SevaTokenBlock> spatial;
-  std::vector<SevaTimeBlock> time;  ///< as many
-  SevaReach reach = SevaReach::kFrame;
+  std::vector<TokenBlock> spatial;
+  std::vector<TimeBlock> time;  ///< as many
+  Reach reach = Reach::kFrame;
   size_t index = 0;  ///< among the multi-view transformers of a network; where its context stands
 };
 
-struct SevaMultiViewShape {
+struct MultiViewShape {
   int64_t channels = 0, head_width = 64, depth = 1, context = 1024, groups = 32;
-  SevaReach reach = SevaReach::kFrame;
+  Reach reach = Reach::kFrame;
 };
 /// Throws ShapeError when the head width does not divide the channels.
-SevaMultiView LoadSevaMultiView(const ParameterScope& at, const SevaMultiViewShape& shape);
+MultiView LoadMultiView(const ParameterScope& at, const MultiViewShape& shape);
 
 /// What cross attention takes from the context, which does not change from step to step.
-struct SevaCross {
+struct Cross {
   Tensor update;  ///< [G, 1, C], with one context token: what is added to every token; else undefined
   Tensor k, v;    ///< [G, heads, L, head width], with several
 };
-struct SevaMultiViewContext {
-  std::vector<SevaCross> spatial, time;  ///< of each block
+struct MultiViewContext {
+  std::vector<Cross> spatial, time;  ///< of each block
 };
 /// context [N, L, width], `frames` adjacent rows a sequence. Where tokens of different frames meet, a sequence has the
 /// context of its first frame.
-SevaMultiViewContext PrepareContext(const SevaMultiView& block, const Tensor& context, int64_t frames);
+MultiViewContext PrepareContext(const MultiView& block, const Tensor& context, int64_t frames);
 
 /// x [N, C, h, w], `frames` adjacent rows a sequence -> [N, C, h, w].
-Tensor Forward(const SevaMultiView& block, const Tensor& x, const SevaMultiViewContext& context, int64_t frames);
+Tensor Forward(const MultiView& block, const Tensor& x, const MultiViewContext& context, int64_t frames);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

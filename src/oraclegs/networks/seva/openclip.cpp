@@ -2,7 +2,7 @@
 
 #include "oraclegs/networks/common/attention.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 OpenClipBlock LoadOpenClipBlock(const ParameterScope& at, const OpenClipConfig& config) {
@@ -92,4 +92,4 @@ Tensor ImageEmbeddings(const OpenClip& clip, const Tensor& images) {
   return at::cat(embeddings);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -8,7 +8,7 @@
 #include "oraclegs/networks/common/layers.h"
 #include "oraclegs/networks/seva/openclip_input.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 struct OpenClipConfig {
   int64_t width = 1280, depth = 32, heads = 16;
@@ -62,4 +62,4 @@ Tensor Forward(const OpenClip& clip, const Tensor& prepared);
 /// the weights. One image at a time. Throws ShapeError.
 Tensor ImageEmbeddings(const OpenClip& clip, const Tensor& images);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

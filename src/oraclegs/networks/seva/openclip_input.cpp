@@ -6,7 +6,7 @@
 
 #include "oraclegs/networks/common/layers.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// Sums shifted copies: libtorch's convolution may split its sum by the number of threads.
@@ -61,4 +61,4 @@ Tensor PrepareOpenClipInput(const Tensor& images, int64_t side) {
   return ((resized + 1) / 2 - mean) / deviation;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

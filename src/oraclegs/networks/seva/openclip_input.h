@@ -5,7 +5,7 @@
 
 #include "oraclegs/networks/common/tensor.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// images [B, 3, H, W] float32 RGB in [-1, 1], sides >= 2 -> [B, 3, side, side]: stretched, not cropped, then
 /// normalised with CLIP's constants. Where an axis shrinks a Gaussian blur comes first (BlurForResize); then bicubic
@@ -20,4 +20,4 @@ std::vector<double> ResizeBlurWeights(int64_t length, int64_t side);
 /// x [B, C, H, W] itself when no axis shrinks.
 Tensor BlurForResize(const Tensor& x, int64_t side);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

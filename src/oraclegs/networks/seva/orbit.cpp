@@ -5,15 +5,15 @@
 
 #include "oraclegs/camera/camera_path.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-Eigen::Vector3d LookAtPoint(const std::vector<SevaView>& views) {
+Eigen::Vector3d LookAtPoint(const std::vector<View>& views) {
   if (views.empty()) throw ShapeError("LookAtPoint: there are no cameras");
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const SevaView& view : views) mean += view.center() / static_cast<double>(views.size());
+  for (const View& view : views) mean += view.center() / static_cast<double>(views.size());
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const SevaView& view : views) {
+  for (const View& view : views) {
     const Eigen::Vector3d axis = view.world_from_camera.linear().col(2).normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
     sum += across;
@@ -22,9 +22,9 @@ Eigen::Vector3d LookAtPoint(const std::vector<SevaView>& views) {
   return mean + sum.completeOrthogonalDecomposition().solve(right);
 }
 
-Eigen::Vector3d UpOf(const std::vector<SevaView>& views) {
+Eigen::Vector3d UpOf(const std::vector<View>& views) {
   Eigen::Vector3d down = Eigen::Vector3d::Zero();
-  for (const SevaView& view : views) down += view.world_from_camera.linear().col(1);
+  for (const View& view : views) down += view.world_from_camera.linear().col(1);
   return -down.normalized();
 }
 
@@ -39,17 +39,16 @@ std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::
   return poses;
 }
 
-std::vector<SevaView> OrbitAnchors(const std::vector<SevaView>& photographs, const std::vector<SevaView>& targets,
-                                   int64_t count) {
+std::vector<View> OrbitAnchors(const std::vector<View>& photographs, const std::vector<View>& targets, int64_t count) {
   if (photographs.empty()) throw ShapeError("OrbitAnchors: there are no photographs");
-  std::vector<SevaView> all = photographs;
+  std::vector<View> all = photographs;
   all.insert(all.end(), targets.begin(), targets.end());
   const std::vector<Eigen::Isometry3d> poses =
       Orbit(photographs.front().center(), LookAtPoint(all), UpOf(photographs), count + 1);
-  const SevaView& lens = targets.empty() ? photographs.front() : targets.front();
-  std::vector<SevaView> anchors;
+  const View& lens = targets.empty() ? photographs.front() : targets.front();
+  std::vector<View> anchors;
   for (size_t i = 1; i < poses.size(); ++i) anchors.push_back({poses[i], lens.intrinsics});
   return anchors;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -5,14 +5,14 @@
 
 #include "oraclegs/networks/seva/cameras.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// The point nearest to all optical axes (least squares). Of axes that are all parallel any point is as good; then it
 /// is the one nearest to the mean of the centres. Throws ShapeError without views.
-Eigen::Vector3d LookAtPoint(const std::vector<SevaView>& views);
+Eigen::Vector3d LookAtPoint(const std::vector<View>& views);
 
 /// Minus the mean of the cameras' y axes, of unit length: which way is up.
-Eigen::Vector3d UpOf(const std::vector<SevaView>& views);
+Eigen::Vector3d UpOf(const std::vector<View>& views);
 
 /// `count` poses evenly on the full circle around the axis `up` through `center`, from `start` on; each looks at
 /// `center`, also the first.
@@ -22,7 +22,6 @@ std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::
 /// The frames of a first pass: `count` poses on an orbit from the first photograph around what photographs and targets
 /// look at, that photograph's own place left out. Intrinsics are the first target's, or without targets the first
 /// photograph's.
-std::vector<SevaView> OrbitAnchors(const std::vector<SevaView>& photographs, const std::vector<SevaView>& targets,
-                                   int64_t count);
+std::vector<View> OrbitAnchors(const std::vector<View>& photographs, const std::vector<View>& targets, int64_t count);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -6,12 +6,15 @@
 
 #include "oraclegs/networks/seva/orbit.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr int64_t kManyPhotographs = 9;  // from here on the first pass makes room for all of them
 
-bool Interpolates(const std::string& chunking) { return chunking.starts_with("interp"); }
+bool Interpolates(Chunking chunking) { return chunking == Chunking::kInterp || chunking == Chunking::kInterpGt; }
+
+/// All photographs are in every chunk.
+bool LeadsWithPhotographs(Chunking chunking) { return chunking != Chunking::kNearest && chunking != Chunking::kInterp; }
 
 /// i of `count` values from low to high.
 double Spaced(double low, double high, int64_t i, int64_t count) {
@@ -21,28 +24,29 @@ double Spaced(double low, double high, int64_t i, int64_t count) {
 /// What both passes are planned from.
 class Planner {
  public:
-  Planner(const std::vector<SevaView>& photographs, const std::vector<SevaView>& targets, const SevaOptions& options)
+  Planner(const std::vector<View>& photographs, const std::vector<View>& targets, const SevaOptions& options)
       : photographs_(photographs), targets_(targets), options_(options), path_(Interpolates(options.chunking)) {}
 
-  SevaPlan Plan() {
-    SevaPassSizes sizes{0, options_.frames, options_.frames};
+  Plan Make() {
+    PassSizes sizes{0, options_.frames, options_.frames};
     if (options_.passes == 2) {
       sizes =
           SizePasses({Count(photographs_), Count(targets_), options_.frames, options_.frames, options_.anchor_ratio},
                      options_.chunking);
     } else if (path_) {
-      throw UsageError("--seva-chunking {} needs frames made in a first pass; set --seva-passes 2", options_.chunking);
+      throw UsageError("--seva-chunking {} needs frames made in a first pass; set --seva-passes 2",
+                       Word(options_.chunking));
     }
     PlaceAnchors(sizes.anchors);
     if (!plan_.anchors.empty()) {
       ChunkProblem first = OfPhotographs(sizes.first_frames);
       first.targets = plan_.anchors;
-      AddJobs(1, first, options_.first_chunking);
+      AddJobs(1, first, ToChunking(options_.first_chunking));
     }
     ChunkProblem second = OfPhotographs(sizes.second_frames);
     second.sources.insert(second.sources.end(), plan_.anchors.begin(), plan_.anchors.end());
     second.targets = targets_;
-    second.time_line = SevaTimeLine::kWithoutPhotographs;
+    second.time_line = TimeLine::kWithoutPhotographs;
     for (int64_t i = 0; i < Count(photographs_); ++i) second.source_orders.push_back(static_cast<double>(i));
     second.source_orders.insert(second.source_orders.end(), anchor_orders_.begin(), anchor_orders_.end());
     for (int64_t i = 0; i < Count(targets_); ++i) {
@@ -53,7 +57,7 @@ class Planner {
   }
 
  private:
-  static int64_t Count(const std::vector<SevaView>& views) { return static_cast<int64_t>(views.size()); }
+  static int64_t Count(const std::vector<View>& views) { return static_cast<int64_t>(views.size()); }
 
   void PlaceAnchors(int64_t count) {
     if (!path_) {
@@ -79,45 +83,45 @@ class Planner {
   }
 
   /// A slot of a pass as a frame of the scene.
-  SevaFrame FrameOf(int pass, const SevaSlot& slot, int64_t sources) const {
-    const SevaFrameSource made = pass == 1 ? SevaFrameSource::kAnchor : SevaFrameSource::kTarget;
-    if (slot.kind == SevaSlotKind::kTarget) return {made, slot.index, false, false};
+  Frame FrameOf(int pass, const Slot& slot, int64_t sources) const {
+    const FrameSource made = pass == 1 ? FrameSource::kAnchor : FrameSource::kTarget;
+    if (slot.kind == SlotKind::kTarget) return {made, slot.index, false, false};
     if (slot.index >= sources) return {made, slot.index - sources, true, false};
-    if (slot.index < Count(photographs_)) return {SevaFrameSource::kPhotograph, slot.index, true, false};
-    return {SevaFrameSource::kAnchor, slot.index - Count(photographs_), true, false};
+    if (slot.index < Count(photographs_)) return {FrameSource::kPhotograph, slot.index, true, false};
+    return {FrameSource::kAnchor, slot.index - Count(photographs_), true, false};
   }
 
-  void AddJobs(int pass, const ChunkProblem& problem, const std::string& strategy) {
-    for (const SevaChunk& chunk : PlanChunks(problem, strategy)) {
-      SevaJob job;
+  void AddJobs(int pass, const ChunkProblem& problem, Chunking chunking) {
+    for (const Chunk& chunk : PlanChunks(problem, chunking)) {
+      Job job;
       job.pass = pass;
-      const SevaChunk padded = Padded(chunk);
+      const Chunk padded = Padded(chunk);
       for (size_t i = 0; i < padded.size(); ++i) {
         job.frames.push_back(FrameOf(pass, padded[i], Count(problem.sources)));
-        job.frames.back().copy = chunk[i].kind == SevaSlotKind::kEmpty;
+        job.frames.back().copy = chunk[i].kind == SlotKind::kEmpty;
       }
       plan_.jobs.push_back(std::move(job));
     }
   }
 
-  const std::vector<SevaView>&photographs_, &targets_;
+  const std::vector<View>&photographs_, &targets_;
   const SevaOptions& options_;
   const bool path_;
-  SevaPlan plan_;
+  Plan plan_;
   std::vector<double> anchor_orders_;
 };
 
 }  // namespace
 
-SevaPassSizes SizePasses(const SevaPassRequest& request, const std::string& chunking) {
-  SevaPassSizes sizes{0, request.first_frames, request.second_frames};
-  const bool many = request.photographs >= kManyPhotographs, leading = chunking.find("gt") != std::string::npos;
+PassSizes SizePasses(const PassRequest& request, Chunking chunking) {
+  PassSizes sizes{0, request.first_frames, request.second_frames};
+  const bool many = request.photographs >= kManyPhotographs, leading = LeadsWithPhotographs(chunking);
   const int64_t fill = std::max<int64_t>(request.first_frames - request.photographs, 0);
   if (Interpolates(chunking)) {
     const int64_t between = request.second_frames - 2 - (leading && !many ? request.photographs : 0);
     if (between < 1) {
       throw UsageError("{} photographs leave --seva-chunking {} no room in chunks of {} frames; raise --seva-frames",
-                       request.photographs, chunking, request.second_frames);
+                       request.photographs, Word(chunking), request.second_frames);
     }
     const double share = static_cast<double>(request.targets) / static_cast<double>(between);
     sizes.anchors = static_cast<int64_t>(std::ceil(share * request.anchor_ratio)) + 1;
@@ -130,18 +134,17 @@ SevaPassSizes SizePasses(const SevaPassRequest& request, const std::string& chun
   return sizes;
 }
 
-int64_t SevaPlan::largest() const {
+int64_t Plan::largest() const {
   size_t largest = 0;
-  for (const SevaJob& job : jobs) largest = std::max(largest, job.frames.size());
+  for (const Job& job : jobs) largest = std::max(largest, job.frames.size());
   return static_cast<int64_t>(largest);
 }
 
-SevaPlan PlanSeva(const std::vector<SevaView>& photographs, const std::vector<SevaView>& targets,
-                  const SevaOptions& options) {
-  if (photographs.empty()) throw ShapeError("PlanSeva: there are no photographs");
+Plan MakePlan(const std::vector<View>& photographs, const std::vector<View>& targets, const SevaOptions& options) {
+  if (photographs.empty()) throw ShapeError("MakePlan: there are no photographs");
   CheckOptions(options);
   if (targets.empty()) return {};
-  return Planner(photographs, targets, options).Plan();
+  return Planner(photographs, targets, options).Make();
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

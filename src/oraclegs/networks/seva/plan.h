@@ -6,47 +6,46 @@
 #include <vector>
 
 #include "oraclegs/networks/seva/chunks.h"
-#include "oraclegs/networks/seva/options.h"
+#include "oraclegs/networks/seva_options.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// How many frames the first pass makes, and how many frames the chunks of each pass have.
-struct SevaPassSizes {
+struct PassSizes {
   int64_t anchors = 0, first_frames = 21, second_frames = 21;
 };
-struct SevaPassRequest {
+struct PassRequest {
   int64_t photographs = 0, targets = 0;
   int64_t first_frames = 21, second_frames = 21;  ///< as asked for
   double anchor_ratio = 1;
 };
 /// `chunking` is the second pass's strategy. Throws UsageError when interp-gt has no room for targets.
-SevaPassSizes SizePasses(const SevaPassRequest& request, const std::string& chunking);
+PassSizes SizePasses(const PassRequest& request, Chunking chunking);
 
-enum class SevaFrameSource { kPhotograph, kAnchor, kTarget };
+enum class FrameSource { kPhotograph, kAnchor, kTarget };
 
-struct SevaFrame {
-  SevaFrameSource source = SevaFrameSource::kPhotograph;
+struct Frame {
+  FrameSource source = FrameSource::kPhotograph;
   int64_t index = 0;
   bool given = false;  ///< its picture conditions; false: it is made
   bool copy = false;   ///< fills a place; what is made of it is thrown away
 
-  bool operator==(const SevaFrame&) const = default;
+  bool operator==(const Frame&) const = default;
 };
 
-struct SevaJob {
+struct Job {
   int pass = 1;  ///< 1 makes anchors, 2 targets
-  std::vector<SevaFrame> frames;
+  std::vector<Frame> frames;
 };
 
-struct SevaPlan {
-  std::vector<SevaView> anchors;
-  std::vector<SevaJob> jobs;  ///< in this order: a job may need what an earlier one made
-  int64_t largest() const;    ///< frames of the largest job
+struct Plan {
+  std::vector<View> anchors;
+  std::vector<Job> jobs;    ///< in this order: a job may need what an earlier one made
+  int64_t largest() const;  ///< frames of the largest job
 };
 
 /// At least one photograph (ShapeError). interp takes the targets for a path in their order, and its anchors from it;
 /// the other strategies have theirs on an orbit. Throws UsageError for options that do not fit, naming them.
-SevaPlan PlanSeva(const std::vector<SevaView>& photographs, const std::vector<SevaView>& targets,
-                  const SevaOptions& options);
+Plan MakePlan(const std::vector<View>& photographs, const std::vector<View>& targets, const SevaOptions& options);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,7 +2,7 @@
 
 #include "oraclegs/networks/seva/slices.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y.
@@ -19,8 +19,8 @@ void Modulate(const Conv& layer, const Tensor& dense, Tensor* y) {
 
 }  // namespace
 
-SevaResBlock LoadSevaResBlock(const ParameterScope& at, const SevaResShape& shape) {
-  SevaResBlock block;
+ResBlock LoadResBlock(const ParameterScope& at, const ResShape& shape) {
+  ResBlock block;
   block.norm_in = LoadGroupNorm(at / "in_layers" / 0, shape.in, shape.groups, 1e-5);
   block.conv_in = LoadConv(at / "in_layers" / 2, {shape.in, shape.out});
   block.embedding = LoadLinear(at / "emb_layers" / 1, shape.embedding, shape.out);
@@ -31,7 +31,7 @@ SevaResBlock LoadSevaResBlock(const ParameterScope& at, const SevaResShape& shap
   return block;
 }
 
-Tensor Forward(const SevaResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
+Tensor Forward(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
   Tensor y = NormThenSilu(block.norm_in, x);
   Modulate(block.dense, dense, &y);
   y = Forward(block.conv_in, y);
@@ -40,4 +40,4 @@ Tensor Forward(const SevaResBlock& block, const Tensor& x, const Tensor& embeddi
   return y.add_(block.skip ? Forward(*block.skip, x) : x);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

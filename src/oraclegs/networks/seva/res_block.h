@@ -6,25 +6,25 @@
 
 #include "oraclegs/networks/seva/group_norm.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-struct SevaResShape {
+struct ResShape {
   int64_t in = 0, out = 0;
   int64_t embedding = 0;  ///< width of the time embedding
   int64_t dense = 6;      ///< channels of the dense map
   int64_t groups = 32;
 };
 
-struct SevaResBlock {
+struct ResBlock {
   GroupNorm norm_in, norm_out;
   Conv conv_in, conv_out;
   Linear embedding;
   Conv dense;                ///< 1x1: scale and shift of each input channel
   std::optional<Conv> skip;  ///< 1x1, where the channels change
 };
-SevaResBlock LoadSevaResBlock(const ParameterScope& at, const SevaResShape& shape);
+ResBlock LoadResBlock(const ParameterScope& at, const ResShape& shape);
 
 /// x [N, in, h, w], embedding [N, width] (behind its SiLU), dense [N, 6, h, w] at the size of x -> [N, out, h, w].
-Tensor Forward(const SevaResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense);
+Tensor Forward(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -5,7 +5,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr float kExtraSigma = 1e-6f;
@@ -17,8 +17,8 @@ Tensor Scalar(float value) { return torch::full({}, value, torch::kFloat); }
 
 }  // namespace
 
-Tensor Denoise(const SevaDenoiser& denoiser, const Tensor& x, float sigma) {
-  const SevaScaling scaling = ScalingAt(*denoiser.schedule, sigma);
+Tensor Denoise(const Denoiser& denoiser, const Tensor& x, float sigma) {
+  const Scaling scaling = ScalingAt(*denoiser.schedule, sigma);
   const Tensor latents = denoiser.given.slice(1, 0, kLatentChannels);
   const Tensor mask = denoiser.given.slice(1, kLatentChannels, kLatentChannels + 1);
   const Tensor both = at::cat({x, x * (1 - mask) + latents * mask}, 0);
@@ -50,7 +50,7 @@ Tensor SampleEuler(const Tensor& unit_noise, const EulerProblem& problem) {
   return x;
 }
 
-Tensor SevaNoise(const SevaNoiseKey& key, at::IntArrayRef shape) {
+Tensor Noise(const NoiseKey& key, at::IntArrayRef shape) {
   const Tensor out = torch::empty(shape, torch::kFloat);
   const int64_t n = out.numel();
   float* values = out.data_ptr<float>();
@@ -71,4 +71,4 @@ Tensor SevaNoise(const SevaNoiseKey& key, at::IntArrayRef shape) {
   return out;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -8,21 +8,21 @@
 #include "oraclegs/networks/common/tensor.h"
 #include "oraclegs/networks/seva/schedule.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// The network on both halves of guidance: scaled latents [2T, 4, h, w], the T unconditional ones first, and the index
 /// of the noise level -> [2T, 4, h, w] float32.
-using SevaNetwork = std::function<Tensor(const Tensor& scaled, int64_t index)>;
+using Network = std::function<Tensor(const Tensor& scaled, int64_t index)>;
 
-struct SevaDenoiser {
-  SevaNetwork network;
-  const SevaSchedule* schedule = nullptr;
+struct Denoiser {
+  Network network;
+  const Schedule* schedule = nullptr;
   Tensor given;    ///< [T, 5, h, w]: latents of conditioning frames and 1 in channel 4, 0 for all other frames
   Tensor weights;  ///< [T] of guidance
 };
 
 /// x [T, 4, h, w] float32 without its noise, guided. Conditioning frames enter as their clean latents.
-Tensor Denoise(const SevaDenoiser& denoiser, const Tensor& x, float sigma);
+Tensor Denoise(const Denoiser& denoiser, const Tensor& x, float sigma);
 
 /// Euler steps down the sigmas, of which the last is 0.
 struct EulerProblem {
@@ -41,12 +41,12 @@ Tensor SampleEuler(const Tensor& unit_noise, const EulerProblem& problem);
 float EulerNoiseFactor(float sigma);
 
 /// Which normal numbers: of one use of a seed.
-struct SevaNoiseKey {
+struct NoiseKey {
   uint64_t seed = 0;
   uint64_t draw = 0;  ///< counts candidates, passes and chunks
   uint64_t step = 0;  ///< 0 for the start, 1 + i for step i
 };
 /// Standard normal float32 numbers; the same for any number of threads.
-Tensor SevaNoise(const SevaNoiseKey& key, at::IntArrayRef shape);
+Tensor Noise(const NoiseKey& key, at::IntArrayRef shape);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

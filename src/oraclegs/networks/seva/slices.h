@@ -5,7 +5,7 @@
 
 #include "oraclegs/networks/common/tensor.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// Numbers that the widest activation of a slice holds: on the CPU what stays near the caches, on a GPU what keeps it
 /// busy.
@@ -18,4 +18,4 @@ inline int64_t RowsAtOnce(const Tensor& x, int64_t numbers_per_row) {
   return std::max<int64_t>(1, budget / std::max<int64_t>(numbers_per_row, 1));
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

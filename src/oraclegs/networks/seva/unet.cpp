@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// Adds layers to blocks and remembers channels and downscale as it goes.
 class Builder {
  public:
-  Builder(SevaUnet* unet, const ParameterScope& root) : unet_(unet), config_(unet->config), root_(root) {}
+  Builder(Unet* unet, const ParameterScope& root) : unet_(unet), config_(unet->config), root_(root) {}
 
   void Build() {
     const auto levels = static_cast<int64_t>(config_.channel_mult.size());
@@ -19,7 +19,7 @@ class Builder {
     for (int64_t level = 0; level < levels; ++level) BuildDown(level, level + 1 == levels);
     const ParameterScope middle = root_ / "middle_block";
     unet_->middle.push_back(Res(middle / 0, channels_));
-    unet_->middle.push_back(MultiView(middle / 1, "middle", levels - 1));
+    unet_->middle.push_back(NextMultiView(middle / 1, "middle", levels - 1));
     unet_->middle.push_back(Res(middle / 2, channels_));
     for (int64_t level = levels - 1; level >= 0; --level) BuildUp(level);
     unet_->norm_out = LoadGroupNorm(root_ / "out" / 0, channels_, config_.groups, 1e-5);
@@ -28,26 +28,26 @@ class Builder {
 
  private:
   ParameterScope NextInput() const { return root_ / "input_blocks" / static_cast<int64_t>(unet_->input_blocks.size()); }
-  void AddInput(SevaLayer layer) { unet_->input_blocks.push_back({std::move(layer)}); }
+  void AddInput(UnetLayer layer) { unet_->input_blocks.push_back({std::move(layer)}); }
   bool HasMultiView() const {
     const auto& all = config_.attention_downscales;
     return std::find(all.begin(), all.end(), downscale_) != all.end();
   }
 
-  SevaResBlock Res(const ParameterScope& at, int64_t out) {
-    SevaResBlock block =
-        LoadSevaResBlock(at, {channels_, out, config_.embedding_width(), config_.dense_channels, config_.groups});
+  ResBlock Res(const ParameterScope& at, int64_t out) {
+    ResBlock block =
+        LoadResBlock(at, {channels_, out, config_.embedding_width(), config_.dense_channels, config_.groups});
     channels_ = out;
     return block;
   }
 
-  SevaMultiView MultiView(const ParameterScope& at, const char* side, int64_t level) {
+  MultiView NextMultiView(const ParameterScope& at, const char* side, int64_t level) {
     const std::string name = fmt::format("{}_ds{}", side, downscale_);
     const auto& joint = config_.joint;
     const bool sequence = std::find(joint.begin(), joint.end(), name) != joint.end();
-    SevaMultiView block = LoadSevaMultiView(
-        at, {channels_, config_.head_width, config_.transformer_depth.at(static_cast<size_t>(level)),
-             config_.context_width, config_.groups, sequence ? SevaReach::kSequence : SevaReach::kFrame});
+    MultiView block =
+        LoadMultiView(at, {channels_, config_.head_width, config_.transformer_depth.at(static_cast<size_t>(level)),
+                           config_.context_width, config_.groups, sequence ? Reach::kSequence : Reach::kFrame});
     block.index = multi_views_++;
     return block;
   }
@@ -57,7 +57,7 @@ class Builder {
     for (int64_t i = 0; i < config_.res_blocks; ++i) {
       const ParameterScope at = NextInput();
       AddInput(Res(at / 0, out));
-      if (HasMultiView()) unet_->input_blocks.back().push_back(MultiView(at / 1, "input", level));
+      if (HasMultiView()) unet_->input_blocks.back().push_back(NextMultiView(at / 1, "input", level));
       skips_.push_back(channels_);
     }
     if (last) return;
@@ -72,20 +72,20 @@ class Builder {
       const ParameterScope at = root_ / "output_blocks" / static_cast<int64_t>(unet_->output_blocks.size());
       channels_ += skips_.back();
       skips_.pop_back();
-      SevaBlock block;
+      UnetBlock block;
       block.push_back(Res(at / 0, out));
-      if (HasMultiView()) block.push_back(MultiView(at / 1, "output", level));
+      if (HasMultiView()) block.push_back(NextMultiView(at / 1, "output", level));
       if (i == config_.res_blocks && level > 0) {
         const auto place = static_cast<int64_t>(block.size());
-        block.push_back(SevaUp{LoadConv(at / place / "conv", {channels_, channels_})});
+        block.push_back(Up{LoadConv(at / place / "conv", {channels_, channels_})});
         downscale_ /= 2;
       }
       unet_->output_blocks.push_back(std::move(block));
     }
   }
 
-  SevaUnet* unet_;
-  const SevaUnetConfig& config_;
+  Unet* unet_;
+  const UnetConfig& config_;
   ParameterScope root_;
   std::vector<int64_t> skips_;
   int64_t channels_ = 0, downscale_ = 1;
@@ -94,22 +94,22 @@ class Builder {
 
 /// Calls f(transformer) for each of a network, in the order of their indices.
 template <class F>
-void ForEachMultiView(const SevaUnet& unet, F&& f) {
-  const auto visit = [&](const SevaBlock& block) {
-    for (const SevaLayer& layer : block) {
-      if (const auto* multi_view = std::get_if<SevaMultiView>(&layer)) f(*multi_view);
+void ForEachMultiView(const Unet& unet, F&& f) {
+  const auto visit = [&](const UnetBlock& block) {
+    for (const UnetLayer& layer : block) {
+      if (const auto* multi_view = std::get_if<MultiView>(&layer)) f(*multi_view);
     }
   };
-  for (const SevaBlock& block : unet.input_blocks) visit(block);
+  for (const UnetBlock& block : unet.input_blocks) visit(block);
   visit(unet.middle);
-  for (const SevaBlock& block : unet.output_blocks) visit(block);
+  for (const UnetBlock& block : unet.output_blocks) visit(block);
 }
 
-const Tensor& DenseOf(const SevaConditioning& conditioning, const Tensor& x) {
+const Tensor& DenseOf(const Conditioning& conditioning, const Tensor& x) {
   for (const Tensor& dense : conditioning.dense) {
     if (dense.size(2) == x.size(2) && dense.size(3) == x.size(3)) return dense;
   }
-  throw ShapeError("SevaUnet: no rays were prepared for maps of {} x {}", x.size(2), x.size(3));
+  throw ShapeError("Unet: no rays were prepared for maps of {} x {}", x.size(2), x.size(3));
 }
 
 std::string PrefixOf(const std::filesystem::path& path) {
@@ -120,12 +120,12 @@ std::string PrefixOf(const std::filesystem::path& path) {
 
 }  // namespace
 
-SevaUnet LoadSevaUnet(ParameterSource& source, const SevaUnetConfig& config) {
+Unet LoadUnet(ParameterSource& source, const UnetConfig& config) {
   const size_t levels = config.channel_mult.size();
   if (levels == 0 || config.transformer_depth.size() != levels) {
-    throw ShapeError("LoadSevaUnet: {} levels with {} depths of transformers", levels, config.transformer_depth.size());
+    throw ShapeError("LoadUnet: {} levels with {} depths of transformers", levels, config.transformer_depth.size());
   }
-  SevaUnet unet;
+  Unet unet;
   unet.config = config;
   const ParameterScope root(source);
   const int64_t width = config.embedding_width();
@@ -135,20 +135,19 @@ SevaUnet LoadSevaUnet(ParameterSource& source, const SevaUnetConfig& config) {
   return unet;
 }
 
-SevaUnet LoadSevaUnet(const std::vector<std::filesystem::path>& paths, const SevaUnetConfig& config,
-                      const SevaPlacement& placement) {
+Unet LoadUnet(const std::vector<std::filesystem::path>& paths, const UnetConfig& config, const Placement& placement) {
   CheckpointOptions options;
   options.model = "the UNet of Stable Virtual Camera";
   options.prefix = paths.empty() ? "" : PrefixOf(paths.front());
   options.device = placement.device;
   options.cast_type = placement.type;
   FileParameters source(paths, options);
-  SevaUnet unet = LoadSevaUnet(source, config);
+  Unet unet = LoadUnet(source, config);
   source.Finish();
   return unet;
 }
 
-SevaConditioning Prepare(const SevaUnet& unet, const SevaConditions& in) {
+Conditioning Prepare(const Unet& unet, const Conditions& in) {
   const int64_t downscale = unet.config.downscale();
   const bool fits = in.context.defined() && in.dense.defined() && in.context.dim() == 3 && in.dense.dim() == 4 &&
                     in.frames > 0 && in.context.size(0) == in.dense.size(0) && in.context.size(0) % in.frames == 0 &&
@@ -161,7 +160,7 @@ SevaConditioning Prepare(const SevaUnet& unet, const SevaConditions& in) {
         in.height, downscale);
   }
   const at::TensorOptions options = unet.any_weight().options();
-  SevaConditioning out;
+  Conditioning out;
   out.frames = in.frames;
   const Tensor dense = in.dense.to(options.dtype(torch::kFloat));
   for (int64_t scale = 1; scale <= downscale; scale *= 2) {
@@ -170,12 +169,12 @@ SevaConditioning Prepare(const SevaUnet& unet, const SevaConditions& in) {
     out.dense.push_back((same ? dense : ResizeBilinear(dense, height, width, Corners::kAligned)).to(options));
   }
   const Tensor context = in.context.to(options);
-  ForEachMultiView(
-      unet, [&](const SevaMultiView& block) { out.contexts.push_back(PrepareContext(block, context, in.frames)); });
+  ForEachMultiView(unet,
+                   [&](const MultiView& block) { out.contexts.push_back(PrepareContext(block, context, in.frames)); });
   return out;
 }
 
-Tensor TimeEmbedding(const SevaUnet& unet, const Tensor& steps) {
+Tensor TimeEmbedding(const Unet& unet, const Tensor& steps) {
   const int64_t half = unet.config.channels / 2;
   const auto options = unet.any_weight().options().dtype(torch::kFloat);
   const Tensor frequencies =
@@ -186,14 +185,14 @@ Tensor TimeEmbedding(const SevaUnet& unet, const Tensor& steps) {
   return Forward(unet.time2, at::silu(Forward(unet.time1, waves.to(unet.any_weight().scalar_type()))));
 }
 
-Tensor Forward(const SevaBlock& block, const Tensor& x, const Tensor& embedding, const SevaConditioning& conditioning) {
+Tensor Forward(const UnetBlock& block, const Tensor& x, const Tensor& embedding, const Conditioning& conditioning) {
   Tensor y = x;
-  for (const SevaLayer& layer : block) {
-    if (const auto* res = std::get_if<SevaResBlock>(&layer)) {
+  for (const UnetLayer& layer : block) {
+    if (const auto* res = std::get_if<ResBlock>(&layer)) {
       y = Forward(*res, y, embedding, DenseOf(conditioning, y));
-    } else if (const auto* multi_view = std::get_if<SevaMultiView>(&layer)) {
+    } else if (const auto* multi_view = std::get_if<MultiView>(&layer)) {
       y = Forward(*multi_view, y, conditioning.contexts.at(multi_view->index), conditioning.frames);
-    } else if (const auto* up = std::get_if<SevaUp>(&layer)) {
+    } else if (const auto* up = std::get_if<Up>(&layer)) {
       y = Forward(up->conv, at::upsample_nearest2d(y, {2 * y.size(2), 2 * y.size(3)}));
     } else {
       y = Forward(std::get<Conv>(layer), y);
@@ -202,23 +201,23 @@ Tensor Forward(const SevaBlock& block, const Tensor& x, const Tensor& embedding,
   return y;
 }
 
-Tensor Forward(const SevaUnet& unet, const Tensor& x, const Tensor& steps, const SevaConditioning& conditioning) {
+Tensor Forward(const Unet& unet, const Tensor& x, const Tensor& steps, const Conditioning& conditioning) {
   const bool fits = x.dim() == 4 && x.size(1) == unet.config.in_channels && steps.dim() == 1 &&
                     steps.size(0) == x.size(0) && !conditioning.dense.empty() &&
                     conditioning.dense.front().size(0) == x.size(0);
   if (!fits) {
-    throw ShapeError("SevaUnet: x is [{}] and steps [{}], expected [N, {}, h, w] and [N] as they were prepared",
+    throw ShapeError("Unet: x is [{}] and steps [{}], expected [N, {}, h, w] and [N] as they were prepared",
                      fmt::join(x.sizes(), ", "), fmt::join(steps.sizes(), ", "), unet.config.in_channels);
   }
   const Tensor embedding = at::silu(TimeEmbedding(unet, steps));
   Tensor y = x.to(unet.any_weight().options());
   std::vector<Tensor> skips;
-  for (const SevaBlock& block : unet.input_blocks) {
+  for (const UnetBlock& block : unet.input_blocks) {
     y = Forward(block, y, embedding, conditioning);
     skips.push_back(y);
   }
   y = Forward(unet.middle, y, embedding, conditioning);
-  for (const SevaBlock& block : unet.output_blocks) {
+  for (const UnetBlock& block : unet.output_blocks) {
     y = at::cat({y, skips.back()}, 1);
     skips.pop_back();
     y = Forward(block, y, embedding, conditioning);
@@ -226,4 +225,4 @@ Tensor Forward(const SevaUnet& unet, const Tensor& x, const Tensor& steps, const
   return Forward(unet.conv_out, NormThenSilu(unet.norm_out, y)).to(torch::kFloat);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

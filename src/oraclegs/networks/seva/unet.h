@@ -10,9 +10,9 @@
 #include "oraclegs/networks/seva/multi_view.h"
 #include "oraclegs/networks/seva/res_block.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-struct SevaUnetConfig {
+struct UnetConfig {
   int64_t in_channels = 11;  ///< latent 4, mask 1, rays 6
   int64_t out_channels = 4;
   int64_t channels = 320;  ///< of the first level
@@ -33,57 +33,57 @@ struct SevaUnetConfig {
 };
 
 /// Nearest neighbours to twice the size, then a convolution.
-struct SevaUp {
+struct Up {
   Conv conv;
 };
-using SevaLayer = std::variant<Conv, SevaUp, SevaResBlock, SevaMultiView>;
-using SevaBlock = std::vector<SevaLayer>;
+using UnetLayer = std::variant<Conv, Up, ResBlock, MultiView>;
+using UnetBlock = std::vector<UnetLayer>;
 
-struct SevaUnet {
-  SevaUnetConfig config;
+struct Unet {
+  UnetConfig config;
   Linear time1, time2;
-  std::vector<SevaBlock> input_blocks, output_blocks;
-  SevaBlock middle;
+  std::vector<UnetBlock> input_blocks, output_blocks;
+  UnetBlock middle;
   GroupNorm norm_out;
   Conv conv_out;
 
   const Tensor& any_weight() const { return time1.weight; }  ///< of its type, on its device
 };
 /// Throws ShapeError for a configuration without levels, or whose groups or heads do not divide a level's channels.
-SevaUnet LoadSevaUnet(ParameterSource& source, const SevaUnetConfig& config);
+Unet LoadUnet(ParameterSource& source, const UnetConfig& config);
 
-struct SevaPlacement {
+struct Placement {
   torch::Device device = torch::kCPU;
   torch::ScalarType type = torch::kFloat;
 };
 /// From safetensors files with the official names, "module." in front of them or not. Throws InputError that lists
 /// all that does not fit.
-SevaUnet LoadSevaUnet(const std::vector<std::filesystem::path>& paths, const SevaUnetConfig& config = {},
-                      const SevaPlacement& placement = {});
+Unet LoadUnet(const std::vector<std::filesystem::path>& paths, const UnetConfig& config = {},
+              const Placement& placement = {});
 
 /// What stays the same from step to step, worked out once: the rays at each level's size, and what cross attention
 /// takes from the context. In the type and on the device of the weights.
-struct SevaConditioning {
+struct Conditioning {
   int64_t frames = 0;
   std::vector<Tensor> dense;  ///< [N, 6, h / 2^level, w / 2^level]
-  std::vector<SevaMultiViewContext> contexts;
+  std::vector<MultiViewContext> contexts;
 };
-struct SevaConditions {
+struct Conditions {
   Tensor context;                 ///< [N, L, context_width]
   Tensor dense;                   ///< [N, dense_channels, any, any]; resized to each level with corners aligned
   int64_t frames = 0;             ///< of a sequence; adjacent rows
   int64_t height = 0, width = 0;  ///< of the latents
 };
 /// Throws ShapeError for rows that are no whole sequences, and sides that are no multiples of downscale().
-SevaConditioning Prepare(const SevaUnet& unet, const SevaConditions& conditions);
+Conditioning Prepare(const Unet& unet, const Conditions& conditions);
 
 /// steps [N] int64 in 0 .. 999 -> [N, embedding_width].
-Tensor TimeEmbedding(const SevaUnet& unet, const Tensor& steps);
+Tensor TimeEmbedding(const Unet& unet, const Tensor& steps);
 
 /// x [N, in_channels, h, w], steps [N] int64 -> [N, out_channels, h, w] float32. Throws ShapeError.
-Tensor Forward(const SevaUnet& unet, const Tensor& x, const Tensor& steps, const SevaConditioning& conditioning);
+Tensor Forward(const Unet& unet, const Tensor& x, const Tensor& steps, const Conditioning& conditioning);
 
 /// One block, for the tests: `embedding` is SiLU(TimeEmbedding).
-Tensor Forward(const SevaBlock& block, const Tensor& x, const Tensor& embedding, const SevaConditioning& conditioning);
+Tensor Forward(const UnetBlock& block, const Tensor& x, const Tensor& embedding, const Conditioning& conditioning);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -1,6 +1,6 @@
 #include "oraclegs/networks/seva/vae.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr int64_t kRgb = 3;
@@ -116,4 +116,4 @@ void RequireLatents(const char* who, const Tensor& latents, const VaeConfig& con
                    fmt::join(latents.sizes(), ", "), c10::toString(latents.scalar_type()), config.latent_channels);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -7,7 +7,7 @@
 
 #include "oraclegs/networks/seva/vae_layers.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 struct VaeConfig {
   std::vector<int64_t> channels = {128, 256, 512, 512};  ///< of each level; the latents are at the last one
@@ -68,4 +68,4 @@ Tensor DecodeLatents(const Vae& vae, const Tensor& latents);
 /// Throws ShapeError "WHO: ..." unless latents is float32 [B >= 1, latent_channels, h >= 1, w >= 1].
 void RequireLatents(const char* who, const Tensor& latents, const VaeConfig& config);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

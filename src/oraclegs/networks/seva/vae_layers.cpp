@@ -2,7 +2,7 @@
 
 #include "oraclegs/networks/common/attention.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 VaeResnet LoadVaeResnet(const ParameterScope& at, int64_t in, int64_t out, const VaeNormShape& norm) {
   VaeResnet block;
@@ -66,4 +66,4 @@ Tensor Forward(const VaeLevel& level, Tensor x) {
   return level.conv ? Forward(*level.conv, x) : x;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

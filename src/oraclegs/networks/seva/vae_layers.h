@@ -7,7 +7,7 @@
 
 #include "oraclegs/networks/seva/group_norm.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// Of all norms of an autoencoder.
 struct VaeNormShape {
@@ -58,4 +58,4 @@ struct VaeLevel {
 VaeLevel LoadVaeLevel(const ParameterScope& at, const VaeLevelShape& shape, const VaeNormShape& norm);
 Tensor Forward(const VaeLevel& level, Tensor x);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

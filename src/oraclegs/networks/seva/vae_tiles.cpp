@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// From 0 to 1 over the middle half of `overlap` pixels, at the centre of pixel `i`.
@@ -73,4 +73,4 @@ Tensor DecodeTiled(const Vae& vae, const Tensor& latents, const VaeTiles& tiles)
   return images;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

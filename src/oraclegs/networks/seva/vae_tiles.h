@@ -3,7 +3,7 @@
 
 #include "oraclegs/networks/seva/vae.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// Squares of the latent that are decoded one after the other.
 struct VaeTiles {
@@ -29,4 +29,4 @@ struct TiledAxis {
 };
 TiledAxis TileAxis(int64_t length, const VaeTiles& tiles, int64_t pixels_per_latent);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

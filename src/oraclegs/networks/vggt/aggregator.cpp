@@ -6,7 +6,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/networks/common/attention.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 /// token [1, 2, n, width] -> [views, n, width]: the first set for view 0, the second for all others.
@@ -107,4 +107,4 @@ AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, c
   return result;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

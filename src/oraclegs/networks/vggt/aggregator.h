@@ -6,7 +6,7 @@
 
 #include "oraclegs/networks/common/vit.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 
 struct AggregatorConfig {
   VitConfig backbone{
@@ -58,4 +58,4 @@ Tensor EmbedViews(const Aggregator& aggregator, const Tensor& images);
 /// layers that do not exist, and when nothing is asked for; Interrupted between two layers when a stop was asked for.
 AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, const AggregatorRequest& request);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

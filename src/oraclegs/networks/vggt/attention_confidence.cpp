@@ -1,6 +1,6 @@
 #include "oraclegs/networks/vggt/attention_confidence.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr double kSmallestRange = 1e-12;  // attention is of the order of one over the tokens: nothing larger will do
@@ -45,4 +45,4 @@ Tensor UpsampleConfidence(const Tensor& confidence, int64_t height, int64_t widt
   return ResizeBilinear(confidence.unsqueeze(1), height, width, Corners::kHalfPixel).squeeze(1);
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -4,16 +4,10 @@
 #include <vector>
 
 #include "oraclegs/networks/common/dpt.h"
+#include "oraclegs/networks/networks.h"
 #include "oraclegs/networks/vggt/aggregator.h"
 
-namespace oraclegs {
-
-/// Whose attention counts for a view.
-enum class AttentionMode {
-  kOthers,     ///< the patches of all other views
-  kReference,  ///< the patches of view 0
-  kOfficial,   ///< the camera token of view 0; minimum and maximum over all views together
-};
+namespace oraclegs::vggt {
 
 struct WeightedAttention {
   GlobalAttention attention;
@@ -28,4 +22,4 @@ Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMo
 /// [S, rows, cols] -> [S, height, width]: bilinear, half-pixel centres, edges clamped.
 Tensor UpsampleConfidence(const Tensor& confidence, int64_t height, int64_t width);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr int64_t kPose = 9;
@@ -85,4 +85,4 @@ DecodedCameras DecodeCameras(const Tensor& encoding, int64_t height, int64_t wid
   return out;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

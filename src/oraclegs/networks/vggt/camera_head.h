@@ -5,7 +5,7 @@
 
 #include "oraclegs/networks/common/transformer_block.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 
 struct CameraHeadConfig {
   int64_t width = 2048;  ///< twice the aggregator's
@@ -36,4 +36,4 @@ struct DecodedCameras {
 /// height, width: of the network's input. Throws ShapeError.
 DecodedCameras DecodeCameras(const Tensor& encoding, int64_t height, int64_t width);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

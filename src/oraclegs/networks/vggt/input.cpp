@@ -5,7 +5,7 @@
 
 #include "oraclegs/core/parallel.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr int kWeightBits = 22;
@@ -111,22 +111,22 @@ int64_t NearestMultiple(int64_t patch, double length) {
   return std::max<int64_t>(patch * static_cast<int64_t>(std::nearbyint(length / static_cast<double>(patch))), patch);
 }
 
-VggtInputPlace ResizedSize(const Image8& photo, VggtFit fit, int64_t side, int64_t patch) {
+InputPlace ResizedSize(const Image8& photo, Fit fit, int64_t side, int64_t patch) {
   const double fixed = static_cast<double>(side);
-  VggtInputPlace place{side, side, 0, 0};
-  if (fit == VggtFit::kCrop || photo.width >= photo.height) {
+  InputPlace place{side, side, 0, 0};
+  if (fit == Fit::kCrop || photo.width >= photo.height) {
     place.height = NearestMultiple(patch, photo.height * (fixed / photo.width));
   } else {
     place.width = NearestMultiple(patch, photo.width * (fixed / photo.height));
   }
-  if (fit == VggtFit::kCrop && place.height > side) place.top = -((place.height - side) / 2);
+  if (fit == Fit::kCrop && place.height > side) place.top = -((place.height - side) / 2);
   return place;
 }
 
 /// [3, H, W] in [0, 1], cropped to at most `side` rows.
-Tensor AsTensor(const Image8& image, const VggtInputPlace& place, int64_t side) {
-  const Tensor bytes = torch::from_blob(const_cast<uint8_t*>(image.data.data()), {place.height, place.width, 3},
-                                        torch::TensorOptions(torch::kUInt8));
+Tensor AsTensor(const Image8& image, const InputPlace& place, int64_t side) {
+  const Tensor bytes = torch::empty({place.height, place.width, 3}, torch::TensorOptions(torch::kUInt8));
+  std::copy(image.data.begin(), image.data.end(), bytes.data_ptr<uint8_t>());
   const Tensor rows = place.top < 0 ? bytes.slice(0, -place.top, -place.top + side) : bytes;
   return rows.permute({2, 0, 1}).to(torch::kFloat) / 255;
 }
@@ -143,17 +143,17 @@ Image8 ResizeLikePillow(const Image8& image, int width, int height) {
   return out;
 }
 
-VggtInput PrepareVggtInput(const std::vector<Image8>& photos, VggtFit fit, int64_t side, int64_t patch) {
-  if (photos.empty()) throw ShapeError("PrepareVggtInput: there are no photographs");
-  VggtInput input;
+Input PrepareInput(const std::vector<Image8>& photos, Fit fit, int64_t side, int64_t patch) {
+  if (photos.empty()) throw ShapeError("PrepareInput: there are no photographs");
+  Input input;
   std::vector<Tensor> views;
-  int64_t height = fit == VggtFit::kPad ? side : 0, width = height;
+  int64_t height = fit == Fit::kPad ? side : 0, width = height;
   for (const Image8& photo : photos) {
     if (photo.width < 1 || photo.height < 1 || (photo.channels != 3 && photo.channels != 4)) {
-      throw ShapeError("PrepareVggtInput: a photograph is {} x {} with {} channels, expected pixels of 3 or 4",
-                       photo.width, photo.height, photo.channels);
+      throw ShapeError("PrepareInput: a photograph is {} x {} with {} channels, expected pixels of 3 or 4", photo.width,
+                       photo.height, photo.channels);
     }
-    const VggtInputPlace place = ResizedSize(photo, fit, side, patch);
+    const InputPlace place = ResizedSize(photo, fit, side, patch);
     const Image8 resized =
         ResizeLikePillow(OverWhite(photo), static_cast<int>(place.width), static_cast<int>(place.height));
     views.push_back(AsTensor(resized, place, side));
@@ -174,4 +174,4 @@ VggtInput PrepareVggtInput(const std::vector<Image8>& photos, VggtFit fit, int64
   return input;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr int64_t kFloat = 4;
@@ -14,7 +14,7 @@ constexpr int64_t kBytesOnTop = int64_t{256} << 20;  // scores in work, buffers 
 
 /// Of the depth head, view by view: maps of 8x the grid with all features, then of the picture's size with half of
 /// them, with what a convolution unrolls.
-int64_t DenseBytes(const VggtConfig& config, const VggtPass& pass) {
+int64_t DenseBytes(const Config& config, const Pass& pass) {
   const int64_t patch = config.aggregator.backbone.patch, features = config.dense.features;
   const int64_t fine = 64 * (pass.height / patch) * (pass.width / patch), pixels = pass.height * pass.width;
   const int64_t fusing = 5 * features * fine, shown = 5 * (features / 2) * pixels;
@@ -23,7 +23,7 @@ int64_t DenseBytes(const VggtConfig& config, const VggtPass& pass) {
 
 }  // namespace
 
-int64_t VggtWeightBytes(const VggtConfig& config, const VggtHeads& heads) {
+int64_t WeightBytes(const Config& config, const Heads& heads) {
   ListedParameters list;
   LoadVggt(list, config, heads);
   int64_t numbers = 0;
@@ -35,7 +35,7 @@ int64_t VggtWeightBytes(const VggtConfig& config, const VggtHeads& heads) {
   return kFloat * numbers;
 }
 
-int64_t VggtPassBytes(const VggtConfig& config, const VggtPass& pass) {
+int64_t PassBytes(const Config& config, const Pass& pass) {
   const int64_t patch = config.aggregator.backbone.patch;
   const int64_t patches = (pass.height / patch) * (pass.width / patch);
   const int64_t tokens = pass.views * (1 + config.aggregator.registers + patches);
@@ -47,4 +47,4 @@ int64_t VggtPassBytes(const VggtConfig& config, const VggtPass& pass) {
   return kept + pictures + std::max(block, dense ? DenseBytes(config, pass) : 0) + kBytesOnTop;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -3,19 +3,19 @@
 
 #include "oraclegs/networks/vggt/vggt.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 
-struct VggtPass {
+struct Pass {
   int64_t views = 1;
   int64_t height = 518, width = 518;  ///< of the network's input, pixels
-  VggtHeads heads = {};
+  Heads heads = {};
 };
 
 /// Of the tensors that LoadVggt reads for these heads, as float32.
-int64_t VggtWeightBytes(const VggtConfig& config, const VggtHeads& heads);
+int64_t WeightBytes(const Config& config, const Heads& heads);
 
 /// What a pass on a CPU in float32 holds beside the weights where it holds most; of VGGT-1B only the oracle pass was
 /// measured, with a margin; the heads are counted (bench/nets_bench.cpp).
-int64_t VggtPassBytes(const VggtConfig& config, const VggtPass& pass);
+int64_t PassBytes(const Config& config, const Pass& pass);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -6,7 +6,7 @@
 
 #include "oraclegs/core/parallel.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr double kSameSurface = 0.05;  // relative difference of depth
@@ -18,7 +18,7 @@ struct Window {
   int64_t left = 0, top = 0;        // of the photograph's first pixel, negative when it was cropped
   int64_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
-  Window(const VggtInputPlace& place, const Image8& photo, const Tensor& images)
+  Window(const InputPlace& place, const Image8& photo, const Tensor& images)
       : scale_x(static_cast<double>(place.width) / photo.width),
         scale_y(static_cast<double>(place.height) / photo.height),
         left(place.left),
@@ -82,8 +82,8 @@ std::array<uint8_t, 3> ColorAt(const Image8& photo, const Eigen::Vector2d& pixel
 
 }  // namespace
 
-std::vector<Camera> PhotographCameras(const Tensor& encoding, const VggtInput& input, const std::vector<Image8>& photos,
-                                      const std::vector<std::string>& names) {
+std::vector<Camera> ImageCameras(const Tensor& encoding, const Input& input, const std::vector<Image8>& photos,
+                                 const std::vector<std::string>& names) {
   const int64_t height = input.images.size(2), width = input.images.size(3);
   const DecodedCameras decoded = DecodeCameras(encoding, height, width);
   std::vector<std::string> bad;
@@ -92,7 +92,7 @@ std::vector<Camera> PhotographCameras(const Tensor& encoding, const VggtInput& i
   const auto extrinsics = decoded.extrinsics.accessor<float, 3>(), intrinsics = decoded.intrinsics.accessor<float, 3>();
   for (size_t p = 0; p < photos.size(); ++p) {
     const auto v = static_cast<int64_t>(p);
-    const VggtInputPlace& place = input.places[p];
+    const InputPlace& place = input.places[p];
     const double scale_x = static_cast<double>(place.width) / photos[p].width;
     const double scale_y = static_cast<double>(place.height) / photos[p].height;
     Camera camera;
@@ -175,4 +175,4 @@ std::vector<CloudPoint> MakeCloud(const CloudSources& sources, size_t most) {
   return cloud;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -2,7 +2,7 @@
 
 #include <set>
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 const Tensor& TokensOf(const AggregatorResult& aggregated, int64_t layer) {
@@ -30,7 +30,7 @@ Tensor Confidence(const Tensor& raw) { return raw.exp().add_(1); }
 
 }  // namespace
 
-Vggt LoadVggt(ParameterSource& source, const VggtConfig& config, const VggtHeads& heads) {
+Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads) {
   const ParameterScope at(source);
   Vggt vggt;
   vggt.config = config;
@@ -45,8 +45,8 @@ Vggt LoadVggt(ParameterSource& source, const VggtConfig& config, const VggtHeads
   return vggt;
 }
 
-Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads, const VggtPlacement& placement,
-              const VggtConfig& config) {
+Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& heads, const Placement& placement,
+              const Config& config) {
   CheckpointOptions options;
   options.model = "VGGT-1B";
   options.ignored = {"track_head."};
@@ -87,4 +87,4 @@ PointPrediction PredictPoints(const Vggt& vggt, const AggregatorResult& aggregat
   return {inverse_log.sign() * inverse_log.abs().expm1(), Confidence(raw.select(1, 3))};
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -8,10 +8,10 @@
 #include "oraclegs/networks/vggt/aggregator.h"
 #include "oraclegs/networks/vggt/camera_head.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 
 /// The defaults are VGGT-1B.
-struct VggtConfig {
+struct Config {
   AggregatorConfig aggregator;
   CameraHeadConfig camera;
   std::array<int64_t, 4> dense_layers = {4, 11, 17, 23};  ///< that the depth and point heads read
@@ -23,30 +23,28 @@ struct VggtConfig {
 };
 
 /// The heads that a caller needs; an oracle needs none.
-struct VggtHeads {
+struct Heads {
   bool camera = false, depth = false, points = false;
 };
 
 struct Vggt {
-  VggtConfig config;
+  Config config;
   Aggregator aggregator;
   std::optional<CameraHead> camera_head;
   std::optional<DptHead> depth_head, point_head;
 };
-Vggt LoadVggt(ParameterSource& source, const VggtConfig& config, const VggtHeads& heads);
+Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads);
 
-struct VggtPlacement {
+struct Placement {
   torch::Device device = torch::kCPU;
   torch::ScalarType aggregator_type = torch::kFloat;  ///< the heads are float32 always
 };
 /// As its authors run it: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for.
-inline VggtPlacement PlaceVggt(torch::Device device) {
-  return {device, device.is_cuda() ? torch::kBFloat16 : torch::kFloat};
-}
+inline Placement PlaceOn(torch::Device device) { return {device, device.is_cuda() ? torch::kBFloat16 : torch::kFloat}; }
 /// The network of this configuration from safetensors files with the official names. Heads that are not asked for and
 /// the track head may be there and are not read. Throws InputError that lists all that does not fit.
-Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const VggtHeads& heads,
-              const VggtPlacement& placement = {}, const VggtConfig& config = {});
+Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& heads, const Placement& placement = {},
+              const Config& config = {});
 
 /// What the loaded heads read of the aggregator, for AggregatorRequest::token_layers.
 std::vector<int64_t> HeadLayers(const Vggt& vggt);
@@ -66,4 +64,4 @@ struct PointPrediction {
 };
 PointPrediction PredictPoints(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <numeric>
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr double kLargestSize = 1 << 16;
@@ -81,8 +81,8 @@ class Metadata {
   std::string path_;
 };
 
-VggtConfig NetworkOf(const Metadata& data) {
-  VggtConfig config;
+Config NetworkOf(const Metadata& data) {
+  Config config;
   AggregatorConfig& aggregator = config.aggregator;
   aggregator.depth = data.Count("depth");
   aggregator.heads = data.Count("num_heads");
@@ -116,7 +116,7 @@ VggtConfig NetworkOf(const Metadata& data) {
 }
 
 /// What the network's functions would take for a bug of ours.
-void RequireConsistent(const VggtFile& file, const Metadata& data) {
+void RequireConsistent(const WeightsFile& file, const Metadata& data) {
   const AggregatorConfig& aggregator = file.network.aggregator;
   const int64_t width = aggregator.width();
   data.Require(width % (4 * aggregator.heads) == 0, "num_heads", "does not divide the width into multiples of 4");
@@ -141,10 +141,10 @@ void RequireConsistent(const VggtFile& file, const Metadata& data) {
 
 }  // namespace
 
-VggtFile ReadVggtFile(const std::filesystem::path& path) {
+WeightsFile ReadWeightsFile(const std::filesystem::path& path) {
   const SafetensorsFile stored = SafetensorsFile::Open(path);
   const Metadata data(stored, path.string());
-  VggtFile file;
+  WeightsFile file;
   if (data.Has("model")) {
     file.name = data.Text("model").substr(0, kLongestName);
     std::replace_if(
@@ -159,4 +159,4 @@ VggtFile ReadVggtFile(const std::filesystem::path& path) {
   return file;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

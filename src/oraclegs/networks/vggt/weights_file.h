@@ -7,12 +7,12 @@
 
 #include "oraclegs/networks/vggt/vggt.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 
 /// The defaults are VGGT-1B.
-struct VggtFile {
+struct WeightsFile {
   std::string name = "VGGT-1B";
-  VggtConfig network;
+  Config network;
   int64_t side = 518;  ///< longer side of the pictures it was trained on, pixels
   std::vector<int64_t> oracle_layers = {0, 22};
   std::vector<double> oracle_weights = {0.25, 0.75};  ///< of these layers; they sum to 1
@@ -21,6 +21,6 @@ struct VggtFile {
 /// The metadata "model" is the name; the sizes are those of docs/method.md#vggt-files ("embed_dim", "depth", ...) where
 /// the file has them, else VGGT-1B's: published files have none. Throws InputError naming the file: not safetensors, a
 /// size that is missing, no number, or does not fit the others.
-VggtFile ReadVggtFile(const std::filesystem::path& path);
+WeightsFile ReadWeightsFile(const std::filesystem::path& path);
 
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

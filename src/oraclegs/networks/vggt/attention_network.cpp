@@ -1,0 +1,104 @@
+#include "oraclegs/networks/vggt/attention_network.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "oraclegs/networks/common/tensor_buffer.h"
+#include "oraclegs/networks/vggt/input.h"
+#include "oraclegs/networks/vggt/memory.h"
+
+namespace oraclegs::vggt {
+namespace {
+
+/// The image within `width` x `height` pixels, white around it: only its own patches, which no map is made of, are then
+/// partly white.
+Image8 Fitted(const Image8& image, int width, int height) {
+  if (image.width == width && image.height == height) return image;
+  const double scale = std::min(static_cast<double>(width) / image.width, static_cast<double>(height) / image.height);
+  const int w = std::clamp(static_cast<int>(scale * image.width), 1, width);
+  const int h = std::clamp(static_cast<int>(scale * image.height), 1, height);
+  const Image8 small = ResizeLikePillow(image, w, h);
+  Image8 out{width, height, 3, std::vector<uint8_t>(size_t{3} * width * height, 255)};
+  for (int y = 0; y < h; ++y) {
+    const auto row = small.data.begin() + static_cast<int64_t>(y) * w * 3;
+    std::copy(row, row + int64_t{3} * w,
+              out.data.begin() + (static_cast<int64_t>(y + (height - h) / 2) * width + (width - w) / 2) * 3);
+  }
+  return out;
+}
+
+class AttentionOfFile : public AttentionNetwork {
+ public:
+  AttentionOfFile(const std::filesystem::path& path, AttentionMode mode, torch::Device device)
+      : path_(path), device_(device), file_(ReadWeightsFile(path)) {
+    settings_ = {mode, file_.side, file_.oracle_layers, file_.oracle_weights};
+  }
+
+  int64_t PassBytes(const std::vector<Camera>& cameras, int64_t views) const override {
+    const int64_t patch = file_.network.aggregator.backbone.patch, side = file_.side;
+    Pass pass{views, patch, side, {}};
+    if (settings_.mode == AttentionMode::kOfficial) pass.height = side;
+    for (const Camera& camera : cameras) {
+      const int64_t a = camera.width, b = camera.height;
+      const int64_t shorter = (side * std::min(a, b) / std::max(a, b) / patch + 1) * patch;
+      pass.height = std::max(pass.height, std::min(shorter, side));
+    }
+    return WeightBytes(file_.network, {}) + vggt::PassBytes(file_.network, pass);
+  }
+
+  void Load() override {
+    if (!aggregator_) aggregator_ = LoadVggt({path_}, {}, PlaceOn(device_), file_.network).aggregator;
+  }
+
+  Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) override {
+    Load();
+    return BufferOf(AttentionOn(*aggregator_, settings_, reference, proposals));
+  }
+
+ private:
+  std::filesystem::path path_;
+  torch::Device device_;
+  WeightsFile file_;
+  AttentionSettings settings_;
+  std::optional<Aggregator> aggregator_;
+};
+
+}  // namespace
+
+Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings, const Image8& reference,
+                   const std::vector<Image8>& proposals) {
+  if (settings.layers.empty() || settings.layers.size() != settings.weights.size() || proposals.empty()) {
+    throw ShapeError("AttentionOn: {} layers, {} weights, {} proposals", settings.layers.size(),
+                     settings.weights.size(), proposals.size());
+  }
+  const int width = proposals[0].width, height = proposals[0].height;
+  const bool official = settings.mode == AttentionMode::kOfficial;
+  std::vector<Image8> views = {official ? reference : Fitted(reference, width, height)};
+  views.insert(views.end(), proposals.begin(), proposals.end());
+  const int64_t patch = aggregator.config.backbone.patch;
+  const Input input = PrepareInput(views, official ? Fit::kPad : Fit::kWhole, settings.side, patch);
+  const AggregatorResult result =
+      Aggregate(aggregator, input.images.to(aggregator.camera_token.device()), {{}, settings.layers});
+  std::vector<WeightedAttention> layers;
+  for (size_t l = 0; l < settings.layers.size(); ++l) {
+    const GlobalAttention& on_device = result.attention.at(settings.layers[l]);
+    layers.push_back(
+        {{on_device.from_patches.to(torch::kCPU), on_device.from_camera.to(torch::kCPU)}, settings.weights[l]});
+  }
+  const int64_t rows = input.images.size(2), cols = input.images.size(3);
+  const Tensor confidence =
+      UpsampleConfidence(PatchConfidence(layers, settings.mode, {rows / patch, cols / patch}).slice(0, 1), rows, cols);
+  const InputPlace& place = input.places[1];  // all proposals have one size
+  const Tensor shown = confidence.slice(1, place.top, place.top + place.height)
+                           .slice(2, place.left, place.left + place.width)
+                           .contiguous();
+  return UpsampleConfidence(shown, height, width).clamp_(0, 1).contiguous();
+}
+
+std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
+                                                torch::Device device) {
+  return std::make_unique<AttentionOfFile>(weights, mode, device);
+}
+
+}  // namespace oraclegs::vggt

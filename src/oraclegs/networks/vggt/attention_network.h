@@ -1,0 +1,30 @@
+#pragma once
+// The aggregator as the program sees it: what the views of a scene attend to in each other
+// (docs/method.md#vggt-oracle).
+
+#include <memory>
+
+#include "oraclegs/networks/vggt/attention_confidence.h"
+#include "oraclegs/networks/vggt/vggt.h"
+#include "oraclegs/networks/vggt/weights_file.h"
+
+namespace oraclegs::vggt {
+
+/// What an attention network is made of, beside its weights.
+struct AttentionSettings {
+  AttentionMode mode = AttentionMode::kReference;
+  int64_t side = 518;  ///< longer side of the network's input, pixels
+  std::vector<int64_t> layers = {0, 22};
+  std::vector<double> weights = {0.25, 0.75};  ///< of the layers
+};
+
+/// [proposals, height, width] float32 in [0, 1] of one pass over the reference and the proposals, which are of one
+/// size. Throws ShapeError when layers and weights differ in number, Interrupted.
+Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings, const Image8& reference,
+                   const std::vector<Image8>& proposals);
+
+/// With the settings that the file names. Throws InputError as ReadWeightsFile does.
+std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
+                                                torch::Device device);
+
+}  // namespace oraclegs::vggt
