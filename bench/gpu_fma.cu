@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "bench/median.h"
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/core/cuda/launch.h"
+#include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 namespace {
@@ -42,7 +42,7 @@ double MeasureFmaRate() {
     const double seconds = end.MillisecondsSince(begin) * 1e-3;
     rates.push_back(seconds > 0 ? 2.0 * kChains * kRounds * kThreads * kBlocks / seconds : 0);
   }
-  return Median(rates);
+  return UpperMedian(rates);
 }
 
 }  // namespace oraclegs

@@ -1,9 +1,11 @@
 #pragma once
 // What a run asks a GPU for a few times only, before it trains, beside the same on the CPU.
 
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/gpu_training.h"
+#include "oraclegs/depth/plane_search.h"
 
 namespace oraclegs {
 
@@ -12,15 +14,32 @@ struct OnBoth {
   double gpu = 0, cpu = 0;
 };
 
-struct GpuOnce {
-  double points = 0, photographs = 0;
-  OnBoth neighbors;  ///< of the scene's number of points
-  OnBoth warp;       ///< a view of the scene's size, holes filled (on the CPU) and all
+/// The mean squared distance to the three nearest neighbours of random points.
+OnBoth MeasureNeighbors(int64_t points, int passes);
+
+/// A view warped from `images` others of its size, holes filled (on the CPU) and all.
+struct WarpSize {
+  int images = 12;
+  int width = 0, height = 0;  ///< pixels
+};
+OnBoth MeasureWarp(const WarpSize& size, int passes);
+
+/// Depth with the search on the GPU, seconds an image.
+struct GpuStereo {
+  double seconds = 0;         ///< with what the CPU does
+  double search_seconds = 0;  ///< of these, with the copies to and fro
 };
 
-GpuOnce MeasureOnce(const GpuScene& scene, int photographs, int passes);
+/// Of images of a slanted, textured plane, each compared with five others, with the default options; the second of two
+/// runs, when memory has its size.
+GpuStereo MeasureStereo(int width, int height, PlaneSearch* search);
 
-/// Lines of text, each ended.
-std::string OnceText(const GpuOnce& once);
+/// A line of text, ended: "WHAT: 1.0 ms, on the CPU 20 ms".
+std::string OnBothText(const std::string& what, const OnBoth& times);
+std::string StereoText(const GpuStereo& times);
+
+/// {"NAME_ms": ..., "NAME_cpu_ms": ...}
+nlohmann::json OnBothToJson(const std::string& name, const OnBoth& times);
+nlohmann::json StereoToJson(const GpuStereo& times);
 
 }  // namespace oraclegs

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace oraclegs {
 namespace {
@@ -10,9 +11,9 @@ namespace {
 // Bytes of one item (render/cuda/splats.h, gaussians/gaussian_rows.h).
 constexpr double kSmall = 44, kSh = 192;  // a Gaussian's parameters: without SH, SH
 constexpr double kSplat = 48, kRect = 8, kRecord = 40;
-constexpr double kImage = 20;                    // a pixel of the render: colour, alpha, inverse depth
-constexpr double kEnds = 24;                     // what backward is told of a pixel
-constexpr double kPhotograph = 3, kColour = 12;  // a pixel as bytes, as floats
+constexpr double kImage = 20;                // a pixel of the render: colour, alpha, inverse depth
+constexpr double kEnds = 24;                 // what backward reads of a pixel
+constexpr double kTarget = 3, kColour = 12;  // a pixel as bytes, as floats
 // Arithmetic of a pixel in a Gaussian, where it counts (render/cuda/blend_forward.cu, blend_backward.cu).
 constexpr double kBlendFlops = 21, kBlendBackwardFlops = 55;
 
@@ -26,7 +27,7 @@ std::vector<GpuStage> GpuStages(const GpuWork& w, const GpuTimes& t) {
       // Counts, a sort by depth of 32 bits; then pairs listed, sorted by two bytes of tile, and ranges found.
       {"bin + sort", t.bin, w.gaussians * (kRect + 4 * 16) + w.tile_pairs * (12 + 2 * 16 + 16), 0},
       {"blend", t.blend, w.tile_pairs * (4 + kSplat) + w.pixels * (kImage + kEnds), w.pixel_pairs * kBlendFlops},
-      {"loss", t.loss, w.pixels * (kColour + kPhotograph + kColour), 0},
+      {"loss", t.loss, w.pixels * (kColour + kTarget + kColour), 0},
       {"blend backward", t.blend_backward, w.tile_pairs * (4 + kSplat + kRecord) + w.pixels * (kColour + kEnds),
        w.pixel_pairs_backward * kBlendBackwardFlops},
       // Parameters and both moments, read and written.
@@ -63,8 +64,6 @@ std::string GpuTable(const GpuReport& report) {
   }
   text += fmt::format("the host sends an iteration in {:.3f} ms; relocation takes {:.3f} ms, once in 100 iterations\n",
                       report.times.sending, report.times.refine);
-  text += fmt::format("stereo takes {:.3f} s for a photograph of {:.0f} pixels, {:.3f} s of it the search on the GPU\n",
-                      report.stereo.seconds, w.pixels, report.stereo.search_seconds);
   return text;
 }
 
@@ -79,8 +78,6 @@ nlohmann::json GpuReportToJson(const GpuReport& report) {
           {"iteration_ms", report.times.iteration},
           {"training_bytes_per_gaussian", report.training_bytes},
           {"bytes_per_second", report.ceilings.bytes},
-          {"stereo_seconds", report.stereo.seconds},
-          {"stereo_search_seconds", report.stereo.search_seconds},
           {"stages", stages}};
 }
 

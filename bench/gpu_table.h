@@ -1,9 +1,9 @@
 #pragma once
-// What gpu_bench prints: what each stage of an iteration cannot do without beside what it took. Plain numbers, so that
-// it is tested without a GPU.
+// The table that gpu_bench prints: the least time that each stage of an iteration could take beside what it took. Plain
+// numbers, so that it is tested without a GPU.
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -48,17 +48,10 @@ std::vector<GpuStage> GpuStages(const GpuWork& work, const GpuTimes& times);
 /// Milliseconds that the stage would take at the ceilings, the larger of both; 0 where no floor is known.
 double FloorMilliseconds(const GpuStage& stage, const GpuCeilings& ceilings);
 
-/// Depth with the search on the GPU.
-struct GpuStereo {
-  double seconds = 0;         ///< a photograph, with what the CPU does
-  double search_seconds = 0;  ///< of these, with the copies to and fro
-};
-
 struct GpuReport {
   GpuWork work;
   GpuTimes times;
   GpuCeilings ceilings;
-  GpuStereo stereo;
   double scratch_bytes = 0;   ///< of the rasteriser, a Gaussian
   double training_bytes = 0;  ///< of everything that training took of the device's memory, a Gaussian
 };

@@ -1,71 +1,76 @@
 #include "bench/gpu_training.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "bench/median.h"
+#include "oraclegs/core/cuda/device_array.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 #include "oraclegs/train/cuda/cuda_train_device.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/timings.h"
-#include "render/scenes.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr uint64_t kSeed = 1;
-constexpr double kScale = 0.008;  // world units: about four tiles a Gaussian
 constexpr int kIterations = 10'000'000;
-constexpr int kViews = 3;
 constexpr double kOpacityNoise = 0.5;  // what the pipeline chooses
 constexpr double kExtent = 1;
 
-Gaussians On(const Gaussians& gaussians, Device device) {
-  Gaussians moved = gaussians;
-  moved.ForEach([&](const char*, Buffer<float>& t) { t = t.To(device); });
-  return moved;
+/// Left and right swapped, values as 8-bit files hold them.
+Buffer<float> Mirrored(const Buffer<float>& image) {
+  const int64_t height = image.size(0), width = image.size(1);
+  Buffer<float> mirrored = Buffer<float>::Empty(image.shape());
+  for (int64_t y = 0; y < height; ++y) {
+    for (int64_t x = 0; x < width; ++x) {
+      for (int64_t c = 0; c < 3; ++c) {
+        const float value = std::clamp(image[3 * (y * width + x) + c], 0.f, 1.f);
+        mirrored[3 * (y * width + width - 1 - x) + c] = std::floor(255 * value + 0.5f) / 255;
+      }
+    }
+  }
+  return mirrored;
 }
 
-/// Photographs of another scene, from poses side by side.
-std::vector<TrainView> Photographs(const GpuScene& scene, Device device) {
-  cuda::CudaRasterizer rasterizer(device);
-  const Gaussians truth = On(RandomGaussians(scene.gaussians, kScale, kSeed + 1), device);
-  const Buffer<float> picture =
-      rasterizer.Forward(truth, CameraOf(scene), {}, RenderPass::kInference).image.To(kCpu).Clone().clamp(0, 1);
-  const Buffer<float> rounded = torch::round(picture * 255) / 255;  // as files hold them
+std::vector<TrainView> Targets(const GpuScene& scene, Device device) {
+  const std::unique_ptr<Rasterizer> rasterizer = cuda::MakeCudaRasterizer(device);
+  const RenderOutput out =
+      rasterizer->Forward(scene.gaussians.To(device), scene.cameras.front(), {}, RenderPass::kInference);
+  const Buffer<float> target = Mirrored(out.image.To(kCpu));
   std::vector<TrainView> views;
-  for (int i = 0; i < kViews; ++i) {
-    TrainView view{"view" + std::to_string(i), CameraOf(scene), rounded, {}};
-    view.camera.cam_from_world.translation().x() = 0.02 * i;
-    views.push_back(std::move(view));
+  for (const Camera& camera : scene.cameras) {
+    if (camera.width != target.size(1) || camera.height != target.size(0)) continue;
+    views.push_back({"view" + std::to_string(views.size()), camera, target, {}});
   }
   return views;
 }
 
-TrainOptions OptionsOf(const GpuScene& scene) {
+TrainOptions OptionsFor(const GpuScene& scene) {
   TrainOptions options = TrainOptions().Settled();
   options.iterations = kIterations;
-  options.max_gaussians = static_cast<int>(scene.gaussians);
+  options.max_gaussians = static_cast<int>(scene.gaussians.size());
   options.opacity_noise = kOpacityNoise;
   return options;
 }
 
 TrainedModel SteadyModel(const GpuScene& scene) {
-  TrainedModel model{GaussiansOf(scene), Adam(scene.gaussians)};
-  model.adam.v.ForEach([](const char*, Buffer<float>& t) { t.fill_(1); });
+  TrainedModel model{scene.gaussians, Adam(scene.gaussians.size())};
+  model.adam.v.ForEach([](const char*, Buffer<float>& values) { std::ranges::fill(values.span(), 1.f); });
   model.adam.step = 100'000;  // no bias is left to correct
   return model;
 }
 
 }  // namespace
 
-Camera CameraOf(const GpuScene& scene) { return FrontCamera(scene.width, scene.height); }
-Gaussians GaussiansOf(const GpuScene& scene) { return RandomGaussians(scene.gaussians, kScale, kSeed); }
-
 GpuTraining::GpuTraining(const GpuScene& scene, Device device)
-    : scene_(scene), options_(OptionsOf(scene)), number_(kIterations / 10 * 9) {
-  view_loss_ = std::make_unique<ViewLoss>(options_, TrainingData(Photographs(scene, device)));
-  train_ = cuda::MakeCudaTrainDevice(device, {options_, view_loss_.get(), scene.gaussians},
-                                     std::make_unique<cuda::CudaRasterizer>(device));
+    : options_(OptionsFor(scene)), number_(kIterations / 10 * 9) {
+  view_loss_ = std::make_unique<ViewLoss>(options_, TrainingData(Targets(scene, device)));
+  views_ = view_loss_->num_photographs();
+  pixels_ = static_cast<double>(scene.cameras.front().width) * scene.cameras.front().height;
+  train_ = cuda::MakeCudaTrainDevice(device, {options_, view_loss_.get(), scene.gaussians.size()},
+                                     cuda::MakeCudaRasterizer(device));
   model_ = train_->Upload(SteadyModel(scene));
 }
 
@@ -73,7 +78,7 @@ Iteration GpuTraining::Next() {
   Iteration next;
   next.seed = kSeed;
   next.number = ++number_;
-  next.view = {ViewKind::kPhotograph, static_cast<int>(number_ % kViews)};
+  next.view = {ViewKind::kPhotograph, static_cast<int>(number_ % views_)};
   next.rates.ScaleAll(0.1);
   next.rates.means = MeansLearningRate(number_, kIterations, kExtent);
   next.sh_degree = kMaxShDegree;
@@ -120,9 +125,9 @@ void GpuTraining::TimeStages(int passes, GpuTimes* times) {
     blend_backward.push_back(render.blend_backward);
     gaussian_backward.push_back(end.MillisecondsSince(lost) - render.blend_backward);
   }
-  times->factors = Median(factors), times->forward = Median(forward), times->loss = Median(loss);
-  times->project = Median(project), times->bin = Median(bin), times->blend = Median(blend);
-  times->blend_backward = Median(blend_backward), times->gaussian_backward = Median(gaussian_backward);
+  times->factors = UpperMedian(factors), times->forward = UpperMedian(forward), times->loss = UpperMedian(loss);
+  times->project = UpperMedian(project), times->bin = UpperMedian(bin), times->blend = UpperMedian(blend);
+  times->blend_backward = UpperMedian(blend_backward), times->gaussian_backward = UpperMedian(gaussian_backward);
 }
 
 void GpuTraining::TimeWhole(int passes, GpuTimes* times) {
@@ -138,7 +143,7 @@ void GpuTraining::TimeWhole(int passes, GpuTimes* times) {
     end.Wait();
     whole.push_back(end.MillisecondsSince(begin) / passes);
   }
-  times->iteration = Median(whole), times->sending = Median(sending);
+  times->iteration = UpperMedian(whole), times->sending = UpperMedian(sending);
 }
 
 void GpuTraining::TimeRefine(int passes, GpuTimes* times) {
@@ -152,11 +157,11 @@ void GpuTraining::TimeRefine(int passes, GpuTimes* times) {
     end.Wait();
     refine.push_back(end.MillisecondsSince(begin));
   }
-  times->refine = Median(refine);
+  times->refine = UpperMedian(refine);
 }
 
 GpuTimes GpuTraining::Measure(int passes) {
-  for (int i = 0; i < 2 * kViews; ++i) Send();  // memory gets its size
+  for (int i = 0; i < 2 * views_; ++i) Send();  // memory gets its size
   GpuTimes times;
   TimeStages(passes, &times);
   TimeWhole(passes, &times);
@@ -167,14 +172,12 @@ GpuTimes GpuTraining::Measure(int passes) {
 
 GpuWork GpuTraining::Work() const {
   const RenderStats stats = train_->rasterizer().stats();
-  return {static_cast<double>(scene_.gaussians),           static_cast<double>(stats.visible),
+  return {static_cast<double>(model_.gaussians.size()),    static_cast<double>(stats.visible),
           static_cast<double>(stats.tile_pairs),           static_cast<double>(stats.pixel_pairs),
-          static_cast<double>(stats.pixel_pairs_backward), static_cast<double>(scene_.width) * scene_.height};
+          static_cast<double>(stats.pixel_pairs_backward), pixels_};
 }
 
-int64_t GpuTraining::scratch_bytes() const {
-  return dynamic_cast<const cuda::CudaRasterizer&>(train_->rasterizer()).device_bytes();
-}
+int64_t GpuTraining::scratch_bytes() const { return train_->rasterizer().stats().device_bytes; }
 
 double MeasureBandwidth(int64_t bytes) {
   cuda::DeviceArray<char> from("a copy"), to("a copy");
@@ -192,7 +195,7 @@ double MeasureBandwidth(int64_t bytes) {
     const double seconds = end.MillisecondsSince(begin) * 1e-3;
     rates.push_back(seconds > 0 ? 2.0 * static_cast<double>(bytes) / seconds : 0);
   }
-  return Median(rates);
+  return UpperMedian(rates);
 }
 
 }  // namespace oraclegs

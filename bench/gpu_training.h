@@ -1,26 +1,18 @@
 #pragma once
-// Iterations as the trainer asks a GPU's TrainDevice for them, on a synthetic scene: what gpu_bench times. On the
-// tests' emulated device everything runs too, and takes no time.
+// Iterations as the trainer asks a GPU's TrainDevice for them: what gpu_bench times. On the tests' emulated device
+// everything runs too, and takes no time.
 
 #include <memory>
 
+#include "bench/gpu_scene.h"
 #include "bench/gpu_table.h"
-#include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 
-struct GpuScene {
-  int64_t gaussians = 1'000'000;
-  int width = 1237, height = 822;  ///< pixels
-};
-
-Camera CameraOf(const GpuScene& scene);
-/// On the CPU.
-Gaussians GaussiansOf(const GpuScene& scene);
-
-/// L1 + SSIM, opacity noise, all SH coefficients, MCMC's noise; as late in a run as learning rates are smallest, with
-/// large second moments, so that every iteration works on the same state. No growth.
+/// L1 + SSIM, regularisers, opacity noise, all SH coefficients, MCMC's noise; as late in a run as learning rates are
+/// smallest, with large second moments, so that every iteration works on the same state. No growth. The target of each
+/// view is the mirrored render of the first one.
 class GpuTraining {
  public:
   /// Errors as MakeCudaTrainDevice.
@@ -41,7 +33,8 @@ class GpuTraining {
   void TimeWhole(int passes, GpuTimes* times);
   void TimeRefine(int passes, GpuTimes* times);
 
-  GpuScene scene_;
+  int views_;
+  double pixels_;
   TrainOptions options_;
   std::unique_ptr<ViewLoss> view_loss_;
   std::unique_ptr<TrainDevice> train_;

@@ -2,22 +2,45 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/depth/cuda/cuda_plane_search.h"
 #include "support/cuda_device.h"
 
 namespace oraclegs {
 namespace {
 
-class GpuOnceTest : public CudaTest {};
+class MeasureOnceTest : public CudaTest {};
 
-TEST_F(GpuOnceTest, MeasuresBothDevices) {
-  const GpuOnce once = MeasureOnce({100, 16, 12}, 3, 1);
-  for (const double ms : {once.neighbors.gpu, once.neighbors.cpu, once.warp.gpu, once.warp.cpu}) EXPECT_GT(ms, 0);
+TEST_F(MeasureOnceTest, NeighborsTakeTimeOnBothDevices) {
+  const OnBoth times = MeasureNeighbors(100, 1);
+  EXPECT_GT(times.gpu, 0);
+  EXPECT_GT(times.cpu, 0);
 }
 
-TEST(GpuOnceTextTest, SaysWhatWasMeasured) {
-  EXPECT_EQ(OnceText({1000, 12, {0.25, 30}, {4, 5000}}),
-            "three nearest neighbours of 1000 points: 0.2 ms, on the CPU 30 ms\n"
-            "a view warped from 12 photographs: 4.0 ms, on the CPU 5000 ms\n");
+TEST_F(MeasureOnceTest, WarpTakesTimeOnBothDevices) {
+  const OnBoth times = MeasureWarp({3, 16, 12}, 1);
+  EXPECT_GT(times.gpu, 0);
+  EXPECT_GT(times.cpu, 0);
+}
+
+TEST_F(MeasureOnceTest, StereoTakesLongerThanItsSearch) {
+  const GpuStereo times = MeasureStereo(16, 12, cuda::MakeCudaPlaneSearch(0).get());
+  EXPECT_GT(times.search_seconds, 0);
+  EXPECT_GT(times.seconds, times.search_seconds);
+}
+
+TEST(OnBothText, NamesBothDevices) {
+  EXPECT_EQ(OnBothText("neighbours", {0.25, 30}), "neighbours: 0.2 ms, on the CPU 30 ms\n");
+}
+
+TEST(StereoText, NamesTheSearch) {
+  EXPECT_EQ(StereoText({1.25, 0.75}), "stereo: 1.250 s an image, 0.750 s of it the search on the GPU\n");
+}
+
+TEST(OnceJson, HasBothTimesOfEachPart) {
+  EXPECT_EQ(OnBothToJson("warp", {4, 5000}), (nlohmann::json{{"warp_ms", 4}, {"warp_cpu_ms", 5000}}));
+  EXPECT_EQ(StereoToJson({1.25, 0.75}), (nlohmann::json{{"stereo_seconds", 1.25}, {"stereo_search_seconds", 0.75}}));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "bench/gpu_training.h"
 
-#include "support/device_tensors.h"
+#include "support/cuda_device.h"
 
 namespace oraclegs {
 namespace {
@@ -8,7 +8,7 @@ namespace {
 class GpuTrainingTest : public CudaTest {};
 
 TEST_F(GpuTrainingTest, MeasuresWholeIterations) {
-  GpuTraining training({200, 48, 32}, TestDevice());
+  GpuTraining training(SyntheticScene(200, 48, 32), TestDevice());
   const GpuTimes times = training.Measure(2);
   for (const double ms : {times.factors, times.project, times.bin, times.blend, times.loss, times.blend_backward,
                           times.forward, times.iteration, times.refine}) {
@@ -25,8 +25,8 @@ TEST_F(GpuTrainingTest, MeasuresWholeIterations) {
   EXPECT_GT(training.scratch_bytes(), 200 * 100);
 }
 
-TEST_F(GpuTrainingTest, TheStateStaysWhatItIs) {
-  GpuTraining training({200, 48, 32}, TestDevice());
+TEST_F(GpuTrainingTest, LeavesTheStateAsItIs) {
+  GpuTraining training(SyntheticScene(200, 48, 32), TestDevice());
   training.Measure(1);
   const GpuWork before = training.Work();
   training.Measure(2);
@@ -34,7 +34,7 @@ TEST_F(GpuTrainingTest, TheStateStaysWhatItIs) {
   EXPECT_NEAR(after.tile_pairs, before.tile_pairs, 0.1 * before.tile_pairs);
 }
 
-TEST_F(GpuTrainingTest, TheBandwidthIsSomeNumber) { EXPECT_GE(MeasureBandwidth(1 << 16), 0); }
+TEST_F(GpuTrainingTest, MeasuresTheBandwidth) { EXPECT_GE(MeasureBandwidth(1 << 16), 0); }
 
 }  // namespace
 }  // namespace oraclegs

@@ -1,0 +1,24 @@
+#pragma once
+// What gpu_bench trains on: Gaussians and the cameras that see them.
+
+#include <filesystem>
+#include <vector>
+
+#include "oraclegs/camera/camera.h"
+#include "oraclegs/gaussians/gaussians.h"
+
+namespace oraclegs {
+
+struct GpuScene {
+  Gaussians gaussians;          ///< on the CPU
+  std::vector<Camera> cameras;  ///< at least one
+};
+
+/// Seeded Gaussians in front of three cameras side by side. Every pixel is opaque after some sixty Gaussians.
+GpuScene SyntheticScene(int64_t gaussians, int width, int height);
+
+/// A trained model, seen from the first three frames of a transforms.json, which need no images, at the size that has
+/// about as many pixels. Throws InputError.
+GpuScene TrainedScene(const std::filesystem::path& ply, const std::filesystem::path& transforms, int64_t pixels);
+
+}  // namespace oraclegs
