@@ -64,7 +64,7 @@ std::string WhyMissing(const RegistrationReport& report);
 /// True when every pair of photographs that match differs by a turn on the spot.
 bool TakenFromOnePoint(const RegistrationReport& report);
 
-/// The content of sfm/registration.json, docs/usage.md.
+/// The content of sfm/registration.json, docs/formats.md.
 nlohmann::json ReportToJson(const RegistrationReport& report);
 
 }  // namespace oraclegs

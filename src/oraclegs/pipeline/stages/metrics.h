@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/pipeline/run.h"
+
+namespace oraclegs {
+
+/// What metrics.json holds, from the records of the finished stages and that of "evaluate" (docs/formats.md lists the
+/// keys).
+nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record);
+
+/// Reads a workspace's metrics.json. Throws InputError naming it.
+nlohmann::json ReadMetrics(const std::filesystem::path& workspace);
+
+/// Largest memory the process has held so far, bytes.
+int64_t PeakMemoryBytes();
+
+}  // namespace oraclegs
