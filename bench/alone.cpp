@@ -3,9 +3,10 @@
 #include <utility>
 
 #include "bench/benchmarks.h"
-#include "bench/median.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
+#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/mcmc.h"
 
 namespace oraclegs {
@@ -62,7 +63,7 @@ void MeasureAlone(benchmark::State& state, const Case& c) {
   const auto median = [&](double AloneSample::*field) {
     std::vector<double> values;
     for (const AloneSample& s : samples) values.push_back(s.*field);
-    return Median(std::move(values));
+    return UpperMedian(std::move(values));
   };
   DescribeCase(c, run.input.views.front(), &state);
   state.counters["photometric_ms"] = median(&AloneSample::photometric);

@@ -61,7 +61,6 @@ HWY_AFTER_NAMESPACE();
 #include <vector>
 
 #include "bench/ceilings.h"
-#include "bench/median.h"
 #include "oraclegs/core/parallel.h"
 
 namespace oraclegs {
@@ -98,7 +97,7 @@ double FlopsPerSecond() {
     for (const double f : flops) sum += f;
     rates.push_back(sum / seconds);
   }
-  return Median(rates);
+  return UpperMedian(rates);
 }
 
 double BytesPerSecond() {
@@ -119,7 +118,7 @@ double BytesPerSecond() {
       });
       rates.push_back(2 * sizeof(float) * static_cast<double>(count) / seconds);
     }
-    return Median(rates);
+    return UpperMedian(rates);
   };
   return std::max(rate([](const float* a, float* b, int64_t n) {
                     HWY_DYNAMIC_DISPATCH(StreamCopy)

@@ -4,8 +4,9 @@
 
 #include "bench/benchmarks.h"
 #include "bench/ceilings.h"
-#include "bench/median.h"
 #include "bench/stage_meter.h"
+
+#include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 namespace {
@@ -43,15 +44,15 @@ void MeasureStages(benchmark::State& state, const Case& c) {
     state.counters[fmt::format("{}_ms", StageName(stage))] = median.Milliseconds(stage);
     std::vector<double> shares;
     for (const IterationSample& s : samples) shares.push_back(ShareOfCeiling(stage, shape, s, ceilings));
-    state.counters[fmt::format("{}_share", StageName(stage))] = Median(std::move(shares));
+    state.counters[fmt::format("{}_share", StageName(stage))] = UpperMedian(std::move(shares));
   }
   std::vector<double> forward, backward;
   for (const IterationSample& s : samples) {
     forward.push_back(1000 * s.pixel_pairs / s.Milliseconds(Stage::kBlend));
     backward.push_back(1000 * s.pixel_pairs_backward / s.Milliseconds(Stage::kBlendBackward));
   }
-  state.counters["blend_pairs_per_second"] = Median(std::move(forward));
-  state.counters["blend_backward_pairs_per_second"] = Median(std::move(backward));
+  state.counters["blend_pairs_per_second"] = UpperMedian(std::move(forward));
+  state.counters["blend_backward_pairs_per_second"] = UpperMedian(std::move(backward));
   state.counters["visible"] = median.visible;
   state.counters["tile_pairs"] = median.tile_pairs;
   state.counters["pixel_pairs"] = median.pixel_pairs;

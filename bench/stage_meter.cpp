@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "bench/median.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/render/cpu/kernels.h"
 
 namespace oraclegs {
@@ -75,7 +75,7 @@ IterationSample MedianOf(const std::vector<IterationSample>& samples) {
   ForEachNumber(&median, [&](double& x) {
     std::vector<double> values;
     for (const auto& row : rows) values.push_back(row[field]);
-    x = Median(std::move(values));
+    x = UpperMedian(std::move(values));
     ++field;
   });
   return median;

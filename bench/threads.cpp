@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "bench/benchmarks.h"
-#include "bench/median.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/render/make_rasterizer.h"
 
 namespace oraclegs {
 namespace {
@@ -66,12 +67,12 @@ void MeasureThreads(benchmark::State& state, const Case& c) {
   }
   if (!same) state.SkipWithError("image or gradients depend on the number of threads");
   DescribeCase(c, input.views.front(), &state);
-  state.counters["blend_ms_1"] = Median(std::move(forward_1));
-  state.counters["blend_ms_all"] = Median(std::move(forward_all));
-  state.counters["blend_speedup"] = Median(std::move(forward_ratio));
-  state.counters["blend_backward_ms_1"] = Median(std::move(backward_1));
-  state.counters["blend_backward_ms_all"] = Median(std::move(backward_all));
-  state.counters["blend_backward_speedup"] = Median(std::move(backward_ratio));
+  state.counters["blend_ms_1"] = UpperMedian(std::move(forward_1));
+  state.counters["blend_ms_all"] = UpperMedian(std::move(forward_all));
+  state.counters["blend_speedup"] = UpperMedian(std::move(forward_ratio));
+  state.counters["blend_backward_ms_1"] = UpperMedian(std::move(backward_1));
+  state.counters["blend_backward_ms_all"] = UpperMedian(std::move(backward_all));
+  state.counters["blend_backward_speedup"] = UpperMedian(std::move(backward_ratio));
   state.counters["same_bits"] = same ? 1 : 0;
 }
 

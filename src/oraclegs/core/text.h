@@ -1,8 +1,10 @@
 #pragma once
-// Text for people: durations, sizes, and columns that stand below each other.
+// Text for people: durations, sizes, lists of names, words out of damaged files, columns.
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace oraclegs {
@@ -12,6 +14,18 @@ std::string FormatSeconds(double seconds);
 
 /// 10^9 bytes, as disks and GPUs are sold.
 inline double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
+
+/// "a, b, c, d, e and 7 more": at most five of `names`.
+std::string SomeNames(const std::vector<std::string>& names);
+
+/// True when `text` can stand in JSON as it is.
+bool IsUtf8(const std::string& text);
+
+/// Bytes outside ASCII as \xNN, to show a name that is not UTF-8.
+std::string EscapeBytes(const std::string& text);
+
+/// A word out of a file for an error message: its first `max_bytes`, with '?' for what is not printable ASCII.
+std::string Printable(std::string_view text, size_t max_bytes = 120);
 
 /// The rows as lines, columns two blanks apart; sides[c] is 'l' or 'r'. The last cell of a row that has fewer cells
 /// than `sides` reaches over the columns it lacks. Texts are UTF-8, one column wide a character; no line ends in

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/image/similarity.h"
 
 namespace oraclegs {
 namespace {
@@ -111,7 +113,7 @@ std::vector<ReliabilityBin> BinSums(const std::vector<float>& error, const std::
     ReliabilityBin& bin = bins[std::min(static_cast<int>(u * kReliabilityBins), kReliabilityBins - 1)];
     bin.confidence += u;
     bin.error += e;
-    bin.likeness += std::exp(-(e / kErrorScale) * (e / kErrorScale));
+    bin.likeness += Similarity(e);
     ++bin.share;
   }
   bins.erase(std::remove_if(bins.begin(), bins.end(), [](const ReliabilityBin& bin) { return bin.share == 0; }),

@@ -2,13 +2,12 @@
 // Is the oracle right? What a confidence says about an error that is known, pixel by pixel.
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 namespace oraclegs {
 
 inline constexpr float kLargeError = 0.1f;   ///< a pixel of a proposal that is plainly wrong
-inline constexpr double kErrorScale = 0.08;  ///< of the likeness exp(-(error / scale)^2) that confidence predicts
 inline constexpr int kReliabilityBins = 10;
 inline constexpr double kSmallBin = 0.005;  ///< share of the pixels below which a bin says too little
 
@@ -17,7 +16,7 @@ struct ReliabilityBin {
   double from = 0, to = 0;
   double confidence = 0;  ///< mean
   double error = 0;       ///< mean
-  double likeness = 0;    ///< mean of exp(-(error / kErrorScale)^2), what a calibrated confidence equals
+  double likeness = 0;    ///< mean Similarity(error), what a calibrated confidence equals
   double share = 0;       ///< of all pixels
 };
 

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "oraclegs/core/statistics.h"
+#include "oraclegs/scene/read_colmap.h"
+
 namespace oraclegs {
 namespace {
 
@@ -14,24 +17,17 @@ constexpr double kSmallestParallax = .25;   // degrees; half a pixel of a phone'
 constexpr double kClearlyMorePoints = 1.1;  // matching differs by a few percent from run to run
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double AngleDegrees(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));  // exact for small angles too
 }
 
-bool IsPlausible(const Intrinsics& lens) {
-  const double side = std::max(lens.width, lens.height);
-  for (const double focal : {lens.fx(), lens.fy()}) {
+bool IsPlausible(const Intrinsics& intrinsics) {
+  const double side = std::max(intrinsics.width, intrinsics.height);
+  for (const double focal : {intrinsics.fx(), intrinsics.fy()}) {
     if (!(focal >= kFocalRange[0] * side && focal <= kFocalRange[1] * side)) return false;
   }
-  const bool radial = lens.model == CameraModel::kSimpleRadial || lens.model == CameraModel::kRadial;
-  return !radial || std::abs(lens.params[3]) <= kLargestDistortion;
+  const bool radial = intrinsics.model == CameraModel::kSimpleRadial || intrinsics.model == CameraModel::kRadial;
+  return !radial || std::abs(intrinsics.params[3]) <= kLargestDistortion;
 }
 
 }  // namespace
@@ -44,8 +40,8 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
   for (const ColmapImage& image : images) {
     index_of[image.id] = centers.size();
     centers.push_back(image.cam_from_world.inverse().translation());
-    const auto lens = cameras.find(image.camera_id);
-    if (lens == cameras.end() || !IsPlausible(lens->second)) model.plausible_lenses = false;
+    const auto intrinsics = cameras.find(image.camera_id);
+    if (intrinsics == cameras.end() || !IsPlausible(intrinsics->second)) model.plausible_intrinsics = false;
   }
   std::vector<std::vector<double>> angles(images.size());
   std::vector<double> widest_angles;
@@ -72,10 +68,10 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
     ++model.points;
   }
   if (model.points > 0) model.reprojection_error /= model.points;
-  model.parallax_degrees = Median(std::move(widest_angles));
+  model.parallax_degrees = UpperMedian(std::move(widest_angles));
   for (size_t i = 0; i < images.size(); ++i) {
     const int seen = static_cast<int>(angles[i].size());
-    model.images[images[i].name] = {seen, Median(std::move(angles[i]))};
+    model.images[images[i].name] = {seen, UpperMedian(std::move(angles[i]))};
   }
   return model;
 }
@@ -85,7 +81,7 @@ ModelQuality MeasureModel(const fs::path& model_dir) {
 }
 
 bool IsSound(const ModelQuality& model) {
-  return model.registered() >= 2 && model.plausible_lenses &&
+  return model.registered() >= 2 && model.plausible_intrinsics &&
          model.points >= kFewestPointsPerImage * model.registered() && model.parallax_degrees >= kSmallestParallax;
 }
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/out_of_memory.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
@@ -10,8 +11,6 @@ namespace {
 // Of a pixel: the gradients of the render, of its inverse depth and of its alpha, the render through an exposure map,
 // and the nine slopes of the SSIM.
 constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
-
-double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 
 }  // namespace
 
