@@ -9,7 +9,9 @@
 #include "depth/surfaces.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "support/golden.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

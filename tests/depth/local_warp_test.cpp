@@ -18,8 +18,8 @@ float Truth(int x, int y) {
   return (1.1f + 0.25f * std::sin(4 * u)) * Guess(x, y) + 0.08f * v - 0.05f * u;
 }
 
-std::vector<WarpSample> Samples(int step) {
-  std::vector<WarpSample> samples;
+std::vector<DepthSample> Samples(int step) {
+  std::vector<DepthSample> samples;
   for (int y = 0; y < kHeight; y += step) {
     for (int x = 0; x < kWidth; x += step) {
       samples.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, Guess(x, y), Truth(x, y), 1});
@@ -52,15 +52,15 @@ TEST(LocalWarp, WithoutSamplesChangesNothing) {
 TEST(LocalWarp, UndoesAWarpThatVariesOverThePicture) { EXPECT_LT(Error(LocalWarp(kWidth, kHeight, Samples(2))), 0.01); }
 
 TEST(LocalWarp, SamplesThatAreWrongHaveNoSay) {
-  std::vector<WarpSample> samples = Samples(2);
+  std::vector<DepthSample> samples = Samples(2);
   for (size_t i = 0; i < samples.size(); i += 5) samples[i].truth *= i % 2 == 0 ? 3.f : 0.3f;
   EXPECT_LT(Error(LocalWarp(kWidth, kHeight, samples)), 0.02);
 }
 
 TEST(LocalWarp, GoesOnWhereNothingIsKnown) {
-  std::vector<WarpSample> samples = Samples(2);
-  std::erase_if(samples, [](const WarpSample& s) { return s.x > 0.75f * kWidth; });
-  for (WarpSample& s : samples) s.truth = 1.3f * s.inv_depth;
+  std::vector<DepthSample> samples = Samples(2);
+  std::erase_if(samples, [](const DepthSample& s) { return s.x > 0.75f * kWidth; });
+  for (DepthSample& s : samples) s.truth = 1.3f * s.inv_depth;
   const LocalWarp warp(kWidth, kHeight, samples);
   for (int x = 90; x < kWidth; ++x) {
     const float w = warp(static_cast<float>(x) + 0.5f, 40.5f, Guess(x, 40));
@@ -69,9 +69,9 @@ TEST(LocalWarp, GoesOnWhereNothingIsKnown) {
 }
 
 TEST(LocalWarp, DoesNotDependOnTheUnit) {
-  std::vector<WarpSample> samples = Samples(3);
+  std::vector<DepthSample> samples = Samples(3);
   const LocalWarp one(kWidth, kHeight, samples);
-  for (WarpSample& s : samples) s.inv_depth *= 1000, s.truth *= 1000;
+  for (DepthSample& s : samples) s.inv_depth *= 1000, s.truth *= 1000;
   const LocalWarp other(kWidth, kHeight, samples);
   for (int x = 0; x < kWidth; x += 7) {
     const auto u = static_cast<float>(x);

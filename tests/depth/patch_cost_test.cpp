@@ -87,7 +87,7 @@ float CostOf(const Patch& patch, const PackedImage& image, const PixelMap& map, 
   const PatchSource source{&image, map};
   const uint8_t active = 1;
   float cost = -1;
-  PatchCosts(patch, &source, &active, 1, &plane, 1, &cost);
+  PatchCosts(patch, {{&source, 1}, &active, {&plane, 1}}, &cost);
   return cost;
 }
 
@@ -185,7 +185,7 @@ TEST_P(PatchCostsTest, OfManyPlanesAndSourcesStandPlaneByPlane) {
   const uint8_t active[] = {1, 0, 1};
   const Plane truth = Truth(40, 30), planes[] = {truth, {0.9f * truth.inv_depth, 0, 0}};
   float costs[6];
-  PatchCosts(patch, sources, active, 3, planes, 2, costs);
+  PatchCosts(patch, {sources, active, planes}, costs);
   for (int p = 0; p < 2; ++p) {
     EXPECT_EQ(costs[3 * p], CostOf(patch, right, map, planes[p]));
     EXPECT_EQ(costs[3 * p + 1], kWorstCost) << "inactive";

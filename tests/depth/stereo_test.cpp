@@ -6,7 +6,8 @@
 
 #include "depth/surfaces.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/depth/plane_search.h"
+#include "oraclegs/depth/make_plane_search.h"
+#include "support/event_recorder.h"
 
 namespace oraclegs {
 namespace {
@@ -23,21 +24,9 @@ StereoOptions Quick() {
   return options;
 }
 
-struct Heard {
-  std::vector<std::string> warnings;
-  std::vector<StepDone> steps;
-
-  Listener AsListener() {
-    return [this](const Event& event) {
-      if (const auto* w = std::get_if<Warning>(&event)) warnings.push_back(w->text);
-      if (const auto* s = std::get_if<StepDone>(&event)) steps.push_back(*s);
-    };
-  }
-};
-
 std::vector<DepthMap> OnCpu(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
                             const StereoOptions& options, const Listener& listener) {
-  return EstimateDepth(photos, points, options, MakeCpuPlaneSearch().get(), listener);
+  return EstimateDepth(photos, points, options, MakePlaneSearch(kCpu).get(), listener);
 }
 
 double MedianError(const DepthMap& map, const TexturedPlane& surface, float least_confidence = kConfident) {
@@ -64,9 +53,9 @@ void ExpectConsistent(const DepthMap& map) {
 }
 
 TEST(EstimateDepth, FindsASlantedPlane) {
-  Heard heard;
+  EventRecorder events;
   const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(4, 8));
-  const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), heard.AsListener());
+  const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), events.AsListener());
   ASSERT_EQ(maps.size(), 4u);
   for (size_t v = 0; v < 4; ++v) {
     EXPECT_EQ(maps[v].name, photos[v].name);
@@ -77,35 +66,35 @@ TEST(EstimateDepth, FindsASlantedPlane) {
     const Eigen::Vector3f normal = (photos[v].camera.cam_from_world.linear() * kSlanted.normal).cast<float>();
     EXPECT_GT(maps[v].normals[36 * 96 + 48].dot(normal), 0.9) << v;
   }
-  EXPECT_TRUE(heard.warnings.empty());
-  ASSERT_FALSE(heard.steps.empty());
-  for (size_t k = 0; k < heard.steps.size(); ++k) {
-    EXPECT_EQ(heard.steps[k].stage, "depth");
-    EXPECT_EQ(heard.steps[k].done, static_cast<int64_t>(k + 1));
-    EXPECT_EQ(heard.steps[k].total, static_cast<int64_t>(heard.steps.size()));
+  EXPECT_TRUE(events.warnings.empty());
+  ASSERT_FALSE(events.steps.empty());
+  for (size_t k = 0; k < events.steps.size(); ++k) {
+    EXPECT_EQ(events.steps[k].stage, "depth");
+    EXPECT_EQ(events.steps[k].done, static_cast<int64_t>(k + 1));
+    EXPECT_EQ(events.steps[k].total, static_cast<int64_t>(events.steps.size()));
   }
 }
 
 TEST(EstimateDepth, GoesFromCoarseToFineOnLargerPictures) {
-  Heard heard;
-  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 161, 121)), {}, Quick(), heard.AsListener());
+  EventRecorder events;
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 161, 121)), {}, Quick(), events.AsListener());
   ASSERT_EQ(maps.size(), 3u);
   ExpectConsistent(maps[1]);
   EXPECT_GT(ConfidentShare(maps[1]), 0.8);
   EXPECT_LT(MedianError(maps[1], kSlanted), 0.005);
-  ASSERT_EQ(heard.steps.size(), 9u);  // the search and one pass at half size, one at full size
-  EXPECT_EQ(heard.steps[0].detail, "80 x 60");
-  EXPECT_EQ(heard.steps[8].detail, "161 x 121");
-  EXPECT_EQ(heard.steps[8].total, 9);
+  ASSERT_EQ(events.steps.size(), 9u);  // the search and one pass at half size, one at full size
+  EXPECT_EQ(events.steps[0].detail, "80 x 60");
+  EXPECT_EQ(events.steps[8].detail, "161 x 121");
+  EXPECT_EQ(events.steps[8].total, 9);
 }
 
 TEST(EstimateDepth, WithoutPassesGivesTheSearchAtTheCoarseResolution) {
   StereoOptions options = Quick();
   options.geometric_passes = 0;
-  Heard heard;
-  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 160, 120)), {}, options, heard.AsListener());
-  EXPECT_EQ(heard.steps.size(), 3u);
-  EXPECT_EQ(heard.steps.back().total, 3);
+  EventRecorder events;
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 160, 120)), {}, options, events.AsListener());
+  EXPECT_EQ(events.steps.size(), 3u);
+  EXPECT_EQ(events.steps.back().total, 3);
   ExpectConsistent(maps[1]);
   EXPECT_LT(MedianError(maps[1], kSlanted), 0.02);
 }
@@ -123,20 +112,20 @@ TEST(EstimateDepth, IsSureOfNothingWithoutTexture) {
 TEST(EstimateDepth, NamesPhotographsThatOverlapWithNoOther) {
   std::vector<Camera> cameras = Arc(3, 8);
   cameras.push_back(CameraAt({0, 0, -4}, {0, 0, -90}, 96, 72));
-  Heard heard;
-  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, cameras), {}, Quick(), heard.AsListener());
-  ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_THAT(heard.warnings[0], testing::AllOf(HasSubstr("p3.png"), Not(HasSubstr("p0.png"))));
+  EventRecorder events;
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, cameras), {}, Quick(), events.AsListener());
+  ASSERT_EQ(events.warnings.size(), 1u);
+  EXPECT_THAT(events.warnings[0], testing::AllOf(HasSubstr("p3.png"), Not(HasSubstr("p0.png"))));
   EXPECT_EQ(ConfidentShare(maps[3]), 0);
   EXPECT_GT(ConfidentShare(maps[1]), 0.7) << "the others do not suffer";
 }
 
 TEST(EstimateDepth, PhotographsOfOnePlaceAreNamed) {
   const Camera camera = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72);
-  Heard heard;
-  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, {camera, camera}), {}, Quick(), heard.AsListener());
-  ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_THAT(heard.warnings[0], testing::AllOf(HasSubstr("same point"), HasSubstr("p0.png, p1.png")));
+  EventRecorder events;
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, {camera, camera}), {}, Quick(), events.AsListener());
+  ASSERT_EQ(events.warnings.size(), 1u);
+  EXPECT_THAT(events.warnings[0], testing::AllOf(HasSubstr("same point"), HasSubstr("p0.png, p1.png")));
   for (const DepthMap& map : maps) {
     ExpectConsistent(map);
     EXPECT_EQ(ConfidentShare(map), 0);
@@ -145,18 +134,18 @@ TEST(EstimateDepth, PhotographsOfOnePlaceAreNamed) {
 
 TEST(EstimateDepth, OfOneOrNoPhotographKnowsNothing) {
   EXPECT_TRUE(OnCpu({}, {}, Quick(), Silent()).empty());
-  Heard heard;
-  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(1, 8)), {}, Quick(), heard.AsListener());
+  EventRecorder events;
+  const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(1, 8)), {}, Quick(), events.AsListener());
   ASSERT_EQ(maps.size(), 1u);
   EXPECT_EQ(ConfidentShare(maps[0]), 0);
-  EXPECT_EQ(heard.warnings.size(), 1u);
+  EXPECT_EQ(events.warnings.size(), 1u);
 }
 
 TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
   TexturedPlane square = kSlanted;
   square.half_side = 0.75;
   const std::vector<LoadedView> photos = TakeAll(square, Arc(4, 8));
-  for (const char* color : {"auto", "no"}) {
+  for (const Auto<StereoColor> color : {Auto<StereoColor>(), Auto<StereoColor>(StereoColor::kBrightness)}) {
     StereoOptions options = Quick();
     options.stereo_color = color;
     const std::vector<DepthMap> maps = OnCpu(photos, {}, options, Silent());
@@ -170,8 +159,8 @@ TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
         EXPECT_EQ(maps[1].inv_depth[i], 0) << i;
       }
     }
-    EXPECT_GT(static_cast<double>(confident), 0.7 * static_cast<double>(object)) << color;
-    EXPECT_LT(MedianError(maps[1], square), 0.01) << color;
+    EXPECT_GT(static_cast<double>(confident), 0.7 * static_cast<double>(object)) << color.is_auto();
+    EXPECT_LT(MedianError(maps[1], square), 0.01) << color.is_auto();
   }
 }
 

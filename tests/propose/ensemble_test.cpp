@@ -24,17 +24,17 @@ Target Front() {
   return target;
 }
 
-/// Each was darker before it had seen all photographs.
+/// Each was darker before it was trained with all views.
 EnsembleProposer ProposerOf(const std::vector<float>& reds) {
-  std::vector<ProxyModel> opinions;
+  std::vector<ProxyModel> members;
   for (size_t k = 0; k < reds.size(); ++k) {
-    opinions.push_back({Blob(reds[k] - 0.1f), Blob(reds[k]), {static_cast<int>(k)}});
+    members.push_back({Blob(reds[k] - 0.1f), Blob(reds[k]), {static_cast<int>(k)}});
   }
-  return {std::move(opinions), RenderOptions{{0, 0, 0}, 0}};
+  return {std::move(members), RenderOptions{{0, 0, 0}, 0}};
 }
 
-TEST(EnsembleProposer, ShowsTheMeanAndHowMuchOpinionsDiffer) {
-  const auto proposal = ProposerOf({0.4f, 0.6f}).Propose(Front(), -1);
+TEST(EnsembleProposer, GivesMeanAndSpread) {
+  const auto proposal = ProposerOf({0.4f, 0.6f}).Propose(Front(), std::nullopt);
   ASSERT_TRUE(proposal.has_value());
   EXPECT_EQ(proposal->source, "splat");
   const size_t middle = 3 * 8 + 4;
@@ -43,12 +43,12 @@ TEST(EnsembleProposer, ShowsTheMeanAndHowMuchOpinionsDiffer) {
   EXPECT_NEAR(proposal->inv_depth[middle], 0.5f, 0.05f);
 }
 
-TEST(EnsembleProposer, LeavesOutExtremesAmongFour) {
-  const auto proposal = ProposerOf({0.4f, 0.6f, 0.5f, 1.f}).Propose(Front(), -1);
+TEST(EnsembleProposer, TrimsExtremesOfFour) {
+  const auto proposal = ProposerOf({0.4f, 0.6f, 0.5f, 1.f}).Propose(Front(), std::nullopt);
   EXPECT_NEAR(proposal->rgb.data[3 * (3 * 8 + 4)], 0.55f, 0.02f);
 }
 
-TEST(EnsembleProposer, ShowsAHiddenPhotographAsItWasBelievedUnseen) {
+TEST(EnsembleProposer, ShowsHeldOutViewByLeaveOutModels) {
   const EnsembleProposer proposer = ProposerOf({0.2f, 0.8f});
   const auto proposal = proposer.Propose(Front(), 1);
   ASSERT_TRUE(proposal.has_value());
@@ -57,14 +57,14 @@ TEST(EnsembleProposer, ShowsAHiddenPhotographAsItWasBelievedUnseen) {
   EXPECT_FALSE(proposer.Propose(Front(), 2).has_value());
 }
 
-TEST(LeftOut, LeavesEachPhotographOutOnce) {
+TEST(HeldOutViews, HoldsEachViewOutOnce) {
   std::vector<int> all;
   for (int k = 0; k < 4; ++k) {
-    for (const int v : LeftOut(10, 4, k)) all.push_back(v);
+    for (const int v : HeldOutViews(10, 4, k)) all.push_back(v);
   }
   std::sort(all.begin(), all.end());
   EXPECT_EQ(all, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
-  EXPECT_TRUE(LeftOut(10, 1, 0).empty());
+  EXPECT_TRUE(HeldOutViews(10, 1, 0).empty());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "oraclegs/propose/folder.h"
 
 #include "propose/proposal_folders.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -14,7 +15,7 @@ using ::testing::IsEmpty;
 
 using FolderTest = ProposalFolderTest;
 
-TEST_F(FolderTest, WhatWeWriteComesBack) {
+TEST_F(FolderTest, ReadsWhatIsWritten) {
   std::vector<Proposal> written;
   for (const char* name : {"orbit_0000", "orbit_0001"}) {
     written.push_back({name, "warp", RigCamera({5, written.empty() ? 0. : 1., 2}, {0, 0, 0}), {64, 48, 3, {}}});
@@ -30,10 +31,10 @@ TEST_F(FolderTest, WhatWeWriteComesBack) {
     EXPECT_TRUE(read.proposals[i].camera.cam_from_world.isApprox(written[i].camera.cam_from_world, 1e-12));
     EXPECT_THAT(read.confidence[i], IsEmpty());
   }
-  EXPECT_THAT(heard_.warnings, IsEmpty());
+  EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
-TEST_F(FolderTest, PicturesTakeTheWorkingSize) {
+TEST_F(FolderTest, ResizesToWorkingSize) {
   WriteFrames({"twice", "square", "small"});
   Paint("twice.png", {255, 0, 51}, 128, 96);
   EditFrame(1, [](nlohmann::json* frame) { (*frame)["w"] = 512, (*frame)["h"] = 512, (*frame)["fl_x"] = 512; });
@@ -48,20 +49,20 @@ TEST_F(FolderTest, PicturesTakeTheWorkingSize) {
   }
   EXPECT_EQ(read.proposals[0].camera.width, 64);
   EXPECT_EQ(read.proposals[0].camera.fx, 50);
-  EXPECT_EQ(read.proposals[1].camera.width, 55);  // no photograph is square: its own shape, as many pixels
+  EXPECT_EQ(read.proposals[1].camera.width, 55);  // no training image is square: its own shape, as many pixels
   EXPECT_EQ(read.proposals[1].camera.height, 55);
   EXPECT_NEAR(read.proposals[1].camera.fx, 55, 1e-9);
   EXPECT_EQ(read.proposals[2].camera.width, 64);
 }
 
-TEST_F(FolderTest, NumbersInTheFileReserveNoMemory) {
+TEST_F(FolderTest, IgnoresSizeOfTransforms) {
   WriteFrames({"a"});
   EditFrame(0, [](nlohmann::json* frame) { (*frame)["w"] = 1 << 20, (*frame)["h"] = 1 << 20; });
   Paint("a.png", {1, 2, 3}, 16, 16);
   EXPECT_EQ(Read().proposals.at(0).camera.width, 55);
 }
 
-TEST_F(FolderTest, TransparencyShowsTheBackground) {
+TEST_F(FolderTest, CompositesOnBackground) {
   WriteFrames({"a"});
   Paint("a.png", {255, 255, 255, 51});
   request_.background = {1, 0, 0.5f};
@@ -71,38 +72,38 @@ TEST_F(FolderTest, TransparencyShowsTheBackground) {
   EXPECT_NEAR(rgb.data[2], 0.6, 1e-5);
 }
 
-TEST_F(FolderTest, AnotherShapeIsLeftOut) {
+TEST_F(FolderTest, SkipsOtherShapes) {
   WriteFrames({"a", "b"});
   Paint("a.png", {1, 2, 3});
   Paint("b.png", {1, 2, 3}, 48, 64);
   Paint("synthetic_1/1.png", {1, 2, 3}, 640, 484);  // less than 1 % off
   Paint("synthetic_1/2.png", {1, 2, 3}, 640, 490);
   EXPECT_THAT(NamesOf(Read()), ElementsAre("a"));
-  EXPECT_THAT(heard_.warnings, ElementsAre(AllOf(HasSubstr("(b.png)"), HasSubstr("more than 1 %"))));
+  EXPECT_THAT(events_.warnings, ElementsAre(AllOf(HasSubstr("(b.png)"), HasSubstr("more than 1 %"))));
   const FolderProposals official = Read("synthetic_1");
   ASSERT_THAT(NamesOf(official), ElementsAre("1"));
   EXPECT_EQ(official.proposals[0].rgb.height, 48);
   EXPECT_EQ(official.proposals[0].camera.fx, 50);
 }
 
-TEST_F(FolderTest, DamagedPicturesAreLeftOut) {
+TEST_F(FolderTest, SkipsDamagedImages) {
   Paint("synthetic_1/1.png", {1, 2, 3});
   Paint("synthetic_1/2.png", {1, 2, 3});
   const std::filesystem::path damaged = dir_ / "synthetic_1/2.png";
   std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 2);
   EXPECT_THAT(NamesOf(Read()), ElementsAre("1"));
-  EXPECT_THAT(heard_.warnings, ElementsAre(AllOf(HasSubstr("(2.png)"), HasSubstr("cannot be read; copy them again"))));
+  EXPECT_THAT(events_.warnings, ElementsAre(AllOf(HasSubstr("(2.png)"), HasSubstr("cannot be read; copy them again"))));
 }
 
-TEST_F(FolderTest, TestPosesAreRefusedWhateverTheirName) {
+TEST_F(FolderTest, SkipsTestPosesOfAnyName) {
   WriteTargets(dir_.path(), {{"a", request_.test[1].camera}, {"b", RigCamera({5, 1, 1}, {0, 0, 0})}});
   Paint("a.png", {1, 2, 3});
   Paint("b.png", {1, 2, 3});
   EXPECT_THAT(NamesOf(Read()), ElementsAre("b"));
-  EXPECT_THAT(heard_.warnings, ElementsAre(AllOf(HasSubstr("(a.png)"), HasSubstr("the pose of a test view"))));
+  EXPECT_THAT(events_.warnings, ElementsAre(AllOf(HasSubstr("(a.png)"), HasSubstr("the pose of a test view"))));
 }
 
-TEST_F(FolderTest, ReadyConfidence) {
+TEST_F(FolderTest, ReadsConfidence) {
   Paint("synthetic_1/1.png", {1, 2, 3}, 128, 96);
   Paint("synthetic_1/2.png", {1, 2, 3}, 128, 96);
   Paint("synthetic_1_attention_maps/1.png", {51}, 128, 96);
@@ -112,35 +113,35 @@ TEST_F(FolderTest, ReadyConfidence) {
   EXPECT_EQ(read.confidence[0].size(), 64u * 48);
   EXPECT_THAT(read.confidence[0], Each(FloatNear(0.2f, 1e-5f)));
   EXPECT_THAT(read.confidence[1], Each(1.f));
-  EXPECT_THAT(heard_.warnings, IsEmpty());
+  EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
-TEST_F(FolderTest, ConfidenceThatCannotBeUsedIsTold) {
+TEST_F(FolderTest, WarnsOfUnusableConfidence) {
   WriteFrames({"a", "b", "c", "d", "e", "f"});
   for (const char* name : {"a.png", "b.png", "c.png", "d.png", "e.png", "f.png"}) Paint(name, {1, 2, 3});
   Paint("confidence/a.png", {128});
   Paint("confidence/c.png", {128}, 32, 24);
   Paint("confidence/d.png", {200, 10, 10});
-  WriteText(dir_ / "confidence/e.png", "no picture");
+  WriteText(dir_ / "confidence/e.png", "no image");
   const FolderProposals read = Read();
   ASSERT_EQ(read.proposals.size(), 6u);
   EXPECT_EQ(read.confidence[0].size(), 64u * 48);
   for (size_t i = 1; i < 6; ++i) EXPECT_THAT(read.confidence[i], IsEmpty()) << i;
   EXPECT_THAT(
-      heard_.warnings,
+      events_.warnings,
       ::testing::UnorderedElementsAre(
           AllOf(HasSubstr("confidence: 1 confidence maps"), HasSubstr("another size than"), HasSubstr(": c.png")),
           AllOf(HasSubstr("in colours"), HasSubstr(": d.png")), AllOf(HasSubstr("not readable"), HasSubstr(": e.png")),
           AllOf(HasSubstr("2 proposals have no confidence map"), HasSubstr("b.png, f.png"))));
 }
 
-TEST_F(FolderTest, NothingLeftIsToldAfterTheReasons) {
+TEST_F(FolderTest, WarnsWhenNothingIsLeft) {
   WriteFrames({"a", "b"});
   EXPECT_TRUE(Read().proposals.empty());
-  ASSERT_EQ(heard_.warnings.size(), 2u);
-  EXPECT_THAT(heard_.warnings[0],
-              AllOf(HasSubstr("2 proposals are left out (a.png, b.png)"), HasSubstr("no picture file is there")));
-  EXPECT_THAT(heard_.warnings[1], HasSubstr("none of its proposals can be used; going on without them"));
+  ASSERT_EQ(events_.warnings.size(), 2u);
+  EXPECT_THAT(events_.warnings[0],
+              AllOf(HasSubstr("2 proposals are skipped (a.png, b.png)"), HasSubstr("no image file is there")));
+  EXPECT_THAT(events_.warnings[1], HasSubstr("none of its proposals can be used; going on without them"));
 }
 
 TEST_F(FolderTest, NeedsAWorkingSize) {

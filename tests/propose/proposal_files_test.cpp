@@ -2,9 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/transforms.h"
 #include "propose/rigs.h"
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -29,7 +33,7 @@ class ProposalFilesTest : public ::testing::Test {
  protected:
   std::string ErrorOf(const std::vector<json>& frames) {
     WriteText(dir_ / "transforms.json", json{{"frames", frames}}.dump());
-    return InputErrorOf([&] { ReadTargets(dir_.path()); });
+    return MessageOf<InputError>([&] { ReadTargets(dir_.path()); });
   }
   TempDir dir_;
 };
@@ -46,13 +50,13 @@ TEST_F(ProposalFilesTest, OtherReadersOpenWhatIsWritten) {
   const std::vector<Proposal> proposals = {Grey("orbit_0000", "warp", 0.2f), Grey("dir/IMG.v2.JPG", "warp", 0.4f)};
   EXPECT_THAT(WriteProposals(dir_.path(), proposals),
               ElementsAre("orbit_0000.png", "dir_IMG.v2.png", "transforms.json"));
-  Heard heard;
-  const Scene scene = ReadTransformsScene(dir_.path(), {}, heard.listener());
-  EXPECT_THAT(heard.warnings, IsEmpty());
+  EventRecorder events;
+  const Scene scene = ReadTransformsScene(dir_.path(), {}, events.AsListener());
+  EXPECT_THAT(events.warnings, IsEmpty());
   ASSERT_EQ(scene.views.size(), 2u);
   EXPECT_EQ(scene.views[1].name, "orbit_0000.png");
-  EXPECT_EQ(scene.views[1].lens.fy(), 52);
-  EXPECT_EQ(scene.views[1].lens.cx(), 31);
+  EXPECT_EQ(scene.views[1].intrinsics.fy(), 52);
+  EXPECT_EQ(scene.views[1].intrinsics.cx(), 31);
   EXPECT_TRUE(scene.views[1].cam_from_world->isApprox(proposals[0].camera.cam_from_world, 1e-12));
   const Image8 picture = ReadImage(dir_ / "dir_IMG.v2.png");
   EXPECT_EQ(picture.width, 64);
@@ -87,7 +91,7 @@ TEST_F(ProposalFilesTest, TargetsComeBack) {
 }
 
 TEST_F(ProposalFilesTest, RefusesDamagedTargets) {
-  EXPECT_THAT(InputErrorOf([&] { ReadTargets(dir_ / "no"); }), HasSubstr("transforms.json"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadTargets(dir_ / "no"); }), HasSubstr("transforms.json"));
   EXPECT_THAT(ErrorOf({}), HasSubstr("has no \"frames\""));
   EXPECT_THAT(ErrorOf({FrameJson("a.png"), FrameJson("a.jpg")}),
               HasSubstr("frame 'a.jpg': another frame is called 'a'"));

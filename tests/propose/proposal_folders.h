@@ -5,10 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/image/png.h"
 #include "oraclegs/propose/folder.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "propose/rigs.h"
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 
@@ -45,15 +49,15 @@ class ProposalFolderTest : public ::testing::Test {
     WritePng(dir_ / name, image);
   }
   FolderProposals Read(const std::string& below = "") {
-    return ReadProposalFolder(below.empty() ? dir_.path() : dir_ / below, request_, heard_.listener());
+    return ReadProposalFolder(below.empty() ? dir_.path() : dir_ / below, request_, events_.AsListener());
   }
   std::string ErrorOf(const std::string& below = "") {
-    return InputErrorOf([&] { Read(below); });
+    return MessageOf<InputError>([&] { Read(below); });
   }
 
   TempDir dir_;
   FolderRequest request_;
-  Heard heard_;
+  EventRecorder events_;
 };
 
 inline std::vector<std::string> NamesOf(const FolderProposals& read) {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "oraclegs/depth/fusion.h"
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/depth/fusion.h"
 
 namespace oraclegs {
 

@@ -54,8 +54,8 @@ class TargetCheckTest : public ::testing::Test {
     request_.test = {RigCamera({3, 3, 1}, {0, 0, 0})};
     request_.points = &points_;
   }
-  Verdict Judge(const Vector3d& center, const Vector3d& target) {
-    return TargetCheck(request_).Judge(RigCamera(center, target));
+  Verdict Classify(const Vector3d& center, const Vector3d& target) {
+    return TargetCheck(request_).Classify(RigCamera(center, target));
   }
 
   std::vector<DensePoint> points_;
@@ -63,11 +63,11 @@ class TargetCheckTest : public ::testing::Test {
 };
 
 TEST_F(TargetCheckTest, GivesTheReason) {
-  EXPECT_EQ(Judge({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
-  EXPECT_EQ(Judge({3, 3, 1}, {0, 0, 0}), Verdict::kTestPose);
-  EXPECT_EQ(TargetCheck(request_).Judge(request_.train[3]), Verdict::kKnownPose);
-  EXPECT_EQ(Judge({0, -1.1, 0}, {0, 0, 0}), Verdict::kInsideGeometry);
-  EXPECT_EQ(Judge({0, -4, 1}, {0, -9, 1}), Verdict::kSeesNothing);
+  EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
+  EXPECT_EQ(Classify({3, 3, 1}, {0, 0, 0}), Verdict::kTestPose);
+  EXPECT_EQ(TargetCheck(request_).Classify(request_.train[3]), Verdict::kKnownPose);
+  EXPECT_EQ(Classify({0, -1.1, 0}, {0, 0, 0}), Verdict::kInsideGeometry);
+  EXPECT_EQ(Classify({0, -4, 1}, {0, -9, 1}), Verdict::kSeesNothing);
 }
 
 TEST_F(TargetCheckTest, TakesTheDistanceFromMapsWhenThereAreSome) {
@@ -76,33 +76,33 @@ TEST_F(TargetCheckTest, TakesTheDistanceFromMapsWhenThereAreSome) {
     const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
     maps.push_back({"view", camera, std::vector<float>(pixels, 1 / 8.f), {}, std::vector<float>(pixels, 1.f)});
   }
-  EXPECT_EQ(Judge({0, -2.5, 0}, {0, 0, 0}), Verdict::kGood);
+  EXPECT_EQ(Classify({0, -2.5, 0}, {0, 0, 0}), Verdict::kGood);
   request_.maps = &maps;
-  EXPECT_EQ(Judge({0, -2.5, 0}, {0, 0, 0}), Verdict::kInsideGeometry);  // 1.5 from the sphere, a quarter of 8 is 2
+  EXPECT_EQ(Classify({0, -2.5, 0}, {0, 0, 0}), Verdict::kInsideGeometry);  // 1.5 from the sphere, a quarter of 8 is 2
 }
 
 TEST_F(TargetCheckTest, FewPointsNearByAreStrays) {
   for (int i = 0; i < 4; ++i) points_.push_back({{0, -4, 1.1f}, {0, 0, 0}, {0, 0, 0}});
-  EXPECT_EQ(Judge({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
+  EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
   points_.push_back(points_.back());
-  EXPECT_EQ(Judge({0, -4, 1}, {0, 0, 0}), Verdict::kInsideGeometry);
+  EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kInsideGeometry);
 }
 
 TEST_F(TargetCheckTest, WhatAPhotographKeptIsFarEnough) {
   request_.train.push_back(RigCamera({0, -1.2, 0}, {0, 0, 0}));  // 0.2 from the surface
-  EXPECT_EQ(Judge({0.1, -1.25, 0}, {0, 0, 0}), Verdict::kGood);
+  EXPECT_EQ(Classify({0.1, -1.25, 0}, {0, 0, 0}), Verdict::kGood);
 }
 
 TEST_F(TargetCheckTest, ASmallObjectIsEnoughWhereThePhotographsShowNoMore) {
   points_ = SpherePoints(5000, 0.2);  // on 2 % of the grid
-  EXPECT_EQ(Judge({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
-  EXPECT_EQ(Judge({0, -4, 1}, {9, 0, 0}), Verdict::kSeesNothing);
+  EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
+  EXPECT_EQ(Classify({0, -4, 1}, {9, 0, 0}), Verdict::kSeesNothing);
 }
 
 TEST_F(TargetCheckTest, WithoutPointsOnlyPosesAreChecked) {
   points_.resize(99);
-  EXPECT_EQ(Judge({0, -0.5, 0}, {0, 0, 9}), Verdict::kGood);
-  EXPECT_EQ(Judge({3, 3, 1}, {0, 0, 0}), Verdict::kTestPose);
+  EXPECT_EQ(Classify({0, -0.5, 0}, {0, 0, 9}), Verdict::kGood);
+  EXPECT_EQ(Classify({3, 3, 1}, {0, 0, 0}), Verdict::kTestPose);
   EXPECT_TRUE(TargetCheck(request_).points().empty());
 }
 

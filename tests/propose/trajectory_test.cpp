@@ -8,6 +8,7 @@
 #include "oraclegs/propose/target_check.h"
 #include "propose/rigs.h"
 #include "scene/tiny_scenes.h"
+#include "support/event_recorder.h"
 
 namespace oraclegs {
 namespace {
@@ -26,7 +27,9 @@ class TrajectoryTest : public ::testing::Test {
     request_.points = &points_;
   }
   std::vector<Target> Choose(const std::string& trajectory, int proposals = 16) {
-    return ChooseTargets(request_, {trajectory, proposals}, heard_.listener());
+    TrajectoryOptions options{{}, proposals};
+    SetOption("trajectory", trajectory, &options.trajectory);
+    return ChooseTargets(request_, options, events_.AsListener());
   }
   void AddSpare(int count) {
     for (int i = 0; i < count; ++i) {
@@ -38,7 +41,7 @@ class TrajectoryTest : public ::testing::Test {
 
   std::vector<DensePoint> points_;
   TrajectoryRequest request_;
-  Heard heard_;
+  EventRecorder events_;
 };
 
 std::vector<std::string> Names(const std::vector<Target>& targets) {
@@ -58,10 +61,10 @@ TEST_F(TrajectoryTest, GivesAsManyAsAskedForWithNamesOfTheirOwn) {
       EXPECT_NO_THROW(target.camera.Check(target.name));
       EXPECT_EQ(target.camera.width, 64);
     }
-    ASSERT_FALSE(heard_.notes.empty());
-    EXPECT_THAT(heard_.notes.back(), HasSubstr("16 poses for proposals chosen by trajectory '" + trajectory + "'"));
+    ASSERT_FALSE(events_.notes.empty());
+    EXPECT_THAT(events_.notes.back(), HasSubstr("16 poses for proposals chosen by trajectory '" + trajectory + "'"));
   }
-  EXPECT_THAT(heard_.warnings, IsEmpty());
+  EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
 TEST_F(TrajectoryTest, IsTheSameForOneSeedAndAnyNumberOfThreads) {
@@ -105,9 +108,10 @@ TEST_F(TrajectoryTest, NeverATrainingPoseNorOneTwice) {
                     {"b.png", RigCamera({0, 3, 1}, {0, 0, 0})},
                     {"c.png", RigCamera({0, 3, 1}, {0, 0, 0})}};
   EXPECT_THAT(Names(Choose("dataset")), ElementsAre("b"));
-  ASSERT_EQ(heard_.warnings.size(), 1u);
-  EXPECT_THAT(heard_.warnings[0], AllOf(HasSubstr("more than half of the poses of trajectory 'dataset' cannot be used"),
-                                        HasSubstr("2 at a training pose or at one chosen already")));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0],
+              AllOf(HasSubstr("more than half of the poses of trajectory 'dataset' cannot be used"),
+                    HasSubstr("2 at a training pose or at one chosen already")));
 }
 
 TEST_F(TrajectoryTest, DatasetPicksEvenlyAndKeepsNamesApart) {
@@ -139,7 +143,7 @@ TEST_F(TrajectoryTest, NothingInsideGeometry) {
   EXPECT_LT(targets.size(), 60u);
   EXPECT_GT(targets.size(), 30u);
   for (const Target& target : targets) EXPECT_GT((target.camera.Center().cast<float>() - place).norm(), 0.6f);
-  EXPECT_THAT(heard_.notes.back(), HasSubstr("inside geometry"));
+  EXPECT_THAT(events_.notes.back(), HasSubstr("inside geometry"));
 }
 
 TEST_F(TrajectoryTest, WarnsWhenMostAreRejectedAndWhenNothingIsLeft) {
@@ -149,16 +153,16 @@ TEST_F(TrajectoryTest, WarnsWhenMostAreRejectedAndWhenNothingIsLeft) {
                     {"c.png", RigCamera({0, 1, 490}, {0, 0, 0})}};
   request_.train.assign(1, RigCamera({3, 0, 490}, {0, 0, 500}));
   EXPECT_THAT(Names(Choose("dataset")), ElementsAre("a"));
-  ASSERT_EQ(heard_.warnings.size(), 1u);
-  EXPECT_THAT(heard_.warnings[0], AllOf(HasSubstr("of 3 candidates 2 rejected"), HasSubstr("next to nothing")));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0], AllOf(HasSubstr("of 3 candidates 2 rejected"), HasSubstr("next to nothing")));
   request_.spare.erase(request_.spare.begin());
   EXPECT_THAT(Choose("dataset"), IsEmpty());
-  ASSERT_EQ(heard_.warnings.size(), 2u);
-  EXPECT_THAT(heard_.warnings[1], AllOf(HasSubstr("no usable pose for proposals on trajectory 'dataset'"),
-                                        HasSubstr("another --trajectory"), HasSubstr("--proposals 0")));
+  ASSERT_EQ(events_.warnings.size(), 2u);
+  EXPECT_THAT(events_.warnings[1], AllOf(HasSubstr("no usable pose for proposals on trajectory 'dataset'"),
+                                         HasSubstr("another --trajectory"), HasSubstr("--proposals 0")));
   request_.spare.clear();
   EXPECT_THAT(Choose("dataset"), IsEmpty());
-  EXPECT_THAT(heard_.warnings.at(2), HasSubstr("0 candidates"));
+  EXPECT_THAT(events_.warnings.at(2), HasSubstr("0 candidates"));
 }
 
 TEST_F(TrajectoryTest, FewCamerasAreEnough) {
@@ -179,8 +183,8 @@ TEST_F(TrajectoryTest, FewCamerasAreEnough) {
 
 TEST_F(TrajectoryTest, ZeroProposalsAreNoneInSilence) {
   EXPECT_THAT(Choose("orbit", 0), IsEmpty());
-  EXPECT_THAT(heard_.warnings, IsEmpty());
-  EXPECT_THAT(heard_.notes, IsEmpty());
+  EXPECT_THAT(events_.warnings, IsEmpty());
+  EXPECT_THAT(events_.notes, IsEmpty());
 }
 
 TEST_F(TrajectoryTest, RefusesWrongOptionsAndNoCameras) {

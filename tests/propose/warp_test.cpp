@@ -55,7 +55,7 @@ class WarpTest : public testing::Test {
 
 TEST_F(WarpTest, ShowsANewViewAsItIs) {
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, 96, 72);
-  const WarpedView view = Warper({photos, maps}).Warp(between, -1);
+  const WarpedView view = Warper({photos, maps}).Warp(between);
   EXPECT_LT(MeanError(view.rgb, Take(between).rgb), 0.03);
   const DepthMap truth = DepthOf(between);
   size_t right = 0;
@@ -66,7 +66,7 @@ TEST_F(WarpTest, ShowsANewViewAsItIs) {
 
 TEST_F(WarpTest, SupportsWhatSeveralPhotographsShowMoreThanWhatItMadeUp) {
   const Camera aside = CameraAt({2.6, 0, -3}, {0, 0, 0}, 96, 72);
-  const WarpedView view = Warper({photos, maps}).Warp(aside, -1);
+  const WarpedView view = Warper({photos, maps}).Warp(aside);
   double known = 0, filled = 0;
   size_t number_known = 0, number_filled = 0;
   for (const PixelEvidence& e : view.evidence) {
@@ -93,11 +93,11 @@ TEST_F(WarpTest, FreesColoursOfExposure) {
   WarpSources sources{photos, maps};
   sources.gains.assign(5, Eigen::Vector3f::Ones());
   sources.gains[2].setConstant(0.5f), sources.gains[3].setConstant(0.5f);
-  EXPECT_LT(MeanError(Warper(sources).Warp(between, -1).rgb, truth), 0.03);
+  EXPECT_LT(MeanError(Warper(sources).Warp(between).rgb, truth), 0.03);
 }
 
 TEST_F(WarpTest, TellsWhichPhotographAColourComesFrom) {
-  const WarpedView view = Warper({photos, maps}).Warp(photos[1].camera, -1);
+  const WarpedView view = Warper({photos, maps}).Warp(photos[1].camera);
   size_t own = 0;
   for (const uint16_t from : view.provenance) own += from == 2 ? 1 : 0;
   EXPECT_GT(own, view.provenance.size() * 9 / 10);
@@ -107,7 +107,7 @@ TEST_F(WarpTest, WithoutDepthInViewShowsTheBackground) {
   const Camera away = CameraAt({0, 0, -4}, {0, 0, -9}, 24, 16);
   WarpSources sources{photos, maps};
   sources.background = {0.25f, 0.5f, 0.75f};
-  const WarpedView view = Warper(sources).Warp(away, -1);
+  const WarpedView view = Warper(sources).Warp(away);
   for (size_t i = 0; i < view.inv_depth.size(); ++i) {
     EXPECT_EQ(view.inv_depth[i], 0.f);
     EXPECT_EQ(view.evidence[i].ring, 40.f);
@@ -125,7 +125,7 @@ TEST(WarpOfAnObject, KnowsTheBackgroundBesideItsHull) {
   const Silhouettes silhouettes(photos);
   ASSERT_FALSE(silhouettes.empty());
   const Camera between = CameraAt({0.4, 0, -4}, {0, 0, 0}, 96, 72);
-  const WarpedView view = Warper({photos, maps, {}, &silhouettes, {1, 1, 1}}).Warp(between, -1);
+  const WarpedView view = Warper({photos, maps, {}, &silhouettes, {1, 1, 1}}).Warp(between);
   const LoadedView truth = square.Take(between, "truth");
   EXPECT_EQ(view.evidence[0].background, 1.f);
   EXPECT_EQ(view.evidence[72 / 2 * 96 + 96 / 2].background, 0.f);

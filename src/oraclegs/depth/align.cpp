@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/core/statistics.h"
+
 namespace oraclegs {
 namespace {
 
 constexpr double kLeastOfMedian = 0.2, kMostOfMedian = 5;  // of a reliable scale
 constexpr double kSpanOfMedian = 1e-3;
-
-/// Of an even count the mean of the middle two; `values` is not empty.
-double Median(std::vector<double> values) {
-  const size_t n = values.size();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(n / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (n % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
 
 double MeanDeviation(const std::vector<double>& values, double from) {
   double sum = 0;
@@ -81,7 +74,7 @@ std::vector<bool> AreReliable(const std::vector<Alignment>& alignments) {
   for (const Alignment& a : alignments) {
     if (a.scale > 0) positive.push_back(a.scale);
   }
-  const double median = positive.empty() ? 0 : Median(positive);
+  const double median = Median(&positive);
   std::vector<bool> reliable;
   for (const Alignment& a : alignments) {
     reliable.push_back(a.scale > 0 && a.scale >= kLeastOfMedian * median && a.scale <= kMostOfMedian * median);
@@ -96,7 +89,7 @@ double SmallestSpan(const std::vector<std::vector<KnownDepth>>& known) {
       if (k.inv_depth > 0) all.push_back(k.inv_depth);
     }
   }
-  return all.empty() ? 0 : kSpanOfMedian * Median(all);
+  return kSpanOfMedian * Median(&all);
 }
 
 }  // namespace oraclegs

@@ -1,6 +1,6 @@
 #pragma once
 // A network tells which pixel is nearer, but neither the unit nor the zero point of its inverse depths. Depths that are
-// known in a photograph tell those (spec/depth_anything_v2.md 6).
+// known in a photograph tell those (docs/method.md#depth-alignment).
 
 #include <vector>
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 namespace {
@@ -83,9 +84,7 @@ void DampOutliers(const PlaneMap& map, std::vector<float>* confidence) {
           if (map.At(u, v).inv_depth > 0) values.push_back(map.At(u, v).inv_depth);
         }
       }
-      const auto middle = values.begin() + static_cast<int64_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      if (std::abs(map.planes[i].inv_depth / *middle - 1) > kOutlier) (*confidence)[i] *= kDamped;
+      if (std::abs(map.planes[i].inv_depth / UpperMedian(&values) - 1) > kOutlier) (*confidence)[i] *= kDamped;
     }
   });
 }

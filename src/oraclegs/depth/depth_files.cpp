@@ -11,6 +11,8 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
 
 namespace oraclegs {
 namespace {

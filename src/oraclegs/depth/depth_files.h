@@ -13,9 +13,9 @@ namespace oraclegs {
 ///   dir/confidence/NAME.png  8-bit grey, 255 = certain
 ///   dir/normals/NAME.png     8-bit RGB, 255 * (n + 1) / 2, camera frame; 0 0 0 where unknown
 ///   dir/preview/NAME.png     depth in colours (yellow near, purple far) beside confidence (yellow sure, purple not)
-/// and dir/depth_params.json as [3DGS] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value / 65535 * scale +
-/// offset. Maps with a network's depth also have "monocular": true there. The paths written, relative to dir. Throws
-/// RunError.
+/// and dir/depth_params.json as the code of [Kerbl 2023] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value
+/// / 65535 * scale + offset. Maps with a network's depth also have "monocular": true there. The paths written, relative
+/// to dir. Throws RunError.
 std::vector<std::string> WriteDepthMaps(const std::filesystem::path& dir, const std::vector<DepthMap>& maps);
 
 /// Reads the maps of these views and cameras back. Throws InputError naming the file that is missing, damaged or of

@@ -156,7 +156,7 @@ std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::
 
 std::vector<DensePoint> Thinned(const std::vector<DensePoint>& points, size_t budget, uint64_t seed) {
   if (points.size() <= budget) return points;
-  // Efraimidis and Spirakis, "Weighted random sampling with a reservoir" (2006): the largest u^(1/w) are a weighted
+  // [Efraimidis 2006]: the largest u^(1/w) are a weighted
   // draw without replacement.
   std::vector<std::pair<float, size_t>> keys(points.size());
   for (size_t i = 0; i < points.size(); ++i) {

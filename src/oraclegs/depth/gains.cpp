@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/depth/correspondence.h"
 
 namespace oraclegs {
@@ -44,11 +45,7 @@ Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& 
   Ratio ratio;
   ratio.pixels = logs[0].size();
   if (ratio.pixels < kEnough) return {};
-  for (int c = 0; c < 3; ++c) {
-    const auto middle = logs[c].begin() + static_cast<int64_t>(logs[c].size() / 2);
-    std::nth_element(logs[c].begin(), middle, logs[c].end());
-    ratio.log[c] = *middle;
-  }
+  for (int c = 0; c < 3; ++c) ratio.log[c] = UpperMedian(&logs[c]);
   return ratio;
 }
 

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "oraclegs/core/statistics.h"
+
 namespace oraclegs {
 namespace {
 
@@ -15,24 +17,22 @@ constexpr std::array<double, 6> kErrorScales = {0.8, 0.4, 0.2, 0.1, 0.06, 0.06};
 constexpr double kRidge = 1e-3;    // holds factor and addend where they say the same
 constexpr float kFarShare = 0.1f;  // of the median: below that errors count as they do there
 
-float MedianTruth(const std::vector<WarpSample>& samples) {
+float MedianTruth(const std::vector<DepthSample>& samples) {
   std::vector<float> truths;
-  for (const WarpSample& s : samples) truths.push_back(s.truth);
-  const auto middle = truths.begin() + static_cast<std::ptrdiff_t>(truths.size() / 2);
-  std::nth_element(truths.begin(), middle, truths.end());
-  return *middle;
+  for (const DepthSample& s : samples) truths.push_back(s.truth);
+  return UpperMedian(&truths);
 }
 
 }  // namespace
 
-LocalWarp::LocalWarp(int width, int height, const std::vector<WarpSample>& samples, const WarpOptions& options) {
+LocalWarp::LocalWarp(int width, int height, const std::vector<DepthSample>& samples, const LocalWarpOptions& options) {
   cell_ = std::max(1.f, static_cast<float>(std::max(width, height)) / static_cast<float>(options.cells));
   across_ = static_cast<int>(std::ceil(static_cast<float>(width) / cell_)) + 1;
   down_ = static_cast<int>(std::ceil(static_cast<float>(height) / cell_)) + 1;
   const auto nodes = static_cast<size_t>(across_) * static_cast<size_t>(down_);
   factor_.assign(nodes, 0), addend_.assign(nodes, 0);
   double weights = 0;
-  for (const WarpSample& s : samples) weights += static_cast<double>(s.weight);
+  for (const DepthSample& s : samples) weights += static_cast<double>(s.weight);
   if (!(weights > 0)) return;
 
   const float median = MedianTruth(samples);
@@ -56,7 +56,7 @@ LocalWarp::LocalWarp(int width, int height, const std::vector<WarpSample>& sampl
   for (const double scale : kErrorScales) {
     Eigen::MatrixXd normal = smooth;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * n);
-    for (const WarpSample& s : samples) {
+    for (const DepthSample& s : samples) {
       // Relative to the truth: how the depth's logarithm is off.
       const double unit = 1 / static_cast<double>(std::max(s.truth, kFarShare * median));
       const double slopes[2] = {unit * static_cast<double>(s.inv_depth), unit * static_cast<double>(median)};

@@ -8,14 +8,14 @@
 namespace oraclegs {
 
 /// What an inverse depth should have been.
-struct WarpSample {
+struct DepthSample {
   float x = 0, y = 0;   ///< pixels
   float inv_depth = 0;  ///< as it is before the warp, 1/world unit
   float truth = 0;      ///< > 0
   float weight = 1;     ///< >= 0
 };
 
-struct WarpOptions {
+struct LocalWarpOptions {
   int cells = 16;            ///< along the picture's larger side
   double smoothness = 0.03;  ///< what a change from node to node costs, of what an equal relative error costs
 };
@@ -27,7 +27,7 @@ class LocalWarp {
   /// stay far off lose their say, and of the changes between neighbouring nodes. Where there are no samples the nodes
   /// go on as their neighbours are, a little less with each. Changes nothing when there is no sample. The picture is
   /// width x height pixels.
-  LocalWarp(int width, int height, const std::vector<WarpSample>& samples, const WarpOptions& options = {});
+  LocalWarp(int width, int height, const std::vector<DepthSample>& samples, const LocalWarpOptions& options = {});
 
   float operator()(float x, float y, float inv_depth) const;
 

@@ -54,12 +54,12 @@ struct Bent {
 
 Bent Bend(const DepthMap& stereo, const std::vector<float>& aligned) {
   const int width = stereo.camera.width, height = stereo.camera.height;
-  const WarpOptions options;
+  const LocalWarpOptions options;
   const int cell = std::max(1, std::max(width, height) / options.cells);
-  std::vector<WarpSample> told, held_out, all;
+  std::vector<DepthSample> told, held_out, all;
   for (const size_t i : ConfidentPixels(stereo, kMostSamples)) {
     const Eigen::Vector2f at = CentreOf(stereo.camera, i);
-    const WarpSample sample{at.x(), at.y(), aligned[i], stereo.inv_depth[i], stereo.confidence[i]};
+    const DepthSample sample{at.x(), at.y(), aligned[i], stereo.inv_depth[i], stereo.confidence[i]};
     const int column = static_cast<int>(at.x()) / cell, row = static_cast<int>(at.y()) / cell;
     // One in four, none of which touch.
     const bool hide = column % 2 == 1 && row % 2 == 1;
@@ -68,7 +68,7 @@ Bent Bend(const DepthMap& stereo, const std::vector<float>& aligned) {
   }
   const LocalWarp trial(width, height, told, options);
   size_t right = 0;
-  for (const WarpSample& s : held_out) {
+  for (const DepthSample& s : held_out) {
     right += IsRight(static_cast<double>(trial(s.x, s.y, s.inv_depth)), static_cast<double>(s.truth)) ? 1 : 0;
   }
   const double share = held_out.empty() ? 0 : static_cast<double>(right) / static_cast<double>(held_out.size());

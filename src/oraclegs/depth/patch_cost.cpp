@@ -84,19 +84,19 @@ HWY_INLINE bool Comparable(const Homography& h, const PackedImage& image) {
          h.base.y() <= z * static_cast<float>(image.height);
 }
 
-void Costs(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources, const Plane* planes,
-           int num_planes, float* costs) {
-  for (int s = 0; s < num_sources; ++s) {
-    const PackedImage& image = *sources[s].image;
-    const PixelMap& map = sources[s].map;
+void Costs(const Patch& patch, const PatchHypotheses& hypotheses, float* costs) {
+  const size_t num_sources = hypotheses.sources.size();
+  for (size_t s = 0; s < num_sources; ++s) {
+    const PackedImage& image = *hypotheses.sources[s].image;
+    const PixelMap& map = hypotheses.sources[s].map;
     const Eigen::Vector3f far = map(patch.u, patch.v, 0);
-    for (int p = 0; p < num_planes; ++p) {
+    for (size_t p = 0; p < hypotheses.planes.size(); ++p) {
+      const Plane& plane = hypotheses.planes[p];
       float& cost = costs[p * num_sources + s];
       cost = kWorstCost;
-      if (active[s] == 0) continue;
-      const Homography h{far + map.translation * planes[p].inv_depth,
-                         map.rotation.col(0) + map.translation * planes[p].dx,
-                         map.rotation.col(1) + map.translation * planes[p].dy};
+      if (hypotheses.active[s] == 0) continue;
+      const Homography h{far + map.translation * plane.inv_depth, map.rotation.col(0) + map.translation * plane.dx,
+                         map.rotation.col(1) + map.translation * plane.dy};
       if (!Comparable(h, image)) continue;
       cost = image.channels.size() == 1 ? Cost<1>(patch, image, h) : Cost<3>(patch, image, h);
     }
@@ -185,9 +185,8 @@ Patch MakePatch(const PackedImage& image, int x, int y, const uint8_t* usable) {
   return patch;
 }
 
-void PatchCosts(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources,
-                const Plane* planes, int num_planes, float* costs) {
-  HWY_DYNAMIC_DISPATCH(Costs)(patch, sources, active, num_sources, planes, num_planes, costs);
+void PatchCosts(const Patch& patch, const PatchHypotheses& hypotheses, float* costs) {
+  HWY_DYNAMIC_DISPATCH(Costs)(patch, hypotheses, costs);
 }
 
 }  // namespace oraclegs

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "oraclegs/depth/packed_image.h"
 #include "oraclegs/depth/patch_constants.h"
@@ -35,11 +36,17 @@ struct PatchSource {
   PixelMap map;                        ///< from the reference view
 };
 
-/// costs[p * num_sources + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] (their inverse depth is at the patch's
-/// centre) in sources[s]. The correlation runs over all channels at once; a guard against noise in flat patches pulls
-/// it to 0. kWorstCost where the plane takes the centre out of the picture or part of the patch behind the camera, and
-/// for sources whose `active` is 0.
-void PatchCosts(const Patch& patch, const PatchSource* sources, const uint8_t* active, int num_sources,
-                const Plane* planes, int num_planes, float* costs);
+/// Every plane is compared in every active source.
+struct PatchHypotheses {
+  std::span<const PatchSource> sources;
+  const uint8_t* active = nullptr;  ///< of each source: 0 = not compared
+  std::span<const Plane> planes;    ///< their inverse depth is at the patch's centre
+};
+
+/// costs[p * sources.size() + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] in sources[s]. The correlation runs
+/// over all channels at once; a constant in the denominator keeps noise in flat patches from correlating. kWorstCost
+/// where the plane takes the centre out of the image or part of the patch behind the camera, and for sources that are
+/// not active.
+void PatchCosts(const Patch& patch, const PatchHypotheses& hypotheses, float* costs);
 
 }  // namespace oraclegs

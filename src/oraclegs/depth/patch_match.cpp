@@ -101,7 +101,7 @@ void RunPass(const StereoScene& scene, size_t view, const PassOptions& options, 
     if (!search.TakesPart(x, y)) return;
     const Patch patch = MakePatch(v.image, x, y, search.usable);
     const auto costs_of = [&](const Plane* planes, int count, const uint8_t* active, float* costs) {
-      PatchCosts(patch, sources.data(), active, search.num_sources, planes, count, costs);
+      PatchCosts(patch, {sources, active, {planes, static_cast<size_t>(count)}}, costs);
     };
     PixelSearch(search, x, y, costs_of).Improve(iteration);
   };

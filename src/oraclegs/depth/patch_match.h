@@ -1,8 +1,8 @@
 #pragma once
 // PatchMatch stereo over planes in inverse depth, one view against its neighbours.
-// Barnes et al., "PatchMatch" (SIGGRAPH 2009) for the search; Bleyer et al., "PatchMatch Stereo" (BMVC 2011) for
-// slanted planes; Galliani et al., "Massively Parallel Multiview Stereopsis by Surface Normal Diffusion" (ICCV 2015)
-// for the chessboard; Xu and Tao, "Multi-Scale Geometric Consistency Guided Multi-View Stereo" (CVPR 2019) for the
+// [Barnes 2009] for the search; [Bleyer 2011] for
+// slanted planes; [Galliani 2015]
+// for the chessboard; [Xu 2019] for the
 // sampling of neighbours, the views' weights and the geometric term.
 
 #include <cstdint>

@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "oraclegs/depth/plane_math.h"
 #include "oraclegs/camera/camera.h"
+#include "oraclegs/depth/plane_math.h"
 
 namespace oraclegs {
 

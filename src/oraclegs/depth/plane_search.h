@@ -1,7 +1,6 @@
 #pragma once
 // Where stereo's planes are searched: one seam for every device.
 
-#include <memory>
 #include <vector>
 
 #include "oraclegs/depth/patch_match.h"
@@ -30,13 +29,5 @@ class PlaneSearch {
   /// Gives the maps back.
   virtual std::vector<PlaneMap> EndLevel() = 0;
 };
-
-/// On all threads. The same bits for any number of them.
-std::unique_ptr<PlaneSearch> MakeCpuPlaneSearch();
-
-/// On NVIDIA GPU `index`: the same search with the same random numbers, equal up to rounding, and the same bits on the
-/// same GPU. Throws UsageError when there is no such GPU, or the program was built without CUDA; what it returns throws
-/// OutOfMemory from BeginLevel.
-std::unique_ptr<PlaneSearch> MakeGpuPlaneSearch(int index);
 
 }  // namespace oraclegs

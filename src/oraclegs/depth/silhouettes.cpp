@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "oraclegs/core/statistics.h"
+
 namespace oraclegs {
 namespace {
 
@@ -46,9 +48,7 @@ Color BorderColor(const std::vector<LoadedView>& photos) {
     for (const LoadedView& photo : photos) {
       for (const size_t i : BorderPixels(photo.rgb.width, photo.rgb.height)) values.push_back(ColorAt(photo, i)[c]);
     }
-    const auto middle = values.begin() + static_cast<int64_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    color[c] = *middle;
+    color[c] = UpperMedian(&values);
   }
   return color;
 }

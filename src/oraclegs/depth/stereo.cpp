@@ -63,7 +63,8 @@ class Stereo {
 
  private:
   bool InColor() const {
-    return options_.stereo_color == "yes" || (options_.stereo_color == "auto" && !silhouettes_.empty());
+    const StereoColor decided = silhouettes_.empty() ? StereoColor::kBrightness : StereoColor::kColors;
+    return options_.stereo_color.ValueOr(decided) == StereoColor::kColors;
   }
 
   StereoScene SceneAt(int level) const {

@@ -1,8 +1,7 @@
 #pragma once
-// Multi-view stereo: dense depth from posed photographs, without any network (spec/weight_free.md).
+// Multi-view stereo: dense depth from posed photographs, without any network (docs/method.md#stereo).
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "oraclegs/core/options.h"
@@ -15,22 +14,29 @@ namespace oraclegs {
 
 class PlaneSearch;
 
+enum class StereoColor { kColors, kBrightness };
+
+template <>
+struct EnumWords<StereoColor> {
+  static constexpr EnumWord<StereoColor> kWords[] = {{StereoColor::kColors, "yes"}, {StereoColor::kBrightness, "no"}};
+};
+
 struct StereoOptions {
   int neighbors = 5;
   int iterations = 5;
   int geometric_passes = 2;
-  std::string stereo_color = "auto";
+  Auto<StereoColor> stereo_color;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("stereo-neighbors", self.neighbors, "Photographs each one is compared with to find its depth", Range{1, 8});
-    visit("stereo-iterations", self.iterations, "Rounds of the photometric search, at the coarse resolution", Range{1, 50});
+    visit("stereo-iterations", self.iterations, "Rounds of the photometric search, at the coarse resolution",
+          Range{1, 50});
     visit("stereo-passes", self.geometric_passes,
           "Passes in which the photographs' depths are made to agree, at each resolution", Range{1, 16});
     visit("stereo-color", self.stereo_color,
           "Compare colours or brightness only, which is three times as fast; auto = colours for an object before a "
-          "plain background",
-          Choice{{"auto", "yes", "no"}});
+          "plain background");
   }
 };
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "oraclegs/core/rng.h"
 #include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/rng.h"
 
 namespace oraclegs {
 namespace {
@@ -111,8 +111,8 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& photos, c
   return ranges;
 }
 
-std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
-                                            int most) {
+std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photos,
+                                            const std::vector<ScenePoint>& points, int most) {
   const std::vector<Eigen::Vector3d> stand_ins = StandIns(CamerasOf(photos));
   const int n = static_cast<int>(photos.size());
   std::vector<std::vector<std::vector<Eigen::Vector3d>>> shared(n, std::vector<std::vector<Eigen::Vector3d>>(n));

@@ -24,8 +24,8 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& photos, c
 /// less than
 /// 60. Points stand in for the scene where two photographs share too few: drawn in the volume the cameras look at. May
 /// be empty for a photograph that shares nothing with any other, or only with those taken from its own place.
-std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
-                                            int most);
+std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photos,
+                                            const std::vector<ScenePoint>& points, int most);
 
 /// Angle in degrees under which two camera centres see a point.
 double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b);

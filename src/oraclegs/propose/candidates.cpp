@@ -6,10 +6,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "oraclegs/core/rng.h"
-#include "oraclegs/propose/nearest_order.h"
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/propose/nearest_order.h"
 
 namespace oraclegs {
 namespace {

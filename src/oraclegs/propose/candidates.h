@@ -16,8 +16,8 @@ namespace oraclegs {
 std::vector<Camera> OrbitCandidates(const std::vector<Camera>& train, int count);
 
 /// Cameras that look one way (within 45 degrees): a spiral around the mean pose, as wide as the cameras are spread, as
-/// forward-facing captures are flown through [LLFF]. Otherwise around what they look at, over the azimuths that were
-/// photographed, while the elevation rises and falls over the photographs' range.
+/// forward-facing captures are flown through [Mildenhall 2019]. Otherwise around what they look at, over the azimuths
+/// that were photographed, while the elevation rises and falls over the photographs' range.
 std::vector<Camera> SpiralCandidates(const std::vector<Camera>& train, int count);
 
 /// A smooth path through all training poses from neighbour to neighbour, evenly spaced along its length (of a camera

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "oraclegs/depth/fusion.h"
 #include "oraclegs/camera/camera.h"
+#include "oraclegs/depth/fusion.h"
 
 namespace oraclegs {
 

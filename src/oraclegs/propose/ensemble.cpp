@@ -1,4 +1,5 @@
 #include "oraclegs/propose/ensemble.h"
+#include "oraclegs/render/make_rasterizer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +8,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kOpaque = 0.5f;  // less alpha says nothing of depth
-constexpr size_t kTrimFrom = 4;  // values
+constexpr float kMinAlphaForDepth = 0.5f;
+constexpr size_t kMinValuesForTrim = 4;
 
-/// One opinion's picture.
+/// What one member shows.
 struct Render {
   std::vector<float> rgb, inv_depth;
 };
@@ -23,7 +24,7 @@ Render ToRender(const RenderOutput& out) {
   render.rgb.resize(static_cast<size_t>(out.image.count()));
   std::transform(image, image + out.image.count(), render.rgb.begin(), [](float v) { return std::clamp(v, 0.f, 1.f); });
   for (int64_t i = 0; i < out.alpha.count(); ++i) {
-    render.inv_depth.push_back(alpha[i] > kOpaque ? inv_depth[i] / alpha[i] : 0.f);
+    render.inv_depth.push_back(alpha[i] > kMinAlphaForDepth ? inv_depth[i] / alpha[i] : 0.f);
   }
   return render;
 }
@@ -31,7 +32,7 @@ Render ToRender(const RenderOutput& out) {
 /// The mean of all, or of all but the smallest and the largest.
 float TrimmedMean(std::vector<float>* values) {
   std::sort(values->begin(), values->end());
-  const size_t trim = values->size() >= kTrimFrom ? 1 : 0;
+  const size_t trim = values->size() >= kMinValuesForTrim ? 1 : 0;
   float sum = 0;
   for (size_t k = trim; k < values->size() - trim; ++k) sum += (*values)[k];
   return sum / static_cast<float>(values->size() - 2 * trim);
@@ -39,17 +40,17 @@ float TrimmedMean(std::vector<float>* values) {
 
 }  // namespace
 
-EnsembleProposer::EnsembleProposer(std::vector<ProxyModel> opinions, RenderOptions render)
-    : opinions_(std::move(opinions)), render_(std::move(render)), rasterizer_(MakeRasterizer(kCpu)) {}
+EnsembleProposer::EnsembleProposer(std::vector<ProxyModel> members, RenderOptions render)
+    : members_(std::move(members)), render_(std::move(render)), rasterizer_(MakeRasterizer(kCpu)) {}
 
-std::optional<Proposal> EnsembleProposer::Propose(const Target& target, int hidden) const {
+std::optional<Proposal> EnsembleProposer::Propose(const Target& target, std::optional<int> held_out) const {
   std::vector<Render> renders;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (const ProxyModel& opinion : opinions_) {
-      const bool unseen = std::find(opinion.unseen.begin(), opinion.unseen.end(), hidden) != opinion.unseen.end();
-      if (hidden >= 0 && !unseen) continue;
-      const Gaussians& gaussians = hidden >= 0 ? opinion.before : opinion.gaussians;
+    for (const ProxyModel& member : members_) {
+      const std::vector<int>& unseen = member.held_out;
+      if (held_out && std::find(unseen.begin(), unseen.end(), *held_out) == unseen.end()) continue;
+      const Gaussians& gaussians = held_out ? member.before : member.gaussians;
       renders.push_back(ToRender(rasterizer_->Forward(gaussians, target.camera, render_, RenderPass::kInference)));
     }
   }
@@ -74,11 +75,11 @@ std::optional<Proposal> EnsembleProposer::Propose(const Target& target, int hidd
   return proposal;
 }
 
-std::vector<int> LeftOut(int photographs, int opinions, int k) {
-  std::vector<int> left_out;
-  if (opinions < 2) return left_out;
-  for (int v = k; v < photographs; v += opinions) left_out.push_back(v);
-  return left_out;
+std::vector<int> HeldOutViews(int views, int members, int member) {
+  std::vector<int> held_out;
+  if (members < 2) return held_out;
+  for (int v = member; v < views; v += members) held_out.push_back(v);
+  return held_out;
 }
 
 }  // namespace oraclegs

@@ -1,9 +1,11 @@
 #pragma once
-// A second opinion: what quick models trained on the photographs show in a new view.
+// Proposals from an ensemble: what proxy models, trained quickly on the training views, show in a new view
+// (docs/method.md#proxy-models).
 
 #include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "oraclegs/propose/proposer.h"
@@ -11,31 +13,31 @@
 
 namespace oraclegs {
 
-/// A quick model, trained without some of the training photographs, and then with all.
+/// A member of the ensemble: a quickly trained model that some training views were held out from at first.
 struct ProxyModel {
-  Gaussians before;         ///< what it was when it had not seen `unseen`
-  Gaussians gaussians;      ///< what it became
-  std::vector<int> unseen;  ///< indices of training photographs
+  Gaussians before;           ///< before training with all views: the leave-k-out model
+  Gaussians gaussians;        ///< after it
+  std::vector<int> held_out;  ///< indices of training views
 };
 
-/// Proposer "splat": the mean of the opinions' renders (without the most extreme values where there are four or more),
-/// and how much they differ. A hidden photograph is shown as the opinions believed it that had not seen it; nothing
-/// when all had.
+/// Proposer "splat": the mean of the members' renders (without the most extreme values where there are four or more),
+/// and how much they differ. A held-out view is shown by the leave-k-out models that were trained without it; nothing
+/// when there is none.
 class EnsembleProposer : public Proposer {
  public:
-  EnsembleProposer(std::vector<ProxyModel> opinions, RenderOptions render);
+  EnsembleProposer(std::vector<ProxyModel> members, RenderOptions render);
   std::string name() const override { return "splat"; }
-  std::optional<Proposal> Propose(const Target& target, int hidden) const override;
+  std::optional<Proposal> Propose(const Target& target, std::optional<int> held_out) const override;
 
  private:
-  std::vector<ProxyModel> opinions_;
+  std::vector<ProxyModel> members_;
   RenderOptions render_;
   mutable std::mutex mutex_;  ///< the rasteriser uses all threads itself
   std::unique_ptr<Rasterizer> rasterizer_;
 };
 
-/// The photographs that opinion k of n leaves out: every n-th, beginning with the k-th; each photograph is left out by
-/// exactly one.
-std::vector<int> LeftOut(int photographs, int opinions, int k);
+/// The views that are held out from member `member` of `members`: every members-th, beginning with that index; each
+/// view is held out from exactly one. None from a single member.
+std::vector<int> HeldOutViews(int views, int members, int member);
 
 }  // namespace oraclegs

@@ -7,9 +7,11 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/folder_layout.h"
 #include "oraclegs/propose/target_check.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -38,45 +40,45 @@ Camera AtWorkingSize(const Camera& camera, const FolderRequest& request) {
                  std::max(1, static_cast<int>(std::lround(camera.height * scale))));
 }
 
-ImageF Composited(const Image8& picture, const std::array<float, 3>& background) {
-  ImageF rgb{picture.width, picture.height, 3, {}};
-  const auto channels = static_cast<size_t>(picture.channels);
-  rgb.data.resize(picture.data.size() / channels * 3);
-  for (size_t i = 0; i < picture.data.size() / channels; ++i) {
-    const float alpha = channels == 4 ? static_cast<float>(picture.data[4 * i + 3]) / 255 : 1;
+ImageF Composited(const Image8& image, const std::array<float, 3>& background) {
+  ImageF rgb{image.width, image.height, 3, {}};
+  const auto channels = static_cast<size_t>(image.channels);
+  rgb.data.resize(image.data.size() / channels * 3);
+  for (size_t i = 0; i < image.data.size() / channels; ++i) {
+    const float alpha = channels == 4 ? static_cast<float>(image.data[4 * i + 3]) / 255 : 1;
     for (size_t c = 0; c < 3; ++c) {
       rgb.data[3 * i + c] =
-          alpha * static_cast<float>(picture.data[channels * i + c]) / 255 + (1 - alpha) * background[c];
+          alpha * static_cast<float>(image.data[channels * i + c]) / 255 + (1 - alpha) * background[c];
     }
   }
   return rgb;
 }
 
-bool IsGrey(const Image8& picture) {
-  const auto channels = static_cast<size_t>(picture.channels);
-  for (size_t i = 0; i < picture.data.size(); i += channels) {
-    const uint8_t* p = picture.data.data() + i;
+bool IsGrey(const Image8& image) {
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t i = 0; i < image.data.size(); i += channels) {
+    const uint8_t* p = image.data.data() + i;
     if (std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > kGreyTolerance) return false;
   }
   return true;
 }
 
-/// What became of one picture.
+/// What became of one image.
 struct Loaded {
   std::optional<Proposal> proposal;
   std::vector<float> confidence;
-  const char* left_out = nullptr;         // why there is no proposal
+  const char* skipped = nullptr;          // why there is no proposal
   const char* confidence_lost = nullptr;  // why a confidence file is not used
 };
 
-void LoadConfidence(const std::filesystem::path& file, const Image8& picture, Loaded* loaded) {
+void LoadConfidence(const std::filesystem::path& file, const Image8& image, Loaded* loaded) {
   const Camera& camera = loaded->proposal->camera;
   try {
     const Image8 map = ReadImage(file);
-    const bool whole = map.width == picture.width && map.height == picture.height;
+    const bool whole = map.width == image.width && map.height == image.height;
     const bool working = map.width == camera.width && map.height == camera.height;
     if (!whole && !working) {
-      loaded->confidence_lost = "of another size than their pictures";
+      loaded->confidence_lost = "of another size than their images";
     } else if (!IsGrey(map)) {
       loaded->confidence_lost = "in colours instead of grey";
     } else {
@@ -90,45 +92,45 @@ void LoadConfidence(const std::filesystem::path& file, const Image8& picture, Lo
   }
 }
 
-Loaded Load(const FolderPicture& picture, const FolderRequest& request, bool named_like_view) {
+Loaded Load(const FolderImage& image, const FolderRequest& request, bool named_like_view) {
   Loaded loaded;
   Image8 pixels;
   try {
-    pixels = ReadImage(picture.file);
+    pixels = ReadImage(image.file);
   } catch (const InputError&) {
-    loaded.left_out = kUnreadablePicture;
+    loaded.skipped = kUnreadableImage;
     return loaded;
   }
-  if (!SameShape(pixels.width, pixels.height, picture.camera.width, picture.camera.height)) {
-    loaded.left_out = kShape;
+  if (!SameShape(pixels.width, pixels.height, image.camera.width, image.camera.height)) {
+    loaded.skipped = kShape;
     return loaded;
   }
-  const Camera camera = named_like_view ? picture.camera : AtWorkingSize(picture.camera, request);
-  loaded.proposal = Proposal{picture.name, "folder", camera, {}};
+  const Camera camera = named_like_view ? image.camera : AtWorkingSize(image.camera, request);
+  loaded.proposal = Proposal{image.name, "folder", camera, {}};
   loaded.proposal->rgb = ResizeArea(Composited(pixels, request.background), camera.width, camera.height);
-  if (!picture.confidence.empty()) LoadConfidence(picture.confidence, pixels, &loaded);
+  if (!image.confidence.empty()) LoadConfidence(image.confidence, pixels, &loaded);
   return loaded;
 }
 
-void TellLeftOut(const FolderContent& content, const Listener& listener) {
-  for (const auto& [why, names] : content.left_out) {
-    listener(Warning{fmt::format("{}: {} proposals are left out ({}): {}", content.pictures_dir.string(), names.size(),
+void WarnOfSkipped(const FolderContent& content, const Listener& listener) {
+  for (const auto& [why, names] : content.skipped) {
+    listener(Warning{fmt::format("{}: {} proposals are skipped ({}): {}", content.images_dir.string(), names.size(),
                                  SomeNames(names), why)});
   }
 }
 
-void TellConfidence(const FolderContent& content, const LeftOut& lost, const std::vector<std::string>& missing,
-                    const Listener& listener) {
+void WarnOfConfidence(const FolderContent& content, const SkippedImages& lost, const std::vector<std::string>& missing,
+                      const Listener& listener) {
   const std::string dir = content.confidence_dir.string();
   for (const auto& [why, names] : lost) {
     listener(
         Warning{fmt::format("{}: {} confidence maps are {} and not used: {}; write them as 8-bit grey PNG of the "
-                            "picture's size",
+                            "image's size",
                             dir, names.size(), why, SomeNames(names))});
   }
   if (missing.empty()) return;
   listener(
-      Warning{fmt::format("{}: {} proposals have no confidence map there, so the oracle judges them: {}; add "
+      Warning{fmt::format("{}: {} proposals have no confidence map there, so the oracle predicts it: {}; add "
                           "NAME.png for each to use your own",
                           dir, missing.size(), SomeNames(missing))});
 }
@@ -140,41 +142,41 @@ FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const Folde
   if (request.width < 1 || request.height < 1) {
     throw ShapeError("ReadProposalFolder: the working size is {} x {}", request.width, request.height);
   }
-  FolderContent content = FindFolderPictures(dir, request);
-  const bool named_like_views = !IsFile(content.pictures_dir / "transforms.json");
+  FolderContent content = FindFolderImages(dir, request);
+  const bool named_like_views = !IsFile(content.images_dir / "transforms.json");
   std::vector<Camera> test_cameras;
   for (const Target& target : request.test) test_cameras.push_back(target.camera);
   const PoseSet test(std::move(test_cameras), SamePlace(request.train));
 
-  std::vector<Loaded> loaded(content.pictures.size());
+  std::vector<Loaded> loaded(content.images.size());
   ParallelFor(static_cast<int64_t>(loaded.size()), [&](int64_t task) {
     const auto i = static_cast<size_t>(task);
-    if (test.Has(content.pictures[i].camera)) {
-      loaded[i].left_out = kTestPose;
+    if (test.Has(content.images[i].camera)) {
+      loaded[i].skipped = kTestPose;
     } else {
-      loaded[i] = Load(content.pictures[i], request, named_like_views);
+      loaded[i] = Load(content.images[i], request, named_like_views);
     }
   });
   FolderProposals result;
-  LeftOut lost;
+  SkippedImages lost;
   std::vector<std::string> missing;
   for (size_t i = 0; i < loaded.size(); ++i) {
-    const FolderPicture& picture = content.pictures[i];
-    if (loaded[i].left_out != nullptr) {
-      content.left_out[loaded[i].left_out].push_back(picture.shown);
+    const FolderImage& image = content.images[i];
+    if (loaded[i].skipped != nullptr) {
+      content.skipped[loaded[i].skipped].push_back(image.shown);
       continue;
     }
     result.proposals.push_back(std::move(*loaded[i].proposal));
     result.confidence.push_back(std::move(loaded[i].confidence));
-    if (loaded[i].confidence_lost != nullptr) lost[loaded[i].confidence_lost].push_back(picture.shown);
-    if (!content.confidence_dir.empty() && picture.confidence.empty()) missing.push_back(picture.shown);
+    if (loaded[i].confidence_lost != nullptr) lost[loaded[i].confidence_lost].push_back(image.shown);
+    if (!content.confidence_dir.empty() && image.confidence.empty()) missing.push_back(image.shown);
   }
-  TellLeftOut(content, listener);
+  WarnOfSkipped(content, listener);
   if (result.proposals.empty()) {
     listener(Warning{
-        fmt::format("{}: none of its proposals can be used; going on without them", content.pictures_dir.string())});
+        fmt::format("{}: none of its proposals can be used; going on without them", content.images_dir.string())});
   }
-  TellConfidence(content, lost, missing, listener);
+  WarnOfConfidence(content, lost, missing, listener);
   return result;
 }
 

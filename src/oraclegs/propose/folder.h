@@ -1,22 +1,13 @@
 #pragma once
 // Proposals that another generator has made.
 
-#include <array>
 #include <filesystem>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/propose/proposal.h"
+#include "oraclegs/propose/folder_layout.h"
 
 namespace oraclegs {
-
-struct FolderRequest {
-  std::vector<Camera> train;    ///< at least one; their distances say when two poses are one (SamePlace)
-  std::vector<Target> test;     ///< held-out views, named like their photographs ("left/0001.jpg")
-  std::vector<Target> dataset;  ///< posed views that are no test views, the same; what pictures may be named after
-  int width = 0, height = 0;    ///< of the photographs at working resolution
-  std::array<float, 3> background{};  ///< RGB in [0, 1], behind transparent pixels
-};
 
 struct FolderProposals {
   std::vector<Proposal> proposals;             ///< source "folder", each name once
@@ -24,16 +15,16 @@ struct FolderProposals {
 };
 
 /// Reads one of two layouts:
-///   transforms.json   the pictures it names, with its poses; confidence/NAME.png may stand beside (255 = trust)
-///   synthetic_N/      dir itself, or the only such folder in it: pictures named like the scene's views, with the
+///   transforms.json   the images it names, with its poses; confidence/NAME.png may stand beside (255 = trust)
+///   synthetic_N/      dir itself, or the only such folder in it: images named like the scene's views, with the
 ///                     views' poses; synthetic_N_attention_maps/NAME.png may stand beside it
-/// A picture named after a view has the view's size, another one the working size where its shape is that, or else its
-/// own shape and at most as many pixels. Pictures are resized by area, confidence maps with them.
-/// Left out, each reason with one Warning that counts and names: no picture file, not readable, no pose, a lens that
-/// is no pinhole, a shape (width to height) more than 1 % off its camera's, a name that comes twice, and the pose or
-/// the name of a test view. Confidence that is missing for some, not readable, not grey, or neither of the size of the
-/// picture file nor of the size in use is dropped with a Warning. When nothing is left, a Warning says so, too. Throws
-/// InputError: no folder, no pictures, several synthetic_N, a damaged transforms.json.
+/// An image named after a view has the view's size, another one the working size where its shape is that, or else its
+/// own shape and at most as many pixels. Images are resized by area, confidence maps with them.
+/// Skipped, each reason with one Warning that counts and names: no image file, not readable, no pose, a camera model
+/// that is no pinhole, a shape (width to height) more than 1 % off its camera's, a name that comes twice, and the pose
+/// or the name of a test view. Confidence that is missing for some, not readable, not grey, or neither of the size of
+/// the image file nor of the size in use is dropped with a Warning. When nothing is left, a Warning says so, too.
+/// Throws InputError: no folder, no images, several synthetic_N, a damaged transforms.json.
 FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const FolderRequest& request,
                                    const Listener& listener);
 

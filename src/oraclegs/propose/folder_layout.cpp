@@ -7,9 +7,11 @@
 #include <system_error>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/propose/proposal_files.h"
+#include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/transforms_frame.h"
-#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -17,14 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kNoFile = "no picture file is there; make it, or remove the frame";
+constexpr const char* kNoFile = "no image file is there; make it, or remove the frame";
 constexpr const char* kNoPose = "transforms.json has no frame for them; add one with the pose";
 constexpr const char* kNoView = "no view of the scene has their name; name each after the view whose pose it has";
 constexpr const char* kSeveralViews = "several views of the scene have their name; use the whole path, a/b.jpg as a_b";
-constexpr const char* kTwice = "another picture has their name, too; remove one of the two";
-constexpr const char* kLens = "their lens is no pinhole; remove the distortion";
+constexpr const char* kTwice = "another image has their name, too; remove one of the two";
+constexpr const char* kDistorted = "their camera model is no pinhole; remove the distortion";
 constexpr const char* kTestName =
-    "they have the name of a test view, whose picture must stay unseen; remove them, or rename them when they show "
+    "they have the name of a test view, whose image must stay unseen; remove them, or rename them when they show "
     "another pose";
 
 bool IsFolder(const fs::path& path) {
@@ -47,12 +49,12 @@ std::vector<fs::path> Entries(const fs::path& dir) {
   return paths;
 }
 
-std::vector<fs::path> Pictures(const fs::path& dir) {
-  std::vector<fs::path> pictures;
+std::vector<fs::path> ImagesIn(const fs::path& dir) {
+  std::vector<fs::path> images;
   for (const fs::path& path : Entries(dir)) {
-    if (HasImageExtension(path) && IsFile(path)) pictures.push_back(path);
+    if (HasImageExtension(path) && IsFile(path)) images.push_back(path);
   }
-  return pictures;
+  return images;
 }
 
 bool IsSyntheticName(const std::string& name) {
@@ -72,13 +74,12 @@ fs::path SyntheticFolder(const fs::path& dir) {
   if (found.size() > 1) {
     throw InputError("{}: has several folders of proposals, {}; name one of them", dir.string(), SomeNames(found));
   }
-  if (Pictures(dir).empty()) {
-    throw InputError("{}: has no pictures; give a folder with pictures and transforms.json, or synthetic_N",
-                     dir.string());
+  if (ImagesIn(dir).empty()) {
+    throw InputError("{}: has no images; give a folder with images and transforms.json, or synthetic_N", dir.string());
   }
   throw InputError(
-      "{}: has pictures but no transforms.json with their poses; add it, or name the folder synthetic_N "
-      "when its pictures are named like the scene's views",
+      "{}: has images but no transforms.json with their poses; add it, or name the folder synthetic_N "
+      "when its images are named like the scene's views",
       dir.string());
 }
 
@@ -86,7 +87,7 @@ using Views = std::vector<const Target*>;
 
 std::string Stem(const std::string& view) { return FileName(fs::path(view).filename().string()); }
 
-/// What a picture's name says about the scene's views.
+/// Which of the scene's views an image's name stands for.
 class ViewNames {
  public:
   explicit ViewNames(const FolderRequest& request) {
@@ -101,13 +102,13 @@ class ViewNames {
   }
 
   /// A file name that a test view has, too, is one: only the whole path tells train/r_0.png from test/r_0.png.
-  bool IsTest(const std::string& picture) const {
-    return test_.count(FileName(picture)) > 0 ||
-           (dataset_.count(FileName(picture)) == 0 && test_stems_.count(Stem(picture)) > 0);
+  bool IsTest(const std::string& image) const {
+    return test_.count(FileName(image)) > 0 ||
+           (dataset_.count(FileName(image)) == 0 && test_stems_.count(Stem(image)) > 0);
   }
   /// Views by whole path if one has that, or else by file name alone.
-  Views Dataset(const std::string& picture) const {
-    const auto whole = dataset_.find(FileName(picture)), stem = dataset_stems_.find(Stem(picture));
+  Views Dataset(const std::string& image) const {
+    const auto whole = dataset_.find(FileName(image)), stem = dataset_stems_.find(Stem(image));
     if (whole != dataset_.end()) return whole->second;
     return stem != dataset_stems_.end() ? stem->second : Views();
   }
@@ -129,7 +130,7 @@ fs::path FindConfidence(const fs::path& confidence_dir, const std::string& shown
   return {};
 }
 
-/// Adds the pictures that transforms.json names.
+/// Adds the images that transforms.json names.
 void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* content) {
   const fs::path path = dir / "transforms.json";
   const json file = ReadTransformsFile(path);
@@ -138,60 +139,61 @@ void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* conte
   int index = 0;
   for (const json& entry : file["frames"]) {
     const auto [frame, file_path] = NamedFrame(file, entry, path, index++);
-    FolderPicture picture{FileName(file_path), file_path, FindFrameImage(dir, file_path), {}, {}};
-    picture.confidence = FindConfidence(content->confidence_dir, file_path);
-    const auto leave_out = [&, shown = file_path](const char* why) { content->left_out[why].push_back(shown); };
-    if (picture.file.empty()) {
-      leave_out(kNoFile);
+    FolderImage image{FileName(file_path), file_path, FindFrameImage(dir, file_path), {}, {}};
+    image.confidence = FindConfidence(content->confidence_dir, file_path);
+    const auto skip = [&, shown = file_path](const char* why) { content->skipped[why].push_back(shown); };
+    if (image.file.empty()) {
+      skip(kNoFile);
       continue;
     }
-    used.insert(picture.file.lexically_normal());
-    if (IsBelow(dir, picture.file)) folders.insert(picture.file.parent_path().lexically_normal());
-    try {  // a lens without w and h takes the picture's size; that is the picture's fault, not the file's
+    used.insert(image.file.lexically_normal());
+    if (IsBelow(dir, image.file)) folders.insert(image.file.parent_path().lexically_normal());
+    try {  // intrinsics without w and h take the image's size; the image is at fault then, not transforms.json
       int width = 0, height = 0;
-      ReadImageSize(picture.file, &width, &height);
+      ReadImageSize(image.file, &width, &height);
     } catch (const InputError&) {
-      leave_out(kUnreadablePicture);
+      skip(kUnreadableImage);
       continue;
     }
-    const Intrinsics lens = ReadTransformsLens(frame, picture.file);
-    picture.camera = {lens.width, lens.height, lens.fx(), lens.fy(), lens.cx(), lens.cy(), ReadTransformsPose(frame)};
-    if (lens.model != CameraModel::kPinhole) {
-      leave_out(kLens);
+    const Intrinsics intrinsics = ReadTransformsIntrinsics(frame, image.file);
+    image.camera = {intrinsics.width, intrinsics.height, intrinsics.fx(),          intrinsics.fy(),
+                    intrinsics.cx(),  intrinsics.cy(),   ReadTransformsPose(frame)};
+    if (intrinsics.model != CameraModel::kPinhole) {
+      skip(kDistorted);
     } else if (views.IsTest(file_path)) {
-      leave_out(kTestName);
-    } else if (!names.insert(picture.name).second) {
-      leave_out(kTwice);
+      skip(kTestName);
+    } else if (!names.insert(image.name).second) {
+      skip(kTwice);
     } else {
-      content->pictures.push_back(std::move(picture));
+      content->images.push_back(std::move(image));
     }
   }
   for (const fs::path& folder : folders) {
-    for (const fs::path& stray : Pictures(folder)) {
-      if (used.count(stray) == 0) content->left_out[kNoPose].push_back(stray.lexically_relative(dir).string());
+    for (const fs::path& stray : ImagesIn(folder)) {
+      if (used.count(stray) == 0) content->skipped[kNoPose].push_back(stray.lexically_relative(dir).string());
     }
   }
 }
 
-/// Adds the pictures that are named like views.
+/// Adds the images that are named like views.
 void AddNamedLikeViews(const fs::path& dir, const ViewNames& views, FolderContent* content) {
-  const std::vector<fs::path> files = Pictures(dir);
-  if (files.empty()) throw InputError("{}: has no pictures; put the proposals there as PNG or JPEG", dir.string());
+  const std::vector<fs::path> files = ImagesIn(dir);
+  if (files.empty()) throw InputError("{}: has no images; put the proposals there as PNG or JPEG", dir.string());
   std::set<std::string> names;
   for (const fs::path& file : files) {
     const std::string shown = file.filename().string();
-    FolderPicture picture{FileName(shown), shown, file, FindConfidence(content->confidence_dir, shown), {}};
+    FolderImage image{FileName(shown), shown, file, FindConfidence(content->confidence_dir, shown), {}};
     const Views fitting = views.Dataset(shown);
-    const auto leave_out = [&](const char* why) { content->left_out[why].push_back(shown); };
+    const auto skip = [&](const char* why) { content->skipped[why].push_back(shown); };
     if (views.IsTest(shown)) {
-      leave_out(kTestName);
+      skip(kTestName);
     } else if (fitting.size() != 1) {
-      leave_out(fitting.empty() ? kNoView : kSeveralViews);
-    } else if (!names.insert(picture.name).second) {
-      leave_out(kTwice);
+      skip(fitting.empty() ? kNoView : kSeveralViews);
+    } else if (!names.insert(image.name).second) {
+      skip(kTwice);
     } else {
-      picture.camera = fitting[0]->camera;
-      content->pictures.push_back(std::move(picture));
+      image.camera = fitting[0]->camera;
+      content->images.push_back(std::move(image));
     }
   }
 }
@@ -200,7 +202,7 @@ fs::path IfFolder(const fs::path& dir) { return IsFolder(dir) ? dir : fs::path()
 
 }  // namespace
 
-FolderContent FindFolderPictures(const fs::path& given, const FolderRequest& request) {
+FolderContent FindFolderImages(const fs::path& given, const FolderRequest& request) {
   // "synthetic_12/" and "." have names, too.
   std::error_code error;
   fs::path dir = fs::absolute(given, error).lexically_normal();
@@ -211,13 +213,13 @@ FolderContent FindFolderPictures(const fs::path& given, const FolderRequest& req
   const ViewNames views(request);
   FolderContent content;
   if (IsFile(dir / "transforms.json")) {
-    content.pictures_dir = dir;
+    content.images_dir = dir;
     content.confidence_dir = IfFolder(dir / "confidence");
     AddFrames(dir, views, &content);
   } else {
-    content.pictures_dir = SyntheticFolder(dir);
-    content.confidence_dir = IfFolder(content.pictures_dir.string() + "_attention_maps");
-    AddNamedLikeViews(content.pictures_dir, views, &content);
+    content.images_dir = SyntheticFolder(dir);
+    content.confidence_dir = IfFolder(content.images_dir.string() + "_attention_maps");
+    AddNamedLikeViews(content.images_dir, views, &content);
   }
   return content;
 }

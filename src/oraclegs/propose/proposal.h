@@ -1,5 +1,5 @@
 #pragma once
-// A proposed view: what a generator believes a camera would see where no photograph was taken.
+// A proposed view: what a generator predicts a camera would see where no image was taken.
 
 #include <cstdint>
 #include <string>
@@ -19,18 +19,17 @@ struct Target {
 /// The source of what several candidates were mixed into.
 inline constexpr const char* kMixed = "mixed";
 
-/// One candidate picture for a target.
+/// One candidate image for a target.
 struct Proposal {
   std::string name;    ///< of the target
   std::string source;  ///< the proposer: "warp", "splat", "folder"
   Camera camera;
-  ImageF rgb;                         ///< 3 channels, [0, 1], in the mean exposure of the photographs
+  ImageF rgb;                         ///< 3 channels, [0, 1], in the mean exposure of the training images
   std::vector<float> inv_depth = {};  ///< height * width, 1/world unit, 0 = unknown; empty = the proposer has none
-  /// height * width: 1 + index of the training photograph a pixel's colour comes from most, 0 = made up; empty = not
-  /// known.
+  /// height * width: 1 + index of the training view a pixel's colour comes from most, 0 = made up; empty = unknown.
   std::vector<uint16_t> provenance = {};
-  std::vector<float> spread = {};  ///< height * width, how much the opinions or candidates behind a pixel differ, RMS
-                                   ///< of colour; empty = there is one
+  std::vector<float> spread = {};  ///< height * width, how much the ensemble members or candidates behind a pixel
+                                   ///< differ, RMS of colour; empty = there is one
 };
 
 }  // namespace oraclegs

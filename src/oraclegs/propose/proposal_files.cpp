@@ -7,8 +7,10 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/transforms_frame.h"
-#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -109,15 +111,16 @@ std::vector<Target> ReadTargets(const fs::path& dir) {
   for (const json& entry : file["frames"]) {
     const auto [frame, file_path] = NamedFrame(file, entry, path, index++);
     Target target{FileName(file_path), {}};
-    const Intrinsics lens = ReadTransformsLens(frame, dir / file_path);
-    if (lens.model != CameraModel::kPinhole) {
-      throw InputError("{}: its lens is {}, a target needs a pinhole; remove the distortion", frame.place,
-                       CameraModelName(lens.model));
+    const Intrinsics intrinsics = ReadTransformsIntrinsics(frame, dir / file_path);
+    if (intrinsics.model != CameraModel::kPinhole) {
+      throw InputError("{}: its intrinsics is {}, a target needs a pinhole; remove the distortion", frame.place,
+                       CameraModelName(intrinsics.model));
     }
     if (!names.insert(target.name).second) {
       throw InputError("{}: another frame is called '{}', too; rename one", frame.place, target.name);
     }
-    target.camera = {lens.width, lens.height, lens.fx(), lens.fy(), lens.cx(), lens.cy(), ReadTransformsPose(frame)};
+    target.camera = {intrinsics.width, intrinsics.height, intrinsics.fx(),          intrinsics.fy(),
+                     intrinsics.cx(),  intrinsics.cy(),   ReadTransformsPose(frame)};
     targets.push_back(std::move(target));
   }
   return targets;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/propose/nearest_order.h"
 
 namespace oraclegs {
@@ -15,22 +16,14 @@ namespace {
 
 constexpr double kSamePlaceShare = 1e-3;
 constexpr double kSameTurn = 0.1 * std::numbers::pi / 180;
-constexpr size_t kMostPoints = 20000, kFewestPoints = 100;
+constexpr size_t kMaxPoints = 20000, kMinPoints = 100;
 constexpr double kInsideShare = 0.25;      // of the smallest median depth
-constexpr double kOwnDistanceShare = 0.8;  // of the nearest geometry that a photograph was taken from
-constexpr int kInsidePoints = 5;           // fewer may be strays
+constexpr double kOwnDistanceShare = 0.8;  // of the distance from which the nearest geometry was photographed
+constexpr int kInsidePoints = 5;           // fewer may be outliers
 constexpr int kGrid = 16;
-constexpr double kLeastShare = 0.1, kLeastOfMedian = 0.5;
+constexpr double kMinCoveredShare = 0.1, kMinShareOfMedian = 0.5;
 constexpr int kOcclusionGrid = 48;
 constexpr float kBehind = 1.2f;
-
-/// Of a non-empty list; its order is lost.
-template <class T>
-T Median(std::vector<T>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
 
 struct InImage {
   float u, v, depth;  // u, v in [0, 1) of the image; depth 0 where it is not seen
@@ -76,7 +69,7 @@ double MedianDepth(const std::vector<DensePoint>& points, const Camera& camera) 
   for (const InImage& p : ProjectAll(points, camera)) {
     if (p.depth > 0) depths.push_back(p.depth);
   }
-  return depths.empty() ? std::numeric_limits<double>::infinity() : static_cast<double>(Median(&depths));
+  return depths.empty() ? std::numeric_limits<double>::infinity() : static_cast<double>(UpperMedian(&depths));
 }
 
 double MedianDepth(const DepthMap& map) {
@@ -84,7 +77,7 @@ double MedianDepth(const DepthMap& map) {
   for (size_t i = 0; i < map.size(); ++i) {
     if (map.confidence[i] >= kConfident && map.inv_depth[i] > 0) inverse.push_back(map.inv_depth[i]);
   }
-  return inverse.empty() ? std::numeric_limits<double>::infinity() : 1 / static_cast<double>(Median(&inverse));
+  return inverse.empty() ? std::numeric_limits<double>::infinity() : 1 / static_cast<double>(UpperMedian(&inverse));
 }
 
 /// How far the kInsidePoints-th nearest point is.
@@ -144,8 +137,8 @@ std::vector<int> PointsSeen(const std::vector<DensePoint>& points, const Camera&
 
 TargetCheck::TargetCheck(const TrajectoryRequest& request)
     : same_place_(SamePlace(request.train)), test_(request.test, same_place_), train_(request.train, same_place_) {
-  if (request.points == nullptr || request.points->size() < kFewestPoints) return;
-  points_ = EvenSample(*request.points, kMostPoints);
+  if (request.points == nullptr || request.points->size() < kMinPoints) return;
+  points_ = EvenSample(*request.points, kMaxPoints);
   const size_t n = request.train.size();
   std::vector<double> depth(n), clear(n), share(n);
   ParallelFor(static_cast<int64_t>(n), [&](int64_t task) {
@@ -156,11 +149,11 @@ TargetCheck::TargetCheck(const TrajectoryRequest& request)
     clear[i] = ClearDistance(points_, camera);
     share[i] = CoveredShare(points_, camera);
   });
-  // A photograph taken close to something proves that one can stand there.
+  // A view taken close to something proves that a camera can stand there.
   nearest_ = std::min(kInsideShare * *std::min_element(depth.begin(), depth.end()),
                       kOwnDistanceShare * *std::min_element(clear.begin(), clear.end()));
   // An object before a plain background covers little of the image.
-  least_share_ = std::min(kLeastShare, kLeastOfMedian * Median(&share));
+  min_share_ = std::min(kMinCoveredShare, kMinShareOfMedian * UpperMedian(&share));
 }
 
 bool TargetCheck::IsInsideGeometry(const Camera& camera) const {
@@ -171,12 +164,12 @@ bool TargetCheck::IsInsideGeometry(const Camera& camera) const {
   return near >= kInsidePoints;
 }
 
-Verdict TargetCheck::Judge(const Camera& camera) const {
+Verdict TargetCheck::Classify(const Camera& camera) const {
   if (test_.Has(camera)) return Verdict::kTestPose;
   if (train_.Has(camera)) return Verdict::kKnownPose;
   if (points_.empty()) return Verdict::kGood;
   if (IsInsideGeometry(camera)) return Verdict::kInsideGeometry;
-  if (CoveredShare(points_, camera) < least_share_) return Verdict::kSeesNothing;
+  if (CoveredShare(points_, camera) < min_share_) return Verdict::kSeesNothing;
   return Verdict::kGood;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-// Which poses may be a target: no test pose, nothing that is photographed already, not inside a wall, not into the
-// void.
+// Which poses may be a target: no test pose, no training pose, not inside geometry, not into the void.
 
 #include <vector>
 
@@ -45,7 +44,7 @@ class TargetCheck {
   ///   kSeesNothing     points fall on less than a tenth of a 16 x 16 grid over the image, and on less than half of
   ///                    the training cameras' median share
   /// The last two need at least 100 points.
-  Verdict Judge(const Camera& camera) const;
+  Verdict Classify(const Camera& camera) const;
 
   /// At most 20000 of the request's points; none when it has fewer than 100.
   const std::vector<DensePoint>& points() const { return points_; }
@@ -57,8 +56,8 @@ class TargetCheck {
   double same_place_;
   PoseSet test_, train_;
   std::vector<DensePoint> points_;
-  double nearest_ = 0;      ///< world units: geometry this near has the camera inside
-  double least_share_ = 0;  ///< of the grid
+  double nearest_ = 0;    ///< world units: geometry this near has the camera inside
+  double min_share_ = 0;  ///< of the grid
 };
 
 }  // namespace oraclegs

@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/propose/candidates.h"
 #include "oraclegs/propose/coverage.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/target_check.h"
-#include "oraclegs/camera/scene_bounds.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr size_t kEnoughSpare = 4;
-constexpr int kCandidatesPerTarget = 8, kFewestCandidates = 256, kMostCandidates = 4096;
+constexpr size_t kMinSpareForDataset = 4;
+constexpr int kCandidatesPerTarget = 8, kMinCandidates = 256, kMaxCandidates = 4096;
 constexpr size_t kPointsTimesCandidates = 20000000;  // memory of the choice by coverage: 20 bytes for each
-constexpr size_t kFewestCoveragePoints = 1000;
+constexpr size_t kMinCoveragePoints = 1000;
 constexpr size_t kStandInPoints = 2000;
 constexpr double kStandInReach = 0.5;  // of the distance looked at
 
@@ -46,7 +46,7 @@ struct Sifted {
 Sifted Sift(std::vector<Target> candidates, const TargetCheck& check) {
   std::vector<Verdict> verdicts(candidates.size());
   ParallelFor(static_cast<int64_t>(candidates.size()), [&](int64_t i) {
-    verdicts[static_cast<size_t>(i)] = check.Judge(candidates[static_cast<size_t>(i)].camera);
+    verdicts[static_cast<size_t>(i)] = check.Classify(candidates[static_cast<size_t>(i)].camera);
   });
   Sifted sifted;
   sifted.total = candidates.size();
@@ -82,12 +82,28 @@ std::vector<Target> EvenlyPicked(const std::vector<Target>& targets, size_t coun
 }
 
 std::vector<Camera> CoverageCandidates(const TrajectoryRequest& request, int count) {
-  const int total = std::clamp(kCandidatesPerTarget * count, kFewestCandidates, kMostCandidates);
+  const int total = std::clamp(kCandidatesPerTarget * count, kMinCandidates, kMaxCandidates);
   std::vector<Camera> candidates = InterpolatedCandidates(request.train, total / 3);
   for (const Camera& c : OrbitCandidates(request.train, total / 3)) candidates.push_back(c);
   const int rest = total - static_cast<int>(candidates.size());
   for (const Camera& c : JitteredCandidates(request.train, rest, request.seed)) candidates.push_back(c);
   return candidates;
+}
+
+std::vector<Target> CandidatesOf(Trajectory trajectory, const TrajectoryRequest& request, int count) {
+  switch (trajectory) {
+    case Trajectory::kDataset:
+      return request.spare;
+    case Trajectory::kOrbit:
+      return Unnamed(OrbitCandidates(request.train, count));
+    case Trajectory::kSpiral:
+      return Unnamed(SpiralCandidates(request.train, count));
+    case Trajectory::kInterpolate:
+      return Unnamed(InterpolatedCandidates(request.train, count));
+    case Trajectory::kCoverage:
+      break;
+  }
+  return Unnamed(CoverageCandidates(request, count));
 }
 
 /// What the cameras look at, when no surface is known: points anywhere in there.
@@ -105,10 +121,9 @@ std::vector<DensePoint> StandInPoints(const TrajectoryRequest& request) {
   return points;
 }
 
-std::vector<Target> MostCovering(const TrajectoryRequest& request, const TargetCheck& check,
-                                 const std::vector<Target>& candidates, int count) {
-  const size_t budget =
-      std::max(kFewestCoveragePoints, kPointsTimesCandidates / std::max<size_t>(candidates.size(), 1));
+std::vector<Target> ChosenByCoverage(const TrajectoryRequest& request, const TargetCheck& check,
+                                     const std::vector<Target>& candidates, int count) {
+  const size_t budget = std::max(kMinCoveragePoints, kPointsTimesCandidates / std::max<size_t>(candidates.size(), 1));
   const std::vector<DensePoint> points =
       check.points().empty() ? StandInPoints(request) : EvenSample(check.points(), budget);
   std::vector<Camera> cameras;
@@ -118,35 +133,36 @@ std::vector<Target> MostCovering(const TrajectoryRequest& request, const TargetC
   return chosen;
 }
 
-void Name(const std::string& trajectory, std::vector<Target>* targets) {
-  if (trajectory == "dataset") {
+void Name(Trajectory trajectory, std::vector<Target>* targets) {
+  if (trajectory == Trajectory::kDataset) {
     std::vector<std::string> views;
     for (const Target& target : *targets) views.push_back(target.name);
     const std::vector<std::string> names = FileNames(views);
     for (size_t i = 0; i < targets->size(); ++i) (*targets)[i].name = names[i];
   } else {
-    for (size_t i = 0; i < targets->size(); ++i) (*targets)[i].name = fmt::format("{}_{:04}", trajectory, i);
+    for (size_t i = 0; i < targets->size(); ++i) (*targets)[i].name = fmt::format("{}_{:04}", Word(trajectory), i);
   }
 }
 
-void Tell(const std::string& trajectory, const Sifted& sifted, size_t chosen, const Listener& listener) {
+void Report(Trajectory trajectory, const Sifted& sifted, size_t chosen, const Listener& listener) {
+  const std::string word = Word(trajectory);
   const std::string reasons = sifted.rejected() > 0 ? fmt::format("of {} candidates {} rejected: {}", sifted.total,
                                                                   sifted.rejected(), sifted.Reasons())
                                                     : fmt::format("{} candidates", sifted.total);
   if (chosen == 0) {
     listener(
         Warning{fmt::format("no usable pose for proposals on trajectory '{}' ({}); try another --trajectory, or "
-                            "--proposals 0 to train on the photographs alone",
-                            trajectory, reasons)});
+                            "--proposals 0 to train on the photos alone",
+                            word, reasons)});
     return;
   }
   if (2 * sifted.rejected() > sifted.total) {
     listener(
         Warning{fmt::format("more than half of the poses of trajectory '{}' cannot be used ({}); try another "
                             "--trajectory when too few are left",
-                            trajectory, reasons)});
+                            word, reasons)});
   }
-  listener(Note{fmt::format("{} poses for proposals chosen by trajectory '{}' ({})", chosen, trajectory, reasons)});
+  listener(Note{fmt::format("{} poses for proposals chosen by trajectory '{}' ({})", chosen, word, reasons)});
 }
 
 }  // namespace
@@ -158,19 +174,17 @@ std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const Trajec
   const int count = options.proposals;
   if (count == 0) return {};
   const TargetCheck check(request);
-  std::string trajectory = options.trajectory;
-  Sifted sifted;
-  if (trajectory == "auto" || trajectory == "dataset") sifted = Sift(request.spare, check);
-  if (trajectory == "auto") trajectory = sifted.good.size() >= kEnoughSpare ? "dataset" : "coverage";
-  if (trajectory == "orbit") sifted = Sift(Unnamed(OrbitCandidates(request.train, count)), check);
-  if (trajectory == "spiral") sifted = Sift(Unnamed(SpiralCandidates(request.train, count)), check);
-  if (trajectory == "interpolate") sifted = Sift(Unnamed(InterpolatedCandidates(request.train, count)), check);
-  if (trajectory == "coverage") sifted = Sift(Unnamed(CoverageCandidates(request, count)), check);
+  Trajectory trajectory = options.trajectory.ValueOr(Trajectory::kDataset);
+  Sifted sifted = Sift(CandidatesOf(trajectory, request, count), check);
+  if (options.trajectory.is_auto() && sifted.good.size() < kMinSpareForDataset) {
+    trajectory = Trajectory::kCoverage;
+    sifted = Sift(CandidatesOf(trajectory, request, count), check);
+  }
   std::vector<Target> targets = sifted.good;
-  if (trajectory == "dataset") targets = EvenlyPicked(targets, static_cast<size_t>(count));
-  if (trajectory == "coverage") targets = MostCovering(request, check, targets, count);
+  if (trajectory == Trajectory::kDataset) targets = EvenlyPicked(targets, static_cast<size_t>(count));
+  if (trajectory == Trajectory::kCoverage) targets = ChosenByCoverage(request, check, targets, count);
   Name(trajectory, &targets);
-  Tell(trajectory, sifted, targets.size(), listener);
+  Report(trajectory, sifted, targets.size(), listener);
   return targets;
 }
 

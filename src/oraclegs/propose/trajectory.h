@@ -1,7 +1,6 @@
 #pragma once
-// Where to look from, when only a few photographs exist.
+// Target poses, when only a few views exist.
 
-#include <string>
 #include <vector>
 
 #include "oraclegs/core/options.h"
@@ -10,18 +9,28 @@
 
 namespace oraclegs {
 
+enum class Trajectory { kDataset, kOrbit, kSpiral, kInterpolate, kCoverage };
+
+template <>
+struct EnumWords<Trajectory> {
+  static constexpr EnumWord<Trajectory> kWords[] = {{Trajectory::kDataset, "dataset"},
+                                                    {Trajectory::kOrbit, "orbit"},
+                                                    {Trajectory::kSpiral, "spiral"},
+                                                    {Trajectory::kInterpolate, "interpolate"},
+                                                    {Trajectory::kCoverage, "coverage"}};
+};
+
 struct TrajectoryOptions {
-  std::string trajectory = "auto";
+  Auto<Trajectory> trajectory;
   int proposals = 32;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("trajectory", self.trajectory,
-          "Where proposals are looked for: dataset = poses of the scene that are neither training nor test, orbit, "
-          "spiral, interpolate = a path through the training poses, coverage = where the photographs leave most "
-          "unseen, auto = dataset when it has at least 4 poses, else coverage",
-          Choice{{"auto", "dataset", "orbit", "spiral", "interpolate", "coverage"}});
-    visit("proposals", self.proposals, "Poses to propose pictures for; 0 = none, train on the photographs alone",
+          "Poses of the proposals: dataset = poses of the scene that are neither training nor test, orbit, spiral, "
+          "interpolate = a path through the training poses, coverage = where the photos leave most unseen, auto = "
+          "dataset when it has at least 4 poses, else coverage");
+    visit("proposals", self.proposals, "Poses to propose images for; 0 = none, train on the photos alone",
           Range{0, 10000});
   }
 };
@@ -29,7 +38,7 @@ struct TrajectoryOptions {
 /// At most options.proposals targets, none of them a test pose, a training pose or the same pose twice, inside geometry
 /// or one that sees next to nothing (target_check.h). orbit, spiral and interpolate lose what is rejected; dataset
 /// picks evenly from what is usable, coverage the best of up to 4096 candidates. Names: of dataset the view's without
-/// extension, '/' as '_'; else "orbit_0000". `listener` hears one Note of how many were chosen; one Warning with counts
+/// extension, '/' as '_'; else "orbit_0000". `listener` gets one Note of how many were chosen; one Warning with counts
 /// and reasons when more than half were rejected, or that nothing is left and what to try. The same request gives the
 /// same targets. Throws UsageError for an option out of range, std::invalid_argument without training cameras.
 std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const TrajectoryOptions& options,

@@ -1,43 +1,44 @@
 #include "oraclegs/propose/warp.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/depth/plane.h"
 #include "oraclegs/propose/fill_depth.h"
+#include "oraclegs/propose/make_warp_device.h"
 #include "oraclegs/propose/push_pull.h"
-#include "oraclegs/propose/warp_device.h"
 
 namespace oraclegs {
 namespace {
 
 void CheckSizes(const WarpSources& sources) {
-  if (sources.maps.size() > sources.photos.size()) {
-    throw ShapeError("Warper: {} depth maps of {} photographs", sources.maps.size(), sources.photos.size());
+  if (sources.maps.size() > sources.views.size()) {
+    throw ShapeError("Warper: {} depth maps of {} views", sources.maps.size(), sources.views.size());
   }
-  if (!sources.gains.empty() && sources.gains.size() != sources.photos.size()) {
-    throw ShapeError("Warper: {} gains of {} photographs", sources.gains.size(), sources.photos.size());
+  if (!sources.gains.empty() && sources.gains.size() != sources.views.size()) {
+    throw ShapeError("Warper: {} gains of {} views", sources.gains.size(), sources.views.size());
   }
   for (size_t v = 0; v < sources.maps.size(); ++v) {
-    const LoadedView& photo = sources.photos[v];
+    const LoadedView& view = sources.views[v];
     const DepthMap& map = sources.maps[v];
     const size_t pixels = static_cast<size_t>(map.camera.width) * static_cast<size_t>(map.camera.height);
-    if (photo.rgb.width != map.camera.width || photo.rgb.height != map.camera.height ||
-        photo.rgb.data.size() != 3 * pixels || map.inv_depth.size() != pixels || map.confidence.size() != pixels ||
-        (!photo.mask.empty() && photo.mask.size() != pixels)) {
-      throw ShapeError("Warper: {} is {} x {}, its depth or its mask is not", photo.name, photo.rgb.width,
-                       photo.rgb.height);
+    if (view.rgb.width != map.camera.width || view.rgb.height != map.camera.height ||
+        view.rgb.data.size() != 3 * pixels || map.inv_depth.size() != pixels || map.confidence.size() != pixels ||
+        (!view.mask.empty() && view.mask.size() != pixels)) {
+      throw ShapeError("Warper: {} is {} x {}, its depth or its mask is not", view.name, view.rgb.width,
+                       view.rgb.height);
     }
   }
 }
 
 WarpSource SourceOf(const WarpSources& all, size_t v, const Camera& camera) {
   const DepthMap& map = all.maps[v];
-  const LoadedView& photo = all.photos[v];
+  const LoadedView& view = all.views[v];
   WarpSource source;
-  source.rgb = photo.rgb.data.data();
+  source.rgb = view.rgb.data.data();
   source.inv_depth = map.inv_depth.data(), source.confidence = map.confidence.data();
-  if (!photo.mask.empty()) source.mask = photo.mask.data();
+  if (!view.mask.empty()) source.mask = view.mask.data();
   if (all.silhouettes != nullptr && !all.silhouettes->empty()) source.near_object = all.silhouettes->Mask(v).grown;
   source.width = map.camera.width, source.height = map.camera.height;
   source.number = static_cast<int>(v);
@@ -83,7 +84,7 @@ void Warper::FindRange() {
   nearest_ = 0.8f * at(0.005), farthest_ = 1.25f * at(0.995);
 }
 
-WarpedView Warper::Warp(const Camera& camera, int hidden) const {
+WarpedView Warper::Warp(const Camera& camera, std::optional<int> held_out) const {
   WarpTask task;
   WarpScene& scene = task.scene;
   scene.width = camera.width, scene.height = camera.height;
@@ -93,7 +94,7 @@ WarpedView Warper::Warp(const Camera& camera, int hidden) const {
   scene.bounded = sources_.silhouettes != nullptr && !sources_.silhouettes->empty() && nearest_ > 0;
   scene.nearest = nearest_, scene.farthest = farthest_;
   for (size_t v = 0; v < sources_.maps.size(); ++v) {
-    if (static_cast<int>(v) != hidden) task.sources.push_back(SourceOf(sources_, v, camera));
+    if (held_out != static_cast<int>(v)) task.sources.push_back(SourceOf(sources_, v, camera));
   }
   const size_t pixels = scene.pixels();
   WarpDepth depth = device_->FindSurfaces(task);
@@ -111,8 +112,8 @@ WarpedView Warper::Warp(const Camera& camera, int hidden) const {
   return view;
 }
 
-std::optional<Proposal> WarpProposer::Propose(const Target& target, int hidden) const {
-  WarpedView view = warper_.Warp(target.camera, hidden);
+std::optional<Proposal> WarpProposer::Propose(const Target& target, std::optional<int> held_out) const {
+  WarpedView view = warper_.Warp(target.camera, held_out);
   Proposal proposal{target.name, name(), target.camera, std::move(view.rgb)};
   proposal.inv_depth = std::move(view.inv_depth);
   proposal.provenance = std::move(view.provenance);

@@ -1,19 +1,38 @@
 #pragma once
-// The seam between what decides how a view is warped (Warper) and what works on its pixels.
+// The interface between what decides how a view is warped (Warper) and what works on its pixels.
 
-
-#include <memory>
+#include <Eigen/Core>
+#include <array>
 #include <vector>
 
-#include "oraclegs/propose/warp.h"
+#include "oraclegs/depth/depth_map.h"
+#include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/warp_math.h"
+#include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
+
+/// What is known of a scene. The referenced objects must outlive whoever holds this.
+struct WarpSources {
+  const std::vector<LoadedView>& views;
+  const std::vector<DepthMap>& maps;            ///< of the views, one by one
+  std::vector<Eigen::Vector3f> gains = {};      ///< their exposures, which colours are divided by; empty = all 1
+  const Silhouettes* silhouettes = nullptr;     ///< null or empty: no plain background
+  std::array<float, 3> background = {0, 0, 0};  ///< colour of what no view's object covers
+};
+
+struct WarpedView {
+  ImageF rgb;                    ///< whole: holes are filled
+  std::vector<float> inv_depth;  ///< whole; 0 = background
+  std::vector<PixelEvidence> evidence;
+  std::vector<uint16_t> provenance;  ///< as in Proposal
+};
 
 /// One view to be warped.
 struct WarpTask {
   WarpScene scene;                  ///< without sources
-  std::vector<WarpSource> sources;  ///< in the order of their numbers; pictures in the host's memory
+  std::vector<WarpSource> sources;  ///< in the order of their numbers; images in the host's memory
 };
 
 /// What is known of a new view's pixels before they have colours, row by row.
@@ -34,9 +53,5 @@ class WarpDevice {
   /// is known, for PushPull.
   virtual std::vector<float> Shade(const WarpTask& task, const WarpDepth& depth, WarpedView* view) = 0;
 };
-
-/// What works on the named device; `sources` must outlive it. On a GPU, which becomes the current one, it keeps a copy
-/// of all pictures. Throws UsageError for a device this build cannot use, OutOfMemory.
-std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources);
 
 }  // namespace oraclegs

@@ -1,6 +1,6 @@
 #pragma once
-// The mathematics of one depth and of one pixel of the forward warp, for host and device (spec/weight_free.md, "Warp").
-// What visits them in which order is the device's (warp_device.h).
+// The mathematics of one depth and of one pixel of the forward warp, for host and device
+// (docs/method.md#warp-proposals). What visits them in which order is the device's (warp_device.h).
 
 #include <algorithm>
 #include <bit>

@@ -69,7 +69,7 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
     const float off = s.relative / kVisible;
     const float visible = s.confidence > 0 ? std::exp(-off * off) : kUnknownVisible;
     if (s.relative < -kSeenThroughDepth) e.conflicts += s.confidence;
-    if (s.relative > kSeenThroughDepth) e.hidden += s.confidence;
+    if (s.relative > kSeenThroughDepth) e.occluded += s.confidence;
     e.support += visible * (0.1f + s.confidence) * std::exp(-s.angle / kVoteAngle);
     e.views += visible;
     if (visible > 0.5f) e.angle = std::min(e.angle, s.angle);

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "depth/surfaces.h"
-#include "oraclegs/core/out_of_memory.h"
+#include "oraclegs/depth/make_plane_search.h"
 #include "oraclegs/depth/stereo.h"
 #include "support/cuda_device.h"
 #if defined(ORACLEGS_EMULATED_CUDA)
@@ -47,7 +47,7 @@ class CudaPlaneSearchTest : public CudaTest {
   }
   static std::vector<PlaneMap> OnCpu(const StereoScene& scene, const std::vector<PlaneMap>& start,
                                      const std::vector<SearchPass>& passes) {
-    return Search(MakeCpuPlaneSearch().get(), scene, start, passes);
+    return Search(MakePlaneSearch(kCpu).get(), scene, start, passes);
   }
 
   /// Share of the pixels with the same plane and cost.
@@ -205,7 +205,7 @@ TEST_F(CudaPlaneSearchTest, FindsDepthLikeTheCpu) {
   options.iterations = 3;
   options.geometric_passes = 1;
   const std::vector<DepthMap> gpu = EstimateDepth(photos, {}, options, MakeCudaPlaneSearch(0).get(), Silent()),
-                              cpu = EstimateDepth(photos, {}, options, MakeCpuPlaneSearch().get(), Silent());
+                              cpu = EstimateDepth(photos, {}, options, MakePlaneSearch(kCpu).get(), Silent());
   ASSERT_EQ(gpu.size(), 3u);
   for (size_t v = 0; v < 3; ++v) {
     EXPECT_GT(ConfidentShare(gpu[v]), 0.6) << v;

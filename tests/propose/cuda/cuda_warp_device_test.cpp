@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "depth/surfaces.h"
-#include "oraclegs/core/out_of_memory.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/propose/warp.h"
 #include "support/cuda_device.h"
 #if defined(ORACLEGS_EMULATED_CUDA)
 #include "support/emulated_cuda/runtime.h"
@@ -62,19 +62,19 @@ class CudaWarpTest : public CudaTest {
   static std::vector<float> Numbers(const std::vector<PixelEvidence>& evidence) {
     std::vector<float> numbers;
     for (const PixelEvidence& e : evidence) {
-      numbers.insert(numbers.end(), {e.support, e.views, e.angle, e.spread, e.confidence, e.conflicts, e.hidden, e.ring,
-                                     e.resolution, e.background});
+      numbers.insert(numbers.end(), {e.support, e.views, e.angle, e.spread, e.confidence, e.conflicts, e.occluded,
+                                     e.ring, e.resolution, e.background});
     }
     return numbers;
   }
 
-  static WarpedView Warped(const WarpSources& sources, const Camera& camera, int hidden = -1,
+  static WarpedView Warped(const WarpSources& sources, const Camera& camera, std::optional<int> held_out = std::nullopt,
                            int64_t listed = kListedSamples) {
-    return Warper(sources, MakeCudaWarpDevice(sources, 0, listed)).Warp(camera, hidden);
+    return Warper(sources, MakeCudaWarpDevice(sources, 0, listed)).Warp(camera, held_out);
   }
   static void ExpectTheCpus(const WarpedView& actual, const WarpSources& sources, const Camera& camera,
-                            int hidden = -1) {
-    const WarpedView expected = Warper(sources).Warp(camera, hidden);
+                            std::optional<int> held_out = std::nullopt) {
+    const WarpedView expected = Warper(sources).Warp(camera, held_out);
     const auto flips = static_cast<size_t>(kFlipped * static_cast<double>(expected.inv_depth.size()));
     EXPECT_LE(Differing(actual.inv_depth, expected.inv_depth, 1e-5f), flips);
     EXPECT_LE(Differing(actual.rgb.data, expected.rgb.data, 1e-4f), 6 * flips);  // holes beside one differ, too
@@ -159,7 +159,7 @@ TEST_F(CudaWarpTest, OfManyPhotographsOfTwoSizes) {
 TEST_F(CudaWarpTest, AreTheSameBitsInBandsOfAnySize) {
   const WarpedView whole = Warped(Sources(), aside);
   for (const int64_t listed : {1, 37, 1000}) {
-    const WarpedView banded = Warped(Sources(), aside, -1, listed);
+    const WarpedView banded = Warped(Sources(), aside, std::nullopt, listed);
     EXPECT_EQ(banded.inv_depth, whole.inv_depth) << listed;
     EXPECT_EQ(banded.rgb.data, whole.rgb.data) << listed;
     EXPECT_EQ(Numbers(banded.evidence), Numbers(whole.evidence)) << listed;
@@ -172,11 +172,11 @@ TEST_F(CudaWarpTest, MayBeAskedFromSeveralThreads) {
   std::vector<WarpedView> views(4);
   std::vector<std::thread> threads;
   for (size_t t = 0; t < views.size(); ++t) {
-    threads.emplace_back([&, t] { views[t] = warper.Warp(t % 2 == 0 ? between : aside, -1); });
+    threads.emplace_back([&, t] { views[t] = warper.Warp(t % 2 == 0 ? between : aside); });
   }
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(views[0].rgb.data, warper.Warp(between, -1).rgb.data);
-  EXPECT_EQ(views[3].rgb.data, warper.Warp(aside, -1).rgb.data);
+  EXPECT_EQ(views[0].rgb.data, warper.Warp(between).rgb.data);
+  EXPECT_EQ(views[3].rgb.data, warper.Warp(aside).rgb.data);
   EXPECT_EQ(views[2].rgb.data, views[0].rgb.data);
   EXPECT_EQ(views[1].rgb.data, views[3].rgb.data);
 }
@@ -189,12 +189,12 @@ TEST_F(CudaWarpTest, SaysWhatTheMemoryWasFor) {
   const Warper warper(Sources(), MakeCudaWarpDevice(Sources(), 0));
   const DeviceMemory memory = MemoryOfDevice();
   emulated_cuda::SetMemory(static_cast<size_t>(memory.total - memory.free) + 1000);
-  EXPECT_THAT([&] { Warped(Sources(), between); }, says("for the photographs that are warped"));
+  EXPECT_THAT([&] { Warped(Sources(), between); }, says("for the images that are warped"));
   const Camera large = CameraAt({0.3, 0, -4}, {0, 0, 0}, 2 * kWidth, 2 * kHeight);
-  EXPECT_THAT([&] { warper.Warp(large, -1); }, says("for the depths that fall on a new view's pixels"));
-  ExpectTheCpus(warper.Warp(between, -1), Sources(), between);  // and goes on: there is memory for such views
+  EXPECT_THAT([&] { warper.Warp(large); }, says("for the depths that fall on a new view's pixels"));
+  ExpectTheCpus(warper.Warp(between), Sources(), between);  // and goes on: there is memory for such views
   emulated_cuda::SetMemory(size_t{1} << 40);
-  ExpectTheCpus(warper.Warp(large, -1), Sources(), large);
+  ExpectTheCpus(warper.Warp(large), Sources(), large);
 }
 #endif
 

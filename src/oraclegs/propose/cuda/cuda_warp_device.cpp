@@ -13,44 +13,44 @@ namespace {
 
 template <class T>
 void Send(const T* from, size_t count, T* to) {
-  if (count > 0) Check(cudaMemcpy(to, from, count * sizeof(T), cudaMemcpyHostToDevice), "sending pictures to the GPU");
+  if (count > 0) Check(cudaMemcpy(to, from, count * sizeof(T), cudaMemcpyHostToDevice), "sending images to the GPU");
 }
 
-/// The pictures of all photographs, one after another.
-class SourcePictures {
+/// The images of all views, one after another.
+class SourceImages {
  public:
-  explicit SourcePictures(const WarpSources& sources) {
+  explicit SourceImages(const WarpSources& sources) {
     for (const DepthMap& map : sources.maps) {
       begin_.push_back(pixels_);
       pixels_ += static_cast<int64_t>(map.size());
     }
     // A depth falls on a pixel once at most: 32 bits count what falls on one.
     if (pixels_ > std::numeric_limits<uint32_t>::max()) {
-      throw ShapeError("Warper: {} pixels in all photographs, at most 2^32 - 1 on a GPU", pixels_);
+      throw ShapeError("Warper: {} pixels in all views, at most 2^32 - 1 on a GPU", pixels_);
     }
     rgb_.ReserveExactly(3 * pixels_);
     inv_depth_.ReserveExactly(pixels_);
     confidence_.ReserveExactly(pixels_);
     const bool bounded = sources.silhouettes != nullptr && !sources.silhouettes->empty();
-    const bool masked = std::any_of(sources.photos.begin(), sources.photos.end(),
-                                    [](const LoadedView& photo) { return !photo.mask.empty(); });
+    const bool masked = std::any_of(sources.views.begin(), sources.views.end(),
+                                    [](const LoadedView& view) { return !view.mask.empty(); });
     if (bounded) near_object_.ReserveExactly(pixels_);
     if (masked) mask_.ReserveExactly(pixels_);
     for (size_t v = 0; v < sources.maps.size(); ++v) {
       const DepthMap& map = sources.maps[v];
-      const LoadedView& photo = sources.photos[v];
+      const LoadedView& view = sources.views[v];
       const int64_t at = begin_[v];
-      Send(photo.rgb.data.data(), 3 * map.size(), rgb_.data() + 3 * at);
+      Send(view.rgb.data.data(), 3 * map.size(), rgb_.data() + 3 * at);
       Send(map.inv_depth.data(), map.size(), inv_depth_.data() + at);
       Send(map.confidence.data(), map.size(), confidence_.data() + at);
-      if (!photo.mask.empty()) Send(photo.mask.data(), map.size(), mask_.data() + at);
+      if (!view.mask.empty()) Send(view.mask.data(), map.size(), mask_.data() + at);
       if (bounded) Send(sources.silhouettes->Mask(v).grown, map.size(), near_object_.data() + at);
     }
   }
 
   int64_t pixels() const { return pixels_; }
 
-  /// The same photograph with its pictures here.
+  /// The same source with its images here.
   WarpSource Here(WarpSource source) const {
     const int64_t at = begin_[static_cast<size_t>(source.number)];
     source.rgb = rgb_.data() + 3 * at;
@@ -63,9 +63,9 @@ class SourcePictures {
  private:
   std::vector<int64_t> begin_;
   int64_t pixels_ = 0;
-  DeviceArray<float> rgb_{"the photographs that are warped"}, inv_depth_{"the depth that photographs are warped by"},
-      confidence_{"the confidence of the depth that photographs are warped by"};
-  DeviceArray<uint8_t> mask_{"the masks of warped photographs"}, near_object_{"the silhouettes of warped photographs"};
+  DeviceArray<float> rgb_{"the images that are warped"}, inv_depth_{"the depth that images are warped by"},
+      confidence_{"the confidence of the depth that images are warped by"};
+  DeviceArray<uint8_t> mask_{"the masks of warped images"}, near_object_{"the silhouettes of warped images"};
 };
 
 /// Runs of pixels that have at most `most` samples, or are one pixel.
@@ -87,12 +87,12 @@ std::vector<PixelBand> CutIntoBands(const std::vector<uint32_t>& counts, int64_t
 class CudaWarpDevice : public WarpDevice {
  public:
   CudaWarpDevice(const WarpSources& sources, int index, int64_t listed_samples)
-      : index_(index), listed_samples_(listed_samples), pictures_(sources) {
+      : index_(index), listed_samples_(listed_samples), images_(sources) {
     size_t pixels = 0;
     for (const DepthMap& map : sources.maps) pixels = std::max(pixels, map.size());
     Reserve(static_cast<int64_t>(pixels));
     sources_.ReserveExactly(static_cast<int64_t>(sources.maps.size()));
-    samples_.ReserveExactly(std::min(listed_samples, kMostOfOneDepth * pictures_.pixels()));
+    samples_.ReserveExactly(std::min(listed_samples, kMaxSamplesOfDepth * images_.pixels()));
   }
 
   WarpDepth FindSurfaces(const WarpTask& task) override {
@@ -110,7 +110,7 @@ class CudaWarpDevice : public WarpDevice {
     for (const PixelBand& band : CutIntoBands(counts, listed_samples_)) {
       samples_.ReserveExactly(band.samples);
       for (int k = 0; k < scene.count; ++k) {
-        RunListSamples(scene, task.sources[static_cast<size_t>(k)], k, band, ends_.data(), samples_.data(), nullptr);
+        RunListSamples(scene, task.sources[static_cast<size_t>(k)], k, {band, ends_.data(), samples_.data()}, nullptr);
       }
       RunFindSurfaces({scene, band, counts_.data(), ends_.data(), samples_.data(), inv_depth_.data(), beside_.data()},
                       nullptr);
@@ -144,7 +144,7 @@ class CudaWarpDevice : public WarpDevice {
   WarpScene SceneOf(const WarpTask& task) {
     UseDevice(index_);
     std::vector<WarpSource> here;
-    for (const WarpSource& source : task.sources) here.push_back(pictures_.Here(source));
+    for (const WarpSource& source : task.sources) here.push_back(images_.Here(source));
     sources_.Upload(here.data(), static_cast<int64_t>(here.size()));
     WarpScene scene = task.scene;
     scene.sources = sources_.data();
@@ -161,13 +161,13 @@ class CudaWarpDevice : public WarpDevice {
     provenance_.ReserveExactly(pixels);
   }
 
-  static constexpr int64_t kMostOfOneDepth = 81;  // samples: (2 kWidestSplat + 1)^2
+  static constexpr int64_t kMaxSamplesOfDepth = 81;  // samples: (2 kWidestSplat + 1)^2
   static constexpr const char* kDepths = "the depths that fall on a new view's pixels";
-  static constexpr const char* kView = "a new view that photographs are warped into";
+  static constexpr const char* kView = "a new view that images are warped into";
 
   const int index_;
   const int64_t listed_samples_;
-  const SourcePictures pictures_;
+  const SourceImages images_;
   std::mutex mutex_;  // all below belongs to the view in work
   DeviceArray<WarpSource> sources_{kView};
   DeviceArray<uint32_t> counts_{kDepths}, ends_{kDepths};

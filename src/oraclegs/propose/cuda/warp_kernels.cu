@@ -103,9 +103,10 @@ void RunCountSamples(const WarpScene& scene, const WarpSource& source, int k, ui
   Launch("counting warped depths", SplatDepths, ShapeFor(source), stream, scene, k, all, counts, nullptr);
 }
 
-void RunListSamples(const WarpScene& scene, const WarpSource& source, int k, const PixelBand& band, uint32_t* ends,
-                    WarpSample* samples, cudaStream_t stream) {
-  Launch("listing warped depths", SplatDepths, ShapeFor(source), stream, scene, k, band, ends, samples);
+void RunListSamples(const WarpScene& scene, const WarpSource& source, int k, const SampleLists& lists,
+                    cudaStream_t stream) {
+  Launch("listing warped depths", SplatDepths, ShapeFor(source), stream, scene, k, lists.band, lists.ends,
+         lists.samples);
 }
 
 void RunFindSurfaces(const SurfacesInput& in, cudaStream_t stream) {

@@ -24,10 +24,15 @@ struct PixelBand {
 /// 2^32 pixels.
 void RunCountSamples(const WarpScene& scene, const WarpSource& source, int k, uint32_t* counts, cudaStream_t stream);
 
-/// ends [pixels]: samples of the pixels before each; samples [band.samples]: those of source `k` are added to the lists
-/// of the band's pixels, and the ends moved behind them.
-void RunListSamples(const WarpScene& scene, const WarpSource& source, int k, const PixelBand& band, uint32_t* ends,
-                    WarpSample* samples, cudaStream_t stream);
+/// The lists of a band's pixels, one after another.
+struct SampleLists {
+  PixelBand band;
+  uint32_t* ends;       ///< [pixels], samples of the pixels before each; RunListSamples moves them behind what it adds
+  WarpSample* samples;  ///< [band.samples]
+};
+/// Adds the samples of source `k`.
+void RunListSamples(const WarpScene& scene, const WarpSource& source, int k, const SampleLists& lists,
+                    cudaStream_t stream);
 
 /// What FindSurfaces writes, of the band's pixels; counts and ends after all sources were listed.
 struct SurfacesInput {

@@ -1,8 +1,10 @@
-#include "oraclegs/depth/plane_search.h"
+#include "oraclegs/depth/make_plane_search.h"
 
 #include <gtest/gtest.h>
 
 #include "depth/surfaces.h"
+#include "oraclegs/core/config.h"
+#include "oraclegs/core/error.h"
 
 namespace oraclegs {
 namespace {
@@ -27,7 +29,7 @@ std::vector<PlaneMap> Start(const StereoScene& scene) {
 TEST(CpuPlaneSearch, IsRunPassOverAllViews) {
   const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange);
   std::vector<PlaneMap> maps = Start(scene);
-  const auto search = MakeCpuPlaneSearch();
+  const auto search = MakePlaneSearch(kCpu);
   search->BeginLevel(scene, maps);
   for (const SearchPass& pass : {SearchPass{2, 0, false}, SearchPass{1, 1, true}}) {
     search->BeginPass(pass);
@@ -44,7 +46,7 @@ TEST(CpuPlaneSearch, IsRunPassOverAllViews) {
 TEST(CpuPlaneSearch, ForgetsTheLevelBefore) {
   const StereoScene large = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange),
                     small = SceneOf(TakeAll(kSlanted, Arc(2, 8, 24, 18)), kRange);
-  const auto search = MakeCpuPlaneSearch();
+  const auto search = MakePlaneSearch(kCpu);
   search->BeginLevel(large, Start(large));
   search->BeginPass({1, 0, true});
   search->Improve(0);
@@ -55,9 +57,9 @@ TEST(CpuPlaneSearch, ForgetsTheLevelBefore) {
 }
 
 #if !defined(ORACLEGS_CUDA)
-TEST(MakeGpuPlaneSearch, IsRefusedWhereTheProgramHasNoCuda) {
+TEST(MakePlaneSearch, RefusesGpuWithoutCuda) {
   try {
-    MakeGpuPlaneSearch(3);
+    MakePlaneSearch({DeviceKind::kCuda, 3});
     FAIL();
   } catch (const UsageError& error) {
     EXPECT_NE(std::string(error.what()).find("cuda:3"), std::string::npos) << error.what();

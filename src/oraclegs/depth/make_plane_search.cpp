@@ -1,7 +1,8 @@
-#include "oraclegs/depth/plane_search.h"
+#include "oraclegs/depth/make_plane_search.h"
 
 #include <utility>
 
+#include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
 #if defined(ORACLEGS_CUDA)
 #include "oraclegs/depth/cuda/cuda_plane_search.h"
@@ -39,13 +40,12 @@ class CpuPlaneSearch final : public PlaneSearch {
 
 }  // namespace
 
-std::unique_ptr<PlaneSearch> MakeCpuPlaneSearch() { return std::make_unique<CpuPlaneSearch>(); }
-
-std::unique_ptr<PlaneSearch> MakeGpuPlaneSearch(int index) {
+std::unique_ptr<PlaneSearch> MakePlaneSearch(Device device) {
+  if (device.is_cpu()) return std::make_unique<CpuPlaneSearch>();
 #if defined(ORACLEGS_CUDA)
-  return cuda::MakeCudaPlaneSearch(index);
+  return cuda::MakeCudaPlaneSearch(device.index);
 #else
-  throw UsageError("this build finds depth on the CPU only, cuda:{} was asked for; use --device cpu", index);
+  throw UsageError("this build finds depth on the CPU only, {} was asked for; use --device cpu", device.Name());
 #endif
 }
 

@@ -1,11 +1,11 @@
-#include "oraclegs/propose/warp_device.h"
+#include "oraclegs/propose/make_warp_device.h"
 
 #include <algorithm>
 
+#include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/propose/warp_shading.h"
 #if defined(ORACLEGS_CUDA)
-#include "oraclegs/core/cuda/check.h"
 #include "oraclegs/propose/cuda/cuda_warp_device.h"
 #endif
 
@@ -109,12 +109,13 @@ class CpuWarpDevice : public WarpDevice {
 }  // namespace
 
 std::unique_ptr<WarpDevice> MakeWarpDevice(Device device, const WarpSources& sources) {
-  static_cast<void>(sources);  // the CPU reads the caller's pictures
+  static_cast<void>(sources);  // the CPU reads the caller's images
   if (device.is_cpu()) return std::make_unique<CpuWarpDevice>();
 #if defined(ORACLEGS_CUDA)
-  if (device.is_cuda()) return cuda::MakeCudaWarpDevice(sources, device.has_index() ? device.index() : 0);
+  return cuda::MakeCudaWarpDevice(sources, device.index);
+#else
+  throw UsageError("this build warps views on the CPU only, {} was asked for; use --device cpu", device.Name());
 #endif
-  throw UsageError("this build warps photographs on the CPU only, '{}' was asked for; use --device cpu", device.str());
 }
 
 }  // namespace oraclegs
