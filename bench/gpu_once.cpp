@@ -15,6 +15,7 @@
 #include "oraclegs/gaussians/cuda/neighbors.h"
 #include "oraclegs/gaussians/neighbors.h"
 #include "oraclegs/propose/cuda/cuda_warp_device.h"
+#include "oraclegs/propose/warp.h"
 #include "oraclegs/train/timings.h"
 
 namespace oraclegs {

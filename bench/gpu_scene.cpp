@@ -41,7 +41,7 @@ GpuScene TrainedScene(const std::filesystem::path& ply, const std::filesystem::p
   for (const nlohmann::json& entry : file["frames"]) {
     if (scene.cameras.size() == kViews) break;
     const auto [frame, name] = NamedFrame(file, entry, transforms, static_cast<int>(scene.cameras.size()));
-    Camera camera = UndistortedCamera(ReadTransformsLens(frame, FindFrameImage(transforms.parent_path(), name)));
+    Camera camera = UndistortedCamera(ReadTransformsIntrinsics(frame, FindFrameImage(transforms.parent_path(), name)));
     camera.cam_from_world = ReadTransformsPose(frame);
     scene.cameras.push_back(AtPixels(camera, pixels));
   }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What of the GPU check needs no GPU: its order, its table, its exit code, and the line about gsplat. The tools are
-stand-ins that are found before the machine's."""
+"""What of the GPU check needs no GPU: its order, its table, its exit code and its archive; what is packed for a machine with
+one; and the line about gsplat. The tools are stand-ins that are found before the machine's."""
 
 import importlib.util
 import json
@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
 import unittest
 from pathlib import Path
@@ -15,25 +16,37 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 BUILT = {
-    "cuda_tests": 'echo "$STUB_TESTS"',
-    "gpu_bench": """echo "the table"; echo '{"iteration_ms": 3.5, "forward_ms": 0.9, "training_bytes_per_gaussian": 790}' > "$2/ours.json" """,
+    # cuda_tests --gtest_list_tests, or --gtest_brief=1 --gtest_filter=SUITE.* with the others
+    "cuda_tests": """case "$*" in
+*list*) printf 'Running main() from gmock_main.cc\\nCudaStep.\\n  Noise\\nVariants/CudaRasterizerGolden.\\n  Match/sh3  # GetParam()\\n' ;;
+*CudaStep*) echo "$STUB_STEP"; echo step >> order.txt ;;
+*) echo "[  PASSED  ] 1 test."; echo golden >> order.txt ;;
+esac""",
+    "gpu_bench": """while (($#)); do [[ $1 != --json ]] || json=$2; shift; done
+echo "the table of ${json##*/}"
+echo '{"iteration_ms": 3.5, "forward_ms": 0.9, "training_bytes_per_gaussian": 790, "gaussians": 5}' > "$json"
+exit "$STUB_BENCH" """,
     # reconstruct SCENE -o OUT --device DEVICE ...
     "oraclegs": """[ "$1" = demo-scene ] && exit 0
 [ "$6" = cuda ] && psnr=$STUB_PSNR || psnr=30.00
-mkdir -p "$4" && echo "{\\"test\\": {\\"psnr\\": $psnr}}" > "$4/metrics.json" """,
+mkdir -p "$4" && echo "{\\"test\\": {\\"psnr\\": $psnr}}" > "$4/metrics.json" && touch "$4/point_cloud.ply" """,
 }
 TOOLS = {
-    "cmake": """[ "$1" = --build ] || exit 0
-mkdir -p build/cuda/bin && cp "$STUB_BUILT"/* build/cuda/bin/""",
+    "cmake": """if [ "$1" != --build ]; then
+  case "$*" in *APPS=ON*) [ "$STUB_APPS" = yes ] || { echo "CMake Error: no curl"; exit 1; } ;; esac
+  mkdir -p build/cuda && touch build/cuda/build.ninja; exit
+fi
+[ "$STUB_BUILD" = "$6" ] && { echo "x.cpp:1:2: error: a bad file"; exit 1; }
+mkdir -p build/cuda/bin && cp "$STUB_BUILT/$6" build/cuda/bin/""",
     "ninja": "",
     "nvcc": "",
     "g++": "",
-    "pkg-config": "",
-    "nvidia-smi": "echo a GPU",
+    "nvidia-smi": """[ -n "$STUB_GPU" ] && echo "$STUB_GPU" """,
     "compute-sanitizer": "",
-    "python3": f"""case "$2" in *"import torch"*) echo "$STUB_TORCH"; exit 0 ;; *"import gsplat"*) exit 1 ;; esac
-exec {sys.executable} "$@" """,
+    "ncu": "echo '  BlendForwardKernel (1, 1, 1)'",
 }
+GOOD = {"STUB_STEP": "[  PASSED  ] 9 tests.", "STUB_BENCH": "0", "STUB_PSNR": "30.05", "STUB_APPS": "yes", "STUB_BUILD": "",
+        "STUB_GPU": "NVIDIA H200, 9.0, 580.1, 143771 MiB"}  # fmt: skip
 
 
 def write_programs(folder, programs):
@@ -43,52 +56,159 @@ def write_programs(folder, programs):
         (folder / name).chmod(0o755)
 
 
-class GpuCheckTest(unittest.TestCase):
+class WithStandIns(unittest.TestCase):
     def setUp(self):
         self.dir = Path(tempfile.mkdtemp(prefix="oraclegs_gpu_check_"))
         self.addCleanup(shutil.rmtree, self.dir)
         write_programs(self.dir / "tools", TOOLS)
         write_programs(self.dir / "built", BUILT)
         (self.dir / "scripts").mkdir()
-        shutil.copy(ROOT / "scripts/gpu_check.sh", self.dir / "scripts")
+        (self.dir / "bench").mkdir()
+        for file in ("scripts/gpu_check.sh", "scripts/gpu_pack.sh", "bench/gsplat_bench.py"):
+            shutil.copy(ROOT / file, self.dir / file)
 
-    def check(self, tests="[  PASSED  ] 9 tests.", psnr="30.05", torch="2.11.0 CUDA 13.0 ABI 1"):
-        environment = dict(os.environ, PATH=f"{self.dir}/tools:/usr/bin:/bin", STUB_BUILT=str(self.dir / "built"),
-                           STUB_TESTS=tests, STUB_PSNR=psnr, STUB_TORCH=torch)  # fmt: skip
-        return subprocess.run([self.dir / "scripts/gpu_check.sh"], capture_output=True, text=True, env=environment, timeout=60, check=False)
+    def run_script(self, *words, **stubs):
+        environment = dict(os.environ, PATH=f"{self.dir}/tools:/usr/bin:/bin", STUB_BUILT=str(self.dir / "built"), **{**GOOD, **stubs})
+        environment.setdefault("OUT", str(self.dir))
+        return subprocess.run(words, capture_output=True, text=True, env=environment, timeout=120, check=False)
 
+    def check(self, *arguments, **stubs):
+        return self.run_script(self.dir / "scripts/gpu_check.sh", *arguments, **stubs)
+
+    def assert_row(self, done, name, rest):
+        self.assertRegex(done.stdout, rf"(?m)^{name} +{rest}$")
+
+
+class GpuCheckTest(WithStandIns):
     def test_all_good(self):
         done = self.check()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("the table", done.stdout)
-        for name in ("configure", "build", "tests", "benchmark", "demo_scene", "memcheck", "racecheck"):
-            self.assertRegex(done.stdout, rf"(?m)^{name} +passed +\d+ s$")
-        self.assertRegex(done.stdout, r"(?m)^gsplat +skipped +not installed; --gsplat PATH$")
-        self.assertRegex(done.stdout, r"(?m)^iteration +good +3\.500 ms \(wanted: 4 ms on an H200\)$")
-        self.assertRegex(done.stdout, r"(?m)^forward +MISSED +0\.900 ms")
-        self.assertRegex(done.stdout.splitlines()[-1], r"^demo scene, PSNR +good +cpu 30\.000, cuda 30\.050 dB")
+        steps = ["configure", "build_benchmark", "benchmark", "build_tests", "tests", "small", "ncu", "build_program", "demo",
+                 "train", "trained", "memcheck", "racecheck"]  # fmt: skip
+        rows = [line.split()[0] for line in done.stdout.splitlines() if " passed " in line and not line.startswith("suites")]
+        self.assertEqual(rows, steps)
+        self.assert_row(done, "GPU", "found +NVIDIA H200, .*")
+        self.assert_row(done, "suites", "passed +2")
+        self.assertIn("the table of benchmark.json", done.stdout)
+        self.assert_row(done, "iteration", r"good +3\.500 ms \(expected on an H200: at most 4 ms\)")
+        self.assert_row(done, "forward", r"MISSED +0\.900 ms .*")
+        self.assert_row(done, "iteration, trained", r"3\.500 ms, 5 Gaussians")
+        self.assert_row(done, "demo, PSNR", r"good +CPU 30\.000, GPU 30\.050 dB .*")
+        self.assertNotIn("--packages", done.stdout)
+
+    def test_reference_numbers_come_first(self):
+        self.check()
+        self.assertEqual((self.dir / "order.txt").read_text().split()[:2], ["golden", "step"])
+
+    def test_logs_and_figures_are_one_archive(self):
+        self.check()
+        with tarfile.open(self.dir / "gpu_check.tar.gz") as archive:
+            names = archive.getnames()
+        for name in ("configure.log", "benchmark.json", "tests/CudaStep.log", "summary.txt", "figures.txt"):
+            self.assertIn(f"gpu_check/{name}", names)
+
+    def test_the_benchmark_survives_the_others(self):
+        done = self.check(STUB_BUILD="cuda_tests")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("error: a bad file", done.stdout)
+        self.assert_row(done, "build_tests", "FAILED +.*")
+        self.assert_row(done, "tests", "skipped +cuda_tests was not built")
+        self.assert_row(done, "demo", "passed .*")
+        done = self.check(STUB_BUILD="oraclegs", STUB_BENCH="1")
+        self.assert_row(done, "benchmark", "FAILED +.*")
+        self.assert_row(done, "iteration", "good .*")  # what it had saved
+
+    def test_without_the_programs_libraries_the_engine_is_checked(self):
+        done = self.check(STUB_APPS="no")
+        self.assertEqual(done.returncode, 1)
+        self.assert_row(done, "configure", "FAILED .*")
+        self.assert_row(done, "configure_engine", "passed .*")
+        self.assert_row(done, "tests", "passed .*")
+
+    def test_without_a_gpu_everything_is_built_and_nothing_is_run(self):
+        done = self.check(STUB_GPU="")
+        self.assertEqual(done.returncode, 1)
+        for name in ("build_benchmark", "build_tests", "build_program"):
+            self.assert_row(done, name, "passed .*")
+        for name in ("benchmark", "tests", "small", "ncu", "demo", "memcheck"):
+            self.assert_row(done, name, "skipped +no NVIDIA driver answers")
 
     def test_devices_that_disagree(self):
-        done = self.check(psnr="30.20")
+        done = self.check(STUB_PSNR="30.20")
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stdout, r"demo scene, PSNR +MISSED +cpu 30\.000, cuda 30\.200 dB")
+        self.assert_row(done, "demo, PSNR", r"MISSED +CPU 30\.000, GPU 30\.200 dB .*")
 
     def test_skipped_tests_are_no_success(self):
-        done = self.check(tests="[  SKIPPED ] 3 tests.")
+        done = self.check(STUB_STEP="[  SKIPPED ] 3 tests.")
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stdout, r"(?m)^tests +FAILED")
-        self.assertRegex(done.stdout, r"(?m)^benchmark +passed")  # the rest is told all the same
+        self.assert_row(done, "tests CudaStep.", "FAILED +a skipped test is no success, .*")
+        self.assert_row(done, "tests", "FAILED .*")
 
-    def test_a_torch_that_will_not_do_is_told_before_anything_is_built(self):
-        for torch, why in (("1.13 CUDA None ABI 1", "must be one with CUDA"), ("2.5.1 CUDA 12.4 ABI 0", "old C\\+\\+ ABI"),
-                           ("", "cannot import torch")):  # fmt: skip
-            done = self.check(torch=torch)
-            self.assertEqual(done.returncode, 1)
-            self.assertRegex(done.stdout, rf"torch +FAILED +.*{why}")
-            self.assertNotIn("== configure", done.stdout)
+    def test_time_that_runs_out(self):
+        done = self.check("--seconds", "0")
+        self.assertEqual(done.returncode, 1)
+        self.assert_row(done, "configure", "FAILED +no time was left")
+
+    def test_a_scene_of_the_users(self):
+        done = self.check("--scene", "model.ply", "--views", "transforms.json")
+        self.assert_row(done, "trained", "passed .*")
+        self.assertNotRegex(done.stdout, r"(?m)^train ")
+
+    def test_gsplat_is_a_call_of_its_own(self):
+        done = self.check("--gsplat", str(self.dir / "nowhere"))
+        self.assertEqual(done.returncode, 1)
+        self.assert_row(done, "benchmark", "passed .*")
+        self.assertIn("gsplat: not timed", done.stdout)
+        self.assertNotRegex(done.stdout, r"(?m)^tests ")
 
     def test_other_words(self):
-        done = subprocess.run([self.dir / "scripts/gpu_check.sh", "--gsplats"], capture_output=True, text=True, check=False)
+        for words in (["--gsplats"], ["--scene", "model.ply"]):
+            done = self.check(*words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("usage:", done.stderr)
+
+    def test_packages_that_are_none(self):
+        done = self.check("--packages", "nowhere.tar.gz")
+        self.assertEqual(done.returncode, 1)
+        self.assert_row(done, "packages", "FAILED +.*nowhere.tar.gz cannot be unpacked")
+
+
+class GpuPackTest(WithStandIns):
+    def test_packs_headers_libraries_and_the_source(self):
+        """apt's packages are stand-ins: one with a library, its archive, an absolute link, and things not needed."""
+        folder = self.dir / "pack"
+        write_programs(self.dir / "apt", {
+            "apt-cache": "printf 'libfmt-dev\\n  Depends: libc6\\nlibc6\\n'",
+            "apt-get": "cat > names.txt; touch x.deb; for name in \"$@\"; do echo \"$name\" >> \"$STUB_NAMES\"; done",
+            "dpkg-deb": """lib=$3/usr/lib/x86_64-linux-gnu; mkdir -p $lib/cmake/fmt $lib/perl $3/usr/include $3/usr/share/doc $3/usr/bin
+touch $lib/libfmt.so.9 $lib/libfmt.a $lib/libgtest.a $lib/cmake/fmt/fmt-config.cmake $3/usr/include/fmt.h $3/usr/bin/pkgconf
+ln -s /lib/x86_64-linux-gnu/libfmt.so.9 $lib/libfmt.so""",
+        })  # fmt: skip
+        golden = self.dir / "tests/golden"
+        golden.mkdir(parents=True)
+        for name in ("ssim", "seva_unet_tiny"):
+            (golden / f"{name}.safetensors").touch()
+        os.rename(self.dir / "apt/apt-cache", self.dir / "tools/apt-cache")
+        for tool in ("apt-get", "dpkg-deb"):
+            os.rename(self.dir / "apt" / tool, self.dir / "tools" / tool)
+        done = self.run_script(self.dir / "scripts/gpu_pack.sh", folder, STUB_NAMES=str(self.dir / "names"))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"packages.tar.gz +\d+ KiB, 1 packages")
+        self.assertEqual((self.dir / "names").read_text().split()[-1], "libfmt-dev")
+        with tarfile.open(folder / "packages.tar.gz") as archive:
+            lib = "usr/lib/x86_64-linux-gnu"
+            self.assertEqual(archive.getmember(f"{lib}/libfmt.so").linkname, "libfmt.so.9")
+            names = archive.getnames()
+        self.assertLessEqual({"usr/include/fmt.h", f"{lib}/libgtest.a", f"{lib}/cmake/fmt/fmt-config.cmake", "usr/bin/pkgconf"}, set(names))
+        for name in (f"{lib}/libfmt.a", f"{lib}/perl", "usr/share/doc"):
+            self.assertNotIn(name, names)
+        with tarfile.open(folder / "source.tar.gz") as archive:
+            names = archive.getnames()
+        self.assertIn("oraclegs/tests/golden/ssim.safetensors", names)
+        self.assertNotIn("oraclegs/tests/golden/seva_unet_tiny.safetensors", names)
+
+    def test_other_words(self):
+        done = self.run_script(self.dir / "scripts/gpu_pack.sh")
         self.assertEqual(done.returncode, 2)
         self.assertIn("usage:", done.stderr)
 
@@ -103,22 +223,35 @@ class GsplatBenchTest(unittest.TestCase):
 
     def test_line(self):
         theirs = {"forward": 2.0, "backward": 5.0, "iteration": 9.0}
-        alone = self.bench.line("1.5", theirs, None)
-        self.assertEqual(alone, "gsplat 1.5: forward 2.000 ms, backward 5.000 ms, iteration 9.000 ms")
-        both = self.bench.line("1.5", theirs, {"forward_ms": 0.8, "iteration_ms": 3.0})
-        self.assertIn("ours: forward 0.800 ms, 2.50 times as fast, iteration 3.000 ms, 3.00 times as fast", both)
+        alone = self.bench.line("1.5", theirs, {}, "fused_ssim")
+        self.assertEqual(alone, "gsplat 1.5: forward 2.000 ms, backward 5.000 ms, iteration 9.000 ms (SSIM of fused_ssim)")
+        ours = {"forward_ms": 0.8, "iteration_ms": 3.0}
+        both = self.bench.line("1.5", theirs, ours, "fused_ssim")
+        self.assertIn("; our forward 0.800 ms, 2.50 times as fast; our iteration 3.000 ms, 3.00 times as fast", both)
+        unfair = self.bench.line("1.5", theirs, ours, "torch's convolutions")
+        self.assertIn("2.50 times as fast; our iteration 3.000 ms, not comparable without fused_ssim", unfair)
 
     def test_reads_what_gpu_bench_wrote(self):
-        (self.dir / "camera.txt").write_text("1237 822 1113.3 1138.04 617.2 411.7\n")
-        self.assertEqual(self.bench.read_camera(self.dir), (1237, 822, [[1113.3, 0, 617.2], [0, 1138.04, 411.7], [0, 0, 1]]))
-        self.assertIsNone(self.bench.read_ours(self.dir))
+        (self.dir / "camera.txt").write_text("1237 822 1113.3 1138.04 617.2 411.7\n1 0 0 0.5 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n")
+        width, height, intrinsics, pose = self.bench.read_camera(self.dir)
+        self.assertEqual((width, height, intrinsics), (1237, 822, [[1113.3, 0, 617.2], [0, 1138.04, 411.7], [0, 0, 1]]))
+        self.assertEqual(pose[0], [1, 0, 0, 0.5])
+        self.assertEqual(self.bench.read_ours(self.dir / "ours.json"), {})
         (self.dir / "ours.json").write_text(json.dumps({"iteration_ms": 3}))
-        self.assertEqual(self.bench.read_ours(self.dir), {"iteration_ms": 3})
+        self.assertEqual(self.bench.read_ours(self.dir / "ours.json"), {"iteration_ms": 3})
 
-    def test_without_gsplat_it_is_skipped(self):
-        done = subprocess.run([sys.executable, "-S", ROOT / "bench/gsplat_bench.py", self.dir], capture_output=True, text=True, check=False)
-        self.assertEqual(done.returncode, 0)
-        self.assertIn("gsplat: skipped", done.stdout)
+    def test_a_source_without_submodules(self):
+        glm = self.dir / "gsplat/cuda/csrc/third_party/glm"
+        glm.mkdir(parents=True)
+        self.assertIn("clone gsplat with --recursive", self.bench.missing_submodule(self.dir))
+        (glm / "glm").mkdir()
+        self.assertIsNone(self.bench.missing_submodule(self.dir))
+
+    def test_without_gsplat_it_says_so(self):
+        done = subprocess.run([sys.executable, "-S", ROOT / "bench/gsplat_bench.py", self.dir, self.dir / "ours.json"],
+                              capture_output=True, text=True, check=False)  # fmt: skip
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("gsplat: not timed", done.stdout)
 
 
 if __name__ == "__main__":
