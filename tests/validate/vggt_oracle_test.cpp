@@ -1,151 +1,108 @@
 #include "oraclegs/validate/vggt_oracle.h"
 
-#include "networks/vggt_fixture.h"
+#include <numeric>
+
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/rng.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int kWidth = 84, kHeight = 56;
+constexpr int kWidth = 12, kHeight = 8;
 
-ImageF ToImage(const Tensor& chw) {
-  const Tensor hwc = chw.permute({1, 2, 0}).contiguous();
-  const float* values = hwc.data_ptr<float>();
-  return {static_cast<int>(hwc.size(1)), static_cast<int>(hwc.size(0)), 3, {values, values + hwc.numel()}};
+double Mean(const Image8& image) {
+  return std::accumulate(image.data.begin(), image.data.end(), 0.0) / static_cast<double>(image.data.size()) / 255;
 }
 
-Camera CameraOf(int width, int height) { return {width, height, 60, 60, width / 2.0, height / 2.0}; }
+/// Answers with numbers that depend on the pixel, on the reference and on all proposals of the pass.
+class FakeAttention : public AttentionNetwork {
+ public:
+  explicit FakeAttention(std::vector<size_t>* passes) : passes_(passes) {}
+  int64_t PassBytes(const std::vector<Camera>&, int64_t views) const override { return views; }
+  void Load() override {}
+  Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) override {
+    if (passes_) passes_->push_back(proposals.size());
+    const int64_t count = static_cast<int64_t>(proposals.size()), width = proposals[0].width,
+                  height = proposals[0].height;
+    double together = Mean(reference);
+    for (const Image8& proposal : proposals) together += Mean(proposal);
+    const Buffer<float> maps = Buffer<float>::Empty({count, height, width});
+    for (int64_t i = 0; i < maps.count(); ++i) {
+      const Image8& proposal = proposals[static_cast<size_t>(i / (width * height))];
+      const auto pixel = static_cast<size_t>(i % (width * height));
+      maps[i] = static_cast<float>(proposal.data[3 * pixel] / 510.0 + together / 100);
+    }
+    return maps;
+  }
+
+ private:
+  std::vector<size_t>* passes_;
+};
+
+Camera CameraOf(int width, int height) { return {width, height, 60, 60, width / 2.0, height / 2.0, {}}; }
+
+Proposal Noise(uint64_t seed, int width = kWidth, int height = kHeight) {
+  ImageF image{width, height, 3, {}};
+  Rng rng(seed, RandomStream::kDemoScene);
+  for (int i = 0; i < 3 * width * height; ++i) image.data.push_back(static_cast<float>(rng.Uniform()));
+  return {"p", "warp", CameraOf(width, height), image};
+}
 
 class VggtOracleTest : public testing::Test {
  protected:
-  VggtOracleTest() {
-    const Tensor images = GoldenFloat(file, "input.images");
-    photos.push_back({"photo", CameraOf(kWidth, kHeight), ToImage(images[0]), {}});
-    for (int v = 1; v < 3; ++v) proposals.push_back(Make(ToImage(images[v])));
+  VggtOracleTest() { views.push_back({"view", CameraOf(kWidth, kHeight), Noise(77).rgb, {}}); }
+
+  VggtOracle Oracle(size_t chunk = 8, std::function<void(size_t)> on_pass = {}, std::vector<size_t>* passes = nullptr) {
+    return {std::make_unique<FakeAttention>(passes), {chunk, std::move(on_pass)}, views};
   }
 
-  static Proposal Make(const ImageF& image) { return {"p", "warp", CameraOf(image.width, image.height), image}; }
-  static Proposal Noise(uint64_t seed, int width = kWidth, int height = kHeight) {
-    ImageF image{width, height, 3, {}};
-    Rng rng(seed, RandomStream::kDemoScene);
-    for (int i = 0; i < 3 * width * height; ++i) image.data.push_back(static_cast<float>(rng.Uniform()));
-    return Make(image);
-  }
-
-  /// At the size of the fixture's images, which are not resized then.
-  VggtOracle Oracle(AttentionMode mode, size_t chunk = 8, std::function<void(size_t)> looked = {}) const {
-    return {GoldenVggt().aggregator, {mode, chunk, kWidth, {0, 2}, {0.25, 0.75}, std::move(looked)}, photos};
-  }
-
-  static double Difference(const ConfidenceMap& a, const ConfidenceMap& b) {
-    double most = 0;
-    for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(static_cast<double>(a[i] - b[i])));
-    return a.size() == b.size() ? most : 1e9;
-  }
-
-  const SafetensorsFile file = OpenGolden(kVggtFixture);
-  std::vector<LoadedView> photos;
-  std::vector<Proposal> proposals;
+  std::vector<LoadedView> views;
+  const std::vector<Proposal> proposals = {Noise(1), Noise(2)};
 };
 
-TEST_F(VggtOracleTest, IsThePublishedMapButForTheRoundingOfPictures) {
-  for (const auto& [mode, name] :
-       {std::pair{AttentionMode::kOthers, "others"}, std::pair{AttentionMode::kReference, "reference"}}) {
-    const auto maps = Oracle(mode).Validate(proposals);
-    const Tensor golden = GoldenFloat(file, std::string("output.uncertainty.") + name);
-    for (int v = 0; v < 2; ++v) {
-      const Tensor want = golden[v + 1].contiguous();
-      const float* values = want.data_ptr<float>();
-      EXPECT_LT(Difference(maps[static_cast<size_t>(v)], {values, values + want.numel()}), 0.05) << name;
-    }
-  }
-}
-
-TEST_F(VggtOracleTest, ModesDifferInWhoseAttentionCounts) {
-  const std::vector<Proposal> other = {proposals[0], Noise(5)};
-  const auto reference = Oracle(AttentionMode::kReference), others = Oracle(AttentionMode::kOthers),
-             official = Oracle(AttentionMode::kOfficial);
-  const auto a = reference.Validate(proposals), b = others.Validate(proposals), c = official.Validate(proposals);
-  EXPECT_GT(Difference(a[0], b[0]), 0.02);
-  EXPECT_GT(Difference(a[0], c[0]), 0.02);
-  EXPECT_GT(Difference(b[0], c[0]), 0.02);
-  for (const auto* maps : {&a, &b, &c}) {
-    for (const ConfidenceMap& map : *maps) {
-      ASSERT_EQ(map.size(), size_t{kWidth} * kHeight);
-      EXPECT_GE(*std::min_element(map.begin(), map.end()), 0.f);
-      EXPECT_LE(*std::max_element(map.begin(), map.end()), 1.f);
-    }
-  }
-  // The extremes of a view are its own, but for the official map, where they are those of all views of the pass.
-  const auto range = [](const ConfidenceMap& map) {
-    return *std::max_element(map.begin(), map.end()) - *std::min_element(map.begin(), map.end());
-  };
-  EXPECT_GT(range(a[0]), 0.4f);
-  EXPECT_GT(range(b[1]), 0.4f);
-  // What else is in the pass changes what its own attention is, and in "others" who looks.
-  EXPECT_GT(Difference(others.Validate(other)[0], b[0]), 1e-3);
-}
-
-TEST_F(VggtOracleTest, PassesAreIndependentAndTold) {
-  std::vector<Proposal> five = proposals;
-  for (uint64_t s = 0; s < 3; ++s) five.push_back(Noise(s));
-  std::vector<size_t> told;
-  const auto oracle = Oracle(AttentionMode::kOthers, 2, [&](size_t n) { told.push_back(n); });
-  const auto maps = oracle.Validate(five);
-  EXPECT_EQ(told, (std::vector<size_t>{1, 2, 2}));  // even runs of at most two
-  EXPECT_EQ(maps[0], oracle.Validate({five[0]})[0]);
-  EXPECT_EQ(maps[2], oracle.Validate({five[1], five[2]})[1]);
-  EXPECT_EQ(maps[4], oracle.Validate({five[3], five[4]})[1]);
-  EXPECT_NE(maps[2], oracle.Validate({five[4], five[2]})[1]);
-  EXPECT_EQ(maps, Oracle(AttentionMode::kOthers, 2).Validate(five));
-}
-
-TEST_F(VggtOracleTest, SameBitsForAnyNumberOfThreads) {
-  const int before = at::get_num_threads();
-  at::set_num_threads(1);
-  const auto one = Oracle(AttentionMode::kReference).Validate(proposals);
-  at::set_num_threads(3);
-  const auto three = Oracle(AttentionMode::kReference).Validate(proposals);
-  at::set_num_threads(before);
-  EXPECT_EQ(one, three);
+TEST_F(VggtOracleTest, PassesAreIndependentAndReported) {
+  const std::vector<Proposal> five = {Noise(1), Noise(2), Noise(3), Noise(4), Noise(5)};
+  std::vector<size_t> reported, passes;
+  const VggtOracle oracle = Oracle(2, [&](size_t n) { reported.push_back(n); }, &passes);
+  const auto maps = oracle.Predict(five);
+  EXPECT_EQ(reported, (std::vector<size_t>{1, 2, 2}));  // even runs of at most two
+  EXPECT_EQ(passes, reported);
+  EXPECT_EQ(maps[0], oracle.Predict(std::vector<Proposal>{five[0]})[0]);
+  EXPECT_EQ(maps[2], oracle.Predict(std::vector<Proposal>{five[1], five[2]})[1]);
+  EXPECT_EQ(maps[4], oracle.Predict(std::vector<Proposal>{five[3], five[4]})[1]);
+  EXPECT_NE(maps[2], oracle.Predict(std::vector<Proposal>{five[4], five[2]})[1]);
+  EXPECT_EQ(maps, Oracle(2).Predict(five));
 }
 
 TEST_F(VggtOracleTest, MapsHaveTheSizeOfTheirProposals) {
-  for (const auto mode : {AttentionMode::kReference, AttentionMode::kOfficial}) {
-    const auto maps = Oracle(mode).Validate({Noise(1, 50, 33), Noise(2, 31, 64), Noise(3, 50, 33)});
-    EXPECT_EQ(maps[0].size(), 50u * 33u);
-    EXPECT_EQ(maps[1].size(), 31u * 64u);
-    EXPECT_EQ(maps[2].size(), 50u * 33u);
-    EXPECT_GT(*std::max_element(maps[1].begin(), maps[1].end()), 0.f);
-  }
+  const auto maps = Oracle().Predict(std::vector<Proposal>{Noise(1, 50, 33), Noise(2, 31, 64), Noise(3, 50, 33)});
+  EXPECT_EQ(maps[0].size(), 50u * 33u);
+  EXPECT_EQ(maps[1].size(), 31u * 64u);
+  EXPECT_EQ(maps[2].size(), 50u * 33u);
 }
 
-TEST_F(VggtOracleTest, AHiddenPhotographIsNotLookedAt) {
-  photos.push_back({"second", CameraOf(kWidth, kHeight), Noise(9).rgb, {}});
-  const auto oracle = Oracle(AttentionMode::kReference);
-  const ConfidenceMap beside_first = oracle.Judge({{1, proposals[0]}})[0];
-  const ConfidenceMap beside_second = oracle.Judge({{0, proposals[0]}})[0];
+TEST_F(VggtOracleTest, AHeldOutViewIsNotLookedAt) {
+  views.push_back({"second", CameraOf(kWidth, kHeight), Noise(9).rgb, {}});
+  const VggtOracle oracle = Oracle();
+  const auto beside = [&](int held_out) { return oracle.Predict(std::vector<Query>{{proposals[0], held_out}})[0]; };
+  const ConfidenceMap beside_first = beside(1), beside_second = beside(0);
   EXPECT_NE(beside_first, beside_second);
-  photos[1].rgb = Noise(10).rgb;
-  EXPECT_EQ(oracle.Judge({{1, proposals[0]}})[0], beside_first);
-  EXPECT_NE(oracle.Judge({{0, proposals[0]}})[0], beside_second);
-  photos.pop_back();
-  EXPECT_THROW(oracle.Judge({{0, proposals[0]}}), InputError);
+  views[1].rgb = Noise(10).rgb;
+  EXPECT_EQ(beside(1), beside_first);
+  EXPECT_NE(beside(0), beside_second);
+  views.pop_back();
+  EXPECT_THROW(beside(0), InputError);
 }
 
 TEST_F(VggtOracleTest, StopsWhenAskedTo) {
-  const auto oracle = Oracle(AttentionMode::kReference);
+  const VggtOracle oracle = Oracle();
   RequestInterrupt(true);
-  EXPECT_THROW(oracle.Validate(proposals), Interrupted);
+  EXPECT_THROW(oracle.Predict(proposals), Interrupted);
   RequestInterrupt(false);
-  EXPECT_EQ(oracle.Validate(proposals).size(), 2u);
+  EXPECT_EQ(oracle.Predict(proposals).size(), 2u);
 }
 
-TEST_F(VggtOracleTest, RefusesOptionsThatDoNotFit) {
-  EXPECT_THROW(VggtOracle(GoldenVggt().aggregator, {.layers = {0}, .weights = {1, 2}}, photos), ShapeError);
-  EXPECT_THROW(Oracle(AttentionMode::kReference, 0), ShapeError);
-}
+TEST_F(VggtOracleTest, RefusesEmptyChunks) { EXPECT_THROW(Oracle(0), ShapeError); }
 
 }  // namespace
 }  // namespace oraclegs

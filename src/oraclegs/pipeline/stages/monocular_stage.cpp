@@ -4,15 +4,15 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/depth/silhouettes.h"
-#include "oraclegs/evaluate/evaluate.h"
-#include "oraclegs/networks/common/recognize.h"
+#include "oraclegs/networks/loader.h"
+#include "oraclegs/pipeline/settings/device.h"
 
 namespace oraclegs {
 namespace {
 
-/// Where a photograph's mask and its object's silhouette let anything be.
-AllowedPixels Allowed(const LoadedView& photo, const Silhouettes& silhouettes, size_t v) {
-  AllowedPixels allowed = photo.mask;
+/// The pixels that a view's mask and its object's silhouette allow.
+AllowedPixels Allowed(const LoadedView& view, const Silhouettes& silhouettes, size_t v) {
+  AllowedPixels allowed = view.mask;
   if (silhouettes.empty()) return allowed;
   const std::vector<uint8_t>& object = silhouettes.Object(v);
   if (allowed.empty()) return object;
@@ -22,76 +22,67 @@ AllowedPixels Allowed(const LoadedView& photo, const Silhouettes& silhouettes, s
 
 }  // namespace
 
-std::vector<RelativeDepth> GuessDepth(const std::filesystem::path& weights, const std::vector<LoadedView>& photos,
-                                      const Listener& listener, torch::Device device) {
-  const DepthAnything model = LoadRecognizedDepthAnything(weights, device);
-  std::vector<RelativeDepth> guesses;
-  for (const LoadedView& photo : photos) {
+std::vector<RelativeDepth> PredictRelativeDepth(const std::filesystem::path& weights,
+                                                const std::vector<LoadedView>& views, const Listener& listener,
+                                                Device device) {
+  const Networks& networks = GetNetworks();
+  const auto network = networks.LoadDepth(weights, DeviceOfNetworks(networks, device, listener));
+  std::vector<RelativeDepth> predicted;
+  for (const LoadedView& view : views) {
     ThrowIfInterrupted();
-    const Tensor map = RelativeInverseDepth(model, ToTensor(photo.rgb));
-    const float* values = map.data_ptr<float>();
-    guesses.push_back({photo.rgb.width, photo.rgb.height, {values, values + map.numel()}});
-    listener(StepDone{"depth", static_cast<int64_t>(guesses.size()), static_cast<int64_t>(photos.size()), "photographs",
+    const Buffer<float> map = network->InverseDepth(view.rgb);
+    predicted.push_back({view.rgb.width, view.rgb.height, {map.span().begin(), map.span().end()}});
+    listener(StepDone{"depth", static_cast<int64_t>(predicted.size()), static_cast<int64_t>(views.size()), "views",
                       "Depth Anything V2"});
   }
-  return guesses;
-}
-
-std::string DepthNetworkName(const std::filesystem::path& weights) {
-  const int64_t width = RecognizeDepthAnything(weights).backbone.width;
-  for (const auto& [size, word] :
-       {std::pair{DepthAnythingSize::kSmall, "small"}, std::pair{DepthAnythingSize::kBase, "base"},
-        std::pair{DepthAnythingSize::kLarge, "large"}}) {
-    if (width == DepthAnythingV2(size).backbone.width) return std::string("Depth Anything V2 ") + word;
-  }
-  return "Depth Anything V2 of another size";
+  return predicted;
 }
 
 bool IsNonCommercialDepthNetwork(const std::string& name) {
   return name.ends_with(" base") || name.ends_with(" large");
 }
 
-MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& guesses, const std::vector<LoadedView>& photos,
+MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& predicted, const std::vector<LoadedView>& views,
                                  std::vector<DepthMap> stereo, const std::vector<ScenePoint>& points,
                                  const Listener& listener) {
   const bool fused = !stereo.empty();
   std::vector<std::vector<KnownDepth>> known;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    known.push_back(KnownDepths(points, static_cast<int>(v), photos[v].camera));
+  for (size_t v = 0; v < views.size(); ++v) {
+    known.push_back(KnownDepths(points, static_cast<int>(v), views[v].camera));
   }
   AlignmentRule rule;
   rule.smallest_span = SmallestSpan(known);
   std::vector<Alignment> alignments;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    alignments.push_back(Align(guesses[v], photos[v].camera, known[v], rule));
+  for (size_t v = 0; v < views.size(); ++v) {
+    alignments.push_back(Align(predicted[v], views[v].camera, known[v], rule));
     if (!fused || alignments[v].scale > 0) continue;
-    alignments[v] = Align(guesses[v], photos[v].camera, ConfidentDepths(stereo[v]), rule);
+    alignments[v] = Align(predicted[v], views[v].camera, ConfidentDepths(stereo[v]), rule);
   }
   const std::vector<bool> reliable = AreReliable(alignments);
-  const Silhouettes silhouettes(photos);
+  const Silhouettes silhouettes(views);
   MonocularMaps out;
   std::vector<std::string> unreliable;
-  for (size_t v = 0; v < photos.size(); ++v) {
+  for (size_t v = 0; v < views.size(); ++v) {
     ThrowIfInterrupted();
-    const DepthMap frame{photos[v].name, photos[v].camera, {}, {}, {}};
+    const DepthMap frame{views[v].name, views[v].camera, {}, {}, {}};
     if (!reliable[v]) {
-      unreliable.push_back(photos[v].name);
+      unreliable.push_back(views[v].name);
       // Nothing is known of it: a scale of 0 leaves no inverse depth above 0.
-      out.maps.push_back(fused ? std::move(stereo[v]) : AlignedDepth(frame, guesses[v], {}, {}, {}).map);
+      out.maps.push_back(fused ? std::move(stereo[v]) : AlignedDepth(frame, predicted[v], {}, {}, {}).map);
       continue;
     }
-    const AllowedPixels allowed = Allowed(photos[v], silhouettes, v);
-    MonocularDepth depth = fused ? FusedDepth(stereo[v], guesses[v], alignments[v], known[v], allowed)
-                                 : AlignedDepth(frame, guesses[v], alignments[v], known[v], allowed);
-    out.right += depth.right / static_cast<double>(photos.size());
+    const AllowedPixels allowed = Allowed(views[v], silhouettes, v);
+    MonocularDepth depth = fused ? FusedDepth(stereo[v], predicted[v], alignments[v], known[v], allowed)
+                                 : AlignedDepth(frame, predicted[v], alignments[v], known[v], allowed);
+    out.right += depth.right / static_cast<double>(views.size());
     out.maps.push_back(std::move(depth.map));
   }
   if (!unreliable.empty()) {
     listener(
         Warning{fmt::format("the network's depth of {} cannot be aligned: too few points are known there, or its "
-                            "scale is unlike the other photographs'; {}",
+                            "scale is unlike that of the other views; {}",
                             fmt::join(unreliable, ", "),
-                            fused ? "stereo stands alone there" : "they have no depth (--depth-prior fused)")});
+                            fused ? "only stereo is used there" : "they have no depth (--depth-prior fused)")});
   }
   return out;
 }

@@ -6,64 +6,23 @@
 #include <memory>
 #include <utility>
 
-#include "oraclegs/networks/common/recognize.h"
+#include "oraclegs/networks/loader.h"
 #include "oraclegs/pipeline/settings/device.h"
-#include "oraclegs/pipeline/settings/weights.h"
 
 namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
 
-using SharedLpips = std::shared_ptr<const Lpips>;
+using SharedNetwork = std::shared_ptr<const PerceptualNetwork>;
 
-SharedLpips Load(const std::vector<fs::path>& files, torch::Device device = torch::kCPU) {
-  return std::make_shared<const Lpips>(LoadRecognizedLpips(files, device));
+SharedNetwork Load(const std::vector<fs::path>& files, Device device, int64_t cache_bytes) {
+  return GetNetworks().LoadPerceptual(files, device, cache_bytes);
 }
 
-const char* NetworkName(const Lpips& lpips) {
-  return lpips.features.config.network == FeatureNetwork::kVgg16 ? "VGG16" : "AlexNet";
-}
-
-int64_t BytesOf(const LpipsTarget& target) {
-  int64_t bytes = 0;
-  for (const Tensor& t : target.features) bytes += t.numel() * static_cast<int64_t>(t.element_size());
-  return bytes;
-}
-
-/// Targets and their features. None is given up for another: all are asked for equally often.
-class Targets {
- public:
-  Targets(SharedLpips lpips, int64_t bytes) : lpips_(std::move(lpips)), left_(bytes) {}
-
-  LpipsTarget Get(const Tensor& picture) {
-    const auto found = known_.find(picture.data_ptr());
-    if (found != known_.end() && found->second.first.sizes() == picture.sizes()) return found->second.second;
-    LpipsTarget target = PrepareTarget(*lpips_, picture, LpipsRange::kZeroOne);
-    const int64_t bytes = BytesOf(target);
-    if (found == known_.end() && bytes <= left_) {
-      left_ -= bytes;
-      // Held, so that no other picture can come to lie in its place.
-      known_.emplace(picture.data_ptr(), std::pair{picture, target});
-    }
-    return target;
-  }
-
- private:
-  SharedLpips lpips_;
-  int64_t left_;
-  std::map<const void*, std::pair<Tensor, LpipsTarget>> known_;
-};
-
-PerceptualDistance LossOf(const SharedLpips& lpips, int64_t cache_bytes) {
-  const auto targets = std::make_shared<Targets>(lpips, cache_bytes);
-  return [lpips, targets](const Tensor& render, const Tensor& target, double weight, Tensor* grad) {
-    Tensor own;
-    const bool backward = grad != nullptr && grad->defined();
-    if (backward) own = torch::empty_like(*grad);
-    const double value = Distance(*lpips, render, targets->Get(target), backward ? &own : nullptr).value;
-    if (backward) grad->add_(own, weight);
-    return value;
+PerceptualDistance LossOf(const SharedNetwork& network) {
+  return [network](const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad) {
+    return network->Loss(render, target, weight, grad);
   };
 }
 
@@ -74,48 +33,42 @@ bool UsesLpips(const TrainOptions& options) {
 
 }  // namespace
 
-std::vector<fs::path> FindLpips(const WeightOptions& options) {
-  return FindWeights(kLpipsModel, options.lpips_weights);
+PerceptualDistance LpipsLoss(const std::vector<fs::path>& files, Device device, int64_t cache_bytes) {
+  return LossOf(Load(files, device, cache_bytes));
 }
 
-PerceptualDistance LpipsLoss(const std::vector<fs::path>& files, int64_t cache_bytes) {
-  return LossOf(Load(files), cache_bytes);
-}
-
-TrainingLpips LpipsOfProposals(const RunOptions& options, const std::vector<TrainView>& proposals,
+TrainingLpips LpipsOfProposals(const TrainOptions& options, const Plan& plan, const std::vector<TrainView>& proposals,
                                const Listener& listener) {
-  if (proposals.empty() || !UsesLpips(options.train)) return {};
-  const std::vector<fs::path> files = FindLpips(options.weights);
-  if (files.empty()) return {};
-  const SharedLpips lpips = Load(files, ChooseDevice(options.device.device, ProbeDevices()));
+  if (proposals.empty() || !UsesLpips(options) || plan.lpips.empty()) return {};
+  const Device device = DeviceOfNetworks(GetNetworks(), plan.device, listener);
+  const SharedNetwork network = Load(plan.lpips, device, kLpipsCacheBytes);
   int64_t smallest = std::numeric_limits<int64_t>::max();
   for (const TrainView& view : proposals) {
     smallest = std::min<int64_t>(smallest, std::min(view.camera.width, view.camera.height));
   }
-  if (options.train.coarse_share > 0) smallest /= 2;
-  if (smallest < lpips->features.smallest_side) {
+  if (options.coarse_share > 0) smallest /= 2;
+  if (smallest < network->smallest_side()) {
     listener(
         Warning{fmt::format("proposals of {} pixels a side are too small for LPIPS, which needs {}: it is left out",
-                            smallest, lpips->features.smallest_side)});
+                            smallest, network->smallest_side())});
     return {};
   }
-  return {LossOf(lpips, kLpipsCacheBytes), fmt::format("{}, pictures in [0, 1]", NetworkName(*lpips))};
+  return {LossOf(network), fmt::format("{}, images in [0, 1]", network->name())};
 }
 
-PictureScores LpipsScores(const std::vector<fs::path>& files) {
+ImageScores LpipsScores(const std::vector<fs::path>& files) {
   if (files.empty()) return {};
-  const SharedLpips lpips = Load(files);
-  PictureScores scores;
-  scores.smallest_side = lpips->features.smallest_side;
+  const SharedNetwork network = Load(files, kCpu, 0);
+  ImageScores scores;
+  scores.smallest_side = network->smallest_side();
   scores.conventions = {
-      {"lpips",
-       fmt::format("{}, pictures in [0, 1] as they are, as papers of the 3DGS family score", NetworkName(*lpips))},
-      {"lpips_minus1_1", fmt::format("{}, pictures in [-1, 1], as LPIPS was published", NetworkName(*lpips))}};
-  scores.of = [lpips](const Tensor& render, const Tensor& truth) {
+      {"lpips", fmt::format("{}, images in [0, 1] as they are, as papers of the 3DGS family score", network->name())},
+      {"lpips_minus1_1", fmt::format("{}, images in [-1, 1], as LPIPS was published", network->name())}};
+  scores.of = [network](const Buffer<float>& render, const Buffer<float>& truth) {
     std::map<std::string, double> values;
     for (const auto& [name, range] :
          {std::pair{"lpips", LpipsRange::kZeroOne}, std::pair{"lpips_minus1_1", LpipsRange::kMinusOneOne}}) {
-      values[name] = Distance(*lpips, render, PrepareTarget(*lpips, truth, range)).value;
+      values[name] = network->Score(render, truth, range);
     }
     return values;
   };

@@ -1,8 +1,14 @@
 #include "oraclegs/pipeline/stages/seva_stage.h"
 
-#include "oraclegs/weights/folder.h"
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/networks/loader.h"
 #include "oraclegs/pipeline/settings/device.h"
-#include "oraclegs/pipeline/workspace/fingerprint.h"
+#include "oraclegs/pipeline/settings/fingerprint.h"
+#include "oraclegs/pipeline/settings/weights.h"
+#include "oraclegs/weights/folder.h"
 
 namespace oraclegs {
 namespace {
@@ -26,9 +32,9 @@ SevaFiles FindSevaFiles() {
   return {{FindModel(kSevaModels[0])}, FindModel(kSevaModels[1]), FindModel(kSevaModels[2])};
 }
 
-std::string SevaKey(const RunOptions& options) {
+std::string SevaKey(const SevaOptions& options) {
   const SevaFiles files = FindSevaFiles();
-  nlohmann::json json = OptionsToJson(options.seva);
+  nlohmann::json json = OptionsToJson(options);
   for (const char* name : {"seva-halves", "seva-memory"}) json.erase(name);  // how it fits into memory
   Fingerprint print;
   print.Add(json.dump());
@@ -42,24 +48,22 @@ std::string SevaSource(int candidate) {
   return candidate == 0 ? std::string("seva") : fmt::format("seva_{}", candidate + 1);
 }
 
-void GenerateViews(const Run& run, const SevaViews& views) {
-  const SevaOptions& options = run.options.seva;
-  const torch::Device device = ChooseDevice(run.options.device.device, ProbeDevices());
+void GenerateViews(const SevaRequest& request, const Listener& listener) {
+  const Networks& networks = GetNetworks();
+  const Device device = DeviceOfNetworks(networks, request.device, listener);
   const int64_t free = FreeBytes(device);
-  const SevaModel model(FindSevaFiles(), {device, SevaPrecision(options.precision)});
-  SevaNetworks networks = model.networks();
-  networks.free_bytes = free;
-  SevaRequest request;
-  request.photographs = &views.photos;
-  for (const Target& target : views.targets) request.targets.push_back(target.camera);
-  request.workspace = run.workspace.proposals() / kChunks;
-  request.key = views.key;
-  const auto pictures = SevaGenerator(networks, options, run.listener).Generate(request);
-  RemoveGenerated(run.workspace.proposals());
-  for (size_t t = 0; t < pictures.size(); ++t) {
-    for (size_t k = 0; k < pictures[t].size(); ++k) {
-      const fs::path folder = run.workspace.proposals() / SevaSource(static_cast<int>(k));
-      WritePng(folder / (views.targets[t].name + ".png"), ToImage8(pictures[t][k]));
+  const auto generator = networks.LoadViewGenerator({FindSevaFiles(), request.options, device, free});
+  ViewRequest wanted;
+  wanted.views = &request.views;
+  for (const Target& target : request.targets) wanted.targets.push_back(target.camera);
+  wanted.workspace = request.proposals / kChunks;
+  wanted.key = request.key;
+  const auto images = generator->Generate(wanted, listener);
+  RemoveGenerated(request.proposals);
+  for (size_t t = 0; t < images.size(); ++t) {
+    for (size_t k = 0; k < images[t].size(); ++k) {
+      const fs::path folder = request.proposals / SevaSource(static_cast<int>(k));
+      WritePng(folder / (request.targets[t].name + ".png"), ToImage8(images[t][k]));
     }
   }
 }
@@ -78,8 +82,8 @@ void RemoveChunks(const fs::path& proposals) {
   fs::remove_all(proposals / kChunks, ignored);
 }
 
-std::optional<Proposal> SevaProposer::Propose(const Target& target, int hidden) const {
-  if (hidden >= 0) return std::nullopt;
+std::optional<Proposal> SevaProposer::Propose(const Target& target, std::optional<int> held_out) const {
+  if (held_out) return std::nullopt;
   const fs::path path = folder_ / (target.name + ".png");
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return std::nullopt;
