@@ -28,5 +28,28 @@ TEST(AlignColumns, AShortRowsLastTextWidensNothing) {
             "a  1  2\nb  failed: no points at all\n");
 }
 
+TEST(SomeNames, ShowsFive) {
+  EXPECT_EQ(SomeNames({}), "");
+  EXPECT_EQ(SomeNames({"a", "b"}), "a, b");
+  EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e"}), "a, b, c, d, e");
+  EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e", "f", "g"}), "a, b, c, d, e and 2 more");
+}
+
+TEST(IsUtf8, RefusesIncompleteCharacters) {
+  EXPECT_TRUE(IsUtf8(""));
+  EXPECT_TRUE(IsUtf8("caf\xC3\xA9"));
+  EXPECT_FALSE(IsUtf8("caf\xE9"));
+  EXPECT_FALSE(IsUtf8("\xC3"));  // cut short
+}
+
+TEST(EscapeBytes, ShowsBytesOutsideAscii) { EXPECT_EQ(EscapeBytes("caf\xE9.jpg"), "caf\\xE9.jpg"); }
+
+TEST(Printable, IsShortAndAscii) {
+  EXPECT_EQ(Printable("a b~"), "a b~");
+  EXPECT_EQ(Printable("a\n\x7f\xC3\xA9" + std::string(1, '\0')), "a?????");
+  EXPECT_EQ(Printable("12345", 3), "123");
+  EXPECT_EQ(Printable(std::string(500, 'x')).size(), 120u);
+}
+
 }  // namespace
 }  // namespace oraclegs

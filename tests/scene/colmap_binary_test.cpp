@@ -42,7 +42,7 @@ TEST(ColmapBinary, ReadsPoints) {
   EXPECT_TRUE(std::isnan(points[1].xyz.x()));
 }
 
-TEST(ColmapBinary, EveryPrefixIsRefused) {
+TEST(ColmapBinary, RefusesEveryPrefix) {
   const std::string cameras = TinyCamerasBin(), images = TinyImagesBin(), points = TinyPointsBin();
   for (size_t n = 0; n < cameras.size(); ++n) {
     EXPECT_THROW(ParseCamerasBinary(cameras.substr(0, n), "cameras.bin"), InputError) << n;
@@ -55,7 +55,7 @@ TEST(ColmapBinary, EveryPrefixIsRefused) {
   }
 }
 
-TEST(ColmapBinary, EveryDamagedByteIsParsedOrRefused) {
+TEST(ColmapBinary, SurvivesEveryDamagedByte) {
   const std::string sound[] = {TinyCamerasBin(), TinyImagesBin(), TinyPointsBin()};
   for (const std::string& file : sound) {
     for (size_t i = 0; i < file.size(); ++i) {
@@ -79,7 +79,7 @@ TEST(ColmapBinary, EveryDamagedByteIsParsedOrRefused) {
   }
 }
 
-TEST(ColmapBinary, CountsLargerThanTheFileReserveNothing) {
+TEST(ColmapBinary, RefusesCountsLargerThanTheFile) {
   const std::string huge = Bytes().Add<uint64_t>(~uint64_t{0}).str();
   EXPECT_THAT(MessageOf<InputError>([&] { ParseImagesBinary(huge, "images.bin"); }),
               HasSubstr("images.bin: promises 18446744073709551615 images"));

@@ -9,7 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(ColmapText, ReadsCamerasWithCommentsBlankLinesAndWindowsLineEnds) {
+TEST(ColmapText, ReadsCamerasWithCommentsAndBlankLines) {
   const auto cameras = ParseCamerasText(
       "# Camera list\r\n\r\n1 OPENCV 6 4 5 5.5 3 2 0.1 -2e-1 0.01 0.02\r\n  7\tSIMPLE_PINHOLE 6 4 5 3 2",
       "cameras.txt");
@@ -19,7 +19,7 @@ TEST(ColmapText, ReadsCamerasWithCommentsBlankLinesAndWindowsLineEnds) {
   EXPECT_THAT(cameras.at(7).params, ElementsAre(5, 3, 2));
 }
 
-TEST(ColmapText, ImageLinesComeInPairsAndTheSecondMayBeEmpty) {
+TEST(ColmapText, ReadsImagesWithEmptyKeypointLines) {
   const auto images = ParseImagesText(
       "# header\n"
       "1 1 0 0 0 0 0 0 1 first.jpg\n"
@@ -48,8 +48,10 @@ TEST(ColmapText, ReadsPoints) {
   EXPECT_TRUE(points[1].image_ids.empty());
 }
 
-TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
-  const auto cameras = [](const char* text) { return MessageOf<InputError>([&] { ParseCamerasText(text, "cameras.txt"); }); };
+TEST(ColmapText, NamesLineAndFault) {
+  const auto cameras = [](const char* text) {
+    return MessageOf<InputError>([&] { ParseCamerasText(text, "cameras.txt"); });
+  };
   EXPECT_THAT(cameras("#\n1 OPENCV 6 4 5 five 3 2"), HasSubstr("cameras.txt line 2: 'five' is not a number"));
   EXPECT_THAT(cameras("1 FANCY 6 4 5 3 2"), HasSubstr("cameras.txt line 1: unknown camera model 'FANCY'"));
   EXPECT_THAT(cameras("1 PINHOLE 6 4 5 3 2"), HasSubstr("cameras.txt: camera 1"));
@@ -57,7 +59,9 @@ TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
   EXPECT_THAT(cameras("1 PINHOLE 6"), HasSubstr("line 1: ends before the image size"));
   EXPECT_THAT(cameras("1 PINHOLE 6 4 5 5 3 2\n1 PINHOLE 6 4 5 5 3 2"), HasSubstr("camera 1 is there twice"));
 
-  const auto images = [](const char* text) { return MessageOf<InputError>([&] { ParseImagesText(text, "images.txt"); }); };
+  const auto images = [](const char* text) {
+    return MessageOf<InputError>([&] { ParseImagesText(text, "images.txt"); });
+  };
   EXPECT_THAT(images("1 0 0 0 0 0 0 0 1 a.jpg\n\n"), HasSubstr("images.txt: the rotation of image 'a.jpg' is not one"));
   EXPECT_THAT(images("1 nan 0 0 0 0 0 0 1 a.jpg\n\n"),
               HasSubstr("images.txt: the pose of image 'a.jpg' is not finite"));
@@ -65,12 +69,14 @@ TEST(ColmapText, ErrorsNameTheLineAndTheFault) {
   EXPECT_THAT(images("1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 0 0 0 1 b.jpg\n"),
               HasSubstr("line 2: expected the keypoints"));
 
-  const auto points = [](const char* text) { return MessageOf<InputError>([&] { ParsePointsText(text, "points3D.txt"); }); };
+  const auto points = [](const char* text) {
+    return MessageOf<InputError>([&] { ParsePointsText(text, "points3D.txt"); });
+  };
   EXPECT_THAT(points("1 1 2 3 10 20 256 0.5"), HasSubstr("points3D.txt line 1: '256' is not a number"));
   EXPECT_THAT(points("1 1 2 3 10 20 25 0.5 4"), HasSubstr("ends before a keypoint index"));
 }
 
-TEST(ColmapText, EveryPrefixIsParsedOrRefused) {
+TEST(ColmapText, SurvivesEveryPrefix) {
   const std::string cameras = "1 OPENCV 6 4 5 5.5 3 2 0.1 -2e-1 0.01 0.02\n";
   const std::string images = "1 1 0 0 0 0 0 0 1 a.jpg\n1 2 -1\n";
   const std::string points = "5 1 2 3 10 20 255 0.7 4 0 3 1\n";

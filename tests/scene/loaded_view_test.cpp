@@ -2,11 +2,11 @@
 
 #include <numeric>
 
+#include "image/jpeg_files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
-#include "image/jpeg_files.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -29,7 +29,7 @@ struct OneView {
     SceneView view;
     view.name = "a.png";
     view.image_path = dir / "images" / "a.png";
-    view.lens = {CameraModel::kPinhole, width, height, {20, 22, width / 2., height / 2.}};
+    view.intrinsics = {CameraModel::kPinhole, width, height, {20, 22, width / 2., height / 2.}};
     view.cam_from_world = Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3));
     scene.views.push_back(view);
   }
@@ -44,43 +44,42 @@ Image8 Filled(int width, int height, std::vector<uint8_t> pixel) {
   return image;
 }
 
-TEST(BackgroundColor, KnowsThreeWords) {
-  EXPECT_THAT(BackgroundColor("black"), ElementsAre(0.f, 0.f, 0.f));
-  EXPECT_THAT(BackgroundColor("white"), ElementsAre(1.f, 1.f, 1.f));
-  EXPECT_THAT(BackgroundColor("grey"), ElementsAre(0.5f, 0.5f, 0.5f));
-  EXPECT_THROW(BackgroundColor("pink"), UsageError);
+TEST(BackgroundColor, GivesRgb) {
+  EXPECT_THAT(BackgroundColor(Background::kBlack), ElementsAre(0.f, 0.f, 0.f));
+  EXPECT_THAT(BackgroundColor(Background::kWhite), ElementsAre(1.f, 1.f, 1.f));
+  EXPECT_THAT(BackgroundColor(Background::kGrey), ElementsAre(0.5f, 0.5f, 0.5f));
 }
 
-TEST(LoadViews, APlainPhotographIsItsPixels) {
+TEST(LoadViews, KeepsThePixelsOfAPlainImage) {
   OneView one(12, 8);
-  const Image8 picture = SmoothImage(12, 8, 3);
-  one.Write(picture);
-  const LoadedView photo = one.Load();
-  EXPECT_EQ(photo.name, "a.png");
-  EXPECT_EQ(ToImage8(photo.rgb).data, picture.data);
-  EXPECT_TRUE(photo.mask.empty());
-  EXPECT_EQ(photo.camera.fx, 20);
-  EXPECT_EQ(photo.camera.cam_from_world.translation(), Eigen::Vector3d(1, 2, 3));
+  const Image8 image = SmoothImage(12, 8, 3);
+  one.Write(image);
+  const LoadedView loaded = one.Load();
+  EXPECT_EQ(loaded.name, "a.png");
+  EXPECT_EQ(ToImage8(loaded.rgb).data, image.data);
+  EXPECT_TRUE(loaded.mask.empty());
+  EXPECT_EQ(loaded.camera.fx, 20);
+  EXPECT_EQ(loaded.camera.cam_from_world.translation(), Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(LoadViews, DownscaleAveragesAndScalesTheCamera) {
+TEST(LoadViews, DownscalesImageAndCamera) {
   OneView one(13, 9);
-  const Image8 picture = SmoothImage(13, 9, 3);
-  one.Write(picture);
-  const LoadedView photo = one.Load({.downscale = 2});
-  EXPECT_EQ(photo.rgb.width, 7);  // 6.5 and 4.5, rounded half up
-  EXPECT_EQ(photo.rgb.height, 5);
-  EXPECT_EQ(photo.rgb.data, ResizeArea(ToFloat(picture), 7, 5).data);
-  EXPECT_DOUBLE_EQ(photo.camera.fx, 20 * 7 / 13.);
-  EXPECT_DOUBLE_EQ(photo.camera.fy, 22 * 5 / 9.);
-  EXPECT_DOUBLE_EQ(photo.camera.cx, 3.5);
+  const Image8 image = SmoothImage(13, 9, 3);
+  one.Write(image);
+  const LoadedView loaded = one.Load({.downscale = 2});
+  EXPECT_EQ(loaded.rgb.width, 7);  // 6.5 and 4.5, rounded half up
+  EXPECT_EQ(loaded.rgb.height, 5);
+  EXPECT_EQ(loaded.rgb.data, ResizeArea(ToFloat(image), 7, 5).data);
+  EXPECT_DOUBLE_EQ(loaded.camera.fx, 20 * 7 / 13.);
+  EXPECT_DOUBLE_EQ(loaded.camera.fy, 22 * 5 / 9.);
+  EXPECT_DOUBLE_EQ(loaded.camera.cx, 3.5);
   const Camera camera = WorkingCamera(one.view(), {.downscale = 2});
-  EXPECT_EQ(camera.width, photo.camera.width);
-  EXPECT_EQ(camera.fx, photo.camera.fx);
+  EXPECT_EQ(camera.width, loaded.camera.width);
+  EXPECT_EQ(camera.fx, loaded.camera.fx);
   EXPECT_EQ(one.Load({.downscale = 64}).rgb.data.size(), 3u);
 }
 
-TEST(LoadViews, AFittingDownscaledFolderIsUsed) {
+TEST(LoadViews, ReadsAFittingDownscaledFolder) {
   OneView one(12, 8);
   one.Write(Filled(12, 8, {10, 10, 10}));
   const auto small = one.dir / "images_2" / "a.png";
@@ -92,13 +91,13 @@ TEST(LoadViews, AFittingDownscaledFolderIsUsed) {
   EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data[0], 10);
 }
 
-TEST(LoadViews, TheDownscaledFileAndTheFullOneGiveOneUndistortedPicture) {
+TEST(LoadViews, UndistortsDownscaledAndFullFilesAlike) {
   OneView one(120, 80);
-  one.view().lens = {CameraModel::kRadial, 120, 80, {100, 60, 40, -0.2, 0.05}};
-  const Image8 picture = SmoothImage(120, 80, 3);
-  one.Write(picture);
+  one.view().intrinsics = {CameraModel::kRadial, 120, 80, {100, 60, 40, -0.2, 0.05}};
+  const Image8 image = SmoothImage(120, 80, 3);
+  one.Write(image);
   const LoadedView full = one.Load({.downscale = 2});
-  WritePng(one.dir / "images_2" / "a.png", ToImage8(ResizeArea(ToFloat(picture), 60, 40)));
+  WritePng(one.dir / "images_2" / "a.png", ToImage8(ResizeArea(ToFloat(image), 60, 40)));
   const LoadedView small = one.Load({.downscale = 2});
   EXPECT_EQ(full.camera.fx, small.camera.fx);
   EXPECT_TRUE(full.mask.empty());
@@ -112,25 +111,25 @@ TEST(LoadViews, TheDownscaledFileAndTheFullOneGiveOneUndistortedPicture) {
   EXPECT_NE(full.rgb.data, small.rgb.data);
 }
 
-TEST(LoadViews, AlphaCompositesBeforeItIsFiltered) {
+TEST(LoadViews, CompositesBeforeFiltering) {
   OneView one(2, 2, SceneFormat::kBlender);
   Image8 image = Filled(2, 2, {255, 0, 0, 255});
   std::fill_n(image.data.begin(), 8, uint8_t{0});  // the upper row is transparent
   one.Write(image);
-  const LoadedView white = one.Load({.downscale = 2, .background = "white"});
+  const LoadedView white = one.Load({.downscale = 2, .background = Background::kWhite});
   EXPECT_THAT(white.rgb.data, ElementsAre(1.f, 0.5f, 0.5f));
-  EXPECT_TRUE(white.mask.empty());  // what is behind a Blender scene is part of its pictures
+  EXPECT_TRUE(white.mask.empty());  // what is behind a Blender scene is part of its images
   EXPECT_THAT(white.alpha, ElementsAre(0.5f));
   EXPECT_THAT(one.Load({.downscale = 2}).rgb.data, ElementsAre(0.5f, 0.f, 0.f));
 }
 
-TEST(LoadViews, AlphaIsKnownOfABlenderScenesPicturesThatHaveIt) {
-  OneView blender(2, 1, SceneFormat::kBlender), photograph(2, 1, SceneFormat::kTransforms);
+TEST(LoadViews, KeepsTheAlphaOfABlenderScene) {
+  OneView blender(2, 1, SceneFormat::kBlender), photos(2, 1, SceneFormat::kTransforms);
   Image8 image = Filled(2, 1, {10, 20, 30, 255});
   image.data[3] = 51;
-  for (OneView* one : {&blender, &photograph}) one->Write(image);
+  for (OneView* one : {&blender, &photos}) one->Write(image);
   EXPECT_THAT(blender.Load().alpha, ElementsAre(0.2f, 1.f));
-  EXPECT_TRUE(photograph.Load().alpha.empty());  // there it is a mask
+  EXPECT_TRUE(photos.Load().alpha.empty());  // there it is a mask
   WritePng(blender.dir / "mask.png", Filled(2, 1, {0}));
   blender.view().mask_path = blender.dir / "mask.png";
   const LoadedView masked = blender.Load();
@@ -140,20 +139,20 @@ TEST(LoadViews, AlphaIsKnownOfABlenderScenesPicturesThatHaveIt) {
   EXPECT_TRUE(blender.Load().alpha.empty());
 }
 
-TEST(LoadViews, AlphaMasksAPhotograph) {
+TEST(LoadViews, MasksPhotosByAlpha) {
   OneView one(2, 2, SceneFormat::kTransforms);
   Image8 image = Filled(2, 2, {255, 255, 255, 255});
   image.data[3] = 127;
   image.data[7] = 128;
   one.Write(image);
   EXPECT_THAT(one.Load().mask, ElementsAre(0, 1, 1, 1));
-  EXPECT_TRUE(one.Load({.downscale = 2}).mask.empty());  // three quarters of the pixel count
+  EXPECT_TRUE(one.Load({.downscale = 2}).mask.empty());  // three quarters of the pixel are used
   image.data[7] = image.data[11] = 0;
   one.Write(image);
   EXPECT_THAT(one.Load({.downscale = 2}).mask, ElementsAre(0));
 }
 
-TEST(LoadViews, AMaskFileExcludesPixelsAndJoinsAlpha) {
+TEST(LoadViews, JoinsMaskFileAndAlpha) {
   OneView one(2, 2);
   Image8 image = Filled(2, 2, {255, 255, 255, 255});
   image.data[3] = 0;
@@ -167,7 +166,7 @@ TEST(LoadViews, AMaskFileExcludesPixelsAndJoinsAlpha) {
   EXPECT_TRUE(one.Load().mask.empty());
 }
 
-TEST(LoadViews, AMaskOfAnotherSizeNamesBothSizes) {
+TEST(LoadViews, RefusesAMaskOfAnotherSize) {
   OneView one(4, 2);
   one.Write(Filled(4, 2, {9, 9, 9}));
   one.view().mask_path = one.dir / "masks" / "a.png";
@@ -176,7 +175,7 @@ TEST(LoadViews, AMaskOfAnotherSizeNamesBothSizes) {
               AllOf(HasSubstr("masks/a.png"), HasSubstr("3 x 2"), HasSubstr("4 x 2")));
 }
 
-TEST(LoadViews, AFullSizeMaskFitsADownscaledFile) {
+TEST(LoadViews, FitsAFullSizeMaskToADownscaledFile) {
   OneView one(4, 2);
   one.Write(Filled(4, 2, {9, 9, 9}));
   WritePng(one.dir / "images_2" / "a.png", Filled(2, 1, {9, 9, 9}));
@@ -185,48 +184,48 @@ TEST(LoadViews, AFullSizeMaskFitsADownscaledFile) {
   EXPECT_THAT(one.Load({.downscale = 2}).mask, ElementsAre(0, 1));
 }
 
-TEST(LoadViews, BlankPixelsOfUndistortionDoNotCount) {
+TEST(LoadViews, MasksBlankPixelsOfUndistortion) {
   OneView one(40, 30);
-  one.view().lens = {CameraModel::kSimpleRadial, 40, 30, {30, -2, 15, 0.1}};  // the principal point lies outside
+  one.view().intrinsics = {CameraModel::kSimpleRadial, 40, 30, {30, -2, 15, 0.1}};  // the principal point lies outside
   one.Write(Filled(40, 30, {200, 100, 50}));
-  const LoadedView photo = one.Load();
-  ASSERT_EQ(photo.mask.size(), 1200u);
-  const int counted = std::accumulate(photo.mask.begin(), photo.mask.end(), 0);
+  const LoadedView loaded = one.Load();
+  ASSERT_EQ(loaded.mask.size(), 1200u);
+  const int counted = std::accumulate(loaded.mask.begin(), loaded.mask.end(), 0);
   EXPECT_GT(counted, 0);
   EXPECT_LT(counted, 1200);
-  for (size_t i = 0; i < photo.mask.size(); ++i) {
-    if (photo.mask[i] == 0) continue;
-    EXPECT_NEAR(photo.rgb.data[3 * i], 200 / 255., 1e-6);
+  for (size_t i = 0; i < loaded.mask.size(); ++i) {
+    if (loaded.mask[i] == 0) continue;
+    EXPECT_NEAR(loaded.rgb.data[3 * i], 200 / 255., 1e-6);
   }
 }
 
-TEST(LoadViews, ASizeThatIsNotTheLenssNamesBoth) {
+TEST(LoadViews, RefusesAnImageOfAnotherSize) {
   OneView one(12, 8);
   one.Write(Filled(13, 8, {1, 2, 3}));
   EXPECT_THAT(MessageOf<InputError>([&] { one.Load(); }),
               AllOf(HasSubstr("images/a.png"), HasSubstr("13 x 8"), HasSubstr("12 x 8")));
 }
 
-TEST(LoadViews, ATurnedPhotographFitsTheLensOfItsStoredOrUprightPicture) {
-  const Image8 picture = SmoothImage(24, 16, 3);
-  const std::string jpeg = WithOrientation(EncodeJpeg(picture), 6);
+TEST(LoadViews, FitsIntrinsicsToTheStoredOrUprightImage) {
+  const Image8 image = SmoothImage(24, 16, 3);
+  const std::string jpeg = WithOrientation(EncodeJpeg(image), 6);
   OneView upright(16, 24), stored(24, 16);
   WriteText(upright.view().image_path, jpeg);
   WriteText(stored.view().image_path, jpeg);
   EXPECT_EQ(ToImage8(upright.Load().rgb).data, ReadImage(upright.view().image_path).data);
   EXPECT_EQ(ToImage8(stored.Load().rgb).data, ReadImage(stored.view().image_path, Orientation::kAsStored).data);
   OneView neither(16, 24);
-  neither.Write(picture);
+  neither.Write(image);
   EXPECT_THAT(MessageOf<InputError>([&] { neither.Load(); }), HasSubstr("24 x 16"));
 }
 
-TEST(LoadViews, AsStoredViewsIgnoreTheOrientationUnlessOnlyTheUprightPictureFits) {
+TEST(LoadViews, IgnoresTheOrientationOfAsStoredViews) {
   const Image8 wide = SmoothImage(24, 16, 3), square = SmoothImage(16, 16, 3);
-  const auto load = [](const Image8& picture, int orientation, int width, bool as_stored) {
+  const auto load = [](const Image8& image, int orientation, int width, bool as_stored) {
     OneView one(width, 40 - width);
-    if (picture.width == picture.height) one.view().lens.height = width;
+    if (image.width == image.height) one.view().intrinsics.height = width;
     one.view().as_stored = as_stored;
-    WriteText(one.view().image_path, WithOrientation(EncodeJpeg(picture), orientation));
+    WriteText(one.view().image_path, WithOrientation(EncodeJpeg(image), orientation));
     return ToImage8(one.Load().rgb).data;
   };
   const auto stored = load(wide, 1, 24, true), stored_square = load(square, 1, 16, true);
@@ -242,7 +241,7 @@ TEST(LoadViews, AsStoredViewsIgnoreTheOrientationUnlessOnlyTheUprightPictureFits
   }
 }
 
-TEST(ImageFile, IsTheDownscaledOneWhenThatIsUsed) {
+TEST(ImageFile, IsTheDownscaledOneThatFits) {
   OneView one(12, 8);
   one.Write(Filled(12, 8, {10, 10, 10}));
   const auto small = one.dir / "images_2" / "a.png";
@@ -259,9 +258,9 @@ TEST(ImageFile, IsTheDownscaledOneWhenThatIsUsed) {
   EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data, ReadImage(small, Orientation::kAsStored).data);
 }
 
-TEST(LoadViews, DamagedFilesAreNamed) {
+TEST(LoadViews, NamesDamagedFiles) {
   OneView one(12, 8);
-  WriteText(one.view().image_path, "no picture");
+  WriteText(one.view().image_path, "no image");
   EXPECT_THAT(MessageOf<InputError>([&] { one.Load(); }), HasSubstr("a.png"));
 }
 
@@ -273,7 +272,7 @@ Scene FourViews(const TempDir& dir) {
     SceneView view;
     view.name = std::to_string(i) + ".png";
     view.image_path = dir / view.name;
-    view.lens = {CameraModel::kOpenCv, 30, 20, {25, 25, 15, 10, -0.1, 0, 0, 0.001}};
+    view.intrinsics = {CameraModel::kOpenCv, 30, 20, {25, 25, 15, 10, -0.1, 0, 0, 0.001}};
     view.cam_from_world = Eigen::Isometry3d::Identity();
     const auto grey = static_cast<uint8_t>(50 * i);
     WritePng(view.image_path, Filled(30, 20, {grey, grey, grey, static_cast<uint8_t>(i < 2 ? 0 : 255)}));
@@ -282,26 +281,26 @@ Scene FourViews(const TempDir& dir) {
   return scene;
 }
 
-TEST(LoadViews, KeepsTheOrderOfTheViewsAndCountsThem) {
+TEST(LoadViews, KeepsTheOrderOfViews) {
   const TempDir dir;
   const Scene scene = FourViews(dir);
   std::vector<int64_t> done;
-  const auto photos = LoadViews(scene, {3, 1, 2}, {}, [&done](const Event& event) {
+  const auto loaded = LoadViews(scene, {3, 1, 2}, {}, [&done](const Event& event) {
     if (const auto* step = std::get_if<StepDone>(&event)) {
       EXPECT_EQ(step->stage, "load");
       EXPECT_EQ(step->total, 3);
       done.push_back(step->done);
     }
   });
-  ASSERT_EQ(photos.size(), 3u);
-  EXPECT_EQ(photos[0].name, "3.png");
-  EXPECT_EQ(photos[1].name, "1.png");
-  EXPECT_EQ(photos[2].name, "2.png");
-  EXPECT_NEAR(photos[0].rgb.data[0], 150 / 255., 1e-6);
+  ASSERT_EQ(loaded.size(), 3u);
+  EXPECT_EQ(loaded[0].name, "3.png");
+  EXPECT_EQ(loaded[1].name, "1.png");
+  EXPECT_EQ(loaded[2].name, "2.png");
+  EXPECT_NEAR(loaded[0].rgb.data[0], 150 / 255., 1e-6);
   EXPECT_THAT(done, ElementsAre(1, 2, 3));
 }
 
-TEST(LoadViews, WarnsOnceOfPhotographsWithoutAPixelThatCounts) {
+TEST(LoadViews, WarnsOfFullyMaskedViews) {
   const TempDir dir;
   EventRecorder events;
   LoadViews(FourViews(dir), {0, 1, 2, 3}, {}, events.AsListener());
@@ -310,7 +309,7 @@ TEST(LoadViews, WarnsOnceOfPhotographsWithoutAPixelThatCounts) {
   EXPECT_THAT(events.warnings[0], testing::Not(HasSubstr("2.png")));
 }
 
-TEST(LoadViews, TheSameBitsForAnyNumberOfThreads) {
+TEST(LoadViews, GivesTheSameBitsForAnyThreadCount) {
   const TempDir dir;
   Scene scene = FourViews(dir);
   for (auto& view : scene.views) WritePng(view.image_path, SmoothImage(30, 20, 3));
@@ -322,7 +321,7 @@ TEST(LoadViews, TheSameBitsForAnyNumberOfThreads) {
   for (size_t i = 0; i < 4; ++i) EXPECT_EQ(one[i].rgb.data, four[i].rgb.data);
 }
 
-TEST(LoadViews, StopsWhenAskedTo) {
+TEST(LoadViews, StopsOnInterrupt) {
   OneView one(12, 8);
   one.Write(Filled(12, 8, {1, 2, 3}));
   RequestInterrupt(true);

@@ -1,10 +1,5 @@
 #include "oraclegs/scene/scene.h"
 
-#include <cstdlib>
-#include <nlohmann/json.hpp>
-
-#include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/split.h"
 #include "scene/tiny_scenes.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
@@ -13,150 +8,96 @@
 namespace oraclegs {
 namespace {
 
-namespace fs = std::filesystem;
-using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
-class SceneTest : public ::testing::Test {
- protected:
-  Scene Read(const SceneReadOptions& options = {}) { return ReadScene(root(), options, events_.AsListener()); }
-  std::string ReadError(const SceneReadOptions& options = {}) {
-    return MessageOf<InputError>([&] { Read(options); });
+SceneView View(const std::string& name, const std::string& image_path) {
+  SceneView view;
+  view.name = name;
+  view.image_path = image_path;
+  return view;
+}
+
+TEST(AllViews, ListsIndices) {
+  Scene scene;
+  EXPECT_TRUE(AllViews(scene).empty());
+  scene.views.resize(3);
+  EXPECT_THAT(AllViews(scene), ElementsAre(0, 1, 2));
+}
+
+TEST(ViewName, StaysInsideAFolder) {
+  EXPECT_EQ(ViewName("./train/r_0.png"), "train/r_0.png");
+  EXPECT_EQ(ViewName("a.png"), "a.png");
+  EXPECT_EQ(ViewName("../../x/./y.png"), "x/y.png");
+  EXPECT_EQ(ViewName("/etc/a.png"), "etc/a.png");
+  EXPECT_EQ(ViewName("a//b.png"), "a/b.png");
+  EXPECT_EQ(ViewName(".."), "");
+}
+
+TEST(RequireUtf8Names, NamesTheFile) {
+  Scene scene;
+  scene.root = "/scene";
+  scene.views = {View("caf\xC3\xA9.jpg", "/scene/caf\xC3\xA9.jpg")};
+  EXPECT_NO_THROW(RequireUtf8Names(scene));
+  scene.missing_images = {"b\xFF.jpg"};
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/b\\xFF.jpg: "));
+  scene.views.push_back(View("caf\xE9.jpg", "/scene/caf\xE9.jpg"));
+  EXPECT_THAT(MessageOf<InputError>([&] { RequireUtf8Names(scene); }), HasSubstr("/scene/caf\\xE9.jpg: "));
+}
+
+TEST(KeepViewsWithImages, SortsByName) {
+  Scene scene;
+  EventRecorder events;
+  KeepViewsWithImages({View("b", "x"), View("a10", "x"), View("a9", ""), View("B", "x")}, "FILE", "FOLDER",
+                      events.AsListener(), &scene);
+  ASSERT_EQ(scene.views.size(), 3u);
+  EXPECT_EQ(scene.views[0].name, "B");
+  EXPECT_EQ(scene.views[1].name, "a10");
+  EXPECT_EQ(scene.views[2].name, "b");
+  EXPECT_THAT(scene.missing_images, ElementsAre("a9"));
+  EXPECT_THAT(events.warnings, ElementsAre("FILE: 1 of 4 views have no image file in FOLDER and are left out: a9"));
+}
+
+TEST(KeepViewsWithImages, RefusesDuplicatesAndNoViews) {
+  Scene scene;
+  EXPECT_THAT(MessageOf<InputError>([&] {
+                KeepViewsWithImages({View("a", "x"), View("a", "")}, "FILE", "F", Silent(), &scene);
+              }),
+              HasSubstr("FILE: lists the view 'a' twice"));
+  EXPECT_THAT(MessageOf<InputError>([&] { KeepViewsWithImages({View("a", "")}, "FILE", "FOLDER", Silent(), &scene); }),
+              HasSubstr("in FOLDER, e.g. a"));
+}
+
+TEST(AttachMasks, FindsMasksByName) {
+  TempDir dir;
+  for (const char* name : {"as_is.png", "appended.jpg.png", "replaced.png", "sub/x.png"}) WriteText(dir / name, "mask");
+  Scene scene;
+  for (const char* name : {"as_is.png", "appended.jpg", "replaced.jpg", "images/sub/x.jpg", "none.jpg"}) {
+    scene.views.push_back(View(name, "x"));
   }
-  void WritePictures(const char* folder) {
-    for (const char* name : {"a.png", "b.png", "c.png"}) WritePicture(root() / folder / name);
-  }
-  const fs::path& root() const { return dir_.path(); }
-
-  TempDir dir_;
-  EventRecorder events_;
-};
-
-TEST_F(SceneTest, FindsColmapModelsInTheirUsualPlaces) {
-  WritePictures("images");
-  for (const char* place : {"sparse/0", "sparse", "."}) {
-    WriteTinyModel(root() / place);
-    const Scene scene = Read();
-    EXPECT_EQ(scene.format, SceneFormat::kColmap) << place;
-    EXPECT_EQ(scene.views.size(), 3u) << place;
-    EXPECT_EQ(scene.root, root());
-    EXPECT_TRUE(scene.HasPoses());
-    fs::remove_all(root() / "sparse");
-  }
+  scene.views.push_back(View("given.png", "x"));
+  scene.views.back().mask_path = "given";
+  EventRecorder events;
+  AttachMasks(dir.path(), events.AsListener(), &scene);
+  EXPECT_EQ(scene.views[0].mask_path, dir / "as_is.png");
+  EXPECT_EQ(scene.views[1].mask_path, dir / "appended.jpg.png");
+  EXPECT_EQ(scene.views[2].mask_path, dir / "replaced.png");
+  EXPECT_EQ(scene.views[3].mask_path, dir / "sub/x.png");
+  EXPECT_TRUE(scene.views[4].mask_path.empty());
+  EXPECT_EQ(scene.views[5].mask_path, "given");
+  EXPECT_TRUE(events.warnings.empty());
 }
 
-TEST_F(SceneTest, TheLargestOfSeveralModelsWins) {
-  WritePictures("images");
-  WriteTinyModel(root() / "sparse/1");
-  WriteColmapText(root() / "sparse/0", {{1, {CameraModel::kPinhole, 6, 4, {5, 5, 3, 2}}}},
-                  {{.id = 1, .name = "a.png", .camera_id = 1}});
-  EXPECT_EQ(Read().views.size(), 3u);
-  ASSERT_EQ(events_.notes.size(), 1u);
-  EXPECT_THAT(events_.notes[0], HasSubstr("sparse/1: the largest of 2 models is used, with 3 of their 4 images"));
-}
-
-TEST_F(SceneTest, ImagesMayLieInTheRootOrElsewhere) {
-  WriteTinyModel(root() / "sparse/0");
-  WritePictures(".");
-  EXPECT_EQ(Read().views[0].image_path, root() / "a.png");
-  fs::create_directories(root() / "images");  // holds none of them
-  EXPECT_EQ(Read().views[0].image_path, root() / "a.png");
-  WritePictures("photos");
-  EXPECT_EQ(Read({.images = "photos"}).views[0].image_path, root() / "photos/a.png");
-  EXPECT_EQ(Read({.images = root() / "photos"}).views[0].image_path, root() / "photos/a.png");
-  EXPECT_THAT(ReadError({.images = "nowhere"}), HasSubstr("nowhere: no such folder"));
-}
-
-TEST_F(SceneTest, ATruncatedModelIsNamed) {
-  WritePictures("images");
-  const std::string files[][2] = {
-      {"cameras.bin", TinyCamerasBin()}, {"images.bin", TinyImagesBin()}, {"points3D.bin", TinyPointsBin()}};
-  for (const auto& [name, bytes] : files) {
-    WriteTinyModel(root() / "sparse/0");
-    WriteText(root() / "sparse/0" / name, bytes.substr(0, bytes.size() / 2));
-    EXPECT_THAT(ReadError(), HasSubstr("sparse/0/" + name + ": ")) << name;
-  }
-}
-
-json Transforms(const std::vector<std::string>& file_paths) {
-  const json identity = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-  json file = {{"camera_angle_x", 0.7}, {"frames", json::array()}};
-  for (const std::string& path : file_paths)
-    file["frames"].push_back({{"file_path", path}, {"transform_matrix", identity}});
-  return file;
-}
-
-TEST_F(SceneTest, FindsTransforms) {
-  WritePictures("images");
-  WriteText(root() / "transforms.json", Transforms({"images/a", "images/b"}).dump());
-  EXPECT_EQ(Read().format, SceneFormat::kTransforms);
-  EXPECT_EQ(Read().views.size(), 2u);
-}
-
-TEST_F(SceneTest, FindsBlender) {
-  WritePictures("train");
-  WritePictures("test");
-  WriteText(root() / "transforms_train.json", Transforms({"./train/a", "./train/b"}).dump());
-  WriteText(root() / "transforms_test.json", Transforms({"./test/a"}).dump());
-  const Scene scene = Read();
-  EXPECT_EQ(scene.format, SceneFormat::kBlender);
-  EXPECT_EQ(scene.views.size(), 3u);
-}
-
-TEST_F(SceneTest, FindsPhotosHereOrInImages) {
-  WritePictures(".");
-  WriteText(root() / "._a.png", "what a Mac leaves behind");
-  WriteText(root() / "notes.txt", "not a photograph");
-  const Scene here = Read();
-  EXPECT_EQ(here.format, SceneFormat::kPhotos);
-  EXPECT_FALSE(here.HasPoses());
-  ASSERT_EQ(here.views.size(), 3u);
-  EXPECT_EQ(here.views[0].name, "a.png");
-  EXPECT_FALSE(here.views[0].cam_from_world.has_value());
-  EXPECT_EQ(here.views[0].lens.width, 6);
-  EXPECT_THAT(here.views[0].lens.params, IsEmpty());
-
-  WritePicture(root() / "images/d.png");
-  EXPECT_EQ(Read().views.size(), 1u);
-  EXPECT_EQ(Read({.images = "."}).views.size(), 3u);
-}
-
-TEST_F(SceneTest, MasksAreAttached) {
-  WritePictures("images");
-  WritePicture(root() / "masks/b.png");
-  const Scene scene = Read();
-  EXPECT_TRUE(scene.views[0].mask_path.empty());
-  EXPECT_EQ(scene.views[1].mask_path, root() / "masks/b.png");
-}
-
-TEST_F(SceneTest, SaysWhatIsMissing) {
-  EXPECT_THAT(ReadError(), HasSubstr("no scene found; expected a COLMAP model"));
-  WriteText(root() / "file", "x");
-  EXPECT_THAT(MessageOf<InputError>([&] { ReadScene(root() / "file", {}, Silent()); }), HasSubstr("file: is not a folder"));
-  EXPECT_THAT(MessageOf<InputError>([&] { ReadScene(root() / "absent", {}, Silent()); }), HasSubstr("absent: no such folder"));
-  WriteText(root() / "broken.jpg", "not a JPEG");
-  EXPECT_THAT(ReadError(), HasSubstr("broken.jpg"));
-}
-
-TEST_F(SceneTest, ASceneFolderIsNotWrittenTo) {
-  WritePictures("images");
-  WriteTinyModel(root() / "sparse/0");
-  const auto list = [&] {
-    std::vector<std::string> entries;
-    for (const auto& entry : fs::recursive_directory_iterator(root())) entries.push_back(entry.path().string());
-    return entries;
-  };
-  const auto before = list();
-  Read();
-  EXPECT_EQ(list(), before);
-}
-
-TEST_F(SceneTest, ANameThatIsNotUtf8IsRefused) {
-  WritePictures("images");
-  WritePicture(root() / "images" / "caf\xE9.png");
-  EXPECT_THAT(ReadError(), HasSubstr("images/caf\\xE9.png: "));
+TEST(AttachMasks, WarnsOfAFolderThatFitsNoView) {
+  TempDir dir;
+  Scene scene;
+  scene.views.push_back(View("a.jpg", "x"));
+  EventRecorder events;
+  AttachMasks(dir / "absent", events.AsListener(), &scene);
+  EXPECT_TRUE(events.warnings.empty());
+  AttachMasks(dir.path(), events.AsListener(), &scene);
+  ASSERT_EQ(events.warnings.size(), 1u);
+  EXPECT_THAT(events.warnings[0], HasSubstr("fits no view"));
 }
 
 }  // namespace

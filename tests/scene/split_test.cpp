@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
 #include "scene/tiny_scenes.h"
@@ -43,20 +44,20 @@ std::string SplitError(const Scene& scene, const SplitOptions& options) {
   return MessageOf<InputError>([&] { SplitViews(scene, options); });
 }
 
-TEST(SplitViews, EveryEighthIsTestAndTheRestTrains) {
+TEST(SplitViews, TestsEveryEighth) {
   const Split split = SplitViews(NumberedScene(10), {});
   EXPECT_THAT(split.test, ElementsAre(0, 8));
   EXPECT_THAT(split.train, ElementsAre(1, 2, 3, 4, 5, 6, 7, 9));
 }
 
-TEST(SplitViews, FiftyViewsGiveThePapersSplit) {  // the numbers of the scene "fox"
+TEST(SplitViews, GivesThePapersSplitOfFiftyViews) {  // the numbers of the scene "fox"
   const Split split = SplitViews(NumberedScene(50), Options(12));
   EXPECT_THAT(split.test, ElementsAre(0, 8, 16, 24, 32, 40, 48));
   // int(i * 42 / 11) for i = 0..11 is 0 3 7 11 15 19 22 26 30 34 38 42 among the 43 that are left.
   EXPECT_THAT(split.train, ElementsAre(1, 4, 9, 13, 18, 22, 26, 30, 35, 39, 44, 49));
 }
 
-TEST(SplitViews, CountsFromOneToAllAreDistinctAndKeepTheEnds) {
+TEST(SplitViews, PicksDistinctViewsWithTheEnds) {
   for (int n = 2; n <= 40; ++n) {
     const Scene scene = NumberedScene(n);
     for (int count = 2; count <= n; ++count) {
@@ -69,13 +70,13 @@ TEST(SplitViews, CountsFromOneToAllAreDistinctAndKeepTheEnds) {
   }
 }
 
-TEST(SplitViews, ZeroHoldsNothingOut) {
+TEST(SplitViews, HoldsNothingOutAtZero) {
   const Split split = SplitViews(NumberedScene(4), Options(0, 0));
   EXPECT_THAT(split.test, IsEmpty());
   EXPECT_THAT(split.train, ElementsAre(0, 1, 2, 3));
 }
 
-TEST(SplitViews, NamedTestViews) {
+TEST(SplitViews, TakesNamedTestViews) {
   const Scene scene = SceneOf({"x/7103.jpg", "x/7104.jpg", "x/7105.jpg", "y/7104.jpg", "y/7106.jpg"});
   EXPECT_THAT(SplitViews(scene, {.test_views = "7103, x/7104.jpg ,7106.jpg"}).test, ElementsAre(0, 1, 4));
   EXPECT_THAT(SplitViews(scene, {.test_views = "y/7104,7103,7103"}).test, ElementsAre(0, 3));
@@ -85,13 +86,13 @@ TEST(SplitViews, NamedTestViews) {
               AllOf(HasSubstr("no view is called '9999'"), HasSubstr("x/7103.jpg, x/7104.jpg")));
 }
 
-TEST(SplitViews, ANamedViewWithoutImageIsToldApart) {
+TEST(SplitViews, NamesATestViewWithoutImage) {
   Scene scene = NumberedScene(5);
   scene.missing_images = {"images/gone.jpg"};
   EXPECT_THAT(SplitError(scene, {.test_views = "gone"}), HasSubstr("'gone' has no image file"));
 }
 
-TEST(SplitViews, BlenderUsesItsFiles) {
+TEST(SplitViews, TakesBlendersFiles) {
   Scene scene = SceneOf({"test/r_0", "test/r_1", "train/r_0", "train/r_1", "train/r_2", "train/r_3", "val/r_0"});
   scene.format = SceneFormat::kBlender;
   for (SceneView& view : scene.views) {
@@ -108,15 +109,15 @@ TEST(SplitViews, BlenderUsesItsFiles) {
   EXPECT_THAT(named.train, ElementsAre(2, 4, 5));
 }
 
-TEST(SplitViews, TooFewTrainingViews) {
+TEST(SplitViews, RefusesTooFewTrainingViews) {
   EXPECT_THAT(SplitError(SceneOf({}), {}), HasSubstr("0 training view(s)"));
   EXPECT_THAT(SplitError(NumberedScene(1), Options(0, 0)), HasSubstr("1 training view(s)"));
-  EXPECT_THAT(SplitError(NumberedScene(2), {}), HasSubstr("1 training view(s) out of 2 photographs"));
+  EXPECT_THAT(SplitError(NumberedScene(2), {}), HasSubstr("1 training view(s) out of 2 photos"));
   EXPECT_THAT(SplitError(NumberedScene(9), Options(1)), HasSubstr("1 training view(s)"));
   EXPECT_THAT(SplitError(NumberedScene(9), Options(0, 1)), HasSubstr("0 training view(s)"));
 }
 
-TEST(SplitViews, MoreViewsThanExist) {
+TEST(SplitViews, RefusesMoreViewsThanExist) {
   EXPECT_THAT(SplitError(NumberedScene(10), Options(9)),
               AllOf(HasSubstr("asks for 9 training views"), HasSubstr("only 8 are left")));
   EXPECT_EQ(SplitViews(NumberedScene(10), Options(8)).train.size(), 8u);

@@ -18,7 +18,7 @@
 
 namespace oraclegs {
 
-inline void WritePicture(const std::filesystem::path& path, int width = 6, int height = 4) {
+inline void WriteImage(const std::filesystem::path& path, int width = 6, int height = 4) {
   std::filesystem::create_directories(path.parent_path());
   WritePng(path, {width, height, 3, std::vector<uint8_t>(static_cast<size_t>(width * height * 3), 100)});
 }

@@ -1,6 +1,7 @@
 #include "oraclegs/scene/transforms_frame.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "scene/tiny_scenes.h"
@@ -15,8 +16,9 @@ using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Intrinsics LensOf(const json& file, const json& frame = json::object(), const std::filesystem::path& image = "unread.png") {
-  return ReadTransformsLens({file, frame, "FILE: frame 'x'"}, image);
+Intrinsics LensOf(const json& file, const json& frame = json::object(),
+                  const std::filesystem::path& image = "unread.png") {
+  return ReadTransformsIntrinsics({file, frame, "FILE: frame 'x'"}, image);
 }
 
 Eigen::Isometry3d PoseOf(const json& matrix) {
@@ -32,7 +34,7 @@ json MatrixOf(const Eigen::Matrix3d& r, const Eigen::Vector3d& t) {
   return matrix;
 }
 
-TEST(TransformsLens, ModelFollowsTheCoefficients) {
+TEST(ReadTransformsIntrinsics, ChoosesTheModelByItsCoefficients) {
   const json base = {{"fl_x", 50}, {"fl_y", 60}, {"cx", 31.5}, {"cy", 20}, {"w", 64.0}, {"h", 40}};
   const Intrinsics pinhole = LensOf(base);
   EXPECT_EQ(pinhole.model, CameraModel::kPinhole);
@@ -59,7 +61,7 @@ TEST(TransformsLens, ModelFollowsTheCoefficients) {
   EXPECT_EQ(LensOf(distorted).model, CameraModel::kOpenCvFisheye);
 }
 
-TEST(TransformsLens, DefaultsOfFocalsAndCentre) {
+TEST(ReadTransformsIntrinsics, FillsInFocalLengthsAndCentre) {
   EXPECT_THAT(LensOf({{"fl_x", 50}, {"w", 64}, {"h", 40}}).params, ElementsAre(50, 50, 32, 20));
   EXPECT_THAT(LensOf({{"fl_y", 50}, {"w", 64}, {"h", 40}}).params, ElementsAre(50, 50, 32, 20));
   const double right_angle = std::numbers::pi / 2;  // half the width over tan 45 degrees
@@ -67,30 +69,31 @@ TEST(TransformsLens, DefaultsOfFocalsAndCentre) {
   EXPECT_THAT(square.params, ElementsAre(DoubleNear(32, 1e-12), DoubleNear(32, 1e-12), 32, 20));
   const Intrinsics height_only = LensOf({{"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(height_only.params, ElementsAre(DoubleNear(20, 1e-12), DoubleNear(20, 1e-12), 32, 20));
-  const Intrinsics both = LensOf({{"camera_angle_x", right_angle}, {"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
+  const Intrinsics both =
+      LensOf({{"camera_angle_x", right_angle}, {"camera_angle_y", right_angle}, {"w", 64}, {"h", 40}});
   EXPECT_THAT(both.params, ElementsAre(DoubleNear(32, 1e-12), DoubleNear(20, 1e-12), 32, 20));
   // The length in pixels is the exact one; the angle beside it was derived from it.
   EXPECT_EQ(LensOf({{"fl_x", 50}, {"fl_y", 50}, {"camera_angle_x", 1.0}, {"w", 64}, {"h", 40}}).fx(), 50);
 }
 
-TEST(TransformsLens, TheFrameComesBeforeTheFile) {
+TEST(ReadTransformsIntrinsics, PrefersTheFrameToTheFile) {
   const json file = {{"fl_x", 50}, {"fl_y", 60}, {"cx", 30}, {"cy", 20}, {"w", 64}, {"h", 40}, {"k1", 0.1}};
-  const Intrinsics lens = LensOf(file, {{"fl_x", 70}, {"cx", 33}, {"k1", 0}});
-  EXPECT_THAT(lens.params, ElementsAre(70, 70, 33, 20));
+  const Intrinsics intrinsics = LensOf(file, {{"fl_x", 70}, {"cx", 33}, {"k1", 0}});
+  EXPECT_THAT(intrinsics.params, ElementsAre(70, 70, 33, 20));
   const Intrinsics angle = LensOf(file, {{"camera_angle_x", std::numbers::pi / 2}});
   EXPECT_NEAR(angle.fx(), 32, 1e-12);
 }
 
-TEST(TransformsLens, SizeComesFromTheImageHeader) {
+TEST(ReadTransformsIntrinsics, TakesTheSizeFromTheImage) {
   TempDir dir;
-  WritePicture(dir / "x.png", 14, 10);
-  const Intrinsics lens = LensOf({{"camera_angle_x", std::numbers::pi / 2}}, json::object(), dir / "x.png");
-  EXPECT_EQ(lens.width, 14);
-  EXPECT_EQ(lens.height, 10);
-  EXPECT_THAT(lens.params, ElementsAre(DoubleNear(7, 1e-12), DoubleNear(7, 1e-12), 7, 5));
+  WriteImage(dir / "x.png", 14, 10);
+  const Intrinsics intrinsics = LensOf({{"camera_angle_x", std::numbers::pi / 2}}, json::object(), dir / "x.png");
+  EXPECT_EQ(intrinsics.width, 14);
+  EXPECT_EQ(intrinsics.height, 10);
+  EXPECT_THAT(intrinsics.params, ElementsAre(DoubleNear(7, 1e-12), DoubleNear(7, 1e-12), 7, 5));
 }
 
-TEST(TransformsLens, RefusesBadNumbers) {
+TEST(ReadTransformsIntrinsics, RefusesBadNumbers) {
   const auto message = [](const json& file) { return MessageOf<InputError>([&] { LensOf(file); }); };
   EXPECT_THAT(message({{"fl_x", 0}, {"w", 64}, {"h", 40}}), HasSubstr("FILE: frame 'x'"));
   EXPECT_THAT(message({{"fl_x", -5}, {"w", 64}, {"h", 40}}), HasSubstr("FILE: frame 'x'"));
@@ -105,14 +108,14 @@ TEST(TransformsLens, RefusesBadNumbers) {
   EXPECT_THAT(message({{"fl_x", 5}, {"w", 64}, {"h", 40}, {"camera_model", 3}}), HasSubstr("is not text"));
 }
 
-TEST(TransformsPose, OpenGlAxesBecomeColmapAxes) {
+TEST(ReadTransformsPose, ConvertsOpenGlAxes) {
   // An OpenGL camera at (0, 0, 5) without rotation looks along -z, at the origin, with world y up in the image.
   const Eigen::Isometry3d pose = PoseOf(MatrixOf(Eigen::Matrix3d::Identity(), {0, 0, 5}));
   EXPECT_TRUE((pose * Eigen::Vector3d(0, 0, 0)).isApprox(Eigen::Vector3d(0, 0, 5), 1e-14));
   EXPECT_TRUE((pose * Eigen::Vector3d(1, 2, 0)).isApprox(Eigen::Vector3d(1, -2, 5), 1e-14));
 }
 
-TEST(TransformsPose, ARoundedRotationBecomesExact) {
+TEST(ReadTransformsPose, MakesARoundedRotationExact) {
   Eigen::Matrix3d r = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -3).normalized()).toRotationMatrix();
   const Eigen::Matrix3d rounded = (r * 1e5).array().round().matrix() / 1e5;
   const Eigen::Vector3d center(1, 2, 3);
@@ -125,7 +128,7 @@ TEST(TransformsPose, ARoundedRotationBecomesExact) {
   EXPECT_TRUE(pose.linear().transpose().col(0).isApprox(r.col(0), 1e-4));
 }
 
-TEST(TransformsPose, SaysWhatIsWrong) {
+TEST(ReadTransformsPose, NamesTheFault) {
   const auto message = [](const json& matrix) { return MessageOf<InputError>([&] { PoseOf(matrix); }); };
   const Eigen::Matrix3d r = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const Eigen::Vector3d t(1, 2, 3);

@@ -27,7 +27,9 @@ class TransformsTest : public ::testing::Test {
   void Write(const std::vector<json>& frames, const char* name = "transforms.json") {
     WriteText(root() / name, json{{"fl_x", 5}, {"frames", frames}}.dump(1));
   }
-  Scene Read(const SceneReadOptions& options = {}) { return ReadTransformsScene(root(), options, events_.AsListener()); }
+  Scene Read(const SceneReadOptions& options = {}) {
+    return ReadTransformsScene(root(), options, events_.AsListener());
+  }
   std::string ReadError() {
     return MessageOf<InputError>([&] { Read(); });
   }
@@ -44,19 +46,19 @@ std::vector<std::string> Names(const Scene& scene) {
 }
 
 TEST_F(TransformsTest, FindsImagesWithAndWithoutExtension) {
-  for (const char* name : {"images/a.jpeg", "images/b.PNG", "images/c.v2.jpg"}) WritePicture(root() / name);
+  for (const char* name : {"images/a.jpeg", "images/b.PNG", "images/c.v2.jpg"}) WriteImage(root() / name);
   Write({Frame("images/c.v2"), Frame("./images/a.jpeg"), Frame("images/b")});
   const Scene scene = Read();
   EXPECT_EQ(scene.format, SceneFormat::kTransforms);
   EXPECT_THAT(Names(scene), ElementsAre("images/a.jpeg", "images/b.PNG", "images/c.v2.jpg"));
   EXPECT_TRUE(fs::exists(scene.views[2].image_path));
-  EXPECT_EQ(scene.views[0].lens.width, 6);
-  EXPECT_EQ(scene.views[0].lens.cx(), 3);
+  EXPECT_EQ(scene.views[0].intrinsics.width, 6);
+  EXPECT_EQ(scene.views[0].intrinsics.cx(), 3);
   EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
-TEST_F(TransformsTest, FramesWithoutImageAreLeftOutWithOneWarning) {
-  WritePicture(root() / "images/h.png");
+TEST_F(TransformsTest, LeavesOutFramesWithoutImage) {
+  WriteImage(root() / "images/h.png");
   std::vector<json> frames{Frame("images/h.png")};
   for (const char* name : {"a", "b", "c", "d", "e", "f", "g"}) frames.push_back(Frame(name));
   Write(frames);
@@ -67,8 +69,8 @@ TEST_F(TransformsTest, FramesWithoutImageAreLeftOutWithOneWarning) {
   EXPECT_THAT(events_.warnings[0], AllOf(HasSubstr("7 of 8 views"), HasSubstr(": a, b, c, d, e and 2 more")));
 }
 
-TEST_F(TransformsTest, AnotherImageFolder) {
-  WritePicture(root() / "half/a.png", 3, 2);
+TEST_F(TransformsTest, ReadsAnotherImageFolder) {
+  WriteImage(root() / "half/a.png", 3, 2);
   Write({Frame("images/a.png")});
   EXPECT_THAT(ReadError(), HasSubstr("none of its 1 views has an image file"));
   const Scene scene = Read({.images = "half"});
@@ -76,8 +78,8 @@ TEST_F(TransformsTest, AnotherImageFolder) {
   EXPECT_EQ(scene.views[0].name, "images/a.png");
 }
 
-TEST_F(TransformsTest, PathsThatLeaveTheSceneCountWhenTheyExist) {
-  WritePicture(root() / "inside/../outside.png");
+TEST_F(TransformsTest, FollowsPathsOutOfTheScene) {
+  WriteImage(root() / "inside/../outside.png");
   fs::create_directories(root() / "inside");
   WriteText(root() / "inside/transforms.json",
             json{{"fl_x", 5}, {"frames", {Frame("../outside.png"), Frame("../no")}}}.dump());
@@ -86,8 +88,8 @@ TEST_F(TransformsTest, PathsThatLeaveTheSceneCountWhenTheyExist) {
   EXPECT_THAT(scene.missing_images, ElementsAre("no"));
 }
 
-TEST_F(TransformsTest, MasksOfFrames) {
-  for (const char* name : {"a.png", "b.png", "m/a.png"}) WritePicture(root() / name);
+TEST_F(TransformsTest, ReadsMasksOfFrames) {
+  for (const char* name : {"a.png", "b.png", "m/a.png"}) WriteImage(root() / name);
   json a = Frame("a.png"), b = Frame("b.png");
   a["mask_path"] = "m/a.png";
   b["mask_path"] = "m/b.png";
@@ -99,7 +101,7 @@ TEST_F(TransformsTest, MasksOfFrames) {
   EXPECT_THAT(events_.warnings[0], HasSubstr("1 mask files do not exist, those views use all pixels: m/b.png"));
 }
 
-TEST_F(TransformsTest, SyntaxErrorsHaveAPlace) {
+TEST_F(TransformsTest, LocatesSyntaxErrors) {
   WriteText(root() / "transforms.json", "{\n \"frames\": [\n  }\n");
   EXPECT_THAT(ReadError(), AllOf(HasSubstr("transforms.json: is not valid JSON"), HasSubstr("line 3")));
   WriteText(root() / "transforms.json", "");
@@ -110,8 +112,8 @@ TEST_F(TransformsTest, SyntaxErrorsHaveAPlace) {
   EXPECT_THAT(ReadError(), HasSubstr("is not valid JSON"));
 }
 
-TEST_F(TransformsTest, TheFrameWithANaNIsNamed) {
-  for (const char* name : {"a.png", "NaN\"b.png"}) WritePicture(root() / name);
+TEST_F(TransformsTest, NamesTheFrameWithANaN) {
+  for (const char* name : {"a.png", "NaN\"b.png"}) WriteImage(root() / name);
   const char* start = R"({"fl_x": 5, "frames": [{"file_path": ")";
   const char* matrix = R"(", "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, )";
   WriteText(root() / "transforms.json", std::string(start) + "a" + matrix + "NaN], [0, 0, 1, 0]]}]}");
@@ -138,8 +140,8 @@ TEST_F(TransformsTest, RefusesOtherLayouts) {
   EXPECT_THAT(ReadError(), HasSubstr("control characters"));
 }
 
-TEST_F(TransformsTest, RefusesBadFramesByName) {
-  WritePicture(root() / "a.png");
+TEST_F(TransformsTest, NamesBadFrames) {
+  WriteImage(root() / "a.png");
   json scaled = Frame("a");
   for (int i = 0; i < 3; ++i) scaled["transform_matrix"][i][i] = 2;
   Write({scaled});
@@ -152,8 +154,8 @@ TEST_F(TransformsTest, RefusesBadFramesByName) {
   EXPECT_THAT(ReadError(), HasSubstr("'a.png' twice"));
 }
 
-TEST_F(TransformsTest, EveryPrefixIsRefused) {
-  WritePicture(root() / "a.png");
+TEST_F(TransformsTest, RefusesEveryPrefix) {
+  WriteImage(root() / "a.png");
   const std::string text = json{{"fl_x", 5}, {"frames", json::array({Frame("a")})}}.dump();
   for (size_t n = 0; n < text.size(); ++n) {
     WriteText(root() / "transforms.json", text.substr(0, n));
@@ -166,9 +168,8 @@ class BlenderTest : public TransformsTest {
   Scene ReadBlender() { return ReadBlenderScene(root(), {}, events_.AsListener()); }
 };
 
-TEST_F(BlenderTest, ViewsRememberTheirFile) {
-  for (const char* name : {"train/r_0.png", "train/r_1.png", "test/r_0.png", "val/r_0.png"})
-    WritePicture(root() / name);
+TEST_F(BlenderTest, GivesViewsTheRoleOfTheirFile) {
+  for (const char* name : {"train/r_0.png", "train/r_1.png", "test/r_0.png", "val/r_0.png"}) WriteImage(root() / name);
   Write({Frame("./train/r_1"), Frame("./train/r_0")}, "transforms_train.json");
   Write({Frame("./test/r_0")}, "transforms_test.json");
   Write({Frame("./val/r_0"), Frame("./test/r_0")}, "transforms_val.json");
@@ -181,16 +182,16 @@ TEST_F(BlenderTest, ViewsRememberTheirFile) {
   EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
-TEST_F(BlenderTest, TrainAloneIsReadAndTold) {
-  WritePicture(root() / "train/r_0.png");
+TEST_F(BlenderTest, WarnsWithoutATestFile) {
+  WriteImage(root() / "train/r_0.png");
   Write({Frame("./train/r_0")}, "transforms_train.json");
   EXPECT_EQ(ReadBlender().views.size(), 1u);
   ASSERT_EQ(events_.warnings.size(), 1u);
   EXPECT_THAT(events_.warnings[0], HasSubstr("no view is held out"));
 }
 
-TEST_F(BlenderTest, AViewCannotBeTrainAndTest) {
-  WritePicture(root() / "train/r_0.png");
+TEST_F(BlenderTest, RefusesAViewInTrainAndTest) {
+  WriteImage(root() / "train/r_0.png");
   Write({Frame("./train/r_0")}, "transforms_train.json");
   Write({Frame("./train/r_0")}, "transforms_test.json");
   EXPECT_THAT(MessageOf<InputError>([&] { ReadBlender(); }), HasSubstr("'train/r_0.png' twice"));

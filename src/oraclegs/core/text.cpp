@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 
 namespace oraclegs {
 namespace {
+
+constexpr size_t kMaxNamesShown = 5;
 
 /// Characters: bytes that do not continue one.
 size_t WidthOf(const std::string& text) {
@@ -20,6 +23,37 @@ std::string FormatSeconds(double seconds) {
   const auto s = static_cast<int64_t>(std::llround(std::clamp(seconds, 0.0, 1e9)));
   if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
   return fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+std::string SomeNames(const std::vector<std::string>& names) {
+  const size_t shown = std::min(names.size(), kMaxNamesShown);
+  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<ptrdiff_t>(shown), ", "));
+  if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
+  return text;
+}
+
+bool IsUtf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
+std::string EscapeBytes(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    escaped += byte < 0x80 ? std::string(1, c) : fmt::format("\\x{:02X}", byte);
+  }
+  return escaped;
+}
+
+std::string Printable(std::string_view text, size_t max_bytes) {
+  std::string shown(text.substr(0, max_bytes));
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
 }
 
 std::string AlignColumns(const std::vector<std::vector<std::string>>& rows, const std::string& sides) {

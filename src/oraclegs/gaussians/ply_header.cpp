@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
@@ -32,14 +33,6 @@ std::vector<std::string_view> Words(std::string_view line) {
   return words;
 }
 
-/// What may be shown on a terminal: one line, no control characters, not the whole of a binary file.
-std::string Printable(std::string_view text) {
-  std::string out(text.substr(0, kShownChars));
-  std::replace_if(
-      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return out;
-}
-
 class HeaderParser {
  public:
   HeaderParser(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
@@ -55,7 +48,7 @@ class HeaderParser {
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
       if (!Take(words)) {
-        throw InputError("{}: line {} of the header is not understood: '{}'", file_, line_, Printable(line));
+        throw InputError("{}: line {} of the header is not understood: '{}'", file_, line_, Printable(line, kShownChars));
       }
     }
     if (!has_format_) throw InputError("{}: the header has no format line; write the file anew", file_);

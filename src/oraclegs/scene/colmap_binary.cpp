@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -92,14 +92,14 @@ ColmapCameras ParseCamerasBinary(std::string_view bytes, const std::string& file
     const int model_id = reader.Get<int32_t>();
     const auto model = CameraModelFromId(model_id);
     if (!model) throw InputError("{}: camera {} has the unknown model id {}, COLMAP 3.8 has 0..10", file, id, model_id);
-    Intrinsics lens;
-    lens.model = *model;
-    lens.width = GetImageSide(reader, file, id);
-    lens.height = GetImageSide(reader, file, id);
-    lens.params.resize(static_cast<size_t>(CameraModelParameterCount(*model)));
-    for (double& p : lens.params) p = reader.Get<double>();
-    lens.Check(fmt::format("{}: camera {}", file, id));
-    if (!cameras.emplace(id, std::move(lens)).second) throw InputError("{}: camera {} is there twice", file, id);
+    Intrinsics intrinsics;
+    intrinsics.model = *model;
+    intrinsics.width = GetImageSide(reader, file, id);
+    intrinsics.height = GetImageSide(reader, file, id);
+    intrinsics.params.resize(static_cast<size_t>(CameraModelParameterCount(*model)));
+    for (double& p : intrinsics.params) p = reader.Get<double>();
+    intrinsics.Check(fmt::format("{}: camera {}", file, id));
+    if (!cameras.emplace(id, std::move(intrinsics)).second) throw InputError("{}: camera {} is there twice", file, id);
   }
   return cameras;
 }

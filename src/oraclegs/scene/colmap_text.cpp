@@ -3,13 +3,18 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr size_t kMaxShown = 40;  // characters of a word in an error message
 constexpr std::string_view kBlanks = " \t\r\v\f";
@@ -20,12 +25,8 @@ std::string_view Trim(std::string_view s) {
   return s.substr(first, s.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// A word for an error message: short and printable, whatever the file holds.
-std::string Shown(std::string_view word) {
-  std::string shown(word.substr(0, kMaxShown));
-  std::replace_if(
-      shown.begin(), shown.end(), [](unsigned char c) { return c < ' '; }, '?');
-  return shown;
+bool HasControlCharacter(const std::string& name) {
+  return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; });
 }
 
 /// Walks over the lines of a file; remembers the number of the last one for messages.
@@ -81,7 +82,7 @@ class Fields {
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size()) {
-      throw InputError("{}: '{}' is not a number that {} can be", reader_.Place(), Shown(word), what);
+      throw InputError("{}: '{}' is not a number that {} can be", reader_.Place(), Printable(word, kMaxShown), what);
     }
     return value;
   }
@@ -105,6 +106,38 @@ int ImageSide(Fields& fields, const LineReader& reader) {
   return side;
 }
 
+/// The points as lines of points3D.txt, and the keypoints that their tracks refer to. Ids begin at 1.
+class Tracks {
+ public:
+  explicit Tracks(const std::vector<ColmapTrack>& points) {
+    for (size_t p = 0; p < points.size(); ++p) {
+      const ColmapTrack& point = points[p];
+      points_ += fmt::format("{} {} {} {} {} {} {} 0", p + 1, point.xyz.x(), point.xyz.y(), point.xyz.z(), point.rgb[0],
+                             point.rgb[1], point.rgb[2]);
+      for (const ColmapSight& sight : point.sights) {
+        Lines& lines = by_image_[sight.image_id];
+        points_ += fmt::format(" {} {}", sight.image_id, lines.count++);
+        lines.text += fmt::format("{}{} {} {}", lines.text.empty() ? "" : " ", sight.pixel.x(), sight.pixel.y(), p + 1);
+      }
+      points_ += "\n";
+    }
+  }
+
+  const std::string& points() const { return points_; }
+  std::string Keypoints(uint32_t image) const {
+    const auto it = by_image_.find(image);
+    return it == by_image_.end() ? "" : it->second.text;
+  }
+
+ private:
+  struct Lines {
+    size_t count = 0;
+    std::string text;
+  };
+  std::map<uint32_t, Lines> by_image_;
+  std::string points_;
+};
+
 size_t CountWords(std::string_view line) {
   size_t words = 0;
   bool in_word = false;
@@ -127,14 +160,15 @@ ColmapCameras ParseCamerasText(std::string_view text, const std::string& file) {
     const std::string_view model_name = fields.Word("the camera model");
     const auto model = CameraModelFromName(model_name);
     if (!model)
-      throw InputError("{}: unknown camera model '{}', COLMAP 3.8 has eleven", lines.Place(), Shown(model_name));
-    Intrinsics lens;
-    lens.model = *model;
-    lens.width = ImageSide(fields, lines);
-    lens.height = ImageSide(fields, lines);
-    while (!fields.empty()) lens.params.push_back(fields.Number<double>("a camera parameter"));
-    lens.Check(fmt::format("{}: camera {}", file, id));
-    if (!cameras.emplace(id, std::move(lens)).second) throw InputError("{}: camera {} is there twice", file, id);
+      throw InputError("{}: unknown camera model '{}', COLMAP 3.8 has eleven", lines.Place(),
+                       Printable(model_name, kMaxShown));
+    Intrinsics intrinsics;
+    intrinsics.model = *model;
+    intrinsics.width = ImageSide(fields, lines);
+    intrinsics.height = ImageSide(fields, lines);
+    while (!fields.empty()) intrinsics.params.push_back(fields.Number<double>("a camera parameter"));
+    intrinsics.Check(fmt::format("{}: camera {}", file, id));
+    if (!cameras.emplace(id, std::move(intrinsics)).second) throw InputError("{}: camera {} is there twice", file, id);
   }
   return cameras;
 }
@@ -151,7 +185,7 @@ std::vector<ColmapImage> ParseImagesText(std::string_view text, const std::strin
     const Eigen::Vector3d translation = fields.Vector3("the translation");
     image.camera_id = fields.Number<uint32_t>("the camera id");
     image.name = std::string(fields.Rest());
-    if (image.name.empty() || Shown(image.name) != image.name.substr(0, kMaxShown)) {
+    if (image.name.empty() || HasControlCharacter(image.name)) {
       throw InputError("{}: the image's name is missing or has control characters", lines.Place());
     }
     image.cam_from_world = PoseFromQuaternion(wxyz, translation, file, image.name);
@@ -184,6 +218,33 @@ std::vector<ColmapPoint> ParsePointsText(std::string_view text, const std::strin
     points.push_back(std::move(point));
   }
   return points;
+}
+
+void WriteColmapText(const fs::path& dir, const ColmapCameras& cameras, const std::vector<ColmapImage>& images,
+                     const std::vector<ColmapTrack>& points) {
+  const Tracks tracks(points);
+  std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
+  for (const auto& [id, intrinsics] : cameras) {
+    text += fmt::format("{} {} {} {} {}\n", id, CameraModelName(intrinsics.model), intrinsics.width, intrinsics.height,
+                        fmt::join(intrinsics.params, " "));
+  }
+  WriteFileAtomically(dir / "cameras.txt", text);
+
+  text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of keypoints\n";
+  for (const ColmapImage& image : images) {
+    if (image.name.empty() || image.name.find_first_of(" \t\r\n\v\f") != std::string::npos) {
+      throw InputError("{}: COLMAP's text format cannot hold the image name '{}'; rename the photo without blanks",
+                       (dir / "images.txt").string(), image.name);
+    }
+    Eigen::Quaterniond q(image.cam_from_world.linear());
+    q.normalize();
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const Eigen::Vector3d t = image.cam_from_world.translation();
+    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n{}\n", image.id, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
+                        t.z(), image.camera_id, image.name, tracks.Keypoints(image.id));
+  }
+  WriteFileAtomically(dir / "images.txt", text);
+  WriteFileAtomically(dir / "points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n" + tracks.points());
 }
 
 }  // namespace oraclegs

@@ -1,6 +1,8 @@
 #pragma once
-// COLMAP's .txt files. `file` names the source in error messages, which also give the line. All throw InputError.
+// COLMAP's .txt files. `file` names the source in error messages of the parsers, which also give the line. All throw
+// InputError.
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,5 +19,12 @@ std::vector<ColmapImage> ParseImagesText(std::string_view text, const std::strin
 
 /// points3D.txt: POINT3D_ID X Y Z R G B ERROR, then the track as (IMAGE_ID, POINT2D_IDX).
 std::vector<ColmapPoint> ParsePointsText(std::string_view text, const std::string& file);
+
+/// Writes cameras.txt, images.txt and points3D.txt; the keypoints are where the points were seen. Without points it is
+/// a model of known poses for `colmap point_triangulator`. Numbers read back to the same bits, poses to rounding.
+/// Throws InputError for an image name with a space or line break, which COLMAP's text reader would cut short, and
+/// RunError when writing fails.
+void WriteColmapText(const std::filesystem::path& dir, const ColmapCameras& cameras,
+                     const std::vector<ColmapImage>& images, const std::vector<ColmapTrack>& points = {});
 
 }  // namespace oraclegs

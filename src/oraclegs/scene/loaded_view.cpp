@@ -6,11 +6,13 @@
 #include <system_error>
 #include <utility>
 
+#include "oraclegs/camera/undistort.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/camera/undistort.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -18,11 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint8_t kMaskThreshold = 128;
-constexpr float kCoverage = 0.5f;                   // of a working pixel's area that must count for it to count
-constexpr int64_t kBytesPerPixel = 44;              // one photograph at full size: 8-bit, float, undistorted
-constexpr int64_t kBytesAtOnce = int64_t{4} << 30;  // for all photographs in work, unless one alone needs more
-constexpr int kKeep = 3;   // the channel beside RGB that says what counts, 0 or 1 before filtering
-constexpr int kAlpha = 4;  // the channel beside these of a picture whose background is known to be nothing
+constexpr float kMinCoverage = 0.5f;                   // of a working pixel's area that must be used for it to be used
+constexpr int64_t kBytesPerPixel = 44;                 // one image at full size: 8-bit, float, undistorted
+constexpr int64_t kMaxBytesAtOnce = int64_t{4} << 30;  // for all images in work, unless one alone needs more
+constexpr int kKeepChannel = 3;                        // beside RGB: 1 = used, 0 = excluded (before filtering)
+constexpr int kAlphaChannel = 4;  // beside these, of an image whose background is known to be nothing
 constexpr const char* kImageFolder = "images";
 
 /// The file of an images_N folder that stands for `path` at the given downscale; empty when there is none.
@@ -39,28 +41,30 @@ fs::path DownscaledFile(const fs::path& path, int downscale) {
   return {};
 }
 
-/// A photograph and the lens it fits.
+/// An image and the intrinsics it fits.
 struct Source {
   Image8 image;
-  Intrinsics lens;
+  Intrinsics intrinsics;
 };
 
 Source ReadSource(const SceneView& view, int downscale) {
   const fs::path file = ImageFile(view, downscale);
   const bool is_full = file == view.image_path;
-  Intrinsics lens =
-      is_full ? view.lens
-              : Resized(view.lens, WorkingSize(view.lens.width, downscale), WorkingSize(view.lens.height, downscale));
-  if (const auto orientation = FittingOrientation(view, file, lens.width, lens.height)) {
-    return {ReadImage(file, *orientation), std::move(lens)};
+  Intrinsics intrinsics = is_full ? view.intrinsics
+                                  : Resized(view.intrinsics, WorkingSize(view.intrinsics.width, downscale),
+                                            WorkingSize(view.intrinsics.height, downscale));
+  if (const auto orientation = FittingOrientation(view, file, intrinsics.width, intrinsics.height)) {
+    return {ReadImage(file, *orientation), std::move(intrinsics)};
   }
   int width = 0, height = 0;
   ReadImageSize(file, &width, &height);
-  throw InputError("{}: is {} x {}, but its camera was made for {} x {}; use the photographs the poses were made from",
-                   file.string(), width, height, lens.width, lens.height);
+  throw InputError("{}: is {} x {}, but its camera was made for {} x {}; use the photos the poses were made from",
+                   file.string(), width, height, intrinsics.width, intrinsics.height);
 }
 
-float* Keep(size_t pixel, ImageF* image) { return &image->data[static_cast<size_t>(image->channels) * pixel + kKeep]; }
+float* Keep(size_t pixel, ImageF* image) {
+  return &image->data[static_cast<size_t>(image->channels) * pixel + kKeepChannel];
+}
 
 /// RGB on the background; of more channels the fourth is ones and the fifth alpha.
 ImageF Composite(const Image8& image, const std::array<float, 3>& background, size_t out_channels) {
@@ -73,7 +77,7 @@ ImageF Composite(const Image8& image, const std::array<float, 3>& background, si
   for (size_t i = 0; i < pixels; ++i, in += in_channels, out += out_channels) {
     const float alpha = in_channels == 4 ? static_cast<float>(in[3]) / 255 : 1.f;
     for (size_t c = 0; c < 3; ++c) out[c] = alpha * (static_cast<float>(in[c]) / 255) + (1 - alpha) * background[c];
-    if (out_channels > kAlpha) out[kAlpha] = alpha;
+    if (out_channels > kAlphaChannel) out[kAlphaChannel] = alpha;
   }
   return result;
 }
@@ -84,97 +88,102 @@ void ExcludeTransparent(const Image8& image, ImageF* composite) {
   }
 }
 
-/// Which pixels the view's mask file keeps, one channel of the size of `lens`.
-ImageF ReadMask(const SceneView& view, const Intrinsics& lens) {
+/// Which pixels the view's mask file keeps, one channel of the size of `intrinsics`.
+ImageF ReadMask(const SceneView& view, const Intrinsics& intrinsics) {
   const Image8 mask = ReadImage(view.mask_path);
-  const bool is_full = mask.width == view.lens.width && mask.height == view.lens.height;
-  if (!is_full && (mask.width != lens.width || mask.height != lens.height)) {
-    throw InputError("{}: is {} x {}, but its photograph {} is {} x {}; make them the same size",
-                     view.mask_path.string(), mask.width, mask.height, view.name, view.lens.width, view.lens.height);
+  const bool is_full = mask.width == view.intrinsics.width && mask.height == view.intrinsics.height;
+  if (!is_full && (mask.width != intrinsics.width || mask.height != intrinsics.height)) {
+    throw InputError("{}: is {} x {}, but its photo {} is {} x {}; make them the same size", view.mask_path.string(),
+                     mask.width, mask.height, view.name, view.intrinsics.width, view.intrinsics.height);
   }
   const size_t channels = static_cast<size_t>(mask.channels);
   ImageF keep{mask.width, mask.height, 1, std::vector<float>(mask.data.size() / channels)};
   for (size_t i = 0; i < keep.data.size(); ++i) keep.data[i] = mask.data[i * channels] < kMaskThreshold ? 0.f : 1.f;
-  return ResizeArea(keep, lens.width, lens.height);
+  return ResizeArea(keep, intrinsics.width, intrinsics.height);
 }
 
-/// Multiplies the keep channel by other pictures of what counts.
+/// Multiplies the keep channel by another mask.
 template <class Values>
 void Exclude(const Values& keep, ImageF* image) {
   for (size_t i = 0; i < keep.size(); ++i) *Keep(i, image) *= static_cast<float>(keep[i]);
 }
 
-/// The photograph as its lens took it, composited; 4 channels when some pixels may not count, 5 when alpha is known.
+/// The image as taken, composited; 4 channels when some pixels may be excluded, 5 when alpha is known.
 ImageF ComposeSource(const Scene& scene, const SceneView& view, const Source& source, const ImageOptions& options) {
   const bool has_alpha = source.image.channels == 4, is_rendered = scene.format == SceneFormat::kBlender;
   const bool alpha_masks = has_alpha && !is_rendered;
-  const bool with_keep = alpha_masks || !view.mask_path.empty() || !view.lens.IsPinhole();
+  const bool with_keep = alpha_masks || !view.mask_path.empty() || !view.intrinsics.IsPinhole();
   const size_t channels = has_alpha && is_rendered ? 5 : with_keep ? 4 : 3;
   ImageF image = Composite(source.image, BackgroundColor(options.background), channels);
   if (alpha_masks) ExcludeTransparent(source.image, &image);
-  if (!view.mask_path.empty()) Exclude(ReadMask(view, source.lens).data, &image);
+  if (!view.mask_path.empty()) Exclude(ReadMask(view, source.intrinsics).data, &image);
   return image;
 }
 
 /// Splits off the channels beside RGB.
-void Store(ImageF image, LoadedView* photo) {
+void Store(ImageF image, LoadedView* loaded) {
   if (image.channels == 3) {
-    photo->rgb = std::move(image);
+    loaded->rgb = std::move(image);
     return;
   }
   const size_t channels = static_cast<size_t>(image.channels), pixels = image.data.size() / channels;
-  photo->rgb = {image.width, image.height, 3, std::vector<float>(pixels * 3)};
-  photo->mask.resize(pixels);
-  if (channels > kAlpha) photo->alpha.resize(pixels);
+  loaded->rgb = {image.width, image.height, 3, std::vector<float>(pixels * 3)};
+  loaded->mask.resize(pixels);
+  if (channels > kAlphaChannel) loaded->alpha.resize(pixels);
   for (size_t i = 0; i < pixels; ++i) {
     const float* pixel = image.data.data() + channels * i;
-    std::copy_n(pixel, 3, photo->rgb.data.data() + 3 * i);
-    photo->mask[i] = pixel[kKeep] >= kCoverage;
-    if (channels > kAlpha) photo->alpha[i] = std::clamp(pixel[kAlpha], 0.f, 1.f);  // filters round
+    std::copy_n(pixel, 3, loaded->rgb.data.data() + 3 * i);
+    loaded->mask[i] = pixel[kKeepChannel] >= kMinCoverage;
+    if (channels > kAlphaChannel) loaded->alpha[i] = std::clamp(pixel[kAlphaChannel], 0.f, 1.f);  // filters round
   }
-  if (std::find(photo->mask.begin(), photo->mask.end(), 0) == photo->mask.end()) photo->mask.clear();
+  if (std::find(loaded->mask.begin(), loaded->mask.end(), 0) == loaded->mask.end()) loaded->mask.clear();
 }
 
-LoadedView LoadPhoto(const Scene& scene, const SceneView& view, const ImageOptions& options) {
-  LoadedView photo{view.name, WorkingCamera(view, options), {}, {}, {}};
+LoadedView LoadView(const Scene& scene, const SceneView& view, const ImageOptions& options) {
+  LoadedView loaded{view.name, WorkingCamera(view, options), {}, {}, {}};
   Source source = ReadSource(view, options.downscale);
   ImageF image = ComposeSource(scene, view, source, options);
-  source.image = {};  // the 8-bit picture is not needed beside the float ones
-  if (!source.lens.IsPinhole()) {
+  source.image = {};  // the 8-bit image is not needed beside the float ones
+  if (!source.intrinsics.IsPinhole()) {
     // The camera comes from the full size also when a downscaled file is read, so that both give the same one.
-    const Camera target = Resized(UndistortedCamera(view.lens), source.lens.width, source.lens.height);
-    UndistortedImage undistorted = Undistort(image, source.lens, target);
+    const Camera target =
+        Resized(UndistortedCamera(view.intrinsics), source.intrinsics.width, source.intrinsics.height);
+    UndistortedImage undistorted = Undistort(image, source.intrinsics, target);
     image = std::move(undistorted.image);
     Exclude(undistorted.valid, &image);
   }
-  if (image.width != photo.camera.width || image.height != photo.camera.height) {
-    image = ResizeArea(image, photo.camera.width, photo.camera.height);
+  if (image.width != loaded.camera.width || image.height != loaded.camera.height) {
+    image = ResizeArea(image, loaded.camera.width, loaded.camera.height);
   }
-  Store(std::move(image), &photo);
-  return photo;
+  Store(std::move(image), &loaded);
+  return loaded;
 }
 
-/// How many photographs may be in work at once.
-int64_t PhotosAtOnce(const Scene& scene, const std::vector<int>& views) {
+/// How many views may be in work at once.
+int64_t ViewsAtOnce(const Scene& scene, const std::vector<int>& views) {
   int64_t largest = 1;
   for (const int i : views) {
-    const Intrinsics& lens = scene.views[static_cast<size_t>(i)].lens;
-    largest = std::max(largest, int64_t{lens.width} * lens.height);
+    const Intrinsics& intrinsics = scene.views[static_cast<size_t>(i)].intrinsics;
+    largest = std::max(largest, int64_t{intrinsics.width} * intrinsics.height);
   }
-  return std::max<int64_t>(1, kBytesAtOnce / (largest * kBytesPerPixel));
+  return std::max<int64_t>(1, kMaxBytesAtOnce / (largest * kBytesPerPixel));
 }
 
-bool ExcludesAll(const LoadedView& photo) {
-  return !photo.mask.empty() && std::find(photo.mask.begin(), photo.mask.end(), 1) == photo.mask.end();
+bool ExcludesAll(const LoadedView& loaded) {
+  return !loaded.mask.empty() && std::find(loaded.mask.begin(), loaded.mask.end(), 1) == loaded.mask.end();
 }
 
 }  // namespace
 
-std::array<float, 3> BackgroundColor(const std::string& name) {
-  if (name == "black") return {0, 0, 0};
-  if (name == "white") return {1, 1, 1};
-  if (name == "grey") return {0.5f, 0.5f, 0.5f};
-  throw UsageError("--background is '{}', must be one of: black, white, grey", name);
+std::array<float, 3> BackgroundColor(Background background) {
+  switch (background) {
+    case Background::kWhite:
+      return {1, 1, 1};
+    case Background::kGrey:
+      return {0.5f, 0.5f, 0.5f};
+    default:
+      return {0, 0, 0};
+  }
 }
 
 std::optional<Orientation> FittingOrientation(const SceneView& view, const fs::path& file, int width, int height) {
@@ -192,42 +201,44 @@ int WorkingSize(int size, int downscale) { return std::max(1, (2 * size + downsc
 
 fs::path ImageFile(const SceneView& view, int downscale) {
   const fs::path small = downscale == 1 ? fs::path() : DownscaledFile(view.image_path, downscale);
-  const int width = WorkingSize(view.lens.width, downscale), height = WorkingSize(view.lens.height, downscale);
+  const int width = WorkingSize(view.intrinsics.width, downscale),
+            height = WorkingSize(view.intrinsics.height, downscale);
   return !small.empty() && FittingOrientation(view, small, width, height) ? small : view.image_path;
 }
 
 Camera WorkingCamera(const SceneView& view, const ImageOptions& options) {
-  Camera camera = UndistortedCamera(view.lens);
+  Camera camera = UndistortedCamera(view.intrinsics);
   camera.cam_from_world = view.cam_from_world.value();
   return Resized(camera, WorkingSize(camera.width, options.downscale), WorkingSize(camera.height, options.downscale));
 }
 
 std::vector<LoadedView> LoadViews(const Scene& scene, const std::vector<int>& views, const ImageOptions& options,
-                              const Listener& listener) {
-  std::vector<LoadedView> photos(views.size());
+                                  const Listener& listener) {
+  std::vector<LoadedView> loaded(views.size());
   std::mutex mutex;
   int64_t done = 0;
   const auto total = static_cast<int64_t>(views.size());
   const auto load = [&](int64_t i) {
     ThrowIfInterrupted();
     const auto index = static_cast<size_t>(i);
-    photos[index] = LoadPhoto(scene, scene.views[static_cast<size_t>(views[index])], options);
+    loaded[index] = LoadView(scene, scene.views[static_cast<size_t>(views[index])], options);
     const std::lock_guard lock(mutex);
-    listener(StepDone{"load", ++done, total, "photographs", ""});
+    listener(StepDone{"load", ++done, total, "views", ""});
   };
-  const int64_t at_once = PhotosAtOnce(scene, views);
+  const int64_t at_once = ViewsAtOnce(scene, views);
   for (int64_t begin = 0; begin < total; begin += at_once) {
     ParallelFor(std::min(at_once, total - begin), [&](int64_t i) { load(begin + i); });
   }
   std::vector<std::string> excluded;
-  for (const LoadedView& photo : photos) {
-    if (ExcludesAll(photo)) excluded.push_back(photo.name);
+  for (const LoadedView& view : loaded) {
+    if (ExcludesAll(view)) excluded.push_back(view.name);
   }
   if (!excluded.empty()) {
-    listener(Warning{fmt::format("no pixel of these photographs counts, their mask or alpha channel excludes all: {}",
-                                 SomeNames(excluded))});
+    listener(Warning{
+        fmt::format("no pixel of these views is used, their mask or alpha channel excludes all: {}; correct the masks",
+                    SomeNames(excluded))});
   }
-  return photos;
+  return loaded;
 }
 
 }  // namespace oraclegs

@@ -1,139 +1,106 @@
 #include "oraclegs/scene/scene.h"
 
 #include <algorithm>
-#include <cctype>
+#include <numeric>
 #include <system_error>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/image/image.h"
-#include "oraclegs/scene/transforms.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr std::string_view kImageFolder = "images/";
 
-bool IsFolder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
-
-/// What a folder holds, sorted; empty when it is not a folder.
-std::vector<fs::path> ListFolder(const fs::path& dir) {
-  if (!IsFolder(dir)) return {};
-  std::vector<fs::path> entries;
-  std::error_code error;
-  fs::directory_iterator it(dir, error);
-  for (; !error && it != fs::directory_iterator(); it.increment(error)) entries.push_back(it->path());
-  if (error) throw InputError("{}: cannot be listed ({}); check its permissions", dir.string(), error.message());
-  std::sort(entries.begin(), entries.end());
-  return entries;
-}
-
-/// Throws unless the folder that the user named exists.
-void RequireFolder(const fs::path& path, const char* mend) {
-  if (IsFolder(path)) return;
-  std::error_code error;
-  throw InputError("{}: {}; {}", path.string(), fs::exists(path, error) ? "is not a folder" : "no such folder", mend);
-}
-
-bool IsNumber(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
-/// The folder of the COLMAP model with the most images, empty when there is none. COLMAP numbers the pieces it could
-/// not join: sparse/0, sparse/1, ...
-fs::path FindModel(const fs::path& root, const Listener& listener) {
-  std::vector<fs::path> models;
-  for (const fs::path& dir : ListFolder(root / "sparse")) {
-    if (IsNumber(dir.filename().string()) && IsColmapModel(dir)) models.push_back(dir);
-  }
-  if (models.empty()) {
-    for (const fs::path& dir : {root / "sparse", root}) {
-      if (IsColmapModel(dir)) return dir;
+std::filesystem::path FindMask(const std::filesystem::path& mask_dir, const std::string& name) {
+  std::vector<std::string> names{name};
+  if (name.starts_with(kImageFolder)) names.push_back(name.substr(kImageFolder.size()));
+  for (const std::string& n : names) {
+    const std::filesystem::path as_is = mask_dir / n;
+    std::filesystem::path appended = as_is, replaced = as_is;
+    appended += ".png";
+    replaced.replace_extension(".png");
+    for (const auto& path : {as_is, appended, replaced}) {
+      if (IsFile(path)) return path;
     }
-    return {};
   }
-  if (models.size() == 1) return models.front();
-  fs::path best;
-  size_t most = 0, total = 0;
-  for (const fs::path& dir : models) {
-    const size_t count = ReadColmapImages(dir).size();
-    total += count;
-    if (!best.empty() && count <= most) continue;
-    best = dir;
-    most = count;
-  }
-  listener(Note{fmt::format("{}: the largest of {} models is used, with {} of their {} images", best.string(),
-                            models.size(), most, total)});
-  return best;
-}
-
-/// The named image folder, or images/ when there is one, unless the model's names fit the scene folder itself.
-fs::path FindImageFolder(const fs::path& root, const fs::path& model_dir, const SceneReadOptions& options) {
-  if (!options.images.empty()) return root / options.images;
-  const fs::path usual = root / "images";
-  if (!IsFolder(usual)) return root;
-  const std::vector<ColmapImage> images = ReadColmapImages(model_dir);
-  const auto any_in = [&](const fs::path& dir) {
-    return std::any_of(images.begin(), images.end(), [&](const ColmapImage& i) { return IsFile(dir / i.name); });
-  };
-  return !any_in(usual) && any_in(root) ? root : usual;
-}
-
-std::vector<fs::path> FindPhotos(const fs::path& dir) {
-  std::vector<fs::path> photos = ListFolder(dir);
-  std::erase_if(photos, [](const fs::path& path) {
-    const bool hidden = path.filename().string().starts_with(".");  // e.g. "._1.jpg" beside photographs from a Mac
-    return hidden || !HasImageExtension(path) || !IsFile(path);
-  });
-  return photos;
-}
-
-Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options) {
-  std::vector<fs::path> photos = FindPhotos(options.images.empty() ? root / "images" : root / options.images);
-  if (photos.empty() && options.images.empty()) photos = FindPhotos(root);
-  if (photos.empty()) {
-    throw InputError(
-        "{}: no scene found; expected a COLMAP model (sparse/0), transforms.json, transforms_train.json, or .jpg and "
-        ".png photographs here or in images/",
-        (options.images.empty() ? root : root / options.images).string());
-  }
-  Scene scene;
-  scene.format = SceneFormat::kPhotos;
-  for (const fs::path& path : photos) {
-    SceneView view;
-    view.name = path.filename().string();
-    view.image_path = path;
-    ReadImageSize(path, &view.lens.width, &view.lens.height);
-    scene.views.push_back(std::move(view));
-  }
-  return scene;
+  return {};
 }
 
 }  // namespace
 
-Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
-  RequireFolder(root, "name the folder that holds the scene");
-  if (!options.images.empty())
-    RequireFolder(root / options.images, "--images takes a folder, from the scene's or absolute");
-  const fs::path model_dir = FindModel(root, listener);
-  Scene scene;
-  if (!model_dir.empty()) {
-    scene = ReadColmapScene(model_dir, FindImageFolder(root, model_dir, options), listener);
-  } else if (IsFile(root / "transforms.json")) {
-    scene = ReadTransformsScene(root, options, listener);
-  } else if (IsFile(root / "transforms_train.json")) {
-    scene = ReadBlenderScene(root, options, listener);
-  } else {
-    scene = ReadPhotoFolder(root, options);
+std::vector<int> AllViews(const Scene& scene) {
+  std::vector<int> all(scene.views.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+std::string ViewName(const std::string& written_path) {
+  std::string name;
+  for (const auto& part : std::filesystem::path(written_path).relative_path()) {
+    if (part.empty() || part == "." || part == "..") continue;
+    if (!name.empty()) name += '/';
+    name += part.string();
   }
-  scene.root = root;
-  RequireUtf8Names(scene);
-  AttachMasks(root / "masks", listener, &scene);
-  return scene;
+  return name;
+}
+
+void RequireUtf8Names(const Scene& scene) {
+  const auto require = [](const std::string& name, const std::filesystem::path& shown) {
+    if (IsUtf8(name)) return;
+    throw InputError("{}: the photo's name is not valid UTF-8; rename it, also where the scene's files name it",
+                     EscapeBytes(shown.string()));
+  };
+  for (const SceneView& view : scene.views) require(view.name, view.image_path);
+  for (const std::string& name : scene.missing_images) require(name, scene.root / name);
+}
+
+void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,
+                         const Listener& listener, Scene* scene) {
+  std::sort(candidates.begin(), candidates.end(),
+            [](const SceneView& a, const SceneView& b) { return a.name < b.name; });
+  const auto twin = std::adjacent_find(candidates.begin(), candidates.end(),
+                                       [](const SceneView& a, const SceneView& b) { return a.name == b.name; });
+  if (twin != candidates.end()) {
+    throw InputError("{}: lists the view '{}' twice; every photo may have one pose only; remove one", source,
+                     twin->name);
+  }
+  const size_t total = candidates.size();
+  for (SceneView& view : candidates) {
+    if (view.image_path.empty()) {
+      scene->missing_images.push_back(view.name);
+    } else {
+      scene->views.push_back(std::move(view));
+    }
+  }
+  if (scene->missing_images.empty() && total > 0) return;
+  if (scene->views.empty()) {
+    throw InputError("{}: none of its {} views has an image file in {}{}{}; name the image folder with --images",
+                     source, total, searched, total > 0 ? ", e.g. " : "",
+                     total > 0 ? scene->missing_images.front() : "");
+  }
+  listener(Warning{fmt::format("{}: {} of {} views have no image file in {} and are left out: {}", source,
+                               scene->missing_images.size(), total, searched, SomeNames(scene->missing_images))});
+}
+
+void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(mask_dir, error)) return;
+  bool any = false;
+  for (SceneView& view : scene->views) {
+    if (view.mask_path.empty()) view.mask_path = FindMask(mask_dir, view.name);
+    any |= !view.mask_path.empty();
+  }
+  if (!any) {
+    listener(
+        Warning{fmt::format("{}: fits no view, so all pixels are used; a mask is named like its photo, e.g. {}.png",
+                            mask_dir.string(), scene->views.empty() ? "NAME" : scene->views.front().name)});
+  }
 }
 
 }  // namespace oraclegs

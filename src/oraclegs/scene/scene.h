@@ -1,5 +1,5 @@
 #pragma once
-// What is known of a scene before any pixel is read: photographs, lenses, poses, points. Torch-free.
+// What is known of a scene before any pixel is read: views, points, and what every reader does with the views it found.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/core/progress.h"
 #include "oraclegs/camera/intrinsics.h"
+#include "oraclegs/core/progress.h"
 
 namespace oraclegs {
 
@@ -20,21 +20,21 @@ enum class SceneFormat { kColmap, kTransforms, kBlender, kPhotos };
 /// Which file of a Blender-style scene a view came from; kNone elsewhere.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
 
-/// One photograph with its lens and, unless the scene is a plain folder, its pose.
+/// An image with its camera: intrinsics and, unless the scene is a plain folder, a pose.
 struct SceneView {
   std::string name;                  ///< unique; the image's path below the image folder, e.g. "0001.jpg"
   std::filesystem::path image_path;  ///< exists
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
-  Intrinsics lens;                         ///< of the full-size photograph; params empty for a plain folder
+  Intrinsics intrinsics;             ///< of the full-size image; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
-  bool as_stored = false;  ///< lens and pose describe the pixels as stored: the EXIF orientation does not count
+  bool as_stored = false;  ///< the camera describes the pixels as stored: the EXIF orientation is ignored
   DeclaredRole role = DeclaredRole::kNone;
 };
 
 struct ScenePoint {
   Eigen::Vector3d xyz;
   std::array<uint8_t, 3> rgb{128, 128, 128};
-  std::vector<int> views;  ///< indices into Scene::views of the photographs that saw it, ascending
+  std::vector<int> views;  ///< indices into Scene::views of the views that saw it, ascending
 };
 
 /// A scene as read, views sorted by name.
@@ -52,14 +52,31 @@ struct SceneReadOptions {
   std::filesystem::path images;  ///< image folder, empty = where the format usually has it
 };
 
-/// Recognises and reads a scene folder:
-///   sparse/0 or sparse (cameras, images, points3D as .bin or .txt) with images/  -> kColmap
-///   transforms.json                                                              -> kTransforms
-///   transforms_train.json and transforms_test.json (transforms_val.json is optional) -> kBlender
-///   a folder of .jpg and .png (or one with images/)                               -> kPhotos
-/// Views whose image file is missing go to missing_images and are told to `listener`. Throws InputError naming the file
-/// and the mend: nothing recognised, no image found, a truncated file, a pose that is not finite or not a rotation, a
-/// focal length that is not positive, two views of one name, a name that is not UTF-8.
-Scene ReadScene(const std::filesystem::path& root, const SceneReadOptions& options, const Listener& listener);
+inline constexpr int kMaxImageSide = 1 << 20;  ///< pixels; more in a scene file is a damaged or mistaken number
+
+/// Indices of all views, in order.
+std::vector<int> AllViews(const Scene& scene);
+
+/// True for a regular file; false, not an exception, for a path that cannot be looked at.
+bool IsFile(const std::filesystem::path& path);
+
+/// An image's path as written in a scene file, as a view's name: "./", "../" and a leading "/" are dropped, so that
+/// a file named after the view stays inside the folder it is written to.
+std::string ViewName(const std::string& written_path);
+
+/// Throws InputError naming the first image of the scene, missing ones included, whose name is not UTF-8: split,
+/// scores and settings are JSON, which holds nothing else.
+void RequireUtf8Names(const Scene& scene);
+
+/// Moves `candidates` to scene->views, sorted by name in byte order; those whose image_path is empty go to
+/// scene->missing_images, with one warning to `listener`. `source` names the file that lists the views, `searched`
+/// says where images were looked for. Throws InputError when two views have one name, or no view has an image.
+void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,
+                         const Listener& listener, Scene* scene);
+
+/// Gives each view without a mask the file masks/NAME, masks/NAME.png or masks/STEM.png below `mask_dir`, if there is
+/// one; a leading "images/" of the name may be left out. Does nothing when mask_dir is not a folder; warns when it is
+/// and fits no view.
+void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene);
 
 }  // namespace oraclegs

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -33,12 +35,6 @@ std::vector<std::string> NamesAt(const Scene& scene, const std::vector<int>& vie
   std::vector<std::string> names;
   for (const int i : views) names.push_back(scene.views[static_cast<size_t>(i)].name);
   return names;
-}
-
-std::vector<int> AllViews(const Scene& scene) {
-  std::vector<int> all(scene.views.size());
-  for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  return all;
 }
 
 /// The one view that `wanted` calls; the most exact way to call it that fits anything decides.
@@ -122,7 +118,7 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
   if (options.views > 0) split.train = PickEvenly(split.train, options.views);
   if (split.train.size() < 2) {
     throw InputError(
-        "{}: {} training view(s) out of {} photographs, {} of them test views; training needs 2 or more, "
+        "{}: {} training view(s) out of {} photos, {} of them test views; training needs 2 or more, "
         "see --views and --test-every",
         scene.root.string(), split.train.size(), scene.views.size(), split.test.size());
   }

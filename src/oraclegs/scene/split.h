@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -31,7 +31,7 @@ struct Split {
   std::vector<int> train, test;
 };
 
-/// The protocol of the sparse-view papers (spec/gaussian_core.md 11, shared/data/README.md). Throws InputError when
+/// The protocol of the sparse-view papers (docs/method.md#train-and-test-views). Throws InputError when
 /// fewer than two training views are left or more are asked for than exist, or a named view does not.
 Split SplitViews(const Scene& scene, const SplitOptions& options);
 

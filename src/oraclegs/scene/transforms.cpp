@@ -4,8 +4,9 @@
 #include <set>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/transforms_frame.h"
-#include "oraclegs/scene/scene_validation.h"
 
 namespace oraclegs {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// The picture of a frame, below options.images when that is given, where the path's first folder may be left out.
+/// The image of a frame, below options.images when that is given, where the path's first folder may be left out.
 fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const std::string& written) {
   if (options.images.empty()) return FindFrameImage(root, written);
   const fs::path folder = root / options.images;
@@ -24,7 +25,7 @@ fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const 
   return slash == std::string::npos ? fs::path() : FindFrameImage(folder, name.substr(slash + 1));
 }
 
-/// The views of one file, and the masks it names in vain.
+/// The views of one file, and the masks it names that do not exist.
 struct FileViews {
   std::vector<SceneView> views;
   std::vector<std::string> missing_masks;
@@ -36,8 +37,8 @@ SceneView ReadView(const TransformsFrame& frame, const std::string& written, con
   const fs::path extension = image_path.extension();
   const bool appended = !image_path.empty() && image_path.filename() != fs::path(written).filename();
   view.name = ViewName(appended ? written + extension.string() : written);
-  if (image_path.empty()) return view;  // left out: its lens and pose matter to nobody
-  view.lens = ReadTransformsLens(frame, image_path);
+  if (image_path.empty()) return view;  // left out, so its camera is not read
+  view.intrinsics = ReadTransformsIntrinsics(frame, image_path);
   view.cam_from_world = ReadTransformsPose(frame);
   return view;
 }

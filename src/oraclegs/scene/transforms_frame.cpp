@@ -4,13 +4,14 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <string_view>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/image.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -45,11 +46,11 @@ std::optional<int> FindSide(const TransformsFrame& frame, const char* key) {
   return static_cast<int>(std::round(*side));
 }
 
-void ReadSize(const TransformsFrame& frame, const std::filesystem::path& image_path, Intrinsics* lens) {
+void ReadSize(const TransformsFrame& frame, const std::filesystem::path& image_path, Intrinsics* intrinsics) {
   const auto width = FindSide(frame, "w"), height = FindSide(frame, "h");
-  if (!width || !height) ReadImageSize(image_path, &lens->width, &lens->height);
-  if (width) lens->width = *width;
-  if (height) lens->height = *height;
+  if (!width || !height) ReadImageSize(image_path, &intrinsics->width, &intrinsics->height);
+  if (width) intrinsics->width = *width;
+  if (height) intrinsics->height = *height;
 }
 
 /// The focal length that `object` itself gives for an axis of `side` pixels.
@@ -65,10 +66,10 @@ std::optional<double> FocalIn(const json& object, const char* focal_key, const c
 }
 
 /// fx and fy from the frame if it says anything about focal lengths, else from the file; one missing equals the other.
-std::pair<double, double> ReadFocals(const TransformsFrame& frame, const Intrinsics& lens) {
+std::pair<double, double> ReadFocals(const TransformsFrame& frame, const Intrinsics& intrinsics) {
   for (const json* object : {&frame.frame, &frame.file}) {
-    const auto fx = FocalIn(*object, "fl_x", "camera_angle_x", lens.width, frame.place);
-    const auto fy = FocalIn(*object, "fl_y", "camera_angle_y", lens.height, frame.place);
+    const auto fx = FocalIn(*object, "fl_x", "camera_angle_x", intrinsics.width, frame.place);
+    const auto fy = FocalIn(*object, "fl_y", "camera_angle_y", intrinsics.height, frame.place);
     if (!fx && !fy) continue;
     return {fx ? *fx : *fy, fy ? *fy : *fx};
   }
@@ -84,8 +85,7 @@ bool IsFisheye(const TransformsFrame& frame) {
     const json* flag = frame.Find("is_fisheye");  // instant-ngp's way to say it
     return flag && flag->is_boolean() && flag->get<bool>();
   }
-  throw InputError("{}: camera_model '{}' is not supported; undistort the photographs to PINHOLE first", frame.place,
-                   model);
+  throw InputError("{}: camera_model '{}' is not supported; undistort the photos to PINHOLE first", frame.place, model);
 }
 
 /// What R R' or the determinant says is wrong with a matrix that is not a rotation.
@@ -178,33 +178,34 @@ std::optional<std::string> TransformsFrame::FindText(const char* key) const {
   return value->get<std::string>();
 }
 
-Intrinsics ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path) {
-  Intrinsics lens;
-  ReadSize(frame, image_path, &lens);
-  const auto [fx, fy] = ReadFocals(frame, lens);
-  const double cx = frame.FindNumber("cx").value_or(lens.width / 2.0);
-  const double cy = frame.FindNumber("cy").value_or(lens.height / 2.0);
+Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::filesystem::path& image_path) {
+  Intrinsics intrinsics;
+  ReadSize(frame, image_path, &intrinsics);
+  const auto [fx, fy] = ReadFocals(frame, intrinsics);
+  const double cx = frame.FindNumber("cx").value_or(intrinsics.width / 2.0);
+  const double cy = frame.FindNumber("cy").value_or(intrinsics.height / 2.0);
   const auto coefficient = [&](const char* key) { return frame.FindNumber(key).value_or(0); };
   const double k1 = coefficient("k1"), k2 = coefficient("k2"), k3 = coefficient("k3"), k4 = coefficient("k4");
   const double p1 = coefficient("p1"), p2 = coefficient("p2");
 
   if (IsFisheye(frame)) {
-    lens.model = CameraModel::kOpenCvFisheye;
-    lens.params = {fx, fy, cx, cy, k1, k2, k3, k4};
+    intrinsics.model = CameraModel::kOpenCvFisheye;
+    intrinsics.params = {fx, fy, cx, cy, k1, k2, k3, k4};
   } else if (k4 != 0) {
-    throw InputError("{}: \"k4\" of a lens that is not OPENCV_FISHEYE cannot be undistorted; set it to 0", frame.place);
+    throw InputError("{}: \"k4\" of a camera that is not OPENCV_FISHEYE cannot be undistorted; set it to 0",
+                     frame.place);
   } else if (k3 != 0) {
-    lens.model = CameraModel::kFullOpenCv;
-    lens.params = {fx, fy, cx, cy, k1, k2, p1, p2, k3, 0, 0, 0};
+    intrinsics.model = CameraModel::kFullOpenCv;
+    intrinsics.params = {fx, fy, cx, cy, k1, k2, p1, p2, k3, 0, 0, 0};
   } else if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
-    lens.model = CameraModel::kOpenCv;
-    lens.params = {fx, fy, cx, cy, k1, k2, p1, p2};
+    intrinsics.model = CameraModel::kOpenCv;
+    intrinsics.params = {fx, fy, cx, cy, k1, k2, p1, p2};
   } else {
-    lens.model = CameraModel::kPinhole;
-    lens.params = {fx, fy, cx, cy};
+    intrinsics.model = CameraModel::kPinhole;
+    intrinsics.params = {fx, fy, cx, cy};
   }
-  lens.Check(frame.place);
-  return lens;
+  intrinsics.Check(frame.place);
+  return intrinsics;
 }
 
 Eigen::Isometry3d ReadTransformsPose(const TransformsFrame& frame) {

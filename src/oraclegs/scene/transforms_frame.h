@@ -1,8 +1,8 @@
 #pragma once
-// One frame of a transforms.json: its lens and its pose.
+// One frame of a transforms.json: its intrinsics and its pose.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -36,11 +36,11 @@ struct NamedTransformsFrame {
 NamedTransformsFrame NamedFrame(const nlohmann::json& file, const nlohmann::json& entry,
                                 const std::filesystem::path& path, int index);
 
-/// The picture that file_path means: as written or with an extension appended; empty when there is none.
+/// The image that file_path means: as written or with an extension appended; empty when there is none.
 std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const std::string& file_path);
 
-/// The lens; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
-Intrinsics ReadTransformsLens(const TransformsFrame& frame, const std::filesystem::path& image_path);
+/// The intrinsics; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
+Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::filesystem::path& image_path);
 
 /// transform_matrix (3x4 or 4x4, camera to world, OpenGL axes) as a pose. Throws InputError when it is not finite, not
 /// a rotation (a scale, a mirror), or of another shape.

@@ -1,0 +1,146 @@
+#include "oraclegs/scene/read_colmap.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/scene/colmap_binary.h"
+#include "oraclegs/scene/colmap_text.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// dir/STEM.bin, or dir/STEM.txt, or empty.
+fs::path FindPart(const fs::path& dir, const char* stem) {
+  for (const char* extension : {".bin", ".txt"}) {
+    const fs::path path = dir / (std::string(stem) + extension);
+    if (IsFile(path)) return path;
+  }
+  return {};
+}
+
+fs::path RequirePart(const fs::path& dir, const char* stem) {
+  fs::path path = FindPart(dir, stem);
+  if (path.empty()) {
+    throw InputError("{}: has neither {}.bin nor {}.txt; a COLMAP model needs cameras, images and points3D",
+                     dir.string(), stem, stem);
+  }
+  return path;
+}
+
+/// Parses a part with the parser of its encoding.
+template <class Binary, class Text>
+auto ParsePart(const fs::path& path, Binary binary, Text text) {
+  const std::string bytes = ReadFile(path);
+  return path.extension() == ".bin" ? binary(bytes, path.string()) : text(bytes, path.string());
+}
+
+std::vector<SceneView> MakeViews(const fs::path& model_dir, const fs::path& image_dir,
+                                 const std::vector<ColmapImage>& images) {
+  const fs::path cameras_path = RequirePart(model_dir, "cameras");
+  const ColmapCameras cameras = ReadColmapCameras(model_dir);
+  std::vector<SceneView> views;
+  views.reserve(images.size());
+  for (const ColmapImage& image : images) {
+    const auto camera = cameras.find(image.camera_id);
+    if (camera == cameras.end()) {
+      throw InputError("{}: lacks camera {}, which image '{}' was taken with; the files belong to different models",
+                       cameras_path.string(), image.camera_id, image.name);
+    }
+    SceneView view;
+    view.name = ViewName(image.name);
+    view.intrinsics = camera->second;
+    view.cam_from_world = image.cam_from_world;
+    view.as_stored = true;  // colmap ignores the EXIF orientation
+    if (IsFile(image_dir / image.name)) view.image_path = image_dir / image.name;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+/// Image ids as indices of scene.views; images that were left out have none.
+std::unordered_map<uint32_t, int> ViewOfImage(const Scene& scene, const std::vector<ColmapImage>& images,
+                                              const std::string& source) {
+  std::unordered_map<std::string, int> view_of_name;
+  for (size_t i = 0; i < scene.views.size(); ++i) view_of_name[scene.views[i].name] = static_cast<int>(i);
+  std::unordered_map<uint32_t, int> view_of_image;
+  for (const ColmapImage& image : images) {
+    const auto view = view_of_name.find(ViewName(image.name));
+    const int index = view == view_of_name.end() ? -1 : view->second;
+    if (!view_of_image.emplace(image.id, index).second) {
+      throw InputError("{}: image id {} is there twice", source, image.id);
+    }
+  }
+  return view_of_image;
+}
+
+std::vector<ScenePoint> MakePoints(const std::vector<ColmapPoint>& points,
+                                   const std::unordered_map<uint32_t, int>& view_of_image) {
+  std::vector<ScenePoint> kept;
+  kept.reserve(points.size());
+  for (const ColmapPoint& point : points) {
+    if (!point.xyz.allFinite()) continue;
+    ScenePoint made;
+    made.xyz = point.xyz;
+    made.rgb = point.rgb;
+    for (const uint32_t id : point.image_ids) {
+      const auto view = view_of_image.find(id);
+      if (view != view_of_image.end() && view->second >= 0) made.views.push_back(view->second);
+    }
+    if (made.views.empty()) continue;
+    std::sort(made.views.begin(), made.views.end());
+    made.views.erase(std::unique(made.views.begin(), made.views.end()), made.views.end());
+    kept.push_back(std::move(made));
+  }
+  return kept;
+}
+
+}  // namespace
+
+bool IsColmapModel(const fs::path& dir) {
+  return !FindPart(dir, "cameras").empty() && !FindPart(dir, "images").empty();
+}
+
+ColmapCameras ReadColmapCameras(const fs::path& model_dir) {
+  return ParsePart(RequirePart(model_dir, "cameras"), ParseCamerasBinary, ParseCamerasText);
+}
+
+std::vector<ColmapPoint> ReadColmapPoints(const fs::path& model_dir) {
+  const fs::path path = FindPart(model_dir, "points3D");
+  if (path.empty()) return {};
+  return ParsePart(path, ParsePointsBinary, ParsePointsText);
+}
+
+std::vector<ColmapImage> ReadColmapImages(const fs::path& model_dir) {
+  const fs::path path = RequirePart(model_dir, "images");
+  std::vector<ColmapImage> images = ParsePart(path, ParseImagesBinary, ParseImagesText);
+  for (const ColmapImage& image : images) {
+    if (ViewName(image.name).empty()) throw InputError("{}: image {} has no name", path.string(), image.id);
+  }
+  return images;
+}
+
+Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, const Listener& listener) {
+  Scene scene;
+  scene.root = model_dir;
+  scene.format = SceneFormat::kColmap;
+  const std::vector<ColmapImage> images = ReadColmapImages(model_dir);
+  const std::string source = model_dir.string();
+  KeepViewsWithImages(MakeViews(model_dir, image_dir, images), source, image_dir.string(), listener, &scene);
+  if (FindPart(model_dir, "points3D").empty()) {
+    listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", source)});
+  }
+  const std::vector<ColmapPoint> points = ReadColmapPoints(model_dir);
+  scene.points = MakePoints(points, ViewOfImage(scene, images, source));
+  const size_t dropped = points.size() - scene.points.size();
+  if (dropped > 0) {
+    listener(Warning{fmt::format("{}: {} of {} points are left out: not finite, or seen by no photo that is here",
+                                 source, dropped, points.size())});
+  }
+  return scene;
+}
+
+}  // namespace oraclegs
