@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::align_val_t kAlignment{64};  // a cache line, the widest vector
 
-[[noreturn]] void ThrowNoDevice(Device device) {
+[[noreturn, maybe_unused]] void ThrowNoDevice(Device device) {
   throw UsageError("this build cannot use '{}'; use --device cpu", device.Name());
 }
 
