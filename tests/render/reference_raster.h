@@ -45,19 +45,8 @@ struct ReferenceScene {
 
   ReferenceImage Render() const {
     namespace math = HWY_NAMESPACE;
-    math::SplatCamera<double> cam{};
-    const Eigen::Matrix3d r = camera.cam_from_world.linear();
+    const SplatCamera<double> cam = MakeSplatCamera<double>(camera, options);
     const Eigen::Vector3d eye = camera.Center();
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) cam.r[3 * i + j] = r(i, j);
-      cam.t[i] = camera.cam_from_world.translation()[i];
-      cam.eye[i] = eye[i];
-    }
-    cam.fx = camera.fx, cam.fy = camera.fy, cam.cx = camera.cx, cam.cy = camera.cy;
-    cam.min_u = -(camera.cx + 0.15 * camera.width) / camera.fx;
-    cam.max_u = (1.15 * camera.width - camera.cx) / camera.fx;
-    cam.min_v = -(camera.cy + 0.15 * camera.height) / camera.fy;
-    cam.max_v = (1.15 * camera.height - camera.cy) / camera.fy;
 
     struct Item {
       math::ProjectedSplat<double> p;
@@ -68,7 +57,7 @@ struct ReferenceScene {
       const double *m = &means[3 * i], *s = &log_scales[3 * i], *q = &quats[4 * i];
       const math::RawSplat<double> raw{{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, q[0], q[1], q[2], q[3],
                                        opacity_logits[i]};
-      Item item{math::Project(math::EvaluateChain(raw, cam, options.antialiased), cam), {}};
+      Item item{math::Project(math::EvaluateChain(raw, cam), cam), {}};
       if (options.opacity_factors.defined()) {
         item.p.opacity *= static_cast<double>(options.opacity_factors.data()[i]);
       }

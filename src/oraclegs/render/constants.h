@@ -1,5 +1,5 @@
 #pragma once
-// The constants of the rasteriser (docs/method.md#projection, #blending), each once. Plain floats, so that kernels of
+// The constants of the rasteriser (docs/method.md#projection, #blending), each once. Plain numbers, so that kernels of
 // every device can include this.
 
 namespace oraclegs {
@@ -11,6 +11,14 @@ inline constexpr float kAlphaMin = 1.f / 255;         // below one 8-bit step: s
 inline constexpr float kAlphaMax = 0.99f;             // the backward pass divides by 1 - alpha
 inline constexpr float kTransmittanceEnd = 1e-4f;     // what is left cannot move an 8-bit pixel
 inline constexpr float kFrustumMargin = 0.3f;         // clamp of the linearisation point, in half image widths
+
+inline constexpr float kLog2E = 1.442695040888963f;
+inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(kAlphaMin)
+inline constexpr float kLog255 = 5.541263545158426f;        // -ln(kAlphaMin)
+
+inline constexpr int kTile = 16;  // pixels a side
+inline constexpr int kTilePixels = kTile * kTile;
+inline constexpr int kMaxRenderSide = 32768;  // pixels; a tile's column and row fit 16 bits, its number 32
 
 static_assert(255 * kTransmittanceEnd < 0.5f && kAlphaMax < 1);
 

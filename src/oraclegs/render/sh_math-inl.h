@@ -9,7 +9,7 @@
 #endif
 
 #include "oraclegs/core/device_macros.h"
-#include "oraclegs/render/scalar_ops-inl.h"
+#include "oraclegs/core/simd/scalar_ops-inl.h"
 
 #if !defined(__CUDACC__)
 #include <hwy/highway.h>

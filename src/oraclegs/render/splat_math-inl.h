@@ -17,6 +17,7 @@
 #include "oraclegs/core/device_macros.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/render/sh_math-inl.h"
+#include "oraclegs/render/splat_camera.h"
 
 #if !defined(__CUDACC__)
 #include <hwy/highway.h>
@@ -25,16 +26,6 @@ namespace oraclegs::HWY_NAMESPACE {
 #else
 namespace oraclegs::cuda {
 #endif
-
-/// A pinhole camera as the kernels read it. T: float or double.
-template <class T>
-struct SplatCamera {
-  T r[9];                        ///< world-to-camera rotation, row-major
-  T t[3];                        ///< translation
-  T eye[3];                      ///< centre, -R' t
-  T fx, fy, cx, cy;              ///< pixels
-  T min_u, max_u, min_v, max_v;  ///< clamp of the linearisation point (docs/method.md#projection)
-};
 
 /// Raw parameters of one Gaussian without SH.
 template <class F>
@@ -80,7 +71,7 @@ ORACLEGS_HD inline F Sigmoid(F x) {
 }
 
 template <class F, class T>
-ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const SplatCamera<T>& camera, bool antialiased) {
+ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const SplatCamera<T>& camera) {
   SplatChain<F> c;
   const Vec3<F>& p = raw.mean;
   c.cam.x = F(camera.r[0]) * p.x + F(camera.r[1]) * p.y + F(camera.r[2]) * p.z + F(camera.t[0]);
@@ -131,7 +122,7 @@ ORACLEGS_HD inline SplatChain<F> EvaluateChain(const RawSplat<F>& raw, const Spl
   c.det = c.det0 + low * (c.a0 + c.c0) + low * low;
   c.opacity = Sigmoid(raw.logit);
   c.ratio = c.det0 / c.det;
-  c.compensation = antialiased ? Sqrt(Max(c.ratio, F(kCompensationFloor))) : F(1.f);
+  c.compensation = camera.antialiased ? Sqrt(Max(c.ratio, F(kCompensationFloor))) : F(1.f);
   return c;
 }
 
@@ -165,7 +156,7 @@ struct RawGrad {
 /// docs/method.md#gaussian-gradient: the adjoint of EvaluateChain and Project. The colour's part of d/d(mean) is added
 /// by the caller. With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
 template <class F, class T>
-ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera, bool antialiased,
+ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
                                               const ProjectedGrad<F>& g) {
   const F zero(0.f), one(1.f), two(2.f), half(0.5f);
   // [g_a, g_b/2; g_b/2, g_c] = -K G_k K
@@ -176,7 +167,7 @@ ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const Spla
   const F t10 = kb * g.conic_a + kc * hb, t11 = kb * hb + kc * g.conic_c;
   F ga = -(t00 * ka + t01 * kb), gb = F(-2.f) * (t00 * kb + t01 * kc), gc = -(t10 * kb + t11 * kc);
   F g_opacity = g.opacity;
-  if (antialiased) {
+  if (camera.antialiased) {
     g_opacity = c.compensation * g.opacity;
     const F g_ratio = Select(c.ratio > F(kCompensationFloor), c.opacity * g.opacity / (two * c.compensation), zero);
     const F k = g_ratio * F(kLowPass) * inv_det * inv_det;

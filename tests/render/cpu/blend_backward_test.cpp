@@ -18,12 +18,12 @@ class BlendTileBackward : public EveryTarget {};
 /// An image that begins in tile (1, 1) of a wider one, its upstream gradients, and the tile's list.
 struct Work {
   int width, height;
-  std::vector<cpu::Splat> splats;
+  std::vector<cpu::LineSplat> splats;
   std::vector<cpu::TileEntry> entries;
   std::vector<float> up_image, up_alpha, up_depth;
   std::array<float, 3> background{0.2f, 0.3f, 0.4f};
 
-  Work(int w, int h, std::vector<cpu::Splat> all) : width(w), height(h), splats(std::move(all)) {
+  Work(int w, int h, std::vector<cpu::LineSplat> all) : width(w), height(h), splats(std::move(all)) {
     Rng rng(1, RandomStream::kInitialPoints);
     for (uint32_t i = 0; i < splats.size(); ++i) {  // records in another order than the list
       entries.push_back({i, 0xffff, static_cast<uint32_t>(splats.size()) - 1 - i});
@@ -36,7 +36,7 @@ struct Work {
 
   /// Records of the list, entry by entry; those not written are not a number.
   std::vector<std::array<float, 12>> Run() const {
-    const int tiles_x = (width + cpu::kTile - 1) / cpu::kTile;
+    const int tiles_x = (width + kTile - 1) / kTile;
     std::vector<float> image(3 * width * height), alpha(width * height), inv_depth(width * height);
     std::vector<float> transmittance(256 * (tiles_x + 2));
     std::vector<uint32_t> end(256 * (tiles_x + 2));
@@ -71,7 +71,7 @@ struct Work {
     double t = 1;
     for (size_t i = 0; i < entries.size(); ++i) {
       if (!(entries[i].mask >> (y % 16 / 4 * 4 + x % 16 / 4) & 1)) continue;
-      const cpu::Splat& s = splats[entries[i].id];
+      const cpu::LineSplat& s = splats[entries[i].id];
       const double raw = AlphaAt(s, x + 0.5, y + 0.5), a = std::min(raw, 0.99);
       if (a < 1.0 / 255) continue;
       if (t * (1 - a) < 1e-4) break;
@@ -119,7 +119,7 @@ TEST_P(BlendTileBackward, RecordsAreTheMomentsOfTheFormula) {
 TEST_P(BlendTileBackward, LongListsCrossChunksAndSegments) {
   Rng rng(8, RandomStream::kInitialPoints);
   for (const bool opaque : {false, true}) {  // pixels that close early, and pixels that never do
-    std::vector<cpu::Splat> splats;
+    std::vector<cpu::LineSplat> splats;
     for (int i = 0; i < 700; ++i) {
       const double cov[3] = {rng.Uniform(1, 30), 0, rng.Uniform(1, 30)};
       splats.push_back(MakeSplat(rng.Uniform(14, 34), rng.Uniform(14, 34), cov,
@@ -134,12 +134,12 @@ TEST_P(BlendTileBackward, LongListsCrossChunksAndSegments) {
 TEST_P(BlendTileBackward, PixelsOutsideOfTheImageTakeNoPart) {
   // The image ends inside a block: what the list would leave of the light beyond is less than a float can hold.
   const double cov[3] = {1, 0, 1};
-  Work(29, 30, std::vector<cpu::Splat>(60, MakeSplat(31.5, 18.5, cov, 0.999))).Check(0);
+  Work(29, 30, std::vector<cpu::LineSplat>(60, MakeSplat(31.5, 18.5, cov, 0.999))).Check(0);
 }
 
 TEST_P(BlendTileBackward, TheCapStopsTheFalloffButNotTheColour) {
   const double wide[3] = {1e8, 0, 1e8};
-  const std::vector<cpu::Splat> splats = {MakeSplat(8, 8, wide, 0.999)};
+  const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.999)};
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}};
   std::vector<float> image(3 * 256), alpha(256), inv_depth(256), transmittance(256), up(3 * 256, 1.f);
   std::vector<uint32_t> end(256);

@@ -26,7 +26,7 @@ class BlendTile : public EveryTarget {};
 
 TEST_P(BlendTile, TwoLayersBlendNearToFar) {
   const double wide[3] = {1e8, 0, 1e8};  // flat over the tile
-  const std::vector<cpu::Splat> splats = {MakeSplat(8, 8, wide, 0.5, 2), MakeSplat(8, 8, wide, 0.25, 4)};
+  const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.5, 2), MakeSplat(8, 8, wide, 0.25, 4)};
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}};
   OneTile tile(16, 16);
   cpu::BlendTile({splats.data(), entries.data(), 2, 0, 0, 0, 0}, tile.planes());
@@ -42,7 +42,7 @@ TEST_P(BlendTile, TwoLayersBlendNearToFar) {
 TEST_P(BlendTile, StopsBeforeTheSplatThatWouldEndIt) {
   // 0.99 twice leaves less than 1e-4 in float32: the second one contributes nothing (docs/method.md#blending).
   const double wide[3] = {1e8, 0, 1e8};
-  const std::vector<cpu::Splat> splats(3, MakeSplat(8, 8, wide, 0.999));
+  const std::vector<cpu::LineSplat> splats(3, MakeSplat(8, 8, wide, 0.999));
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}, {2, 0xffff, 2}};
   OneTile tile(16, 16);
   cpu::BlendTile({splats.data(), entries.data(), 3, 0, 0, 0, 0}, tile.planes());
@@ -53,7 +53,7 @@ TEST_P(BlendTile, StopsBeforeTheSplatThatWouldEndIt) {
 TEST_P(BlendTile, LongListsCrossSegments) {
   const double wide[3] = {1e8, 0, 1e8};
   const int n = 1000;
-  const std::vector<cpu::Splat> splats(n, MakeSplat(8, 8, wide, 0.005));
+  const std::vector<cpu::LineSplat> splats(n, MakeSplat(8, 8, wide, 0.005));
   std::vector<cpu::TileEntry> entries;
   for (uint32_t i = 0; i < n; ++i) entries.push_back({i, 0xffff, i});
   OneTile tile(16, 16);
@@ -63,7 +63,7 @@ TEST_P(BlendTile, LongListsCrossSegments) {
 
 TEST_P(BlendTile, WritesOnlyPixelsOfTheImageAndBlocksOfTheMask) {
   const double wide[3] = {1e8, 0, 1e8};
-  const std::vector<cpu::Splat> splats = {MakeSplat(8, 8, wide, 0.5)};
+  const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.5)};
   const std::vector<cpu::TileEntry> entries = {{0, 1u << 5, 0}};  // block (1, 1)
   OneTile tile(7, 6);
   cpu::BlendTile({splats.data(), entries.data(), 1, 0, 0, 0, 0}, tile.planes());

@@ -15,11 +15,11 @@ TEST_P(CoverTiles, MasksHoldEveryReachedBlockAndHardlyAnyOther) {
   Rng rng(3, RandomStream::kInitialPoints);
   int64_t reached = 0, listed = 0;
   for (int i = 0; i < 400; ++i) {
-    const cpu::Splat s = RandomSplat(&rng, kTilesX * cpu::kTile, kTilesY * cpu::kTile);
+    const cpu::LineSplat s = RandomSplat(&rng, kTilesX * kTile, kTilesY * kTile);
     uint32_t tiles[kTilesX * kTilesY + 1], blocks[kTilesX * kTilesY + 1], masks[kTilesX * kTilesY] = {};
     cpu::PairRange range;
-    const cpu::TileRect everywhere{0, 0, kTilesX, kTilesY};
-    const uint32_t n = cpu::CoverTiles(&s, &everywhere, 0, 1, kTilesX, 0, {tiles, blocks, &range});
+    const TileRect everywhere{0, 0, kTilesX, kTilesY};
+    const uint32_t n = cpu::CoverTiles({&s, &everywhere, kTilesX}, 0, 1, 0, {tiles, blocks, &range});
     EXPECT_EQ(range.begin, 0u);
     EXPECT_EQ(range.count, n);
     for (uint32_t j = 0; j < n; ++j) {
@@ -28,7 +28,7 @@ TEST_P(CoverTiles, MasksHoldEveryReachedBlockAndHardlyAnyOther) {
     }
     for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
       for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-        const int x0 = tile % kTilesX * cpu::kTile + block % 4 * 4, y0 = tile / kTilesX * cpu::kTile + block / 4 * 4;
+        const int x0 = tile % kTilesX * kTile + block % 4 * 4, y0 = tile / kTilesX * kTile + block / 4 * 4;
         double best = 0;  // over the block's pixel centres and the points between them
         for (double y = 0.5; y <= 3.5; y += 0.25) {
           for (double x = 0.5; x <= 3.5; x += 0.25) best = std::max(best, AlphaAt(s, x0 + x, y0 + y));

@@ -3,39 +3,13 @@
 #include <vector>
 
 #include "oraclegs/render/constants.h"
+#include "oraclegs/render/render_inputs.h"
 #include "render/cpu/every_target.h"
 #include "render/cpu/splats.h"
 #include "render/golden_scene.h"
 
 namespace oraclegs {
 namespace {
-
-cpu::ProjectInput MakeInput(const GoldenScene& scene) {
-  cpu::ProjectInput in{};
-  in.means = scene.gaussians.means.data();
-  in.log_scales = scene.gaussians.log_scales.data();
-  in.quats = scene.gaussians.quats.data();
-  in.opacity_logits = scene.gaussians.opacity_logits.data();
-  in.sh = scene.gaussians.sh.data();
-  const Camera& c = scene.camera;
-  const Eigen::Vector3d eye = c.Center();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) in.r[3 * i + j] = static_cast<float>(c.cam_from_world.linear()(i, j));
-    in.t[i] = static_cast<float>(c.cam_from_world.translation()[i]);
-    in.eye[i] = static_cast<float>(eye[i]);
-  }
-  in.fx = static_cast<float>(c.fx), in.fy = static_cast<float>(c.fy);
-  in.cx = static_cast<float>(c.cx), in.cy = static_cast<float>(c.cy);
-  in.min_u = static_cast<float>(-(c.cx + 0.15 * c.width) / c.fx);
-  in.max_u = static_cast<float>((1.15 * c.width - c.cx) / c.fx);
-  in.min_v = static_cast<float>(-(c.cy + 0.15 * c.height) / c.fy);
-  in.max_v = static_cast<float>((1.15 * c.height - c.cy) / c.fy);
-  in.width = c.width, in.height = c.height;
-  in.tiles_x = (c.width + cpu::kTile - 1) / cpu::kTile, in.tiles_y = (c.height + cpu::kTile - 1) / cpu::kTile;
-  in.sh_degree = scene.options.sh_degree;
-  in.antialiased = scene.options.antialiased;
-  return in;
-}
 
 class ProjectSplats : public EveryTarget {};
 
@@ -44,9 +18,10 @@ TEST_P(ProjectSplats, IntermediateQuantitiesMatchTheFixture) {
     GoldenScene scene;
     scene.Select(variant);
     const int64_t n = scene.gaussians.size();
-    const cpu::ProjectInput in = MakeInput(scene);
-    std::vector<cpu::Splat> splats(n);
-    std::vector<cpu::TileRect> rects(n);
+    const cpu::ProjectInput in{MakeSplatCamera<float>(scene.camera, scene.options),
+                               ForwardParameters(scene.gaussians, scene.camera, scene.options, kCpu)};
+    std::vector<cpu::LineSplat> splats(n);
+    std::vector<TileRect> rects(n);
     // In uneven pieces: a piece's last vector is only partly filled.
     for (int64_t begin = 0; begin < n; begin += 37) {
       cpu::ProjectSplats(in, begin, std::min(n, begin + 37), splats.data(), rects.data());
@@ -62,7 +37,7 @@ TEST_P(ProjectSplats, IntermediateQuantitiesMatchTheFixture) {
         continue;
       }
       EXPECT_GT(depths[i], kNearPlane) << i;
-      const cpu::Splat& s = splats[i];
+      const cpu::LineSplat& s = splats[i];
       EXPECT_NEAR(s.mx, means[2 * i], 1e-4 * std::max(1.0, std::abs(means[2 * i])));
       EXPECT_NEAR(s.my, means[2 * i + 1], 1e-4 * std::max(1.0, std::abs(means[2 * i + 1])));
       EXPECT_NEAR(s.depth, depths[i], 1e-5 * depths[i]);

@@ -9,9 +9,9 @@
 namespace oraclegs {
 
 /// A splat of covariance [xx xy; xy yy] px^2 around (mx, my).
-inline cpu::Splat MakeSplat(double mx, double my, const double (&cov)[3], double opacity, double depth = 1) {
+inline cpu::LineSplat MakeSplat(double mx, double my, const double (&cov)[3], double opacity, double depth = 1) {
   const double det = cov[0] * cov[2] - cov[1] * cov[1], log2e = 1.442695040888963;
-  cpu::Splat s{};
+  cpu::LineSplat s{};
   s.mx = static_cast<float>(mx), s.my = static_cast<float>(my);
   s.ax = static_cast<float>(std::sqrt(0.5 * log2e / cov[0]));
   s.by = static_cast<float>(std::sqrt(0.5 * log2e * cov[0] / det));
@@ -24,7 +24,7 @@ inline cpu::Splat MakeSplat(double mx, double my, const double (&cov)[3], double
 }
 
 /// A random ellipse, from dots to needles, centred in or around an image of this size.
-inline cpu::Splat RandomSplat(Rng* rng, double width, double height) {
+inline cpu::LineSplat RandomSplat(Rng* rng, double width, double height) {
   const double angle = rng->Uniform(0, 3.14159), c = std::cos(angle), s = std::sin(angle);
   const double a = std::exp(rng->Uniform(-1, 7)), b = std::exp(rng->Uniform(-1, 4));
   const double cov[3] = {a * c * c + b * s * s + 0.3, (a - b) * c * s, a * s * s + b * c * c + 0.3};
@@ -33,7 +33,7 @@ inline cpu::Splat RandomSplat(Rng* rng, double width, double height) {
 }
 
 /// alpha of a splat at a pixel centre, in double, before cap and threshold.
-inline double AlphaAt(const cpu::Splat& s, double x, double y) {
+inline double AlphaAt(const cpu::LineSplat& s, double x, double y) {
   const double dx = x - s.mx, p = s.ax * dx, q = s.by * (y - s.my + s.slope * dx);
   return std::exp2(s.log2_opacity - p * p - q * q);
 }

@@ -15,8 +15,8 @@ namespace {
 constexpr int kTilesX = 6, kTilesY = 5;
 
 struct Input {
-  std::vector<cpu::Splat> splats;
-  std::vector<cpu::TileRect> rects;
+  std::vector<cpu::LineSplat> splats;
+  std::vector<TileRect> rects;
 };
 
 /// Many share a depth; a third is not visible.
@@ -24,10 +24,10 @@ Input MakeInput(int64_t n) {
   Rng rng(5, RandomStream::kInitialPoints);
   Input in;
   for (int64_t i = 0; i < n; ++i) {
-    cpu::Splat s = RandomSplat(&rng, kTilesX * cpu::kTile, kTilesY * cpu::kTile);
+    cpu::LineSplat s = RandomSplat(&rng, kTilesX * kTile, kTilesY * kTile);
     s.depth = std::round(s.depth * 20) / 20 + 0.25f;
     in.splats.push_back(s);
-    in.rects.push_back(i % 3 == 0 ? cpu::TileRect{} : cpu::TileRect{0, 0, kTilesX, kTilesY});
+    in.rects.push_back(i % 3 == 0 ? TileRect{} : TileRect{0, 0, kTilesX, kTilesY});
   }
   return in;
 }

@@ -92,9 +92,10 @@ void TurnAway(RenderTask* task) { Table(task->gaussians.means).col(2) *= -1; }
 void TurnHalfAway(RenderTask* task) { Table(task->gaussians.means.Rows(0, task->gaussians.size() / 2)).col(2) *= -1; }
 void AtThresholds(RenderTask* task) {
   float* logits = task->gaussians.opacity_logits.data();
-  const double at[] = {1.0 / 255, 0.9 / 255, 1.1 / 255, 0.98, 0.995, 0.9999, 1e-6};
+  // As near to 1/255 as exponentials that differ in their last bits allow: all devices must see the same Gaussians.
+  const double at[] = {1.00001 / 255, 0.99999 / 255, 0.9 / 255, 1.1 / 255, 0.98, 0.995, 0.9999, 1e-6};
   for (int64_t i = 0; i < task->gaussians.size(); ++i) {
-    const double o = at[i % 7];
+    const double o = at[i % 8];
     logits[i] = static_cast<float>(std::log(o / (1 - o)));
   }
 }

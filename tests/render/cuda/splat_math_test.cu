@@ -21,7 +21,8 @@ constexpr int kValues = 9 + 11 + 16 + 3;  // projection, gradient, SH basis, SH 
 /// Everything the header computes for one Gaussian, as one row.
 template <class F>
 ORACLEGS_HD void Evaluate(const float* in, bool antialiased, F* out) {
-  cuda::SplatCamera<F> camera{};
+  SplatCamera<F> camera{};
+  camera.antialiased = antialiased;
   camera.r[0] = camera.r[4] = camera.r[8] = F(1);
   camera.t[2] = F(0.5);
   camera.eye[2] = F(-0.5);
@@ -34,10 +35,10 @@ ORACLEGS_HD void Evaluate(const float* in, bool antialiased, F* out) {
                               F(in[8]),
                               F(in[9]),
                               F(in[10])};
-  const auto chain = cuda::EvaluateChain(raw, camera, antialiased);
+  const auto chain = cuda::EvaluateChain(raw, camera);
   const auto p = cuda::Project(chain, camera);
   const cuda::ProjectedGrad<F> up{F(0.3), F(-0.2), F(0.7), F(0.1), F(-0.4), F(0.9), F(0.5)};
-  const auto g = cuda::ProjectBackward(chain, camera, antialiased, up);
+  const auto g = cuda::ProjectBackward(chain, camera, up);
   const F projected[9] = {p.mx, p.my, p.z, p.conic_a, p.conic_b, p.conic_c, p.cov_a, p.cov_c, p.opacity};
   const F grad[11] = {g.mean.x, g.mean.y, g.mean.z, g.log_scale.x, g.log_scale.y, g.log_scale.z,
                       g.qw,     g.qx,     g.qy,     g.qz,          g.logit};

@@ -47,28 +47,50 @@ struct HWY_ALIGN Chunk {
   float g[4][16];           ///< upstream gradients times the T at its near end
 };
 
-/// Sweep 1 over positions[0, count), steps `first` to first + count. Returns in `t` what the chunk lets through.
+/// A number for each pixel of a block.
+struct BlockVector {
+  FloatVec v[kVecs];
+};
+
+/// A block, and for each of its pixels the step from which on it takes no part.
+struct OpenPixels {
+  int block;
+  const IntVec* end;
+};
+
+/// Neighbouring steps of a block's list.
+struct Steps {
+  int first, count;
+};
+
+/// Rows [begin, end) of a chunk.
+struct ChunkRows {
+  int begin, end;
+};
+
+/// Sweep 1 over positions[0, steps.count). Returns the share of the light that passes the chunk.
 template <bool kAllSeen>
-HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, int first, int count,
-                               int block, const IntVec* end, Chunk* chunk, FloatVec* t) {
+HWY_INLINE BlockVector SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, const Steps& steps,
+                                      const OpenPixels& pixels, Chunk* chunk) {
   const FloatTag d;
   FloatVec x[kVecs], y[kVecs];
+  BlockVector t;
   for (int v = 0; v < kVecs; ++v) {
-    x[v] = hn::Load(d, kBlockCenters.x[block] + v * kLanes);
-    y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
-    t[v] = hn::Set(d, 1.f);
+    x[v] = hn::Load(d, kBlockCenters.x[pixels.block] + v * kLanes);
+    y[v] = hn::Load(d, kBlockCenters.y[pixels.block] + v * kLanes);
+    t.v[v] = hn::Set(d, 1.f);
   }
-  // In short turns, as in forward: the chain to alpha is long, the one from T to T must not wait behind it.
+  // A few steps at a time, as in forward: the chain to alpha is long, the one from T to T must not wait for it.
   constexpr int kSteps = 8;
-  for (int start = 0; start < count; start += kSteps) {
-    const int stop = std::min(start + kSteps, count);
+  for (int start = 0; start < steps.count; start += kSteps) {
+    const int stop = std::min(start + kSteps, steps.count);
     for (int j = start; j < stop; ++j) {
       for (int v = 0; v < kVecs; ++v) {
         FloatVec alpha;
         if constexpr (kAllSeen) {
           alpha = segment.Alpha(positions[j], x[v], y[v]);
         } else {
-          const FloatMask before_end = hn::RebindMask(d, hn::Gt(end[v], hn::Set(IntTag(), first + j)));
+          const FloatMask before_end = hn::RebindMask(d, hn::Gt(pixels.end[v], hn::Set(IntTag(), steps.first + j)));
           alpha = segment.AlphaWhere(before_end, positions[j], x[v], y[v]);
         }
         hn::Store(alpha, d, chunk->alpha[j] + v * kLanes);
@@ -77,23 +99,24 @@ HWY_INLINE void SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRI
     for (int j = start; j < stop; ++j) {
       for (int v = 0; v < kVecs; ++v) {
         const FloatVec alpha = hn::Load(d, chunk->alpha[j] + v * kLanes);
-        hn::Store(hn::Mul(alpha, t[v]), d, chunk->weight[j] + v * kLanes);
-        t[v] = hn::NegMulAdd(alpha, t[v], t[v]);
+        hn::Store(hn::Mul(alpha, t.v[v]), d, chunk->weight[j] + v * kLanes);
+        t.v[v] = hn::NegMulAdd(alpha, t.v[v], t.v[v]);
       }
     }
   }
+  return t;
 }
 
-/// Sweep 2 over rows [begin, end). `behind` is s times the T at the chunk's near end.
+/// Sweep 2. `behind` is s times the T at the chunk's near end.
 template <bool kDepth>
-HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRICT positions, int begin, int end,
+HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRICT positions, const ChunkRows& rows,
                                Chunk* chunk, FloatVec* behind) {
   const FloatTag d;
   FloatVec g[4][kVecs];
   for (int c = 0; c < 3 + kDepth; ++c) {
     for (int v = 0; v < kVecs; ++v) g[c][v] = hn::Load(d, chunk->g[c] + v * kLanes);
   }
-  for (int j = end - 1; j >= begin; --j) {
+  for (int j = rows.end - 1; j >= rows.begin; --j) {
     const int i = positions[j];
     for (int v = 0; v < kVecs; ++v) {
       const FloatVec alpha = hn::Load(d, chunk->alpha[j] + v * kLanes);
@@ -172,17 +195,17 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, const BlockMiddle& mi
   moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
 }
 
-/// Sweep 3 over rows [begin, end), at most kLanes: adds to the records of their positions.
+/// Sweep 3 over at most kLanes rows: adds to the records of their positions.
 template <bool kDepth>
-HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, int begin, int end,
+HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, const ChunkRows& rows,
                              const BlockMiddle& middle, float* HWY_RESTRICT records) {
   const FloatTag d;
   constexpr int kTiles = (12 + kLanes - 1) / kLanes;
   FloatVec columns[cpu::kGradStride], pixel[16];
   for (FloatVec& c : columns) c = hn::Zero(d);
-  LoadPixelColumns(chunk.alpha + begin, pixel);
+  LoadPixelColumns(chunk.alpha + rows.begin, pixel);
   SumMoments(pixel, middle, columns);
-  LoadPixelColumns(chunk.weight + begin, pixel);
+  LoadPixelColumns(chunk.weight + rows.begin, pixel);
   for (int c = 0; c < 3 + kDepth; ++c) {
     FloatVec sum = hn::Mul(pixel[0], hn::Set(d, chunk.g[c][0]));
     for (int p = 1; p < 16; ++p) sum = hn::MulAdd(pixel[p], hn::Set(d, chunk.g[c][p]), sum);
@@ -190,8 +213,8 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
   }
   for (int tile = 0; tile < kTiles; ++tile) {
     Transpose(columns + tile * kLanes);
-    for (int lane = 0; lane < end - begin; ++lane) {
-      float* to = records + positions[begin + lane] * cpu::kGradStride + tile * kLanes;
+    for (int lane = 0; lane < rows.end - rows.begin; ++lane) {
+      float* to = records + positions[rows.begin + lane] * cpu::kGradStride + tile * kLanes;
       hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
     }
   }
@@ -200,42 +223,42 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
 /// The segment's part of one block's list; `first`: Segment::FirstStep; `records`: of the segment's first entry.
 /// Returns how many it visited.
 template <bool kDepth>
-HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state, Chunk* chunk,
+HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, BlockAdjoint* state,
                              float* HWY_RESTRICT records) {
   const FloatTag d;
   const IntTag di;
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
   IntVec end[kVecs];
-  FloatVec t[kVecs], behind[kVecs], through[kVecs];
+  FloatVec t[kVecs], behind[kVecs];
+  Chunk chunk;
   for (int v = 0; v < kVecs; ++v) {
     end[v] = hn::Sub(hn::Load(di, state->end + v * kLanes), hn::Set(di, first));
     t[v] = hn::Load(d, state->t + v * kLanes);
     behind[v] = hn::Load(d, state->behind + v * kLanes);
   }
   const int count = std::min(segment.counts[block], state->farthest - first);
-  const BlockMiddle middle{static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2),
-                           static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - cpu::kTile / 2)};
+  const BlockMiddle middle{static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - kTile / 2),
+                           static_cast<float>(block / 4 * cpu::kBlock + cpu::kBlock / 2 - kTile / 2)};
   for (int stop = count; stop > 0;) {
     // The chunks near the eye are full; a ragged one costs nothing but its own vector.
     const int start = (stop - 1) / Chunk::kSize * Chunk::kSize;
     const int32_t* chunk_positions = positions + start;
     const int n = stop - start;
-    if (stop <= state->nearest - first) {
-      SweepNearToFar<true>(segment, chunk_positions, start, n, block, end, chunk, through);
-    } else {
-      SweepNearToFar<false>(segment, chunk_positions, start, n, block, end, chunk, through);
-    }
+    const OpenPixels pixels{block, end};
+    const BlockVector passed = stop <= state->nearest - first
+                                   ? SweepNearToFar<true>(segment, chunk_positions, {start, n}, pixels, &chunk)
+                                   : SweepNearToFar<false>(segment, chunk_positions, {start, n}, pixels, &chunk);
     for (int v = 0; v < kVecs; ++v) {
-      t[v] = hn::Div(t[v], through[v]);
+      t[v] = hn::Div(t[v], passed.v[v]);
       behind[v] = hn::Mul(behind[v], t[v]);
       for (int c = 0; c < 3 + kDepth; ++c) {
-        hn::Store(hn::Mul(hn::Load(d, state->g[c] + v * kLanes), t[v]), d, chunk->g[c] + v * kLanes);
+        hn::Store(hn::Mul(hn::Load(d, state->g[c] + v * kLanes), t[v]), d, chunk.g[c] + v * kLanes);
       }
     }
-    // By turns: the third sweep waits for the shuffle unit, the second for the others.
+    // Alternating: the third sweep waits for the shuffle unit, the second for the others.
     for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
-      SweepFarToNear<kDepth>(segment, chunk_positions, row, end_row, chunk, behind);
-      AddToRecords<kDepth>(*chunk, chunk_positions, row, end_row, middle, records);
+      SweepFarToNear<kDepth>(segment, chunk_positions, {row, end_row}, &chunk, behind);
+      AddToRecords<kDepth>(chunk, chunk_positions, {row, end_row}, middle, records);
     }
     for (int v = 0; v < kVecs; ++v) behind[v] = hn::Div(behind[v], t[v]);
     stop = start;
@@ -252,7 +275,7 @@ struct HWY_ALIGN BlockUpstream {
   float rgb[48] = {}, alpha[16] = {}, inv_depth[16] = {};
 };
 
-HWY_INLINE void LoadUpstream(const cpu::BlendUpstream& up, const BlockPlace& place, BlockUpstream* block) {
+HWY_INLINE void LoadUpstream(const UpstreamPlanes& up, const BlockPlace& place, BlockUpstream* block) {
   if (up.image != nullptr) CopyFromPlane<3>(up.image, place, block->rgb);
   if (up.alpha != nullptr) CopyFromPlane<1>(up.alpha, place, block->alpha);
   if (up.inv_depth != nullptr) CopyFromPlane<1>(up.inv_depth, place, block->inv_depth);
@@ -299,7 +322,6 @@ template <bool kDepth>
 HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states, int32_t farthest, float* records) {
   if (farthest == 0) return 0;
   Segment segment;
-  Chunk chunk;
   // Summed side by side in the first-level cache, then sent to their places.
   HWY_ALIGN float sums[Segment::kSize * cpu::kGradStride];
   int64_t visited = 0;
@@ -321,7 +343,7 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
     for (uint32_t left = wanted; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
       upcoming.Ask(block);
-      visited += BackwardBlock<kDepth>(segment, block, first, &states[block], &chunk, sums);
+      visited += BackwardBlock<kDepth>(segment, block, first, &states[block], sums);
     }
     SendRecords(tile, begin, begin + n, sums, records);
   }
@@ -329,7 +351,7 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
 }
 
 HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::BlendImage& forward,
-                                       const cpu::BlendUpstream& upstream, float* records) {
+                                       const UpstreamPlanes& upstream, float* records) {
   if (tile.count == 0) return 0;
   BlockAdjoint states[cpu::kBlocksPerTile];
   BlockUpstream planes[cpu::kBlocksPerTile];
@@ -344,7 +366,7 @@ HWY_NOINLINE int64_t BlendTileBackward(const cpu::TileWork& tile, const cpu::Ble
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {  // not above: see the two loops of the forward pass
     states[block].farthest = 0;
     if (!(inside >> block & 1)) continue;
-    StartBlock(planes[block], forward, tile.index * cpu::kTilePixels + block * 16, &states[block]);
+    StartBlock(planes[block], forward, tile.index * kTilePixels + block * 16, &states[block]);
     farthest = std::max(farthest, states[block].farthest);
   }
   SendRecords(tile, farthest == 0 ? 0 : Segment::FirstEntry(farthest) + Segment::kSize, tile.count, nullptr, records);
@@ -360,7 +382,7 @@ namespace oraclegs {
 HWY_EXPORT(BlendTileBackward);
 
 namespace cpu {
-int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const BlendUpstream& upstream,
+int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const UpstreamPlanes& upstream,
                           float* records) {
   return HWY_DYNAMIC_DISPATCH(oraclegs::BlendTileBackward)(tile, forward, upstream, records);
 }

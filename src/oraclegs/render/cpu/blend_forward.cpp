@@ -195,7 +195,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
   }
   if (out.transmittance != nullptr) {
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-      const int64_t offset = tile.index * cpu::kTilePixels + block * 16;
+      const int64_t offset = tile.index * kTilePixels + block * 16;
       std::memcpy(out.transmittance + offset, states[block].t, sizeof(states[block].t));
       std::memcpy(out.end + offset, states[block].end, sizeof(states[block].end));
     }

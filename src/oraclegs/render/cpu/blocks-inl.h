@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "oraclegs/core/simd/lanes-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
-#include "oraclegs/render/cpu/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
@@ -27,8 +27,8 @@ constexpr BlockCenters MakeBlockCenters() {
   BlockCenters c{};
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
     for (int i = 0; i < 16; ++i) {
-      c.x[block][i] = static_cast<float>(block % 4 * cpu::kBlock + i % cpu::kBlock - cpu::kTile / 2) + 0.5f;
-      c.y[block][i] = static_cast<float>(block / 4 * cpu::kBlock + i / cpu::kBlock - cpu::kTile / 2) + 0.5f;
+      c.x[block][i] = static_cast<float>(block % 4 * cpu::kBlock + i % cpu::kBlock - kTile / 2) + 0.5f;
+      c.y[block][i] = static_cast<float>(block / 4 * cpu::kBlock + i / cpu::kBlock - kTile / 2) + 0.5f;
     }
   }
   return c;
@@ -42,7 +42,7 @@ struct BlockPlace {
   int columns, rows;  ///< at most 4, and both at least 1 unless empty
 
   HWY_INLINE BlockPlace(const cpu::TileWork& tile, int block, int image_width, int image_height) {
-    const int x0 = tile.x * cpu::kTile + block % 4 * cpu::kBlock, y0 = tile.y * cpu::kTile + block / 4 * cpu::kBlock;
+    const int x0 = tile.x * kTile + block % 4 * cpu::kBlock, y0 = tile.y * kTile + block / 4 * cpu::kBlock;
     first = static_cast<int64_t>(y0) * image_width + x0;
     width = image_width;
     columns = std::min(cpu::kBlock, image_width - x0);

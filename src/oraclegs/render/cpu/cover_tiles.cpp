@@ -40,11 +40,11 @@ HWY_INLINE uint32_t MaskBits(LanesMask mask) {
 }
 
 /// The tiles of one Gaussian.
-HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int tiles_x, uint32_t pair,
+HWY_INLINE uint32_t CoverOne(const cpu::LineSplat& s, const TileRect& rect, int tiles_x, uint32_t pair,
                              const cpu::CoverOutput& out) {
   const FloatTag d;
   const Lanes ax(s.ax), by(s.by), slope(s.slope), zero(0.f), span(static_cast<float>(cpu::kBlock - 1));
-  // The sum of squares of kernels.h is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
+  // The sum of squares of Splat is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
   const float tilt = s.by * s.by * s.slope;
   const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
@@ -53,8 +53,7 @@ HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int
   // One loop over the rectangle: most hold one or a few tiles, and a second loop's end would be guessed wrongly.
   int tx = rect.x0, ty = rect.y0;
   for (int left = rect.Count(); left > 0; --left) {
-    const Lanes corner_x(static_cast<float>(tx * cpu::kTile) - s.mx),
-        corner_y(static_cast<float>(ty * cpu::kTile) - s.my);
+    const Lanes corner_x(static_cast<float>(tx * kTile) - s.mx), corner_y(static_cast<float>(ty * kTile) - s.my);
     uint32_t mask = 0;
     for (int v = 0; v < 16; v += kLanes) {
       const Lanes x0 = corner_x + Lanes(hn::Load(d, kBlockOffsets.x + v)), x1 = x0 + span;
@@ -76,11 +75,11 @@ HWY_INLINE uint32_t CoverOne(const cpu::Splat& s, const cpu::TileRect& rect, int
   return pair;
 }
 
-HWY_NOINLINE uint32_t CoverTiles(const cpu::Splat* splats, const cpu::TileRect* rects, int64_t begin, int64_t end,
-                                 int tiles_x, uint32_t pair, const cpu::CoverOutput& out) {
+HWY_NOINLINE uint32_t CoverTiles(const cpu::CoverInput& in, int64_t begin, int64_t end, uint32_t pair,
+                                 const cpu::CoverOutput& out) {
   for (int64_t i = begin; i < end; ++i) {
     const uint32_t first = pair;
-    if (rects[i].Count() > 0) pair = CoverOne(splats[i], rects[i], tiles_x, pair, out);
+    if (in.rects[i].Count() > 0) pair = CoverOne(in.splats[i], in.rects[i], in.tiles_x, pair, out);
     out.ranges[i] = {first, pair - first};
   }
   return pair;
@@ -94,9 +93,8 @@ namespace oraclegs {
 HWY_EXPORT(CoverTiles);
 
 namespace cpu {
-uint32_t CoverTiles(const Splat* splats, const TileRect* rects, int64_t begin, int64_t end, int tiles_x,
-                    uint32_t first_pair, const CoverOutput& out) {
-  return HWY_DYNAMIC_DISPATCH(oraclegs::CoverTiles)(splats, rects, begin, end, tiles_x, first_pair, out);
+uint32_t CoverTiles(const CoverInput& in, int64_t begin, int64_t end, uint32_t first_pair, const CoverOutput& out) {
+  return HWY_DYNAMIC_DISPATCH(oraclegs::CoverTiles)(in, begin, end, first_pair, out);
 }
 }  // namespace cpu
 }  // namespace oraclegs

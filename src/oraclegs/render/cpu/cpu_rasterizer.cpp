@@ -5,11 +5,12 @@
 #include <chrono>
 
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/render/constants.h"
 #include "oraclegs/render/cpu/kernels.h"
 #include "oraclegs/render/cpu/scratch_array.h"
 #include "oraclegs/render/cpu/tile_lists.h"
 #include "oraclegs/render/image_buffer.h"
+#include "oraclegs/render/render_inputs.h"
+#include "oraclegs/render/splat_camera.h"
 
 namespace oraclegs::cpu {
 namespace {
@@ -30,43 +31,6 @@ class StageClock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-ProjectInput MakeInput(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options) {
-  ProjectInput in{};
-  in.means = gaussians.means.data();
-  in.log_scales = gaussians.log_scales.data();
-  in.quats = gaussians.quats.data();
-  in.opacity_logits = gaussians.opacity_logits.data();
-  in.sh = gaussians.sh.data();
-  if (options.opacity_factors.defined()) in.opacity_factors = options.opacity_factors.data();
-  const Eigen::Matrix3d r = camera.cam_from_world.linear();
-  const Eigen::Vector3d t = camera.cam_from_world.translation(), eye = camera.Center();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) in.r[3 * i + j] = static_cast<float>(r(i, j));
-    in.t[i] = static_cast<float>(t[i]);
-    in.eye[i] = static_cast<float>(eye[i]);
-  }
-  in.width = camera.width, in.height = camera.height;
-  in.fx = static_cast<float>(camera.fx), in.fy = static_cast<float>(camera.fy);
-  in.cx = static_cast<float>(camera.cx), in.cy = static_cast<float>(camera.cy);
-  const double margin_u = kFrustumMargin * camera.width / (2 * camera.fx);
-  const double margin_v = kFrustumMargin * camera.height / (2 * camera.fy);
-  in.min_u = static_cast<float>(-camera.cx / camera.fx - margin_u);
-  in.max_u = static_cast<float>((camera.width - camera.cx) / camera.fx + margin_u);
-  in.min_v = static_cast<float>(-camera.cy / camera.fy - margin_v);
-  in.max_v = static_cast<float>((camera.height - camera.cy) / camera.fy + margin_v);
-  in.tiles_x = (camera.width + kTile - 1) / kTile;
-  in.tiles_y = (camera.height + kTile - 1) / kTile;
-  in.sh_degree = options.sh_degree;
-  in.antialiased = options.antialiased;
-  return in;
-}
-
-const float* DataOrNull(const char* name, const Buffer<float>& t, std::initializer_list<int64_t> shape) {
-  if (!t.defined()) return nullptr;
-  RequireShape("Rasterizer::Backward", name, t, shape);
-  return t.data();
-}
-
 /// The gradients of one block, on the stack of the thread that works on it.
 struct BlockGrads {
   alignas(64) float means[3 * kGradBlock];
@@ -82,21 +46,11 @@ class CpuRasterizer final : public Rasterizer {
  public:
   RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                        RenderPass pass) override {
-    gaussians.Check("Rasterizer::Forward");
-    if (camera.width < 1 || camera.height < 1 || camera.width > 32768 || camera.height > 32768) {
-      throw ShapeError("Rasterizer::Forward: image is {} x {}, each side must be in 1 .. 32768", camera.width,
-                       camera.height);
-    }
-    if (options.sh_degree < 0 || options.sh_degree > kMaxShDegree) {
-      throw ShapeError("Rasterizer::Forward: sh_degree is {}, must be in 0 .. {}", options.sh_degree, kMaxShDegree);
-    }
-    const int64_t n = gaussians.size();
-    if (options.opacity_factors.defined()) {
-      RequireShape("Rasterizer::Forward", "opacity_factors", options.opacity_factors, {n});
-    }
+    const GaussianParameters parameters = ForwardParameters(gaussians, camera, options, kCpu);
+    const int64_t n = parameters.n;
     trained_size_ = -1;  // until all is in place
     StageClock clock;
-    input_ = MakeInput(gaussians, camera, options);
+    input_ = {MakeSplatCamera<float>(camera, options), parameters};
     splats_.Reserve(n);
     rects_.Reserve(n);
     ParallelBlocks(n, kProjectGrain, [&](int64_t begin, int64_t end) {
@@ -104,13 +58,13 @@ class CpuRasterizer final : public Rasterizer {
     });
     timings_.project = clock.Lap();
 
-    lists_.Build(splats_.data(), rects_.data(), n, input_.tiles_x, input_.tiles_y);
+    lists_.Build(splats_.data(), rects_.data(), n, input_.camera.tiles_x, input_.camera.tiles_y);
     stats_ = {lists_.visible, lists_.pairs};
     timings_.bin = clock.Lap();
 
     output_ = {image_.Get({camera.height, camera.width, 3}), alpha_.Get({camera.height, camera.width}),
                inv_depth_.Get({camera.height, camera.width})};
-    const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
+    const int64_t tiles = input_.camera.tiles();
     const bool train = pass == RenderPass::kTrain;
     if (train) {
       transmittance_.Reserve(tiles * kTilePixels);
@@ -131,12 +85,8 @@ class CpuRasterizer final : public Rasterizer {
   }
 
   void Backward(const Gaussians& gaussians, const RenderGrads& upstream, Gaussians* grads) override {
-    grads->Check("Rasterizer::Backward, grads");
-    if (grads->size() != gaussians.size()) {
-      throw ShapeError("Rasterizer::Backward: grads hold {} rows, expected {}", grads->size(), gaussians.size());
-    }
+    const GaussianRows rows = GradientRows(*grads, gaussians.size(), kCpu);
     const GradInput in = BlendBackward(gaussians, upstream);
-    const GaussianRows rows = grads->Rows();
     StageClock clock;
     ParallelBlocks(gaussians.size(), kGradBlock, [&](int64_t begin, int64_t end) {
       ProjectSplatsBackward(input_, in, begin, end, rows.From(begin));
@@ -161,13 +111,13 @@ class CpuRasterizer final : public Rasterizer {
  private:
   TileWork Work(int64_t tile) const {
     const int64_t* begin = lists_.tile_begin.data() + tile;
-    const bool last = tile + 1 == static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
+    const bool last = tile + 1 == input_.camera.tiles();
     return {splats_.data(),
             lists_.entries.data() + begin[0],
             begin[1] - begin[0],
             last ? 0 : begin[2] - begin[1],
-            static_cast<int>(tile % input_.tiles_x),
-            static_cast<int>(tile / input_.tiles_x),
+            static_cast<int>(tile % input_.camera.tiles_x),
+            static_cast<int>(tile / input_.camera.tiles_x),
             tile};
   }
 
@@ -175,7 +125,7 @@ class CpuRasterizer final : public Rasterizer {
   /// run of them.
   template <class Body>
   int64_t SumOverTiles(const Body& body) {
-    const int64_t tiles = static_cast<int64_t>(input_.tiles_x) * input_.tiles_y;
+    const int64_t tiles = input_.camera.tiles();
     std::atomic<int64_t> sum{0};  // of integers: the same in any order
     ParallelBlocks(tiles, std::max<int64_t>(1, tiles / (16 * NumThreads())), [&](int64_t begin, int64_t end) {
       int64_t part = 0;
@@ -187,26 +137,14 @@ class CpuRasterizer final : public Rasterizer {
 
   /// Fills the records, and says where the per-Gaussian part finds what it reads.
   GradInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
-    if (gaussians.size() != trained_size_) {
-      throw ShapeError("Rasterizer::Backward: {} Gaussians, but the last Forward(kTrain) had {}", gaussians.size(),
-                       trained_size_);
-    }
-    const int64_t h = blend_.height, w = blend_.width;
-    const BlendUpstream up{DataOrNull("upstream.image", upstream.image, {h, w, 3}),
-                           DataOrNull("upstream.alpha", upstream.alpha, {h, w}),
-                           DataOrNull("upstream.inv_depth", upstream.inv_depth, {h, w})};
+    // The parameters may have moved to other memory since Forward, but not changed.
+    input_.gaussians = BackwardParameters(gaussians, trained_size_);
+    const UpstreamPlanes up = PlanesOf(upstream, blend_.height, blend_.width, kCpu);
     StageClock clock;
     records_.Reserve(lists_.pair_numbers * kGradStride);
     stats_.pixel_pairs_backward =
         SumOverTiles([&](int64_t tile) { return BlendTileBackward(Work(tile), blend_, up, records_.data()); });
     timings_.blend_backward = clock.Lap();
-
-    // The parameters may have moved to other memory since Forward, but not changed.
-    input_.means = gaussians.means.data();
-    input_.log_scales = gaussians.log_scales.data();
-    input_.quats = gaussians.quats.data();
-    input_.opacity_logits = gaussians.opacity_logits.data();
-    input_.sh = gaussians.sh.data();
     return {lists_.ranges.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
   }
 
@@ -215,7 +153,7 @@ class CpuRasterizer final : public Rasterizer {
   RenderOutput output_;
   TileLists lists_;
   ImageBuffer image_, alpha_, inv_depth_;
-  ScratchArray<Splat> splats_;
+  ScratchArray<LineSplat> splats_;
   ScratchArray<TileRect> rects_;
   ScratchArray<float> transmittance_;
   ScratchArray<uint32_t> end_;

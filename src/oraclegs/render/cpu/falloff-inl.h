@@ -7,16 +7,14 @@
 #define ORACLEGS_RENDER_CPU_FALLOFF_INL_H_
 #endif
 
+#include "oraclegs/core/simd/lanes-inl.h"
+#include "oraclegs/core/simd/rows-inl.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/render/cpu/blocks-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
-#include "oraclegs/render/cpu/lanes-inl.h"
-#include "oraclegs/render/cpu/rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
-
-inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(1/255)
 
 /// 2^x in the lanes of `where`, where |x| < 126, and 0 elsewhere. The polynomial is the minimax one of degree 4 for 2^f
 /// on [0, 1): relative error 2.6e-6, 2.9e-6 with rounding; the reference numbers ask for 1e-5
@@ -104,18 +102,18 @@ struct HWY_ALIGN Segment {
     constexpr int kTiles = (cpu::kSplatFields + kLanes - 1) / kLanes;
     FloatVec field[kTiles * kLanes];
     LoadScatteredRows([&](int lane) HWY_ATTR { return &tile.splats[group[lane].id].mx; }, kTiles, field);
-    const FloatVec mx = hn::Sub(field[0], hn::Set(d, static_cast<float>(tile.x * cpu::kTile + cpu::kTile / 2)));
-    const FloatVec my = hn::Sub(field[1], hn::Set(d, static_cast<float>(tile.y * cpu::kTile + cpu::kTile / 2)));
+    const FloatVec mx = hn::Sub(field[0], hn::Set(d, static_cast<float>(tile.x * kTile + kTile / 2)));
+    const FloatVec my = hn::Sub(field[1], hn::Set(d, static_cast<float>(tile.y * kTile + kTile / 2)));
     hn::Store(field[2], d, ax + i);
     hn::Store(hn::Neg(hn::Mul(field[2], mx)), d, a0 + i);
     hn::Store(hn::Mul(field[3], field[4]), d, bx + i);
     hn::Store(field[3], d, by + i);
     hn::Store(hn::Neg(hn::Mul(field[3], hn::MulAdd(field[4], mx, my))), d, b0 + i);
     hn::Store(field[5], d, peak + i);
-    hn::Store(field[6], d, r + i);
-    hn::Store(field[7], d, g + i);
-    hn::Store(field[8], d, b + i);
-    hn::Store(field[9], d, inv_z + i);
+    hn::Store(field[8], d, r + i);
+    hn::Store(field[9], d, g + i);
+    hn::Store(field[10], d, b + i);
+    hn::Store(field[11], d, inv_z + i);
   }
 
   /// Appends the positions i + lane to the lists of the blocks in the lane's mask.
@@ -136,7 +134,7 @@ struct HWY_ALIGN Segment {
 /// A stretch of entries whose splats will be wanted after the work at hand. They lie anywhere in memory: asking for all
 /// at once would wait, so each block of the work asks for its share.
 struct Upcoming {
-  const cpu::Splat* splats;
+  const cpu::LineSplat* splats;
   const cpu::TileEntry* first;
   int64_t count;
 

@@ -10,33 +10,21 @@
 
 #include <cstring>
 
+#include "oraclegs/core/simd/lanes-inl.h"
+#include "oraclegs/core/simd/rows-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
-#include "oraclegs/render/cpu/lanes-inl.h"
-#include "oraclegs/render/cpu/rows-inl.h"
 #include "oraclegs/render/splat_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
-inline constexpr float kLog2E = 1.442695040888963f;
-
-HWY_INLINE RawSplat<Lanes> LoadRaw(const cpu::ProjectInput& in, int64_t i, int count) {
+HWY_INLINE RawSplat<Lanes> LoadRaw(const GaussianParameters& in, int64_t i, int count) {
   Lanes mean[3], scale[3], quat[4], logit[1];
   LoadRows<3>(in.means + 3 * i, count, mean);
   LoadRows<3>(in.log_scales + 3 * i, count, scale);
   LoadRows<4>(in.quats + 4 * i, count, quat);
   LoadRows<1>(in.opacity_logits + i, count, logit);
   return {{mean[0], mean[1], mean[2]}, {scale[0], scale[1], scale[2]}, quat[0], quat[1], quat[2], quat[3], logit[0]};
-}
-
-HWY_INLINE SplatCamera<float> CameraOf(const cpu::ProjectInput& in) {
-  SplatCamera<float> c;
-  std::memcpy(c.r, in.r, sizeof(c.r));
-  std::memcpy(c.t, in.t, sizeof(c.t));
-  std::memcpy(c.eye, in.eye, sizeof(c.eye));
-  c.fx = in.fx, c.fy = in.fy, c.cx = in.cx, c.cy = in.cy;
-  c.min_u = in.min_u, c.max_u = in.max_u, c.min_v = in.min_v, c.max_v = in.max_v;
-  return c;
 }
 
 /// The lanes' SH rows, one vector a coefficient and channel.
@@ -67,19 +55,25 @@ HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coe
   return c;
 }
 
-/// Tile rectangles of the lanes' ellipses alpha >= 1/255: centre and half extents in pixels. Exact but for rounding,
-/// which widens them (docs/method.md#tiles-and-sorting). Empty where not `visible` or outside the image. Returns
-/// whether any is not.
-HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2], const Lanes (&half)[2],
-                           LanesMask visible, int count, cpu::TileRect* rects) {
+/// The lanes' ellipses alpha >= 1/255.
+struct Ellipses {
+  Lanes center[2], half[2];  ///< of their bounding boxes, px
+  LanesMask visible;
+};
+
+/// Tile rectangles of the ellipses, exact but for rounding, which widens them (docs/method.md#tiles-and-sorting). Empty
+/// where not visible or outside the image. Returns whether any is not.
+HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const Ellipses& ellipses, int count, TileRect* rects) {
   const IntTag di;
   const Lanes slack(1e-3f);  // of a pixel: many ulp at any image size
-  const float size[2] = {static_cast<float>(in.width), static_cast<float>(in.height)};
+  const float size[2] = {static_cast<float>(camera.width), static_cast<float>(camera.height)};
+  LanesMask visible = ellipses.visible;
   HWY_ALIGN int32_t first[2][kLanes], last[2][kLanes];  // tiles
   for (int axis = 0; axis < 2; ++axis) {
+    const Lanes center = ellipses.center[axis], half = ellipses.half[axis];
     // Pixel centres lie at halves. Comparisons are such that what is not a number is not visible.
-    const Lanes low = hn::Ceil((center[axis] - half[axis] - Lanes(0.5f) - slack).v);
-    const Lanes high = hn::Floor((center[axis] + half[axis] - Lanes(0.5f) + slack).v);
+    const Lanes low = hn::Ceil((center - half - Lanes(0.5f) - slack).v);
+    const Lanes high = hn::Floor((center + half - Lanes(0.5f) + slack).v);
     const Lanes end(size[axis] - 1), zero(0.f);
     visible = And(visible, And(And(low <= high, high >= zero), low <= end));
     const auto tile = [&](Lanes pixel)
@@ -87,7 +81,7 @@ HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2]
     hn::Store(tile(low), di, first[axis]);
     hn::Store(hn::Add(tile(high), hn::Set(di, 1)), di, last[axis]);
   }
-  static_assert(cpu::kTile == 1 << 4);
+  static_assert(kTile == 1 << 4);
   HWY_ALIGN int32_t seen[kLanes];
   hn::Store(hn::IfThenElseZero(hn::RebindMask(di, visible.m), hn::Set(di, 1)), di, seen);
   bool any = false;
@@ -99,8 +93,8 @@ HWY_INLINE bool StoreRects(const cpu::ProjectInput& in, const Lanes (&center)[2]
   return any;
 }
 
-HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::Splat* splats) {
-  constexpr int kStride = sizeof(cpu::Splat) / sizeof(float), kTiles = (cpu::kSplatFields + kLanes - 1) / kLanes;
+HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::LineSplat* splats) {
+  constexpr int kStride = sizeof(cpu::LineSplat) / sizeof(float), kTiles = (cpu::kSplatFields + kLanes - 1) / kLanes;
   FloatVec rows[kTiles * kLanes];
   for (int field = 0; field < kTiles * kLanes; ++field) {
     rows[field] = field < cpu::kSplatFields ? columns[field].v : hn::Zero(FloatTag());
@@ -108,44 +102,37 @@ HWY_INLINE void StoreSplats(const Lanes* columns, int count, cpu::Splat* splats)
   StoreWideRows(rows, kStride, count, kTiles, reinterpret_cast<float*>(splats));
 }
 
-HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int64_t end, cpu::Splat* splats,
-                                cpu::TileRect* rects) {
-  const SplatCamera<float> camera = CameraOf(in);
-  const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
+HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int64_t end, cpu::LineSplat* splats,
+                                TileRect* rects) {
+  const SplatCamera<float> camera = in.camera;
+  const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   for (int64_t i = begin; i < end; i += kLanes) {
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
-    const RawSplat<Lanes> raw = LoadRaw(in, i, count);
-    const SplatChain<Lanes> chain = EvaluateChain(raw, camera, in.antialiased);
+    const RawSplat<Lanes> raw = LoadRaw(in.gaussians, i, count);
+    const SplatChain<Lanes> chain = EvaluateChain(raw, camera);
     ProjectedSplat<Lanes> p = Project(chain, camera);
-    if (in.opacity_factors != nullptr) {
+    if (in.gaussians.opacity_factors != nullptr) {
       Lanes factor[1];
-      LoadRows<1>(in.opacity_factors + i, count, factor);
+      LoadRows<1>(in.gaussians.opacity_factors + i, count, factor);
       p.opacity = p.opacity * factor[0];
     }
 
     // alpha >= 1/255 inside |d|_K <= k, k^2 = 2 ln(255 o'), whose bounding box is k sqrt(diag(cov)).
     const Lanes log_opacity = Log(Max(p.opacity, Lanes(1e-30f)));
-    const Lanes k2 = Max(Lanes(2.f) * (log_opacity + Lanes(5.541263545158426f)), Lanes(0.f));
+    const Lanes k2 = Max(Lanes(2.f) * (log_opacity + Lanes(kLog255)), Lanes(0.f));
     const LanesMask visible = And(p.z > Lanes(kNearPlane), p.opacity >= Lanes(kAlphaMin));
-    if (!StoreRects(in, {p.mx, p.my}, {Sqrt(k2 * p.cov_a), Sqrt(k2 * p.cov_c)}, visible, count, rects + i)) continue;
+    const Ellipses ellipses{{p.mx, p.my}, {Sqrt(k2 * p.cov_a), Sqrt(k2 * p.cov_c)}, visible};
+    if (!StoreRects(camera, ellipses, count, rects + i)) continue;
 
     Lanes basis[16], inv_distance;
-    ShBasis(in.sh_degree, ViewDirection(raw.mean, camera, &inv_distance), basis);
+    ShBasis(camera.sh_degree, ViewDirection(raw.mean, camera, &inv_distance), basis);
     ShColumns sh;
-    sh.Load(in.sh, i, count, coefficients);
+    sh.Load(in.gaussians.sh, i, count, coefficients);
     const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
     const Lanes half(0.5f * kLog2E), zero(0.f);
-    const Lanes columns[cpu::kSplatFields] = {p.mx,
-                                              p.my,
-                                              Sqrt(half / p.cov_a),
-                                              Sqrt(half * p.conic_c),
-                                              p.conic_b / p.conic_c,
-                                              Lanes(kLog2E) * log_opacity,
-                                              Max(color.x, zero),
-                                              Max(color.y, zero),
-                                              Max(color.z, zero),
-                                              Lanes(1.f) / p.z,
-                                              p.z};
+    const Lanes columns[cpu::kSplatFields] = {
+        p.mx, p.my, Sqrt(half / p.cov_a), Sqrt(half * p.conic_c), p.conic_b / p.conic_c, Lanes(kLog2E) * log_opacity,
+        p.z,  zero, Max(color.x, zero),   Max(color.y, zero),     Max(color.z, zero),    Lanes(1.f) / p.z};
     StoreSplats(columns, count, splats + i);
   }
 }
@@ -184,14 +171,14 @@ class TileColumns {
 /// Writes kMomentSums quads.
 HWY_INLINE void SumRecords(const cpu::GradInput& grads, const TileColumns& columns, int64_t i, float* sums) {
   const cpu::PairRange range = grads.ranges[i];
-  const float to_x = static_cast<float>(cpu::kTile / 2) - grads.splats[i].mx;
-  const float to_y = static_cast<float>(cpu::kTile / 2) - grads.splats[i].my;
+  const float to_x = static_cast<float>(kTile / 2) - grads.splats[i].mx;
+  const float to_y = static_cast<float>(kTile / 2) - grads.splats[i].my;
   Quad sum[kMomentSums] = {};
   for (uint32_t j = range.begin; j < range.begin + range.count; ++j) {
     const float* HWY_RESTRICT s = grads.records + static_cast<int64_t>(j) * cpu::kGradStride;
     const uint32_t tile = grads.pair_tile[j], row = columns.Row(tile);
-    const float dx = static_cast<float>(static_cast<int>(columns.Column(tile, row) * cpu::kTile)) + to_x;
-    const float dy = static_cast<float>(static_cast<int>(row * cpu::kTile)) + to_y;
+    const float dx = static_cast<float>(static_cast<int>(columns.Column(tile, row) * kTile)) + to_x;
+    const float dy = static_cast<float>(static_cast<int>(row * kTile)) + to_y;
     const Quad first = LoadQuad(s);
     const Quad offsets = {dx, dy, dy, 0}, factors = {dx * s[0], dx * s[0], dy * s[0], 0};
     sum[kSums0] += first;
@@ -271,13 +258,13 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
 /// (docs/method.md#colour-gradient).
 HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
                                      const LaneGroup& group, float* sh_rows) {
-  const SplatCamera<float> camera = CameraOf(in);
-  const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
+  const SplatCamera<float> camera = in.camera;
+  const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   Lanes basis[16], inv_distance;
   const Vec3<Lanes> direction = ViewDirection(mean, camera, &inv_distance);
-  ShBasis(in.sh_degree, direction, basis);
+  ShBasis(camera.sh_degree, direction, basis);
   ShColumns sh;
-  sh.Load(in.sh, group.first, group.count, coefficients);
+  sh.Load(in.gaussians.sh, group.first, group.count, coefficients);
   const Vec3<Lanes> color = RawColor(sh, basis, coefficients);
   const Lanes zero(0.f);
   const Vec3<Lanes> g{Select(color.x > zero, g_color.x, zero), Select(color.y > zero, g_color.y, zero),
@@ -285,7 +272,7 @@ HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lan
 
   Lanes weight[16];
   for (int k = 1; k < coefficients; ++k) weight[k] = sh.Get(k, 0) * g.x + sh.Get(k, 1) * g.y + sh.Get(k, 2) * g.z;
-  const Vec3<Lanes> gd = ShGradient(in.sh_degree, direction, weight);
+  const Vec3<Lanes> gd = ShGradient(camera.sh_degree, direction, weight);
   StoreShGradient(basis, g, group, coefficients, sh_rows);
   const Lanes radial = Dot(direction, gd);
   return {(gd.x - direction.x * radial) * inv_distance, (gd.y - direction.y * radial) * inv_distance,
@@ -295,9 +282,9 @@ HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lan
 HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
                                         int64_t end, const GaussianRows& out) {
   const FloatTag d;
-  const SplatCamera<float> camera = CameraOf(in);
-  const int coefficients = (in.sh_degree + 1) * (in.sh_degree + 1);
-  const TileColumns tile_columns(in.tiles_x);
+  const SplatCamera<float> camera = in.camera;
+  const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
+  const TileColumns tile_columns(camera.tiles_x);
   HWY_ALIGN float sums[kMomentRow * kLanes] = {};
   for (int64_t i = begin; i < end; i += kLanes) {
     const int count = static_cast<int>(std::min<int64_t>(kLanes, end - i));
@@ -315,8 +302,8 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     }
     const Moments m = CombineSums(sums);
 
-    const RawSplat<Lanes> raw = LoadRaw(in, i, count);
-    const SplatChain<Lanes> chain = EvaluateChain(raw, camera, in.antialiased);
+    const RawSplat<Lanes> raw = LoadRaw(in.gaussians, i, count);
+    const SplatChain<Lanes> chain = EvaluateChain(raw, camera);
     const ProjectedSplat<Lanes> p = Project(chain, camera);
     ProjectedGrad<Lanes> g;
     g.mx = p.conic_a * m.x + p.conic_b * m.y;  // offsets point from the Gaussian to the pixel: the sign of 6.1 turns
@@ -328,7 +315,7 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     // under the logarithm, so this is the derivative by the opacity without it.
     g.opacity = m.h / p.opacity;
     g.inv_z = m.inv_z;
-    const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, in.antialiased, g);
+    const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, g);
     const LaneGroup group{i, count, Lanes(hn::Load(d, seen)) > Lanes(0.f)};
     const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
 
@@ -355,7 +342,7 @@ HWY_EXPORT(ProjectSplats);
 HWY_EXPORT(ProjectSplatsBackward);
 
 namespace cpu {
-void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, Splat* splats, TileRect* rects) {
+void ProjectSplats(const ProjectInput& in, int64_t begin, int64_t end, LineSplat* splats, TileRect* rects) {
   HWY_DYNAMIC_DISPATCH(oraclegs::ProjectSplats)(in, begin, end, splats, rects);
 }
 void ProjectSplatsBackward(const ProjectInput& in, const GradInput& grads, int64_t begin, int64_t end,

@@ -46,7 +46,7 @@ void PrefixSums(uint32_t* counts, int64_t chunks, int64_t buckets, int64_t* begi
 
 }  // namespace
 
-void TileLists::Cover(const Splat* splats, const TileRect* rects, int64_t n, int tiles_x) {
+void TileLists::Cover(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x) {
   const int64_t chunks = ChunkCount(n);
   chunks_.resize(chunks);
   ParallelFor(chunks, [&](int64_t c) {
@@ -74,7 +74,7 @@ void TileLists::Cover(const Splat* splats, const TileRect* rects, int64_t n, int
     const int64_t begin = ChunkBegin(n, c, chunks), end = ChunkBegin(n, c + 1, chunks);
     const uint32_t first = static_cast<uint32_t>(chunk.first_candidate);
     const CoverOutput out{pair_tile.data(), pair_mask_.data(), ranges.data()};
-    chunk.pairs = CoverTiles(splats, rects, begin, end, tiles_x, first, out) - first;
+    chunk.pairs = CoverTiles({splats, rects, tiles_x}, begin, end, first, out) - first;
     Key* keys = sorted_.data() + begin;
     int64_t count = 0;
     for (int64_t i = begin; i < end; ++i) {
@@ -162,7 +162,7 @@ void TileLists::Deal(int64_t tiles) {
   });
 }
 
-void TileLists::Build(const Splat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y) {
+void TileLists::Build(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y) {
   Cover(splats, rects, n, tiles_x);
   SortByDepth();
   Deal(static_cast<int64_t>(tiles_x) * tiles_y);

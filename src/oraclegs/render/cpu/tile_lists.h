@@ -21,7 +21,7 @@ class TileLists {
   int64_t pair_numbers = 0;  ///< all numbers of pairs are below; not every one is taken
 
   /// rects[i] empty = not visible. Throws RunError when there are more than 2^32 candidate pairs.
-  void Build(const Splat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y);
+  void Build(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y);
 
  private:
   struct Key {
@@ -35,7 +35,7 @@ class TileLists {
     int64_t first_visible = 0;
   };
 
-  void Cover(const Splat* splats, const TileRect* rects, int64_t n, int tiles_x);
+  void Cover(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x);
   void SortByDepth();
   void Deal(int64_t tiles);
 

@@ -6,7 +6,7 @@
 namespace oraclegs::cuda {
 
 struct BlendInput {
-  View view;
+  SplatCamera<float> camera;
   const Splat* splats;
   const uint32_t* entry_ids;  ///< Gaussian of each sorted pair
   const TileRange* ranges;    ///< [tiles]

@@ -16,15 +16,16 @@ struct Pixels {
 };
 
 struct Tile {
-  int64_t first;  // of PixelEnds
-  int x, y;       // px
+  int64_t first;        // of PixelEnds
+  int x, y;             // px
+  const float* states;  // of the bucket
 };
 
 /// Pixel `i` of the tile as the bucket finds it.
-__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, int i, const float* states, int slot,
-                                 Pixels* pixels) {
-  const View& view = in.forward.view;
-  const int64_t pixel = int64_t{tile.y + PixelY(i)} * view.width + tile.x + PixelX(i);
+__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, int i, int slot, Pixels* pixels) {
+  const float* states = tile.states;
+  const SplatCamera<float>& camera = in.forward.camera;
+  const int64_t pixel = int64_t{tile.y + PixelY(i)} * camera.width + tile.x + PixelX(i);
   float4 g = make_float4(0, 0, 0, 0);
   if (in.upstream.image != nullptr) {
     const float* from = in.upstream.image + 3 * pixel;
@@ -34,7 +35,8 @@ __device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile,
   const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
   const float4 sums = in.kept.ends.sums[tile.first + i];
   const float last = in.kept.ends.transmittance[tile.first + i];
-  const float behind_all = g.x * view.background[0] + g.y * view.background[1] + g.z * view.background[2] - g_alpha;
+  const float behind_all =
+      g.x * camera.background[0] + g.y * camera.background[1] + g.z * camera.background[2] - g_alpha;
   // The differences are of one running sum: what they lose is little against what is left of it.
   const float rest = g.x * (sums.x - states[kTilePixels + i]) + g.y * (sums.y - states[2 * kTilePixels + i]) +
                      g.z * (sums.z - states[3 * kTilePixels + i]) + g.w * (sums.w - states[4 * kTilePixels + i]) +
@@ -95,11 +97,11 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
   if (number >= in.buckets) return;
   Pixels* pixels = shared + threadIdx.x / kWarp;
   const int lane = LaneInWarp();
-  const View& view = in.forward.view;
+  const SplatCamera<float>& camera = in.forward.camera;
   const Bucket bucket = in.kept.buckets.buckets[number];
-  const float* states = in.kept.buckets.states + number * kStateFloats * kTilePixels;
-  const Tile tile{int64_t{bucket.tile} * kTilePixels, static_cast<int>(bucket.tile % view.tiles_x) * kTile,
-                  static_cast<int>(bucket.tile / view.tiles_x) * kTile};
+  const Tile tile{int64_t{bucket.tile} * kTilePixels, static_cast<int>(bucket.tile % camera.tiles_x) * kTile,
+                  static_cast<int>(bucket.tile / camera.tiles_x) * kTile,
+                  in.kept.buckets.states + number * kStateFloats * kTilePixels};
   const TileRange range = in.forward.ranges[bucket.tile];
   const uint32_t mine = bucket.first + static_cast<uint32_t>(lane);
   const bool has_entry = mine < range.end - range.begin;
@@ -114,7 +116,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     if (step % kWarp == 0) {
       __syncwarp();
       const int ahead = step + lane;
-      if (ahead < count) LoadPixel(in, tile, pixels->list[ahead], states, ahead % kRing, pixels);
+      if (ahead < count) LoadPixel(in, tile, pixels->list[ahead], ahead % kRing, pixels);
       __syncwarp();
     }
     // Each lane hands its pixel on to the next Gaussian.

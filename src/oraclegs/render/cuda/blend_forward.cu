@@ -43,9 +43,9 @@ __global__ void __launch_bounds__(kTilePixels)
   __shared__ uint32_t first_slot;
   const uint32_t tile = blockIdx.x;
   const int thread = static_cast<int>(threadIdx.x), lane = LaneInWarp();
-  const int tile_x = static_cast<int>(tile % in.view.tiles_x) * kTile, x = tile_x + PixelX(thread);
-  const int tile_y = static_cast<int>(tile / in.view.tiles_x) * kTile, y = tile_y + PixelY(thread);
-  const bool inside = x < in.view.width && y < in.view.height;
+  const int tile_x = static_cast<int>(tile % in.camera.tiles_x) * kTile, x = tile_x + PixelX(thread);
+  const int tile_y = static_cast<int>(tile / in.camera.tiles_x) * kTile, y = tile_y + PixelY(thread);
+  const bool inside = x < in.camera.width && y < in.camera.height;
   const float warp_x = static_cast<float>(tile_x + PixelX(thread - lane)) + 0.5f;
   const float warp_y = static_cast<float>(tile_y + PixelY(thread - lane)) + 0.5f;
   Ray ray;
@@ -91,10 +91,10 @@ __global__ void __launch_bounds__(kTilePixels)
     kept.ends.end[at] = ray.end;
   }
   if (!inside || out.image == nullptr) return;
-  const int64_t pixel = int64_t{y} * in.view.width + x;
-  out.image[3 * pixel] = fmaf(ray.transmittance, in.view.background[0], ray.r);
-  out.image[3 * pixel + 1] = fmaf(ray.transmittance, in.view.background[1], ray.g);
-  out.image[3 * pixel + 2] = fmaf(ray.transmittance, in.view.background[2], ray.b);
+  const int64_t pixel = int64_t{y} * in.camera.width + x;
+  out.image[3 * pixel] = fmaf(ray.transmittance, in.camera.background[0], ray.r);
+  out.image[3 * pixel + 1] = fmaf(ray.transmittance, in.camera.background[1], ray.g);
+  out.image[3 * pixel + 2] = fmaf(ray.transmittance, in.camera.background[2], ray.b);
   out.alpha[pixel] = 1.f - ray.transmittance;
   out.inv_depth[pixel] = ray.inv_z;
 }
@@ -104,7 +104,7 @@ __global__ void __launch_bounds__(kTilePixels)
 void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
                   cudaStream_t stream) {
   const auto kernel = kept.ends.sums != nullptr ? BlendForwardKernel<true> : BlendForwardKernel<false>;
-  Launch("blending", kernel, {in.view.tiles(), kTilePixels}, stream, in, out, kept, counters);
+  Launch("blending", kernel, {in.camera.tiles(), kTilePixels}, stream, in, out, kept, counters);
 }
 
 }  // namespace oraclegs::cuda

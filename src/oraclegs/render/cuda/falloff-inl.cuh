@@ -5,8 +5,6 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(1/255)
-
 /// log2 of alpha before its cap, at (dx, dy) from the centre. Fused by hand: the compiler may not choose another
 /// rounding in another kernel.
 __device__ inline float Log2Alpha(const Splat& s, float dx, float dy) {

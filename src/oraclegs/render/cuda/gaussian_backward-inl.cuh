@@ -52,10 +52,9 @@ __device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begi
 /// The small parameters' gradient of one seen Gaussian. `row`: its SH, which becomes dL/d(sh).
 __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, int64_t i, const float* sums,
                                              float* row) {
-  const View& view = in.view;
-  const SplatCamera<float> camera = CameraOf(view);
+  const SplatCamera<float>& camera = in.camera;
   const RawSplat<float> raw = LoadRaw(in.parameters, i);
-  const SplatChain<float> chain = EvaluateChain(raw, camera, view.antialiased);
+  const SplatChain<float> chain = EvaluateChain(raw, camera);
   const ProjectedSplat<float> p = Project(chain, camera);
   ProjectedGrad<float> g;
   g.mx = p.conic_a * sums[1] + p.conic_b * sums[2];  // offsets point to the pixel: the sign of 6.1 turns
@@ -66,12 +65,12 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   // sums[0] is dL/d(log opacity): a factor the opacity was rendered with is a constant under the logarithm.
   g.opacity = sums[0] / p.opacity;
   g.inv_z = sums[9];
-  const RawGrad<float> small = ProjectBackward(chain, camera, view.antialiased, g);
+  const RawGrad<float> small = ProjectBackward(chain, camera, g);
 
-  const int coefficients = (view.sh_degree + 1) * (view.sh_degree + 1);
+  const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   float basis[16], weight[16], inv_distance;
-  const Vec3<float> d = ViewDirection(raw.mean, view, &inv_distance);
-  ShBasis(view.sh_degree, d, basis);
+  const Vec3<float> d = ViewDirection(raw.mean, camera, &inv_distance);
+  ShBasis(camera.sh_degree, d, basis);
   const Vec3<float> color = RawColor(row, basis, coefficients);
   const Vec3<float> gc{color.x > 0.f ? sums[6] : 0.f, color.y > 0.f ? sums[7] : 0.f, color.z > 0.f ? sums[8] : 0.f};
 #pragma unroll
@@ -80,7 +79,7 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
     weight[k] = row[3 * k] * gc.x + row[3 * k + 1] * gc.y + row[3 * k + 2] * gc.z;
     row[3 * k] = basis[k] * gc.x, row[3 * k + 1] = basis[k] * gc.y, row[3 * k + 2] = basis[k] * gc.z;
   }
-  const Vec3<float> gd = ShGradient(view.sh_degree, d, weight);
+  const Vec3<float> gd = ShGradient(camera.sh_degree, d, weight);
   const float radial = Dot(d, gd);
 
   GaussianGrad out;
@@ -104,7 +103,7 @@ __global__ void __launch_bounds__(kShThreads) GaussianBackwardKernel(GaussianBac
   float sums[kRecord];
   SumRecords(in, count > 0 ? in.begins[i] : 0, count, sums);
 
-  const int floats = 3 * (in.view.sh_degree + 1) * (in.view.sh_degree + 1), chunks = (floats + 3) / 4;
+  const int floats = 3 * (in.camera.sh_degree + 1) * (in.camera.sh_degree + 1), chunks = (floats + 3) / 4;
   float* rows = sh_rows + threadIdx.x / kWarp * kWarp * kShRowStride;
   float* row = rows + lane * kShRowStride;
   LoadShRows(in.parameters.sh, first, __ballot_sync(kAllLanes, count > 0), floats, rows);

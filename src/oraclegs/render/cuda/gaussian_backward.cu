@@ -32,7 +32,7 @@ struct WriteRows {
 }  // namespace
 
 void WriteGaussianGrads(const GaussianBackwardInput& in, const GaussianRows& grads) {
-  const int floats = 3 * (in.view.sh_degree + 1) * (in.view.sh_degree + 1);
+  const int floats = 3 * (in.camera.sh_degree + 1) * (in.camera.sh_degree + 1);
   RunGaussianBackward("gradients of Gaussians", in, WriteRows{grads, floats});
 }
 

@@ -5,8 +5,6 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr float kLog2E = 1.442695040888963f;
-
 /// Tiles of [center - half, center + half] along one axis, as [*first, *last); whether there are any. Exact but for
 /// rounding, which widens them (docs/method.md#tiles-and-sorting). What is not a number is not visible.
 __device__ inline bool TilesAlong(float center, float half, int size, uint16_t* first, uint16_t* last) {
@@ -20,7 +18,7 @@ __device__ inline bool TilesAlong(float center, float half, int size, uint16_t* 
 }
 
 __global__ void __launch_bounds__(kShThreads)
-    ProjectKernel(View view, Parameters parameters, Splat* splats, TileRect* rects) {
+    ProjectKernel(SplatCamera<float> camera, GaussianParameters parameters, Splat* splats, TileRect* rects) {
   __shared__ float sh_rows[kShThreads * kShRowStride];
   const int64_t i = ThreadInGrid();
   bool visible = i < parameters.n;
@@ -29,27 +27,26 @@ __global__ void __launch_bounds__(kShThreads)
   float log_opacity = 0;
   TileRect rect{};
   if (visible) {
-    const SplatCamera<float> camera = CameraOf(view);
     const RawSplat<float> raw = LoadRaw(parameters, i);
     mean = raw.mean;
-    p = Project(EvaluateChain(raw, camera, view.antialiased), camera);
+    p = Project(EvaluateChain(raw, camera), camera);
     if (parameters.opacity_factors != nullptr) p.opacity *= parameters.opacity_factors[i];
     // alpha >= 1/255 inside |d|_K <= k, k^2 = 2 ln(255 o'), whose bounding box is k sqrt(diag(cov)).
     log_opacity = logf(Max(p.opacity, 1e-30f));
-    const float k2 = Max(2.f * (log_opacity + 5.541263545158426f), 0.f);
+    const float k2 = Max(2.f * (log_opacity + kLog255), 0.f);
     visible = p.z > kNearPlane && p.opacity >= kAlphaMin &&
-              TilesAlong(p.mx, Sqrt(k2 * p.cov_a), view.width, &rect.x0, &rect.x1) &&
-              TilesAlong(p.my, Sqrt(k2 * p.cov_c), view.height, &rect.y0, &rect.y1);
+              TilesAlong(p.mx, Sqrt(k2 * p.cov_a), camera.width, &rect.x0, &rect.x1) &&
+              TilesAlong(p.my, Sqrt(k2 * p.cov_c), camera.height, &rect.y0, &rect.y1);
     rects[i] = visible ? rect : TileRect{};
   }
   const unsigned mask = __ballot_sync(kAllLanes, visible);
   if (mask == 0) return;
-  const int coefficients = (view.sh_degree + 1) * (view.sh_degree + 1);
+  const int coefficients = (camera.sh_degree + 1) * (camera.sh_degree + 1);
   float* rows = sh_rows + threadIdx.x / kWarp * kWarp * kShRowStride;
   LoadShRows(parameters.sh, i - LaneInWarp(), mask, 3 * coefficients, rows);
   if (!visible) return;
   float basis[16], inv_distance;
-  ShBasis(view.sh_degree, ViewDirection(mean, view, &inv_distance), basis);
+  ShBasis(camera.sh_degree, ViewDirection(mean, camera, &inv_distance), basis);
   const Vec3<float> color = RawColor(rows + LaneInWarp() * kShRowStride, basis, coefficients);
   Splat s;
   s.mx = p.mx, s.my = p.my;
@@ -66,9 +63,9 @@ __global__ void __launch_bounds__(kShThreads)
 
 }  // namespace
 
-void ProjectSplats(const View& view, const Parameters& parameters, Splat* splats, TileRect* rects,
-                   cudaStream_t stream) {
-  Launch("projection", ProjectKernel, LaunchShape::For(parameters.n, kShThreads), stream, view, parameters, splats,
+void ProjectSplats(const SplatCamera<float>& camera, const GaussianParameters& parameters, Splat* splats,
+                   TileRect* rects, cudaStream_t stream) {
+  Launch("projection", ProjectKernel, LaunchShape::For(parameters.n, kShThreads), stream, camera, parameters, splats,
          rects);
 }
 

@@ -6,6 +6,7 @@
 namespace oraclegs::cuda {
 
 /// Fills rects[n] (empty where invisible) and, where they are not empty, splats[n].
-void ProjectSplats(const View& view, const Parameters& parameters, Splat* splats, TileRect* rects, cudaStream_t stream);
+void ProjectSplats(const SplatCamera<float>& camera, const GaussianParameters& parameters, Splat* splats,
+                   TileRect* rects, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

@@ -36,9 +36,10 @@ void RasterCore::ReservePairs(int64_t pairs) {
   pair_room_ = roomy;
 }
 
-void RasterCore::Forward(const View& view, const Parameters& parameters, const ImagePlanes& out, bool train) {
+void RasterCore::Forward(const SplatCamera<float>& camera, const GaussianParameters& parameters, const ImagePlanes& out,
+                         bool train) {
   forward_done_ = backward_done_ = false;
-  view_ = view;
+  camera_ = camera;
   parameters_ = parameters;
   planes_ = out;
   train_ = train;
@@ -49,16 +50,16 @@ void RasterCore::Forward(const View& view, const Parameters& parameters, const I
     array->Reserve(n);
   }
   counters_.ReserveExactly(1);
-  ranges_.Reserve(view.tiles());
+  ranges_.Reserve(camera.tiles());
   if (train) {
-    sums_.Reserve(view.tiles() * kTilePixels);
-    transmittance_.Reserve(view.tiles() * kTilePixels);
-    ends_.Reserve(view.tiles() * kTilePixels);
+    sums_.Reserve(camera.tiles() * kTilePixels);
+    transmittance_.Reserve(camera.tiles() * kTilePixels);
+    ends_.Reserve(camera.tiles() * kTilePixels);
   }
 
   begin_.Record(stream_);
   counters_.FillBytes(0, 1, stream_);
-  ProjectSplats(view, parameters, splats_.data(), rects_.data(), stream_);
+  ProjectSplats(camera, parameters, splats_.data(), rects_.data(), stream_);
   projected_.Record(stream_);
   CountTiles(splats_.data(), rects_.data(), n, {counts_.data(), depths_.data(), ids_.data(), counters_.data()},
              stream_);
@@ -88,17 +89,17 @@ void RasterCore::SendBinAndBlend() {
   uint32_t* const numbers = sorted_tiles + sent_pairs_;
   uint32_t* const gaussians = numbers + sent_pairs_;
   pair_work_.FillBytes(0xff, sent_pairs_, stream_);  // tiles that no pair overwrites sort to the end
-  ListPairs({splats_.data(), rects_.data(), sorted_ids_.data(), ids_.data(), parameters_.n, view_.tiles_x},
+  ListPairs({splats_.data(), rects_.data(), sorted_ids_.data(), ids_.data(), parameters_.n, camera_.tiles_x},
             {tile_of, numbers, gaussians, begins_.data(), sent_pairs_}, stream_);
-  const uint32_t tiles = static_cast<uint32_t>(view_.tiles());
+  const uint32_t tiles = static_cast<uint32_t>(camera_.tiles());
   SortByKey({tile_of, numbers, sorted_tiles, sorted_numbers_.data(), sent_pairs_}, std::bit_width(tiles), &scratch_,
             stream_);
-  ranges_.FillBytes(0, view_.tiles(), stream_);
+  ranges_.FillBytes(0, camera_.tiles(), stream_);
   FindTileRanges({sorted_tiles, sorted_numbers_.data(), gaussians, sent_pairs_, tiles}, ranges_.data(),
                  entry_ids_.data(), stream_);
   binned_.Record(stream_);
   if (train_ && bucket_room_ == 0) {
-    const int64_t guess = pair_room_ / kBucket / 2 + 2 * view_.tiles();
+    const int64_t guess = pair_room_ / kBucket / 2 + 2 * camera_.tiles();
     buckets_.ReserveExactly(guess);
     states_.ReserveExactly(guess * kStateFloats * kTilePixels);
     bucket_room_ = guess;
@@ -116,11 +117,11 @@ void RasterCore::SendBlend(const ImagePlanes& out) {
     kept.ends = {sums_.data(), transmittance_.data(), ends_.data()};
     kept.buckets = {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)};
   }
-  BlendForward({view_, splats_.data(), entry_ids_.data(), ranges_.data()}, out, kept, counters_.data(), stream_);
+  BlendForward({camera_, splats_.data(), entry_ids_.data(), ranges_.data()}, out, kept, counters_.data(), stream_);
   blended_.Ask(counters_.data(), stream_);
 }
 
-GaussianBackwardInput RasterCore::BlendBackward(const Parameters& parameters, const UpstreamPlanes& upstream) {
+GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parameters, const UpstreamPlanes& upstream) {
   if (!forward_done_ || !train_ || parameters.n != parameters_.n) {
     throw ShapeError("RasterCore::BlendBackward: {} Gaussians, but the last Forward was not to train as many",
                      parameters.n);
@@ -136,12 +137,12 @@ GaussianBackwardInput RasterCore::BlendBackward(const Parameters& parameters, co
   }
   backward_begin_.Record(stream_);
   pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // of entries behind all that pixels took
-  const BlendInput forward{view_, splats_.data(), entry_ids_.data(), ranges_.data()};
+  const BlendInput forward{camera_, splats_.data(), entry_ids_.data(), ranges_.data()};
   const BlendKept kept{{sums_.data(), transmittance_.data(), ends_.data()},
                        {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)}};
   cuda::BlendBackward({forward, kept, upstream, sorted_numbers_.data(), buckets}, records(), counters_.data(), stream_);
   blended_backward_.Record(stream_);
-  return {view_, parameters, begins_.data(), counts_.data(), records(), stream_};
+  return {camera_, parameters, begins_.data(), counts_.data(), records(), stream_};
 }
 
 void RasterCore::EndBackward() {

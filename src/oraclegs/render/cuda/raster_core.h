@@ -34,11 +34,12 @@ class RasterCore {
   }
 
   /// Throws OutOfMemory, or RunError when there are 2^30 pairs and more.
-  void Forward(const View& view, const Parameters& parameters, const ImagePlanes& out, bool train);
+  void Forward(const SplatCamera<float>& camera, const GaussianParameters& parameters, const ImagePlanes& out,
+               bool train);
 
   /// The adjoint of the last Forward(train) up to the records of pairs; `parameters` as then, perhaps elsewhere in
   /// memory. What it returns is for RunGaussianBackward, and valid until the next Forward.
-  GaussianBackwardInput BlendBackward(const Parameters& parameters, const UpstreamPlanes& upstream);
+  GaussianBackwardInput BlendBackward(const GaussianParameters& parameters, const UpstreamPlanes& upstream);
 
   /// To be called when the Gaussian backward stage was sent: it is timed and counted until here.
   void EndBackward();
@@ -58,8 +59,8 @@ class RasterCore {
   void ReservePairs(int64_t pairs);
 
   cudaStream_t stream_;
-  View view_{};
-  Parameters parameters_{};
+  SplatCamera<float> camera_{};
+  GaussianParameters parameters_{};
   ImagePlanes planes_{};
   bool train_ = false, forward_done_ = false, backward_done_ = false;
 

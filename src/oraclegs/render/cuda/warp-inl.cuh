@@ -20,16 +20,7 @@ __device__ inline T WarpSum(T value) {
   return value;
 }
 
-__device__ inline SplatCamera<float> CameraOf(const View& view) {
-  SplatCamera<float> c;
-  for (int i = 0; i < 9; ++i) c.r[i] = view.r[i];
-  for (int i = 0; i < 3; ++i) c.t[i] = view.t[i], c.eye[i] = view.eye[i];
-  c.fx = view.fx, c.fy = view.fy, c.cx = view.cx, c.cy = view.cy;
-  c.min_u = view.min_u, c.max_u = view.max_u, c.min_v = view.min_v, c.max_v = view.max_v;
-  return c;
-}
-
-__device__ inline RawSplat<float> LoadRaw(const Parameters& p, int64_t i) {
+__device__ inline RawSplat<float> LoadRaw(const GaussianParameters& p, int64_t i) {
   const float *m = p.means + 3 * i, *s = p.log_scales + 3 * i;
   const float4 q = reinterpret_cast<const float4*>(p.quats)[i];
   return {{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, q.x, q.y, q.z, q.w, p.opacity_logits[i]};
@@ -51,8 +42,9 @@ __device__ inline void LoadShRows(const float* sh, int64_t first, unsigned mask,
 }
 
 /// Unit vector from the camera to the Gaussian, and one over its distance.
-__device__ inline Vec3<float> ViewDirection(const Vec3<float>& mean, const View& view, float* inv_distance) {
-  const Vec3<float> d{mean.x - view.eye[0], mean.y - view.eye[1], mean.z - view.eye[2]};
+__device__ inline Vec3<float> ViewDirection(const Vec3<float>& mean, const SplatCamera<float>& camera,
+                                            float* inv_distance) {
+  const Vec3<float> d{mean.x - camera.eye[0], mean.y - camera.eye[1], mean.z - camera.eye[2]};
   *inv_distance = 1.f / Sqrt(Dot(d, d));
   return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
 }

@@ -1,10 +1,10 @@
 // The functions that the shared mathematics asks of a number type, for plain numbers on host and device.
 
-#if defined(ORACLEGS_RENDER_SCALAR_OPS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef ORACLEGS_RENDER_SCALAR_OPS_INL_H_
-#undef ORACLEGS_RENDER_SCALAR_OPS_INL_H_
+#if defined(ORACLEGS_CORE_SIMD_SCALAR_OPS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ORACLEGS_CORE_SIMD_SCALAR_OPS_INL_H_
+#undef ORACLEGS_CORE_SIMD_SCALAR_OPS_INL_H_
 #else
-#define ORACLEGS_RENDER_SCALAR_OPS_INL_H_
+#define ORACLEGS_CORE_SIMD_SCALAR_OPS_INL_H_
 #endif
 
 #include <cmath>

@@ -1,16 +1,16 @@
 // Rows of numbers in memory <-> one row a lane: square transposes in registers, several times faster than gathers.
 
-#if defined(ORACLEGS_RENDER_CPU_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef ORACLEGS_RENDER_CPU_ROWS_INL_H_
-#undef ORACLEGS_RENDER_CPU_ROWS_INL_H_
+#if defined(ORACLEGS_CORE_SIMD_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ORACLEGS_CORE_SIMD_ROWS_INL_H_
+#undef ORACLEGS_CORE_SIMD_ROWS_INL_H_
 #else
-#define ORACLEGS_RENDER_CPU_ROWS_INL_H_
+#define ORACLEGS_CORE_SIMD_ROWS_INL_H_
 #endif
 
 #include <algorithm>
 #include <cstdint>
 
-#include "oraclegs/render/cpu/lanes-inl.h"
+#include "oraclegs/core/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {

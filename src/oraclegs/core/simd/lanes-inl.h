@@ -1,11 +1,11 @@
 // A SIMD vector that behaves like a float, so that splat_math-inl.h compiles for it. Re-included by Highway for every
 // instruction set.
 
-#if defined(ORACLEGS_RENDER_CPU_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef ORACLEGS_RENDER_CPU_LANES_INL_H_
-#undef ORACLEGS_RENDER_CPU_LANES_INL_H_
+#if defined(ORACLEGS_CORE_SIMD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ORACLEGS_CORE_SIMD_LANES_INL_H_
+#undef ORACLEGS_CORE_SIMD_LANES_INL_H_
 #else
-#define ORACLEGS_RENDER_CPU_LANES_INL_H_
+#define ORACLEGS_CORE_SIMD_LANES_INL_H_
 #endif
 
 #include <hwy/contrib/math/math-inl.h>

@@ -1,0 +1,31 @@
+#pragma once
+// A camera as the kernels of every device read it.
+
+#include <cstdint>
+
+namespace oraclegs {
+
+struct Camera;
+struct RenderOptions;
+
+/// A pinhole camera and how to render with it. F: float or double.
+template <class F>
+struct SplatCamera {
+  F r[9];                        ///< world-to-camera rotation, row-major
+  F t[3];                        ///< translation
+  F eye[3];                      ///< centre, -R' t
+  F fx, fy, cx, cy;              ///< pixels
+  F min_u, max_u, min_v, max_v;  ///< clamp of the linearisation point (docs/method.md#projection)
+  F background[3];
+  int width, height, tiles_x, tiles_y;
+  int sh_degree;
+  bool antialiased;
+
+  int64_t tiles() const { return int64_t{tiles_x} * tiles_y; }
+};
+
+/// Rounded to F from double precision.
+template <class F>
+SplatCamera<F> MakeSplatCamera(const Camera& camera, const RenderOptions& options);
+
+}  // namespace oraclegs
