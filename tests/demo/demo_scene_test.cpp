@@ -1,5 +1,8 @@
 #include "oraclegs/demo/demo_scene.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
@@ -14,7 +17,8 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/demo/raytracer.h"
 #include "oraclegs/image/image.h"
-#include "support/golden.h"
+#include "oraclegs/image/read_image.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

@@ -1,9 +1,10 @@
 #include "oraclegs/demo/raytracer.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdlib>
-
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {
@@ -57,7 +58,7 @@ TEST(TraceView, DepthsOfTwoViewsAgreeWhereNothingHides) {
 
 TEST(TraceView, DepthOfAWallIsExact) {
   // Straight at a wall of a bare room: z depth is the distance of the plane at every pixel.
-  const std::vector<SceneObject> room{{MakeShape(ShapeKind::kRoom, {3, 2, 2}, {0, 0, 0}), Texture::kRoom, 0}};
+  const std::vector<SceneObject> room{{MakeSolid(ShapeKind::kRoom, {3, 2, 2}, {0, 0, 0}), Texture::kRoom, 0}};
   RayCamera camera;
   camera.width = 16;
   camera.height = 12;

@@ -1,8 +1,9 @@
 #include "oraclegs/demo/shapes.h"
 
-#include <cmath>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
-#include "support/golden.h"
+#include <cmath>
 
 namespace oraclegs {
 namespace {
@@ -18,7 +19,7 @@ TEST(SinCosOfTurns, AgreesWithLibm) {
 }
 
 TEST(Intersect, SphereFrontAndBack) {
-  const Shape sphere = MakeShape(ShapeKind::kSphere, {.5, 0, 0}, {1, 2, 3});
+  const Solid sphere = MakeSolid(ShapeKind::kSphere, {.5, 0, 0}, {1, 2, 3});
   const Ray ray{{1, 2, 0}, {0, 0, 1}};
   const auto front = Intersect(sphere, ray, 1e-6, kFar);
   ASSERT_TRUE(front);
@@ -31,7 +32,7 @@ TEST(Intersect, SphereFrontAndBack) {
 }
 
 TEST(Intersect, TurnedBoxShowsItsCorner) {
-  const Shape box = MakeShape(ShapeKind::kBox, {1, 1, 1}, {0, 5, 0}, .125);  // 45 degrees: a vertical edge in front
+  const Solid box = MakeSolid(ShapeKind::kBox, {1, 1, 1}, {0, 5, 0}, .125);  // 45 degrees: a vertical edge in front
   const auto hit = Intersect(box, Ray{{.001, 0, 0}, {0, 1, 0}}, 1e-6, kFar);
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 5 - std::sqrt(2.0) + .001, 1e-9);
@@ -39,7 +40,7 @@ TEST(Intersect, TurnedBoxShowsItsCorner) {
 }
 
 TEST(Intersect, CylinderSideAndCap) {
-  const Shape cylinder = MakeShape(ShapeKind::kCylinder, {.5, 0, 1}, {0, 0, 0});
+  const Solid cylinder = MakeSolid(ShapeKind::kCylinder, {.5, 0, 1}, {0, 0, 0});
   const auto side = Intersect(cylinder, Ray{{0, -3, .3}, {0, 1, 0}}, 1e-6, kFar);
   ASSERT_TRUE(side);
   EXPECT_NEAR(side->t, 2.5, 1e-12);
@@ -52,7 +53,7 @@ TEST(Intersect, CylinderSideAndCap) {
 }
 
 TEST(Intersect, TorusTubeAndHole) {
-  const Shape torus = MakeShape(ShapeKind::kTorus, {1, .25, 0}, {0, 0, 0});
+  const Solid torus = MakeSolid(ShapeKind::kTorus, {1, .25, 0}, {0, 0, 0});
   const auto tube = Intersect(torus, Ray{{1, 0, 2}, {0, 0, -1}}, 1e-6, kFar);
   ASSERT_TRUE(tube);
   EXPECT_NEAR(tube->t, 1.75, 1e-6);
@@ -63,7 +64,7 @@ TEST(Intersect, TorusTubeAndHole) {
 }
 
 TEST(Intersect, RoomIsSeenFromInside) {
-  const Shape room = MakeShape(ShapeKind::kRoom, {2, 3, 1}, {0, 0, 0});
+  const Solid room = MakeSolid(ShapeKind::kRoom, {2, 3, 1}, {0, 0, 0});
   const auto hit = Intersect(room, Ray{{.5, 0, 0}, {1, 0, 0}}, 1e-6, kFar);
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 1.5, 1e-12);
@@ -71,8 +72,8 @@ TEST(Intersect, RoomIsSeenFromInside) {
   EXPECT_NEAR(hit->local_normal.x, 1, 1e-12);
 }
 
-TEST(MakeShape, AxesAreOrthonormal) {
-  const Shape shape = MakeShape(ShapeKind::kBox, {1, 2, 3}, {0, 0, 0}, .13, .37);
+TEST(MakeSolid, AxesAreOrthonormal) {
+  const Solid shape = MakeSolid(ShapeKind::kBox, {1, 2, 3}, {0, 0, 0}, .13, .37);
   EXPECT_NEAR(Dot(shape.axis_x, shape.axis_y), 0, 1e-13);
   EXPECT_NEAR(Dot(shape.axis_y, shape.axis_z), 0, 1e-13);
   EXPECT_NEAR(Length(Cross(shape.axis_x, shape.axis_y) - shape.axis_z), 0, 1e-13);

@@ -1,9 +1,10 @@
 #include "oraclegs/demo/textures.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {

@@ -158,18 +158,18 @@ class Tracer {
 std::vector<SceneObject> DemoObjects() {
   const auto on_floor = [](ShapeKind kind, const Vec3& size, double x, double y, double yaw) {
     const double height = kind == ShapeKind::kSphere ? size.x : (kind == ShapeKind::kTorus ? size.y : size.z);
-    return MakeShape(kind, size, {x, y, height}, yaw);
+    return MakeSolid(kind, size, {x, y, height}, yaw);
   };
   std::vector<SceneObject> objects;
   objects.push_back({on_floor(ShapeKind::kSphere, {.36, 0, 0}, .42, -.42, .1), Texture::kGlaze, .32});
   objects.push_back({on_floor(ShapeKind::kBox, {.42, .36, .34}, -.48, .22, .07), Texture::kCrate, 0});
-  objects.push_back({MakeShape(ShapeKind::kBox, {.2, .2, .2}, {-.58, .26, .88}, .21), Texture::kQuilt, 0});
+  objects.push_back({MakeSolid(ShapeKind::kBox, {.2, .2, .2}, {-.58, .26, .88}, .21), Texture::kQuilt, 0});
   objects.push_back({on_floor(ShapeKind::kCylinder, {.25, 0, .62}, .62, .62, .03), Texture::kTiles, 0});
-  objects.push_back({MakeShape(ShapeKind::kSphere, {.22, 0, 0}, {.62, .62, 1.46}, .3, .1), Texture::kCandy, 0});
+  objects.push_back({MakeSolid(ShapeKind::kSphere, {.22, 0, 0}, {.62, .62, 1.46}, .3, .1), Texture::kCandy, 0});
   objects.push_back({on_floor(ShapeKind::kTorus, {.27, .125, 0}, -.42, -.72, .15), Texture::kDonut, 0});
   objects.push_back({on_floor(ShapeKind::kSphere, {.27, 0, 0}, 1.22, .02, .4), Texture::kMarble, 0});
-  objects.push_back({MakeShape(ShapeKind::kSphere, {.2, 0, 0}, {-1.22, -.3, .2}, .2, .3), Texture::kCandy, 0});
-  objects.push_back({MakeShape(ShapeKind::kRoom, kRoomHalf, kRoomCenter), Texture::kRoom, 0});
+  objects.push_back({MakeSolid(ShapeKind::kSphere, {.2, 0, 0}, {-1.22, -.3, .2}, .2, .3), Texture::kCandy, 0});
+  objects.push_back({MakeSolid(ShapeKind::kRoom, kRoomHalf, kRoomCenter), Texture::kRoom, 0});
   return objects;
 }
 

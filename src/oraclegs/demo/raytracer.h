@@ -11,7 +11,7 @@
 namespace oraclegs {
 
 struct SceneObject {
-  Shape shape;
+  Solid shape;
   Texture texture = Texture::kRoom;
   double mirror = 0;  ///< share of light reflected at normal incidence; 0 = matt
 };

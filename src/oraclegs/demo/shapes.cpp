@@ -132,7 +132,7 @@ MaybeHit HitTorus(const Vec3& size, const Ray& ray, const Limits& limits) {
   return std::nullopt;
 }
 
-MaybeHit HitLocal(const Shape& shape, const Ray& ray, const Limits& limits) {
+MaybeHit HitLocal(const Solid& shape, const Ray& ray, const Limits& limits) {
   switch (shape.kind) {
     case ShapeKind::kSphere:
       return HitSphere(shape.size.x, ray, limits);
@@ -163,9 +163,9 @@ double BoundRadius(ShapeKind kind, const Vec3& size) {
 
 }  // namespace
 
-Shape MakeShape(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw, double tilt) {
+Solid MakeSolid(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw, double tilt) {
   const SinCos a = SinCosOfTurns(yaw), b = SinCosOfTurns(tilt);
-  Shape shape;
+  Solid shape;
   shape.kind = kind;
   shape.size = size;
   shape.center = center;
@@ -177,7 +177,7 @@ Shape MakeShape(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw
   return shape;
 }
 
-std::optional<ShapeHit> Intersect(const Shape& shape, const Ray& ray, double t_min, double t_max) {
+std::optional<ShapeHit> Intersect(const Solid& shape, const Ray& ray, double t_min, double t_max) {
   if (MissesBound(shape, ray)) return std::nullopt;
   const auto to_local = [&](const Vec3& v) {
     return Vec3{Dot(v, shape.axis_x), Dot(v, shape.axis_y), Dot(v, shape.axis_z)};

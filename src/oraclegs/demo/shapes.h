@@ -20,7 +20,7 @@ enum class ShapeKind {
   kRoom,      ///< size = half extents; seen from inside
 };
 
-struct Shape {
+struct Solid {
   ShapeKind kind = ShapeKind::kSphere;
   Vec3 size;
   Vec3 center;                                             ///< world
@@ -29,7 +29,7 @@ struct Shape {
 };
 
 /// A shape turned by `yaw` turns about the world's z axis and then tilted by `tilt` turns about its own x axis.
-Shape MakeShape(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw = 0, double tilt = 0);
+Solid MakeSolid(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw = 0, double tilt = 0);
 
 struct ShapeHit {
   double t = 0;       ///< distance along the ray
@@ -39,10 +39,10 @@ struct ShapeHit {
 };
 
 /// The nearest hit with t in (t_min, t_max).
-std::optional<ShapeHit> Intersect(const Shape& shape, const Ray& ray, double t_min, double t_max);
+std::optional<ShapeHit> Intersect(const Solid& shape, const Ray& ray, double t_min, double t_max);
 
 /// True when the ray certainly misses the shape: the cheap test that comes first.
-inline bool MissesBound(const Shape& shape, const Ray& ray) {
+inline bool MissesBound(const Solid& shape, const Ray& ray) {
   const Vec3 to_center = shape.center - ray.origin;
   const double along = Dot(to_center, ray.direction);
   const double distance2 = Dot(to_center, to_center);
