@@ -1,4 +1,4 @@
-// How long Depth Anything V2 takes for one photograph, and how much memory: full size, made-up weights, this machine.
+// How long Depth Anything V2 takes for one image, and how much memory: full size, made-up weights, this machine.
 //
 //   build/release/bin/depth_anything_bench [small|base|large] [WIDTH HEIGHT]
 
@@ -11,7 +11,7 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 
 int main(int argc, char** argv) {
   using namespace oraclegs;
@@ -24,9 +24,9 @@ int main(int argc, char** argv) {
   const DepthAnything model = LoadDepthAnything(source, DepthAnythingV2(size));
   const double weights = static_cast<double>(PeakMemoryBytes()) / (1 << 20);
   torch::manual_seed(1);
-  const Tensor photo = torch::rand({height, width, 3});
+  const Tensor image = torch::rand({height, width, 3});
   const auto start = std::chrono::steady_clock::now();
-  const Tensor map = RelativeInverseDepth(model, photo);
+  const Tensor map = RelativeInverseDepth(model, image);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double peak = static_cast<double>(PeakMemoryBytes()) / (1 << 20);
   std::printf("%s\n",

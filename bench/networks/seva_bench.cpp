@@ -18,13 +18,13 @@
 #include "oraclegs/networks/seva/cost.h"
 #include "oraclegs/networks/seva/memory.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 struct Settings {
   int64_t frames = 2, side = 128;
   torch::ScalarType type = torch::kFloat;
-  SevaHalves halves = SevaHalves::kBatched;
+  Halves halves = Halves::kBatched;
   torch::Device device = torch::kCPU;
 };
 
@@ -34,7 +34,7 @@ Settings Parse(const std::vector<std::string>& words) {
   if (words.size() > 1) settings.side = std::stoll(words[1]);
   if (words.size() > 2 && words[2] == "bfloat16") settings.type = torch::kBFloat16;
   if (words.size() > 2 && words[2] == "float16") settings.type = torch::kHalf;
-  if (words.size() > 3 && words[3] == "in-turn") settings.halves = SevaHalves::kInTurn;
+  if (words.size() > 3 && words[3] == "in-turn") settings.halves = Halves::kInTurn;
   if (words.size() > 4) settings.device = torch::Device(words[4]);
   return settings;
 }
@@ -88,12 +88,12 @@ double MatrixPeak(const Settings& settings) {
 
 void Measure(const Settings& settings) {
   PlacedParameters source(settings);
-  const SevaUnet unet = LoadSevaUnet(source, SevaUnetConfig());
+  const Unet unet = LoadUnet(source, UnetConfig());
   const int64_t latent = settings.side / 8;
-  SevaFrames frames;
+  Frames frames;
   frames.height = frames.width = latent;
   for (int64_t t = 0; t < settings.frames; ++t) {
-    SevaView view;
+    View view;
     view.world_from_camera.translation().x() = 0.1 * static_cast<double>(t);
     view.intrinsics << 1, 0, 0.5, 0, 1, 0.5, 0, 0, 1;
     frames.views.push_back(view);
@@ -101,29 +101,29 @@ void Measure(const Settings& settings) {
     frames.latents.push_back(at::zeros({1, 4, latent, latent}));
     frames.embeddings.push_back(at::zeros({1, unet.config.context_width}));
   }
-  const SevaNetwork network = MakeNetwork(unet, MakeInputs(frames, settings.device), settings.halves);
-  const Tensor x = SevaNoise({}, {2 * settings.frames, 4, latent, latent}).to(settings.device);
+  const Network network = MakeNetwork(unet, MakeInputs(frames, settings.device), settings.halves);
+  const Tensor x = Noise({}, {2 * settings.frames, 4, latent, latent}).to(settings.device);
   const double peak = MatrixPeak(settings), seconds = Seconds(settings, [&] { network(x, 500); });
   const double operations = CostOfStep(unet, settings.frames, latent, latent).total;
-  SevaMemoryRequest memory{settings.frames, {settings.side, settings.side}, settings.halves, settings.type};
+  MemoryRequest memory{settings.frames, {settings.side, settings.side}, settings.halves, settings.type};
   memory.gpu = settings.device.is_cuda();
   std::printf("%s\n",
               fmt::format("{} frames of {} x {}, {}, {}: {:.3f} s a step of {:.3f} TFLOP, at least {:.3f} s at the "
                           "{:.3f} TFLOP/s of matrix products: {:.0f} % of them; planned {:.1f} GB, process at most "
                           "{:.1f} GB",
                           settings.frames, settings.side, settings.side, c10::toString(settings.type),
-                          settings.halves == SevaHalves::kBatched ? "batched" : "in turn", seconds, operations / 1e12,
+                          settings.halves == Halves::kBatched ? "batched" : "in turn", seconds, operations / 1e12,
                           operations / peak, peak / 1e12, 100 * operations / seconds / peak,
                           static_cast<double>(EstimateMemory(unet.config, memory).total()) / 1e9, PeakGigabytes())
                   .c_str());
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva
 
 int main(int argc, char** argv) {
   try {
-    oraclegs::Measure(oraclegs::Parse({argv + 1, argv + argc}));
+    oraclegs::seva::Measure(oraclegs::seva::Parse({argv + 1, argv + argc}));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "seva_bench: %s\n", error.what());
     return 1;

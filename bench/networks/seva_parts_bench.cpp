@@ -14,7 +14,7 @@
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// Of this process so far.
@@ -61,13 +61,13 @@ int MeasurePart(const std::string& part, int64_t width, int64_t height) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva
 
 int main(int argc, char** argv) {
   const bool sized = argc == 4;
   try {
-    const int code = argc == 2 || sized ? oraclegs::MeasurePart(argv[1], sized ? std::atoll(argv[2]) : 576,
-                                                                sized ? std::atoll(argv[3]) : 576)
+    const int code = argc == 2 || sized ? oraclegs::seva::MeasurePart(argv[1], sized ? std::atoll(argv[2]) : 576,
+                                                                      sized ? std::atoll(argv[3]) : 576)
                                         : 2;
     if (code == 2) std::fprintf(stderr, "usage: seva_parts_bench decode|tiled|encode|clip [WIDTH HEIGHT]\n");
     return code;

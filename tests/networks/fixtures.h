@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "networks/golden_tensors.h"
 #include "oraclegs/networks/common/parameters.h"
-#include "support/tensors.h"
 
 namespace oraclegs {
 

@@ -1,5 +1,5 @@
 #pragma once
-// Small networks with made-up weights, as files: what a run finds on a machine that has fetched the real ones.
+// Makes files of small networks with made-up weights.
 
 #include <filesystem>
 #include <map>
@@ -16,19 +16,19 @@ namespace oraclegs {
 class KeptParameters : public ParameterSource {
  public:
   explicit KeptParameters(uint64_t seed) : random_(seed) {}
-  Buffer<float> Get(const std::string& name, at::IntArrayRef shape) override {
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
     return tensors_[name] = random_.Get(name, shape);
   }
   void Unused(const std::string&, at::IntArrayRef) override {}
-  Buffer<float>& at(const std::string& name) { return tensors_.at(name); }
+  Tensor& at(const std::string& name) { return tensors_.at(name); }
 
   /// `sizes` become its metadata.
   std::filesystem::path Write(const std::filesystem::path& path,
                               const std::map<std::string, nlohmann::json>& sizes = {}) const {
     std::map<std::string, TensorEntry> entries;
     for (const auto& [name, t] : tensors_) {
-      const std::string_view bytes(static_cast<const char*>(t.data_ptr()), static_cast<size_t>(t.count()) * 4);
-      entries[name] = {"F32", t.shape().vec(), bytes};
+      const std::string_view bytes(static_cast<const char*>(t.data_ptr()), static_cast<size_t>(t.numel()) * 4);
+      entries[name] = {"F32", t.sizes().vec(), bytes};
     }
     std::map<std::string, std::string> metadata;
     for (const auto& [name, value] : sizes) metadata[name] = value.dump();
@@ -38,7 +38,7 @@ class KeptParameters : public ParameterSource {
 
  private:
   RandomParameters random_;
-  std::map<std::string, Buffer<float>> tensors_;
+  std::map<std::string, Tensor> tensors_;
 };
 
 /// Depth Anything V2 of four narrow blocks; its input is 70 pixels.
@@ -53,15 +53,15 @@ inline DepthAnythingConfig TinyDepthAnything() {
   return config;
 }
 
-inline std::filesystem::path WriteTinyDepthAnything(const std::filesystem::path& path, uint64_t seed = 5) {
+inline std::filesystem::path MakeTinyDepthAnything(const std::filesystem::path& path, uint64_t seed = 5) {
   KeptParameters parameters(seed);
   LoadDepthAnything(parameters, TinyDepthAnything());
   parameters.at("depth_head.scratch.output_conv2.2.bias").fill_(3);  // else half of all seeds give a map of zeros
   return parameters.Write(path);
 }
 
-inline std::filesystem::path WriteTinyLpips(const std::filesystem::path& path, uint64_t seed = 7,
-                                            FeatureNetwork network = FeatureNetwork::kVgg16) {
+inline std::filesystem::path MakeTinyLpips(const std::filesystem::path& path, uint64_t seed = 7,
+                                           FeatureNetwork network = FeatureNetwork::kVgg16) {
   KeptParameters parameters(seed);
   LoadLpips(parameters, {network, {4, 6, 8, 10, 12}});
   for (int i = 0; i < 5; ++i) parameters.at("lin" + std::to_string(i) + ".model.1.weight").abs_();  // none is negative

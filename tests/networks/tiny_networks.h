@@ -1,18 +1,27 @@
 #pragma once
-// A folder of weights as `oraclegs models` leaves it, of networks so small that a whole run takes seconds: all that the
-// paper's pipeline asks for.
+// Folders of weights of networks so small that a whole run takes seconds.
 
-#include "networks/seva/tiny_files.h"
-#include "networks/vggt/fixture.h"
 #include "networks/network_files.h"
+#include "networks/seva/tiny_files.h"
+#include "support/network_files.h"
 
 namespace oraclegs {
 
-inline void WriteTinyNetworks(const std::filesystem::path& models) {
-  WriteTinySeva(models);
+/// All that the paper's pipeline asks for, as `oraclegs models` leaves it.
+inline void MakeTinyNetworks(const std::filesystem::path& models) {
+  seva::MakeTinySeva(models);
   WriteTinyVggt(models / "vggt" / "model.safetensors");
-  WriteTinyDepthAnything(models / "depth-anything-v2-small" / "model.safetensors");
-  WriteTinyLpips(models / "lpips-vgg" / "model.safetensors");
+  MakeTinyDepthAnything(models / "depth-anything-v2-small" / "model.safetensors");
+  MakeTinyLpips(models / "lpips-vgg" / "model.safetensors");
+}
+
+/// What support/network_files.h copies from: the same networks with several weights.
+inline void MakeTinyVariants(const std::filesystem::path& folder) {
+  for (const uint64_t seed : {5, 6}) {
+    MakeTinyDepthAnything(folder / fmt::format("depth_anything_{}.safetensors", seed), seed);
+  }
+  for (const uint64_t seed : {7, 8}) MakeTinyLpips(folder / fmt::format("lpips_{}.safetensors", seed), seed);
+  MakeTinyLpips(folder / "lpips_alex.safetensors", 7, FeatureNetwork::kAlexNet);
 }
 
 }  // namespace oraclegs

@@ -63,7 +63,8 @@ class VggtOracleTest : public testing::Test {
 TEST_F(VggtOracleTest, PassesAreIndependentAndReported) {
   const std::vector<Proposal> five = {Noise(1), Noise(2), Noise(3), Noise(4), Noise(5)};
   std::vector<size_t> reported, passes;
-  const VggtOracle oracle = Oracle(2, [&](size_t n) { reported.push_back(n); }, &passes);
+  const VggtOracle oracle = Oracle(
+      2, [&](size_t n) { reported.push_back(n); }, &passes);
   const auto maps = oracle.Predict(five);
   EXPECT_EQ(reported, (std::vector<size_t>{1, 2, 2}));  // even runs of at most two
   EXPECT_EQ(passes, reported);

@@ -1,6 +1,6 @@
 #include "oraclegs/networks/common/dpt.h"
 
-#include "support/tensors.h"
+#include "networks/golden_tensors.h"
 
 namespace oraclegs {
 namespace {

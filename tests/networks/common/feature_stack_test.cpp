@@ -1,6 +1,6 @@
 #include "oraclegs/networks/common/feature_stack.h"
 
-#include "support/tensors.h"
+#include "networks/golden_tensors.h"
 
 namespace oraclegs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "support/tensors.h"
+#include "networks/golden_tensors.h"
 
 namespace oraclegs {
 namespace {

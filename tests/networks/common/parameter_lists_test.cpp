@@ -1,10 +1,12 @@
 // The lists by which `models check` judges a file are what the networks ask for.
 
 #include "oraclegs/weights/parameter_list.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include "oraclegs/networks/depth_anything/depth_anything.h"
 #include "oraclegs/networks/lpips/lpips.h"
 #include "oraclegs/networks/vggt/vggt.h"
-#include "support/golden.h"
 
 namespace oraclegs {
 namespace {
@@ -31,7 +33,7 @@ TEST(ModelLists, DepthAnything) {
 
 TEST(ModelLists, Vggt) {
   ListedParameters listed;
-  LoadVggt(listed, VggtConfig(), VggtHeads{true, true, true});
+  vggt::LoadVggt(listed, vggt::Config(), vggt::Heads{true, true, true});
   EXPECT_EQ(Required("vggt"), listed.shapes());
 }
 

@@ -2,9 +2,10 @@
 
 #include <cstring>
 
+#include "networks/golden_tensors.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
-#include "support/tensors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

@@ -1,7 +1,7 @@
 #include "oraclegs/networks/common/transformer_block.h"
 
+#include "networks/golden_tensors.h"
 #include "oraclegs/networks/common/attention.h"
-#include "support/tensors.h"
 
 namespace oraclegs {
 namespace {

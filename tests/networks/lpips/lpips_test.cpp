@@ -2,6 +2,7 @@
 
 #include "networks/fixtures.h"
 #include "oraclegs/core/files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

@@ -2,8 +2,9 @@
 
 #include "networks/fixtures.h"
 #include "oraclegs/core/files.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaChunkStore, GivesBackWhatItKeeps) {
@@ -37,4 +38,4 @@ TEST(SevaChunkStore, WithoutAFolderKeepsNothing) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -4,26 +4,26 @@
 #include "networks/seva/sampling_fixture.h"
 #include "oraclegs/networks/seva/chunks.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// -1 empty, 1000 + i conditioning view i, j target j.
-inline std::vector<int64_t> Codes(const std::vector<SevaChunk>& chunks) {
+inline std::vector<int64_t> Codes(const std::vector<Chunk>& chunks) {
   std::vector<int64_t> codes;
-  for (const SevaChunk& chunk : chunks) {
-    for (const SevaSlot& slot : chunk) {
-      if (slot.kind == SevaSlotKind::kEmpty) codes.push_back(-1);
-      if (slot.kind == SevaSlotKind::kGiven) codes.push_back(1000 + slot.index);
-      if (slot.kind == SevaSlotKind::kTarget) codes.push_back(slot.index);
+  for (const Chunk& chunk : chunks) {
+    for (const Slot& slot : chunk) {
+      if (slot.kind == SlotKind::kEmpty) codes.push_back(-1);
+      if (slot.kind == SlotKind::kGiven) codes.push_back(1000 + slot.index);
+      if (slot.kind == SlotKind::kTarget) codes.push_back(slot.index);
     }
   }
   return codes;
 }
 
 /// Of each place after padding the index within the chunk's own list of views of this kind, -1 for another kind.
-inline std::vector<int64_t> Places(const std::vector<SevaChunk>& chunks, SevaSlotKind kind) {
+inline std::vector<int64_t> Places(const std::vector<Chunk>& chunks, SlotKind kind) {
   std::vector<int64_t> places;
-  for (const SevaChunk& chunk : chunks) {
-    const SevaChunk padded = Padded(chunk);
+  for (const Chunk& chunk : chunks) {
+    const Chunk padded = Padded(chunk);
     int64_t seen = 0;
     for (size_t i = 0; i < padded.size(); ++i) {
       if (padded[i].kind == kind && chunk[i].kind == kind) ++seen;
@@ -33,11 +33,10 @@ inline std::vector<int64_t> Places(const std::vector<SevaChunk>& chunks, SevaSlo
   return places;
 }
 
-inline void ExpectGoldenChunks(const std::vector<SevaChunk>& chunks, const SafetensorsFile& file,
-                               const std::string& name) {
+inline void ExpectGoldenChunks(const std::vector<Chunk>& chunks, const SafetensorsFile& file, const std::string& name) {
   EXPECT_EQ(Codes(chunks), file.Values<int64_t>("chunk." + name + ".codes")) << name;
-  EXPECT_EQ(Places(chunks, SevaSlotKind::kGiven), file.Values<int64_t>("chunk." + name + ".input_maps")) << name;
-  EXPECT_EQ(Places(chunks, SevaSlotKind::kTarget), file.Values<int64_t>("chunk." + name + ".test_maps")) << name;
+  EXPECT_EQ(Places(chunks, SlotKind::kGiven), file.Values<int64_t>("chunk." + name + ".input_maps")) << name;
+  EXPECT_EQ(Places(chunks, SlotKind::kTarget), file.Values<int64_t>("chunk." + name + ".test_maps")) << name;
 }
 
 /// All conditioning views are photographs.
@@ -53,10 +52,10 @@ inline ChunkProblem GoldenChunkProblem(const SafetensorsFile& file) {
 }
 
 /// `count` cameras in a row, one unit apart, the first at `start`.
-inline std::vector<SevaView> Row(int count, double start = 0) {
-  std::vector<SevaView> views(static_cast<size_t>(count));
+inline std::vector<View> Row(int count, double start = 0) {
+  std::vector<View> views(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) views[static_cast<size_t>(i)].world_from_camera.translation().x() = start + i;
   return views;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

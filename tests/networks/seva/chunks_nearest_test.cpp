@@ -2,22 +2,22 @@
 #include "oraclegs/networks/seva/orbit.h"
 #include "oraclegs/networks/seva/plan.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// The scene of the paper's settings: 12 photographs, 50 targets, 68 frames on an orbit.
 struct GoldenOracle {
   SafetensorsFile file = SamplingFixture();
-  std::vector<SevaView> photographs, targets, anchors = GoldenViews(file, "oracle.anchor_c2w");
+  std::vector<View> photographs, targets, anchors = GoldenViews(file, "oracle.anchor_c2w");
   int64_t frames = file.Values<int64_t>("oracle.T").at(0);
 
   GoldenOracle() {
-    const std::vector<SevaView> all = GoldenViews(file, "oracle.all_c2w");
+    const std::vector<View> all = GoldenViews(file, "oracle.all_c2w");
     for (const int64_t i : file.Values<int64_t>("oracle.train_ids"))
       photographs.push_back(all.at(static_cast<size_t>(i)));
     for (const int64_t i : file.Values<int64_t>("oracle.test_ids")) targets.push_back(all.at(static_cast<size_t>(i)));
   }
-  ChunkProblem Problem(const std::vector<SevaView>& sources, const std::vector<SevaView>& wanted) const {
+  ChunkProblem Problem(const std::vector<View>& sources, const std::vector<View>& wanted) const {
     ChunkProblem problem{sources, wanted, {}, frames};
     for (size_t i = 0; i < photographs.size(); ++i) problem.photographs.push_back(static_cast<int64_t>(i));
     return problem;
@@ -26,20 +26,21 @@ struct GoldenOracle {
 
 TEST(SevaNearestChunks, ThePapersPassesMatchTheOfficialOnes) {
   const GoldenOracle golden;
-  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.photographs, golden.anchors), "gt-nearest"), golden.file,
+  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.photographs, golden.anchors), Chunking::kGtNearest), golden.file,
                      "oracle_pass1");
-  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.photographs, golden.targets), "nearest-gt"), golden.file,
+  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.photographs, golden.targets), Chunking::kNearestGt), golden.file,
                      "oracle_onepass");
-  std::vector<SevaView> sources = golden.photographs;
+  std::vector<View> sources = golden.photographs;
   sources.insert(sources.end(), golden.anchors.begin(), golden.anchors.end());
-  ExpectGoldenChunks(PlanChunks(golden.Problem(sources, golden.targets), "nearest-gt"), golden.file, "oracle_pass2");
+  ExpectGoldenChunks(PlanChunks(golden.Problem(sources, golden.targets), Chunking::kNearestGt), golden.file,
+                     "oracle_pass2");
 }
 
 TEST(SevaNearestChunks, ThePapersOrbitAndItsPlanMatchTheOfficialOnes) {
   const GoldenOracle golden;
   SevaOptions options;
   options.frames = static_cast<int>(golden.frames);
-  const SevaPlan plan = PlanSeva(golden.photographs, golden.targets, options);
+  const Plan plan = MakePlan(golden.photographs, golden.targets, options);
   ASSERT_EQ(static_cast<int64_t>(plan.anchors.size()), golden.file.Values<int64_t>("oracle.num_anchors").at(0));
   for (size_t i = 0; i < plan.anchors.size(); ++i) {
     const Eigen::Matrix4d difference =
@@ -55,9 +56,9 @@ TEST(SevaNearestChunks, ThePapersOrbitAndItsPlanMatchTheOfficialOnes) {
 
 TEST(SevaNearestChunks, ASourceWhoseTargetsAreCutLeadsTheNextChunkAgain) {
   const ChunkProblem problem{Row(2), Row(7, 0.9), {}, 5};
-  const std::vector<SevaChunk> chunks = PlanChunks(problem, "nearest");
+  const std::vector<Chunk> chunks = PlanChunks(problem, Chunking::kNearest);
   EXPECT_EQ(Codes(chunks), (std::vector<int64_t>{1001, 0, 1, 2, 3, 1001, 4, 5, 6, -1}));
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

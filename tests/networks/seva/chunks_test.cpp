@@ -2,14 +2,14 @@
 
 #include "networks/seva/chunks_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaChunks, EveryStrategyOfPhotographsMatchesTheOfficialOne) {
   const SafetensorsFile file = SamplingFixture();
   const ChunkProblem problem = GoldenChunkProblem(file);
-  for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt", "nearest-2"}) {
-    ExpectGoldenChunks(PlanChunks(problem, name), file, name);
+  for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt"}) {
+    ExpectGoldenChunks(PlanChunks(problem, *FromWord<Chunking>(name)), file, name);
   }
 }
 
@@ -26,12 +26,12 @@ TEST(SevaChunks, NearestViewsAreTheOfficialOnes) {
 
 TEST(SevaChunks, EveryTargetIsMadeOnce) {
   ChunkProblem problem{Row(3), Row(29, -4.25), {0, 1, 2}, 9};
-  for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt", "nearest-3"}) {
+  for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt"}) {
     std::vector<int> made(problem.targets.size());
-    for (const SevaChunk& chunk : PlanChunks(problem, name)) {
+    for (const Chunk& chunk : PlanChunks(problem, *FromWord<Chunking>(name))) {
       EXPECT_EQ(chunk.size(), 9u);
-      for (const SevaSlot& slot : chunk) {
-        if (slot.kind == SevaSlotKind::kTarget) ++made[static_cast<size_t>(slot.index)];
+      for (const Slot& slot : chunk) {
+        if (slot.kind == SlotKind::kTarget) ++made[static_cast<size_t>(slot.index)];
       }
     }
     EXPECT_EQ(made, std::vector<int>(made.size(), 1)) << name;
@@ -44,27 +44,29 @@ TEST(SevaChunks, MostFrequentKeepsTheFirstOfEquals) {
 }
 
 TEST(SevaChunks, SayWhichOptionDoesNotFit) {
-  const auto message = [](int photographs, int64_t frames, const std::string& strategy) -> std::string {
+  const auto message = [](int photographs, int64_t frames, Chunking chunking) -> std::string {
     ChunkProblem problem{Row(photographs), Row(40), {}, frames};
     for (int64_t i = 0; i < photographs; ++i) problem.photographs.push_back(i);
     try {
-      PlanChunks(problem, strategy);
+      PlanChunks(problem, chunking);
     } catch (const UsageError& error) {
       return error.what();
     }
     return "planned";
   };
-  EXPECT_EQ(message(21, 21, "gt"),
+  EXPECT_EQ(message(21, 21, Chunking::kGt),
             "21 photographs leave no room in chunks of 21 frames; --seva-frames must be at least 23");
-  EXPECT_EQ(message(20, 21, "nearest-gt"),
+  EXPECT_EQ(message(20, 21, Chunking::kNearestGt),
             "20 photographs leave no room in chunks of 21 frames; --seva-frames must be at least 22");
-  EXPECT_EQ(message(3, 4, "gt-ltr"),
+  EXPECT_EQ(message(3, 4, Chunking::kGtLtr),
             "chunks of 4 frames have no room for photographs, made frames and new ones; raise --seva-frames");
-  EXPECT_EQ(message(3, 5, "nearest-5"),
-            "nearest-5 leaves no room in chunks of 5 frames; --seva-frames must be at least 6");
-  EXPECT_THAT(message(3, 9, "closest"), testing::HasSubstr("'closest' is no way to choose frames"));
-  EXPECT_THAT(message(3, 9, "nearest-2x"), testing::HasSubstr("is no way to choose frames"));
+}
+
+TEST(SevaChunks, FirstPassesHaveTheSameWords) {
+  for (const EnumWord<FirstChunking>& entry : EnumWords<FirstChunking>::kWords) {
+    EXPECT_EQ(Word(ToChunking(entry.value)), entry.word);
+  }
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,13 +2,12 @@
 
 #include "networks/seva/tiny_seva.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 /// Three frames, of which the second is given.
-SevaFrames SomeFrames() {
-  SevaFrames frames{
-      std::vector<SevaView>(3), {false, true, false}, std::vector<Tensor>(3), std::vector<Tensor>(3), 8, 16};
+Frames SomeFrames() {
+  Frames frames{std::vector<View>(3), {false, true, false}, std::vector<Tensor>(3), std::vector<Tensor>(3), 8, 16};
   for (size_t i = 0; i < 3; ++i) {
     frames.views[i].world_from_camera.translation().x() = static_cast<double>(i);
     frames.views[i].intrinsics << 1, 0, 0.5, 0, 1, 0.5, 0, 0, 1;
@@ -19,8 +18,8 @@ SevaFrames SomeFrames() {
 }
 
 TEST(SevaConditioning, GivenFramesAreMarked) {
-  const SevaFrames frames = SomeFrames();
-  const SevaInputs inputs = MakeInputs(frames, torch::kCPU);
+  const Frames frames = SomeFrames();
+  const NetworkInputs inputs = MakeInputs(frames, torch::kCPU);
   EXPECT_TRUE(torch::equal(inputs.given[1].slice(0, 0, 4), frames.latents[1][0]));
   EXPECT_EQ(inputs.given[1][4].min().item<double>(), 1);
   EXPECT_EQ(inputs.given[0].abs().max().item<double>(), 0);
@@ -30,7 +29,7 @@ TEST(SevaConditioning, GivenFramesAreMarked) {
 }
 
 TEST(SevaConditioning, ContextIsTheMeanOfTheGivenFrames) {
-  SevaFrames frames = SomeFrames();
+  Frames frames = SomeFrames();
   frames.given[2] = true;
   frames.latents[2] = frames.latents[1];
   frames.embeddings[2] = 3 * frames.embeddings[1];
@@ -39,18 +38,18 @@ TEST(SevaConditioning, ContextIsTheMeanOfTheGivenFrames) {
 }
 
 TEST(SevaConditioning, HalvesInTurnGiveWhatBatchedOnesGive) {
-  const SevaUnet unet = TinySevaUnet();
-  const SevaInputs inputs = MakeInputs(SomeFrames(), torch::kCPU);
+  const Unet unet = TinyUnet();
+  const NetworkInputs inputs = MakeInputs(SomeFrames(), torch::kCPU);
   const Tensor x = at::sin(at::arange(6 * 4 * 8 * 16) * 0.37).view({6, 4, 8, 16});
-  const Tensor batched = MakeNetwork(unet, inputs, SevaHalves::kBatched)(x, 500);
-  const Tensor in_turn = MakeNetwork(unet, inputs, SevaHalves::kInTurn)(x, 500);
+  const Tensor batched = MakeNetwork(unet, inputs, Halves::kBatched)(x, 500);
+  const Tensor in_turn = MakeNetwork(unet, inputs, Halves::kInTurn)(x, 500);
   EXPECT_EQ(batched.sizes(), x.sizes());
   EXPECT_LE(MaxAbsError(batched, in_turn), 1e-4);
   EXPECT_GE(MaxAbsError(batched.slice(0, 0, 3), batched.slice(0, 3)), 1e-2);
 }
 
 TEST(SevaConditioning, RefusesListsThatDoNotFit) {
-  SevaFrames frames = SomeFrames();
+  Frames frames = SomeFrames();
   frames.given[1] = false;
   EXPECT_THROW(MakeInputs(frames, torch::kCPU), ShapeError);
   frames.given.pop_back();
@@ -58,4 +57,4 @@ TEST(SevaConditioning, RefusesListsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,12 +2,12 @@
 
 #include "networks/fixtures.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaCost, IsWhatTheSpecificationCounts) {
   ListedParameters listed;
-  const SevaUnet unet = LoadSevaUnet(listed, SevaUnetConfig());
+  const Unet unet = LoadUnet(listed, UnetConfig());
   EXPECT_NEAR(CostOfStep(unet, 21, 72, 72).total, 76.9e12, 0.05e12);
   EXPECT_NEAR(CostOfStep(unet, 80, 72, 72).total, 430.5e12, 0.05e12);
   EXPECT_NEAR(CostOfStep(unet, 21, 72, 112).total, 137.3e12, 0.05e12);
@@ -16,7 +16,7 @@ TEST(SevaCost, IsWhatTheSpecificationCounts) {
 
 TEST(SevaCost, KnowsTheShareOfJointAttention) {
   ListedParameters listed;
-  const SevaUnet unet = LoadSevaUnet(listed, SevaUnetConfig());
+  const Unet unet = LoadUnet(listed, UnetConfig());
   // 165 at half resolution; at a quarter and an eighth of the sides a little more.
   const double joint = CostOfStep(unet, 80, 72, 72).joint_attention;
   EXPECT_GE(joint, 165e12);
@@ -24,4 +24,4 @@ TEST(SevaCost, KnowsTheShareOfJointAttention) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

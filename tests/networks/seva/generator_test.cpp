@@ -5,8 +5,9 @@
 #include "networks/seva/tiny_seva.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 Camera CameraAt(double angle, int width, int height) {
@@ -27,8 +28,8 @@ Camera CameraAt(double angle, int width, int height) {
 struct TinyScene {
   std::vector<LoadedView> photographs;
   SevaOptions options;
-  SevaRequest request;
-  SevaUnet unet = TinySevaUnet();
+  ViewRequest request;
+  Unet unet = TinyUnet();
 
   TinyScene() {
     for (int i = 0; i < 2; ++i) {
@@ -42,14 +43,14 @@ struct TinyScene {
       photographs.push_back(std::move(photo));
     }
     for (int i = 0; i < 3; ++i) request.targets.push_back(CameraAt(0.1 + 0.3 * i, 100, 70));
-    request.photographs = &photographs;
+    request.views = &photographs;
     request.key = "scene";
     options.frames = 4;
     options.short_side = 64;
     options.steps = 2;
   }
   std::vector<std::vector<ImageF>> Generate(const Listener& listener = Silent()) const {
-    return SevaGenerator(TinySevaNetworks(unet), options, listener).Generate(request);
+    return Generator(TinyNetworkSet(unet), options, listener).Generate(request);
   }
 };
 
@@ -136,11 +137,11 @@ TEST(SevaGenerator, PlacesTheNetworksInTurn) {
   TinyScene scene;
   scene.options.passes = 1;
   scene.options.frames = 8;
-  std::vector<SevaPart> parts;
-  SevaNetworks networks = TinySevaNetworks(scene.unet);
-  networks.place = [&](SevaPart part) { parts.push_back(part); };
-  SevaGenerator(networks, scene.options, Silent()).Generate(scene.request);
-  EXPECT_EQ(parts, (std::vector<SevaPart>{SevaPart::kEncoder, SevaPart::kUnet, SevaPart::kDecoder}));
+  std::vector<Part> parts;
+  NetworkSet networks = TinyNetworkSet(scene.unet);
+  networks.place = [&](Part part) { parts.push_back(part); };
+  Generator(networks, scene.options, Silent()).Generate(scene.request);
+  EXPECT_EQ(parts, (std::vector<Part>{Part::kEncoder, Part::kUnet, Part::kDecoder}));
 }
 
 TEST(SevaGenerator, EncodesEveryPhotographOnce) {
@@ -148,12 +149,12 @@ TEST(SevaGenerator, EncodesEveryPhotographOnce) {
   scene.options.passes = 1;
   scene.options.candidates = 3;
   int encoded = 0;
-  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  NetworkSet networks = TinyNetworkSet(scene.unet);
   networks.encode = [&, encode = networks.encode](const Tensor& picture) {
     ++encoded;
     return encode(picture);
   };
-  SevaGenerator(networks, scene.options, Silent()).Generate(scene.request);
+  Generator(networks, scene.options, Silent()).Generate(scene.request);
   EXPECT_EQ(encoded, 2);
 }
 
@@ -164,14 +165,14 @@ TEST(SevaGenerator, DecodesInTilesWhereMemoryIsShort) {
   scene.request.targets.resize(1);
   std::vector<std::string> warnings;
   std::set<int64_t> sides;
-  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  NetworkSet networks = TinyNetworkSet(scene.unet);
   networks.decode = [&, decode = networks.decode](const Tensor& latent, int64_t side) {
     sides.insert(side);
     return decode(latent, side);
   };
   const auto generate = [&] {
     sides.clear();
-    SevaGenerator(networks, scene.options, [&](const Event& event) {
+    Generator(networks, scene.options, [&](const Event& event) {
       if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
     }).Generate(scene.request);
   };
@@ -188,11 +189,11 @@ TEST(SevaGenerator, DecodesInTilesWhereMemoryIsShort) {
 
 TEST(SevaGenerator, RefusesWhatItCannotDo) {
   TinyScene scene;
-  SevaNetworks networks = TinySevaNetworks(scene.unet);
+  NetworkSet networks = TinyNetworkSet(scene.unet);
   networks.free_bytes = 1000;
-  EXPECT_THROW(SevaGenerator(networks, scene.options, Silent()).Generate(scene.request), RunError);
+  EXPECT_THROW(Generator(networks, scene.options, Silent()).Generate(scene.request), RunError);
   networks.decode = {};
-  EXPECT_THROW(SevaGenerator(networks, scene.options, Silent()), ShapeError);
+  EXPECT_THROW(Generator(networks, scene.options, Silent()), ShapeError);
   scene.photographs[1].camera = CameraAt(0.4, 70, 100);
   scene.photographs[1].rgb.width = 70;
   scene.photographs[1].rgb.height = 100;
@@ -211,11 +212,11 @@ TEST(SevaGenerator, RefusesWhatItCannotDo) {
 
 TEST(SevaGenerator, PicturesAndTensorsAreTheSame) {
   ImageF image{2, 1, 3, {0, 0.25f, 0.5f, 0.75f, 1, 0.125f}};
-  const Tensor picture = ToSevaPicture(image);
+  const Tensor picture = ToNetworkImage(image);
   EXPECT_EQ(picture.sizes(), (at::IntArrayRef{1, 3, 1, 2}));
   EXPECT_EQ(picture[0][1][0][0].item<float>(), -0.5f);
-  EXPECT_EQ(FromSevaPicture(picture).data, image.data);
+  EXPECT_EQ(FromNetworkImage(picture).data, image.data);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,7 +2,7 @@
 
 #include "networks/fixtures.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 GroupNorm RandomNorm(int64_t channels, int64_t groups, double eps) {
@@ -53,4 +53,4 @@ TEST(GroupNorm, GroupsMustDivideTheChannels) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,37 +2,37 @@
 
 #include "networks/seva/sampling_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaGuidance, WeightsAndResultsMatchTheOfficialOnes) {
   const SafetensorsFile file = SamplingFixture();
-  const std::vector<SevaView> views = GoldenViews(file, "cfg.c2w", "cfg.K");
+  const std::vector<View> views = GoldenViews(file, "cfg.c2w", "cfg.K");
   const std::vector<bool> given = GoldenMask(file, "cfg.input_frame_mask");
   const double cfg = file.Values<double>("cfg.scale").at(0), cfg_min = file.Values<double>("cfg.min").at(0);
   const Tensor both = GoldenFloat(file, "cfg.x_uncond_cond");
   const auto frames = static_cast<int64_t>(views.size());
   const Tensor plain = both.slice(0, 0, frames), conditional = both.slice(0, frames);
-  const auto expect = [&](SevaGuider guider, const std::string& name) {
+  const auto expect = [&](Guider guider, const std::string& name) {
     const Tensor weights = GuidanceWeights(views, given, {guider, cfg, cfg_min});
-    if (guider != SevaGuider::kPlain) {
+    if (guider != Guider::kPlain) {
       ExpectRatio(weights, GoldenTensor(file, "cfg." + name + "_scale"), 1e-5, name);
     }
     ExpectRatio(plain + weights.view({-1, 1, 1, 1}) * (conditional - plain), GoldenTensor(file, "cfg." + name + "_out"),
                 1e-5, name);
   };
-  expect(SevaGuider::kPlain, "vanilla");
-  expect(SevaGuider::kMultiView, "multiview");
-  expect(SevaGuider::kTemporal, "temporal");
+  expect(Guider::kPlain, "vanilla");
+  expect(Guider::kMultiView, "multiview");
+  expect(Guider::kTemporal, "temporal");
 }
 
 TEST(SevaGuidance, RotationsMatchTheOfficialOnes) {
   const SafetensorsFile file = SamplingFixture();
-  const std::vector<SevaView> views = GoldenViews(file, "cfg.c2w");
+  const std::vector<View> views = GoldenViews(file, "cfg.c2w");
   const std::vector<bool> given = GoldenMask(file, "cfg.input_frame_mask");
   const std::vector<double> expected = file.Values<double>("cfg.rotation_dist_deg");
   size_t place = 0;
-  for (const SevaView& view : views) {
+  for (const View& view : views) {
     for (size_t j = 0; j < views.size(); ++j) {
       if (!given[j]) continue;
       const double degrees = RotationDegrees(view.world_from_camera.linear(), views[j].world_from_camera.linear());
@@ -42,9 +42,9 @@ TEST(SevaGuidance, RotationsMatchTheOfficialOnes) {
 }
 
 TEST(SevaGuidance, RefusesFramesOfWhichNoneIsGiven) {
-  EXPECT_THROW(GuidanceWeights({SevaView{}}, {false}, {}), ShapeError);
-  EXPECT_THROW(GuidanceWeights({SevaView{}}, {true, true}, {}), ShapeError);
+  EXPECT_THROW(GuidanceWeights({View{}}, {false}, {}), ShapeError);
+  EXPECT_THROW(GuidanceWeights({View{}}, {true, true}, {}), ShapeError);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,7 +2,7 @@
 
 #include "networks/seva/sampling_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 Eigen::Matrix3d Intrinsics(const SafetensorsFile& file, const std::string& name) {
@@ -18,10 +18,10 @@ TEST(SevaImageFit, PicturesAndIntrinsicsMatchTheOfficialOnes) {
     ++cases;
     const std::string name = tensor.substr(0, tensor.size() - 2);
     const Tensor image = GoldenFloat(file, tensor);
-    const SevaSize photograph{image.size(3), image.size(2)};
+    const Size photograph{image.size(3), image.size(2)};
     const std::vector<int64_t> wanted = file.Values<int64_t>(name + "size_stride");
-    const SevaSize working =
-        wanted.size() == 3 ? SevaSize{wanted[0], wanted[1]} : SevaWorkingSize(photograph, wanted.at(0), wanted.at(1));
+    const Size working =
+        wanted.size() == 3 ? Size{wanted[0], wanted[1]} : WorkingSize(photograph, wanted.at(0), wanted.at(1));
     const ImageFit fit = FitImage(photograph, working, FitMode::kCrop);
     ExpectRatio(ToWorkingSize(image, fit), GoldenTensor(file, name + "out"), 1e-4, name);
     const Eigen::Matrix3d k = FittedIntrinsics(Intrinsics(file, name + "K"), fit);
@@ -31,13 +31,13 @@ TEST(SevaImageFit, PicturesAndIntrinsicsMatchTheOfficialOnes) {
 }
 
 TEST(SevaImageFit, WorkingSizesAreMultiplesOf64) {
-  const SevaSize square = SevaWorkingSize({800, 800}, 576), wide = SevaWorkingSize({1297, 840}, 576);
+  const Size square = WorkingSize({800, 800}, 576), wide = WorkingSize({1297, 840}, 576);
   EXPECT_EQ(square.width, 576);
   EXPECT_EQ(square.height, 576);
   EXPECT_EQ(wide.width, 896);
   EXPECT_EQ(wide.height, 576);
-  EXPECT_EQ(SevaWorkingSize({840, 1297}, 576).height, 896);
-  EXPECT_EQ(SevaWorkingSize({50, 50}, 10).width, 64);
+  EXPECT_EQ(WorkingSize({840, 1297}, 576).height, 896);
+  EXPECT_EQ(WorkingSize({50, 50}, 10).width, 64);
 }
 
 /// A smooth picture that says where each pixel lies.
@@ -48,7 +48,7 @@ Tensor Gradient(int64_t height, int64_t width) {
 }
 
 TEST(SevaImageFit, WhatIsPaddedComesBackWhole) {
-  for (const SevaSize photograph : {SevaSize{131, 81}, SevaSize{60, 97}, SevaSize{640, 512}}) {
+  for (const Size photograph : {Size{131, 81}, Size{60, 97}, Size{640, 512}}) {
     const ImageFit fit = FitImage(photograph, {128, 96}, FitMode::kPad);
     const Tensor image = Gradient(photograph.height, photograph.width);
     const Tensor working = ToWorkingSize(image, fit);
@@ -81,10 +81,10 @@ TEST(SevaImageFit, ThePrincipalPointMovesWithThePicture) {
 }
 
 TEST(SevaImageFit, RefusesEmptyPictures) {
-  EXPECT_THROW(SevaWorkingSize({0, 5}, 576), ShapeError);
-  EXPECT_THROW(SevaWorkingSize({5, 5}, 0), ShapeError);
+  EXPECT_THROW(WorkingSize({0, 5}, 576), ShapeError);
+  EXPECT_THROW(WorkingSize({5, 5}, 0), ShapeError);
   EXPECT_THROW(FitImage({5, 5}, {0, 64}, FitMode::kCrop), ShapeError);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

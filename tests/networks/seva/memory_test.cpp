@@ -2,13 +2,13 @@
 
 #include "networks/fixtures.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr int64_t kGigabyte = 1000000000;
 
-SevaMemoryRequest Request(int64_t frames, torch::ScalarType type, SevaHalves halves) {
-  SevaMemoryRequest request;
+MemoryRequest Request(int64_t frames, torch::ScalarType type, Halves halves) {
+  MemoryRequest request;
   request.frames = frames;
   request.type = type;
   request.halves = halves;
@@ -17,40 +17,40 @@ SevaMemoryRequest Request(int64_t frames, torch::ScalarType type, SevaHalves hal
 }
 
 TEST(SevaMemory, EstimatesWhatTheSpecificationDerives) {
-  const SevaUnetConfig config;
-  const SevaMemory few = EstimateMemory(config, Request(21, torch::kBFloat16, SevaHalves::kBatched));
+  const UnetConfig config;
+  const Memory few = EstimateMemory(config, Request(21, torch::kBFloat16, Halves::kBatched));
   EXPECT_NEAR(static_cast<double>(few.weights), 2.53e9, 0.01e9);
   EXPECT_NEAR(static_cast<double>(few.skips), 0.71e9, 0.02e9);
   EXPECT_LE(few.total(), 12 * kGigabyte);  // in 24 GB, with the other networks beside it
-  const SevaMemory many = EstimateMemory(config, Request(80, torch::kBFloat16, SevaHalves::kBatched));
+  const Memory many = EstimateMemory(config, Request(80, torch::kBFloat16, Halves::kBatched));
   EXPECT_NEAR(static_cast<double>(many.skips), 2.7e9, 0.05e9);
   EXPECT_GE(many.total(), 12 * kGigabyte);
   EXPECT_LE(many.total(), 30 * kGigabyte);
-  const SevaMemory half = EstimateMemory(config, Request(80, torch::kBFloat16, SevaHalves::kInTurn));
+  const Memory half = EstimateMemory(config, Request(80, torch::kBFloat16, Halves::kInTurn));
   EXPECT_EQ(2 * half.activations, many.activations);
   EXPECT_EQ(2 * half.skips, many.skips);
 }
 
 TEST(SevaMemory, TakesWhatFits) {
-  const SevaUnetConfig config;
-  const SevaMemoryRequest request = Request(80, torch::kBFloat16, SevaHalves::kBatched);
-  SevaMemoryRequest in_turn = request;
-  in_turn.halves = SevaHalves::kInTurn;
+  const UnetConfig config;
+  const MemoryRequest request = Request(80, torch::kBFloat16, Halves::kBatched);
+  MemoryRequest in_turn = request;
+  in_turn.halves = Halves::kInTurn;
   const int64_t batched_bytes = EstimateMemory(config, request).total();
   const int64_t in_turn_bytes = EstimateMemory(config, in_turn).total();
-  EXPECT_EQ(ChooseHalves(config, request, {}, batched_bytes), SevaHalves::kBatched);
-  EXPECT_EQ(ChooseHalves(config, request, {}, batched_bytes - 1), SevaHalves::kInTurn);
+  EXPECT_EQ(ChooseHalves(config, request, {}, batched_bytes), Halves::kBatched);
+  EXPECT_EQ(ChooseHalves(config, request, {}, batched_bytes - 1), Halves::kInTurn);
   EXPECT_THROW(ChooseHalves(config, request, {}, in_turn_bytes - 1), RunError);
   SevaOptions options;
-  options.halves = "in-turn";
-  EXPECT_EQ(ChooseHalves(config, request, options, batched_bytes), SevaHalves::kInTurn);
-  options.halves = "batched";
+  options.halves = Halves::kInTurn;
+  EXPECT_EQ(ChooseHalves(config, request, options, batched_bytes), Halves::kInTurn);
+  options.halves = Halves::kBatched;
   EXPECT_THROW(ChooseHalves(config, request, options, batched_bytes - 1), RunError);
 }
 
 TEST(SevaMemory, SaysWhatLowersTheNeed) {
-  const SevaUnetConfig config;
-  const auto message = [&](const SevaMemoryRequest& request, const std::string& halves) -> std::string {
+  const UnetConfig config;
+  const auto message = [&](const MemoryRequest& request, Auto<Halves> halves) -> std::string {
     SevaOptions options;
     options.halves = halves;
     try {
@@ -60,18 +60,18 @@ TEST(SevaMemory, SaysWhatLowersTheNeed) {
     }
     return "fits";
   };
-  EXPECT_THAT(message(Request(80, torch::kFloat, SevaHalves::kBatched), "batched"),
+  EXPECT_THAT(message(Request(80, torch::kFloat, Halves::kBatched), Halves::kBatched),
               testing::AllOf(testing::HasSubstr("for 80 frames of 576 x 576"), testing::HasSubstr("1.0 GB are there"),
                              testing::HasSubstr("less is needed with --seva-halves in-turn ("),
                              testing::HasSubstr("--seva-precision bfloat16 ("),
                              testing::HasSubstr("--seva-frames 21 ("), testing::HasSubstr("--seva-short-side 384 (")));
-  SevaMemoryRequest small = Request(5, torch::kBFloat16, SevaHalves::kBatched);
+  MemoryRequest small = Request(5, torch::kBFloat16, Halves::kBatched);
   small.size = {64, 64};
-  EXPECT_THAT(message(small, "auto"), testing::HasSubstr("more memory is needed"));
+  EXPECT_THAT(message(small, {}), testing::HasSubstr("more memory is needed"));
 }
 
 TEST(SevaMemory, DecodesInOneTileWhereThatFits) {
-  SevaPictureRequest request{{768, 576}, 1000, {500, 10, 20, 100}};
+  TileRequest request{{768, 576}, 1000, {500, 10, 20, 100}};
   const int64_t pixels = 96 * 72, whole = 1500 + 120 * pixels;
   EXPECT_EQ(ChooseTile(request, whole), 96);
   EXPECT_EQ(ChooseTile(request, whole - 1), 80);  // 80 x 72 at a time
@@ -93,7 +93,7 @@ TEST(SevaMemory, DecodesInOneTileWhereThatFits) {
 }
 
 TEST(SevaMemory, EstimatesWhatTheAutoencoderHolds) {
-  const SevaPictureMemory full = EstimatePictures({}, torch::kFloat), half = EstimatePictures({}, torch::kBFloat16);
+  const ImageMemory full = EstimatePictures({}, torch::kFloat), half = EstimatePictures({}, torch::kBFloat16);
   // What the process held at most in seva_parts_bench: 1668 and 1134 MiB, its weights with it.
   const double pixels = 72.0 * 72;
   EXPECT_NEAR(static_cast<double>(full.frame + full.tile) * pixels, 1.75e9, 0.1e9);
@@ -104,4 +104,4 @@ TEST(SevaMemory, EstimatesWhatTheAutoencoderHolds) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -1,19 +1,21 @@
 #include "oraclegs/networks/seva/model.h"
 
 #include "networks/seva/tiny_files.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
   const TempDir dir;
-  const SevaModel model(WriteTinySeva(dir.path()), {});
+  const Model model(MakeTinySeva(dir.path()), {});
   Camera camera;
   camera.width = camera.height = 64;
   camera.fx = camera.fy = camera.cx = camera.cy = 32;
-  const std::vector<LoadedView> photographs = {{"a.jpg", camera, {64, 64, 3, std::vector<float>(64 * 64 * 3, 0.25f)}, {}}};
-  SevaRequest request;
-  request.photographs = &photographs;
+  const std::vector<LoadedView> photographs = {
+      {"a.jpg", camera, {64, 64, 3, std::vector<float>(64 * 64 * 3, 0.25f)}, {}}};
+  ViewRequest request;
+  request.views = &photographs;
   camera.cam_from_world.translation().x() = 1;
   request.targets = {camera};
   SevaOptions options;
@@ -21,7 +23,7 @@ TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
   options.short_side = 64;
   options.steps = 2;
   options.passes = 1;
-  const auto pictures = SevaGenerator(model.networks(), options, Silent()).Generate(request);
+  const auto pictures = Generator(model.networks(), options, Silent()).Generate(request);
   ASSERT_EQ(pictures.size(), 1u);
   const std::vector<float>& data = pictures[0][0].data;
   EXPECT_EQ(data.size(), 64u * 64 * 3);
@@ -30,10 +32,10 @@ TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
 
 TEST(SevaModel, SaysWhichFileDoesNotFit) {
   const TempDir dir;
-  const SevaFiles files = WriteTinySeva(dir.path());
+  const SevaFiles files = MakeTinySeva(dir.path());
   const auto message = [&](const SevaFiles& wrong) -> std::string {
     try {
-      SevaModel(wrong, {});
+      Model(wrong, {});
     } catch (const InputError& error) {
       return error.what();
     }
@@ -57,15 +59,36 @@ TEST(SevaModel, SaysWhichFileDoesNotFit) {
   EXPECT_THAT(message(files), testing::HasSubstr("says that patch_size is '\"large\"'"));
   SevaFiles none = files;
   none.unet.clear();
-  EXPECT_THROW(SevaModel(none, {}), ShapeError);
+  EXPECT_THROW(Model(none, {}), ShapeError);
 }
 
-TEST(SevaModel, KnowsTheWordsOfItsPrecision) {
-  EXPECT_EQ(SevaPrecision("float32"), torch::kFloat);
-  EXPECT_EQ(SevaPrecision("bfloat16"), torch::kBFloat16);
-  EXPECT_EQ(SevaPrecision("float16"), torch::kHalf);
-  EXPECT_THROW(SevaPrecision("int8"), UsageError);
+TEST(SevaModel, KnowsItsNumberTypes) {
+  EXPECT_EQ(ScalarTypeOf(Precision::kFloat32), torch::kFloat);
+  EXPECT_EQ(ScalarTypeOf(Precision::kBFloat16), torch::kBFloat16);
+  EXPECT_EQ(ScalarTypeOf(Precision::kFloat16), torch::kHalf);
+}
+
+TEST(LoadViewGenerator, GeneratesWhatTheGeneratorDoes) {
+  const TempDir dir;
+  ViewGeneratorRequest request{MakeTinySeva(dir.path()), {}, kCpu, int64_t{1} << 40};
+  request.options.frames = 4;
+  request.options.short_side = 64;
+  request.options.steps = 1;
+  request.options.passes = 1;
+  Camera camera;
+  camera.width = camera.height = 64;
+  camera.fx = camera.fy = camera.cx = camera.cy = 32;
+  const std::vector<LoadedView> views = {{"a.jpg", camera, {64, 64, 3, std::vector<float>(64 * 64 * 3, 0.25f)}, {}}};
+  ViewRequest wanted;
+  wanted.views = &views;
+  camera.cam_from_world.translation().x() = 1;
+  wanted.targets = {camera};
+  const Model model(request.files, {});
+  const auto expected = Generator(model.networks(), request.options, Silent()).Generate(wanted);
+  EXPECT_EQ(LoadViewGenerator(request)->Generate(wanted, Silent())[0][0].data, expected[0][0].data);
+  request.options.steps = 0;
+  EXPECT_THROW(LoadViewGenerator(request), UsageError);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,31 +2,31 @@
 
 #include "networks/seva/unet_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaMultiView, OneAloneMatchesTheOfficialNetwork) {
-  const GoldenSeva golden;
-  const auto& block = std::get<SevaMultiView>(golden.unet.input_blocks.at(1).at(1));
+  const GoldenUnet golden;
+  const auto& block = std::get<MultiView>(golden.unet.input_blocks.at(1).at(1));
   const int64_t frames = golden.conditions.frames;
-  const SevaMultiViewContext context = PrepareContext(block, golden.conditions.context, frames);
+  const MultiViewContext context = PrepareContext(block, golden.conditions.context, frames);
   ExpectGoldenRatio(Forward(block, GoldenFloat(golden.file, "input.probe_mv_x"), context, frames), golden.file,
                     "output.probe_mv");
 }
 
 TEST(SevaMultiView, OfAllFramesMatchesTheOfficialNetwork) {
-  const GoldenSeva golden;
-  const auto& block = std::get<SevaMultiView>(golden.unet.middle.at(1));
-  ASSERT_EQ(block.reach, SevaReach::kSequence);
+  const GoldenUnet golden;
+  const auto& block = std::get<MultiView>(golden.unet.middle.at(1));
+  ASSERT_EQ(block.reach, Reach::kSequence);
   const int64_t frames = golden.conditions.frames;
-  const SevaMultiViewContext context = PrepareContext(block, golden.conditions.context, frames);
+  const MultiViewContext context = PrepareContext(block, golden.conditions.context, frames);
   ExpectGoldenRatio(Forward(block, GoldenFloat(golden.file, "inter.middle_block.0"), context, frames), golden.file,
                     "inter.middle_block.1");
 }
 
 TEST(SevaMultiView, SequencesDoNotSeeEachOther) {
   RandomParameters source(1);
-  const SevaMultiView block = LoadSevaMultiView(ParameterScope(source), {32, 16, 2, 24, 32, SevaReach::kSequence});
+  const MultiView block = LoadMultiView(ParameterScope(source), {32, 16, 2, 24, 32, Reach::kSequence});
   const Tensor x = at::sin(at::arange(6 * 32 * 4 * 2) * 0.7).view({6, 32, 4, 2});
   const Tensor context = at::cos(at::arange(6 * 24) * 0.3).view({6, 1, 24});
   const Tensor both = Forward(block, x, PrepareContext(block, context, 3), 3);
@@ -36,8 +36,8 @@ TEST(SevaMultiView, SequencesDoNotSeeEachOther) {
 
 TEST(SevaMultiView, RefusesHeadsThatDoNotDivideTheChannels) {
   ListedParameters source;
-  EXPECT_THROW(LoadSevaMultiView(ParameterScope(source), {32, 24}), ShapeError);
+  EXPECT_THROW(LoadMultiView(ParameterScope(source), {32, 24}), ShapeError);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

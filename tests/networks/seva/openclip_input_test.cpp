@@ -4,7 +4,7 @@
 
 #include "networks/fixtures.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 class OpenClipInputParity : public OnThreads {};
@@ -98,4 +98,4 @@ TEST(OpenClipInput, RefusesWhatIsNoImage) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

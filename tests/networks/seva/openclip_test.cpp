@@ -2,8 +2,9 @@
 
 #include "networks/fixtures.h"
 #include "oraclegs/core/files.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr const char* kFixture = "openclip_visual_tiny";
@@ -137,4 +138,4 @@ TEST(OpenClip, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -3,13 +3,13 @@
 #include "networks/seva/sampling_fixture.h"
 #include "oraclegs/camera/camera_path.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaOrbit, MatchesTheOfficialOne) {
   const SafetensorsFile file = SamplingFixture();
-  const std::vector<SevaView> all = GoldenViews(file, "traj.all_c2w"), orbit = GoldenViews(file, "traj.orbit_c2w");
-  std::vector<SevaView> photographs;
+  const std::vector<View> all = GoldenViews(file, "traj.all_c2w"), orbit = GoldenViews(file, "traj.orbit_c2w");
+  std::vector<View> photographs;
   for (const int64_t i : file.Values<int64_t>("traj.train_ids")) photographs.push_back(all.at(static_cast<size_t>(i)));
   const std::vector<double> center = file.Values<double>("traj.lookat"), up = file.Values<double>("traj.up");
   const Eigen::Vector3d our_center = LookAtPoint(all), our_up = UpOf(photographs);
@@ -24,13 +24,13 @@ TEST(SevaOrbit, MatchesTheOfficialOne) {
 }
 
 TEST(SevaOrbit, AnchorsLeaveOutThePhotograph) {
-  SevaView photograph, target;
+  View photograph, target;
   photograph.world_from_camera = LookAt({3, 0, 0}, {0, 0, 0}, {0, 0, 1}).inverse();
   target.world_from_camera = LookAt({0, 3, 0}, {0, 0, 0}, {0, 0, 1}).inverse();
   target.intrinsics(0, 0) = 7;
-  const std::vector<SevaView> anchors = OrbitAnchors({photograph}, {target}, 5);
+  const std::vector<View> anchors = OrbitAnchors({photograph}, {target}, 5);
   ASSERT_EQ(anchors.size(), 5u);
-  for (const SevaView& anchor : anchors) {
+  for (const View& anchor : anchors) {
     EXPECT_NEAR(anchor.center().norm(), 3, 1e-9);
     EXPECT_GE((anchor.center() - photograph.center()).norm(), 1);
     EXPECT_EQ(anchor.intrinsics, target.intrinsics);
@@ -39,7 +39,7 @@ TEST(SevaOrbit, AnchorsLeaveOutThePhotograph) {
 }
 
 TEST(SevaOrbit, ParallelAxesMeetBesideTheirMean) {
-  std::vector<SevaView> views(2);
+  std::vector<View> views(2);
   views[1].world_from_camera.translation().x() = 2;
   EXPECT_LE((LookAtPoint(views) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9);
   EXPECT_THROW(LookAtPoint({}), ShapeError);
@@ -47,4 +47,4 @@ TEST(SevaOrbit, ParallelAxesMeetBesideTheirMean) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

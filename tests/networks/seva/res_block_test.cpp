@@ -2,13 +2,13 @@
 
 #include "networks/seva/unet_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaResBlock, MatchesTheOfficialNetwork) {
-  const GoldenSeva golden;
-  const SevaConditioning conditioning = Prepare(golden.unet, golden.conditions);
-  const auto& block = std::get<SevaResBlock>(golden.unet.input_blocks.at(1).at(0));
+  const GoldenUnet golden;
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const auto& block = std::get<ResBlock>(golden.unet.input_blocks.at(1).at(0));
   const Tensor x = GoldenFloat(golden.file, "inter.input_blocks.0");
   ExpectGoldenRatio(Forward(block, x, golden.Embedding(), conditioning.dense.front()), golden.file,
                     "inter.input_blocks.1.0");
@@ -16,7 +16,7 @@ TEST(SevaResBlock, MatchesTheOfficialNetwork) {
 
 TEST(SevaResBlock, SlicesOfFramesDoNotChangeTheModulation) {
   RandomParameters source(5);
-  const SevaResBlock block = LoadSevaResBlock(ParameterScope(source), {64, 32, 48, 6, 32});
+  const ResBlock block = LoadResBlock(ParameterScope(source), {64, 32, 48, 6, 32});
   const auto noise = [](at::IntArrayRef shape) {
     return at::sin(at::arange(c10::multiply_integers(shape)) * 1.7).view(shape);
   };
@@ -30,4 +30,4 @@ TEST(SevaResBlock, SlicesOfFramesDoNotChangeTheModulation) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

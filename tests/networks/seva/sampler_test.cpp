@@ -4,7 +4,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/networks/seva/guidance.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaSampler, EveryEulerStateMatchesTheOfficialOne) {
@@ -13,7 +13,7 @@ TEST(SevaSampler, EveryEulerStateMatchesTheOfficialOne) {
   const float a = file.Values<float>("euler.a").at(0);
   const auto steps = static_cast<int>(eps.size(0));
   EulerProblem problem;
-  problem.sigmas = SevaSigmas(MakeSevaSchedule(), steps);
+  problem.sigmas = Sigmas(MakeSchedule(), steps);
   problem.denoise = [a](const Tensor& x, float sigma) { return x * a / (1 + sigma); };
   problem.noise = [&](int64_t step) { return eps[step]; };
   int told = 0;
@@ -35,7 +35,7 @@ Tensor AnalyticNetwork(const Tensor& x, int64_t index, const Tensor& concat, con
          0.1 * context.mean({1, 2}).view({-1, 1, 1, 1});
 }
 
-class SevaFullSampling : public testing::TestWithParam<std::pair<const char*, SevaGuider>> {};
+class SevaFullSampling : public testing::TestWithParam<std::pair<const char*, Guider>> {};
 
 TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
   const SafetensorsFile file = SamplingFixture();
@@ -46,11 +46,11 @@ TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
   const Tensor mask = AsTensor(given).to(torch::kFloat).view({-1, 1, 1, 1}).expand_as(rays.slice(1, 0, 1));
   const Tensor concat = at::cat({at::cat({at::zeros_like(mask), rays}, 1), at::cat({mask, rays}, 1)}, 0);
   const Tensor contexts = at::cat({at::zeros_like(context), context}, 0);
-  const SevaSchedule schedule = MakeSevaSchedule();
+  const Schedule schedule = MakeSchedule();
   const int64_t probe = file.Values<int64_t>("full.probe_call").at(0);
   int64_t calls = 0;
   std::vector<int64_t> indices;
-  SevaDenoiser denoiser;
+  Denoiser denoiser;
   denoiser.schedule = &schedule;
   denoiser.given = GoldenFloat(file, "full.replace");
   denoiser.weights =
@@ -58,7 +58,7 @@ TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
   denoiser.network = [&](const Tensor& scaled, int64_t index) {
     indices.push_back(index);
     const Tensor out = AnalyticNetwork(scaled, index, concat, contexts);
-    if (++calls == probe && GetParam().second == SevaGuider::kMultiView) {
+    if (++calls == probe && GetParam().second == Guider::kMultiView) {
       EXPECT_EQ(index, file.Values<int64_t>("full.probe_idx").at(0));
       ExpectRatio(scaled, GoldenTensor(file, "full.probe_net_in"), 1e-4, "what the network is given");
       ExpectRatio(out, GoldenTensor(file, "full.probe_net_out"), 1e-4, "what it answers");
@@ -68,7 +68,7 @@ TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
   const Tensor eps = GoldenFloat(file, name + ".eps"), states = GoldenTensor(file, name + ".x_after_step");
   const std::vector<int64_t> stored = file.Values<int64_t>(name + ".step_index");
   EulerProblem problem;
-  problem.sigmas = SevaSigmas(schedule, static_cast<int>(eps.size(0)));
+  problem.sigmas = Sigmas(schedule, static_cast<int>(eps.size(0)));
   problem.denoise = [&](const Tensor& x, float sigma) { return Denoise(denoiser, x, sigma); };
   problem.noise = [&](int64_t step) { return eps[step]; };
   problem.after_step = [&](int64_t step, const Tensor& x) {
@@ -82,30 +82,30 @@ TEST_P(SevaFullSampling, MatchesTheOfficialOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Guiders, SevaFullSampling,
-                         testing::Values(std::pair{"multiview", SevaGuider::kMultiView},
-                                         std::pair{"temporal", SevaGuider::kTemporal}));
+                         testing::Values(std::pair{"multiview", Guider::kMultiView},
+                                         std::pair{"temporal", Guider::kTemporal}));
 
 TEST(SevaSampler, NeedsTwoSigmas) { EXPECT_THROW(SampleEuler(torch::zeros({1, 4, 2, 2}), {{1.f}}), ShapeError); }
 
 TEST(SevaNoise, IsStandardNormalAndDependsOnEveryPartOfItsKey) {
-  const Tensor noise = SevaNoise({7, 2, 3}, {40, 4, 31, 33});
+  const Tensor noise = Noise({7, 2, 3}, {40, 4, 31, 33});
   EXPECT_NEAR(noise.mean().item<double>(), 0, 0.01);
   EXPECT_NEAR(noise.std().item<double>(), 1, 0.01);
   EXPECT_NEAR(noise.pow(4).mean().item<double>(), 3, 0.1);
-  for (const SevaNoiseKey& other : {SevaNoiseKey{8, 2, 3}, SevaNoiseKey{7, 3, 3}, SevaNoiseKey{7, 2, 4}}) {
-    EXPECT_LE(std::abs((noise * SevaNoise(other, noise.sizes())).mean().item<double>()), 0.01);
+  for (const NoiseKey& other : {NoiseKey{8, 2, 3}, NoiseKey{7, 3, 3}, NoiseKey{7, 2, 4}}) {
+    EXPECT_LE(std::abs((noise * Noise(other, noise.sizes())).mean().item<double>()), 0.01);
   }
 }
 
 TEST(SevaNoise, SameBitsForAnyNumberOfThreads) {
   const int before = NumThreads();
   SetNumThreads(1);
-  const Tensor one = SevaNoise({1, 1, 1}, {3, 4, 61, 67});
+  const Tensor one = Noise({1, 1, 1}, {3, 4, 61, 67});
   SetNumThreads(3);
-  const Tensor three = SevaNoise({1, 1, 1}, {3, 4, 61, 67});
+  const Tensor three = Noise({1, 1, 1}, {3, 4, 61, 67});
   SetNumThreads(before);
   EXPECT_TRUE(torch::equal(one, three));
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

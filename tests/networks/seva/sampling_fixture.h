@@ -4,20 +4,20 @@
 #include "networks/fixtures.h"
 #include "oraclegs/networks/seva/cameras.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-inline constexpr const char* kSevaSamplingFixture = "seva_sampling";
+inline constexpr const char* kSamplingFixture = "seva_sampling";
 
-inline SafetensorsFile SamplingFixture() { return OpenGolden(kSevaSamplingFixture); }
+inline SafetensorsFile SamplingFixture() { return OpenGolden(kSamplingFixture); }
 
 /// Poses [N, 3 or 4, 4] from camera to world, and intrinsics [N, 3, 3] where they are given.
-inline std::vector<SevaView> GoldenViews(const SafetensorsFile& file, const std::string& poses,
-                                         const std::string& intrinsics = "") {
+inline std::vector<View> GoldenViews(const SafetensorsFile& file, const std::string& poses,
+                                     const std::string& intrinsics = "") {
   const std::vector<double> pose = file.Values<double>(poses);
   const auto& shape = file.Get(poses).shape;
   std::vector<double> lens;
   if (!intrinsics.empty()) lens = file.Values<double>(intrinsics);
-  std::vector<SevaView> views(static_cast<size_t>(shape.at(0)));
+  std::vector<View> views(static_cast<size_t>(shape.at(0)));
   const auto stride = static_cast<size_t>(shape.at(1) * shape.at(2));
   using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
   using RowMajor33 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -45,4 +45,4 @@ inline void ExpectRatio(const Tensor& actual, const Tensor& expected, double tol
   EXPECT_LE(MaxAbsError(actual, expected), tolerance * expected.abs().max().item<double>()) << what;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,12 +2,12 @@
 
 #include "networks/seva/sampling_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(SevaSchedule, LevelsMatchTheOfficialOnes) {
   const SafetensorsFile file = SamplingFixture();
-  const SevaSchedule shifted = MakeSevaSchedule(), plain = MakeSevaSchedule(0);
+  const Schedule shifted = MakeSchedule(), plain = MakeSchedule(0);
   ExpectRatio(AsTensor(shifted.alphas_cumprod), GoldenTensor(file, "sched.alphas_cumprod"), 1e-5, "alphas");
   ExpectRatio(AsTensor(shifted.sigmas), GoldenTensor(file, "sched.sigmas_1000_ascending"), 1e-5, "sigmas");
   ExpectRatio(AsTensor(plain.sigmas), GoldenTensor(file, "sched.sigmas_1000_ascending_noshift"), 1e-5, "no shift");
@@ -17,34 +17,33 @@ TEST(SevaSchedule, StepsVisitTheOfficialLevels) {
   const SafetensorsFile file = SamplingFixture();
   for (const std::string name : {"sched.a.", "sched.b."}) {
     const auto steps = static_cast<int>(file.Values<int64_t>(name + "num_steps").at(0));
-    std::vector<int64_t> ascending = SevaStepIndices(steps);
+    std::vector<int64_t> ascending = StepIndices(steps);
     std::reverse(ascending.begin(), ascending.end());
     EXPECT_EQ(ascending, file.Values<int64_t>(name + "timesteps_ascending"));
-    ExpectRatio(AsTensor(SevaSigmas(MakeSevaSchedule(), steps)), GoldenTensor(file, name + "sigmas"), 1e-5, name);
-    ExpectRatio(AsTensor(SevaSigmas(MakeSevaSchedule(0), steps)), GoldenTensor(file, name + "sigmas_noshift"), 1e-5,
-                name);
+    ExpectRatio(AsTensor(Sigmas(MakeSchedule(), steps)), GoldenTensor(file, name + "sigmas"), 1e-5, name);
+    ExpectRatio(AsTensor(Sigmas(MakeSchedule(0), steps)), GoldenTensor(file, name + "sigmas_noshift"), 1e-5, name);
   }
 }
 
 TEST(SevaSchedule, AnyNumberOfStepsFallsThroughTheLevels) {
   for (const int steps : {1, 2, 37, 999, 1000}) {
-    const std::vector<int64_t> indices = SevaStepIndices(steps);
+    const std::vector<int64_t> indices = StepIndices(steps);
     ASSERT_EQ(indices.size(), static_cast<size_t>(steps));
     EXPECT_EQ(indices.front(), 999);
     EXPECT_GE(indices.back(), 0);
     for (size_t i = 1; i < indices.size(); ++i) EXPECT_LT(indices[i], indices[i - 1]);
   }
-  EXPECT_THROW(SevaStepIndices(0), ShapeError);
-  EXPECT_THROW(SevaStepIndices(1001), ShapeError);
+  EXPECT_THROW(StepIndices(0), ShapeError);
+  EXPECT_THROW(StepIndices(1001), ShapeError);
 }
 
 TEST(SevaSchedule, ScalingMatchesTheOfficialDenoiser) {
   const SafetensorsFile file = SamplingFixture();
-  const SevaSchedule schedule = MakeSevaSchedule();
+  const Schedule schedule = MakeSchedule();
   std::vector<int64_t> indices;
   std::vector<float> sigmas, skips, outs, ins;
   for (const float sigma : file.Values<float>("denoiser.sigma_in")) {
-    const SevaScaling scaling = ScalingAt(schedule, sigma);
+    const Scaling scaling = ScalingAt(schedule, sigma);
     indices.push_back(scaling.index);
     sigmas.push_back(scaling.sigma);
     skips.push_back(scaling.c_skip);
@@ -60,4 +59,4 @@ TEST(SevaSchedule, ScalingMatchesTheOfficialDenoiser) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

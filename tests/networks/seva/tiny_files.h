@@ -1,22 +1,22 @@
 #pragma once
-// Weight files of a SEVA of a few thousand numbers, as SevaModel reads them.
+// Weight files of a SEVA of a few thousand numbers, as Model reads them.
 
+#include "networks/network_files.h"
 #include "networks/seva/tiny_seva.h"
-#include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/model.h"
+#include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae.h"
-#include "support/network_files.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 /// dir/seva, dir/sd21-vae and dir/openclip-vith14, each with model.safetensors.
-inline SevaFiles WriteTinySeva(const std::filesystem::path& dir) {
+inline SevaFiles MakeTinySeva(const std::filesystem::path& dir) {
   SevaFiles files{{dir / "seva" / "model.safetensors"},
                   dir / "sd21-vae" / "model.safetensors",
                   dir / "openclip-vith14" / "model.safetensors"};
-  const SevaUnetConfig unet = TinySevaConfig();
+  const UnetConfig unet = TinyUnetConfig();
   KeptParameters unet_source(1), vae_source(2), clip_source(3);
-  LoadSevaUnet(unet_source, unet);
+  LoadUnet(unet_source, unet);
   unet_source.Write(files.unet.front(), {{"model_channels", unet.channels},
                                          {"channel_mult", unet.channel_mult},
                                          {"num_res_blocks", unet.res_blocks},
@@ -45,4 +45,4 @@ inline SevaFiles WriteTinySeva(const std::filesystem::path& dir) {
   return files;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

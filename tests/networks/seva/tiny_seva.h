@@ -4,12 +4,12 @@
 #include "networks/fixtures.h"
 #include "oraclegs/networks/seva/generator.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 inline constexpr int64_t kTinyContext = 12;
 
-inline SevaUnetConfig TinySevaConfig() {
-  SevaUnetConfig config;
+inline UnetConfig TinyUnetConfig() {
+  UnetConfig config;
   config.channels = 8;
   config.channel_mult = {1, 2};
   config.res_blocks = 1;
@@ -22,14 +22,14 @@ inline SevaUnetConfig TinySevaConfig() {
   return config;
 }
 
-inline SevaUnet TinySevaUnet() {
+inline Unet TinyUnet() {
   RandomParameters source(11);
-  return LoadSevaUnet(source, TinySevaConfig());
+  return LoadUnet(source, TinyUnetConfig());
 }
 
 /// The mean of 8 x 8 pixels as three channels of the latent, and back; the embedding is the mean colour.
-inline SevaNetworks TinySevaNetworks(const SevaUnet& unet) {
-  SevaNetworks networks;
+inline NetworkSet TinyNetworkSet(const Unet& unet) {
+  NetworkSet networks;
   networks.unet = &unet;
   networks.encode = [](const Tensor& picture) {
     const Tensor mean = at::avg_pool2d(picture, {8, 8});
@@ -43,4 +43,4 @@ inline SevaNetworks TinySevaNetworks(const SevaUnet& unet) {
   return networks;
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -7,10 +7,10 @@
 #include "networks/fixtures.h"
 #include "oraclegs/networks/seva/unet.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
-inline constexpr const char* kSevaUnetFixture = "seva_unet_tiny";
-inline constexpr double kSevaUnetTolerance = 5e-5;  // max |a - b| / max |b|
+inline constexpr const char* kUnetFixture = "seva_unet_tiny";
+inline constexpr double kUnetTolerance = 5e-5;  // max |a - b| / max |b|
 
 inline std::vector<int64_t> Integers(const SafetensorsFile& file, const std::string& key) {
   std::vector<int64_t> out;
@@ -25,8 +25,8 @@ inline std::vector<std::string> Words(const SafetensorsFile& file, const std::st
   return out;
 }
 
-inline SevaUnetConfig GoldenSevaConfig(const SafetensorsFile& file) {
-  SevaUnetConfig config;
+inline UnetConfig GoldenConfig(const SafetensorsFile& file) {
+  UnetConfig config;
   config.channels = Count(file, "model_channels");
   config.res_blocks = Count(file, "num_res_blocks");
   config.attention_downscales = Integers(file, "attention_resolutions");
@@ -38,15 +38,15 @@ inline SevaUnetConfig GoldenSevaConfig(const SafetensorsFile& file) {
   return config;
 }
 
-struct GoldenSeva {
-  SafetensorsFile file = OpenGolden(kSevaUnetFixture);
-  SevaUnet unet;
+struct GoldenUnet {
+  SafetensorsFile file = OpenGolden(kUnetFixture);
+  Unet unet;
   Tensor x, steps;  ///< latent with mask and rays; step indices
-  SevaConditions conditions;
+  Conditions conditions;
 
-  GoldenSeva() {
-    FileParameters source = GoldenWeights(kSevaUnetFixture);
-    unet = LoadSevaUnet(source, GoldenSevaConfig(file));
+  GoldenUnet() {
+    FileParameters source = GoldenWeights(kUnetFixture);
+    unet = LoadUnet(source, GoldenConfig(file));
     source.Finish();
     x = at::cat({GoldenFloat(file, "input.x"), GoldenFloat(file, "input.concat")}, 1);
     steps = GoldenTensor(file, "input.t").to(torch::kLong);
@@ -58,8 +58,8 @@ struct GoldenSeva {
 
 /// max |a - b| / max |b| of a stored tensor.
 inline void ExpectGoldenRatio(const Tensor& actual, const SafetensorsFile& file, const std::string& name,
-                              double tolerance = kSevaUnetTolerance) {
+                              double tolerance = kUnetTolerance) {
   ExpectGolden(actual, file, name, tolerance * GoldenTensor(file, name).abs().max().item<double>());
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

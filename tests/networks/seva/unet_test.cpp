@@ -2,17 +2,18 @@
 
 #include "networks/seva/unet_fixture.h"
 #include "oraclegs/core/files.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 class SevaUnetParity : public OnThreads {};
 
 TEST_P(SevaUnetParity, EveryStageMatchesTheOfficialNetwork) {
-  const GoldenSeva golden;
-  const SevaUnet& unet = golden.unet;
+  const GoldenUnet golden;
+  const Unet& unet = golden.unet;
   const SafetensorsFile& file = golden.file;
-  const SevaConditioning conditioning = Prepare(unet, golden.conditions);
+  const Conditioning conditioning = Prepare(unet, golden.conditions);
   const Tensor embedding = golden.Embedding();
   ExpectGoldenRatio(TimeEmbedding(unet, golden.steps), file, "inter.time_embed");
   const Tensor first = Forward(unet.input_blocks.at(0), golden.x, embedding, conditioning);
@@ -20,11 +21,11 @@ TEST_P(SevaUnetParity, EveryStageMatchesTheOfficialNetwork) {
   ExpectGoldenRatio(Forward(unet.input_blocks.at(1), first, embedding, conditioning), file, "inter.input_blocks.1");
   std::vector<Tensor> skips;
   Tensor y = golden.x;
-  for (const SevaBlock& block : unet.input_blocks) {
+  for (const UnetBlock& block : unet.input_blocks) {
     y = Forward(block, y, embedding, conditioning);
     skips.push_back(y);
   }
-  ExpectGoldenRatio(Forward(SevaBlock{unet.middle.at(0)}, y, embedding, conditioning), file, "inter.middle_block.0");
+  ExpectGoldenRatio(Forward(UnetBlock{unet.middle.at(0)}, y, embedding, conditioning), file, "inter.middle_block.0");
   y = Forward(unet.middle, y, embedding, conditioning);
   ExpectGoldenRatio(y, file, "inter.middle_block");
   y = Forward(unet.output_blocks.at(0), at::cat({y, skips.back()}, 1), embedding, conditioning);
@@ -33,31 +34,31 @@ TEST_P(SevaUnetParity, EveryStageMatchesTheOfficialNetwork) {
 }
 
 TEST_P(SevaUnetParity, SeveralContextTokensMatch) {
-  GoldenSeva golden;
+  GoldenUnet golden;
   golden.conditions.context = GoldenFloat(golden.file, "input.crossattn_multi");
-  const SevaConditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
   ExpectGoldenRatio(Forward(golden.unet, golden.x, golden.steps, conditioning), golden.file,
                     "output.out_crossattn_multi");
 }
 
 TEST_P(SevaUnetParity, RaysOfAnotherSizeMatch) {
-  GoldenSeva golden;
+  GoldenUnet golden;
   golden.conditions.dense = GoldenFloat(golden.file, "input.dense_vector_lowres");
-  const SevaConditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
   ExpectGoldenRatio(Forward(golden.unet, golden.x, golden.steps, conditioning), golden.file, "output.out_dense_lowres");
 }
 
 TEST_P(SevaUnetParity, SmallInputsMatch) {
-  const GoldenSeva golden;
+  const GoldenUnet golden;
   const Tensor x = golden.x * GoldenFloat(golden.file, "input.small_factor");
-  const SevaConditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
   ExpectGoldenRatio(Forward(golden.unet, x, golden.steps, conditioning), golden.file, "output.out_small");
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, SevaUnetParity, testing::Values(1, 2));
 
 TEST(SevaUnet, SameBitsForAnyNumberOfThreads) {
-  const GoldenSeva golden;
+  const GoldenUnet golden;
   const auto run = [&](int threads) {
     at::set_num_threads(threads);
     return Forward(golden.unet, golden.x, golden.steps, Prepare(golden.unet, golden.conditions));
@@ -70,7 +71,7 @@ TEST(SevaUnet, SameBitsForAnyNumberOfThreads) {
 
 TEST(SevaUnet, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
-  LoadSevaUnet(parameters, SevaUnetConfig());
+  LoadUnet(parameters, UnetConfig());
   const auto expected = ParameterList("seva_unet_params.tsv");
   ASSERT_EQ(expected.size(), 1146u);
   EXPECT_EQ(parameters.shapes(), expected);
@@ -86,23 +87,23 @@ std::string Renamed(const SafetensorsFile& file, const std::string& prefix) {
 }
 
 TEST(SevaUnet, LoadsFilesWithAndWithoutTheirPrefix) {
-  const GoldenSeva golden;
-  const SevaConditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const GoldenUnet golden;
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
   const Tensor expected = Forward(golden.unet, golden.x, golden.steps, conditioning);
   const TempDir dir;
   for (const std::string prefix : {"", "module."}) {
     WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, prefix));
-    const SevaUnet unet = LoadSevaUnet({dir / "model.safetensors"}, GoldenSevaConfig(golden.file));
+    const Unet unet = LoadUnet({dir / "model.safetensors"}, GoldenConfig(golden.file));
     EXPECT_TRUE(torch::equal(Forward(unet, golden.x, golden.steps, conditioning), expected)) << prefix;
   }
 }
 
 TEST(SevaUnet, NamesWhatAFileLacks) {
-  const GoldenSeva golden;
+  const GoldenUnet golden;
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, "unet."));
   try {
-    LoadSevaUnet({dir / "model.safetensors"}, GoldenSevaConfig(golden.file));
+    LoadUnet({dir / "model.safetensors"}, GoldenConfig(golden.file));
     FAIL() << "loaded";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("the UNet of Stable Virtual Camera"),
@@ -111,33 +112,32 @@ TEST(SevaUnet, NamesWhatAFileLacks) {
 }
 
 TEST(SevaUnet, BFloat16StaysClose) {
-  const GoldenSeva golden;
+  const GoldenUnet golden;
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, ""));
-  const SevaUnet unet =
-      LoadSevaUnet({dir / "model.safetensors"}, GoldenSevaConfig(golden.file), {torch::kCPU, torch::kBFloat16});
+  const Unet unet = LoadUnet({dir / "model.safetensors"}, GoldenConfig(golden.file), {torch::kCPU, torch::kBFloat16});
   const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
   EXPECT_EQ(out.scalar_type(), torch::kFloat);
   EXPECT_LE(RelativeL2(out, GoldenTensor(golden.file, "output.out")), 0.05);
 }
 
 TEST(SevaUnet, RefusesWhatDoesNotFit) {
-  const GoldenSeva golden;
-  const SevaConditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const GoldenUnet golden;
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
   EXPECT_THROW(Forward(golden.unet, golden.x.slice(1, 0, 4), golden.steps, conditioning), ShapeError);
   EXPECT_THROW(Forward(golden.unet, golden.x, golden.steps.slice(0, 1), conditioning), ShapeError);
   EXPECT_THROW(Forward(golden.unet, golden.x.slice(2, 0, 8), golden.steps, conditioning), ShapeError);
-  SevaConditions odd = golden.conditions;
+  Conditions odd = golden.conditions;
   odd.height += 1;
   EXPECT_THROW(Prepare(golden.unet, odd), ShapeError);
   odd = golden.conditions;
   odd.frames = odd.context.size(0) + 1;
   EXPECT_THROW(Prepare(golden.unet, odd), ShapeError);
   ListedParameters parameters;
-  SevaUnetConfig config;
+  UnetConfig config;
   config.transformer_depth.pop_back();
-  EXPECT_THROW(LoadSevaUnet(parameters, config), ShapeError);
+  EXPECT_THROW(LoadUnet(parameters, config), ShapeError);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

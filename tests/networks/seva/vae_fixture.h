@@ -4,7 +4,7 @@
 #include "networks/fixtures.h"
 #include "oraclegs/networks/seva/vae.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 
 inline constexpr const char* kVaeFixture = "seva_vae_tiny";
 inline constexpr double kVaeTolerance = 5e-5;  // max |a - b| / max |b|
@@ -32,4 +32,4 @@ inline void ExpectGoldenVae(const Tensor& actual, const SafetensorsFile& file, c
   ExpectGolden(actual, file, name, kVaeTolerance * GoldenTensor(file, name).abs().max().item<double>());
 }
 
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,7 +2,7 @@
 
 #include "networks/seva/vae_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 constexpr VaeNormShape kNorm{4, 1e-6};
@@ -91,4 +91,4 @@ TEST_P(VaeLayersParity, MatchTheOfficialBlocks) {
 INSTANTIATE_TEST_SUITE_P(Threads, VaeLayersParity, testing::Values(1, 2));
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,8 +2,9 @@
 
 #include "networks/seva/vae_fixture.h"
 #include "oraclegs/core/files.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 class VaeParity : public OnThreads {};
@@ -162,4 +163,4 @@ TEST(Vae, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

@@ -2,7 +2,7 @@
 
 #include "networks/seva/vae_fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::seva {
 namespace {
 
 TEST(VaeTiles, EveryPixelIsAMeanOfTiles) {
@@ -105,4 +105,4 @@ TEST(VaeTiles, RefusesTilesThatDoNotOverlapOrOverlapTooMuch) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::seva

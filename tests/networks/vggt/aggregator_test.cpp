@@ -1,8 +1,8 @@
 #include "oraclegs/networks/vggt/aggregator.h"
 
-#include "networks/vggt_fixture.h"
+#include "networks/vggt/fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 class AggregatorParity : public OnThreads {};
@@ -73,4 +73,4 @@ TEST(Aggregator, RefusesLayersThatDoNotExist) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -1,8 +1,8 @@
 #include "oraclegs/networks/vggt/attention_confidence.h"
 
-#include "networks/vggt_fixture.h"
+#include "networks/vggt/fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 class VggtConfidenceParity : public OnThreads {};
@@ -58,4 +58,4 @@ TEST(PatchConfidence, RefusesWhatHasNoAnswer) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

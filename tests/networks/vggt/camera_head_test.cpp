@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "networks/vggt_fixture.h"
+#include "networks/vggt/fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 class CameraHeadParity : public OnThreads {};
@@ -55,4 +55,4 @@ TEST(CameraHead, RefusesTokensOfAnotherWidth) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -2,7 +2,7 @@
 
 #include "networks/fixtures.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 Image8 Flat(int width, int height, std::vector<uint8_t> pixel) {
@@ -18,37 +18,37 @@ Image8 GoldenPhoto(const SafetensorsFile& file) {
 
 TEST(VggtInput, CropModeMatchesPillowToTheLastBit) {
   const SafetensorsFile file = OpenGolden("vggt_tiny");
-  const VggtInput input = PrepareVggtInput({GoldenPhoto(file)}, VggtFit::kCrop);
+  const Input input = PrepareInput({GoldenPhoto(file)}, Fit::kCrop);
   ExpectGolden(input.images[0], file, "preproc.images_crop", 1e-6);
 }
 
 TEST(VggtInput, PadModeCentresTheSamePictureInWhite) {
   const SafetensorsFile file = OpenGolden("vggt_tiny");
-  const VggtInput padded = PrepareVggtInput({GoldenPhoto(file)}, VggtFit::kPad);
+  const Input padded = PrepareInput({GoldenPhoto(file)}, Fit::kPad);
   ASSERT_EQ(padded.images.sizes(), at::IntArrayRef({1, 3, 518, 518}));
   EXPECT_EQ(padded.places[0].top, 203);
   EXPECT_EQ(padded.images.slice(2, 0, 203).min().item<float>(), 1);
   EXPECT_EQ(padded.images.slice(2, 203 + 112).min().item<float>(), 1);
-  const Tensor cropped = PrepareVggtInput({GoldenPhoto(file)}, VggtFit::kCrop).images;
+  const Tensor cropped = PrepareInput({GoldenPhoto(file)}, Fit::kCrop).images;
   EXPECT_TRUE(torch::equal(padded.images.slice(2, 203, 203 + 112), cropped));
 }
 
 TEST(VggtInput, PortraitsAreCroppedPaddedOrWhole) {
   const std::vector<Image8> portrait = {Flat(300, 400, {0, 128, 255})};
-  const VggtInput crop = PrepareVggtInput(portrait, VggtFit::kCrop);
+  const Input crop = PrepareInput(portrait, Fit::kCrop);
   EXPECT_EQ(crop.images.sizes(), at::IntArrayRef({1, 3, 518, 518}));
   EXPECT_EQ(crop.places[0].height, 686);
   EXPECT_EQ(crop.places[0].top, -84);
-  const VggtInput pad = PrepareVggtInput(portrait, VggtFit::kPad);
+  const Input pad = PrepareInput(portrait, Fit::kPad);
   EXPECT_EQ(pad.places[0].width, 392);
   EXPECT_EQ(pad.places[0].left, 63);
-  const VggtInput whole = PrepareVggtInput(portrait, VggtFit::kWhole);
+  const Input whole = PrepareInput(portrait, Fit::kWhole);
   EXPECT_EQ(whole.images.sizes(), at::IntArrayRef({1, 3, 518, 392}));
   EXPECT_LT(MaxAbsError(whole.images[0].mean({1, 2}), torch::tensor({0.f, 128 / 255.f, 1.f})), 1e-6);
 }
 
 TEST(VggtInput, ViewsOfDifferentSizeMeetInTheLargest) {
-  const VggtInput input = PrepareVggtInput({Flat(40, 30, {0, 0, 0}), Flat(30, 40, {0, 0, 0})}, VggtFit::kWhole, 56);
+  const Input input = PrepareInput({Flat(40, 30, {0, 0, 0}), Flat(30, 40, {0, 0, 0})}, Fit::kWhole, 56);
   ASSERT_EQ(input.images.sizes(), at::IntArrayRef({2, 3, 56, 56}));
   EXPECT_EQ(input.places[0].top, 7);
   EXPECT_EQ(input.places[1].left, 7);
@@ -57,17 +57,17 @@ TEST(VggtInput, ViewsOfDifferentSizeMeetInTheLargest) {
 }
 
 TEST(VggtInput, TransparencyShowsWhite) {
-  const VggtInput input = PrepareVggtInput({Flat(56, 56, {0, 100, 200, 128})}, VggtFit::kWhole, 56);
+  const Input input = PrepareInput({Flat(56, 56, {0, 100, 200, 128})}, Fit::kWhole, 56);
   EXPECT_LT(MaxAbsError(input.images[0].mean({1, 2}) * 255, torch::tensor({127.f, 177.f, 227.f})), 0.01);
 }
 
 TEST(VggtInput, RefusesWhatIsNoPhotograph) {
-  EXPECT_THROW(PrepareVggtInput({}, VggtFit::kCrop), ShapeError);
-  EXPECT_THROW(PrepareVggtInput({Flat(0, 4, {1, 2, 3})}, VggtFit::kCrop), ShapeError);
-  EXPECT_THROW(PrepareVggtInput({Flat(4, 4, {1})}, VggtFit::kCrop), ShapeError);
+  EXPECT_THROW(PrepareInput({}, Fit::kCrop), ShapeError);
+  EXPECT_THROW(PrepareInput({Flat(0, 4, {1, 2, 3})}, Fit::kCrop), ShapeError);
+  EXPECT_THROW(PrepareInput({Flat(4, 4, {1})}, Fit::kCrop), ShapeError);
   EXPECT_THROW(ResizeLikePillow(Flat(4, 4, {1}), 0, 3), ShapeError);
   EXPECT_THROW(ResizeLikePillow(Flat(0, 0, {1}), 2, 3), ShapeError);
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

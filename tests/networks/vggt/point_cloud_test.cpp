@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "networks/vggt_fixture.h"
+#include "networks/vggt/fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 using testing::AllOf;
@@ -25,7 +25,7 @@ Image8 Coloured(int width, int height) {
 /// Cameras beside each other that look straight at the wall z = 4, in a field of view of `fov` along each axis.
 struct Wall {
   std::vector<Image8> photos = {Coloured(140, 112), Coloured(140, 112), Coloured(112, 140)};
-  VggtInput input = PrepareVggtInput(photos, VggtFit::kWhole, 70, 14);
+  Input input = PrepareInput(photos, Fit::kWhole, 70, 14);
   Tensor encoding = torch::zeros({3, 9});
   std::vector<std::string> names = {"a.jpg", "b.jpg", "c.jpg"};
 
@@ -42,7 +42,7 @@ struct Wall {
 TEST(PhotographCameras, AreInThePhotographsOwnPixels) {
   const Wall wall;
   ASSERT_EQ(wall.input.images.sizes(), (std::vector<int64_t>{3, 3, 70, 70}));  // 70 x 56 and 56 x 70, padded
-  const std::vector<Camera> cameras = PhotographCameras(wall.encoding, wall.input, wall.photos, wall.names);
+  const std::vector<Camera> cameras = ImageCameras(wall.encoding, wall.input, wall.photos, wall.names);
   const double f = 35 / std::tan(0.5);  // of the input, 70 pixels for one radian
   EXPECT_EQ(cameras[0].width, 140);
   EXPECT_NEAR(cameras[0].fx, 2 * f, 1e-3);
@@ -61,13 +61,13 @@ TEST(PhotographCameras, ThoseWithoutACameraAreNamed) {
   wall.encoding[0][7] = 0.f;
   wall.encoding[2][1] = std::nanf("");
   EXPECT_THAT(
-      [&] { PhotographCameras(wall.encoding, wall.input, wall.photos, wall.names); },
+      [&] { ImageCameras(wall.encoding, wall.input, wall.photos, wall.names); },
       ThrowsMessage<InputError>(AllOf(StartsWith("a.jpg, c.jpg: VGGT finds no camera"), HasSubstr("--poses colmap"))));
 }
 
 TEST(MakeCloud, PointsStandOnTheSurfaceInTheColoursOfTheirPixels) {
   const Wall wall;
-  const std::vector<Camera> cameras = PhotographCameras(wall.encoding, wall.input, wall.photos, wall.names);
+  const std::vector<Camera> cameras = ImageCameras(wall.encoding, wall.input, wall.photos, wall.names);
   const DepthPrediction depth = wall.Depth();
   const std::vector<CloudPoint> cloud = MakeCloud({cameras, wall.photos, wall.input, depth}, 1000);
   ASSERT_GT(cloud.size(), 300u);
@@ -76,7 +76,7 @@ TEST(MakeCloud, PointsStandOnTheSurfaceInTheColoursOfTheirPixels) {
     EXPECT_NEAR(point.xyz.z(), 4, 1e-4);
     ASSERT_GE(point.sights.size(), 2u);
     for (const CloudSight& sight : point.sights) {
-      const Camera& camera = cameras[static_cast<size_t>(sight.photograph)];
+      const Camera& camera = cameras[static_cast<size_t>(sight.view)];
       const Eigen::Vector3d local = camera.cam_from_world * point.xyz;
       EXPECT_NEAR(sight.pixel.x(), camera.fx * local.x() / local.z() + camera.cx, 1e-6);
       EXPECT_GE(sight.pixel.x(), 0);
@@ -94,7 +94,7 @@ TEST(MakeCloud, PointsStandOnTheSurfaceInTheColoursOfTheirPixels) {
 
 TEST(MakeCloud, WhatNoOtherPhotographConfirmsOrIsUnsureIsLeftOut) {
   const Wall wall;
-  const std::vector<Camera> cameras = PhotographCameras(wall.encoding, wall.input, wall.photos, wall.names);
+  const std::vector<Camera> cameras = ImageCameras(wall.encoding, wall.input, wall.photos, wall.names);
   DepthPrediction depth = wall.Depth();
   depth.depth[0].fill_(9.f);
   depth.confidence[1].slice(0, 0, 35).fill_(1.f);
@@ -102,7 +102,7 @@ TEST(MakeCloud, WhatNoOtherPhotographConfirmsOrIsUnsureIsLeftOut) {
   ASSERT_FALSE(cloud.empty());
   for (const CloudPoint& point : cloud) {
     EXPECT_NEAR(point.xyz.z(), 4, 1e-4);
-    for (const CloudSight& sight : point.sights) EXPECT_NE(sight.photograph, 0);
+    for (const CloudSight& sight : point.sights) EXPECT_NE(sight.view, 0);
   }
   depth.depth.fill_(std::nanf(""));
   EXPECT_TRUE(MakeCloud({cameras, wall.photos, wall.input, depth}, 1000).empty());
@@ -110,4 +110,4 @@ TEST(MakeCloud, WhatNoOtherPhotographConfirmsOrIsUnsureIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -1,8 +1,8 @@
 #include "oraclegs/networks/vggt/vggt.h"
 
-#include "networks/vggt_fixture.h"
+#include "networks/vggt/fixture.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 class VggtParity : public OnThreads {};
@@ -43,7 +43,7 @@ TEST(Vggt, SameBitsForAnyNumberOfThreads) {
 
 TEST(Vggt, NamesAndShapesAreThoseOfThePublishedNetwork) {
   ListedParameters parameters;
-  LoadVggt(parameters, VggtConfig(), {true, true, true});
+  LoadVggt(parameters, Config(), {true, true, true});
   const auto expected = ParameterList("vggt_params.tsv", "track_head.");
   ASSERT_EQ(expected.size(), 1797u - 394u);
   EXPECT_EQ(parameters.shapes(), expected);
@@ -51,7 +51,7 @@ TEST(Vggt, NamesAndShapesAreThoseOfThePublishedNetwork) {
 
 TEST(Vggt, AnOracleLoadsTheAggregatorAlone) {
   ListedParameters parameters;
-  const Vggt vggt = LoadVggt(parameters, VggtConfig(), {});
+  const Vggt vggt = LoadVggt(parameters, Config(), {});
   EXPECT_EQ(parameters.shapes().size(), 1210u);
   EXPECT_TRUE(HeadLayers(vggt).empty());
   EXPECT_THROW(PredictCameras(vggt, {}), ShapeError);
@@ -61,9 +61,8 @@ TEST(Vggt, AnOracleLoadsTheAggregatorAlone) {
 
 TEST(Vggt, HeadsReadTheLayersOfTheSpecification) {
   ListedParameters parameters;
-  EXPECT_EQ(HeadLayers(LoadVggt(parameters, VggtConfig(), {true, false, false})), std::vector<int64_t>{23});
-  EXPECT_EQ(HeadLayers(LoadVggt(parameters, VggtConfig(), {false, true, false})),
-            (std::vector<int64_t>{4, 11, 17, 23}));
+  EXPECT_EQ(HeadLayers(LoadVggt(parameters, Config(), {true, false, false})), std::vector<int64_t>{23});
+  EXPECT_EQ(HeadLayers(LoadVggt(parameters, Config(), {false, true, false})), (std::vector<int64_t>{4, 11, 17, 23}));
 }
 
 TEST(Vggt, TokensThatWereNotKeptAreNamed) {
@@ -83,8 +82,8 @@ TEST(Vggt, AFileOfAnotherNetworkIsRefusedByName) {
 }
 
 TEST(Vggt, TakesHalfPrecisionOnAGpuOnly) {
-  EXPECT_EQ(PlaceVggt(torch::kCPU).aggregator_type, torch::kFloat);
-  const VggtPlacement gpu = PlaceVggt({torch::kCUDA, 1});
+  EXPECT_EQ(PlaceOn(torch::kCPU).aggregator_type, torch::kFloat);
+  const Placement gpu = PlaceOn({torch::kCUDA, 1});
   EXPECT_EQ(gpu.aggregator_type, torch::kBFloat16);
   EXPECT_EQ(gpu.device, torch::Device(torch::kCUDA, 1));
 }
@@ -113,4 +112,4 @@ TEST(Vggt, HalfPrecisionAggregatorStaysNearFloat) {
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

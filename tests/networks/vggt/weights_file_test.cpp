@@ -1,8 +1,9 @@
 #include "oraclegs/networks/vggt/weights_file.h"
 
-#include "networks/vggt_fixture.h"
+#include "networks/vggt/fixture.h"
+#include "support/temp_dir.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 using testing::AllOf;
@@ -11,7 +12,7 @@ using testing::StartsWith;
 using testing::ThrowsMessage;
 
 TEST(ReadVggtFile, SizesAreThoseOfTheMetadata) {
-  const VggtFile file = ReadVggtFile(GoldenVggtPath());
+  const WeightsFile file = ReadWeightsFile(GoldenVggtPath());
   EXPECT_EQ(file.name, "VGGT-1B");
   EXPECT_EQ(file.network.aggregator.width(), 64);
   EXPECT_EQ(file.network.aggregator.depth, 4);
@@ -26,7 +27,7 @@ TEST(ReadVggtFile, SizesAreThoseOfTheMetadata) {
 
 TEST(ReadVggtFile, WithoutSizesItIsThePublishedNetwork) {
   const TempDir dir;
-  const VggtFile file = ReadVggtFile(WriteTinyVggt(dir / "a.st", [](TinyVggtParts* parts) {
+  const WeightsFile file = ReadWeightsFile(WriteTinyVggt(dir / "a.st", [](TinyVggtParts* parts) {
     parts->tensors.erase(std::next(parts->tensors.begin()), parts->tensors.end());
     parts->metadata = {{"model", "VGGT-1B-\nCommercial"}};
   }));
@@ -39,7 +40,7 @@ TEST(ReadVggtFile, WithoutSizesItIsThePublishedNetwork) {
 TEST(ReadVggtFile, TheWholeFileLoads) {
   const TempDir dir;
   const auto path = WriteTinyVggt(dir / "a.st");
-  const Vggt vggt = LoadVggt({path}, {true, true, false}, {}, ReadVggtFile(path).network);
+  const Vggt vggt = LoadVggt({path}, {true, true, false}, {}, ReadWeightsFile(path).network);
   EXPECT_EQ(vggt.aggregator.global_blocks.size(), 4u);
   EXPECT_FALSE(vggt.point_head.has_value());
 }
@@ -51,7 +52,7 @@ TEST(ReadVggtFile, TensorsThatDoNotFitAreListedInOneError) {
     parts->tensors["aggregator.camera_token"] = parts->tensors.at("aggregator.register_token");
     parts->tensors.erase("aggregator.frame_blocks.1.norm1.weight");
   });
-  EXPECT_THAT([&] { LoadVggt({path}, {}, {}, ReadVggtFile(path).network); },
+  EXPECT_THAT([&] { LoadVggt({path}, {}, {}, ReadWeightsFile(path).network); },
               ThrowsMessage<InputError>(AllOf(StartsWith(path.string()),
                                               HasSubstr("missing 1: aggregator.frame_blocks.1.norm1.weight"),
                                               HasSubstr("not part of it 1: aggregator.stray"),
@@ -76,13 +77,13 @@ TEST(ReadVggtFile, SizesThatCannotBeAreRefused) {
         Wrong{"oracle_weights", "[nan, 1]", "no numbers"}}) {
     const auto path =
         WriteTinyVggt(dir / "a.st", [&](TinyVggtParts* parts) { parts->metadata[wrong.key] = wrong.value; });
-    EXPECT_THAT([&] { ReadVggtFile(path); },
+    EXPECT_THAT([&] { ReadWeightsFile(path); },
                 ThrowsMessage<InputError>(AllOf(StartsWith(path.string()), HasSubstr(wrong.says), HasSubstr("again"))))
         << wrong.key << " = " << wrong.value;
   }
   const auto path = WriteTinyVggt(dir / "a.st", [](TinyVggtParts* parts) { parts->metadata.erase("dpt_features"); });
-  EXPECT_THAT([&] { ReadVggtFile(path); }, ThrowsMessage<InputError>(HasSubstr("has no 'dpt_features'")));
+  EXPECT_THAT([&] { ReadWeightsFile(path); }, ThrowsMessage<InputError>(HasSubstr("has no 'dpt_features'")));
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt

@@ -9,20 +9,12 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr size_t kListed = 20;
-
-/// A name out of a file, made fit for a one-line message.
-std::string Printable(std::string name) {
-  name = name.substr(0, 120);
-  for (char& c : name) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return name;
-}
 
 std::string Shape(at::IntArrayRef shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
 

@@ -58,7 +58,6 @@ std::vector<Chunk> PhotographChunks(const ChunkProblem& problem);
 enum class EarlierFrames { kNearest, kLast };
 std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier);
 std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base);
-std::vector<Chunk> NearestBlocks(const ChunkProblem& problem, int64_t count);
 std::vector<Chunk> IntervalChunks(const ChunkProblem& problem, NearestBase base);
 
 }  // namespace oraclegs::seva

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "oraclegs/networks/seva/chunks.h"
 
@@ -47,16 +46,6 @@ class Filler {
   std::vector<Chunk> chunks_;
 };
 
-/// The `count` sources nearest to a view, nearest first.
-std::vector<int64_t> NearestSources(const View& view, const std::vector<View>& sources, int64_t count) {
-  std::vector<int64_t> order(sources.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto distance = [&](int64_t i) { return (sources[static_cast<size_t>(i)].center() - view.center()).norm(); };
-  std::stable_sort(order.begin(), order.end(), [&](int64_t a, int64_t b) { return distance(a) < distance(b); });
-  order.resize(std::min(order.size(), static_cast<size_t>(count)));
-  return order;
-}
-
 }  // namespace
 
 std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base) {
@@ -76,31 +65,6 @@ std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base) 
   Filler filler(problem, std::move(lead));
   for (const auto& [source, targets] : of_source) filler.Add(source, targets);
   return filler.Finish();
-}
-
-std::vector<Chunk> NearestBlocks(const ChunkProblem& problem, int64_t count) {
-  const int64_t block = problem.frames - count, targets = static_cast<int64_t>(problem.targets.size());
-  if (block < 1) {
-    throw UsageError("nearest-{} leaves no room in chunks of {} frames; --seva-frames must be at least {}", count,
-                     problem.frames, count + 1);
-  }
-  std::vector<Chunk> chunks;
-  for (int64_t begin = 0; begin < targets; begin += block) {
-    const int64_t end = std::min(begin + block, targets);
-    std::vector<int64_t> near;
-    for (int64_t t = begin; t < end; ++t) {
-      for (const int64_t source : NearestSources(problem.targets[static_cast<size_t>(t)], problem.sources, count)) {
-        near.push_back(source);
-      }
-    }
-    Chunk chunk;
-    for (const int64_t source : MostFrequent(near, static_cast<size_t>(count))) {
-      chunk.push_back({SlotKind::kGiven, source});
-    }
-    for (int64_t t = begin; t < end; ++t) chunk.push_back({SlotKind::kTarget, t});
-    chunks.push_back(std::move(chunk));
-  }
-  return chunks;
 }
 
 }  // namespace oraclegs::seva

@@ -15,7 +15,7 @@ struct Pass {
 int64_t WeightBytes(const Config& config, const Heads& heads);
 
 /// What a pass on a CPU in float32 holds beside the weights where it holds most; of VGGT-1B only the oracle pass was
-/// measured, with a margin; the heads are counted (bench/nets_bench.cpp).
+/// measured, with a margin; the heads are counted (bench/networks/vggt_bench.cpp).
 int64_t PassBytes(const Config& config, const Pass& pass);
 
 }  // namespace oraclegs::vggt

@@ -1,6 +1,6 @@
-// Full-size networks with made-up weights on this machine: time of each part, and what the process holds at most.
+// VGGT-1B with made-up weights on this machine: time of each part, and what the process holds at most.
 //
-//   build/release/bin/nets_bench --vggt [--views 4] [--width 518] [--height 350]
+//   build/release/bin/vggt_bench [--views 4] [--width 518] [--height 350]
 //
 // One pass, cold: nothing is repeated, and the memory of the first pass is what counts. To be run alone.
 
@@ -13,9 +13,9 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/networks/vggt/memory.h"
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 
-namespace oraclegs {
+namespace oraclegs::vggt {
 namespace {
 
 constexpr double kGiB = 1024.0 * 1024 * 1024;
@@ -36,7 +36,7 @@ auto Timed(const char* name, Body&& body) {
 }
 
 /// Noise with structure: blocks of 16 pixels.
-Tensor Pictures(const Size& size) {
+Tensor Images(const Size& size) {
   Rng rng(1, RandomStream::kDemoScene);
   Tensor coarse = torch::empty({size.views, 3, (size.height + 15) / 16, (size.width + 15) / 16});
   float* values = coarse.data_ptr<float>();
@@ -44,18 +44,18 @@ Tensor Pictures(const Size& size) {
   return ResizeBilinear(coarse, size.height, size.width, Corners::kHalfPixel);
 }
 
-void MeasureVggt(const Size& size) {
-  const VggtHeads heads{.camera = true, .depth = true, .points = false};
-  const int64_t weights = VggtWeightBytes({}, heads);
-  const int64_t estimate = VggtPassBytes({}, {size.views, size.height, size.width, heads});
+void Measure(const Size& size) {
+  const Heads heads{.camera = true, .depth = true, .points = false};
+  const int64_t weights = WeightBytes({}, heads);
+  const int64_t estimate = PassBytes({}, {size.views, size.height, size.width, heads});
   std::printf("VGGT-1B, %d views of %d x %d, %d threads; weights %.2f GiB, pass estimated at %.2f GiB, free %.2f GiB\n",
               static_cast<int>(size.views), static_cast<int>(size.width), static_cast<int>(size.height), NumThreads(),
               static_cast<double>(weights) / kGiB, static_cast<double>(estimate) / kGiB,
               static_cast<double>(AvailableMemory()) / kGiB);
-  const Tensor images = Pictures(size);
+  const Tensor images = Images(size);
   const Vggt vggt = Timed("make up weights", [&] {
     RandomParameters source(7);
-    return LoadVggt(source, VggtConfig(), heads);
+    return LoadVggt(source, Config(), heads);
   });
   const AggregatorResult oracle = Timed("oracle (layers 0, 22)", [&] {
     return Aggregate(vggt.aggregator, images, {{}, {0, 22}});
@@ -79,34 +79,30 @@ int64_t Number(const char* option, std::string_view text) {
 }
 
 int Main(int argc, char** argv) {
-  bool vggt = false;
   Size size;
   try {
     for (int i = 1; i < argc; ++i) {
       const std::string_view option = argv[i];
       const std::string_view value = i + 1 < argc ? argv[i + 1] : "";
-      if (option == "--vggt") {
-        vggt = true;
-      } else if (option == "--views") {
+      if (option == "--views") {
         size.views = Number("--views", value), ++i;
       } else if (option == "--width") {
         size.width = Number("--width", value), ++i;
       } else if (option == "--height") {
         size.height = Number("--height", value), ++i;
       } else {
-        throw UsageError("{} is no option; there are --vggt, --views, --width, --height", option);
+        throw UsageError("{} is no option; there are --views, --width, --height", option);
       }
     }
-    if (!vggt) throw UsageError("name a network: --vggt");
-    MeasureVggt(size);
+    Measure(size);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "nets_bench: error: %s\n", e.what());
+    std::fprintf(stderr, "vggt_bench: error: %s\n", e.what());
     return 2;
   }
   return 0;
 }
 
 }  // namespace
-}  // namespace oraclegs
+}  // namespace oraclegs::vggt
 
-int main(int argc, char** argv) { return oraclegs::Main(argc, argv); }
+int main(int argc, char** argv) { return oraclegs::vggt::Main(argc, argv); }

@@ -1,11 +1,12 @@
-#include "oraclegs/networks/common/recognize.h"
+#include "oraclegs/networks/depth_anything/depth_anything.h"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
 #include "networks/fixtures.h"
-#include "support/network_files.h"
+#include "networks/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -46,7 +47,7 @@ void ExpectSame(const DepthAnythingConfig& a, const DepthAnythingConfig& b) {
   EXPECT_EQ(a.input_side, b.input_side);
 }
 
-TEST(RecognizeDepthAnything, TellsThePublishedSizesByTheirShapes) {
+TEST(RecognizeDepthAnything, KnowsThePublishedSizesByTheirShapes) {
   const TempDir dir;
   for (const DepthAnythingSize size :
        {DepthAnythingSize::kSmall, DepthAnythingSize::kBase, DepthAnythingSize::kLarge}) {
@@ -57,13 +58,35 @@ TEST(RecognizeDepthAnything, TellsThePublishedSizesByTheirShapes) {
 
 TEST(RecognizeDepthAnything, LoadsWhatItRecognises) {
   const TempDir dir;
-  const auto path = WriteTinyDepthAnything(dir / "tiny.safetensors");
+  const auto path = MakeTinyDepthAnything(dir / "tiny.safetensors");
   ExpectSame(RecognizeDepthAnything(path), TinyDepthAnything());
   const DepthAnything model = LoadRecognizedDepthAnything(path);
   torch::manual_seed(3);
   const Tensor map = RelativeInverseDepth(model, torch::rand({36, 48, 3}));
   EXPECT_EQ(map.sizes(), at::IntArrayRef({36, 48}));
   EXPECT_GT(map.max().item<float>(), map.min().item<float>());
+}
+
+TEST(LoadDepthNetwork, GivesTheMapOfTheNetwork) {
+  const TempDir dir;
+  const auto path = MakeTinyDepthAnything(dir / "tiny.safetensors");
+  torch::manual_seed(3);
+  const Tensor rgb = torch::rand({36, 48, 3});
+  const ImageF image{48, 36, 3, {rgb.data_ptr<float>(), rgb.data_ptr<float>() + rgb.numel()}};
+  const Tensor expected = RelativeInverseDepth(LoadRecognizedDepthAnything(path), rgb);
+  const Buffer<float> map = LoadDepthNetwork(path)->InverseDepth(image);
+  EXPECT_EQ(map.shape(), (Shape{36, 48}));
+  EXPECT_TRUE(std::equal(map.span().begin(), map.span().end(), expected.data_ptr<float>()));
+}
+
+TEST(DepthNetworkName, AgreesWithThePublishedSizes) {
+  const TempDir dir;
+  for (const auto& [size, name] : {std::pair{DepthAnythingSize::kSmall, "Depth Anything V2 small"},
+                                   std::pair{DepthAnythingSize::kBase, "Depth Anything V2 base"},
+                                   std::pair{DepthAnythingSize::kLarge, "Depth Anything V2 large"}}) {
+    WriteSparse(dir / "weights.safetensors", size);
+    EXPECT_EQ(DepthNetworkName(dir / "weights.safetensors"), name);
+  }
 }
 
 TEST(RecognizeDepthAnything, SaysWhatIsWrongWithAnotherFile) {
@@ -99,51 +122,6 @@ TEST(RecognizeDepthAnything, SaysWhatIsWrongWithAnotherFile) {
   parameters.Write(path);
   EXPECT_THAT([&] { LoadRecognizedDepthAnything(path); },
               ThrowsMessage<InputError>(HasSubstr("does not hold Depth Anything V2; not part of it 1: surplus")));
-}
-
-TEST(RecognizeLpips, TellsNetworkAndWidths) {
-  const TempDir dir;
-  for (const FeatureNetwork network : {FeatureNetwork::kVgg16, FeatureNetwork::kAlexNet}) {
-    const auto path = WriteTinyLpips(dir / "lpips.safetensors", 7, network);
-    const FeatureStackConfig config = RecognizeLpips({path});
-    EXPECT_EQ(config.network, network);
-    EXPECT_EQ(config.channels, (std::array<int64_t, 5>{4, 6, 8, 10, 12}));
-    const Lpips lpips = LoadRecognizedLpips({path});
-    torch::manual_seed(3);
-    const Tensor a = torch::rand({40, 50, 3}), b = torch::rand({40, 50, 3});
-    EXPECT_GT(Distance(lpips, a, PrepareTarget(lpips, b, LpipsRange::kZeroOne)).value, 0);
-  }
-}
-
-TEST(RecognizeLpips, FeaturesAndLinearWeightsMayStandInTwoFiles) {
-  const TempDir dir;
-  const auto whole = WriteTinyLpips(dir / "lpips.safetensors");
-  const SafetensorsFile file = SafetensorsFile::Open(whole);
-  std::map<std::string, TensorEntry> features, linear;
-  for (const auto& [name, entry] : file.tensors()) (name.starts_with("lin") ? linear : features)[name] = entry;
-  WriteFileAtomically(dir / "a.safetensors", SerializeSafetensors(features, {}));
-  WriteFileAtomically(dir / "b.safetensors", SerializeSafetensors(linear, {}));
-  EXPECT_NO_THROW(LoadRecognizedLpips({dir / "a.safetensors", dir / "b.safetensors"}));
-  EXPECT_THAT([&] { LoadRecognizedLpips({dir / "a.safetensors"}); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("a.safetensors: is no LPIPS"),
-                                              HasSubstr("no lin0.model.1.weight with 4 dimensions"))));
-}
-
-TEST(RecognizeLpips, SaysWhatIsWrongWithAnotherFile) {
-  const TempDir dir;
-  KeptParameters parameters(1);
-  parameters.Get("features.0.weight", {4, 3, 7, 7});
-  const auto path = parameters.Write(dir / "other.safetensors");
-  EXPECT_THAT([&] { RecognizeLpips({path}); },
-              ThrowsMessage<InputError>(HasSubstr("its first convolution is 7 pixels wide")));
-  KeptParameters wider(1);
-  LoadLpips(wider, {FeatureNetwork::kVgg16, {4, 6, 8, 10, 12}});
-  wider.Get("lin3.model.1.weight", {1, 11, 1, 1});
-  wider.Write(path);
-  EXPECT_THAT(
-      [&] { LoadRecognizedLpips({path}); },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("does not hold LPIPS with VGG16; of another shape"),
-                                      HasSubstr("features.17.weight is [10, 8, 3, 3], expected [11, 8, 3, 3]"))));
 }
 
 }  // namespace

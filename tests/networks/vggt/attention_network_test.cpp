@@ -1,0 +1,130 @@
+#include "oraclegs/networks/vggt/attention_network.h"
+
+#include "networks/vggt/fixture.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/rng.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs::vggt {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr int kWidth = 84, kHeight = 56;
+
+Image8 ToImage(const Tensor& chw) {
+  const Tensor hwc = chw.permute({1, 2, 0}).contiguous();
+  const float* values = hwc.data_ptr<float>();
+  return ToImage8({static_cast<int>(hwc.size(1)), static_cast<int>(hwc.size(0)), 3, {values, values + hwc.numel()}});
+}
+
+Image8 Noise(uint64_t seed, int width = kWidth, int height = kHeight) {
+  ImageF image{width, height, 3, {}};
+  Rng rng(seed, RandomStream::kDemoScene);
+  for (int i = 0; i < 3 * width * height; ++i) image.data.push_back(static_cast<float>(rng.Uniform()));
+  return ToImage8(image);
+}
+
+class AttentionTest : public testing::Test {
+ protected:
+  AttentionTest() {
+    const Tensor images = GoldenFloat(file, "input.images");
+    reference = ToImage(images[0]);
+    for (int v = 1; v < 3; ++v) proposals.push_back(ToImage(images[v]));
+  }
+
+  /// At the size of the fixture's images, which are not resized then.
+  Tensor Maps(AttentionMode mode, const std::vector<Image8>& of) const {
+    return AttentionOn(aggregator, {mode, kWidth, {0, 2}, {0.25, 0.75}}, reference, of);
+  }
+
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  const Aggregator aggregator = GoldenVggt().aggregator;
+  Image8 reference;
+  std::vector<Image8> proposals;
+};
+
+TEST_F(AttentionTest, MatchesThePublishedMapUpToRoundingOfImages) {
+  for (const auto& [mode, name] :
+       {std::pair{AttentionMode::kOthers, "others"}, std::pair{AttentionMode::kReference, "reference"}}) {
+    const Tensor golden = GoldenFloat(file, std::string("output.uncertainty.") + name).slice(0, 1);
+    EXPECT_LT(MaxAbsError(Maps(mode, proposals), golden), 0.05) << name;
+  }
+}
+
+TEST_F(AttentionTest, ModesDifferInWhoseAttentionCounts) {
+  const Tensor a = Maps(AttentionMode::kReference, proposals), b = Maps(AttentionMode::kOthers, proposals),
+               c = Maps(AttentionMode::kOfficial, proposals);
+  EXPECT_GT(MaxAbsError(a[0], b[0]), 0.02);
+  EXPECT_GT(MaxAbsError(a[0], c[0]), 0.02);
+  EXPECT_GT(MaxAbsError(b[0], c[0]), 0.02);
+  for (const Tensor& maps : {a, b, c}) {
+    ASSERT_EQ(maps.sizes(), (std::vector<int64_t>{2, kHeight, kWidth}));
+    EXPECT_GE(maps.min().item<float>(), 0.f);
+    EXPECT_LE(maps.max().item<float>(), 1.f);
+  }
+  // The extremes of a view are its own, but for the official map, where they are those of all views of the pass.
+  EXPECT_GT((a[0].max() - a[0].min()).item<float>(), 0.4f);
+  EXPECT_GT((b[1].max() - b[1].min()).item<float>(), 0.4f);
+  // What else is in the pass changes what its own attention is, and in "others" who attends.
+  EXPECT_GT(MaxAbsError(Maps(AttentionMode::kOthers, {proposals[0], Noise(5)})[0], b[0]), 1e-3);
+}
+
+TEST_F(AttentionTest, SameBitsForAnyNumberOfThreads) {
+  const int before = at::get_num_threads();
+  at::set_num_threads(1);
+  const Tensor one = Maps(AttentionMode::kReference, proposals);
+  at::set_num_threads(3);
+  const Tensor three = Maps(AttentionMode::kReference, proposals);
+  at::set_num_threads(before);
+  EXPECT_TRUE(at::equal(one, three));
+}
+
+TEST_F(AttentionTest, MapsHaveTheSizeOfTheirProposals) {
+  for (const auto mode : {AttentionMode::kReference, AttentionMode::kOfficial}) {
+    EXPECT_EQ(Maps(mode, {Noise(1, 50, 33), Noise(3, 50, 33)}).sizes(), (std::vector<int64_t>{2, 33, 50}));
+    const Tensor upright = Maps(mode, {Noise(2, 31, 64)});
+    EXPECT_EQ(upright.sizes(), (std::vector<int64_t>{1, 64, 31}));
+    EXPECT_GT(upright.max().item<float>(), 0.f);
+  }
+}
+
+TEST_F(AttentionTest, StopsWhenAskedTo) {
+  RequestInterrupt(true);
+  EXPECT_THROW(Maps(AttentionMode::kReference, proposals), Interrupted);
+  RequestInterrupt(false);
+}
+
+TEST_F(AttentionTest, RefusesSettingsThatDoNotFit) {
+  EXPECT_THROW(AttentionOn(aggregator, {.layers = {0}, .weights = {1, 2}}, reference, proposals), ShapeError);
+  EXPECT_THROW(AttentionOn(aggregator, {}, reference, {}), ShapeError);
+}
+
+TEST_F(AttentionTest, AnOpenedFileHasItsOwnSettings) {
+  const TempDir dir;
+  const auto path = WriteTinyVggt(dir / "tiny.safetensors");
+  const auto network = OpenAttention(path, AttentionMode::kReference, torch::kCPU);
+  const Camera small{40, 30, 50, 50, 20, 15, {}}, upright{30, 60, 50, 50, 15, 30, {}};
+  const int64_t two = network->PassBytes({small}, 2), nine = network->PassBytes({small}, 9);
+  EXPECT_GT(nine, two);
+  EXPECT_LE(network->PassBytes({upright}, 2), two) << "only the shape counts: the longer side is always the same";
+  EXPECT_GT(OpenAttention(path, AttentionMode::kOfficial, torch::kCPU)->PassBytes({small}, 2), two) << "padded";
+  const Buffer<float> maps = network->Confidence(reference, proposals);
+  const Tensor expected =
+      AttentionOn(aggregator, {AttentionMode::kReference, 70, {0, 2}, {0.25, 0.75}}, reference, proposals);
+  ASSERT_EQ(maps.shape(), (Shape{2, kHeight, kWidth}));
+  const float* values = expected.data_ptr<float>();
+  EXPECT_TRUE(std::equal(maps.span().begin(), maps.span().end(), values));
+}
+
+TEST_F(AttentionTest, WeightsThatDoNotFitAreRefusedWhenTheyAreLoaded) {
+  const TempDir dir;
+  const auto path = WriteTinyVggt(dir / "tiny.safetensors",
+                                  [](TinyVggtParts* parts) { parts->tensors.erase("aggregator.camera_token"); });
+  const auto network = OpenAttention(path, AttentionMode::kReference, torch::kCPU);
+  EXPECT_THAT([&] { network->Load(); }, ThrowsMessage<InputError>(HasSubstr("missing 1: aggregator.camera_token")));
+}
+
+}  // namespace
+}  // namespace oraclegs::vggt
