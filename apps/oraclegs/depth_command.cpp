@@ -1,5 +1,5 @@
 #include "oraclegs/pipeline/stages/depth_stage.h"
-#include "oraclegs/pipeline/stages/start_points.h"
+#include "oraclegs/pipeline/stages/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -8,19 +8,19 @@ namespace {
 class DepthCommand : public WorkspaceCommand {
  public:
   explicit DepthCommand(CLI::App* app)
-      : WorkspaceCommand(app, "depth", "Depth of every training photograph by multi-view stereo, and a dense cloud",
+      : WorkspaceCommand(app, "depth", "Depth of every training view by multi-view stereo, and a dense cloud",
                          "oraclegs depth scene/ -o out/ --views 12") {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
-    const std::vector<ScenePoint> points = RunSfm(&run);
-    const std::vector<LoadedView> photos = LoadViews(run.scene, run.split.train, run.options.photo, listener);
-    const Geometry geometry = RunDepth(&run, photos, points);
+    RequireDepth(&run);
+    RunStage(&run, "depth");
+    const Geometry& geometry = run.results->geometry;
     for (const DepthMap& map : geometry.maps) {
       Print(fmt::format("{:<24} {:5.1f} % confident", map.name, 100 * ConfidentShare(map)));
     }
-    Print(fmt::format("dense      {} points in {}\npictures   {}", geometry.points.size(),
+    Print(fmt::format("dense      {} points in {}\nimages     {}", geometry.points.size(),
                       run.workspace.dense_ply().string(), (run.workspace.depth() / "preview").string()));
   }
 };

@@ -1,5 +1,6 @@
-#include "oraclegs/pipeline/stages/evaluate_stage.h"
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/evaluate_ply.h"
+#include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/oracle_report.h"
 #include "source_command.h"
 
@@ -12,7 +13,7 @@ struct EvaluateOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("check-oracle", self.oracle,
-          "Instead measure how right the confidence of the run's proposals is, on photographs taken from their poses "
+          "Instead measure how right the confidence of the run's proposals is, on images taken from their poses "
           "that neither train nor test (--trajectory dataset)");
   }
 };
@@ -23,7 +24,7 @@ std::string Shown(const nlohmann::json& number) {
 
 /// One line for each oracle: how well its confidence orders the pixels by their error.
 std::string OracleSummary(const nlohmann::json& report, const std::filesystem::path& workspace) {
-  std::string text = fmt::format("proposals  PSNR {:.2f} dB, mean of {} views with a photograph\n",
+  std::string text = fmt::format("proposals  PSNR {:.2f} dB, mean of {} views with an image\n",
                                  report.at("psnr").get<double>(), report.at("views").get<int>());
   for (const char* name : {"oracle", "uniform"}) {
     const nlohmann::json& q = report.at(name);
@@ -33,8 +34,8 @@ std::string OracleSummary(const nlohmann::json& report, const std::filesystem::p
         Shown(q.at("spearman")), q.at("monotone").get<bool>() ? "monotone" : "not monotone");
   }
   for (const nlohmann::json& bin : report.at("oracle").at("reliability")) {
-    text += fmt::format("  confidence {:.2f}: likeness {:.2f}, error {:.3f}, {:.1f} % of the pixels\n",
-                        bin.at("confidence").get<double>(), bin.at("likeness").get<double>(),
+    text += fmt::format("  confidence {:.2f}: similarity {:.2f}, error {:.3f}, {:.1f} % of the pixels\n",
+                        bin.at("confidence").get<double>(), bin.at("similarity").get<double>(),
                         bin.at("error").get<double>(), 100 * bin.at("share").get<double>());
   }
   return text + fmt::format("report     {}", (workspace / "oracle.json").string());
@@ -53,7 +54,7 @@ class EvaluateCommand : public SourceCommand {
  private:
   void Body(const Listener& listener) override {
     if (evaluate_.oracle && !InputIsWorkspace()) throw UsageError("--check-oracle needs the workspace of a run");
-    if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--check-oracle judges proposals, not a --ply");
+    if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--check-oracle measures proposals, not a --ply");
     if (!model_.ply.empty()) {
       const EvaluateRequest request{model_.ply, options_, out_.out, ORACLEGS_VERSION};
       return Print(SummaryOf(EvaluatePly(request, OpenScene(listener), listener), out_.out));
@@ -61,7 +62,7 @@ class EvaluateCommand : public SourceCommand {
     if (!out_.out.empty()) throw UsageError("-o goes with --ply; a run's own scores are written to its workspace");
     auto run = OpenRunOfInput(listener);
     if (evaluate_.oracle) return Print(OracleSummary(ReportOracle(*run), input_));
-    RunEvaluate(&*run);
+    EvaluateRun(&*run);
     Print(SummaryOf(ReadMetrics(input_), input_));
   }
 

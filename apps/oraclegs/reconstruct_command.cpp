@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/workspace/stage_table.h"
 #include "workspace_command.h"
@@ -8,7 +10,7 @@ namespace {
 class ReconstructCommand : public WorkspaceCommand {
  public:
   explicit ReconstructCommand(CLI::App* app)
-      : WorkspaceCommand(app, "reconstruct", "Photographs in, splat and scores out: all stages in one run",
+      : WorkspaceCommand(app, "reconstruct", "Photos in, splat and scores out: all stages in one run",
                          "oraclegs reconstruct photos/ -o out/ --views 12 --downscale 2") {}
 
  private:

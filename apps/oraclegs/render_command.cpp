@@ -7,7 +7,7 @@ namespace {
 class RenderCommand : public SourceCommand {
  public:
   explicit RenderCommand(CLI::App* app)
-      : SourceCommand(app, "render", "Pictures (and a video when ffmpeg is installed) along a camera path",
+      : SourceCommand(app, "render", "Images (and a video when ffmpeg is installed) along a camera path",
                       "oraclegs render out/ --path orbit --frames 240") {
     Bind("Path", &path_);
   }
@@ -15,15 +15,15 @@ class RenderCommand : public SourceCommand {
  private:
   void Body(const Listener& listener) override {
     std::filesystem::path out = out_.out;
-    if (out.empty() && InputIsWorkspace()) out = WorkspacePaths(input_).renders(path_.path);
+    if (out.empty() && InputIsWorkspace()) out = WorkspacePaths(input_).renders(Word(path_.path));
     RequireOut(out);
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
-    const Model model = LoadModel(ply, options_);
+    const Model model = LoadModel(ply, options_, ChooseDevice(options_.device.device, ProbeDevices()));
     const PosedScene posed = OpenScene(listener);
     RequireOutsideScene(out, posed.scene, options_.input.images);
-    const auto cameras = PathCameras(posed.scene, posed.split, options_.photo, path_);
+    const auto cameras = PathCameras(posed, options_.image, path_);
     const auto video = RenderCameras(model, cameras, out, path_, listener);
-    Print(fmt::format("pictures   {} in {}", cameras.size(), out.string()));
+    Print(fmt::format("images     {} in {}", cameras.size(), out.string()));
     if (!video.empty()) Print(fmt::format("video      {}", video.string()));
   }
 

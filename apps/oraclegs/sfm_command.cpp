@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/start_points.h"
+#include "oraclegs/pipeline/stages/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -13,8 +13,8 @@ class SfmCommand : public WorkspaceCommand {
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
-    const std::vector<ScenePoint> points = RunSfm(&run);
-    Print(fmt::format("sfm        {} points from {} training views\nworkspace  {}", points.size(),
+    RunStage(&run, "sfm");
+    Print(fmt::format("sfm        {} points from {} training views\nworkspace  {}", run.results->points.size(),
                       run.split.train.size(), request.out.string()));
   }
 };

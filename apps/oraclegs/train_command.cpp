@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/train_stage.h"
+#include "oraclegs/pipeline/stages/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -13,7 +13,7 @@ class TrainCommand : public WorkspaceCommand {
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
-    RunTrain(&run);
+    RunStage(&run, "train");
     Print(fmt::format("splat      {}", run.workspace.point_cloud().string()));
   }
 };

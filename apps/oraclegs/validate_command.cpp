@@ -1,5 +1,5 @@
-#include "oraclegs/pipeline/stages/prepare.h"
-#include "oraclegs/pipeline/stages/validate_stage.h"
+#include "oraclegs/loss/objective.h"
+#include "oraclegs/pipeline/stages/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -14,12 +14,11 @@ class ValidateCommand : public WorkspaceCommand {
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
-    const Preparation prepared = Prepare(&run);
-    const ProposalPlan plan = RunPropose(&run, prepared.photos, prepared.geometry, prepared.decided);
-    for (const TrainView& view : RunValidate(&run, prepared.photos, prepared.geometry, plan)) {
-      Print(fmt::format("{:<24} {:5.1f} % trusted", view.name, 100 * view.confidence.mean().item<double>()));
+    RunStage(&run, "validate");
+    for (const TrainView& view : run.results->proposals) {
+      Print(fmt::format("{:<24} {:5.1f} % trusted", view.name, 100 * MeanConfidence(view.confidence)));
     }
-    Print(fmt::format("pictures   {}", (run.workspace.confidence() / "preview").string()));
+    Print(fmt::format("images     {}", (run.workspace.confidence() / "preview").string()));
   }
 };
 

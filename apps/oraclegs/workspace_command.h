@@ -13,7 +13,7 @@ class WorkspaceCommand : public Command {
   WorkspaceCommand(CLI::App* app, const std::string& name, const std::string& help, const std::string& example)
       : Command(app, name, help, example) {
     BindInput("scene", &request_.scene,
-              "Scene folder: photographs, a COLMAP model, transforms.json or a Blender scene; never written to");
+              "Scene folder: photos, a COLMAP model, transforms.json or a Blender scene; never written to");
     Bind("Output", &workspace_);
     BindRun(&request_.options);
   }

@@ -11,13 +11,11 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation_rows.h"
-#include "oraclegs/pipeline/stages/perceptual.h"
-#include "oraclegs/pipeline/stages/propose_stage.h"
 #include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/workspace/stage_sharing.h"
-#include "oraclegs/pipeline/stages/start_points.h"
-#include "oraclegs/pipeline/stages/train_stage.h"
+#include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/settings/weights.h"
+#include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/pipeline/workspace/stage_sharing.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
@@ -171,8 +169,7 @@ class Ablator {
     } else {
       TakeOverRegistration(workspace, Donors(r, seed, true));
     }
-    const bool proposes = ProposesViews(options) || !options.propose.proposal_folder.empty();
-    if (proposes) TakeOverProposals(workspace, Donors(r, seed, false));
+    if (HasProposals(options)) TakeOverProposals(workspace, Donors(r, seed, false));
   }
 
   oraclegs::Run Start(size_t r, uint64_t seed, const Listener& listener) {
@@ -187,7 +184,7 @@ class Ablator {
     }
     oraclegs::Run run = StartRun(request, listener);
     if (!scene_is_good_) {
-      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.options.photo);
+      const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(run.split.train[0])], run.options.image);
       ablation_.width = camera.width, ablation_.height = camera.height;
       ablation_.train_views = run.split.train.size(), ablation_.test_views = run.split.test.size();
       scene_is_good_ = true;
@@ -210,7 +207,7 @@ class Ablator {
     oraclegs::Run run = Start(r, seed, ListenerOf(r, seed));
     AblationRun result;
     result.seed = seed, result.workspace = Folder(r, seed);
-    const bool was_trained = IsTrained(run);
+    const bool was_trained = IsUpToDate(&run, "train");
     const auto begin = std::chrono::steady_clock::now();
     try {
       const json metrics = Reconstruct(&run);

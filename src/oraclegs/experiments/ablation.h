@@ -18,7 +18,7 @@ struct AblateOptions {
     visit("seeds", self.seeds, "Trainings of each row, of seeds --seed, --seed + 1, ...", Range{1, 1000});
     visit("rows", self.rows,
           "Rows to train, by number or name, separated by commas: mcmc, proposals, schedule, sfm, depth, confidence, "
-          "dense, regularisers, calibration, opinions, lpips (with its weights only); all unless given");
+          "dense, regularisers, calibration, proxies, lpips (with its weights only); all unless given");
   }
 };
 

@@ -30,7 +30,7 @@ struct AblationResult {
 struct Ablation {
   std::string scene, command, version;
   size_t train_views = 0, test_views = 0;
-  int width = 0, height = 0;  ///< pixels of a training photograph
+  int width = 0, height = 0;  ///< pixels of a training view
   int iterations = 0, max_gaussians = 0;
   std::vector<uint64_t> seeds;
   std::vector<AblationResult> rows;

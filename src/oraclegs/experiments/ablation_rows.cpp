@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "oraclegs/pipeline/stages/propose_stage.h"
+#include "oraclegs/pipeline/settings/plan.h"
 
 namespace oraclegs {
 namespace {
@@ -26,35 +26,36 @@ size_t RowOf(const std::string& word) {
 
 const std::vector<AblationRow>& AblationRows() {
   static const std::vector<AblationRow> rows = {
-      {"mcmc", "MCMC, random start", "3DGS-MCMC on the photographs alone, as its authors start and train it",
+      {"mcmc", "MCMC, random start", "3DGS-MCMC on the views alone, as its authors start and train it",
        [](const RunOptions& asked, RunOptions* o) {
          const StartOptions usual;
-         o->start.init = "random", o->start.init_scale = usual.init_scale;
+         o->start.init = StartKind::kRandom, o->start.init_scale = usual.init_scale;
          o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
-         o->propose.proposers = "none", o->propose.proposal_folder.clear();
-         o->train.schedule = "constant", o->validate.oracle = "uniform";
+         o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
+         o->train.schedule = ScheduleKind::kConstant, o->validate.oracle = OracleKind::kUniform;
          // Where everything is trusted alike there is nothing to calibrate, and no row of it.
-         if (asked.validate.oracle != "uniform") o->validate.calibrate = false;
+         if (asked.validate.oracle != OracleKind::kUniform) o->validate.calibrate = false;
          o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
          o->train.largest_scale = 0, o->train.alpha_weight = 0;
          o->train.proposal_lpips = 0;
-         o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1, o->train.exposure = "off";
+         o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1,
+         o->train.exposure = ExposureMode::kOff;
        }},
       {"proposals", "+ proposals",
-       "photographs warped to new views by stereo's depth, all pixels trusted alike, a constant share of the "
+       "views warped to new poses by stereo's depth, all pixels trusted alike, a constant share of the "
        "iterations",
        [](const RunOptions& asked, RunOptions* o) {
-         o->propose.proposers = asked.propose.proposers == "none" ? "none" : "warp";
+         const bool none = asked.propose.proposers == ProposerChoice::kNone;
+         o->propose.proposers = none ? ProposerChoice::kNone : ProposerChoice::kWarp;
          o->propose.proposal_folder = asked.propose.proposal_folder;
        }},
       {"schedule", "+ schedule", "the paper's share of proposals over the run, 0.1 + t (1-t)^3",
        [](const RunOptions& asked, RunOptions* o) { o->train.schedule = asked.train.schedule; }},
-      {"sfm", "+ SfM start", "Gaussians start at points triangulated from the training photographs",
-       [](const RunOptions&, RunOptions* o) { o->start.init = "sfm"; }},
-      {"depth", "+ depth", "stereo's inverse depth in the loss of the photographs",
+      {"sfm", "+ SfM start", "Gaussians start at points triangulated from the training views",
+       [](const RunOptions&, RunOptions* o) { o->start.init = StartKind::kSfm; }},
+      {"depth", "+ depth", "stereo's inverse depth in the loss of the views",
        [](const RunOptions& asked, RunOptions* o) { o->train.depth_weight = asked.train.depth_weight; }},
-      {"confidence", "+ confidence",
-       "each proposed pixel counts by what its oracle says of it, which orders the pixels",
+      {"confidence", "+ confidence", "each proposed pixel counts by what its oracle predicts, which orders the pixels",
        [](const RunOptions& asked, RunOptions* o) { o->validate.oracle = asked.validate.oracle; }},
       {"dense", "+ dense start", "Gaussians start at stereo's dense points, at the size of their distances",
        [](const RunOptions& asked, RunOptions* o) {
@@ -63,13 +64,13 @@ const std::vector<AblationRow>& AblationRows() {
        }},
       {"regularisers", "+ regularisers",
        "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, alpha in the loss "
-       "where photographs have it, colour maps where exposures vary",
+       "where images have it, colour maps where exposures vary",
        [](const RunOptions& asked, RunOptions* o) { o->train = asked.train, o->train.proposal_lpips = 0; }},
       {"calibration", "+ calibrated oracle",
-       "what the oracle says is mapped to what such pixels were worth where photographs were hidden",
+       "what the oracle predicts is mapped to what such pixels were worth in held-out views",
        [](const RunOptions& asked, RunOptions* o) { o->validate.calibrate = asked.validate.calibrate; }},
-      {"opinions", "+ second opinion",
-       "the mean of quick models beside the warped photographs, their confidence calibrated together and the two "
+      {"proxies", "+ proxy models",
+       "the mean of proxy models beside the warped views, their confidence calibrated together and the two "
        "blended by it: everything `reconstruct` does without LPIPS",
        [](const RunOptions& asked, RunOptions* o) { o->propose.proposers = asked.propose.proposers; }},
       {"lpips", "+ LPIPS", "the proposals' loss has a share of LPIPS, which it takes from L1",
@@ -101,19 +102,18 @@ std::vector<size_t> ChooseRows(const std::string& words) {
 }
 
 void RequireAblatable(const RunOptions& asked) {
-  const bool proposes = ProposesViews(asked) || !asked.propose.proposal_folder.empty();
-  if (!proposes || asked.train.schedule == "none") {
+  if (!HasProposals(asked) || asked.train.schedule == ScheduleKind::kNone) {
     throw UsageError(
         "--proposers none, --proposals 0 and --schedule none leave an ablation no proposals to speak of; leave them "
         "out");
   }
-  if (asked.depth.depth_prior == "none") {
+  if (asked.depth.depth_prior == DepthPrior::kNone) {
     throw UsageError("--depth-prior none leaves an ablation no depth to speak of; leave it out");
   }
-  const std::string& init = asked.start.init;
-  if (init == "random" || init == "sfm") {
+  const Auto<StartKind>& init = asked.start.init;
+  if (init == StartKind::kRandom || init == StartKind::kSfm) {
     throw UsageError("--init {} is what some rows start from by themselves; leave it out, or give dense or hybrid",
-                     init);
+                     Word(init.value()));
   }
 }
 

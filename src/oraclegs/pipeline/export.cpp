@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <vector>
 
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/gaussians/ply.h"
 
 namespace oraclegs {
 namespace {
 
-float Opacity(float logit) { return 1 / (1 + std::exp(-logit)); }
-
-/// Opacity times the area of the largest face: how much of a picture a Gaussian can cover.
+/// Opacity times the area of the largest face: how much of an image a Gaussian can cover.
 float Weight(float opacity, const float* log_scales) {
   const float smallest = std::min({log_scales[0], log_scales[1], log_scales[2]});
   return opacity * std::exp(log_scales[0] + log_scales[1] + log_scales[2] - smallest);
@@ -25,19 +24,25 @@ Gaussians Pruned(const Gaussians& gaussians, const ExportOptions& options) {
   const float* scales = gaussians.log_scales.data();
   std::vector<int64_t> kept;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
-    if (Opacity(logits[i]) >= options.min_opacity) kept.push_back(i);
+    if (Sigmoid(logits[i]) >= options.min_opacity) kept.push_back(i);
   }
   const auto limit = static_cast<size_t>(options.max_gaussians);
   if (limit > 0 && kept.size() > limit) {
     std::stable_sort(kept.begin(), kept.end(), [&](int64_t a, int64_t b) {
-      return Weight(Opacity(logits[a]), scales + 3 * a) > Weight(Opacity(logits[b]), scales + 3 * b);
+      return Weight(Sigmoid(logits[a]), scales + 3 * a) > Weight(Sigmoid(logits[b]), scales + 3 * b);
     });
     kept.resize(limit);
     std::sort(kept.begin(), kept.end());
   }
-  const Buffer<float> rows = torch::tensor(kept, torch::kLong);
   Gaussians result = gaussians;
-  result.ForEach([&](const char*, Buffer<float>& t) { t = t.index_select(0, rows); });
+  result.ForEach([&](const char*, Buffer<float>& part) {
+    const Buffer<float> all = part;
+    part = Buffer<float>::Empty(all.shape().WithRows(static_cast<int64_t>(kept.size())));
+    const int64_t row = all.shape().row();
+    for (size_t i = 0; i < kept.size(); ++i) {
+      std::copy_n(all.data() + kept[i] * row, row, part.data() + static_cast<int64_t>(i) * row);
+    }
+  });
   return result;
 }
 

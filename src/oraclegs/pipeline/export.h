@@ -16,7 +16,8 @@ struct ExportOptions {
   static void Visit(Self& self, V&& visit) {
     visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour that is kept", Range{0, 3});
     visit("min-opacity", self.min_opacity, "Gaussians fainter than this are left out", Range{0, 1});
-    visit("max-gaussians", self.max_gaussians, "Keep this many, those of most opacity times area; 0 = all", Range{0, 1e9});
+    visit("max-gaussians", self.max_gaussians, "Keep this many, those of most opacity times area; 0 = all",
+          Range{0, 1e9});
   }
 };
 

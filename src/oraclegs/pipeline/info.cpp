@@ -1,12 +1,17 @@
 #include "oraclegs/pipeline/info.h"
 
-#include <algorithm>
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/gaussians/ply.h"
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/train/checkpoint.h"
 
@@ -24,25 +29,25 @@ const char* FormatName(SceneFormat format) {
     case SceneFormat::kBlender:
       return "Blender (NeRF synthetic)";
     case SceneFormat::kPhotos:
-      return "photographs without poses";
+      return "photos without poses";
   }
   return "";
 }
 
 nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
   const Scene scene = ReadScene(path, SceneReadOptions{}, listener);
-  std::map<std::string, int> lenses, sizes;
+  std::map<std::string, int> models, sizes;
   size_t masks = 0;
   for (const SceneView& view : scene.views) {
     masks += view.mask_path.empty() ? 0 : 1;
-    if (view.lens.params.empty()) continue;
-    ++lenses[std::string(CameraModelName(view.lens.model))];
-    ++sizes[fmt::format("{}x{}", view.lens.width, view.lens.height)];
+    if (view.intrinsics.params.empty()) continue;
+    ++models[std::string(CameraModelName(view.intrinsics.model))];
+    ++sizes[fmt::format("{}x{}", view.intrinsics.width, view.intrinsics.height)];
   }
   return {{"kind", "scene"},
           {"format", FormatName(scene.format)},
           {"views", scene.views.size()},
-          {"lenses", lenses},
+          {"camera_models", models},
           {"sizes", sizes},
           {"points", scene.points.size()},
           {"masks", masks},
@@ -55,16 +60,18 @@ nlohmann::json DescribePly(const fs::path& path) {
   nlohmann::json info = {{"kind", "gaussians"}, {"gaussians", ply.gaussians.size()}, {"sh_degree", ply.sh_degree}};
   if (!ply.comments.empty()) info["comments"] = ply.comments;
   if (ply.gaussians.size() == 0) return info;
-  std::vector<double> low, high;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Buffer<float> column = ply.gaussians.means.select(1, axis);
-    low.push_back(column.min().item<double>());
-    high.push_back(column.max().item<double>());
+  const Gaussians& gaussians = ply.gaussians;
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+  double opacity = 0;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3f> mean(gaussians.means.data() + 3 * i);
+    low = low.cwiseMin(mean), high = high.cwiseMax(mean);
+    opacity += static_cast<double>(Sigmoid(gaussians.opacity_logits[i]));
   }
-  const Buffer<float> opacity = torch::sigmoid(ply.gaussians.opacity_logits);
-  info["bounding_box"] = {{"min", low}, {"max", high}};
-  info["mean_opacity"] = opacity.mean().item<double>();
-  info["median_scale"] = ply.gaussians.log_scales.flatten().median().exp().item<double>();
+  std::vector<float> scales(gaussians.log_scales.span().begin(), gaussians.log_scales.span().end());
+  info["bounding_box"] = {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}};
+  info["mean_opacity"] = opacity / static_cast<double>(gaussians.size());
+  info["median_scale"] = std::exp(static_cast<double>(Median(&scales)));
   return info;
 }
 

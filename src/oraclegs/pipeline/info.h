@@ -1,14 +1,14 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "oraclegs/core/progress.h"
 
 namespace oraclegs {
 
 /// A summary of what a path is, by its "kind":
-///   "scene"      format, views, lenses, sizes, points, missing images
+///   "scene"      format, views, camera models, sizes, points, missing images
 ///   "workspace"  scene, options, split sizes, finished stages, metrics
 ///   "gaussians"  a PLY: number, SH degree, bounding box, opacities
 /// Throws InputError when it is none of them.

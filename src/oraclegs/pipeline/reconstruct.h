@@ -1,16 +1,19 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "oraclegs/pipeline/run.h"
 
 namespace oraclegs {
 
-/// The whole run: start, sfm, train, evaluate. Returns what metrics.json holds. The test photographs are read once
-/// before training, so that a damaged one is told before an hour is spent.
+/// The whole run: all stages up to "evaluate". Returns what metrics.json holds. The test images are read once before
+/// training, so that a damaged one is reported before an hour is spent.
 nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener);
 
 /// The same of a run that has been started.
 nlohmann::json Reconstruct(Run* run);
+
+/// Scores point_cloud.ply as it is (stage "evaluate" alone). Throws InputError when there is none.
+void EvaluateRun(Run* run);
 
 }  // namespace oraclegs

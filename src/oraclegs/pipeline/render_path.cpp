@@ -1,22 +1,24 @@
 #include "oraclegs/pipeline/render_path.h"
 
+#include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/subprocess.h"
-#include "oraclegs/evaluate/picture_names.h"
+#include "oraclegs/evaluate/image_names.h"
+#include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/settings/device.h"
-#include "oraclegs/pipeline/run.h"
-#include "oraclegs/camera/camera_path.h"
+#include "oraclegs/pipeline/stages/stage_clock.h"
+#include "oraclegs/render/make_rasterizer.h"
 
 namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A list that ffmpeg's concat demuxer reads, which takes pictures of any name.
-std::string FfmpegList(const std::vector<fs::path>& pictures, int fps) {
+/// A list that ffmpeg's concat demuxer reads, which takes images of any name.
+std::string FfmpegList(const std::vector<fs::path>& images, int fps) {
   std::string list = "ffconcat version 1.0\n";
-  for (const fs::path& picture : pictures) {
+  for (const fs::path& picture : images) {
     std::string quoted;
     for (const char c : picture.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
     list += fmt::format("file '{}'\nduration {:.9f}\n", quoted, 1.0 / fps);
@@ -24,15 +26,15 @@ std::string FfmpegList(const std::vector<fs::path>& pictures, int fps) {
   return list;
 }
 
-bool WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, int fps, const Listener& listener) {
+bool WriteVideo(const std::vector<fs::path>& images, const fs::path& video, int fps, const Listener& listener) {
   const fs::path ffmpeg = FindProgram("ffmpeg");
   if (ffmpeg.empty()) {
-    listener(Note{"ffmpeg is not installed: no video, the pictures are there"});
+    listener(Note{"ffmpeg is not installed: no video, the images are there"});
     return false;
   }
   const fs::path list = fs::path(video).replace_extension(".txt.tmp"),
                  part = fs::path(video).replace_extension(".mp4.tmp");
-  WriteFileAtomically(list, FfmpegList(pictures, fps));
+  WriteFileAtomically(list, FfmpegList(images, fps));
   const ProcessResult result = RunProcess({ffmpeg.string(), "-y", "-loglevel", "error", "-f", "concat", "-safe", "0",
                                            "-i", list.string(), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-r",
                                            std::to_string(fps), "-pix_fmt", "yuv420p", "-f", "mp4", part.string()});
@@ -41,7 +43,7 @@ bool WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, in
   if (result.exit_code == 0) fs::rename(part, video, error);
   if (result.exit_code != 0 || error) {
     fs::remove(part, error);
-    listener(Warning{fmt::format("{}: ffmpeg failed (exit code {}): no video, the pictures are there", video.string(),
+    listener(Warning{fmt::format("{}: ffmpeg failed (exit code {}): no video, the images are there", video.string(),
                                  result.exit_code)});
     return false;
   }
@@ -51,19 +53,19 @@ bool WriteVideo(const std::vector<fs::path>& pictures, const fs::path& video, in
 
 }  // namespace
 
-std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const ImageOptions& photo,
+std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions& image,
                                      const RenderPathOptions& options) {
-  const std::vector<int>& views = options.path == "test" ? split.test : split.train;
+  const std::vector<int>& views = options.path == PathKind::kTest ? posed.split.test : posed.split.train;
   std::vector<std::string> names;
   std::vector<Camera> cameras;
   for (const int i : views) {
-    const SceneView& view = scene.views[static_cast<size_t>(i)];
-    cameras.push_back(WorkingCamera(view, photo));
+    const SceneView& view = posed.scene.views[static_cast<size_t>(i)];
+    cameras.push_back(WorkingCamera(view, image));
     names.push_back(view.name);
   }
   std::vector<NamedCamera> named;
-  if (options.path != "orbit") {
-    names = PictureNames(names);
+  if (options.path != PathKind::kOrbit) {
+    names = ImageNames(names);
     for (size_t i = 0; i < names.size(); ++i) named.push_back({names[i], cameras[i]});
     return named;
   }
@@ -79,20 +81,20 @@ fs::path RenderCameras(const Model& model, const std::vector<NamedCamera>& camer
   RequireWritableFolder(out);
   const StageClock clock("render", listener);
   const Device device = model.gaussians.means.device();
-  TellDevice(device, ProbeDevices(), listener);
+  ReportDevice(device, ProbeDevices(), listener);
   const auto rasterizer = MakeRasterizer(device);
-  std::vector<fs::path> pictures;
+  std::vector<fs::path> images;
   for (const NamedCamera& named : cameras) {
     ThrowIfInterrupted();
     const RenderOutput render =
         rasterizer->Forward(model.gaussians, named.camera, model.render, RenderPass::kInference);
-    pictures.push_back(fs::absolute(out / (named.name + ".png")));
-    WritePng(pictures.back(), ToImage8(render.image));
-    listener(StepDone{"render", static_cast<int64_t>(pictures.size()), static_cast<int64_t>(cameras.size()), "pictures",
-                      ""});
+    images.push_back(fs::absolute(out / (named.name + ".png")));
+    WritePng(images.back(), ToImage8(render.image));
+    listener(
+        StepDone{"render", static_cast<int64_t>(images.size()), static_cast<int64_t>(cameras.size()), "images", ""});
   }
   const fs::path video = out / "video.mp4";  // in the folder that was named: what stands beside it is not ours
-  const bool has_video = options.video && pictures.size() > 1 && WriteVideo(pictures, video, options.fps, listener);
+  const bool has_video = options.video && images.size() > 1 && WriteVideo(images, video, options.fps, listener);
   clock.Finish();
   listener(FileWritten{out});
   return has_video ? video : fs::path();

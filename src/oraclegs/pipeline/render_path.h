@@ -1,5 +1,5 @@
 #pragma once
-// Pictures and a video along a camera path.
+// Images and a video along a camera path.
 
 #include <filesystem>
 #include <string>
@@ -7,33 +7,42 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/pipeline/run.h"
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 
 namespace oraclegs {
 
+/// Cameras to render.
+enum class PathKind { kTrain, kTest, kOrbit };
+template <>
+struct EnumWords<PathKind> {
+  static constexpr EnumWord<PathKind> kWords[] = {
+      {PathKind::kTrain, "train"}, {PathKind::kTest, "test"}, {PathKind::kOrbit, "orbit"}};
+};
+
 struct RenderPathOptions {
-  std::string path = "orbit";
+  PathKind path = PathKind::kOrbit;
   int frames = 120;
   int fps = 30;
   bool video = true;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("path", self.path, "Cameras to render: the training views, the test views, or a flight among the training views",
-          Choice{{"train", "test", "orbit"}});
-    visit("frames", self.frames, "Pictures of the orbit", Range{1, 1e5});
-    visit("fps", self.fps, "Pictures per second of the video", Range{1, 240});
-    visit("video", self.video, "Also write video.mp4 among the pictures, when ffmpeg is installed");
+    visit("path", self.path,
+          "Cameras to render: the training views, the test views, or a flight among the training views");
+    visit("frames", self.frames, "Images of the orbit", Range{1, 1e5});
+    visit("fps", self.fps, "Images per second of the video", Range{1, 240});
+    visit("video", self.video, "Also write video.mp4 among the images, when ffmpeg is installed");
   }
 };
 
 struct NamedCamera {
-  std::string name;  ///< of the picture file, without extension
+  std::string name;  ///< of the image file, without extension
   Camera camera;
 };
 
 /// The cameras of a path through a scene.
-std::vector<NamedCamera> PathCameras(const Scene& scene, const Split& split, const ImageOptions& photo,
+std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions& image,
                                      const RenderPathOptions& options);
 
 /// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out/video.mp4. Returns the path of

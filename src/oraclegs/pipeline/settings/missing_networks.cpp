@@ -3,13 +3,8 @@
 #include <algorithm>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/weights/folder.h"
-#include "oraclegs/pipeline/stages/perceptual.h"
-#include "oraclegs/pipeline/stages/propose_stage.h"
-#include "oraclegs/pipeline/stages/seva_stage.h"
-#include "oraclegs/pipeline/stages/start_points.h"
-#include "oraclegs/pipeline/settings/vggt_weights.h"
-#include "oraclegs/pipeline/settings/weights.h"
 
 namespace oraclegs {
 namespace {
@@ -33,10 +28,11 @@ void AddIf(bool missing, MissingNetwork network, std::vector<MissingNetwork>* li
 }
 
 void AddSeva(const RunOptions& options, std::vector<MissingNetwork>* list) {
-  if (!ProposesViews(options) || !options.propose.Names("seva")) return;
-  MissingNetwork seva{Asked("proposers", options.propose.proposers), {}, "", "--proposers both", [](RunOptions* o) {
-                        o->propose.proposers = "both";
-                      }};
+  if (!ProposesViews(options) || !options.propose.Uses(ProposerChoice::kSeva)) return;
+  MissingNetwork seva{
+      Asked("proposers", Word(options.propose.proposers)), {}, "", "--proposers both", [](RunOptions* o) {
+        o->propose.proposers = ProposerChoice::kBoth;
+      }};
   for (const char* model : kSevaModels) {
     if (!IsHere(model)) seva.models.emplace_back(model);
   }
@@ -45,31 +41,31 @@ void AddSeva(const RunOptions& options, std::vector<MissingNetwork>* list) {
 }
 
 void AddDepth(const RunOptions& options, std::vector<MissingNetwork>* list) {
-  const std::string& word = options.depth.depth_prior;
-  if (!NeedsDepth(options) || (word != "depth-anything" && word != "fused")) return;
+  const Auto<DepthPrior>& prior = options.depth.depth_prior;
+  if (!NeedsDepth(options) || (prior != DepthPrior::kMonocular && prior != DepthPrior::kFused)) return;
   AddIf(FindWeights(kDepthModel, options.weights.depth_weights).empty(),
-        {Asked("depth-prior", word),
+        {Asked("depth-prior", Word(prior.value())),
          {kDepthModel},
          "--depth-weights",
          "--depth-prior stereo",
-         [](RunOptions* o) { o->depth.depth_prior = "stereo"; }},
+         [](RunOptions* o) { o->depth.depth_prior = DepthPrior::kStereo; }},
         list);
 }
 
 void AddOracle(const RunOptions& options, std::vector<MissingNetwork>* list) {
-  const std::string& word = options.validate.oracle;
-  const bool validates = ProposesViews(options) || !options.propose.proposal_folder.empty();
-  if (!validates || !word.starts_with("vggt")) return;
+  const Auto<OracleKind>& oracle = options.validate.oracle;
+  const bool asks_vggt = oracle == OracleKind::kVggt || oracle == OracleKind::kVggtAndConsistency;
+  if (!HasProposals(options) || !asks_vggt) return;
   AddIf(!FindVggtWeights(options.weights.vggt_weights),
-        {Asked("oracle", word),
+        {Asked("oracle", Word(oracle.value())),
          {kVggtModel},
          kVggtFile,
          "--oracle consistency",
-         [](RunOptions* o) { o->validate.oracle = "consistency"; }},
+         [](RunOptions* o) { o->validate.oracle = OracleKind::kConsistency; }},
         list);
 }
 
-/// What `text` says of each, without repetitions, in their order.
+/// of(network) of each, without repetitions, in their order.
 template <class Of>
 std::vector<std::string> Distinct(const std::vector<MissingNetwork>& missing, const Of& of) {
   std::vector<std::string> texts;
@@ -99,21 +95,25 @@ std::vector<std::string> Distinct(const std::vector<MissingNetwork>& missing, co
 
 std::vector<MissingNetwork> MissingNetworks(const RunOptions& options, bool has_poses) {
   std::vector<MissingNetwork> missing;
-  if (!has_poses && options.input.poses == "vggt") {
+  if (!has_poses && options.input.poses == PoseSource::kVggt) {
     AddIf(!FindVggtWeights(options.weights.vggt_weights),
-          {"--poses vggt", {kVggtModel}, kVggtFile, "--poses colmap", [](RunOptions* o) { o->input.poses = "colmap"; }},
+          {"--poses vggt",
+           {kVggtModel},
+           kVggtFile,
+           "--poses colmap",
+           [](RunOptions* o) { o->input.poses = PoseSource::kColmap; }},
           &missing);
   }
   AddDepth(options, &missing);
   AddSeva(options, &missing);
   AddOracle(options, &missing);
-  if (options.weights.lpips == "required") {
+  if (options.weights.lpips == LpipsUse::kRequired) {
     AddIf(FindLpips(options.weights).empty(),
           {"--lpips required",
            {kLpipsModel},
            "--lpips-weights",
            "L1 and SSIM, and no LPIPS among the scores,",
-           [](RunOptions* o) { o->weights.lpips = "auto"; }},
+           [](RunOptions* o) { o->weights.lpips = LpipsUse::kWhereFound; }},
           &missing);
   }
   return missing;

@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
-#include "oraclegs/networks/seva/options.h"
+#include "oraclegs/networks/seva_options.h"
 #include "oraclegs/propose/options.h"
 #include "oraclegs/propose/trajectory.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -18,26 +18,58 @@
 
 namespace oraclegs {
 
+/// What finds the cameras of images without poses.
+enum class PoseSource { kColmap, kVggt };
+template <>
+struct EnumWords<PoseSource> {
+  static constexpr EnumWord<PoseSource> kWords[] = {{PoseSource::kColmap, "colmap"}, {PoseSource::kVggt, "vggt"}};
+};
+
+/// Where the Gaussians start.
+enum class StartKind { kDense, kSfm, kRandom, kHybrid };
+template <>
+struct EnumWords<StartKind> {
+  static constexpr EnumWord<StartKind> kWords[] = {{StartKind::kDense, "dense"},
+                                                   {StartKind::kSfm, "sfm"},
+                                                   {StartKind::kRandom, "random"},
+                                                   {StartKind::kHybrid, "hybrid"}};
+};
+
+/// What the training views' depth is made from.
+enum class DepthPrior { kMonocular, kStereo, kFused, kNone };
+template <>
+struct EnumWords<DepthPrior> {
+  static constexpr EnumWord<DepthPrior> kWords[] = {{DepthPrior::kMonocular, "depth-anything"},
+                                                    {DepthPrior::kStereo, "stereo"},
+                                                    {DepthPrior::kFused, "fused"},
+                                                    {DepthPrior::kNone, "none"}};
+};
+
+enum class LpipsUse { kWhereFound, kRequired };
+template <>
+struct EnumWords<LpipsUse> {
+  static constexpr EnumWord<LpipsUse> kWords[] = {{LpipsUse::kWhereFound, "auto"}, {LpipsUse::kRequired, "required"}};
+};
+
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
-  std::string poses = "colmap";
+  PoseSource poses = PoseSource::kColmap;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("images", self.images, "Folder of the photographs, where it is not the scene's usual one");
+    visit("images", self.images, "Folder of the photos, where it is not the scene's usual one");
     visit("poses", self.poses,
-          "Who finds the cameras of photographs without poses: colmap = structure from motion; vggt = the network, in "
-          "one pass, also from photographs that share too little for colmap",
-          Choice{{"colmap", "vggt"}});
+          "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
+          "pass, also from photos that share too little for colmap");
   }
 };
 
 struct StartOptions {
-  std::string init = "auto";
-  double init_scale = 0;
+  Auto<StartKind> init;
+  Auto<double> init_scale;
   double init_opacity = 0.5;
   double init_flatness = 1;
-  std::string init_planes = "yes";
+  bool init_planes = true;
   uint64_t seed = 0;
 
   template <class Self, class V>
@@ -45,35 +77,33 @@ struct StartOptions {
     visit("init", self.init,
           "Where the Gaussians start: dense = what stereo found, sfm = points triangulated from the training views, "
           "random = in the volume they look at, hybrid = all three, auto = dense, or sfm joined by random points "
-          "where stereo finds little, or random alone below 100",
-          Choice{{"auto", "dense", "sfm", "random", "hybrid"}});
+          "where stereo finds little, or random alone below 100");
     visit("init-scale", self.init_scale,
-          "Start scale as a factor of the distance to the neighbours; 0 = 1 for a dense start, "
-          "0.1 for others",
-          Range{0, 10});
+          "Start scale as a factor of the distance to the neighbours; auto = 1 for a dense start, 0.1 for others",
+          Range{1e-6, 10});
     visit("init-opacity", self.init_opacity, "Start opacity", Range{0.006, 0.99});
     visit("init-flatness", self.init_flatness,
           "Start thickness along the surface's normal, as a share of the other two scales; "
           "1 = round",
           Range{0.01, 1});
     visit("init-planes", self.init_planes,
-          "A dense start also where stereo finds nothing, as far as the planes beside go on there (lawns, plain walls)",
-          Choice{{"yes", "no"}});
-    visit("seed", self.seed, "Seed of everything random; the same seed gives the same bits", Range{0, 9007199254740992.0});
+          "Extrapolate planes of a dense start into textureless regions, where stereo finds nothing (lawns, plain "
+          "walls)");
+    visit("seed", self.seed, "Seed of everything random; the same seed gives the same bits",
+          Range{0, 9007199254740992.0});
   }
 };
 
 struct DepthOptions {
-  std::string depth_prior = "auto";
+  Auto<DepthPrior> depth_prior;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("depth-prior", self.depth_prior,
-          "Where the photographs' depth comes from: stereo; depth-anything = a network's guess from each photograph "
-          "alone, aligned to the sparse points; fused = stereo where it is sure, elsewhere the network's, bent to "
+          "Where the photos' depth comes from: stereo; depth-anything = a network's prediction from each photo alone, "
+          "aligned to the sparse points; fused = stereo where it is confident, elsewhere the network's, warped to fit "
           "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
-          "start and no views to propose",
-          Choice{{"auto", "depth-anything", "stereo", "fused", "none"}});
+          "start and no views to propose");
   }
 };
 
@@ -116,7 +146,7 @@ struct CheckpointSchedule {
 /// key holds.
 struct WeightOptions {
   bool allow_fallback = false;
-  std::string lpips = "auto";
+  LpipsUse lpips = LpipsUse::kWhereFound;
   std::filesystem::path depth_weights;
   std::filesystem::path lpips_weights;
   std::filesystem::path vggt_weights;
@@ -127,8 +157,7 @@ struct WeightOptions {
           "Where weights of a network are missing that other options ask for, take what needs none, and say so");
     visit("lpips", self.lpips,
           "LPIPS in the proposals' loss and among the scores: auto = where its weights are; required = an error where "
-          "they are not",
-          Choice{{"auto", "required"}});
+          "they are not");
     visit("depth-weights", self.depth_weights,
           "File of Depth Anything V2's weights, S, B or L (safetensors), where it is not the one that `oraclegs models "
           "fetch depth-anything-v2-small` brings");
@@ -143,7 +172,7 @@ struct WeightOptions {
 struct RunOptions {
   InputOptions input;
   SplitOptions split;
-  ImageOptions photo;
+  ImageOptions image;
   StartOptions start;
   StereoOptions stereo;
   DepthOptions depth;
@@ -158,51 +187,37 @@ struct RunOptions {
   MachineOptions machine;
 
   /// Calls f("Group title", group) for the groups whose options shape the result.
-  template <class F>
-  void ForEachShapingGroup(F&& f) {
-    f("Scene", input);
-    f("Split", split);
-    f("Photographs", photo);
-    f("Start", start);
-    f("Stereo", stereo);
-    f("Depth", depth);
-    f("Proposed poses", trajectory);
-    f("Proposals", propose);
-    f("Stable Virtual Camera", seva);
-    f("Validation", validate);
-    f("Training", train);
+  template <class Self, class F>
+  static void ForEachShapingGroup(Self& self, F&& f) {
+    f("Scene", self.input);
+    f("Split", self.split);
+    f("Images", self.image);
+    f("Start", self.start);
+    f("Stereo", self.stereo);
+    f("Depth", self.depth);
+    f("Proposed poses", self.trajectory);
+    f("Proposals", self.propose);
+    f("Stable Virtual Camera", self.seva);
+    f("Validation", self.validate);
+    f("Training", self.train);
   }
-  template <class F>
-  void ForEachGroup(F&& f) {
-    ForEachShapingGroup(f);
-    f("Checkpoints", checkpoints);
-    f("Weights", weights);
-    f("Machine", device);
-    f("Machine", machine);
+  template <class Self, class F>
+  static void ForEachGroup(Self& self, F&& f) {
+    ForEachShapingGroup(self, f);
+    f("Checkpoints", self.checkpoints);
+    f("Weights", self.weights);
+    f("Machine", self.device);
+    f("Machine", self.machine);
   }
 };
 
 /// {"views": 12, ...} of the options that shape the result.
-inline nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
-  nlohmann::json json = nlohmann::json::object();
-  const_cast<RunOptions&>(options).ForEachShapingGroup(
-      [&](const char*, const auto& group) { json.update(OptionsToJson(group)); });
-  return json;
-}
+nlohmann::json ShapingOptionsToJson(const RunOptions& options);
 
 /// The same of all options.
-inline nlohmann::json RunOptionsToJson(const RunOptions& options) {
-  nlohmann::json json = ShapingOptionsToJson(options);
-  json.update(OptionsToJson(options.checkpoints));
-  json.update(OptionsToJson(options.weights));
-  json.update(OptionsToJson(options.device));
-  json.update(OptionsToJson(options.machine));
-  return json;
-}
+nlohmann::json RunOptionsToJson(const RunOptions& options);
 
 /// Throws UsageError for the first option out of its range.
-inline void CheckRunOptions(const RunOptions& options) {
-  const_cast<RunOptions&>(options).ForEachGroup([](const char*, const auto& group) { CheckOptions(group); });
-}
+void CheckRunOptions(const RunOptions& options);
 
 }  // namespace oraclegs

@@ -4,8 +4,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/pipeline/settings/fingerprint.h"
 #include "oraclegs/weights/folder.h"
-#include "oraclegs/pipeline/workspace/fingerprint.h"
 
 namespace oraclegs {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/weights/folder.h"
-#include "oraclegs/pipeline/workspace/fingerprint.h"
 
 namespace oraclegs {
 namespace {
@@ -50,42 +49,24 @@ std::string HowToFetch(const std::string& model) {
   return fmt::format("`oraclegs models fetch {}` brings them", model);
 }
 
-std::string WeightsFingerprint(const std::vector<fs::path>& files) {
-  if (files.empty()) return "";
-  Fingerprint print;
-  for (const fs::path& file : files) print.AddFile(file);
-  return print.Hex();
-}
-
-const char* DepthSource::Name() const {
-  switch (prior) {
-    case DepthPrior::kNone:
-      return "none";
-    case DepthPrior::kStereo:
-      return "stereo";
-    case DepthPrior::kMonocular:
-      return "depth-anything";
-    case DepthPrior::kFused:
-      return "fused";
-  }
-  return "stereo";
+std::vector<fs::path> FindLpips(const WeightOptions& options) {
+  return FindWeights(kLpipsModel, options.lpips_weights);
 }
 
 DepthSource ChooseDepthSource(const RunOptions& options) {
-  const std::string& asked = options.depth.depth_prior;
-  if (asked == "none") return {DepthPrior::kNone, {}};
-  if (asked == "stereo") return {DepthPrior::kStereo, {}};
+  const Auto<DepthPrior>& asked = options.depth.depth_prior;
+  if (asked == DepthPrior::kNone || asked == DepthPrior::kStereo) return {asked.value(), {}};
   const std::vector<fs::path> files = FindWeights(kDepthModel, options.weights.depth_weights);
   if (files.size() > 1) {
     throw InputError("{}: holds {} files, Depth Anything V2 has one; name one with --depth-weights",
                      files[0].parent_path().string(), files.size());
   }
-  if (files.empty() && asked == "auto") return {DepthPrior::kStereo, {}};
+  if (files.empty() && asked.is_auto()) return {DepthPrior::kStereo, {}};
   if (files.empty()) {
     throw InputError("--depth-prior {} needs the weights of Depth Anything V2; {}, or name a file with --depth-weights",
-                     asked, HowToFetch(kDepthModel));
+                     Word(asked.value()), HowToFetch(kDepthModel));
   }
-  return {asked == "depth-anything" ? DepthPrior::kMonocular : DepthPrior::kFused, files[0]};
+  return {asked.ValueOr(DepthPrior::kFused), files[0]};
 }
 
 }  // namespace oraclegs

@@ -1,44 +1,52 @@
 #pragma once
-// The oracle of a run, which knows candidates and what is mixed from them.
+// The oracle of a run: calibrated on held-out views, for candidates and for what is mixed from them.
 
+#include <functional>
 #include <memory>
 #include <vector>
 
-#include "oraclegs/pipeline/settings/oracle_choice.h"
 #include "oraclegs/pipeline/stages/proposers.h"
+#include "oraclegs/pipeline/stages/stage.h"
 #include "oraclegs/validate/consistency.h"
 #include "oraclegs/validate/pick.h"
 
 namespace oraclegs {
 
-/// Learns from hidden photographs when it is made (but "uniform", and "vggt" without --calibrate). `photos` and
-/// `proposers` must outlive it.
-class Judge {
+/// How many proposals VGGT looks at together: `asked`, or where that is automatic the most, up to 8, whose pass needs
+/// no more than the free memory. bytes(n): what a pass over n proposals needs with the weights; available: bytes, 0 =
+/// unknown. Warns of a chunk that was made smaller, or that was asked for and may not fit. Throws RunError when not
+/// even one fits and none was asked for.
+size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, uint64_t available,
+                   const Listener& listener);
+
+class CalibratedOracle {
  public:
-  /// targets: how many are going to be asked about, for the progress of "validate". Throws InputError for weights that
-  /// do not fit, RunError when VGGT needs more memory than there is.
-  Judge(const Run& run, const std::vector<LoadedView>& photos, const Proposers& proposers, const OracleChoice& choice,
-        size_t targets);
+  /// Learns from held-out views (but "uniform", and "vggt" without --calibrate). `training` and `proposers` must
+  /// outlive it. targets: how many are going to be classified, for the progress of "validate". Throws InputError for
+  /// weights that do not fit, RunError when VGGT needs more memory than there is.
+  CalibratedOracle(const Run& run, const TrainingViews& training, const Proposers& proposers, size_t targets);
+  ~CalibratedOracle();
 
-  /// How many targets are best asked about in one call.
+  /// How many targets are best classified in one call.
   size_t together() const { return together_; }
-  /// True when passes of VGGT are what the time goes to; they are told as they are done.
-  bool tells_progress() const { return second_ != nullptr; }
+  /// True when passes of VGGT are what the time goes to; they are reported as they are done.
+  bool reports_progress() const { return second_ != nullptr; }
 
-  /// One picture of each target that has candidates, in their order.
-  std::vector<Validated> operator()(std::vector<std::vector<Proposal>> candidates) const;
+  /// Of each target that has candidates, in their order: one image of the candidates, with its confidence.
+  std::vector<Validated> Classify(std::vector<std::vector<Proposal>> candidates) const;
 
  private:
+  struct Progress;
+
   const Oracle& oracle() const;
-  void LoadSecond(const Run& run, const std::vector<LoadedView>& photos, const VggtWeights& weights);
-  void Teach(const std::vector<LoadedView>& photos, const Proposers& proposers, size_t targets);
+  void LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights);
+  void Calibrate(const std::vector<LoadedView>& views, const Proposers& proposers, size_t targets);
 
   PickRule rule_;
   size_t together_;
-  struct Progress;
   std::shared_ptr<Progress> progress_;             ///< of second_
   std::unique_ptr<Oracle> second_;                 ///< VGGT before calibration, null without
-  std::unique_ptr<ConsistencyOracle> calibrated_;  ///< null where VGGT's maps count as they are
+  std::unique_ptr<ConsistencyOracle> calibrated_;  ///< null where VGGT's maps are used as they are
   std::unique_ptr<Oracle> uniform_;
 };
 

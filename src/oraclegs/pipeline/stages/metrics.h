@@ -1,9 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
-#include "oraclegs/pipeline/run.h"
+#include "oraclegs/pipeline/stages/stage.h"
 
 namespace oraclegs {
 

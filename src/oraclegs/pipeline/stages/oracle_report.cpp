@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/evaluate/oracle_quality.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/stages/propose_stage.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -21,11 +22,10 @@ nlohmann::json ReportOracle(const Run& run) {
     const std::string stem = FileName(run.scene.views[static_cast<size_t>(v)].name), name = stem + ".png";
     if (!validated.contains(stem)) continue;
     const auto picture = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
-    const LoadedView truth = LoadViews(run.scene, {v}, run.options.photo, run.listener).front();
+    const LoadedView truth = LoadViews(run.scene, {v}, run.options.image, run.listener).front();
     const ImageF proposal = ToFloat(ReadImage(picture)), trust = ToFloat(ReadImage(map));
     if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
-      throw InputError("{}: is not of its photograph's size; delete it and run `oraclegs validate` again",
-                       picture.string());
+      throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", picture.string());
     }
     double squares = 0;
     size_t counted = 0;
@@ -48,13 +48,13 @@ nlohmann::json ReportOracle(const Run& run) {
   if (validated.empty()) {
     throw InputError(
         "{}: holds no validated proposals; run `oraclegs validate` with --trajectory dataset and --views N below the "
-        "number of photographs",
+        "number of photos",
         run.workspace.root().string());
   }
   if (views == 0) {
     throw InputError(
-        "{}: no proposal stands where a photograph was taken that neither trains nor tests; only --trajectory dataset "
-        "with --views N below the number of photographs can be measured",
+        "{}: no proposal has the pose of a view that neither trains nor tests; only --trajectory dataset "
+        "with --views N below the number of photos can be measured",
         run.workspace.root().string());
   }
   nlohmann::json report = {

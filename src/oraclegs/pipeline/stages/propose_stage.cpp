@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
-#include "oraclegs/pipeline/workspace/fingerprint.h"
-#include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/core/memory.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/pipeline/stages/proposers.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
+#include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
 
@@ -13,40 +15,54 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kProposeVersion = 2;   // raised when the same inputs give other proposals
-constexpr size_t kChunk = 8;            // targets whose pictures are held at once
-constexpr size_t kFewestPoints = 1000;  // dense points without which there is nothing to carry to a new view
-constexpr size_t kFewestPhotographs = 3;
+constexpr size_t kChunk = 8;              // targets that are proposed together
+constexpr uint64_t kKeptMemoryShare = 4;  // candidates are kept in one part in so many of the free memory
 
-/// Of the quick models: other poses are no reason to train them again.
-std::string OpinionKey(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
-  Fingerprint print;
-  print.Add(kProposeVersion).Add(geometry.key).Add(run.options.propose.opinions);
-  print.Add(run.options.propose.opinion_finish).Add(run.options.train.iterations);  // whose share the finish is
-  print.Add(OptionsToJson(run.options.start).dump()).Add(OptionsToJson(OpinionOptions(run.options, decided)).dump());
-  print.Add(OptionsToJson(run.options.photo).dump());
-  print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
-  return print.Hex();
+/// The files of --proposal-folder, and of the confidence beside synthetic_N.
+std::vector<fs::path> FolderFiles(fs::path folder) {
+  if (!folder.has_filename()) folder = folder.parent_path();
+  std::vector<fs::path> files;
+  const fs::path maps = folder.parent_path() / (folder.filename().string() + "_attention_maps");
+  for (const fs::path& dir : {folder, maps}) {
+    std::error_code ignored;
+    for (const auto& entry : fs::recursive_directory_iterator(dir, ignored)) {
+      if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
-std::string Key(const Run& run, const Geometry& geometry, const TrainOptions& decided) {
-  Fingerprint print;
-  print.Add(kProposeVersion).Add(geometry.key);
-  print.Add(static_cast<double>(ProposesViews(run.options)));  // a folder may be all there is
-  print.Add(OptionsToJson(run.options.propose).dump()).Add(OptionsToJson(run.options.trajectory).dump());
-  print.Add(static_cast<double>(run.options.start.seed));  // of the poses
-  // Nothing else of start or training reaches a warp.
-  if (run.options.propose.Names("splat")) print.Add(OpinionKey(run, geometry, decided));
-  if (run.options.propose.Names("seva") && ProposesViews(run.options)) print.Add(SevaKey(run.options));
-  print.Add(OptionsToJson(run.options.photo).dump()).Add(ProposalInputs(run));
-  print.Add(ViewsFingerprint(run.scene, run.split.train, run.options.photo.downscale));
-  return print.Hex();
+/// Names of the split; names, intrinsics and poses of all views.
+void AddPoses(const Run& run, Fingerprint* key) {
+  for (const std::vector<int>* part : {&run.split.train, &run.split.test}) {
+    for (const int view : *part) key->Add(run.scene.views[static_cast<size_t>(view)].name);
+    key->Add("|");
+  }
+  for (const SceneView& view : run.scene.views) {
+    key->Add(view.name).Add(view.intrinsics.width).Add(view.intrinsics.height);
+    for (const double value : view.intrinsics.params) key->Add(value);
+    for (const double value : view.cam_from_world->matrix().reshaped()) key->Add(value);
+  }
+}
+
+void Own(Run* run, Fingerprint* key) {
+  const RunOptions& options = run->options;
+  key->Add(run->plan.proposes);  // a folder may be all there is
+  key->Add(OptionsToJson(options.propose).dump()).Add(OptionsToJson(options.trajectory).dump());
+  key->Add(static_cast<double>(options.start.seed));  // of the poses
+  if (run->plan.Uses(options, ProposerChoice::kSeva)) key->Add(SevaKey(options.seva));
+  key->Add(OptionsToJson(options.image).dump());
+  key->Add(ViewsFingerprint(run->scene, run->split.train, options.image.downscale, &run->files));
+  AddPoses(*run, key);
+  if (options.propose.proposal_folder.empty()) return;
+  for (const fs::path& file : FolderFiles(options.propose.proposal_folder)) key->Add(file.string()).AddFile(file);
 }
 
 std::vector<Camera> CamerasOf(const Run& run, const std::vector<int>& views) {
   std::vector<Camera> cameras;
   for (const int v : views) {
-    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(v)], run.options.photo));
+    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(v)], run.options.image));
   }
   return cameras;
 }
@@ -60,12 +76,12 @@ std::vector<Target> TargetsOf(const Run& run, const std::vector<int>& views) {
   return targets;
 }
 
-FolderProposals ReadFolder(const Run& run, const LoadedView& photo) {
+FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
   std::vector<int> no_test = SpareViews(run);
   no_test.insert(no_test.end(), run.split.train.begin(), run.split.train.end());
   return ReadProposalFolder(run.options.propose.proposal_folder,
                             {CamerasOf(run, run.split.train), TargetsOf(run, run.split.test), TargetsOf(run, no_test),
-                             photo.camera.width, photo.camera.height, BackgroundColor(run.options.photo.background)},
+                             view.camera.width, view.camera.height, BackgroundColor(run.options.image.background)},
                             run.listener);
 }
 
@@ -80,33 +96,82 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   return ChooseTargets(request, run.options.trajectory, run.listener);
 }
 
-bool CanPropose(const Run& run, const std::vector<LoadedView>& photos, const Geometry& geometry) {
-  if (geometry.points.size() >= kFewestPoints && photos.size() >= kFewestPhotographs) return true;
-  run.listener(
-      Warning{fmt::format("no views are proposed: {} photographs with {} dense points; {} and {} are needed "
-                          "(--proposers none keeps silent)",
-                          photos.size(), geometry.points.size(), kFewestPhotographs, kFewestPoints)});
-  return false;
+/// What is proposed where. Deterministic: that of an earlier run is found again.
+bool Load(Run* run) {
+  StageResults& known = *run->results;
+  const TrainingViews& training = ViewsOf(run);
+  known.targets.clear(), known.folder = {}, known.proposers = nullptr;
+  if (!run->options.propose.proposal_folder.empty()) known.folder = ReadFolder(*run, training.views.front());
+  if (!run->plan.proposes) return true;
+  if (CanPropose(training, known.geometry)) {
+    known.targets = OwnTargets(*run, known.geometry);
+  } else {
+    run->listener(Warning{fmt::format(
+        "no views are proposed: {} views with {} dense points; {} and {} are needed (--proposers none keeps silent)",
+        training.views.size(), known.geometry.points.size(), kMinViewsToPropose, kMinPointsToPropose)});
+  }
+  // Both may be named after the same views.
+  for (Proposal& p : known.folder.proposals) p.name = known.targets.empty() ? p.name : "folder_" + p.name;
+  return true;
 }
 
-/// Pictures of all candidates, to look at.
-std::vector<std::string> WriteCandidates(const Run& run, const Proposers& proposers,
-                                         const std::vector<Target>& targets) {
+/// Images of all candidates, for the user to look at; the candidates are kept.
+std::vector<std::string> WriteCandidates(Run* run) {
+  StageResults& known = *run->results;
+  known.candidates = CandidateStore(AvailableMemory() / kKeptMemoryShare);
+  const Proposers& proposers = ProposersOf(run);
+  const std::vector<Target>& targets = known.targets;
   std::vector<std::string> files;
   for (size_t first = 0; first < targets.size(); first += kChunk) {
     const std::vector<Target> chunk(targets.begin() + static_cast<int64_t>(first),
                                     targets.begin() + static_cast<int64_t>(std::min(first + kChunk, targets.size())));
-    for (const auto& candidates : proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))) {
-      for (const Proposal& p : candidates) {
+    std::vector<std::vector<Proposal>> of_chunk = proposers.Ask(chunk);
+    for (size_t t = 0; t < chunk.size(); ++t) {
+      for (const Proposal& p : of_chunk[t]) {
         files.push_back(fmt::format("proposals/{}/{}.png", p.source, p.name));
-        const fs::path picture = run.workspace.root() / files.back();
-        if (!fs::exists(picture)) WritePng(picture, ToImage8(p.rgb));  // what was generated is there
+        const fs::path image = run->workspace.root() / files.back();
+        if (!fs::exists(image)) WritePng(image, ToImage8(p.rgb));  // what was generated is there
       }
+      known.candidates.Keep(chunk[t].name, std::move(of_chunk[t]));
     }
-    run.listener(StepDone{"propose", static_cast<int64_t>(first + chunk.size()), static_cast<int64_t>(targets.size()),
-                          "views", ""});
+    run->listener(StepDone{"propose", static_cast<int64_t>(first + chunk.size()), static_cast<int64_t>(targets.size()),
+                           "views", ""});
   }
   return files;
+}
+
+void Undo(Run* run, const nlohmann::json&) {
+  for (const char* old : {"warp", "splat", "transforms.json"}) {
+    std::error_code ignored;
+    fs::remove_all(run->workspace.proposals() / old, ignored);
+  }
+  RemoveGenerated(run->workspace.proposals());
+}
+
+std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
+  Load(run);
+  const StageResults& known = *run->results;
+  if (known.targets.empty() && run->options.propose.proposal_folder.empty() &&
+      !CanPropose(ViewsOf(run), known.geometry)) {
+    return std::nullopt;
+  }
+  const bool generates = !known.targets.empty() && run->options.propose.Uses(ProposerChoice::kSeva);
+  if (generates) {
+    GenerateViews(
+        {ViewsOf(run).views, known.targets, key, run->options.seva, run->workspace.proposals(), run->plan.device},
+        run->listener);
+  }
+  std::vector<std::string> files;
+  if (!known.targets.empty()) {
+    files = WriteCandidates(run);
+    WriteTargets(run->workspace.proposals(), known.targets);
+    files.emplace_back("proposals/transforms.json");
+  }
+  nlohmann::json record = {
+      {"targets", known.targets.size()}, {"folder", known.folder.proposals.size()}, {"files", std::move(files)}};
+  if (generates) NoteNonCommercial(kSevaName, &record);
+  RemoveChunks(run->workspace.proposals());
+  return record;
 }
 
 }  // namespace
@@ -122,87 +187,12 @@ std::vector<int> SpareViews(const Run& run) {
   return spare;
 }
 
-std::string ProposalInputs(const Run& run) {
-  fs::path folder = run.options.propose.proposal_folder;
-  if (!ProposesViews(run.options) && folder.empty()) return "";
-  Fingerprint print;
-  for (const std::vector<int>* part : {&run.split.train, &run.split.test}) {
-    for (const int view : *part) print.Add(run.scene.views[static_cast<size_t>(view)].name);
-    print.Add("|");
-  }
-  for (const SceneView& view : run.scene.views) {
-    print.Add(view.name).Add(view.lens.width).Add(view.lens.height);
-    for (const double value : view.lens.params) print.Add(value);
-    for (const double value : view.cam_from_world->matrix().reshaped()) print.Add(value);
-  }
-  if (folder.empty()) return print.Hex();
-  if (!folder.has_filename()) folder = folder.parent_path();
-  std::vector<fs::path> files;
-  const fs::path maps = folder.parent_path() / (folder.filename().string() + "_attention_maps");  // beside synthetic_N
-  for (const fs::path& dir : {folder, maps}) {
-    std::error_code ignored;
-    for (const auto& entry : fs::recursive_directory_iterator(dir, ignored)) {
-      if (entry.is_regular_file(ignored)) files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) print.Add(file.string()).AddFile(file);
-  return print.Hex();
-}
-
-bool ProposesViews(const RunOptions& options) {
-  return options.propose.proposers != "none" && options.trajectory.proposals > 0 && options.train.schedule != "none";
-}
-
-ProposalPlan RunPropose(Run* run, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                        const TrainOptions& decided) {
-  ProposalPlan plan;
-  const bool own = ProposesViews(run->options) && CanPropose(*run, photos, geometry);
-  const auto& folder = run->options.propose.proposal_folder;
-  if (!own && folder.empty()) {
-    run->workspace.MarkUndone("propose");
-    return plan;
-  }
-  const StageClock clock("propose", run->listener);
-  plan.key = Key(*run, geometry, decided);
-  if (!folder.empty()) plan.folder = ReadFolder(*run, photos.front());
-  if (own) plan.targets = OwnTargets(*run, geometry);
-  // Both may be named after the same views.
-  for (Proposal& p : plan.folder.proposals) p.name = plan.targets.empty() ? p.name : "folder_" + p.name;
-  const bool cached = run->workspace.IsDone("propose", plan.key);
-  if (!plan.targets.empty() && run->options.propose.Names("splat")) {
-    plan.opinions = TrainOpinions(run, photos, geometry, OpinionOptions(run->options, decided),
-                                  OpinionKey(*run, geometry, decided));
-  }
-  if (cached) {
-    clock.Finish();
-    return plan;
-  }
-  run->workspace.MarkUndone("propose");
-  for (const char* old : {"warp", "splat", "transforms.json"}) {
-    std::error_code ignored;
-    fs::remove_all(run->workspace.proposals() / old, ignored);
-  }
-  RemoveGenerated(run->workspace.proposals());
-  std::vector<std::string> files;
-  const bool generates = !plan.targets.empty() && run->options.propose.Names("seva");
-  if (generates) GenerateViews(*run, {photos, plan.targets, plan.key});
-  if (!plan.targets.empty()) {
-    files = WriteCandidates(*run, Proposers(*run, photos, geometry, plan.opinions), plan.targets);
-    WriteTargets(run->workspace.proposals(), plan.targets);
-    files.emplace_back("proposals/transforms.json");
-  }
-  const double seconds = clock.Finish();
-  nlohmann::json record = {{"key", plan.key},
-                           {"seconds", seconds},
-                           {"targets", plan.targets.size()},
-                           {"folder", plan.folder.proposals.size()},
-                           {"opinions", plan.opinions.size()},
-                           {"files", std::move(files)}};
-  if (generates) NoteNonCommercial(kSevaName, &record);
-  run->workspace.MarkDone("propose", record);
-  RemoveChunks(run->workspace.proposals());
-  return plan;
+StageWork ProposeStage() {
+  return {.wanted = [](const Run& run) { return run.plan.has_proposals; },
+          .own = Own,
+          .undo = Undo,
+          .make = Make,
+          .load = Load};
 }
 
 }  // namespace oraclegs

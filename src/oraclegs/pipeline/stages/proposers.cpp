@@ -4,53 +4,59 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/depth/gains.h"
-#include "oraclegs/pipeline/settings/device.h"
 
 namespace oraclegs {
 
-Proposers::Proposers(const Run& run, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                     std::vector<ProxyModel> opinions)
-    : silhouettes_(photos) {
-  const std::array<float, 3> background = BackgroundColor(run.options.photo.background);
-  WarpSources sources{photos, geometry.maps, {}, &silhouettes_, background};
-  if (ExposureSpread(geometry.gains) > kVariedExposure) sources.gains = geometry.gains;
-  warper_ = std::make_unique<Warper>(std::move(sources), ChooseDevice(run.options.device.device, ProbeDevices()));
-  const std::string& asked = run.options.propose.proposers;
+Proposers::Proposers(const Run& run, const TrainingViews& training, const Geometry& geometry,
+                     std::vector<ProxyModel> proxies) {
+  const std::array<float, 3> background = BackgroundColor(run.options.image.background);
+  WarpSources sources{training.views, geometry.maps, {}, &training.silhouettes, background};
+  if (geometry.HasVariedExposure()) sources.gains = geometry.gains;
+  warper_ = std::make_unique<Warper>(std::move(sources), run.plan.device);
+  const ProposeOptions& options = run.options.propose;
   // Also where nothing but a folder proposes: the oracle learns from what is known to be wrong.
-  if (asked != "splat" || opinions.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);
-  warp_paints_ = asked != "seva";
-  for (int k = 0; k < run.options.seva.candidates && run.options.propose.Names("seva"); ++k) {
+  if (options.proposers != ProposerChoice::kSplat || proxies.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);
+  warp_paints_ = options.proposers != ProposerChoice::kSeva;
+  for (int k = 0; k < run.options.seva.candidates && options.Uses(ProposerChoice::kSeva); ++k) {
     seva_.emplace_back(run.workspace.proposals(), k);
   }
-  if (opinions.empty()) return;
+  if (proxies.empty()) return;
   splat_ = std::make_unique<EnsembleProposer>(
-      std::move(opinions), RenderOptions{background, run.options.train.sh_degree, run.options.train.antialiased});
+      std::move(proxies), RenderOptions{background, run.options.train.sh_degree, run.options.train.antialiased});
 }
 
 std::vector<std::vector<Proposal>> Proposers::Ask(const std::vector<Target>& targets,
-                                                  const std::vector<int>& hidden) const {
-  std::vector<std::vector<Proposal>> answers(targets.size());
+                                                  const std::vector<std::optional<int>>& held_out) const {
+  std::vector<std::vector<Proposal>> candidates(targets.size());
+  const auto held_out_of = [&](size_t i) { return held_out.empty() ? std::nullopt : held_out[i]; };
+  const auto ask = [&](const Proposer& proposer, size_t i) {
+    if (auto answer = proposer.Propose(targets[i], held_out_of(i))) candidates[i].push_back(std::move(*answer));
+  };
   if (warp_) {
     ParallelFor(static_cast<int64_t>(targets.size()), [&](int64_t t) {
       ThrowIfInterrupted();
       const auto i = static_cast<size_t>(t);
-      if (hidden[i] < 0 && !warp_paints_) return;
-      if (auto answer = warp_->Propose(targets[i], hidden[i])) answers[i].push_back(std::move(*answer));
+      if (held_out_of(i) || warp_paints_) ask(*warp_, i);
     });
   }
   if (splat_) {
     for (size_t i = 0; i < targets.size(); ++i) {
       ThrowIfInterrupted();
-      if (auto answer = splat_->Propose(targets[i], hidden[i])) answers[i].push_back(std::move(*answer));
+      ask(*splat_, i);
     }
   }
   for (const SevaProposer& seva : seva_) {
-    for (size_t i = 0; i < targets.size(); ++i) {
-      if (auto answer = seva.Propose(targets[i], hidden[i])) answers[i].push_back(std::move(*answer));
-    }
+    for (size_t i = 0; i < targets.size(); ++i) ask(seva, i);
   }
-  return answers;
+  return candidates;
+}
+
+const Proposers& ProposersOf(Run* run) {
+  StageResults& known = *run->results;
+  if (!known.proposers) {
+    known.proposers = std::make_shared<const Proposers>(*run, ViewsOf(run), known.geometry, known.proxies);
+  }
+  return *known.proposers;
 }
 
 }  // namespace oraclegs

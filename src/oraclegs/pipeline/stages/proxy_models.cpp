@@ -1,7 +1,6 @@
 #include "oraclegs/pipeline/stages/proxy_models.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
@@ -14,142 +13,189 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kFewestPhotographs = 3;  // left after leaving some out: two show a surface, one is hidden
-
 template <class T>
-std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& left_out) {
+std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& held_out) {
   std::vector<T> rest;
   for (size_t v = 0; v < all.size(); ++v) {
-    if (std::find(left_out.begin(), left_out.end(), static_cast<int>(v)) == left_out.end()) rest.push_back(all[v]);
+    if (std::find(held_out.begin(), held_out.end(), static_cast<int>(v)) == held_out.end()) rest.push_back(all[v]);
   }
   return rest;
 }
 
-/// A trainer's progress after `before` other iterations of the same model.
-Listener Counted(const Listener& listener, int64_t before) {
-  return [=](const Event& event) {
-    if (const auto* step = std::get_if<StepDone>(&event)) {
-      StepDone counted = *step;
-      counted.done += before;
-      listener(counted);
-    } else {
-      listener(event);
-    }
-  };
-}
-
 /// A trainer's progress as part of the stage that trains several.
-Listener AsPropose(const Listener& listener, int64_t before, int64_t total) {
+Listener AsProxies(const Listener& listener, int64_t before, int64_t total) {
   return [=](const Event& event) {
     if (const auto* step = std::get_if<StepDone>(&event)) {
-      listener(StepDone{"propose", before + step->done, total, "iterations of quick models", step->detail});
+      listener(StepDone{"proxies", before + step->done, total, "iterations of proxy models", step->detail});
     } else if (!std::holds_alternative<Note>(event)) {
       listener(event);
     }
   };
 }
 
-/// What follows with all photographs: of Gaussians that have found their places and colours.
-TrainOptions FinishOptions(const RunOptions& options, TrainOptions opinion) {
-  opinion.iterations = static_cast<int>(options.propose.opinion_finish * options.train.iterations);
-  opinion.sh_degree_interval = 1;
-  opinion.refine_start = 0;
-  return opinion;
+/// What follows with all views: of Gaussians that have found their places and colours.
+TrainOptions FinishOptions(const RunOptions& options, TrainOptions proxy) {
+  proxy.iterations = static_cast<int>(options.propose.proxy_finish * options.train.iterations);
+  proxy.sh_degree_interval = 1;
+  proxy.refine_start = 0;
+  return proxy;
 }
 
-/// One quick model to be trained: without `left_out` first.
-struct Task {
-  const TrainOptions& options;
-  const TrainOptions& finish;
-  int number = 0;
-  std::vector<int> left_out;
-  fs::path before, path;  ///< the models' files
-};
-
-/// What stereo knows of the photographs that are not left out.
-Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& shown, const std::vector<int>& left_out) {
+/// What stereo knows of the views that are not held out.
+Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& shown, const std::vector<int>& held_out) {
   Geometry rest;
-  rest.maps = Without(all.maps, left_out);
-  rest.gains = Without(all.gains, left_out);
+  rest.maps = Without(all.maps, held_out);
+  rest.gains = Without(all.gains, held_out);
   rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
   return rest;
 }
 
-/// Trains it and writes its files; the seconds it took, or nothing, with a warning, where too little is left.
-std::optional<double> TrainOpinion(const Run& run, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                                   const Task& task, const Listener& listener) {
-  const StartOptions& start = run.options.start;
-  const std::vector<TrainView> views = TrainViews(photos, geometry), kept = Without(views, task.left_out);
-  const std::vector<LoadedView> shown = Without(photos, task.left_out);
-  const Geometry rest = GeometryWithout(geometry, shown, task.left_out);
-  if (kept.size() < kFewestPhotographs || rest.points.size() < kPlentyOfPoints) {
-    run.listener(
-        Warning{fmt::format("no quick models for --proposers splat: one would have {} photographs and {} dense points, "
-                            "and needs {} and {}; photographs are warped instead",
-                            kept.size(), rest.points.size(), kFewestPhotographs, kPlentyOfPoints)});
-    return std::nullopt;
+/// Trains the models of one run.
+class ProxyTrainer {
+ public:
+  explicit ProxyTrainer(Run* run)
+      : run_(*run),
+        training_(ViewsOf(run)),
+        geometry_(run->results->geometry),
+        views_(MakeTrainViews(training_, geometry_)),
+        options_(ProxyOptions(run->options, SettleTrainOptions(run->options.train, training_, geometry_, Silent()))),
+        finish_(FinishOptions(run->options, options_)) {}
+
+  int64_t iterations() const { return options_.iterations + finish_.iterations; }
+
+  /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
+  bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
+             const Listener& listener) const {
+    const std::vector<TrainView> kept = Without(views_, held_out);
+    const std::vector<LoadedView> shown = Without(training_.views, held_out);
+    const Geometry rest = GeometryWithout(geometry_, shown, held_out);
+    if (kept.size() < kMinViewsToPropose || rest.points.size() < kMinPointsForStart) {
+      run_.listener(Warning{fmt::format(
+          "no proxy models for --proposers splat: one would have {} views and {} dense points, and needs {} and {}; "
+          "views are warped instead",
+          kept.size(), rest.points.size(), kMinViewsToPropose, kMinPointsForStart)});
+      return false;
+    }
+    const StartOptions& start = run_.options.start;
+    const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians));
+    const Gaussians gaussians = InitializeGaussians(cloud, InitializeOptionsOf(start, kDenseScale));
+    const uint64_t seed = start.seed + static_cast<uint64_t>(number);
+    const auto background = BackgroundColor(run_.options.image.background);
+    Trainer trainer(options_, seed, background, kept, gaussians);
+    trainer.Run({}, listener);
+    WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
+    if (finish_.iterations == 0) {
+      WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
+      return true;
+    }
+    Trainer finisher(finish_, seed, background, views_, trainer.gaussians());
+    finisher.Run({}, Offset(listener, options_.iterations));
+    WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
+    return true;
   }
-  const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(task.options.max_gaussians));
-  const InitializeOptions init{start.init_scale > 0 ? start.init_scale : kDenseScale, start.init_opacity,
-                               start.init_flatness};
-  const uint64_t seed = start.seed + static_cast<uint64_t>(task.number);
-  const auto background = BackgroundColor(run.options.photo.background);
-  Trainer trainer(task.options, seed, background, kept, InitializeGaussians(cloud, init));
-  double seconds = trainer.Run({}, listener).seconds;
-  WriteGaussianPly(task.before, trainer.gaussians(), task.options.sh_degree);
-  if (task.finish.iterations == 0) {
-    WriteGaussianPly(task.path, trainer.gaussians(), task.options.sh_degree);
-    return seconds;
+
+ private:
+  /// A trainer's progress after `before` other iterations of the same model.
+  static Listener Offset(const Listener& listener, int64_t before) {
+    return [=](const Event& event) {
+      if (const auto* step = std::get_if<StepDone>(&event)) {
+        StepDone counted = *step;
+        counted.done += before;
+        listener(counted);
+      } else {
+        listener(event);
+      }
+    };
   }
-  Trainer finisher(task.finish, seed, background, views, trainer.gaussians());
-  seconds += finisher.Run({}, Counted(listener, task.options.iterations)).seconds;
-  WriteGaussianPly(task.path, finisher.gaussians(), task.finish.sh_degree);
-  return seconds;
+
+  const Run& run_;
+  const TrainingViews& training_;
+  const Geometry& geometry_;
+  std::vector<TrainView> views_;
+  TrainOptions options_, finish_;
+};
+
+int Count(const Run& run) {
+  return std::min(run.options.propose.proxy_models, static_cast<int>(run.split.train.size()));
+}
+
+/// Of model k, relative to the workspace: before it was trained with all views, and after.
+std::vector<std::string> FilesOf(int k) {
+  return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
+}
+
+void Own(Run* run, Fingerprint* key) {
+  const RunOptions& options = run->options;
+  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
+  key->Add(options.train.iterations);  // whose share the finish is
+  key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
+  key->Add(OptionsToJson(options.image).dump());
+}
+
+bool Load(Run* run) {
+  std::vector<ProxyModel> proxies;
+  const int n = Count(*run), views = static_cast<int>(run->split.train.size());
+  for (int k = 0; k < n; ++k) {
+    const std::vector<std::string> files = FilesOf(k);
+    proxies.push_back({ReadGaussianPly(run->workspace.root() / files[0]).gaussians,
+                       ReadGaussianPly(run->workspace.root() / files[1]).gaussians, HeldOutViews(views, n, k)});
+  }
+  run->results->proxies = std::move(proxies);
+  return true;
+}
+
+std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
+  run->results->proxies.clear();
+  if (!CanPropose(ViewsOf(run), run->results->geometry)) return std::nullopt;
+  const ProxyTrainer trainer(run);
+  const int n = Count(*run), views = static_cast<int>(run->split.train.size());
+  std::vector<std::string> all;
+  for (int k = 0; k < n; ++k) {
+    const std::string part = fmt::format("proxy {}", k);
+    const std::vector<std::string> files = FilesOf(k);
+    all.insert(all.end(), files.begin(), files.end());
+    if (run->workspace.IsDone(part, key)) continue;
+    run->workspace.MarkUndone(part);
+    const int64_t each = trainer.iterations();
+    if (!trainer.Train(k, HeldOutViews(views, n, k),
+                       {run->workspace.root() / files[0], run->workspace.root() / files[1]},
+                       AsProxies(run->listener, k * each, n * each))) {
+      return std::nullopt;
+    }
+    run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
+  }
+  Load(run);
+  return nlohmann::json{{"models", n}, {"files", all}};
 }
 
 }  // namespace
 
-TrainOptions OpinionOptions(const RunOptions& options, TrainOptions decided) {
-  const double share = options.propose.opinion_share;
+TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
+  const double share = options.propose.proxy_share;
   const auto scaled = [&](int iterations) { return std::max(1, static_cast<int>(share * iterations)); };
-  decided.iterations = scaled(decided.iterations);
-  decided.sh_degree_interval = scaled(decided.sh_degree_interval);
-  decided.refine_start = scaled(decided.refine_start);
-  decided.max_gaussians = std::min(decided.max_gaussians, options.propose.opinion_gaussians);
-  // Nothing that concerns proposals reaches a quick model: other values of these ask for no new ones.
+  train.iterations = scaled(train.iterations);
+  train.sh_degree_interval = scaled(train.sh_degree_interval);
+  train.refine_start = scaled(train.refine_start);
+  train.max_gaussians = std::min(train.max_gaussians, options.propose.proxy_gaussians);
+  // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
   const TrainOptions unused;
-  decided.schedule = "none";
-  decided.synthetic_floor = unused.synthetic_floor, decided.synthetic_peak = unused.synthetic_peak;
-  decided.proposal_weight = unused.proposal_weight, decided.proposal_ssim = unused.proposal_ssim;
-  decided.proposal_lpips = unused.proposal_lpips;
-  decided.confidence_gate = unused.confidence_gate, decided.confidence_power = unused.confidence_power;
-  return decided;
+  train.schedule = ScheduleKind::kNone;
+  train.synthetic_floor = unused.synthetic_floor, train.synthetic_peak = unused.synthetic_peak;
+  train.proposal_weight = unused.proposal_weight, train.proposal_ssim = unused.proposal_ssim;
+  train.proposal_lpips = unused.proposal_lpips;
+  train.confidence_gate = unused.confidence_gate, train.confidence_power = unused.confidence_power;
+  return train;
 }
 
-std::vector<ProxyModel> TrainOpinions(Run* run, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                                   const TrainOptions& options, const std::string& key) {
-  const int wanted = run->options.propose.opinions, n = std::min<int>(wanted, static_cast<int>(photos.size()));
-  const TrainOptions finish = FinishOptions(run->options, options);
-  const int64_t each = options.iterations + finish.iterations;
-  std::vector<ProxyModel> opinions;
-  for (int k = 0; k < n; ++k) {
-    const std::string stage = fmt::format("opinion {}", k), before = fmt::format("proposals/opinions/{}_before.ply", k),
-                      file = fmt::format("proposals/opinions/{}.ply", k);
-    const Task task{options,
-                    finish,
-                    k,
-                    LeftOut(static_cast<int>(photos.size()), n, k),
-                    run->workspace.root() / before,
-                    run->workspace.root() / file};
-    if (!run->workspace.IsDone(stage, key)) {
-      run->workspace.MarkUndone(stage);
-      const auto seconds = TrainOpinion(*run, photos, geometry, task, AsPropose(run->listener, k * each, n * each));
-      if (!seconds) return {};
-      run->workspace.MarkDone(stage, {{"key", key}, {"seconds", *seconds}, {"files", {before, file}}});
-    }
-    opinions.push_back({ReadGaussianPly(task.before).gaussians, ReadGaussianPly(task.path).gaussians, task.left_out});
-  }
-  return opinions;
+bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
+  return geometry.points.size() >= kMinPointsToPropose && training.views.size() >= kMinViewsToPropose;
+}
+
+StageWork ProxyStage() {
+  return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
+          .own = Own,
+          .make = Make,
+          .load = Load};
 }
 
 }  // namespace oraclegs

@@ -1,22 +1,23 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "oraclegs/pipeline/stages/depth_stage.h"
-#include "oraclegs/propose/ensemble.h"
+#include "oraclegs/pipeline/stages/stage.h"
 #include "oraclegs/train/options.h"
 
 namespace oraclegs {
 
-/// How the quick models are trained: the run's options, decided (train_inputs.h), at a share of its iterations.
-TrainOptions OpinionOptions(const RunOptions& options, TrainOptions decided);
+/// How proxy models are trained: the run's training options at a share of its iterations.
+TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
 
-/// Trains the models of proposer "splat", each without the photographs LeftOut() names, from what stereo found in the
-/// others, and then for --opinion-finish with all. Writes proposals/opinions/K_before.ply and K.ply; one that was
-/// finished under the same `key` is read back, so an interrupted run loses at most one. None, with a warning, when
-/// there are too few photographs or points.
-std::vector<ProxyModel> TrainOpinions(Run* run, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                                   const TrainOptions& options, const std::string& key);
+/// Dense points without which there is nothing to warp to a new view, and views, of which two show a surface and one is
+/// held out.
+inline constexpr size_t kMinPointsToPropose = 1000, kMinViewsToPropose = 3;
+/// Whether there are as many.
+bool CanPropose(const TrainingViews& training, const Geometry& geometry);
+
+/// Stage "proxies": the models of proposer "splat", each trained without the views that are held out from it, from what
+/// stereo found in the others, and then for --proxy-finish with all (docs/method.md#proxy-models). Writes
+/// proposals/proxies/K_before.ply and K.ply; an interrupted run loses at most one. None, with a warning, when there are
+/// too few views or points. Other target poses are no reason to train them again.
+StageWork ProxyStage();
 
 }  // namespace oraclegs

@@ -5,60 +5,35 @@
 
 #include "oraclegs/depth/plane_fill.h"
 #include "oraclegs/depth/prior_points.h"
-#include "oraclegs/pipeline/workspace/fingerprint.h"
-#include "oraclegs/pipeline/stages/propose_stage.h"
-#include "oraclegs/sfm/pose_check.h"
-#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/pipeline/stages/sfm_stage.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr size_t kFewestPoints = 4;   // a point needs three neighbours to have a scale
-constexpr double kRandomShare = 0.1;  // of the budget, in a hybrid start
-
-std::string Key(const Run& run) {
-  Fingerprint print;
-  print.Add(run.options.start.init).Add(ViewsFingerprint(run.scene, run.split.train));
-  for (const ScenePoint& p : run.scene.points) print.Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
-  return print.Hex();
-}
-
-std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
-  std::vector<ScenePoint> points = PointsSeenBy(run.scene, run.split.train);
-  if (points.size() >= kEnoughPoints) return points;
-  if (!run.scene.points.empty()) {
-    run.listener(Note{fmt::format("{} of the model's {} points were seen by two training views; triangulating anew",
-                                  points.size(), run.scene.points.size())});
-  }
-  // For a plain folder of photographs sfm/ itself holds the registration.
-  const bool registered = !run.workspace.Record("register").is_null();
-  const auto dir = registered ? run.workspace.sfm() / "training_views" : run.workspace.sfm();
-  std::vector<ScenePoint> triangulated = TriangulatePoints(run.scene, run.split.train, dir, run.listener);
-  return triangulated.size() > points.size() ? triangulated : points;
-}
+constexpr size_t kMinPointsForScale = 4;  // a point needs three neighbours to have a scale
+constexpr double kRandomShare = 0.1;      // of the budget, in a hybrid start
 
 /// The points of one --init word after the other, within the budget.
 class StartBuilder {
  public:
-  StartBuilder(const Run& run, const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& sfm,
-               const Geometry& geometry)
+  StartBuilder(const Run& run, const StartEvidence& known)
       : run_(run),
-        photos_(photos),
-        sfm_(sfm),
-        geometry_(geometry),
+        views_(known.views),
+        sfm_(known.sfm),
+        geometry_(known.geometry),
         budget_(static_cast<size_t>(run.options.train.max_gaussians)) {}
 
   StartPoints Build() {
-    const std::string& init = run_.options.start.init;
-    if (init == "random") {
+    const Auto<StartKind>& init = run_.options.start.init;
+    if (init == StartKind::kRandom) {
       AddRandom(static_cast<size_t>(run_.options.train.random_points));
-    } else if (init == "sfm") {
+    } else if (init == StartKind::kSfm) {
       Require(sfm_.size(), "the training views gave {} points, too few to start from; use --init random");
       AddSfm();
-    } else if (init == "dense") {
+    } else if (init == StartKind::kDense) {
       Require(geometry_.points.size(), "stereo gave {} points, too few to start from; use --init sfm or --init random");
       AddDense(budget_);
-    } else if (init == "hybrid") {
+    } else if (init == StartKind::kHybrid) {
       AddHybrid();
     } else {
       AddBest();
@@ -68,31 +43,31 @@ class StartBuilder {
 
  private:
   void Require(size_t points, const char* message) const {
-    if (points >= kFewestPoints) return;
+    if (points >= kMinPointsForScale) return;
     throw InputError("{}: {}", run_.scene.root.string(), fmt::format(fmt::runtime(message), points));
   }
 
   void AddBest() {
-    if (geometry_.points.size() >= kPlentyOfPoints) {
+    if (geometry_.points.size() >= kMinPointsForStart) {
       AddDense(budget_);
       return;
     }
-    if (NeedsDepth(run_.options)) {
+    if (run_.plan.needs_depth) {
       run_.listener(Warning{fmt::format(
-          "stereo gave {} points only: the photographs overlap too little, or their surfaces have no texture; starting "
+          "stereo gave {} points only: the photos overlap too little, or their surfaces have no texture; starting "
           "without them",
           geometry_.points.size())});
     }
-    if (sfm_.size() < kEnoughPoints) {
+    if (sfm_.size() < kMinSparseStart) {
       run_.listener(
           Warning{fmt::format("the training views gave {} points, fewer than {}: starting from random points, which "
                               "reconstructs fine detail less well",
-                              sfm_.size(), kEnoughPoints)});
+                              sfm_.size(), kMinSparseStart)});
       AddRandom(static_cast<size_t>(run_.options.train.random_points));
       return;
     }
     AddSfm();
-    if (sfm_.size() < std::min(kPlentyOfPoints, budget_)) {
+    if (sfm_.size() < std::min(kMinPointsForStart, budget_)) {
       AddRandom(static_cast<size_t>(run_.options.train.random_points));
     }
   }
@@ -118,8 +93,8 @@ class StartBuilder {
     start_.source += (start_.source.empty() ? "" : "+") + source;
   }
 
-  void AddDense(size_t most) {
-    Add(DenseStart(run_.options.start, photos_, geometry_, std::min(most, Left())), "dense");
+  void AddDense(size_t limit) {
+    Add(DenseStart(run_.options.start, views_, geometry_, std::min(limit, Left())), "dense");
   }
 
   void AddSfm() {
@@ -133,21 +108,21 @@ class StartBuilder {
     Add(ToPointCloud(points), "sfm");
   }
 
-  void AddRandom(size_t most) {
-    const auto n = static_cast<int64_t>(std::min(most, Left()));
+  void AddRandom(size_t limit) {
+    const auto n = static_cast<int64_t>(std::min(limit, Left()));
     if (run_.scene.format == SceneFormat::kBlender) {
       Add(RandomPointsInBlenderCube(n, run_.options.start.seed), "random");
       return;
     }
     std::vector<Camera> cameras;
     for (const int view : run_.split.train) {
-      cameras.push_back(WorkingCamera(run_.scene.views[static_cast<size_t>(view)], run_.options.photo));
+      cameras.push_back(WorkingCamera(run_.scene.views[static_cast<size_t>(view)], run_.options.image));
     }
     Add(RandomPointsInView(cameras, n, run_.options.start.seed), "random");
   }
 
   const Run& run_;
-  const std::vector<LoadedView>& photos_;
+  const std::vector<LoadedView>& views_;
   const std::vector<ScenePoint>& sfm_;
   const Geometry& geometry_;
   size_t budget_;
@@ -166,45 +141,21 @@ PointCloud ToPointCloud(const std::vector<DensePoint>& points) {
   return cloud;
 }
 
-bool NeedsDepth(const RunOptions& options) {
-  if (options.depth.depth_prior == "none") return false;
-  const std::string& init = options.start.init;
-  return ProposesViews(options) || !options.propose.proposal_folder.empty() || init == "auto" || init == "dense" ||
-         init == "hybrid" || options.train.depth_weight > 0 || options.train.prune_floaters;
-}
-
-std::vector<ScenePoint> RunSfm(Run* run) {
-  if (run->options.start.init == "random" && !NeedsDepth(run->options)) return {};
-  const std::string key = Key(*run);
-  const nlohmann::json before = run->workspace.Record("sfm");
-  const bool done = run->workspace.IsDone("sfm", key);
-  const StageClock clock("sfm", run->listener);
-  for (const std::string& warning : PoseWarnings(run->scene, run->split.train)) run->listener(Warning{warning});
-  std::vector<ScenePoint> points = PointsOfTrainingViews(*run);
-  const double seconds = clock.Finish();
-  run->workspace.MarkDone("sfm", {{"key", key},
-                                  {"seconds", done ? before.value("seconds", seconds) : seconds},
-                                  {"points", points.size()},
-                                  {"files", nlohmann::json::array()}});
-  return points;
-}
-
-PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>& photos, const Geometry& geometry,
+PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>& views, const Geometry& geometry,
                       size_t budget) {
   if (budget == 0) return {};
   std::vector<DensePoint> points = geometry.points;
-  if (options.init_planes == "yes") {
-    const std::vector<DensePoint> more = FillPlanes(geometry.maps, photos, points, FusionOf(geometry.gains));
+  if (options.init_planes) {
+    const std::vector<DensePoint> more = FillPlanes(geometry.maps, views, points, FusionOf(geometry.gains));
     points.insert(points.end(), more.begin(), more.end());
   }
-  const std::vector<DensePoint> guessed = PriorPoints(geometry.maps, photos, points, FusionOf(geometry.gains));
+  const std::vector<DensePoint> guessed = PriorPoints(geometry.maps, views, points, FusionOf(geometry.gains));
   points.insert(points.end(), guessed.begin(), guessed.end());
   return ToPointCloud(Thinned(points, budget, options.seed));
 }
 
-StartPoints ChooseStart(Run* run, const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& sfm,
-                        const Geometry& geometry) {
-  StartPoints start = StartBuilder(*run, photos, sfm, geometry).Build();
+StartPoints ChooseStart(Run* run, const StartEvidence& known) {
+  StartPoints start = StartBuilder(*run, known).Build();
   run->listener(Note{fmt::format("starting from {} points ({})", start.cloud.xyz.size(), start.source)});
   run->workspace.MarkDone("start", {{"key", ""},
                                     {"seconds", 0},
@@ -212,6 +163,10 @@ StartPoints ChooseStart(Run* run, const std::vector<LoadedView>& photos, const s
                                     {"points", start.cloud.xyz.size()},
                                     {"files", nlohmann::json::array()}});
   return start;
+}
+
+InitializeOptions InitializeOptionsOf(const StartOptions& options, double usual_scale) {
+  return {options.init_scale.ValueOr(usual_scale), options.init_opacity, options.init_flatness};
 }
 
 }  // namespace oraclegs

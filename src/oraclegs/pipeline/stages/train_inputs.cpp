@@ -1,26 +1,31 @@
 #include "oraclegs/pipeline/stages/train_inputs.h"
 
+#include <nlohmann/json.hpp>
+#include <span>
+
 #include "oraclegs/depth/gains.h"
-#include "oraclegs/depth/silhouettes.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr double kOpacityNoise = 0.5, kObjectOpacityNoise = 0.3, kLastRates = 0.1;
-// An object is photographed from all around, every part of it by few: what is learnt by heart there costs more than
-// what dropout blurs. Photographs that overlap much lose by it.
+// An object is seen from all around, every part of it in few views: overfitting costs more there than dropout blurs.
+// Views that overlap much lose by it.
 constexpr double kObjectDropout = 0.2;
 
-Buffer<float> Picture(const std::vector<float>& values, const Camera& camera) {
-  return torch::from_blob(const_cast<float*>(values.data()), {camera.height, camera.width}, torch::kFloat).Clone();
+Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
+  return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
 }
 
-/// The depth map as a target; what stereo is not confident of counts nothing, what a network guessed in its place as
-/// much as it is believed.
+/// The depth map as a target; what stereo is not confident of is ignored, what a network predicted in its place counts
+/// as much as its confidence.
 void AddDepth(const DepthMap& map, TrainView* view) {
-  view->inv_depth = Picture(map.inv_depth, map.camera);
-  view->depth_mask = Picture(map.confidence, map.camera);
-  if (!map.monocular) view->depth_mask.masked_fill_(view->depth_mask < kConfident, 0);
+  view->inv_depth = ToMap(map.inv_depth, map.camera);
+  view->depth_mask = ToMap(map.confidence, map.camera);
+  if (map.monocular) return;
+  for (float& confidence : view->depth_mask.span()) {
+    if (confidence < kConfident) confidence = 0;
+  }
 }
 
 /// Beside an object's silhouette there is nothing, at any distance.
@@ -43,30 +48,27 @@ ExposureMap Diagonal(const Eigen::Vector3f& gain) {
 
 }  // namespace
 
-TrainOptions DecideOptions(TrainOptions options, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                           const Listener& listener) {
-  const bool is_object = !Silhouettes(photos).empty();
+TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
+                                const Listener& listener) {
+  const bool is_object = !training.silhouettes.empty();
   if (is_object) listener(Note{"an object before a plain background: its silhouettes bound the reconstruction"});
-  if (options.opacity_noise < 0) options.opacity_noise = is_object ? kObjectOpacityNoise : kOpacityNoise;
-  if (options.last_rates == 0) options.last_rates = kLastRates;
-  if (options.dropout < 0) options.dropout = is_object ? kObjectDropout : 0;
-  if (options.exposure == "auto") {
-    const double spread = ExposureSpread(geometry.gains);
-    options.exposure = spread > kVariedExposure ? "on" : "off";
-    if (options.exposure == "on") {
-      listener(Note{
-          fmt::format("the photographs' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)",
-                      100 * spread)});
-    }
+  options.opacity_noise = options.opacity_noise.ValueOr(is_object ? kObjectOpacityNoise : kOpacityNoise);
+  options.last_rates = options.last_rates.ValueOr(kLastRates);
+  options.dropout = options.dropout.ValueOr(is_object ? kObjectDropout : 0);
+  if (!options.exposure.is_auto()) return options;
+  options.exposure = geometry.HasVariedExposure() ? ExposureMode::kOn : ExposureMode::kOff;
+  if (options.exposure == ExposureMode::kOn) {
+    listener(Note{fmt::format("the images' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)",
+                              100 * ExposureSpread(geometry.gains))});
   }
   return options;
 }
 
-std::vector<TrainView> TrainViews(const std::vector<LoadedView>& photos, const Geometry& geometry) {
-  const Silhouettes silhouettes(photos);
+std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry) {
+  const Silhouettes& silhouettes = training.silhouettes;
   std::vector<TrainView> views;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    views.push_back(ToTrainView(photos[v]));
+  for (size_t v = 0; v < training.views.size(); ++v) {
+    views.push_back(ToTrainView(training.views[v]));
     if (!geometry.maps.empty()) {
       AddDepth(geometry.maps[v], &views.back());
       if (!silhouettes.empty()) AddEmptiness(silhouettes, v, &views.back());
@@ -76,13 +78,9 @@ std::vector<TrainView> TrainViews(const std::vector<LoadedView>& photos, const G
   return views;
 }
 
-nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const Buffer<float>& exposures) {
+nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std::vector<ExposureMap>& exposures) {
   nlohmann::json json = nlohmann::json::object();
-  const Buffer<float> rows = exposures.reshape({-1, 12}).To(kCpu);
-  for (size_t v = 0; v < names.size(); ++v) {
-    const float* row = rows.data() + 12 * v;
-    json[names[v]] = std::vector<float>(row, row + 12);
-  }
+  for (size_t v = 0; v < names.size(); ++v) json[names[v]] = exposures[v];
   return json;
 }
 

@@ -2,21 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <span>
 
-#include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/depth/depth_files.h"
-#include "oraclegs/pipeline/workspace/fingerprint.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/stages/calibrated_oracle.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
-#include "oraclegs/scene/scene_validation.h"
 #include "oraclegs/validate/view_chunks.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr double kValidateVersion = 3;  // raised when the same inputs give other confidences
-constexpr double kLeastTrust = 0.02;    // mean confidence of a proposal that is of any use
+namespace fs = std::filesystem;
+
+constexpr double kMinMeanConfidence = 0.02;  // of a proposal that is of any use
 
 Image8 Grey(const ConfidenceMap& map, const Camera& camera) {
   Image8 image{camera.width, camera.height, 1, {}};
@@ -50,129 +53,199 @@ std::vector<std::string> Write(const Workspace& workspace, const Validated& vali
   return files;
 }
 
-Buffer<float> ReadPicture(const std::filesystem::path& path, const Camera& camera, int channels) {
-  Image8 image = ReadImage(path);
+double Mean(std::span<const float> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// [H,W,3], or [H,W] of the first channel.
+Buffer<float> ReadMap(const fs::path& path, const Camera& camera, int channels) {
+  const Image8 image = ReadImage(path);
   if (image.width != camera.width || image.height != camera.height || image.channels != 3) {
     throw InputError("{}: is {} x {} with {} channels, not {} x {}; delete it and run again", path.string(),
                      image.width, image.height, image.channels, camera.width, camera.height);
   }
   const ImageF values = ToFloat(image);
-  const Buffer<float> rgb =
-      torch::from_blob(const_cast<float*>(values.data.data()), {camera.height, camera.width, 3}, torch::kFloat);
-  return channels == 3 ? rgb.Clone() : rgb.select(2, 0).Clone();
+  if (channels == 3) return Buffer<float>::From({camera.height, camera.width, 3}, std::span<const float>(values.data));
+  const auto map = Buffer<float>::Empty({camera.height, camera.width});
+  for (int64_t i = 0; i < map.count(); ++i) map[i] = values.data[static_cast<size_t>(3 * i)];
+  return map;
 }
 
-/// What an earlier validation left, first of all that it was finished.
-void RemoveOld(Run* run) {
-  run->workspace.MarkUndone("validate");
+void Own(Run* run, Fingerprint* key) {
+  key->Add(OptionsToJson(run->options.validate).dump()).Add(run->plan.oracle.Key());
+}
+
+void Undo(Run* run, const nlohmann::json&) {
   std::error_code ignored;
-  std::filesystem::remove_all(run->workspace.confidence(), ignored);
-  std::filesystem::remove(run->workspace.root() / "oracle.json", ignored);
-  std::vector<std::filesystem::path> pictures;
-  for (const auto& entry : std::filesystem::directory_iterator(run->workspace.proposals(), ignored)) {
-    if (entry.path().extension() == ".png") pictures.push_back(entry.path());
+  fs::remove_all(run->workspace.confidence(), ignored);
+  fs::remove(run->workspace.root() / "oracle.json", ignored);
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(run->workspace.proposals(), ignored)) {
+    if (entry.path().extension() == ".png") images.push_back(entry.path());
   }
-  for (const auto& picture : pictures) std::filesystem::remove(picture, ignored);
+  for (const auto& image : images) fs::remove(image, ignored);
 }
 
-/// Proposals of which nothing counts, and what is left of them all.
-void TellRejected(const Run& run, const std::vector<std::string>& names, size_t of, bool none_left) {
-  if (names.empty()) return;
-  const std::string look = (run.workspace.confidence() / "preview").string();
-  const char* then = none_left ? "; none is left, and the photographs alone are trained on: another --trajectory or "
-                                 "more photographs may help"
-                               : "";
-  run.listener(Warning{fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {} (see {}){}",
-                                   names.size(), of, SomeNames(names), look, then)});
+/// The candidates that stage "propose" kept; the others are made again.
+std::vector<std::vector<Proposal>> CandidatesOf(Run* run, const std::vector<Target>& targets) {
+  std::vector<std::vector<Proposal>> candidates(targets.size());
+  std::vector<Target> missing;
+  std::vector<size_t> places;
+  for (size_t t = 0; t < targets.size(); ++t) {
+    if (auto kept = run->results->candidates.Take(targets[t].name)) {
+      candidates[t] = std::move(*kept);
+    } else {
+      missing.push_back(targets[t]);
+      places.push_back(t);
+    }
+  }
+  if (missing.empty()) return candidates;
+  std::vector<std::vector<Proposal>> made = ProposersOf(run).Ask(missing);
+  for (size_t m = 0; m < made.size(); ++m) candidates[places[m]] = std::move(made[m]);
+  return candidates;
+}
+
+/// Classifies the proposals of one run, writes them, and counts.
+class Validation {
+ public:
+  explicit Validation(Run* run) : run_(run), known_(*run->results) {
+    const auto& ready_made = known_.folder.confidence;
+    const bool asked = !known_.targets.empty() ||
+                       std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
+    if (asked) oracle_.emplace(*run, ViewsOf(run), ProposersOf(run), known_.targets.size());
+  }
+
+  void ClassifyTargets() {
+    for (const auto& [begin, end] : EvenRuns(known_.targets.size(), Together())) {
+      const std::vector<Target> chunk(known_.targets.begin() + static_cast<int64_t>(begin),
+                                      known_.targets.begin() + static_cast<int64_t>(end));
+      Classify(CandidatesOf(run_, chunk));
+    }
+  }
+
+  /// Those whose confidence was given keep it.
+  void ClassifyFolder() {
+    const FolderProposals& folder = known_.folder;
+    std::vector<size_t> open;
+    for (size_t p = 0; p < folder.proposals.size(); ++p) {
+      if (folder.confidence[p].empty()) {
+        open.push_back(p);
+      } else {
+        Take({folder.proposals[p], folder.confidence[p]});
+      }
+    }
+    for (const auto& [begin, end] : EvenRuns(open.size(), Together())) {
+      std::vector<std::vector<Proposal>> chunk;
+      for (size_t i = begin; i < end; ++i) chunk.push_back({folder.proposals[open[i]]});
+      Classify(std::move(chunk));
+    }
+  }
+
+  nlohmann::json Record() const {
+    const OracleChoice& choice = run_->plan.oracle;
+    nlohmann::json record = {{"oracle", Word(choice.kind)}, {"mean_confidence", means_}, {"files", files_}};
+    if (choice.weights) record["chunk"] = oracle_ ? oracle_->together() : 0;
+    if (oracle_ && choice.weights) NoteNetwork(*choice.weights, &record);
+    return record;
+  }
+
+ private:
+  size_t Together() const { return oracle_ ? oracle_->together() : 1; }
+
+  void Classify(std::vector<std::vector<Proposal>> candidates) {
+    for (const Validated& validated : oracle_->Classify(std::move(candidates))) Take(validated);
+  }
+
+  void Take(const Validated& validated) {
+    means_[validated.proposal.name] = Mean(validated.confidence);
+    for (std::string& file : Write(run_->workspace, validated)) files_.push_back(std::move(file));
+    if (oracle_ && oracle_->reports_progress()) return;
+    const size_t total = known_.targets.size() + known_.folder.proposals.size();
+    run_->listener(StepDone{"validate", static_cast<int64_t>(means_.size()), static_cast<int64_t>(total), "views", ""});
+  }
+
+  Run* run_;
+  const StageResults& known_;
+  std::optional<CalibratedOracle> oracle_;
+  std::vector<std::string> files_;
+  nlohmann::json means_ = nlohmann::json::object();
+};
+
+std::vector<Target> AllTargets(const StageResults& known) {
+  std::vector<Target> targets = known.targets;
+  for (const Proposal& p : known.folder.proposals) targets.push_back({p.name, p.camera});
+  return targets;
+}
+
+/// What is trained on: the proposals that are trusted anywhere. Names of the others in `rejected`.
+std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rejected) {
+  std::vector<TrainView> trusted;
+  for (const Target& target : AllTargets(*run.results)) {
+    const fs::path image = run.workspace.proposals() / (target.name + ".png");
+    std::error_code ignored;
+    if (!fs::exists(image, ignored)) continue;  // no proposer answered
+    TrainView view{target.name, target.camera, ReadMap(image, target.camera, 3),
+                   ReadMap(run.workspace.confidence() / (target.name + ".png"), target.camera, 1)};
+    if (Mean(view.confidence.span()) < kMinMeanConfidence) {
+      rejected->push_back(target.name);
+    } else {
+      trusted.push_back(std::move(view));
+    }
+  }
+  return trusted;
+}
+
+bool Load(Run* run) {
+  run->results->rejected.clear();
+  run->results->proposals = ReadTrusted(*run, &run->results->rejected);
+  return true;
+}
+
+void Report(Run* run) {
+  const std::vector<TrainView>& proposals = run->results->proposals;
+  const std::vector<std::string>& rejected = run->results->rejected;
+  const std::string previews = (run->workspace.confidence() / "preview").string();
+  if (!rejected.empty()) {
+    const char* then = proposals.empty() ? "; none is left, and the photos alone are trained on: another --trajectory "
+                                           "or more photos may help"
+                                         : "";
+    run->listener(
+        Warning{fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {} (see {}){}",
+                            rejected.size(), AllTargets(*run->results).size(), SomeNames(rejected), previews, then)});
+  }
+  if (proposals.empty()) return;
+  double sum = 0;
+  for (const TrainView& view : proposals) sum += Mean(view.confidence.span());
+  run->listener(Note{fmt::format("{} proposals, trusted to {:.0f} % in the mean ({})", proposals.size(),
+                                 100 * sum / static_cast<double>(proposals.size()), previews)});
+}
+
+std::optional<nlohmann::json> Make(Run* run, const std::string&) {
+  StageResults& known = *run->results;
+  known.proposals.clear(), known.rejected.clear();
+  if (known.targets.empty() && known.folder.proposals.empty()) return std::nullopt;
+  ReportOracleChoice(run->options, run->plan.oracle, run->listener);
+  nlohmann::json record;
+  {  // The oracle's memory is not kept beside what is read back.
+    Validation validation(run);
+    validation.ClassifyTargets();
+    validation.ClassifyFolder();
+    record = validation.Record();
+  }
+  known.candidates = CandidateStore(), known.proposers = nullptr;
+  Load(run);
+  return record;
 }
 
 }  // namespace
 
-std::vector<TrainView> RunValidate(Run* run, const std::vector<LoadedView>& photos, const Geometry& geometry,
-                                   const ProposalPlan& plan) {
-  if (plan.targets.empty() && plan.folder.proposals.empty()) {
-    run->workspace.MarkUndone("validate");
-    return {};
-  }
-  const OracleChoice choice = ChooseOracle(run->options);
-  const std::string key = Fingerprint()
-                              .Add(kValidateVersion)
-                              .Add(plan.key)
-                              .Add(OptionsToJson(run->options.validate).dump())
-                              .Add(choice.Key())
-                              .Hex();
-  const StageClock clock("validate", run->listener);
-  TellOracle(run->options, choice, run->listener);
-  if (!run->workspace.IsDone("validate", key)) {
-    RemoveOld(run);
-    const Proposers proposers(*run, photos, geometry, plan.opinions);
-    const auto& ready_made = plan.folder.confidence;
-    const bool asked = !plan.targets.empty() ||
-                       std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
-    std::optional<Judge> judge;
-    if (asked) judge.emplace(*run, photos, proposers, choice, plan.targets.size());
-    std::vector<std::string> files;
-    nlohmann::json means = nlohmann::json::object();
-    const size_t total = plan.targets.size() + plan.folder.proposals.size();
-    const auto take = [&](const Validated& validated) {
-      double sum = 0;
-      for (const float c : validated.confidence) sum += static_cast<double>(c);
-      means[validated.proposal.name] = sum / static_cast<double>(validated.confidence.size());
-      for (std::string& file : Write(run->workspace, validated)) files.push_back(std::move(file));
-      if (judge && judge->tells_progress()) return;
-      run->listener(StepDone{"validate", static_cast<int64_t>(means.size()), static_cast<int64_t>(total), "views", ""});
-    };
-    for (const auto& [begin, end] : EvenRuns(plan.targets.size(), judge ? judge->together() : 1)) {
-      const std::vector<Target> chunk(plan.targets.begin() + static_cast<int64_t>(begin),
-                                      plan.targets.begin() + static_cast<int64_t>(end));
-      for (const Validated& validated : (*judge)(proposers.Ask(chunk, std::vector<int>(chunk.size(), -1))))
-        take(validated);
-    }
-    std::vector<size_t> open;
-    for (size_t p = 0; p < plan.folder.proposals.size(); ++p) {
-      if (ready_made[p].empty()) open.push_back(p);
-      if (!ready_made[p].empty()) take({plan.folder.proposals[p], ready_made[p]});
-    }
-    for (const auto& [begin, end] : EvenRuns(open.size(), judge ? judge->together() : 1)) {
-      std::vector<std::vector<Proposal>> some;
-      for (size_t i = begin; i < end; ++i) some.push_back({plan.folder.proposals[open[i]]});
-      for (const Validated& validated : (*judge)(std::move(some))) take(validated);
-    }
-    nlohmann::json record = {{"key", key},
-                             {"seconds", clock.Seconds()},
-                             {"oracle", choice.oracle},
-                             {"mean_confidence", means},
-                             {"files", files}};
-    if (choice.weights) record["chunk"] = judge ? judge->together() : 0;
-    if (judge && choice.weights) NoteNetwork(*choice.weights, &record);
-    run->workspace.MarkDone("validate", record);
-  }
-  std::vector<Target> targets = plan.targets;
-  for (const Proposal& p : plan.folder.proposals) targets.push_back({p.name, p.camera});
-  std::vector<TrainView> views;
-  std::vector<std::string> rejected;
-  double trust = 0;
-  for (const Target& target : targets) {
-    const auto picture = run->workspace.proposals() / (target.name + ".png");
-    std::error_code ignored;
-    if (!std::filesystem::exists(picture, ignored)) continue;  // no proposer answered
-    TrainView view{target.name, target.camera, ReadPicture(picture, target.camera, 3),
-                   ReadPicture(run->workspace.confidence() / (target.name + ".png"), target.camera, 1)};
-    const double mean = view.confidence.mean().item<double>();
-    if (mean < kLeastTrust) {
-      rejected.push_back(target.name);
-    } else {
-      trust += mean;
-      views.push_back(std::move(view));
-    }
-  }
-  clock.Finish();
-  TellRejected(*run, rejected, targets.size(), views.empty());
-  if (views.empty()) return views;
-  run->listener(Note{fmt::format("{} proposals, trusted to {:.0f} % in the mean ({})", views.size(),
-                                 100 * trust / static_cast<double>(views.size()),
-                                 (run->workspace.confidence() / "preview").string())});
-  return views;
+StageWork ValidateStage() {
+  return {.wanted = [](const Run& run) { return run.plan.has_proposals; },
+          .own = Own,
+          .undo = Undo,
+          .make = Make,
+          .load = Load,
+          .report = Report};
 }
 
 }  // namespace oraclegs

@@ -72,9 +72,9 @@ void WriteModel(const PoseEstimate& estimate, const std::vector<StagedView>& pla
   for (const CloudPoint& point : estimate.cloud) {
     ColmapTrack track{point.xyz, point.rgb, {}};
     for (const CloudSight& sight : point.sights) {
-      if (masks.Counts(sight)) track.sights.push_back({static_cast<uint32_t>(sight.view + 1), sight.pixel});
+      if (masks.Counts(sight)) track.observations.push_back({static_cast<uint32_t>(sight.view + 1), sight.pixel});
     }
-    if (track.sights.size() >= 2) tracks.push_back(std::move(track));
+    if (track.observations.size() >= 2) tracks.push_back(std::move(track));
   }
   MakeFolder(work_dir / "sparse" / "0");
   WriteColmapText(work_dir / "sparse" / "0", cameras, images, tracks);

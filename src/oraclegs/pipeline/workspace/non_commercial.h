@@ -2,7 +2,7 @@
 // What of a result was made with networks whose licence forbids commercial use. A stage that used one says so in its
 // record ("non_commercial": ["VGGT-1B"]); metrics.json and the PLY repeat it.
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

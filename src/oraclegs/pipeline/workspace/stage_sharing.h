@@ -10,16 +10,16 @@ namespace oraclegs {
 
 // Each of these copies folders, and the records of the stages that filled them, from the first of `donors` that has
 // them (workspaces of the same scene, the likeliest first). Nothing happens where `workspace` already has some of its
-// own. Whether what was copied fits is for the stages to say, as after any change of options: each compares its key. A
-// donor that is missing, damaged or in use is passed over, and what cannot be copied is found anew.
+// own. Whether what was copied fits is for the stages to check, as after any change of options: each compares its key.
+// A donor that is missing, damaged or in use is passed over, and what cannot be copied is found anew.
 
-/// Poses of photographs without any.
+/// Poses of images without any.
 void TakeOverRegistration(Workspace* workspace, const std::vector<std::filesystem::path>& donors);
 
 /// Poses, points and depth.
 void TakeOverGeometry(Workspace* workspace, const std::vector<std::filesystem::path>& donors);
 
-/// Proposals, quick models and confidence.
+/// Proposals, proxy models and confidence.
 void TakeOverProposals(Workspace* workspace, const std::vector<std::filesystem::path>& donors);
 
 }  // namespace oraclegs

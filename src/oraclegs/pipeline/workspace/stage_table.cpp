@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
@@ -17,7 +19,7 @@ int64_t Count(const json& record, const char* what) { return record.value(what, 
 std::string Proposed(const json& record) {
   std::string text = fmt::format("{} views", Count(record, "targets"));
   if (Count(record, "folder") > 0) text += fmt::format(", {} from the folder", Count(record, "folder"));
-  if (Count(record, "opinions") > 0) text += fmt::format(", {} quick models", Count(record, "opinions"));
+  if (Count(record, "proxy_models") > 0) text += fmt::format(", {} proxy models", Count(record, "proxy_models"));
   return text;
 }
 
@@ -44,16 +46,15 @@ struct Row {
 
 constexpr Row kRows[] = {
     {"register",
-     [](const json& r) {
-       return fmt::format("{} of {} photographs", Count(r, "registered"), Count(r, "photographs"));
-     }},
+     [](const json& r) { return fmt::format("{} of {} photos", Count(r, "registered"), Count(r, "photographs")); }},
     {"sfm", [](const json& r) { return fmt::format("{} points", Count(r, "points")); }},
     {"depth",
      [](const json& r) {
        const std::string points = fmt::format("{} dense points", Count(r, "points"));
        if (!r.contains("confident_share")) return points;  // written by an earlier version
-       return fmt::format("sure on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
+       return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
      }},
+    {"proxies", [](const json& r) { return fmt::format("{} proxy models", Count(r, "models")); }},
     {"propose", Proposed},
     {"validate", Validated},
     {"train",

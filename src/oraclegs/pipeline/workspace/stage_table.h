@@ -2,7 +2,7 @@
 // What each stage of a run took and gave, as a block of text.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace oraclegs {

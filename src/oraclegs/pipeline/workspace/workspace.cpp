@@ -10,7 +10,8 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {

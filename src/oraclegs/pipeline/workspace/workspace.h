@@ -54,7 +54,7 @@ class Workspace : public WorkspacePaths {
  public:
   /// Claims `dir` for a run of `scene_root` with these options, and says so in options.json. An empty or missing folder
   /// is taken; one that holds this run (same scene, same result-shaping options) is continued; with `overwrite` what a
-  /// run of this program left there is removed first. Throws InputError naming the folder, the difference and the mend
+  /// run of this program left there is removed first. Throws InputError naming the folder, the difference and the fix
   /// when it holds another run with results, or files of someone else, or lies in the scene folder; RunError when it
   /// cannot be written.
   static Workspace Claim(const std::filesystem::path& dir, const std::filesystem::path& scene_root,
@@ -72,7 +72,7 @@ class Workspace : public WorkspacePaths {
   nlohmann::json Record(const std::string& stage) const;
   /// Remembers that `stage` is finished: record must hold {"key", "seconds", "files": [...]}.
   void MarkDone(const std::string& stage, const nlohmann::json& record);
-  /// Forgets that `stage` was finished, before its files are written anew: killed halfway, they are not believed.
+  /// Forgets that `stage` was finished, before its files are written anew: killed halfway, they are not used.
   void MarkUndone(const std::string& stage);
 
  private:
@@ -84,7 +84,7 @@ class Workspace : public WorkspacePaths {
 
 /// Throws InputError when writing to `dir` would write into the user's scene folder.
 void RequireOutsideScene(const std::filesystem::path& dir, const std::filesystem::path& scene_root);
-/// The same, also for the folders of its photographs, which may lie elsewhere, and for --images unless empty.
+/// The same, also for the folders of its images, which may lie elsewhere, and for --images unless empty.
 void RequireOutsideScene(const std::filesystem::path& dir, const Scene& scene, const std::filesystem::path& images);
 
 /// Throws InputError unless `folder`, a folder of proposals, is there, has a name in UTF-8, and neither it nor `dir`

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 
 #include <sys/resource.h>
 
@@ -11,7 +11,7 @@ namespace oraclegs {
 namespace {
 
 // The stages whose time is reported, in their order.
-constexpr const char* kStages[] = {"register", "sfm", "depth", "propose", "validate", "train"};
+constexpr const char* kStages[] = {"register", "sfm", "depth", "proxies", "propose", "validate", "train"};
 
 double PerSecond(const nlohmann::json& record) {
   const double seconds = record.value("training_seconds", 0.0);

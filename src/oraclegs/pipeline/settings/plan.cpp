@@ -1,0 +1,62 @@
+#include "oraclegs/pipeline/settings/plan.h"
+
+namespace oraclegs {
+
+bool ProposesViews(const RunOptions& options) {
+  return options.propose.proposers != ProposerChoice::kNone && options.trajectory.proposals > 0 &&
+         options.train.schedule != ScheduleKind::kNone;
+}
+
+bool HasProposals(const RunOptions& options) {
+  return ProposesViews(options) || !options.propose.proposal_folder.empty();
+}
+
+bool NeedsDepth(const RunOptions& options) {
+  if (options.depth.depth_prior == DepthPrior::kNone) return false;
+  const Auto<StartKind>& init = options.start.init;
+  return HasProposals(options) || init.is_auto() || init == StartKind::kDense || init == StartKind::kHybrid ||
+         options.train.depth_weight > 0 || options.train.prune_floaters;
+}
+
+OracleChoice ChooseOracle(const RunOptions& options) {
+  const Auto<OracleKind>& asked = options.validate.oracle;
+  if (asked == OracleKind::kConsistency || asked == OracleKind::kUniform) return {asked.value()};
+  if (!asked.is_auto()) {
+    return {asked.value(), RequireVggtWeights(options.weights.vggt_weights, "--oracle " + Word(asked.value()))};
+  }
+  auto weights = FindVggtWeights(options.weights.vggt_weights);
+  if (!weights) return {OracleKind::kConsistency};
+  return {OracleKind::kVggtAndConsistency, std::move(weights)};
+}
+
+void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener) {
+  if (!options.validate.oracle.is_auto()) return;
+  if (choice.weights) {
+    listener(Note{fmt::format("oracle: {} with the images ({})", choice.weights->name, choice.weights->path.string())});
+    return;
+  }
+  listener(Note{"oracle: the images alone, without VGGT; `oraclegs models fetch vggt` brings its weights"});
+}
+
+Plan MakePlan(const RunOptions& options, bool has_poses) {
+  Plan plan = MakePlanToEvaluate(options);
+  plan.needs_depth = NeedsDepth(options);
+  plan.proposes = ProposesViews(options);
+  plan.has_proposals = HasProposals(options);
+  if (plan.needs_depth) plan.depth = ChooseDepthSource(options);
+  if (plan.has_proposals) plan.oracle = ChooseOracle(options);
+  if (!has_poses && options.input.poses == PoseSource::kVggt) {
+    plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
+  }
+  return plan;
+}
+
+Plan MakePlanToEvaluate(const RunOptions& options) {
+  Plan plan;
+  plan.support = ProbeDevices();
+  plan.device = ChooseDevice(options.device.device, plan.support);
+  plan.lpips = FindLpips(options.weights);
+  return plan;
+}
+
+}  // namespace oraclegs

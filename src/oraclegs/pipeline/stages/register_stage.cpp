@@ -1,0 +1,69 @@
+#include "oraclegs/pipeline/stages/register_stage.h"
+
+#include "oraclegs/pipeline/stages/vggt_registration.h"
+#include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/sfm/register_views.h"
+
+namespace oraclegs {
+namespace {
+
+void Own(Run* run, Fingerprint* key) {
+  key->Add(run->photos);
+  if (run->plan.poses) key->Add("vggt").Add(run->plan.poses->fingerprint);
+}
+
+void Undo(Run* run, const nlohmann::json& record) {
+  if (!record.is_null()) {
+    run->listener(Warning{"the photos, or what finds their poses, have changed: poses are found anew"});
+  }
+  std::error_code ignored;  // what cannot be removed cannot be written either, which is reported then
+  std::filesystem::remove_all(run->workspace.sfm(), ignored);
+}
+
+/// Finds poses, or reads those that stand.
+void Register(Run* run) {
+  const std::filesystem::path& dir = run->workspace.sfm();
+  run->scene = run->plan.poses ? RegisterWithVggt(run->scene, *run->plan.poses, dir, run->listener, run->plan.device)
+                               : RegisterViews(run->scene, dir, run->listener);
+}
+
+std::optional<nlohmann::json> Make(Run* run, const std::string&) {
+  const size_t photos = run->scene.views.size();
+  Register(run);
+  nlohmann::json record = {{"photographs", photos}, {"registered", run->scene.views.size()}, {"files", {"sfm"}}};
+  if (const std::optional<VggtWeights>& network = run->plan.poses) {
+    record["network"] = {
+        {"name", network->name}, {"fingerprint", network->fingerprint}, {"commercial", network->commercial}};
+    NoteNetwork(*network, &record);
+  }
+  return record;
+}
+
+bool Load(Run* run) {
+  Register(run);
+  return true;
+}
+
+}  // namespace
+
+StageWork RegisterStage() {
+  return {.wanted = [](const Run& run) { return !run.photos.empty(); },
+          .own = Own,
+          .undo = Undo,
+          .make = Make,
+          .load = Load};
+}
+
+std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Workspace& workspace) {
+  if (options.input.poses != PoseSource::kVggt) return std::nullopt;
+  const nlohmann::json record = workspace.Record("register");
+  try {
+    return RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
+  } catch (const InputError&) {
+    if (!record.is_object() || !record.contains("network")) throw;
+    const nlohmann::json& used = record["network"];
+    return VggtWeights{"", used.value("name", ""), used.value("fingerprint", ""), used.value("commercial", false)};
+  }
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,119 @@
+#include "oraclegs/pipeline/stages/run_stage.h"
+
+#include <algorithm>
+#include <map>
+
+#include "oraclegs/pipeline/stages/stage_clock.h"
+
+namespace oraclegs {
+namespace {
+
+enum class Needs { kBringUpToDate, kTakeAsTheyAre };
+
+class StageRunner {
+ public:
+  StageRunner(Run* run, const std::vector<Stage>& stages, Needs needs) : run_(run), stages_(stages), needs_(needs) {}
+
+  const Stage& Find(const std::string& name) const {
+    return *std::find_if(stages_.begin(), stages_.end(), [&](const Stage& stage) { return stage.name == name; });
+  }
+
+  std::string Key(const Stage& stage) {
+    if (!stage.work.wanted(*run_)) return "";
+    if (const auto known = keys_.find(stage.name); known != keys_.end()) return known->second;
+    Fingerprint print;
+    print.Add(stage.name).Add(stage.version);
+    for (const std::string& need : stage.needs) print.Add(KeyOfNeed(need));
+    stage.work.own(run_, &print);
+    return keys_[stage.name] = print.Hex();
+  }
+
+  bool IsDone(const Stage& stage) { return run_->workspace.IsDone(stage.name, Key(stage)); }
+
+  /// `asked`: it is the stage that was asked for, not one that another one needs.
+  void Bring(const Stage& stage, bool asked) {
+    if (!stage.work.wanted(*run_)) {
+      run_->workspace.MarkUndone(stage.name);
+      return;
+    }
+    std::map<std::string, std::string>& held = run_->results->keys;
+    if (const auto found = held.find(stage.name); found != held.end() && found->second == Key(stage)) return;
+    const bool done = IsDone(stage);
+    if (done && !stage.work.load) {
+      if (asked) run_->listener(Note{fmt::format("{}: nothing has changed, {} is kept", stage.name, stage.work.file)});
+      return;
+    }
+    if (!done) Undo(stage);
+    if (needs_ == Needs::kBringUpToDate) {
+      for (const std::string& need : stage.needs) Bring(Find(need), false);
+      keys_.erase(stage.name);  // a file of theirs that it reads may be another one now
+    }
+    const std::string key = Key(stage);
+    const StageClock clock(stage.name, run_->listener);
+    if (!done) {
+      Make(stage, key, clock);
+    } else if (stage.work.load(run_)) {
+      clock.Finish();
+    } else {
+      Undo(stage);
+      Make(stage, key, clock);
+    }
+    if (stage.work.load) run_->results->keys[stage.name] = key;
+    if (stage.work.report) stage.work.report(run_);
+  }
+
+ private:
+  std::string KeyOfNeed(const std::string& name) {
+    if (needs_ == Needs::kBringUpToDate) return Key(Find(name));
+    const nlohmann::json record = run_->workspace.Record(name);
+    return record.is_object() ? record.value("key", "") : "";
+  }
+
+  void Undo(const Stage& stage) {
+    const nlohmann::json record = run_->workspace.Record(stage.name);
+    run_->workspace.MarkUndone(stage.name);
+    if (stage.work.undo) stage.work.undo(run_, record);
+  }
+
+  void Make(const Stage& stage, const std::string& key, const StageClock& clock) {
+    std::optional<nlohmann::json> record = stage.work.make(run_, key);
+    if (!record) {
+      clock.Finish();
+      return;
+    }
+    if (!record->contains("seconds")) (*record)["seconds"] = clock.Seconds();
+    (*record)["key"] = key;
+    clock.Finish(record->at("seconds").get<double>());
+    run_->workspace.MarkDone(stage.name, *record);
+    if (*stage.work.file != '\0') run_->listener(FileWritten{run_->workspace.root() / stage.work.file});
+  }
+
+  Run* run_;
+  const std::vector<Stage>& stages_;
+  Needs needs_;
+  std::map<std::string, std::string> keys_;
+};
+
+}  // namespace
+
+std::string StageKey(Run* run, const std::vector<Stage>& stages, const std::string& name) {
+  StageRunner runner(run, stages, Needs::kBringUpToDate);
+  return runner.Key(runner.Find(name));
+}
+
+bool IsUpToDate(Run* run, const std::vector<Stage>& stages, const std::string& name) {
+  StageRunner runner(run, stages, Needs::kBringUpToDate);
+  return runner.IsDone(runner.Find(name));
+}
+
+void RunStage(Run* run, const std::vector<Stage>& stages, const std::string& name) {
+  StageRunner runner(run, stages, Needs::kBringUpToDate);
+  runner.Bring(runner.Find(name), true);
+}
+
+void RunStageAlone(Run* run, const std::vector<Stage>& stages, const std::string& name) {
+  StageRunner runner(run, stages, Needs::kTakeAsTheyAre);
+  runner.Bring(runner.Find(name), true);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,29 @@
+#include "oraclegs/pipeline/stages/stages.h"
+
+#include "oraclegs/pipeline/stages/depth_stage.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
+#include "oraclegs/pipeline/stages/propose_stage.h"
+#include "oraclegs/pipeline/stages/proxy_models.h"
+#include "oraclegs/pipeline/stages/register_stage.h"
+#include "oraclegs/pipeline/stages/sfm_stage.h"
+#include "oraclegs/pipeline/stages/train_stage.h"
+#include "oraclegs/pipeline/stages/validate_stage.h"
+
+namespace oraclegs {
+
+const std::vector<Stage>& Stages() {
+  // name, version, needs, work
+  static const std::vector<Stage> stages = {
+      {"register", 1, {}, RegisterStage()},
+      {"sfm", 1, {"register"}, SfmStage()},
+      {"depth", 4, {"sfm"}, DepthStage()},
+      {"proxies", 1, {"depth"}, ProxyStage()},
+      {"propose", 2, {"depth", "proxies"}, ProposeStage()},
+      {"validate", 3, {"propose"}, ValidateStage()},
+      {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
+      {"evaluate", 1, {"train"}, EvaluateStage()},
+  };
+  return stages;
+}
+
+}  // namespace oraclegs
