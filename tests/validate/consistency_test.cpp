@@ -11,12 +11,12 @@
 namespace oraclegs {
 namespace {
 
-/// Photographs of a textured plane. The hidden ones are proposed right, but for a square of noise in each.
+/// Photographs of a textured plane. The held_out ones are proposed right, but for a square of noise in each.
 class ConsistencyTest : public testing::Test {
  protected:
-  ConsistencyTest() : photos(TakeAll(plane, Arc(6, 8))) {
-    for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, plane, 0.9f));
-    for (int v = 0; v < 6; ++v) hidden.push_back({v, Spoilt(photos[static_cast<size_t>(v)], 10 + 9 * v)});
+  ConsistencyTest() : views(TakeAll(plane, Arc(6, 8))) {
+    for (const LoadedView& view : views) maps.push_back(TrueDepth(view, plane, 0.9f));
+    for (int v = 0; v < 6; ++v) held_out.push_back({Spoilt(views[static_cast<size_t>(v)], 10 + 9 * v), v});
   }
 
   static bool InSquare(size_t pixel, int left) {
@@ -24,8 +24,8 @@ class ConsistencyTest : public testing::Test {
     return x >= left && x < left + 30 && y >= 20 && y < 50;
   }
 
-  static Proposal Spoilt(const LoadedView& photo, int left) {
-    Proposal p{photo.name, "test", photo.camera, photo.rgb};
+  static Proposal Spoilt(const LoadedView& view, int left) {
+    Proposal p{view.name, "test", view.camera, view.rgb};
     Rng rng(static_cast<uint64_t>(left), RandomStream::kDemoScene);
     for (size_t i = 0; i < 96 * 72; ++i) {
       for (size_t c = 3 * i; InSquare(i, left) && c < 3 * i + 3; ++c) p.rgb.data[c] = static_cast<float>(rng.Uniform());
@@ -34,17 +34,17 @@ class ConsistencyTest : public testing::Test {
   }
 
   TexturedPlane plane;
-  std::vector<LoadedView> photos;
+  std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
-  std::vector<HiddenPhotograph> hidden;
+  std::vector<Query> held_out;
 };
 
-TEST_F(ConsistencyTest, TrustsWhatPhotographsShowAndDoubtsWhatIsInvented) {
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos);
-  oracle.Learn(hidden);
+TEST_F(ConsistencyTest, TrustsWhatTheImagesShowAndNotWhatIsInvented) {
+  const Warper warper({views, maps});
+  ConsistencyOracle oracle(FeatureSource(warper), views);
+  oracle.Calibrate(held_out);
   const LoadedView truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
-  const ConfidenceMap map = oracle.Validate({Spoilt(truth, 40)})[0];
+  const ConfidenceMap map = oracle.Predict(std::vector<Proposal>{Spoilt(truth, 40)})[0];
   ASSERT_EQ(map.size(), 96u * 72u);
   double inside = 0, outside = 0;
   for (size_t i = 0; i < map.size(); ++i) {
@@ -56,14 +56,13 @@ TEST_F(ConsistencyTest, TrustsWhatPhotographsShowAndDoubtsWhatIsInvented) {
   EXPECT_GT(outside / (96 * 72 - 900), 0.8);
 }
 
-TEST_F(ConsistencyTest, CalibrationMovesTheLevelAndKeepsTheOrder) {
-  const Warper warper({photos, maps});
-  ConsistencyOracle calibrated(warper, photos), as_it_comes(warper, photos);
-  as_it_comes.LeaveLevel();
-  calibrated.Learn(hidden);
-  as_it_comes.Learn(hidden);
-  const ConfidenceMap level = calibrated.Validate({hidden[2].proposal})[0];
-  const ConfidenceMap order = as_it_comes.Validate({hidden[2].proposal})[0];
+TEST_F(ConsistencyTest, FitsTheLevelAndKeepsTheOrder) {
+  const Warper warper({views, maps});
+  ConsistencyOracle calibrated(FeatureSource(warper), views), as_is(FeatureSource(warper), views, LevelRule::kAsIs);
+  calibrated.Calibrate(held_out);
+  as_is.Calibrate(held_out);
+  const ConfidenceMap level = calibrated.Predict(std::vector<Proposal>{held_out[2].proposal})[0];
+  const ConfidenceMap order = as_is.Predict(std::vector<Proposal>{held_out[2].proposal})[0];
   EXPECT_NE(level, order);
   constexpr float kRounding = 1e-5f;  // near 1 both maps are flat
   for (size_t i = 1; i < order.size(); ++i) {
@@ -75,54 +74,54 @@ TEST_F(ConsistencyTest, CalibrationMovesTheLevelAndKeepsTheOrder) {
   }
 }
 
-TEST_F(ConsistencyTest, AProposalsMapDoesNotDependOnTheOthers) {
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos);
-  oracle.Learn(hidden);
-  const Proposal a = Spoilt(photos[1], 12), b = Spoilt(photos[4], 50);
-  const auto together = oracle.Validate({a, b});
-  EXPECT_EQ(together[0], oracle.Validate({a})[0]);
-  EXPECT_EQ(together[1], oracle.Validate({b})[0]);
+TEST_F(ConsistencyTest, PredictsEachProposalByItself) {
+  const Warper warper({views, maps});
+  ConsistencyOracle oracle(FeatureSource(warper), views);
+  oracle.Calibrate(held_out);
+  const Proposal a = Spoilt(views[1], 12), b = Spoilt(views[4], 50);
+  const auto together = oracle.Predict(std::vector<Proposal>{a, b});
+  EXPECT_EQ(together[0], oracle.Predict(std::vector<Proposal>{a})[0]);
+  EXPECT_EQ(together[1], oracle.Predict(std::vector<Proposal>{b})[0]);
 }
 
-TEST_F(ConsistencyTest, JudgesAnUnknownProposerAsTheOthersTogether) {
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos);
-  oracle.Learn(hidden);
-  Proposal known = Spoilt(photos[2], 30), unknown = known;
+TEST_F(ConsistencyTest, PredictsUnknownProposersByAllTogether) {
+  const Warper warper({views, maps});
+  ConsistencyOracle oracle(FeatureSource(warper), views);
+  oracle.Calibrate(held_out);
+  Proposal known = Spoilt(views[2], 30), unknown = known;
   unknown.source = "folder";
-  EXPECT_EQ(oracle.Validate({known})[0], oracle.Validate({unknown})[0]);
+  EXPECT_EQ(oracle.Predict(std::vector<Proposal>{known})[0], oracle.Predict(std::vector<Proposal>{unknown})[0]);
 }
 
-TEST_F(ConsistencyTest, LearnsAnotherSourceWithoutForgettingTheFirst) {
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos);
-  oracle.Learn(hidden);
-  const ConfidenceMap before = oracle.Validate({hidden[0].proposal})[0];
-  std::vector<HiddenPhotograph> right;
-  for (int v = 0; v < 6; ++v) right.push_back({v, {"right", "right", photos[v].camera, photos[v].rgb}});
-  oracle.Learn(right);
-  EXPECT_EQ(oracle.Validate({hidden[0].proposal})[0], before);
-  const ConfidenceMap sure = oracle.Validate({right[3].proposal})[0];
+TEST_F(ConsistencyTest, KeepsTheFirstSourceWhenAnotherIsCalibrated) {
+  const Warper warper({views, maps});
+  ConsistencyOracle oracle(FeatureSource(warper), views);
+  oracle.Calibrate(held_out);
+  const ConfidenceMap before = oracle.Predict(std::vector<Proposal>{held_out[0].proposal})[0];
+  std::vector<Query> right;
+  for (int v = 0; v < 6; ++v) right.push_back({{"right", "right", views[v].camera, views[v].rgb}, v});
+  oracle.Calibrate(right);
+  EXPECT_EQ(oracle.Predict(std::vector<Proposal>{held_out[0].proposal})[0], before);
+  const ConfidenceMap sure = oracle.Predict(std::vector<Proposal>{right[3].proposal})[0];
   EXPECT_GT(*std::min_element(sure.begin(), sure.end()), 0.95f);  // this source was never wrong
 }
 
-TEST_F(ConsistencyTest, NeedsSomethingToLearnFrom) {
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos);
-  EXPECT_THROW(oracle.Learn({}), InputError);
-  EXPECT_THROW(oracle.Validate({hidden[0].proposal}), UsageError);
+TEST_F(ConsistencyTest, NeedsHeldOutViews) {
+  const Warper warper({views, maps});
+  ConsistencyOracle oracle(FeatureSource(warper), views);
+  EXPECT_THROW(oracle.Calibrate({}), InputError);
+  EXPECT_THROW(oracle.Predict(std::vector<Proposal>{held_out[0].proposal}), UsageError);
 }
 
-/// Knows where the noise is, or does not: says 0.1 in the square of noise of each proposal, 0.9 elsewhere.
+/// Predicts 0.1 in the square of noise of each proposal and 0.9 elsewhere.
 class Seer : public Oracle {
  public:
   explicit Seer(std::map<std::string, int> lefts) : lefts_(std::move(lefts)) {}
   std::string name() const override { return "seer"; }
-  std::vector<ConfidenceMap> Judge(const std::vector<HiddenPhotograph>& hidden) const override {
-    asked += hidden.size();
+  std::vector<ConfidenceMap> Predict(const std::vector<Query>& queries) const override {
+    asked += queries.size();
     std::vector<ConfidenceMap> maps;
-    for (const HiddenPhotograph& h : hidden) {
+    for (const Query& h : queries) {
       maps.emplace_back(size_t{96} * 72, 0.9f);
       const int left = lefts_.at(h.proposal.name);
       for (int y = 20; y < 50; ++y) {
@@ -137,15 +136,15 @@ class Seer : public Oracle {
   std::map<std::string, int> lefts_;
 };
 
-TEST_F(ConsistencyTest, ASecondOracleIsCalibratedAlone) {
+TEST_F(ConsistencyTest, CalibratesASecondOracleAlone) {
   std::map<std::string, int> lefts = {{"new", 40}};
-  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  for (const Query& h : held_out) lefts[h.proposal.name] = 10 + 9 * *h.held_out;
   const Seer seer(lefts);
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos, seer, Evidence::kSecond);
+  const Warper warper({views, maps});
+  ConsistencyOracle oracle(FeatureSource(warper, seer, Evidence::kSecond), views);
   EXPECT_EQ(oracle.name(), "seer");
-  oracle.Learn(hidden);
-  const ConfidenceMap map = oracle.Validate({{"new", "test", photos[0].camera, photos[0].rgb}})[0];
+  oracle.Calibrate(held_out);
+  const ConfidenceMap map = oracle.Predict(std::vector<Proposal>{{"new", "test", views[0].camera, views[0].rgb}})[0];
   ASSERT_EQ(map.size(), 96u * 72u);
   for (size_t i = 0; i < map.size(); ++i) {
     // Two values in, two values out: what pixels of each turned out to be worth.
@@ -157,23 +156,24 @@ TEST_F(ConsistencyTest, ASecondOracleIsCalibratedAlone) {
   }
 }
 
-TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
-  // Each photograph shows something in its square that no other one shows, and no proposal has.
+TEST_F(ConsistencyTest, LearnsFromASecondOracleWhatTheImagesDoNotShow) {
+  // Each view shows something in its square that no other one shows, and no proposal has.
   std::map<std::string, int> lefts = {{"new", 40}};
-  std::vector<LoadedView> surprising = photos;
-  std::vector<HiddenPhotograph> blind;
+  std::vector<LoadedView> surprising = views;
+  std::vector<Query> blind;
   for (int v = 0; v < 6; ++v) {
-    const LoadedView& photo = photos[static_cast<size_t>(v)];
-    lefts[photo.name] = 10 + 9 * v;
-    surprising[static_cast<size_t>(v)].rgb = hidden[static_cast<size_t>(v)].proposal.rgb;
-    blind.push_back({v, {photo.name, "test", photo.camera, photo.rgb}});
+    const LoadedView& view = views[static_cast<size_t>(v)];
+    lefts[view.name] = 10 + 9 * v;
+    surprising[static_cast<size_t>(v)].rgb = held_out[static_cast<size_t>(v)].proposal.rgb;
+    blind.push_back({{view.name, "test", view.camera, view.rgb}, v});
   }
   const Seer seer(lefts);
-  const Warper warper({photos, maps});
-  ConsistencyOracle alone(warper, surprising), both(warper, surprising, seer, Evidence::kBoth);
+  const Warper warper({views, maps});
+  ConsistencyOracle alone(FeatureSource(warper), surprising),
+      both(FeatureSource(warper, seer, Evidence::kBoth), surprising);
   EXPECT_EQ(both.name(), "seer+consistency");
-  alone.Learn(blind);
-  both.Learn(blind);
+  alone.Calibrate(blind);
+  both.Calibrate(blind);
   const LoadedView truth = plane.Take(CameraAt({0.5, 0.1, -4}, {0, 0, 0}, 96, 72), "new");
   const Proposal proposal{"new", "test", truth.camera, truth.rgb};
   const auto means = [](const ConfidenceMap& map) {
@@ -181,35 +181,24 @@ TEST_F(ConsistencyTest, ASecondOracleTellsWhatThePhotographsDoNot) {
     for (size_t i = 0; i < map.size(); ++i) (InSquare(i, 40) ? inside : outside) += static_cast<double>(map[i]);
     return std::pair{inside / 900, outside / (96 * 72 - 900)};
   };
-  const auto [inside, outside] = means(both.Validate({proposal})[0]);
-  const double inside_alone = means(alone.Validate({proposal})[0]).first;
+  const auto [inside, outside] = means(both.Predict(std::vector<Proposal>{proposal})[0]);
+  const double inside_alone = means(alone.Predict(std::vector<Proposal>{proposal})[0]).first;
   EXPECT_LT(inside, inside_alone - 0.2);
   EXPECT_GT(outside, 0.98) << "but for the square's edge, where doubt spreads";
 }
 
-TEST_F(ConsistencyTest, WhatWasLookedAtIsNotAskedAboutAgain) {
+TEST_F(ConsistencyTest, AsksTheSecondOracleOnceToCalibrateAndPredict) {
   std::map<std::string, int> lefts;
-  for (const HiddenPhotograph& h : hidden) lefts[h.proposal.name] = 10 + 9 * h.photograph;
+  for (const Query& query : held_out) lefts[query.proposal.name] = 10 + 9 * *query.held_out;
   const Seer seer(lefts);
-  const Warper warper({photos, maps});
-  ConsistencyOracle oracle(warper, photos, seer, Evidence::kBoth), again(warper, photos, seer, Evidence::kBoth);
-  std::vector<HiddenPhotograph> looked = hidden;
-  oracle.Look(&looked);
+  const Warper warper({views, maps});
+  const FeatureSource features(warper, seer, Evidence::kBoth);
+  ConsistencyOracle oracle(features, views), again(features, views);
+  const auto maps_of = oracle.CalibrateAndPredict(held_out);
   EXPECT_EQ(seer.asked, 6u);
-  oracle.Learn(looked);
-  const auto maps_of = oracle.Judge(looked);
-  EXPECT_EQ(seer.asked, 6u);
-  again.Learn(hidden);
-  EXPECT_EQ(again.Judge(hidden), maps_of);
+  again.Calibrate(held_out);
+  EXPECT_EQ(again.Predict(held_out), maps_of);
   EXPECT_EQ(seer.asked, 18u);
-  ConsistencyOracle(warper, photos).Look(&looked);  // nobody to ask
-  EXPECT_EQ(seer.asked, 18u);
-}
-
-TEST(Goodness, FallsWithTheError) {
-  EXPECT_EQ(Goodness(0), 1.f);
-  EXPECT_NEAR(Goodness(0.08f), std::exp(-1.f), 1e-6f);
-  EXPECT_LT(Goodness(0.3f), 1e-5f);
 }
 
 }  // namespace

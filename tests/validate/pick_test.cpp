@@ -17,7 +17,7 @@ Proposal Flat(const std::string& source, float value) {
   return p;
 }
 
-TEST(Pick, PixelTakesTheSurestAtEach) {
+TEST(Pick, TakesTheMostConfidentCandidateAtEachPixel) {
   const Validated v = Pick({Flat("warp", 0.f), Flat("splat", 1.f)}, {{0.9f, 0.1f}, {0.2f, 0.6f}}, PickRule::kPixel);
   EXPECT_EQ(v.proposal.rgb.data, (std::vector<float>{0, 0, 0, 1, 1, 1}));
   EXPECT_EQ(v.confidence, (ConfidenceMap{0.9f, 0.6f}));
@@ -27,13 +27,13 @@ TEST(Pick, PixelTakesTheSurestAtEach) {
   EXPECT_FLOAT_EQ(v.proposal.spread[0], std::sqrt(0.5f));
 }
 
-TEST(Pick, ViewTakesTheSurestPictureWhole) {
+TEST(Pick, TakesTheMostConfidentImageWhole) {
   const Validated v = Pick({Flat("warp", 0.f), Flat("splat", 1.f)}, {{0.9f, 0.1f}, {0.5f, 0.6f}}, PickRule::kView);
   EXPECT_EQ(v.proposal.source, "splat");
   EXPECT_EQ(v.confidence, (ConfidenceMap{0.5f, 0.6f}));
 }
 
-TEST(Pick, BlendLeansTowardsTheSurerByItsExpectedError) {
+TEST(Pick, BlendsByExpectedError) {
   const Validated v = Pick({Flat("warp", 0.f), Flat("splat", 1.f)}, {{0.9f, 0.5f}, {0.3f, 0.5f}}, PickRule::kBlend);
   EXPECT_LT(v.proposal.rgb.data[0], 0.15f);
   EXPECT_GT(v.proposal.rgb.data[0], 0.02f);
@@ -42,7 +42,7 @@ TEST(Pick, BlendLeansTowardsTheSurerByItsExpectedError) {
   EXPECT_FLOAT_EQ(v.confidence[1], 0.5f);
 }
 
-TEST(Pick, LeavesASingleCandidateAsItIs) {
+TEST(Pick, KeepsASingleCandidate) {
   for (const PickRule rule : {PickRule::kBlend, PickRule::kPixel, PickRule::kView}) {
     const Validated v = Pick({Flat("folder", 0.3f)}, {{0.7f, 0.2f}}, rule);
     EXPECT_EQ(v.proposal.rgb.data, std::vector<float>(6, 0.3f));
@@ -51,7 +51,7 @@ TEST(Pick, LeavesASingleCandidateAsItIs) {
   }
 }
 
-TEST(Pick, RefusesWhatDoesNotBelongTogether) {
+TEST(Pick, RefusesSizesThatDiffer) {
   EXPECT_THROW(Pick({}, {}, PickRule::kBlend), ShapeError);
   EXPECT_THROW(Pick({Flat("warp", 0)}, {{0.5f, 0.5f}, {0.5f, 0.5f}}, PickRule::kBlend), ShapeError);
   EXPECT_THROW(Pick({Flat("warp", 0), Flat("splat", 0)}, {{0.5f, 0.5f}, {0.5f}}, PickRule::kBlend), ShapeError);

@@ -10,16 +10,17 @@ namespace {
 using testing::ElementsAre;
 using testing::Pair;
 
-std::vector<LoadedView> Photos(int n) {
-  std::vector<LoadedView> photos;
-  for (const Camera& camera : Arc(n, 8)) photos.push_back({"p" + std::to_string(photos.size()), camera, {}, {}});
-  return photos;
+std::vector<LoadedView> Views(int n) {
+  std::vector<LoadedView> views;
+  for (const Camera& camera : Arc(n, 8)) views.push_back({"p" + std::to_string(views.size()), camera, {}, {}});
+  return views;
 }
 
-std::vector<HiddenPhotograph> At(const std::vector<LoadedView>& photos, const std::vector<int>& numbers, int hide) {
-  std::vector<HiddenPhotograph> out;
+std::vector<Query> At(const std::vector<LoadedView>& views, const std::vector<int>& numbers, bool hold_out) {
+  std::vector<Query> out;
   for (const int n : numbers) {
-    out.push_back({hide != 0 ? n : -1, {"t" + std::to_string(n), "warp", photos[static_cast<size_t>(n)].camera, {}}});
+    out.push_back({{"t" + std::to_string(n), "warp", views[static_cast<size_t>(n)].camera, {}}});
+    if (hold_out) out.back().held_out = n;
   }
   return out;
 }
@@ -31,9 +32,9 @@ TEST(EvenRuns, AreFewAndEven) {
   EXPECT_TRUE(EvenRuns(0, 4).empty());
 }
 
-TEST(PlanChunks, TheNearestPhotographStandsBeside) {
-  const auto photos = Photos(9);
-  const auto chunks = PlanChunks(At(photos, {0, 1, 2, 6, 7, 8}, 0), photos, 3);
+TEST(PlanChunks, PutsTheNearestViewBeside) {
+  const auto views = Views(9);
+  const auto chunks = PlanChunks(At(views, {0, 1, 2, 6, 7, 8}, false), views, 3);
   ASSERT_EQ(chunks.size(), 2u);
   EXPECT_THAT(chunks[0].members, ElementsAre(0, 1, 2));
   EXPECT_EQ(chunks[0].reference, 1u);
@@ -41,43 +42,43 @@ TEST(PlanChunks, TheNearestPhotographStandsBeside) {
   EXPECT_EQ(chunks[1].reference, 7u);
 }
 
-TEST(PlanChunks, NoHiddenPhotographStandsBesideItself) {
-  const auto photos = Photos(6);
-  const auto hidden = At(photos, {0, 1, 2, 3, 4, 5}, 1);
+TEST(PlanChunks, PutsNoHeldOutViewBesideItself) {
+  const auto views = Views(6);
+  const auto queries = At(views, {0, 1, 2, 3, 4, 5}, true);
   std::vector<size_t> all;
-  for (const ViewChunk& chunk : PlanChunks(hidden, photos, 16)) {
+  for (const ViewChunk& chunk : PlanChunks(queries, views, 16)) {
     for (const size_t m : chunk.members) {
-      EXPECT_NE(static_cast<size_t>(hidden[m].photograph), chunk.reference);
+      EXPECT_NE(static_cast<size_t>(*queries[m].held_out), chunk.reference);
       all.push_back(m);
     }
   }
-  EXPECT_THAT(all, ElementsAre(0, 1, 2, 3, 4, 5));  // halved, for all six hide all there is
+  EXPECT_THAT(all, ElementsAre(0, 1, 2, 3, 4, 5));  // halved, all six hold out all there is
 }
 
-TEST(PlanChunks, SourcesAndSizesAreApart) {
-  auto photos = Photos(4);
-  auto asked = At(photos, {0, 1, 2, 3}, 0);
+TEST(PlanChunks, KeepsSourcesAndSizesApart) {
+  auto views = Views(4);
+  auto asked = At(views, {0, 1, 2, 3}, false);
   asked[1].proposal.source = "splat";
   asked[3].proposal.camera.width = 50;
-  photos[0].camera.width = 50;
-  const auto chunks = PlanChunks(asked, photos, 8);
+  views[0].camera.width = 50;
+  const auto chunks = PlanChunks(asked, views, 8);
   ASSERT_EQ(chunks.size(), 3u);
   size_t members = 0;
   for (const ViewChunk& chunk : chunks) {
     members += chunk.members.size();
     for (const size_t m : chunk.members) EXPECT_EQ(asked[m].proposal.source, asked[chunk.members[0]].proposal.source);
     const bool narrow = asked[chunk.members[0]].proposal.camera.width == 50;
-    EXPECT_EQ(narrow, photos[chunk.reference].camera.width == 50);  // of its own size, where there is one
+    EXPECT_EQ(narrow, views[chunk.reference].camera.width == 50);  // of its own size, where there is one
   }
   EXPECT_EQ(members, 4u);
 }
 
-TEST(PlanChunks, TheOnlyPhotographCannotBeHidden) {
-  const auto photos = Photos(1);
-  EXPECT_THAT([&] { PlanChunks(At(photos, {0}, 1), photos, 4); },
+TEST(PlanChunks, RefusesToHoldOutTheOnlyView) {
+  const auto views = Views(1);
+  EXPECT_THAT([&] { PlanChunks(At(views, {0}, true), views, 4); },
               testing::ThrowsMessage<InputError>(
-                  testing::AllOf(testing::StartsWith("t0: VGGT has no photograph"), testing::HasSubstr("--oracle"))));
-  EXPECT_EQ(PlanChunks(At(photos, {0}, 0), photos, 4).size(), 1u);
+                  testing::AllOf(testing::StartsWith("t0: VGGT has no view"), testing::HasSubstr("--oracle"))));
+  EXPECT_EQ(PlanChunks(At(views, {0}, false), views, 4).size(), 1u);
 }
 
 }  // namespace

@@ -2,60 +2,65 @@
 
 #include <algorithm>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <span>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/evaluate/metrics.h"
-#include "oraclegs/evaluate/picture_names.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/render/make_rasterizer.h"
 
 namespace oraclegs {
 namespace {
 
-/// The photo's mask [H,W], undefined when every pixel counts.
-Buffer<float> MaskOf(const LoadedView& photo) {
-  if (photo.mask.empty()) return {};
-  const int64_t height = photo.rgb.height, width = photo.rgb.width;
-  if (static_cast<int64_t>(photo.mask.size()) != height * width) {
-    throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", photo.name, photo.mask.size(),
+/// The view's mask [H,W] of 0 and 1, undefined when every pixel counts.
+Buffer<float> MaskOf(const LoadedView& view) {
+  if (view.mask.empty()) return {};
+  const int64_t height = view.rgb.height, width = view.rgb.width;
+  if (static_cast<int64_t>(view.mask.size()) != height * width) {
+    throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", view.name, view.mask.size(),
                      height * width);
   }
-  return torch::from_blob(const_cast<uint8_t*>(photo.mask.data()), {height, width}, torch::kByte).Clone();
+  const Buffer<float> mask = Buffer<float>::Empty({height, width});
+  std::copy(view.mask.begin(), view.mask.end(), mask.data());
+  return mask;
 }
 
-ViewMetrics Score(const LoadedView& photo, const Buffer<float>& render, const Buffer<float>& truth, const PictureScores& scores) {
-  const Buffer<float> mask = MaskOf(photo);
-  ViewMetrics view;
-  view.name = photo.name;
-  view.psnr = Psnr(render, truth, mask);
-  view.ssim = Ssim(render, truth, mask);
-  view.psnr_color_corrected = ColorCorrectedPsnr(render, truth, mask);
-  if (!scores.of) return view;
-  const Buffer<float> shown = mask.defined() ? torch::where((mask > 0).unsqueeze(2), render, truth) : render;
-  view.more = scores.of(shown, truth);
-  return view;
+ViewMetrics Score(const LoadedView& view, const Buffer<float>& render, const Buffer<float>& truth,
+                  const ImageScores& scores) {
+  const Buffer<float> mask = MaskOf(view);
+  ViewMetrics metrics;
+  metrics.name = view.name;
+  metrics.psnr = Psnr(render, truth, mask);
+  metrics.ssim = Ssim(render, truth, mask);
+  metrics.psnr_color_corrected = ColorCorrectedPsnr(render, truth, mask);
+  if (scores.of) metrics.more = scores.of(WithMaskedFrom(render, truth, mask), truth);
+  return metrics;
 }
 
-/// The scores, or none where a photo is too small for them.
-PictureScores Usable(const PictureScores& scores, const std::vector<LoadedView>& photos, const Listener& listener) {
-  for (const LoadedView& photo : photos) {
-    if (!scores.of || std::min(photo.camera.width, photo.camera.height) >= scores.smallest_side) continue;
+/// The scores, or none where a view is too small for them.
+ImageScores Usable(const ImageScores& scores, const std::vector<LoadedView>& views, const Listener& listener) {
+  for (const LoadedView& view : views) {
+    if (!scores.of || std::min(view.camera.width, view.camera.height) >= scores.smallest_side) continue;
     std::vector<std::string> names;
     for (const auto& [name, convention] : scores.conventions) names.push_back(name);
-    listener(Warning{fmt::format("{} has {} x {} pixels, too few for {}, which is left out", photo.name,
-                                 photo.camera.width, photo.camera.height, fmt::join(names, ", "))});
+    listener(Warning{fmt::format("{} has {} x {} pixels, too few for {}, which is left out", view.name,
+                                 view.camera.width, view.camera.height, fmt::join(names, ", "))});
     return {};
   }
   return scores;
 }
 
-std::vector<std::string> NamesOf(const std::vector<LoadedView>& photos) {
+std::vector<std::string> NamesOf(const std::vector<LoadedView>& views) {
   std::vector<std::string> names;
-  for (const LoadedView& photo : photos) names.push_back(photo.name);
+  for (const LoadedView& view : views) names.push_back(view.name);
   return names;
 }
 
-bool CountsNowhere(const LoadedView& photo) {
-  return !photo.mask.empty() && std::all_of(photo.mask.begin(), photo.mask.end(), [](uint8_t m) { return m == 0; });
+bool CountsNowhere(const LoadedView& view) {
+  return !view.mask.empty() && std::all_of(view.mask.begin(), view.mask.end(), [](uint8_t m) { return m == 0; });
 }
 
 void SetMeans(TestMetrics* metrics) {
@@ -71,29 +76,28 @@ void SetMeans(TestMetrics* metrics) {
 
 }  // namespace
 
-TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& photos, const RenderOptions& options,
+TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options,
                      const EvaluateExtras& extras, const Listener& listener) {
   const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
-  const std::vector<std::string> pictures = PictureNames(NamesOf(photos));
-  const PictureScores scores = Usable(extras.scores, photos, listener);
+  const std::vector<std::string> files = ImageNames(NamesOf(views));
+  const ImageScores scores = Usable(extras.scores, views, listener);
   TestMetrics metrics;
   metrics.conventions = scores.conventions;
-  for (size_t i = 0; i < photos.size(); ++i) {
+  for (size_t i = 0; i < views.size(); ++i) {
     ThrowIfInterrupted();
-    const LoadedView& photo = photos[i];
-    const RenderOutput out = rasterizer->Forward(gaussians, photo.camera, options, RenderPass::kInference);
-    const Buffer<float> render = Quantized(out.image.To(kCpu)), truth = Quantized(ToTensor(photo.rgb));
-    if (CountsNowhere(photo)) {
-      listener(Warning{fmt::format("{} is masked out completely and is not scored", photo.name)});
+    const LoadedView& view = views[i];
+    const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
+    const Buffer<float> render = Quantized(out.image.To(kCpu)), truth = Quantized(ToBuffer(view.rgb));
+    if (CountsNowhere(view)) {
+      listener(Warning{fmt::format("{} is masked out completely and is not scored", view.name)});
     } else {
-      metrics.views.push_back(Score(photo, render, truth, scores));
+      metrics.views.push_back(Score(view, render, truth, scores));
     }
     if (!extras.renders.empty()) {
-      WritePng(extras.renders / (pictures[i] + ".png"), ToImage8(render));
-      WritePng(extras.renders / (pictures[i] + "_gt.png"), ToImage8(truth));
+      WritePng(extras.renders / (files[i] + ".png"), ToImage8(render));
+      WritePng(extras.renders / (files[i] + "_gt.png"), ToImage8(truth));
     }
-    listener(
-        StepDone{"evaluate", static_cast<int64_t>(i) + 1, static_cast<int64_t>(photos.size()), "views", photo.name});
+    listener(StepDone{"evaluate", static_cast<int64_t>(i) + 1, static_cast<int64_t>(views.size()), "views", view.name});
   }
   SetMeans(&metrics);
   return metrics;
@@ -121,18 +125,15 @@ nlohmann::json ToJson(const TestMetrics& metrics) {
 
 Image8 ToImage8(const Buffer<float>& image) {
   RequireShape("ToImage8", "image", image, {-1, -1, 3});
-  const Buffer<float> bytes = torch::floor(image.To(kCpu).clamp(0, 1) * 255.f + 0.5f).to(torch::kByte);
-  Image8 out;
-  out.height = static_cast<int>(image.size(0));
-  out.width = static_cast<int>(image.size(1));
-  out.channels = 3;
-  out.data.assign(bytes.data(), bytes.data() + bytes.count());
-  return out;
+  const Buffer<float> on_host = image.To(kCpu);
+  ImageF out{static_cast<int>(image.size(1)), static_cast<int>(image.size(0)), 3, {}};
+  out.data.assign(on_host.data(), on_host.data() + on_host.count());
+  return ToImage8(out);
 }
 
-Buffer<float> ToTensor(const ImageF& image) {
-  if (image.channels != 3) throw ShapeError("ToTensor: {} channels, expected 3", image.channels);
-  return torch::from_blob(const_cast<float*>(image.data.data()), {image.height, image.width, 3}, torch::kFloat).Clone();
+Buffer<float> ToBuffer(const ImageF& image) {
+  if (image.channels != 3) throw ShapeError("ToBuffer: {} channels, expected 3", image.channels);
+  return Buffer<float>::From({image.height, image.width, 3}, std::span<const float>(image.data));
 }
 
 }  // namespace oraclegs

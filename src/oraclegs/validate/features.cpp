@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kRadius = 3;      // of the patches
 constexpr float kFlat = 0.01f;  // standard deviation of brightness below which a patch has no structure
-constexpr float kWidestAngle = 90, kLongestRing = 200;
-constexpr float kBorder = 0.1f;  // share of the picture's smaller side
+constexpr float kMaxAngle = 90, kMaxRing = 200;
+constexpr float kBorder = 0.1f;  // share of the image's smaller side
 
 float Luma(const float* rgb) { return 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]; }
 
@@ -102,12 +102,12 @@ std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& war
       const auto to_border = static_cast<float>(std::min({x, y, width - 1 - x, height - 1 - y}));
       features[i] = {Log(e.support, 0.02f),
                      Log(e.views, 0.2f),
-                     std::sqrt(std::min(e.angle, kWidestAngle)),
+                     std::sqrt(std::min(e.angle, kMaxAngle)),
                      Log(e.spread, 0.005f),
                      e.confidence,
                      Log(e.conflicts, 0.1f),
-                     Log(e.hidden, 0.1f),
-                     std::log1p(std::min(e.ring, kLongestRing)),
+                     Log(e.occluded, 0.1f),
+                     std::log1p(std::min(e.ring, kMaxRing)),
                      e.resolution,
                      e.background,
                      Log(DepthEdge(warped.inv_depth, width, height, x, y), 0.005f),

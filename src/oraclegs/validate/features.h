@@ -1,5 +1,5 @@
 #pragma once
-// What there is to say about a pixel of a proposal before one decides whether to trust it.
+// Features of a pixel of a proposal, by which an oracle classifies it (docs/method.md#consistency-oracle).
 
 #include <array>
 #include <vector>
@@ -10,31 +10,31 @@ namespace oraclegs {
 
 /// What the features are, in their order.
 inline constexpr std::array kFeatureNames = {
-    "support",  // log of the photographs' support of the surface there
-    "views",    // how many photographs show it
+    "support",  // log of the views' support of the surface there
+    "views",    // how many views show it
     "angle",    // to the nearest of them
     "spread",   // of their colours
     "depth confidence",
     "conflicts",
-    "hidden",
+    "occluded",
     "ring",
     "resolution",
     "background",
     "depth edge",     // how much depth changes around the pixel
     "texture",        // how much the proposal changes around the pixel
-    "colour",         // distance of the proposal's colour from the photographs'
+    "colour",         // distance of the proposal's colour from the warp's
     "colour around",  // the same, mean over the pixels around
-    "structure",      // 1 - correlation of the two pictures' patches, as far as they have texture
+    "structure",      // 1 - correlation of the two images' patches, as far as they have texture
     "depth",          // relative difference of the proposal's own depth from stereo's
     "candidates",     // how much the candidates it was mixed from differ
     "gradient",       // how much the proposal changes from pixel to pixel
     "brightness",
-    "border",  // nearness of the picture's border, where few photographs overlap
+    "border",  // nearness of the image's border, where few views overlap
 };
 inline constexpr size_t kFeatures = kFeatureNames.size();
 using Features = std::array<float, kFeatures>;
 
-/// Of every pixel, row by row. `warped` is what the photographs show in the proposal's view. Every value is finite.
+/// Of every pixel, row by row. `warped` is what the training views show at the proposal's pose. Every value is finite.
 std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& warped);
 
 }  // namespace oraclegs

@@ -5,8 +5,8 @@
 
 namespace oraclegs {
 
-/// The non-decreasing step function nearest to samples (x, y) in least squares, by pooling adjacent violators (Ayer et
-/// al. 1955; Zadrozny and Elkan 2002 for calibration), read with linear interpolation between the middles of its steps.
+/// The non-decreasing step function nearest to samples (x, y) in least squares, by pooling adjacent violators [Ayer
+/// 1955], for calibration [Zadrozny 2002], read with linear interpolation between the middles of its steps.
 class Isotonic {
  public:
   /// The identity.

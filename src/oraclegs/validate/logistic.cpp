@@ -7,24 +7,23 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMostFeatures = 64;
-constexpr float kFarOut = 3;     // standard deviations beyond which a feature says no more
-constexpr double kRidge = 1e-3;  // per sample, on standardised features
+constexpr size_t kMaxFeatures = 64;
+constexpr float kMaxDeviation = 3;  // standard deviations beyond which a feature counts no more
+constexpr double kRidge = 1e-3;     // per sample, on standardised features
 constexpr int kNewtonSteps = 8;
 constexpr double kConverged = 1e-4;  // change of a weight
 constexpr int64_t kBlock = 4096;     // samples
-
-double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
 
 }  // namespace
 
 void Logistic::Standardise(const float* features, float* x) const {
   for (Eigen::Index i = 0; i < mean_.size(); ++i) {
-    x[i] = std::clamp((features[i] - mean_[i]) * inverse_deviation_[i], -kFarOut, kFarOut);
+    x[i] = std::clamp((features[i] - mean_[i]) * inverse_deviation_[i], -kMaxDeviation, kMaxDeviation);
   }
 }
 
@@ -43,9 +42,9 @@ Eigen::VectorXf Logistic::Expand(const float* features) const {
 
 Logistic Logistic::Fit(const Eigen::MatrixXf& features, const Eigen::VectorXf& labels) {
   const Eigen::Index samples = features.rows();
-  if (samples == 0 || labels.size() != samples || features.cols() > Eigen::Index{kMostFeatures}) {
+  if (samples == 0 || labels.size() != samples || features.cols() > Eigen::Index{kMaxFeatures}) {
     throw ShapeError("Logistic: {} samples of {} features (at most {}) and {} labels", samples, features.cols(),
-                     kMostFeatures, labels.size());
+                     kMaxFeatures, labels.size());
   }
   Logistic model;
   model.mean_ = features.colwise().mean();
@@ -98,7 +97,7 @@ Logistic Logistic::Fit(const Eigen::MatrixXf& features, const Eigen::VectorXf& l
 float Logistic::operator()(const float* features) const {
   const Eigen::Index n = mean_.size();
   if (n == 0) return 0.5f;
-  std::array<float, kMostFeatures> x;
+  std::array<float, kMaxFeatures> x;
   Standardise(features, x.data());
   float sum = constant_;
   for (Eigen::Index j = 0; j < n; ++j) {

@@ -11,8 +11,8 @@ class Logistic {
   Logistic() = default;
 
   /// Minimises the cross entropy of `labels` in [0, 1] plus a small ridge by Newton's method; rows are samples. A
-  /// feature that never changes has no say. The same bits for any number of threads. Throws ShapeError when rows and
-  /// labels differ in number or there are none.
+  /// feature that never changes contributes nothing. The same bits for any number of threads. Throws ShapeError when
+  /// rows and labels differ in number or there are none.
   static Logistic Fit(const Eigen::MatrixXf& features, const Eigen::VectorXf& labels);
 
   /// (0, 1). `features` has as many entries as Fit had columns.

@@ -1,39 +1,57 @@
 #pragma once
 
-#include <string>
-
 #include "oraclegs/core/options.h"
+#include "oraclegs/networks/networks.h"
 
 namespace oraclegs {
 
+enum class OracleKind { kConsistency, kVggt, kVggtAndConsistency, kUniform };
+template <>
+struct EnumWords<OracleKind> {
+  static constexpr EnumWord<OracleKind> kWords[] = {{OracleKind::kConsistency, "consistency"},
+                                                    {OracleKind::kVggt, "vggt"},
+                                                    {OracleKind::kVggtAndConsistency, "vggt+consistency"},
+                                                    {OracleKind::kUniform, "uniform"}};
+};
+
+/// One image out of several candidates.
+enum class PickRule {
+  kBlend,  ///< at each pixel the mean, weighted by the inverse of the squared error that the confidence stands for
+  kPixel,  ///< at each pixel the candidate of highest confidence
+  kView,   ///< the candidate of highest mean confidence
+};
+template <>
+struct EnumWords<PickRule> {
+  static constexpr EnumWord<PickRule> kWords[] = {
+      {PickRule::kBlend, "blend"}, {PickRule::kPixel, "pixel"}, {PickRule::kView, "view"}};
+};
+
 struct ValidateOptions {
-  std::string oracle = "auto";
-  std::string oracle_mode = "reference";
-  int oracle_chunk = 0;
+  Auto<OracleKind> oracle;
+  AttentionMode oracle_mode = AttentionMode::kReference;
+  Auto<int> oracle_chunk;
   bool calibrate = true;
-  std::string pick = "blend";
+  PickRule pick = PickRule::kBlend;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("oracle", self.oracle,
-          "Who says how far to trust a proposed pixel: consistency = what the photographs show there; vggt = what the "
-          "views look at in each other inside VGGT; vggt+consistency = both. "
-          "uniform = trust all; auto = vggt+consistency where VGGT's weights are, else consistency",
-          Choice{{"auto", "consistency", "vggt", "vggt+consistency", "uniform"}});
+          "What decides how far a proposed pixel is trusted: consistency = what the images show there; vggt = what the "
+          "views attend to in each other inside VGGT; vggt+consistency = both; uniform = trust all; auto = "
+          "vggt+consistency where VGGT's weights are, else consistency");
     visit("oracle-mode", self.oracle_mode,
-          "Whose attention VGGT counts: reference = that of the photograph beside the proposals; others = that of all "
-          "other views of the pass; official = that of the photograph's camera token, over the whole pass together",
-          Choice{{"official", "reference", "others"}});
+          "Whose attention VGGT's map is made of: reference = that of the image beside the proposals; others = that of "
+          "all other views of the pass; official = that of the image's camera token, over the whole pass together");
     visit("oracle-chunk", self.oracle_chunk,
-          "Proposals that VGGT looks at together, beside one photograph; 0 = 8, or as many as the free memory holds",
-          Range{0, 512});
+          "Proposals that VGGT looks at together, beside one image; auto = 8, or as many as the free memory holds",
+          Range{1, 512});
     visit("calibrate", self.calibrate,
-          "Map what the oracle says to what such pixels were worth where photographs were hidden; without, VGGT's map "
-          "counts as it is, as in the paper, and of the others the order that they learnt");
+          "Map what the oracle predicts to what such pixels were worth in held-out views; without, VGGT's map is used "
+          "as it is, as in the paper, and of the others the order that they learnt");
     visit("pick", self.pick,
-          "What is made of several candidates for a view: blend = their mean, by what their confidence says of their "
-          "error; pixel = the surest one at each pixel; view = the surest picture",
-          Choice{{"blend", "pixel", "view"}});
+          "What several candidates for a view become: blend = their mean, weighted by the error that their confidence "
+          "stands for; pixel = the candidate of highest confidence at each pixel; view = the one of highest mean "
+          "confidence");
   }
 };
 

@@ -1,7 +1,8 @@
 #pragma once
-// Says of each pixel of a proposal how far the photographs support it.
+// Classifies each pixel of a proposal: how far the images support it.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,12 @@ namespace oraclegs {
 /// U of the paper, height * width, [0, 1], 1 = trust. Called confidence in code and files.
 using ConfidenceMap = std::vector<float>;
 
-/// A photograph that was hidden, and what a proposer said stood there; or, with none hidden, any proposal.
-struct HiddenPhotograph {
-  int photograph = -1;  ///< index, -1 = none
+/// A proposal whose confidence is asked for.
+struct Query {
   Proposal proposal;
-  ConfidenceMap second = {};  ///< what a second oracle said of it (ConsistencyOracle::Look); empty = nobody was asked
+  /// Index of the training view that stands at the proposal's pose and that no evidence may come from; nothing for a
+  /// proposal of a new pose.
+  std::optional<int> held_out = {};
 };
 
 class Oracle {
@@ -24,16 +26,16 @@ class Oracle {
   virtual ~Oracle() = default;
   virtual std::string name() const = 0;
 
-  /// One map for each, in their order, judged without the photograph that is hidden from it. An oracle that looks at
-  /// several proposals at once (VGGT) may judge those of one call by each other; for all others a map does not depend
-  /// on what else is asked in the same call, and callers cut many proposals into calls of a few to bound memory.
-  virtual std::vector<ConfidenceMap> Judge(const std::vector<HiddenPhotograph>& hidden) const = 0;
+  /// One map for each query, in their order. An oracle that looks at several proposals at once (VGGT) may compare those
+  /// of one call with each other; for all others a map does not depend on what else is asked in the same call, and
+  /// callers cut many proposals into calls of a few to bound memory.
+  virtual std::vector<ConfidenceMap> Predict(const std::vector<Query>& queries) const = 0;
 
-  /// The same with nothing hidden.
-  std::vector<ConfidenceMap> Validate(const std::vector<Proposal>& proposals) const {
-    std::vector<HiddenPhotograph> none_hidden;
-    for (const Proposal& p : proposals) none_hidden.push_back({-1, p});
-    return Judge(none_hidden);
+  /// The same for proposals of new poses.
+  std::vector<ConfidenceMap> Predict(const std::vector<Proposal>& proposals) const {
+    std::vector<Query> queries;
+    for (const Proposal& p : proposals) queries.push_back({p});
+    return Predict(queries);
   }
 };
 

@@ -5,12 +5,13 @@
 #include <numeric>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/image/similarity.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr float kLeastConfidence = 0.02f, kMostConfidence = 0.98f;
-constexpr float kSensorNoise = 1e-4f;  // variance that no picture is better than
+constexpr float kMinConfidence = 0.02f, kMaxConfidence = 0.98f;  // beyond which a weight no longer changes
+constexpr float kSensorNoise = 1e-4f;                            // variance that no image is better than
 
 void CheckSizes(const std::vector<Proposal>& candidates, const std::vector<ConfidenceMap>& confidence) {
   if (candidates.empty() || candidates.size() != confidence.size()) {
@@ -23,9 +24,9 @@ void CheckSizes(const std::vector<Proposal>& candidates, const std::vector<Confi
   }
 }
 
-/// 1 / the squared error for which Goodness(error) is this confidence, up to a factor.
+/// 1 / the squared error of which this confidence is the similarity.
 float Precision(float confidence) {
-  return 1 / (kSensorNoise - 0.0064f * std::log(std::clamp(confidence, kLeastConfidence, kMostConfidence)));
+  return 1 / (kSensorNoise + SquaredErrorOf(std::clamp(confidence, kMinConfidence, kMaxConfidence)));
 }
 
 }  // namespace

@@ -1,19 +1,14 @@
 #pragma once
-// One picture out of several candidates.
+// One image out of several candidates (docs/method.md#mixing-candidates).
 
 #include <string>
 #include <vector>
 
 #include "oraclegs/propose/proposal.h"
+#include "oraclegs/validate/options.h"
 #include "oraclegs/validate/oracle.h"
 
 namespace oraclegs {
-
-enum class PickRule {
-  kView,   ///< the candidate with the highest mean confidence
-  kPixel,  ///< at each pixel the surest candidate
-  kBlend,  ///< at each pixel the mean, weighted by the inverse of the squared error that the confidence stands for
-};
 
 /// A proposal as it is trained on.
 struct Validated {
@@ -22,8 +17,8 @@ struct Validated {
 };
 
 /// `candidates` are of one target and not empty; `confidence` belongs to them one by one. The source of a mixture is
-/// kMixed, its spread that of the candidates; it keeps the provenance of the surest. Throws ShapeError when sizes
-/// differ.
+/// kMixed, its spread that of the candidates; it keeps the provenance of the candidate of highest confidence. Throws
+/// ShapeError when sizes differ.
 Validated Pick(const std::vector<Proposal>& candidates, const std::vector<ConfidenceMap>& confidence, PickRule rule);
 
 }  // namespace oraclegs

@@ -7,10 +7,10 @@ class UniformOracle : public Oracle {
  public:
   std::string name() const override { return "uniform"; }
 
-  std::vector<ConfidenceMap> Judge(const std::vector<HiddenPhotograph>& hidden) const override {
+  std::vector<ConfidenceMap> Predict(const std::vector<Query>& queries) const override {
     std::vector<ConfidenceMap> maps;
-    for (const HiddenPhotograph& h : hidden) {
-      const Camera& camera = h.proposal.camera;
+    for (const Query& query : queries) {
+      const Camera& camera = query.proposal.camera;
       maps.emplace_back(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height), 1.f);
     }
     return maps;

@@ -12,21 +12,21 @@
 namespace oraclegs {
 namespace {
 
-/// Mean distance of the photographs from their centre.
-double SpreadOf(const std::vector<LoadedView>& photos) {
+/// Mean distance of the views from their centre.
+double SpreadOf(const std::vector<LoadedView>& views) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const LoadedView& photo : photos) centre += photo.camera.Center() / static_cast<double>(photos.size());
+  for (const LoadedView& view : views) centre += view.camera.Center() / static_cast<double>(views.size());
   double spread = 0;
-  for (const LoadedView& photo : photos) {
-    spread += (photo.camera.Center() - centre).norm() / static_cast<double>(photos.size());
+  for (const LoadedView& view : views) {
+    spread += (view.camera.Center() - centre).norm() / static_cast<double>(views.size());
   }
   return std::max(spread, 1e-9);
 }
 
 class Planner {
  public:
-  Planner(const std::vector<HiddenPhotograph>& hidden, const std::vector<LoadedView>& photos)
-      : hidden_(hidden), photos_(photos), spread_(photos.empty() ? 1 : SpreadOf(photos)) {}
+  Planner(const std::vector<Query>& queries, const std::vector<LoadedView>& views)
+      : queries_(queries), views_(views), spread_(views.empty() ? 1 : SpreadOf(views)) {}
 
   void Add(std::vector<size_t> members) {
     if (const auto reference = Nearest(members)) {
@@ -35,10 +35,10 @@ class Planner {
     }
     if (members.size() == 1) {
       throw InputError(
-          "{}: VGGT has no photograph to compare it with, for the only one is hidden; give more training photographs, "
-          "or "
-          "use --oracle consistency",
-          hidden_[members[0]].proposal.name);
+          "{}: VGGT has no view to compare it with, the only one is held out; give more training views, or use "
+          "--oracle "
+          "consistency",
+          queries_[members[0]].proposal.name);
     }
     const auto half = members.begin() + static_cast<int64_t>(members.size() / 2);
     Add({members.begin(), half});
@@ -49,17 +49,19 @@ class Planner {
 
  private:
   std::optional<size_t> Nearest(const std::vector<size_t>& members) const {
-    std::set<int> taken;
-    for (const size_t m : members) taken.insert(hidden_[m].photograph);
-    const Camera& size = hidden_[members[0]].proposal.camera;
+    std::set<size_t> taken;
+    for (const size_t m : members) {
+      if (const auto held_out = queries_[m].held_out) taken.insert(static_cast<size_t>(*held_out));
+    }
+    const Camera& size = queries_[members[0]].proposal.camera;
     std::optional<size_t> best;
     std::pair<bool, double> lowest;
-    for (size_t p = 0; p < photos_.size(); ++p) {
-      if (taken.count(static_cast<int>(p)) > 0) continue;
-      const Camera& camera = photos_[p].camera;
+    for (size_t p = 0; p < views_.size(); ++p) {
+      if (taken.count(p) > 0) continue;
+      const Camera& camera = views_[p].camera;
       std::pair<bool, double> cost = {camera.width != size.width || camera.height != size.height, 0};
       for (const size_t m : members) {
-        const Camera& other = hidden_[m].proposal.camera;
+        const Camera& other = queries_[m].proposal.camera;
         cost.second += (camera.Center() - other.Center()).norm() / spread_ + TurnBetween(camera, other);
       }
       if (best && !(cost < lowest)) continue;
@@ -68,31 +70,31 @@ class Planner {
     return best;
   }
 
-  const std::vector<HiddenPhotograph>& hidden_;
-  const std::vector<LoadedView>& photos_;
+  const std::vector<Query>& queries_;
+  const std::vector<LoadedView>& views_;
   double spread_;
   std::vector<ViewChunk> chunks_;
 };
 
 }  // namespace
 
-std::vector<std::pair<size_t, size_t>> EvenRuns(size_t count, size_t most) {
+std::vector<std::pair<size_t, size_t>> EvenRuns(size_t count, size_t limit) {
   std::vector<std::pair<size_t, size_t>> runs;
-  const size_t number = (count + std::max<size_t>(most, 1) - 1) / std::max<size_t>(most, 1);
+  const size_t number = (count + std::max<size_t>(limit, 1) - 1) / std::max<size_t>(limit, 1);
   for (size_t r = 0; r < number; ++r) runs.emplace_back(r * count / number, (r + 1) * count / number);
   return runs;
 }
 
-std::vector<ViewChunk> PlanChunks(const std::vector<HiddenPhotograph>& hidden, const std::vector<LoadedView>& photos,
-                                  size_t most) {
+std::vector<ViewChunk> PlanChunks(const std::vector<Query>& queries, const std::vector<LoadedView>& views,
+                                  size_t limit) {
   std::map<std::tuple<std::string, int, int>, std::vector<size_t>> groups;
-  for (size_t h = 0; h < hidden.size(); ++h) {
-    const Proposal& p = hidden[h].proposal;
-    groups[{p.source, p.camera.width, p.camera.height}].push_back(h);
+  for (size_t q = 0; q < queries.size(); ++q) {
+    const Proposal& p = queries[q].proposal;
+    groups[{p.source, p.camera.width, p.camera.height}].push_back(q);
   }
-  Planner planner(hidden, photos);
+  Planner planner(queries, views);
   for (const auto& [group, members] : groups) {
-    for (const auto& [begin, end] : EvenRuns(members.size(), most)) {
+    for (const auto& [begin, end] : EvenRuns(members.size(), limit)) {
       planner.Add({members.begin() + static_cast<int64_t>(begin), members.begin() + static_cast<int64_t>(end)});
     }
   }

@@ -1,4 +1,4 @@
-#include "oraclegs/evaluate/picture_names.h"
+#include "oraclegs/evaluate/image_names.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -36,7 +36,7 @@ void Take(const std::string& name, std::set<std::string>* taken) { taken->insert
 
 }  // namespace
 
-std::vector<std::string> PictureNames(const std::vector<std::string>& views) {
+std::vector<std::string> ImageNames(const std::vector<std::string>& views) {
   std::map<std::string, int> wanted;  // how many views want to write a file of this name
   for (const std::string& view : views) {
     ++wanted[PlainName(view)];

@@ -9,6 +9,6 @@ namespace oraclegs {
 /// two are the same, and none is another with "_gt" added, so that NAME.png and NAME_gt.png of all views fit into one
 /// folder. Where that would not be so, the views concerned keep their extension too ("1_jpg", "1_png"), and where even
 /// that is taken they are numbered ("1_jpg_2").
-std::vector<std::string> PictureNames(const std::vector<std::string>& views);
+std::vector<std::string> ImageNames(const std::vector<std::string>& views);
 
 }  // namespace oraclegs
