@@ -1,5 +1,8 @@
 #include "oraclegs/sfm/colmap_database.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <sqlite3.h>
 
 #include <cmath>
@@ -10,7 +13,8 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
-#include "support/golden.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -91,60 +95,47 @@ fs::path WriteDatabase(const TempDir& dir, const std::string& sql = std::string(
   return dir / "database.db";
 }
 
-const Intrinsics kOpenCvLens{CameraModel::kOpenCv, 640, 480, {500.5, 501.25, 320, 1. / 3, .1, -.2, 1e-300, -0.}};
-
-/// The message of the RunError that `action` throws, which is one line.
-template <class Action>
-std::string RunErrorOf(Action action) {
-  try {
-    action();
-  } catch (const RunError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no RunError was thrown";
-  return {};
-}
+const Intrinsics kOpenCvIntrinsics{CameraModel::kOpenCv, 640, 480, {500.5, 501.25, 320, 1. / 3, .1, -.2, 1e-300, -0.}};
 
 /// Every function must name the database, say what is wrong and what mends it.
 void ExpectRefused(const fs::path& database, const std::string& reason) {
   const auto message = AllOf(StartsWith(database.string() + ": "), HasSubstr(reason), HasSubstr("delete it"));
-  EXPECT_THAT(RunErrorOf([&] { ReadDatabaseImages(database); }), message);
-  EXPECT_THAT(RunErrorOf([&] { SetDatabaseCameras(database, {{1, kOpenCvLens}}); }), message);
-  EXPECT_THAT(RunErrorOf([&] { NumberImagesByName(database); }), message);
-  EXPECT_THAT(RunErrorOf([&] { ReadFeatureCounts(database); }), message);
-  EXPECT_THAT(RunErrorOf([&] { ReadMatchedPairs(database); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { ReadDatabaseImages(database); }), message);
+  EXPECT_THAT(MessageOf<RunError>([&] { SetDatabaseCameras(database, {{1, kOpenCvIntrinsics}}); }), message);
+  EXPECT_THAT(MessageOf<RunError>([&] { NumberImagesByName(database); }), message);
+  EXPECT_THAT(MessageOf<RunError>([&] { ReadFeatureCounts(database); }), message);
+  EXPECT_THAT(MessageOf<RunError>([&] { ReadMatchedPairs(database); }),
               AllOf(StartsWith(database.string() + ": "), HasSubstr("delete it")));
-  EXPECT_THAT(RunErrorOf([&] { SetFocalGuess(database, 1); }), message);
+  EXPECT_THAT(MessageOf<RunError>([&] { SetFocalGuess(database, 1); }), message);
 }
 
 MATCHER_P2(HasIds, image_id, camera_id, "") { return arg.image_id == image_id && arg.camera_id == camera_id; }
 
-TEST(ReadDatabaseImages, GivesTheIdsByName) {
+TEST(ReadDatabaseImages, ListsIdsByName) {
   const TempDir dir;
   EXPECT_THAT(ReadDatabaseImages(WriteDatabase(dir)),
               UnorderedElementsAre(Pair("camera0/a.png", HasIds(7u, 1u)), Pair("camera0/b.png", HasIds(1u, 1u)),
                                    Pair("camera1/c.png", HasIds(2u, 4u))));
 }
 
-TEST(ReadDatabaseImages, NoImagesIsNoError) {
+TEST(ReadDatabaseImages, AcceptsNoImages) {
   const TempDir dir;
   EXPECT_TRUE(ReadDatabaseImages(WriteDatabase(dir, kTables)).empty());
 }
 
-TEST(ReadDatabaseImages, TheLargestIdsColmapAllowsSurvive) {
+TEST(ReadDatabaseImages, KeepsTheLargestIds) {
   const TempDir dir;
   const auto images = ReadDatabaseImages(
       WriteDatabase(dir, std::string(kTables) + "INSERT INTO images VALUES (2147483646, 'z', 4294967295);"));
   EXPECT_THAT(images, UnorderedElementsAre(Pair("z", HasIds(2147483646u, 4294967295u))));
 }
 
-TEST(SetDatabaseCameras, StoresTheLensToTheBitAndLeavesOtherCamerasAlone) {
+TEST(SetDatabaseCameras, StoresIntrinsicsExactly) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
-  SetDatabaseCameras(path, {{4, kOpenCvLens}, {99, kOpenCvLens}});  // there is no camera 99: none is added
-  std::string bytes(kOpenCvLens.params.size() * sizeof(double), '\0');
-  std::memcpy(bytes.data(), kOpenCvLens.params.data(), bytes.size());
+  SetDatabaseCameras(path, {{4, kOpenCvIntrinsics}, {99, kOpenCvIntrinsics}});  // there is no camera 99: none is added
+  std::string bytes(kOpenCvIntrinsics.params.size() * sizeof(double), '\0');
+  std::memcpy(bytes.data(), kOpenCvIntrinsics.params.data(), bytes.size());
   std::string hex;
   for (const char c : bytes) hex += fmt::format("{:02X}", static_cast<unsigned char>(c));
   EXPECT_EQ(Sqlite(path).Rows("SELECT camera_id, model, width, height, hex(params), prior_focal_length FROM cameras"),
@@ -173,14 +164,14 @@ std::string Matches() {
          geometry(PairId(1, 2), 60, 6) + geometry(PairId(2, 7), 40, 3);
 }
 
-TEST(ReadFeatureCounts, CountsByImageAndIsZeroWithoutAnEntry) {
+TEST(ReadFeatureCounts, IsZeroWithoutAnEntry) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
   Sqlite(path).Execute("DELETE FROM keypoints WHERE image_id = 2");
   EXPECT_THAT(ReadFeatureCounts(path), UnorderedElementsAre(Pair(1u, 100), Pair(2u, 0), Pair(7u, 300)));
 }
 
-TEST(ReadMatchedPairs, GivesMatchesInliersAndTheHomographyThatExplainsThem) {
+TEST(ReadMatchedPairs, ReadsMatchesInliersAndHomography) {
   const TempDir dir;
   const auto pairs = ReadMatchedPairs(WriteDatabase(dir, Matches()));
   ASSERT_EQ(pairs.size(), 3u);
@@ -198,7 +189,7 @@ TEST(ReadMatchedPairs, GivesMatchesInliersAndTheHomographyThatExplainsThem) {
   EXPECT_FALSE(pairs[2].homography.has_value()) << "one was fitted, but does not explain what was found";
 }
 
-TEST(ReadMatchedPairs, AMapThatIsNoneIsLeftOutAndAWrongPairRefused) {
+TEST(ReadMatchedPairs, RefusesAnInvalidPair) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir, Matches());
   for (const std::string& map : {std::string("00"), Hex(std::vector<double>(9, 0)), Hex(std::vector<double>(9, NAN))}) {
@@ -207,7 +198,7 @@ TEST(ReadMatchedPairs, AMapThatIsNoneIsLeftOutAndAWrongPairRefused) {
   }
   for (const int64_t id : {int64_t{-1}, int64_t{0}, PairId(7, 1), PairId(5, 5)}) {
     Sqlite(path).Execute(fmt::format("DELETE FROM matches; INSERT INTO matches VALUES ({}, 1, 2, x'')", id));
-    EXPECT_THAT(RunErrorOf([&] { ReadMatchedPairs(path); }),
+    EXPECT_THAT(MessageOf<RunError>([&] { ReadMatchedPairs(path); }),
                 AllOf(StartsWith(path.string()), HasSubstr("is not the number of a pair")));
   }
 }
@@ -231,7 +222,7 @@ void AddInliers(const fs::path& path) {
                            HexBytes(inliers, sizeof(inliers)), PairId(1, 2)));
 }
 
-TEST(ReadInliers, GivesThePixelsOfBothImages) {
+TEST(ReadInliers, ReadsPixelsOfBothImages) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir, Matches());
   AddInliers(path);
@@ -244,7 +235,7 @@ TEST(ReadInliers, GivesThePixelsOfBothImages) {
   EXPECT_TRUE(ReadInliers(path, 1, 7).empty()) << "not verified";
 }
 
-TEST(ReadInliers, ListsThatDoNotFitTogetherGiveNothing) {
+TEST(ReadInliers, IgnoresInconsistentLists) {
   for (const char* damage : {"UPDATE two_view_geometries SET rows = 2000000000", "UPDATE keypoints SET rows = 2",
                              "UPDATE keypoints SET cols = 0", "UPDATE keypoints SET cols = 1, rows = 9",
                              "UPDATE keypoints SET data = x'00'", "DELETE FROM keypoints WHERE image_id = 2",
@@ -257,29 +248,29 @@ TEST(ReadInliers, ListsThatDoNotFitTogetherGiveNothing) {
   }
 }
 
-TEST(ForgetMatches, RemovesThePairsInEitherOrderAndNoOther) {
+TEST(RemoveMatches, RemovesPairsInEitherOrder) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir, Matches());
-  ForgetMatches(path, {{2, 1}, {1, 7}});
+  RemoveMatches(path, {{2, 1}, {1, 7}});
   const auto pairs = ReadMatchedPairs(path);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].second, 7u);
   EXPECT_EQ(Sqlite(path).Rows("SELECT rows FROM two_view_geometries"), (Rows{"40"}));
 }
 
-TEST(SetFocalGuess, MovesOnlyCamerasWhoseFocalLengthIsNotKnown) {
+TEST(SetFocalGuess, ChangesUnknownFocalLengthsOnly) {
   const TempDir dir;
-  const std::string lens = Hex({12, 5, 10, .25});
+  const std::string intrinsics = Hex({12, 5, 10, .25});
   const fs::path path = WriteDatabase(
       dir, kTables + fmt::format("INSERT INTO cameras VALUES (1, 2, 10, 20, x'{0}', 0), (2, 2, 10, 20, x'{0}', 1), "
                                  "(3, 0, 10, 20, x'{0}', 0), (4, 2, 10, 20, x'00', 0);",
-                                 lens));
+                                 intrinsics));
   EXPECT_EQ(SetFocalGuess(path, .75), 1) << "known, of another model, and damaged ones stay";
   EXPECT_EQ(Sqlite(path).Rows("SELECT hex(params) FROM cameras ORDER BY camera_id"),
-            (Rows{Hex({15, 5, 10, .25}), lens, lens, "00"}));
+            (Rows{Hex({15, 5, 10, .25}), intrinsics, intrinsics, "00"}));
 }
 
-TEST(NumberImagesByName, NumbersFollowTheNamesAndTheFeaturesFollowTheImages) {
+TEST(NumberImagesByName, RenumbersImagesAndFeatures) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
   for (int time = 0; time < 2; ++time) {  // a second time changes nothing
@@ -294,22 +285,22 @@ TEST(NumberImagesByName, NumbersFollowTheNamesAndTheFeaturesFollowTheImages) {
   }
 }
 
-TEST(NumberImagesByName, AFailureLeavesTheOldNumbers) {
+TEST(NumberImagesByName, KeepsNumbersOnFailure) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
   Sqlite(path).Execute("DROP TABLE descriptors");  // found missing after images and keypoints have new numbers
-  EXPECT_THAT(RunErrorOf([&] { NumberImagesByName(path); }), HasSubstr("no such table: descriptors"));
+  EXPECT_THAT(MessageOf<RunError>([&] { NumberImagesByName(path); }), HasSubstr("no such table: descriptors"));
   EXPECT_EQ(Sqlite(path).Rows("SELECT image_id FROM images ORDER BY name"), (Rows{"7", "1", "2"}));
   EXPECT_EQ(Sqlite(path).Rows("SELECT image_id FROM keypoints ORDER BY rows"), (Rows{"1", "2", "7"}));
 }
 
-TEST(ColmapDatabase, AMissingFileIsRefusedAndNotMade) {
+TEST(ColmapDatabase, RefusesAMissingFile) {
   const TempDir dir;
   ExpectRefused(dir / "database.db", "unable to open");
   EXPECT_FALSE(fs::exists(dir / "database.db"));
 }
 
-TEST(ColmapDatabase, AFileOfAnotherKindIsRefused) {
+TEST(ColmapDatabase, RefusesAFileOfAnotherKind) {
   const TempDir dir;
   std::ofstream(dir / "database.db") << std::string(5000, 'x');
   ExpectRefused(dir / "database.db", "not a database");
@@ -317,20 +308,20 @@ TEST(ColmapDatabase, AFileOfAnotherKindIsRefused) {
   ExpectRefused(dir / "folder", "unable to open");
 }
 
-TEST(ColmapDatabase, AnEmptyFileHasNoTables) {
+TEST(ColmapDatabase, RefusesAnEmptyFile) {
   const TempDir dir;
   std::ofstream(dir / "database.db").flush();
   ExpectRefused(dir / "database.db", "no such table");
 }
 
-TEST(ColmapDatabase, ATruncatedDatabaseIsRefused) {
+TEST(ColmapDatabase, RefusesATruncatedFile) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
   fs::resize_file(path, 3000);
   ExpectRefused(path, "malformed");
 }
 
-TEST(ColmapDatabase, DamageBehindTheFirstPageIsRefused) {
+TEST(ColmapDatabase, RefusesDamage) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
   const auto size = fs::file_size(path);
@@ -342,7 +333,7 @@ TEST(ColmapDatabase, DamageBehindTheFirstPageIsRefused) {
   ExpectRefused(path, "malformed");
 }
 
-TEST(ColmapDatabase, ALockedDatabaseIsRefused) {
+TEST(ColmapDatabase, RefusesALockedFile) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);
   {

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -33,7 +35,7 @@ ModelQuality Quality(int registered, int points, double error = .5, double paral
   return model;
 }
 
-TEST(MeasureModel, AnglesArePerPhotographAndOverAll) {
+TEST(MeasureModel, MeasuresParallaxPerImageAndOverall) {
   // From x = 0 and 1 a point one ahead of the first is seen under 45 degrees; from x = 0 and tan(60) under 60.
   const ModelQuality model =
       MeasureModel({{1, kLens}}, {ImageAt(1, 0), ImageAt(2, 1), ImageAt(3, std::sqrt(3.)), ImageAt(4, 9)},
@@ -47,16 +49,16 @@ TEST(MeasureModel, AnglesArePerPhotographAndOverAll) {
   EXPECT_EQ(model.images.at("1.png").points, 2);
   EXPECT_EQ(model.images.at("4.png").points, 0);
   EXPECT_EQ(model.images.at("4.png").parallax_degrees, 0);
-  EXPECT_TRUE(model.plausible_lenses);
+  EXPECT_TRUE(model.plausible_intrinsics);
 }
 
-TEST(MeasureModel, ALensNobodyHasIsNoticed) {
+TEST(MeasureModel, DetectsImplausibleIntrinsics) {
   const std::vector<ColmapImage> images{ImageAt(1, 0), ImageAt(2, 1)};
   for (const std::vector<double>& params :
        {std::vector<double>{14133, 500, 400, 0}, {300, 500, 400, 0}, {900, 500, 400, 20}}) {
-    EXPECT_FALSE(MeasureModel({{1, {CameraModel::kSimpleRadial, 1000, 800, params}}}, images, {}).plausible_lenses);
+    EXPECT_FALSE(MeasureModel({{1, {CameraModel::kSimpleRadial, 1000, 800, params}}}, images, {}).plausible_intrinsics);
   }
-  EXPECT_FALSE(MeasureModel({{2, kLens}}, images, {}).plausible_lenses) << "camera 1 is missing";
+  EXPECT_FALSE(MeasureModel({{2, kLens}}, images, {}).plausible_intrinsics) << "camera 1 is missing";
 }
 
 TEST(MeasureModel, ReadsAModelFolder) {
@@ -66,21 +68,21 @@ TEST(MeasureModel, ReadsAModelFolder) {
   EXPECT_EQ(model.registered(), 3);
   EXPECT_EQ(model.points, 1);
   EXPECT_EQ(model.reprojection_error, .5);
-  EXPECT_THAT(InputErrorOf([&] { MeasureModel(dir / "nowhere"); }), testing::HasSubstr("nowhere"));
+  EXPECT_THAT(MessageOf<InputError>([&] { MeasureModel(dir / "nowhere"); }), testing::HasSubstr("nowhere"));
 }
 
-TEST(IsSound, AsksForPhotographsPointsAnglesAndALens) {
+TEST(IsSound, RequiresImagesPointsAnglesAndIntrinsics) {
   EXPECT_TRUE(IsSound(Quality(2, 12)));
   EXPECT_FALSE(IsSound(Quality(1, 100)));
   EXPECT_FALSE(IsSound(Quality(3, 11))) << "what guided matching made of 3 photographs of fox";
   EXPECT_FALSE(IsSound(Quality(3, 100, .5, .1)));
   ModelQuality odd = Quality(3, 100);
-  odd.plausible_lenses = false;
+  odd.plausible_intrinsics = false;
   EXPECT_FALSE(IsSound(odd));
   EXPECT_FALSE(IsSound({}));
 }
 
-TEST(IsBetter, SoundThenPhotographsThenPointsThenError) {
+TEST(IsBetter, ComparesSoundnessImagesPointsAndError) {
   EXPECT_TRUE(IsBetter(Quality(2, 100), Quality(9, 10))) << "the second is not sound";
   EXPECT_TRUE(IsBetter(Quality(4, 100), Quality(3, 900)));
   EXPECT_TRUE(IsBetter(Quality(3, 120, .9), Quality(3, 100, .1)));

@@ -1,5 +1,8 @@
 #include "oraclegs/sfm/colmap_runner.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <sqlite3.h>
 
 #include <cstdlib>
@@ -11,9 +14,10 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/register_views.h"
 #include "oraclegs/sfm/triangulate.h"
 #include "scene/tiny_scenes.h"
-#include "support/golden.h"
+#include "support/temp_dir.h"
 #include "support/textured_planes.h"
 
 namespace oraclegs {
@@ -50,16 +54,16 @@ class FakeColmap {
   std::string old_path_;
 };
 
-/// The steps heard, as "stage done/total unit, detail".
+/// The reported steps, as "stage done/total unit, detail".
 struct Steps {
-  std::vector<std::string> heard;
+  std::vector<std::string> reported;
   Listener listener = [this](const Event& event) {
     const auto* step = std::get_if<StepDone>(&event);
     if (step == nullptr) {
       ADD_FAILURE() << "an event of another kind";
       return;
     }
-    heard.push_back(fmt::format("{} {}/{} {}, {}", step->stage, step->done, step->total, step->unit, step->detail));
+    reported.push_back(fmt::format("{} {}/{} {}, {}", step->stage, step->done, step->total, step->unit, step->detail));
   };
 };
 
@@ -86,7 +90,7 @@ void WriteTwoImages(const fs::path& path) {
   sqlite3_close(database);
 }
 
-TEST(ColmapRunner, PassesEachOptionAsOneArgumentWithoutAShell) {
+TEST(ColmapRunner, PassesOptionsWithoutAShell) {
   const TempDir dir;
   const FakeColmap fake("");
   const Listener silent = Silent();
@@ -97,7 +101,7 @@ TEST(ColmapRunner, PassesEachOptionAsOneArgumentWithoutAShell) {
                           "--empty", "", "--output_path", "a b; $(touch x) *"));
 }
 
-TEST(ColmapRunner, TurnsColmapsLinesIntoSteps) {
+TEST(ColmapRunner, ReportsColmapsProgress) {
   const TempDir dir;
   const FakeColmap fake(R"(cat <<'END'
 ==============================================================================
@@ -113,24 +117,24 @@ echo 'Triangulating image #3'
 printf 'Registering image #9 (5)')");
   const Steps steps;
   ColmapRunner(dir.path(), steps.listener).Run("feature_extractor", {}, "working");
-  EXPECT_THAT(steps.heard, ElementsAre("sfm 1/12 photographs, working", "sfm 12/12 photographs, working",
-                                       "sfm 1/2 blocks, working", "sfm 1/0 photographs, working",
-                                       "sfm 2/0 photographs, working", "sfm 3/0 photographs, working"));
+  EXPECT_THAT(steps.reported,
+              ElementsAre("sfm 1/12 images, working", "sfm 12/12 images, working", "sfm 1/2 blocks, working",
+                          "sfm 1/0 images, working", "sfm 2/0 images, working", "sfm 3/0 images, working"));
 }
 
-TEST(ColmapRunner, EachCommandCountsFromOneAndTheLogKeepsBoth) {
+TEST(ColmapRunner, CountsEachCommandFromOne) {
   const TempDir dir;
   const FakeColmap fake("echo 'Registering image #5 (1)'; echo \"$1 was here\" >&2");
   const Steps steps;
   const ColmapRunner colmap(dir.path(), steps.listener);
   colmap.Run("mapper", {}, "first");
   colmap.Run("point_triangulator", {}, "second");
-  EXPECT_THAT(steps.heard, ElementsAre("sfm 1/0 photographs, first", "sfm 1/0 photographs, second"));
+  EXPECT_THAT(steps.reported, ElementsAre("sfm 1/0 images, first", "sfm 1/0 images, second"));
   EXPECT_EQ(ReadFile(dir / "colmap.log"),
             "Registering image #5 (1)\nmapper was here\nRegistering image #5 (1)\npoint_triangulator was here\n");
 }
 
-TEST(ColmapRunner, AFailureHasTheCommandTheCodeAndTheLastLineThatSaysSomething) {
+TEST(ColmapRunner, ReportsTheLastReadableLineOfAFailure) {
   const TempDir dir;
   const FakeColmap fake("echo started; echo 'ERROR: no good initial image pair' >&2; printf '\\n \\t\\n'; exit 1");
   const Listener silent = Silent();
@@ -141,7 +145,7 @@ TEST(ColmapRunner, AFailureHasTheCommandTheCodeAndTheLastLineThatSaysSomething) 
   EXPECT_EQ(ReadFile(dir / "colmap.log"), "started\nERROR: no good initial image pair\n\n \t\n");
 }
 
-TEST(ColmapRunner, OfACrashTheCauseIsToldAndNotTheStack) {
+TEST(ColmapRunner, ReportsTheCauseOfACrash) {
   const TempDir dir;
   const FakeColmap fake(
       "echo 'F20261122 08:06:59.932825 11264 sfm.cc:473] Check failed: bundle_adjuster.Solve(&reconstruction) ';"
@@ -152,7 +156,7 @@ TEST(ColmapRunner, OfACrashTheCauseIsToldAndNotTheStack) {
   EXPECT_EQ(failure.exit_code, 134);
 }
 
-TEST(ColmapRunner, ACrashAndAMissingProgramAreFailuresToo) {
+TEST(ColmapRunner, FailsOnACrashAndAMissingProgram) {
   const TempDir dir;
   const Listener silent = Silent();
   {
@@ -166,7 +170,7 @@ TEST(ColmapRunner, ACrashAndAMissingProgramAreFailuresToo) {
   EXPECT_THAT(failure.last_line, StartsWith("cannot start colmap: "));
 }
 
-TEST(ColmapRunner, ALogThatCannotBeWrittenIsNamedBeforeAnythingRuns) {
+TEST(ColmapRunner, NamesALogThatCannotBeWritten) {
   const TempDir dir;
   const FakeColmap fake("");
   const Listener silent = Silent();
@@ -179,7 +183,7 @@ TEST(ColmapRunner, ALogThatCannotBeWrittenIsNamedBeforeAnythingRuns) {
   EXPECT_THROW(fake.Arguments(), InputError) << "the program has run";
 }
 
-TEST(ColmapRunner, AnInterruptEndsTheCommand) {
+TEST(ColmapRunner, StopsOnInterrupt) {
   const TempDir dir;
   const FakeColmap fake("echo 'Processed file [1/9]'; sleep 60");
   const Listener interrupt = [](const Event&) { RequestInterrupt(true); };
@@ -187,7 +191,7 @@ TEST(ColmapRunner, AnInterruptEndsTheCommand) {
   RequestInterrupt(false);
 }
 
-TEST(ColmapRunner, FeaturesAreFoundOnTheCpuAndTheImagesNumbered) {
+TEST(ColmapRunner, ExtractsFeaturesOnTheCpu) {
   const TempDir dir;
   WriteTwoImages(dir / "database.db");
   const std::string threads = std::to_string(NumThreads());
@@ -201,14 +205,14 @@ TEST(ColmapRunner, FeaturesAreFoundOnTheCpuAndTheImagesNumbered) {
     want.insert(want.end(), {"--ImageReader.single_camera_per_folder", "1", "--SiftExtraction.num_threads", threads,
                              "--SiftExtraction.use_gpu", "0", "--image_path", (dir / "images").string()});
     EXPECT_EQ(fake.Arguments(), want);
-    EXPECT_THAT(steps.heard, ElementsAre("sfm 2/2 photographs, finding features"));
+    EXPECT_THAT(steps.reported, ElementsAre("sfm 2/2 images, finding features"));
     const auto images = ReadDatabaseImages(dir / "database.db");
     EXPECT_EQ(images.at("a.png").image_id, 1u);
     EXPECT_EQ(images.at("b.png").image_id, 2u);
   }
 }
 
-TEST(ColmapRunner, SuccessWithoutADatabaseIsNoticed) {
+TEST(ColmapRunner, RefusesSuccessWithoutADatabase) {
   const TempDir dir;
   const FakeColmap fake("");
   const Listener silent = Silent();
@@ -220,7 +224,7 @@ TEST(ColmapRunner, SuccessWithoutADatabaseIsNoticed) {
   }
 }
 
-TEST(ColmapRunner, EveryPairIsMatchedOnTheCpu) {
+TEST(ColmapRunner, MatchesEveryPairOnTheCpu) {
   const TempDir dir;
   const FakeColmap fake("echo 'Matching block [1/1, 1/1] in 0.1s'");
   const Steps steps;
@@ -228,10 +232,10 @@ TEST(ColmapRunner, EveryPairIsMatchedOnTheCpu) {
   EXPECT_THAT(fake.Arguments(),
               ElementsAre("exhaustive_matcher", "--database_path", (dir / "database.db").string(),
                           "--SiftMatching.num_threads", std::to_string(NumThreads()), "--SiftMatching.use_gpu", "0"));
-  EXPECT_THAT(steps.heard, ElementsAre("sfm 1/1 blocks, matching"));
+  EXPECT_THAT(steps.reported, ElementsAre("sfm 1/1 blocks, matching"));
 }
 
-TEST(ColmapRunner, AnotherDatabaseAndMoreOptionsReachColmap) {
+TEST(ColmapRunner, PassesAnotherDatabase) {
   const TempDir dir;
   WriteTwoImages(dir / "more.db");
   const std::string threads = std::to_string(NumThreads());
@@ -260,7 +264,7 @@ TEST(ColmapRunner, AnotherDatabaseAndMoreOptionsReachColmap) {
                           (dir / "pairs.txt").string(), "--match_type", "pairs"));
 }
 
-TEST(ColmapRunner, TheBundleIsAdjustedWithoutADatabase) {
+TEST(ColmapRunner, AdjustsBundlesWithoutADatabase) {
   const TempDir dir;
   const FakeColmap fake("");
   const Listener silent = Silent();
@@ -269,17 +273,17 @@ TEST(ColmapRunner, TheBundleIsAdjustedWithoutADatabase) {
                                             (dir / "out").string()));
 }
 
-TEST(ColmapRunner, WhatTheUserReadsOfAFailureNamesTheLog) {
+TEST(ColmapRunner, NamesTheLogOfAFailure) {
   const TempDir dir;
   Scene photos = WriteTexturedPlanes(dir / "scene", 2);
   photos.format = SceneFormat::kPhotos;
   for (SceneView& view : photos.views) {
-    view.lens = {};
+    view.intrinsics = {};
     view.cam_from_world.reset();
   }
   const FakeColmap fake("echo 'ERROR: out of memory'; exit 1");
   try {
-    RegisterPhotos(photos, dir / "sfm", Silent());
+    RegisterViews(photos, dir / "sfm", Silent());
     ADD_FAILURE() << "no RunError was thrown";
   } catch (const RunError& error) {
     EXPECT_EQ(std::string(error.what()), "colmap feature_extractor ended with code 1: ERROR: out of memory; see " +

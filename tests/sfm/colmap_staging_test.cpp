@@ -1,11 +1,17 @@
 #include "oraclegs/sfm/colmap_staging.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
 #include <set>
 
+#include "image/jpeg_files.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/image/image.h"
-#include "scene/jpeg_files.h"
-#include "support/golden.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "support/temp_dir.h"
 #include "support/textured_planes.h"
 
 namespace oraclegs {
@@ -13,19 +19,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(PlanStaging, OneCameraForEachLensAndUniqueNamesWithoutBlanks) {
+TEST(PlanStaging, GroupsViewsByIntrinsics) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 4);
   scene.views[0].name = "a b.png";
   scene.views[1].name = "a_b.png";
   scene.views[2].name = "../left/c";
-  scene.views[3].lens.params[0] += 1;
+  scene.views[3].intrinsics.params[0] += 1;
   const auto plan = PlanStaging(scene, {0, 1, 2, 3});
   std::set<std::string> names;
   for (const StagedView& staged : plan) {
     names.insert(staged.name);
     EXPECT_EQ(staged.name.find(' '), std::string::npos);
-    EXPECT_FALSE(staged.turned);
+    EXPECT_FALSE(staged.is_upright_copy);
   }
   EXPECT_EQ(names.size(), 4u);
   EXPECT_EQ(plan[0].name, "camera0/a_b.png");
@@ -34,24 +40,24 @@ TEST(PlanStaging, OneCameraForEachLensAndUniqueNamesWithoutBlanks) {
   EXPECT_EQ(plan[3].camera, 1);
 }
 
-TEST(PlanStaging, TurnsWhatTheLensSawUpright) {
+TEST(PlanStaging, CopiesRotatedImagesUpright) {
   const TempDir dir;
   Scene scene;
   SceneView view;
   view.name = "a.jpg";
   view.image_path = dir / view.name;
-  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothPicture(24, 16, 3)), 3));
+  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothImage(24, 16, 3)), 3));
   scene.views = {view};
-  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned) << "a plain photograph is used upright";
-  scene.views[0].lens = {CameraModel::kSimplePinhole, 24, 16, {20, 12, 8}};
-  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned);
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_upright_copy) << "a plain photo is used upright";
+  scene.views[0].intrinsics = {CameraModel::kSimplePinhole, 24, 16, {20, 12, 8}};
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_upright_copy);
   scene.views[0].as_stored = true;
-  EXPECT_FALSE(PlanStaging(scene, {0})[0].turned) << "colmap's poses are of the stored pixels";
-  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothPicture(16, 24, 3)), 6));
-  EXPECT_TRUE(PlanStaging(scene, {0})[0].turned) << "only the upright picture has the lens's size";
+  EXPECT_FALSE(PlanStaging(scene, {0})[0].is_upright_copy) << "colmap's poses are of the stored pixels";
+  WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothImage(16, 24, 3)), 6));
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_upright_copy) << "only the upright image has the size of the camera";
 }
 
-TEST(StageImages, LinksPhotographsAndWritesMasksFromAlphaAndFiles) {
+TEST(StageImages, LinksImagesAndWritesMasks) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 3);
   WritePng(scene.views[1].image_path, {2, 1, 4, {9, 9, 9, 255, 9, 9, 9, 0}});
@@ -74,7 +80,7 @@ TEST(StageImages, LinksPhotographsAndWritesMasksFromAlphaAndFiles) {
   EXPECT_EQ(from_file.data.back(), 255);
 }
 
-TEST(StageImages, AMaskOfAnotherSizeThanTheAlphaIsRefused) {
+TEST(StageImages, RefusesAMaskOfAnotherSize) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 1);
   WritePng(scene.views[0].image_path, {2, 1, 4, std::vector<uint8_t>(8, 0)});
@@ -83,7 +89,7 @@ TEST(StageImages, AMaskOfAnotherSizeThanTheAlphaIsRefused) {
   EXPECT_THROW(StageImages(scene, {0}, PlanStaging(scene, {0}), dir / "sfm"), InputError);
 }
 
-TEST(DescribeInputs, ChangesWithPoseAndLensAndFile) {
+TEST(DescribeInputs, ChangesWithPoseIntrinsicsAndFile) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 2);
   const auto before = DescribeInputs(scene, {0, 1});
@@ -93,7 +99,7 @@ TEST(DescribeInputs, ChangesWithPoseAndLensAndFile) {
   moved.views[1].cam_from_world->translation().x() += 1e-9;
   EXPECT_NE(before, DescribeInputs(moved, {0, 1}));
   Scene zoomed = scene;
-  zoomed.views[0].lens.params[0] += 1e-9;
+  zoomed.views[0].intrinsics.params[0] += 1e-9;
   EXPECT_NE(before, DescribeInputs(zoomed, {0, 1}));
   WritePng(scene.views[0].image_path, {1, 1, 3, {0, 0, 0}});
   EXPECT_NE(before, DescribeInputs(scene, {0, 1}));

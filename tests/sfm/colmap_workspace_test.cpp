@@ -1,17 +1,24 @@
 #include "oraclegs/sfm/colmap_workspace.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/sfm/triangulate.h"
 #include "scene/tiny_scenes.h"
-#include "support/golden.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 #include "support/textured_planes.h"
 
 namespace oraclegs {
@@ -38,19 +45,6 @@ class NoPrograms {
   std::string old_;
 };
 
-/// The message of the RunError that `action` throws, which is one line.
-template <class Action>
-std::string RunErrorOf(Action action) {
-  try {
-    action();
-  } catch (const RunError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "no RunError was thrown";
-  return {};
-}
-
 /// Four posed views of a few pixels whose numbers have no short decimal form.
 Scene WriteSmallScene(const fs::path& dir) {
   Scene scene;
@@ -60,8 +54,8 @@ Scene WriteSmallScene(const fs::path& dir) {
     SceneView view;
     view.name = std::to_string(v) + ".png";
     view.image_path = dir / view.name;
-    WritePicture(view.image_path);
-    view.lens = {CameraModel::kPinhole, 6, 4, {1. / 3, 5.1, 3, 2}};
+    WriteImage(view.image_path);
+    view.intrinsics = {CameraModel::kPinhole, 6, 4, {1. / 3, 5.1, 3, 2}};
     view.cam_from_world = Eigen::Isometry3d::Identity();
     view.cam_from_world->translation() = Eigen::Vector3d(.1 * v, -1. / 7, 1e-17);
     scene.views.push_back(std::move(view));
@@ -82,7 +76,7 @@ void WriteFinishedRun(const Scene& scene, const fs::path& work_dir) {
   MarkDone(work_dir, DescribeInputs(scene, kViews));
 }
 
-TEST(IsUnchanged, TrueForTheVeryInputsThatWereMarked) {
+TEST(IsUnchanged, AcceptsTheSameInputs) {
   const TempDir dir;
   const Scene scene = WriteSmallScene(dir / "scene");
   EXPECT_FALSE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews))) << "nothing is there yet";
@@ -90,7 +84,7 @@ TEST(IsUnchanged, TrueForTheVeryInputsThatWereMarked) {
   EXPECT_TRUE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews))) << "numbers must survive the file to the bit";
 }
 
-TEST(IsUnchanged, FalseWhenAnythingTheResultDependsOnChanges) {
+TEST(IsUnchanged, RefusesChangedInputs) {
   const TempDir dir;
   const Scene scene = WriteSmallScene(dir / "scene");
   MarkDone(dir / "sfm", DescribeInputs(scene, kViews));
@@ -100,9 +94,10 @@ TEST(IsUnchanged, FalseWhenAnythingTheResultDependsOnChanges) {
     return IsUnchanged(dir / "sfm", DescribeInputs(other, kViews));
   };
   ASSERT_TRUE(unchanged_with([](SceneView&) {}));
-  EXPECT_FALSE(unchanged_with([](SceneView& view) { view.lens.params[0] = std::nextafter(view.lens.params[0], 1); }));
-  EXPECT_FALSE(unchanged_with([](SceneView& view) { view.lens.model = CameraModel::kFov; }));
-  EXPECT_FALSE(unchanged_with([](SceneView& view) { view.lens.width = 12; }));
+  EXPECT_FALSE(unchanged_with(
+      [](SceneView& view) { view.intrinsics.params[0] = std::nextafter(view.intrinsics.params[0], 1); }));
+  EXPECT_FALSE(unchanged_with([](SceneView& view) { view.intrinsics.model = CameraModel::kFov; }));
+  EXPECT_FALSE(unchanged_with([](SceneView& view) { view.intrinsics.width = 12; }));
   EXPECT_FALSE(unchanged_with([](SceneView& view) { view.cam_from_world->translation().z() = 2e-17; }));
   EXPECT_FALSE(unchanged_with([](SceneView& view) { view.cam_from_world.reset(); }));
   EXPECT_FALSE(unchanged_with([](SceneView& view) { view.name = "other.png"; }));
@@ -112,7 +107,7 @@ TEST(IsUnchanged, FalseWhenAnythingTheResultDependsOnChanges) {
   EXPECT_FALSE(IsUnchanged(dir / "sfm", DescribeInputs(scene, {0, 2})));
 
   // The held-out view is no input.
-  WritePicture(scene.views[1].image_path, 9, 9);
+  WriteImage(scene.views[1].image_path, 9, 9);
   EXPECT_TRUE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews)));
   // The same bytes, written later.
   const fs::path photo = scene.views[2].image_path;
@@ -120,12 +115,12 @@ TEST(IsUnchanged, FalseWhenAnythingTheResultDependsOnChanges) {
   fs::last_write_time(photo, written + std::chrono::seconds(1));
   EXPECT_TRUE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews)));
   // Other bytes that claim to be of the same time.
-  WritePicture(photo, 40, 40);
+  WriteImage(photo, 40, 40);
   fs::last_write_time(photo, written);
   EXPECT_FALSE(IsUnchanged(dir / "sfm", DescribeInputs(scene, kViews)));
 }
 
-TEST(IsUnchanged, ADamagedMarkCountsAsNone) {
+TEST(IsUnchanged, RefusesADamagedFile) {
   const TempDir dir;
   const nlohmann::json inputs = {{"format", 1}, {"images", {1, 2, 3}}};
   MarkDone(dir.path(), inputs);
@@ -143,18 +138,18 @@ TEST(IsUnchanged, ADamagedMarkCountsAsNone) {
   EXPECT_TRUE(IsUnchanged(dir.path(), inputs));
 }
 
-TEST(IsUnchanged, AFolderThatCannotBeLookedAtHoldsNothing) {
+TEST(IsUnchanged, RefusesAnUnreadableFolder) {
   const TempDir dir;
   EXPECT_FALSE(IsUnchanged(dir / std::string(300, 'x'), {}));  // longer than a name may be
 }
 
-TEST(ClearWorkDir, RemovesWhatARunLeavesAndNothingElse) {
+TEST(ClearWorkDir, RemovesOnlyWhatARunLeaves) {
   const TempDir dir;
   const fs::path work_dir = dir / "sfm";
   WriteFinishedRun(WriteSmallScene(dir / "scene"), work_dir);
   for (const char* name : {"database.db", "database.db-wal", "database.db-shm", "colmap.log", "points.ply",
-                           "poses/cameras.txt", "models/0/cameras.bin", "registration.json", "pairs.txt", "guess.db",
-                           "database3_again.db-wal", "masks/camera0/0.png.png", "mine.txt", "sparse.bak/cameras.bin"}) {
+                           "attempts/poses/cameras.txt", "attempts/model/cameras.bin", "registration.json",
+                           "masks/camera0/0.png.png", "mine.txt", "sparse.bak/cameras.bin"}) {
     WriteText(work_dir / name, "x");
   }
   ClearWorkDir(work_dir);
@@ -162,43 +157,43 @@ TEST(ClearWorkDir, RemovesWhatARunLeavesAndNothingElse) {
   for (const auto& entry : fs::directory_iterator(work_dir)) left.push_back(entry.path().filename());
   EXPECT_THAT(left, testing::UnorderedElementsAre("mine.txt", "sparse.bak"));
   for (int v = 0; v < 4; ++v) {
-    EXPECT_TRUE(fs::exists(dir / "scene" / (std::to_string(v) + ".png"))) << "a photograph behind a link is gone";
+    EXPECT_TRUE(fs::exists(dir / "scene" / (std::to_string(v) + ".png"))) << "an image behind a link is gone";
   }
 }
 
-TEST(RemoveIntermediate, LeavesTheResult) {
+TEST(RemoveAttempts, LeavesTheResult) {
   const TempDir dir;
-  for (const char* name : {"models/3/cameras.bin", "pairs.txt", "guess.db", "guess.db-shm", "database1.db",
-                           "database_again.db", "database.db", "sparse/0/cameras.bin", "registration.json"}) {
+  for (const char* name : {"attempts/models3/cameras.bin", "attempts/pairs.txt", "attempts/features1.db", "database.db",
+                           "sparse/0/cameras.bin", "registration.json"}) {
     WriteText(dir / name, "x");
   }
-  RemoveIntermediate(dir.path());
+  RemoveAttempts(dir.path());
   std::vector<std::string> left;
   for (const auto& entry : fs::directory_iterator(dir.path())) left.push_back(entry.path().filename());
   EXPECT_THAT(left, testing::UnorderedElementsAre("database.db", "sparse", "registration.json"));
 }
 
-TEST(ClearWorkDir, MakesTheFolderOrSaysWhyNot) {
+TEST(ClearWorkDir, MakesTheFolder) {
   const TempDir dir;
   ClearWorkDir(dir / "a/b");
   EXPECT_TRUE(fs::is_empty(dir / "a/b"));
   WriteText(dir / "file", "x");
-  EXPECT_THAT(RunErrorOf([&] { ClearWorkDir(dir / "file"); }), HasSubstr((dir / "file").string()));
-  EXPECT_THAT(RunErrorOf([&] { ClearWorkDir(dir / "file/below"); }), HasSubstr((dir / "file").string()));
+  EXPECT_THAT(MessageOf<RunError>([&] { ClearWorkDir(dir / "file"); }), HasSubstr((dir / "file").string()));
+  EXPECT_THAT(MessageOf<RunError>([&] { ClearWorkDir(dir / "file/below"); }), HasSubstr((dir / "file").string()));
   EXPECT_EQ(ReadFile(dir / "file"), "x");
 }
 
-TEST(MakeFolder, MakesParentsAndIsContentWithWhatIsThere) {
+TEST(MakeFolder, MakesParents) {
   const TempDir dir;
   MakeFolder(dir / "a/b");
   WriteText(dir / "a/b/file", "x");
   MakeFolder(dir / "a/b");
   EXPECT_TRUE(fs::exists(dir / "a/b/file"));
-  EXPECT_THAT(RunErrorOf([&] { MakeFolder(dir / "a/b/file/c"); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { MakeFolder(dir / "a/b/file/c"); }),
               StartsWith((dir / "a/b/file/c").string() + ": cannot be made: "));
 }
 
-TEST(MoveFolder, TakesThePlaceOfWhatStandsThere) {
+TEST(MoveFolder, ReplacesTheTarget) {
   const TempDir dir;
   WriteText(dir / "models/0/new", "new");
   WriteText(dir / "sparse/0/old", "old");
@@ -208,13 +203,13 @@ TEST(MoveFolder, TakesThePlaceOfWhatStandsThere) {
   EXPECT_EQ(ReadFile(dir / "sparse/0/new"), "new");
   MoveFolder(dir / "sparse/0", dir / "x/y/z");  // the parents are made
   EXPECT_EQ(ReadFile(dir / "x/y/z/new"), "new");
-  EXPECT_THAT(RunErrorOf([&] { MoveFolder(dir / "gone", dir / "there"); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { MoveFolder(dir / "gone", dir / "there"); }),
               AllOf(StartsWith((dir / "gone").string() + ": cannot be renamed"), HasSubstr((dir / "there").string())));
   WriteText(dir / "file", "x");
-  EXPECT_THAT(RunErrorOf([&] { MoveFolder(dir / "x/y/z", dir / "file/z"); }), HasSubstr("Not a directory"));
+  EXPECT_THAT(MessageOf<RunError>([&] { MoveFolder(dir / "x/y/z", dir / "file/z"); }), HasSubstr("Not a directory"));
 }
 
-TEST(ReadModel, SpeaksInIndicesOfTheScene) {
+TEST(ReadModel, UsesIndicesOfTheScene) {
   const TempDir dir;
   const Scene scene = WriteSmallScene(dir / "scene");
   WriteFinishedRun(scene, dir / "sfm");
@@ -223,10 +218,10 @@ TEST(ReadModel, SpeaksInIndicesOfTheScene) {
   for (const int v : {0, 3}) {
     const SceneView& view = model.views.at(v);
     EXPECT_EQ(view.name, scene.views[v].name);
-    EXPECT_EQ(view.image_path, scene.views[v].image_path) << "the photograph, not the link to it";
+    EXPECT_EQ(view.image_path, scene.views[v].image_path) << "the image, not the link to it";
     EXPECT_FALSE(view.as_stored) << "it was staged upright";
-    EXPECT_EQ(view.lens.model, CameraModel::kSimplePinhole);
-    EXPECT_EQ(view.lens.params, (std::vector<double>{7, 3, 2}));
+    EXPECT_EQ(view.intrinsics.model, CameraModel::kSimplePinhole);
+    EXPECT_EQ(view.intrinsics.params, (std::vector<double>{7, 3, 2}));
     EXPECT_EQ(view.cam_from_world->translation(), Eigen::Vector3d(1, 2, 3));
   }
   ASSERT_EQ(model.points.size(), 2u);
@@ -240,48 +235,51 @@ TEST(ReadModel, RefusesAMissingDamagedOrForeignModel) {
   const TempDir dir;
   const Scene scene = WriteSmallScene(dir / "scene");
   const auto plan = PlanStaging(scene, kViews);
-  const auto error = [&] { return InputErrorOf([&] { ReadModel(scene, kViews, plan, dir / "sfm", Silent()); }); };
+  const auto error = [&] {
+    return MessageOf<InputError>([&] { ReadModel(scene, kViews, plan, dir / "sfm", Silent()); });
+  };
   EXPECT_THAT(error(), HasSubstr((dir / "sfm/sparse/0").string()));
   WriteFinishedRun(scene, dir / "sfm");
-  WritePicture(dir / "sfm/images/stranger.png");
-  WriteColmapText(dir / "sfm/sparse/0", {{2, scene.views[0].lens}}, {{5, plan[0].name, 2}, {6, "stranger.png", 2}});
+  WriteImage(dir / "sfm/images/stranger.png");
+  WriteColmapText(dir / "sfm/sparse/0", {{2, scene.views[0].intrinsics}},
+                  {{5, plan[0].name, 2}, {6, "stranger.png", 2}});
   EXPECT_THAT(error(), AllOf(StartsWith((dir / "sfm").string() + ": "), HasSubstr("stranger.png")));
   WriteText(dir / "sfm/sparse/0/images.txt", "5 1 0 0");
   EXPECT_THAT(error(), HasSubstr((dir / "sfm/sparse/0/images.txt").string()));
 }
 
-TEST(SfmWorkspace, AFinishedRunIsReusedWithoutColmapUntilAnInputChanges) {
+TEST(TriangulatePoints, ReusesAFinishedRun) {
   const TempDir dir;
   Scene scene = WriteSmallScene(dir / "scene");
   WriteFinishedRun(scene, dir / "sfm");
   const NoPrograms no_programs;
-  Heard heard;
-  EXPECT_EQ(TriangulatePoints(scene, kViews, dir / "sfm", heard.listener()).size(), 2u);
-  EXPECT_THAT(heard.warnings, IsEmpty());
+  EventRecorder events;
+  EXPECT_EQ(TriangulatePoints(scene, kViews, dir / "sfm", events.AsListener()).size(), 2u);
+  EXPECT_THAT(events.warnings, IsEmpty());
 
   Scene moved = scene;
   moved.views[0].cam_from_world->translation().x() = 1;
-  EXPECT_THAT(TriangulatePoints(moved, kViews, dir / "sfm", heard.listener()), IsEmpty());
-  EXPECT_THAT(heard.warnings, ElementsAre(HasSubstr("colmap program is not installed")));
-  EXPECT_EQ(TriangulatePoints(scene, kViews, dir / "sfm", heard.listener()).size(), 2u)
+  EXPECT_THAT(TriangulatePoints(moved, kViews, dir / "sfm", events.AsListener()), IsEmpty());
+  EXPECT_THAT(events.warnings, ElementsAre(HasSubstr("colmap program is not installed")));
+  EXPECT_EQ(TriangulatePoints(scene, kViews, dir / "sfm", events.AsListener()).size(), 2u)
       << "the old result still stands";
 
-  heard = {};
+  events = {};
   WriteText(dir / "sfm/sparse/0/points3D.txt", "1 1 2");
-  EXPECT_THAT(TriangulatePoints(scene, kViews, dir / "sfm", heard.listener()), IsEmpty());
-  EXPECT_THAT(heard.warnings, ElementsAre(AllOf(HasSubstr("points3D.txt"), HasSubstr("triangulated again")),
-                                          HasSubstr("not installed")));
+  EXPECT_THAT(TriangulatePoints(scene, kViews, dir / "sfm", events.AsListener()), IsEmpty());
+  EXPECT_THAT(events.warnings, ElementsAre(AllOf(HasSubstr("points3D.txt"), HasSubstr("triangulated again")),
+                                           HasSubstr("not installed")));
 }
 
-TEST(SfmWorkspace, AFinishedRunIsReusedWhenThePhotographsWereMoved) {
+TEST(TriangulatePoints, ReusesAFinishedRunOfMovedImages) {
   const TempDir dir;
   WriteFinishedRun(WriteSmallScene(dir / "scene"), dir / "sfm");
   fs::remove_all(dir / "scene");
   const Scene moved = WriteSmallScene(dir / "moved");
   const NoPrograms no_programs;
-  Heard heard;
-  EXPECT_EQ(TriangulatePoints(moved, kViews, dir / "sfm", heard.listener()).size(), 2u);
-  EXPECT_THAT(heard.warnings, IsEmpty());
+  EventRecorder events;
+  EXPECT_EQ(TriangulatePoints(moved, kViews, dir / "sfm", events.AsListener()).size(), 2u);
+  EXPECT_THAT(events.warnings, IsEmpty());
 }
 
 }  // namespace

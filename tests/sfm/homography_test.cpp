@@ -36,7 +36,7 @@ double WorstError(const Eigen::Matrix3d& h) {
   return worst;
 }
 
-TEST(RefitHomography, MendsAMapThatAFewNoisyPointsGave) {
+TEST(RefitHomography, ImprovesAMapOfFewNoisyPoints) {
   Eigen::Matrix3d start = SomeMap();
   start(0, 2) += 4;
   start(2, 0) += 2e-5;
@@ -44,18 +44,18 @@ TEST(RefitHomography, MendsAMapThatAFewNoisyPointsGave) {
   EXPECT_LT(WorstError(RefitHomography(start, Matches(300, .5))), .2);
 }
 
-TEST(RefitHomography, LeavesOutMatchesThatAreWrong) {
+TEST(RefitHomography, IgnoresOutliers) {
   std::vector<PointMatch> matches = Matches(300, .3);
   for (size_t i = 0; i < matches.size(); i += 10) matches[i].b += Eigen::Vector2d(40, -25);
   EXPECT_LT(WorstError(RefitHomography(SomeMap(), matches)), .15);
 }
 
-TEST(RefitHomography, KeepsTheStartWhereTooFewAgree) {
+TEST(RefitHomography, KeepsTheStartWithFewInliers) {
   EXPECT_EQ(RefitHomography(SomeMap(), {}), SomeMap());
   EXPECT_EQ(RefitHomography(SomeMap(), Matches(7, 0)), SomeMap());
 }
 
-TEST(RefitHomography, PointsAllInOnePlaceGiveAFiniteMap) {
+TEST(RefitHomography, IsFiniteForCoincidentPoints) {
   EXPECT_TRUE(RefitHomography(SomeMap(), std::vector<PointMatch>(20, Matches(1, 0)[0])).allFinite());
 }
 

@@ -1,5 +1,8 @@
 #include "oraclegs/sfm/mapper_attempts.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -9,9 +12,12 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "scene/tiny_scenes.h"
-#include "support/golden.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -22,7 +28,7 @@ using testing::HasSubstr;
 
 const std::vector<std::string> kNames{"camera0/0.png", "camera0/1.png", "camera0/2.png"};
 
-/// A model of the first `images` photographs, side by side before `points` points.
+/// A model of the first `images` views, side by side before `points` points.
 void WriteModel(const fs::path& dir, int images, int points) {
   std::vector<ColmapImage> views;
   std::string track;
@@ -113,10 +119,10 @@ std::vector<std::string> FilesIn(const fs::path& dir) {
   return names;
 }
 
-TEST(FindModel, StopsWhenTheFirstAttemptHasAll) {
+TEST(RunAttempts, StopsWhenTheFirstAttemptHasAll) {
   const TempDir dir;
   const FakeColmap fake("give three /0", "");
-  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_THAT(fake.Commands(), ElementsAre("feature_extractor", "exhaustive_matcher", "mapper"));
   EXPECT_EQ(result.best.registered(), 3);
   ASSERT_EQ(result.attempts.size(), 1u);
@@ -126,71 +132,69 @@ TEST(FindModel, StopsWhenTheFirstAttemptHasAll) {
   EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 3u);
 }
 
-TEST(FindModel, ALargerModelThatCannotBeIsNotKept) {
+TEST(RunAttempts, DiscardsAnUnsoundModel) {
   const TempDir dir;
   const FakeColmap fake("case $n in 1) give two /0;; 2) give hollow /0; give rich /1;; esac", "");
-  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 2);
-  EXPECT_EQ(result.best.points, 90) << "of two models of two photographs that with more points";
+  EXPECT_EQ(result.best.points, 90) << "of two models of two images that with more points";
   EXPECT_EQ(ReadColmapPoints(dir / "sparse" / "0").size(), 90u);
   ASSERT_GE(result.attempts.size(), 2u);
   EXPECT_EQ(result.attempts[1].name, "relaxed");
   EXPECT_TRUE(result.attempts[1].kept);
   for (size_t i = 0; i < result.attempts.size(); ++i) EXPECT_EQ(result.attempts[i].kept, i == 1) << i;
-  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "one photograph is missing: every set of features is tried";
-  EXPECT_EQ(fake.Count("matches_importer"), 1) << "the pairs of the missing one, once its lens is known";
+  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "one image is missing: every set of features is tried";
+  EXPECT_EQ(fake.Count("matches_importer"), 1) << "the pairs of the missing one, once its intrinsics are known";
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
 }
 
-TEST(FindModel, WhatIsLeftOverIsRegisteredIntoTheModelThatStands) {
+TEST(RunAttempts, RegistersRemainingImages) {
   const TempDir dir;
   const FakeColmap fake("give two /0", "image_registrator|point_triangulator|bundle_adjuster) give three ;;");
-  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 3);
-  EXPECT_EQ(result.attempts.back().name, "left over");
+  EXPECT_EQ(result.attempts.back().name, "remaining images");
   EXPECT_TRUE(result.attempts.back().kept);
   EXPECT_EQ(fake.Count("feature_extractor"), 1);
   EXPECT_EQ(fake.Commands().back(), "bundle_adjuster");
 }
 
-TEST(FindModel, AFailedContinuationLeavesTheModelThatStood) {
+TEST(RunAttempts, KeepsTheModelWhenContinuingFails) {
   const TempDir dir;
   const FakeColmap fake("[ $n = 1 ] && give two /0", "image_registrator) give three ;; point_triangulator) exit 1;;");
-  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 2);
   EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 2u);
 }
 
-TEST(FindModel, WithoutAModelEverySetIsTriedAndNothingLeftButTheFirstDatabase) {
+TEST(RunAttempts, KeepsTheFirstDatabaseWithoutAModel) {
   const TempDir dir;
   const FakeColmap fake("exit 1", "");
-  std::string said;
-  const Listener listener = [&](const Event& event) {
-    if (const auto* note = std::get_if<Note>(&event)) said += note->text + "\n";
-  };
-  const AttemptResult result = FindModel({kNames, false, dir.path()}, listener);
+  EventRecorder events;
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, events.AsListener());
   EXPECT_EQ(result.best.registered(), 0);
   EXPECT_EQ(fake.Count("feature_extractor"), 4);
-  EXPECT_THAT(said, HasSubstr("0 of 3 photographs are registered; trying again with more features"));
+  EXPECT_THAT(events.notes,
+              testing::Contains(HasSubstr("0 of 3 photos are registered; trying again with more features")));
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db"));
 }
 
-TEST(FindModel, TheDatabaseOfTheKeptModelIsKept) {
+TEST(RunAttempts, KeepsTheDatabaseOfTheBestModel) {
   const TempDir dir;
   // Only the fifth run of the mapper, the first with other features, finds anything.
   const FakeColmap fake("[ $n = 5 ] && give three /0", "");
-  const AttemptResult result = FindModel({kNames, false, dir.path()}, Silent());
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 3);
   EXPECT_EQ(result.attempts.back().features, "more features");
   EXPECT_EQ(fake.Count("feature_extractor"), 2);
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
 }
 
-TEST(FindModel, FailureOfTheFirstFeaturesIsTheCallersToTell) {
+TEST(RunAttempts, ThrowsWhenTheFirstFeaturesFail) {
   const TempDir dir;
   const FakeColmap fake("", "exhaustive_matcher) exit 7;;");
   try {
-    FindModel({kNames, false, dir.path()}, Silent());
+    RunAttempts({kNames, false, dir.path()}, Silent());
     ADD_FAILURE() << "no ColmapFailure was thrown";
   } catch (const ColmapFailure& failure) {
     EXPECT_EQ(failure.command, "exhaustive_matcher");

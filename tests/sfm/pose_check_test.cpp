@@ -18,7 +18,7 @@ using testing::Not;
 SceneView View(const std::string& name, const Eigen::Vector3d& center, double yaw) {
   SceneView view;
   view.name = name;
-  view.lens = {CameraModel::kPinhole, 100, 80, {100, 100, 50, 40}};
+  view.intrinsics = {CameraModel::kPinhole, 100, 80, {100, 100, 50, 40}};
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
   world_from_cam.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()).toRotationMatrix();
   world_from_cam.translation() = center;
@@ -37,76 +37,70 @@ Scene Ring(int n) {
   return scene;
 }
 
-std::vector<int> All(const Scene& scene) {
-  std::vector<int> all;
-  for (size_t i = 0; i < scene.views.size(); ++i) all.push_back(static_cast<int>(i));
-  return all;
-}
-
-TEST(PoseWarnings, ASoundSceneHasNone) {
+TEST(PoseWarnings, AcceptsASoundScene) {
   const Scene ring = Ring(8);
-  EXPECT_THAT(PoseWarnings(ring, All(ring)), IsEmpty());
+  EXPECT_THAT(PoseWarnings(ring, AllViews(ring)), IsEmpty());
   EXPECT_THAT(PoseWarnings(ring, {0, 4}), IsEmpty()) << "from opposite sides they see the same volume";
 }
 
-TEST(PoseWarnings, ParallelAxesMeetNowhereAndAreNoFault) {
+TEST(PoseWarnings, AcceptsParallelAxes) {
   Scene scene;
   for (int i = 0; i < 4; ++i) scene.views.push_back(View(std::to_string(i), {.1 * i, 0, 0}, 0));
-  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty());
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)), IsEmpty());
 }
 
-TEST(PoseWarnings, FewerThanTwoPosedViewsSayNothing) {
+TEST(PoseWarnings, IgnoresFewerThanTwoPosedViews) {
   Scene scene = Ring(3);
   EXPECT_THAT(PoseWarnings(scene, {}), IsEmpty());
   EXPECT_THAT(PoseWarnings(scene, {1}), IsEmpty());
   scene.views[0].cam_from_world.reset();
-  scene.views[1].lens.params.clear();
-  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty());
+  scene.views[1].intrinsics.params.clear();
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)), IsEmpty());
 }
 
-TEST(PoseWarnings, CamerasOfOnePoseAreNamed) {
+TEST(PoseWarnings, NamesViewsOfOnePose) {
   Scene scene = Ring(6);
   scene.views.push_back(scene.views[2]);
   scene.views.back().name = "copy.png";
-  EXPECT_THAT(PoseWarnings(scene, All(scene)),
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)),
               ElementsAre(AllOf(HasSubstr("2.png, copy.png have one and the same pose"), HasSubstr("leave out"))));
   EXPECT_THAT(PoseWarnings(scene, {0, 1, 2, 3, 4, 5}), IsEmpty()) << "the copy does not train";
   // Turned by a degree, from the same place: another view, though a poor one.
   scene.views.back() =
       View("turned.png", scene.views[2].cam_from_world->inverse().translation(), 2 * std::acos(-1.) / 3 + .02);
-  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty());
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)), IsEmpty());
 }
 
-TEST(PoseWarnings, TurningOnTheSpotFindsNoDepth) {
+TEST(PoseWarnings, DetectsPureRotation) {
   Scene scene;
   for (int i = 0; i < 5; ++i) scene.views.push_back(View(std::to_string(i), {4, 1, -2}, .2 * i));
-  const auto warnings = PoseWarnings(scene, All(scene));
-  EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("the 5 training photographs were taken from one point"),
+  const auto warnings = PoseWarnings(scene, AllViews(scene));
+  EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("the 5 training photos were taken from one point"),
                                           HasSubstr("depth cannot be found"), HasSubstr("move sideways"))));
 }
 
-TEST(PoseWarnings, ATinyBaselineIsMeasuredAgainstThePoints) {
+TEST(PoseWarnings, ComparesTheBaselineWithThePoints) {
   Scene scene;
   for (int i = 0; i < 3; ++i) scene.views.push_back(View(std::to_string(i), {.001 * i, 0, 0}, 0));
-  EXPECT_THAT(PoseWarnings(scene, All(scene)), IsEmpty()) << "the world may be as small as that";
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)), IsEmpty()) << "the world may be as small as that";
   for (int i = 0; i < 20; ++i) scene.points.push_back({{.1 * i - 1, 0, 10}, {}, {0, 1}});
-  EXPECT_THAT(PoseWarnings(scene, All(scene)), ElementsAre(HasSubstr("taken from one point")));
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)), ElementsAre(HasSubstr("taken from one point")));
 }
 
-TEST(PoseWarnings, AViewThatLooksElsewhereIsNamedWithItsNeighbour) {
+TEST(PoseWarnings, NamesAnIsolatedView) {
   Scene scene;
   for (int i = 0; i < 3; ++i) scene.views.push_back(View(std::to_string(i) + ".png", {.3 * i, 0, 0}, -.1 * (i - 1)));
   scene.views.push_back(View("away.png", {.9, 0, 0}, std::acos(-1.) / 2));
-  EXPECT_THAT(PoseWarnings(scene, All(scene)),
-              ElementsAre(AllOf(HasSubstr("away.png sees nothing that another training photograph sees"),
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)),
+              ElementsAre(AllOf(HasSubstr("away.png sees nothing that another training photo sees"),
                                 HasSubstr("between it and 2.png"))));
   EXPECT_THAT(PoseWarnings(scene, {0, 1, 2}), IsEmpty());
 }
 
-TEST(PoseWarnings, TwoViewsBackToBackShareNothing) {
+TEST(PoseWarnings, NamesViewsBackToBack) {
   Scene scene;
   scene.views = {View("a", {0, 0, 1}, 0), View("b", {0, 0, -1}, std::acos(-1.))};
-  EXPECT_THAT(PoseWarnings(scene, All(scene)),
+  EXPECT_THAT(PoseWarnings(scene, AllViews(scene)),
               ElementsAre(AllOf(HasSubstr("a, b each see nothing"), Not(HasSubstr("one point")))));
 }
 

@@ -1,4 +1,7 @@
 #include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -6,8 +9,11 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/sfm/register_views.h"
 #include "oraclegs/sfm/triangulate.h"
-#include "support/golden.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 #include "support/textured_planes.h"
 
 namespace oraclegs {
@@ -21,7 +27,7 @@ using testing::StartsWith;
 Scene Unposed(Scene scene) {
   scene.format = SceneFormat::kPhotos;
   for (SceneView& view : scene.views) {
-    view.lens = {};
+    view.intrinsics = {};
     view.cam_from_world.reset();
   }
   return scene;
@@ -61,16 +67,11 @@ Scene WriteTurningCamera(const std::filesystem::path& dir, int views) {
   return scene;
 }
 
-std::string MessageOf(const Scene& scene, const std::filesystem::path& work_dir) {
-  try {
-    RegisterPhotos(scene, work_dir, Silent());
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no InputError";
+std::string ErrorOf(const Scene& scene, const std::filesystem::path& work_dir) {
+  return MessageOf<InputError>([&] { RegisterViews(scene, work_dir, Silent()); });
 }
 
-TEST(RegisterPhotos, FindsTheCamerasAndSaysWhichOnesAreMissing) {
+TEST(RegisterViews, FindsCamerasAndNamesMissingOnes) {
   const TempDir dir;
   Scene scene = Unposed(WriteTexturedPlanes(dir / "scene", 5));
   SceneView black = scene.views[0];
@@ -88,11 +89,10 @@ TEST(RegisterPhotos, FindsTheCamerasAndSaysWhichOnesAreMissing) {
   const Listener listener = [&](const Event& event) {
     if (const auto* warning = std::get_if<Warning>(&event)) said += warning->text + "\n";
   };
-  const Scene found = RegisterPhotos(scene, dir / "sfm", listener);
-  EXPECT_THAT(said,
-              HasSubstr("registered 5 of 7 photographs; not registered: 8-again.png (the same photograph as 1.png), "
-                        "9-black.png (0 features"));
-  EXPECT_THAT(said, HasSubstr("8-again.png is the same photograph as 1.png and is left out"));
+  const Scene found = RegisterViews(scene, dir / "sfm", listener);
+  EXPECT_THAT(said, HasSubstr("registered 5 of 7 photos; not registered: 8-again.png (the same photo as 1.png), "
+                              "9-black.png (0 features"));
+  EXPECT_THAT(said, HasSubstr("8-again.png is the same photo as 1.png and is left out"));
   const std::string told = said;
   EXPECT_EQ(found.format, SceneFormat::kColmap);
   ASSERT_EQ(found.views.size(), 5u);
@@ -100,7 +100,7 @@ TEST(RegisterPhotos, FindsTheCamerasAndSaysWhichOnesAreMissing) {
   for (size_t v = 0; v < 5; ++v) {
     EXPECT_EQ(found.views[v].name, scene.views[v].name);
     EXPECT_EQ(found.views[v].image_path, scene.views[v].image_path);
-    EXPECT_EQ(found.views[v].lens.width, kPlanesWidth);
+    EXPECT_EQ(found.views[v].intrinsics.width, kPlanesWidth);
     ASSERT_TRUE(found.views[v].cam_from_world.has_value());
   }
   // The true centres stand at equal steps on a line; the found ones must too, whatever the scale.
@@ -121,43 +121,43 @@ TEST(RegisterPhotos, FindsTheCamerasAndSaysWhichOnesAreMissing) {
   EXPECT_GT(report.at("views").at(0).at("parallax_degrees"), 2);
   EXPECT_EQ(report.at("attempts").at(0).at("name"), "strict");
   said.clear();
-  EXPECT_EQ(RegisterPhotos(scene, dir / "sfm", listener).points.size(), found.points.size());
+  EXPECT_EQ(RegisterViews(scene, dir / "sfm", listener).points.size(), found.points.size());
   EXPECT_EQ(said, told) << "a cached result is told with the same words";
   EXPECT_EQ(ReadFile(dir / "sfm" / "colmap.log"), log) << "a finished model is read, not made again";
 }
 
-TEST(RegisterPhotos, BlackPhotographsAreRefusedByName) {
+TEST(RegisterViews, NamesBlackImages) {
   const TempDir dir;
   const Scene scene = WithBlackPhotos(dir / "scene");
-  EXPECT_THAT(MessageOf(scene, dir / "sfm"), AllOf(StartsWith((dir / "scene").string()), HasSubstr("0.png (0 features"),
-                                                   HasSubstr("1.png (0 features"), HasSubstr("overlap")));
+  EXPECT_THAT(ErrorOf(scene, dir / "sfm"), AllOf(StartsWith((dir / "scene").string()), HasSubstr("0.png (0 features"),
+                                                 HasSubstr("1.png (0 features"), HasSubstr("overlap")));
   const auto report = nlohmann::json::parse(ReadFile(dir / "sfm" / "registration.json"));
   EXPECT_EQ(report.at("registered"), 0);
-  EXPECT_EQ(report.at("views").at(0).at("verdict"), "few_features");
+  EXPECT_EQ(report.at("views").at(0).at("status"), "few_features");
   EXPECT_FALSE(std::filesystem::exists(dir / "sfm" / "inputs.json"));
 }
 
-TEST(RegisterPhotos, OnePhotographTwiceIsNoScene) {
+TEST(RegisterViews, RefusesDuplicates) {
   const TempDir dir;
   Scene scene = Unposed(WriteTexturedPlanes(dir / "scene", 2));
   std::filesystem::copy_file(scene.views[0].image_path, scene.views[1].image_path,
                              std::filesystem::copy_options::overwrite_existing);
-  EXPECT_THAT(MessageOf(scene, dir / "sfm"), AllOf(StartsWith((dir / "scene").string()), HasSubstr("one and the same"),
-                                                   HasSubstr("different places")));
+  EXPECT_THAT(ErrorOf(scene, dir / "sfm"), AllOf(StartsWith((dir / "scene").string()), HasSubstr("one and the same"),
+                                                 HasSubstr("different places")));
 }
 
-TEST(RegisterPhotos, TurningOnTheSpotIsRefusedForWhatItIs) {
+TEST(RegisterViews, RefusesPureRotation) {
   const TempDir dir;
   const Scene scene = WriteTurningCamera(dir / "scene", 3);
-  EXPECT_THAT(MessageOf(scene, dir / "sfm"), AllOf(HasSubstr("taken from one point"), HasSubstr("move sideways")));
+  EXPECT_THAT(ErrorOf(scene, dir / "sfm"), AllOf(HasSubstr("taken from one point"), HasSubstr("move sideways")));
 }
 
-TEST(RegisterPhotos, WithoutColmapSaysHowToInstallIt) {
+TEST(RegisterViews, SaysHowToInstallColmap) {
   const TempDir dir;
   const Scene scene = WithBlackPhotos(dir / "scene");
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nowhere", 1);
-  const std::string message = MessageOf(scene, dir / "sfm");
+  const std::string message = ErrorOf(scene, dir / "sfm");
   setenv("PATH", path.c_str(), 1);
   EXPECT_THAT(message, HasSubstr("apt install colmap"));
 }

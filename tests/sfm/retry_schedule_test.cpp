@@ -20,72 +20,72 @@ ModelQuality Sound(std::vector<std::string> names) {
   return model;
 }
 
-ModelQuality SoundOf(int photographs) {
+ModelQuality SoundOf(int images) {
   std::vector<std::string> names;
-  for (int i = 0; i < photographs; ++i) names.push_back(std::to_string(i));
+  for (int i = 0; i < images; ++i) names.push_back(std::to_string(i));
   return Sound(names);
 }
 
-TEST(RegistrationLadder, BeginsStrictAndBecomesRelaxed) {
-  const auto& ladder = RegistrationLadder();
-  ASSERT_EQ(ladder.size(), 4u);
-  EXPECT_THAT(ladder[0].extraction, IsEmpty()) << "colmap's own features";
-  EXPECT_THAT(ladder[0].matching, IsEmpty());
-  ASSERT_EQ(ladder[0].tries.size(), 4u);
-  EXPECT_EQ(ladder[0].tries[0].name, "strict");
-  EXPECT_EQ(ladder[0].tries[0].options.count("Mapper.init_min_tri_angle"), 0u);
+TEST(RegistrationSchedule, BeginsStrict) {
+  const auto& schedule = RegistrationSchedule();
+  ASSERT_EQ(schedule.size(), 4u);
+  EXPECT_THAT(schedule[0].extraction, IsEmpty()) << "colmap's own features";
+  EXPECT_THAT(schedule[0].matching, IsEmpty());
+  ASSERT_EQ(schedule[0].attempts.size(), 4u);
+  EXPECT_EQ(schedule[0].attempts[0].name, "strict");
+  EXPECT_EQ(schedule[0].attempts[0].options.count("Mapper.init_min_tri_angle"), 0u);
   double angle = 16;  // colmap's own
   for (size_t i = 1; i < 3; ++i) {
-    const double next = std::stod(ladder[0].tries[i].options.at("Mapper.init_min_tri_angle"));
+    const double next = std::stod(schedule[0].attempts[i].options.at("Mapper.init_min_tri_angle"));
     EXPECT_LT(next, angle);
     angle = next;
   }
-  EXPECT_EQ(ladder[0].tries[2].options.at("Mapper.init_max_forward_motion"), "1");
-  EXPECT_GT(ladder[0].tries[3].focal_guess, 0);
+  EXPECT_EQ(schedule[0].attempts[2].options.at("Mapper.init_max_forward_motion"), "1");
+  EXPECT_GT(schedule[0].attempts[3].focal_guess, 0);
 }
 
-TEST(RegistrationLadder, NamesAreUniqueAndEveryModelOfTwoIsAllowed) {
+TEST(RegistrationSchedule, HasUniqueNames) {
   std::set<std::string> sets;
-  int for_few = 1 << 30;
-  for (const FeatureSet& set : RegistrationLadder()) {
+  int max_images = 1 << 30;
+  for (const FeatureSet& set : RegistrationSchedule()) {
     EXPECT_TRUE(sets.insert(set.name).second);
-    EXPECT_LE(set.for_few, for_few) << "what costs more is for fewer photographs";
-    for_few = set.for_few;
-    std::set<std::string> tries;
-    for (const MapperTry& attempt : set.tries) {
-      EXPECT_TRUE(tries.insert(attempt.name).second);
+    EXPECT_LE(set.max_images, max_images) << "what costs more is for fewer images";
+    max_images = set.max_images;
+    std::set<std::string> attempts;
+    for (const MapperAttempt& attempt : set.attempts) {
+      EXPECT_TRUE(attempts.insert(attempt.name).second);
       EXPECT_EQ(attempt.options.at("Mapper.min_model_size"), "2");
       EXPECT_EQ(attempt.options.at("Mapper.tri_ignore_two_view_tracks"), "0");
       EXPECT_EQ(attempt.options.count("Mapper.max_focal_length_ratio"), 1u);
     }
   }
-  EXPECT_EQ(RegistrationLadder().back().extraction.count("SiftExtraction.domain_size_pooling"), 1u) << "slow: last";
+  EXPECT_EQ(RegistrationSchedule().back().extraction.count("SiftExtraction.domain_size_pooling"), 1u) << "slow: last";
 }
 
-TEST(IsEnough, OfFewAllOfManyHalf) {
+TEST(IsEnough, RequiresAllOfFewAndHalfOfMany) {
   EXPECT_TRUE(IsEnough(SoundOf(3), 3));
   EXPECT_FALSE(IsEnough(SoundOf(2), 3));
   EXPECT_FALSE(IsEnough(SoundOf(23), 24));
   EXPECT_TRUE(IsEnough(SoundOf(20), 40));
   EXPECT_FALSE(IsEnough(SoundOf(19), 40));
   ModelQuality unsound = SoundOf(3);
-  unsound.plausible_lenses = false;
+  unsound.plausible_intrinsics = false;
   EXPECT_FALSE(IsEnough(unsound, 3));
 }
 
-TEST(IsWorthTrying, ExpensiveSetsAreForFewOrForDespair) {
-  const auto& ladder = RegistrationLadder();
-  EXPECT_FALSE(IsWorthTrying(ladder[1], SoundOf(3), 3)) << "all are registered";
-  EXPECT_TRUE(IsWorthTrying(ladder[1], SoundOf(2), 3));
-  EXPECT_TRUE(IsWorthTrying(ladder[3], SoundOf(2), 3));
-  EXPECT_FALSE(IsWorthTrying(ladder[3], SoundOf(11), 12));
-  EXPECT_TRUE(IsWorthTrying(ladder[3], SoundOf(5), 12)) << "fewer than half";
-  EXPECT_FALSE(IsWorthTrying(ladder[1], SoundOf(20), 24));
-  EXPECT_TRUE(IsWorthTrying(ladder[1], {}, 24));
-  EXPECT_FALSE(IsWorthTrying(ladder[1], {}, 25)) << "hours";
+TEST(IsWorthTrying, SavesExpensiveSetsForFewImages) {
+  const auto& schedule = RegistrationSchedule();
+  EXPECT_FALSE(IsWorthTrying(schedule[1], SoundOf(3), 3)) << "all are registered";
+  EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3));
+  EXPECT_TRUE(IsWorthTrying(schedule[3], SoundOf(2), 3));
+  EXPECT_FALSE(IsWorthTrying(schedule[3], SoundOf(11), 12));
+  EXPECT_TRUE(IsWorthTrying(schedule[3], SoundOf(5), 12)) << "fewer than half";
+  EXPECT_FALSE(IsWorthTrying(schedule[1], SoundOf(20), 24));
+  EXPECT_TRUE(IsWorthTrying(schedule[1], {}, 24));
+  EXPECT_FALSE(IsWorthTrying(schedule[1], {}, 25)) << "hours";
 }
 
-TEST(CanMatchMissing, AsksForFeaturesInAPhotographThatIsMissing) {
+TEST(CanMatchMissing, RequiresFeaturesInAMissingImage) {
   const ModelQuality best = Sound({"a", "b"});
   EXPECT_FALSE(CanMatchMissing({{"a", 5000}, {"b", 4000}, {"black", 0}}, best));
   EXPECT_TRUE(CanMatchMissing({{"a", 5000}, {"b", 4000}, {"dim", 200}}, best));
@@ -93,7 +93,7 @@ TEST(CanMatchMissing, AsksForFeaturesInAPhotographThatIsMissing) {
   EXPECT_FALSE(CanMatchMissing({{"a", 3}, {"b", 0}}, {}));
 }
 
-TEST(PairsOfMissing, PairsWhatIsMissingWithEveryOther) {
+TEST(PairsOfMissing, PairsMissingImagesWithEveryOther) {
   EXPECT_THAT(PairsOfMissing({"a", "b", "c", "d"}, Sound({"a", "c"})),
               ElementsAre(Pair("a", "b"), Pair("a", "d"), Pair("b", "c"), Pair("b", "d"), Pair("c", "d")));
   EXPECT_THAT(PairsOfMissing({"a", "b"}, Sound({"a", "b"})), IsEmpty());

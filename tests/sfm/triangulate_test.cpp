@@ -1,5 +1,8 @@
 #include "oraclegs/sfm/triangulate.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -7,8 +10,9 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/image/image.h"
-#include "support/golden.h"
+#include "oraclegs/sfm/colmap_runner.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 #include "support/textured_planes.h"
 
 namespace oraclegs {
@@ -17,17 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
-
-/// Collects what the library says.
-struct Heard {
-  std::string warnings, notes;
-  Listener listener() {
-    return [this](const Event& event) {
-      if (const auto* warning = std::get_if<Warning>(&event)) warnings += warning->text + "\n";
-      if (const auto* note = std::get_if<Note>(&event)) notes += note->text + "\n";
-    };
-  }
-};
 
 /// An environment without programs.
 class EmptyPath {
@@ -39,14 +32,14 @@ class EmptyPath {
   std::string old_;
 };
 
-TEST(TriangulatePoints, PointsLieOnThePlanesAndAreCached) {
+TEST(TriangulatePoints, FindsAndCachesPointsOnThePlanes) {
   const TempDir dir;
   const Scene scene = WriteTexturedPlanes(dir / "scene", 5);
   const std::vector<int> views{0, 1, 3, 4};  // index 2 is held out
-  Heard heard;
-  const auto points = TriangulatePoints(scene, views, dir / "sfm", heard.listener());
-  ASSERT_GT(points.size(), 100u) << heard.warnings;
-  EXPECT_EQ(heard.warnings, "");
+  EventRecorder events;
+  const auto points = TriangulatePoints(scene, views, dir / "sfm", events.AsListener());
+  ASSERT_GT(points.size(), 100u);
+  EXPECT_THAT(events.warnings, testing::IsEmpty());
   size_t off = 0;
   int on_wall = 0, on_shelf = 0;
   for (const ScenePoint& point : points) {
@@ -63,7 +56,7 @@ TEST(TriangulatePoints, PointsLieOnThePlanesAndAreCached) {
   // Again: the same points, and colmap does not run.
   const std::string log = ReadFile(dir / "sfm" / "colmap.log");
   const EmptyPath no_programs;
-  const auto again = TriangulatePoints(scene, views, dir / "sfm", heard.listener());
+  const auto again = TriangulatePoints(scene, views, dir / "sfm", events.AsListener());
   ASSERT_EQ(again.size(), points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     ASSERT_EQ(again[i].xyz, points[i].xyz);
@@ -73,37 +66,37 @@ TEST(TriangulatePoints, PointsLieOnThePlanesAndAreCached) {
   EXPECT_EQ(ReadFile(dir / "sfm" / "points.ply").substr(0, 3), "ply");
 
   // Other views are other inputs.
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", heard.listener()).empty());
-  EXPECT_THAT(heard.warnings, HasSubstr("colmap program is not installed"));
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(events.warnings, testing::Contains(HasSubstr("colmap program is not installed")));
 }
 
-TEST(TriangulatePoints, WithoutColmapWarnsAndLeavesNothing) {
+TEST(TriangulatePoints, WarnsWithoutColmap) {
   const TempDir dir;
   const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
-  Heard heard;
+  EventRecorder events;
   const EmptyPath no_programs;
   EXPECT_FALSE(ColmapAvailable());
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", heard.listener()).empty());
-  EXPECT_THAT(heard.warnings, HasSubstr("apt install colmap"));
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(events.warnings, testing::Contains(HasSubstr("apt install colmap")));
   EXPECT_FALSE(fs::exists(dir / "sfm"));
 }
 
-TEST(TriangulatePoints, FailureIsAWarningThatNamesTheLog) {
+TEST(TriangulatePoints, WarnsOfAFailure) {
   const TempDir dir;
   fs::create_directories(dir / "bin");
   std::ofstream(dir / "bin" / "colmap") << "#!/bin/sh\necho it broke\nexit 3\n";
   fs::permissions(dir / "bin" / "colmap", fs::perms::owner_all);
   const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
-  Heard heard;
+  EventRecorder events;
   const EmptyPath no_programs;
   setenv("PATH", (dir / "bin").c_str(), 1);
-  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", heard.listener()).empty());
-  EXPECT_THAT(heard.warnings,
-              AllOf(HasSubstr("feature_extractor ended with code 3"), HasSubstr("it broke"), HasSubstr("colmap.log")));
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(events.warnings, testing::ElementsAre(AllOf(HasSubstr("feature_extractor ended with code 3"),
+                                                          HasSubstr("it broke"), HasSubstr("colmap.log"))));
   EXPECT_FALSE(fs::exists(dir / "sfm" / "inputs.json"));
 }
 
-TEST(PointsSeenBy, KeepsPointsThatTwoOfTheViewsSaw) {
+TEST(PointsSeenBy, KeepsPointsOfTwoViews) {
   Scene scene;
   scene.points = {{{1, 0, 0}, {}, {0, 1, 2}}, {{2, 0, 0}, {}, {0, 3}}, {{3, 0, 0}, {}, {1, 2}}, {{4, 0, 0}, {}, {}}};
   const auto kept = PointsSeenBy(scene, {0, 2});

@@ -31,7 +31,7 @@ struct ColmapPoint {
 };
 
 /// Where a point was seen.
-struct ColmapSight {
+struct ColmapObservation {
   uint32_t image_id = 0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
@@ -40,7 +40,7 @@ struct ColmapSight {
 struct ColmapTrack {
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
   std::array<uint8_t, 3> rgb{};
-  std::vector<ColmapSight> sights;
+  std::vector<ColmapObservation> observations;
 };
 
 /// The pose of a (w, x, y, z) quaternion of any length and a translation. Throws InputError "FILE: image 'NAME' ..."

@@ -114,10 +114,10 @@ class Tracks {
       const ColmapTrack& point = points[p];
       points_ += fmt::format("{} {} {} {} {} {} {} 0", p + 1, point.xyz.x(), point.xyz.y(), point.xyz.z(), point.rgb[0],
                              point.rgb[1], point.rgb[2]);
-      for (const ColmapSight& sight : point.sights) {
-        Lines& lines = by_image_[sight.image_id];
-        points_ += fmt::format(" {} {}", sight.image_id, lines.count++);
-        lines.text += fmt::format("{}{} {} {}", lines.text.empty() ? "" : " ", sight.pixel.x(), sight.pixel.y(), p + 1);
+      for (const ColmapObservation& seen : point.observations) {
+        Lines& lines = by_image_[seen.image_id];
+        points_ += fmt::format(" {} {}", seen.image_id, lines.count++);
+        lines.text += fmt::format("{}{} {} {}", lines.text.empty() ? "" : " ", seen.pixel.x(), seen.pixel.y(), p + 1);
       }
       points_ += "\n";
     }

@@ -179,7 +179,7 @@ std::vector<PointMatch> ReadInliers(const fs::path& database, uint32_t first, ui
   return matches;
 }
 
-void ForgetMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+void RemoveMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
   const Database open(database);
   open.Execute("BEGIN");
   for (const auto& [a, b] : pairs) {
@@ -193,15 +193,15 @@ void ForgetMatches(const fs::path& database, const std::vector<std::pair<uint32_
 void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Intrinsics>& cameras) {
   const Database open(database);
   open.Execute("BEGIN");
-  for (const auto& [id, lens] : cameras) {
+  for (const auto& [id, intrinsics] : cameras) {
     const Statement update(open,
                            "UPDATE cameras SET model = ?1, width = ?2, height = ?3, params = ?4, "
                            "prior_focal_length = 1 WHERE camera_id = ?5");
-    sqlite3_bind_int(update.get(), 1, static_cast<int>(lens.model));
-    sqlite3_bind_int(update.get(), 2, lens.width);
-    sqlite3_bind_int(update.get(), 3, lens.height);
-    sqlite3_bind_blob(update.get(), 4, lens.params.data(), static_cast<int>(lens.params.size() * sizeof(double)),
-                      SQLITE_STATIC);
+    sqlite3_bind_int(update.get(), 1, static_cast<int>(intrinsics.model));
+    sqlite3_bind_int(update.get(), 2, intrinsics.width);
+    sqlite3_bind_int(update.get(), 3, intrinsics.height);
+    sqlite3_bind_blob(update.get(), 4, intrinsics.params.data(),
+                      static_cast<int>(intrinsics.params.size() * sizeof(double)), SQLITE_STATIC);
     sqlite3_bind_int64(update.get(), 5, id);
     update.Step();
   }
@@ -216,17 +216,18 @@ int SetFocalGuess(const fs::path& database, double sides) {
   std::map<uint32_t, std::vector<double>> params;
   while (rows.Step()) {
     const void* bytes = sqlite3_column_blob(rows.get(), 3);
-    std::vector<double> lens(static_cast<size_t>(CameraModelParameterCount(CameraModel::kSimpleRadial)));
-    const size_t size = lens.size() * sizeof(double);
+    std::vector<double> intrinsics(static_cast<size_t>(CameraModelParameterCount(CameraModel::kSimpleRadial)));
+    const size_t size = intrinsics.size() * sizeof(double);
     if (bytes == nullptr || sqlite3_column_bytes(rows.get(), 3) != static_cast<int>(size)) continue;
-    std::memcpy(lens.data(), bytes, size);
-    lens[0] = sides * std::max(sqlite3_column_int(rows.get(), 1), sqlite3_column_int(rows.get(), 2));
-    params[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = std::move(lens);
+    std::memcpy(intrinsics.data(), bytes, size);
+    intrinsics[0] = sides * std::max(sqlite3_column_int(rows.get(), 1), sqlite3_column_int(rows.get(), 2));
+    params[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = std::move(intrinsics);
   }
   open.Execute("BEGIN");
-  for (const auto& [id, lens] : params) {
+  for (const auto& [id, intrinsics] : params) {
     const Statement update(open, "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
-    sqlite3_bind_blob(update.get(), 1, lens.data(), static_cast<int>(lens.size() * sizeof(double)), SQLITE_STATIC);
+    sqlite3_bind_blob(update.get(), 1, intrinsics.data(), static_cast<int>(intrinsics.size() * sizeof(double)),
+                      SQLITE_STATIC);
     sqlite3_bind_int64(update.get(), 2, id);
     update.Step();
   }

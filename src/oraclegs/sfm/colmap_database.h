@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/sfm/homography.h"
 #include "oraclegs/camera/intrinsics.h"
+#include "oraclegs/sfm/homography.h"
 
 namespace oraclegs {
 
@@ -31,7 +31,7 @@ struct MatchedPair {
   uint32_t first = 0, second = 0;  ///< image ids, first < second
   int matches = 0;                 ///< features that look alike
   int inliers = 0;                 ///< of these, what one motion of the camera explains; 0 = not verified
-  /// Pixel of `second` from pixel of `first`, where such a map explains the inliers: the photographs show one plane, or
+  /// Pixel of `second` from pixel of `first`, where such a map explains the inliers: the images show one plane, or
   /// were taken from one point. As RANSAC left it: RefitHomography makes it exact.
   std::optional<Eigen::Matrix3d> homography;
 };
@@ -45,13 +45,13 @@ std::vector<MatchedPair> ReadMatchedPairs(const std::filesystem::path& database)
 std::vector<PointMatch> ReadInliers(const std::filesystem::path& database, uint32_t first, uint32_t second);
 
 /// Removes what was found between those pairs of image ids, so that colmap matches them again. Throws RunError.
-void ForgetMatches(const std::filesystem::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
+void RemoveMatches(const std::filesystem::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
 
 /// Replaces the cameras of those ids, marked as calibrated. Throws RunError naming the database.
 void SetDatabaseCameras(const std::filesystem::path& database, const std::map<uint32_t, Intrinsics>& cameras);
 
 /// Lets the focal length of each SIMPLE_RADIAL camera whose own is not known (no EXIF) start at `sides` longer sides of
-/// the picture; returns how many there are. Throws RunError naming the database.
+/// the image; returns how many there are. Throws RunError naming the database.
 int SetFocalGuess(const std::filesystem::path& database, double sides);
 
 /// Numbers the images 1, 2, ... in the order of their names, before there are matches: colmap numbers them as its

@@ -12,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFewestPointsPerImage = 6;    // a pose has six degrees of freedom, a point seen twice fixes one
-constexpr double kSmallestParallax = .25;   // degrees; half a pixel of a phone's picture is about 0.02
+constexpr int kMinPointsPerImage = 6;       // a pose has six degrees of freedom, a point seen twice fixes one
+constexpr double kMinParallax = .25;        // degrees; half a pixel of a phone's image is about 0.02
 constexpr double kClearlyMorePoints = 1.1;  // matching differs by a few percent from run to run
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
@@ -27,7 +27,7 @@ bool IsPlausible(const Intrinsics& intrinsics) {
     if (!(focal >= kFocalRange[0] * side && focal <= kFocalRange[1] * side)) return false;
   }
   const bool radial = intrinsics.model == CameraModel::kSimpleRadial || intrinsics.model == CameraModel::kRadial;
-  return !radial || std::abs(intrinsics.params[3]) <= kLargestDistortion;
+  return !radial || std::abs(intrinsics.params[3]) <= kMaxDistortion;
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ ModelQuality MeasureModel(const fs::path& model_dir) {
 
 bool IsSound(const ModelQuality& model) {
   return model.registered() >= 2 && model.plausible_intrinsics &&
-         model.points >= kFewestPointsPerImage * model.registered() && model.parallax_degrees >= kSmallestParallax;
+         model.points >= kMinPointsPerImage * model.registered() && model.parallax_degrees >= kMinParallax;
 }
 
 bool IsBetter(const ModelQuality& a, const ModelQuality& b) {

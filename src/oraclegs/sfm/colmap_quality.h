@@ -1,5 +1,5 @@
 #pragma once
-// How good a model is that colmap made: what is compared between attempts, and told of each photograph.
+// How good a model is that colmap made: what attempts are compared by, and what is reported of each image.
 
 #include <filesystem>
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace oraclegs {
 
-/// What a model says of one of its photographs.
+/// What a model says of one of its images.
 struct RegisteredImage {
   int points = 0;  ///< that it saw
   double parallax_degrees =
@@ -20,28 +20,28 @@ struct RegisteredImage {
 struct ModelQuality {
   std::map<std::string, RegisteredImage> images;  ///< by name below the image folder
   int points = 0;
-  double reprojection_error = 0;  ///< pixels, mean over points
-  double parallax_degrees = 0;    ///< median over points of the widest angle between two of its rays
-  bool plausible_lenses = true;   ///< every focal length within kFocalRange of its picture's longer side
+  double reprojection_error = 0;     ///< pixels, mean over points
+  double parallax_degrees = 0;       ///< median over points of the widest angle between two of its rays
+  bool plausible_intrinsics = true;  ///< every focal length within kFocalRange of its image's longer side
 
   int registered() const { return static_cast<int>(images.size()); }
 };
 
-/// Focal lengths in longer sides of the picture that cameras people hold have (13 mm to 150 mm on 36 mm); outside it
-/// colmap has explained wrong matches by a lens.
+/// Focal lengths of common cameras, in longer sides of the image (13 mm to 150 mm on 36 mm); outside it
+/// colmap has explained wrong matches by a focal length.
 inline constexpr double kFocalRange[] = {.35, 4.2};
-inline constexpr double kLargestDistortion = .6;  ///< of the first radial coefficient, for the same reason
+inline constexpr double kMaxDistortion = .6;  ///< of the first radial coefficient, for the same reason
 
 ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<ColmapImage>& images,
                           const std::vector<ColmapPoint>& points);
 /// The same of a model folder. Throws InputError as ReadColmapScene does.
 ModelQuality MeasureModel(const std::filesystem::path& model_dir);
 
-/// True when a model can be what was photographed: two photographs or more, plausible lenses, points enough to hold
-/// the poses, and rays that cross at an angle. A wrong one has few points (colmap drops what does not fit).
+/// True when a model can be right: two images or more, plausible intrinsics, points enough to hold the poses, and rays
+/// that cross at an angle. A wrong one has few points (colmap drops what does not fit).
 bool IsSound(const ModelQuality& model);
 
-/// True when `a` is to be kept rather than `b`: a sound one before one that is not, then more photographs, then clearly
+/// True when `a` is to be kept rather than `b`: a sound one before one that is not, then more images, then clearly
 /// more points, then the smaller reprojection error.
 bool IsBetter(const ModelQuality& a, const ModelQuality& b);
 

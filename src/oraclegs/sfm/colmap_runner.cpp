@@ -12,9 +12,9 @@
 namespace oraclegs {
 namespace {
 
-/// What a line says to people: without the blanks before it and glog's "F20261122 08:06:59.9 11264 sfm.cc:473] "; "" of
+/// A line for people: without the blanks before it and glog's "F20261122 08:06:59.9 11264 sfm.cc:473] "; "" of
 /// the stack of a crash, which follows the line with its cause.
-std::string Saying(const std::string& line) {
+std::string Readable(const std::string& line) {
   const size_t begin = line.find_first_not_of(" \t");
   if (begin == std::string::npos || line[begin] == '@' || line.compare(begin, 3, "***") == 0) return "";
   const size_t end = line.find("] ");
@@ -29,14 +29,14 @@ class ProgressReader {
   ProgressReader(std::string what, const Listener& listener) : what_(std::move(what)), listener_(listener) {}
 
   void operator()(const std::string& line) {
-    if (std::string saying = Saying(line); !saying.empty()) last_line_ = std::move(saying);
+    if (std::string readable = Readable(line); !readable.empty()) last_line_ = std::move(readable);
     int done = 0, total = 0;
     if (std::sscanf(line.c_str(), "Processed file [%d/%d]", &done, &total) == 2) {
-      listener_(StepDone{"sfm", done, total, "photographs", what_});
+      listener_(StepDone{"sfm", done, total, "images", what_});
     } else if (std::sscanf(line.c_str(), "Matching block [%d/%d", &done, &total) == 2) {
       listener_(StepDone{"sfm", done, total, "blocks", what_});
     } else if (line.rfind("Registering image #", 0) == 0 || line.rfind("Triangulating image #", 0) == 0) {
-      listener_(StepDone{"sfm", ++images_, 0, "photographs", what_});
+      listener_(StepDone{"sfm", ++images_, 0, "images", what_});
     }
   }
 
@@ -54,6 +54,8 @@ ColmapOptions MatchingOptions() {
 }
 
 }  // namespace
+
+bool ColmapAvailable() { return !FindProgram("colmap").empty(); }
 
 void ColmapRunner::Run(const std::string& command, const ColmapOptions& options, const std::string& what) const {
   Execute({"colmap", command, "--database_path", database().string()}, options, what);
@@ -94,7 +96,7 @@ void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::stri
                               const ColmapOptions& more) const {
   std::string list;
   for (const auto& [a, b] : names) list += a + " " + b + "\n";
-  const std::filesystem::path path = work_dir_ / "pairs.txt";
+  const std::filesystem::path path = database().parent_path() / "pairs.txt";
   WriteFileAtomically(path, list);
   ColmapOptions options = MatchingOptions();
   options.insert(more.begin(), more.end());

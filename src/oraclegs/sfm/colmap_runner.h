@@ -12,6 +12,9 @@
 
 namespace oraclegs {
 
+/// True when the colmap program is installed.
+bool ColmapAvailable();
+
 /// A command of colmap ended with an error.
 struct ColmapFailure {
   std::string command;
@@ -21,8 +24,8 @@ struct ColmapFailure {
 
 using ColmapOptions = std::map<std::string, std::string>;  ///< "SiftMatching.use_gpu" -> "0"
 
-/// One workspace: a database of features and matches below work_dir, the photographs in work_dir/images, all output
-/// appended to work_dir/colmap.log.
+/// One workspace: a database of features and matches below work_dir, the images in work_dir/images, all output appended
+/// to work_dir/colmap.log. The database's folder exists.
 class ColmapRunner {
  public:
   ColmapRunner(std::filesystem::path work_dir, const Listener& listener, std::string database = "database.db")
@@ -33,11 +36,11 @@ class ColmapRunner {
 
   /// One camera per folder below images/; masks/ is used when has_masks. `more` are options beside these.
   void ExtractFeatures(const std::string& camera_model, bool has_masks, const ColmapOptions& more = {}) const;
-  /// Every pair of photographs. Not the same matches in every run.
+  /// Every pair of images. Not the same matches in every run.
   void MatchExhaustively(const ColmapOptions& more = {}) const;
   /// The pairs of names (below images/, without blanks) that the database has no matches of yet.
   void MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more) const;
-  /// Poses, lenses and points of a model refined together; reads no database.
+  /// Poses, intrinsics and points of a model refined together; reads no database.
   void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
   /// Any command that works on the database. Throws ColmapFailure when it ends with an error; an interrupt ends it.
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;

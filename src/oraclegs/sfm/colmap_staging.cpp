@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -16,6 +17,8 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/image/exif.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {
@@ -34,11 +37,12 @@ std::string ReadHeader(const fs::path& path) {
   return bytes;
 }
 
-/// True when colmap, which ignores the EXIF orientation, would see the photograph otherwise than its lens does.
-bool MustBeTurned(const SceneView& view) {
-  if (ReadJpegNotes(ReadHeader(view.image_path)).orientation == 1) return false;
-  if (view.lens.params.empty()) return true;
-  return FittingOrientation(view, view.image_path, view.lens.width, view.lens.height) == Orientation::kUpright;
+/// True when colmap, which ignores the EXIF orientation, would see the image otherwise than its camera does.
+bool NeedsUprightCopy(const SceneView& view) {
+  if (ReadJpegMetadata(ReadHeader(view.image_path)).orientation == 1) return false;
+  if (view.intrinsics.params.empty()) return true;
+  return FittingOrientation(view, view.image_path, view.intrinsics.width, view.intrinsics.height) ==
+         Orientation::kUpright;
 }
 
 /// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
@@ -54,7 +58,7 @@ std::string PlainName(const SceneView& view) {
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
   }
-  if (name.empty() || name[0] == '.') name.insert(0, "_");
+  if (name.empty() || name[0] == '.') name = "_" + name;
   if (!HasImageExtension(name)) name += view.image_path.extension().string();
   return name;
 }
@@ -63,8 +67,9 @@ std::string PlainName(const SceneView& view) {
 using CameraKey = std::tuple<int, int, int, std::vector<double>>;
 
 CameraKey CameraKeyOf(const SceneView& view) {
-  if (!view.lens.params.empty()) {
-    return {static_cast<int>(view.lens.model), view.lens.width, view.lens.height, view.lens.params};
+  if (!view.intrinsics.params.empty()) {
+    return {static_cast<int>(view.intrinsics.model), view.intrinsics.width, view.intrinsics.height,
+            view.intrinsics.params};
   }
   int width = 0, height = 0;
   ReadImageSize(view.image_path, &width, &height);
@@ -72,7 +77,7 @@ CameraKey CameraKeyOf(const SceneView& view) {
 }
 
 void PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
-  if (staged.turned) {
+  if (staged.is_upright_copy) {
     WritePng(target, ReadImage(view.image_path));
     return;
   }
@@ -98,7 +103,7 @@ Image8 FeatureMask(const SceneView& view) {
     mask = {drawn.width, drawn.height, 1, std::vector<uint8_t>(drawn.data.size() / drawn.channels, 255)};
   }
   if (mask.width != drawn.width || mask.height != drawn.height) {
-    throw InputError("{}: is {} x {}, but its photograph is {} x {}; make them the same size", view.mask_path.string(),
+    throw InputError("{}: is {} x {}, but its photo is {} x {}; make them the same size", view.mask_path.string(),
                      drawn.width, drawn.height, mask.width, mask.height);
   }
   for (size_t i = 0; i < mask.data.size(); ++i) {
@@ -107,7 +112,7 @@ Image8 FeatureMask(const SceneView& view) {
   return mask;
 }
 
-/// By content: a copied, moved or merely touched file is still the same photograph.
+/// By content: a copied, moved or merely touched file is still the same image.
 nlohmann::json DescribeFile(const fs::path& path) {
   if (path.empty()) return nullptr;
   const std::string bytes = ReadFile(path);
@@ -126,8 +131,8 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     const CameraKey key = CameraKeyOf(view);
     const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
     if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
-    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, MustBeTurned(view)};
-    if (staged.turned) staged.name += ".png";
+    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, NeedsUprightCopy(view)};
+    if (staged.is_upright_copy) staged.name += ".png";
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
       taken.insert(staged.name);
@@ -169,11 +174,11 @@ nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views)
     const SceneView& view = scene.views.at(views[i]);
     nlohmann::json entry = {
         {"name", view.name}, {"file", files[i][0]}, {"mask", files[i][1]}, {"as_stored", view.as_stored}};
-    if (!view.lens.params.empty()) {
-      entry["lens"] = {{"model", CameraModelName(view.lens.model)},
-                       {"width", view.lens.width},
-                       {"height", view.lens.height},
-                       {"params", view.lens.params}};
+    if (!view.intrinsics.params.empty()) {
+      entry["intrinsics"] = {{"model", CameraModelName(view.intrinsics.model)},
+                             {"width", view.intrinsics.width},
+                             {"height", view.intrinsics.height},
+                             {"params", view.intrinsics.params}};
     }
     if (view.cam_from_world) {
       const Eigen::Matrix<double, 3, 4> pose = view.cam_from_world->matrix().topRows<3>();
@@ -183,7 +188,7 @@ nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views)
     }
     images.push_back(std::move(entry));
   }
-  return {{"format", 2}, {"images", std::move(images)}};
+  return {{"format", 3}, {"images", std::move(images)}};
 }
 
 }  // namespace oraclegs

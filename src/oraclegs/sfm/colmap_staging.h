@@ -1,8 +1,8 @@
 #pragma once
-// The folder colmap reads: photographs linked, grouped by camera, with masks where pixels must not count.
+// The folder colmap reads: images linked, grouped by camera, with masks where pixels must not be used.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -12,23 +12,23 @@ namespace oraclegs {
 
 /// Where one view stands below work_dir/images.
 struct StagedView {
-  std::string name;     ///< "camera0/0001.jpg", unique, without blanks
-  int camera = 0;       ///< views of one lens (of one size, when lenses are unknown) share it
-  bool turned = false;  ///< the EXIF tag turns it: colmap ignores the tag, so an upright copy is written
+  std::string name;              ///< "camera0/0001.jpg", unique, without blanks
+  int camera = 0;                ///< views with equal intrinsics (of one size, when these are unknown) share it
+  bool is_upright_copy = false;  ///< colmap ignores the EXIF tag that turns it, so an upright copy is written
 };
 
-/// One entry per element of `views`. Reads headers of the photographs, writes nothing.
-/// Throws InputError for a photograph of unknown size that cannot be read.
+/// One entry per element of `views`. Reads headers of the images, writes nothing.
+/// Throws InputError for an image of unknown size that cannot be read.
 std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views);
 
-/// Makes work_dir/images and work_dir/masks anew as planned; returns whether there are masks. Photographs are linked,
+/// Makes work_dir/images and work_dir/masks anew as planned; returns whether there are masks. Images are linked,
 /// and copied only where links are not possible. A mask (masks/NAME.png) joins the view's mask file and its alpha
 /// channel: black where features must not be found.
-/// Throws InputError for a photograph or mask that cannot be read, RunError when work_dir cannot be written.
+/// Throws InputError for an image or mask that cannot be read, RunError when work_dir cannot be written.
 bool StageImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const std::filesystem::path& work_dir);
 
-/// What a result depends on: of each view name, content of photograph and mask, lens and pose. Throws InputError for a
+/// What a result depends on: of each view name, content of image and mask, intrinsics and pose. Throws InputError for a
 /// file that cannot be read.
 nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views);
 

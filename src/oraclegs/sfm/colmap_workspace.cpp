@@ -1,13 +1,15 @@
 #include "oraclegs/sfm/colmap_workspace.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_model.h"
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/scene/read_colmap.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -41,21 +43,15 @@ void MarkDone(const fs::path& work_dir, const nlohmann::json& inputs) {
 void ClearWorkDir(const fs::path& work_dir) {
   RequireWritableFolder(work_dir);
   for (const char* name : {kInputs, "registration.json", "database.db", "database.db-wal", "database.db-shm",
-                           "colmap.log", "points.ply", "sparse", "poses", "images", "masks"}) {
+                           "colmap.log", "points.ply", "sparse", "images", "masks"}) {
     Remove(work_dir / name);
   }
-  RemoveIntermediate(work_dir);
+  RemoveAttempts(work_dir);
 }
 
-void RemoveIntermediate(const fs::path& work_dir) {
-  Remove(work_dir / "models");
-  Remove(work_dir / "pairs.txt");
-  // One database for each set of features that was tried, and copies of them (scene/sfm_attempts.cpp).
-  for (const char* name : {"guess", "database_again", "database1", "database1_again", "database2", "database2_again",
-                           "database3", "database3_again"}) {
-    for (const char* part : {".db", ".db-wal", ".db-shm"}) Remove(work_dir / (std::string(name) + part));
-  }
-}
+fs::path AttemptsFolder(const fs::path& work_dir) { return work_dir / "attempts"; }
+
+void RemoveAttempts(const fs::path& work_dir) { Remove(AttemptsFolder(work_dir)); }
 
 void RestoreImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                    const fs::path& work_dir) {
@@ -87,10 +83,10 @@ ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const 
   for (const SceneView& registered : model.views) {
     const auto found = index_of.find(registered.name);
     if (found == index_of.end()) {
-      throw InputError("{}: holds the unknown photograph {}; delete the folder", work_dir.string(), registered.name);
+      throw InputError("{}: holds the unknown image {}; delete the folder", work_dir.string(), registered.name);
     }
     SceneView view = scene.views[found->second];
-    view.lens = registered.lens;
+    view.intrinsics = registered.intrinsics;
     view.cam_from_world = registered.cam_from_world;
     out.views[found->second] = std::move(view);
     scene_index.push_back(found->second);

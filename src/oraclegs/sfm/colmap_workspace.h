@@ -3,12 +3,12 @@
 
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/sfm/colmap_staging.h"
 #include "oraclegs/scene/scene.h"
+#include "oraclegs/sfm/colmap_staging.h"
 
 namespace oraclegs {
 
@@ -18,9 +18,11 @@ bool IsUnchanged(const std::filesystem::path& work_dir, const nlohmann::json& in
 void MarkDone(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
 /// Makes work_dir and removes what an earlier run left there, and nothing else. Throws RunError.
 void ClearWorkDir(const std::filesystem::path& work_dir);
-/// Removes what only the making of a result needs: models and databases of attempts, lists of pairs.
-void RemoveIntermediate(const std::filesystem::path& work_dir);
-/// Stages the photographs of a finished result again when a link to one leads nowhere: they were moved since.
+/// Where attempts keep what only they need (databases, models, lists of pairs), one folder for all of them.
+std::filesystem::path AttemptsFolder(const std::filesystem::path& work_dir);
+/// Throws RunError.
+void RemoveAttempts(const std::filesystem::path& work_dir);
+/// Stages the images of a finished result again when a link to one is broken: they were moved since.
 void RestoreImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                    const std::filesystem::path& work_dir);
 /// Creates a folder and its parents. Throws RunError.
@@ -31,11 +33,11 @@ void MoveFolder(const std::filesystem::path& from, const std::filesystem::path& 
 /// The model in work_dir/sparse/0 in terms of `scene`: which of its views the model's images are, and the points with
 /// indices of `scene`.
 struct ModelInScene {
-  std::map<int, SceneView> views;  ///< by index into Scene::views; lens and pose are the model's
+  std::map<int, SceneView> views;  ///< by index into Scene::views; intrinsics and pose are the model's
   std::vector<ScenePoint> points;
 };
 
-/// Throws InputError when the model is missing or damaged, or holds photographs that are not in the plan.
+/// Throws InputError when the model is missing or damaged, or holds images that are not in the plan.
 ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                        const std::filesystem::path& work_dir, const Listener& listener);
 

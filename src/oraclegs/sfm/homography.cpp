@@ -1,4 +1,5 @@
 #include "oraclegs/sfm/homography.h"
+#include "oraclegs/core/statistics.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -8,10 +9,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kFewest = 8;       // twice what determines a map
-constexpr int kRounds = 4;          // fits, each with the matches that the one before explains
-constexpr double kOutlier = 3;      // times the median error
-constexpr double kLeastLimit = .5;  // pixels: a match that is no worse always counts
+constexpr size_t kMinMatches = 8;          // twice what determines a map
+constexpr int kRounds = 4;                 // fits, each with the matches that the one before explains
+constexpr double kMaxErrorOverMedian = 3;  // times the median error
+constexpr double kMinInlierLimit = .5;     // pixels: a match that is no worse is always an inlier
 
 double ErrorOf(const Eigen::Matrix3d& h, const PointMatch& match) {
   const Eigen::Vector3d mapped = h * match.a.homogeneous();
@@ -22,10 +23,7 @@ double ErrorOf(const Eigen::Matrix3d& h, const PointMatch& match) {
 std::vector<PointMatch> Agreeing(const Eigen::Matrix3d& h, const std::vector<PointMatch>& matches) {
   std::vector<double> errors;
   for (const PointMatch& match : matches) errors.push_back(ErrorOf(h, match));
-  std::vector<double> ordered = errors;
-  const auto middle = ordered.begin() + static_cast<ptrdiff_t>(ordered.size() / 2);
-  std::nth_element(ordered.begin(), middle, ordered.end());
-  const double limit = std::max(kLeastLimit, kOutlier * *middle);
+  const double limit = std::max(kMinInlierLimit, kMaxErrorOverMedian * UpperMedian(errors));
   std::vector<PointMatch> agreeing;
   for (size_t i = 0; i < matches.size(); ++i) {
     if (errors[i] <= limit && std::isfinite(errors[i])) agreeing.push_back(matches[i]);
@@ -68,7 +66,7 @@ Eigen::Matrix3d RefitHomography(const Eigen::Matrix3d& start, const std::vector<
   Eigen::Matrix3d map = start;
   for (int round = 0; round < kRounds && !matches.empty(); ++round) {
     const std::vector<PointMatch> agreeing = Agreeing(map, matches);
-    if (agreeing.size() < kFewest) break;
+    if (agreeing.size() < kMinMatches) break;
     const Eigen::Matrix3d fitted = Fit(agreeing);
     if (!fitted.allFinite()) break;
     map = fitted;

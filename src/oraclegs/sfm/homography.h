@@ -1,12 +1,12 @@
 #pragma once
-// A map between the pixels of two photographs, fitted to points seen in both.
+// A map between the pixels of two images, fitted to points seen in both.
 
 #include <Eigen/Core>
 #include <vector>
 
 namespace oraclegs {
 
-/// One point seen in two photographs, in pixels of each.
+/// One point seen in two images, in pixels of each.
 struct PointMatch {
   Eigen::Vector2d a, b;
 };

@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <optional>
+#include <map>
 #include <system_error>
+#include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
-#include "oraclegs/sfm/retry_schedule.h"
 #include "oraclegs/sfm/colmap_workspace.h"
+#include "oraclegs/sfm/retry_schedule.h"
 
 namespace oraclegs {
 namespace {
@@ -23,54 +25,72 @@ struct Candidate {
   FeatureSet set;
 };
 
-class Climb {
+void Rename(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) throw RunError("{}: cannot be renamed: {}", from.string(), error.message());
+}
+
+void Copy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) throw RunError("{}: cannot be copied to {}: {}", from.string(), to.string(), error.message());
+}
+
+/// All that the attempts write lies in AttemptsFolder(work_dir), a database for each set of features.
+class AttemptRunner {
  public:
-  Climb(const AttemptRequest& request, const Listener& listener) : request_(request), listener_(listener) {}
+  AttemptRunner(const AttemptRequest& request, const Listener& listener)
+      : request_(request), listener_(listener), folder_(AttemptsFolder(request.work_dir)) {}
 
   AttemptResult Run() {
-    int number = 0;
-    for (const FeatureSet& set : RegistrationLadder()) {
-      const bool first = number == 0;
-      const std::string database = first ? "database.db" : fmt::format("database{}.db", number);
-      ++number;
-      if (!first && !IsWorthTrying(set, best_.quality, photographs())) continue;
-      if (!first) {
+    MakeFolder(folder_);
+    const std::vector<FeatureSet>& schedule = RegistrationSchedule();
+    for (size_t i = 0; i < schedule.size(); ++i) {
+      const FeatureSet& set = schedule[i];
+      if (i > 0) {
+        if (!IsWorthTrying(set, best_.quality, images())) continue;
         listener_(Note{fmt::format("{}; trying again with {}", Registered(), set.name)});
       }
       try {
-        Try(set, ColmapRunner(request_.work_dir, listener_, database));
+        Try(set, Colmap(fmt::format("features{}", i)), i == 0);
       } catch (const ColmapFailure&) {
-        if (first) throw;  // later ones are only a chance that is lost
+        if (i == 0) throw;  // later sets are optional
       }
     }
     // Last, because what it lets in is less certain than what other features find.
     try {
-      MatchAgain();
+      Rematch();
     } catch (const ColmapFailure&) {
-      // The model that stood before still stands.
+      // The model that was found before is kept.
     }
     Keep();
-    return {best_.quality, std::move(attempts_)};
+    return {best_.quality, std::move(records_)};
   }
 
  private:
-  int photographs() const { return static_cast<int>(request_.names.size()); }
+  int images() const { return static_cast<int>(request_.names.size()); }
 
-  std::string Registered() const {
-    return fmt::format("{} of {} photographs are registered", IsSound(best_.quality) ? best_.quality.registered() : 0,
-                       photographs());
+  ColmapRunner Colmap(const std::string& database) const {
+    return ColmapRunner(request_.work_dir, listener_, (folder_.filename() / (database + ".db")).string());
   }
 
-  void Try(const FeatureSet& set, const ColmapRunner& colmap) {
+  std::string Registered() const {
+    return fmt::format("{} of {} photos are registered", IsSound(best_.quality) ? best_.quality.registered() : 0,
+                       images());
+  }
+
+  /// The first set is matched in any case: its matches say why images are missing.
+  void Try(const FeatureSet& set, const ColmapRunner& colmap, bool is_first) {
     colmap.ExtractFeatures("SIMPLE_RADIAL", request_.has_masks, set.extraction);
-    // The first set's matches tell why photographs are missing, so they are made in any case.
-    if (colmap.database().filename() != "database.db" && !CanMatch(colmap)) return;
+    if (is_first) first_database_ = colmap.database();
+    if (!is_first && !CanMatch(colmap)) return;
     colmap.MatchExhaustively(set.matching);
-    for (const MapperTry& attempt : set.tries) {
-      if (IsEnough(best_.quality, photographs())) break;
+    for (const MapperAttempt& attempt : set.attempts) {
+      if (IsEnough(best_.quality, images())) break;
       Map(set, attempt, colmap);
     }
-    RegisterLeftOver(set, colmap);
+    RegisterRemaining(set, colmap);
   }
 
   /// False when what is missing has too few features for any matching.
@@ -84,13 +104,13 @@ class Climb {
     return CanMatchMissing(by_name, best_.quality);
   }
 
-  fs::path NewFolder() {
-    const fs::path dir = request_.work_dir / "models" / std::to_string(folders_++);
+  fs::path NewModelFolder() {
+    const fs::path dir = folder_ / fmt::format("models{}", num_folders_++);
     MakeFolder(dir);
     return dir;
   }
 
-  /// Notes one model, and takes it when it is better.
+  /// Records one model, and takes it when it is better.
   void Consider(const Candidate& candidate, AttemptRecord* record) {
     if (candidate.quality.registered() > record->registered) {
       record->registered = candidate.quality.registered();
@@ -100,19 +120,19 @@ class Climb {
     }
     if (!IsSound(candidate.quality) || !IsBetter(candidate.quality, best_.quality)) return;
     best_ = candidate;
-    for (AttemptRecord& other : attempts_) other.kept = false;
+    for (AttemptRecord& other : records_) other.kept = false;
     record->kept = true;
   }
 
-  void Map(const FeatureSet& set, const MapperTry& attempt, const ColmapRunner& colmap) {
-    const fs::path models = NewFolder();
+  void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
+    const fs::path models = NewModelFolder();
     ColmapOptions options = attempt.options;
     options["image_path"] = colmap.images().string();
     options["output_path"] = models.string();
     AttemptRecord record{set.name, attempt.name};
     try {
       if (attempt.focal_guess > 0) {
-        const ColmapRunner guess(request_.work_dir, listener_, "guess.db");
+        const ColmapRunner guess = Colmap("focal_guess");
         Copy(colmap.database(), guess.database());
         if (SetFocalGuess(guess.database(), attempt.focal_guess) == 0) return;  // every focal length is known
         guess.Run("mapper", options, "registering, " + attempt.name);
@@ -127,23 +147,23 @@ class Climb {
       try {
         Consider({model, colmap.database(), MeasureModel(model), set}, &record);
       } catch (const InputError&) {
-        // A mapper that was killed while it wrote leaves half a model; the others count.
+        // A mapper that was killed while it wrote leaves half a model; the others are used.
       }
     }
-    attempts_.push_back(std::move(record));
+    records_.push_back(std::move(record));
   }
 
   /// Registers into the best model what is missing, when that model is of this database's keypoints.
-  void RegisterLeftOver(const FeatureSet& set, const ColmapRunner& colmap) {
-    if (!IsSound(best_.quality) || best_.quality.registered() >= photographs()) return;
+  void RegisterRemaining(const FeatureSet& set, const ColmapRunner& colmap) {
+    if (!IsSound(best_.quality) || best_.quality.registered() >= images()) return;
     if (best_.database != colmap.database()) return;
-    AttemptRecord record{set.name, "left over"};
-    const fs::path registered = NewFolder(), triangulated = NewFolder(), adjusted = NewFolder();
-    ColmapOptions options = LeftOverOptions();
+    AttemptRecord record{set.name, "remaining images"};
+    const fs::path registered = NewModelFolder(), triangulated = NewModelFolder(), adjusted = NewModelFolder();
+    ColmapOptions options = RemainingImagesOptions();
     options["input_path"] = best_.model.string();
     options["output_path"] = registered.string();
     try {
-      colmap.Run("image_registrator", options, "registering what is left over");
+      colmap.Run("image_registrator", options, "registering the remaining photos");
       if (!IsColmapModel(registered) ||
           ReadColmapImages(registered).size() <= static_cast<size_t>(best_.quality.registered())) {
         return;
@@ -155,69 +175,59 @@ class Climb {
       colmap.AdjustBundle(triangulated, adjusted);
       Consider({adjusted, colmap.database(), MeasureModel(adjusted), set}, &record);
     } catch (const ColmapFailure&) {
-      // The model that stood before still stands.
+      // The model that was found before is kept.
     }
-    attempts_.push_back(std::move(record));
+    records_.push_back(std::move(record));
   }
 
-  /// With the lens known, verification asks for one motion of that lens, so weaker matches can be let in.
-  void MatchAgain() {
-    if (IsEnough(best_.quality, photographs()) || !IsSound(best_.quality)) return;
-    const ColmapRunner colmap(request_.work_dir, listener_, best_.database.filename().string());
+  /// With known intrinsics, verification asks for one motion of that camera, so weaker matches can be let in.
+  void Rematch() {
+    if (IsEnough(best_.quality, images()) || !IsSound(best_.quality)) return;
+    const ColmapRunner colmap = Colmap(best_.database.stem().string());
     if (!CanMatch(colmap)) return;
     const auto pairs = PairsOfMissing(request_.names, best_.quality);
     if (pairs.empty()) return;
-    const ColmapRunner again(request_.work_dir, listener_, colmap.database().stem().string() + "_again.db");
-    Copy(colmap.database(), again.database());
-    const auto images = ReadDatabaseImages(again.database());
-    SetDatabaseCameras(again.database(), ReadColmapCameras(best_.model));
+    const ColmapRunner rematched = Colmap(best_.database.stem().string() + "_rematched");
+    Copy(colmap.database(), rematched.database());
+    const auto stored = ReadDatabaseImages(rematched.database());
+    SetDatabaseCameras(rematched.database(), ReadColmapCameras(best_.model));
     std::vector<std::pair<uint32_t, uint32_t>> ids;
     for (const auto& [a, b] : pairs) {
-      if (images.count(a) > 0 && images.count(b) > 0) ids.emplace_back(images.at(a).image_id, images.at(b).image_id);
+      if (stored.count(a) > 0 && stored.count(b) > 0) ids.emplace_back(stored.at(a).image_id, stored.at(b).image_id);
     }
-    ForgetMatches(again.database(), ids);
-    again.MatchPairs(pairs, MatchAgainOptions());
-    FeatureSet matched_again = best_.set;
-    matched_again.name += ", matched again";
-    best_.database = again.database();  // the keypoints are the same
-    RegisterLeftOver(matched_again, again);
-    for (const MapperTry& attempt : matched_again.tries) {
-      if (attempt.focal_guess > 0 || IsEnough(best_.quality, photographs())) continue;
-      Map(matched_again, attempt, again);
+    RemoveMatches(rematched.database(), ids);
+    rematched.MatchPairs(pairs, RematchOptions());
+    FeatureSet set = best_.set;
+    set.name += ", matched again";
+    best_.database = rematched.database();  // the keypoints are the same
+    RegisterRemaining(set, rematched);
+    for (const MapperAttempt& attempt : set.attempts) {
+      if (attempt.focal_guess > 0 || IsEnough(best_.quality, images())) continue;
+      Map(set, attempt, rematched);
     }
   }
 
-  static void Copy(const fs::path& from, const fs::path& to) {
-    std::error_code error;
-    fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-    if (error) throw RunError("{}: cannot be copied to {}: {}", from.string(), to.string(), error.message());
-  }
-
-  /// Moves the best model to its place and clears the rest away.
+  /// Moves the best model to its place and removes the rest.
   void Keep() {
-    std::error_code error;
-    const fs::path final_database = request_.work_dir / "database.db";
-    if (IsSound(best_.quality)) {
-      MoveFolder(best_.model, request_.work_dir / "sparse" / "0");
-      if (best_.database != final_database) fs::rename(best_.database, final_database, error);
-      if (error) throw RunError("{}: cannot be renamed: {}", best_.database.string(), error.message());
-    } else {
-      best_ = {};
-    }
-    RemoveIntermediate(request_.work_dir);
+    if (!IsSound(best_.quality)) best_ = {};
+    if (!best_.model.empty()) MoveFolder(best_.model, request_.work_dir / "sparse" / "0");
+    Rename(best_.database.empty() ? first_database_ : best_.database, request_.work_dir / "database.db");
+    RemoveAttempts(request_.work_dir);
   }
 
   const AttemptRequest& request_;
   const Listener& listener_;
+  const fs::path folder_;
+  fs::path first_database_;
   Candidate best_;
-  std::vector<AttemptRecord> attempts_;
-  int folders_ = 0;
+  std::vector<AttemptRecord> records_;
+  int num_folders_ = 0;
 };
 
 }  // namespace
 
-AttemptResult FindModel(const AttemptRequest& request, const Listener& listener) {
-  return Climb(request, listener).Run();
+AttemptResult RunAttempts(const AttemptRequest& request, const Listener& listener) {
+  return AttemptRunner(request, listener).Run();
 }
 
 }  // namespace oraclegs

@@ -1,10 +1,8 @@
 #pragma once
-// Runs the attempts of sfm_ladder.h in a folder of structure from motion, and keeps the best model of all.
+// Runs the attempts of retry_schedule.h in a folder of structure from motion, and keeps the best model of all.
 
 #include <filesystem>
-#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
@@ -12,7 +10,7 @@
 
 namespace oraclegs {
 
-/// What one run of the mapper or the registration of what was left over gave.
+/// What one run of the mapper, or the registration of the remaining images, gave.
 struct AttemptRecord {
   std::string features, name;
   int registered = 0, points = 0;
@@ -22,7 +20,7 @@ struct AttemptRecord {
 };
 
 struct AttemptRequest {
-  std::vector<std::string> names;  ///< of the photographs, below work_dir/images
+  std::vector<std::string> names;  ///< of the images, below work_dir/images
   bool has_masks = false;
   std::filesystem::path work_dir;
 };
@@ -32,9 +30,9 @@ struct AttemptResult {
   std::vector<AttemptRecord> attempts;
 };
 
-/// Climbs the ladder until it is enough. Leaves the best sound model in work_dir/sparse/0 and, as work_dir/database.db,
-/// the features and matches it was made from; without a sound model the first set's. Throws ColmapFailure when the
-/// first set's features or matches fail; later failures only end their attempt.
-AttemptResult FindModel(const AttemptRequest& request, const Listener& listener);
+/// Follows the schedule until it is enough. Leaves the best sound model in work_dir/sparse/0 and, as
+/// work_dir/database.db, the features and matches it was made from; without a sound model the first set's. Throws
+/// ColmapFailure when the first set's features or matches fail; later failures only end their attempt.
+AttemptResult RunAttempts(const AttemptRequest& request, const Listener& listener);
 
 }  // namespace oraclegs

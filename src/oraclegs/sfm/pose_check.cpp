@@ -7,44 +7,42 @@
 #include <limits>
 #include <optional>
 
-#include "oraclegs/scene/scene_validation.h"
+#include "oraclegs/camera/distortion_models.h"
+#include "oraclegs/core/statistics.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr double kSmallestBaseline = 1e-3;  // of the distance looked at: 0.06 degrees of parallax, below a pixel
-constexpr double kRounding = 1e-6;          // of the distance from the origin, times kSamePlace: what doubles round
-constexpr double kSamePlace = 1e-6;         // of the extent of the cameras: rounding of a file with six digits
-constexpr double kSameDirection = 1e-4;     // radians
-constexpr double kSmallestOverlap = .02;    // of what a view sees
-constexpr double kParallelAxes = 1e-6;      // squared sine of the angle between two axes: a twentieth of a degree
-constexpr size_t kFewestPoints = 10;        // fewer say nothing of the distance
-constexpr int kPixelSamples = 6;            // along each side of the image
-constexpr int kDepthSamples = 6;            // from half to twice the distance looked at
-constexpr double kNearestInBaselines = .1;  // where that distance is not known: of that to the nearest camera
-constexpr double kFarthestInBaselines = 100;
+constexpr double kMinBaseline = 1e-3;         // of the distance looked at: 0.06 degrees of parallax, below a pixel
+constexpr double kRounding = 1e-6;            // of the distance from the origin, times kSamePlace: what doubles round
+constexpr double kSamePlace = 1e-6;           // of the extent of the cameras: rounding of a file with six digits
+constexpr double kSameDirection = 1e-4;       // radians
+constexpr double kMinOverlap = .02;           // of what a view sees
+constexpr double kMinSquaredSine = 1e-6;      // squared sine of the angle between two axes: a twentieth of a degree
+constexpr size_t kMinPointsForDistance = 10;  // fewer say nothing of the distance
+constexpr int kPixelSamples = 6;              // along each side of the image
+constexpr int kDepthSamples = 6;              // from half to twice the distance looked at
+constexpr double kMinDepthInBaselines = .1;   // where that distance is not known: of that to the nearest camera
+constexpr double kMaxDepthInBaselines = 100;
 
 struct PosedView {
   const SceneView* view;
   Eigen::Vector3d center;
   Eigen::Vector3d forward;  ///< unit length
+  DistortionMap map;
 };
 
 std::vector<PosedView> PosedViews(const Scene& scene, const std::vector<int>& views) {
   std::vector<PosedView> posed;
   for (const int v : views) {
     const SceneView& view = scene.views.at(static_cast<size_t>(v));
-    if (!view.cam_from_world || view.lens.params.empty()) continue;
-    posed.push_back(
-        {&view, view.cam_from_world->inverse().translation(), view.cam_from_world->linear().row(2).transpose()});
+    if (!view.cam_from_world || view.intrinsics.params.empty()) continue;
+    posed.push_back({&view, view.cam_from_world->inverse().translation(),
+                     view.cam_from_world->linear().row(2).transpose(), DistortionMap(view.intrinsics)});
   }
   return posed;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The largest distance between two cameras.
@@ -64,8 +62,8 @@ std::optional<double> MedianDepthOfPoints(const Scene& scene, const std::vector<
       if (depth > 0) depths.push_back(depth);
     }
   }
-  if (depths.size() < kFewestPoints) return std::nullopt;
-  return Median(std::move(depths));
+  if (depths.size() < kMinPointsForDistance) return std::nullopt;
+  return UpperMedian(std::move(depths));
 }
 
 /// Where the axis of `view` passes nearest to that of `other`, along it; nothing when they run in parallel or meet
@@ -74,7 +72,7 @@ std::optional<double> DepthOfMeeting(const PosedView& view, const PosedView& oth
   const Eigen::Vector3d apart = other.center - view.center;
   const double cosine = view.forward.dot(other.forward), along = apart.dot(view.forward);
   const double along_other = apart.dot(other.forward), sine2 = 1 - cosine * cosine;
-  if (sine2 < kParallelAxes) return std::nullopt;
+  if (sine2 < kMinSquaredSine) return std::nullopt;
   const double depth = (along - cosine * along_other) / sine2;
   const double depth_of_other = (cosine * along - along_other) / sine2;
   if (depth < kSamePlace * extent || depth_of_other < kSamePlace * extent) return std::nullopt;
@@ -94,7 +92,7 @@ std::vector<std::optional<double>> DistancesLookedAt(const Scene& scene, const s
       const std::optional<double> depth = i == j ? std::nullopt : DepthOfMeeting(views[i], views[j], extent);
       if (depth) depths.push_back(*depth);
     }
-    if (!depths.empty()) distances[i] = Median(std::move(depths));
+    if (!depths.empty()) distances[i] = UpperMedian(std::move(depths));
   }
   return distances;
 }
@@ -106,7 +104,7 @@ bool OnePoint(const std::vector<PosedView>& views, const std::vector<std::option
   for (const std::optional<double>& distance : distances) {
     if (distance) known.push_back(*distance);
   }
-  return !known.empty() && baseline < kSmallestBaseline * Median(std::move(known));
+  return !known.empty() && baseline < kMinBaseline * UpperMedian(std::move(known));
 }
 
 /// Groups of two views or more that stand in one place and look one way.
@@ -117,10 +115,10 @@ std::vector<std::vector<std::string>> SamePoses(const std::vector<PosedView>& vi
     if (grouped[i]) continue;
     std::vector<std::string> names{views[i].view->name};
     for (size_t j = i + 1; j < views.size(); ++j) {
-      const Eigen::Matrix3d turn =
+      const Eigen::Matrix3d rotation =
           views[i].view->cam_from_world->linear() * views[j].view->cam_from_world->linear().transpose();
       // |R - I| (Frobenius) is sqrt(2) times the angle when that is small; the trace would lose half of the digits.
-      const double angle = (turn - Eigen::Matrix3d::Identity()).norm() / std::sqrt(2.);
+      const double angle = (rotation - Eigen::Matrix3d::Identity()).norm() / std::sqrt(2.);
       if (angle > kSameDirection || (views[i].center - views[j].center).norm() > kSamePlace * extent) continue;
       grouped[j] = true;
       names.push_back(views[j].view->name);
@@ -143,14 +141,12 @@ DepthRange RangeLookedAt(const std::vector<PosedView>& views, size_t index, std:
     if (i != index && baseline > 0) nearest = std::min(nearest, baseline);
   }
   if (!std::isfinite(nearest)) nearest = 1;  // all cameras in one place: then every depth gives the same answer
-  return {nearest * kNearestInBaselines, nearest * kFarthestInBaselines};
+  return {nearest * kMinDepthInBaselines, nearest * kMaxDepthInBaselines};
 }
 
-bool Sees(const SceneView& view, const Eigen::Vector3d& world) {
-  const Eigen::Vector3d in_camera = *view.cam_from_world * world;
-  if (!(in_camera.z() > 0)) return false;
-  const auto pixel = view.lens.Project(in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
-  return pixel && pixel->x() >= 0 && pixel->y() >= 0 && pixel->x() < view.lens.width && pixel->y() < view.lens.height;
+bool Sees(const PosedView& view, const Eigen::Vector3d& world) {
+  const Eigen::Vector3d in_camera = *view.view->cam_from_world * world;
+  return in_camera.z() > 0 && view.map.Sees(in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
 }
 
 /// The share of samples of a view's volume that another view sees too.
@@ -159,15 +155,15 @@ double SharedVolume(const std::vector<PosedView>& views, size_t index, const Dep
   const Eigen::Isometry3d world_from_cam = view.cam_from_world->inverse();
   int samples = 0, shared = 0;
   for (int i = 0; i < kPixelSamples * kPixelSamples; ++i) {
-    const auto ray = view.lens.Unproject(view.lens.width * (i % kPixelSamples + .5) / kPixelSamples,
-                                         view.lens.height * (i / kPixelSamples + .5) / kPixelSamples);
+    const auto ray = views[index].map.Unproject(view.intrinsics.width * (i % kPixelSamples + .5) / kPixelSamples,
+                                                view.intrinsics.height * (i / kPixelSamples + .5) / kPixelSamples);
     if (!ray) continue;
     for (int k = 0; k < kDepthSamples; ++k) {
       const double depth = range.near * std::pow(range.far / range.near, (k + .5) / kDepthSamples);
       const Eigen::Vector3d world = world_from_cam * (Eigen::Vector3d(ray->x(), ray->y(), 1) * depth);
       ++samples;
       for (size_t other = 0; other < views.size(); ++other) {
-        if (other == index || !Sees(*views[other].view, world)) continue;
+        if (other == index || !Sees(views[other], world)) continue;
         ++shared;
         break;
       }
@@ -203,27 +199,27 @@ std::vector<std::string> PoseWarnings(const Scene& scene, const std::vector<int>
   }
   if (OnePoint(views, distances, extent)) {
     warnings.push_back(
-        fmt::format("the {} training photographs were taken from one point, so depth cannot be found; move sideways "
-                    "between photographs instead of turning on the spot",
+        fmt::format("the {} training photos were taken from one point, so depth cannot be found; move sideways between "
+                    "photos instead of only turning the camera",
                     views.size()));
     return warnings;  // how far such views overlap no longer matters
   }
   std::vector<std::string> alone;
   std::string nearest;
   for (size_t i = 0; i < views.size(); ++i) {
-    if (SharedVolume(views, i, RangeLookedAt(views, i, distances[i])) >= kSmallestOverlap) continue;
+    if (SharedVolume(views, i, RangeLookedAt(views, i, distances[i])) >= kMinOverlap) continue;
     if (alone.empty()) nearest = NearestView(views, i);
     alone.push_back(views[i].view->name);
   }
   if (alone.size() == 1) {
     warnings.push_back(
-        fmt::format("{} sees nothing that another training photograph sees, so its depth cannot be found; add a "
-                    "photograph between it and {}, or correct its pose",
+        fmt::format("{} sees nothing that another training photo sees, so its depth cannot be found; add a "
+                    "photo between it and {}, or correct its pose",
                     alone[0], nearest));
   } else if (!alone.empty()) {
     warnings.push_back(
-        fmt::format("{} each see nothing that another training photograph sees, so their depth cannot be found; add "
-                    "photographs between them and their neighbours, or correct their poses",
+        fmt::format("{} each see nothing that another training photo sees, so their depth cannot be found; add "
+                    "photos between them and their neighbours, or correct their poses",
                     SomeNames(alone)));
   }
   return warnings;

@@ -1,5 +1,5 @@
 #pragma once
-// What the poses of a scene say about depth before any pixel is read.
+// What can be known of depth from the poses of a scene, before any pixel is read.
 
 #include <string>
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace oraclegs {
 
-/// One line for each way in which the poses of the training views keep depth from being found, each with the mend:
+/// One line for each way in which the poses of the training views keep depth from being found, each with how to fix it:
 ///   - views of one pose, by name;
 ///   - all camera centres in one place (farthest two closer than 1e-3 of the distance that is looked at);
 ///   - a view that shares hardly any of the volume it sees with another training view, by name.
 /// The distance looked at is the median depth of the scene's points or, without points, of where optical axes meet.
-/// `train_views` are indices into scene.views; views without a pose or lens are passed over. Empty
+/// `train_views` are indices into scene.views; views without a pose or intrinsics are passed over. Empty
 /// for fewer than two posed views.
 std::vector<std::string> PoseWarnings(const Scene& scene, const std::vector<int>& train_views);
 

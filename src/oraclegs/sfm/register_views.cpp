@@ -1,3 +1,5 @@
+#include "oraclegs/sfm/register_views.h"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -9,14 +11,13 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_staging.h"
-#include "oraclegs/image/image.h"
-#include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/sfm/colmap_workspace.h"
 #include "oraclegs/sfm/mapper_attempts.h"
 #include "oraclegs/sfm/registration_report.h"
-#include "oraclegs/sfm/colmap_workspace.h"
 
 namespace oraclegs {
 namespace {
@@ -24,18 +25,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kReport[] = "registration.json";
-constexpr double kTurnedOnly = .02;  // TurnResidual: a step aside by a fiftieth of the distance, about one degree
+constexpr double kMaxRotationResidual = .02;  // a step aside by a fiftieth of the distance, about one degree
 
-std::vector<int> AllViews(const Scene& scene) {
-  std::vector<int> views(scene.views.size());
-  for (size_t i = 0; i < views.size(); ++i) views[i] = static_cast<int>(i);
-  return views;
-}
-
-/// The photographs that take part, and those that are copies of one of them.
+/// The photos that take part, and those that are copies of one of them.
 struct Distinct {
   std::vector<int> views;      ///< indices into Scene::views
-  std::map<int, int> same_as;  ///< a copy's index -> that of the one that counts
+  std::map<int, int> same_as;  ///< a copy's index -> that of the one that takes part
 };
 
 Distinct FindDistinct(const Scene& photos, const nlohmann::json& inputs) {
@@ -55,10 +50,10 @@ Distinct FindDistinct(const Scene& photos, const nlohmann::json& inputs) {
   return distinct;
 }
 
-/// What is open to judgement, by the database that the kept model was made from.
-std::vector<PhotoReport> GatherEvidence(const Scene& photos, const Distinct& distinct,
-                                        const std::vector<StagedView>& plan, const fs::path& work_dir) {
-  std::vector<PhotoReport> reports(photos.views.size());
+/// Features and matches of each photo, by the database that the kept model was made from.
+std::vector<ViewReport> GatherEvidence(const Scene& photos, const Distinct& distinct,
+                                       const std::vector<StagedView>& plan, const fs::path& work_dir) {
+  std::vector<ViewReport> reports(photos.views.size());
   for (size_t v = 0; v < reports.size(); ++v) reports[v].name = photos.views[v].name;
   for (const auto& [copy, original] : distinct.same_as) reports[copy].same_as = photos.views[original].name;
 
@@ -82,12 +77,13 @@ std::vector<PhotoReport> GatherEvidence(const Scene& photos, const Distinct& dis
   for (const MatchedPair& pair : ReadMatchedPairs(database)) {
     const auto a = stored.find(pair.first), b = stored.find(pair.second);
     if (pair.inliers == 0 || a == stored.end() || b == stored.end()) continue;
-    const bool turned = pair.homography &&
-                        TurnResidual(RefitHomography(*pair.homography, ReadInliers(database, pair.first, pair.second)),
-                                     a->second.size, b->second.size) < kTurnedOnly;
-    PhotoReport &first = reports[a->second.view], &second = reports[b->second.view];
-    first.neighbours.push_back({second.name, pair.inliers, turned});
-    second.neighbours.push_back({first.name, pair.inliers, turned});
+    const bool pure_rotation =
+        pair.homography &&
+        RotationResidual(RefitHomography(*pair.homography, ReadInliers(database, pair.first, pair.second)),
+                         a->second.size, b->second.size) < kMaxRotationResidual;
+    ViewReport &first = reports[a->second.view], &second = reports[b->second.view];
+    first.neighbours.push_back({second.name, pair.inliers, pure_rotation});
+    second.neighbours.push_back({first.name, pair.inliers, pure_rotation});
   }
   return reports;
 }
@@ -96,12 +92,13 @@ std::vector<PhotoReport> GatherEvidence(const Scene& photos, const Distinct& dis
   const std::string see = (work_dir / kReport).string();
   if (TakenFromOnePoint(report)) {
     throw InputError(
-        "{}: its {} photographs were taken from one point (they differ by a turn of the camera alone), so depth cannot "
-        "be found; move sideways between photographs instead of turning on the spot; see {}",
+        "{}: its {} photos were taken from one point (they differ by a pure rotation of the camera), so depth cannot "
+        "be "
+        "found; move sideways between photos instead of only turning the camera; see {}",
         photos.root.string(), photos.views.size(), see);
   }
   throw InputError(
-      "{}: the cameras of its {} photographs could not be found: {}. Take them again with more overlap between "
+      "{}: the cameras of its {} photos could not be found: {}. Take them again with more overlap between "
       "neighbours and sharp, textured surfaces, or give poses (transforms.json or a COLMAP model); see {}",
       photos.root.string(), photos.views.size(), WhyMissing(report), see);
 }
@@ -114,7 +111,7 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   AttemptResult result;
   try {
     request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
-    result = FindModel(request, listener);
+    result = RunAttempts(request, listener);
   } catch (const ColmapFailure& failure) {
     throw RunError("colmap {} ended with code {}: {}; see {}", failure.command, failure.exit_code, failure.last_line,
                    (work_dir / "colmap.log").string());
@@ -127,42 +124,42 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   result.best.images = std::move(by_view_name);
   const RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
   WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
-  // Of a camera that only turned, colmap now and then makes a model out of the matches' noise.
+  // Of a pure rotation colmap now and then makes a model out of the matches' noise.
   if (report.registered() < 2 || TakenFromOnePoint(report)) FailRegistration(photos, report, work_dir);
   return report;
 }
 
-/// What an earlier run told, so that a cached result is told with the same words.
-std::vector<std::string> ToldBefore(const fs::path& work_dir) {
+/// The warnings of the run that made a cached result, to be reported again.
+std::vector<std::string> StoredWarnings(const fs::path& work_dir) {
   try {
     return nlohmann::json::parse(ReadFile(work_dir / kReport)).at("warnings").get<std::vector<std::string>>();
   } catch (const std::exception&) {
-    return {};  // of a version that wrote none, or damaged: the model alone counts
+    return {};  // written by a version without warnings, or damaged: the model alone is used
   }
 }
 
 void RequireColmap(const Scene& photos) {
   if (ColmapAvailable()) return;
   throw InputError(
-      "{}: has photographs without poses, and the colmap program that finds them is not installed; install it "
+      "{}: has photos without poses, and the colmap program that finds them is not installed; install it "
       "(Debian: apt install colmap) or give a scene with poses",
       photos.root.string());
 }
 
 }  // namespace
 
-Scene RegisterPhotos(const Scene& photos, const fs::path& work_dir, const Listener& listener) {
+Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listener& listener) {
   const nlohmann::json inputs = DescribeInputs(photos, AllViews(photos));
   const Distinct distinct = FindDistinct(photos, inputs);
   if (distinct.views.size() < 2 && photos.views.size() >= 2) {
-    throw InputError("{}: its {} photographs are one and the same; take photographs from different places",
-                     photos.root.string(), photos.views.size());
+    throw InputError("{}: its {} photos are one and the same; take photos from different places", photos.root.string(),
+                     photos.views.size());
   }
   const std::vector<StagedView> plan = PlanStaging(photos, distinct.views);
   std::vector<std::string> warnings;
   if (IsUnchanged(work_dir, inputs)) {
     RestoreImages(photos, distinct.views, plan, work_dir);
-    warnings = ToldBefore(work_dir);
+    warnings = StoredWarnings(work_dir);
   } else {
     RequireColmap(photos);
     ClearWorkDir(work_dir);
@@ -172,7 +169,7 @@ Scene RegisterPhotos(const Scene& photos, const fs::path& work_dir, const Listen
   ModelInScene model = ReadModel(photos, distinct.views, plan, work_dir, listener);
   for (const std::string& warning : warnings) listener(Warning{warning});
   if (model.views.size() == photos.views.size()) {
-    listener(Note{fmt::format("registered {} of {} photographs", model.views.size(), photos.views.size())});
+    listener(Note{fmt::format("registered {} of {} photos", model.views.size(), photos.views.size())});
   }
   return RegisteredScene(photos, std::move(model));
 }

@@ -7,22 +7,22 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kWideLens = .75;  // 27 mm on 36 mm: the main camera of most phones
+constexpr double kWideAngleFocal = .75;  // 27 mm on 36 mm: the main camera of most phones
 
 ColmapOptions Joined(ColmapOptions options, const ColmapOptions& more) {
   for (const auto& [name, value] : more) options[name] = value;
   return options;
 }
 
-/// Without limits to the lens the mapper explains wrong matches of few photographs by a focal length of twenty widths.
+/// Without limits to the focal length the mapper explains wrong matches of few images by one of twenty widths.
 ColmapOptions Common() {
   return {{"Mapper.min_model_size", "2"},
-          {"Mapper.tri_ignore_two_view_tracks", "0"},  // few photographs: most points are seen twice only
+          {"Mapper.tri_ignore_two_view_tracks", "0"},  // few images: most points are seen twice only
           {"Mapper.min_focal_length_ratio", fmt::format("{}", kFocalRange[0])},
           {"Mapper.max_focal_length_ratio", fmt::format("{}", kFocalRange[1])}};
 }
 
-/// For photographs that barely overlap.
+/// For images that barely overlap.
 ColmapOptions Relaxed() {
   return Joined(Common(), {{"Mapper.min_num_matches", "10"},
                            {"Mapper.init_min_num_inliers", "50"},
@@ -31,7 +31,7 @@ ColmapOptions Relaxed() {
                            {"Mapper.abs_pose_min_inlier_ratio", "0.15"}});
 }
 
-/// For two or three photographs side by side or one behind the other: small angles, few common points.
+/// For two or three images side by side or one behind the other: small angles, few common points.
 ColmapOptions TwoView() {
   return Joined(Relaxed(), {{"Mapper.min_num_matches", "8"},
                             {"Mapper.init_min_num_inliers", "20"},
@@ -45,48 +45,49 @@ ColmapOptions TwoView() {
                             {"Mapper.tri_min_angle", "0.7"}});
 }
 
-std::vector<MapperTry> Tries() {
-  return {{"relaxed", Relaxed(), 0}, {"two views", TwoView(), 0}, {"two views, wide lens", TwoView(), kWideLens}};
+std::vector<MapperAttempt> RelaxedAttempts() {
+  return {
+      {"relaxed", Relaxed(), 0}, {"two views", TwoView(), 0}, {"two views, wide angle", TwoView(), kWideAngleFocal}};
 }
 
-std::vector<FeatureSet> MakeLadder() {
-  FeatureSet usual{"usual features", {}, {}, Tries(), 1 << 30};
-  usual.tries.insert(usual.tries.begin(), {"strict", Common(), 0});
+std::vector<FeatureSet> MakeSchedule() {
+  FeatureSet usual{"usual features", {}, {}, RelaxedAttempts(), 1 << 30};
+  usual.attempts.insert(usual.attempts.begin(), {"strict", Common(), 0});
   // Weaker features are found by lowering the threshold. Guided matching, which would also add some, needs known
-  // lenses: without them it follows a homography and keeps what lies on one plane.
+  // intrinsics: without them it follows a homography and keeps what lies on one plane.
   const FeatureSet more{"more features",
                         {{"SiftExtraction.peak_threshold", "0.002"}, {"SiftExtraction.max_num_features", "16384"}},
                         {{"SiftMatching.max_ratio", "0.85"}},
-                        Tries(),
+                        RelaxedAttempts(),
                         16};
   const FeatureSet affine{"affine features",
                           {{"SiftExtraction.estimate_affine_shape", "1"}, {"SiftExtraction.peak_threshold", "0.003"}},
                           {{"SiftMatching.max_ratio", "0.85"}},
-                          Tries(),
+                          RelaxedAttempts(),
                           12};
   const FeatureSet pooled{"pooled features",
                           {{"SiftExtraction.domain_size_pooling", "1"},
                            {"SiftExtraction.estimate_affine_shape", "1"},
                            {"SiftExtraction.peak_threshold", "0.003"}},
                           {{"SiftMatching.max_ratio", "0.85"}},
-                          Tries(),
+                          RelaxedAttempts(),
                           6};
   return {usual, more, affine, pooled};
 }
 
 }  // namespace
 
-const std::vector<FeatureSet>& RegistrationLadder() {
-  static const std::vector<FeatureSet> ladder = MakeLadder();
-  return ladder;
+const std::vector<FeatureSet>& RegistrationSchedule() {
+  static const std::vector<FeatureSet> schedule = MakeSchedule();
+  return schedule;
 }
 
-const ColmapOptions& LeftOverOptions() {
+const ColmapOptions& RemainingImagesOptions() {
   static const ColmapOptions options = Joined(TwoView(), {{"Mapper.abs_pose_max_error", "16"}});
   return options;
 }
 
-const ColmapOptions& MatchAgainOptions() {
+const ColmapOptions& RematchOptions() {
   static const ColmapOptions options{{"SiftMatching.max_ratio", "0.9"},
                                      {"SiftMatching.guided_matching", "1"},
                                      {"SiftMatching.min_num_inliers", "10"},
@@ -94,21 +95,21 @@ const ColmapOptions& MatchAgainOptions() {
   return options;
 }
 
-bool IsEnough(const ModelQuality& best, int photographs) {
+bool IsEnough(const ModelQuality& best, int images) {
   if (!IsSound(best)) return false;
-  return best.registered() >= photographs || (photographs > kFewPhotographs && 2 * best.registered() >= photographs);
+  return best.registered() >= images || (images > kMaxImagesForRetries && 2 * best.registered() >= images);
 }
 
-bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int photographs) {
-  if (IsEnough(best, photographs)) return false;
-  if (photographs <= set.for_few) return true;
+bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images) {
+  if (IsEnough(best, images)) return false;
+  if (images <= set.max_images) return true;
   const int registered = IsSound(best) ? best.registered() : 0;
-  return photographs <= kFewPhotographs && 2 * registered < photographs;
+  return images <= kMaxImagesForRetries && 2 * registered < images;
 }
 
 bool CanMatchMissing(const std::map<std::string, int>& feature_counts, const ModelQuality& best) {
   return std::any_of(feature_counts.begin(), feature_counts.end(), [&](const auto& entry) {
-    return entry.second >= kFewestFeatures && (!IsSound(best) || best.images.count(entry.first) == 0);
+    return entry.second >= kMinFeaturesToMatch && (!IsSound(best) || best.images.count(entry.first) == 0);
   });
 }
 
@@ -121,7 +122,7 @@ std::vector<std::pair<std::string, std::string>> PairsOfMissing(const std::vecto
       if (missing(names[i]) || missing(names[j])) pairs.emplace_back(names[i], names[j]);
     }
   }
-  if (pairs.size() > static_cast<size_t>(kMostPairsAgain)) pairs.clear();
+  if (pairs.size() > static_cast<size_t>(kMaxPairsToRematch)) pairs.clear();
   return pairs;
 }
 

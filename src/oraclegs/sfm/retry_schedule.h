@@ -1,5 +1,5 @@
 #pragma once
-// Which attempts are made to find the cameras of photographs, in which order, and when it is enough. Data and decisions
+// Which attempts are made to find the cameras of images, in which order, and when it is enough. Data and decisions
 // alone: nothing here runs colmap.
 
 #include <map>
@@ -12,47 +12,48 @@
 
 namespace oraclegs {
 
-/// How a model is sought among the matches of one set of features.
-struct MapperTry {
+/// How the mapper looks for a model in the matches of one set of features.
+struct MapperAttempt {
   std::string name;
   ColmapOptions options;
-  double focal_guess = 0;  ///< where the focal length starts, in longer sides of the picture; 0 = colmap's guess (1.2)
+  double focal_guess = 0;  ///< where the focal length starts, in longer sides of the image; 0 = colmap's guess, 1.2
 };
 
 /// One way of finding and matching features; each works on a database of its own.
 struct FeatureSet {
   std::string name;
   ColmapOptions extraction, matching;
-  std::vector<MapperTry> tries;
-  int for_few = 0;  ///< it costs too much for more photographs than this, unless hardly any could be registered
+  std::vector<MapperAttempt> attempts;
+  int max_images = 0;  ///< too slow for more images than this, unless hardly any could be registered
 };
 
-inline constexpr int kFewPhotographs = 24;   ///< up to here every photograph is worth another attempt
-inline constexpr int kFewestFeatures = 30;   ///< a photograph with fewer cannot be matched whatever is tried
-inline constexpr int kMostPairsAgain = 150;  ///< matched anew with known lenses, about a second each
+inline constexpr int kMaxImagesForRetries = 24;  ///< up to here every image is worth another attempt
+inline constexpr int kMinFeaturesToMatch = 30;   ///< an image with fewer cannot be matched in any attempt
+inline constexpr int kMaxPairsToRematch = 150;   ///< matched again with known intrinsics, about a second each
 
 /// Cheap before expensive, strict before relaxed: colmap's own thresholds; relaxed ones; an initial pair of small angle
-/// or forward motion, also from a wide lens; more and weaker features; affine ones; and, slowest, pooled ones.
-/// The thresholds are from trials on 3 to 12 photographs of a scene; the first set is the only one for many.
-const std::vector<FeatureSet>& RegistrationLadder();
+/// or forward motion, also with a wide-angle lens; more and weaker features; affine ones; and, slowest, pooled ones.
+/// The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for many.
+const std::vector<FeatureSet>& RegistrationSchedule();
 
-/// Thresholds for registering what is left over into a model that stands.
-const ColmapOptions& LeftOverOptions();
-/// For matching photographs anew once the lens is known: alike in less, but held to one motion of that lens.
-const ColmapOptions& MatchAgainOptions();
+/// Thresholds for registering the remaining images into an existing model.
+const ColmapOptions& RemainingImagesOptions();
+/// For matching images again once the intrinsics are known: weaker matches, but consistent with one motion of that
+/// camera.
+const ColmapOptions& RematchOptions();
 
-/// True when no further mapper run is called for: a sound model has all photographs or, of more than
-/// kFewPhotographs, half of them.
-bool IsEnough(const ModelQuality& best, int photographs);
+/// True when no further mapper run is called for: a sound model has all images or, of more than
+/// kMaxImagesForRetries, half of them.
+bool IsEnough(const ModelQuality& best, int images);
 
 /// True when `set` is to be tried after `best` was found without it.
-bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int photographs);
+bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images);
 
-/// True when a photograph that is missing in `best` has features enough to be matched. `feature_counts` by name.
+/// True when an image that is missing in `best` has features enough to be matched. `feature_counts` by name.
 bool CanMatchMissing(const std::map<std::string, int>& feature_counts, const ModelQuality& best);
 
-/// Of `names`, those `best` lacks, each paired with every other photograph (a pair once): what is worth matching again.
-/// Empty when the pairs are more than kMostPairsAgain.
+/// Of `names`, those `best` lacks, each paired with every other image (a pair once): what is worth matching again.
+/// Empty when the pairs are more than kMaxPairsToRematch.
 std::vector<std::pair<std::string, std::string>> PairsOfMissing(const std::vector<std::string>& names,
                                                                 const ModelQuality& best);
 

@@ -7,13 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
-#include <system_error>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "oraclegs/core/subprocess.h"
-#include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/scene/colmap_model.h"
+#include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_staging.h"
 #include "oraclegs/sfm/colmap_workspace.h"
@@ -43,9 +42,9 @@ size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const 
   std::vector<ColmapImage> images;
   for (size_t i = 0; i < views.size(); ++i) {
     const auto found = stored.find(plan[i].name);
-    if (found == stored.end()) continue;  // colmap could not use this photograph and said so in its log
+    if (found == stored.end()) continue;  // colmap could not use this image and logged why
     const SceneView& view = scene.views[views[i]];
-    cameras[found->second.camera_id] = view.lens;
+    cameras[found->second.camera_id] = view.intrinsics;
     images.push_back({found->second.image_id, plan[i].name, found->second.camera_id, *view.cam_from_world});
   }
   SetDatabaseCameras(colmap.database(), cameras);
@@ -58,18 +57,18 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
   const ColmapRunner colmap(work_dir, listener);
   const bool has_masks = StageImages(scene, views, plan, work_dir);
   colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
-  if (WriteKnownPoses(scene, views, plan, colmap, work_dir / "poses") < 2) {
-    throw ColmapFailure{"feature_extractor", 0, "fewer than two photographs could be used"};
+  if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {
+    throw ColmapFailure{"feature_extractor", 0, "fewer than two photos could be used"};
   }
   colmap.MatchExhaustively();
-  const fs::path made = work_dir / "models" / "0";
+  const fs::path made = AttemptsFolder(work_dir) / "model";
   MakeFolder(made);
   colmap.Run("point_triangulator",
              {{"image_path", colmap.images().string()},
-              {"input_path", (work_dir / "poses").string()},
+              {"input_path", (AttemptsFolder(work_dir) / "poses").string()},
               {"output_path", made.string()},
               {"clear_points", "1"},
-              {"Mapper.tri_ignore_two_view_tracks", "0"},  // few photographs: most points are seen twice only
+              {"Mapper.tri_ignore_two_view_tracks", "0"},  // few images: most points are seen twice only
               {"Mapper.ba_refine_focal_length", "0"},
               {"Mapper.ba_refine_principal_point", "0"},
               {"Mapper.ba_refine_extra_params", "0"},
@@ -79,8 +78,6 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
 }
 
 }  // namespace
-
-bool ColmapAvailable() { return !FindProgram("colmap").empty(); }
 
 std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<int>& views, const fs::path& work_dir,
                                           const Listener& listener) {
@@ -103,7 +100,7 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
     Triangulate(scene, views, plan, work_dir, listener);
   } catch (const ColmapFailure& failure) {
     listener(Warning{
-        fmt::format("no points are triangulated, as happens when photographs match nowhere or poses are wrong: "
+        fmt::format("no points are triangulated, as happens when photos match nowhere or poses are wrong: "
                     "colmap {} ended with code {}: {}; see {}",
                     failure.command, failure.exit_code, failure.last_line, (work_dir / "colmap.log").string())});
     return {};
@@ -111,9 +108,8 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
   std::vector<ScenePoint> points = ReadModel(scene, views, plan, work_dir, listener).points;
   WriteFileAtomically(work_dir / "points.ply", PointsPly(points));
   MarkDone(work_dir, inputs);
-  std::error_code ignored;
-  for (const char* name : {"poses", "models"}) fs::remove_all(work_dir / name, ignored);
-  listener(Note{fmt::format("triangulated {} points from {} photographs", points.size(), views.size())});
+  RemoveAttempts(work_dir);
+  listener(Note{fmt::format("triangulated {} points from {} views", points.size(), views.size())});
   return points;
 }
 
