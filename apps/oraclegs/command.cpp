@@ -34,7 +34,7 @@ Command::Command(CLI::App* app, const std::string& name, const std::string& help
 }
 
 void Command::BindRun(RunOptions* options) {
-  options->ForEachGroup([&](const char* title, auto& group) { Bind(title, &group); });
+  RunOptions::ForEachGroup(*options, [&](const char* title, auto& group) { Bind(title, &group); });
   machine_ = &options->machine;
   device_ = &options->device;
   app_->add_option("--preset", preset_,

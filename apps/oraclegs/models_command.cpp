@@ -25,8 +25,8 @@ std::string Size(uint64_t bytes) {
 
 std::string ListText() {
   std::vector<std::vector<std::string>> rows = {{"name", "size", "here", "for"}};
-  for (const ModelInfo& model : AllModels()) {
-    const auto here = LocateModel(model.name);
+  for (const WeightsInfo& model : AllWeights()) {
+    const auto here = LocateWeights(model.name);
     rows.push_back({model.name, Size(model.download_bytes), here ? "yes" : "no", model.purpose});
     std::string licence = "licence " + model.licence;
     if (model.non_commercial) licence += "; not for commercial use";
@@ -66,20 +66,20 @@ class ModelsCommand : public Command {
     } else if (action_ == "fetch") {
       const auto settings =
           FetchSettingsFromEnvironment(std::filesystem::path(ORACLEGS_SCRIPT_DIR) / "convert_weights.py");
-      Print(FetchModel(Model(), fetch_, settings, listener).string());
+      Print(FetchWeights(Model(), fetch_, settings, listener).string());
     } else if (action_ == "check") {
-      const auto file = check_.file.empty() ? FindModel(Model().name) : check_.file;
-      const size_t tensors = CheckModel(Model(), file);
+      const auto file = check_.file.empty() ? RequireWeights(Model().name) : check_.file;
+      const size_t tensors = CheckWeights(Model(), file);
       Print(fmt::format("{}: all {} tensors of {} are there", file.string(), tensors, name_));
     } else {
       throw UsageError("there is no `oraclegs models {}`, only list, fetch NAME and check NAME", action_);
     }
   }
 
-  const ModelInfo& Model() const {
+  const WeightsInfo& Model() const {
     if (name_.empty())
       throw UsageError("`oraclegs models {}` needs a name; `oraclegs models list` shows them", action_);
-    return ModelNamed(name_);
+    return WeightsNamed(name_);
   }
 
   std::string action_, name_;

@@ -12,15 +12,16 @@ from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "export", "info", "models", "demo-scene"]
 
 # Where each command's options are declared, below src/oraclegs.
-RUN_OPTIONS = ["pipeline/options.h", "scene/split.h", "scene/photos.h", "depth/stereo.h", "train/options.h"]
+RUN_OPTIONS = ["pipeline/settings/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
+               "propose/options.h", "propose/trajectory.h", "validate/options.h"]
 DECLARED_IN = {
     **{name: RUN_OPTIONS for name in ["reconstruct", "sfm", "depth", "train", "evaluate"]},
-    "ablate": RUN_OPTIONS + ["pipeline/ablation.h"],
+    "ablate": RUN_OPTIONS + ["experiments/ablation.h"],
     "render": RUN_OPTIONS + ["pipeline/render_path.h"],
     "export": ["pipeline/export.h"],
     "demo-scene": ["demo/demo_scene.h"],
     "info": [],
-    "models": ["models/fetch.h"],
+    "models": ["weights/fetch.h"],
 }
 
 
@@ -52,13 +53,17 @@ class Help(unittest.TestCase):
         text = subprocess.run(command("--version"), check=True, capture_output=True, text=True).stdout
         self.assertRegex(text, r"^oraclegs \d+\.\d+\.\d+\n$")
 
-    def test_usage_document_mentions_every_command_and_preset(self):
-        usage = (ROOT / "docs/usage.md").read_text()
-        for name in COMMANDS:
-            self.assertIn(f"### {name}\n", usage)
-            self.assertIn(f"oraclegs {name} ", usage)
+    def test_documents_name_every_preset(self):
+        pages = (ROOT / "docs/tutorial.md").read_text() + (ROOT / "docs/commands.md").read_text()
         for preset in (ROOT / "presets").glob("*.toml"):
-            self.assertIn(f"`{preset.stem}`", usage)
+            self.assertIn(f"`{preset.stem}`", pages)
+
+    def test_program_links_no_libtorch(self):
+        program = command("--version")[0]
+        libraries = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
+        self.assertIn("liboraclegs_core", libraries)
+        for name in ["torch", "c10", "openblas"]:
+            self.assertNotIn(name, libraries)
 
 
 class Usage(EndToEnd):
