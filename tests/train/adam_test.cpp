@@ -11,17 +11,18 @@ namespace {
 
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-15;
 
-/// The textbook in double, one tensor.
+/// The textbook in double, one array.
 struct SlowAdam {
-  Buffer<float> p, m, v;
+  Eigen::ArrayXd p, m, v;
   explicit SlowAdam(const Buffer<float>& start)
-      : p(start.to(torch::kDouble)), m(torch::zeros_like(p)), v(torch::zeros_like(p)) {}
-  void Step(const Buffer<float>& grad, const Buffer<float>& rate, int64_t t) {
-    const Buffer<float> g = grad.to(torch::kDouble);
+      : p(Wide(start)), m(Eigen::ArrayXd::Zero(p.size())), v(Eigen::ArrayXd::Zero(p.size())) {}
+  /// What is not a number counts as zero.
+  void Step(const Buffer<float>& grad, const Eigen::ArrayXd& rate, int64_t t) {
+    const Eigen::ArrayXd g = Wide(grad).isNaN().select(0, Wide(grad));
     m = kBeta1 * m + (1 - kBeta1) * g;
     v = kBeta2 * v + (1 - kBeta2) * g * g;
     const double t_double = static_cast<double>(t);
-    const Buffer<float> m_hat = m / (1 - std::pow(kBeta1, t_double)), v_hat = v / (1 - std::pow(kBeta2, t_double));
+    const Eigen::ArrayXd m_hat = m / (1 - std::pow(kBeta1, t_double)), v_hat = v / (1 - std::pow(kBeta2, t_double));
     p = p - rate * m_hat / (v_hat.sqrt() + kEpsilon);
   }
 };
@@ -29,17 +30,24 @@ struct SlowAdam {
 /// Gradients of very different size, some exactly zero, with garbage above the active degree.
 Gaussians RandomGrads(int64_t n, uint64_t seed, int degree) {
   Gaussians g = RandomGaussians(n, seed);
-  g.ForEach(
-      [](const char*, Buffer<float>& t) { t = t * torch::pow(10.f, -3 * t.abs()) * (t.abs() > 0.1f).to(torch::kFloat); });
-  g.sh.narrow(1, ShCount(degree), kShCoefficients - ShCount(degree)).fill_(std::nanf(""));
+  g.ForEach([](const char*, Buffer<float>& t) {
+    const Eigen::ArrayXf size = Flat(t).abs();
+    Flat(t) *= (size * -3 * std::log(10.f)).exp() * (size > 0.1f).cast<float>();
+  });
+  Table(g.sh).rightCols(kShFloats - 3 * ShCount(degree)).setConstant(std::nanf(""));
   return g;
 }
 
-std::vector<Buffer<float>> RateOf(const LearningRates& r) {
-  Buffer<float> sh = torch::full({1, 16, 3}, r.sh_rest, torch::kDouble);
-  sh.narrow(1, 0, 1).fill_(r.sh0);
-  const auto scalar = [](double x) { return torch::tensor(x, torch::kDouble); };
-  return {scalar(r.means), scalar(r.log_scales), scalar(r.quats), scalar(r.opacity_logits), sh};
+/// Of every number of n Gaussians, in the order of Tensors.
+std::vector<Eigen::ArrayXd> RateOf(const LearningRates& r, int64_t n) {
+  Eigen::ArrayXXd sh = Eigen::ArrayXXd::Constant(kShFloats, n, r.sh_rest);
+  sh.topRows(3).setConstant(r.sh0);
+  const auto all = [](int64_t count, double x) -> Eigen::ArrayXd { return Eigen::ArrayXd::Constant(count, x); };
+  return {all(3 * n, r.means), all(3 * n, r.log_scales), all(4 * n, r.quats), all(n, r.opacity_logits), sh.reshaped()};
+}
+
+bool AllClose(const Buffer<float>& x, const Eigen::ArrayXd& wanted, double relative, double absolute) {
+  return ((Wide(x) - wanted).abs() <= absolute + relative * wanted.abs()).all();
 }
 
 class AdamDegreeTest : public testing::TestWithParam<int> {};
@@ -48,11 +56,11 @@ TEST_P(AdamDegreeTest, AgreesWithDoublePrecisionOnEveryTarget) {
   const int degree = GetParam();
   LearningRates rates;
   rates.means = 3e-3;
-  const auto rate = RateOf(rates);
   ForEachTarget([&](int64_t target) {
     for (const int64_t n : {1, 5, 37}) {  // no size is a whole number of vectors
+      const auto rate = RateOf(rates, n);
       const Gaussians start = RandomGaussians(n, 1);
-      Gaussians params = Copy(start);
+      Gaussians params = start.Clone();
       Adam adam(n);
       std::vector<SlowAdam> slow;
       for (const Buffer<float>& t : Tensors(start)) slow.emplace_back(t);
@@ -60,16 +68,16 @@ TEST_P(AdamDegreeTest, AgreesWithDoublePrecisionOnEveryTarget) {
         const Gaussians grads = RandomGrads(n, 100 + step, degree);
         adam.Step(grads, rates, degree, &params);
         const auto g = Tensors(grads);
-        for (size_t k = 0; k < g.size(); ++k) slow[k].Step(torch::nan_to_num(g[k], 0), rate[k], step);
+        for (size_t k = 0; k < g.size(); ++k) slow[k].Step(g[k], rate[k], step);
       }
       const auto p = Tensors(params), m = Tensors(adam.m), v = Tensors(adam.v);
       for (size_t k = 0; k < p.size(); ++k) {
-        EXPECT_TRUE(torch::allclose(p[k].to(torch::kDouble), slow[k].p, 1e-6, 1e-6)) << target << " tensor " << k;
-        EXPECT_TRUE(torch::allclose(m[k].to(torch::kDouble), slow[k].m, 1e-5, 1e-8)) << target << " tensor " << k;
-        EXPECT_TRUE(torch::allclose(v[k].to(torch::kDouble), slow[k].v, 1e-5, 1e-15)) << target << " tensor " << k;
+        EXPECT_TRUE(AllClose(p[k], slow[k].p, 1e-6, 1e-6)) << target << " tensor " << k;
+        EXPECT_TRUE(AllClose(m[k], slow[k].m, 1e-5, 1e-8)) << target << " tensor " << k;
+        EXPECT_TRUE(AllClose(v[k], slow[k].v, 1e-5, 1e-15)) << target << " tensor " << k;
       }
-      const int active = ShCount(degree);
-      EXPECT_TRUE(torch::equal(params.sh.narrow(1, active, 16 - active), start.sh.narrow(1, active, 16 - active)));
+      const int inactive = kShFloats - 3 * ShCount(degree);
+      EXPECT_TRUE((Table(params.sh).rightCols(inactive) == Table(start.sh).rightCols(inactive)).all());
     }
   });
 }
@@ -111,27 +119,27 @@ TEST(AdamTest, FirstStepMovesByTheLearningRate) {
   // m_hat / sqrt(v_hat) is the sign of the gradient in the first step, whatever its size.
   Gaussians params = Gaussians::Zeros(3);
   Gaussians grads = Gaussians::Zeros(3);
-  grads.ForEach([](const char*, Buffer<float>& t) { t.fill_(-1e-6f); });
+  grads.ForEach([](const char*, Buffer<float>& t) { Flat(t).setConstant(-1e-6f); });
   LearningRates rates;
   rates.means = 0.125;
   Adam adam(3);
   adam.Step(grads, rates, 3, &params);
   EXPECT_EQ(adam.step, 1);
-  const auto rate = RateOf(rates);
+  const auto rate = RateOf(rates, 3);
   const auto p = Tensors(params);
   for (size_t k = 0; k < p.size(); ++k) {
-    EXPECT_TRUE(torch::allclose(p[k].to(torch::kDouble), rate[k].expand_as(p[k]), 1e-5, 0));
+    EXPECT_TRUE(AllClose(p[k], rate[k], 1e-5, 0));
   }
 }
 
 TEST(AdamTest, MomentsOfTheForgottenEndAtZero) {
   Gaussians params = Gaussians::Zeros(2), grads = Gaussians::Zeros(2);
-  grads.means.fill_(1e-10f);
+  Flat(grads.means).setConstant(1e-10f);
   Adam adam(2);
   adam.Step(grads, {}, 3, &params);
   grads.means.SetZero();
   for (int step = 0; step < 1000; ++step) adam.Step(grads, {}, 3, &params);
-  EXPECT_EQ(adam.m.means.abs().max().item<float>(), 0);
+  EXPECT_EQ(MaxAbs(adam.m.means), 0);
 }
 
 TEST(AdamTest, RefusesWhatDoesNotFit) {

@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/files.h"
 #include "support/golden.h"
+#include "support/temp_dir.h"
 #include "train/gaussian_fixtures.h"
 
 namespace oraclegs {
@@ -16,7 +17,7 @@ Checkpoint Example(int64_t n) {
   Checkpoint c;
   c.iteration = 1234;
   c.gaussians = RandomGaussians(n, 1);
-  c.gaussians.means[0][0] = -0.f;
+  c.gaussians.means[0] = -0.f;
   c.adam.m = RandomGaussians(n, 2);
   c.adam.v = RandomGaussians(n, 3);
   c.adam.step = 1233;

@@ -1,10 +1,11 @@
 #include "oraclegs/train/floaters.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "oraclegs/train/mcmc.h"
-#include "oraclegs/train/rows.h"
-#include "support/golden.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -23,13 +24,13 @@ TrainView WallView(double x) {
 Gaussians At(const std::vector<std::array<float, 3>>& places) {
   Gaussians g = RandomGaussians(static_cast<int64_t>(places.size()), 1);
   std::copy(&places[0][0], &places[0][0] + 3 * places.size(), g.means.data());
-  g.opacity_logits.fill_(2);
+  Flat(g.opacity_logits).setConstant(2);
   return g;
 }
 
 std::vector<int> Dead(const Gaussians& g) {
   std::vector<int> dead;
-  for (int64_t i = 0; i < g.size(); ++i) dead.push_back(std::abs(g.opacity_logits[i].item<float>() - 2) > 0);
+  for (int64_t i = 0; i < g.size(); ++i) dead.push_back(std::abs(g.opacity_logits[i] - 2) > 0);
   return dead;
 }
 
@@ -39,14 +40,14 @@ TEST(PruneFloatersTest, WhatHangsBeforeTheWallDies) {
   EXPECT_EQ(PruneFloaters(views, &g), 2);
   // On the wall, before, a little before (neither), before, behind, behind the camera, beside the image.
   EXPECT_EQ(Dead(g), (std::vector<int>{0, 1, 0, 1, 0, 0, 0}));
-  EXPECT_LE(torch::sigmoid(g.opacity_logits[1]).item<float>(), kDeadOpacity);
+  EXPECT_LE(1 / (1 + std::exp(-g.opacity_logits[1])), kDeadOpacity);
   EXPECT_EQ(PruneFloaters(views, &g), 0);  // the dead do not die again
 }
 
 TEST(PruneFloatersTest, ViewsWithoutTrustedDepthHaveNoSay) {
   TrainView mute = WallView(0), doubtful = WallView(0);
   mute.inv_depth = mute.depth_mask = Buffer<float>();
-  doubtful.depth_mask.fill_(0.5f);
+  Flat(doubtful.depth_mask).setConstant(0.5f);
   Gaussians g = At({{0, 0, 4}, {0, 0, 3}});
   EXPECT_EQ(PruneFloaters({mute, doubtful}, &g), 0);
   EXPECT_EQ(PruneFloaters({mute, doubtful, WallView(0)}, &g), 1);
@@ -54,7 +55,7 @@ TEST(PruneFloatersTest, ViewsWithoutTrustedDepthHaveNoSay) {
 
 TEST(PruneFloatersTest, AgreementOfMoreViewsSaves) {
   TrainView agrees = WallView(0);  // sees a wall at z = 3, where the Gaussian is
-  agrees.inv_depth.fill_(1 / 3.f);
+  Flat(agrees.inv_depth).setConstant(1 / 3.f);
   const auto dead = [&](const std::vector<TrainView>& views) {
     Gaussians g = At({{0, 0, 3}, {0, 0, 20}});
     return PruneFloaters(views, &g);
@@ -73,10 +74,10 @@ TEST(PruneFloatersTest, TheLastOnesAreSpared) {
 TEST(PruneFloatersTest, SameForAnyNumberOfThreads) {
   const std::vector<TrainView> views = {WallView(0), WallView(0.5), WallView(1)};
   Gaussians start = RandomGaussians(5000, 4);
-  start.means += torch::tensor({0.f, 0.f, 3.5f});
+  Table(start.means).col(2) += 3.5f;
   const auto run = [&](int threads) {
     const Threads scope(threads);
-    Gaussians g = Clone(start);
+    Gaussians g = start.Clone();
     EXPECT_GT(PruneFloaters(views, &g), 500);
     return g;
   };
@@ -95,7 +96,7 @@ TEST(TrainerFloatersTest, PruningMovesThemToTheSurface) {
     options.prune_floaters = prune;
     Trainer trainer(options, kSeed, {0, 0, 0}, views, Start());
     for (int i = 0; i < 40; ++i) trainer.Step();  // the 40th relocates
-    Gaussians g = Clone(trainer.gaussians());
+    Gaussians g = trainer.gaussians().Clone();
     return PruneFloaters(views, &g);
   };
   EXPECT_GT(before(false), 0);

@@ -7,26 +7,23 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/gaussians/gaussians.h"
+#include "support/buffers.h"
 
 namespace oraclegs {
 
 /// n Gaussians of sizes around exp(-2), opacities over (0, 1), all sh set.
 inline Gaussians RandomGaussians(int64_t n, uint64_t seed) {
-  auto generator = torch::make_generator<torch::CPUGeneratorImpl>(seed);
-  const auto normal = [&](std::vector<int64_t> shape) { return torch::randn(shape, generator); };
+  const auto normal = [&](const Shape& shape, uint64_t tensor) { return RandomNormal(shape, 8 * seed + tensor); };
   Gaussians g;
-  g.means = normal({n, 3});
-  g.log_scales = normal({n, 3}) * 0.5f - 2;
-  g.quats = normal({n, 4});
-  g.opacity_logits = normal({n}) * 3;
-  g.sh = normal({n, 16, 3}) * 0.3f;
+  g.means = normal({n, 3}, 0);
+  g.log_scales = normal({n, 3}, 1);
+  Flat(g.log_scales) = 0.5f * Flat(g.log_scales) - 2;
+  g.quats = normal({n, 4}, 2);
+  g.opacity_logits = normal({n}, 3);
+  Flat(g.opacity_logits) *= 3;
+  g.sh = normal({n, 16, 3}, 4);
+  Flat(g.sh) *= 0.3f;
   return g;
-}
-
-inline Gaussians Copy(const Gaussians& gaussians) {
-  Gaussians copy = gaussians;
-  copy.ForEach([](const char*, Buffer<float>& t) { t = t.Clone(); });
-  return copy;
 }
 
 inline std::vector<Buffer<float>> Tensors(const Gaussians& gaussians) {
@@ -38,7 +35,7 @@ inline std::vector<Buffer<float>> Tensors(const Gaussians& gaussians) {
 inline bool SameBits(const Gaussians& a, const Gaussians& b) {
   const auto x = Tensors(a), y = Tensors(b);
   for (size_t i = 0; i < x.size(); ++i) {
-    if (x[i].shape() != y[i].shape() || !torch::equal(x[i].view(torch::kInt), y[i].view(torch::kInt))) return false;
+    if (!SameBytes(x[i], y[i])) return false;
   }
   return true;
 }

@@ -4,8 +4,8 @@
 #include "oraclegs/core/rng.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/mcmc.h"
+#include "support/buffers.h"
 #include "support/golden.h"
-#include "support/tensors.h"
 #include "train/gaussian_fixtures.h"
 
 namespace oraclegs {
@@ -16,8 +16,8 @@ constexpr uint64_t kSeed = 0x123456789abcdef0;
 /// Identity rotation and unit scales, so that the displacement is the noise itself.
 Gaussians UnitGaussians(int64_t n, float logit) {
   Gaussians g = Gaussians::Zeros(n);
-  g.quats.narrow(1, 0, 1).fill_(1.f);
-  g.opacity_logits.fill_(logit);
+  Table(g.quats).col(0).setOnes();
+  Flat(g.opacity_logits).setConstant(logit);
   return g;
 }
 
@@ -25,20 +25,20 @@ TEST(NoiseTest, MatchesGoldenOnEveryTarget) {
   const SafetensorsFile golden = OpenGolden("mcmc_relocation");
   const double lr = golden.Values<double>("noise_lr_xyz").at(0);
   const Buffer<float> epsilon = GoldenFloat(golden, "noise_epsilon");
-  const Buffer<float> wanted = GoldenTensor(golden, "noise_displacement");
-  const Buffer<float> wanted_means = GoldenTensor(golden, "noise_means_out");
+  const Eigen::ArrayXd wanted = Wide(GoldenDouble(golden, "noise_displacement"));
+  const Eigen::ArrayXd wanted_means = Wide(GoldenDouble(golden, "noise_means_out"));
   ForEachTarget([&](int64_t target) {
     Gaussians g = Gaussians::Zeros(epsilon.size(0));
     g.log_scales = GoldenFloat(golden, "noise_log_scales");
     g.quats = GoldenFloat(golden, "noise_quats");
     g.opacity_logits = GoldenFloat(golden, "noise_opacity_logits");
     AddNoiseFrom(epsilon, lr, &g);
-    const Buffer<float> allowed = 2e-4 * wanted.abs() + 1e-6 * wanted.abs().max();
-    EXPECT_TRUE(((g.means.to(torch::kDouble) - wanted).abs() <= allowed).all().item<bool>()) << target;
+    const Eigen::ArrayXd allowed = 2e-4 * wanted.abs() + 1e-6 * wanted.abs().maxCoeff();
+    EXPECT_TRUE(((Wide(g.means) - wanted).abs() <= allowed).all()) << target;
     g.means = GoldenFloat(golden, "noise_means");
     AddNoiseFrom(epsilon, lr, &g);
-    const Buffer<float> rounding = 1e-6 * wanted_means.abs();
-    EXPECT_TRUE(((g.means.to(torch::kDouble) - wanted_means).abs() <= allowed + rounding).all().item<bool>()) << target;
+    const Eigen::ArrayXd rounding = 1e-6 * wanted_means.abs();
+    EXPECT_TRUE(((Wide(g.means) - wanted_means).abs() <= allowed + rounding).all()) << target;
   });
 }
 
@@ -46,14 +46,14 @@ TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
   constexpr int64_t kCount = 53, kIteration = 77;
   constexpr double kRate = 1e-5;  // 5e5 times this is 5
   constexpr double kPi = 3.14159265358979323846;
-  Buffer<float> wanted = torch::empty({kCount, 3}, torch::kDouble);
+  Eigen::ArrayXd wanted(3 * kCount);
   for (int64_t i = 0; i < kCount; ++i) {
     const Philox w = Philox::Draw(kSeed, static_cast<uint64_t>(RandomStream::kNoise), uint64_t{kIteration} << 32 | i);
     const auto uniform = [&](int k) { return (static_cast<double>(w.x[k] >> 8) + 0.5) * 0x1.0p-24; };
     const double r0 = std::sqrt(-2 * std::log(uniform(0))), r1 = std::sqrt(-2 * std::log(uniform(2)));
-    wanted[i][0] = 5 * r0 * std::cos(2 * kPi * uniform(1));
-    wanted[i][1] = 5 * r0 * std::sin(2 * kPi * uniform(1));
-    wanted[i][2] = 5 * r1 * std::cos(2 * kPi * uniform(3));
+    wanted[3 * i] = 5 * r0 * std::cos(2 * kPi * uniform(1));
+    wanted[3 * i + 1] = 5 * r0 * std::sin(2 * kPi * uniform(1));
+    wanted[3 * i + 2] = 5 * r1 * std::cos(2 * kPi * uniform(3));
   }
   const double gate = 1 / (1 + std::exp(-0.5));  // opacity 0
   ForEachTarget([&](int64_t target) {
@@ -68,44 +68,43 @@ TEST(NoiseTest, IsStandardNormal) {
   Gaussians g = UnitGaussians(kCount, -40);
   const double gate = 1 / (1 + std::exp(-0.5));
   AddNoise({1, 9, 1 / (5e5 * gate)}, &g);
-  const Buffer<float> x = g.means.to(torch::kDouble);
-  EXPECT_LT(x.mean(0).abs().max().item<double>(), 0.02);
-  const Buffer<float> covariance = x.t().mm(x) / kCount;
-  EXPECT_LT(MaxAbsError(covariance, torch::eye(3)), 0.03);
-  EXPECT_NEAR(x.pow(4).mean().item<double>(), 3, 0.1);
+  const Eigen::MatrixXd x = Table(g.means).cast<double>();
+  EXPECT_LT(x.colwise().mean().cwiseAbs().maxCoeff(), 0.02);
+  const Eigen::Matrix3d covariance = x.transpose() * x / kCount;
+  EXPECT_LT((covariance - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_NEAR(x.array().pow(4).mean(), 3, 0.1);
 }
 
 TEST(NoiseTest, MultipliesByTheCovarianceItself) {
   Gaussians g = RandomGaussians(31, 4);
-  g.opacity_logits.fill_(-40);
-  const Buffer<float> before = g.means.to(torch::kDouble);
+  Flat(g.opacity_logits).setConstant(-40);
+  const Eigen::ArrayXd before = Wide(g.means);
   const Buffer<float> epsilon = Buffer<float>::Full({31, 3}, 1.f);
   AddNoiseFrom(epsilon, 1e-6, &g);
-  const Buffer<float> q = g.quats.to(torch::kDouble) / g.quats.to(torch::kDouble).norm(2, 1, true);
   const double gate = 1 / (1 + std::exp(-0.5));
   for (int64_t i = 0; i < 31; ++i) {
-    const Eigen::Quaterniond rotation(q[i][0].item<double>(), q[i][1].item<double>(), q[i][2].item<double>(),
-                                      q[i][3].item<double>());
+    const float* q = g.quats.data() + 4 * i;
+    const Eigen::Quaterniond rotation = Eigen::Quaternionf(q[0], q[1], q[2], q[3]).cast<double>().normalized();
     Eigen::Vector3d scale;
-    for (int k = 0; k < 3; ++k) scale[k] = std::exp(g.log_scales[i][k].item<double>());
+    for (int k = 0; k < 3; ++k) scale[k] = std::exp(static_cast<double>(g.log_scales[3 * i + k]));
     const Eigen::Matrix3d r = rotation.toRotationMatrix();
     const Eigen::Vector3d wanted =
         0.5 * gate * (r * scale.cwiseAbs2().asDiagonal() * r.transpose()) * Eigen::Vector3d::Ones();
     for (int k = 0; k < 3; ++k) {
-      EXPECT_NEAR(g.means[i][k].item<double>() - before[i][k].item<double>(), wanted[k], 1e-6);
+      EXPECT_NEAR(g.means[3 * i + k] - before[3 * i + k], wanted[k], 1e-6);
     }
   }
 }
 
 TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
   Gaussians g = RandomGaussians(100, 4);
-  g.log_scales.fill_(2);
-  g.opacity_logits.narrow(0, 0, 99).fill_(0);  // gate exp(-49.5)
+  Flat(g.log_scales).setConstant(2);
+  Flat(g.opacity_logits).head(99).setZero();  // gate exp(-49.5)
   g.opacity_logits[99] = -6;
   const Buffer<float> before = g.means.Clone();
   AddNoise({1, 9, 1e-4}, &g);
-  EXPECT_TRUE(torch::equal(g.means.narrow(0, 0, 99), before.narrow(0, 0, 99)));
-  EXPECT_FALSE(torch::equal(g.means[99], before[99]));
+  EXPECT_TRUE(Equal(g.means.Rows(0, 99), before.Rows(0, 99)));
+  EXPECT_FALSE(Equal(g.means.Rows(99, 100), before.Rows(99, 100)));
 }
 
 TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
@@ -136,9 +135,9 @@ TEST(NoiseTest, IterationAndSeedMatter) {
     AddNoise({seed, iteration, 1e-4}, &g);
     return g.means;
   };
-  EXPECT_TRUE(torch::equal(run(1, 5), run(1, 5)));
-  EXPECT_FALSE(torch::equal(run(1, 5), run(1, 6)));
-  EXPECT_FALSE(torch::equal(run(1, 5), run(2, 5)));
+  EXPECT_TRUE(Equal(run(1, 5), run(1, 5)));
+  EXPECT_FALSE(Equal(run(1, 5), run(1, 6)));
+  EXPECT_FALSE(Equal(run(1, 5), run(2, 5)));
 }
 
 TEST(NoiseTest, RefusesEpsilonOfAnotherShape) {
@@ -150,22 +149,22 @@ TEST(RegularizerTest, AgreesWithAutogradOnEveryTarget) {
   constexpr double kOpacityReg = 0.3, kScaleReg = 0.7;
   for (const int64_t n : {1, 37, 3001}) {
     const Gaussians g = RandomGaussians(n, 8);
-    const Buffer<float> logits = g.opacity_logits.to(torch::kDouble).requires_grad_();
-    const Buffer<float> log_scales = g.log_scales.to(torch::kDouble).requires_grad_();
-    const Buffer<float> value = kOpacityReg * torch::sigmoid(logits).mean() + kScaleReg * log_scales.exp().mean();
-    value.backward();
+    const Eigen::ArrayXd opacity = 1 / (1 + (-Wide(g.opacity_logits)).exp()), scale = Wide(g.log_scales).exp();
+    const double value = kOpacityReg * opacity.mean() + kScaleReg * scale.mean();
+    const Eigen::ArrayXd by_logit = kOpacityReg * opacity * (1 - opacity) / static_cast<double>(n);
+    const Eigen::ArrayXd by_log_scale = kScaleReg * scale / static_cast<double>(3 * n);
     const Gaussians start = RandomGaussians(n, 9);
     ForEachTarget([&](int64_t target) {
-      Gaussians grads = Copy(start);
-      EXPECT_NEAR(AddRegularizers(g, kOpacityReg, kScaleReg, &grads), value.item<double>(), 1e-6) << target;
-      EXPECT_LT(MaxAbsError(grads.opacity_logits - start.opacity_logits, logits.grad()), 2e-6);
-      EXPECT_LT(MaxAbsError(grads.log_scales - start.log_scales, log_scales.grad()), 2e-6);
-      EXPECT_TRUE(torch::equal(grads.means, start.means) && torch::equal(grads.sh, start.sh));
+      Gaussians grads = start.Clone();
+      EXPECT_NEAR(AddRegularizers(g, kOpacityReg, kScaleReg, &grads), value, 1e-6) << target;
+      EXPECT_LT(MaxAbsError(Wide(grads.opacity_logits) - Wide(start.opacity_logits), by_logit), 2e-6);
+      EXPECT_LT(MaxAbsError(Wide(grads.log_scales) - Wide(start.log_scales), by_log_scale), 2e-6);
+      EXPECT_TRUE(Equal(grads.means, start.means) && Equal(grads.sh, start.sh));
       // From zero, the gradient is seen without the rounding of the sum.
       grads = Gaussians::Zeros(n);
       AddRegularizers(g, kOpacityReg, kScaleReg, &grads);
-      EXPECT_LT(RelativeL2(grads.opacity_logits, logits.grad()), 1e-6) << target;
-      EXPECT_LT(RelativeL2(grads.log_scales, log_scales.grad()), 1e-6) << target;
+      EXPECT_LT(RelativeL2(grads.opacity_logits, by_logit), 1e-6) << target;
+      EXPECT_LT(RelativeL2(grads.log_scales, by_log_scale), 1e-6) << target;
     });
   }
 }

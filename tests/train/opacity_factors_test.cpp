@@ -1,10 +1,12 @@
 #include "oraclegs/train/opacity_factors.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <utility>
 
-#include "oraclegs/train/rows.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
+#include "support/temp_dir.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -27,32 +29,32 @@ TEST(DrawOpacityFactorsTest, LeavesOutTheShareAndFillsIn) {
   const int64_t n = 100000;
   const Buffer<float> factors = Draw({3, 17, 0.25, 0}, n);
   const float kept = 1 / 0.75f;
-  EXPECT_EQ(((factors == 0) | (factors == kept)).sum().item<int64_t>(), n);
-  EXPECT_NEAR(static_cast<double>((factors == 0).sum().item<int64_t>()) / n, 0.25, 0.006);  // four sigma
+  EXPECT_EQ((Flat(factors) == 0 || Flat(factors) == kept).count(), n);
+  EXPECT_NEAR(static_cast<double>((Flat(factors) == 0).count()) / n, 0.25, 0.006);  // four sigma
 }
 
 TEST(DrawOpacityFactorsTest, NoiseHasItsMomentsAndIsNeverNegative) {
   const int64_t n = 100000;
   const Buffer<float> factors = Draw({3, 17, 0, 0.2}, n);
-  EXPECT_NEAR(factors.mean().item<double>(), 1, 0.003);
-  EXPECT_NEAR(factors.std().item<double>(), 0.2, 0.002);
-  EXPECT_NEAR((factors - 1).pow(3).mean().item<double>() / 0.008, 0, 0.04);  // no skew
+  EXPECT_NEAR(Wide(factors).mean(), 1, 0.003);
+  EXPECT_NEAR(std::sqrt((Wide(factors) - Wide(factors).mean()).square().mean()), 0.2, 0.002);
+  EXPECT_NEAR((Wide(factors) - 1).cube().mean() / 0.008, 0, 0.04);  // no skew
   const Buffer<float> wide = Draw({3, 17, 0, 2}, n);
-  EXPECT_GE(wide.min().item<float>(), 0);
-  EXPECT_NEAR(static_cast<double>((wide == 0).sum().item<int64_t>()) / n, 0.3085, 0.006);  // N(0,1) < -1/2
-  EXPECT_NEAR(Draw({3, 17, 0.5, 0.2}, n).mean().item<double>(), 1, 0.015);
+  EXPECT_GE(Flat(wide).minCoeff(), 0);
+  EXPECT_NEAR(static_cast<double>((Flat(wide) == 0).count()) / n, 0.3085, 0.006);  // N(0,1) < -1/2
+  EXPECT_NEAR(Wide(Draw({3, 17, 0.5, 0.2}, n)).mean(), 1, 0.015);
 }
 
 TEST(DrawOpacityFactorsTest, IsAFunctionOfSeedIterationAndIndex) {
   const OpacityPerturbation perturbation{3, 17, 0.3, 0.5};
   const Buffer<float> factors = Draw(perturbation, 10000);
-  EXPECT_TRUE(torch::equal(Draw(perturbation, 5000), factors.narrow(0, 0, 5000)));
+  EXPECT_TRUE(Equal(Draw(perturbation, 5000), factors.Rows(0, 5000)));
   {
     const Threads scope(4);
-    EXPECT_TRUE(torch::equal(Draw(perturbation, 10000), factors));
+    EXPECT_TRUE(Equal(Draw(perturbation, 10000), factors));
   }
-  EXPECT_FALSE(torch::equal(Draw({4, 17, 0.3, 0.5}, 10000), factors));
-  EXPECT_FALSE(torch::equal(Draw({3, 18, 0.3, 0.5}, 10000), factors));
+  EXPECT_FALSE(Equal(Draw({4, 17, 0.3, 0.5}, 10000), factors));
+  EXPECT_FALSE(Equal(Draw({3, 18, 0.3, 0.5}, 10000), factors));
 }
 
 TEST(DrawOpacityFactorsTest, RefusesWhatIsNoProbability) {
@@ -71,7 +73,7 @@ TrainOptions Perturbed(double dropout, double noise) {
 Gaussians Trained(const TrainOptions& options) {
   Trainer trainer(options, kSeed, {0, 0, 0}, Photographs(3), Start());
   trainer.Run({}, Silent());
-  return Clone(trainer.gaussians());
+  return trainer.gaussians().Clone();
 }
 
 TEST(TrainerPerturbationTest, ChangesTheRunReproducibly) {
@@ -99,7 +101,7 @@ TEST(TrainerPerturbationTest, TheLastIterationShowsTheModelAsItIs) {
   TrainOptions options = Perturbed(0.9, 1);
   options.iterations = 1;
   const double perturbed = Trainer(options, kSeed, {0, 0, 0}, Photographs(1), Start()).Step();
-  options.dropout = options.opacity_noise = 0;
+  options.dropout = options.opacity_noise = 0.;
   EXPECT_EQ(perturbed, Trainer(options, kSeed, {0, 0, 0}, Photographs(1), Start()).Step());
 }
 

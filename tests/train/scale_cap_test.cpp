@@ -1,9 +1,10 @@
 #include "oraclegs/train/scale_cap.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
-#include "oraclegs/train/rows.h"
-#include "support/golden.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -13,12 +14,14 @@ namespace {
 Gaussians OnAxis(const std::vector<float>& places, float scale) {
   Gaussians g = RandomGaussians(static_cast<int64_t>(places.size()), 1);
   g.means.SetZero();
-  for (size_t i = 0; i < places.size(); ++i) g.means[static_cast<int64_t>(i)][0] = places[i];
-  g.log_scales.fill_(std::log(scale));
+  for (size_t i = 0; i < places.size(); ++i) g.means[static_cast<int64_t>(3 * i)] = places[i];
+  Flat(g.log_scales).setConstant(std::log(scale));
   return g;
 }
 
-double Scale(const Gaussians& g, int64_t i, int64_t axis = 0) { return std::exp(g.log_scales[i][axis].item<double>()); }
+double Scale(const Gaussians& g, int64_t i, int64_t axis = 0) {
+  return std::exp(static_cast<double>(g.log_scales[3 * i + axis]));
+}
 
 TEST(CapScalesTest, OfTheDistanceToTheNearestCamera) {
   Gaussians g = OnAxis({0, 4, 9, 100}, 3);
@@ -31,14 +34,14 @@ TEST(CapScalesTest, OfTheDistanceToTheNearestCamera) {
 
 TEST(CapScalesTest, EachAxisAloneAndNothingElse) {
   Gaussians g = OnAxis({2}, 0.1f);
-  g.log_scales[0][1] = std::log(50.f);
-  const Gaussians before = Clone(g);
+  g.log_scales[1] = std::log(50.f);
+  const Gaussians before = g.Clone();
   CapScales({0, 0, 0}, 0.7, &g);
   EXPECT_NEAR(Scale(g, 0, 1), 1.4, 1e-6);
   EXPECT_EQ(Scale(g, 0, 0), Scale(before, 0, 0));
   EXPECT_EQ(Scale(g, 0, 2), Scale(before, 0, 2));
-  EXPECT_TRUE(torch::equal(g.means, before.means));
-  EXPECT_TRUE(torch::equal(g.opacity_logits, before.opacity_logits));
+  EXPECT_TRUE(Equal(g.means, before.means));
+  EXPECT_TRUE(Equal(g.opacity_logits, before.opacity_logits));
 }
 
 TEST(CapScalesTest, InACameraSomeSizeIsLeftAndWithoutCamerasAll) {

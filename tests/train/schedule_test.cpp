@@ -75,9 +75,9 @@ TEST(ScheduleTest, OptionsChooseWhatIsDrawn) {
   options.synthetic_floor = 0.2;
   options.synthetic_peak = 3;
   EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2 + 3.0 / 16);
-  options.schedule = "constant";
+  options.schedule = ScheduleKind::kConstant;
   EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0.2);
-  options.schedule = "none";
+  options.schedule = ScheduleKind::kNone;
   EXPECT_DOUBLE_EQ(SyntheticProbability(500, 1000, options.Proposals()), 0);
 }
 

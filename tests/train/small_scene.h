@@ -1,6 +1,7 @@
 #pragma once
 // A scene small enough to be trained in a test: a few Gaussians, photographed by the rasteriser itself.
 
+#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/trainer.h"
 #include "train/gaussian_fixtures.h"
 
@@ -20,9 +21,9 @@ inline Camera CameraOnCircle(double angle) {
 /// A few coloured Gaussians around the origin.
 inline Gaussians Truth() {
   Gaussians truth = RandomGaussians(40, 21);
-  truth.means *= 0.4f;
-  truth.opacity_logits.fill_(2);
-  truth.sh.narrow(1, 1, 15).SetZero();
+  Flat(truth.means) *= 0.4f;
+  Flat(truth.opacity_logits).setConstant(2);
+  Table(truth.sh).rightCols(45).setZero();
   return truth;
 }
 
@@ -41,10 +42,10 @@ inline std::vector<TrainView> Photographs(int count) {
 
 inline Gaussians Start(int64_t n = 60) {
   Gaussians start = RandomGaussians(n, 22);
-  start.means *= 0.5f;
-  start.log_scales.fill_(-2.5f);
+  Flat(start.means) *= 0.5f;
+  Flat(start.log_scales).setConstant(-2.5f);
   start.opacity_logits.SetZero();
-  start.opacity_logits.narrow(0, 0, 5).fill_(-7);  // dead, to be relocated
+  Flat(start.opacity_logits).head(5).setConstant(-7);  // dead, to be relocated
   start.sh.SetZero();
   return start;
 }

@@ -1,6 +1,8 @@
 #include "oraclegs/train/train_device.h"
 
-#include "support/golden.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -18,7 +20,7 @@ TEST(TrainDeviceTest, ADeviceThatTheBuildHasNotIsRefused) {
   const TrainOptions options = Options().Settled();
   ViewLoss view_loss(options, Photographs(1));
   try {
-    MakeTrainDevice(Device(torch::kXLA), {options, &view_loss, 60});
+    MakeTrainDevice(Device{static_cast<DeviceKind>(7), 0}, {options, &view_loss, 60});
     FAIL() << "there is no such device";
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("--device cpu"));

@@ -1,8 +1,10 @@
 #include "oraclegs/train/train_view.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
-#include "support/golden.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -18,10 +20,10 @@ TEST(ToTrainViewTest, CopiesPixelsAndMask) {
   photo.mask[5] = 0;
   const TrainView view = ToTrainView(photo);
   EXPECT_EQ(view.name, "a");
-  EXPECT_EQ(view.image[1][2][1].item<float>(), 0.75f);
-  EXPECT_EQ(view.image.sum().item<float>(), 0.25f * kWidth * kHeight * 3 + 0.5f);
-  EXPECT_EQ(view.confidence[0][5].item<float>(), 0);
-  EXPECT_EQ(view.confidence.sum().item<float>(), kWidth * kHeight - 1);
+  EXPECT_EQ(view.image[(kWidth + 2) * 3 + 1], 0.75f);
+  EXPECT_EQ(Wide(view.image).sum(), 0.25f * kWidth * kHeight * 3 + 0.5f);
+  EXPECT_EQ(view.confidence[5], 0);
+  EXPECT_EQ(Wide(view.confidence).sum(), kWidth * kHeight - 1);
   EXPECT_FALSE(view.alpha.defined());
   photo.mask.pop_back();
   EXPECT_THROW(ToTrainView(photo), ShapeError);
@@ -32,14 +34,14 @@ TEST(ToTrainViewTest, CopiesAlpha) {
   photo.alpha.assign(kWidth * kHeight, 1);
   photo.alpha[kWidth + 2] = 0.5f;
   const TrainView view = ToTrainView(photo);
-  EXPECT_EQ(view.alpha[1][2].item<float>(), 0.5f);
-  EXPECT_EQ(view.alpha.sum().item<float>(), kWidth * kHeight - 0.5f);
+  EXPECT_EQ(view.alpha[kWidth + 2], 0.5f);
+  EXPECT_EQ(Wide(view.alpha).sum(), kWidth * kHeight - 0.5f);
   photo.alpha.push_back(1);
   EXPECT_THROW(ToTrainView(photo), ShapeError);
 }
 
 TrainView WithDepth(float inv_depth) {
-  TrainView view{"a", CameraOnCircle(0), torch::rand({kHeight, kWidth, 3}), {}};
+  TrainView view{"a", CameraOnCircle(0), RandomUniform({kHeight, kWidth, 3}, 111), {}};
   view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, inv_depth);
   view.depth_mask = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   return view;
@@ -60,14 +62,14 @@ TEST(CheckViewsTest, RefusesDepthThatDoesNotFit) {
 
 TEST(CheckViewsTest, NamesTheInverseDepthThatIsNotFinite) {
   TrainView view = WithDepth(0.5f);
-  view.inv_depth[3][7] = std::nanf("");
+  view.inv_depth[3 * kWidth + 7] = std::nanf("");
   try {
     CheckViews({view});
     ADD_FAILURE() << "a depth that is not a number was accepted";
   } catch (const ShapeError& e) {
     EXPECT_THAT(e.what(), HasSubstr("inv_depth of a is nan at column 7, row 3"));
   }
-  view.depth_mask[3][7] = 0;
+  view.depth_mask[3 * kWidth + 7] = 0;
   EXPECT_NO_THROW(CheckViews({view}));
 }
 
@@ -76,7 +78,7 @@ TEST(CheckViewsTest, AlphaIsAShareOfEveryPixel) {
   view.alpha = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   EXPECT_NO_THROW(CheckViews({view}));
   for (const float wrong : {-0.1f, 1.1f, std::nanf("")}) {
-    view.alpha[2][4] = wrong;
+    view.alpha[2 * kWidth + 4] = wrong;
     try {
       CheckViews({view});
       ADD_FAILURE() << wrong << " was accepted";
@@ -92,10 +94,10 @@ TEST(CheckProposalsTest, ConfidenceIsAShare) {
   EXPECT_NO_THROW(CheckProposals({}));
   TrainView view = WithDepth(0.5f);
   EXPECT_NO_THROW(CheckProposals({view}));
-  view.confidence = torch::rand({kHeight, kWidth});
+  view.confidence = RandomUniform({kHeight, kWidth}, 112);
   EXPECT_NO_THROW(CheckProposals({view}));
   for (const float wrong : {1.5f, -0.5f, std::nanf("")}) {
-    view.confidence[3][7] = wrong;
+    view.confidence[3 * kWidth + 7] = wrong;
     try {
       CheckProposals({view});
       ADD_FAILURE() << "a confidence of " << wrong << " was accepted";
@@ -111,35 +113,35 @@ TEST(WithGatedConfidenceTest, GateIsHardAndWhatPassesIsSoft) {
   TrainView view = WithDepth(0.5f);
   EXPECT_FALSE(WithGatedConfidence(view, 0.9, 2).confidence.defined());
   view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
-  view.confidence[0][1] = 0.25f;
-  view.confidence[0][2] = 0.5f;
-  view.confidence[0][3] = 1.f;
+  view.confidence[1] = 0.25f;
+  view.confidence[2] = 0.5f;
+  view.confidence[3] = 1.f;
   const Buffer<float> before = view.confidence.Clone();
   const auto row = [&](double gate, double power) {
     const Buffer<float> u = WithGatedConfidence(view, gate, power).confidence;
     return std::vector<float>(u.data(), u.data() + 4);
   };
-  EXPECT_TRUE(torch::equal(WithGatedConfidence(view, 0, 1).confidence, before));
+  EXPECT_TRUE(Equal(WithGatedConfidence(view, 0, 1).confidence, before));
   EXPECT_EQ(row(0.5, 1), (std::vector<float>{0, 0, 0.5f, 1}));
   EXPECT_EQ(row(0, 2), (std::vector<float>{0, 0.0625f, 0.25f, 1}));
   EXPECT_EQ(row(0.3, 0), (std::vector<float>{0, 0, 1, 1}));
   EXPECT_EQ(row(0, 0), (std::vector<float>{0, 1, 1, 1}));  // what has no confidence never counts
-  EXPECT_TRUE(torch::equal(view.confidence, before));      // not written
+  EXPECT_TRUE(Equal(view.confidence, before));             // not written
 }
 
 TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotographDoes) {
   TrainView view = WithDepth(0.5f);
-  view.inv_depth[3][7] = std::nanf("");
-  view.depth_mask[3][7] = 0;
-  view.depth_mask[4][8] = 0.25f;
+  view.inv_depth[3 * kWidth + 7] = std::nanf("");
+  view.depth_mask[3 * kWidth + 7] = 0;
+  view.depth_mask[4 * kWidth + 8] = 0.25f;
   view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
-  view.confidence[5].SetZero();
+  view.confidence.Rows(5, 6).SetZero();
   const TrainView clean = WithCleanDepth(view);
-  EXPECT_EQ(clean.inv_depth[3][7].item<float>(), 0);
-  EXPECT_EQ(clean.depth_mask[4][8].item<float>(), 0.25f);
-  EXPECT_EQ(clean.depth_mask[5].abs().max().item<float>(), 0);
-  EXPECT_EQ(clean.depth_mask.sum().item<float>(), kHeight * kWidth - kWidth - 1.75f);
-  EXPECT_EQ(view.depth_mask[5].min().item<float>(), 1);  // not written
+  EXPECT_EQ(clean.inv_depth[3 * kWidth + 7], 0);
+  EXPECT_EQ(clean.depth_mask[4 * kWidth + 8], 0.25f);
+  EXPECT_EQ(MaxAbs(clean.depth_mask.Rows(5, 6)), 0);
+  EXPECT_EQ(Wide(clean.depth_mask).sum(), kHeight * kWidth - kWidth - 1.75f);
+  EXPECT_EQ(Flat(view.depth_mask.Rows(5, 6)).minCoeff(), 1);  // not written
   view.confidence.SetZero();
   EXPECT_FALSE(WithCleanDepth(view).inv_depth.defined());
   EXPECT_FALSE(WithCleanDepth(view).depth_mask.defined());
@@ -157,14 +159,14 @@ TEST(CamerasTest, AreInTheOrderOfTheViews) {
 
 TEST(CharacteristicDepthTest, IsTheMedianOfTheViewsMedians) {
   EXPECT_EQ(CharacteristicDepth({}), 0);
-  TrainView none{"b", CameraOnCircle(0), torch::rand({kHeight, kWidth, 3}), {}};
+  TrainView none{"b", CameraOnCircle(0), RandomUniform({kHeight, kWidth, 3}, 113), {}};
   EXPECT_EQ(CharacteristicDepth({none}), 0);
   TrainView near = WithDepth(0.5f), far = WithDepth(0.125f), farther = WithDepth(0.0625f);
   EXPECT_EQ(CharacteristicDepth({near}), 2);
   EXPECT_EQ(CharacteristicDepth({near, none, far, farther}), 8);
-  far.inv_depth.narrow(0, 0, kHeight / 2 + 2).fill_(0.25f);  // most pixels
+  Flat(far.inv_depth.Rows(0, kHeight / 2 + 2)).setConstant(0.25f);  // most pixels
   EXPECT_EQ(CharacteristicDepth({near, far, farther}), 4);
-  far.depth_mask.narrow(0, 0, kHeight / 2 + 2).SetZero();  // which do not count
+  far.depth_mask.Rows(0, kHeight / 2 + 2).SetZero();  // which do not count
   EXPECT_EQ(CharacteristicDepth({near, far, farther}), 8);
 }
 

@@ -1,11 +1,13 @@
 // Depth as a term of the trainer's loss.
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
-#include "oraclegs/train/rows.h"
+#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/schedule.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -18,7 +20,7 @@ std::vector<TrainView> WithTrueDepth(int count) {
   for (TrainView& view : views) {
     const RenderOutput out = rasterizer->Forward(Truth(), view.camera, {}, RenderPass::kInference);
     view.inv_depth = out.inv_depth.Clone();
-    view.depth_mask = (out.alpha > 0.9).to(torch::kFloat);
+    view.depth_mask = Above(out.alpha, 0.9f);
   }
   return views;
 }
@@ -37,36 +39,37 @@ double FirstLoss(const TrainOptions& options, const std::vector<TrainView>& view
 Gaussians After(int steps, const TrainOptions& options, const std::vector<TrainView>& views) {
   Trainer trainer(options, kSeed, {0, 0, 0}, views, Start());
   for (int i = 0; i < steps; ++i) trainer.Step();
-  return Clone(trainer.gaussians());
+  return trainer.gaussians().Clone();
 }
 
 TEST(TrainerDepthTest, TheTermIsThatOfTheFormula) {
   auto views = WithTrueDepth(1);
   EXPECT_NEAR(FirstLoss(OnlyDepth(1), views), 0, 1e-5);
   const double error = 0.25;
-  views[0].inv_depth += error;
+  Flat(views[0].inv_depth) += static_cast<float>(error);
   const TrainView clean = WithCleanDepth(views[0]);
   const double expected = 3 * DepthWeight(1, Options().iterations) * CharacteristicDepth({clean}) * error *
-                          views[0].depth_mask.mean().item<double>();
+                          Wide(views[0].depth_mask).mean();
   EXPECT_GT(expected, 0.01);
   EXPECT_NEAR(FirstLoss(OnlyDepth(3), views), expected, 1e-4);
   EXPECT_NEAR(FirstLoss(OnlyDepth(0), views), 0, 1e-5);
-  views[0].confidence = Buffer<float>::Zeros({kHeight, kWidth});  // where the photograph does not count, its depth does not
+  views[0].confidence =
+      Buffer<float>::Zeros({kHeight, kWidth});  // where the photograph does not count, its depth does not
   EXPECT_EQ(FirstLoss(OnlyDepth(3), views), 0);
 }
 
 TEST(TrainerDepthTest, DoesNotDependOnTheUnitOfTheWorld) {
   auto views = WithTrueDepth(2);
-  for (TrainView& view : views) view.inv_depth += 0.1;
+  for (TrainView& view : views) Flat(view.inv_depth) += 0.1f;
   const double loss = FirstLoss(OnlyDepth(1), views);
   EXPECT_GT(loss, 0.01);
   Gaussians truth = Truth();
-  const double unit = 7;  // what was 1 long is 7 long
-  truth.means *= unit;
-  truth.log_scales += std::log(unit);
+  const float unit = 7;  // what was 1 long is 7 long
+  Flat(truth.means) *= unit;
+  Flat(truth.log_scales) += std::log(unit);
   for (TrainView& view : views) {
-    view.inv_depth /= unit;
-    view.camera.cam_from_world.translation() *= unit;
+    Flat(view.inv_depth) /= unit;
+    view.camera.cam_from_world.translation() *= static_cast<double>(unit);
   }
   EXPECT_NEAR(Trainer(OnlyDepth(1), kSeed, {0, 0, 0}, views, truth).Step(), loss, 1e-4 * loss);
 }
@@ -89,7 +92,7 @@ double DepthError(const Gaussians& gaussians, const std::vector<TrainView>& view
   auto rasterizer = MakeRasterizer(kCpu);
   for (const TrainView& view : views) {
     const RenderOutput out = rasterizer->Forward(gaussians, view.camera, {}, RenderPass::kInference);
-    sum += ((out.inv_depth - view.inv_depth).abs() * view.depth_mask).mean().item<double>();
+    sum += ((Wide(out.inv_depth) - Wide(view.inv_depth)).abs() * Wide(view.depth_mask)).mean();
   }
   return sum;
 }
@@ -97,8 +100,8 @@ double DepthError(const Gaussians& gaussians, const std::vector<TrainView>& view
 TEST(TrainerDepthTest, BringsTheRenderToTheDepthWherePicturesSayNothing) {
   auto views = WithTrueDepth(4);
   Gaussians start = Truth();
-  start.means.select(1, 2) += 0.2f;  // behind where they belong
-  start.sh.fill_(-100);              // black before black: no picture shows it
+  Table(start.means).col(2) += 0.2f;  // behind where they belong
+  Flat(start.sh).setConstant(-100);   // black before black: no picture shows it
   for (TrainView& view : views) view.image.SetZero();
   const double before = DepthError(start, views);
   const auto after = [&](double weight) {

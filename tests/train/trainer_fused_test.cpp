@@ -1,16 +1,18 @@
 // The trainer uses gradients up block by block; the result must be what the parts give one after the other.
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 
+#include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/loss/photometric.h"
-#include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/mcmc.h"
-#include "oraclegs/train/rows.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/trainer.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/gaussian_fixtures.h"
 
 namespace oraclegs {
@@ -45,7 +47,7 @@ TrainOptions Options() {
 class SlowTrainer {
  public:
   explicit SlowTrainer(const Gaussians& start)
-      : gaussians_(Clone(start)), adam_(start.size()), sampler_(kSeed, 3, 0), extent_(Extent()) {}
+      : gaussians_(start.Clone()), adam_(start.size()), sampler_(kSeed, 3, 0), extent_(Extent()) {}
 
   double Step(int64_t i) {
     const TrainOptions options = Options();
@@ -90,7 +92,7 @@ class SlowTrainer {
 
 TEST(TrainerFusedTest, GivesTheBitsOfItsPartsOneAfterTheOther) {
   Gaussians start = RandomGaussians(kCount, 3);
-  start.opacity_logits.narrow(0, 0, 9).fill_(-6);  // dead
+  Flat(start.opacity_logits).head(9).setConstant(-6);  // dead
   for (const int threads : {1, 3}) {
     const Threads scope(threads);
     SlowTrainer slow(start);
@@ -105,7 +107,7 @@ TEST(TrainerFusedTest, GivesTheBitsOfItsPartsOneAfterTheOther) {
     EXPECT_EQ(end.adam.step, slow.adam().step);
     EXPECT_GT(slow.moved(), 0);
     EXPECT_GT(end.gaussians.size(), kCount);
-    EXPECT_GT((end.gaussians.sh.narrow(0, 0, kCount) - start.sh).abs().max().item<float>(), 0);
+    EXPECT_GT(MaxAbsError(end.gaussians.sh.Rows(0, kCount), start.sh), 0);
   }
 }
 

@@ -2,9 +2,12 @@
 
 #include <cmath>
 
-#include "oraclegs/train/rows.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "oraclegs/render/make_rasterizer.h"
+#include "support/buffers.h"
+#include "support/temp_dir.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -18,7 +21,7 @@ std::vector<TrainView> Proposals(int count) {
   for (int i = 0; i < count; ++i) {
     views[i].name = "proposal" + std::to_string(i);
     views[i].confidence = Buffer<float>::Full({kHeight, kWidth}, 0.25f);
-    views[i].confidence.narrow(1, 0, kWidth / 2).fill_(0.9f);
+    Table(views[i].confidence).leftCols(kWidth / 2).setConstant(0.9f);
   }
   return views;
 }
@@ -30,7 +33,7 @@ std::vector<TrainView> WithConfidence(std::vector<TrainView> views, float value)
 
 TrainOptions Constantly(double share, int iterations = 100) {
   TrainOptions options = Options(iterations);
-  options.schedule = "constant";
+  options.schedule = ScheduleKind::kConstant;
   options.synthetic_floor = share;
   return options;
 }
@@ -38,7 +41,7 @@ TrainOptions Constantly(double share, int iterations = 100) {
 Gaussians After(int steps, const TrainOptions& options, const TrainingData& data) {
   Trainer trainer(options, kSeed, {0, 0, 0}, data, Start());
   for (int i = 0; i < steps; ++i) trainer.Step();
-  return Clone(trainer.gaussians());
+  return trainer.gaussians().Clone();
 }
 
 std::vector<std::string> Notes(const TrainOptions& options, const TrainingData& data) {
@@ -52,11 +55,11 @@ std::vector<std::string> Notes(const TrainOptions& options, const TrainingData& 
 TEST(TrainerProposalsTest, WithoutConfidenceOnlyTheRegularisersAndNoiseMoveAnything) {
   const auto blind = WithConfidence(Proposals(3), 0);
   const Gaussians after = After(60, Constantly(1), {Photographs(3), blind});
-  EXPECT_EQ(after.sh.abs().max().item<float>(), 0);
+  EXPECT_EQ(MaxAbs(after.sh), 0);
   // Which are those of photographs that are masked altogether: the views are drawn in the same order.
   EXPECT_TRUE(SameBits(after, After(60, Options(), WithConfidence(Photographs(3), 0))));
   auto bright = blind;
-  for (TrainView& view : bright) view.image = torch::ones_like(view.image);
+  for (TrainView& view : bright) view.image = Buffer<float>::Full(view.image.shape(), 1.f);
   EXPECT_TRUE(SameBits(after, After(60, Constantly(1), {Photographs(3), bright})));
 }
 
@@ -74,14 +77,14 @@ TEST(TrainerProposalsTest, ScheduleNoneNeverDrawsOne) {
   TrainOptions options = Options();
   const Gaussians expected = After(60, options, Photographs(3));
   EXPECT_FALSE(SameBits(After(60, options, {Photographs(3), Proposals(4)}), expected));
-  options.schedule = "none";
+  options.schedule = ScheduleKind::kNone;
   options.synthetic_floor = 1;
   EXPECT_TRUE(SameBits(After(60, options, {Photographs(3), Proposals(4)}), expected));
 }
 
 TEST(TrainerProposalsTest, ConstantOneDrawsNothingElseWithoutReplacement) {
   auto photographs = Photographs(2);
-  for (TrainView& view : photographs) view.image.fill_(std::nanf(""));  // would end the run
+  for (TrainView& view : photographs) Flat(view.image).setConstant(std::nanf(""));  // would end the run
   Trainer trainer(Constantly(1), kSeed, {0, 0, 0}, {photographs, Proposals(5)}, Start());
   for (int round = 0; round < 3; ++round) {
     std::vector<int64_t> left = {0, 1, 2, 3, 4};
@@ -104,7 +107,7 @@ TEST(TrainerProposalsTest, ShowWhatPhotographsDoNot) {
     const Gaussians gaussians = After(150, Constantly(0.5, 150), data);
     auto rasterizer = MakeRasterizer(kCpu);
     const Buffer<float> image = rasterizer->Forward(gaussians, all[3].camera, {}, RenderPass::kInference).image;
-    return (image - all[3].image).abs().mean().item<double>();
+    return (Wide(image) - Wide(all[3].image)).abs().mean();
   };
   const double without = error(photographs), with = error({photographs, proposals});
   EXPECT_LT(with, 0.8 * without);
@@ -119,7 +122,7 @@ TEST(TrainerProposalsTest, SameBitsForAnyNumberOfThreadsAndResumed) {
     const Threads scope(threads);
     Trainer trainer(options, kSeed, {0, 0, 0}, data, Start());
     trainer.Run({dir.path(), 45, {}}, Silent());
-    return Clone(trainer.gaussians());
+    return trainer.gaussians().Clone();
   };
   const Gaussians one = run(1);
   EXPECT_TRUE(SameBits(one, run(3)));
@@ -156,7 +159,7 @@ TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
 
   EXPECT_TRUE(Notes(Options(5), Photographs(2)).empty());
   TrainOptions options = Options(5);
-  options.schedule = "none";
+  options.schedule = ScheduleKind::kNone;
   EXPECT_TRUE(Notes(options, data).empty());
   options = Options(5);
   options.proposal_lpips = 0;

@@ -4,7 +4,7 @@
 
 #include "oraclegs/loss/masked_l1.h"
 #include "oraclegs/train/schedule.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -16,16 +16,16 @@ constexpr SampledView kPhotograph{ViewKind::kPhotograph, 0}, kProposal{ViewKind:
 
 /// A view of noise, with confidence and depth.
 TrainView Noise(const std::string& name, uint64_t seed) {
-  torch::manual_seed(seed);
-  TrainView view{name, CameraOnCircle(0.2), torch::rand({kHeight, kWidth, 3}), torch::rand({kHeight, kWidth})};
-  view.inv_depth = torch::rand({kHeight, kWidth});
-  view.depth_mask = torch::rand({kHeight, kWidth});
+  TrainView view{name, CameraOnCircle(0.2), RandomUniform({kHeight, kWidth, 3}, 10 * seed),
+                 RandomUniform({kHeight, kWidth}, 10 * seed + 1)};
+  view.inv_depth = RandomUniform({kHeight, kWidth}, 10 * seed + 2);
+  view.depth_mask = RandomUniform({kHeight, kWidth}, 10 * seed + 3);
   return view;
 }
 
 RenderOutput Render() {
-  torch::manual_seed(5);
-  return {torch::rand({kHeight, kWidth, 3}), torch::rand({kHeight, kWidth}), torch::rand({kHeight, kWidth})};
+  return {RandomUniform({kHeight, kWidth, 3}, 119), RandomUniform({kHeight, kWidth}, 120),
+          RandomUniform({kHeight, kWidth}, 121)};
 }
 
 TEST(ViewLossTest, AProposalsIsWeighedByConfidenceAndHasDepthOfItsMask) {
@@ -36,14 +36,15 @@ TEST(ViewLossTest, AProposalsIsWeighedByConfidenceAndHasDepthOfItsMask) {
   ViewLoss loss(options, {{photograph}, {proposal}});
   const ViewLossResult result = loss(kProposal, 30, out);
 
-  Buffer<float> grad = Buffer<float>::Empty(out.image.shape()), grad_depth = Buffer<float>::Empty(out.inv_depth.shape());
+  Buffer<float> grad = Buffer<float>::Empty(out.image.shape()),
+                grad_depth = Buffer<float>::Empty(out.inv_depth.shape());
   const double picture = PhotometricLoss()(out.image, proposal.image, proposal.confidence, {0.7f, 0.3f}, &grad).loss;
   const double weight = 2 * CharacteristicDepth({proposal}) * DepthWeight(30, options.iterations);
   const double depth = MaskedL1(out.inv_depth, proposal.inv_depth, proposal.depth_mask, weight, &grad_depth);
   EXPECT_GT(depth, 0);
   EXPECT_DOUBLE_EQ(result.loss, picture + depth);
-  EXPECT_TRUE(torch::equal(result.grads.image, grad));
-  EXPECT_TRUE(torch::equal(result.grads.inv_depth, grad_depth));
+  EXPECT_TRUE(Equal(result.grads.image, grad));
+  EXPECT_TRUE(Equal(result.grads.inv_depth, grad_depth));
   EXPECT_FALSE(result.grads.alpha.defined());
 
   options.proposal_weight = 0.5;
@@ -55,17 +56,17 @@ TEST(ViewLossTest, AlphaCountsWhereThePhotographDoes) {
   TrainOptions options = Options();
   options.alpha_weight = 0.4;
   TrainView photograph = Photographs(1)[0];
-  photograph.confidence = (torch::rand({kHeight, kWidth}) > 0.3).to(torch::kFloat);
+  photograph.confidence = Above(RandomUniform({kHeight, kWidth}, 122), 0.3f);
   const RenderOutput out = Render();
   const double without = ViewLoss(options, {{photograph}})(kPhotograph, 1, out).loss;
-  photograph.alpha = torch::rand({kHeight, kWidth});
+  photograph.alpha = RandomUniform({kHeight, kWidth}, 123);
   ViewLoss loss(options, {{photograph}});
   const ViewLossResult result = loss(kPhotograph, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.alpha.shape());
   const double alpha = MaskedL1(out.alpha, photograph.alpha, photograph.confidence, 0.4, &grad);
   EXPECT_GT(alpha, 0);
   EXPECT_DOUBLE_EQ(result.loss, without + alpha);
-  EXPECT_TRUE(torch::equal(result.grads.alpha, grad));
+  EXPECT_TRUE(Equal(result.grads.alpha, grad));
   options.alpha_weight = 0;
   ViewLoss off(options, {{photograph}});
   EXPECT_FALSE(off(kPhotograph, 1, out).grads.alpha.defined());
@@ -73,8 +74,8 @@ TEST(ViewLossTest, AlphaCountsWhereThePhotographDoes) {
 
 TEST(ViewLossTest, ThePhotographsSayWhatDistancesTheSceneHas) {
   TrainView photograph = Noise("photo", 2), proposal = Noise("proposal", 3);
-  photograph.inv_depth.fill_(0.125);
-  proposal.inv_depth.fill_(0.5);
+  Flat(photograph.inv_depth).setConstant(0.125);
+  Flat(proposal.inv_depth).setConstant(0.5);
   const RenderOutput out = Render();
   const auto depth_part = [&](const TrainingData& data) {
     TrainOptions options = Options();
@@ -94,25 +95,25 @@ TEST(ViewLossTest, WhatTheGateStopsHasNeitherColourNorDepth) {
   const RenderOutput out = Render();
   ViewLoss loss(options, {{Photographs(1)[0]}, {proposal}});
   const ViewLossResult result = loss(kProposal, 1, out);
-  const Buffer<float> passes = (proposal.confidence >= 0.5).to(torch::kFloat);
-  EXPECT_EQ((result.grads.inv_depth * (1 - passes)).abs().max().item<float>(), 0);
-  EXPECT_GT((result.grads.inv_depth * passes).abs().max().item<float>(), 0);
+  const Eigen::ArrayXf passes = (Flat(proposal.confidence) >= 0.5f).cast<float>();
+  EXPECT_EQ((Flat(result.grads.inv_depth) * (1 - passes)).abs().maxCoeff(), 0);
+  EXPECT_GT((Flat(result.grads.inv_depth) * passes).abs().maxCoeff(), 0);
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape());
-  PhotometricLoss()(out.image, proposal.image, (proposal.confidence.square() * passes), {0.7f, 0.3f},
-                    &grad);
+  const Buffer<float> gated = ToBuffer(proposal.confidence.shape(), Flat(proposal.confidence).square() * passes);
+  PhotometricLoss()(out.image, proposal.image, gated, {0.7f, 0.3f}, &grad);
   EXPECT_LE(MaxAbsError(result.grads.image, grad), 1e-9);
-  EXPECT_TRUE(torch::equal(loss.View(kProposal, 1).image, proposal.image));
+  EXPECT_TRUE(Equal(loss.View(kProposal, 1).image, proposal.image));
 }
 
 TEST(ViewLossTest, ProposalsAreInTheMeanExposure) {
   TrainOptions options = Options();
-  options.exposure = "on";
+  options.exposure = ExposureMode::kOn;
   auto photographs = Photographs(2);
   photographs[0].exposure = {1.5f, 0, 0, 0, 0, 1.5f, 0, 0, 0, 0, 1.5f, 0};
   const TrainView proposal = Noise("proposal", 3);
   const RenderOutput out = Render();
   ViewLoss exposed(options, {photographs, {proposal}});
-  options.exposure = "off";
+  options.exposure = ExposureMode::kOff;
   ViewLoss plain(options, {photographs, {proposal}});
   ASSERT_NE(exposed.exposures(), nullptr);
   EXPECT_EQ(plain.exposures(), nullptr);
@@ -138,7 +139,7 @@ TEST(ViewLossTest, TheFirstIterationsSeeHalfTheSize) {
 
 TEST(ViewLossTest, NotFiniteLossNamesIterationAndView) {
   TrainView proposal = Noise("proposal7", 3);
-  proposal.image[3][4][0] = std::nanf("");
+  proposal.image[(3 * kWidth + 4) * 3] = std::nanf("");
   ViewLoss loss(Options(), {Photographs(1), {proposal}});
   try {
     loss(kProposal, 12, Render());
@@ -151,7 +152,7 @@ TEST(ViewLossTest, NotFiniteLossNamesIterationAndView) {
 TEST(ViewLossTest, RefusesWhatDoesNotFit) {
   EXPECT_THROW(ViewLoss(Options(), {{}, {Noise("proposal", 3)}}), UsageError);
   TrainView proposal = Noise("proposal", 3);
-  proposal.confidence = proposal.confidence * 2;
+  Flat(proposal.confidence) *= 2;
   EXPECT_THROW(ViewLoss(Options(), {Photographs(1), {proposal}}), ShapeError);
 }
 

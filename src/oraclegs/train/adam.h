@@ -23,7 +23,7 @@ class AdamStep {
 };
 
 /// Adam with beta 0.9, 0.999, epsilon 1e-15 outside the root, one step counter, every Gaussian in every step
-/// (spec/gaussian_core.md 8). SH coefficients above the active degree have neither gradient nor moments and are
+/// (docs/method.md#adam). SH coefficients above the active degree have neither gradient nor moments and are
 /// skipped, which is the same.
 struct Adam {
   Gaussians m, v;    ///< first and second moments

@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <map>
@@ -50,7 +51,7 @@ TensorEntry Entry(const char* dtype, std::vector<int64_t> shape, const T* data, 
 void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std::string, TensorEntry>* tensors) {
   gaussians.Check("WriteCheckpoint");
   gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
-    tensors->emplace(group + name, Entry("F32", t.shape().vec(), t.data(), t.count()));
+    tensors->emplace(group + name, Entry("F32", {t.shape().begin(), t.shape().end()}, t.data(), t.count()));
   });
 }
 
@@ -138,13 +139,12 @@ struct Reader {
     Gaussians result = Gaussians::Empty(0);  // for the shapes
     result.ForEach([&](const char* name, Buffer<float>& t) {
       const TensorEntry& entry = Typed(group + name, "F32");
-      std::vector<int64_t> shape = t.shape().vec();
-      shape[0] = n;
-      if (entry.shape != shape) {
-        throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), group + name,
-                         fmt::join(entry.shape, ", "), fmt::join(shape, ", "));
+      const Shape shape = t.shape().WithRows(n);
+      if (!std::equal(entry.shape.begin(), entry.shape.end(), shape.begin(), shape.end())) {
+        throw InputError("{}: {} has shape [{}], expected {}", path.string(), group + name,
+                         fmt::join(entry.shape, ", "), shape.Text());
       }
-      t = torch::empty(shape, torch::kFloat);
+      t = Buffer<float>::Empty(shape);
       if (!entry.bytes.empty()) std::memcpy(t.data(), entry.bytes.data(), entry.bytes.size());
     });
     return result;

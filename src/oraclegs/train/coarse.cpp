@@ -13,20 +13,19 @@ struct Size {
 
 /// [H,W] or [H,W,C] at another size, averaged over areas.
 Buffer<float> Resize(const Buffer<float>& image, Size size) {
-  const int channels = image.dim() == 3 ? static_cast<int>(image.size(2)) : 1;
+  const int channels = image.dims() == 3 ? static_cast<int>(image.size(2)) : 1;
   ImageF full{static_cast<int>(image.size(1)), static_cast<int>(image.size(0)), channels, {}};
   full.data.assign(image.data(), image.data() + image.count());
   const ImageF small = ResizeArea(full, size.width, size.height);
-  std::vector<int64_t> shape = image.shape().vec();
-  shape[0] = size.height;
-  shape[1] = size.width;
-  Buffer<float> result = torch::empty(shape, torch::kFloat);
+  const Buffer<float> result = Buffer<float>::Empty(image.dims() == 3 ? Shape{size.height, size.width, channels}
+                                                                      : Shape{size.height, size.width});
   std::copy(small.data.begin(), small.data.end(), result.data());
   return result;
 }
 
 /// image [H,W] or [H,W,C] averaged with `weights` [H,W], whose own average is `small_weights`.
-Buffer<float> ResizeWeighted(const Buffer<float>& image, const Buffer<float>& weights, const Buffer<float>& small_weights) {
+Buffer<float> ResizeWeighted(const Buffer<float>& image, const Buffer<float>& weights,
+                             const Buffer<float>& small_weights) {
   Buffer<float> product = image.Clone();
   const int64_t channels = image.count() / weights.count();
   const auto scale = [channels](const Buffer<float>& t, const Buffer<float>& by, auto&& op) {
@@ -53,7 +52,10 @@ TrainView HalfSize(const TrainView& view, ViewKind kind) {
     half.confidence = Resize(view.confidence, size);
     half.image = ResizeWeighted(view.image, view.confidence, half.confidence);
     if (kind == ViewKind::kProposal) {
-      half.image = torch::where(half.confidence.unsqueeze(2) > 0, half.image, Resize(view.image, size));
+      const Buffer<float> plain = Resize(view.image, size);
+      for (int64_t i = 0; i < plain.count(); ++i) {
+        if (!(half.confidence[i / 3] > 0)) half.image[i] = plain[i];
+      }
     }
   } else {
     half.image = Resize(view.image, size);

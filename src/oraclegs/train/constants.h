@@ -3,7 +3,7 @@
 
 namespace oraclegs {
 
-// Adam of the Gaussians (spec/gaussian_core.md 8) and, but for epsilon, of the exposure maps.
+// Adam of the Gaussians (docs/method.md#adam) and, but for epsilon, of the exposure maps.
 inline constexpr double kAdamBeta1 = 0.9, kAdamBeta2 = 0.999;
 inline constexpr double kAdamEpsilon = 1e-15;
 /// Moments below become zero. Those of a Gaussian that no view sees any more decay into the subnormal numbers and would
@@ -18,8 +18,8 @@ inline constexpr double kExposureEpsilon = 1e-8;
 /// A mean of exposure maps of a smaller determinant has no way back to the identity.
 inline constexpr double kMinExposureDeterminant = 1e-6;
 
-inline constexpr float kDeadOpacity = 0.005f;                            ///< at or below: dead, relocated
-inline constexpr int kMaxShare = 51;                                     ///< n is clamped to this in 8.2
+inline constexpr float kDeadOpacity = 0.005f;  ///< at or below: dead, relocated
+inline constexpr int kMaxShare = 51;           ///< n is clamped to this (docs/method.md#mcmc-relocation)
 inline constexpr double kMaxOpacity = 1 - 0x1p-23, kMinOpacity = 0.005;  ///< of a Gaussian that was shared
 
 inline constexpr double kNoiseRate = 5e5;

@@ -1,12 +1,34 @@
 #include "oraclegs/train/cpu_train_device.h"
+#include "oraclegs/render/make_rasterizer.h"
+
+#include <optional>
+#include <utility>
 
 #include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
-#include "oraclegs/train/rows.h"
 #include "oraclegs/train/scale_cap.h"
 
 namespace oraclegs {
 namespace {
+
+/// Moves a block of Gaussians while its gradients are in the cache.
+struct StepConsumer final : GradientConsumer {
+  const Iteration& iteration;
+  Gaussians* gaussians;
+  Regularizers* regularizers;
+  std::optional<AdamStep> step;  // nothing: Gaussians stay, only the regularisers' value is wanted
+
+  StepConsumer(const Iteration& iteration_in, Gaussians* gaussians_in, Regularizers* regularizers_in)
+      : iteration(iteration_in), gaussians(gaussians_in), regularizers(regularizers_in) {}
+
+  void ConsumeBlock(int64_t begin, int64_t end, const GaussianRows& grads) override {
+    regularizers->AddTo(begin, end, grads);
+    if (!step) return;
+    step->Update(begin, end, grads);
+    if (iteration.refines) return;  // the noise comes after relocation and growth
+    AddNoiseToBlock({iteration.seed, iteration.number, iteration.rates.means}, begin, end, gaussians);
+  }
+};
 
 class CpuTrainDevice final : public TrainDevice {
  public:
@@ -18,7 +40,7 @@ class CpuTrainDevice final : public TrainDevice {
 
   TrainedModel Upload(const TrainedModel& host) override {
     if (host.adam.m.size() > 0) return Copy(host);
-    return {Clone(host.gaussians), Adam(host.gaussians.size())};
+    return {host.gaussians.Clone(), Adam(host.gaussians.size())};
   }
   TrainedModel Download(const TrainedModel& model) const override { return Copy(model); }
 
@@ -36,24 +58,12 @@ class CpuTrainDevice final : public TrainDevice {
     return result.grads;
   }
 
-  /// Block by block: gradients are used up while they are in the cache.
   void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) override {
     Gaussians* gaussians = &model->gaussians;
     regularizers_.Begin(*gaussians, options_.opacity_reg, options_.scale_reg);
-    if (iteration.moves) {
-      const AdamStep step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
-      const MeansNoise noise{iteration.seed, iteration.number, iteration.rates.means};
-      const bool add_noise = !iteration.refines;  // else it comes after relocation and growth
-      rasterizer_->BackwardBlocks(*gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
-        regularizers_.AddTo(begin, end, grads);
-        step.Update(begin, end, grads);
-        if (add_noise) AddNoiseToBlock(noise, begin, end, gaussians);
-      });
-    } else {
-      rasterizer_->BackwardBlocks(*gaussians, upstream, [&](int64_t begin, int64_t end, const GaussianRows& grads) {
-        regularizers_.AddTo(begin, end, grads);
-      });
-    }
+    StepConsumer consumer(iteration, gaussians, &regularizers_);
+    if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
+    rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
     const double loss = loss_of_view_ + regularizers_.Value();
     RequireFinite(loss, iteration.number, view_loss_.View(iteration.view, iteration.number));
     loss_.last = loss;
@@ -86,7 +96,7 @@ class CpuTrainDevice final : public TrainDevice {
  private:
   static TrainedModel Copy(const TrainedModel& model) {
     TrainedModel copy = model;
-    for (Gaussians* group : {&copy.gaussians, &copy.adam.m, &copy.adam.v}) *group = Clone(*group);
+    for (Gaussians* group : {&copy.gaussians, &copy.adam.m, &copy.adam.v}) *group = group->Clone();
     return copy;
   }
 

@@ -8,7 +8,6 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/train/rows.h"
 
 namespace oraclegs {
 namespace {
@@ -166,10 +165,12 @@ int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Ga
   const std::vector<int64_t> sources = DrawSources(draw, added);
   std::vector<int64_t> targets(added);
   for (int64_t k = 0; k < added; ++k) targets[k] = n + k;
-  GrowRows(gaussians, n + added);
+  gaussians->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(n + added); });
   for (Gaussians* moments : {&adam->m, &adam->v}) {
-    GrowRows(moments, n + added);
-    moments->ForEach([&](const char*, Buffer<float>& t) { t.narrow(0, n, added).SetZero(); });
+    moments->ForEach([&](const char*, Buffer<float>& t) {
+      t = t.GrownTo(n + added);
+      t.Rows(n, n + added).SetZero();
+    });
   }
   Share({opacities, sources, targets}, gaussians, adam);
   return added;

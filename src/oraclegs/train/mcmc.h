@@ -1,5 +1,5 @@
 #pragma once
-// 3DGS-MCMC (Kheradmand et al. 2024): relocation, growth, noise and regularisers (spec/gaussian_core.md 8).
+// 3DGS-MCMC [Kheradmand 2024]: relocation, growth, noise and regularisers (docs/method.md#mcmc-relocation).
 
 #include <array>
 #include <cstdint>
@@ -11,22 +11,22 @@
 namespace oraclegs {
 
 /// New opacity (clamped to [0.005, 1 - 2^-23]) and scale ratio s_new / s of a source of opacity o shared by n
-/// Gaussians (8.2), in double.
+/// Gaussians (docs/method.md#mcmc-relocation), in double.
 Relocated Relocate(double opacity, int n);
 
 /// C(n, k) for n, k <= kMaxShare; exact in double.
 using BinomialTable = std::array<std::array<double, kMaxShare + 1>, kMaxShare + 1>;
 const BinomialTable& Binomials();
 
-/// Moves dead Gaussians onto living ones drawn by opacity (8.1 step 1). Returns how many moved.
+/// Moves dead Gaussians onto living ones drawn by opacity (docs/method.md#mcmc-relocation). Returns how many moved.
 int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Adam* adam);
 
-/// Grows to min(max_gaussians, floor(1.05 N)) by copies of Gaussians drawn by opacity (8.1 step 2). Returns how many.
-/// The tensors of both become longer views of their storages where those have room (see GrowRows).
+/// Grows to min(max_gaussians, floor(1.05 N)) by copies of Gaussians drawn by opacity (docs/method.md#mcmc-growth).
+/// Returns how many. The buffers of both are grown in place where their memory has room (Buffer::GrownTo).
 int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Gaussians* gaussians, Adam* adam);
 
 /// The noise of one iteration: means += Sigma * (epsilon * gate(opacity) * 5e5 * lr_means), epsilon ~ N(0, I) from
-/// (seed, iteration, index of the Gaussian) (8.3).
+/// (seed, iteration, index of the Gaussian) (docs/method.md#mcmc-noise).
 struct MeansNoise {
   uint64_t seed = 0;
   int64_t iteration = 0;

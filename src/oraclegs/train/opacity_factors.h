@@ -14,10 +14,9 @@ struct OpacityPerturbation {
   uint64_t seed = 0;
   int64_t iteration = 0;
   /// Probability in [0,1) that a Gaussian is left out; the others are multiplied by 1 / (1 - drop), so that the
-  /// expected opacity stays (Park et al., "DropGaussian", CVPR 2025).
+  /// expected opacity stays [Park 2025].
   double drop = 0;
-  /// Standard deviation of multiplicative noise, max(0, 1 + noise * N(0,1)) (Chen et al., "Quantifying and Alleviating
-  /// Co-Adaptation in Sparse-View 3D Gaussian Splatting", 2025).
+  /// Standard deviation of multiplicative noise, max(0, 1 + noise * N(0,1)) [Chen 2025].
   double noise = 0;
 
   bool IsActive() const { return drop > 0 || noise > 0; }

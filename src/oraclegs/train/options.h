@@ -1,13 +1,26 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <string>
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
+
+/// How the share of iterations that take a proposal changes over the run.
+enum class ScheduleKind { kPaper, kConstant, kNone };
+template <>
+struct EnumWords<ScheduleKind> {
+  static constexpr EnumWord<ScheduleKind> kWords[] = {
+      {ScheduleKind::kPaper, "paper"}, {ScheduleKind::kConstant, "constant"}, {ScheduleKind::kNone, "none"}};
+};
+
+/// Whether exposure maps are trained.
+enum class ExposureMode { kOn, kOff };
+template <>
+struct EnumWords<ExposureMode> {
+  static constexpr EnumWord<ExposureMode> kWords[] = {{ExposureMode::kOn, "on"}, {ExposureMode::kOff, "off"}};
+};
 
 /// Everything that decides the numbers of a training run.
 struct TrainOptions {
@@ -15,17 +28,17 @@ struct TrainOptions {
   int max_gaussians = 100000;
   double depth_weight = 1;
   double alpha_weight = 0.1;
-  std::string exposure = "auto";
-  double dropout = -1;
-  double opacity_noise = -1;
+  Auto<ExposureMode> exposure = {};
+  Auto<double> dropout = {};
+  Auto<double> opacity_noise = {};
   double coarse_share = 0;
   bool prune_floaters = false;
   double largest_scale = 0.7;
-  double last_rates = 0;
+  Auto<double> last_rates = {};
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
-  std::string schedule = "paper";
+  ScheduleKind schedule = ScheduleKind::kPaper;
   double synthetic_floor = ProposalSchedule().floor;
   double synthetic_peak = ProposalSchedule().peak;
   double proposal_weight = 1;
@@ -41,20 +54,20 @@ struct TrainOptions {
   bool antialiased = false;
   int random_points = 100000;
 
-  /// Nothing left to choose: what is still automatic is as [3DGS] and [MCMC] have it, which is off.
+  /// Nothing automatic is left: it becomes what 3DGS has, which is off.
   TrainOptions Settled() const {
     TrainOptions settled = *this;
-    settled.dropout = std::max(0.0, dropout);
-    settled.opacity_noise = std::max(0.0, opacity_noise);
-    if (last_rates == 0) settled.last_rates = 1;
-    if (exposure == "auto") settled.exposure = "off";
+    settled.dropout = dropout.ValueOr(0);
+    settled.opacity_noise = opacity_noise.ValueOr(0);
+    settled.last_rates = last_rates.ValueOr(1);
+    settled.exposure = exposure.ValueOr(ExposureMode::kOff);
     return settled;
   }
 
   /// How often proposals are drawn, as --schedule says.
   ProposalSchedule Proposals() const {
-    if (schedule == "none") return {0, 0};
-    return {synthetic_floor, schedule == "constant" ? 0 : synthetic_peak};
+    if (schedule == ScheduleKind::kNone) return {0, 0};
+    return {synthetic_floor, schedule == ScheduleKind::kConstant ? 0 : synthetic_peak};
   }
 
   template <class Self, class V>
@@ -62,15 +75,16 @@ struct TrainOptions {
     visit("iterations", self.iterations, "Training steps, one photograph each", Range{1, 1e7});
     visit("max-gaussians", self.max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
     visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
-    visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree", Range{1, 1e7});
+    visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree",
+          Range{1, 1e7});
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", self.ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
-    visit("schedule", self.schedule,
-          "How often an iteration takes a proposal instead of a photograph: paper = synthetic-floor + synthetic-peak * "
-          "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never",
-          Choice{{"paper", "constant", "none"}});
-    visit("synthetic-floor", self.synthetic_floor, "Share of the iterations that take a proposal, at both ends of the run",
-          Range{0, 1});
+    visit(
+        "schedule", self.schedule,
+        "How often an iteration takes a proposal instead of a photograph: paper = synthetic-floor + synthetic-peak * "
+        "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never");
+    visit("synthetic-floor", self.synthetic_floor,
+          "Share of the iterations that take a proposal, at both ends of the run", Range{0, 1});
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
     visit("proposal-weight", self.proposal_weight, "Factor of a proposal's whole loss", Range{0, 100});
@@ -93,19 +107,18 @@ struct TrainOptions {
     visit("exposure", self.exposure,
           "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
           "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure. auto = where the "
-          "colours of common surfaces differ",
-          Choice{{"auto", "on", "off"}});
+          "colours of common surfaces differ");
     visit("dropout", self.dropout,
           "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
           "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "
-          "2025, uses 0.2); -1 = 0.2 for an object before a plain background, else 0",
-          Range{-1, 0.95});
+          "2025, uses 0.2); auto = 0.2 for an object before a plain background, else 0",
+          Range{0, 0.95});
     visit(
         "opacity-noise", self.opacity_noise,
         "Standard deviation of the noise each opacity is multiplied by, 1 + s N(0,1), anew in every iteration; against "
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
-        "Sparse-View 3DGS, 2025, uses 0.8); -1 = 0.5, 0.3 for an object before a plain background",
-        Range{-1, 10});
+        "Sparse-View 3DGS, 2025, uses 0.8); auto = 0.5, 0.3 for an object before a plain background",
+        Range{0, 10});
     visit("coarse-share", self.coarse_share,
           "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "
           "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
@@ -119,11 +132,12 @@ struct TrainOptions {
           Range{0, 1e3});
     visit("last-rates", self.last_rates,
           "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "
-          "the second half of the run. 3DGS keeps them (1); 0 = 0.1",
-          Range{0, 1});
+          "the second half of the run. 3DGS keeps them (1); auto = 0.1",
+          Range{1e-6, 1});
     visit("opacity-reg", self.opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", self.scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
-    visit("random-points", self.random_points, "Points drawn when there are fewer than 100 to start from", Range{100, 1e8});
+    visit("random-points", self.random_points, "Points drawn when there are fewer than 100 to start from",
+          Range{100, 1e8});
     visit("refine-start", self.refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
     visit("refine-every", self.refine_every, "Iterations between relocations", Range{1, 1e7});
     visit("refine-stop", self.refine_stop, "Share of the iterations after which they end", Range{0, 1});

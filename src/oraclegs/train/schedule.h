@@ -1,5 +1,5 @@
 #pragma once
-// What changes with the iteration (spec/gaussian_core.md 8 and 9). Iterations count from 1.
+// What changes with the iteration (docs/method.md#learning-rates, #schedules). Iterations count from 1.
 
 #include <cstdint>
 
@@ -7,12 +7,12 @@ namespace oraclegs {
 
 /// extent * log-linear 1.6e-4 -> 1.6e-6 over `iterations`.
 double MeansLearningRate(int64_t iteration, int64_t iterations, double extent);
-/// Factor of the other learning rates, which [3DGS] keeps constant: 1 over the first half of the run, then log-linear
-/// 1 -> `last`.
+/// Factor of the other learning rates, which [Kerbl 2023] keeps constant: 1 over the first half of the run, then
+/// log-linear 1 -> `last`.
 double RateFactor(int64_t iteration, int64_t iterations, double last);
 /// Active SH degree: raised by one at every multiple of `interval`, to at most 3.
 int ActiveShDegree(int64_t iteration, int64_t interval = 1000);
-/// Of exposure maps: log-linear 1e-2 -> 1e-3 over `iterations`, as [3DGS] trains its own.
+/// Of exposure maps: log-linear 1e-2 -> 1e-3 over `iterations`, as [Kerbl 2024] trains its own.
 double ExposureLearningRate(int64_t iteration, int64_t iterations);
 /// 0.01^t, t = iteration / iterations.
 double DepthWeight(int64_t iteration, int64_t iterations);

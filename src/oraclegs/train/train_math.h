@@ -14,7 +14,8 @@ namespace oraclegs {
 ORACLEGS_HD inline double OpacityOf(float logit) { return 1 / (1 + std::exp(-static_cast<double>(logit))); }
 ORACLEGS_HD inline double LogitOf(double opacity) { return std::log(opacity) - std::log1p(-opacity); }
 
-/// New opacity and scale ratio s_new / s of a source of opacity o shared by n Gaussians (spec/gaussian_core.md 8.2).
+/// New opacity and scale ratio s_new / s of a source of opacity o shared by n Gaussians
+/// (docs/method.md#mcmc-relocation).
 struct Relocated {
   double opacity = 0;            ///< clamped to [0.005, 1 - 2^-23]
   double opacity_unclamped = 0;  ///< what the scale was computed from

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/core/statistics.h"
+
 namespace oraclegs {
 namespace {
 
 bool DepthCounts(const TrainView& view, int64_t pixel) {
-  return view.depth_mask.data()[pixel] > 0 &&
-         (!view.confidence.defined() || view.confidence.data()[pixel] > 0);
+  return view.depth_mask.data()[pixel] > 0 && (!view.confidence.defined() || view.confidence.data()[pixel] > 0);
 }
 
 void CheckDepth(const TrainView& view) {
@@ -57,13 +58,6 @@ Buffer<float> Plane(const std::vector<T>& values, const char* what, const Loaded
   const Buffer<float> plane = Buffer<float>::Empty({height, width});
   std::copy(values.begin(), values.end(), plane.data());
   return plane;
-}
-
-/// The middle one, of an even count the upper; `values` is not empty and loses its order.
-double Median(std::vector<float>* values) {
-  const auto middle = values->begin() + static_cast<int64_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
 }
 
 }  // namespace
@@ -135,9 +129,9 @@ double CharacteristicDepth(const std::vector<TrainView>& views) {
     for (int64_t i = 0; i < view.inv_depth.count(); ++i) {
       if (mask[i] > 0 && inv_depth[i] > 0) known.push_back(inv_depth[i]);
     }
-    if (!known.empty()) medians.push_back(static_cast<float>(Median(&known)));
+    if (!known.empty()) medians.push_back(UpperMedian(&known));
   }
-  return medians.empty() ? 0 : 1 / Median(&medians);
+  return medians.empty() ? 0 : 1 / static_cast<double>(UpperMedian(&medians));
 }
 
 }  // namespace oraclegs

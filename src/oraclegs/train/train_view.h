@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/core/buffer.h"
 #include "oraclegs/camera/camera.h"
+#include "oraclegs/core/buffer.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/train/exposure.h"
 
@@ -15,11 +15,13 @@ namespace oraclegs {
 struct TrainView {
   std::string name;
   Camera camera;
-  Buffer<float> image;           ///< [H,W,3]
-  Buffer<float> confidence;      ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
-  Buffer<float> inv_depth = {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
-  Buffer<float> depth_mask = {};  ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
-  Buffer<float> alpha = {};       ///< [H,W] in [0,1], how much of the pixel the scene covers; undefined = unknown
+  Buffer<float> image;       ///< [H,W,3]
+  Buffer<float> confidence;  ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
+  Buffer<float> inv_depth =
+      {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
+  Buffer<float> depth_mask =
+      {};                    ///< [H,W] in [0,1], how much inv_depth counts, 0 = unknown; defined where inv_depth is
+  Buffer<float> alpha = {};  ///< [H,W] in [0,1], how much of the pixel the scene covers; undefined = unknown
   ExposureMap exposure = kIdentityExposure;  ///< where its exposure starts from, when that is trained
 };
 
@@ -49,7 +51,7 @@ TrainView WithCleanDepth(TrainView view);
 /// pixels that count. 0 when no view has depth. Views as WithCleanDepth leaves them.
 ///
 /// It is the unit of the depth term: weight * CharacteristicDepth * mean(|1/z - 1/z*| M) does not change when poses and
-/// depths are measured in another unit, and is the term of [3DGS] where the characteristic depth is 1.
+/// depths are measured in another unit, and is the term of [Kerbl 2024] where the characteristic depth is 1.
 double CharacteristicDepth(const std::vector<TrainView>& views);
 
 }  // namespace oraclegs

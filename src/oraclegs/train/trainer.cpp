@@ -1,12 +1,11 @@
 #include "oraclegs/train/trainer.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <utility>
 
-#include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/out_of_memory.h"
 #include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/interrupt.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
@@ -41,7 +40,8 @@ void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& sa
 
 void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
   gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
-    if (torch::isfinite(t).all().item<bool>()) return;
+    const Buffer<float> host = t.To(kCpu);
+    if (std::all_of(host.span().begin(), host.span().end(), [](float x) { return std::isfinite(x); })) return;
     throw RunError(
         "{} of a Gaussian are not finite at iteration {}: training has diverged; check the poses and the "
         "scale of the scene",
@@ -98,7 +98,7 @@ Iteration Trainer::State::NextIteration() {
   Iteration next;
   const int64_t i = next.number = iteration + 1;
   next.seed = seed;
-  next.rates.ScaleAll(RateFactor(i, options.iterations, options.last_rates));
+  next.rates.ScaleAll(RateFactor(i, options.iterations, options.last_rates.value()));
   next.rates.means = MeansLearningRate(i, options.iterations, extent);
   next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval), options.sh_degree);
   next.view = sampler.Next(SyntheticProbability(i, options.iterations, options.Proposals()));
@@ -113,8 +113,8 @@ Iteration Trainer::State::NextIteration() {
 /// model as it will be used.
 Buffer<float> Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
-  const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout, i, options.iterations),
-                                         IsLast(i) ? 0 : options.opacity_noise};
+  const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout.value(), i, options.iterations),
+                                         IsLast(i) ? 0 : options.opacity_noise.value()};
   return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Buffer<float>();
 }
 
@@ -249,13 +249,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
 
 const Gaussians& Trainer::gaussians() const { return state_->model.gaussians; }
 
-Buffer<float> Trainer::exposures() const {
-  const std::vector<ExposureMap> maps = state_->device->exposures().maps;
-  if (maps.empty()) return {};
-  Buffer<float> result = Buffer<float>::Empty({static_cast<int64_t>(maps.size()), 3, 4});
-  std::memcpy(result.data(), maps.data(), maps.size() * sizeof(ExposureMap));
-  return result;
-}
+std::vector<ExposureMap> Trainer::exposures() const { return state_->device->exposures().maps; }
 
 int64_t Trainer::iteration() const { return state_->iteration; }
 

@@ -41,8 +41,8 @@ struct TrainSetup {
 
 /// 3DGS-MCMC on photographs, on proposals as often as the schedule says, and on depth where a view has it. One
 /// iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step -> relocate, add -> noise.
-/// Adam goes before relocation ([gsplat]'s order, spec 8.1). The last iteration makes neither a step nor noise.
-/// The loss is the view's (train/view_loss.h) and the regularisers.
+/// Adam goes before relocation (the order of [Ye 2025], docs/method.md#one-iteration). The last iteration makes neither
+/// a step nor noise. The loss is the view's (train/view_loss.h) and the regularisers.
 class Trainer {
  public:
   /// On the CPU. Throws ShapeError / UsageError before any work.
@@ -67,8 +67,8 @@ class Trainer {
   /// On the device of the training.
   const Gaussians& gaussians() const;
   int64_t iteration() const;
-  /// [V,3,4], what turns a render into each photograph's colours; undefined unless the exposure is trained.
-  Buffer<float> exposures() const;
+  /// What turns a render into each photograph's colours; empty unless the exposure is trained.
+  std::vector<ExposureMap> exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;
   /// Of the last iteration alone; without `total`. On a GPU waits for it, and `loss` and `refine` are what sending the

@@ -60,7 +60,7 @@ ViewLoss::ViewLoss(const TrainOptions& options, TrainingData data)
     half_photographs_ = HalfSizes(photographs_, ViewKind::kPhotograph);
     half_proposals_ = HalfSizes(proposals_, ViewKind::kProposal);
   }
-  if (options.exposure == "on") exposures_.emplace(StartExposures(photographs_));
+  if (options.exposure == ExposureMode::kOn) exposures_.emplace(StartExposures(photographs_));
 }
 
 const TrainView& ViewLoss::View(const SampledView& sampled, int64_t iteration) const {

@@ -35,7 +35,7 @@ struct ViewLossResult {
 ///   learns from it;
 /// - a proposal's: Objective::Proposal, through no map;
 /// - of a view with inv_depth also depth_weight * 0.01^t * CharacteristicDepth * mean(|inv_depth - rendered| *
-///   depth_mask) (spec 9); proposal_weight is a factor of this too;
+///   depth_mask) (docs/method.md#depth-term); proposal_weight is a factor of this too;
 /// - of a view with alpha also alpha_weight * mean(|alpha - rendered| * confidence).
 /// Iterations count from 1.
 class ViewLoss {

@@ -15,8 +15,8 @@ struct SampledView {
   int index;  ///< within its kind
 };
 
-/// Draws training views (spec/gaussian_core.md 9): one number decides the kind, then a view leaves that kind's stack at
-/// random; an empty stack is refilled. Its state is the two stacks and the random counter.
+/// Draws training views (docs/method.md#view-sampling): one number decides the kind, then a view leaves that kind's
+/// stack at random; an empty stack is refilled. Its state is the two stacks and the random counter.
 class ViewSampler {
  public:
   ViewSampler(uint64_t seed, int photographs, int proposals);

@@ -1,9 +1,11 @@
 #include "oraclegs/train/cuda/cuda_train_device.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/cuda/training_on_both.h"
 #if defined(ORACLEGS_EMULATED_CUDA)
@@ -19,7 +21,7 @@ using testing::HasSubstr;
 /// Everything that can happen within 60 iterations.
 TrainOptions AllAtOnce() {
   TrainOptions options = Options(60);
-  options.exposure = "on";
+  options.exposure = ExposureMode::kOn;
   options.opacity_noise = 0.3;
   options.dropout = 0.1;
   options.prune_floaters = true;

@@ -1,10 +1,12 @@
 #include "oraclegs/train/cuda/cuda_view_loss.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <set>
 
 #include "oraclegs/train/cpu_train_device.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 
@@ -79,7 +81,7 @@ TEST_F(CudaViewLossTest, IsTheCpus) { ExpectAsOnTheCpu(Options().Settled(), Data
 
 TEST_F(CudaViewLossTest, LearnsExposures) {
   TrainOptions options = Options();
-  options.exposure = "on";
+  options.exposure = ExposureMode::kOn;
   ExpectAsOnTheCpu(options.Settled(), Data());
 }
 
@@ -128,7 +130,7 @@ TEST_F(CudaViewLossTest, PicturesOfBytesLieThereAsBytes) {
 
 TEST_F(CudaViewLossTest, RefusesExposuresOfOtherPhotographs) {
   TrainOptions options = Options();
-  options.exposure = "on";
+  options.exposure = ExposureMode::kOn;
   const ViewLoss source(options.Settled(), Data());
   CudaViewLoss loss(source, DeviceViews(source), TestDevice());
   EXPECT_THROW(loss.RestoreExposures({{kIdentityExposure}, {kIdentityExposure}, {kIdentityExposure}, {0}}), InputError);

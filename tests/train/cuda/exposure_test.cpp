@@ -1,11 +1,13 @@
 #include "oraclegs/train/cuda/exposure.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "oraclegs/train/exposure.h"
-#include "support/device_tensors.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/cuda_device.h"
+#include "support/buffers.h"
 
 namespace oraclegs::cuda {
 namespace {

@@ -1,8 +1,10 @@
 #include "oraclegs/train/cuda/floaters.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "oraclegs/train/floaters.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 

@@ -1,9 +1,11 @@
 #include "oraclegs/train/cuda/fused_step.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 #include "oraclegs/train/adam.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 

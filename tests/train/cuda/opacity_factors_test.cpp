@@ -1,9 +1,11 @@
 #include "oraclegs/train/cuda/opacity_factors.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "oraclegs/train/opacity_factors.h"
-#include "support/device_tensors.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/cuda_device.h"
+#include "support/buffers.h"
 
 namespace oraclegs::cuda {
 namespace {

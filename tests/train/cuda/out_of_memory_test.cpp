@@ -3,8 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "oraclegs/core/out_of_memory.h"
-#include "support/golden.h"
+#include "support/temp_dir.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/cuda/training_on_both.h"
 #if defined(ORACLEGS_EMULATED_CUDA)

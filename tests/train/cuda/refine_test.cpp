@@ -1,9 +1,11 @@
 #include "oraclegs/train/cuda/refine.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "oraclegs/train/mcmc.h"
 #include "oraclegs/train/rows.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 
 namespace oraclegs::cuda {

@@ -1,11 +1,13 @@
 #include "oraclegs/train/cuda/scale_cap.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/train/scale_cap.h"
-#include "support/golden.h"
-#include "support/tensors.h"
+#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 // The CPU's rasteriser as a device's: gradients of all Gaussians at once, on one thread.
 
+#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/cuda/cuda_train_device.h"
 #include "train/small_scene.h"
 

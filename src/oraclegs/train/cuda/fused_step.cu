@@ -9,14 +9,14 @@ namespace {
 struct TakeStep {
   StepConstants step;
 
-  __device__ void TakeSmall(int64_t i, const GaussianGrad& grad) const {
+  __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const {
     SplatRow g;
     for (int k = 0; k < 3; ++k) g.mean[k] = grad.mean[k], g.log_scale[k] = grad.log_scale[k];
     for (int k = 0; k < 4; ++k) g.quat[k] = grad.quat[k];
     g.logit = grad.logit;
     MoveSplat(step, i, g);
   }
-  __device__ void TakeSh(int64_t i, int first, float4 grad) const {
+  __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
     MoveColor(step, i, first, {{grad.x, grad.y, grad.z, grad.w}});
   }
 };

@@ -1,7 +1,7 @@
 #pragma once
-// Relocation and growth of 3DGS-MCMC on a GPU (spec/gaussian_core.md 8.1); nothing leaves it. The CPU's: train/mcmc.h.
-// Draws are the CPU's, except where a number falls within 1e-9 of the border between two Gaussians: opacities are
-// weighed as whole multiples of 2^-36, so that their running sums are exact and the same in every run.
+// Relocation and growth of 3DGS-MCMC on a GPU (docs/method.md#mcmc-relocation); nothing leaves it. The CPU's:
+// train/mcmc.h. Draws are the CPU's, except where a number falls within 1e-9 of the border between two Gaussians:
+// opacities are weighed as whole multiples of 2^-36, so that their running sums are exact and the same in every run.
 
 #include <cuda_runtime.h>
 
@@ -32,7 +32,7 @@ struct RefineInput {
   RefineScratch scratch;
 };
 
-/// Queues 8.1 step 1: dead Gaussians move onto living ones drawn by opacity.
+/// Queues relocation (docs/method.md#mcmc-relocation): dead Gaussians move onto living ones drawn by opacity.
 void RunRelocate(const RefineInput& in, cudaStream_t stream);
 
 /// Queues the first half of step 2: weighs all Gaussians. Afterwards the last of scratch.weights says whether there is

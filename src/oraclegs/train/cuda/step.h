@@ -1,6 +1,6 @@
 #pragma once
 // What moves every Gaussian in every iteration: the regularisers' gradients, Adam, the noise of 3DGS-MCMC
-// (spec/gaussian_core.md 8). The CPU's: train/adam.h, train/mcmc.h.
+// (docs/method.md#adam). The CPU's: train/adam.h, train/mcmc.h.
 
 #include <cuda_runtime.h>
 
