@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pages for strangers: docs/commands.md is what the program says of itself, and every link and path in the docs leads somewhere."""
+"""The pages for strangers: docs/commands.md is what the program says of itself, and the docs name what is there."""
 
 import re
 import subprocess
@@ -52,6 +52,34 @@ class Links(unittest.TestCase):
             for path in re.findall(r"`((?:src|apps|tests|bench|scripts|presets|docs|cmake)/[a-z\d_./-]+)`", page.read_text()):
                 with self.subTest(f"{page.name}: {path}"):
                     self.assertTrue((ROOT / path).exists() or list(ROOT.glob(path + ".*")))
+
+
+class ArchitecturePage(unittest.TestCase):
+    PAGE = ROOT / "docs/architecture.md"
+
+    def test_key_classes_are_in_their_files(self):
+        rows = re.findall(r"^\| (`\w.*?) \| `([\w/.-]+\.h)`", self.PAGE.read_text(), re.M)
+        self.assertGreaterEqual(len(rows), 25)
+        for names, path in rows:
+            file = ROOT / "src/oraclegs" / path
+            with self.subTest(path):
+                self.assertTrue(file.is_file())
+                name = re.search(r"\w+", names).group()
+                self.assertRegex(file.read_text(), rf"\b{name}\b")
+
+    def test_floors_are_those_of_the_build(self):
+        built = {}
+        for file in [ROOT / "src/CMakeLists.txt", ROOT / "src/oraclegs/networks/CMakeLists.txt"]:
+            for name, rest in re.findall(r"^ *oraclegs_library\((\w+)(.*)\)$", file.read_text(), re.M):
+                built[name] = set(re.findall(r"oraclegs::(\w+)", rest))
+        table = self.PAGE.read_text().partition("| floor |")[2].partition("\n\n")[0]
+        rows = re.findall(r"^\| `(\w+)` \|.*\|([^|]*)\|$", table, re.M)
+        self.assertEqual({name: set(re.findall(r"\w+", uses)) for name, uses in rows}, built)
+
+    def test_stages_are_those_of_the_program(self):
+        listed = re.findall(r'^ +\{"(\w+)", \d+, ', (ROOT / "src/oraclegs/pipeline/stages/stages.cpp").read_text(), re.M)
+        table = self.PAGE.read_text().partition("| stage |")[2].partition("\n\n")[0]
+        self.assertEqual(re.findall(r"^\| `(\w+)`", table, re.M), listed)
 
 
 if __name__ == "__main__":
