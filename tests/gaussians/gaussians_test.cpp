@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(Gaussians, FreshOnesPassTheirOwnCheck) {
+TEST(Gaussians, PassesItsCheckWhenNew) {
   for (const int64_t n : {0, 1, 7}) {
     const Gaussians g = Gaussians::Zeros(n);
     g.Check("test");
@@ -18,13 +18,13 @@ TEST(Gaussians, FreshOnesPassTheirOwnCheck) {
   EXPECT_EQ(Gaussians().size(), 0);
 }
 
-TEST(Gaussians, NamesComeInTheOrderOfTheCheckpoint) {
+TEST(Gaussians, HasNamesInTheOrderOfTheCheckpoint) {
   std::vector<std::string> names;
   Gaussians::Zeros(2).ForEach([&](const char* name, const Buffer<float>&) { names.push_back(name); });
   EXPECT_EQ(names, (std::vector<std::string>{"means", "log_scales", "quats", "opacity_logits", "sh"}));
 }
 
-TEST(Gaussians, CheckNamesTheCallerAndTheTensor) {
+TEST(Gaussians, CheckNamesTheBuffer) {
   const auto message = [](const Gaussians& g) -> std::string {
     try {
       g.Check("Caller");

@@ -54,7 +54,7 @@ TEST(ToPointCloud, ScalesColours) {
   EXPECT_TRUE(cloud.rgb[0].isApprox(Eigen::Vector3f(1, 0, 0.2f)));
 }
 
-TEST(RandomPointsInBlenderCube, FillTheCubeAndFollowTheSeed) {
+TEST(RandomPointsInBlenderCube, FillsTheCubeForASeed) {
   const PointCloud cloud = RandomPointsInBlenderCube(4000, 5);
   Eigen::Array3f low = cloud.xyz[0], high = low;
   for (size_t i = 0; i < cloud.xyz.size(); ++i) {
@@ -67,7 +67,7 @@ TEST(RandomPointsInBlenderCube, FillTheCubeAndFollowTheSeed) {
   EXPECT_NE(RandomPointsInBlenderCube(4000, 6).xyz, cloud.xyz);
 }
 
-TEST(RandomPointsInView, AreSeenTwiceAndSurroundWhatIsLookedAt) {
+TEST(RandomPointsInView, IsSeenByTwoCameras) {
   const Eigen::Vector3d center(10, -3, 4);
   const std::vector<Camera> cameras = Ring(6, 3, center);
   const PointCloud cloud = RandomPointsInView(cameras, 3000, 1);
@@ -84,7 +84,7 @@ TEST(RandomPointsInView, AreSeenTwiceAndSurroundWhatIsLookedAt) {
   EXPECT_NE(RandomPointsInView(cameras, 3000, 2).xyz, cloud.xyz);
 }
 
-TEST(RandomPointsInView, ParallelAxesLookAhead) {
+TEST(RandomPointsInView, LiesInFrontOfParallelCameras) {
   std::vector<Camera> cameras;
   for (int i = 0; i < 5; ++i) cameras.push_back(LookAt({0.2 * i, 0, 0}, {0.2 * i, 0, 1}));
   for (const auto& p : RandomPointsInView(cameras, 500, 3).xyz) {
@@ -93,7 +93,7 @@ TEST(RandomPointsInView, ParallelAxesLookAhead) {
   }
 }
 
-TEST(RandomPointsInView, OneCameraAndCamerasThatShareNothingNeedOneView) {
+TEST(RandomPointsInView, NeedsOneViewWithoutOverlap) {
   const std::vector<Camera> one = {LookAt({1, 2, 3}, {1, 2, 9})};
   for (const auto& p : RandomPointsInView(one, 300, 4).xyz) EXPECT_EQ(Seen(one, p), 1);
   // A rig that looks outward: the axes meet behind every camera.
@@ -108,7 +108,7 @@ TEST(RandomPointsInView, OneCameraAndCamerasThatShareNothingNeedOneView) {
 
 TEST(RandomPointsInView, RefusesNoCameras) { EXPECT_THROW(RandomPointsInView({}, 10, 0), std::invalid_argument); }
 
-TEST(MeanSquaredNeighborDistance, HasAFloorAndRefusesWhatIsNotFinite) {
+TEST(MeanSquaredNeighborDistance, HasAMinimumAndRefusesNan) {
   EXPECT_EQ(MeanSquaredNeighborDistance({{0, 0, 0}, {2, 0, 0}}), (std::vector<float>{4, 4}));
   EXPECT_EQ(MeanSquaredNeighborDistance({{3, 3, 3}}), std::vector<float>{1e-7f});
   EXPECT_EQ(MeanSquaredNeighborDistance({{3, 3, 3}, {3, 3, 3}}), (std::vector<float>{1e-7f, 1e-7f}));
@@ -119,11 +119,11 @@ TEST(MeanSquaredNeighborDistance, HasAFloorAndRefusesWhatIsNotFinite) {
   for (const float d2 : MeanSquaredNeighborDistance({{huge, 0, 0}, {-huge, 0, 0}})) EXPECT_TRUE(std::isfinite(d2));
 }
 
-TEST(MeanSquaredNeighborDistance, NoOtherDeviceStandsInForOneThatCannotBeUsed) {
+TEST(MeanSquaredNeighborDistance, RefusesAnUnusableDevice) {
   EXPECT_THROW(MeanSquaredNeighborDistance({{0, 0, 0}, {2, 0, 0}}, Device{DeviceKind::kCuda, 99}), UsageError);
 }
 
-TEST(InitializeGaussians, FollowsTheSpecification) {
+TEST(InitializeGaussians, SetsAllParameters) {
   PointCloud cloud;
   cloud.xyz = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
   cloud.rgb = {{1, 0.5f, 0}, {0, 0, 0}, {1, 1, 1}, {0.25f, 0.5f, 0.75f}};
@@ -142,7 +142,7 @@ TEST(InitializeGaussians, FollowsTheSpecification) {
   EXPECT_TRUE((Table(g.sh).rightCols(kShFloats - 3) == 0).all());
 }
 
-TEST(InitializeGaussians, OptionsSetScaleAndOpacity) {
+TEST(InitializeGaussians, UsesScaleAndOpacityOptions) {
   PointCloud cloud;
   cloud.xyz = {{0, 0, 0}, {2, 0, 0}};
   cloud.rgb.resize(2, {0.5f, 0.5f, 0.5f});
@@ -157,7 +157,7 @@ TEST(InitializeGaussians, OptionsSetScaleAndOpacity) {
   EXPECT_THROW(InitializeGaussians(cloud, {}), ShapeError);
 }
 
-TEST(InitializeGaussians, AKnownNormalMakesADiscAcrossIt) {
+TEST(InitializeGaussians, MakesADiscAcrossAKnownNormal) {
   PointCloud cloud;
   cloud.xyz = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
   cloud.rgb.resize(5, {0.5f, 0.5f, 0.5f});
@@ -184,7 +184,7 @@ TEST(InitializeGaussians, AKnownNormalMakesADiscAcrossIt) {
   }
 }
 
-TEST(InitializeGaussians, FlatnessOneIgnoresNormals) {
+TEST(InitializeGaussians, IgnoresNormalsForFlatnessOne) {
   PointCloud cloud;
   cloud.xyz = {{0, 0, 0}, {2, 0, 0}};
   cloud.rgb.resize(2, {0.5f, 0.5f, 0.5f});

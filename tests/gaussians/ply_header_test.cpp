@@ -43,13 +43,13 @@ TEST(PlyHeader, IsParsed) {
   EXPECT_EQ(header.elements[2].Find("z"), -1);
 }
 
-TEST(PlyHeader, EveryPrefixIsAnInputError) {
+TEST(PlyHeader, RefusesEveryPrefix) {
   const std::string whole = kHeader;
   for (size_t length = 0; length < whole.size(); ++length) EXPECT_NE(Error(whole.substr(0, length)), "no error");
   EXPECT_EQ(Error(whole), "no error");
 }
 
-TEST(PlyHeader, NamesTheLineThatIsNotUnderstood) {
+TEST(PlyHeader, NamesTheUnknownLine) {
   EXPECT_THAT(Error("PLY\n"), HasSubstr("not a PLY"));
   EXPECT_THAT(Error("ply\nend_header\n"), HasSubstr("format"));
   EXPECT_THAT(Error("ply\nformat ascii 1.0\nformat ascii 1.0\nend_header\n"), HasSubstr("line 3"));
@@ -65,20 +65,20 @@ TEST(PlyHeader, NamesTheLineThatIsNotUnderstood) {
   }
 }
 
-TEST(PlyHeader, QuotesNothingThatATerminalWouldObey) {
+TEST(PlyHeader, QuotesNoControlCharacters) {
   const std::string error = Error("ply\nwhat \x1b[31mis this\r\nend_header\n");
   EXPECT_THAT(error, HasSubstr("'what ?[31mis this'"));
   EXPECT_LT(Error("ply\n" + std::string(5000, 'x') + "\n").size(), 200u);
 }
 
-TEST(PlySize, IsWhatTheNamesSay) {
+TEST(PlySize, IsThatOfTheType) {
   EXPECT_EQ(PlySize(PlyType::kUint8), 1u);
   EXPECT_EQ(PlySize(PlyType::kInt16), 2u);
   EXPECT_EQ(PlySize(PlyType::kFloat), 4u);
   EXPECT_EQ(PlySize(PlyType::kDouble), 8u);
 }
 
-TEST(PlyHeader, CommentsAreKeptWithinReason) {
+TEST(PlyHeader, LimitsComments) {
   std::string text = "ply\nformat ascii 1.0\ncomment  a  word\ncomment\n";
   for (int i = 0; i < 200; ++i) text += "comment " + std::string(2000, 'x') + "\n";
   const PlyHeader header = ParsePlyHeader(text + "element vertex 0\nend_header\n", "file");

@@ -41,7 +41,7 @@ std::vector<float> Columns(const std::string& bytes, const std::vector<std::stri
   return ReadPlyColumns(bytes, ParsePlyHeader(bytes, "file.ply"), "vertex", names, "file.ply");
 }
 
-TEST(PlyReader, ReadsBothByteOrdersInTheOrderAskedFor) {
+TEST(PlyReader, ReadsBothByteOrders) {
   for (const bool big_endian : {false, true}) {
     const std::string bytes = BinaryFile({big_endian});
     EXPECT_THAT(Columns(bytes, {"c", "y", "x"}), ElementsAre(255, -1e10f, 0.5f, 5, 3, 2.25f));
@@ -49,7 +49,7 @@ TEST(PlyReader, ReadsBothByteOrdersInTheOrderAskedFor) {
   }
 }
 
-TEST(PlyReader, EveryPrefixIsAnInputError) {
+TEST(PlyReader, RefusesEveryPrefix) {
   const std::string ascii =
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int v\nelement vertex 2\nproperty float x\n"
       "property float y\nend_header\n2 7 7\n1.5 2\n3 4\n";
@@ -62,7 +62,7 @@ TEST(PlyReader, EveryPrefixIsAnInputError) {
   }
 }
 
-TEST(PlyReader, RowsWithListsAreWalked) {
+TEST(PlyReader, SkipsLists) {
   const std::string bytes =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty list int float before\nproperty float x\n"
       "property list uchar float after\nend_header\n3 1 2 3 10 0\n0 20 1 9\n";
@@ -70,7 +70,7 @@ TEST(PlyReader, RowsWithListsAreWalked) {
   EXPECT_THROW(Columns(bytes, {"before"}), InputError);
 }
 
-TEST(PlyReader, LyingLengthsAreRefused) {
+TEST(PlyReader, RefusesImpossibleLengths) {
   EXPECT_THROW(Columns(BinaryFile({false, 255}), {"x"}), InputError);
   for (const char* length : {"-1", "99999999999", "nan", "x"}) {
     const std::string bytes =
@@ -84,7 +84,7 @@ TEST(PlyReader, LyingLengthsAreRefused) {
   EXPECT_THAT(Columns(empty, {}), ElementsAre());
 }
 
-TEST(PlyReader, EveryByteChangedIsReadOrRefused) {
+TEST(PlyReader, SurvivesAnyChangedByte) {
   for (const bool big_endian : {false, true}) {
     const std::string good = BinaryFile({big_endian});
     for (size_t i = 0; i < good.size(); ++i) {

@@ -67,7 +67,7 @@ TEST_F(GaussianPlyFile, RoundTripsBitsAtEveryDegree) {
   }
 }
 
-TEST_F(GaussianPlyFile, HasTheLayoutThatViewersExpect) {
+TEST_F(GaussianPlyFile, HasTheLayoutOfViewers) {
   Gaussians g = Gaussians::Zeros(1);
   g.means[1] = 2;
   g.sh[2] = 3;
@@ -96,7 +96,7 @@ TEST_F(GaussianPlyFile, HasTheLayoutThatViewersExpect) {
   EXPECT_EQ(row[58], 1);
 }
 
-TEST_F(GaussianPlyFile, FindsPropertiesByNameInAnyOrderAndTypeAndSkipsTheRest) {
+TEST_F(GaussianPlyFile, FindsPropertiesByName) {
   Write(
       "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info x\r\nelement camera 2\r\nproperty float f\r\n"
       "property list uchar int ids\r\nelement vertex 2\r\nproperty float rot_3\r\nproperty double rot_2\r\n"
@@ -120,7 +120,7 @@ TEST_F(GaussianPlyFile, FindsPropertiesByNameInAnyOrderAndTypeAndSkipsTheRest) {
   EXPECT_THAT(g.opacity_logits.span(), testing::ElementsAre(-1.5f, 1.5f));
 }
 
-TEST_F(GaussianPlyFile, TruncationIsAnInputError) {
+TEST_F(GaussianPlyFile, RefusesTruncation) {
   WriteGaussianPly(path_, RandomGaussians(2), 0);
   const std::string whole = ReadFile(path_);
   for (size_t length = 0; length < whole.size(); length += 37) {
@@ -129,7 +129,7 @@ TEST_F(GaussianPlyFile, TruncationIsAnInputError) {
   EXPECT_EQ(ReadError(Write(whole)), "no error");
 }
 
-TEST_F(GaussianPlyFile, ALyingCountIsRefusedBeforeAnythingIsAllocated) {
+TEST_F(GaussianPlyFile, RefusesACountLargerThanTheFile) {
   WriteGaussianPly(path_, RandomGaussians(2), 3);
   const std::string good = ReadFile(path_);
   for (const char* count : {"3", "1000000000000000000", "18446744073709551615"}) {
@@ -146,7 +146,7 @@ TEST_F(GaussianPlyFile, ALyingCountIsRefusedBeforeAnythingIsAllocated) {
   }
 }
 
-TEST_F(GaussianPlyFile, NamesWhatIsWrong) {
+TEST_F(GaussianPlyFile, NamesTheMistake) {
   EXPECT_THAT(ReadError(dir_ / "absent.ply"), HasSubstr("absent.ply"));
   EXPECT_THAT(ReadError(Write("PNG\n")), HasSubstr("not a PLY"));
   EXPECT_THAT(ReadError(Write("ply\nend_header\n")), HasSubstr("format"));
@@ -164,7 +164,7 @@ TEST_F(GaussianPlyFile, NamesWhatIsWrong) {
   EXPECT_THAT(ReadError(Write("ply\nwhat \x1b[31mis this\nend_header\n")), HasSubstr("?[31m"));
 }
 
-TEST_F(GaussianPlyFile, RefusesNumbersThatWouldPoisonARender) {
+TEST_F(GaussianPlyFile, RefusesNanAndZeroRotations) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     Gaussians g = RandomGaussians(5);
     g.log_scales[3 * 3 + 1] = bad;
@@ -177,7 +177,7 @@ TEST_F(GaussianPlyFile, RefusesNumbersThatWouldPoisonARender) {
   EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
 }
 
-TEST_F(GaussianPlyFile, AnOpacityOfExactlyZeroOrOneIsTaken) {
+TEST_F(GaussianPlyFile, AcceptsOpacityZeroAndOne) {
   Gaussians g = RandomGaussians(3);
   g.opacity_logits[0] = std::numeric_limits<float>::infinity();
   g.opacity_logits[1] = -std::numeric_limits<float>::infinity();
@@ -192,7 +192,7 @@ TEST_F(GaussianPlyFile, AnOpacityOfExactlyZeroOrOneIsTaken) {
   EXPECT_THAT(ReadError(path_), HasSubstr("opacity of vertex 1"));
 }
 
-TEST_F(GaussianPlyFile, AsciiOutOfRangeAndWords) {
+TEST_F(GaussianPlyFile, ReadsAsciiAtTheLimits) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float "
       "f_dc_0\n"
@@ -207,7 +207,7 @@ TEST_F(GaussianPlyFile, AsciiOutOfRangeAndWords) {
   EXPECT_EQ(ReadError(Write(head + "1 1e-400 0 0 0 0 0 0 0 0 1 0 0 0")), "no error");  // the last needs no newline
 }
 
-TEST_F(GaussianPlyFile, CommentsGoToTheHeaderAndBack) {
+TEST_F(GaussianPlyFile, KeepsComments) {
   const Gaussians g = RandomGaussians(5);
   WriteGaussianPly(path_, g, 1, {"made with X", "two\nlines\r"});
   const GaussianPly read = ReadGaussianPly(path_);
@@ -217,7 +217,7 @@ TEST_F(GaussianPlyFile, CommentsGoToTheHeaderAndBack) {
   EXPECT_TRUE(ReadGaussianPly(path_).comments.empty());
 }
 
-TEST_F(GaussianPlyFile, WriterRefusesWrongShapesAndUnwritablePlaces) {
+TEST_F(GaussianPlyFile, RefusesToWriteWrongShapes) {
   Gaussians g = RandomGaussians(3);
   EXPECT_THROW(WriteGaussianPly(path_, g, 4), ShapeError);
   EXPECT_THROW(WriteGaussianPly(dir_.path(), g, 0), RunError);

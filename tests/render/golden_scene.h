@@ -1,9 +1,9 @@
 #pragma once
-// The rasteriser's fixture as inputs of the program. Sizes come from the file.
-
-#include <algorithm>
+// The rasteriser's reference numbers (docs/method.md#tolerances) as inputs of the program. Sizes come from the file.
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "oraclegs/render/render.h"
 #include "support/buffers.h"

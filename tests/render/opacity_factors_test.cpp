@@ -1,9 +1,9 @@
-// RenderOptions::opacity_factors against opacities scaled by hand, the slow twin and finite differences.
+// RenderOptions::opacity_factors against opacities scaled by hand, the reference renderer and finite differences.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "oraclegs/render/make_rasterizer.h"
 
+#include "oraclegs/render/make_rasterizer.h"
 #include "render/reference_raster.h"
 #include "render/scenes.h"
 #include "support/buffers.h"
@@ -40,7 +40,7 @@ class OpacityFactors : public testing::TestWithParam<bool> {
   const bool antialiased = GetParam();
 };
 
-TEST_P(OpacityFactors, OnesChangeNoBit) {
+TEST_P(OpacityFactors, ChangeNoBitWhenOne) {
   const Gaussians g = RandomGaussians(300, 0.1, 11);
   const Rendered without = Render(g, Options(antialiased, {})),
                  with = Render(g, Options(antialiased, Buffer<float>::Full({300}, 1.f)));
@@ -50,7 +50,7 @@ TEST_P(OpacityFactors, OnesChangeNoBit) {
   EXPECT_TRUE(Equal(with.grads.opacity_logits, without.grads.opacity_logits));
 }
 
-TEST_P(OpacityFactors, BelowOneAreLowerOpacities) {
+TEST_P(OpacityFactors, LowerTheOpacity) {
   const Gaussians g = RandomGaussians(300, 0.1, 11);
   const Buffer<float> factors = RandomUniform({300}, 2);
   Flat(factors) = Flat(factors) * 0.98f + 0.01f;
@@ -72,7 +72,7 @@ TEST_P(OpacityFactors, BelowOneAreLowerOpacities) {
   EXPECT_LE(RelativeL2(scaled.grads.opacity_logits, logits), 2e-4);
 }
 
-TEST_P(OpacityFactors, AboveOneMatchCentralDifferences) {
+TEST_P(OpacityFactors, MatchCentralDifferencesAboveOne) {
   const Gaussians g = RandomGaussians(12, 0.25, 21);
   const RenderOptions options = Options(antialiased, ToBuffer({12}, Eigen::ArrayXf::LinSpaced(12, 0.5f, 4)));
   const Rendered rendered = Render(g, options);
@@ -90,7 +90,7 @@ TEST_P(OpacityFactors, AboveOneMatchCentralDifferences) {
   ExpectCentralDifferences("opacity_logits", loss, scene.opacity_logits, rendered.grads.opacity_logits);
 }
 
-TEST_P(OpacityFactors, ZeroLeavesTheGaussianOut) {
+TEST_P(OpacityFactors, RemoveAGaussianWhenZero) {
   const Gaussians g = RandomGaussians(200, 0.1, 12);
   Buffer<float> factors = Buffer<float>::Full({200}, 1.f);
   factors.Rows(50, 150).SetZero();
@@ -109,7 +109,7 @@ TEST_P(OpacityFactors, ZeroLeavesTheGaussianOut) {
 INSTANTIATE_TEST_SUITE_P(Modes, OpacityFactors, testing::Bool(),
                          [](const auto& info) { return info.param ? "antialiased" : "plain"; });
 
-TEST(OpacityFactorsTest, RefusesAnotherNumberOfThem) {
+TEST(OpacityFactorsTest, RefuseAnotherCount) {
   const Gaussians g = RandomGaussians(20, 0.1, 12);
   EXPECT_THROW(Render(g, Options(false, Buffer<float>::Full({19}, 1.f))), ShapeError);
   EXPECT_THROW(Render(g, Options(false, Buffer<float>::Full({20, 1}, 1.f))), ShapeError);

@@ -1,4 +1,4 @@
-// The rasteriser against its slow twin, closed forms and finite differences.
+// The rasteriser against a slow reference renderer, closed forms and finite differences.
 
 #include "oraclegs/render/make_rasterizer.h"
 #include "render/reference_raster.h"
@@ -34,7 +34,7 @@ struct SceneCase {
 
 class RasterizeReference : public testing::TestWithParam<SceneCase> {};
 
-TEST_P(RasterizeReference, AgreesWithTheSlowTwin) {
+TEST_P(RasterizeReference, AgreesWithTheReference) {
   const SceneCase& c = GetParam();
   const Gaussians g = RandomGaussians(c.gaussians, c.scale, 11);
   const Camera camera = FrontCamera(c.width, c.height);
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RasterizeReference,
                                          SceneCase{"one_pixel", 50, 0.3, 1, 1, false}),
                          [](const auto& info) { return info.param.name; });
 
-TEST(RasterizeClosedForm, OneGaussianIsItsFormula) {
+TEST(RasterizeClosedForm, RendersOneGaussianByItsFormula) {
   Gaussians g = Gaussians::Zeros(1);
   const double z = 4, scale = 0.3, opacity = 0.8;
   g.means.data()[2] = static_cast<float>(z);
@@ -86,7 +86,7 @@ TEST(RasterizeClosedForm, OneGaussianIsItsFormula) {
   }
 }
 
-TEST(RasterizeClosedForm, OneColourStaysOneColour) {
+TEST(RasterizeClosedForm, KeepsASingleColour) {
   Gaussians g = RandomGaussians(500, 0.1, 5);
   g.sh.SetZero();
   Table(g.sh).leftCols(3).setConstant((0.7f - 0.5f) / 0.28209479177387814f);
@@ -95,7 +95,7 @@ TEST(RasterizeClosedForm, OneColourStaysOneColour) {
   for (int64_t i = 0; i < out.image.count(); ++i) EXPECT_NEAR(out.image[i], 0.7f * out.alpha[i / 3], 1e-5) << i;
 }
 
-TEST(RasterizeClosedForm, NothingInViewIsBackground) {
+TEST(RasterizeClosedForm, RendersBackgroundWithoutGaussiansInView) {
   Gaussians g = RandomGaussians(20, 0.1, 5);
   Table(g.means).col(2) *= -1;
   auto rasterizer = MakeRasterizer(kCpu);
@@ -109,7 +109,7 @@ TEST(RasterizeClosedForm, NothingInViewIsBackground) {
   grads.ForEach([](const char*, const Buffer<float>& t) { EXPECT_EQ(MaxAbs(t), 0); });
 }
 
-TEST(RasterizeClosedForm, NoGaussiansAtAll) {
+TEST(RasterizeClosedForm, RendersNoGaussians) {
   const Gaussians none = Gaussians::Zeros(0);
   auto rasterizer = MakeRasterizer(kCpu);
   const RenderOutput out = rasterizer->Forward(none, FrontCamera(17, 9), {{1, 1, 1}, 3, false}, RenderPass::kTrain);

@@ -1,5 +1,5 @@
 #pragma once
-// The slow twin of the rasteriser: double precision, one pixel after another, every Gaussian tried on every pixel,
+// A slow reference renderer: double precision, one pixel after another, every Gaussian tried on every pixel,
 // straight from docs/method.md#projection to #spherical-harmonics. No tiles, no bounds, no tricks. The per-Gaussian
 // mathematics is the shared header.
 

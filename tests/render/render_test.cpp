@@ -8,7 +8,7 @@ namespace {
 
 class NoConsumer final : public GradientConsumer {};
 
-TEST(GradientConsumer, ThrowsOnADeviceItIsNotMadeFor) {
+TEST(GradientConsumer, ThrowsOnAnotherDevice) {
   NoConsumer consumer;
   EXPECT_THAT([&] { consumer.ConsumeBlock(0, 1, {}); },
               testing::ThrowsMessage<ShapeError>(testing::HasSubstr("on a CPU")));

@@ -27,7 +27,7 @@ struct Gaussians {
   static Gaussians Empty(int64_t n, Device device = kCpu);
   static Gaussians Zeros(int64_t n, Device device = kCpu);
 
-  /// Throws ShapeError naming `who` and the tensor that does not fit.
+  /// Throws ShapeError naming `who` and the buffer that does not fit.
   void Check(const char* who) const;
 
   /// All rows, of buffers that pass Check.
@@ -38,7 +38,7 @@ struct Gaussians {
   Gaussians Clone() const;
   Gaussians To(Device device) const;
 
-  /// Calls f(name, tensor) for each parameter, in the order above. The names are the checkpoint's.
+  /// Calls f(name, buffer) for each parameter, in the order above. The names are the checkpoint's.
   template <class F>
   void ForEach(F&& f) {
     f("means", means);

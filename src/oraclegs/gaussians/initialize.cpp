@@ -18,13 +18,13 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kC0 = 0.28209479177387814;            // the constant spherical harmonic
-constexpr double kMinSquaredDistance = 1e-7;           // duplicates would have no size at all
-constexpr double kBlenderHalfSide = 1.3;               // world units
-constexpr double kTooClose = 0.2;                      // of the radius: nothing starts right in front of a lens
-constexpr int64_t kProbes = 20000, kEnoughHits = 200;  // 1%: a sparser overlap would cost too many draws
+constexpr double kC0 = 0.28209479177387814;         // the constant spherical harmonic
+constexpr double kMinSquaredDistance = 1e-7;        // duplicates would have no size at all
+constexpr double kBlenderHalfSide = 1.3;            // world units
+constexpr double kTooClose = 0.2;                   // of the radius: nothing starts right in front of a camera
+constexpr int64_t kProbes = 20000, kMinHits = 200;  // 1%: a sparser overlap would cost too many draws
 
-/// A grey that is not quite the same for any two points.
+/// Nearly grey; no two points have quite the same colour.
 Eigen::Vector3f NearGrey(Rng* rng) {
   Eigen::Vector3f rgb;
   for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(0.5 + kC0 * rng->Uniform() / 255);
@@ -63,14 +63,14 @@ class ViewVolume {
   }
 
   /// The largest number of views, up to two, that a fair share of the ball is seen by. Zero (cameras that see nothing
-  /// of it) keeps the draw from running for ever.
+  /// of it) ends a draw that would never succeed.
   int AttainableViews(uint64_t seed) const {
     for (const int views : {2, 1}) {
       Rng rng(seed, RandomStream::kInitialPoints);
       Eigen::Vector3d ignored;
       int64_t hits = 0;
       for (int64_t i = 0; i < kProbes; ++i) hits += Draw(&rng, views, &ignored) ? 1 : 0;
-      if (hits >= kEnoughHits) return views;
+      if (hits >= kMinHits) return views;
     }
     return 0;
   }

@@ -38,7 +38,7 @@ struct InitializeOptions {
 };
 
 /// Gaussians at the points: sh0 from the colour, scale from the neighbours; isotropic and not rotated, or, where the
-/// normal is known and flatness is not 1, the third axis along the normal. The tensors are the host's; `device` is
+/// normal is known and flatness is not 1, the third axis along the normal. The buffers are the host's; `device` is
 /// where the neighbours are looked for.
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device = kCpu);
 

@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "rows are written as t
 constexpr int64_t kGrain = 4096;   // rows a task
 constexpr int kFixedColumns = 14;  // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
 constexpr int kFromOpacity = 8;    // columns from opacity to the end
-constexpr float kLargestLogit = 15;
+constexpr float kMaxLogit = 15;
 
 void Append(std::vector<std::string>* names, const char* stem, int count) {
   for (int i = 0; i < count; ++i) names->push_back(stem + std::to_string(i));
@@ -53,47 +53,32 @@ std::string HeaderText(int64_t count, const std::vector<std::string>& names, con
   return text + "end_header\n";
 }
 
-/// Raw pointers to the five parameters.
-struct Rows {
-  float *means, *log_scales, *quats, *opacity_logits, *sh;
-
-  explicit Rows(const Gaussians& g)
-      : means(g.means.data()),
-        log_scales(g.log_scales.data()),
-        quats(g.quats.data()),
-        opacity_logits(g.opacity_logits.data()),
-        sh(g.sh.data()) {}
-  float* ShOf(int64_t i) const { return sh + i * kShCoefficients * 3; }
-};
-
-/// One Gaussian to a row of PropertyNames order, with three zeros for the normal after the position.
-void PackRow(const Rows& rows, int64_t i, int rest, float* out) {
+/// The first of the Gaussians to a row of PropertyNames order, with three zeros for the normal after the position.
+void PackRow(const GaussianRows& from, int rest, float* out) {
   const int per_channel = rest / 3;
-  const float* sh = rows.ShOf(i);
-  out = std::copy_n(rows.means + 3 * i, 3, out);
+  out = std::copy_n(from.means, 3, out);
   out = std::fill_n(out, 3, 0.f);
-  out = std::copy_n(sh, 3, out);
+  out = std::copy_n(from.sh, 3, out);
   for (int c = 0; c < 3; ++c) {
-    for (int k = 1; k <= per_channel; ++k) *out++ = sh[3 * k + c];
+    for (int k = 1; k <= per_channel; ++k) *out++ = from.sh[3 * k + c];
   }
-  *out++ = rows.opacity_logits[i];
-  out = std::copy_n(rows.log_scales + 3 * i, 3, out);
-  std::copy_n(rows.quats + 4 * i, 4, out);
+  *out++ = from.opacity_logits[0];
+  out = std::copy_n(from.log_scales, 3, out);
+  std::copy_n(from.quats, 4, out);
 }
 
 /// The reverse, of a row without the normal.
-void UnpackRow(const float* in, int rest, int64_t i, const Rows& rows) {
+void UnpackRow(const float* in, int rest, const GaussianRows& to) {
   const int per_channel = rest / 3;
-  float* sh = rows.ShOf(i);
-  std::copy_n(in, 3, rows.means + 3 * i);
-  std::copy_n(in + 3, 3, sh);
+  std::copy_n(in, 3, to.means);
+  std::copy_n(in + 3, 3, to.sh);
   in += 6;
   for (int c = 0; c < 3; ++c) {
-    for (int k = 1; k <= per_channel; ++k) sh[3 * k + c] = *in++;
+    for (int k = 1; k <= per_channel; ++k) to.sh[3 * k + c] = *in++;
   }
-  rows.opacity_logits[i] = *in++;
-  std::copy_n(in, 3, rows.log_scales + 3 * i);
-  std::copy_n(in + 3, 4, rows.quats + 4 * i);
+  to.opacity_logits[0] = *in++;
+  std::copy_n(in, 3, to.log_scales);
+  std::copy_n(in + 3, 4, to.quats);
 }
 
 int DegreeOf(const PlyElement& vertex, const std::string& file) {
@@ -106,13 +91,13 @@ int DegreeOf(const PlyElement& vertex, const std::string& file) {
                    rest);
 }
 
-/// An opacity of exactly 0 or 1, usual after a conversion from 8-bit alpha, has an infinite logit. That is no mistake,
-/// but training cannot move it: it becomes the far end of what float32 tells from 0 and 1.
+/// An opacity of exactly 0 or 1, usual after a conversion from 8-bit alpha, has an infinite logit, which training
+/// cannot change. It becomes the last opacity that float32 distinguishes from 0 or 1.
 void ClampOpacity(float* logit) {
-  if (std::isinf(*logit)) *logit = std::copysign(kLargestLogit, *logit);
+  if (std::isinf(*logit)) *logit = std::copysign(kMaxLogit, *logit);
 }
 
-/// Throws for a number that would poison every render.
+/// Throws for a number that would spoil every render.
 void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i, const std::string& file) {
   for (size_t c = 0; c < names.size(); ++c) {
     if (std::isfinite(row[c])) continue;
@@ -130,19 +115,18 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
                       const std::vector<std::string>& comments) {
   gaussians.Check("WriteGaussianPly");
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("WriteGaussianPly: degree {}", sh_degree);
-  Gaussians host = gaussians;
-  host.ForEach([](const char*, Buffer<float>& t) { t = t.To(kCpu); });
+  const Gaussians host = gaussians.To(kCpu);
   const int64_t n = host.size();
   const int rest = RestCount(sh_degree);
   const size_t columns = kFixedColumns + 3 + rest, row_bytes = columns * sizeof(float);
   std::string bytes = HeaderText(n, PropertyNames(rest), comments);
   const size_t header = bytes.size();
   bytes.resize(header + static_cast<size_t>(n) * row_bytes);
-  const Rows rows(host);
+  const GaussianRows all = host.Rows();
   ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
     std::vector<float> row(columns);
     for (int64_t i = begin; i < end; ++i) {
-      PackRow(rows, i, rest, row.data());
+      PackRow(all.From(i), rest, row.data());
       std::memcpy(bytes.data() + header + static_cast<size_t>(i) * row_bytes, row.data(), row_bytes);
     }
   });
@@ -167,13 +151,13 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   const auto n = static_cast<int64_t>(element.count);
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);
-  const Rows rows(out.gaussians);
+  const GaussianRows all = out.gaussians.Rows();
   ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       float* row = values.data() + i * columns;
       ClampOpacity(row + columns - kFromOpacity);
       CheckRow(row, names, i, file);
-      UnpackRow(row, rest, i, rows);
+      UnpackRow(row, rest, all.From(i));
     }
   });
   return out;

@@ -23,7 +23,7 @@ struct GaussianPly {
 /// Reads such a file from any trainer: properties found by name in any order, other properties and elements skipped,
 /// ascii and both binary byte orders, float or double. Throws InputError naming the file: no such element or
 /// property, a vertex count that the file cannot hold, values that are not finite; only an infinite opacity is
-/// taken, as +-15.
+/// accepted, as +-15.
 GaussianPly ReadGaussianPly(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -19,7 +19,7 @@ constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
     {"float", PlyType::kFloat},   {"float32", PlyType::kFloat}, {"double", PlyType::kDouble},
     {"float64", PlyType::kDouble}};
 constexpr size_t kShownChars = 60;  // of a line quoted in a message
-constexpr size_t kMostComments = 100, kLongestComment = 1000;
+constexpr size_t kMaxComments = 100, kMaxCommentChars = 1000;
 
 /// The words of a line, separated by blanks and tabs.
 std::vector<std::string_view> Words(std::string_view line) {
@@ -44,11 +44,12 @@ class HeaderParser {
     while (true) {
       const std::string_view line = NextLine();
       const std::vector<std::string_view> words = Words(line);
-      if (!words.empty() && words[0] == "comment") TakeComment(line);
+      if (!words.empty() && words[0] == "comment") AddComment(line);
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
-      if (!Take(words)) {
-        throw InputError("{}: line {} of the header is not understood: '{}'", file_, line_, Printable(line, kShownChars));
+      if (!ParseLine(words)) {
+        throw InputError("{}: line {} of the header is not understood: '{}'", file_, line_,
+                         Printable(line, kShownChars));
       }
     }
     if (!has_format_) throw InputError("{}: the header has no format line; write the file anew", file_);
@@ -69,21 +70,21 @@ class HeaderParser {
     return line;
   }
 
-  void TakeComment(std::string_view line) {
-    if (header_.comments.size() == kMostComments) return;
+  void AddComment(std::string_view line) {
+    if (header_.comments.size() == kMaxComments) return;
     line.remove_prefix(line.find("comment") + std::string_view("comment").size());
     line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-    header_.comments.emplace_back(line.substr(0, kLongestComment));
+    header_.comments.emplace_back(line.substr(0, kMaxCommentChars));
   }
 
-  bool Take(const std::vector<std::string_view>& words) {
-    if (words[0] == "format") return TakeFormat(words);
-    if (words[0] == "element") return TakeElement(words);
-    if (words[0] == "property") return TakeProperty(words);
+  bool ParseLine(const std::vector<std::string_view>& words) {
+    if (words[0] == "format") return ParseFormat(words);
+    if (words[0] == "element") return ParseElement(words);
+    if (words[0] == "property") return ParseProperty(words);
     return false;
   }
 
-  bool TakeFormat(const std::vector<std::string_view>& words) {
+  bool ParseFormat(const std::vector<std::string_view>& words) {
     if (words.size() != 3 || words[2] != "1.0" || has_format_) return false;
     has_format_ = true;
     if (words[1] == "ascii") {
@@ -98,7 +99,7 @@ class HeaderParser {
     return true;
   }
 
-  bool TakeElement(const std::vector<std::string_view>& words) {
+  bool ParseElement(const std::vector<std::string_view>& words) {
     if (words.size() != 3 || header_.Find(words[1]) >= 0) return false;
     PlyElement element;
     element.name = words[1];
@@ -109,7 +110,7 @@ class HeaderParser {
     return true;
   }
 
-  bool TakeProperty(const std::vector<std::string_view>& words) {
+  bool ParseProperty(const std::vector<std::string_view>& words) {
     if (header_.elements.empty()) return false;
     PlyElement& element = header_.elements.back();
     PlyProperty property;
@@ -139,7 +140,7 @@ class HeaderParser {
   size_t position_ = 0;
   int64_t line_ = 0;
   bool has_format_ = false;
-  std::set<std::pair<size_t, std::string>> names_;  // (element, property), to find one given twice
+  std::set<std::pair<size_t, std::string>> names_;  // (element, property), to find duplicates
   PlyHeader header_;
 };
 

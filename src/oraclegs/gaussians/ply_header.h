@@ -1,5 +1,5 @@
 #pragma once
-// The text header of the PLY container: which elements follow, and of which scalar or list properties. Torch-free.
+// The text header of the PLY container: which elements follow, and of which scalar or list properties.
 
 #include <cstddef>
 #include <cstdint>

@@ -53,13 +53,13 @@ double LoadNumber(const char* bytes, PlyType type, bool swap) {
 
 /// The float nearest to a value; what lies beyond becomes infinite (a plain cast would be undefined).
 float ToFloat(double value) {
-  constexpr double kLargest = std::numeric_limits<float>::max();
+  constexpr double kMaxFloat = std::numeric_limits<float>::max();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  if (std::abs(value) <= kLargest || std::isnan(value)) return static_cast<float>(value);
+  if (std::abs(value) <= kMaxFloat || std::isnan(value)) return static_cast<float>(value);
   return value > 0 ? kInfinity : -kInfinity;
 }
 
-/// Which numbers of a row are wanted, and where they go.
+/// A property that is read, and its place in the output row.
 struct Column {
   int property;
   size_t place;
@@ -71,7 +71,7 @@ class BodyReader {
   BodyReader(std::string_view bytes, const PlyHeader& header, const std::string& file)
       : bytes_(bytes), position_(header.body), format_(header.format), file_(file) {}
 
-  /// Bytes that a row takes at least: exactly that for a binary element without lists.
+  /// The minimum bytes of a row: its exact size for a binary element without lists.
   uint64_t MinRowBytes(const PlyElement& element) const {
     uint64_t sum = 0;
     for (const PlyProperty& p : element.properties) {
@@ -103,7 +103,7 @@ class BodyReader {
 
   void Read(const PlyElement& element, const std::vector<Column>& columns, std::vector<float>* out) {
     RequireRows(element);
-    if (columns.empty()) return;  // rows may then take no bytes, and their number be any lie
+    if (columns.empty()) return;  // rows may then have no bytes, so that their number cannot be checked
     out->resize(element.count * columns.size());
     if (format_ != PlyFormat::kAscii && !HasList(element)) return ReadFixedRows(element, columns, out->data());
     std::vector<int> place(element.properties.size(), -1);
@@ -209,15 +209,15 @@ std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& heade
                                   const std::vector<std::string>& names, const std::string& file) {
   const int index = header.Find(element);
   if (index < 0) throw InputError("{}: has no element '{}'; is it a Gaussian point cloud?", file, element);
-  const PlyElement& wanted = header.elements[index];
+  const PlyElement& found = header.elements[index];
   std::vector<Column> columns;
   for (size_t i = 0; i < names.size(); ++i) {
-    const int property = wanted.Find(names[i]);
+    const int property = found.Find(names[i]);
     if (property < 0) {
-      throw InputError("{}: element '{}' has no property '{}'; is it a Gaussian point cloud?", file, wanted.name,
+      throw InputError("{}: element '{}' has no property '{}'; is it a Gaussian point cloud?", file, found.name,
                        names[i]);
     }
-    if (wanted.properties[property].is_list) {
+    if (found.properties[property].is_list) {
       throw InputError("{}: property '{}' is a list, expected one number", file, names[i]);
     }
     columns.push_back({property, i});
@@ -225,7 +225,7 @@ std::vector<float> ReadPlyColumns(std::string_view bytes, const PlyHeader& heade
   BodyReader reader(bytes, header, file);
   for (int i = 0; i < index; ++i) reader.Skip(header.elements[i]);
   std::vector<float> values;
-  reader.Read(wanted, columns, &values);
+  reader.Read(found, columns, &values);
   return values;
 }
 

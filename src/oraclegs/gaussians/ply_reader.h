@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of the PLY container, ascii or binary. Torch-free.
+// The numbers of the PLY container, ascii or binary.
 
 #include <string>
 #include <string_view>

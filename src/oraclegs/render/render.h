@@ -18,8 +18,8 @@ struct RenderOptions {
   int sh_degree = kMaxShDegree;              ///< active degree, 0..3; higher coefficients are neither read nor written
   bool antialiased = false;                  ///< docs/method.md#antialiasing; a model is rendered as it was trained
   /// [N] float32, finite and >= 0, undefined = 1: multiplies each Gaussian's opacity for this render. 0 leaves the
-  /// Gaussian out, without gradient. The product may exceed 1, alpha is capped as ever. Gradients are those of the raw
-  /// parameters; the factors get none. Read by Forward only.
+  /// Gaussian out, without gradient. The product may exceed 1, alpha is capped as always. Gradients are those of the
+  /// raw parameters; the factors get none. Read by Forward only.
   Buffer<float> opacity_factors = {};
 };
 
@@ -35,7 +35,7 @@ struct RenderOutput {
   Buffer<float> inv_depth;  ///< [H,W] sum of weight / z, not divided by alpha, 1/world unit
 };
 
-/// dL/d(output). An undefined tensor means zero.
+/// dL/d(output). An undefined buffer means zero.
 struct RenderGrads {
   Buffer<float> image;      ///< [H,W,3]
   Buffer<float> alpha;      ///< [H,W]
@@ -86,7 +86,7 @@ class Rasterizer {
  public:
   virtual ~Rasterizer() = default;
 
-  /// Throws ShapeError for tensors that do not fit, before any work.
+  /// Throws ShapeError for buffers that do not fit, before any work.
   virtual RenderOutput Forward(const Gaussians& gaussians, const Camera& camera, const RenderOptions& options,
                                RenderPass pass) = 0;
 

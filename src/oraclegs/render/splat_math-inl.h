@@ -1,9 +1,9 @@
 // The mathematics of one Gaussian: projection, colour, and their derivatives (docs/method.md#gaussian-parameters to
 // #colour-gradient).
 //
-// One body for everybody. F is the number type: float or double on the host and in CUDA threads, a SIMD vector in
-// cpu/project.cpp. It needs + - * /, unary -, construction from float, comparisons that give a mask type, and the
-// functions Select(mask, a, b), And(mask, mask), Min, Max, Sqrt, Exp. Nothing here branches on data.
+// One body of code for all devices. F is the number type: float or double on the host and in CUDA threads, a SIMD
+// vector in cpu/project.cpp. It needs + - * /, unary -, construction from float, comparisons that give a mask type, and
+// the functions Select(mask, a, b), And(mask, mask), Min, Max, Sqrt, Exp. Nothing here branches on data.
 //
 // Highway includes this file once per instruction set, hence the unusual guard (Highway's own idiom for "-inl.h").
 
@@ -58,8 +58,8 @@ struct SplatChain {
   F opacity, compensation, ratio;
 };
 
-/// Vectorised exponentials are defined up to about 88 only: what a model of another trainer may hold beyond that is
-/// taken as that, which no float of a result can tell apart.
+/// Vectorised exponentials are defined up to about 88 only. Larger arguments, which models of other trainers may hold,
+/// are clamped; the result is the same in float.
 template <class F>
 ORACLEGS_HD inline F BoundedExp(F x) {
   return Exp(Min(Max(x, F(-80.f)), F(80.f)));

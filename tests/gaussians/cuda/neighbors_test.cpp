@@ -30,7 +30,7 @@ class CudaNeighbors : public CudaTest {
     return points;
   }
 
-  static void ExpectTheCpus(const Points& points) {
+  static void ExpectAgreement(const Points& points) {
     const std::vector<double> expected = KdTree(points).MeanSquaredDistanceToThree();
     const std::vector<double> actual = MeanSquaredDistanceToThree(points);
     ASSERT_EQ(actual.size(), expected.size());
@@ -40,24 +40,24 @@ class CudaNeighbors : public CudaTest {
   Rng rng{5, RandomStream::kInitialPoints};
 };
 
-TEST_F(CudaNeighbors, AreTheCpusForAnyNumberOfPoints) {
-  for (const int n : {0, 1, 2, 3, 4, 5, 12, 13, 24, 25, 26, 100, 257, 1500}) ExpectTheCpus(Cube(n));
+TEST_F(CudaNeighbors, AgreeWithTheCpu) {
+  for (const int n : {0, 1, 2, 3, 4, 5, 12, 13, 24, 25, 26, 100, 257, 1500}) ExpectAgreement(Cube(n));
 }
 
-TEST_F(CudaNeighbors, AreTheCpusWhereDensityVaries) {
+TEST_F(CudaNeighbors, AgreeWhereDensityVaries) {
   Points points = Cube(100);
   for (int i = 0; i < 400; ++i) points.push_back(Eigen::Vector3f(0.3f, 0.2f, -5) + 1e-4f * InCube());
   for (int i = 0; i < 400; ++i) points.push_back(Eigen::Vector3f(-40, 3, 7) + 1e-2f * InCube());
   for (const float far : {1e6f, -1e12f, 3e38f}) points.emplace_back(far, 0, -far);
-  ExpectTheCpus(points);
+  ExpectAgreement(points);
 }
 
-TEST_F(CudaNeighbors, AreTheCpusOnALineAndInAPlane) {
+TEST_F(CudaNeighbors, AgreeOnALineAndInAPlane) {
   Points line, plane;
   for (int i = 0; i < 300; ++i) line.push_back(static_cast<float>(rng.Uniform()) * Eigen::Vector3f(1, -2, 3));
   for (int i = 0; i < 300; ++i) plane.push_back(InCube().cwiseProduct(Eigen::Vector3f(1, 0, 1)));
-  ExpectTheCpus(line);
-  ExpectTheCpus(plane);
+  ExpectAgreement(line);
+  ExpectAgreement(plane);
   Points grid;  // every distance is tied
   for (int i = 0; i < 1000; ++i) grid.emplace_back(i % 10, i / 10 % 10, i / 100);
   for (const double d : MeanSquaredDistanceToThree(grid)) EXPECT_EQ(d, 1);
@@ -69,7 +69,7 @@ TEST_F(CudaNeighbors, DuplicatesAreAtDistanceZero) {
   pairs.insert(pairs.end(), pairs.begin(), pairs.begin() + 150);
   pairs.emplace_back(0.f, -0.f, 0.f);
   pairs.emplace_back(-0.f, 0.f, 0.f);
-  ExpectTheCpus(pairs);
+  ExpectAgreement(pairs);
 }
 
 TEST_F(CudaNeighbors, LeavesHaveAtMostTwelvePoints) {
@@ -80,7 +80,7 @@ TEST_F(CudaNeighbors, LeavesHaveAtMostTwelvePoints) {
 }
 
 #if defined(ORACLEGS_EMULATED_CUDA)
-TEST_F(CudaNeighbors, SayWhatTheMemoryWasFor) {
+TEST_F(CudaNeighbors, NameTheMemoryThatIsMissing) {
   emulated_cuda::SetMemory(20000);
   EXPECT_THAT(
       [&] { MeanSquaredDistanceToThree(Cube(1000)); },

@@ -111,12 +111,12 @@ struct Work {
   }
 };
 
-TEST_P(BlendTileBackward, RecordsAreTheMomentsOfTheFormula) {
+TEST_P(BlendTileBackward, WritesTheMoments) {
   const double first_cov[3] = {30, 8, 20}, second_cov[3] = {60, -10, 40};
   Work(32, 32, {MakeSplat(21, 26, first_cov, 0.7, 2), MakeSplat(27, 22, second_cov, 0.6, 5)}).Check(0);
 }
 
-TEST_P(BlendTileBackward, LongListsCrossChunksAndSegments) {
+TEST_P(BlendTileBackward, HandlesManyChunksAndSegments) {
   Rng rng(8, RandomStream::kInitialPoints);
   for (const bool opaque : {false, true}) {  // pixels that close early, and pixels that never do
     std::vector<cpu::LineSplat> splats;
@@ -131,13 +131,13 @@ TEST_P(BlendTileBackward, LongListsCrossChunksAndSegments) {
   }
 }
 
-TEST_P(BlendTileBackward, PixelsOutsideOfTheImageTakeNoPart) {
+TEST_P(BlendTileBackward, IgnoresPixelsOutsideTheImage) {
   // The image ends inside a block: what the list would leave of the light beyond is less than a float can hold.
   const double cov[3] = {1, 0, 1};
   Work(29, 30, std::vector<cpu::LineSplat>(60, MakeSplat(31.5, 18.5, cov, 0.999))).Check(0);
 }
 
-TEST_P(BlendTileBackward, TheCapStopsTheFalloffButNotTheColour) {
+TEST_P(BlendTileBackward, HasOnlyColourGradientsAtTheCap) {
   const double wide[3] = {1e8, 0, 1e8};
   const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.999)};
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}};

@@ -24,7 +24,7 @@ struct OneTile {
 
 class BlendTile : public EveryTarget {};
 
-TEST_P(BlendTile, TwoLayersBlendNearToFar) {
+TEST_P(BlendTile, BlendsNearToFar) {
   const double wide[3] = {1e8, 0, 1e8};  // flat over the tile
   const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.5, 2), MakeSplat(8, 8, wide, 0.25, 4)};
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}, {1, 0xffff, 1}};
@@ -39,7 +39,7 @@ TEST_P(BlendTile, TwoLayersBlendNearToFar) {
   }
 }
 
-TEST_P(BlendTile, StopsBeforeTheSplatThatWouldEndIt) {
+TEST_P(BlendTile, StopsWhereOpaque) {
   // 0.99 twice leaves less than 1e-4 in float32: the second one contributes nothing (docs/method.md#blending).
   const double wide[3] = {1e8, 0, 1e8};
   const std::vector<cpu::LineSplat> splats(3, MakeSplat(8, 8, wide, 0.999));
@@ -50,7 +50,7 @@ TEST_P(BlendTile, StopsBeforeTheSplatThatWouldEndIt) {
   EXPECT_EQ(tile.end[0], 1u);
 }
 
-TEST_P(BlendTile, LongListsCrossSegments) {
+TEST_P(BlendTile, BlendsListsOfManySegments) {
   const double wide[3] = {1e8, 0, 1e8};
   const int n = 1000;
   const std::vector<cpu::LineSplat> splats(n, MakeSplat(8, 8, wide, 0.005));
@@ -61,7 +61,7 @@ TEST_P(BlendTile, LongListsCrossSegments) {
   EXPECT_NEAR(tile.alpha[100], 1 - std::pow(0.995, n), 1e-4);
 }
 
-TEST_P(BlendTile, WritesOnlyPixelsOfTheImageAndBlocksOfTheMask) {
+TEST_P(BlendTile, WritesOnlyMaskedBlocksInTheImage) {
   const double wide[3] = {1e8, 0, 1e8};
   const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.5)};
   const std::vector<cpu::TileEntry> entries = {{0, 1u << 5, 0}};  // block (1, 1)

@@ -11,7 +11,7 @@ constexpr int kTilesX = 5, kTilesY = 4;
 
 class CoverTiles : public EveryTarget {};
 
-TEST_P(CoverTiles, MasksHoldEveryReachedBlockAndHardlyAnyOther) {
+TEST_P(CoverTiles, MasksTheReachedBlocks) {
   Rng rng(3, RandomStream::kInitialPoints);
   int64_t reached = 0, listed = 0;
   for (int i = 0; i < 400; ++i) {

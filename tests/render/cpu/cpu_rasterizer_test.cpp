@@ -53,7 +53,7 @@ TEST(CpuRasterizer, SameBitsForAnyNumberOfThreads) {
   SetNumThreads(0);
 }
 
-TEST(CpuRasterizer, BuffersOfALargerViewDoNotLeakIntoASmallerOne) {
+TEST(CpuRasterizer, IgnoresOlderContentsOfBuffers) {
   auto rasterizer = MakeRasterizer(kCpu);
   rasterizer->Forward(RandomGaussians(5000, 0.1, 1), FrontCamera(200, 160), {}, RenderPass::kTrain);
   const Gaussians g = RandomGaussians(300, 0.1, 2);
@@ -63,7 +63,7 @@ TEST(CpuRasterizer, BuffersOfALargerViewDoNotLeakIntoASmallerOne) {
   EXPECT_TRUE(SameBytes(reused.inv_depth, fresh.inv_depth));
 }
 
-TEST(CpuRasterizer, HigherCoefficientsAreNeitherReadNorWritten) {
+TEST(CpuRasterizer, IgnoresHigherCoefficients) {
   Gaussians g = RandomGaussians(200, 0.1, 9);
   Table(g.sh).rightCols(36).setConstant(std::numeric_limits<float>::quiet_NaN());
   auto rasterizer = MakeRasterizer(kCpu);
@@ -76,7 +76,7 @@ TEST(CpuRasterizer, HigherCoefficientsAreNeitherReadNorWritten) {
   EXPECT_TRUE(AllFinite(grads.sh));
 }
 
-TEST(CpuRasterizer, BlocksHoldTheBitsOfTheWholeAndComeOnceEach) {
+TEST(CpuRasterizer, PassesEachBlockOnceToAConsumer) {
   constexpr int64_t kCount = 5 * kGradBlock + 37;
   Gaussians g = RandomGaussians(kCount, 0.1, 9);
   Flat(g.means.Rows(2 * kGradBlock, 3 * kGradBlock)).setConstant(-5.f);  // a block behind the camera
@@ -116,7 +116,7 @@ TEST(CpuRasterizer, BlocksHoldTheBitsOfTheWholeAndComeOnceEach) {
   SetNumThreads(0);
 }
 
-TEST(CpuRasterizer, ABlockMayBeMovedWhileOthersAreDifferentiated) {
+TEST(CpuRasterizer, LetsAConsumerChangeItsBlock) {
   constexpr int64_t kCount = 4 * kGradBlock;
   const RenderGrads up{Buffer<float>::Full({40, 50, 3}, 1.f), {}, {}};
   Gaussians still = RandomGaussians(kCount, 0.1, 9), moving = RandomGaussians(kCount, 0.1, 9);
@@ -136,7 +136,7 @@ TEST(CpuRasterizer, ABlockMayBeMovedWhileOthersAreDifferentiated) {
   EXPECT_TRUE(SameBytes(means, whole.means));
 }
 
-TEST(CpuRasterizer, OddParametersDoNoHarm) {
+TEST(CpuRasterizer, SurvivesNanAndInfinity) {
   // Infinite, denormal and undefined numbers must neither crash nor reach another Gaussian's pixels' bits.
   Gaussians g = RandomGaussians(64, 0.1, 4);
   const float odd[] = {std::numeric_limits<float>::infinity(),
@@ -158,7 +158,7 @@ TEST(CpuRasterizer, OddParametersDoNoHarm) {
   EXPECT_TRUE(AllFinite(grads.means.Rows(32, 64)));
 }
 
-TEST(CpuRasterizer, OpacityLogitsBeyondTheExponentialAreInvisibleOrSolid) {
+TEST(CpuRasterizer, ClampsExtremeOpacityLogits) {
   Gaussians g = RandomGaussians(2, 0.3, 4);
   Table(g.means).rowwise() = Eigen::Array3f(0, 0, 3).transpose();
   const auto solid = [&](float logit) {
@@ -169,7 +169,7 @@ TEST(CpuRasterizer, OpacityLogitsBeyondTheExponentialAreInvisibleOrSolid) {
   EXPECT_GT(solid(1000.f), 0.98f);
 }
 
-TEST(CpuRasterizer, WrongShapesAreRefusedByName) {
+TEST(CpuRasterizer, RefusesWrongShapes) {
   auto rasterizer = MakeRasterizer(kCpu);
   Gaussians g = RandomGaussians(10, 0.1, 1);
   g.quats = Buffer<float>::Zeros({10, 3});

@@ -1,4 +1,4 @@
-// Intermediate quantities of projection against the fixture, and records carried back to parameters.
+// Intermediate quantities of projection against the reference numbers, and records carried back to parameters.
 
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace {
 
 class ProjectSplats : public EveryTarget {};
 
-TEST_P(ProjectSplats, IntermediateQuantitiesMatchTheFixture) {
+TEST_P(ProjectSplats, MatchesTheReferenceNumbers) {
   for (const std::string variant : {"sh3", "aa"}) {
     GoldenScene scene;
     scene.Select(variant);
@@ -32,7 +32,7 @@ TEST_P(ProjectSplats, IntermediateQuantitiesMatchTheFixture) {
     const double log2e = 1.442695040888963;
     for (int64_t i = 0; i < n; ++i) {
       if (rects[i].Count() == 0) {
-        // What contributes may not be culled; the fixture says it for the variant without loss of opacity.
+        // What contributes may not be culled; the file lists it for the variant without opacity compensation.
         EXPECT_TRUE(variant == "aa" || !scene.visible[static_cast<size_t>(i)]) << i;
         continue;
       }

@@ -7,7 +7,7 @@
 namespace oraclegs::cpu {
 namespace {
 
-TEST(ScratchArray, StaysWhereItIsUntilItMustGrow) {
+TEST(ScratchArray, KeepsItsMemoryUntilItGrows) {
   ScratchArray<float> array;
   EXPECT_EQ(array.data(), nullptr);
   array.Reserve(100);
@@ -22,7 +22,7 @@ TEST(ScratchArray, StaysWhereItIsUntilItMustGrow) {
   EXPECT_GE(array.capacity(), 126);
 }
 
-TEST(ScratchArray, BeginsAtACacheLine) {
+TEST(ScratchArray, IsAlignedToCacheLines) {
   for (const int64_t count : {1, 3, 1000}) {
     ScratchArray<uint16_t> array;
     array.Reserve(count);
@@ -30,7 +30,7 @@ TEST(ScratchArray, BeginsAtACacheLine) {
   }
 }
 
-TEST(ScratchArray, TooMuchIsSaidAndLeavesItEmpty) {
+TEST(ScratchArray, IsEmptyAfterBadAlloc) {
   ScratchArray<double> array;
   array.Reserve(10);
   EXPECT_THROW(array.Reserve(INT64_MAX / 2), std::bad_alloc);
@@ -39,7 +39,7 @@ TEST(ScratchArray, TooMuchIsSaidAndLeavesItEmpty) {
   EXPECT_NE(array.data(), nullptr);
 }
 
-TEST(ScratchArray, NothingToHold) {
+TEST(ScratchArray, HoldsNothing) {
   ScratchArray<double> array;
   array.Reserve(0);
   EXPECT_EQ(array.capacity(), 0);

@@ -32,7 +32,7 @@ Input MakeInput(int64_t n) {
   return in;
 }
 
-TEST(TileLists, EachTileListsItsSplatsByDepthAndThenIndex) {
+TEST(TileLists, SortsByDepthAndIndex) {
   const Input in = MakeInput(9000);
   cpu::TileLists lists;
   lists.Build(in.splats.data(), in.rects.data(), 9000, kTilesX, kTilesY);
@@ -61,7 +61,7 @@ TEST(TileLists, EachTileListsItsSplatsByDepthAndThenIndex) {
   }
 }
 
-TEST(TileLists, TheSameForAnyNumberOfThreads) {
+TEST(TileLists, IsTheSameForAnyNumberOfThreads) {
   const Input in = MakeInput(20000);
   SetNumThreads(1);
   cpu::TileLists one;

@@ -143,7 +143,7 @@ class WritingConsumer final : public GradientConsumer {
   Gaussians* grads_;
 };
 
-TEST_F(CudaRasterizerTest, HandsTheSameGradientsToAConsumer) {
+TEST_F(CudaRasterizerTest, PassesTheSameGradientsToAConsumer) {
   task.upstream = RandomUpstream(task.camera, 3);
   const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   const Gaussians g = OnTestDevice(task.gaussians);
@@ -198,7 +198,7 @@ TEST_F(CudaRasterizerTest, RefusesWhatDoesNotFit) {
   EXPECT_THROW(rasterizer->Forward(elsewhere, task.camera, {}, RenderPass::kTrain), ShapeError);
 }
 
-TEST_F(CudaRasterizerTest, ADeviceThatIsNotThereIsRefused) {
+TEST_F(CudaRasterizerTest, RefusesAMissingDevice) {
   EXPECT_THROW(cuda::MakeCudaRasterizer({DeviceKind::kCuda, 99}), UsageError);
 }
 

@@ -44,7 +44,7 @@ class FiniteDifferencesTest : public CudaTest {
   std::unique_ptr<Rasterizer> rasterizer;  // made by a test, which a machine without a device skips
 };
 
-TEST_F(FiniteDifferencesTest, ImagesChangeAsTheGradientsSay) {
+TEST_F(FiniteDifferencesTest, MatchTheGradients) {
   rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   const RenderedTask out = RunTask(rasterizer.get(), task, TestDevice());
   const auto check = [&](const char* name, Buffer<float>* values, const Buffer<float>& grad, int64_t stride) {

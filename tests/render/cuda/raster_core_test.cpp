@@ -1,5 +1,4 @@
-// What the order of the stages promises: the same bits however much memory there was, and nothing taken or awaited in a
-// steady iteration.
+// The rasteriser on a device: the same bits however much memory there was, and no allocation in a steady iteration.
 
 #include "oraclegs/render/cuda/raster_core.h"
 
@@ -29,7 +28,7 @@ class RasterCoreTest : public CudaTest {
   }
 };
 
-TEST_F(RasterCoreTest, MemoryThatGrowsOnTheWayChangesNoBit) {
+TEST_F(RasterCoreTest, KeepsBitsWhenMemoryGrows) {
   const RenderTask few = Task(20, 30, 20), many = Task(700, 60, 40);
   const auto fresh = cuda::MakeCudaRasterizer(TestDevice()), grown = cuda::MakeCudaRasterizer(TestDevice());
   const RenderedTask expected = RunTask(fresh.get(), many, TestDevice());
@@ -42,7 +41,7 @@ TEST_F(RasterCoreTest, MemoryThatGrowsOnTheWayChangesNoBit) {
   ExpectSameBits(RunTask(grown.get(), many, TestDevice()), expected);  // and what was there before does not matter
 }
 
-TEST_F(RasterCoreTest, AViewOfManyPairsMayComeWhenTheLastIsLongForgotten) {
+TEST_F(RasterCoreTest, KeepsBitsAfterManySmallViews) {
   const RenderTask few = Task(5, 20, 16), many = Task(300, 60, 40);
   const auto fresh = cuda::MakeCudaRasterizer(TestDevice()), rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   const RenderedTask expected = RunTask(fresh.get(), many, TestDevice());
@@ -53,7 +52,7 @@ TEST_F(RasterCoreTest, AViewOfManyPairsMayComeWhenTheLastIsLongForgotten) {
   EXPECT_EQ(rasterizer->stats().device_bytes, room);  // what is sent shrinks, and not what is held
 }
 
-TEST_F(RasterCoreTest, CountsAndTimesAreThere) {
+TEST_F(RasterCoreTest, CountsAndTimes) {
   const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   EXPECT_EQ(rasterizer->stats().tile_pairs, 0);
   EXPECT_EQ(rasterizer->timings().blend, 0);
@@ -65,18 +64,18 @@ TEST_F(RasterCoreTest, CountsAndTimesAreThere) {
   EXPECT_GE(rasterizer->timings().blend_backward, 0);
 }
 
-TEST_F(RasterCoreTest, TooManyPairsAreRefused) {
+TEST_F(RasterCoreTest, RefusesTooManyPairs) {
   EXPECT_NO_THROW(cuda::RequireCountable(1000, 1 << 29));
   EXPECT_THROW(cuda::RequireCountable(1000, int64_t{1} << 31), RunError);
 }
 
-TEST_F(RasterCoreTest, BackwardAsksForForward) {
+TEST_F(RasterCoreTest, NeedsForwardBeforeBackward) {
   cuda::RasterCore core(nullptr);
   EXPECT_THROW(core.BlendBackward({}, {}), ShapeError);
 }
 
 #if defined(ORACLEGS_EMULATED_CUDA)
-TEST_F(RasterCoreTest, ASteadyIterationTakesNoMemoryAndWaitsTwice) {
+TEST_F(RasterCoreTest, AllocatesNothingInASteadyIteration) {
   const RenderTask task = Task(150, 40, 30);
   const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   Gaussians grads = Gaussians::Zeros(150);
@@ -92,7 +91,7 @@ TEST_F(RasterCoreTest, ASteadyIterationTakesNoMemoryAndWaitsTwice) {
   EXPECT_EQ(after.waits, before.waits + 2);  // for counts, each with work still queued behind it
 }
 
-TEST_F(RasterCoreTest, MemoryThatEndsIsSaidAndSurvived) {
+TEST_F(RasterCoreTest, SurvivesOutOfMemory) {
   const RenderTask task = Task(200, 40, 30);
   const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   emulated_cuda::SetMemory(100000);

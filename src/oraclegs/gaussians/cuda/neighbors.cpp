@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kPurpose = "the neighbours of the points to start from";
 constexpr int kWholeKey = 32;  // bits
 
-/// The tree's memory, and what sorting it takes.
+/// The tree's memory, and that of sorting it.
 class TreeBuilder {
  public:
   explicit TreeBuilder(const std::vector<Eigen::Vector3f>& points) : n_(static_cast<int64_t>(points.size())) {

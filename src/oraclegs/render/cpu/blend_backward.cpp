@@ -1,9 +1,9 @@
 // Backward blending, tile by tile, blocks as in forward, the list far to near from where the last pixel ended.
 //
 // With v = g_C . c + g_D / z of a Gaussian and s the same of everything behind it (background and alpha's gradient
-// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a colour. What is wanted are sums over the
+// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a colour. The results are sums over the
 // block's pixels of h = alpha dL/d(alpha) and w = alpha T against fixed numbers a pixel. A chunk of a block's list is
-// taken in three sweeps:
+// processed in three sweeps:
 //  1. near to far: alpha and w, with T counted from the chunk's near end. One division a pixel and chunk gives the T
 //     it began with from the one it ended with, where a walk far to near would divide by 1 - alpha at every step.
 //  2. far to near: s and h. The T at the chunk's near end is inside the upstream gradients, not in w.
@@ -33,7 +33,7 @@ namespace oraclegs::HWY_NAMESPACE {
 /// A block's running state and its pixels' upstream gradients.
 struct HWY_ALIGN BlockAdjoint {
   float t[16];                ///< transmittance behind the current Gaussian
-  float behind[16];           ///< s above
+  float rest[16];             ///< s above
   float g[4][16];             ///< d/d(red), green, blue, inverse depth
   int32_t end[16];            ///< as BlendImage::end
   int32_t farthest, nearest;  ///< largest and smallest of end
@@ -52,7 +52,7 @@ struct BlockVector {
   FloatVec v[kVecs];
 };
 
-/// A block, and for each of its pixels the step from which on it takes no part.
+/// A block, and for each of its pixels the first step that does not contribute to it.
 struct OpenPixels {
   int block;
   const IntVec* end;
@@ -107,10 +107,10 @@ HWY_INLINE BlockVector SweepNearToFar(const Segment& segment, const int32_t* HWY
   return t;
 }
 
-/// Sweep 2. `behind` is s times the T at the chunk's near end.
+/// Sweep 2. `rest` is s times the T at the chunk's near end.
 template <bool kDepth>
 HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRICT positions, const ChunkRows& rows,
-                               Chunk* chunk, FloatVec* behind) {
+                               Chunk* chunk, FloatVec* rest) {
   const FloatTag d;
   FloatVec g[4][kVecs];
   for (int c = 0; c < 3 + kDepth; ++c) {
@@ -124,9 +124,9 @@ HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRI
       value = hn::MulAdd(g[1][v], hn::Set(d, segment.g[i]), value);
       value = hn::MulAdd(g[2][v], hn::Set(d, segment.b[i]), value);
       if constexpr (kDepth) value = hn::MulAdd(g[3][v], hn::Set(d, segment.inv_z[i]), value);
-      const FloatVec difference = hn::Sub(value, behind[v]);
-      // One multiply-add from step to step: more work than behind + alpha difference, but half the wait.
-      behind[v] = hn::MulAdd(hn::Sub(hn::Set(d, 1.f), alpha), behind[v], hn::Mul(alpha, value));
+      const FloatVec difference = hn::Sub(value, rest[v]);
+      // One multiply-add from step to step: more work than rest + alpha difference, but half the wait.
+      rest[v] = hn::MulAdd(hn::Sub(hn::Set(d, 1.f), alpha), rest[v], hn::Mul(alpha, value));
       const FloatVec h = hn::Mul(hn::Load(d, chunk->weight[j] + v * kLanes), difference);
       // At the cap alpha no longer moves with the Gaussian.
       hn::Store(hn::IfThenElseZero(hn::Lt(alpha, hn::Set(d, kAlphaMax)), h), d, chunk->alpha[j] + v * kLanes);
@@ -229,12 +229,12 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
   const IntTag di;
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
   IntVec end[kVecs];
-  FloatVec t[kVecs], behind[kVecs];
+  FloatVec t[kVecs], rest[kVecs];
   Chunk chunk;
   for (int v = 0; v < kVecs; ++v) {
     end[v] = hn::Sub(hn::Load(di, state->end + v * kLanes), hn::Set(di, first));
     t[v] = hn::Load(d, state->t + v * kLanes);
-    behind[v] = hn::Load(d, state->behind + v * kLanes);
+    rest[v] = hn::Load(d, state->rest + v * kLanes);
   }
   const int count = std::min(segment.counts[block], state->farthest - first);
   const BlockMiddle middle{static_cast<float>(block % 4 * cpu::kBlock + cpu::kBlock / 2 - kTile / 2),
@@ -250,22 +250,22 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
                                    : SweepNearToFar<false>(segment, chunk_positions, {start, n}, pixels, &chunk);
     for (int v = 0; v < kVecs; ++v) {
       t[v] = hn::Div(t[v], passed.v[v]);
-      behind[v] = hn::Mul(behind[v], t[v]);
+      rest[v] = hn::Mul(rest[v], t[v]);
       for (int c = 0; c < 3 + kDepth; ++c) {
         hn::Store(hn::Mul(hn::Load(d, state->g[c] + v * kLanes), t[v]), d, chunk.g[c] + v * kLanes);
       }
     }
     // Alternating: the third sweep waits for the shuffle unit, the second for the others.
     for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
-      SweepFarToNear<kDepth>(segment, chunk_positions, {row, end_row}, &chunk, behind);
+      SweepFarToNear<kDepth>(segment, chunk_positions, {row, end_row}, &chunk, rest);
       AddToRecords<kDepth>(chunk, chunk_positions, {row, end_row}, middle, records);
     }
-    for (int v = 0; v < kVecs; ++v) behind[v] = hn::Div(behind[v], t[v]);
+    for (int v = 0; v < kVecs; ++v) rest[v] = hn::Div(rest[v], t[v]);
     stop = start;
   }
   for (int v = 0; v < kVecs; ++v) {
     hn::Store(t[v], d, state->t + v * kLanes);
-    hn::Store(behind[v], d, state->behind + v * kLanes);
+    hn::Store(rest[v], d, state->rest + v * kLanes);
   }
   return count;
 }
@@ -290,9 +290,9 @@ HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forwa
     FloatVec g[4] = {{}, {}, {}, hn::Load(d, up.inv_depth + i)};
     hn::LoadInterleaved3(d, up.rgb + 3 * i, g[0], g[1], g[2]);
     for (int c = 0; c < 4; ++c) hn::Store(g[c], d, s->g[c] + i);
-    FloatVec behind = hn::Neg(hn::Load(d, up.alpha + i));
-    for (int c = 0; c < 3; ++c) behind = hn::MulAdd(g[c], hn::Set(d, forward.background[c]), behind);
-    hn::Store(behind, d, s->behind + i);
+    FloatVec rest = hn::Neg(hn::Load(d, up.alpha + i));
+    for (int c = 0; c < 3; ++c) rest = hn::MulAdd(g[c], hn::Set(d, forward.background[c]), rest);
+    hn::Store(rest, d, s->rest + i);
     hn::Store(hn::LoadU(d, forward.transmittance + offset + i), d, s->t + i);
     const IntVec end = hn::LoadU(di, reinterpret_cast<const int32_t*>(forward.end) + offset + i);
     hn::Store(end, di, s->end + i);
@@ -304,7 +304,7 @@ HWY_INLINE void StartBlock(const BlockUpstream& up, const cpu::BlendImage& forwa
 }
 
 /// Writes the records of entries [begin, end) to their places; `sums` null: zeros. Past the caches: they lie anywhere
-/// in memory, and fetching lines only to overwrite them would take longer than the rest.
+/// in memory, and reading lines only to overwrite them would cost more than the rest.
 HWY_INLINE void SendRecords(const cpu::TileWork& tile, int64_t begin, int64_t end, const float* sums, float* records) {
   const FloatTag d;
   for (int64_t i = begin; i < end; ++i) {
@@ -328,11 +328,11 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
   for (int64_t begin = Segment::FirstEntry(farthest); begin >= 0; begin -= Segment::kSize) {
     const int n = static_cast<int>(std::min<int64_t>(Segment::kSize, tile.count - begin));
     const int32_t first = Segment::FirstStep(begin);
-    uint32_t wanted = 0;
+    uint32_t active = 0;
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
-      if (states[block].farthest > first) wanted |= 1u << block;
+      if (states[block].farthest > first) active |= 1u << block;
     }
-    segment.Fill(tile, begin, n, wanted);
+    segment.Fill(tile, begin, n, active);
     std::memset(sums, 0, sizeof(float) * cpu::kGradStride * n);
     // The segment before, or the next tile's last.
     const int64_t of_next =
@@ -340,9 +340,9 @@ HWY_INLINE int64_t BackwardTile(const cpu::TileWork& tile, BlockAdjoint* states,
     const Upcoming upcoming =
         begin > 0 ? Upcoming{tile.splats, tile.entries + of_next, Segment::kSize}
                   : Upcoming{tile.splats, tile.entries + tile.count + of_next, tile.next_count - of_next};
-    for (uint32_t left = wanted; left != 0; left &= left - 1) {
+    for (uint32_t left = active; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      upcoming.Ask(block);
+      upcoming.Prefetch(block);
       visited += BackwardBlock<kDepth>(segment, block, first, &states[block], sums);
     }
     SendRecords(tile, begin, begin + n, sums, records);

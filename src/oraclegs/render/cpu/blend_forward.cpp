@@ -19,25 +19,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
-/// Where a pixel that takes nothing more is moved to: no Gaussian of sensible size reaches it, and its squares stay
+/// Where an opaque pixel is moved to: no Gaussian of sensible size reaches it, and its squares stay
 /// finite.
 inline constexpr float kOutOfReach = 1e15f;
 
-/// Steps between looks at whether a block is opaque. A pixel that was closed in between takes nothing, and its running
-/// product cannot shrink into the subnormal numbers within so few.
+/// Steps between checks of whether a block is opaque. Nothing contributes to a pixel that became opaque in between, and
+/// its running product cannot shrink into the subnormal numbers within so few.
 inline constexpr int kSteps = 8;
 
-/// What a block's pixels have gathered so far.
+/// What a block's pixels have accumulated so far.
 struct HWY_ALIGN BlockState {
   float x[16];     ///< px from the tile's centre, or kOutOfReach
-  float left[16];  ///< product of all 1 - alpha, also of what came after the pixel was closed
+  float left[16];  ///< product of all 1 - alpha, also of those after the pixel became opaque
   float t[16], r[16], g[16], b[16], inv_z[16];
   int32_t end[16];  ///< as BlendImage::end
 };
 
 struct Visit {
   int steps;  ///< Gaussians evaluated
-  bool open;  ///< whether a pixel may take more
+  bool open;  ///< whether a pixel is not opaque yet
 };
 
 /// Moves the opaque pixels out of reach. Returns whether others remain.
@@ -58,7 +58,7 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
   const FloatTag d;
   const IntTag di;
   FloatVec y[kVecs], x[kVecs], left[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
-  IntVec taken[kVecs];
+  IntVec steps[kVecs];
   for (int v = 0; v < kVecs; ++v) {
     y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
     x[v] = hn::Load(d, state->x + v * kLanes);
@@ -68,7 +68,7 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
     g[v] = hn::Load(d, state->g + v * kLanes);
     b[v] = hn::Load(d, state->b + v * kLanes);
     z[v] = hn::Load(d, state->inv_z + v * kLanes);
-    taken[v] = hn::Zero(di);
+    steps[v] = hn::Zero(di);
   }
   const FloatVec open_above = hn::Set(d, kTransmittanceEnd);
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
@@ -91,11 +91,11 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
         const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
         // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
         // to remember or to branch on.
-        const FloatMask takes = hn::Ge(next, open_above);
-        const FloatVec weight = hn::IfThenElseZero(takes, hn::Mul(alpha, left[v]));
+        const FloatMask contributes = hn::Ge(next, open_above);
+        const FloatVec weight = hn::IfThenElseZero(contributes, hn::Mul(alpha, left[v]));
         left[v] = next;
-        t[v] = hn::IfThenElse(takes, next, t[v]);
-        taken[v] = hn::IfThenElse(hn::RebindMask(di, takes), hn::Add(taken[v], hn::Set(di, 1)), taken[v]);
+        t[v] = hn::IfThenElse(contributes, next, t[v]);
+        steps[v] = hn::IfThenElse(hn::RebindMask(di, contributes), hn::Add(steps[v], hn::Set(di, 1)), steps[v]);
         r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
         g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
         b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
@@ -113,7 +113,7 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
     hn::Store(g[v], d, state->g + v * kLanes);
     hn::Store(b[v], d, state->b + v * kLanes);
     hn::Store(z[v], d, state->inv_z + v * kLanes);
-    const IntVec end = hn::IfThenElse(hn::Gt(taken[v], hn::Zero(di)), hn::Add(taken[v], hn::Set(di, first)),
+    const IntVec end = hn::IfThenElse(hn::Gt(steps[v], hn::Zero(di)), hn::Add(steps[v], hn::Set(di, first)),
                                       hn::Load(di, state->end + v * kLanes));
     hn::Store(end, di, state->end + v * kLanes);
   }
@@ -133,7 +133,7 @@ HWY_INLINE void StartBlock(int block, const BlockPlace& place, BlockState* s) {
   for (int i = 0; i < 16; ++i) {
     if (place.Holds(i)) continue;
     s->x[i] = kOutOfReach;
-    s->left[i] = 0;  // it takes no step, and backward skips it
+    s->left[i] = 0;  // nothing contributes to it, and backward skips it
   }
 }
 
@@ -175,7 +175,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
                         std::min<int64_t>(Segment::kSize, tile.count + tile.next_count - begin - n)};
     for (uint32_t left = open; left != 0; left &= left - 1) {
       const int block = __builtin_ctz(left);
-      next.Ask(block);
+      next.Prefetch(block);
       const Visit visit = BlendBlock(segment, block, Segment::FirstStep(begin), &states[block]);
       if (!visit.open) open &= ~(1u << block);
       visited += visit.steps;

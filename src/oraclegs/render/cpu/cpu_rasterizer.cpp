@@ -135,7 +135,7 @@ class CpuRasterizer final : public Rasterizer {
     return sum;
   }
 
-  /// Fills the records, and says where the per-Gaussian part finds what it reads.
+  /// Fills the records. Returns what the per-Gaussian part reads.
   GradInput BlendBackward(const Gaussians& gaussians, const RenderGrads& upstream) {
     // The parameters may have moved to other memory since Forward, but not changed.
     input_.gaussians = BackwardParameters(gaussians, trained_size_);

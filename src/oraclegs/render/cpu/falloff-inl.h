@@ -40,8 +40,8 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
 #endif
 }
 
-/// A stretch of a tile's list, made ready for the blocks: the splats' numbers relative to the tile's centre, and for
-/// each block the positions of the splats that reach it. Small enough for the first-level cache.
+/// Consecutive entries of a tile's list, prepared for the blocks: the splats' numbers relative to the tile's centre,
+/// and for each block the positions of the splats that reach it. Small enough for the first-level cache.
 struct HWY_ALIGN Segment {
   static constexpr int kSize = 256;
   /// Steps of a block's list are numbered by segment and, within it, by position in the block's own list: this is the
@@ -67,8 +67,8 @@ struct HWY_ALIGN Segment {
     return CappedAlpha(hn::And(where, hn::Ge(e, hn::Set(FloatTag(), kLog2AlphaMin))), e);
   }
 
-  /// Fills from entries[begin, begin + n), n <= kSize; only blocks in `wanted` (a mask) get positions.
-  HWY_INLINE void Fill(const cpu::TileWork& tile, int64_t begin, int n, uint32_t wanted) {
+  /// Fills from entries[begin, begin + n), n <= kSize; only blocks in `blocks` (a mask) get positions.
+  HWY_INLINE void Fill(const cpu::TileWork& tile, int64_t begin, int n, uint32_t blocks) {
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) counts[block] = 0;
     for (int i = 0; i < n; i += kLanes) {
       const cpu::TileEntry* group = tile.entries + begin + i;
@@ -81,7 +81,7 @@ struct HWY_ALIGN Segment {
         for (int lane = 2 * kLanes; lane < 3 * kLanes; ++lane) __builtin_prefetch(&tile.splats[group[lane].id]);
       }
       LoadSplats(tile, group, i);
-      AddPositions(group, wanted, i);
+      AddPositions(group, blocks, i);
     }
   }
 
@@ -117,11 +117,11 @@ struct HWY_ALIGN Segment {
   }
 
   /// Appends the positions i + lane to the lists of the blocks in the lane's mask.
-  HWY_INLINE void AddPositions(const cpu::TileEntry* group, uint32_t wanted, int i) {
+  HWY_INLINE void AddPositions(const cpu::TileEntry* group, uint32_t blocks, int i) {
     const IntTag di;
     IntVec ids, masks, pairs;
     hn::LoadInterleaved3(di, reinterpret_cast<const int32_t*>(group), ids, masks, pairs);
-    masks = hn::And(masks, hn::Set(di, static_cast<int32_t>(wanted)));
+    masks = hn::And(masks, hn::Set(di, static_cast<int32_t>(blocks)));
     const IntVec position = hn::Iota(di, i);
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
       const auto reached = hn::TestBit(masks, hn::Set(di, 1 << block));
@@ -131,14 +131,14 @@ struct HWY_ALIGN Segment {
   }
 };
 
-/// A stretch of entries whose splats will be wanted after the work at hand. They lie anywhere in memory: asking for all
-/// at once would wait, so each block of the work asks for its share.
+/// Consecutive entries whose splats are needed after the current work. They lie anywhere in memory: prefetching all at
+/// once would stall, so each block of the current work prefetches its share.
 struct Upcoming {
   const cpu::LineSplat* splats;
   const cpu::TileEntry* first;
   int64_t count;
 
-  HWY_INLINE void Ask(int block) const {
+  HWY_INLINE void Prefetch(int block) const {
     const int64_t end = count * (block + 1) / cpu::kBlocksPerTile;
     for (int64_t i = count * block / cpu::kBlocksPerTile; i < end; ++i) __builtin_prefetch(&splats[first[i].id], 0, 2);
   }

@@ -68,8 +68,8 @@ struct BlendImage {
   float* alpha;          ///< [H,W]
   float* inv_depth;      ///< [H,W]
   float* transmittance;  ///< [tiles, 16 blocks, 16 pixels] final T, or null
-  uint32_t* end;         ///< the same layout, or null: the step of the block's list from which on the pixel takes no
-                         ///< part, 0 if it never does. Numbered by the kernels
+  uint32_t* end;         ///< the same layout, or null: the first step of the block's list that does not contribute to
+                         ///< the pixel, 0 if none does. Numbered by the kernels
 };
 
 /// A tile's list and place.
@@ -77,7 +77,7 @@ struct TileWork {
   const LineSplat* splats;   ///< all of them
   const TileEntry* entries;  ///< of this tile, near to far
   int64_t count;             ///< entries
-  int64_t next_count;        ///< of the tile after it, whose entries follow; they may be asked for ahead
+  int64_t next_count;        ///< of the tile after it, whose entries follow; they may be prefetched
   int x, y;                  ///< column and row of the tile
   int64_t index;             ///< among the image's tiles
 };
@@ -87,10 +87,10 @@ struct TileWork {
 int64_t BlendTile(const TileWork& tile, const BlendImage& out);
 
 /// Adjoint of BlendTile. Writes one record of kGradStride floats for each of the tile's entries, at its pair's place in
-/// `records`: this stage computes and has time to reach for memory, the next one reads all it can. With X, Y a pixel's
-/// offset from the tile's centre, h = alpha dL/d(alpha) (0 where capped), w = alpha T:
-/// [0] sum h  [1] h X  [2] h Y  [3] h X^2  [4] h X Y  [5] h Y^2  [8..10] w dL/d(rgb)  [11] w dL/d(inv_depth)
-/// Returns how many pixel-Gaussian pairs it evaluated.
+/// `records`: this stage is bound by computation and can wait for memory, the next one is bound by memory. With X, Y a
+/// pixel's offset from the tile's centre, h = alpha dL/d(alpha) (0 where capped), w = alpha T: [0] sum h  [1] h X  [2]
+/// h Y  [3] h X^2  [4] h X Y  [5] h Y^2  [8..10] w dL/d(rgb)  [11] w dL/d(inv_depth) Returns how many pixel-Gaussian
+/// pairs it evaluated.
 int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const UpstreamPlanes& upstream,
                           float* records);
 

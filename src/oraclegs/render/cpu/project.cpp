@@ -71,7 +71,7 @@ HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const Ellipses& ell
   HWY_ALIGN int32_t first[2][kLanes], last[2][kLanes];  // tiles
   for (int axis = 0; axis < 2; ++axis) {
     const Lanes center = ellipses.center[axis], half = ellipses.half[axis];
-    // Pixel centres lie at halves. Comparisons are such that what is not a number is not visible.
+    // Pixel centres lie at halves. Comparisons are such that NaN is not visible.
     const Lanes low = hn::Ceil((center - half - Lanes(0.5f) - slack).v);
     const Lanes high = hn::Floor((center + half - Lanes(0.5f) + slack).v);
     const Lanes end(size[axis] - 1), zero(0.f);
@@ -306,7 +306,9 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     const SplatChain<Lanes> chain = EvaluateChain(raw, camera);
     const ProjectedSplat<Lanes> p = Project(chain, camera);
     ProjectedGrad<Lanes> g;
-    g.mx = p.conic_a * m.x + p.conic_b * m.y;  // offsets point from the Gaussian to the pixel: the sign of 6.1 turns
+    g.mx =
+        p.conic_a * m.x +
+        p.conic_b * m.y;  // offsets point from the Gaussian to the pixel: opposite to docs/method.md#blending-gradient
     g.my = p.conic_c * m.y + p.conic_b * m.x;
     g.conic_a = Lanes(-0.5f) * m.xx;
     g.conic_b = -m.xy;
@@ -317,12 +319,12 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     g.inv_z = m.inv_z;
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, g);
     const LaneGroup group{i, count, Lanes(hn::Load(d, seen)) > Lanes(0.f)};
-    const Vec3<Lanes> through_color = ColorBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
+    const Vec3<Lanes> from_color = ColorBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);
 
     // Lanes without records hold zeros or, behind the camera, whatever a division by zero gave.
     const auto keep = [&](Lanes value) HWY_ATTR { return Select(group.seen, value, Lanes(0.f)); };
-    const Lanes means[3] = {keep(raw_grad.mean.x + through_color.x), keep(raw_grad.mean.y + through_color.y),
-                            keep(raw_grad.mean.z + through_color.z)};
+    const Lanes means[3] = {keep(raw_grad.mean.x + from_color.x), keep(raw_grad.mean.y + from_color.y),
+                            keep(raw_grad.mean.z + from_color.z)};
     const Lanes scales[3] = {keep(raw_grad.log_scale.x), keep(raw_grad.log_scale.y), keep(raw_grad.log_scale.z)};
     const Lanes quats[4] = {keep(raw_grad.qw), keep(raw_grad.qx), keep(raw_grad.qy), keep(raw_grad.qz)};
     const Lanes logit[1] = {keep(raw_grad.logit)};

@@ -1,6 +1,6 @@
-// Binning: cover (which tiles does each Gaussian reach), one radix sort of the visible by depth, then pairs dealt to
-// their tiles in that order. Every step is a counting step, a prefix sum and a stable scatter over chunks, so that the
-// result does not depend on how the work is cut.
+// Binning: cover (which tiles does each Gaussian reach), one radix sort of the visible by depth, then a scatter of the
+// pairs to their tiles in that order. Every step is a counting step, a prefix sum and a stable scatter over chunks, so
+// that the result does not depend on how the work is cut.
 
 #include "oraclegs/render/cpu/tile_lists.h"
 
@@ -17,7 +17,7 @@ constexpr int kRadixBits = 11;
 constexpr int kBuckets = 1 << kRadixBits;
 constexpr int64_t kPrefetch = 16;  // items ahead: what they point to lies anywhere in memory
 
-/// More chunks than threads, so that a thread without a core holds up little.
+/// More chunks than threads, so that a thread that gets no core delays little.
 int64_t ChunkCount(int64_t items) { return std::clamp<int64_t>(items / 2048, 1, 4 * NumThreads()); }
 
 int64_t ChunkBegin(int64_t items, int64_t chunk, int64_t chunks) { return items * chunk / chunks; }
@@ -78,7 +78,7 @@ void TileLists::Cover(const LineSplat* splats, const TileRect* rects, int64_t n,
     Key* keys = sorted_.data() + begin;
     int64_t count = 0;
     for (int64_t i = begin; i < end; ++i) {
-      // The bits of positive floats sort like the floats. What does not count is overwritten by the next.
+      // The bits of positive floats sort like the floats. A key without pairs is overwritten by the next.
       std::memcpy(&keys[count].depth_bits, &splats[i].depth, sizeof(uint32_t));
       keys[count].id = static_cast<uint32_t>(i);
       count += ranges.data()[i].count != 0;
@@ -123,7 +123,7 @@ void TileLists::SortByDepth() {
   }
 }
 
-void TileLists::Deal(int64_t tiles) {
+void TileLists::ScatterToTiles(int64_t tiles) {
   const int64_t chunks = ChunkCount(visible);
   histogram_.Reserve(chunks * tiles);
   tile_begin.Reserve(tiles + 1);
@@ -165,7 +165,7 @@ void TileLists::Deal(int64_t tiles) {
 void TileLists::Build(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y) {
   Cover(splats, rects, n, tiles_x);
   SortByDepth();
-  Deal(static_cast<int64_t>(tiles_x) * tiles_y);
+  ScatterToTiles(static_cast<int64_t>(tiles_x) * tiles_y);
 }
 
 }  // namespace oraclegs::cpu

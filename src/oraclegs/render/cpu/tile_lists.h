@@ -18,7 +18,7 @@ class TileLists {
   ScratchArray<uint32_t> pair_tile;  ///< tile number of a pair, by pair number
   int64_t visible = 0;               ///< Gaussians with at least one pair
   int64_t pairs = 0;
-  int64_t pair_numbers = 0;  ///< all numbers of pairs are below; not every one is taken
+  int64_t pair_numbers = 0;  ///< pair numbers are below this; some are unused
 
   /// rects[i] empty = not visible. Throws RunError when there are more than 2^32 candidate pairs.
   void Build(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x, int tiles_y);
@@ -27,7 +27,7 @@ class TileLists {
   struct Key {
     uint32_t depth_bits, id;
   };
-  /// A stretch of Gaussians in index order, one task.
+  /// A range of Gaussians in index order, one task.
   struct Chunk {
     int64_t candidates = 0;       // tiles of their rectangles
     int64_t first_candidate = 0;  // sum over the chunks before
@@ -37,7 +37,7 @@ class TileLists {
 
   void Cover(const LineSplat* splats, const TileRect* rects, int64_t n, int tiles_x);
   void SortByDepth();
-  void Deal(int64_t tiles);
+  void ScatterToTiles(int64_t tiles);
 
   std::vector<Chunk> chunks_;
   ScratchArray<uint32_t> pair_mask_;   // by pair number

@@ -11,7 +11,7 @@ constexpr int kRing = 2 * kWarp;  // pixels under way between the first lane and
 struct Pixels {
   float4 gradient[kRing];  // dL/d(rgb), dL/d(inv_depth)
   float2 start[kRing];     // transmittance, and what the rest of the list adds to the loss, at the bucket's start
-  uint2 place[kRing];      // which of the tile's 256; first entry in which it takes no part
+  uint2 place[kRing];      // which of the tile's 256; first entry that does not contribute to it
   uint8_t list[kTilePixels];
 };
 
@@ -35,12 +35,12 @@ __device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile,
   const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
   const float4 sums = in.kept.ends.sums[tile.first + i];
   const float last = in.kept.ends.transmittance[tile.first + i];
-  const float behind_all =
+  const float background_share =
       g.x * camera.background[0] + g.y * camera.background[1] + g.z * camera.background[2] - g_alpha;
   // The differences are of one running sum: what they lose is little against what is left of it.
   const float rest = g.x * (sums.x - states[kTilePixels + i]) + g.y * (sums.y - states[2 * kTilePixels + i]) +
                      g.z * (sums.z - states[3 * kTilePixels + i]) + g.w * (sums.w - states[4 * kTilePixels + i]) +
-                     last * behind_all;
+                     last * background_share;
   pixels->gradient[slot] = g;
   pixels->start[slot] = make_float2(states[i], rest);
   pixels->place[slot] = make_uint2(static_cast<unsigned>(i), in.kept.ends.end[tile.first + i]);
@@ -50,8 +50,8 @@ __device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile,
 struct Sums {
   float h = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, g = 0, b = 0, inv_z = 0;
 
-  /// The pixel at (dx, dy) from the centre, which has `state` in front of the Gaussian and leaves with what is behind.
-  __device__ void Take(const Splat& s, float dx, float dy, const float4& gradient, float2* state) {
+  /// Adds the pixel at (dx, dy) from the centre. `state` is that in front of the Gaussian, and becomes that behind it.
+  __device__ void Accumulate(const Splat& s, float dx, float dy, const float4& gradient, float2* state) {
     const float e = Log2Alpha(s, dx, dy);
     if (e < kLog2AlphaMin) return;
     const float full = exp2f(e), alpha = Min(full, kAlphaMax);
@@ -60,7 +60,7 @@ struct Sums {
     state->y = fmaf(-weight, value, state->y);
     const float d_alpha = state->x * value - state->y / (1.f - alpha);
     const float change = full < kAlphaMax ? alpha * d_alpha : 0.f;
-    state->x = Behind(alpha, state->x);
+    state->x = NextTransmittance(alpha, state->x);
     const float hx = change * dx, hy = change * dy;
     h += change;
     x += hx, y += hy;
@@ -130,7 +130,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     const int i = static_cast<int>(place.x);
     const float dx = static_cast<float>(tile.x + PixelX(i)) + 0.5f - splat.mx;
     const float dy = static_cast<float>(tile.y + PixelY(i)) + 0.5f - splat.my;
-    sums.Take(splat, dx, dy, pixels->gradient[at % kRing], &state);
+    sums.Accumulate(splat, dx, dy, pixels->gradient[at % kRing], &state);
   }
   if (has_entry) sums.Store(records + int64_t{kRecord} * in.sorted_numbers[range.begin + mine]);
   if (lane == 0 && count > 0) {

@@ -4,7 +4,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kBatch = 4 * kBucket;  // entries that a block holds at once
+constexpr int kBatch = 4 * kBucket;  // entries in shared memory at once
 
 /// One pixel on its way from the eye.
 struct Ray {
@@ -13,11 +13,11 @@ struct Ray {
   uint32_t end = 0;
   bool open;
 
-  __device__ void Take(const Splat& s, uint32_t entry) {
+  __device__ void Accumulate(const Splat& s, uint32_t entry) {
     const float e = Log2Alpha(s, x - s.mx, y - s.my);
     if (e < kLog2AlphaMin) return;
-    const float alpha = Min(exp2f(e), kAlphaMax), behind = Behind(alpha, transmittance);
-    if (behind < kTransmittanceEnd) {
+    const float alpha = Min(exp2f(e), kAlphaMax), next = NextTransmittance(alpha, transmittance);
+    if (next < kTransmittanceEnd) {
       open = false;
       return;
     }
@@ -26,7 +26,7 @@ struct Ray {
     g = fmaf(weight, s.g, g);
     b = fmaf(weight, s.b, b);
     inv_z = fmaf(weight, s.inv_z, inv_z);
-    transmittance = behind;
+    transmittance = next;
     end = entry + 1;
   }
 
@@ -72,14 +72,14 @@ __global__ void __launch_bounds__(kTilePixels)
       if (kTrain && first_slot + chunk / kBucket < kept.buckets.capacity) {
         ray.Save(kept.buckets.states + int64_t{first_slot + chunk / kBucket} * kStateFloats * kTilePixels);
       }
-      // Each lane asks of one Gaussian whether it reaches the warp's 8 x 4 pixels.
+      // Each lane tests whether one Gaussian reaches the warp's 8 x 4 pixels.
       const uint32_t candidate = chunk + static_cast<uint32_t>(lane);
       const bool reaches = candidate < n && Reaches(ReachOf(batch[candidate]), warp_x, warp_y, 7.f, 3.f);
       unsigned left = __ballot_sync(kAllLanes, reaches);
       visited += kWarp * __popc(left);
       for (; left != 0; left &= left - 1) {
         const uint32_t i = chunk + static_cast<uint32_t>(__ffs(static_cast<int>(left)) - 1);
-        if (ray.open) ray.Take(batch[i], begin + i);
+        if (ray.open) ray.Accumulate(batch[i], begin + i);
       }
     }
   }

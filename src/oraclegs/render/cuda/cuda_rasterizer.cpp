@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kImages = "the rendered images";
 
-/// The device's default stream; the device is the one that memory is taken from afterwards.
+/// The default stream of the device, which becomes the current one.
 cudaStream_t StreamOf(Device device) {
   UseDevice(device.index);
   return nullptr;

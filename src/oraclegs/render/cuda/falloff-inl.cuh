@@ -12,14 +12,16 @@ __device__ inline float Log2Alpha(const Splat& s, float dx, float dy) {
   return fmaf(-q, q, fmaf(-p, p, s.log2_opacity));
 }
 
-/// What is left of `transmittance` behind a Gaussian.
-__device__ inline float Behind(float alpha, float transmittance) { return fmaf(-alpha, transmittance, transmittance); }
+/// The transmittance after a Gaussian.
+__device__ inline float NextTransmittance(float alpha, float transmittance) {
+  return fmaf(-alpha, transmittance, transmittance);
+}
 
 /// Where thread `i` of a tile's 256 lies in it: each warp has 8 x 4 pixels.
 __device__ inline int PixelX(int i) { return i / kWarp % 2 * 8 + i % 8; }
 __device__ inline int PixelY(int i) { return i / (2 * kWarp) * 4 + i % kWarp / 8; }
 
-/// The numbers of a Gaussian that say which rectangles it reaches.
+/// What decides which rectangles a Gaussian reaches.
 struct Reach {
   float mx, my, ax, by, slope, across, bound;
 };

@@ -3,13 +3,13 @@
 // them and hands them to a consumer, so that they need not go through memory. The consumer is a small struct, copied to
 // the device, with
 //
-//   __device__ void TakeSmall(int64_t i, const GaussianGrad& grad) const;
-//   __device__ void TakeSh(int64_t i, int first, float4 grad) const;
+//   __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const;
+//   __device__ void ConsumeSh(int64_t i, int first, float4 grad) const;
 //
-// TakeSmall is called once for each Gaussian i, seen or not. TakeSh is called for first = 0, 4, 8, ... below
+// ConsumeSmall is called once for each Gaussian i, seen or not. ConsumeSh is called for first = 0, 4, 8, ... below
 // 3 (degree + 1)^2 with dL/d(sh) of floats [first, first + 4) of row i, zero above the active degree; neighbouring
-// lanes have neighbouring floats. Both may change row i of the parameters, and no other: TakeSh that of sh, TakeSmall
-// the rest.
+// lanes have neighbouring floats. Both may change row i of the parameters, and no other: ConsumeSh that of sh,
+// ConsumeSmall the rest.
 
 #include "oraclegs/render/cuda/warp-inl.cuh"
 
@@ -21,7 +21,7 @@ struct GaussianGrad {
 };
 
 /// Gaussians of more pairs than this are summed by the whole warp.
-inline constexpr uint32_t kPairsAlone = 16;
+inline constexpr uint32_t kMaxPairsPerThread = 16;
 
 /// The sums of one Gaussian's records, in an order that depends on their number only.
 __device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begin, uint32_t count, float* sums) {
@@ -34,10 +34,10 @@ __device__ inline void SumRecords(const GaussianBackwardInput& in, uint32_t begi
       to[2 * k] += v.x, to[2 * k + 1] += v.y;
     }
   };
-  if (count <= kPairsAlone) {
+  if (count <= kMaxPairsPerThread) {
     for (uint32_t j = 0; j < count; ++j) add(begin + j, sums);
   }
-  for (unsigned left = __ballot_sync(kAllLanes, count > kPairsAlone); left != 0; left &= left - 1) {
+  for (unsigned left = __ballot_sync(kAllLanes, count > kMaxPairsPerThread); left != 0; left &= left - 1) {
     const int from = __ffs(static_cast<int>(left)) - 1;
     const uint32_t first = __shfl_sync(kAllLanes, begin, from), n = __shfl_sync(kAllLanes, count, from);
     float part[kRecord] = {};
@@ -57,7 +57,8 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
   const SplatChain<float> chain = EvaluateChain(raw, camera);
   const ProjectedSplat<float> p = Project(chain, camera);
   ProjectedGrad<float> g;
-  g.mx = p.conic_a * sums[1] + p.conic_b * sums[2];  // offsets point to the pixel: the sign of 6.1 turns
+  g.mx = p.conic_a * sums[1] +
+         p.conic_b * sums[2];  // offsets point to the pixel: opposite to docs/method.md#blending-gradient
   g.my = p.conic_c * sums[2] + p.conic_b * sums[1];
   g.conic_a = -0.5f * sums[3];
   g.conic_b = -sums[4];
@@ -114,13 +115,13 @@ __global__ void __launch_bounds__(kShThreads) GaussianBackwardKernel(GaussianBac
     zeros_from = floats;
   }
   for (int k = zeros_from; k < 4 * chunks; ++k) row[k] = 0;
-  if (i < n) consumer.TakeSmall(i, grad);
+  if (i < n) consumer.ConsumeSmall(i, grad);
   __syncwarp();
   for (int item = lane; item < kWarp * chunks; item += kWarp) {
-    const int whose = item / chunks, at = item % chunks * 4;
-    if (first + whose >= n) break;
-    const float* from = rows + whose * kShRowStride + at;
-    consumer.TakeSh(first + whose, at, make_float4(from[0], from[1], from[2], from[3]));
+    const int row_of_warp = item / chunks, at = item % chunks * 4;
+    if (first + row_of_warp >= n) break;
+    const float* from = rows + row_of_warp * kShRowStride + at;
+    consumer.ConsumeSh(first + row_of_warp, at, make_float4(from[0], from[1], from[2], from[3]));
   }
 }
 

@@ -10,7 +10,7 @@ struct WriteRows {
   GaussianRows rows;
   int floats;  // of sh that are written
 
-  __device__ void TakeSmall(int64_t i, const GaussianGrad& grad) const {
+  __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const {
     for (int k = 0; k < 3; ++k) {
       rows.means[3 * i + k] = grad.mean[k];
       rows.log_scales[3 * i + k] = grad.log_scale[k];
@@ -18,7 +18,7 @@ struct WriteRows {
     for (int k = 0; k < 4; ++k) rows.quats[4 * i + k] = grad.quat[k];
     rows.opacity_logits[i] = grad.logit;
   }
-  __device__ void TakeSh(int64_t i, int first, float4 grad) const {
+  __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
     float* to = rows.sh + kShRow * i + first;
     if (first + 4 <= floats) {
       *reinterpret_cast<float4*>(to) = grad;

@@ -13,11 +13,11 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr int64_t kSortedWords = 4;  // of a pair, see RasterCore::pair_work_
-constexpr int64_t kForgotten = 64;   // views after which one with many pairs counts little for those to come
+constexpr int64_t kPeakDecay = 64;   // views in which the remembered peak of pairs decays by 1/e
 static_assert(kSortedWords <= kRecord && sizeof(float) == sizeof(uint32_t));
 
-/// The next view may have more.
-int64_t Roomy(int64_t count) { return count + count / 4; }
+/// With room for a next view that has more.
+int64_t WithSpare(int64_t count) { return count + count / 4; }
 
 }  // namespace
 
@@ -30,10 +30,10 @@ void RequireCountable(int64_t gaussians, int64_t pairs) {
 void RasterCore::ReservePairs(int64_t pairs) {
   RequireCountable(parameters_.n, pairs);
   pair_room_ = 0;  // until all is there
-  const int64_t roomy = Roomy(pairs);
-  sorted_numbers_.ReserveExactly(roomy);
-  entry_ids_.ReserveExactly(roomy);
-  pair_room_ = roomy;
+  const int64_t room = WithSpare(pairs);
+  sorted_numbers_.ReserveExactly(room);
+  entry_ids_.ReserveExactly(room);
+  pair_room_ = room;
 }
 
 void RasterCore::Forward(const SplatCamera<float>& camera, const GaussianParameters& parameters, const ImagePlanes& out,
@@ -68,15 +68,15 @@ void RasterCore::Forward(const SplatCamera<float>& camera, const GaussianParamet
   GatherCounts(counts_.data(), sorted_ids_.data(), n, depths_.data(), stream_);
   ExclusiveSum(depths_.data(), ids_.data(), n, &scratch_, stream_);
 
-  // Most often this view has about as many pairs as the latest ones: all is sent before the first look at their number.
-  sent_pairs_ = std::min(pair_room_, Roomy(recent_pairs_));
+  // Usually this view has about as many pairs as the recent ones: all work is queued before their number is read.
+  sent_pairs_ = std::min(pair_room_, WithSpare(recent_pairs_));
   const bool sent = sent_pairs_ > 0;
   if (sent) SendBinAndBlend();
   pairs_ = static_cast<int64_t>(counted_.Get().pairs);
-  recent_pairs_ = std::max(pairs_, recent_pairs_ - recent_pairs_ / kForgotten);
+  recent_pairs_ = std::max(pairs_, recent_pairs_ - recent_pairs_ / kPeakDecay);
   if (pairs_ > pair_room_) ReservePairs(pairs_);
   if (!sent || pairs_ > sent_pairs_) {
-    sent_pairs_ = std::min(pair_room_, Roomy(recent_pairs_));
+    sent_pairs_ = std::min(pair_room_, WithSpare(recent_pairs_));
     SendBinAndBlend();
   }
   forward_done_ = true;
@@ -129,14 +129,14 @@ GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parame
   const int64_t buckets = blended_.Get().buckets;
   if (buckets > bucket_room_) {
     bucket_room_ = 0;
-    const int64_t roomy = Roomy(buckets);
-    buckets_.ReserveExactly(roomy);
-    states_.ReserveExactly(roomy * kStateFloats * kTilePixels);
-    bucket_room_ = roomy;
+    const int64_t room = WithSpare(buckets);
+    buckets_.ReserveExactly(room);
+    states_.ReserveExactly(room * kStateFloats * kTilePixels);
+    bucket_room_ = room;
     SendBlend({});  // the images stay as they are
   }
   backward_begin_.Record(stream_);
-  pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // of entries behind all that pixels took
+  pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // entries that contribute to no pixel write nothing
   const BlendInput forward{camera_, splats_.data(), entry_ids_.data(), ranges_.data()};
   const BlendKept kept{{sums_.data(), transmittance_.data(), ends_.data()},
                        {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)}};

@@ -73,10 +73,10 @@ class RasterCore {
 
   // By pair.
   int64_t pairs_ = 0, pair_room_ = 0;
-  int64_t recent_pairs_ = 0;  ///< the most of the latest views, forgotten by and by
+  int64_t recent_pairs_ = 0;  ///< largest number of the recent views; it decays
   int64_t sent_pairs_ = 0;    ///< how many this view's binning was sent for, at most pair_room_
   DeviceArray<uint32_t> sorted_numbers_{"the tile lists"}, entry_ids_{"the tile lists"};
-  /// First what is sorted, which nothing asks for once the ranges are known: tiles, sorted tiles, numbers, Gaussians,
+  /// First what is sorted, which is not needed once the ranges are known: tiles, sorted tiles, numbers, Gaussians,
   /// sent_pairs_ each. In the backward pass the records.
   DeviceArray<uint32_t> pair_work_{"the tile lists and the gradients of their entries"};
 

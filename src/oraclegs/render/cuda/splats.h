@@ -25,7 +25,7 @@ struct alignas(8) TileRange {
   uint32_t begin, end;
 };
 
-/// 32 neighbours of a tile's list whose pixels' state was kept.
+/// 32 consecutive entries of a tile's list, for which the state of the pixels was kept.
 struct alignas(8) Bucket {
   uint32_t tile, first;  ///< first entry, from the tile's begin
 };
@@ -46,14 +46,14 @@ struct ImagePlanes {
 struct PixelEnds {
   float4* sums;  ///< rgb and inverse depth, without background
   float* transmittance;
-  uint32_t* end;  ///< entry of the tile's list from which on the pixel takes no part
+  uint32_t* end;  ///< first entry of the tile's list that does not contribute to the pixel
 };
 
 /// Buckets that some pixel reached, in any order.
 struct BucketStates {
   Bucket* buckets;
   float* states;      ///< [buckets, kStateFloats, 256]
-  uint32_t capacity;  ///< buckets; what comes later is counted only
+  uint32_t capacity;  ///< buckets; later ones are only counted
 };
 
 /// What the last stage, the gradients of Gaussians, reads. Valid until the next Forward.

@@ -6,7 +6,7 @@ namespace oraclegs::cuda {
 namespace {
 
 /// Gaussians of more tiles than this are worked on by the whole warp.
-constexpr int kTilesAlone = 8;
+constexpr int kMaxTilesPerThread = 8;
 constexpr uint32_t kUnseen = 0xffffffffu;  // as a depth: later than all
 
 /// A Gaussian and the tiles it may reach.
@@ -31,11 +31,12 @@ __device__ inline Candidate LoadCandidate(const Splat* splats, const TileRect* r
 
 /// The candidate of lane `from`, for all lanes.
 __device__ inline Candidate Broadcast(const Candidate& c, int from) {
-  const auto take = [from](auto value) { return __shfl_sync(kAllLanes, value, from); };
+  const auto broadcast = [from](auto value) { return __shfl_sync(kAllLanes, value, from); };
   Candidate out;
-  out.reach = {take(c.reach.mx),    take(c.reach.my),     take(c.reach.ax),   take(c.reach.by),
-               take(c.reach.slope), take(c.reach.across), take(c.reach.bound)};
-  out.x0 = take(c.x0), out.y0 = take(c.y0), out.columns = take(c.columns), out.count = take(c.count);
+  out.reach = {broadcast(c.reach.mx),    broadcast(c.reach.my),     broadcast(c.reach.ax),   broadcast(c.reach.by),
+               broadcast(c.reach.slope), broadcast(c.reach.across), broadcast(c.reach.bound)};
+  out.x0 = broadcast(c.x0), out.y0 = broadcast(c.y0), out.columns = broadcast(c.columns),
+  out.count = broadcast(c.count);
   return out;
 }
 
@@ -45,10 +46,10 @@ __global__ void CountKernel(const Splat* splats, const TileRect* rects, int64_t 
   Candidate mine;
   if (i < n) mine = LoadCandidate(splats, rects, i);
   unsigned count = 0;
-  if (mine.count <= kTilesAlone) {
+  if (mine.count <= kMaxTilesPerThread) {
     for (int tile = 0; tile < mine.count; ++tile) count += mine.Hits(tile);
   }
-  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kTilesAlone); left != 0; left &= left - 1) {
+  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kMaxTilesPerThread); left != 0; left &= left - 1) {
     const int from = __ffs(static_cast<int>(left)) - 1;
     const Candidate c = Broadcast(mine, from);
     unsigned part = 0;
@@ -93,16 +94,16 @@ __global__ void ListKernel(PairInput in, PairOutput out) {
     mine = LoadCandidate(in.splats, in.rects, id);
     out.begins[id] = offset;
   }
-  if (mine.count <= kTilesAlone) {
+  if (mine.count <= kMaxTilesPerThread) {
     int64_t pair = offset;
     for (int tile = 0; tile < mine.count; ++tile) {
       if (mine.Hits(tile)) WritePair(out, pair++, static_cast<uint32_t>(mine.Y(tile) * in.tiles_x + mine.X(tile)), id);
     }
   }
-  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kTilesAlone); left != 0; left &= left - 1) {
+  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kMaxTilesPerThread); left != 0; left &= left - 1) {
     const int from = __ffs(static_cast<int>(left)) - 1;
     const Candidate c = Broadcast(mine, from);
-    const uint32_t whose = __shfl_sync(kAllLanes, id, from);
+    const uint32_t owner = __shfl_sync(kAllLanes, id, from);
     int64_t pair = __shfl_sync(kAllLanes, offset, from);
     for (int first = 0; first < c.count; first += kWarp) {
       const int tile = first + lane;
@@ -110,7 +111,7 @@ __global__ void ListKernel(PairInput in, PairOutput out) {
       const unsigned hits = __ballot_sync(kAllLanes, hit);
       if (hit) {
         const int before = __popc(hits & ((1u << lane) - 1));
-        WritePair(out, pair + before, static_cast<uint32_t>(c.Y(tile) * in.tiles_x + c.X(tile)), whose);
+        WritePair(out, pair + before, static_cast<uint32_t>(c.Y(tile) * in.tiles_x + c.X(tile)), owner);
       }
       pair += __popc(hits);
     }

@@ -25,7 +25,7 @@ struct PairInput {
   int tiles_x;
 };
 struct PairOutput {
-  uint32_t *tiles, *numbers, *gaussians;  ///< by pair: its tile, itself, whose it is
+  uint32_t *tiles, *numbers, *gaussians;  ///< by pair: its tile, its number, its Gaussian
   uint32_t* begins;                       ///< by Gaussian: number of its first pair
   int64_t capacity;                       ///< pairs beyond are not written
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Small things that several kernels do.
+// Helpers of several kernels.
 
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/render/cuda/splats.h"
