@@ -1,6 +1,5 @@
 #pragma once
-// What tells one build of the library of networks from another: program and library must agree on every byte that
-// crosses between them.
+// The identity of a build: program and library of networks must agree on every byte that crosses between them.
 
 #include <cstdint>
 #include <string>

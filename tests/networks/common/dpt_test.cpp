@@ -17,7 +17,7 @@ std::array<Tensor, 4> RandomLayers(int64_t views, int64_t patches) {
   return layers;
 }
 
-TEST(Dpt, SizesGrowFromTheGridToThePhotograph) {
+TEST(Dpt, SizesGrowFromTheGridToTheImage) {
   const auto layers = RandomLayers(1, 15);
   for (const DptStyle style : {DptStyle::kDepthAnything, DptStyle::kVggt}) {
     const DptHead head = RandomHead(style);

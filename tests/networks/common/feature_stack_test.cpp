@@ -81,7 +81,7 @@ TEST(FeatureStack, BackwardMatchesCentralDifferences) {
   }
 }
 
-TEST(FeatureStack, RefusesPicturesThatVanishInIt) {
+TEST(FeatureStack, RefusesImagesThatVanishInIt) {
   const FeatureStack vgg = RandomStack(FeatureNetwork::kVgg16, {2, 2, 2, 2, 2});
   EXPECT_EQ(Features(vgg, torch::rand({1, 3, 16, 16}))[4].numel(), 2);
   EXPECT_THROW(Features(vgg, torch::rand({1, 3, 15, 40})), ShapeError);

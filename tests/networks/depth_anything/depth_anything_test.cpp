@@ -60,7 +60,7 @@ TEST_P(DepthAnythingParity, MatchesTheOfficialNetwork) {
   ExpectGolden(resized[0][0], file, "output.depth_resized", 1e-4);
 }
 
-TEST_P(DepthAnythingParity, PreparesPhotographsAsTheOfficialCode) {
+TEST_P(DepthAnythingParity, PreparesImagesAsTheOfficialCode) {
   const SafetensorsFile file = OpenGolden(kFixture);
   const Tensor rgb = GoldenFloat(file, "preproc.source_rgb_u8") / 255;
   const Tensor resized = ResizeForDepthAnything(rgb, Count(file, "preproc_input_size"), Count(file, "patch_size"));
@@ -107,7 +107,7 @@ TEST(DepthAnything, BothSidesReachTheTargetInWholePatches) {
   EXPECT_EQ(size(100, 101), (std::pair<int64_t, int64_t>{518, 518}));  // 523.2: rounds down, not below the target
 }
 
-TEST(DepthAnything, AnswersAtThePhotographsSize) {
+TEST(DepthAnything, AnswersAtTheImagesSize) {
   const SafetensorsFile file = OpenGolden(kFixture);
   FileParameters source = GoldenWeights(kFixture);
   DepthAnythingConfig config = GoldenConfig(file);
@@ -125,7 +125,7 @@ TEST(DepthAnything, AFileOfAnotherNetworkIsRefusedByName) {
                                  testing::HasSubstr("missing 234: "), testing::HasSubstr("not part of it"))));
 }
 
-TEST(DepthAnything, RefusesWhatIsNoPhotograph) {
+TEST(DepthAnything, RefusesWhatIsNoImage) {
   EXPECT_THROW(ResizeForDepthAnything(torch::rand({3, 40, 50}), 518, 14), ShapeError);
   EXPECT_THROW(ResizeForDepthAnything(torch::rand({0, 50, 3}), 518, 14), ShapeError);
   EXPECT_THROW(ResizeForDepthAnything(torch::rand({40, 50, 3}, torch::kDouble), 518, 14), ShapeError);

@@ -21,7 +21,7 @@ Lpips RandomLpips(FeatureNetwork network) {
   return LoadLpips(source, {network, {4, 6, 8, 10, 12}});
 }
 
-Tensor Picture(const SafetensorsFile& file, const std::string& name) {
+Tensor FrameImage(const SafetensorsFile& file, const std::string& name) {
   return GoldenFloat(file, name).permute({1, 2, 0}).contiguous();
 }
 
@@ -30,10 +30,10 @@ class LpipsParity : public OnThreads {};
 TEST_P(LpipsParity, ValueAndGradientMatchTheReference) {
   const SafetensorsFile file = OpenGolden("lpips_tiny");
   const Lpips lpips = GoldenLpips(file);
-  const Tensor image = Picture(file, "image0");
+  const Tensor image = FrameImage(file, "image0");
   for (const auto& [range, suffix] :
        {std::pair{LpipsRange::kZeroOne, "_zero_1"}, std::pair{LpipsRange::kMinusOneOne, "_minus1_1"}}) {
-    const LpipsTarget target = PrepareTarget(lpips, Picture(file, "image1"), range);
+    const LpipsTarget target = PrepareTarget(lpips, FrameImage(file, "image1"), range);
     Tensor grad = torch::full_like(image, std::nanf(""));
     const LpipsValue value = Distance(lpips, image, target, &grad);
     const double expected = file.Values<double>(std::string("value") + suffix)[0];
@@ -67,7 +67,7 @@ TEST(Lpips, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(torch::equal(one.second, three.second));
 }
 
-TEST(Lpips, IdenticalPicturesHaveNoDistance) {
+TEST(Lpips, IdenticalImagesHaveNoDistance) {
   for (const FeatureNetwork network : {FeatureNetwork::kVgg16, FeatureNetwork::kAlexNet}) {
     const Lpips lpips = RandomLpips(network);
     const Tensor image = torch::rand({40, 50, 3});
@@ -133,7 +133,7 @@ TEST(Lpips, TheClassifierOfTorchvisionIsNotRead) {
               testing::ThrowsMessage<InputError>(testing::HasSubstr("LPIPS with AlexNet; missing 15: ")));
 }
 
-TEST(Lpips, RefusesPicturesThatDoNotFit) {
+TEST(Lpips, RefusesImagesThatDoNotFit) {
   const Lpips lpips = RandomLpips(FeatureNetwork::kVgg16);
   const Tensor image = torch::rand({20, 24, 3});
   const LpipsTarget target = PrepareTarget(lpips, image, LpipsRange::kZeroOne);

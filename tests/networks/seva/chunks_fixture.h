@@ -39,12 +39,12 @@ inline void ExpectGoldenChunks(const std::vector<Chunk>& chunks, const Safetenso
   EXPECT_EQ(Places(chunks, SlotKind::kTarget), file.Values<int64_t>("chunk." + name + ".test_maps")) << name;
 }
 
-/// All conditioning views are photographs.
+/// All conditioning views are input images.
 inline ChunkProblem GoldenChunkProblem(const SafetensorsFile& file) {
   ChunkProblem problem;
   problem.sources = GoldenViews(file, "chunk.input_c2w");
   problem.targets = GoldenViews(file, "chunk.test_c2w");
-  for (size_t i = 0; i < problem.sources.size(); ++i) problem.photographs.push_back(static_cast<int64_t>(i));
+  for (size_t i = 0; i < problem.sources.size(); ++i) problem.inputs.push_back(static_cast<int64_t>(i));
   problem.frames = file.Values<int64_t>("chunk.T").at(0);
   problem.source_orders = file.Values<double>("chunk.input_ords");
   problem.target_orders = file.Values<double>("chunk.test_ords");

@@ -5,32 +5,31 @@
 namespace oraclegs::seva {
 namespace {
 
-/// The scene of the paper's settings: 12 photographs, 50 targets, 68 frames on an orbit.
+/// The scene of the paper's settings: 12 input images, 50 targets, 68 frames on an orbit.
 struct GoldenOracle {
   SafetensorsFile file = SamplingFixture();
-  std::vector<View> photographs, targets, anchors = GoldenViews(file, "oracle.anchor_c2w");
+  std::vector<View> inputs, targets, anchors = GoldenViews(file, "oracle.anchor_c2w");
   int64_t frames = file.Values<int64_t>("oracle.T").at(0);
 
   GoldenOracle() {
     const std::vector<View> all = GoldenViews(file, "oracle.all_c2w");
-    for (const int64_t i : file.Values<int64_t>("oracle.train_ids"))
-      photographs.push_back(all.at(static_cast<size_t>(i)));
+    for (const int64_t i : file.Values<int64_t>("oracle.train_ids")) inputs.push_back(all.at(static_cast<size_t>(i)));
     for (const int64_t i : file.Values<int64_t>("oracle.test_ids")) targets.push_back(all.at(static_cast<size_t>(i)));
   }
   ChunkProblem Problem(const std::vector<View>& sources, const std::vector<View>& wanted) const {
     ChunkProblem problem{sources, wanted, {}, frames};
-    for (size_t i = 0; i < photographs.size(); ++i) problem.photographs.push_back(static_cast<int64_t>(i));
+    for (size_t i = 0; i < inputs.size(); ++i) problem.inputs.push_back(static_cast<int64_t>(i));
     return problem;
   }
 };
 
 TEST(SevaNearestChunks, ThePapersPassesMatchTheOfficialOnes) {
   const GoldenOracle golden;
-  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.photographs, golden.anchors), Chunking::kGtNearest), golden.file,
+  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.inputs, golden.anchors), Chunking::kGtNearest), golden.file,
                      "oracle_pass1");
-  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.photographs, golden.targets), Chunking::kNearestGt), golden.file,
+  ExpectGoldenChunks(PlanChunks(golden.Problem(golden.inputs, golden.targets), Chunking::kNearestGt), golden.file,
                      "oracle_onepass");
-  std::vector<View> sources = golden.photographs;
+  std::vector<View> sources = golden.inputs;
   sources.insert(sources.end(), golden.anchors.begin(), golden.anchors.end());
   ExpectGoldenChunks(PlanChunks(golden.Problem(sources, golden.targets), Chunking::kNearestGt), golden.file,
                      "oracle_pass2");
@@ -40,7 +39,7 @@ TEST(SevaNearestChunks, ThePapersOrbitAndItsPlanMatchTheOfficialOnes) {
   const GoldenOracle golden;
   SevaOptions options;
   options.frames = static_cast<int>(golden.frames);
-  const Plan plan = MakePlan(golden.photographs, golden.targets, options);
+  const Plan plan = MakePlan(golden.inputs, golden.targets, options);
   ASSERT_EQ(static_cast<int64_t>(plan.anchors.size()), golden.file.Values<int64_t>("oracle.num_anchors").at(0));
   for (size_t i = 0; i < plan.anchors.size(); ++i) {
     const Eigen::Matrix4d difference =

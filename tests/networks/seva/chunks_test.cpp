@@ -5,7 +5,7 @@
 namespace oraclegs::seva {
 namespace {
 
-TEST(SevaChunks, EveryStrategyOfPhotographsMatchesTheOfficialOne) {
+TEST(SevaChunks, EveryStrategyOfImagesMatchesTheOfficialOne) {
   const SafetensorsFile file = SamplingFixture();
   const ChunkProblem problem = GoldenChunkProblem(file);
   for (const std::string name : {"gt", "gt-nearest", "gt-ltr", "nearest", "nearest-gt"}) {
@@ -44,9 +44,9 @@ TEST(SevaChunks, MostFrequentKeepsTheFirstOfEquals) {
 }
 
 TEST(SevaChunks, SayWhichOptionDoesNotFit) {
-  const auto message = [](int photographs, int64_t frames, Chunking chunking) -> std::string {
-    ChunkProblem problem{Row(photographs), Row(40), {}, frames};
-    for (int64_t i = 0; i < photographs; ++i) problem.photographs.push_back(i);
+  const auto message = [](int inputs, int64_t frames, Chunking chunking) -> std::string {
+    ChunkProblem problem{Row(inputs), Row(40), {}, frames};
+    for (int64_t i = 0; i < inputs; ++i) problem.inputs.push_back(i);
     try {
       PlanChunks(problem, chunking);
     } catch (const UsageError& error) {
@@ -55,11 +55,11 @@ TEST(SevaChunks, SayWhichOptionDoesNotFit) {
     return "planned";
   };
   EXPECT_EQ(message(21, 21, Chunking::kGt),
-            "21 photographs leave no room in chunks of 21 frames; --seva-frames must be at least 23");
+            "21 photos leave no room in chunks of 21 frames; --seva-frames must be at least 23");
   EXPECT_EQ(message(20, 21, Chunking::kNearestGt),
-            "20 photographs leave no room in chunks of 21 frames; --seva-frames must be at least 22");
+            "20 photos leave no room in chunks of 21 frames; --seva-frames must be at least 22");
   EXPECT_EQ(message(3, 4, Chunking::kGtLtr),
-            "chunks of 4 frames have no room for photographs, made frames and new ones; raise --seva-frames");
+            "chunks of 4 frames have no room for photos, made frames and new ones; raise --seva-frames");
 }
 
 TEST(SevaChunks, FirstPassesHaveTheSameWords) {

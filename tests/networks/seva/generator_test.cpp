@@ -24,9 +24,9 @@ Camera CameraAt(double angle, int width, int height) {
   return camera;
 }
 
-/// Two photographs of 100 x 70 and three targets on an arc, at the smallest size that seva works at.
+/// Two input images of 100 x 70 and three targets on an arc, at the smallest size that seva works at.
 struct TinyScene {
-  std::vector<LoadedView> photographs;
+  std::vector<LoadedView> inputs;
   SevaOptions options;
   ViewRequest request;
   Unet unet = TinyUnet();
@@ -40,10 +40,10 @@ struct TinyScene {
       for (size_t p = 0; p < photo.rgb.data.size(); ++p) {
         photo.rgb.data[p] = static_cast<float>((p * 37 + static_cast<size_t>(i) * 11) % 256) / 255;
       }
-      photographs.push_back(std::move(photo));
+      inputs.push_back(std::move(photo));
     }
     for (int i = 0; i < 3; ++i) request.targets.push_back(CameraAt(0.1 + 0.3 * i, 100, 70));
-    request.views = &photographs;
+    request.views = &inputs;
     request.key = "scene";
     options.frames = 4;
     options.short_side = 64;
@@ -59,16 +59,16 @@ TEST(SevaGenerator, MakesEveryTargetAtItsCamerasSize) {
     TinyScene scene;
     scene.options.passes = passes;
     scene.options.candidates = 2;
-    const auto pictures = scene.Generate();
-    ASSERT_EQ(pictures.size(), 3u);
-    for (const auto& candidates : pictures) {
+    const auto images = scene.Generate();
+    ASSERT_EQ(images.size(), 3u);
+    for (const auto& candidates : images) {
       ASSERT_EQ(candidates.size(), 2u);
-      for (const ImageF& picture : candidates) {
-        EXPECT_EQ(picture.width, 100);
-        EXPECT_EQ(picture.height, 70);
-        EXPECT_EQ(picture.channels, 3);
-        EXPECT_EQ(picture.data.size(), 100u * 70 * 3);
-        const auto [low, high] = std::minmax_element(picture.data.begin(), picture.data.end());
+      for (const ImageF& image : candidates) {
+        EXPECT_EQ(image.width, 100);
+        EXPECT_EQ(image.height, 70);
+        EXPECT_EQ(image.channels, 3);
+        EXPECT_EQ(image.data.size(), 100u * 70 * 3);
+        const auto [low, high] = std::minmax_element(image.data.begin(), image.data.end());
         EXPECT_GE(*low, 0);
         EXPECT_LE(*high, 1);
       }
@@ -144,15 +144,15 @@ TEST(SevaGenerator, PlacesTheNetworksInTurn) {
   EXPECT_EQ(parts, (std::vector<Part>{Part::kEncoder, Part::kUnet, Part::kDecoder}));
 }
 
-TEST(SevaGenerator, EncodesEveryPhotographOnce) {
+TEST(SevaGenerator, EncodesEveryImageOnce) {
   TinyScene scene;
   scene.options.passes = 1;
   scene.options.candidates = 3;
   int encoded = 0;
   NetworkSet networks = TinyNetworkSet(scene.unet);
-  networks.encode = [&, encode = networks.encode](const Tensor& picture) {
+  networks.encode = [&, encode = networks.encode](const Tensor& image) {
     ++encoded;
-    return encode(picture);
+    return encode(image);
   };
   Generator(networks, scene.options, Silent()).Generate(scene.request);
   EXPECT_EQ(encoded, 2);
@@ -179,9 +179,9 @@ TEST(SevaGenerator, DecodesInTilesWhereMemoryIsShort) {
   generate();
   EXPECT_THAT(sides, testing::ElementsAre(8));
   EXPECT_TRUE(warnings.empty());
-  scene.options.short_side = 256;  // pictures of 384 x 256, latents of 48 x 32
+  scene.options.short_side = 256;  // images of 384 x 256, latents of 48 x 32
   networks.free_bytes = int64_t{1} << 30;
-  networks.pictures.tile = networks.free_bytes / (40 * 32);
+  networks.autoencoder.tile = networks.free_bytes / (40 * 32);
   generate();
   EXPECT_THAT(sides, testing::ElementsAre(32));
   EXPECT_THAT(warnings, testing::ElementsAre(testing::HasSubstr("decoded in tiles of 256 pixels")));
@@ -194,9 +194,9 @@ TEST(SevaGenerator, RefusesWhatItCannotDo) {
   EXPECT_THROW(Generator(networks, scene.options, Silent()).Generate(scene.request), RunError);
   networks.decode = {};
   EXPECT_THROW(Generator(networks, scene.options, Silent()), ShapeError);
-  scene.photographs[1].camera = CameraAt(0.4, 70, 100);
-  scene.photographs[1].rgb.width = 70;
-  scene.photographs[1].rgb.height = 100;
+  scene.inputs[1].camera = CameraAt(0.4, 70, 100);
+  scene.inputs[1].rgb.width = 70;
+  scene.inputs[1].rgb.height = 100;
   scene.options.short_side = 128;
   try {
     scene.Generate();
@@ -204,18 +204,18 @@ TEST(SevaGenerator, RefusesWhatItCannotDo) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("1.jpg: seva would work on 128 x 192 pixels"));
   }
-  scene.photographs.clear();
+  scene.inputs.clear();
   EXPECT_THROW(scene.Generate(), ShapeError);
   scene.options.steps = 0;
   EXPECT_THROW(scene.Generate(), UsageError);
 }
 
-TEST(SevaGenerator, PicturesAndTensorsAreTheSame) {
+TEST(SevaGenerator, ImagesAndTensorsAreTheSame) {
   ImageF image{2, 1, 3, {0, 0.25f, 0.5f, 0.75f, 1, 0.125f}};
-  const Tensor picture = ToNetworkImage(image);
-  EXPECT_EQ(picture.sizes(), (at::IntArrayRef{1, 3, 1, 2}));
-  EXPECT_EQ(picture[0][1][0][0].item<float>(), -0.5f);
-  EXPECT_EQ(FromNetworkImage(picture).data, image.data);
+  const Tensor tensor = ToNetworkImage(image);
+  EXPECT_EQ(tensor.sizes(), (at::IntArrayRef{1, 3, 1, 2}));
+  EXPECT_EQ(tensor[0][1][0][0].item<float>(), -0.5f);
+  EXPECT_EQ(FromNetworkImage(tensor).data, image.data);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ Eigen::Matrix3d Intrinsics(const SafetensorsFile& file, const std::string& name)
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(k.data());
 }
 
-TEST(SevaImageFit, PicturesAndIntrinsicsMatchTheOfficialOnes) {
+TEST(SevaImageFit, ImagesAndIntrinsicsMatchTheOfficialOnes) {
   const SafetensorsFile file = SamplingFixture();
   int cases = 0;
   for (const auto& [tensor, entry] : file.tensors()) {
@@ -18,11 +18,11 @@ TEST(SevaImageFit, PicturesAndIntrinsicsMatchTheOfficialOnes) {
     ++cases;
     const std::string name = tensor.substr(0, tensor.size() - 2);
     const Tensor image = GoldenFloat(file, tensor);
-    const Size photograph{image.size(3), image.size(2)};
+    const Size original{image.size(3), image.size(2)};
     const std::vector<int64_t> wanted = file.Values<int64_t>(name + "size_stride");
     const Size working =
-        wanted.size() == 3 ? Size{wanted[0], wanted[1]} : WorkingSize(photograph, wanted.at(0), wanted.at(1));
-    const ImageFit fit = FitImage(photograph, working, FitMode::kCrop);
+        wanted.size() == 3 ? Size{wanted[0], wanted[1]} : WorkingSize(original, wanted.at(0), wanted.at(1));
+    const ImageFit fit = FitImage(original, working, FitMode::kCrop);
     ExpectRatio(ToWorkingSize(image, fit), GoldenTensor(file, name + "out"), 1e-4, name);
     const Eigen::Matrix3d k = FittedIntrinsics(Intrinsics(file, name + "K"), fit);
     EXPECT_LE((k - Intrinsics(file, name + "K_normalized")).cwiseAbs().maxCoeff(), 1e-4) << name;
@@ -40,7 +40,7 @@ TEST(SevaImageFit, WorkingSizesAreMultiplesOf64) {
   EXPECT_EQ(WorkingSize({50, 50}, 10).width, 64);
 }
 
-/// A smooth picture that says where each pixel lies.
+/// A smooth image that says where each pixel lies.
 Tensor Gradient(int64_t height, int64_t width) {
   const Tensor y = (at::arange(height) + 0.5).div(static_cast<double>(height)).view({1, 1, height, 1});
   const Tensor x = (at::arange(width) + 0.5).div(static_cast<double>(width)).view({1, 1, 1, width});
@@ -48,9 +48,9 @@ Tensor Gradient(int64_t height, int64_t width) {
 }
 
 TEST(SevaImageFit, WhatIsPaddedComesBackWhole) {
-  for (const Size photograph : {Size{131, 81}, Size{60, 97}, Size{640, 512}}) {
-    const ImageFit fit = FitImage(photograph, {128, 96}, FitMode::kPad);
-    const Tensor image = Gradient(photograph.height, photograph.width);
+  for (const Size original : {Size{131, 81}, Size{60, 97}, Size{640, 512}}) {
+    const ImageFit fit = FitImage(original, {128, 96}, FitMode::kPad);
+    const Tensor image = Gradient(original.height, original.width);
     const Tensor working = ToWorkingSize(image, fit);
     EXPECT_EQ(working.size(2), 96);
     EXPECT_EQ(working.size(3), 128);
@@ -69,7 +69,7 @@ TEST(SevaImageFit, CroppedStripsRepeatTheBorder) {
   EXPECT_NEAR(back[0][0][25][50].item<double>(), 0.5, 0.02);
 }
 
-TEST(SevaImageFit, ThePrincipalPointMovesWithThePicture) {
+TEST(SevaImageFit, ThePrincipalPointMovesWithTheImage) {
   Eigen::Matrix3d k;
   k << 90, 0, 50, 0, 90, 25, 0, 0, 1;
   const Eigen::Matrix3d crop = FittedIntrinsics(k, FitImage({100, 50}, {64, 64}, FitMode::kCrop));
@@ -80,7 +80,7 @@ TEST(SevaImageFit, ThePrincipalPointMovesWithThePicture) {
   EXPECT_NEAR(pad(0, 0), 90 * 0.64 / 64, 1e-12);
 }
 
-TEST(SevaImageFit, RefusesEmptyPictures) {
+TEST(SevaImageFit, RefusesEmptyImages) {
   EXPECT_THROW(WorkingSize({0, 5}, 576), ShapeError);
   EXPECT_THROW(WorkingSize({5, 5}, 0), ShapeError);
   EXPECT_THROW(FitImage({5, 5}, {0, 64}, FitMode::kCrop), ShapeError);

@@ -86,14 +86,15 @@ TEST(SevaMemory, DecodesInOneTileWhereThatFits) {
     ChooseTile(request, whole);
     FAIL() << "fits";
   } catch (const RunError& error) {
-    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("pictures of 768 x 576"),
+    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("images of 768 x 576"),
                                              testing::HasSubstr("a smaller --seva-short-side")));
   }
   EXPECT_EQ(ChooseTile({{64, 64}, 0, {}}, 0), 8);
 }
 
 TEST(SevaMemory, EstimatesWhatTheAutoencoderHolds) {
-  const ImageMemory full = EstimatePictures({}, torch::kFloat), half = EstimatePictures({}, torch::kBFloat16);
+  const AutoencoderMemory full = EstimateAutoencoder({}, torch::kFloat),
+                          half = EstimateAutoencoder({}, torch::kBFloat16);
   // What the process held at most in seva_parts_bench: 1668 and 1134 MiB, its weights with it.
   const double pixels = 72.0 * 72;
   EXPECT_NEAR(static_cast<double>(full.frame + full.tile) * pixels, 1.75e9, 0.1e9);

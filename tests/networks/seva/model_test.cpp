@@ -12,10 +12,9 @@ TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
   Camera camera;
   camera.width = camera.height = 64;
   camera.fx = camera.fy = camera.cx = camera.cy = 32;
-  const std::vector<LoadedView> photographs = {
-      {"a.jpg", camera, {64, 64, 3, std::vector<float>(64 * 64 * 3, 0.25f)}, {}}};
+  const std::vector<LoadedView> inputs = {{"a.jpg", camera, {64, 64, 3, std::vector<float>(64 * 64 * 3, 0.25f)}, {}}};
   ViewRequest request;
-  request.views = &photographs;
+  request.views = &inputs;
   camera.cam_from_world.translation().x() = 1;
   request.targets = {camera};
   SevaOptions options;
@@ -23,9 +22,9 @@ TEST(SevaModel, GeneratesWithTheNetworksOfItsFiles) {
   options.short_side = 64;
   options.steps = 2;
   options.passes = 1;
-  const auto pictures = Generator(model.networks(), options, Silent()).Generate(request);
-  ASSERT_EQ(pictures.size(), 1u);
-  const std::vector<float>& data = pictures[0][0].data;
+  const auto images = Generator(model.networks(), options, Silent()).Generate(request);
+  ASSERT_EQ(images.size(), 1u);
+  const std::vector<float>& data = images[0][0].data;
   EXPECT_EQ(data.size(), 64u * 64 * 3);
   EXPECT_GT(*std::max_element(data.begin(), data.end()), *std::min_element(data.begin(), data.end()));
 }

@@ -42,9 +42,9 @@ void ExpectSound(const Plan& plan, size_t targets) {
   for (const Job& job : plan.jobs) {
     EXPECT_TRUE(std::any_of(job.frames.begin(), job.frames.end(), [](const Frame& f) { return f.given; }));
     for (const Frame& frame : job.frames) {
-      const bool photograph = frame.source == FrameSource::kPhotograph;
-      EXPECT_TRUE(frame.given || !photograph);
-      if (frame.given && !photograph) {
+      const bool input = frame.source == FrameSource::kInput;
+      EXPECT_TRUE(frame.given || !input);
+      if (frame.given && !input) {
         EXPECT_EQ(count_of(frame), 1);
       }
     }
@@ -60,13 +60,13 @@ TEST(SevaPlan, EveryChoiceOfOptionsMakesEveryTargetOnce) {
   for (const int passes : {1, 2}) {
     for (const auto& [chunking, word] : EnumWords<Chunking>::kWords) {
       if (passes == 1 && (chunking == Chunking::kInterp || chunking == Chunking::kInterpGt)) continue;
-      for (const int photographs : {1, 3, 10}) {
+      for (const int inputs : {1, 3, 10}) {
         SevaOptions options;
         options.frames = 21;
         options.passes = passes;
         options.chunking = chunking;
-        const Plan plan = MakePlan(Arc(photographs, 0.1), Arc(30, 0.17), options);
-        SCOPED_TRACE(std::string(word) + " " + std::to_string(passes) + " " + std::to_string(photographs));
+        const Plan plan = MakePlan(Arc(inputs, 0.1), Arc(30, 0.17), options);
+        SCOPED_TRACE(std::string(word) + " " + std::to_string(passes) + " " + std::to_string(inputs));
         ExpectSound(plan, 30);
         EXPECT_EQ(plan.anchors.empty(), passes == 1);
       }
@@ -94,7 +94,7 @@ TEST(SevaPlan, SaysWhichOptionsDoNotFit) {
     FAIL() << "planned";
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(),
-                 "7 photographs leave --seva-chunking interp-gt no room in chunks of 9 frames; raise --seva-frames");
+                 "7 photos leave --seva-chunking interp-gt no room in chunks of 9 frames; raise --seva-frames");
   }
   EXPECT_THROW(MakePlan({}, Arc(5, 0), {}), ShapeError);
   options = {};

@@ -31,14 +31,14 @@ inline Unet TinyUnet() {
 inline NetworkSet TinyNetworkSet(const Unet& unet) {
   NetworkSet networks;
   networks.unet = &unet;
-  networks.encode = [](const Tensor& picture) {
-    const Tensor mean = at::avg_pool2d(picture, {8, 8});
+  networks.encode = [](const Tensor& image) {
+    const Tensor mean = at::avg_pool2d(image, {8, 8});
     return at::cat({mean, mean.slice(1, 0, 1)}, 1);
   };
   networks.decode = [](const Tensor& latent, int64_t) {
     return at::upsample_nearest2d(at::tanh(latent.slice(1, 0, 3)), {latent.size(2) * 8, latent.size(3) * 8});
   };
-  networks.embed = [](const Tensor& picture) { return picture.mean({2, 3}).repeat({1, kTinyContext / 3}); };
+  networks.embed = [](const Tensor& image) { return image.mean({2, 3}).repeat({1, kTinyContext / 3}); };
   networks.free_bytes = int64_t{1} << 40;
   return networks;
 }

@@ -22,7 +22,7 @@ TEST(VggtInput, CropModeMatchesPillowToTheLastBit) {
   ExpectGolden(input.images[0], file, "preproc.images_crop", 1e-6);
 }
 
-TEST(VggtInput, PadModeCentresTheSamePictureInWhite) {
+TEST(VggtInput, PadModeCentresTheSameImageInWhite) {
   const SafetensorsFile file = OpenGolden("vggt_tiny");
   const Input padded = PrepareInput({GoldenPhoto(file)}, Fit::kPad);
   ASSERT_EQ(padded.images.sizes(), at::IntArrayRef({1, 3, 518, 518}));
@@ -61,7 +61,7 @@ TEST(VggtInput, TransparencyShowsWhite) {
   EXPECT_LT(MaxAbsError(input.images[0].mean({1, 2}) * 255, torch::tensor({127.f, 177.f, 227.f})), 0.01);
 }
 
-TEST(VggtInput, RefusesWhatIsNoPhotograph) {
+TEST(VggtInput, RefusesWhatIsNoImage) {
   EXPECT_THROW(PrepareInput({}, Fit::kCrop), ShapeError);
   EXPECT_THROW(PrepareInput({Flat(0, 4, {1, 2, 3})}, Fit::kCrop), ShapeError);
   EXPECT_THROW(PrepareInput({Flat(4, 4, {1})}, Fit::kCrop), ShapeError);

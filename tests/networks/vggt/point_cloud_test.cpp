@@ -39,7 +39,7 @@ struct Wall {
   DepthPrediction Depth() const { return {torch::full({3, 70, 70}, 4.f), torch::full({3, 70, 70}, 2.f)}; }
 };
 
-TEST(PhotographCameras, AreInThePhotographsOwnPixels) {
+TEST(ImageCameras, AreInTheImagesOwnPixels) {
   const Wall wall;
   ASSERT_EQ(wall.input.images.sizes(), (std::vector<int64_t>{3, 3, 70, 70}));  // 70 x 56 and 56 x 70, padded
   const std::vector<Camera> cameras = ImageCameras(wall.encoding, wall.input, wall.photos, wall.names);
@@ -56,7 +56,7 @@ TEST(PhotographCameras, AreInThePhotographsOwnPixels) {
   for (const Camera& camera : cameras) EXPECT_NO_THROW(camera.Check("camera"));
 }
 
-TEST(PhotographCameras, ThoseWithoutACameraAreNamed) {
+TEST(ImageCameras, ThoseWithoutACameraAreNamed) {
   Wall wall;
   wall.encoding[0][7] = 0.f;
   wall.encoding[2][1] = std::nanf("");
@@ -92,7 +92,7 @@ TEST(MakeCloud, PointsStandOnTheSurfaceInTheColoursOfTheirPixels) {
   }
 }
 
-TEST(MakeCloud, WhatNoOtherPhotographConfirmsOrIsUnsureIsLeftOut) {
+TEST(MakeCloud, WhatNoOtherImageConfirmsOrIsUnsureIsLeftOut) {
   const Wall wall;
   const std::vector<Camera> cameras = ImageCameras(wall.encoding, wall.input, wall.photos, wall.names);
   DepthPrediction depth = wall.Depth();

@@ -11,7 +11,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
-TEST(ReadVggtFile, SizesAreThoseOfTheMetadata) {
+TEST(ReadWeightsFile, SizesAreThoseOfTheMetadata) {
   const WeightsFile file = ReadWeightsFile(GoldenVggtPath());
   EXPECT_EQ(file.name, "VGGT-1B");
   EXPECT_EQ(file.network.aggregator.width(), 64);
@@ -25,7 +25,7 @@ TEST(ReadVggtFile, SizesAreThoseOfTheMetadata) {
   EXPECT_EQ(file.oracle_weights, (std::vector<double>{0.25, 0.75}));
 }
 
-TEST(ReadVggtFile, WithoutSizesItIsThePublishedNetwork) {
+TEST(ReadWeightsFile, WithoutSizesItIsThePublishedNetwork) {
   const TempDir dir;
   const WeightsFile file = ReadWeightsFile(WriteTinyVggt(dir / "a.st", [](TinyVggtParts* parts) {
     parts->tensors.erase(std::next(parts->tensors.begin()), parts->tensors.end());
@@ -37,7 +37,7 @@ TEST(ReadVggtFile, WithoutSizesItIsThePublishedNetwork) {
   EXPECT_EQ(file.oracle_layers, (std::vector<int64_t>{0, 22}));
 }
 
-TEST(ReadVggtFile, TheWholeFileLoads) {
+TEST(ReadWeightsFile, TheWholeFileLoads) {
   const TempDir dir;
   const auto path = WriteTinyVggt(dir / "a.st");
   const Vggt vggt = LoadVggt({path}, {true, true, false}, {}, ReadWeightsFile(path).network);
@@ -45,7 +45,7 @@ TEST(ReadVggtFile, TheWholeFileLoads) {
   EXPECT_FALSE(vggt.point_head.has_value());
 }
 
-TEST(ReadVggtFile, TensorsThatDoNotFitAreListedInOneError) {
+TEST(ReadWeightsFile, TensorsThatDoNotFitAreListedInOneError) {
   const TempDir dir;
   const auto path = WriteTinyVggt(dir / "a.st", [](TinyVggtParts* parts) {
     parts->tensors["aggregator.stray"] = parts->tensors.at("aggregator.camera_token");
@@ -59,7 +59,7 @@ TEST(ReadVggtFile, TensorsThatDoNotFitAreListedInOneError) {
                                               HasSubstr("of another shape 1: aggregator.camera_token is"))));
 }
 
-TEST(ReadVggtFile, SizesThatCannotBeAreRefused) {
+TEST(ReadWeightsFile, SizesThatCannotBeAreRefused) {
   struct Wrong {
     const char *key, *value, *says;
   };

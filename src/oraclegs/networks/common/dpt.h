@@ -1,5 +1,5 @@
 #pragma once
-// The dense prediction head: tokens of four layers become one map of the photograph's size
+// The dense prediction head: tokens of four layers become one map of the image's size
 // (docs/method.md#dpt-head).
 
 #include <array>

@@ -130,7 +130,7 @@ std::unique_ptr<DepthNetwork> LoadDepthNetwork(const std::filesystem::path& path
 Tensor ResizeForDepthAnything(const Tensor& rgb, int64_t side, int64_t patch) {
   RequireFloat("ResizeForDepthAnything", "rgb", rgb, {-1, -1, 3});
   const int64_t height = rgb.size(0), width = rgb.size(1);
-  if (height < 1 || width < 1) throw ShapeError("ResizeForDepthAnything: the photograph has no pixel");
+  if (height < 1 || width < 1) throw ShapeError("ResizeForDepthAnything: the photo has no pixel");
   // The smaller side becomes `side` exactly: s * side need not, and its ceiling would then be a patch too much.
   const double scale = static_cast<double>(side) / static_cast<double>(std::min(width, height));
   const auto target = [&](int64_t length) {

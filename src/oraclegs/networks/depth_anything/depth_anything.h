@@ -1,5 +1,5 @@
 #pragma once
-// Depth Anything V2: one photograph becomes a map of relative inverse depth (docs/method.md#depth-anything). Larger is
+// Depth Anything V2: one image becomes a map of relative inverse depth (docs/method.md#depth-anything). Larger is
 // nearer; unit and zero point are unknown.
 
 #include <array>

@@ -18,7 +18,7 @@ Lpips LoadFrom(const std::vector<std::filesystem::path>& paths, const FeatureSta
   return lpips;
 }
 
-/// The scaling layer: picture [H, W, 3] to what the network reads, [1, 3, H, W].
+/// The scaling layer: image [H, W, 3] to what the network reads, [1, 3, H, W].
 Tensor NetworkInput(const Lpips& lpips, const Tensor& image, LpipsRange range) {
   const auto options = lpips.weights[0].options();
   const Tensor shift = torch::tensor({-0.030f, -0.088f, -0.188f}).view({1, 3, 1, 1}).to(options);
@@ -28,7 +28,7 @@ Tensor NetworkInput(const Lpips& lpips, const Tensor& image, LpipsRange range) {
   return (x - shift) / scale;
 }
 
-/// d(network input)/d(picture), [1, 1, 3].
+/// d(network input)/d(image), [1, 1, 3].
 Tensor InputSlope(LpipsRange range) {
   const Tensor slope = torch::tensor({0.458f, 0.448f, 0.450f}).reciprocal().view({1, 1, 3});
   return range == LpipsRange::kMinusOneOne ? 2 * slope : slope;

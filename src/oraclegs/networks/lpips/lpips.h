@@ -1,5 +1,5 @@
 #pragma once
-// LPIPS v0.1, a learned distance of pictures: value and gradient (docs/method.md#lpips).
+// LPIPS v0.1, a learned distance of images: value and gradient (docs/method.md#lpips).
 
 #include <array>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What the program finds in this library (networks/loader.h): a name that tells builds apart, and the factory.
+// What the program finds in this library (networks/loader.h): the identity of this build, and the factory.
 
 #include <ATen/Parallel.h>
 #include <torch/cuda.h>

@@ -32,7 +32,7 @@ struct SceneMiddle {
 /// At least one centre (ShapeError).
 SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers);
 
-/// `chunk` about the middle of `all` (the photographs and targets of the scene), scaled so that its first frame is
+/// `chunk` about the middle of `all` (the input images and targets of the scene), scaled so that its first frame is
 /// `camera_scale` from there; one that stands in the middle leaves the scale at `camera_scale`. Rotations stay. Throws
 /// ShapeError when either is empty.
 std::vector<View> NormalizedViews(const std::vector<View>& chunk, const std::vector<View>& all, double camera_scale);

@@ -8,7 +8,7 @@
 namespace oraclegs::seva {
 namespace {
 
-constexpr const char* kPictures = "pictures";
+constexpr const char* kImages = "images";
 
 }  // namespace
 
@@ -16,12 +16,12 @@ std::filesystem::path ChunkStore::PathOf(int candidate, size_t job) const {
   return dir_ / fmt::format("candidate_{}_chunk_{:03}.safetensors", candidate, job);
 }
 
-void ChunkStore::Write(int candidate, size_t job, const Tensor& pictures) const {
+void ChunkStore::Write(int candidate, size_t job, const Tensor& images) const {
   if (dir_.empty()) return;
-  const Tensor bytes = pictures.to(torch::kCPU, torch::kByte).contiguous();
+  const Tensor bytes = images.to(torch::kCPU, torch::kByte).contiguous();
   const auto* begin = static_cast<const char*>(bytes.data_ptr());
   const TensorEntry entry{"U8", bytes.sizes().vec(), {begin, static_cast<size_t>(bytes.numel())}};
-  WriteFileAtomically(PathOf(candidate, job), SerializeSafetensors({{kPictures, entry}}, {{"key", key_}}));
+  WriteFileAtomically(PathOf(candidate, job), SerializeSafetensors({{kImages, entry}}, {{"key", key_}}));
 }
 
 std::optional<Tensor> ChunkStore::Read(int candidate, size_t job, at::IntArrayRef shape) const {
@@ -31,11 +31,11 @@ std::optional<Tensor> ChunkStore::Read(int candidate, size_t job, at::IntArrayRe
     const SafetensorsFile file = SafetensorsFile::Open(PathOf(candidate, job));
     const auto key = file.metadata().find("key");
     if (key == file.metadata().end() || key->second != key_) return std::nullopt;
-    const TensorEntry& entry = file.Get(kPictures);
+    const TensorEntry& entry = file.Get(kImages);
     if (entry.dtype != "U8" || at::IntArrayRef(entry.shape) != shape) return std::nullopt;
-    Tensor pictures = torch::empty(shape, torch::kByte);
-    std::copy(entry.bytes.begin(), entry.bytes.end(), static_cast<char*>(pictures.data_ptr()));
-    return pictures;
+    Tensor images = torch::empty(shape, torch::kByte);
+    std::copy(entry.bytes.begin(), entry.bytes.end(), static_cast<char*>(images.data_ptr()));
+    return images;
   } catch (const InputError&) {
     return std::nullopt;  // a damaged file is computed again
   }

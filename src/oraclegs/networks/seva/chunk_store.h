@@ -11,11 +11,11 @@ namespace oraclegs::seva {
 
 class ChunkStore {
  public:
-  /// In dir/; `key` says what the pictures depend on. An empty dir keeps nothing.
+  /// In dir/; `key` says what the images depend on. An empty dir keeps nothing.
   ChunkStore(std::filesystem::path dir, std::string key) : dir_(std::move(dir)), key_(std::move(key)) {}
 
-  /// pictures [M, 3, H, W] uint8, the made frames of this job. Throws RunError.
-  void Write(int candidate, size_t job, const Tensor& pictures) const;
+  /// images [M, 3, H, W] uint8, the made frames of this job. Throws RunError.
+  void Write(int candidate, size_t job, const Tensor& images) const;
   /// Nothing when the file is not there, damaged, of another key or of another shape.
   std::optional<Tensor> Read(int candidate, size_t job, at::IntArrayRef shape) const;
 

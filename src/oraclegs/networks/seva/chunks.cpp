@@ -21,17 +21,17 @@ int64_t Nearest(const std::vector<View>& sources, Distance&& distance) {
   return nearest;
 }
 
-Chunk OfPhotographs(const ChunkProblem& problem) {
+Chunk OfInputs(const ChunkProblem& problem) {
   Chunk chunk;
-  for (const int64_t p : problem.photographs) chunk.push_back({SlotKind::kGiven, p});
+  for (const int64_t p : problem.inputs) chunk.push_back({SlotKind::kGiven, p});
   return chunk;
 }
 
 int64_t FreeSlots(const ChunkProblem& problem) {
-  const int64_t slots = problem.frames - static_cast<int64_t>(problem.photographs.size());
+  const int64_t slots = problem.frames - static_cast<int64_t>(problem.inputs.size());
   if (slots < 1) {
-    throw UsageError("{} photographs leave no room in chunks of {} frames; --seva-frames must be at least {}",
-                     problem.photographs.size(), problem.frames, problem.photographs.size() + 2);
+    throw UsageError("{} photos leave no room in chunks of {} frames; --seva-frames must be at least {}",
+                     problem.inputs.size(), problem.frames, problem.inputs.size() + 2);
   }
   return slots;
 }
@@ -82,11 +82,11 @@ std::vector<int64_t> MostFrequent(const std::vector<int64_t>& values, size_t cou
   return distinct;
 }
 
-std::vector<Chunk> PhotographChunks(const ChunkProblem& problem) {
+std::vector<Chunk> InputChunks(const ChunkProblem& problem) {
   const int64_t slots = FreeSlots(problem), count = static_cast<int64_t>(problem.targets.size());
   std::vector<Chunk> chunks;
   for (int64_t begin = 0; begin < count; begin += slots) {
-    Chunk chunk = OfPhotographs(problem);
+    Chunk chunk = OfInputs(problem);
     for (int64_t t = begin; t < std::min(begin + slots, count); ++t) chunk.push_back({SlotKind::kTarget, t});
     chunks.push_back(std::move(chunk));
   }
@@ -99,14 +99,14 @@ std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earli
   const double share = kPseudoShare * static_cast<double>(slots);
   std::vector<Chunk> chunks;
   for (int64_t made = 0; made < count;) {
-    Chunk chunk = OfPhotographs(problem);
+    Chunk chunk = OfInputs(problem);
     if (made > 0) {
       const int64_t remaining = count - made;
       const bool many = remaining >= static_cast<int64_t>(std::floor(share));
       const int64_t wanted = std::min(many ? static_cast<int64_t>(std::ceil(share)) : slots - remaining, made);
       if (wanted >= slots) {
         throw UsageError(
-            "chunks of {} frames have no room for photographs, made frames and new ones; raise "
+            "chunks of {} frames have no room for photos, made frames and new ones; raise "
             "--seva-frames",
             problem.frames);
       }
@@ -146,7 +146,7 @@ std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking) {
   const auto plan = [&]() -> std::vector<Chunk> {
     switch (chunking) {
       case Chunking::kGt:
-        return PhotographChunks(problem);
+        return InputChunks(problem);
       case Chunking::kGtNearest:
         return PseudoChunks(problem, EarlierFrames::kNearest);
       case Chunking::kGtLtr:
@@ -156,11 +156,11 @@ std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking) {
       case Chunking::kInterp:
         return IntervalChunks(problem, NearestBase::kNone);
       case Chunking::kInterpGt:
-        return IntervalChunks(problem, NearestBase::kPhotographs);
+        return IntervalChunks(problem, NearestBase::kInputs);
       case Chunking::kNearestGt:
         break;
     }
-    return NearestChunks(problem, NearestBase::kPhotographs);
+    return NearestChunks(problem, NearestBase::kInputs);
   };
   std::vector<Chunk> chunks = plan();
   for (Chunk& chunk : chunks) chunk.resize(static_cast<size_t>(problem.frames));

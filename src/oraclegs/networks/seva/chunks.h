@@ -22,21 +22,21 @@ struct Slot {
 /// As many slots as frames go through the network together; empty ones at the end.
 using Chunk = std::vector<Slot>;
 
-/// Photographs whose order on the time line of interp means nothing bound no intervals there.
-enum class TimeLine { kAllSources, kWithoutPhotographs };
+/// Input images whose order on the time line of interp means nothing bound no intervals there.
+enum class TimeLine { kAllSources, kWithoutInputs };
 
 struct ChunkProblem {
   std::vector<View> sources, targets;
-  std::vector<int64_t> photographs;                            ///< the sources that are real, ascending
+  std::vector<int64_t> inputs;                                 ///< the sources that are real, ascending
   int64_t frames = 21;                                         ///< of a chunk
   std::vector<double> source_orders = {}, target_orders = {};  ///< places on the time line, ascending; for interp
   TimeLine time_line = TimeLine::kAllSources;
 };
 
 /// Every target is in exactly one chunk:
-///   gt                   all photographs, then targets in order
+///   gt                   all input images, then targets in order
 ///   gt-nearest, gt-ltr   with earlier targets, near ones or the last ones, from the second chunk on
-///   nearest, nearest-gt  targets beside their nearest source; -gt: all photographs lead every chunk
+///   nearest, nearest-gt  targets beside their nearest source; -gt: all input images lead every chunk
 ///   interp, interp-gt    targets between the sources that bound them on the time line
 /// Throws UsageError when the frames of a chunk are too few for it, naming --seva-frames.
 std::vector<Chunk> PlanChunks(const ChunkProblem& problem, Chunking chunking);
@@ -53,8 +53,8 @@ int64_t NearestByRotation(const View& view, const std::vector<View>& sources);
 std::vector<int64_t> MostFrequent(const std::vector<int64_t>& values, size_t count);
 
 /// The families of strategies.
-enum class NearestBase { kNone, kPhotographs };
-std::vector<Chunk> PhotographChunks(const ChunkProblem& problem);
+enum class NearestBase { kNone, kInputs };
+std::vector<Chunk> InputChunks(const ChunkProblem& problem);
 enum class EarlierFrames { kNearest, kLast };
 std::vector<Chunk> PseudoChunks(const ChunkProblem& problem, EarlierFrames earlier);
 std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base);

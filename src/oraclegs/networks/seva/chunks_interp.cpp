@@ -14,9 +14,9 @@ constexpr double kBehindTheLast = 0.01;  // so that a target at the last source'
 std::vector<int64_t> Bounds(const ChunkProblem& problem) {
   std::vector<int64_t> bounds;
   for (int64_t i = 0; i < static_cast<int64_t>(problem.sources.size()); ++i) {
-    const auto& real = problem.photographs;
+    const auto& real = problem.inputs;
     const bool dropped =
-        problem.time_line == TimeLine::kWithoutPhotographs && std::find(real.begin(), real.end(), i) != real.end();
+        problem.time_line == TimeLine::kWithoutInputs && std::find(real.begin(), real.end(), i) != real.end();
     if (!dropped) bounds.push_back(i);
   }
   return bounds;
@@ -47,8 +47,8 @@ std::vector<Chunk> IntervalChunks(const ChunkProblem& problem, NearestBase base)
   if (bounds.empty()) throw UsageError("interp needs frames made in a first pass; set --seva-passes 2");
   const auto frames = static_cast<size_t>(problem.frames);
   Chunk lead;
-  if (base == NearestBase::kPhotographs) {
-    for (const int64_t p : problem.photographs) lead.push_back({SlotKind::kGiven, p});
+  if (base == NearestBase::kInputs) {
+    for (const int64_t p : problem.inputs) lead.push_back({SlotKind::kGiven, p});
   }
   const auto add = [&](Chunk* chunk, const std::vector<Slot>& slots) {
     chunk->insert(chunk->end(), slots.begin(), slots.end());

@@ -50,12 +50,12 @@ class Filler {
 
 std::vector<Chunk> NearestChunks(const ChunkProblem& problem, NearestBase base) {
   Chunk lead;
-  if (base == NearestBase::kPhotographs) {
-    for (const int64_t p : problem.photographs) lead.push_back({SlotKind::kGiven, p});
+  if (base == NearestBase::kInputs) {
+    for (const int64_t p : problem.inputs) lead.push_back({SlotKind::kGiven, p});
   }
   const auto leading = static_cast<int64_t>(lead.size());
   if (leading + 1 >= problem.frames) {
-    throw UsageError("{} photographs leave no room in chunks of {} frames; --seva-frames must be at least {}", leading,
+    throw UsageError("{} photos leave no room in chunks of {} frames; --seva-frames must be at least {}", leading,
                      problem.frames, leading + 2);
   }
   std::map<int64_t, std::vector<int64_t>> of_source;

@@ -1,5 +1,5 @@
 #pragma once
-// What the network is told of one joint problem (docs/method.md#seva-data-flow), and the network as the sampler calls
+// What the network is given of one joint problem (docs/method.md#seva-data-flow), and the network as the sampler calls
 // it.
 
 #include <vector>

@@ -40,7 +40,7 @@ std::string KeyOf(const ViewRequest& request, const SevaOptions& options) {
   return request.key + " " + json.dump();
 }
 
-/// One generation: the views, the plan, and the pictures made so far.
+/// One generation: the views, the plan, and the images made so far.
 class Generation {
  public:
   Generation(const NetworkSet& networks, const SevaOptions& options, const ViewRequest& request,
@@ -51,16 +51,16 @@ class Generation {
         store_(request.workspace, KeyOf(request, options)),
         device_(networks.unet->any_weight().device()),
         schedule_(MakeSchedule()) {
-    const std::vector<LoadedView>& photographs = *request.views;
-    working_ = WorkingSize(SizeOf(photographs.front().camera), options.short_side);
-    for (const LoadedView& photo : photographs) AddPhotograph(photo);
+    const std::vector<LoadedView>& views = *request.views;
+    working_ = WorkingSize(SizeOf(views.front().camera), options.short_side);
+    for (const LoadedView& view : views) AddInput(view);
     for (const Camera& target : request.targets) {
       target_fits_.push_back(FitImage(SizeOf(target), working_, FitMode::kPad));
       target_views_.push_back(ViewOf(target, target_fits_.back()));
     }
-    all_views_ = photograph_views_;
+    all_views_ = input_views_;
     all_views_.insert(all_views_.end(), target_views_.begin(), target_views_.end());
-    plan_ = MakePlan(photograph_views_, target_views_, options);
+    plan_ = MakePlan(input_views_, target_views_, options);
   }
 
   std::vector<std::vector<ImageF>> Run() {
@@ -72,8 +72,8 @@ class Generation {
       made_.clear();
       for (size_t job = 0; job < plan_.jobs.size(); ++job) RunJob(candidate, job);
       for (size_t t = 0; t < answers.size(); ++t) {
-        const Picture& picture = made_.at({FrameSource::kTarget, static_cast<int64_t>(t)});
-        answers[t].push_back(FromNetworkImage(FromWorkingSize(picture.pixels, target_fits_[t])));
+        const FrameImage& image = made_.at({FrameSource::kTarget, static_cast<int64_t>(t)});
+        answers[t].push_back(FromNetworkImage(FromWorkingSize(image.pixels, target_fits_[t])));
       }
     }
     return answers;
@@ -81,7 +81,7 @@ class Generation {
 
  private:
   /// A frame whose pixels are known, and what its conditioning takes, once it was asked for.
-  struct Picture {
+  struct FrameImage {
     Tensor pixels;  ///< [1, 3, H, W]
     Tensor latent, embedding;
   };
@@ -101,35 +101,35 @@ class Generation {
     memory.gpu = networks_.unet->any_weight().is_cuda();
     const int64_t bytes = BytesToUse(), weights = EstimateMemory(networks_.unet->config, memory).weights;
     halves_ = ChooseHalves(networks_.unet->config, memory, options_, bytes);
-    tile_ = ChooseTile({working_, weights, networks_.pictures}, bytes);
+    tile_ = ChooseTile({working_, weights, networks_.autoencoder}, bytes);
     if (tile_ * kLatentStride >= std::max(working_.width, working_.height)) return;
-    listener_(Warning{fmt::format(
-        "seva's pictures are decoded in tiles of {} pixels, which differs a little from decoding them whole: "
-        "{:.1f} GB of memory are too few for that; a smaller --seva-short-side needs no tiles",
-        tile_ * kLatentStride, static_cast<double>(bytes) / kBytesInGigabyte)});
+    listener_(Warning{
+        fmt::format("seva's images are decoded in tiles of {} pixels, which differs a little from decoding them whole: "
+                    "{:.1f} GB of memory are too few for that; a smaller --seva-short-side needs no tiles",
+                    tile_ * kLatentStride, static_cast<double>(bytes) / kBytesInGigabyte)});
   }
 
-  void AddPhotograph(const LoadedView& photo) {
+  void AddInput(const LoadedView& photo) {
     const Size working = WorkingSize(SizeOf(photo.camera), options_.short_side);
     if (working.width != working_.width || working.height != working_.height) {
       throw InputError(
-          "{}: seva would work on {} x {} pixels of it and on {} x {} of the first photograph; give it "
-          "photographs of one shape",
+          "{}: seva would work on {} x {} pixels of it and on {} x {} of the first photo; give it "
+          "photos of one shape",
           photo.name, working.width, working.height, working_.width, working_.height);
     }
     const ImageFit fit = FitImage(SizeOf(photo.camera), working_, FitMode::kCrop);
-    photograph_views_.push_back(ViewOf(photo.camera, fit));
-    photographs_.push_back({ToWorkingSize(ToNetworkImage(photo.rgb), fit), {}, {}});
+    input_views_.push_back(ViewOf(photo.camera, fit));
+    inputs_.push_back({ToWorkingSize(ToNetworkImage(photo.rgb), fit), {}, {}});
   }
 
-  Picture& PictureOf(const Frame& frame) {
-    if (frame.source == FrameSource::kPhotograph) return photographs_.at(static_cast<size_t>(frame.index));
+  FrameImage& FrameImageOf(const Frame& frame) {
+    if (frame.source == FrameSource::kInput) return inputs_.at(static_cast<size_t>(frame.index));
     return made_.at({frame.source, frame.index});
   }
 
   const View& ViewAt(const Frame& frame) const {
     const auto index = static_cast<size_t>(frame.index);
-    if (frame.source == FrameSource::kPhotograph) return photograph_views_.at(index);
+    if (frame.source == FrameSource::kInput) return input_views_.at(index);
     return frame.source == FrameSource::kAnchor ? plan_.anchors.at(index) : target_views_.at(index);
   }
 
@@ -161,14 +161,14 @@ class Generation {
 
   void RunJob(int candidate, size_t index) {
     const Job& job = plan_.jobs[index];
-    std::optional<Tensor> pictures = Stored(candidate, index);
-    if (!pictures) {
-      pictures = Decode(job, Sample(job, candidate, index));
-      store_.Write(candidate, index, *pictures);
+    std::optional<Tensor> images = Stored(candidate, index);
+    if (!images) {
+      images = Decode(job, Sample(job, candidate, index));
+      store_.Write(candidate, index, *images);
     }
     const std::vector<Frame> made = MadeFrames(job);
     for (size_t i = 0; i < made.size(); ++i) {
-      const Tensor bytes = pictures->slice(0, static_cast<int64_t>(i), static_cast<int64_t>(i) + 1);
+      const Tensor bytes = images->slice(0, static_cast<int64_t>(i), static_cast<int64_t>(i) + 1);
       made_[{made[i].source, made[i].index}].pixels = bytes.to(torch::kFloat) * (2.0 / 255) - 1;
     }
   }
@@ -178,15 +178,15 @@ class Generation {
     Frames frames{views, {}, {}, {}, working_.height / kLatentStride, working_.width / kLatentStride};
     for (const Frame& frame : job.frames) {
       frames.given.push_back(frame.given);
-      Picture none;
-      Picture& picture = frame.given ? PictureOf(frame) : none;
-      if (frame.given && !picture.latent.defined()) {
+      FrameImage none;
+      FrameImage& image = frame.given ? FrameImageOf(frame) : none;
+      if (frame.given && !image.latent.defined()) {
         ThrowIfInterrupted();
-        picture.latent = networks_.encode(picture.pixels);
-        picture.embedding = networks_.embed(picture.pixels);
+        image.latent = networks_.encode(image.pixels);
+        image.embedding = networks_.embed(image.pixels);
       }
-      frames.latents.push_back(picture.latent);
-      frames.embeddings.push_back(picture.embedding);
+      frames.latents.push_back(image.latent);
+      frames.embeddings.push_back(image.embedding);
     }
     return MakeInputs(frames, device_);
   }
@@ -227,15 +227,15 @@ class Generation {
   /// The made frames as [M, 3, H, W] uint8, as they are stored and condition later chunks.
   Tensor Decode(const Job& job, const Tensor& latents) const {
     Place(Part::kDecoder);
-    std::vector<Tensor> pictures;
+    std::vector<Tensor> images;
     for (size_t t = 0; t < job.frames.size(); ++t) {
       if (job.frames[t].given || job.frames[t].copy) continue;
       ThrowIfInterrupted();
       const Tensor latent = latents.slice(0, static_cast<int64_t>(t), static_cast<int64_t>(t) + 1);
-      const Tensor picture = networks_.decode(latent, tile_);
-      pictures.push_back(((picture.to(torch::kCPU) + 1) * 127.5).clamp(0, 255).to(torch::kByte));
+      const Tensor image = networks_.decode(latent, tile_);
+      images.push_back(((image.to(torch::kCPU) + 1) * 127.5).clamp(0, 255).to(torch::kByte));
     }
-    return at::cat(pictures, 0);
+    return at::cat(images, 0);
   }
 
   const NetworkSet& networks_;
@@ -245,13 +245,13 @@ class Generation {
   torch::Device device_;
   Schedule schedule_;
   Size working_;
-  std::vector<View> photograph_views_, target_views_, all_views_;
+  std::vector<View> input_views_, target_views_, all_views_;
   std::vector<ImageFit> target_fits_;
   Plan plan_;
   Halves halves_ = Halves::kBatched;
   int64_t tile_ = 0;  ///< latent pixels
-  std::vector<Picture> photographs_;
-  std::map<FrameKey, Picture> made_;  ///< of the candidate at work
+  std::vector<FrameImage> inputs_;
+  std::map<FrameKey, FrameImage> made_;  ///< of the candidate at work
   int64_t steps_done_ = 0, steps_total_ = 0;
 };
 
@@ -267,7 +267,7 @@ Generator::Generator(NetworkSet networks, SevaOptions options, Listener listener
 
 std::vector<std::vector<ImageF>> Generator::Generate(const ViewRequest& request) const {
   if (!request.views || request.views->empty()) {
-    throw ShapeError("Generator: there are no photographs");
+    throw ShapeError("Generator: there are no views");
   }
   return Generation(networks_, options_, request, listener_).Run();
 }
@@ -279,9 +279,9 @@ Tensor ToNetworkImage(const ImageF& image) {
   return pixels.permute({0, 3, 1, 2}).contiguous().mul(2).sub(1);
 }
 
-ImageF FromNetworkImage(const Tensor& picture) {
-  const Tensor pixels = ((picture + 1) * 0.5).clamp(0, 1).squeeze(0).permute({1, 2, 0}).contiguous();
-  ImageF image{static_cast<int>(picture.size(3)), static_cast<int>(picture.size(2)), 3, {}};
+ImageF FromNetworkImage(const Tensor& tensor) {
+  const Tensor pixels = ((tensor + 1) * 0.5).clamp(0, 1).squeeze(0).permute({1, 2, 0}).contiguous();
+  ImageF image{static_cast<int>(tensor.size(3)), static_cast<int>(tensor.size(2)), 3, {}};
   image.data.assign(pixels.data_ptr<float>(), pixels.data_ptr<float>() + pixels.numel());
   return image;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Stable Virtual Camera as OracleGS uses it (docs/method.md#seva): photographs and target poses in, pictures out.
+// Stable Virtual Camera as OracleGS uses it (docs/method.md#seva): input images and target poses in, images out.
 
 #include <filesystem>
 #include <functional>
@@ -16,18 +16,18 @@ namespace oraclegs::seva {
 
 enum class Part { kEncoder, kUnet, kDecoder };
 
-/// The four networks. Pictures are [1, 3, H, W] float32 RGB in [-1, 1] on the CPU.
+/// The four networks. Images are [1, 3, H, W] float32 RGB in [-1, 1] on the CPU.
 struct NetworkSet {
   const Unet* unet = nullptr;
-  std::function<Tensor(const Tensor& picture)> encode = {};  ///< -> [1, 4, H / 8, W / 8] float32, scaled latent
+  std::function<Tensor(const Tensor& image)> encode = {};  ///< -> [1, 4, H / 8, W / 8] float32, scaled latent
   /// The reverse, in tiles of `side` latent pixels.
   std::function<Tensor(const Tensor& latent, int64_t side)> decode = {};
-  std::function<Tensor(const Tensor& picture)> embed = {};  ///< -> [1, context width] float32
-  /// Told which part works next, so that the others may leave the device; may be empty.
+  std::function<Tensor(const Tensor& image)> embed = {};  ///< -> [1, context width] float32
+  /// Called with the part that works next, so that the others may leave the device; may be empty.
   std::function<void(Part)> place = {};
-  int64_t other_weights = 0;  ///< bytes of encoder, decoder and image encoder that stay while the UNet works
-  ImageMemory pictures = {};  ///< of encode and decode
-  int64_t free_bytes = 0;     ///< of the UNet's device before it came; 0 = asks the operating system
+  int64_t other_weights = 0;           ///< bytes of encoder, decoder and image encoder that stay while the UNet works
+  AutoencoderMemory autoencoder = {};  ///< of encode and decode
+  int64_t free_bytes = 0;              ///< of the UNet's device before it came; 0 = asks the operating system
 };
 
 class Generator {
@@ -35,7 +35,7 @@ class Generator {
   /// Throws UsageError for options out of range, ShapeError when a network is missing.
   Generator(NetworkSet networks, SevaOptions options, Listener listener);
 
-  /// See ViewGenerator::Generate; `listener` hears of the steps.
+  /// See ViewGenerator::Generate; `listener` receives the steps.
   std::vector<std::vector<ImageF>> Generate(const ViewRequest& request) const;
 
  private:
@@ -46,6 +46,6 @@ class Generator {
 
 /// [0, 1], channels interleaved <-> [1, 3, h, w] in [-1, 1].
 Tensor ToNetworkImage(const ImageF& image);
-ImageF FromNetworkImage(const Tensor& picture);
+ImageF FromNetworkImage(const Tensor& tensor);
 
 }  // namespace oraclegs::seva

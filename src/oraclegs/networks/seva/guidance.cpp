@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kCloseDegrees = 10, kCloseDistance = 1e-5;
 
-/// Turned, moved and zoomed like conditioning frames, though not necessarily the same one.
+/// Oriented, placed and zoomed like conditioning frames, though not necessarily the same one.
 bool IsClose(const std::vector<View>& views, const std::vector<bool>& given, size_t frame) {
   const View& view = views[frame];
   bool turned = false, moved = false, zoomed = false;

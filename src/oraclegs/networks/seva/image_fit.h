@@ -1,5 +1,6 @@
 #pragma once
-// Photographs brought to the size that SEVA works at, and its pictures back to theirs (docs/method.md#seva-image-size).
+// Images are brought to the size that SEVA works at, and what it generates back to theirs
+// (docs/method.md#seva-image-size).
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -14,26 +15,26 @@ struct Size {
 
 /// The shorter side becomes `short_side`, the other keeps the shape; both rounded to multiples of `stride`. Throws
 /// ShapeError unless all are positive.
-Size WorkingSize(const Size& photograph, int64_t short_side, int64_t stride = 64);
+Size WorkingSize(const Size& original, int64_t short_side, int64_t stride = 64);
 
 enum class FitMode {
-  kCrop,  ///< the working picture is filled, what hangs over at two sides is cut off: photographs
-  kPad    ///< all of the photograph's frame is inside, two strips of the working picture are beyond it: targets, so
+  kCrop,  ///< the working image is filled, what hangs over at two sides is cut off: input images
+  kPad    ///< all of the image's frame is inside, two strips of the working image are beyond it: targets, so
           ///< that nothing of them is missing when they come back
 };
 
-/// Where the resized photograph lies in the working picture, in pixels of that.
+/// Where the resized image lies in the working image, in pixels of that.
 struct ImageFit {
-  Size photograph, resized, working;
-  int64_t left = 0, top = 0;  ///< of the resized photograph; negative where it hangs over
+  Size original, resized, working;
+  int64_t left = 0, top = 0;  ///< of the resized image; negative where it hangs over
 };
 /// Throws ShapeError for sizes that are not positive.
-ImageFit FitImage(const Size& photograph, const Size& working, FitMode mode);
+ImageFit FitImage(const Size& original, const Size& working, FitMode mode);
 
-/// Intrinsics in pixels of the photograph -> in shares of the working picture's width (row 0) and height (row 1).
+/// Intrinsics in pixels of the image -> in shares of the working image's width (row 0) and height (row 1).
 Eigen::Matrix3d FittedIntrinsics(const Eigen::Matrix3d& pixels, const ImageFit& fit);
 
-/// image [B, C, h, w] -> [B, C, H, W]: pixel areas averaged (repeated where it grows); zeros beyond the photograph.
+/// image [B, C, h, w] -> [B, C, H, W]: pixel areas averaged (repeated where it grows); zeros beyond the image.
 Tensor ToWorkingSize(const Tensor& image, const ImageFit& fit);
 
 /// The reverse: [B, C, H, W] -> [B, C, h, w], bicubic, antialiased where it shrinks; what was cut off repeats the

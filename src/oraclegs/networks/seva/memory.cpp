@@ -131,9 +131,9 @@ Halves ChooseHalves(const UnetConfig& config, MemoryRequest request, const SevaO
       Suggestions(config, request));
 }
 
-ImageMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type) {
+AutoencoderMemory EstimateAutoencoder(const VaeConfig& config, torch::ScalarType type) {
   const int64_t bytes = BytesOf(type), levels = static_cast<int64_t>(config.channels.size());
-  ImageMemory memory;
+  AutoencoderMemory memory;
   for (int64_t level = 0; level < levels; ++level) {
     const auto channels = [&](int64_t l) {
       return config.channels[static_cast<size_t>(std::clamp<int64_t>(l, 0, levels - 1))];
@@ -141,7 +141,7 @@ ImageMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type) {
     const int64_t pixels = int64_t{1} << (2 * (levels - 1 - level));  // of this level, for each of the latent
     memory.encode = std::max(memory.encode, pixels * ResBytes(channels(level - 1), channels(level), bytes));
     memory.tile = std::max(memory.tile, pixels * ResBytes(channels(level + 1), channels(level), bytes));
-    // The level's last picture, doubled, and the convolution of that.
+    // The level's last image, doubled, and the convolution of that.
     if (level > 0) memory.tile = std::max(memory.tile, pixels * 9 * channels(level) * bytes);
   }
   const int64_t width = config.channels.back(), pixels = config.downscale() * config.downscale();
@@ -153,7 +153,7 @@ ImageMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type) {
 
 int64_t ChooseTile(const TileRequest& request, int64_t available) {
   const int64_t height = request.size.height / kLatentStride, width = request.size.width / kLatentStride;
-  const ImageMemory& takes = request.takes;
+  const AutoencoderMemory& takes = request.takes;
   const int64_t fixed = request.weights + takes.weights, longer = std::max(height, width);
   const auto decoding = [&](int64_t side) {
     return fixed + takes.frame * height * width + takes.tile * std::min(side, height) * std::min(side, width);
@@ -167,7 +167,7 @@ int64_t ChooseTile(const TileRequest& request, int64_t available) {
   const int64_t need = std::max(encoding, decoding(side));
   if (need <= available) return side;
   throw RunError(
-      "seva needs about {:.1f} GB to bring pictures of {} x {} to latents and back and {:.1f} GB are there; less is "
+      "seva needs about {:.1f} GB to bring images of {} x {} to latents and back and {:.1f} GB are there; less is "
       "needed with a smaller --seva-short-side",
       Gigabytes(need), request.size.width, request.size.height, Gigabytes(available));
 }

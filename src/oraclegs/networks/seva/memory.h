@@ -22,7 +22,7 @@ struct Memory {
 
 struct MemoryRequest {
   int64_t frames = 21;
-  Size size;  ///< of the pictures
+  Size size;  ///< of the images
   Halves halves = Halves::kBatched;
   torch::ScalarType type = torch::kFloat;
   int64_t other_weights = 0;  ///< bytes
@@ -36,22 +36,22 @@ Memory EstimateMemory(const UnetConfig& config, const MemoryRequest& request);
 Halves ChooseHalves(const UnetConfig& config, MemoryRequest request, const SevaOptions& options, int64_t available);
 
 /// What the autoencoder takes, bytes; upper estimates.
-struct ImageMemory {
+struct AutoencoderMemory {
   int64_t weights = 0;  ///< that come beside those that stay
   int64_t encode = 0;   ///< for each pixel of a latent
   int64_t frame = 0;    ///< for each pixel of a latent that is decoded, even in tiles
   int64_t tile = 0;     ///< and for each that is decoded together
 };
 /// Without `weights`.
-ImageMemory EstimatePictures(const VaeConfig& config, torch::ScalarType type);
+AutoencoderMemory EstimateAutoencoder(const VaeConfig& config, torch::ScalarType type);
 
 /// The side of the tiles in which frames are decoded (vae_tiles.h), latent pixels: the frame's longer side, which is
 /// one tile, where that fits into `available` bytes; else the largest that does. Throws RunError that says which option
-/// lowers the need where tiles of 32 or the encoding of a photograph do not fit.
+/// lowers the need where tiles of 32 or the encoding of an input image do not fit.
 struct TileRequest {
-  Size size;            ///< of the pictures
-  int64_t weights = 0;  ///< that stay, bytes
-  ImageMemory takes;    ///< beside them
+  Size size;                ///< of the images
+  int64_t weights = 0;      ///< that stay, bytes
+  AutoencoderMemory takes;  ///< beside them
 };
 int64_t ChooseTile(const TileRequest& request, int64_t available);
 

@@ -141,7 +141,7 @@ Model::Model(const SevaFiles& files, const Placement& placement) : state_(std::m
   state_->vae_config = VaeConfigOf(files.vae);
   state_->clip_config = ClipConfigOf(files.clip);
   state_->unet = LoadUnet(files.unet, UnetConfigOf(files.unet.front()), placement);
-  state_->Place(Part::kEncoder);  // what is wrong with the files is told now
+  state_->Place(Part::kEncoder);  // faults of the files are reported now
   state_->Place(Part::kUnet);
   const int64_t wanted = state_->unet.config.context_width, given = state_->clip_config.output;
   if (wanted != given) {
@@ -157,17 +157,17 @@ NetworkSet Model::networks() const {
   NetworkSet networks;
   networks.unet = &state->unet;
   networks.place = [state](Part part) { state->Place(part); };
-  networks.encode = [state](const Tensor& picture) { return EncodeImages(*state->vae, picture); };
+  networks.encode = [state](const Tensor& image) { return EncodeImages(*state->vae, image); };
   networks.decode = [state](const Tensor& latent, int64_t side) {
     return DecodeTiled(*state->vae, latent, {side, std::max<int64_t>(1, side / 3)});
   };
-  networks.embed = [state](const Tensor& picture) { return ImageEmbeddings(*state->clip, picture); };
-  networks.pictures = EstimatePictures(state->vae_config, state->placement.type);
+  networks.embed = [state](const Tensor& image) { return ImageEmbeddings(*state->clip, image); };
+  networks.autoencoder = EstimateAutoencoder(state->vae_config, state->placement.type);
   const auto bytes = [](const fs::path& file) { return static_cast<int64_t>(fs::file_size(file)); };
   if (state->placement.device.is_cpu()) {
     networks.other_weights = bytes(state->files.vae) + bytes(state->files.clip);
   } else {
-    networks.pictures.weights = bytes(state->files.vae) + bytes(state->files.clip);
+    networks.autoencoder.weights = bytes(state->files.vae) + bytes(state->files.clip);
   }
   return networks;
 }

@@ -39,15 +39,15 @@ std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::
   return poses;
 }
 
-std::vector<View> OrbitAnchors(const std::vector<View>& photographs, const std::vector<View>& targets, int64_t count) {
-  if (photographs.empty()) throw ShapeError("OrbitAnchors: there are no photographs");
-  std::vector<View> all = photographs;
+std::vector<View> OrbitAnchors(const std::vector<View>& inputs, const std::vector<View>& targets, int64_t count) {
+  if (inputs.empty()) throw ShapeError("OrbitAnchors: there are no input views");
+  std::vector<View> all = inputs;
   all.insert(all.end(), targets.begin(), targets.end());
   const std::vector<Eigen::Isometry3d> poses =
-      Orbit(photographs.front().center(), LookAtPoint(all), UpOf(photographs), count + 1);
-  const View& lens = targets.empty() ? photographs.front() : targets.front();
+      Orbit(inputs.front().center(), LookAtPoint(all), UpOf(inputs), count + 1);
+  const View& like = targets.empty() ? inputs.front() : targets.front();
   std::vector<View> anchors;
-  for (size_t i = 1; i < poses.size(); ++i) anchors.push_back({poses[i], lens.intrinsics});
+  for (size_t i = 1; i < poses.size(); ++i) anchors.push_back({poses[i], like.intrinsics});
   return anchors;
 }
 

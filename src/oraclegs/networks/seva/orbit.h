@@ -19,9 +19,9 @@ Eigen::Vector3d UpOf(const std::vector<View>& views);
 std::vector<Eigen::Isometry3d> Orbit(const Eigen::Vector3d& start, const Eigen::Vector3d& center,
                                      const Eigen::Vector3d& up, int64_t count);
 
-/// The frames of a first pass: `count` poses on an orbit from the first photograph around what photographs and targets
-/// look at, that photograph's own place left out. Intrinsics are the first target's, or without targets the first
-/// photograph's.
-std::vector<View> OrbitAnchors(const std::vector<View>& photographs, const std::vector<View>& targets, int64_t count);
+/// The frames of a first pass: `count` poses on an orbit from the first input image around what input images and
+/// targets look at, that input image's own place left out. Intrinsics are the first target's, or without targets the
+/// first input image's.
+std::vector<View> OrbitAnchors(const std::vector<View>& inputs, const std::vector<View>& targets, int64_t count);
 
 }  // namespace oraclegs::seva

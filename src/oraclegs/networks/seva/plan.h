@@ -15,19 +15,19 @@ struct PassSizes {
   int64_t anchors = 0, first_frames = 21, second_frames = 21;
 };
 struct PassRequest {
-  int64_t photographs = 0, targets = 0;
+  int64_t inputs = 0, targets = 0;
   int64_t first_frames = 21, second_frames = 21;  ///< as asked for
   double anchor_ratio = 1;
 };
 /// `chunking` is the second pass's strategy. Throws UsageError when interp-gt has no room for targets.
 PassSizes SizePasses(const PassRequest& request, Chunking chunking);
 
-enum class FrameSource { kPhotograph, kAnchor, kTarget };
+enum class FrameSource { kInput, kAnchor, kTarget };
 
 struct Frame {
-  FrameSource source = FrameSource::kPhotograph;
+  FrameSource source = FrameSource::kInput;
   int64_t index = 0;
-  bool given = false;  ///< its picture conditions; false: it is made
+  bool given = false;  ///< its image conditions; false: it is made
   bool copy = false;   ///< fills a place; what is made of it is thrown away
 
   bool operator==(const Frame&) const = default;
@@ -44,8 +44,8 @@ struct Plan {
   int64_t largest() const;  ///< frames of the largest job
 };
 
-/// At least one photograph (ShapeError). interp takes the targets for a path in their order, and its anchors from it;
+/// At least one input image (ShapeError). interp takes the targets for a path in their order, and its anchors from it;
 /// the other strategies have theirs on an orbit. Throws UsageError for options that do not fit, naming them.
-Plan MakePlan(const std::vector<View>& photographs, const std::vector<View>& targets, const SevaOptions& options);
+Plan MakePlan(const std::vector<View>& inputs, const std::vector<View>& targets, const SevaOptions& options);
 
 }  // namespace oraclegs::seva

@@ -30,7 +30,7 @@ struct EulerProblem {
   std::function<Tensor(const Tensor& x, float sigma)> denoise = {};
   /// Standard normal numbers like x for step i.
   std::function<Tensor(int64_t step)> noise = {};
-  /// Told after every step, with x; may be empty. May throw to stop.
+  /// Called after every step, with x; may be empty. May throw to stop.
   std::function<void(int64_t step, const Tensor& x)> after_step = {};
 };
 /// unit_noise: standard normal, [T, 4, h, w] float32 -> the result, like it.

@@ -1,6 +1,6 @@
 #pragma once
 // SEVA's multi-view UNet (docs/method.md#seva-unet): from noisy latents of all frames of a sequence, their cameras and
-// what the photographs show, the noise in them. The defaults are Stable Virtual Camera 1.1.
+// what the input images show, the noise in them. The defaults are Stable Virtual Camera 1.1.
 
 #include <filesystem>
 #include <string>

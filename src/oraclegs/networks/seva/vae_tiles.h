@@ -16,7 +16,7 @@ struct VaeTiles {
 /// decode in two ways: its norms take mean and variance over the tile, not over the frame; and zeros stand beyond its
 /// border. The second reaches about 13 latent pixels deep and fades quickly: a quarter of the overlap is not used at
 /// either side, and between the quarters one tile passes linearly into the next. The first is what counts, and it
-/// depends on the picture: with random weights 0.03 of the decode (L2) where tiles hold what the frame holds, 0.46
+/// depends on the image: with random weights 0.03 of the decode (L2) where tiles hold what the frame holds, 0.46
 /// where the frame is one slow wave. So tiles should be as large as memory allows; a frame of one tile is the plain
 /// decode, bit for bit. Throws ShapeError, also for an overlap that is out of its range.
 Tensor DecodeTiled(const Vae& vae, const Tensor& latents, const VaeTiles& tiles);

@@ -111,13 +111,13 @@ int64_t NearestMultiple(int64_t patch, double length) {
   return std::max<int64_t>(patch * static_cast<int64_t>(std::nearbyint(length / static_cast<double>(patch))), patch);
 }
 
-InputPlace ResizedSize(const Image8& photo, Fit fit, int64_t side, int64_t patch) {
+InputPlace ResizedSize(const Image8& image, Fit fit, int64_t side, int64_t patch) {
   const double fixed = static_cast<double>(side);
   InputPlace place{side, side, 0, 0};
-  if (fit == Fit::kCrop || photo.width >= photo.height) {
-    place.height = NearestMultiple(patch, photo.height * (fixed / photo.width));
+  if (fit == Fit::kCrop || image.width >= image.height) {
+    place.height = NearestMultiple(patch, image.height * (fixed / image.width));
   } else {
-    place.width = NearestMultiple(patch, photo.width * (fixed / photo.height));
+    place.width = NearestMultiple(patch, image.width * (fixed / image.height));
   }
   if (fit == Fit::kCrop && place.height > side) place.top = -((place.height - side) / 2);
   return place;
@@ -143,25 +143,25 @@ Image8 ResizeLikePillow(const Image8& image, int width, int height) {
   return out;
 }
 
-Input PrepareInput(const std::vector<Image8>& photos, Fit fit, int64_t side, int64_t patch) {
-  if (photos.empty()) throw ShapeError("PrepareInput: there are no photographs");
+Input PrepareInput(const std::vector<Image8>& images, Fit fit, int64_t side, int64_t patch) {
+  if (images.empty()) throw ShapeError("PrepareInput: there are no images");
   Input input;
   std::vector<Tensor> views;
   int64_t height = fit == Fit::kPad ? side : 0, width = height;
-  for (const Image8& photo : photos) {
-    if (photo.width < 1 || photo.height < 1 || (photo.channels != 3 && photo.channels != 4)) {
-      throw ShapeError("PrepareInput: a photograph is {} x {} with {} channels, expected pixels of 3 or 4", photo.width,
-                       photo.height, photo.channels);
+  for (const Image8& image : images) {
+    if (image.width < 1 || image.height < 1 || (image.channels != 3 && image.channels != 4)) {
+      throw ShapeError("PrepareInput: an image is {} x {} with {} channels, expected pixels of 3 or 4", image.width,
+                       image.height, image.channels);
     }
-    const InputPlace place = ResizedSize(photo, fit, side, patch);
+    const InputPlace place = ResizedSize(image, fit, side, patch);
     const Image8 resized =
-        ResizeLikePillow(OverWhite(photo), static_cast<int>(place.width), static_cast<int>(place.height));
+        ResizeLikePillow(OverWhite(image), static_cast<int>(place.width), static_cast<int>(place.height));
     views.push_back(AsTensor(resized, place, side));
     input.places.push_back(place);
     height = std::max(height, views.back().size(1));
     width = std::max(width, views.back().size(2));
   }
-  input.images = torch::ones({static_cast<int64_t>(photos.size()), 3, height, width});
+  input.images = torch::ones({static_cast<int64_t>(images.size()), 3, height, width});
   for (size_t i = 0; i < views.size(); ++i) {
     const int64_t above = (height - views[i].size(1)) / 2, before = (width - views[i].size(2)) / 2;
     input.images[static_cast<int64_t>(i)]

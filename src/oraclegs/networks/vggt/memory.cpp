@@ -12,7 +12,7 @@ constexpr int64_t kWidthsInBlock = 16;
 constexpr int64_t kWidthsKept = 2;                   // of a layer that the heads read
 constexpr int64_t kBytesOnTop = int64_t{256} << 20;  // scores in work, buffers of the libraries
 
-/// Of the depth head, view by view: maps of 8x the grid with all features, then of the picture's size with half of
+/// Of the depth head, view by view: maps of 8x the grid with all features, then of the image's size with half of
 /// them, with what a convolution unrolls.
 int64_t DenseBytes(const Config& config, const Pass& pass) {
   const int64_t patch = config.aggregator.backbone.patch, features = config.dense.features;
@@ -43,8 +43,8 @@ int64_t PassBytes(const Config& config, const Pass& pass) {
   const int64_t block = kWidthsInBlock * row;
   const bool dense = pass.heads.depth || pass.heads.points;
   const int64_t kept = (dense ? 4 : pass.heads.camera ? 1 : 0) * kWidthsKept * row;
-  const int64_t pictures = 3 * kFloat * 3 * pass.views * pass.height * pass.width;
-  return kept + pictures + std::max(block, dense ? DenseBytes(config, pass) : 0) + kBytesOnTop;
+  const int64_t images = 3 * kFloat * 3 * pass.views * pass.height * pass.width;
+  return kept + images + std::max(block, dense ? DenseBytes(config, pass) : 0) + kBytesOnTop;
 }
 
 }  // namespace oraclegs::vggt

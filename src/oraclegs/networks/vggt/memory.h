@@ -1,5 +1,5 @@
 #pragma once
-// What VGGT needs, told before it starts.
+// How much memory VGGT needs, known before it starts.
 
 #include "oraclegs/networks/vggt/vggt.h"
 

@@ -11,16 +11,16 @@ namespace {
 
 constexpr double kSameSurface = 0.05;  // relative difference of depth
 
-/// The part of the network's input that shows a photograph: what padding added is left out, what cropping cut is not
+/// The part of the network's input that shows an image: what padding added is left out, what cropping cut is not
 /// there.
 struct Window {
-  double scale_x = 1, scale_y = 1;  // input pixels in one of the photograph
-  int64_t left = 0, top = 0;        // of the photograph's first pixel, negative when it was cropped
+  double scale_x = 1, scale_y = 1;  // input pixels per pixel of the image
+  int64_t left = 0, top = 0;        // of the image's first pixel, negative when it was cropped
   int64_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
-  Window(const InputPlace& place, const Image8& photo, const Tensor& images)
-      : scale_x(static_cast<double>(place.width) / photo.width),
-        scale_y(static_cast<double>(place.height) / photo.height),
+  Window(const InputPlace& place, const Image8& image, const Tensor& images)
+      : scale_x(static_cast<double>(place.width) / image.width),
+        scale_y(static_cast<double>(place.height) / image.height),
         left(place.left),
         top(place.top),
         x0(std::max<int64_t>(place.left, 0)),
@@ -28,17 +28,17 @@ struct Window {
         x1(std::min(place.left + place.width, images.size(3))),
         y1(std::min(place.top + place.height, images.size(2))) {}
 
-  /// The centre of an input pixel, in the photograph. The official code takes a pixel's corner for its centre; half a
+  /// The centre of an input pixel, in the image. The official code takes a pixel's corner for its centre; half a
   /// pixel of 518 is less than the network errs, and here cameras are as everywhere in the program.
-  Eigen::Vector2d ToPhoto(int64_t x, int64_t y) const {
+  Eigen::Vector2d ToImage(int64_t x, int64_t y) const {
     return {(static_cast<double>(x - left) + 0.5) / scale_x, (static_cast<double>(y - top) + 0.5) / scale_y};
   }
 };
 
 std::vector<Window> WindowsOf(const CloudSources& sources) {
   std::vector<Window> windows;
-  for (size_t v = 0; v < sources.photos.size(); ++v) {
-    windows.emplace_back(sources.input.places[v], sources.photos[v], sources.input.images);
+  for (size_t v = 0; v < sources.images.size(); ++v) {
+    windows.emplace_back(sources.input.places[v], sources.images[v], sources.input.images);
   }
   return windows;
 }
@@ -55,7 +55,7 @@ struct Maps {
   }
 };
 
-/// Where the point stands in photograph `view`, when its depth map has the same surface there.
+/// Where the point stands in image `view`, when its depth map has the same surface there.
 std::optional<CloudSight> Sight(const Eigen::Vector3d& xyz, size_t view, const CloudSources& sources,
                                 const Window& window, const Maps& maps) {
   const Camera& camera = sources.cameras[view];
@@ -73,16 +73,16 @@ std::optional<CloudSight> Sight(const Eigen::Vector3d& xyz, size_t view, const C
   return CloudSight{static_cast<int>(view), pixel};
 }
 
-std::array<uint8_t, 3> ColorAt(const Image8& photo, const Eigen::Vector2d& pixel) {
-  const int x = std::clamp(static_cast<int>(pixel.x()), 0, photo.width - 1);
-  const int y = std::clamp(static_cast<int>(pixel.y()), 0, photo.height - 1);
-  const uint8_t* at = &photo.data[(static_cast<size_t>(y) * photo.width + x) * photo.channels];
+std::array<uint8_t, 3> ColorAt(const Image8& image, const Eigen::Vector2d& pixel) {
+  const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1);
+  const int y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
+  const uint8_t* at = &image.data[(static_cast<size_t>(y) * image.width + x) * image.channels];
   return {at[0], at[1], at[2]};
 }
 
 }  // namespace
 
-std::vector<Camera> ImageCameras(const Tensor& encoding, const Input& input, const std::vector<Image8>& photos,
+std::vector<Camera> ImageCameras(const Tensor& encoding, const Input& input, const std::vector<Image8>& images,
                                  const std::vector<std::string>& names) {
   const int64_t height = input.images.size(2), width = input.images.size(3);
   const DecodedCameras decoded = DecodeCameras(encoding, height, width);
@@ -90,13 +90,13 @@ std::vector<Camera> ImageCameras(const Tensor& encoding, const Input& input, con
   for (const int64_t v : decoded.without_focal) bad.push_back(names[static_cast<size_t>(v)]);
   std::vector<Camera> cameras;
   const auto extrinsics = decoded.extrinsics.accessor<float, 3>(), intrinsics = decoded.intrinsics.accessor<float, 3>();
-  for (size_t p = 0; p < photos.size(); ++p) {
+  for (size_t p = 0; p < images.size(); ++p) {
     const auto v = static_cast<int64_t>(p);
     const InputPlace& place = input.places[p];
-    const double scale_x = static_cast<double>(place.width) / photos[p].width;
-    const double scale_y = static_cast<double>(place.height) / photos[p].height;
+    const double scale_x = static_cast<double>(place.width) / images[p].width;
+    const double scale_y = static_cast<double>(place.height) / images[p].height;
     Camera camera;
-    camera.width = photos[p].width, camera.height = photos[p].height;
+    camera.width = images[p].width, camera.height = images[p].height;
     camera.fx = static_cast<double>(intrinsics[v][0][0]) / scale_x;
     camera.fy = static_cast<double>(intrinsics[v][1][1]) / scale_y;
     camera.cx = (static_cast<double>(intrinsics[v][0][2]) - static_cast<double>(place.left)) / scale_x;
@@ -116,15 +116,15 @@ std::vector<Camera> ImageCameras(const Tensor& encoding, const Input& input, con
   }
   if (!bad.empty()) {
     throw InputError(
-        "{}: VGGT finds no camera (no field of view, or numbers that are not finite); leave the photograph out, or use "
+        "{}: VGGT finds no camera (no field of view, or numbers that are not finite); leave the photo out, or use "
         "--poses colmap",
         fmt::join(bad, ", "));
   }
   return cameras;
 }
 
-std::vector<CloudPoint> MakeCloud(const CloudSources& sources, size_t most) {
-  const size_t views = sources.photos.size();
+std::vector<CloudPoint> MakeCloud(const CloudSources& sources, size_t max_points) {
+  const size_t views = sources.images.size();
   const int64_t height = sources.input.images.size(2), width = sources.input.images.size(3);
   RequireFloat("MakeCloud", "depth", sources.depth.depth, {static_cast<int64_t>(views), height, width});
   RequireFloat("MakeCloud", "confidence", sources.depth.confidence, {static_cast<int64_t>(views), height, width});
@@ -132,7 +132,8 @@ std::vector<CloudPoint> MakeCloud(const CloudSources& sources, size_t most) {
   const std::vector<Window> windows = WindowsOf(sources);
   double pixels = 0;
   for (const Window& w : windows) pixels += static_cast<double>((w.x1 - w.x0) * (w.y1 - w.y0));
-  const auto step = static_cast<int64_t>(std::ceil(std::sqrt(pixels / static_cast<double>(std::max<size_t>(most, 1)))));
+  const auto step =
+      static_cast<int64_t>(std::ceil(std::sqrt(pixels / static_cast<double>(std::max<size_t>(max_points, 1)))));
   struct Candidate {
     size_t view;
     int64_t x, y;
@@ -151,17 +152,17 @@ std::vector<CloudPoint> MakeCloud(const CloudSources& sources, size_t most) {
   if (candidates.empty()) return cloud;
   const auto middle = confidence.begin() + static_cast<int64_t>(confidence.size() / 2);
   std::nth_element(confidence.begin(), middle, confidence.end());
-  const float sure = *middle;
+  const float median = *middle;
   std::vector<CloudPoint> found(candidates.size());
   ParallelFor(static_cast<int64_t>(candidates.size()), [&](int64_t i) {
     const auto [v, x, y] = candidates[static_cast<size_t>(i)];
     const size_t at = maps.At(v, x, y);
-    if (!(maps.confidence[at] >= sure) || !std::isfinite(maps.depth[at])) return;
+    if (!(maps.confidence[at] >= median) || !std::isfinite(maps.depth[at])) return;
     const Camera& camera = sources.cameras[v];
-    const Eigen::Vector2d pixel = windows[v].ToPhoto(x, y);
+    const Eigen::Vector2d pixel = windows[v].ToImage(x, y);
     const auto z = static_cast<double>(maps.depth[at]);
     const Eigen::Vector3d local((pixel.x() - camera.cx) / camera.fx * z, (pixel.y() - camera.cy) / camera.fy * z, z);
-    CloudPoint point{camera.cam_from_world.inverse() * local, ColorAt(sources.photos[v], pixel), {}};
+    CloudPoint point{camera.cam_from_world.inverse() * local, ColorAt(sources.images[v], pixel), {}};
     for (size_t w = 0; w < views; ++w) {
       if (w == v) point.sights.push_back({static_cast<int>(v), pixel});
       const auto sight = w == v ? std::nullopt : Sight(point.xyz, w, sources, windows[w], maps);

@@ -1,5 +1,5 @@
 #pragma once
-// VGGT: from photographs of one scene, in one pass, a camera, a depth map and a point map each (docs/method.md#vggt).
+// VGGT: from images of one scene, in one pass, a camera, a depth map and a point map each (docs/method.md#vggt).
 
 #include <array>
 #include <optional>

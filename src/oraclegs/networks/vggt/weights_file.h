@@ -13,7 +13,7 @@ namespace oraclegs::vggt {
 struct WeightsFile {
   std::string name = "VGGT-1B";
   Config network;
-  int64_t side = 518;  ///< longer side of the pictures it was trained on, pixels
+  int64_t side = 518;  ///< longer side of the images it was trained on, pixels
   std::vector<int64_t> oracle_layers = {0, 22};
   std::vector<double> oracle_weights = {0.25, 0.75};  ///< of these layers; they sum to 1
 };
