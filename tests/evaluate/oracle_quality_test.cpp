@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "oraclegs/core/error.h"
@@ -189,7 +190,7 @@ TEST(OracleQualityTest, ReliabilityIsOfTenths) {
   EXPECT_EQ(high.to, 1);
   EXPECT_NEAR(high.confidence, (0.91 + 0.99 + 1) / 3, 1e-7);
   EXPECT_NEAR(high.error, 0.04, 1e-7);
-  EXPECT_NEAR(high.likeness, (std::exp(-0.25) + std::exp(-1.) + 1) / 3, 1e-6);
+  EXPECT_NEAR(high.similarity, (std::exp(-0.25) + std::exp(-1.) + 1) / 3, 1e-6);
   EXPECT_EQ(high.share, 0.75);
   EXPECT_TRUE(q.monotone);
 }
@@ -225,7 +226,7 @@ TEST(OracleQualityTest, JsonHasTheFieldsByName) {
   }
   EXPECT_TRUE(json.at("monotone").is_boolean());
   ASSERT_EQ(json.at("reliability").size(), 3u);
-  for (const char* name : {"from", "to", "confidence", "error", "likeness", "share"}) {
+  for (const char* name : {"from", "to", "confidence", "error", "similarity", "share"}) {
     EXPECT_TRUE(json.at("reliability")[0].at(name).is_number()) << name;
   }
 }

@@ -1,10 +1,13 @@
 #include "oraclegs/experiments/ablation.h"
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/workspace/stage_table.h"
 #include "pipeline/proposing.h"
+#include "support/errors.h"
 #include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -27,7 +30,7 @@ class AblationTest : public ProposingTest {
   }
 };
 
-TEST_F(AblationTest, TrainsEachRowInAWorkspaceOfItsOwnAndSharesWhatTheyShare) {
+TEST_F(AblationTest, TrainsEachRowInItsWorkspaceAndSharesStages) {
   const AblationRequest request = Ask("shared", "proposals,schedule");
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   const fs::path out = request.run.out, first = out / "rows/02-proposals/seed-0",
@@ -67,7 +70,7 @@ TEST_F(AblationTest, TrainsEachRowInAWorkspaceOfItsOwnAndSharesWhatTheyShare) {
   EXPECT_EQ(ReadMetrics(first).at("train").at("iterations"), 11);
 }
 
-TEST_F(AblationTest, InterruptedItKeepsATableAndGoesOn) {
+TEST_F(AblationTest, ContinuesWhenInterrupted) {
   const AblationRequest request = Ask("stopped", "mcmc,proposals");
   const Listener stop = [](const Event& event) {
     const auto* note = std::get_if<Note>(&event);
@@ -89,8 +92,8 @@ TEST_F(AblationTest, InterruptedItKeepsATableAndGoesOn) {
   EXPECT_TRUE(rows.at(1).at("gain").at("mean").is_number());
 }
 
-TEST_F(AblationTest, ARowThatFailsIsToldAndTheOthersGoOn) {
-  // Photographs of nothing give no points to start from.
+TEST_F(AblationTest, GoesOnAfterARowThatFails) {
+  // Images of nothing give no points to start from.
   const fs::path scene = *temp / "blank";
   fs::copy(*temp / "scene", scene, fs::copy_options::recursive);
   for (const auto& entry : fs::directory_iterator(scene / "images")) {
@@ -108,16 +111,16 @@ TEST_F(AblationTest, ARowThatFailsIsToldAndTheOthersGoOn) {
       << "with nothing scored there is no table to speak of";
 }
 
-TEST_F(AblationTest, LeavesOutWhatTheOptionsLeaveUnchanged) {
+TEST_F(AblationTest, LeavesOutRowsThatChangeNothing) {
   AblationRequest request = Ask("left_out", "proposals,schedule");
-  request.run.options.train.schedule = "constant";
+  request.run.options.train.schedule = ScheduleKind::kConstant;
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   ASSERT_EQ(ablation.rows.size(), 1u);
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("Row 3 (+ schedule) is left out")));
   EXPECT_THAT(ablation.notes, Contains(HasSubstr("Row 3 (+ schedule) is left out")));
 }
 
-TEST_F(AblationTest, LpipsIsARowWhereItsWeightsAre) {
+TEST_F(AblationTest, HasARowForLpipsWhereThereAreWeights) {
   AblationRequest request = Ask("lpips", "lpips");
   EXPECT_THAT(MessageOf<InputError>([&] { RunAblation(request, Silent()); }),
               AllOf(HasSubstr("--rows names lpips"), HasSubstr("`oraclegs models fetch lpips-vgg`")));
@@ -127,11 +130,11 @@ TEST_F(AblationTest, LpipsIsARowWhereItsWeightsAre) {
   ASSERT_EQ(ablation.rows.size(), 1u);
   EXPECT_EQ(ablation.rows[0].number, 11u);
   const fs::path out = request.run.out / "rows/11-lpips/seed-0";
-  EXPECT_EQ(ReadMetrics(out).at("train").at("lpips"), "VGG16, pictures in [0, 1]");
+  EXPECT_EQ(ReadMetrics(out).at("train").at("lpips"), "VGG16, images in [0, 1]");
   EXPECT_TRUE(ReadMetrics(out).at("test").contains("lpips"));
 }
 
-TEST_F(AblationTest, RefusesFoldersAndOptionsThatCannotBe) {
+TEST_F(AblationTest, RefusesBadFoldersAndOptions) {
   const auto refusal = [&](const AblationRequest& request) {
     return MessageOf<InputError>([&] { RunAblation(request, Silent()); });
   };
@@ -148,7 +151,7 @@ TEST_F(AblationTest, RefusesFoldersAndOptionsThatCannotBe) {
   EXPECT_FALSE(fs::exists(missing.run.out)) << "a scene that cannot be read leaves nothing behind";
   EXPECT_THROW(RunAblation(Ask("usage", "", 0), Silent()), UsageError);
   AblationRequest nothing = Ask("usage", "");
-  nothing.run.options.propose.proposers = "none";
+  nothing.run.options.propose.proposers = ProposerChoice::kNone;
   EXPECT_THROW(RunAblation(nothing, Silent()), UsageError);
   EXPECT_FALSE(fs::exists(nothing.run.out));
 }

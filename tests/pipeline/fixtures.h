@@ -11,7 +11,10 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/demo/demo_scene.h"
 #include "oraclegs/pipeline/run.h"
-#include "support/golden.h"
+#include "oraclegs/pipeline/stages/stages.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 
@@ -35,41 +38,26 @@ inline RunRequest TinyRequest(const std::filesystem::path& scene, const std::fil
   request.scene = scene;
   request.out = out;
   request.version = "test";
-  request.options.start.init = "random";
+  request.options.start.init = StartKind::kRandom;
   request.options.split.test_every = 3;
   request.options.train.iterations = 30;
   request.options.train.max_gaussians = 500;
   request.options.train.random_points = 400;
-  request.options.propose.proposers = "none";
-  request.options.validate.oracle = "consistency";  // whatever weights lie on the machine
+  request.options.propose.proposers = ProposerChoice::kNone;
+  request.options.validate.oracle = OracleKind::kConsistency;  // whatever weights lie on the machine
   return request;
 }
 
-/// Remembers what a stage said.
-struct Recorder {
-  std::vector<std::string> warnings, notes;
-  std::vector<std::string> started;
-
-  Listener AsListener() {
-    return [this](const Event& event) {
-      if (const auto* w = std::get_if<Warning>(&event)) warnings.push_back(w->text);
-      if (const auto* n = std::get_if<Note>(&event)) notes.push_back(n->text);
-      if (const auto* s = std::get_if<StageStarted>(&event)) started.push_back(s->stage);
-    };
-  }
-};
-
-/// The message of the error that `body` throws, "" when it throws none.
-template <class Error, class Body>
-std::string MessageOf(Body&& body) {
-  try {
-    body();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+/// Brings a stage up to date and gives what the stages found.
+inline const StageResults& Bring(oraclegs::Run* run, const std::string& stage) {
+  RunStage(run, stage);
+  return *run->results;
 }
 
-inline void WriteText(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
+/// As if stage "sfm" had found these points.
+inline void GivePoints(oraclegs::Run* run, std::vector<ScenePoint> points) {
+  run->results->points = std::move(points);
+  run->results->keys["sfm"] = StageKey(run, Stages(), "sfm");
+}
 
 }  // namespace oraclegs

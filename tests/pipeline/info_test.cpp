@@ -7,7 +7,7 @@ namespace {
 
 using InfoTest = TrainedTest;
 
-TEST_F(InfoTest, InfoTellsWhatAPathIs) {
+TEST_F(InfoTest, DescribesScenesWorkspacesAndModels) {
   EXPECT_EQ(Describe(request->scene, Silent()).at("views"), 6);
   EXPECT_EQ(Describe(request->scene, Silent()).at("kind"), "scene");
   const auto workspace = Describe(request->out, Silent());

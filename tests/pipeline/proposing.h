@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
-#include "oraclegs/pipeline/stages/prepare.h"
 #include "oraclegs/pipeline/stages/propose_stage.h"
 #include "pipeline/fixtures.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 
@@ -21,24 +22,20 @@ class ProposingTest : public testing::Test {
 
   static RunRequest Request(const std::string& out = "out") {
     RunRequest request = TinyRequest(temp->path() / "scene", temp->path() / out);
-    request.options.start.init = "auto";
+    request.options.start.init = {};
     request.options.split.test_every = 6;
     request.options.split.views = 12;
     request.options.stereo.iterations = 3;
     request.options.stereo.geometric_passes = 1;
     request.options.train.max_gaussians = 1500;
-    request.options.trajectory.trajectory = "dataset";
-    request.options.propose.proposers = "both";
-    request.options.propose.opinions = 3;
+    request.options.trajectory.trajectory = Trajectory::kDataset;
+    request.options.propose.proposers = ProposerChoice::kBoth;
+    request.options.propose.proxy_models = 3;
     return request;
   }
 
-  static ProposalPlan Propose(oraclegs::Run* run, const Preparation& prepared) {
-    return RunPropose(run, prepared.photos, prepared.geometry, prepared.decided);
-  }
-
   static inline TempDir* temp = nullptr;
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
 }  // namespace oraclegs

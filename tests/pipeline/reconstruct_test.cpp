@@ -1,6 +1,8 @@
 #include "oraclegs/pipeline/reconstruct.h"
 
+#include "oraclegs/scene/read_scene.h"
 #include "pipeline/trained.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {

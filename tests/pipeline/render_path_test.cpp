@@ -3,7 +3,9 @@
 #include <cstdlib>
 
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/read_image.h"
 #include "pipeline/trained.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -15,23 +17,23 @@ TEST_F(RenderPathTest, RendersItsPaths) {
   RenderPathOptions path;
   path.video = false;
   path.frames = 3;
-  const auto orbit = PathCameras(posed.scene, posed.split, request->options.photo, path);
+  const auto orbit = PathCameras(posed, request->options.image, path);
   ASSERT_EQ(orbit.size(), 3u);
   EXPECT_EQ(orbit[2].name, "0002");
-  path.path = "test";
-  const auto test = PathCameras(posed.scene, posed.split, request->options.photo, path);
+  path.path = PathKind::kTest;
+  const auto test = PathCameras(posed, request->options.image, path);
   EXPECT_EQ(test.size(), posed.split.test.size());
-  path.path = "train";
-  EXPECT_EQ(PathCameras(posed.scene, posed.split, request->options.photo, path).size(), posed.split.train.size());
+  path.path = PathKind::kTrain;
+  EXPECT_EQ(PathCameras(posed, request->options.image, path).size(), posed.split.train.size());
 
-  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options);
+  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
   RenderCameras(model, orbit, *temp / "pictures", path, Silent());
   const Image8 picture = ReadImage(*temp / "pictures" / "0000.png");
   EXPECT_EQ(picture.width, 48);
   EXPECT_EQ(picture.height, 36);
 }
 
-TEST_F(RenderPathTest, ViewsOfOneStemHavePicturesOfTheirOwn) {
+TEST_F(RenderPathTest, KeepsViewsOfOneStemApart) {
   PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
   const auto rename = [&](int view, const char* name) {
     posed.scene.views[static_cast<size_t>(posed.split.train[static_cast<size_t>(view)])].name = name;
@@ -39,8 +41,8 @@ TEST_F(RenderPathTest, ViewsOfOneStemHavePicturesOfTheirOwn) {
   rename(0, "1.jpg");
   rename(1, "1.png");
   RenderPathOptions path;
-  path.path = "train";
-  const auto cameras = PathCameras(posed.scene, posed.split, request->options.photo, path);
+  path.path = PathKind::kTrain;
+  const auto cameras = PathCameras(posed, request->options.image, path);
   EXPECT_EQ(cameras[0].name, "1_jpg");
   EXPECT_EQ(cameras[1].name, "1_png");
 }
@@ -62,12 +64,12 @@ class FakeProgram {
   std::string old_path_;
 };
 
-TEST_F(RenderPathTest, TheVideoStandsInTheNamedFolderAndNothingBesideItIsTouched) {
-  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options);
+TEST_F(RenderPathTest, WritesTheVideoIntoTheNamedFolderAlone) {
+  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
   const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
   RenderPathOptions path;
   path.frames = 2;
-  const auto orbit = PathCameras(posed.scene, posed.split, request->options.photo, path);
+  const auto orbit = PathCameras(posed, request->options.image, path);
   const std::filesystem::path out = *temp / "holiday";
   WriteText(*temp / "holiday.mp4", "the user's own");
   {

@@ -1,6 +1,12 @@
 #include "oraclegs/pipeline/run.h"
 
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/image/png.h"
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -14,8 +20,8 @@ class RunTest : public testing::Test {
   RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
 };
 
-TEST_F(RunTest, WritesOptionsAndSplitAndTellsTheSplit) {
-  Recorder recorder;
+TEST_F(RunTest, WritesOptionsAndSplit) {
+  EventRecorder recorder;
   const auto run = StartRun(request, recorder.AsListener());
   EXPECT_EQ(run.split.test.size(), 2u);
   EXPECT_EQ(run.split.train.size(), 4u);
@@ -26,7 +32,7 @@ TEST_F(RunTest, WritesOptionsAndSplitAndTellsTheSplit) {
   EXPECT_THAT(recorder.notes[1], HasSubstr("2 test views: "));
 }
 
-TEST_F(RunTest, BadInputLeavesNoWorkspaceBehind) {
+TEST_F(RunTest, LeavesNoWorkspaceBehindBadInput) {
   request.options.split.views = 99;
   EXPECT_THROW(StartRun(request, Silent()), InputError);
   request.options.split.views = -1;
@@ -37,7 +43,7 @@ TEST_F(RunTest, BadInputLeavesNoWorkspaceBehind) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out"));
 }
 
-TEST_F(RunTest, RefusesToWriteBesideThePhotographsThatImagesNames) {
+TEST_F(RunTest, RefusesToWriteIntoTheImageFolder) {
   std::filesystem::rename(temp / "scene" / "images", temp / "photos");
   request.options.input.images = "../photos";
   request.out = temp / "photos" / "out";
@@ -48,7 +54,7 @@ TEST_F(RunTest, RefusesToWriteBesideThePhotographsThatImagesNames) {
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("\\xFF: "));
 }
 
-TEST_F(RunTest, APictureTooLargeToRenderAsksForADownscale) {
+TEST_F(RunTest, RefusesImagesTooLargeToRender) {
   const auto plain = temp / "plain";
   std::filesystem::create_directories(plain);
   for (const char* name : {"a.png", "b.png"}) {
@@ -59,7 +65,7 @@ TEST_F(RunTest, APictureTooLargeToRenderAsksForADownscale) {
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
               AllOf(HasSubstr("a.png"), HasSubstr("32770 x 1"), HasSubstr("raise --downscale")));
   EXPECT_FALSE(std::filesystem::exists(temp / "out"));
-  request.options.photo.downscale = 2;
+  request.options.image.downscale = 2;
   EXPECT_THAT(MessageOf<InputError>([&] { ReadPosedScene(plain, request.options, Silent()); }), HasSubstr("no poses"));
 }
 
@@ -68,26 +74,15 @@ TEST_F(RunTest, OpensWhatWasStarted) {
   RunRequest open = request;
   open.scene.clear();
   EXPECT_EQ(OpenRun(open, Silent()).split.train.size(), 4u);
-  open.options.photo.downscale = 2;
+  open.options.image.downscale = 2;
   EXPECT_THAT(MessageOf<InputError>([&] { OpenRun(open, Silent()); }),
               AllOf(HasSubstr("--downscale was 1, now is 2"), HasSubstr("out")));
 }
 
-TEST_F(RunTest, PosedSceneRefusesPlainPhotographs) {
+TEST_F(RunTest, RefusesPlainPhotosAsAPosedScene) {
   EXPECT_EQ(ReadPosedScene(request.scene, request.options, Silent()).split.test.size(), 2u);
   EXPECT_THAT(MessageOf<InputError>([&] { ReadPosedScene(temp / "scene" / "images", request.options, Silent()); }),
               HasSubstr("no poses"));
-}
-
-TEST(StageClock, TellsBeginningAndEnd) {
-  std::vector<std::string> told;
-  const Listener listener = [&](const Event& event) {
-    if (const auto* s = std::get_if<StageStarted>(&event)) told.push_back("start " + s->stage);
-    if (const auto* f = std::get_if<StageFinished>(&event)) told.push_back("end " + f->stage);
-  };
-  const StageClock clock("x", listener);
-  EXPECT_GE(clock.Finish(), 0);
-  EXPECT_THAT(told, testing::ElementsAre("start x", "end x"));
 }
 
 }  // namespace

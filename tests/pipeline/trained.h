@@ -2,6 +2,8 @@
 
 #include "oraclegs/pipeline/reconstruct.h"
 #include "pipeline/fixtures.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 
@@ -22,7 +24,7 @@ class TrainedTest : public testing::Test {
   static inline TempDir* temp = nullptr;
   static inline RunRequest* request = nullptr;
   static inline nlohmann::json* metrics = nullptr;
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
 }  // namespace oraclegs

@@ -113,7 +113,7 @@ std::vector<ReliabilityBin> BinSums(const std::vector<float>& error, const std::
     ReliabilityBin& bin = bins[std::min(static_cast<int>(u * kReliabilityBins), kReliabilityBins - 1)];
     bin.confidence += u;
     bin.error += e;
-    bin.likeness += Similarity(e);
+    bin.similarity += Similarity(e);
     ++bin.share;
   }
   bins.erase(std::remove_if(bins.begin(), bins.end(), [](const ReliabilityBin& bin) { return bin.share == 0; }),
@@ -124,7 +124,7 @@ std::vector<ReliabilityBin> BinSums(const std::vector<float>& error, const std::
 double MeanConfidence(const ReliabilityBin& sums) { return sums.confidence / sums.share; }
 
 ReliabilityBin Joined(const ReliabilityBin& a, const ReliabilityBin& b) {
-  return {a.from, b.to, a.confidence + b.confidence, a.error + b.error, a.likeness + b.likeness, a.share + b.share};
+  return {a.from, b.to, a.confidence + b.confidence, a.error + b.error, a.similarity + b.similarity, a.share + b.share};
 }
 
 /// The smallest bin first, until all are large enough.
@@ -152,7 +152,7 @@ bool ErrorFalls(const std::vector<ReliabilityBin>& sums) {
 }
 
 ReliabilityBin Means(ReliabilityBin sums, double pixels) {
-  for (double* sum : {&sums.confidence, &sums.error, &sums.likeness}) *sum /= sums.share;
+  for (double* sum : {&sums.confidence, &sums.error, &sums.similarity}) *sum /= sums.share;
   sums.share /= pixels;
   return sums;
 }
@@ -196,7 +196,7 @@ nlohmann::json ToJson(const OracleQuality& quality) {
                     {"to", bin.to},
                     {"confidence", bin.confidence},
                     {"error", bin.error},
-                    {"likeness", bin.likeness},
+                    {"similarity", bin.similarity},
                     {"share", bin.share}});
   }
   return {{"pixels", quality.pixels},

@@ -16,7 +16,7 @@ struct ReliabilityBin {
   double from = 0, to = 0;
   double confidence = 0;  ///< mean
   double error = 0;       ///< mean
-  double likeness = 0;    ///< mean Similarity(error), what a calibrated confidence equals
+  double similarity = 0;    ///< mean Similarity(error), what a calibrated confidence equals
   double share = 0;       ///< of all pixels
 };
 

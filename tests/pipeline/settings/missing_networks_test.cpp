@@ -2,7 +2,10 @@
 
 #include "pipeline/fixtures.h"
 #include "pipeline/weights.h"
-#include "support/tiny_networks.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -15,10 +18,10 @@ using testing::IsEmpty;
 /// Of all networks, as the presets ask.
 RunOptions Everything() {
   RunOptions options;
-  options.propose.proposers = "seva";
-  options.validate.oracle = "vggt";
-  options.depth.depth_prior = "depth-anything";
-  options.weights.lpips = "required";
+  options.propose.proposers = ProposerChoice::kSeva;
+  options.validate.oracle = OracleKind::kVggt;
+  options.depth.depth_prior = DepthPrior::kMonocular;
+  options.weights.lpips = LpipsUse::kRequired;
   return options;
 }
 
@@ -59,13 +62,13 @@ TEST(MissingNetworks, OnlyWhatIsNotThere) {
 TEST(MissingNetworks, OnlyWhatTheRunComesTo) {
   EXPECT_THAT(Asked({}), IsEmpty()) << "auto takes what there is";
   RunOptions options = Everything();
-  options.weights.lpips = "auto";
+  options.weights.lpips = LpipsUse::kWhereFound;
   options.trajectory.proposals = 0;
   EXPECT_THAT(Asked(options), ElementsAre("--depth-prior depth-anything"));
   options.propose.proposal_folder = "given";
   EXPECT_THAT(Asked(options), ElementsAre("--depth-prior depth-anything", "--oracle vggt"));
   options = {};
-  options.input.poses = "vggt";
+  options.input.poses = PoseSource::kVggt;
   EXPECT_THAT(Asked(options), IsEmpty());
   EXPECT_THAT(Asked(options, false), ElementsAre("--poses vggt"));
   const EnvironmentVariable no_models("ORACLEGS_MODELS", ""), no_home("HOME", "");
@@ -75,14 +78,14 @@ TEST(MissingNetworks, OnlyWhatTheRunComesTo) {
 TEST(MissingNetworks, AFallbackSaysWhatItTakes) {
   RunOptions options = Everything();
   options.weights.allow_fallback = true;
-  options.input.poses = "vggt";
-  Recorder recorder;
+  options.input.poses = PoseSource::kVggt;
+  EventRecorder recorder;
   const RunOptions changed = WithNetworksAtHand(options, false, recorder.AsListener());
-  EXPECT_EQ(changed.propose.proposers, "both");
-  EXPECT_EQ(changed.validate.oracle, "consistency");
-  EXPECT_EQ(changed.depth.depth_prior, "stereo");
-  EXPECT_EQ(changed.weights.lpips, "auto");
-  EXPECT_EQ(changed.input.poses, "colmap");
+  EXPECT_EQ(changed.propose.proposers, ProposerChoice::kBoth);
+  EXPECT_EQ(changed.validate.oracle, OracleKind::kConsistency);
+  EXPECT_EQ(changed.depth.depth_prior, DepthPrior::kStereo);
+  EXPECT_EQ(changed.weights.lpips, LpipsUse::kWhereFound);
+  EXPECT_EQ(changed.input.poses, PoseSource::kColmap);
   EXPECT_THAT(
       recorder.warnings,
       ElementsAre("--poses vggt: the weights of vggt are not here; --poses colmap instead",
@@ -99,11 +102,11 @@ TEST(MissingNetworks, AFallbackSaysWhatItTakes) {
 TEST(MissingNetworks, AreToldBeforeAnythingIsWritten) {
   const TempDir temp;
   RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
-  request.options.propose.proposers = "seva";
+  request.options.propose.proposers = ProposerChoice::kSeva;
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("--proposers seva needs"));
   EXPECT_FALSE(std::filesystem::exists(request.out));
   request.options.weights.allow_fallback = true;
-  EXPECT_EQ(StartRun(request, Silent()).options.propose.proposers, "both");
+  EXPECT_EQ(StartRun(request, Silent()).options.propose.proposers, ProposerChoice::kBoth);
 }
 
 }  // namespace

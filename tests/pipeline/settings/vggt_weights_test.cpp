@@ -2,8 +2,10 @@
 
 #include <cstring>
 
-#include "networks/vggt_fixture.h"
 #include "pipeline/weights.h"
+#include "support/errors.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

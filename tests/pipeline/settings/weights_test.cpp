@@ -3,6 +3,8 @@
 #include <cstdlib>
 
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -27,7 +29,7 @@ class WeightsTest : public testing::Test {
     WriteText(temp / file, file);
     return temp / file;
   }
-  static DepthSource Choose(const std::string& prior, const fs::path& weights = {}) {
+  static DepthSource Choose(Auto<DepthPrior> prior, const fs::path& weights = {}) {
     RunOptions options;
     options.depth.depth_prior = prior, options.weights.depth_weights = weights;
     return ChooseDepthSource(options);
@@ -68,37 +70,28 @@ TEST_F(WeightsTest, AreThoseThatAreNamed) {
               HasSubstr("has no .safetensors file in it"));
 }
 
-TEST_F(WeightsTest, AreTakenForOthersWhenTheirContentChanges) {
-  const fs::path a = Put("a.safetensors"), b = Put("b.safetensors");
-  EXPECT_EQ(WeightsFingerprint({}), "");
-  EXPECT_NE(WeightsFingerprint({a}), WeightsFingerprint({b}));
-  const std::string before = WeightsFingerprint({a, b});
-  WriteText(b, "other");
-  EXPECT_NE(WeightsFingerprint({a, b}), before);
-}
-
 TEST_F(WeightsTest, AutoTakesTheNetworkWhereItIs) {
-  EXPECT_EQ(Choose("auto").prior, DepthPrior::kStereo);
-  EXPECT_STREQ(Choose("auto").Name(), "stereo");
+  EXPECT_EQ(Choose({}).prior, DepthPrior::kStereo);
+  EXPECT_FALSE(Choose({}).HasNetwork());
   const fs::path file = Put("depth-anything-v2-small/model.safetensors");
-  const DepthSource source = Choose("auto");
-  EXPECT_STREQ(source.Name(), "fused");
+  const DepthSource source = Choose({});
+  EXPECT_EQ(source.prior, DepthPrior::kFused);
   EXPECT_EQ(source.weights, file);
-  EXPECT_STREQ(Choose("depth-anything").Name(), "depth-anything");
-  EXPECT_EQ(Choose("stereo").weights, "");
-  EXPECT_STREQ(Choose("none").Name(), "none");
-  EXPECT_EQ(Choose("fused", Put("mine.safetensors")).weights, temp / "mine.safetensors");
+  EXPECT_EQ(Choose(DepthPrior::kMonocular).prior, DepthPrior::kMonocular);
+  EXPECT_EQ(Choose(DepthPrior::kStereo).weights, "");
+  EXPECT_EQ(Choose(DepthPrior::kNone).prior, DepthPrior::kNone);
+  EXPECT_EQ(Choose(DepthPrior::kFused, Put("mine.safetensors")).weights, temp / "mine.safetensors");
 }
 
 TEST_F(WeightsTest, ANetworkThatIsAskedForMustBeThere) {
-  for (const char* prior : {"fused", "depth-anything"}) {
+  for (const DepthPrior prior : {DepthPrior::kFused, DepthPrior::kMonocular}) {
     EXPECT_THAT(MessageOf<InputError>([&] { Choose(prior); }),
-                AllOf(HasSubstr(std::string("--depth-prior ") + prior),
+                AllOf(HasSubstr("--depth-prior " + Word(prior)),
                       HasSubstr("`oraclegs models fetch depth-anything-v2-small`"), HasSubstr("--depth-weights")));
   }
-  EXPECT_THAT(MessageOf<InputError>([&] { Choose("auto", temp / "none.safetensors"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(MessageOf<InputError>([&] { Choose({}, temp / "none.safetensors"); }), HasSubstr("does not exist"));
   Put("depth-anything-v2-small/a.safetensors"), Put("depth-anything-v2-small/b.safetensors");
-  EXPECT_THAT(MessageOf<InputError>([&] { Choose("auto"); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { Choose({}); }),
               AllOf(HasSubstr("holds 2 files"), HasSubstr("name one with --depth-weights")));
 }
 

@@ -1,8 +1,9 @@
 #include "oraclegs/pipeline/stages/calibrated_oracle.h"
 
-#include "networks/vggt_fixture.h"
 #include "pipeline/proposing.h"
 #include "pipeline/weights.h"
+#include "support/errors.h"
+#include "support/network_files.h"
 
 namespace oraclegs {
 namespace {
@@ -10,45 +11,46 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Judges of one run, its targets the first photographs' poses.
-class JudgeTest : public ProposingTest {
+/// Oracles of one run, its targets the first views' poses.
+class CalibratedOracleTest : public ProposingTest {
  protected:
-  JudgeTest() {
-    RunRequest request = Request("judge");
-    request.options.propose.proposers = "warp";
+  CalibratedOracleTest() {
+    RunRequest request = Request("oracle");
+    request.options.propose.proposers = ProposerChoice::kWarp;
     request.options.split.views = 6;
     run.emplace(StartRun(request, Silent()));
-    prepared = Prepare(&*run);
-    proposers.emplace(*run, prepared.photos, prepared.geometry, std::vector<ProxyModel>());
+    Bring(&*run, "depth");
     run->listener = [this](const Event& event) {
       if (const auto* s = std::get_if<StepDone>(&event)) steps.push_back({s->done, s->total});
     };
   }
 
-  std::vector<Validated> Ask(const std::string& oracle, int chunk = 0) {
-    OracleChoice choice{oracle, std::nullopt};
-    if (oracle.starts_with("vggt")) choice.weights = FindVggtWeights(weights);
+  std::vector<Validated> Classify(OracleKind kind, Auto<int> chunk = {}) {
+    run->plan.oracle = {kind};
+    if (kind == OracleKind::kVggt || kind == OracleKind::kVggtAndConsistency) {
+      run->plan.oracle.weights = FindVggtWeights(weights);
+    }
     run->options.validate.oracle_chunk = chunk;
-    const Judge judge(*run, prepared.photos, *proposers, choice, 3);
-    together = judge.together();
+    const TrainingViews& training = ViewsOf(&*run);
+    const Proposers& proposers = ProposersOf(&*run);
+    const CalibratedOracle oracle(*run, training, proposers, 3);
+    together = oracle.together();
     std::vector<Target> targets;
-    for (size_t v = 0; v < 3; ++v) targets.push_back({prepared.photos[v].name, prepared.photos[v].camera});
-    return judge(proposers->Ask(targets, {-1, -1, -1}));
+    for (size_t v = 0; v < 3; ++v) targets.push_back({training.views[v].name, training.views[v].camera});
+    return oracle.Classify(proposers.Ask(targets));
   }
 
   const std::filesystem::path weights = WriteTinyVggt(*temp / "tiny.safetensors");
   std::optional<oraclegs::Run> run;
-  Preparation prepared;
-  std::optional<Proposers> proposers;
   std::vector<std::pair<int64_t, int64_t>> steps;
   size_t together = 0;
 };
 
-TEST_F(JudgeTest, EveryWordIsAnOracleOfItsOwn) {
-  const auto uniform = Ask("uniform"), consistency = Ask("consistency");
+TEST_F(CalibratedOracleTest, DiffersByKind) {
+  const auto uniform = Classify(OracleKind::kUniform), consistency = Classify(OracleKind::kConsistency);
   EXPECT_EQ(together, 8u);
   EXPECT_TRUE(steps.empty());
-  const auto vggt = Ask("vggt"), both = Ask("vggt+consistency");
+  const auto vggt = Classify(OracleKind::kVggt), both = Classify(OracleKind::kVggtAndConsistency);
   EXPECT_EQ(uniform[0].confidence, ConfidenceMap(uniform[0].confidence.size(), 1.f));
   EXPECT_NE(vggt[0].confidence, consistency[0].confidence);
   EXPECT_NE(both[0].confidence, consistency[0].confidence);
@@ -62,40 +64,57 @@ TEST_F(JudgeTest, EveryWordIsAnOracleOfItsOwn) {
   }
 }
 
-TEST_F(JudgeTest, PassesOfTheNetworkAreTold) {
-  Ask("vggt", 3);
+TEST_F(CalibratedOracleTest, ReportsPassesOfTheNetwork) {
+  Classify(OracleKind::kVggt, 3);
   EXPECT_EQ(together, 3u);
-  ASSERT_EQ(steps.size(), 3u);  // six hidden photographs in two passes, three targets in one
+  ASSERT_EQ(steps.size(), 3u);  // six held-out views in two passes, three targets in one
   EXPECT_EQ(steps[0], (std::pair<int64_t, int64_t>{3, 9}));
   EXPECT_EQ(steps[2], (std::pair<int64_t, int64_t>{9, 9}));
 }
 
-TEST_F(JudgeTest, WithoutCalibrationVggtCountsAsItIsAndOthersByTheirOrder) {
-  const auto vggt = Ask("vggt"), consistency = Ask("consistency");
+TEST_F(CalibratedOracleTest, UsesVggtAsItIsWithoutCalibration) {
+  const auto vggt = Classify(OracleKind::kVggt), consistency = Classify(OracleKind::kConsistency);
   run->options.validate.calibrate = false;
   steps.clear();
-  const auto raw = Ask("vggt");
-  EXPECT_EQ(steps, (std::vector<std::pair<int64_t, int64_t>>{{3, 3}})) << "no photograph is hidden to learn from";
+  const auto raw = Classify(OracleKind::kVggt);
+  EXPECT_EQ(steps, (std::vector<std::pair<int64_t, int64_t>>{{3, 3}})) << "no view is held out to learn from";
   EXPECT_NE(raw[0].confidence, vggt[0].confidence);
-  EXPECT_NE(Ask("consistency")[0].confidence, consistency[0].confidence);
-  EXPECT_EQ(Ask("uniform")[0].confidence, ConfidenceMap(raw[0].confidence.size(), 1.f));
+  EXPECT_NE(Classify(OracleKind::kConsistency)[0].confidence, consistency[0].confidence);
+  EXPECT_EQ(Classify(OracleKind::kUniform)[0].confidence, ConfidenceMap(raw[0].confidence.size(), 1.f));
 }
 
-TEST_F(JudgeTest, ModesGiveOtherConfidence) {
-  const auto reference = Ask("vggt");
-  run->options.validate.oracle_mode = "others";
-  const auto others = Ask("vggt");
-  run->options.validate.oracle_mode = "official";
-  const auto official = Ask("vggt");
+TEST_F(CalibratedOracleTest, DiffersByMode) {
+  const auto reference = Classify(OracleKind::kVggt);
+  run->options.validate.oracle_mode = AttentionMode::kOthers;
+  const auto others = Classify(OracleKind::kVggt);
+  run->options.validate.oracle_mode = AttentionMode::kOfficial;
+  const auto official = Classify(OracleKind::kVggt);
   EXPECT_NE(reference[0].confidence, others[0].confidence);
   EXPECT_NE(reference[0].confidence, official[0].confidence);
   EXPECT_NE(others[0].confidence, official[0].confidence);
 }
 
-TEST_F(JudgeTest, WeightsOfAnotherNetworkAreRefused) {
+TEST_F(CalibratedOracleTest, RefusesWeightsOfAnotherNetwork) {
   WriteTinyVggt(weights, [](TinyVggtParts* parts) { parts->tensors.erase("aggregator.camera_token"); });
-  EXPECT_THAT(MessageOf<InputError>([&] { Ask("vggt"); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { Classify(OracleKind::kVggt); }),
               testing::AllOf(HasSubstr(weights.string()), HasSubstr("missing 1: aggregator.camera_token")));
+}
+
+TEST(ChooseChunk, IsEightOrWhatTheMemoryHolds) {
+  const auto bytes = [](int64_t chunk) { return (10 + chunk) << 20; };
+  const auto mebibytes = [](uint64_t n) { return n << 20; };
+  EventRecorder recorder;
+  EXPECT_EQ(ChooseChunk(bytes, {}, mebibytes(100), recorder.AsListener()), 8u);
+  EXPECT_EQ(ChooseChunk(bytes, {}, 0, recorder.AsListener()), 8u);  // unknown
+  EXPECT_EQ(ChooseChunk(bytes, 20, mebibytes(100), recorder.AsListener()), 20u);
+  EXPECT_TRUE(recorder.warnings.empty());
+  EXPECT_EQ(ChooseChunk(bytes, {}, mebibytes(13), recorder.AsListener()), 3u);
+  EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::AllOf(HasSubstr("3 proposals at a time, not 8"),
+                                                                     HasSubstr("--oracle-chunk 3"))));
+  EXPECT_EQ(ChooseChunk(bytes, 20, mebibytes(13), recorder.AsListener()), 20u);
+  EXPECT_THAT(recorder.warnings.back(), testing::AllOf(HasSubstr("--oracle-chunk 20"), HasSubstr("are free")));
+  EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {}, mebibytes(10), Silent()); }),
+              testing::AllOf(HasSubstr("for one proposal beside an image"), HasSubstr("--oracle consistency")));
 }
 
 }  // namespace

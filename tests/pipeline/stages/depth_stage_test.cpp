@@ -3,7 +3,10 @@
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/pipeline/settings/device.h"
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
 #include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -24,32 +27,32 @@ class DepthStageTest : public testing::Test {
     temp = new TempDir;
     MakeTinyScene(*temp / "scene", 9);
     auto run = StartRun(Request(), Silent());
-    first = new Geometry(RunDepth(&run, Photos(run), {}));
+    first = new Geometry(Find(&run, {}));
   }
   static void TearDownTestSuite() {
     delete first;
     delete temp;
   }
-  static std::vector<LoadedView> Photos(const oraclegs::Run& run) {
-    return LoadViews(run.scene, run.split.train, run.options.photo, Silent());
+  /// The depth of a run whose stage "sfm" found these points.
+  static Geometry Find(oraclegs::Run* run, std::vector<ScenePoint> points) {
+    RequireDepth(run);
+    GivePoints(run, std::move(points));
+    return Bring(run, "depth").geometry;
   }
 
   Geometry Again(const RunRequest& request) {
     auto run = StartRun(request, recorder.AsListener());
-    return RunDepth(&run, Photos(run), {});
+    return Find(&run, {});
   }
 
   /// True when stereo ran, which takes steps; reading back takes none.
   bool Searched(const RunRequest& request, Geometry* geometry) {
-    int steps = 0;
     auto run = StartRun(request, Silent());
-    const Listener tell = recorder.AsListener();
-    run.listener = [&](const Event& event) {
-      steps += std::holds_alternative<StepDone>(event) ? 1 : 0;
-      tell(event);
-    };
-    *geometry = RunDepth(&run, Photos(run), {});
-    return steps > 0;
+    run.listener = recorder.AsListener();
+    recorder.steps.clear();
+    *geometry = Find(&run, {});
+    return std::any_of(recorder.steps.begin(), recorder.steps.end(),
+                       [](const StepDone& step) { return step.stage == "depth"; });
   }
 
   static void ExpectTheSame(const Geometry& a, const Geometry& b) {
@@ -73,10 +76,10 @@ class DepthStageTest : public testing::Test {
 
   static inline TempDir* temp = nullptr;
   static inline Geometry* first = nullptr;
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
-TEST_F(DepthStageTest, GivesAMapForEachTrainingPhotographAndWritesThem) {
+TEST_F(DepthStageTest, WritesAMapForEachTrainingView) {
   auto run = OpenRun(Request(), Silent());
   ASSERT_EQ(first->maps.size(), run.split.train.size());
   const fs::path dir = run.workspace.depth();
@@ -92,18 +95,18 @@ TEST_F(DepthStageTest, GivesAMapForEachTrainingPhotographAndWritesThem) {
   }
   const nlohmann::json record = run.workspace.Record("depth");
   EXPECT_EQ(record.at("points"), first->points.size());
-  EXPECT_EQ(record.at("device"), ChooseDevice(Request().options.device.device, ProbeDevices()).str());
+  EXPECT_EQ(record.at("device"), ChooseDevice(Request().options.device.device, ProbeDevices()).Name());
   EXPECT_EQ(record.at("files").size(), 4 * first->maps.size() + 2);
   EXPECT_EQ(ReadFile(run.workspace.dense_ply()).substr(0, 4), "ply\n");
 }
 
-TEST_F(DepthStageTest, IsReadBackWhenNothingHasChanged) {
+TEST_F(DepthStageTest, ReadsBackWhenNothingHasChanged) {
   Geometry geometry;
   EXPECT_FALSE(Searched(Request(), &geometry));
   ExpectTheSame(geometry, *first);
 }
 
-TEST_F(DepthStageTest, TellsHowMuchIsConfidentAndWhereNextToNothingIs) {
+TEST_F(DepthStageTest, ReportsConfidence) {
   const Geometry geometry = Again(Request());
   ASSERT_FALSE(recorder.notes.empty());
   EXPECT_THAT(recorder.notes.back(), testing::AllOf(HasSubstr("depth is confident on"), HasSubstr("dense points")));
@@ -113,7 +116,7 @@ TEST_F(DepthStageTest, TellsHowMuchIsConfidentAndWhereNextToNothingIs) {
   }
 }
 
-TEST_F(DepthStageTest, ADamagedFileIsToldAndTheSameDepthFoundAgain) {
+TEST_F(DepthStageTest, FindsDepthAgainAfterDamage) {
   const fs::path file = temp->path() / "out" / "depth" / "confidence" / FileOf(first->maps[1]);
   WriteText(file, ReadFile(file).substr(0, 60));
   Geometry geometry;
@@ -123,7 +126,7 @@ TEST_F(DepthStageTest, ADamagedFileIsToldAndTheSameDepthFoundAgain) {
   ExpectTheSame(geometry, *first);
 }
 
-TEST_F(DepthStageTest, AMissingFileIsMadeAgainWithoutAWord) {
+TEST_F(DepthStageTest, FindsDepthAgainWhenAFileIsMissing) {
   fs::remove(temp->path() / "out" / "sfm" / "dense.ply");
   Geometry geometry;
   EXPECT_TRUE(Searched(Request(), &geometry));
@@ -131,7 +134,7 @@ TEST_F(DepthStageTest, AMissingFileIsMadeAgainWithoutAWord) {
   EXPECT_TRUE(fs::exists(temp->path() / "out" / "sfm" / "dense.ply"));
 }
 
-TEST_F(DepthStageTest, OtherOptionsAreAnotherDepth) {
+TEST_F(DepthStageTest, FindsOtherDepthForOtherOptions) {
   RunRequest request = Request();
   request.out = temp->path() / "other";
   request.options.stereo.geometric_passes = 2;
@@ -143,23 +146,22 @@ TEST_F(DepthStageTest, OtherOptionsAreAnotherDepth) {
   EXPECT_TRUE(Searched(request, &geometry));
 }
 
-TEST_F(DepthStageTest, ADeviceTakesOverWhatAnotherFoundAndIsNeverReplaced) {
+TEST_F(DepthStageTest, ReadsBackWhatAnotherDeviceFound) {
   RunRequest request = Request();
   request.out = temp->path() / "device";
   Geometry geometry;
   EXPECT_TRUE(Searched(request, &geometry));
-  request.options.device.device = "cuda:99";  // no machine has it
+  request.options.device.device = "cpu";
   EXPECT_FALSE(Searched(request, &geometry));
-  request.options.stereo.iterations = 1;
-  request.overwrite = true;
+  request.options.device.device = "cuda:99";  // no machine has it
   EXPECT_THAT(MessageOf<UsageError>([&] { Again(request); }), HasSubstr("--device cuda:99"));
 }
 
-/// Points before each training photograph, which a network can be aligned to.
+/// Points before each training view, which a network can be aligned to.
 std::vector<ScenePoint> PointsOf(const oraclegs::Run& run) {
   std::vector<ScenePoint> points;
   for (const int view : run.split.train) {
-    const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.options.photo);
+    const Camera camera = WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.options.image);
     for (int i = 0; i < 100; ++i) {
       const double z = 3 + 0.02 * (i * 37 % 100), x = i * 7 % 48 + 0.5, y = i * 11 % 36 + 0.5;
       const Eigen::Vector3d in_camera((x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z);
@@ -169,15 +171,15 @@ std::vector<ScenePoint> PointsOf(const oraclegs::Run& run) {
   return points;
 }
 
-TEST_F(DepthStageTest, ANetworkFillsWhatStereoIsNotSureOf) {
+TEST_F(DepthStageTest, FusesStereoWithANetwork) {
   RunRequest request = Request();
   request.out = temp->path() / "fused";
-  request.options.depth.depth_prior = "fused";
+  request.options.depth.depth_prior = DepthPrior::kFused;
   request.options.weights.depth_weights = WriteTinyDepthAnything(temp->path() / "tiny.safetensors");
   auto run = StartRun(request, recorder.AsListener());
   const std::vector<ScenePoint> points = PointsOf(run);
-  const Geometry fused = RunDepth(&run, Photos(run), points);
-  EXPECT_NE(fused.key, first->key);
+  const Geometry fused = Find(&run, points);
+  const std::string key = StageKey(&run, Stages(), "depth");
   EXPECT_TRUE(std::any_of(fused.maps.begin(), fused.maps.end(), [](const DepthMap& map) { return map.monocular; }));
   const nlohmann::json record = run.workspace.Record("depth");
   EXPECT_EQ(record.at("prior"), "fused");
@@ -189,26 +191,36 @@ TEST_F(DepthStageTest, ANetworkFillsWhatStereoIsNotSureOf) {
   EXPECT_EQ(params.size(), fused.maps.size());
 
   bool worked = false;
-  run.listener = [&](const Event& event) { worked = worked || std::holds_alternative<StepDone>(event); };
-  ExpectTheSame(RunDepth(&run, Photos(run), points), fused);
+  const Listener watch = [&](const Event& event) {
+    const auto* step = std::get_if<StepDone>(&event);
+    worked = worked || (step && step->stage == "depth");
+  };
+  run.listener = watch;
+  run.results->keys.clear();
+  ExpectTheSame(Find(&run, points), fused);
   EXPECT_FALSE(worked) << "read back";
   EXPECT_EQ(run.workspace.Record("depth"), record);
 
   WriteTinyDepthAnything(temp->path() / "tiny.safetensors", 6);
-  EXPECT_NE(RunDepth(&run, Photos(run), points).key, fused.key);
+  run.files = {};
+  Find(&run, points);
+  EXPECT_NE(StageKey(&run, Stages(), "depth"), key);
   EXPECT_TRUE(worked) << "other weights are another depth";
 }
 
-TEST_F(DepthStageTest, ANetworkAloneNeedsNoStereo) {
+TEST_F(DepthStageTest, RunsANetworkAlone) {
   RunRequest request = Request();
   request.out = temp->path() / "alone";
-  request.options.depth.depth_prior = "depth-anything";
+  request.options.depth.depth_prior = DepthPrior::kMonocular;
   request.options.weights.depth_weights = WriteTinyDepthAnything(temp->path() / "alone.safetensors");
   auto run = StartRun(request, recorder.AsListener());
   int steps = 0;
-  run.listener = [&](const Event& event) { steps += std::holds_alternative<StepDone>(event) ? 1 : 0; };
-  const Geometry alone = RunDepth(&run, Photos(run), PointsOf(run));
-  EXPECT_EQ(static_cast<size_t>(steps), alone.maps.size()) << "one guess for each photograph, no search";
+  run.listener = [&](const Event& event) {
+    const auto* step = std::get_if<StepDone>(&event);
+    steps += step && step->stage == "depth" ? 1 : 0;
+  };
+  const Geometry alone = Find(&run, PointsOf(run));
+  EXPECT_EQ(static_cast<size_t>(steps), alone.maps.size()) << "one prediction for each view, no search";
   size_t known = 0;
   for (const DepthMap& map : alone.maps) {
     EXPECT_TRUE(map.monocular);
@@ -220,7 +232,7 @@ TEST_F(DepthStageTest, ANetworkAloneNeedsNoStereo) {
   EXPECT_EQ(run.workspace.Record("depth").at("prior"), "depth-anything");
 }
 
-TEST_F(DepthStageTest, AutoSaysOnceWhatBringsTheNetwork) {
+TEST_F(DepthStageTest, NotesOnceWhatBringsTheNetwork) {
   Again(Request());
   EXPECT_EQ(std::count_if(recorder.notes.begin(), recorder.notes.end(),
                           [](const std::string& note) {
@@ -230,29 +242,29 @@ TEST_F(DepthStageTest, AutoSaysOnceWhatBringsTheNetwork) {
   recorder = {};
   RunRequest request = Request();
   request.out = temp->path() / "stereo";
-  request.options.depth.depth_prior = "stereo";
+  request.options.depth.depth_prior = DepthPrior::kStereo;
   ExpectTheSame(Again(request), *first);
   EXPECT_THAT(recorder.notes, testing::Not(testing::Contains(HasSubstr("models fetch"))));
 }
 
-TEST_F(DepthStageTest, RefusesWeightsThatAreNotThereOrAnotherNetworks) {
+TEST_F(DepthStageTest, RefusesWrongWeights) {
   RunRequest request = Request();
   request.out = temp->path() / "refused";
-  request.options.depth.depth_prior = "fused";
+  request.options.depth.depth_prior = DepthPrior::kFused;
   EXPECT_THAT(MessageOf<InputError>([&] { Again(request); }), HasSubstr("--depth-prior fused needs the weights"));
   request.options.weights.depth_weights = WriteTinyLpips(temp->path() / "lpips.safetensors");
   EXPECT_THAT(MessageOf<InputError>([&] { Again(request); }), HasSubstr("is no Depth Anything V2"));
-  request.options.depth.depth_prior = "none";
+  request.options.depth.depth_prior = DepthPrior::kNone;
   request.overwrite = true;
   EXPECT_THAT(MessageOf<UsageError>([&] { Again(request); }), HasSubstr("--depth-prior none leaves no depth to find"));
 }
 
-TEST_F(DepthStageTest, NamesPhotographsOfOnePlace) {
+TEST_F(DepthStageTest, NamesViewsOfOnePlace) {
   RunRequest request = Request();
   request.out = temp->path() / "one_place";
   auto run = StartRun(request, recorder.AsListener());
   for (SceneView& view : run.scene.views) view.cam_from_world = run.scene.views[0].cam_from_world;
-  const Geometry geometry = RunDepth(&run, Photos(run), {});
+  const Geometry geometry = Find(&run, {});
   EXPECT_TRUE(geometry.points.empty());
   ASSERT_EQ(recorder.warnings.size(), 2u);
   for (const DepthMap& map : geometry.maps) {

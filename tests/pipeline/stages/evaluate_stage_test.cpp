@@ -1,7 +1,12 @@
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/evaluate_ply.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 #include "pipeline/trained.h"
+#include "support/errors.h"
 #include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -10,39 +15,7 @@ using testing::HasSubstr;
 
 using EvaluateStageTest = TrainedTest;
 
-TEST_F(EvaluateStageTest, EvaluatesAnyPlyTheSame) {
-  const auto ply = *temp / "out" / "point_cloud.ply";
-  const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
-  const auto scores = EvaluatePly({ply, request->options, *temp / "scores", "test"}, posed, Silent());
-  EXPECT_EQ(scores.at("test"), metrics->at("test"));
-  EXPECT_EQ(nlohmann::json::parse(ReadFile(*temp / "scores" / "metrics.json")), scores);
-  EXPECT_TRUE(std::filesystem::exists(*temp / "scores" / "renders" / "test"));
-  EXPECT_EQ(scores.at("program"), "oraclegs");
-  EXPECT_EQ(scores.at("version"), "test");
-  EXPECT_EQ(scores.at("seed"), 0);
-  EXPECT_EQ(scores.at("views").at("test"), 2);
-  EXPECT_THROW(EvaluatePly({ply, request->options, *temp / "out", ""}, posed, Silent()), InputError);
-  EXPECT_THROW(EvaluatePly({ply, request->options, request->scene / "x", ""}, posed, Silent()), InputError);
-  EXPECT_THROW(EvaluatePly({*temp / "none.ply", request->options, {}, ""}, posed, Silent()), InputError);
-}
-
-TEST_F(EvaluateStageTest, MetricsOfAnotherProgramAreNotOverwritten) {
-  const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
-  const EvaluateRequest evaluate{*temp / "out" / "point_cloud.ply", request->options, *temp / "theirs", "test"};
-  const auto file = *temp / "theirs" / "metrics.json";
-  std::filesystem::create_directories(file.parent_path());
-  for (const char* text : {"{\"accuracy\": 0.9}", "[1, 2]", "not json", "{\"program\": \"other\"}"}) {
-    WriteText(file, text);
-    EXPECT_THAT(MessageOf<InputError>([&] { EvaluatePly(evaluate, posed, Silent()); }), HasSubstr(file.string()));
-    EXPECT_EQ(ReadFile(file), text);
-    EXPECT_FALSE(std::filesystem::exists(*temp / "theirs" / "renders"));
-  }
-  WriteText(file, "{\"test\": {}, \"gaussians\": 3}");  // an earlier version's
-  EvaluatePly(evaluate, posed, Silent());
-  EXPECT_EQ(EvaluatePly(evaluate, posed, Silent()).at("test"), metrics->at("test"));  // and its own
-}
-
-TEST_F(EvaluateStageTest, LpipsIsScoredInBothConventionsWhereThereAreWeights) {
+TEST_F(EvaluateStageTest, ScoresLpipsInBothConventions) {
   EXPECT_FALSE(metrics->at("test").contains("lpips"));
   RunRequest with = *request;
   with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");
@@ -61,10 +34,25 @@ TEST_F(EvaluateStageTest, LpipsIsScoredInBothConventionsWhereThereAreWeights) {
   Reconstruct(*request, Silent());  // as the other tests expect it
 }
 
-TEST_F(EvaluateStageTest, EvaluateNeedsAModel) {
+TEST_F(EvaluateStageTest, NeedsAModel) {
   RunRequest untrained = TinyRequest(request->scene, *temp / "untrained");
   auto run = StartRun(untrained, Silent());
-  EXPECT_THAT(MessageOf<InputError>([&] { RunEvaluate(&run); }), HasSubstr("point_cloud.ply"));
+  EXPECT_THAT(MessageOf<InputError>([&] { EvaluateRun(&run); }), HasSubstr("point_cloud.ply"));
+}
+
+TEST_F(EvaluateStageTest, ScoresAPointCloudThatWasReplaced) {
+  RunRequest replaced = *request;
+  replaced.out = *temp / "replaced";
+  std::filesystem::copy(*temp / "out", replaced.out, std::filesystem::copy_options::recursive);
+  auto run = OpenRun(replaced, recorder.AsListener());
+  EvaluateRun(&run);
+  EXPECT_THAT(recorder.started, testing::IsEmpty()) << "nothing has changed";
+  GaussianPly ply = ReadGaussianPly(run.workspace.point_cloud());
+  for (float& logit : ply.gaussians.opacity_logits.span()) logit -= 1;
+  WriteGaussianPly(run.workspace.point_cloud(), ply.gaussians);
+  EvaluateRun(&run);
+  EXPECT_THAT(recorder.started, testing::ElementsAre("evaluate"));
+  EXPECT_NE(ReadMetrics(replaced.out).at("test"), metrics->at("test"));
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
 #include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -50,7 +53,7 @@ class MonocularStageTest : public testing::Test {
   std::vector<RelativeDepth> guesses;
   std::vector<DepthMap> stereo;
   std::vector<ScenePoint> points;
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
 TEST_F(MonocularStageTest, AlignsEachPhotographToThePoints) {
@@ -71,7 +74,7 @@ TEST_F(MonocularStageTest, FillsWhatStereoIsNotSureOf) {
   for (size_t v = 0; v < 3; ++v) {
     const DepthMap& map = fused.maps[v];
     EXPECT_EQ(map.confidence[5], stereo[v].confidence[5]);
-    EXPECT_EQ(map.confidence[30], kMostBesideStereo);
+    EXPECT_EQ(map.confidence[30], kMaxBesideStereo);
     EXPECT_NEAR(map.inv_depth[30], InvDepth(30, 0), 0.01);
   }
 }

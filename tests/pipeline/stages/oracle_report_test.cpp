@@ -1,9 +1,11 @@
 #include "oraclegs/pipeline/stages/oracle_report.h"
 
+#include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/stages/validate_stage.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "pipeline/proposing.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -13,12 +15,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using OracleReportTest = ProposingTest;
 
-TEST_F(OracleReportTest, MeasuresProposalsAgainstPhotographsThatNeitherTrainNorTest) {
+TEST_F(OracleReportTest, MeasuresProposalsAgainstSpareViews) {
   auto run = StartRun(Request(), Silent());
-  // A proposal that is the photograph itself but for one row, which the oracle doubts.
+  // A proposal that is the image itself but for one row, which the oracle does not trust.
   const int v = SpareViews(run)[1];
   const std::string file = FileName(run.scene.views[static_cast<size_t>(v)].name) + ".png";
-  Image8 picture = ToImage8(LoadViews(run.scene, {v}, run.options.photo, Silent())[0].rgb);
+  Image8 picture = ToImage8(LoadViews(run.scene, {v}, run.options.image, Silent())[0].rgb);
   std::vector<uint8_t> trust(size_t{80} * 60, 255);
   for (size_t x = 0; x < 80; ++x) {
     for (size_t c = 0; c < 3; ++c) picture.data[3 * x + c] = static_cast<uint8_t>(picture.data[3 * x + c] ^ 0x80);
@@ -26,7 +28,7 @@ TEST_F(OracleReportTest, MeasuresProposalsAgainstPhotographsThatNeitherTrainNorT
   }
   WritePng(run.workspace.proposals() / file, picture);
   WritePng(run.workspace.confidence() / file, Image8{80, 60, 1, trust});
-  EXPECT_THROW(ReportOracle(run), InputError);  // whose pictures these are nobody has said
+  EXPECT_THROW(ReportOracle(run), InputError);  // there is no record of what these are
   const std::string stem = file.substr(0, file.size() - 4);
   run.workspace.MarkDone("validate",
                          {{"key", ""}, {"mean_confidence", {{stem, 0.9}}}, {"files", {"confidence/" + file}}});
@@ -47,7 +49,7 @@ TEST_F(OracleReportTest, SaysWhatIsNeeded) {
   run.workspace.MarkDone("validate",
                          {{"key", ""}, {"mean_confidence", {{"orbit_0000", 0.9}}}, {"files", {"split.json"}}});
   EXPECT_THAT(MessageOf<InputError>([&] { ReportOracle(run); }),
-              AllOf(HasSubstr("no proposal stands where a photograph was taken"), HasSubstr("--trajectory dataset")));
+              AllOf(HasSubstr("no proposal has the pose of a view"), HasSubstr("--trajectory dataset")));
 }
 
 }  // namespace

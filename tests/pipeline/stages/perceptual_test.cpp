@@ -2,8 +2,11 @@
 
 #include "oraclegs/networks/common/recognize.h"
 #include "pipeline/fixtures.h"
+#include "support/buffers.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
 #include "support/network_files.h"
-#include "support/tensors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -22,7 +25,7 @@ class PerceptualTest : public testing::Test {
   TempDir temp;
   std::filesystem::path file = WriteTinyLpips(temp / "lpips.safetensors");
   Tensor render = torch::rand({30, 40, 3}), target = torch::rand({30, 40, 3});
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
 TEST_F(PerceptualTest, TheLossIsLpipsOfPicturesAsTheyAre) {
@@ -64,7 +67,7 @@ TEST_F(PerceptualTest, ProposalsAskItWhereThereAreWeightsAndAShare) {
   RunOptions without = options;
   without.train.proposal_lpips = 0;
   EXPECT_FALSE(LpipsOfProposals(without, Proposals(40), Silent()).distance);
-  without = options, without.train.schedule = "none";
+  without = options, without.train.schedule = ScheduleKind::kNone;
   EXPECT_FALSE(LpipsOfProposals(without, Proposals(40), Silent()).distance);
   EXPECT_FALSE(LpipsOfProposals({}, Proposals(40), recorder.AsListener()).distance) << "no weights";
   EXPECT_TRUE(recorder.warnings.empty());
@@ -85,7 +88,7 @@ TEST_F(PerceptualTest, ProposalsThatAreTooSmallDoWithoutIt) {
 }
 
 TEST_F(PerceptualTest, ScoresAreOfBothConventionsAndSaySo) {
-  const PictureScores scores = LpipsScores({file});
+  const ImageScores scores = LpipsScores({file});
   const Lpips lpips = LoadRecognizedLpips({file});
   const std::map<std::string, double> values = scores.of(render, target);
   ASSERT_EQ(values.size(), 2u);

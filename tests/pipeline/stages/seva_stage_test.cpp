@@ -1,10 +1,15 @@
 #include "oraclegs/pipeline/stages/seva_stage.h"
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/stages/proposers.h"
 #include "pipeline/proposing.h"
 #include "pipeline/weights.h"
-#include "support/tiny_networks.h"
+#include "support/errors.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -21,7 +26,7 @@ class SevaStageTest : public ProposingTest {
     WriteTinyNetworks(*temp / "models");
   }
 
-  static RunRequest SevaRequestOf(const std::string& out, const std::string& proposers) {
+  static RunRequest SevaRequestOf(const std::string& out, ProposerChoice proposers) {
     RunRequest request = Request(out);
     request.options.propose.proposers = proposers;
     request.options.trajectory.proposals = 3;
@@ -45,14 +50,13 @@ class SevaStageTest : public ProposingTest {
 };
 
 TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
-  RunRequest request = SevaRequestOf("seva", "seva");
+  RunRequest request = SevaRequestOf("seva", ProposerChoice::kSeva);
   request.options.seva.candidates = 2;
   auto run = StartRun(request, recorder.AsListener());
-  const Preparation prepared = Prepare(&run);
-  const ProposalPlan plan = Propose(&run, prepared);
-  ASSERT_EQ(plan.targets.size(), 3u);
-  EXPECT_TRUE(plan.opinions.empty());
-  for (const Target& target : plan.targets) {
+  const StageResults& known = Bring(&run, "propose");
+  ASSERT_EQ(known.targets.size(), 3u);
+  EXPECT_TRUE(known.proxies.empty());
+  for (const Target& target : known.targets) {
     for (const char* source : {"seva", "seva_2"}) {
       const Image8 picture = ReadImage(run.workspace.proposals() / source / (target.name + ".png"));
       EXPECT_EQ(picture.width, target.camera.width);
@@ -62,14 +66,13 @@ TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
   }
   EXPECT_TRUE(fs::exists(run.workspace.proposals() / "transforms.json"));
   EXPECT_FALSE(fs::exists(run.workspace.proposals() / "seva_chunks")) << "nobody needs them any more";
-  const Proposers proposers(run, prepared.photos, prepared.geometry, {});
-  const auto answers = proposers.Ask({plan.targets[0], {"hidden", prepared.photos[0].camera}}, {-1, 0});
+  const auto answers =
+      ProposersOf(&run).Ask({known.targets[0], {"held_out", ViewsOf(&run).views[0].camera}}, {std::nullopt, 0});
   ASSERT_EQ(answers[0].size(), 2u);
   EXPECT_EQ(answers[0][0].source, "seva");
   EXPECT_EQ(answers[0][1].source, "seva_2");
   ASSERT_EQ(answers[1].size(), 1u);
   EXPECT_EQ(answers[1][0].source, "warp");  // what the oracle learns from
-  EXPECT_EQ(Propose(&run, prepared).key, plan.key);
   EXPECT_EQ(run.workspace.Record("propose").at("non_commercial"), nlohmann::json::array({"Stable Virtual Camera"}));
 }
 
@@ -82,10 +85,10 @@ TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
     if (done == stop_after) RequestInterrupt(true);
   };
   const auto propose = [&](const std::string& out) {
-    auto run = StartRun(SevaRequestOf(out, "seva"), listener);
-    const Preparation prepared = Prepare(&run);
+    auto run = StartRun(SevaRequestOf(out, ProposerChoice::kSeva), listener);
+    Bring(&run, "depth");
     done = total = 0;
-    Propose(&run, prepared);
+    Bring(&run, "propose");
   };
   propose("straight");
   const int64_t chunks = total;  // of one step each
@@ -102,10 +105,10 @@ TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
 }
 
 TEST_F(SevaStageTest, AWholeRunWithEveryNetwork) {
-  RunRequest request = SevaRequestOf("whole", "all");
-  request.options.depth.depth_prior = "fused";
-  request.options.validate.oracle = "vggt+consistency";
-  request.options.weights.lpips = "required";
+  RunRequest request = SevaRequestOf("whole", ProposerChoice::kAll);
+  request.options.depth.depth_prior = DepthPrior::kFused;
+  request.options.validate.oracle = OracleKind::kVggtAndConsistency;
+  request.options.weights.lpips = LpipsUse::kRequired;
   const nlohmann::json metrics = Reconstruct(request, recorder.AsListener());
   for (const char* folder : {"proposals/seva", "proposals/warp", "proposals/splat", "confidence"}) {
     EXPECT_TRUE(fs::exists(request.out / folder)) << folder;
@@ -123,17 +126,18 @@ TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
   const ModelsAt own(dir.path());
   WriteTinySeva(dir.path());
   RunOptions options;
-  const std::string before = SevaKey(options);
+  const std::string before = SevaKey(options.seva);
   options.seva.seed = 24;
-  EXPECT_NE(SevaKey(options), before);
+  EXPECT_NE(SevaKey(options.seva), before);
   options = {};
-  options.seva.halves = "in-turn", options.seva.memory = 5;
-  EXPECT_EQ(SevaKey(options), before) << "where it is computed is no reason to do it again";
+  options.seva.halves = seva::Halves::kInTurn, options.seva.memory = 5;
+  EXPECT_EQ(SevaKey(options.seva), before) << "where it is computed is no reason to do it again";
   fs::copy_file(dir / "seva/model.safetensors", dir / "sd21-vae/model.safetensors",
                 fs::copy_options::overwrite_existing);
-  EXPECT_NE(SevaKey(options), before);
+  EXPECT_NE(SevaKey(options.seva), before);
   fs::remove(dir / "openclip-vith14/model.safetensors");
-  EXPECT_THAT(MessageOf<InputError>([&] { SevaKey(options); }), HasSubstr("`oraclegs models fetch openclip-vith14`"));
+  EXPECT_THAT(MessageOf<InputError>([&] { SevaKey(options.seva); }),
+              HasSubstr("`oraclegs models fetch openclip-vith14`"));
 }
 
 TEST_F(SevaStageTest, RefusesAPictureOfAnotherSize) {
@@ -141,12 +145,12 @@ TEST_F(SevaStageTest, RefusesAPictureOfAnotherSize) {
   WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36)});
   Camera camera;
   camera.width = 4, camera.height = 3;
-  EXPECT_TRUE(SevaProposer(dir.path(), 0).Propose({"view", camera}, -1));
+  EXPECT_TRUE(SevaProposer(dir.path(), 0).Propose({"view", camera}, std::nullopt));
   EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"view", camera}, 2));
-  EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"other", camera}, -1));
+  EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"other", camera}, std::nullopt));
   camera.width = 5;
   EXPECT_THAT(MessageOf<InputError>([&] {
-                SevaProposer(dir.path(), 0).Propose({"view", camera}, -1);
+                SevaProposer(dir.path(), 0).Propose({"view", camera}, std::nullopt);
               }),
               HasSubstr("is 4 x 3 with 3 channels, not 5 x 3"));
 }

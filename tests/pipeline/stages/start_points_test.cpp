@@ -4,6 +4,9 @@
 
 #include "depth/surfaces.h"
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -44,6 +47,10 @@ class StartPointsTest : public testing::Test {
     return geometry;
   }
 
+  static StartPoints Choose(oraclegs::Run* run, const std::vector<ScenePoint>& sfm, const Geometry& geometry) {
+    return ChooseStart(run, {{}, sfm, geometry});
+  }
+
   static size_t CountDense(const PointCloud& cloud) {
     return static_cast<size_t>(
         std::count_if(cloud.xyz.begin(), cloud.xyz.end(), [](const auto& p) { return p.z() == 7; }));
@@ -51,15 +58,13 @@ class StartPointsTest : public testing::Test {
 
   TempDir temp;
   RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");  // budget 500, 400 random points
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
-TEST_F(StartPointsTest, RandomIsWhatWasAskedForAndRemembered) {
+TEST_F(StartPointsTest, TakesRandomPointsWhenAskedTo) {
   request.options.train.depth_weight = 0;
   auto run = MakeRun(500);
-  EXPECT_THAT(RunSfm(&run), IsEmpty()) << "nobody would use them";
-  EXPECT_TRUE(run.workspace.Record("sfm").is_null());
-  const StartPoints start = ChooseStart(&run, {}, {}, {});
+  const StartPoints start = Choose(&run, {}, {});
   EXPECT_EQ(start.source, "random");
   EXPECT_EQ(start.cloud.xyz.size(), 400u);
   EXPECT_EQ(run.workspace.Record("start").at("source"), "random");
@@ -67,45 +72,10 @@ TEST_F(StartPointsTest, RandomIsWhatWasAskedForAndRemembered) {
   EXPECT_TRUE(recorder.warnings.empty());
 }
 
-TEST_F(StartPointsTest, SfmGivesTheModelsPointsAndRemembersHowMany) {
-  request.options.start.init = "auto";
-  auto run = MakeRun(1000);
-  EXPECT_EQ(RunSfm(&run).size(), 1000u);
-  EXPECT_EQ(run.workspace.Record("sfm").at("points"), 1000);
-  EXPECT_GE(run.workspace.Record("sfm").at("seconds"), 0);
-  EXPECT_TRUE(recorder.warnings.empty());
-}
-
-TEST_F(StartPointsTest, SfmIsEmptyWhereNothingCanBeTriangulated) {
-  request.options.start.init = "sfm";
+TEST_F(StartPointsTest, DrawsFromTheDensePointsWithTheirNormals) {
+  request.options.start.init = StartKind::kDense;
   auto run = MakeRun(0);
-  run.split.train.resize(1);
-  const std::vector<ScenePoint> points = RunSfm(&run);
-  EXPECT_THAT(points, IsEmpty());
-  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, {}, points, {}); }), HasSubstr("--init random"));
-}
-
-TEST_F(StartPointsTest, StereoIsAskedForByAStartFromItByTheDepthTermAndByPruning) {
-  request.options.train.depth_weight = 0;
-  const auto needs = [this](const std::string& init) {
-    request.options.start.init = init;
-    return NeedsDepth(request.options);
-  };
-  EXPECT_TRUE(needs("auto") && needs("dense") && needs("hybrid"));
-  EXPECT_FALSE(needs("sfm") || needs("random"));
-  request.options.train.prune_floaters = true;
-  EXPECT_TRUE(needs("sfm"));
-  request.options.train = {};
-  EXPECT_GT(request.options.train.depth_weight, 0);
-  EXPECT_TRUE(needs("random"));
-  request.options.depth.depth_prior = "none";
-  EXPECT_FALSE(needs("random") || needs("auto"));
-}
-
-TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {
-  request.options.start.init = "dense";
-  auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, {}, Points(300), Dense(2000));
+  const StartPoints start = Choose(&run, Points(300), Dense(2000));
   EXPECT_EQ(start.source, "dense");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   ASSERT_EQ(start.cloud.normals.size(), 500u);
@@ -113,12 +83,12 @@ TEST_F(StartPointsTest, DenseTakesADrawOfTheDensePointsWithTheirNormals) {
   EXPECT_EQ(CountDense(start.cloud), 500u);
   EXPECT_EQ(start.cloud.normals[17], Eigen::Vector3f(0, 0, -1));
   EXPECT_EQ(start.cloud.rgb[17], Eigen::Vector3f(0.1f, 0.2f, 0.3f));
-  EXPECT_EQ(ChooseStart(&run, {}, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
+  EXPECT_EQ(Choose(&run, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
   run.options.start.seed = 1;
-  EXPECT_NE(ChooseStart(&run, {}, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
+  EXPECT_NE(Choose(&run, Points(300), Dense(2000)).cloud.xyz, start.cloud.xyz);
 }
 
-TEST(DenseStart, ContinuesPlanesWhereStereoIsBlindUnlessToldNotTo) {
+TEST(DenseStart, ExtrapolatesPlanes) {
   const TexturedPlane wall{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
   const std::vector<LoadedView> photos = TakeAll(wall, Arc(3, 6));
   Geometry geometry;
@@ -130,13 +100,13 @@ TEST(DenseStart, ContinuesPlanesWhereStereoIsBlindUnlessToldNotTo) {
   geometry.points = FuseDepth(geometry.maps, photos, {});
   StartOptions options;
   const size_t all = DenseStart(options, photos, geometry, 1000000).xyz.size();
-  options.init_planes = "no";
+  options.init_planes = false;
   EXPECT_EQ(DenseStart(options, photos, geometry, 1000000).xyz.size(), geometry.points.size());
   EXPECT_GT(all, geometry.points.size() + 100);
   EXPECT_EQ(DenseStart(options, photos, geometry, 500).xyz.size(), 500u);
 }
 
-TEST(DenseStart, AndWhatANetworkGuessesInTheRest) {
+TEST(DenseStart, AddsWhatANetworkPredictsInTheRest) {
   const TexturedPlane wall{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
   const std::vector<LoadedView> photos = TakeAll(wall, Arc(3, 6));
   Geometry geometry;
@@ -149,31 +119,31 @@ TEST(DenseStart, AndWhatANetworkGuessesInTheRest) {
   geometry.points = FuseDepth(geometry.maps, photos, {});
   StartOptions options;
   const size_t with_planes = DenseStart(options, photos, geometry, 1000000).xyz.size();
-  options.init_planes = "no";
+  options.init_planes = false;
   const size_t without = DenseStart(options, photos, geometry, 1000000).xyz.size();
   EXPECT_GT(without, geometry.points.size() + 50);
   for (DepthMap& map : geometry.maps) map.monocular = false;
   EXPECT_EQ(DenseStart(options, photos, geometry, 1000000).xyz.size(), geometry.points.size());
-  options.init_planes = "yes";
+  options.init_planes = true;
   const size_t planes = DenseStart(options, photos, geometry, 1000000).xyz.size();
   EXPECT_LT(with_planes - planes, (without - geometry.points.size()) / 2)
       << "planes come first, nothing is filled twice";
 }
 
-TEST_F(StartPointsTest, InsistingOnPointsThatAreNotThereIsRefused) {
-  request.options.start.init = "dense";
+TEST_F(StartPointsTest, RefusesPointsThatAreNotThere) {
+  request.options.start.init = StartKind::kDense;
   auto run = MakeRun(0);
-  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, {}, Points(300), Dense(3)); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { Choose(&run, Points(300), Dense(3)); }),
               testing::AllOf(HasSubstr("stereo gave 3 points"), HasSubstr("--init sfm")));
-  run.options.start.init = "sfm";
-  EXPECT_THAT(MessageOf<InputError>([&] { ChooseStart(&run, {}, Points(3), Dense(2000)); }),
+  run.options.start.init = StartKind::kSfm;
+  EXPECT_THAT(MessageOf<InputError>([&] { Choose(&run, Points(3), Dense(2000)); }),
               testing::AllOf(HasSubstr("gave 3 points"), HasSubstr("--init random")));
 }
 
-TEST_F(StartPointsTest, SfmTakesEveryNthPointBeyondTheBudget) {
-  request.options.start.init = "sfm";
+TEST_F(StartPointsTest, TakesEveryNthSparsePointBeyondTheBudget) {
+  request.options.start.init = StartKind::kSfm;
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, {}, Points(1000), Dense(2000));
+  const StartPoints start = Choose(&run, Points(1000), Dense(2000));
   EXPECT_EQ(start.source, "sfm");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   EXPECT_FLOAT_EQ(start.cloud.xyz[1].x(), 0.02f);  // every second one
@@ -181,20 +151,20 @@ TEST_F(StartPointsTest, SfmTakesEveryNthPointBeyondTheBudget) {
   EXPECT_EQ(start.cloud.normals[499], Eigen::Vector3f(0, 0, 0)) << "unknown";
 }
 
-TEST_F(StartPointsTest, AutoPrefersPlentyOfDensePoints) {
-  request.options.start.init = "auto";
+TEST_F(StartPointsTest, PrefersDensePoints) {
+  request.options.start.init = {};
   auto run = MakeRun(0);
-  EXPECT_EQ(ChooseStart(&run, {}, Points(300), Dense(1000)).source, "dense");
+  EXPECT_EQ(Choose(&run, Points(300), Dense(1000)).source, "dense");
   EXPECT_TRUE(recorder.warnings.empty());
-  EXPECT_EQ(ChooseStart(&run, {}, Points(1000), Dense(999)).source, "sfm");
+  EXPECT_EQ(Choose(&run, Points(1000), Dense(999)).source, "sfm");
   ASSERT_EQ(recorder.warnings.size(), 1u);
   EXPECT_THAT(recorder.warnings[0], HasSubstr("stereo gave 999 points only"));
 }
 
-TEST_F(StartPointsTest, AutoJoinsFewSparsePointsByRandomOnesUpToTheBudget) {
-  request.options.start.init = "auto";
+TEST_F(StartPointsTest, JoinsFewSparsePointsByRandomOnes) {
+  request.options.start.init = {};
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, {}, Points(150), {});
+  const StartPoints start = Choose(&run, Points(150), {});
   EXPECT_EQ(start.source, "sfm+random");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);  // 400 random points were asked for, the budget is 500
   EXPECT_EQ(start.cloud.rgb.size(), 500u);
@@ -202,20 +172,20 @@ TEST_F(StartPointsTest, AutoJoinsFewSparsePointsByRandomOnesUpToTheBudget) {
   EXPECT_FLOAT_EQ(start.cloud.xyz[149].x(), 1.49f);
 }
 
-TEST_F(StartPointsTest, AutoFallsBackToRandomPointsWithAWarning) {
-  request.options.start.init = "auto";
+TEST_F(StartPointsTest, FallsBackToRandomPointsWithAWarning) {
+  request.options.start.init = {};
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, {}, Points(99), {});
+  const StartPoints start = Choose(&run, Points(99), {});
   EXPECT_EQ(start.source, "random");
   EXPECT_EQ(start.cloud.xyz.size(), 400u);
   ASSERT_FALSE(recorder.warnings.empty());
   EXPECT_THAT(recorder.warnings.back(), HasSubstr("fewer than 100"));
 }
 
-TEST_F(StartPointsTest, HybridKeepsRoomForSparseAndRandomPoints) {
-  request.options.start.init = "hybrid";
+TEST_F(StartPointsTest, KeepsRoomForSparseAndRandomPointsInAHybridStart) {
+  request.options.start.init = StartKind::kHybrid;
   auto run = MakeRun(0);
-  const StartPoints start = ChooseStart(&run, {}, Points(200), Dense(2000));
+  const StartPoints start = Choose(&run, Points(200), Dense(2000));
   EXPECT_EQ(start.source, "dense+sfm+random");
   ASSERT_EQ(start.cloud.xyz.size(), 500u);
   ASSERT_EQ(start.cloud.normals.size(), 500u);
@@ -225,8 +195,8 @@ TEST_F(StartPointsTest, HybridKeepsRoomForSparseAndRandomPoints) {
   EXPECT_EQ(start.cloud.normals[250], Eigen::Vector3f(0, 0, 0));
   EXPECT_EQ(run.workspace.Record("start").at("source"), "dense+sfm+random");
 
-  EXPECT_EQ(ChooseStart(&run, {}, {}, {}).source, "random") << "what there is";
-  EXPECT_EQ(ChooseStart(&run, {}, Points(2000), Dense(2000)).cloud.xyz.size(), 500u) << "never more than the budget";
+  EXPECT_EQ(Choose(&run, {}, {}).source, "random") << "what there is";
+  EXPECT_EQ(Choose(&run, Points(2000), Dense(2000)).cloud.xyz.size(), 500u) << "never more than the budget";
 }
 
 }  // namespace

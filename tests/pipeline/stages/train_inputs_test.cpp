@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "pipeline/fixtures.h"
+#include "support/event_recorder.h"
 
 namespace oraclegs {
 namespace {
@@ -13,6 +14,8 @@ constexpr int kSide = 24;
 struct Object {
   std::vector<LoadedView> photos;
   Geometry geometry;
+
+  TrainingViews training() const { return TrainingViews(photos); }
 
   Object() {
     Camera camera{kSide, kSide, 20, 20, kSide / 2., kSide / 2., Eigen::Isometry3d::Identity()};
@@ -32,67 +35,71 @@ struct Object {
   }
 };
 
-TEST(TrainInputs, DepthCountsWhereItIsConfidentAndBesideTheSilhouetteThereIsNothing) {
+TEST(TrainInputs, MaskDepthByConfidenceAndSilhouette) {
   const Object object;
-  const TrainView view = TrainViews(object.photos, object.geometry).front();
-  const auto depth = view.inv_depth.accessor<float, 2>(), mask = view.depth_mask.accessor<float, 2>();
-  EXPECT_EQ(depth[10][9], 0.5f);
-  EXPECT_NEAR(mask[10][9], 0.9, 1e-6);
-  EXPECT_EQ(mask[10][14], 0) << "not confident";
-  EXPECT_EQ(depth[2][2], 0);
-  EXPECT_EQ(mask[2][2], 1) << "empty for certain";
-  EXPECT_EQ(mask[10][7], 0) << "too near the silhouette to be certain";
+  const TrainView view = MakeTrainViews(object.training(), object.geometry).front();
+  const auto depth = [&](int y, int x) { return view.inv_depth[y * kSide + x]; };
+  const auto mask = [&](int y, int x) { return view.depth_mask[y * kSide + x]; };
+  EXPECT_EQ(depth(10, 9), 0.5f);
+  EXPECT_NEAR(mask(10, 9), 0.9, 1e-6);
+  EXPECT_EQ(mask(10, 14), 0) << "not confident";
+  EXPECT_EQ(depth(2, 2), 0);
+  EXPECT_EQ(mask(2, 2), 1) << "empty for certain";
+  EXPECT_EQ(mask(10, 7), 0) << "too near the silhouette to be certain";
   EXPECT_FLOAT_EQ(view.exposure[0], 1.2f);
   EXPECT_FLOAT_EQ(view.exposure[10], 0.8f);
-  EXPECT_FALSE(TrainViews(object.photos, {}).front().inv_depth.defined());
+  EXPECT_FALSE(MakeTrainViews(object.training(), {}).front().inv_depth.defined());
 }
 
-TEST(TrainInputs, WhatANetworkGuessedCountsAsMuchAsItIsBelieved) {
+TEST(TrainInputs, WeightANetworksDepthByItsConfidence) {
   Object object;
   object.geometry.maps[0].monocular = true;
-  const TrainView view = TrainViews(object.photos, object.geometry).front();
-  const auto mask = view.depth_mask.accessor<float, 2>();
-  EXPECT_NEAR(mask[10][9], 0.9, 1e-6);
-  EXPECT_NEAR(mask[10][14], 0.3, 1e-6);
+  const TrainView view = MakeTrainViews(object.training(), object.geometry).front();
+  const auto mask = [&](int y, int x) { return view.depth_mask[y * kSide + x]; };
+  EXPECT_NEAR(mask(10, 9), 0.9, 1e-6);
+  EXPECT_NEAR(mask(10, 14), 0.3, 1e-6);
 }
 
-TEST(TrainInputs, ExposureIsLearntWhereItVaries) {
-  Recorder recorder;
+TEST(TrainInputs, LearnExposureWhereItVaries) {
+  EventRecorder recorder;
   Geometry geometry;
   geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));
   TrainOptions options;
-  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "off");
-  EXPECT_EQ(DecideOptions(options, {}, {}, recorder.AsListener()).exposure, "off");
+  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), geometry, recorder.AsListener()).exposure,
+            ExposureMode::kOff);
+  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), {}, recorder.AsListener()).exposure, ExposureMode::kOff);
   EXPECT_TRUE(recorder.notes.empty());
   geometry.gains[1] = Eigen::Vector3f::Constant(1.5f);
-  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "on");
+  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), geometry, recorder.AsListener()).exposure,
+            ExposureMode::kOn);
   EXPECT_THAT(recorder.notes.back(), testing::HasSubstr("--exposure"));
-  options.exposure = "off";
-  EXPECT_EQ(DecideOptions(options, {}, geometry, recorder.AsListener()).exposure, "off");
+  options.exposure = ExposureMode::kOff;
+  EXPECT_EQ(SettleTrainOptions(options, TrainingViews({}), geometry, recorder.AsListener()).exposure,
+            ExposureMode::kOff);
 }
 
-TEST(TrainInputs, WhatIsLeftToChooseIsChosenAndWhatIsGivenIsKept) {
-  Recorder recorder;
+TEST(TrainInputs, SettleWhatIsAutomatic) {
+  EventRecorder recorder;
   const Object object;
-  TrainOptions options = DecideOptions({}, object.photos, object.geometry, recorder.AsListener());
-  EXPECT_GT(options.dropout, 0) << "an object";
+  TrainOptions options = SettleTrainOptions({}, object.training(), object.geometry, recorder.AsListener());
+  EXPECT_GT(options.dropout.value(), 0) << "an object";
   EXPECT_THAT(recorder.notes.front(), testing::HasSubstr("silhouettes"));
-  EXPECT_GT(options.opacity_noise, 0);
-  EXPECT_LT(options.last_rates, 1);
+  EXPECT_GT(options.opacity_noise.value(), 0);
+  EXPECT_LT(options.last_rates.value(), 1);
   Object scene;
   for (size_t i = 0; i < scene.photos[0].rgb.data.size(); i += 2) scene.photos[0].rgb.data[i] = 0;  // no plain border
-  EXPECT_EQ(DecideOptions({}, scene.photos, scene.geometry, Silent()).dropout, 0);
+  EXPECT_EQ(SettleTrainOptions({}, scene.training(), scene.geometry, Silent()).dropout, 0.);
   TrainOptions given;
-  given.dropout = given.opacity_noise = 0;
-  given.last_rates = 1;
-  given = DecideOptions(given, object.photos, object.geometry, Silent());
-  EXPECT_EQ(given.dropout, 0);
-  EXPECT_EQ(given.opacity_noise, 0);
-  EXPECT_EQ(given.last_rates, 1);
+  given.dropout = 0., given.opacity_noise = 0.;
+  given.last_rates = 1.;
+  given = SettleTrainOptions(given, object.training(), object.geometry, Silent());
+  EXPECT_EQ(given.dropout, 0.);
+  EXPECT_EQ(given.opacity_noise, 0.);
+  EXPECT_EQ(given.last_rates, 1.);
 }
 
-TEST(TrainInputs, ExposuresAreSavedByName) {
-  const auto json = ExposuresToJson({"a.png"}, torch::arange(12, torch::kFloat).reshape({1, 3, 4}));
+TEST(TrainInputs, SaveExposuresByName) {
+  const auto json = ExposuresToJson({"a.png"}, {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}});
   EXPECT_EQ(json.at("a.png").size(), 12u);
   EXPECT_EQ(json.at("a.png").at(7), 7);
 }

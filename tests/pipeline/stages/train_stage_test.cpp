@@ -1,11 +1,16 @@
 #include "oraclegs/pipeline/stages/train_stage.h"
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/pipeline/reconstruct.h"
 #include "pipeline/fixtures.h"
 #include "pipeline/proposing.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
 #include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -19,7 +24,7 @@ class TrainStageTest : public testing::Test {
 
   std::string Train(const RunRequest& r) {
     auto run = StartRun(r, recorder.AsListener());
-    RunTrain(&run);
+    RunStage(&run, "train");
     return ReadFile(run.workspace.point_cloud());
   }
   /// Trains until an interrupt comes, at most 99 iterations after this one: so far apart are the reports of progress.
@@ -29,10 +34,10 @@ class TrainStageTest : public testing::Test {
       if (step && step->stage == "train" && step->done >= iteration) RequestInterrupt(true);
     };
     auto run = StartRun(r, listener);
-    EXPECT_THROW(RunTrain(&run), Interrupted);
+    EXPECT_THROW(RunStage(&run, "train"), Interrupted);
     RequestInterrupt(false);
   }
-  void ChangeAPhotograph() {
+  void ChangeAnImage() {
     const PosedScene posed = ReadPosedScene(request.scene, request.options, Silent());
     const auto photo = posed.scene.views[static_cast<size_t>(posed.split.train[0])].image_path;
     Image8 image = ReadImage(photo);
@@ -42,10 +47,10 @@ class TrainStageTest : public testing::Test {
 
   TempDir temp;
   RunRequest request = TinyRequest(MakeTinyScene(temp / "scene"), temp / "out");
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
-TEST_F(TrainStageTest, TrainsOnceAndIsThenDone) {
+TEST_F(TrainStageTest, TrainsOnce) {
   const std::string ply = Train(request);
   EXPECT_THAT(ply, testing::StartsWith("ply\n"));
   recorder = {};
@@ -54,7 +59,7 @@ TEST_F(TrainStageTest, TrainsOnceAndIsThenDone) {
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("nothing has changed")));
 }
 
-TEST_F(TrainStageTest, AnInterruptedRunContinuesToTheSameBits) {
+TEST_F(TrainStageTest, ContinuesAnInterruptedRunToTheSameBits) {
   request.options.train.iterations = 250;
   RunRequest straight = request;
   straight.out = temp / "straight";
@@ -65,7 +70,7 @@ TEST_F(TrainStageTest, AnInterruptedRunContinuesToTheSameBits) {
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration ")));
 }
 
-TEST_F(TrainStageTest, ARunWithNothingLeftToDoKnowsNoTimings) {
+TEST_F(TrainStageTest, HasNoTimingsWhenNothingIsLeftToDo) {
   request.options.checkpoints.checkpoint_every = request.options.train.iterations;
   const std::string ply = Train(request);
   const auto timings = [&] {
@@ -78,45 +83,45 @@ TEST_F(TrainStageTest, ARunWithNothingLeftToDoKnowsNoTimings) {
   EXPECT_TRUE(timings().is_null());
 }
 
-TEST_F(TrainStageTest, OtherOptionsThanTheInterruptedRunsAreRefused) {
+TEST_F(TrainStageTest, RefusesOtherOptionsThanTheInterruptedRuns) {
   request.options.train.iterations = 250;
   TrainUntil(request, 100);
   request.options.start.seed = 3;
   EXPECT_THAT(MessageOf<InputError>([&] { Train(request); }), HasSubstr("--seed was 0, now is 3"));
 }
 
-TEST_F(TrainStageTest, ChangedPhotographsAreTrainedAnew) {
+TEST_F(TrainStageTest, TrainsChangedImagesAnew) {
   request.options.train.iterations = 250;
   TrainUntil(request, 100);
-  ChangeAPhotograph();
+  ChangeAnImage();
   Train(request);
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("changed")));
 }
 
-TEST_F(TrainStageTest, ResultsOfOldPhotographsAreGoneWhenTrainingAnewIsInterrupted) {
+TEST_F(TrainStageTest, RemovesResultsOfOldImages) {
   request.options.train.iterations = 250;
   Train(request);
   WriteText(temp / "out" / "metrics.json", "{}");
-  ChangeAPhotograph();
+  ChangeAnImage();
   TrainUntil(request, 100);
   EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
   EXPECT_FALSE(std::filesystem::exists(temp / "out" / "metrics.json"));
   auto run = OpenRun(request, Silent());
-  EXPECT_THAT(MessageOf<InputError>([&] { RunEvaluate(&run); }), HasSubstr("point_cloud.ply: does not exist"));
+  EXPECT_THAT(MessageOf<InputError>([&] { EvaluateRun(&run); }), HasSubstr("point_cloud.ply: does not exist"));
 }
 
 using TrainOnProposalsTest = ProposingTest;
 
-TEST_F(TrainOnProposalsTest, LpipsHasItsShareWhereThereAreWeights) {
+TEST_F(TrainOnProposalsTest, UsesLpipsWhereThereAreWeights) {
   RunRequest plain = Request("plain"), with = Request("lpips");
   for (RunRequest* request : {&plain, &with}) {
-    request->options.propose.proposers = "warp";
+    request->options.propose.proposers = ProposerChoice::kWarp;
     request->options.train.iterations = 12, request->options.train.synthetic_floor = 0.9;
   }
   with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");
   const auto train = [&](const RunRequest& request) {
     auto run = StartRun(request, recorder.AsListener());
-    RunTrain(&run);
+    RunStage(&run, "train");
     return std::pair{ReadFile(run.workspace.point_cloud()), run.workspace.Record("train")};
   };
   const auto without_network = train(plain);
@@ -124,7 +129,7 @@ TEST_F(TrainOnProposalsTest, LpipsHasItsShareWhereThereAreWeights) {
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch lpips-vgg` brings one")));
   recorder = {};
   const auto with_network = train(with);
-  EXPECT_EQ(with_network.second.at("lpips"), "VGG16, pictures in [0, 1]");
+  EXPECT_EQ(with_network.second.at("lpips"), "VGG16, images in [0, 1]");
   EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("no LPIPS network"))));
   EXPECT_NE(with_network.first, without_network.first);
   EXPECT_EQ(train(with), with_network) << "nothing has changed";

@@ -1,9 +1,14 @@
 #include "oraclegs/pipeline/stages/vggt_registration.h"
 
-#include "networks/vggt_fixture.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/scene/read_scene.h"
 #include "pipeline/weights.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -33,7 +38,7 @@ class VggtPosesTest : public testing::Test {
   TempDir temp;
   Scene photos;
   VggtWeights weights;
-  Recorder recorder;
+  EventRecorder recorder;
 };
 
 TEST_F(VggtPosesTest, EveryPhotographGetsACameraInItsOwnPixels) {
@@ -44,11 +49,11 @@ TEST_F(VggtPosesTest, EveryPhotographGetsACameraInItsOwnPixels) {
     const SceneView& view = scene.views[v];
     EXPECT_EQ(view.name, photos.views[v].name);
     EXPECT_EQ(view.image_path, photos.views[v].image_path);
-    EXPECT_EQ(view.lens.width, photos.views[v].lens.width);
-    EXPECT_EQ(view.lens.height, photos.views[v].lens.height);
-    EXPECT_EQ(view.lens.model, CameraModel::kPinhole);
-    EXPECT_GT(view.lens.fx(), 0);
-    EXPECT_NEAR(view.lens.cx(), view.lens.width / 2.0, 0.5);
+    EXPECT_EQ(view.intrinsics.width, photos.views[v].intrinsics.width);
+    EXPECT_EQ(view.intrinsics.height, photos.views[v].intrinsics.height);
+    EXPECT_EQ(view.intrinsics.model, CameraModel::kPinhole);
+    EXPECT_GT(view.intrinsics.fx(), 0);
+    EXPECT_NEAR(view.intrinsics.cx(), view.intrinsics.width / 2.0, 0.5);
     ASSERT_TRUE(view.cam_from_world.has_value());
   }
   for (const ScenePoint& point : scene.points) EXPECT_GE(point.views.size(), 2u);
@@ -63,7 +68,7 @@ TEST_F(VggtPosesTest, AFinishedModelIsReadAgain) {
   const Scene again = RegisterWithVggt(photos, weights, temp / "sfm", Silent());
   ASSERT_EQ(again.points.size(), first.points.size());
   for (size_t v = 0; v < first.views.size(); ++v) {
-    EXPECT_EQ(again.views[v].lens.params, first.views[v].lens.params);
+    EXPECT_EQ(again.views[v].intrinsics.params, first.views[v].intrinsics.params);
     EXPECT_EQ(again.views[v].cam_from_world->matrix(), first.views[v].cam_from_world->matrix());
   }
   VggtWeights other = weights;
@@ -75,8 +80,8 @@ TEST_F(VggtPosesTest, MaskedPixelsGiveNoPoints) {
   const size_t before = RegisterWithVggt(photos, weights, temp / "sfm", Silent()).points.size();
   for (const SceneView& view : photos.views) {
     WritePng(temp / "masks" / view.name,
-             {view.lens.width, view.lens.height, 1,
-              std::vector<uint8_t>(static_cast<size_t>(view.lens.width) * view.lens.height, 0)});
+             {view.intrinsics.width, view.intrinsics.height, 1,
+              std::vector<uint8_t>(static_cast<size_t>(view.intrinsics.width) * view.intrinsics.height, 0)});
   }
   Scene masked = photos;
   for (SceneView& view : masked.views) view.mask_path = temp / "masks" / view.name;

@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 
 #include "pipeline/fixtures.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include "pipeline/fixtures.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -58,16 +59,16 @@ TEST_F(StageSharingTest, TakesPosesAloneWhereNothingElseIsNeeded) {
   EXPECT_TRUE(workspace.Record("depth").is_null());
 }
 
-TEST_F(StageSharingTest, TakesProposalsWithTheirQuickModels) {
+TEST_F(StageSharingTest, TakesProposalsWithTheirProxyModels) {
   Donate("donor", {"propose"});
   {
     Workspace donor = Workspace::Open(temp / "donor");
-    donor.MarkDone("opinion 0", {{"key", "k"}, {"files", {"proposals/file"}}});
+    donor.MarkDone("proxy 0", {{"key", "k"}, {"files", {"proposals/file"}}});
   }
   Workspace workspace = Claim("out");
   TakeOverProposals(&workspace, {temp / "donor"});
   EXPECT_TRUE(workspace.IsDone("propose", "donor"));
-  EXPECT_TRUE(workspace.IsDone("opinion 0", "k"));
+  EXPECT_TRUE(workspace.IsDone("proxy 0", "k"));
 }
 
 TEST_F(StageSharingTest, LeavesAloneWhatIsThere) {

@@ -2,6 +2,7 @@
 
 #include "oraclegs/pipeline/reconstruct.h"
 #include "pipeline/trained.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -14,7 +15,8 @@ json Records() {
   return {{"register", {{"seconds", 61.2}, {"photographs", 12}, {"registered", 11}}},
           {"sfm", {{"seconds", 12}, {"points", 3021}}},
           {"depth", {{"seconds", 62}, {"points", 41230}, {"confident_share", 0.78}}},
-          {"propose", {{"seconds", 130}, {"targets", 32}, {"folder", 0}, {"opinions", 4}}},
+          {"proxies", {{"seconds", 70}, {"models", 4}}},
+          {"propose", {{"seconds", 60}, {"targets", 32}, {"folder", 0}}},
           {"validate", {{"seconds", 40}, {"mean_confidence", {{"a", 0.5}, {"b", 0.7}}}}},
           {"start", {{"seconds", 0}, {"points", 400}}},
           {"train", {{"seconds", 3700}, {"gaussians", 98123}, {"iterations", 7000}}},
@@ -24,10 +26,11 @@ json Records() {
 TEST(StageTable, SaysOfEachStageWhatItTookAndGave) {
   EXPECT_EQ(StageTable(json::object(), Records()),
             "stage        time  result\n"
-            "register     1:01  11 of 12 photographs\n"
+            "register     1:01  11 of 12 photos\n"
             "sfm          0:12  3021 points\n"
-            "depth        1:02  sure on 78 % of the pixels, 41230 dense points\n"
-            "propose      2:10  32 views, 4 quick models\n"
+            "depth        1:02  confident on 78 % of the pixels, 41230 dense points\n"
+            "proxies      1:10  4 proxy models\n"
+            "propose      1:00  32 views\n"
             "validate     0:40  2 proposals, trusted to 60 % in the mean\n"
             "train     1:01:40  98123 Gaussians, 7000 iterations\n"
             "evaluate     0:01  PSNR 27.01 dB, SSIM 0.9123\n");
@@ -57,7 +60,7 @@ TEST(StageTable, ReadsRecordsOfEarlierVersionsAndDamagedOnes) {
 TEST(StageTable, PassesOverWhatARunDidNotNeed) {
   json records = Records();
   records["propose"]["folder"] = 3;
-  EXPECT_THAT(StageTable({}, records), HasSubstr("32 views, 3 from the folder, 4 quick models"));
+  EXPECT_THAT(StageTable({}, records), HasSubstr("32 views, 3 from the folder"));
   records.erase("propose");
   EXPECT_THAT(StageTable({}, records), Not(HasSubstr("propose")));
   records["propose"] = {{"seconds", 1}, {"targets", 0}};  // no usable pose

@@ -1,6 +1,8 @@
 #include "oraclegs/pipeline/workspace/workspace.h"
 
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -162,7 +164,7 @@ TEST_F(WorkspaceTest, RemembersFinishedStagesUntilInputsOrFilesChange) {
 TEST(DescribeDifference, ComparesWithDefaultsWhatAnOlderRunDidNotSave) {
   RunOptions options;
   EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "");
-  options.photo.downscale = 2;
+  options.image.downscale = 2;
   EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "--downscale was 1, now is 2");
   EXPECT_EQ(DescribeDifference({{"downscale", 2}, {"gone", 1}}, options), "");
 }

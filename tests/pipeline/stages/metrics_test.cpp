@@ -1,6 +1,8 @@
-#include "oraclegs/pipeline/workspace/metrics.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 
 #include "pipeline/fixtures.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {

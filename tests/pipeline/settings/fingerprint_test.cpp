@@ -1,25 +1,33 @@
-#include "oraclegs/pipeline/workspace/fingerprint.h"
+#include "oraclegs/pipeline/settings/fingerprint.h"
 
+#include "oraclegs/image/png.h"
+#include "oraclegs/scene/read_scene.h"
 #include "pipeline/fixtures.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
 
-TEST(Fingerprint, IsFnv1aOfTheBytesAndTheirLength) {
-  EXPECT_EQ(Fingerprint().Hex(), "cbf29ce484222325");
+TEST(Fingerprint, IsSha256OfTheItemsAndTheirLengths) {
+  EXPECT_EQ(Fingerprint().Hex(), Sha256().Hex());
   EXPECT_NE(Fingerprint().Add("ab").Add("c").Hex(), Fingerprint().Add("a").Add("bc").Hex());
   EXPECT_EQ(Fingerprint().Add("ab").Hex(), Fingerprint().Add("ab").Hex());
   EXPECT_NE(Fingerprint().Add(1.0).Hex(), Fingerprint().Add(2.0).Hex());
 }
 
-TEST(Fingerprint, OfAFileIsThatOfItsContent) {
+TEST(FileHashes, AreOfTheContentAndReadOnce) {
   const TempDir temp;
   WriteText(temp / "a", "same");
   WriteText(temp / "b", "same");
-  EXPECT_EQ(FileFingerprint(temp / "a"), FileFingerprint(temp / "b"));
+  FileHashes hashes;
+  const std::string before = hashes.Of(temp / "a");
+  EXPECT_EQ(hashes.Of(temp / "b"), before);
   WriteText(temp / "b", "Same");
-  EXPECT_NE(FileFingerprint(temp / "a"), FileFingerprint(temp / "b"));
-  EXPECT_THROW(FileFingerprint(temp / "c"), InputError);
+  EXPECT_EQ(hashes.Of(temp / "b"), before) << "known";
+  EXPECT_NE(FileHashes().Of(temp / "b"), before);
+  EXPECT_NE(FileHashes().OfAll({temp / "a", temp / "b"}), hashes.OfAll({temp / "a", temp / "b"}));
+  EXPECT_EQ(hashes.OfAll({}), "");
+  EXPECT_THROW(hashes.Of(temp / "c"), InputError);
 }
 
 TEST(Fingerprint, OfWeightsIsThatOfNamesShapesAndSamples) {
@@ -40,7 +48,13 @@ TEST(Fingerprint, OfWeightsIsThatOfNamesShapesAndSamples) {
   }
 }
 
-TEST(ViewsFingerprint, ChangesWithPixelsMaskLensAndPose) {
+/// With files read anew.
+std::string Print(const Scene& scene, const std::vector<int>& views, int downscale) {
+  FileHashes files;
+  return ViewsFingerprint(scene, views, downscale, &files);
+}
+
+TEST(ViewsFingerprint, ChangesWithPixelsMaskIntrinsicsAndPose) {
   const TempDir temp;
   WriteText(temp / "a.png", "pixels");
   WriteText(temp / "m.png", "mask");
@@ -48,56 +62,56 @@ TEST(ViewsFingerprint, ChangesWithPixelsMaskLensAndPose) {
   SceneView view;
   view.name = "a.png";
   view.image_path = temp / "a.png";
-  view.lens.params = {10, 10, 5, 5};
+  view.intrinsics.params = {10, 10, 5, 5};
   view.cam_from_world = Eigen::Isometry3d::Identity();
   scene.views = {view};
-  const std::string before = ViewsFingerprint(scene, {0});
-  EXPECT_EQ(ViewsFingerprint(scene, {0}), before);
-  EXPECT_NE(ViewsFingerprint(scene, {}), before);
+  const std::string before = Print(scene, {0}, 1);
+  EXPECT_EQ(Print(scene, {0}, 1), before);
+  EXPECT_NE(Print(scene, {}, 1), before);
 
   scene.format = SceneFormat::kBlender;
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.format = SceneFormat::kPhotos;
-  scene.views[0].lens.width = 7;
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.views[0].intrinsics.width = 7;
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.views[0] = view;
-  scene.views[0].lens.height = 7;
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.views[0].intrinsics.height = 7;
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.views[0] = view;
   scene.views[0].as_stored = true;
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.views[0] = view;
-  scene.views[0].lens.params[0] = 11;
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  scene.views[0].intrinsics.params[0] = 11;
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.views[0] = view;
   scene.views[0].cam_from_world->translation().x() = 1;
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.views[0] = view;
   scene.views[0].mask_path = temp / "m.png";
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  EXPECT_NE(Print(scene, {0}, 1), before);
   scene.views[0] = view;
-  EXPECT_EQ(ViewsFingerprint(scene, {0}), before);
+  EXPECT_EQ(Print(scene, {0}, 1), before);
   WriteText(temp / "a.png", "Pixels");
-  EXPECT_NE(ViewsFingerprint(scene, {0}), before);
+  EXPECT_NE(Print(scene, {0}, 1), before);
 }
 
 TEST(ViewsFingerprint, IsOfTheFileThatTheDownscaleOpens) {
   const TempDir temp;
   Scene scene = ReadScene(MakeTinyScene(temp / "scene", 2), {}, Silent());
   const auto image = scene.views[0].image_path, small = temp / "scene" / "images_2" / image.filename();
-  const std::string full = ViewsFingerprint(scene, {0}), half = ViewsFingerprint(scene, {0}, 2);
+  const std::string full = Print(scene, {0}, 1), half = Print(scene, {0}, 2);
   const auto write_small = [&](uint8_t grey, int width) {
     std::filesystem::create_directories(small.parent_path());
     WritePng(small, {width, 18, 3, std::vector<uint8_t>(static_cast<size_t>(width) * 18 * 3, grey)});
   };
   write_small(9, 24);
-  const std::string with_small = ViewsFingerprint(scene, {0}, 2);
+  const std::string with_small = Print(scene, {0}, 2);
   EXPECT_NE(with_small, half);
-  EXPECT_EQ(ViewsFingerprint(scene, {0}), full);
+  EXPECT_EQ(Print(scene, {0}, 1), full);
   write_small(10, 24);
-  EXPECT_NE(ViewsFingerprint(scene, {0}, 2), with_small);
+  EXPECT_NE(Print(scene, {0}, 2), with_small);
   write_small(10, 23);  // of another size: not used
-  EXPECT_EQ(ViewsFingerprint(scene, {0}, 2), half);
+  EXPECT_EQ(Print(scene, {0}, 2), half);
 }
 
 }  // namespace

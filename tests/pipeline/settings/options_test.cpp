@@ -1,0 +1,49 @@
+#include "oraclegs/pipeline/settings/options.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "support/errors.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(RunOptions, HaveEveryNameOnce) {
+  const RunOptions options;
+  std::set<std::string> names;
+  RunOptions::ForEachGroup(options, [&](const char*, const auto& group) {
+    for (const NamedOption& option : ListOptions(group)) EXPECT_TRUE(names.insert(option.name).second) << option.name;
+  });
+  EXPECT_EQ(RunOptionsToJson(options).size(), names.size());
+}
+
+TEST(RunOptions, SaveWordsAndAuto) {
+  RunOptions options;
+  EXPECT_EQ(ShapingOptionsToJson(options).at("init"), "auto");
+  EXPECT_EQ(ShapingOptionsToJson(options).at("init-scale"), "auto");
+  EXPECT_EQ(ShapingOptionsToJson(options).at("init-planes"), true);
+  options.start.init = StartKind::kHybrid, options.depth.depth_prior = DepthPrior::kMonocular;
+  options.start.init_scale = 0.5, options.validate.oracle = OracleKind::kVggtAndConsistency;
+  const nlohmann::json json = ShapingOptionsToJson(options);
+  EXPECT_EQ(json.at("init"), "hybrid");
+  EXPECT_EQ(json.at("init-scale"), 0.5);
+  EXPECT_EQ(json.at("depth-prior"), "depth-anything");
+  EXPECT_EQ(json.at("oracle"), "vggt+consistency");
+  EXPECT_FALSE(json.contains("threads")) << "it shapes no result";
+  EXPECT_EQ(RunOptionsToJson(options).at("lpips"), "auto");
+}
+
+TEST(RunOptions, AreCheckedInEveryGroup) {
+  RunOptions options;
+  CheckRunOptions(options);
+  options.machine.threads = -1;
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--threads is -1"));
+  options = {};
+  options.start.init_scale = 0.;
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--init-scale is 0"));
+}
+
+}  // namespace
+}  // namespace oraclegs

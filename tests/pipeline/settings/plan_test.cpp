@@ -1,0 +1,102 @@
+#include "oraclegs/pipeline/settings/plan.h"
+
+#include "pipeline/weights.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+RunOptions With(Auto<OracleKind> oracle) {
+  RunOptions options;
+  options.validate.oracle = oracle;
+  return options;
+}
+
+TEST(ChooseOracle, FollowsTheWeights) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  EventRecorder recorder;
+  EXPECT_EQ(ChooseOracle(With({})).kind, OracleKind::kConsistency);
+  ReportOracleChoice(With({}), ChooseOracle(With({})), recorder.AsListener());
+  EXPECT_THAT(recorder.notes, ElementsAre(AllOf(HasSubstr("without VGGT"), HasSubstr("oraclegs models fetch vggt"))));
+  const std::string before = ChooseOracle(With({})).Key();
+  WriteTinyVggt(dir / "models" / "vggt" / "model.safetensors");
+  const OracleChoice choice = ChooseOracle(With({}));
+  EXPECT_EQ(choice.kind, OracleKind::kVggtAndConsistency);
+  EXPECT_NE(choice.Key(), before);
+  ReportOracleChoice(With({}), choice, recorder.AsListener());
+  EXPECT_THAT(recorder.notes.back(), HasSubstr("VGGT-1B with the images"));
+}
+
+TEST(ChooseOracle, TakesWhatIsNamed) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  EventRecorder recorder;
+  for (const OracleKind kind : {OracleKind::kConsistency, OracleKind::kUniform}) {
+    EXPECT_EQ(ChooseOracle(With(kind)).kind, kind);
+    ReportOracleChoice(With(kind), ChooseOracle(With(kind)), recorder.AsListener());
+  }
+  EXPECT_TRUE(recorder.notes.empty());
+  for (const OracleKind kind : {OracleKind::kVggt, OracleKind::kVggtAndConsistency}) {
+    EXPECT_THAT(MessageOf<InputError>([&] { ChooseOracle(With(kind)); }),
+                AllOf(HasSubstr("--oracle " + Word(kind) + " needs"), HasSubstr("models fetch vggt")));
+  }
+  RunOptions named = With(OracleKind::kVggt);
+  named.weights.vggt_weights = WriteTinyVggt(dir / "named.safetensors");
+  EXPECT_EQ(ChooseOracle(named).weights->path, dir / "named.safetensors");
+}
+
+TEST(NeedsDepth, FollowsStartLossAndPruning) {
+  RunOptions options;
+  options.propose.proposers = ProposerChoice::kNone;
+  options.train.depth_weight = 0;
+  const auto needs = [&](Auto<StartKind> init) {
+    options.start.init = init;
+    return NeedsDepth(options);
+  };
+  EXPECT_TRUE(needs({}) && needs(StartKind::kDense) && needs(StartKind::kHybrid));
+  EXPECT_FALSE(needs(StartKind::kSfm) || needs(StartKind::kRandom));
+  options.train.prune_floaters = true;
+  EXPECT_TRUE(needs(StartKind::kSfm));
+  options.train = {};
+  EXPECT_GT(options.train.depth_weight, 0);
+  EXPECT_TRUE(needs(StartKind::kRandom));
+  options.depth.depth_prior = DepthPrior::kNone;
+  EXPECT_FALSE(needs(StartKind::kRandom) || needs({}));
+}
+
+TEST(HasProposals, FollowsProposersAndFolder) {
+  RunOptions options;
+  EXPECT_TRUE(ProposesViews(options) && HasProposals(options));
+  options.train.schedule = ScheduleKind::kNone;
+  EXPECT_FALSE(ProposesViews(options) || HasProposals(options));
+  options.propose.proposal_folder = "/somewhere";
+  EXPECT_FALSE(ProposesViews(options));
+  EXPECT_TRUE(HasProposals(options));
+}
+
+TEST(MakePlan, SettlesWhatTheRunComesTo) {
+  RunOptions options;
+  options.device.device = "cpu";
+  const Plan plan = MakePlan(options, true);
+  EXPECT_TRUE(plan.needs_depth && plan.proposes && plan.has_proposals);
+  EXPECT_EQ(plan.depth.prior, DepthPrior::kStereo);
+  EXPECT_EQ(plan.oracle.kind, OracleKind::kConsistency);
+  EXPECT_TRUE(plan.device.is_cpu());
+  EXPECT_TRUE(plan.Uses(options, ProposerChoice::kSplat));
+  options.propose.proposers = ProposerChoice::kNone;
+  options.validate.oracle = OracleKind::kVggt;
+  EXPECT_FALSE(MakePlan(options, true).has_proposals) << "no weights are missed";
+  options.device.device = "cuda:99";
+  EXPECT_THROW(MakePlan(options, true), UsageError);
+}
+
+}  // namespace
+}  // namespace oraclegs
