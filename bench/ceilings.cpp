@@ -62,6 +62,7 @@ HWY_AFTER_NAMESPACE();
 
 #include "bench/ceilings.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 HWY_EXPORT(FmaLoop);

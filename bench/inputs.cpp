@@ -7,8 +7,8 @@
 
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/run.h"
+#include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/mcmc.h"
-#include "oraclegs/train/rows.h"
 #include "render/scenes.h"
 
 namespace oraclegs {
@@ -25,15 +25,12 @@ struct SavedOptionReader {
   template <class T, class... Rest>
   void operator()(const char* name, T& value, Rest&&...) const {
     if (!saved.contains(name)) return;
-    if constexpr (std::is_same_v<T, std::filesystem::path>) {
-      value = saved.at(name).get<std::string>();
-    } else {
-      value = saved.at(name).get<T>();
-    }
+    const nlohmann::json& entry = saved.at(name);
+    SetOption(name, entry.is_string() ? entry.get<std::string>() : entry.dump(), &value);
   }
 };
 
-/// n of the Gaussians, in their order, drawn without return.
+/// n of the Gaussians, in their order, drawn without replacement.
 Gaussians Thinned(const Gaussians& gaussians, int64_t n) {
   std::vector<int64_t> rows(gaussians.size());
   std::iota(rows.begin(), rows.end(), 0);
@@ -41,47 +38,55 @@ Gaussians Thinned(const Gaussians& gaussians, int64_t n) {
   for (int64_t i = 0; i < n; ++i) std::swap(rows[i], rows[i + rng.Index(gaussians.size() - i)]);
   rows.resize(n);
   std::sort(rows.begin(), rows.end());
-  const Buffer<float> index = torch::tensor(rows);
-  Gaussians thinned = gaussians;
-  thinned.ForEach([&](const char*, Buffer<float>& t) { t = t.index_select(0, index); });
+  Gaussians thinned = Gaussians::Empty(n);
+  std::vector<Buffer<float>> from;
+  gaussians.ForEach([&](const char*, const Buffer<float>& all) { from.push_back(all); });
+  size_t parameter = 0;
+  thinned.ForEach([&](const char*, const Buffer<float>& to) {
+    const Buffer<float>& all = from[parameter++];
+    for (int64_t i = 0; i < n; ++i)
+      std::copy_n(all.Rows(rows[i], rows[i] + 1).data(), to.shape().row(), to.data() + i * to.shape().row());
+  });
   return thinned;
 }
 
 Gaussians Grown(const Gaussians& gaussians, int64_t n) {
-  Gaussians grown = Clone(gaussians);
+  Gaussians grown = gaussians.Clone();
   Adam adam(grown.size());
   for (int64_t iteration = 1; grown.size() < n; ++iteration) {
     if (AddGaussians(kSeed, iteration, n, &grown, &adam) == 0) throw UsageError("too few Gaussians to grow from");
   }
-  return Clone(grown);  // without the spare rows
+  return grown.Clone();  // without the spare rows
 }
 
-TrainView ResizedView(const LoadedView& photo, const InputSize& size) {
+TrainView ResizedView(const LoadedView& view, const InputSize& size) {
   const double pixels = static_cast<double>(size.width) * size.height;
-  const double aspect = static_cast<double>(photo.rgb.width) / photo.rgb.height;
+  const double aspect = static_cast<double>(view.rgb.width) / view.rgb.height;
   int width = size.width, height = size.height;
-  if (photo.rgb.width * size.height != photo.rgb.height * size.width) {
+  if (view.rgb.width * size.height != view.rgb.height * size.width) {
     width = static_cast<int>(std::lround(std::sqrt(pixels * aspect)));
     height = static_cast<int>(std::lround(pixels / width));
   }
-  LoadedView resized = photo;
+  LoadedView resized = view;
   resized.mask.clear();
-  resized.rgb = ResizeArea(photo.rgb, width, height);
-  resized.camera = Resized(photo.camera, width, height);
+  resized.rgb = ResizeArea(view.rgb, width, height);
+  resized.camera = Resized(view.camera, width, height);
   return ToTrainView(resized);
 }
 
 BenchInput FromWorkspace(const std::filesystem::path& workspace, const InputSize& size) {
   const SavedRun saved = ReadSavedRun(workspace);
   RunOptions options;
-  options.ForEachShapingGroup([&](const char*, auto& group) { group.Visit(SavedOptionReader{saved.options}); });
+  RunOptions::ForEachShapingGroup(options, [&](const char*, auto& group) {
+    std::remove_cvref_t<decltype(group)>::Visit(group, SavedOptionReader{saved.options});
+  });
   const PosedScene posed = ReadPosedScene(saved.scene, options, Silent());
 
   BenchInput input;
-  input.background = BackgroundColor(options.photo.background);
+  input.background = BackgroundColor(options.image.background);
   input.antialiased = options.train.antialiased;
-  for (const LoadedView& photo : LoadViews(posed.scene, posed.split.train, options.photo, Silent())) {
-    input.views.push_back(ResizedView(photo, size));
+  for (const LoadedView& view : LoadViews(posed.scene, posed.split.train, options.image, Silent())) {
+    input.views.push_back(ResizedView(view, size));
   }
   input.gaussians = ReadGaussianPly(WorkspacePaths(workspace).point_cloud()).gaussians;
   const int64_t n = input.gaussians.size();
@@ -95,21 +100,21 @@ BenchInput Synthetic(const InputSize& size) {
   const double scale = 2.2 / std::sqrt(static_cast<double>(size.gaussians));
   const Camera front = FrontCamera(size.width, size.height);
   BenchInput input;
-  const Buffer<float> picture =
+  const Buffer<float> image =
       MakeRasterizer(kCpu)
           ->Forward(RandomGaussians(size.gaussians, scale, kSeed + 1), front, {}, RenderPass::kInference)
           .image.Clone();
   for (int i = 0; i < kSyntheticViews; ++i) {
     Camera camera = front;
     camera.cam_from_world.translation().x() = 0.1 * i;
-    input.views.push_back({"view", camera, picture, {}});
+    input.views.push_back({"view", camera, image, {}});
   }
   input.gaussians = RandomGaussians(size.gaussians, scale, kSeed);
   return input;
 }
 
 TrainOptions OptionsOf(const BenchInput& input) {
-  TrainOptions options;
+  TrainOptions options = TrainOptions().Settled();
   options.iterations = kNever;
   options.antialiased = input.antialiased;
   options.sh_degree_interval = 1;
@@ -124,7 +129,7 @@ BenchInput MakeInput(const InputSource& source, const InputSize& size) {
 
 Adam SteadyAdam(int64_t n) {
   Adam adam(n);
-  adam.v.ForEach([](const char*, Buffer<float>& t) { t.fill_(1); });
+  adam.v.ForEach([](const char*, Buffer<float>& t) { std::fill_n(t.data(), t.count(), 1.f); });
   adam.step = 100'000;  // no bias is left to correct
   return adam;
 }
@@ -134,9 +139,8 @@ std::unique_ptr<Trainer> MakeSteadyTrainer(const BenchInput& input) {
   options.max_gaussians = static_cast<int>(input.gaussians.size());
   options.refine_start = kNever;
   auto trainer = std::make_unique<Trainer>(options, 0, input.background, input.views, input.gaussians);
-  Checkpoint checkpoint;
+  Checkpoint checkpoint = trainer->MakeCheckpoint();
   checkpoint.iteration = kNever - 100'000;  // where rates are at their end, so that the steps leave the state as it is
-  checkpoint.gaussians = input.gaussians;
   checkpoint.adam = SteadyAdam(input.gaussians.size());
   trainer->Restore(checkpoint);
   return trainer;

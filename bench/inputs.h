@@ -31,7 +31,7 @@ struct BenchInput {
 };
 
 /// A run's point cloud, thinned by a seeded draw or grown by MCMC's own rule (AddGaussians, again and again: the
-/// picture stays, faint and small Gaussians become more), and its training photographs, resized; cameras follow.
+/// image stays, faint and small Gaussians become more), and its training views, resized.
 /// Throws InputError, UsageError.
 BenchInput MakeInput(const InputSource& source, const InputSize& size);
 

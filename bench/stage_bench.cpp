@@ -60,8 +60,8 @@ void RegisterAll(const std::vector<InputSource>& sources) {
   }
 }
 
-/// Takes the --workspace options out of the command line. Throws UsageError.
-std::vector<InputSource> TakeSources(int* argc, char** argv) {
+/// Removes the --workspace options from of the command line. Throws UsageError.
+std::vector<InputSource> ParseSources(int* argc, char** argv) {
   std::vector<InputSource> sources{{"synthetic", {}}};
   const std::string option = "--workspace";
   int kept = 1;
@@ -79,7 +79,7 @@ std::vector<InputSource> TakeSources(int* argc, char** argv) {
     const size_t equals = text.find('=');
     if (equals == 0 || equals == std::string::npos) throw UsageError("--workspace is '{}', must be NAME=FOLDER", text);
     sources.push_back({text.substr(0, equals), text.substr(equals + 1)});
-    ReadSavedRun(sources.back().workspace);  // a wrong folder is told at once
+    ReadSavedRun(sources.back().workspace);  // a wrong folder is reported at once
   }
   *argc = kept;
   return sources;
@@ -87,7 +87,7 @@ std::vector<InputSource> TakeSources(int* argc, char** argv) {
 
 int Main(int argc, char** argv) {
   try {
-    RegisterAll(TakeSources(&argc, argv));
+    RegisterAll(ParseSources(&argc, argv));
   } catch (const std::exception& e) {
     std::fprintf(stderr, "stage_bench: error: %s\n", e.what());
     return 2;

@@ -12,7 +12,7 @@ constexpr double kFlopsPerPair = 34, kFlopsPerPairBackward = 64;  // of a pixel-
 
 // Bytes. A Gaussian has 3 + 3 + 4 + 1 geometry parameters and 48 of colour.
 constexpr double kGeometry = 11 * sizeof(float), kColor = 48 * sizeof(float), kAll = kGeometry + kColor;
-constexpr double kSplat = sizeof(cpu::Splat), kRect = sizeof(cpu::TileRect), kEntry = sizeof(cpu::TileEntry);
+constexpr double kSplat = sizeof(cpu::LineSplat), kRect = sizeof(TileRect), kEntry = sizeof(cpu::TileEntry);
 constexpr double kGradRecord = cpu::kGradStride * sizeof(float);
 constexpr double kDepthKey = 8;                             // depth and index
 constexpr double kPairTile = 4, kPairMask = 4, kRange = 8;  // of a pair; a Gaussian's pairs
@@ -92,7 +92,7 @@ double LeastWork(Stage stage, const IterationShape& shape, const IterationSample
       // writes each Gaussian's range of pairs, and each pair's tile, blocks and entry.
       return n * (kRect + kRange) + visible * (kSplat + 2 * kDepthKey) + pairs * (kPairTile + kPairMask + kEntry);
     case Stage::kLoss:
-      // Reads render and photograph, writes the gradient; SSIM's windows stay in the caches.
+      // Reads render and image, writes the gradient; SSIM's windows stay in the caches.
       return 3 * kRgb * shape.pixels;
     case Stage::kUpdate:
       // Reads each pair's gradient record and tile, the visible ones' splats; reads and writes parameters and both

@@ -4,16 +4,15 @@
 #include <utility>
 
 #include "bench/benchmarks.h"
-#include "oraclegs/core/statistics.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/render/make_rasterizer.h"
 
 namespace oraclegs {
 namespace {
 
 bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
-  return a.count() == b.count() &&
-         std::memcmp(a.data(), b.data(), a.count() * sizeof(float)) == 0;
+  return a.count() == b.count() && std::memcmp(a.data(), b.data(), a.count() * sizeof(float)) == 0;
 }
 
 struct Rendered {
