@@ -17,22 +17,23 @@ constexpr int kWidth = 40, kHeight = 30;
 
 float InvDepth(int x, int y) { return 0.25f + 0.005f * static_cast<float>(x) + 0.002f * static_cast<float>(y); }
 
-/// Photographs from one place, of a surface whose inverse depth is a slope; the network guesses it in units of its own.
+/// Photographs from one place, of a surface whose inverse depth is a slope; the network predicted it in units of its
+/// own.
 class MonocularStageTest : public testing::Test {
  protected:
   void SetUp() override {
     for (int v = 0; v < 3; ++v) {
       const Camera camera{kWidth, kHeight, 40, 40, kWidth / 2., kHeight / 2., Eigen::Isometry3d::Identity()};
-      photos.push_back({fmt::format("p{}.png", v), camera, {kWidth, kHeight, 3, {}}, {}});
-      photos.back().rgb.data.assign(kWidth * kHeight * 3, 0.5f);
-      for (size_t i = 0; i < photos.back().rgb.data.size(); ++i) {
-        photos.back().rgb.data[i] = static_cast<float>(i % 97) / 97;  // no plain background
+      views.push_back({fmt::format("p{}.png", v), camera, {kWidth, kHeight, 3, {}}, {}});
+      views.back().rgb.data.assign(kWidth * kHeight * 3, 0.5f);
+      for (size_t i = 0; i < views.back().rgb.data.size(); ++i) {
+        views.back().rgb.data[i] = static_cast<float>(i % 97) / 97;  // no plain background
       }
-      DepthMap map{photos.back().name, camera, {}, {}, {}};
-      guesses.push_back({kWidth, kHeight, {}});
+      DepthMap map{views.back().name, camera, {}, {}, {}};
+      predicted.push_back({kWidth, kHeight, {}});
       for (int i = 0; i < kWidth * kHeight; ++i) {
         const float w = InvDepth(i % kWidth, i / kWidth);
-        guesses.back().values.push_back((w - 0.1f) / static_cast<float>(2 + v));
+        predicted.back().values.push_back((w - 0.1f) / static_cast<float>(2 + v));
         map.inv_depth.push_back(w);
         map.normals.emplace_back(0, 0, -1);
         map.confidence.push_back(i % kWidth < 20 ? 0.9f : 0.1f);
@@ -46,17 +47,18 @@ class MonocularStageTest : public testing::Test {
     }
   }
   MonocularMaps Combine(bool fused) {
-    return WithMonocularDepth(guesses, photos, fused ? stereo : std::vector<DepthMap>(), points, recorder.AsListener());
+    return WithMonocularDepth(predicted, views, fused ? stereo : std::vector<DepthMap>(), points,
+                              recorder.AsListener());
   }
 
-  std::vector<LoadedView> photos;
-  std::vector<RelativeDepth> guesses;
+  std::vector<LoadedView> views;
+  std::vector<RelativeDepth> predicted;
   std::vector<DepthMap> stereo;
   std::vector<ScenePoint> points;
   EventRecorder recorder;
 };
 
-TEST_F(MonocularStageTest, AlignsEachPhotographToThePoints) {
+TEST_F(MonocularStageTest, AlignsEachViewToThePoints) {
   const MonocularMaps alone = Combine(false);
   EXPECT_NEAR(alone.right, 1, 1e-9);
   ASSERT_EQ(alone.maps.size(), 3u);
@@ -69,7 +71,7 @@ TEST_F(MonocularStageTest, AlignsEachPhotographToThePoints) {
   EXPECT_TRUE(recorder.warnings.empty());
 }
 
-TEST_F(MonocularStageTest, FillsWhatStereoIsNotSureOf) {
+TEST_F(MonocularStageTest, FillsWhereStereoIsNotConfident) {
   const MonocularMaps fused = Combine(true);
   for (size_t v = 0; v < 3; ++v) {
     const DepthMap& map = fused.maps[v];
@@ -80,8 +82,8 @@ TEST_F(MonocularStageTest, FillsWhatStereoIsNotSureOf) {
 }
 
 TEST_F(MonocularStageTest, AMaskKeepsItsPixelsEmpty) {
-  photos[1].mask.assign(kWidth * kHeight, 1);
-  photos[1].mask[30] = 0;
+  views[1].mask.assign(kWidth * kHeight, 1);
+  views[1].mask[30] = 0;
   const MonocularMaps fused = Combine(true);
   EXPECT_EQ(fused.maps[1].confidence[30], 0);
   EXPECT_GT(fused.maps[1].confidence[31], 0);
@@ -100,13 +102,13 @@ TEST_F(MonocularStageTest, WithTooFewPointsStereoAligns) {
 }
 
 TEST_F(MonocularStageTest, AScaleUnlikeTheOthersIsNotBelieved) {
-  for (float& value : guesses[2].values) value /= 100;
+  for (float& value : predicted[2].values) value /= 100;
   const MonocularMaps fused = Combine(true);
   EXPECT_FALSE(fused.maps[2].monocular);
   EXPECT_EQ(fused.maps[2].confidence, stereo[2].confidence);
   ASSERT_EQ(recorder.warnings.size(), 1u);
   EXPECT_THAT(recorder.warnings[0],
-              testing::AllOf(HasSubstr("depth of p2.png cannot"), HasSubstr("stereo stands alone")));
+              testing::AllOf(HasSubstr("depth of p2.png cannot"), HasSubstr("only stereo is used there")));
 }
 
 TEST_F(MonocularStageTest, ASmallSceneIsAlignedAsALargeOneIs) {
@@ -115,18 +117,17 @@ TEST_F(MonocularStageTest, ASmallSceneIsAlignedAsALargeOneIs) {
 }
 
 TEST(DepthNetworkLicence, OnlyTheSmallNetworkIsForAnyUse) {
-  const TempDir temp;
-  EXPECT_EQ(DepthNetworkName(WriteTinyDepthAnything(temp / "tiny.safetensors")), "Depth Anything V2 of another size");
   EXPECT_FALSE(IsNonCommercialDepthNetwork("Depth Anything V2 small"));
   EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 base"));
   EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 large"));
 }
 
-TEST_F(MonocularStageTest, TheNetworkGuessesEachPhotographAtItsSize) {
+TEST_F(MonocularStageTest, TheNetworkPredictsEachViewAtItsSize) {
+  SKIP_WITHOUT_NETWORKS();
   const TempDir temp;
   const auto weights = WriteTinyDepthAnything(temp / "tiny.safetensors");
   int64_t steps = 0;
-  const std::vector<RelativeDepth> found = GuessDepth(weights, photos, [&](const Event& event) {
+  const std::vector<RelativeDepth> found = PredictRelativeDepth(weights, views, [&](const Event& event) {
     const auto* step = std::get_if<StepDone>(&event);
     ASSERT_TRUE(step);
     EXPECT_EQ(step->done, ++steps);
@@ -136,13 +137,14 @@ TEST_F(MonocularStageTest, TheNetworkGuessesEachPhotographAtItsSize) {
   EXPECT_EQ(found[0].width, kWidth);
   EXPECT_EQ(found[0].height, kHeight);
   ASSERT_EQ(found[0].values.size(), static_cast<size_t>(kWidth * kHeight));
-  EXPECT_EQ(found[0].values, found[1].values) << "the same picture";
+  EXPECT_EQ(found[0].values, found[1].values) << "the same image";
   EXPECT_NE(found[0].values[0], found[0].values[700]);
   RequestInterrupt(true);
-  EXPECT_THROW(GuessDepth(weights, photos, Silent()), Interrupted);
+  EXPECT_THROW(PredictRelativeDepth(weights, views, Silent()), Interrupted);
   RequestInterrupt(false);
-  EXPECT_THAT(MessageOf<InputError>([&] { GuessDepth(WriteTinyLpips(temp / "x.safetensors"), photos, Silent()); }),
-              HasSubstr("is no Depth Anything V2"));
+  EXPECT_THAT(
+      MessageOf<InputError>([&] { PredictRelativeDepth(WriteTinyLpips(temp / "x.safetensors"), views, Silent()); }),
+      HasSubstr("is no Depth Anything V2"));
 }
 
 }  // namespace

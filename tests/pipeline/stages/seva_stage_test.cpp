@@ -23,8 +23,9 @@ class SevaStageTest : public ProposingTest {
  protected:
   static void SetUpTestSuite() {
     ProposingTest::SetUpTestSuite();
-    WriteTinyNetworks(*temp / "models");
+    if (HasNetworks()) WriteTinyNetworks(*temp / "models");
   }
+  void SetUp() override { SKIP_WITHOUT_NETWORKS(); }
 
   static RunRequest SevaRequestOf(const std::string& out, ProposerChoice proposers) {
     RunRequest request = Request(out);
@@ -36,8 +37,8 @@ class SevaStageTest : public ProposingTest {
     return request;
   }
 
-  /// The generated pictures of a run.
-  static std::vector<std::string> PicturesOf(const fs::path& out) {
+  /// The generated images of a run.
+  static std::vector<std::string> ImagesOf(const fs::path& out) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(out / "proposals" / "seva")) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
@@ -58,14 +59,14 @@ TEST_F(SevaStageTest, GeneratesCandidatesOfEveryTarget) {
   EXPECT_TRUE(known.proxies.empty());
   for (const Target& target : known.targets) {
     for (const char* source : {"seva", "seva_2"}) {
-      const Image8 picture = ReadImage(run.workspace.proposals() / source / (target.name + ".png"));
-      EXPECT_EQ(picture.width, target.camera.width);
-      EXPECT_EQ(picture.height, target.camera.height);
+      const Image8 image = ReadImage(run.workspace.proposals() / source / (target.name + ".png"));
+      EXPECT_EQ(image.width, target.camera.width);
+      EXPECT_EQ(image.height, target.camera.height);
     }
     EXPECT_FALSE(fs::exists(run.workspace.proposals() / "warp" / (target.name + ".png")));
   }
   EXPECT_TRUE(fs::exists(run.workspace.proposals() / "transforms.json"));
-  EXPECT_FALSE(fs::exists(run.workspace.proposals() / "seva_chunks")) << "nobody needs them any more";
+  EXPECT_FALSE(fs::exists(run.workspace.proposals() / "seva_chunks")) << "they are needed no more";
   const auto answers =
       ProposersOf(&run).Ask({known.targets[0], {"held_out", ViewsOf(&run).views[0].camera}}, {std::nullopt, 0});
   ASSERT_EQ(answers[0].size(), 2u);
@@ -101,7 +102,7 @@ TEST_F(SevaStageTest, GoesOnBehindTheLastFinishedChunk) {
   propose("stopped");
   EXPECT_EQ(total, chunks - 1);
   EXPECT_EQ(done, total);
-  EXPECT_EQ(PicturesOf(*temp / "stopped"), PicturesOf(*temp / "straight"));
+  EXPECT_EQ(ImagesOf(*temp / "stopped"), ImagesOf(*temp / "straight"));
 }
 
 TEST_F(SevaStageTest, AWholeRunWithEveryNetwork) {
@@ -140,7 +141,7 @@ TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
               HasSubstr("`oraclegs models fetch openclip-vith14`"));
 }
 
-TEST_F(SevaStageTest, RefusesAPictureOfAnotherSize) {
+TEST_F(SevaStageTest, RefusesAnImageOfAnotherSize) {
   const TempDir dir;
   WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36)});
   Camera camera;
