@@ -1,8 +1,6 @@
 #include "command.h"
 
 
-#include <ATen/Parallel.h>
-
 #include <cstdio>
 
 #include "config_file.h"
@@ -64,10 +62,7 @@ void Command::Run(const std::string& command_line) {
   ApplyDefaults();
   for (const auto& check : checks_) check();
   if (device_) ChooseDevice(device_->device, ProbeDevices());  // what cannot be had is refused before any work
-  if (machine_) {
-    SetNumThreads(machine_->threads);
-    at::set_num_threads(NumThreads());
-  }
+  if (machine_) SetNumThreads(machine_->threads);
   Terminal terminal(output_.quiet ? Verbosity::kQuiet : output_.verbose ? Verbosity::kVerbose : Verbosity::kNormal);
   for (const CLI::Option* option : app_->get_options()) {
     if (option->count() > 0) Log().debug("option {} = {}", option->get_name(), fmt::join(option->results(), " "));
@@ -110,7 +105,7 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
   std::error_code ignored;
   const bool trained_here = std::filesystem::exists(paths.point_cloud(), ignored);
   if (trained_here) text += fmt::format("splat      {}\n", paths.point_cloud().string());
-  text += fmt::format("metrics    {}\npictures   {}", paths.metrics().string(), paths.renders("test").string());
+  text += fmt::format("metrics    {}\nimages     {}", paths.metrics().string(), paths.renders("test").string());
   return text;
 }
 

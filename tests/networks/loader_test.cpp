@@ -48,14 +48,19 @@ TEST(LoadNetworks, RefusesALibraryOfAnotherBuild) {
 TEST(GetNetworks, TakesWhatTheVariableNames) {
   setenv(kNetworksVariable, ORACLEGS_OTHER_BUILD, 1);
   EXPECT_THAT(WhyNoNetworks(), HasSubstr("is of another build"));
+  EXPECT_TRUE(HasNetworksLibrary()) << "only the file is looked for";
   setenv(kNetworksVariable, "/nowhere/x.so", 1);
   EXPECT_THAT(WhyNoNetworks(), HasSubstr("/nowhere/x.so: there is no such file"));
   EXPECT_THROW(GetNetworks(), UsageError);
+  EXPECT_FALSE(HasNetworksLibrary());
+  EXPECT_THAT(MessageOf<UsageError>([] { RequireNetworksLibrary("--oracle vggt"); }),
+              HasSubstr("--oracle vggt needs networks, and liboraclegs_networks.so is not here; "));
   unsetenv(kNetworksVariable);
 }
 
 TEST(GetNetworks, WithoutThemSaysWhichPackageBringsThem) {
   if (HasNetworks()) GTEST_SKIP() << "this build has networks";
+  EXPECT_FALSE(HasNetworksLibrary());
   EXPECT_THAT(WhyNoNetworks(), AllOf(HasSubstr("libtorch-dev"), HasSubstr("-DORACLEGS_NETWORKS=ON")));
 }
 

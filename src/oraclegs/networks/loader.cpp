@@ -23,7 +23,7 @@ constexpr const char* kLibrary = "liboraclegs_networks.so";
 constexpr const char* kHowToGet = "install it beside the program, or build the target oraclegs_networks_plugin";
 #else
 constexpr const char* kHowToGet =
-    "this program was built without libtorch: install the Debian package libtorch-dev and build with "
+    "this program was built without libtorch: install the Debian package libtorch-dev and configure with "
     "-DORACLEGS_NETWORKS=ON";
 #endif
 
@@ -48,13 +48,14 @@ std::vector<fs::path> Folders() {
   return folders;
 }
 
-fs::path FindLibrary() {
+/// Nothing when there is none; what the variable names, whether it is there or not.
+std::optional<fs::path> FindLibrary() {
   if (const char* given = std::getenv(kNetworksVariable)) return given;
   for (const fs::path& folder : Folders()) {
     std::error_code ignored;
     if (fs::exists(folder / kLibrary, ignored)) return (folder / kLibrary).lexically_normal();
   }
-  throw UsageError("networks need {}, which is not here; {}", kLibrary, kHowToGet);
+  return std::nullopt;
 }
 
 /// What is wrong with a library that the system's loader refuses, from its words.
@@ -100,7 +101,22 @@ const Networks& LoadNetworks(const fs::path& library) {
   return *networks;
 }
 
-const Networks& GetNetworks() { return LoadNetworks(FindLibrary()); }
+bool HasNetworksLibrary() {
+  std::error_code ignored;
+  const auto library = FindLibrary();
+  return library && fs::exists(*library, ignored);
+}
+
+void RequireNetworksLibrary(const std::string& needs) {
+  if (HasNetworksLibrary()) return;
+  throw UsageError("{} needs networks, and {} is not here; {}", needs, kLibrary, kHowToGet);
+}
+
+const Networks& GetNetworks() {
+  const auto library = FindLibrary();
+  if (!library) throw UsageError("networks need {}, which is not here; {}", kLibrary, kHowToGet);
+  return LoadNetworks(*library);
+}
 
 std::string WhyNoNetworks() {
   try {

@@ -16,6 +16,14 @@ inline constexpr const char* kNetworksVariable = "ORACLEGS_NETWORKS_LIBRARY";
 /// there is none, when it was made by another build, or when it does not load; the message says what brings it.
 const Networks& GetNetworks();
 
+/// True when there is a library to load. Looks for the file only: whether it loads is known when a network is asked
+/// for.
+bool HasNetworksLibrary();
+
+/// Throws UsageError "--oracle vggt needs networks, and ... is not here; ..." where there is none, before hours of
+/// work.
+void RequireNetworksLibrary(const std::string& needs);
+
 /// Why GetNetworks would throw, in its words; empty when it would not. Loads the library where it can.
 std::string WhyNoNetworks();
 

@@ -1,5 +1,6 @@
 #include "oraclegs/pipeline/settings/plan.h"
 
+#include "oraclegs/networks/loader.h"
 #include "pipeline/weights.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
@@ -20,6 +21,7 @@ RunOptions With(Auto<OracleKind> oracle) {
 }
 
 TEST(ChooseOracle, FollowsTheWeights) {
+  SKIP_WITHOUT_NETWORKS();
   const TempDir dir;
   const ModelsAt models(dir / "models");
   EventRecorder recorder;
@@ -96,6 +98,46 @@ TEST(MakePlan, SettlesWhatTheRunComesTo) {
   EXPECT_FALSE(MakePlan(options, true).has_proposals) << "no weights are missed";
   options.device.device = "cuda:99";
   EXPECT_THROW(MakePlan(options, true), UsageError);
+}
+
+TEST(MakePlan, WithoutTheLibraryTakesWhatNeedsNoNetwork) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  const EnvironmentVariable library(kNetworksVariable, "/nowhere/x.so");
+  for (const char* model : {"vggt", "depth-anything-v2-small", "lpips-vgg"}) {
+    WriteTinyVggt(dir / "models" / model / "model.safetensors");  // any file will do
+  }
+  RunOptions options;
+  const Plan plan = MakePlan(options, true);
+  EXPECT_EQ(plan.depth.prior, DepthPrior::kStereo);
+  EXPECT_EQ(plan.oracle.kind, OracleKind::kConsistency);
+  EXPECT_TRUE(plan.lpips.empty());
+  EventRecorder recorder;
+  ReportOracleChoice(options, plan.oracle, recorder.AsListener());
+  EXPECT_THAT(recorder.notes, ElementsAre(AllOf(HasSubstr("without VGGT"), HasSubstr("/nowhere/x.so"))));
+}
+
+TEST(MakePlan, RefusesNetworksWithoutTheLibrary) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  const EnvironmentVariable library(kNetworksVariable, "/nowhere/x.so");
+  for (const char* model : {"vggt", "depth-anything-v2-small", "lpips-vgg"}) {
+    WriteTinyVggt(dir / "models" / model / "model.safetensors");
+  }
+  const auto refusal = [](const RunOptions& options) {
+    return MessageOf<UsageError>([&] { MakePlan(options, false); });
+  };
+  RunOptions oracle, depth, seva, poses, lpips;
+  oracle.validate.oracle = OracleKind::kVggt;
+  EXPECT_THAT(refusal(oracle), AllOf(HasSubstr("--oracle vggt needs networks"), HasSubstr("is not here")));
+  depth.depth.depth_prior = DepthPrior::kFused;
+  EXPECT_THAT(refusal(depth), HasSubstr("--depth-prior fused needs networks"));
+  seva.propose.proposers = ProposerChoice::kSeva;
+  EXPECT_THAT(refusal(seva), HasSubstr("--proposers seva needs networks"));
+  poses.input.poses = PoseSource::kVggt;
+  EXPECT_THAT(refusal(poses), HasSubstr("--poses vggt needs networks"));
+  lpips.weights.lpips = LpipsUse::kRequired;
+  EXPECT_THAT(refusal(lpips), HasSubstr("--lpips required needs networks"));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "oraclegs/pipeline/settings/plan.h"
 
+#include "oraclegs/networks/loader.h"
+
 namespace oraclegs {
 
 bool ProposesViews(const RunOptions& options) {
@@ -22,10 +24,13 @@ OracleChoice ChooseOracle(const RunOptions& options) {
   const Auto<OracleKind>& asked = options.validate.oracle;
   if (asked == OracleKind::kConsistency || asked == OracleKind::kUniform) return {asked.value()};
   if (!asked.is_auto()) {
-    return {asked.value(), RequireVggtWeights(options.weights.vggt_weights, "--oracle " + Word(asked.value()))};
+    const std::string needs = "--oracle " + Word(asked.value());
+    OracleChoice choice{asked.value(), RequireVggtWeights(options.weights.vggt_weights, needs)};
+    RequireNetworksLibrary(needs);
+    return choice;
   }
   auto weights = FindVggtWeights(options.weights.vggt_weights);
-  if (!weights) return {OracleKind::kConsistency};
+  if (!weights || !HasNetworksLibrary()) return {OracleKind::kConsistency};
   return {OracleKind::kVggtAndConsistency, std::move(weights)};
 }
 
@@ -33,6 +38,10 @@ void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, c
   if (!options.validate.oracle.is_auto()) return;
   if (choice.weights) {
     listener(Note{fmt::format("oracle: {} with the images ({})", choice.weights->name, choice.weights->path.string())});
+    return;
+  }
+  if (!HasNetworksLibrary()) {
+    listener(Note{"oracle: the images alone, without VGGT; " + WhyNoNetworks()});
     return;
   }
   listener(Note{"oracle: the images alone, without VGGT; `oraclegs models fetch vggt` brings its weights"});
@@ -47,6 +56,10 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
   if (plan.has_proposals) plan.oracle = ChooseOracle(options);
   if (!has_poses && options.input.poses == PoseSource::kVggt) {
     plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
+    RequireNetworksLibrary("--poses vggt");
+  }
+  if (plan.Uses(options, ProposerChoice::kSeva)) {
+    RequireNetworksLibrary("--proposers " + Word(options.propose.proposers));
   }
   return plan;
 }
@@ -56,6 +69,9 @@ Plan MakePlanToEvaluate(const RunOptions& options) {
   plan.support = ProbeDevices();
   plan.device = ChooseDevice(options.device.device, plan.support);
   plan.lpips = FindLpips(options.weights);
+  if (options.weights.lpips == LpipsUse::kRequired) RequireNetworksLibrary("--lpips required");
+  if (!options.weights.lpips_weights.empty()) RequireNetworksLibrary("--lpips-weights");
+  if (!HasNetworksLibrary()) plan.lpips.clear();
   return plan;
 }
 

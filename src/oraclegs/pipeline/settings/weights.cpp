@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/networks/loader.h"
 #include "oraclegs/weights/folder.h"
 
 namespace oraclegs {
@@ -28,9 +29,9 @@ std::vector<fs::path> FindWeights(const std::string& model, const fs::path& give
   std::error_code ignored;
   if (given.empty()) {
     try {
-      if (const auto file = LocateModel(model)) return {*file};
-      return FilesIn(ModelsFolder() / model);  // put there by hand
-    } catch (const UsageError&) {              // there is no home folder to look in
+      if (const auto file = LocateWeights(model)) return {*file};
+      return FilesIn(WeightsFolder() / model);  // put there by hand
+    } catch (const UsageError&) {               // there is no home folder to look in
       return {};
     }
   }
@@ -61,11 +62,12 @@ DepthSource ChooseDepthSource(const RunOptions& options) {
     throw InputError("{}: holds {} files, Depth Anything V2 has one; name one with --depth-weights",
                      files[0].parent_path().string(), files.size());
   }
-  if (files.empty() && asked.is_auto()) return {DepthPrior::kStereo, {}};
+  if (asked.is_auto() && (files.empty() || !HasNetworksLibrary())) return {DepthPrior::kStereo, {}};
   if (files.empty()) {
     throw InputError("--depth-prior {} needs the weights of Depth Anything V2; {}, or name a file with --depth-weights",
                      Word(asked.value()), HowToFetch(kDepthModel));
   }
+  RequireNetworksLibrary("--depth-prior " + Word(asked.ValueOr(DepthPrior::kFused)));
   return {asked.ValueOr(DepthPrior::kFused), files[0]};
 }
 
