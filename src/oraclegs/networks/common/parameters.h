@@ -48,7 +48,7 @@ class ParameterScope {
 
 struct CheckpointOptions {
   std::string model = "this network";  ///< its name in messages
-  std::string prefix = {};             ///< of all its names in the file; what does not begin so is not looked at
+  std::string prefix = {};             ///< of all its names in the file; what does not begin so is ignored
   std::vector<std::string> ignored =
       {};  ///< beginnings of names (behind the prefix) that may be there and are not read
   /// Parts of names as older files spell them, and as this network does; the first that is found is replaced.

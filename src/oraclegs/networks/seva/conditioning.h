@@ -11,7 +11,7 @@
 
 namespace oraclegs::seva {
 
-/// The frames of a joint problem. latents and embeddings are looked at where `given`.
+/// The frames of a joint problem. latents and embeddings are read where `given`.
 struct Frames {
   std::vector<View> views;  ///< normalised
   std::vector<bool> given;

@@ -10,7 +10,7 @@ namespace oraclegs::seva {
 /// attention as the published network has them. (With one context token we skip a few per cent of it.)
 struct Cost {
   double total = 0;
-  double joint_attention = 0;  ///< of that, scores and values where all frames look at each other
+  double joint_attention = 0;  ///< of that, scores and values where all frames attend to each other
 };
 /// `unet` may be one without memory (ListedParameters); latents of `height` x `width`.
 Cost CostOfStep(const Unet& unet, int64_t frames, int64_t height, int64_t width);

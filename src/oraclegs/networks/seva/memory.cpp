@@ -11,8 +11,8 @@ namespace {
 
 constexpr int64_t kFloat = 4, kLatentStride = 8;
 constexpr int64_t kColors = 3;
-constexpr int64_t kTileStep = 16, kSmallestTile = 32;  // latent pixels
-constexpr int64_t kFewFrames = 21, kShortSide = 384;   // what the error suggests
+constexpr int64_t kTileStep = 16, kMinTile = 32;                     // latent pixels
+constexpr int64_t kSuggestedFrames = 21, kSuggestedShortSide = 384;  // what the error suggests
 
 /// Numbers a pixel that a residual block holds at its largest, in the weights' type and in float32.
 int64_t ResBytes(int64_t in, int64_t out, int64_t type) { return in * (kFloat + 2 * type) + out * (kFloat + 3 * type); }
@@ -87,15 +87,15 @@ std::string Suggestions(const UnetConfig& config, const MemoryRequest& request) 
     other.other_weights /= 2;
     suggest("--seva-precision bfloat16", other);
   }
-  if (request.frames > kFewFrames) {
+  if (request.frames > kSuggestedFrames) {
     MemoryRequest other = request;
-    other.frames = kFewFrames;
-    suggest(fmt::format("--seva-frames {}", kFewFrames), other);
+    other.frames = kSuggestedFrames;
+    suggest(fmt::format("--seva-frames {}", kSuggestedFrames), other);
   }
-  if (std::min(request.size.width, request.size.height) > kShortSide) {
+  if (std::min(request.size.width, request.size.height) > kSuggestedShortSide) {
     MemoryRequest other = request;
-    other.size = WorkingSize(request.size, kShortSide);
-    suggest(fmt::format("--seva-short-side {}", kShortSide), other);
+    other.size = WorkingSize(request.size, kSuggestedShortSide);
+    suggest(fmt::format("--seva-short-side {}", kSuggestedShortSide), other);
   }
   if (options.empty()) return "more memory is needed";
   return fmt::format("less is needed with {}", fmt::join(options, ", or "));
@@ -161,9 +161,9 @@ int64_t ChooseTile(const TileRequest& request, int64_t available) {
   const int64_t encoding = fixed + takes.encode * height * width;
   int64_t side = longer;
   if (decoding(side) > available) side = (longer - 1) / kTileStep * kTileStep;
-  while (side > kSmallestTile && decoding(side) > available) side -= kTileStep;
+  while (side > kMinTile && decoding(side) > available) side -= kTileStep;
   if (side == longer && encoding <= available) return side;
-  side = std::max(side, std::min(longer, kSmallestTile));
+  side = std::max(side, std::min(longer, kMinTile));
   const int64_t need = std::max(encoding, decoding(side));
   if (need <= available) return side;
   throw RunError(

@@ -32,7 +32,7 @@ struct TimeBlock {
   TokenBlock tokens;
 };
 
-/// Which tokens of a sequence the spatial blocks let look at each other.
+/// Which tokens of a sequence attend to each other in the spatial blocks.
 enum class Reach { kFrame, kSequence };
 
 struct MultiView {

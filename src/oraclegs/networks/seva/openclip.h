@@ -41,7 +41,7 @@ struct OpenClip {
 /// `at` is where the names conv1.weight, ln_pre.weight, ... begin: "visual" of a checkpoint. Throws ShapeError when the
 /// heads do not divide the width or the patch does not divide the image.
 OpenClip LoadOpenClip(const ParameterScope& at, const OpenClipConfig& config);
-/// From a safetensors file of the whole model (only names that begin with `visual.` are looked at; the text half is
+/// From a safetensors file of the whole model (only names that begin with `visual.` are read; the text half is
 /// never read). Throws InputError that lists all that does not fit.
 OpenClip LoadOpenClip(const std::filesystem::path& path, const OpenClipConfig& config = {},
                       torch::Device device = torch::kCPU, torch::ScalarType type = torch::kFloat);

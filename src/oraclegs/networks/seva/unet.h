@@ -24,7 +24,7 @@ struct UnetConfig {
   int64_t context_width = 1024;
   int64_t dense_channels = 6;
   int64_t groups = 32;
-  /// Transformers in which all frames of a sequence look at each other: "input_ds1", "middle_ds8", "output_ds4" ...
+  /// Transformers in which all frames of a sequence attend to each other: "input_ds1", "middle_ds8", "output_ds4" ...
   std::vector<std::string> joint = {"middle_ds8", "output_ds4", "output_ds2"};
 
   int64_t embedding_width() const { return 4 * channels; }

@@ -24,7 +24,7 @@ struct VaeResnet {
 VaeResnet LoadVaeResnet(const ParameterScope& at, int64_t in, int64_t out, const VaeNormShape& norm);
 Tensor Forward(const VaeResnet& block, const Tensor& x);
 
-/// Every place looks at every place, with one head as wide as the channels; added to the input.
+/// Every place attends to every place, with one head as wide as the channels; added to the input.
 struct VaeAttention {
   GroupNorm norm;
   Linear q, k, v, out;

@@ -3,10 +3,10 @@
 namespace oraclegs::vggt {
 namespace {
 
-constexpr double kSmallestRange = 1e-12;  // attention is of the order of one over the tokens: nothing larger will do
+constexpr double kMinRange = 1e-12;  // attention is of the order of 1 / tokens, so this must be smaller
 
-/// [S, P] float64: how much each patch is looked at.
-Tensor LookedAt(const GlobalAttention& attention, AttentionMode mode) {
+/// [S, P] float64: how much attention each patch gets.
+Tensor AttentionReceived(const GlobalAttention& attention, AttentionMode mode) {
   if (mode == AttentionMode::kOfficial) return attention.from_camera[0].to(torch::kDouble);
   const Tensor from = attention.from_patches.to(torch::kDouble);
   if (mode == AttentionMode::kReference) return from[0];
@@ -28,10 +28,10 @@ Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMo
     if (mode == AttentionMode::kOthers && from.size(0) < 2) {
       throw ShapeError("PatchConfidence: one view has no others to look at it");
     }
-    const Tensor map = LookedAt(layer.attention, mode);
+    const Tensor map = AttentionReceived(layer.attention, mode);
     const bool together = mode == AttentionMode::kOfficial;
     const Tensor low = together ? map.min() : map.amin({1}, true), high = together ? map.max() : map.amax({1}, true);
-    const Tensor stretched = (map - low) / (high - low).clamp_min(kSmallestRange) * layer.weight;
+    const Tensor stretched = (map - low) / (high - low).clamp_min(kMinRange) * layer.weight;
     sum = sum.defined() ? sum + stretched : stretched;
   }
   return sum.view({sum.size(0), grid.rows, grid.cols}).to(torch::kFloat);

@@ -8,8 +8,8 @@
 namespace oraclegs::vggt {
 namespace {
 
-constexpr double kLargestSize = 1 << 16;
-constexpr size_t kLongestName = 60;
+constexpr double kMaxSize = 1 << 16;
+constexpr size_t kMaxNameLength = 60;
 constexpr double kSumTolerance = 1e-6;
 
 class Metadata {
@@ -54,7 +54,7 @@ class Metadata {
   std::vector<int64_t> Counts(const std::string& key, double low) const {
     std::vector<int64_t> counts;
     for (const double n : Numbers(key)) {
-      Require(n == std::floor(n) && n >= low && n <= kLargestSize, key, "is no size");
+      Require(n == std::floor(n) && n >= low && n <= kMaxSize, key, "is no size");
       counts.push_back(static_cast<int64_t>(n));
     }
     return counts;
@@ -146,7 +146,7 @@ WeightsFile ReadWeightsFile(const std::filesystem::path& path) {
   const Metadata data(stored, path.string());
   WeightsFile file;
   if (data.Has("model")) {
-    file.name = data.Text("model").substr(0, kLongestName);
+    file.name = data.Text("model").substr(0, kMaxNameLength);
     std::replace_if(
         file.name.begin(), file.name.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   }
