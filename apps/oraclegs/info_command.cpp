@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "command.h"
 #include "oraclegs/pipeline/info.h"

@@ -9,6 +9,11 @@
 
 namespace oraclegs {
 
+template <class T>
+inline constexpr bool kIsAutoNumber = false;
+template <class T>
+inline constexpr bool kIsAutoNumber<Auto<T>> = std::is_arithmetic_v<T>;
+
 /// Adds each visited field to a command. The struct must outlive the command. The help shows ranges, words and
 /// defaults; CheckOptions checks the ranges, also of what configuration files set.
 class OptionBinder {
@@ -62,17 +67,12 @@ class OptionBinder {
           ->add_option_function<std::string>(
               Flags(name), [&value, name](const std::string& text) { SetOption(name.c_str(), text, &value); }, help)
           ->type_name(std::is_same_v<T, std::filesystem::path> ? "PATH"
-                      : kIsNumber<T>                           ? "FLOAT"
+                      : kIsAutoNumber<T>                       ? "FLOAT"
                                                                : "TEXT");
     } else {
       return command_->add_option(Flags(name), value, help);
     }
   }
-
-  template <class T>
-  static constexpr bool kIsNumber = false;
-  template <class T>
-  static constexpr bool kIsNumber<Auto<T>> = std::is_arithmetic_v<T>;
 
   CLI::App* command_;
   std::string group_;
