@@ -19,7 +19,7 @@ struct ImageScores {
   /// name -> score of a render against the truth, [H,W,3] in [0,1]; empty = none. Always the same names.
   std::function<std::map<std::string, double>(const Buffer<float>& render, const Buffer<float>& truth)> of;
   std::map<std::string, std::string> conventions;  ///< name -> how it is computed
-  int64_t smallest_side = 1;                       ///< pixels, of a picture that can be scored
+  int64_t smallest_side = 1;                       ///< pixels, of an image that can be scored
 };
 
 /// What Evaluate may do beside measuring.

@@ -27,7 +27,7 @@ std::string NameWithExtension(const std::string& view) {
 
 std::string TruthOf(const std::string& name) { return name + std::string(kTruth); }
 
-/// The files that one view's pictures would take are free.
+/// The files that one view's images would take are free.
 bool IsFree(const std::set<std::string>& taken, const std::string& name) {
   return taken.count(name) == 0 && taken.count(TruthOf(name)) == 0;
 }

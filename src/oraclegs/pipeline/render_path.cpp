@@ -18,9 +18,9 @@ namespace fs = std::filesystem;
 /// A list that ffmpeg's concat demuxer reads, which takes images of any name.
 std::string FfmpegList(const std::vector<fs::path>& images, int fps) {
   std::string list = "ffconcat version 1.0\n";
-  for (const fs::path& picture : images) {
+  for (const fs::path& image : images) {
     std::string quoted;
-    for (const char c : picture.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    for (const char c : image.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
     list += fmt::format("file '{}'\nduration {:.9f}\n", quoted, 1.0 / fps);
   }
   return list;

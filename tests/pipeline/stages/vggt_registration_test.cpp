@@ -105,7 +105,7 @@ TEST_F(VggtPosesTest, ARunWithoutPosesGoesThroughAndSaysWhoseItIs) {
   const ModelsAt models(temp / "models");
   fs::remove(temp / "photos" / "upright.png");
   RunRequest request = TinyRequest(temp / "photos", temp / "out");
-  request.options.input.poses = "vggt";
+  request.options.input.poses = PoseSource::kVggt;
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
               AllOf(HasSubstr("--poses vggt needs the weights"), HasSubstr("models fetch vggt")));
   EXPECT_FALSE(fs::exists(temp / "out"));
@@ -123,7 +123,7 @@ TEST_F(VggtPosesTest, ARunWithoutPosesGoesThroughAndSaysWhoseItIs) {
 
 TEST_F(VggtPosesTest, PosesThatAreThereAreKept) {
   RunRequest request = TinyRequest(temp / "posed", temp / "out2");
-  request.options.input.poses = "vggt";
+  request.options.input.poses = PoseSource::kVggt;
   StartRun(request, recorder.AsListener());
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("--poses vggt: the scene has poses, which are used")));
 }

@@ -12,7 +12,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 json Records() {
-  return {{"register", {{"seconds", 61.2}, {"photographs", 12}, {"registered", 11}}},
+  return {{"register", {{"seconds", 61.2}, {"photos", 12}, {"registered", 11}}},
           {"sfm", {{"seconds", 12}, {"points", 3021}}},
           {"depth", {{"seconds", 62}, {"points", 41230}, {"confident_share", 0.78}}},
           {"proxies", {{"seconds", 70}, {"models", 4}}},

@@ -1,5 +1,5 @@
 #pragma once
-// Networks that a run asks for by name and whose weights are not on this machine: told before hours of work, all at
+// Networks that a run asks for by name and whose weights are not on this machine: reported before hours of work, all at
 // once, or done without.
 
 #include <functional>

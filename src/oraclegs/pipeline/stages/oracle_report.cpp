@@ -21,11 +21,11 @@ nlohmann::json ReportOracle(const Run& run) {
   for (const int v : SpareViews(run)) {
     const std::string stem = FileName(run.scene.views[static_cast<size_t>(v)].name), name = stem + ".png";
     if (!validated.contains(stem)) continue;
-    const auto picture = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
+    const auto image = run.workspace.proposals() / name, map = run.workspace.confidence() / name;
     const LoadedView truth = LoadViews(run.scene, {v}, run.options.image, run.listener).front();
-    const ImageF proposal = ToFloat(ReadImage(picture)), trust = ToFloat(ReadImage(map));
+    const ImageF proposal = ToFloat(ReadImage(image)), trust = ToFloat(ReadImage(map));
     if (proposal.data.size() != truth.rgb.data.size() || trust.data.size() != truth.rgb.data.size()) {
-      throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", picture.string());
+      throw InputError("{}: is not of its view's size; delete it and run `oraclegs validate` again", image.string());
     }
     double squares = 0;
     size_t counted = 0;

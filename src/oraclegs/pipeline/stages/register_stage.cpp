@@ -30,7 +30,7 @@ void Register(Run* run) {
 std::optional<nlohmann::json> Make(Run* run, const std::string&) {
   const size_t photos = run->scene.views.size();
   Register(run);
-  nlohmann::json record = {{"photographs", photos}, {"registered", run->scene.views.size()}, {"files", {"sfm"}}};
+  nlohmann::json record = {{"photos", photos}, {"registered", run->scene.views.size()}, {"files", {"sfm"}}};
   if (const std::optional<VggtWeights>& network = run->plan.poses) {
     record["network"] = {
         {"name", network->name}, {"fingerprint", network->fingerprint}, {"commercial", network->commercial}};

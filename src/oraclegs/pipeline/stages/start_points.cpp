@@ -149,8 +149,8 @@ PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>
     const std::vector<DensePoint> more = FillPlanes(geometry.maps, views, points, FusionOf(geometry.gains));
     points.insert(points.end(), more.begin(), more.end());
   }
-  const std::vector<DensePoint> guessed = PriorPoints(geometry.maps, views, points, FusionOf(geometry.gains));
-  points.insert(points.end(), guessed.begin(), guessed.end());
+  const std::vector<DensePoint> predicted = PriorPoints(geometry.maps, views, points, FusionOf(geometry.gains));
+  points.insert(points.end(), predicted.begin(), predicted.end());
   return ToPointCloud(Thinned(points, budget, options.seed));
 }
 

@@ -46,7 +46,7 @@ struct Row {
 
 constexpr Row kRows[] = {
     {"register",
-     [](const json& r) { return fmt::format("{} of {} photos", Count(r, "registered"), Count(r, "photographs")); }},
+     [](const json& r) { return fmt::format("{} of {} photos", Count(r, "registered"), Count(r, "photos")); }},
     {"sfm", [](const json& r) { return fmt::format("{} points", Count(r, "points")); }},
     {"depth",
      [](const json& r) {
