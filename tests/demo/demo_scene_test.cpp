@@ -37,7 +37,7 @@ std::map<std::string, std::string> FilesOf(const fs::path& dir) {
 
 nlohmann::json Transforms(const fs::path& dir) { return nlohmann::json::parse(ReadFile(dir / "transforms.json")); }
 
-TEST(WriteDemoScene, SameBytesForAnyNumberOfThreads) {
+TEST(WriteDemoScene, WritesSameBytesForAnyThreads) {
   const TempDir dir;
   const int before = NumThreads();
   SetNumThreads(1);
@@ -50,7 +50,7 @@ TEST(WriteDemoScene, SameBytesForAnyNumberOfThreads) {
   EXPECT_TRUE(files == FilesOf(dir / "four"));
 }
 
-TEST(WriteDemoScene, PosesAndIntrinsicsAreWhatWasAskedFor) {
+TEST(WriteDemoScene, WritesRequestedPosesAndIntrinsics) {
   const TempDir dir;
   WriteDemoScene(dir / "demo", kTiny, Silent());
   const nlohmann::json json = Transforms(dir / "demo");
@@ -80,7 +80,7 @@ TEST(WriteDemoScene, PosesAndIntrinsicsAreWhatWasAskedFor) {
   }
 }
 
-TEST(WriteDemoScene, WritesPicturesOfTheAskedSize) {
+TEST(WriteDemoScene, WritesImagesOfRequestedSize) {
   const TempDir dir;
   WriteDemoScene(dir / "demo", kTiny, Silent());
   const Image8 image = ReadImage(dir / "demo" / "images" / "002.png");
@@ -93,7 +93,7 @@ TEST(WriteDemoScene, WritesPicturesOfTheAskedSize) {
   EXPECT_EQ(height, 36);
 }
 
-TEST(WriteDemoScene, ReplacesAFormerDemoSceneAndKeepsOtherFiles) {
+TEST(WriteDemoScene, ReplacesFormerDemoScene) {
   const TempDir dir;
   DemoSceneOptions more = kTiny;
   more.views = 5;
@@ -106,7 +106,7 @@ TEST(WriteDemoScene, ReplacesAFormerDemoSceneAndKeepsOtherFiles) {
   EXPECT_EQ(Transforms(dir / "demo")["frames"].size(), 3u);
 }
 
-TEST(WriteDemoScene, RefusesAFolderWithSomethingElse) {
+TEST(WriteDemoScene, RefusesFolderWithOtherFiles) {
   const TempDir dir;
   fs::create_directories(dir / "photos" / "images");
   std::ofstream(dir / "photos" / "images" / "000.png") << "precious";
@@ -127,7 +127,7 @@ TEST(WriteDemoScene, RefusesOptionsOutOfRange) {
   EXPECT_FALSE(fs::exists(dir / "demo"));
 }
 
-TEST(WriteDemoScene, AnInterruptedSceneIsNotMistakenForAWholeOne) {
+TEST(WriteDemoScene, LeavesNoTransformsWhenInterrupted) {
   const TempDir dir;
   const Listener stop_after_one = [](const Event& event) {
     if (std::holds_alternative<StepDone>(event)) RequestInterrupt(true);

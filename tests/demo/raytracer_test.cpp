@@ -31,7 +31,7 @@ Vec3 ToCamera(const RayCamera& camera, const Vec3& p) {
   return {Dot(d, camera.right), Dot(d, camera.down), Dot(d, camera.forward)};
 }
 
-TEST(TraceView, DepthsOfTwoViewsAgreeWhereNothingHides) {
+TEST(TraceView, DepthsOfTwoViewsAgree) {
   const auto objects = DemoObjects();
   const RayCamera a = LookFrom({-.15, -2.9, 1.2}), b = LookFrom({.15, -2.85, 1.3});
   const RayTracedView from_a = TraceView(objects, a, 1, 0), from_b = TraceView(objects, b, 1, 1);
@@ -70,7 +70,7 @@ TEST(TraceView, DepthOfAWallIsExact) {
   for (const uint16_t depth : TraceView(room, camera, 1, 0).depth) ASSERT_EQ(depth, 3000);
 }
 
-TEST(TraceView, PicturesAreRichAndUnclipped) {
+TEST(TraceView, ImagesAreRichAndUnclipped) {
   const RayTracedView view = TraceView(DemoObjects(), LookFrom({-.3, -2.9, 1.2}), 2, 0);
   double sum = 0, edges = 0;
   int clipped = 0;

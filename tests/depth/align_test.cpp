@@ -38,7 +38,7 @@ struct Fixture {
   double Number(const std::string& name) const { return file.Values<double>(name)[0]; }
 };
 
-TEST(Align, IsThatOfThePublicScripts) {
+TEST(Align, MatchesPublicScripts) {
   const Fixture f;
   AlignmentRule rule;
   rule.centre = 0;
@@ -64,7 +64,7 @@ TEST(Align, IsThatOfThePublicScripts) {
   }
 }
 
-TEST(Align, HalfAPixelHardlyMovesTheFit) {
+TEST(Align, IsInsensitiveToHalfAPixel) {
   const Fixture f;
   AlignmentRule scripts;
   scripts.centre = 0;
@@ -73,7 +73,7 @@ TEST(Align, HalfAPixelHardlyMovesTheFit) {
   EXPECT_NE(ours.scale, theirs.scale);
 }
 
-TEST(SampleAt, IsBilinearAndGoesOnBeyondTheBorder) {
+TEST(SampleAt, InterpolatesAndReplicatesBorder) {
   const RelativeDepth map{3, 2, {0, 1, 2, 10, 11, 12}};
   EXPECT_EQ(SampleAt(map, 1, 0), 1);
   EXPECT_DOUBLE_EQ(SampleAt(map, 0.25, 0.5), 5.25);
@@ -98,7 +98,7 @@ struct Slope {
   void Add(double x, double y) { known.push_back({x, y, InvDepth(x, y)}); }
 };
 
-TEST(Align, FindsScaleAndOffsetDespitePointsThatAreWrong) {
+TEST(Align, FindsScaleAndOffsetDespiteOutliers) {
   Slope s;
   const Alignment right = Align(s.map, s.camera, s.known, {});
   EXPECT_NEAR(right.scale, 3, 1e-4);
@@ -112,7 +112,7 @@ TEST(Align, FindsScaleAndOffsetDespitePointsThatAreWrong) {
   EXPECT_NEAR(Align(s.map, s.camera, s.known, {}).scale, 3, 0.5);
 }
 
-TEST(Align, NeedsElevenPointsOfDifferentDepthAndAMapThatIsNotFlat) {
+TEST(Align, NeedsElevenPointsAndSpread) {
   Slope s;
   s.known.resize(11);
   EXPECT_GT(Align(s.map, s.camera, s.known, {}).scale, 0);
@@ -127,11 +127,11 @@ TEST(Align, NeedsElevenPointsOfDifferentDepthAndAMapThatIsNotFlat) {
   EXPECT_EQ(narrow.scale, 0);
   EXPECT_EQ(narrow.offset, 0);
   AlignmentRule finer;
-  finer.smallest_span = 1e-4;
+  finer.min_span = 1e-4;
   EXPECT_GT(Align(s.map, s.camera, s.known, finer).scale, 0);
 }
 
-TEST(AreReliable, WithinAFactorOfFiveOfTheMedianScale) {
+TEST(AreReliable, AcceptsFactorOfFiveAroundMedian) {
   const auto of = [](std::vector<double> scales) {
     std::vector<Alignment> alignments;
     for (const double scale : scales) {
@@ -147,7 +147,7 @@ TEST(AreReliable, WithinAFactorOfFiveOfTheMedianScale) {
   EXPECT_TRUE(of({}).empty());
 }
 
-TEST(KnownDepths, AreThePointsThatThePhotographSawProjected) {
+TEST(KnownDepths, ProjectsPointsOfView) {
   Camera camera = Sized(60, 40);
   camera.cam_from_world.translation() = Eigen::Vector3d(0, 0, 1);
   std::vector<ScenePoint> points(3);
@@ -162,9 +162,9 @@ TEST(KnownDepths, AreThePointsThatThePhotographSawProjected) {
   EXPECT_DOUBLE_EQ(known[1].inv_depth, -1) << "behind";
 }
 
-TEST(SmallestSpan, IsOfTheScenesUnit) {
-  EXPECT_DOUBLE_EQ(SmallestSpan({{{0, 0, 2}, {0, 0, -5}}, {{0, 0, 4}, {0, 0, 300}}}), 4e-3);
-  EXPECT_EQ(SmallestSpan({{}, {{0, 0, -1}}}), 0);
+TEST(MinSpan, ScalesWithScene) {
+  EXPECT_DOUBLE_EQ(MinSpan({{{0, 0, 2}, {0, 0, -5}}, {{0, 0, 4}, {0, 0, 300}}}), 4e-3);
+  EXPECT_EQ(MinSpan({{}, {{0, 0, -1}}}), 0);
 }
 
 }  // namespace

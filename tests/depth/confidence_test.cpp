@@ -37,7 +37,7 @@ class ConfidenceTest : public testing::Test {
   std::vector<PlaneMap> maps_;
 };
 
-TEST_F(ConfidenceTest, ViewsThatAgreeAreBelieved) {
+TEST_F(ConfidenceTest, IsHighWhereViewsAgree) {
   Look(2, 8);
   const std::vector<float> two = Of(0);
   ASSERT_EQ(two.size(), static_cast<size_t>(kWidth * kHeight));
@@ -47,7 +47,7 @@ TEST_F(ConfidenceTest, ViewsThatAgreeAreBelieved) {
   for (const float c : Of(1)) EXPECT_TRUE(c >= 0 && c <= 1);
 }
 
-TEST_F(ConfidenceTest, WhatOnlyOneViewSeesIsNot) {
+TEST_F(ConfidenceTest, IsLowForSingleView) {
   Look(2, 20);
   const std::vector<float> confidence = Of(0);
   const PixelMap there = MapBetween(scene_.views[0].camera, scene_.views[1].camera);
@@ -65,7 +65,7 @@ TEST_F(ConfidenceTest, WhatOnlyOneViewSeesIsNot) {
   EXPECT_GT(alone, 300);
 }
 
-TEST_F(ConfidenceTest, APatchThatFloatsIsNot) {
+TEST_F(ConfidenceTest, IsLowForFloatingPatch) {
   Look(4, 8);
   for (int y = 30; y < 44; ++y) {
     for (int x = 40; x < 60; ++x) maps_[1].planes[At(x, y)].inv_depth *= 1.25f;
@@ -76,7 +76,7 @@ TEST_F(ConfidenceTest, APatchThatFloatsIsNot) {
   EXPECT_GT(Of(2)[At(20, 60)], 0.8) << "elsewhere the others do not mind";
 }
 
-TEST_F(ConfidenceTest, SeeingThroughCounts) {
+TEST_F(ConfidenceTest, DropsWhereSeenThrough) {
   Look(4, 8);
   // Two views find a floating square, the other two look through it.
   TexturedPlane square = kSlanted;
@@ -95,7 +95,7 @@ TEST_F(ConfidenceTest, SeeingThroughCounts) {
   EXPECT_LT(through, 0.7f * unsure);
 }
 
-TEST_F(ConfidenceTest, PatchesThatDoNotLookAlikeAreNot) {
+TEST_F(ConfidenceTest, IsLowForDissimilarPatches) {
   Look(3, 8);
   const float alike = Of(1)[At(48, 36)];
   maps_[1].costs.assign(maps_[1].costs.size(), 1);  // as chance would have it
@@ -104,12 +104,12 @@ TEST_F(ConfidenceTest, PatchesThatDoNotLookAlikeAreNot) {
   EXPECT_EQ(Of(1)[At(48, 36)], 0);
 }
 
-TEST_F(ConfidenceTest, ASmallAngleMeasuresLittle) {
+TEST_F(ConfidenceTest, IsLowAtSmallAngles) {
   See({CameraAt({-0.014, 0, -4}, {0, 0, 0}, kWidth, kHeight), CameraAt({0.014, 0, -4}, {0, 0, 0}, kWidth, kHeight)});
   EXPECT_LT(Of(0)[At(48, 36)], 0.3);
 }
 
-TEST_F(ConfidenceTest, SmallIslandsAreDamped) {
+TEST_F(ConfidenceTest, DampsSmallIslands) {
   Look(3, 8);
   const float whole = Of(1)[At(50, 36)];
   const std::vector<PlaneMap> right = maps_;
@@ -120,7 +120,7 @@ TEST_F(ConfidenceTest, SmallIslandsAreDamped) {
   EXPECT_FLOAT_EQ(Of(1)[At(50, 36)], 0.3f * whole) << "36 are not";
 }
 
-TEST_F(ConfidenceTest, APixelThatStandsOutIsDamped) {
+TEST_F(ConfidenceTest, DampsOutliers) {
   Look(3, 8);
   const float whole = Of(1)[At(50, 36)];
   // Its own depth is right, that of all around it is not.
@@ -132,7 +132,7 @@ TEST_F(ConfidenceTest, APixelThatStandsOutIsDamped) {
   EXPECT_LE(Of(1)[At(50, 36)], 0.31f * whole);
 }
 
-TEST_F(ConfidenceTest, NothingIsSaidOfUnknownAndUnusablePixels) {
+TEST_F(ConfidenceTest, IsZeroAtUnknownAndUnusablePixels) {
   Look(3, 8);
   maps_[1].planes[At(50, 36)] = {};
   scene_.views[1].usable.assign(static_cast<size_t>(kWidth * kHeight), 1);

@@ -31,7 +31,7 @@ class CorrespondenceTest : public testing::Test {
   DepthMap left = TrueMap(kLeft), right = TrueMap(kRight);
 };
 
-TEST_F(CorrespondenceTest, FindsThePixelThatShowsTheSamePoint) {
+TEST_F(CorrespondenceTest, FindsPixelOfSamePoint) {
   const auto found = Find(right, kMiddle);
   ASSERT_TRUE(found);
   const Eigen::Vector3f here = PixelOf(left, kMiddle), there = PixelOf(right, *found);
@@ -41,18 +41,18 @@ TEST_F(CorrespondenceTest, FindsThePixelThatShowsTheSamePoint) {
   EXPECT_LT((world(kLeft, here) - world(kRight, there)).norm(), 0.03) << "a pixel is 0.025 wide there";
 }
 
-TEST_F(CorrespondenceTest, IsNotFooledByWhatHidesIt) {
+TEST_F(CorrespondenceTest, RejectsOccluder) {
   for (float& w : right.inv_depth) w *= 1.5f;  // something nearer stands before the right camera
   EXPECT_FALSE(Find(right, kMiddle));
 }
 
-TEST_F(CorrespondenceTest, DoesNotAskViewsThatAreNotSure) {
+TEST_F(CorrespondenceTest, IgnoresUnconfidentDepth) {
   EXPECT_FALSE(Find(TrueMap(kRight, 0.2f), kMiddle));
   EXPECT_TRUE(Find(TrueMap(kRight, 0.4f), kMiddle));
 }
 
-TEST_F(CorrespondenceTest, SeesNothingBeyondThePicture) {
-  left.inv_depth[kMiddle] = 4;  // right before the lens: far beside the right picture
+TEST_F(CorrespondenceTest, RejectsPointsOutOfFrame) {
+  left.inv_depth[kMiddle] = 4;  // right before the camera: far beside the right image
   EXPECT_FALSE(Find(right, kMiddle));
 }
 

@@ -57,7 +57,7 @@ class DepthFilesTest : public testing::Test {
   TempDir dir_;
 };
 
-TEST_F(DepthFilesTest, GiveBackWhatWasWrittenWithinAStep) {
+TEST_F(DepthFilesTest, RoundTripWithinQuantisation) {
   const DepthMap map = MapNamed("a.jpg"), read = Read().at(0);
   EXPECT_EQ(read.name, "a.jpg");
   EXPECT_EQ(read.camera.fx, kCamera.fx);
@@ -77,7 +77,7 @@ TEST_F(DepthFilesTest, GiveBackWhatWasWrittenWithinAStep) {
   }
 }
 
-TEST_F(DepthFilesTest, RememberWhichMapsANetworkFilled) {
+TEST_F(DepthFilesTest, KeepMonocularFlag) {
   DepthMap filled = MapNamed("b.jpg");
   filled.monocular = true;
   WriteDepthMaps(dir_.path(), {MapNamed("a.jpg"), filled});
@@ -86,7 +86,7 @@ TEST_F(DepthFilesTest, RememberWhichMapsANetworkFilled) {
   EXPECT_TRUE(read[1].monocular);
 }
 
-TEST_F(DepthFilesTest, AreThoseThatTheHeaderLists) {
+TEST_F(DepthFilesTest, WriteListedFiles) {
   const TempDir dir;
   const std::vector<std::string> files = WriteDepthMaps(dir.path(), {MapNamed("a/b.jpg"), MapNamed("c.png")});
   EXPECT_THAT(files, testing::UnorderedElementsAre("a_b.png", "confidence/a_b.png", "normals/a_b.png",
@@ -98,17 +98,17 @@ TEST_F(DepthFilesTest, AreThoseThatTheHeaderLists) {
   EXPECT_EQ(preview.height, 18);
 }
 
-TEST_F(DepthFilesTest, AreWhatTrainersOfGaussiansRead) {
+TEST_F(DepthFilesTest, MatchDepthParamsFormat) {
   const DepthMap map = MapNamed("a.jpg");
   const nlohmann::json params = nlohmann::json::parse(ReadFile(dir_ / "depth_params.json"));
   const double scale = params.at("a").at("scale"), offset = params.at("a").at("offset");
-  const Image16 picture = ReadPng16(dir_ / "a.png");
+  const Image16 image = ReadPng16(dir_ / "a.png");
   for (size_t i = 0; i < map.size(); i += 31) {
-    EXPECT_NEAR(picture.values[i] / 65535.0 * scale + offset, map.inv_depth[i], 1e-5);
+    EXPECT_NEAR(image.values[i] / 65535.0 * scale + offset, map.inv_depth[i], 1e-5);
   }
 }
 
-TEST_F(DepthFilesTest, OfNamesThatCollideAreDistinct) {
+TEST_F(DepthFilesTest, KeepCollidingNamesApart) {
   const TempDir dir;
   const std::vector<std::string> names = {"a/b.jpg", "a_b.png", "a_b_1.png", "a_b_0_0.png", "c.jpg"};
   std::vector<DepthMap> maps;
@@ -127,7 +127,7 @@ TEST_F(DepthFilesTest, OfNamesThatCollideAreDistinct) {
   }
 }
 
-TEST_F(DepthFilesTest, OfAMapThatKnowsNothingAreReadAsSuch) {
+TEST_F(DepthFilesTest, RoundTripUnknownDepth) {
   const TempDir dir;
   DepthMap map = MapNamed("a.jpg");
   map.inv_depth.assign(map.size(), 0);
@@ -139,7 +139,7 @@ TEST_F(DepthFilesTest, OfAMapThatKnowsNothingAreReadAsSuch) {
   EXPECT_EQ(read.confidence, map.confidence);
 }
 
-TEST_F(DepthFilesTest, DamagedParametersAreNamed) {
+TEST_F(DepthFilesTest, ReportDamagedParams) {
   const auto error_with = [this](const std::string& json) {
     Put("depth_params.json", json);
     return Error();
@@ -154,25 +154,25 @@ TEST_F(DepthFilesTest, DamagedParametersAreNamed) {
   EXPECT_THAT(Error(), HasSubstr("depth_params.json"));
 }
 
-TEST_F(DepthFilesTest, PicturesOfAnotherSizeAreNamed) {
+TEST_F(DepthFilesTest, ReportWrongImageSize) {
   const TempDir other;
   DepthMap map = TrueDepth(kSlanted.Take(Resized(kCamera, 18, 24), "a.jpg"), kSlanted, 1);
   WriteDepthMaps(other.path(), {map});
   for (const char* file : {"a.png", "confidence/a.png", "normals/a.png"}) {
     const std::string before = ReadFile(dir_ / file);
     Put(file, ReadFile(other / file));
-    EXPECT_THAT(Error(), AllOf(HasSubstr((dir_ / file).string() + ": is 18 x 24, its photograph 24 x 18"))) << file;
+    EXPECT_THAT(Error(), AllOf(HasSubstr((dir_ / file).string() + ": is 18 x 24, its view 24 x 18"))) << file;
     Put(file, before);
   }
   EXPECT_EQ(Error(), "");
 }
 
-TEST_F(DepthFilesTest, DepthOfEightBitsIsRefused) {
+TEST_F(DepthFilesTest, RefuseEightBitDepth) {
   Put("a.png", ReadFile(dir_ / "confidence/a.png"));
   EXPECT_THAT(Error(), AllOf(HasSubstr((dir_ / "a.png").string()), HasSubstr("16 bits")));
 }
 
-TEST_F(DepthFilesTest, TruncatedAndMissingPicturesAreNamed) {
+TEST_F(DepthFilesTest, ReportTruncatedAndMissingImages) {
   for (const char* file : {"a.png", "confidence/a.png", "normals/a.png"}) {
     const std::string before = ReadFile(dir_ / file);
     Cut(file);
@@ -183,14 +183,14 @@ TEST_F(DepthFilesTest, TruncatedAndMissingPicturesAreNamed) {
   }
 }
 
-TEST(WriteDepthMaps, TellsWhereItCannotWrite) {
+TEST(WriteDepthMaps, ReportsUnwritableFolder) {
   const TempDir dir;
   WriteFileAtomically(dir / "file", "x");
   EXPECT_THROW(WriteDepthMaps(dir / "file", {MapNamed("a.jpg")}), RunError);
   EXPECT_THROW(WriteDensePly(dir / "file" / "dense.ply", {}), RunError);
 }
 
-TEST(WriteDensePly, HasAHeaderAndTheBytesItPromises) {
+TEST(WriteDensePly, WritesHeaderAndPoints) {
   const TempDir dir;
   DensePoint point;
   point.xyz = {1, -2, 3.5f};
@@ -217,7 +217,7 @@ TEST(WriteDensePly, HasAHeaderAndTheBytesItPromises) {
   EXPECT_EQ(static_cast<uint8_t>(second[31]), 255) << "as many as a byte can say";
 }
 
-TEST(MapColor, GoesFromDarkPurpleToYellowAndGetsLighter) {
+TEST(MapColor, RisesFromPurpleToYellow) {
   EXPECT_LT(MapColor(0).y(), 0.1f);
   EXPECT_LT(MapColor(1).z(), 0.2f);
   EXPECT_GT(MapColor(1).x(), 0.9f);

@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(ConfidentShare, CountsPixelsFromTheThresholdOn) {
+TEST(ConfidentShare, IncludesThreshold) {
   DepthMap map;
   EXPECT_EQ(ConfidentShare(map), 0) << "of no pixels at all";
   map.inv_depth = {1, 1, 1, 1};

@@ -10,10 +10,10 @@ namespace {
 const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 constexpr size_t kPixels = 96 * 72;
 
-std::vector<DepthMap> TrueDepths(const std::vector<LoadedView>& photos, const TexturedPlane& surface,
+std::vector<DepthMap> TrueDepths(const std::vector<LoadedView>& views, const TexturedPlane& surface,
                                  float confidence = 0.9f) {
   std::vector<DepthMap> maps;
-  for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, surface, confidence));
+  for (const LoadedView& view : views) maps.push_back(TrueDepth(view, surface, confidence));
   return maps;
 }
 
@@ -21,7 +21,7 @@ double DistanceFrom(const TexturedPlane& surface, const DensePoint& point) {
   return std::abs((point.xyz.cast<double>() - surface.point).dot(surface.normal));
 }
 
-TEST(FuseDepth, TwoPicturesOfOnePlaceMakeEachPointOnce) {
+TEST(FuseDepth, MergesEqualViews) {
   const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   const std::vector<DensePoint> points = FuseDepth(TrueDepths(two, kSlanted), two, {});
   ASSERT_EQ(points.size(), kPixels);
@@ -39,9 +39,9 @@ TEST(FuseDepth, TwoPicturesOfOnePlaceMakeEachPointOnce) {
   }
 }
 
-TEST(FuseDepth, ASurfacePatchIsOnePointHoweverManySeeIt) {
-  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 6));
-  const std::vector<DensePoint> points = FuseDepth(TrueDepths(photos, kSlanted), photos, {});
+TEST(FuseDepth, MakesOnePointPerPatch) {
+  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 6));
+  const std::vector<DensePoint> points = FuseDepth(TrueDepths(views, kSlanted), views, {});
   EXPECT_GE(points.size(), kPixels);
   EXPECT_LT(points.size(), 1.7 * kPixels) << "three times as many pixels show it";
   size_t joined = 0;
@@ -52,34 +52,34 @@ TEST(FuseDepth, ASurfacePatchIsOnePointHoweverManySeeIt) {
   EXPECT_GT(static_cast<double>(joined), 0.8 * static_cast<double>(kPixels));
 }
 
-TEST(FuseDepth, WhatIsNotConfidentMakesNoPoint) {
-  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(1, 8));
-  std::vector<DepthMap> maps = TrueDepths(photos, kSlanted, 0.49f);
-  EXPECT_TRUE(FuseDepth(maps, photos, {}).empty());
-  EXPECT_EQ(FuseDepth(maps, photos, {.min_confidence = 0.4f}).size(), kPixels);
+TEST(FuseDepth, SkipsUnconfidentPixels) {
+  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(1, 8));
+  std::vector<DepthMap> maps = TrueDepths(views, kSlanted, 0.49f);
+  EXPECT_TRUE(FuseDepth(maps, views, {}).empty());
+  EXPECT_EQ(FuseDepth(maps, views, {.min_confidence = 0.4f}).size(), kPixels);
   maps[0].confidence[7] = 0.5f;
-  EXPECT_EQ(FuseDepth(maps, photos, {}).size(), 1u);
+  EXPECT_EQ(FuseDepth(maps, views, {}).size(), 1u);
   EXPECT_TRUE(FuseDepth({}, {}, {}).empty());
 }
 
-TEST(FuseDepth, OtherDepthsAreOtherPoints) {
+TEST(FuseDepth, SeparatesDepths) {
   const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   std::vector<DepthMap> maps = TrueDepths(two, kSlanted);
   for (float& w : maps[1].inv_depth) w *= 1.02f;
   const std::vector<DensePoint> points = FuseDepth(maps, two, {});
   EXPECT_EQ(points.size(), 2 * kPixels);
   for (const DensePoint& p : points) EXPECT_EQ(p.views, 1);
-  EXPECT_EQ(FuseDepth(maps, two, {.largest_depth_difference = 0.03f}).size(), kPixels);
+  EXPECT_EQ(FuseDepth(maps, two, {.max_depth_difference = 0.03f}).size(), kPixels);
 }
 
-TEST(FuseDepth, BothSidesOfASheetAreTwoPoints) {
+TEST(FuseDepth, SeparatesOppositeNormals) {
   const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8)), two = {one[0], one[0]};
   std::vector<DepthMap> maps = TrueDepths(two, kSlanted);
   for (Eigen::Vector3f& n : maps[1].normals) n = -n;
   EXPECT_EQ(FuseDepth(maps, two, {}).size(), 2 * kPixels);
 }
 
-TEST(FuseDepth, TheSurerAndNearerViewWeighsMore) {
+TEST(FuseDepth, WeighsByConfidenceAndDistance) {
   const std::vector<LoadedView> one = TakeAll(kSlanted, Arc(1, 8));
   std::vector<LoadedView> two = {one[0], one[0]};
   for (float& value : two[0].rgb.data) value = 0;
@@ -92,23 +92,23 @@ TEST(FuseDepth, TheSurerAndNearerViewWeighsMore) {
   EXPECT_FLOAT_EQ(points[100].confidence, 0.9f);
 }
 
-TEST(FuseDepth, AMuchNearerViewKeepsItsFinerPoints) {
+TEST(FuseDepth, KeepsFinerPointsOfNearView) {
   const std::vector<Camera> cameras = {CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72),
                                        CameraAt({0, 0, -1}, {0, 0, 0}, 96, 72)};
-  const std::vector<LoadedView> photos = TakeAll(kSlanted, cameras);
-  const std::vector<DensePoint> points = FuseDepth(TrueDepths(photos, kSlanted), photos, {});
+  const std::vector<LoadedView> views = TakeAll(kSlanted, cameras);
+  const std::vector<DensePoint> points = FuseDepth(TrueDepths(views, kSlanted), views, {});
   EXPECT_GT(points.size(), 1.95 * kPixels) << "a few far pixels stand for many near ones";
 }
 
-TEST(FuseDepth, DetailIsWhereThePictureChanges) {
-  std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(1, 8));
+TEST(FuseDepth, MeasuresImageDetail) {
+  std::vector<LoadedView> views = TakeAll(kSlanted, Arc(1, 8));
   for (int y = 0; y < 72; ++y) {
     for (int x = 0; x < 96; ++x) {
       for (int c = 0; c < 3; ++c)
-        photos[0].rgb.row(y)[3 * x + c] = x < 40 ? 0.2f : x < 70 ? 0.6f : 0.6f + 0.02f * (x - 70);
+        views[0].rgb.row(y)[3 * x + c] = x < 40 ? 0.2f : x < 70 ? 0.6f : 0.6f + 0.02f * (x - 70);
     }
   }
-  const std::vector<DensePoint> points = FuseDepth(TrueDepths(photos, kSlanted), photos, {});
+  const std::vector<DensePoint> points = FuseDepth(TrueDepths(views, kSlanted), views, {});
   EXPECT_EQ(points[96 * 30 + 20].detail, 0);
   EXPECT_EQ(points[96 * 30 + 40].detail, 1) << "an edge";
   EXPECT_NEAR(points[96 * 30 + 80].detail, 0.4, 1e-4) << "0.04 over two pixels";
@@ -129,7 +129,7 @@ std::vector<float> Chosen(const std::vector<DensePoint>& points) {
   return x;
 }
 
-TEST(Thinned, KeepsABudgetInOrderAndPrefersDetail) {
+TEST(Thinned, KeepsBudgetAndPrefersDetail) {
   const std::vector<DensePoint> points = Strewn(20000);
   const std::vector<DensePoint> thin = Thinned(points, 3000, 5);
   ASSERT_EQ(thin.size(), 3000u);
@@ -141,13 +141,13 @@ TEST(Thinned, KeepsABudgetInOrderAndPrefersDetail) {
   EXPECT_LT(detailed, 2900) << "flat surfaces need points, too";
 }
 
-TEST(Thinned, FollowsTheSeedAlone) {
+TEST(Thinned, DependsOnSeedOnly) {
   const std::vector<DensePoint> points = Strewn(2000);
   EXPECT_EQ(Chosen(Thinned(points, 100, 5)), Chosen(Thinned(points, 100, 5)));
   EXPECT_NE(Chosen(Thinned(points, 100, 5)), Chosen(Thinned(points, 100, 6)));
 }
 
-TEST(Thinned, LeavesWhatFitsAsItIs) {
+TEST(Thinned, KeepsSmallClouds) {
   const std::vector<DensePoint> points = Strewn(50);
   EXPECT_EQ(Chosen(Thinned(points, 50, 1)), Chosen(points));
   EXPECT_EQ(Chosen(Thinned(points, 5000, 1)), Chosen(points));

@@ -11,38 +11,38 @@ const TexturedPlane kWall{{0, 0, 0.5}, Eigen::Vector3d(0.2, -0.1, -1).normalized
 
 class GainsTest : public testing::Test {
  protected:
-  /// Another camera that sees the wall, its photograph darkened by `gain`.
+  /// Another camera that sees the wall, its image darkened by `gain`.
   void Add(double x, const Eigen::Vector3f& gain) {
     const Camera camera = CameraAt({x, 0.05 * x, -4}, {0, 0, 0});
-    LoadedView photo = kWall.Take(camera, std::to_string(photos.size()));
-    DepthMap map{photo.name, camera, {}, {}, {}};
+    LoadedView view = kWall.Take(camera, std::to_string(views.size()));
+    DepthMap map{view.name, camera, {}, {}, {}};
     for (int i = 0; i < camera.width * camera.height; ++i) {
       const double depth = kWall.DepthAt(camera, i % camera.width + 0.5, i / camera.width + 0.5);
       map.inv_depth.push_back(static_cast<float>(1 / depth));
       map.normals.emplace_back(0, 0, -1);
       map.confidence.push_back(1);
-      for (int c = 0; c < 3; ++c) photo.rgb.data[3 * static_cast<size_t>(i) + c] *= gain[c];
+      for (int c = 0; c < 3; ++c) view.rgb.data[3 * static_cast<size_t>(i) + c] *= gain[c];
     }
-    photos.push_back(std::move(photo));
+    views.push_back(std::move(view));
     maps.push_back(std::move(map));
   }
 
-  std::vector<LoadedView> photos;
+  std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
 };
 
-TEST_F(GainsTest, OneExposureIsOneForAll) {
+TEST_F(GainsTest, AreOneForEqualExposure) {
   for (const double x : {-0.6, 0., 0.6}) Add(x, {1, 1, 1});
-  for (const Eigen::Vector3f& gain : EstimateGains(maps, photos)) {
+  for (const Eigen::Vector3f& gain : EstimateGains(maps, views)) {
     EXPECT_LT((gain - Eigen::Vector3f::Ones()).norm(), 0.01);
   }
-  EXPECT_LT(ExposureSpread(EstimateGains(maps, photos)), 0.005);
+  EXPECT_LT(ExposureSpread(EstimateGains(maps, views)), 0.005);
 }
 
-TEST_F(GainsTest, FindsWhatThePhotographsWereDarkenedBy) {
+TEST_F(GainsTest, RecoverExposure) {
   const std::vector<Eigen::Vector3f> truth{{1, 0.9f, 0.7f}, {0.6f, 0.7f, 0.8f}, {0.8f, 0.8f, 0.8f}};
   for (size_t v = 0; v < 3; ++v) Add(0.6 * static_cast<double>(v) - 0.6, truth[v]);
-  const std::vector<Eigen::Vector3f> gains = EstimateGains(maps, photos);
+  const std::vector<Eigen::Vector3f> gains = EstimateGains(maps, views);
   for (size_t a = 0; a < 3; ++a) {
     for (size_t b = 0; b < 3; ++b) {  // only ratios can be known
       const Eigen::Vector3f found = gains[a].cwiseQuotient(gains[b]), expected = truth[a].cwiseQuotient(truth[b]);
@@ -53,11 +53,11 @@ TEST_F(GainsTest, FindsWhatThePhotographsWereDarkenedBy) {
   EXPECT_GT(ExposureSpread(gains), 0.08);
 }
 
-TEST_F(GainsTest, PhotographsThatShareNothingKeepOne) {
+TEST_F(GainsTest, AreOneWithoutOverlap) {
   Add(-0.3, {1, 1, 1});
   Add(0.3, {0.5f, 0.5f, 0.5f});
   std::fill(maps[1].confidence.begin(), maps[1].confidence.end(), 0.f);
-  for (const Eigen::Vector3f& gain : EstimateGains(maps, photos)) EXPECT_EQ(gain, Eigen::Vector3f::Ones());
+  for (const Eigen::Vector3f& gain : EstimateGains(maps, views)) EXPECT_EQ(gain, Eigen::Vector3f::Ones());
   EXPECT_TRUE(EstimateGains({}, {}).empty());
   EXPECT_EQ(ExposureSpread({}), 0);
 }

@@ -9,10 +9,10 @@ namespace {
 
 constexpr int kWidth = 120, kHeight = 90;
 
-/// Two surfaces that cross the picture in stripes.
+/// Two surfaces that cross the image in stripes.
 float Guess(int x, int y) { return (x / 6 + y / 9) % 2 == 0 ? 0.3f + 0.001f * static_cast<float>(x) : 0.8f; }
 
-/// What the guess should have been: off by a factor and an addend that vary over the picture by tens of percent.
+/// What the guess should have been: off by a factor and an addend that vary over the image by tens of percent.
 float Truth(int x, int y) {
   const float u = static_cast<float>(x) / kWidth, v = static_cast<float>(y) / kHeight;
   return (1.1f + 0.25f * std::sin(4 * u)) * Guess(x, y) + 0.08f * v - 0.05f * u;
@@ -28,7 +28,7 @@ std::vector<DepthSample> Samples(int step) {
   return samples;
 }
 
-/// The mean relative error over the picture.
+/// The mean relative error over the image.
 double Error(const LocalWarp& warp) {
   double sum = 0;
   int n = 0;
@@ -41,7 +41,7 @@ double Error(const LocalWarp& warp) {
   return sum / n;
 }
 
-TEST(LocalWarp, WithoutSamplesChangesNothing) {
+TEST(LocalWarp, IsIdentityWithoutSamples) {
   const LocalWarp none(kWidth, kHeight, {});
   EXPECT_EQ(none(3, 80, 0.7f), 0.7f);
   const LocalWarp unweighted(kWidth, kHeight, {{3, 3, 0.5f, 0.9f, 0}});
@@ -49,15 +49,15 @@ TEST(LocalWarp, WithoutSamplesChangesNothing) {
   EXPECT_GT(Error(none), 0.15);
 }
 
-TEST(LocalWarp, UndoesAWarpThatVariesOverThePicture) { EXPECT_LT(Error(LocalWarp(kWidth, kHeight, Samples(2))), 0.01); }
+TEST(LocalWarp, CorrectsVaryingScaleAndOffset) { EXPECT_LT(Error(LocalWarp(kWidth, kHeight, Samples(2))), 0.01); }
 
-TEST(LocalWarp, SamplesThatAreWrongHaveNoSay) {
+TEST(LocalWarp, IgnoresOutliers) {
   std::vector<DepthSample> samples = Samples(2);
   for (size_t i = 0; i < samples.size(); i += 5) samples[i].truth *= i % 2 == 0 ? 3.f : 0.3f;
   EXPECT_LT(Error(LocalWarp(kWidth, kHeight, samples)), 0.02);
 }
 
-TEST(LocalWarp, GoesOnWhereNothingIsKnown) {
+TEST(LocalWarp, ExtrapolatesFromNeighbours) {
   std::vector<DepthSample> samples = Samples(2);
   std::erase_if(samples, [](const DepthSample& s) { return s.x > 0.75f * kWidth; });
   for (DepthSample& s : samples) s.truth = 1.3f * s.inv_depth;
@@ -68,7 +68,7 @@ TEST(LocalWarp, GoesOnWhereNothingIsKnown) {
   }
 }
 
-TEST(LocalWarp, DoesNotDependOnTheUnit) {
+TEST(LocalWarp, IsInvariantToUnit) {
   std::vector<DepthSample> samples = Samples(3);
   const LocalWarp one(kWidth, kHeight, samples);
   for (DepthSample& s : samples) s.inv_depth *= 1000, s.truth *= 1000;
@@ -79,7 +79,7 @@ TEST(LocalWarp, DoesNotDependOnTheUnit) {
   }
 }
 
-TEST(LocalWarp, FitsPicturesOfAnyShape) {
+TEST(LocalWarp, AcceptsAnyImageShape) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 200}, std::pair{17, 5}}) {
     const LocalWarp warp(width, height, {{0.5f, 0.5f, 0.5f, 0.6f, 1}});
     EXPECT_NEAR(warp(0.5f, 0.5f, 0.5f), 0.6, 0.03) << width << " x " << height;

@@ -26,7 +26,7 @@ std::vector<PlaneMap> Start(const StereoScene& scene) {
   return maps;
 }
 
-TEST(CpuPlaneSearch, IsRunPassOverAllViews) {
+TEST(CpuPlaneSearch, RunsPassOverAllViews) {
   const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange);
   std::vector<PlaneMap> maps = Start(scene);
   const auto search = MakePlaneSearch(kCpu);
@@ -43,7 +43,7 @@ TEST(CpuPlaneSearch, IsRunPassOverAllViews) {
   for (size_t v = 0; v < maps.size(); ++v) EXPECT_TRUE(Same(found[v], maps[v])) << v;
 }
 
-TEST(CpuPlaneSearch, ForgetsTheLevelBefore) {
+TEST(CpuPlaneSearch, DropsPreviousLevel) {
   const StereoScene large = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange),
                     small = SceneOf(TakeAll(kSlanted, Arc(2, 8, 24, 18)), kRange);
   const auto search = MakePlaneSearch(kCpu);

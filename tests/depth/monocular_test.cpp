@@ -11,7 +11,7 @@ namespace {
 
 const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 
-/// A photograph of a plane. Stereo knows it but for a square in the middle; a network guesses it all, in a unit of its
+/// A view of a plane. Stereo knows it but for a square in the middle; a network guesses it all, in a unit of its
 /// own and bent.
 class MonocularTest : public testing::Test {
  protected:
@@ -54,7 +54,7 @@ class MonocularTest : public testing::Test {
   Alignment alignment;
 };
 
-TEST_F(MonocularTest, FusedKeepsStereoWhereItIsSureAndBendsTheGuessToItElsewhere) {
+TEST_F(MonocularTest, FusedKeepsStereoAndCorrectsNetwork) {
   const MonocularDepth fused = FusedDepth(stereo, guess, alignment, known, {});
   const MonocularDepth alone = AlignedDepth(truth, guess, alignment, known, {});
   EXPECT_TRUE(fused.map.monocular);
@@ -76,7 +76,7 @@ TEST_F(MonocularTest, FusedKeepsStereoWhereItIsSureAndBendsTheGuessToItElsewhere
   EXPECT_GT(ErrorOf(alone.map), 2 * ErrorOf(fused.map)) << "one scale and offset do not do";
 }
 
-TEST_F(MonocularTest, AGuessThatDoesNotForetellStereoIsHardlyBelieved) {
+TEST_F(MonocularTest, FusedIsUnconfidentWhereNetworkIsWrong) {
   for (int i = 0; i < 96 * 72; ++i) {  // what stereo is sure of jumps about; the guess is smooth
     const int block = (i % 96 / 3) * 7919 + (i / 96 / 3) * 104729;
     stereo.inv_depth[static_cast<size_t>(i)] = 0.1f + 0.005f * static_cast<float>(block % 97);
@@ -89,7 +89,7 @@ TEST_F(MonocularTest, AGuessThatDoesNotForetellStereoIsHardlyBelieved) {
   }
 }
 
-TEST_F(MonocularTest, WhereLittleIsKnownTheGuessIsNotBent) {
+TEST_F(MonocularTest, FusedKeepsAlignmentWithFewSamples) {
   for (size_t i = 0; i < stereo.size(); ++i) {
     if (i >= 100) stereo.confidence[i] = 0;
   }
@@ -99,7 +99,7 @@ TEST_F(MonocularTest, WhereLittleIsKnownTheGuessIsNotBent) {
   EXPECT_EQ(fused.map.inv_depth[5000], alone.map.inv_depth[5000]);
 }
 
-TEST_F(MonocularTest, AloneItsConfidenceIsTheShareOfThePointsThatItGetsRight) {
+TEST_F(MonocularTest, AlignedConfidenceIsShareOfRightPoints) {
   const MonocularDepth alone = AlignedDepth(truth, guess, alignment, known, {});
   int right = 0;
   for (const KnownDepth& k : known) {
@@ -111,7 +111,7 @@ TEST_F(MonocularTest, AloneItsConfidenceIsTheShareOfThePointsThatItGetsRight) {
   EXPECT_EQ(alone.map.camera.fx, truth.camera.fx);
 }
 
-TEST_F(MonocularTest, WhatCannotBeIsUnknown) {
+TEST_F(MonocularTest, ImpossibleDepthIsUnknown) {
   guess.values[100] = -10;  // beyond infinity
   guess.values[200] = 10;   // before everything
   AllowedPixels allowed(truth.size(), 1);
@@ -128,7 +128,7 @@ TEST_F(MonocularTest, WhatCannotBeIsUnknown) {
   EXPECT_EQ(none.inv_depth, std::vector<float>(truth.size(), 0));
 }
 
-TEST_F(MonocularTest, ConfidentDepthsAreWhatStereoIsSureOf) {
+TEST_F(MonocularTest, ConfidentDepthsComeFromStereo) {
   const std::vector<KnownDepth> confident = ConfidentDepths(stereo);
   EXPECT_GT(confident.size(), 1000u);
   EXPECT_LE(confident.size(), 5000u);

@@ -17,7 +17,7 @@ const TexturedPlane kSurface{{0, 0, 0.5}, Eigen::Vector3d(0.3, -0.2, -1).normali
 const Camera kLeft = CameraAt({-0.5, 0.1, -4}, {0, 0, 0}, 96, 72),
              kRight = CameraAt({0.6, -0.2, -3.6}, {0, 0, 0}, 96, 72);
 
-PackedImage Picture(const Camera& camera, int channels) {
+GatherImage ImageOf(const Camera& camera, int channels) {
   const ImageF rgb = kSurface.Take(camera, "").rgb;
   return Pack(channels == 1 ? Luma(rgb) : rgb);
 }
@@ -29,7 +29,7 @@ Plane Truth(int x, int y) {
   return {static_cast<float>(w), static_cast<float>(inverse(u + 1, v) - w), static_cast<float>(inverse(u, v + 1) - w)};
 }
 
-double Bilinear(const PackedImage& image, int channel, double x, double y) {
+double Bilinear(const GatherImage& image, int channel, double x, double y) {
   x = std::clamp(x, 0.0, image.width - 1.0), y = std::clamp(y, 0.0, image.height - 1.0);
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
@@ -40,7 +40,7 @@ double Bilinear(const PackedImage& image, int channel, double x, double y) {
 
 /// 1 - ZNCC of the chessboard samples around (x, y), weighted by exp(-d^2 / (2 * 4^2)) for the distance d in pixels and
 /// exp(-g^2 / (2 * 20^2)) for the mean difference g of the channels; each variance joined by 1.5^2 a channel.
-double Reference(const PackedImage& a, int x, int y, const PackedImage& b, const PixelMap& map, const Plane& plane,
+double Reference(const GatherImage& a, int x, int y, const GatherImage& b, const PixelMap& map, const Plane& plane,
                  const std::vector<uint8_t>& usable = {}) {
   const int channels = static_cast<int>(a.channels.size());
   std::vector<double> weights;
@@ -83,7 +83,7 @@ double Reference(const PackedImage& a, int x, int y, const PackedImage& b, const
   return std::clamp(1 - cross / std::sqrt((left_variance + guard) * (right_variance + guard)), 0.0, 2.0);
 }
 
-float CostOf(const Patch& patch, const PackedImage& image, const PixelMap& map, const Plane& plane) {
+float CostOf(const Patch& patch, const GatherImage& image, const PixelMap& map, const Plane& plane) {
   const PatchSource source{&image, map};
   const uint8_t active = 1;
   float cost = -1;
@@ -91,14 +91,14 @@ float CostOf(const Patch& patch, const PackedImage& image, const PixelMap& map, 
   return cost;
 }
 
-PackedImage Constant(float value) { return Pack({96, 72, 1, std::vector<float>(96 * 72, value)}); }
+GatherImage Constant(float value) { return Pack({96, 72, 1, std::vector<float>(96 * 72, value)}); }
 
 class PatchCostsTest : public EveryTarget {};
 
-TEST_P(PatchCostsTest, AreOneMinusTheWeightedCorrelation) {
+TEST_P(PatchCostsTest, AreOneMinusCorrelation) {
   const PixelMap map = MapBetween(kLeft, kRight);
   for (const int channels : {1, 3}) {
-    const PackedImage left = Picture(kLeft, channels), right = Picture(kRight, channels);
+    const GatherImage left = ImageOf(kLeft, channels), right = ImageOf(kRight, channels);
     int compared = 0;
     for (int y = 1; y < 72; y += 10) {
       for (int x = 0; x < 96; x += 5) {
@@ -107,7 +107,7 @@ TEST_P(PatchCostsTest, AreOneMinusTheWeightedCorrelation) {
         for (const float factor : {1.f, 0.97f, 1.2f}) {
           const Plane plane{truth.inv_depth * factor, -truth.dx * factor, truth.dy};
           const float cost = CostOf(patch, right, map, plane);
-          if (cost == kWorstCost) continue;  // beyond the picture
+          if (cost == kWorstCost) continue;  // beyond the image
           EXPECT_NEAR(cost, Reference(left, x, y, right, map, plane), 2e-3) << channels << " " << x << " " << y;
           ++compared;
         }
@@ -117,10 +117,10 @@ TEST_P(PatchCostsTest, AreOneMinusTheWeightedCorrelation) {
   }
 }
 
-TEST_P(PatchCostsTest, UnusablePixelsCountNothing) {
+TEST_P(PatchCostsTest, IgnoreUnusablePixels) {
   const PixelMap map = MapBetween(kLeft, kRight);
-  PackedImage left = Picture(kLeft, 1);
-  const PackedImage right = Picture(kRight, 1);
+  GatherImage left = ImageOf(kLeft, 1);
+  const GatherImage right = ImageOf(kRight, 1);
   std::vector<uint8_t> usable(96 * 72, 1);
   for (int y = 0; y < 72; ++y) {
     for (int x = 50; x < 96; ++x) usable[static_cast<size_t>(y) * 96 + x] = 0;
@@ -132,9 +132,9 @@ TEST_P(PatchCostsTest, UnusablePixelsCountNothing) {
   EXPECT_EQ(CostOf(MakePatch(left, 48, 30, usable.data()), right, map, plane), cost);
 }
 
-TEST_P(PatchCostsTest, AreLowOnTheSurfaceAndHighBesideIt) {
+TEST_P(PatchCostsTest, AreLowOnSurface) {
   const PixelMap map = MapBetween(kLeft, kRight);
-  const PackedImage left = Picture(kLeft, 3), right = Picture(kRight, 3);
+  const GatherImage left = ImageOf(kLeft, 3), right = ImageOf(kRight, 3);
   double on = 0, beside = 0;
   int n = 0;
   for (int y = 12; y < 60; y += 6) {
@@ -150,22 +150,22 @@ TEST_P(PatchCostsTest, AreLowOnTheSurfaceAndHighBesideIt) {
   EXPECT_GT(beside / n, 0.5);
 }
 
-TEST_P(PatchCostsTest, OfAPatchAndItselfIsTheGuardAgainstNoiseAlone) {
-  const PackedImage left = Picture(kLeft, 1);
+TEST_P(PatchCostsTest, ReachNoiseGuardForEqualPatches) {
+  const GatherImage left = ImageOf(kLeft, 1);
   const Patch patch = MakePatch(left, 40, 30, nullptr);
   ASSERT_GT(patch.variance, 20);
   EXPECT_NEAR(CostOf(patch, left, {}, {0.25f, 0, 0}), 2.25 / (patch.variance + 2.25), 1e-3);
 }
 
-TEST_P(PatchCostsTest, OfAFlatPatchAreAboutOne) {
-  const PackedImage flat = Constant(0.5f), left = Picture(kLeft, 1);
+TEST_P(PatchCostsTest, AreAboutOneForFlatPatch) {
+  const GatherImage flat = Constant(0.5f), left = ImageOf(kLeft, 1);
   EXPECT_NEAR(CostOf(MakePatch(flat, 40, 30, nullptr), left, {}, {0.25f, 0, 0}), 1, 0.02);
   EXPECT_NEAR(CostOf(MakePatch(left, 40, 30, nullptr), flat, {}, {0.25f, 0, 0}), 1, 0.02);
   EXPECT_NEAR(CostOf(MakePatch(flat, 40, 30, nullptr), flat, {}, {0.25f, 0, 0}), 1, 0.02);
 }
 
-TEST_P(PatchCostsTest, AreWorstBehindTheCameraAndBesideThePicture) {
-  const PackedImage left = Picture(kLeft, 1);
+TEST_P(PatchCostsTest, AreWorstOutOfFrame) {
+  const GatherImage left = ImageOf(kLeft, 1);
   const Patch patch = MakePatch(left, 40, 30, nullptr);
   const Camera ahead = CameraAt({-0.5, 0.1, 2}, {-0.5, 0.1, 9}, 96, 72);
   EXPECT_EQ(CostOf(patch, left, MapBetween(kLeft, ahead), Truth(40, 30)), kWorstCost);
@@ -177,8 +177,8 @@ TEST_P(PatchCostsTest, AreWorstBehindTheCameraAndBesideThePicture) {
   EXPECT_EQ(CostOf(patch, left, map, {std::nanf(""), 0, 0}), kWorstCost);
 }
 
-TEST_P(PatchCostsTest, OfManyPlanesAndSourcesStandPlaneByPlane) {
-  const PackedImage left = Picture(kLeft, 3), right = Picture(kRight, 3);
+TEST_P(PatchCostsTest, AreOrderedPlaneByPlane) {
+  const GatherImage left = ImageOf(kLeft, 3), right = ImageOf(kRight, 3);
   const Patch patch = MakePatch(left, 40, 30, nullptr);
   const PixelMap map = MapBetween(kLeft, kRight);
   const PatchSource sources[] = {{&right, map}, {&right, map}, {&left, {}}};
@@ -195,7 +195,7 @@ TEST_P(PatchCostsTest, OfManyPlanesAndSourcesStandPlaneByPlane) {
 
 INSTANTIATE_FOR_EVERY_TARGET(PatchCostsTest);
 
-TEST(MakePatch, WeighsLikeAndNearPixels) {
+TEST(MakePatch, WeighsSimilarAndNearPixels) {
   ImageF image{96, 72, 1, {}};
   for (int y = 0; y < 72; ++y) {
     for (int x = 0; x < 96; ++x) image.data.push_back(x < 42 ? 0.2f : 0.8f);
@@ -216,8 +216,8 @@ TEST(MakePatch, WeighsLikeAndNearPixels) {
   EXPECT_LT(patch.variance, 1e-3f) << "what lies beyond an edge does not count";
 }
 
-TEST(MakePatch, InACornerUsesWhatThereIs) {
-  const Patch patch = MakePatch(Picture(kLeft, 1), 0, 0, nullptr);
+TEST(MakePatch, IgnoresPixelsBeyondCorner) {
+  const Patch patch = MakePatch(ImageOf(kLeft, 1), 0, 0, nullptr);
   float sum = 0;
   for (int k = 0; k < kPatchSamples; ++k) {
     sum += patch.weight[k];

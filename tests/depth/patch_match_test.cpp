@@ -21,7 +21,7 @@ class ThreadsAsBefore : public testing::Test {
 
 bool Same(const Plane& a, const Plane& b) { return a.inv_depth == b.inv_depth && a.dx == b.dx && a.dy == b.dy; }
 
-TEST(RandomPlanes, FillTheRangeAndStartAtHints) {
+TEST(RandomPlanes, FillRangeAndStartAtHints) {
   const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8)), kRange);
   std::vector<float> hints(96 * 72, 0);
   hints[500] = 0.37f;
@@ -43,7 +43,7 @@ TEST(RandomPlanes, FillTheRangeAndStartAtHints) {
   EXPECT_FALSE(Same(RandomPlanes(scene, 1, {}).planes[7], map.planes[7]));
 }
 
-TEST(RandomPlanes, KnowNothingOfUnusablePixels) {
+TEST(RandomPlanes, SkipUnusablePixels) {
   StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8)), kRange);
   scene.views[0].usable.assign(96 * 72, 1);
   scene.views[0].usable[321] = 0;
@@ -54,7 +54,7 @@ TEST(RandomPlanes, KnowNothingOfUnusablePixels) {
   EXPECT_EQ(map.costs[321], kWorstCost);
 }
 
-TEST(RunPass, FindsASlantedPlaneFromRandomOnes) {
+TEST(RunPass, FindsSlantedPlaneFromRandom) {
   const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8)), kRange);
   const PlaneMap truth = TrueMap(scene.views[1].camera, kSlanted);
   PlaneMap map = RandomPlanes(scene, 1, {});
@@ -74,7 +74,7 @@ TEST(RunPass, FindsASlantedPlaneFromRandomOnes) {
   for (const float cost : map.costs) EXPECT_TRUE(cost >= 0 && cost <= kWorstCost);
 }
 
-TEST(RunPass, GeometryDrawsTheMapTowardsWhatOthersKnow) {
+TEST(RunPass, GeometricTermFollowsOtherMaps) {
   const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8)), kRange);
   std::vector<PlaneMap> maps;
   for (const StereoView& view : scene.views) maps.push_back(TrueMap(view.camera, kSlanted));
@@ -84,7 +84,7 @@ TEST(RunPass, GeometryDrawsTheMapTowardsWhatOthersKnow) {
   EXPECT_GT(ShareRight(with, maps[1], 0.01f), ShareRight(without, maps[1], 0.01f));
 }
 
-TEST(RunPass, WithoutNeighboursChangesNothing) {
+TEST(RunPass, ChangesNothingWithoutSources) {
   StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8)), kRange);
   scene.views[0].neighbors.clear();
   const PlaneMap before = RandomPlanes(scene, 0, {});
@@ -93,16 +93,16 @@ TEST(RunPass, WithoutNeighboursChangesNothing) {
   EXPECT_TRUE(std::equal(map.planes.begin(), map.planes.end(), before.planes.begin(), Same));
 }
 
-TEST(RunPass, SilhouettesBoundEveryHypothesis) {
+TEST(RunPass, StaysWithinSilhouettes) {
   TexturedPlane square = kSlanted;
   square.half_side = 0.7;
   // The third camera looks along the square and rules most depths out.
   std::vector<Camera> cameras = Arc(2, 8);
   cameras.push_back(CameraAt({3.5, 0, 0.5}, {0, 0, 0.3}, 96, 72));
-  const std::vector<LoadedView> photos = TakeAll(square, cameras);
-  const Silhouettes silhouettes(photos);
+  const std::vector<LoadedView> views = TakeAll(square, cameras);
+  const Silhouettes silhouettes(views);
   ASSERT_FALSE(silhouettes.empty());
-  StereoScene scene = SceneOf(photos, kRange);
+  StereoScene scene = SceneOf(views, kRange);
   scene.silhouettes = &silhouettes;
   for (size_t v = 0; v < 3; ++v) scene.views[v].usable = silhouettes.Object(v);
   PlaneMap map = RandomPlanes(scene, 0, {});
@@ -124,7 +124,7 @@ TEST(RunPass, SilhouettesBoundEveryHypothesis) {
 
 using RunPassThreads = ThreadsAsBefore;
 
-TEST_F(RunPassThreads, GiveTheSameBits) {
+TEST_F(RunPassThreads, GiveSameBits) {
   const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8)), kRange);
   const PlaneMap start = RandomPlanes(scene, 0, {});
   PlaneMap one = start, four = start;
@@ -136,7 +136,7 @@ TEST_F(RunPassThreads, GiveTheSameBits) {
   EXPECT_EQ(one.costs, four.costs);
 }
 
-TEST(Resized, CarriesPlanesToAnotherResolution) {
+TEST(Resized, KeepsPlanesAtOtherResolution) {
   const Camera small = CameraAt({0, 0.2, -4}, {0, 0, 0}, 48, 36), large = Resized(small, 96, 72);
   const PlaneMap truth = TrueMap(large, kSlanted), from_small = Resized(TrueMap(small, kSlanted, 0.4f), 96, 72);
   ASSERT_EQ(from_small.planes.size(), truth.planes.size());
@@ -149,13 +149,13 @@ TEST(Resized, CarriesPlanesToAnotherResolution) {
   EXPECT_GT(ShareRight(Resized(truth, 41, 29), TrueMap(Resized(small, 41, 29), kSlanted), 1e-4f), 0.999);
 }
 
-TEST(Resized, NeverMakesDepthsBehindTheCamera) {
+TEST(Resized, KeepsDepthPositive) {
   const PlaneMap map = Resized(PlaneMap{1, 1, {{0.1f, 1, 0}}, {0.5f}}, 4, 1);
   EXPECT_EQ(map.planes[0].inv_depth, 0);
   EXPECT_GT(map.planes[3].inv_depth, 0.1f);
 }
 
-TEST(GoAndReturn, OverTheSameSurfaceEndsWhereItBegan) {
+TEST(GoAndReturn, ReturnsToStartOnSameSurface) {
   const std::vector<Camera> cameras = Arc(2, 12);
   const PlaneMap a = TrueMap(cameras[0], kSlanted), b = TrueMap(cameras[1], kSlanted);
   const PlainPixelMap there = Plain(MapBetween(cameras[0], cameras[1])),
@@ -172,12 +172,12 @@ TEST(GoAndReturn, OverTheSameSurfaceEndsWhereItBegan) {
   EXPECT_LT(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 1.1f * w}).relative_depth, -0.05) << "in front of it";
 }
 
-TEST(GoAndReturn, SeesNothingBesideBehindOrWhereNothingIsKnown) {
+TEST(GoAndReturn, IsUnseenOutOfFrameOrAtUnknownDepth) {
   const std::vector<Camera> cameras = Arc(2, 12);
   PlaneMap b = TrueMap(cameras[1], kSlanted);
   const PlainPixelMap there = Plain(MapBetween(cameras[0], cameras[1])),
                       back = Plain(MapBetween(cameras[1], cameras[0]));
-  EXPECT_FALSE(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 1e3f}).seen) << "in front of the first lens";
+  EXPECT_FALSE(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 1e3f}).seen) << "in front of the first camera";
   const Camera ahead = CameraAt({0, 0, 5}, {0, 0, 9}, 96, 72);
   EXPECT_FALSE(GoAndReturn(Plain(MapBetween(cameras[0], ahead)), Plain(MapBetween(ahead, cameras[0])), Known(b),
                            {50.5f, 30.5f, 0.25f})

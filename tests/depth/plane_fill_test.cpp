@@ -25,7 +25,7 @@ void AddWall(float depth, int side, std::vector<DensePoint>* points) {
   }
 }
 
-TEST(FindPlanes, FindsTheLargestFirstAndLeavesScatteredPointsAlone) {
+TEST(FindPlanes, FindsLargestFirstAndIgnoresScatter) {
   std::vector<DensePoint> points;
   AddWall(3, 30, &points);
   AddWall(5, 40, &points);
@@ -43,40 +43,40 @@ TEST(FindPlanes, FindsTheLargestFirstAndLeavesScatteredPointsAlone) {
   }
 }
 
-TEST(FindPlanes, FewPointsMakeNone) {
+TEST(FindPlanes, NeedsEnoughPoints) {
   std::vector<DensePoint> points;
   AddWall(3, 20, &points);
   EXPECT_TRUE(FindPlanes(points).empty());
 }
 
-/// Photographs of one plane, whose depth is known but for a square in the middle of each.
+/// Views of one plane, whose depth is known but for a square in the middle of each.
 class FillPlanesTest : public testing::Test {
  protected:
   void SetUp() override {
-    photos = TakeAll(kSlanted, Arc(3, 6));
-    for (const LoadedView& photo : photos) {
-      maps.push_back(TrueDepth(photo, kSlanted, 0.9f));
+    views = TakeAll(kSlanted, Arc(3, 6));
+    for (const LoadedView& view : views) {
+      maps.push_back(TrueDepth(view, kSlanted, 0.9f));
       for (int y = 25; y < 47; ++y) {
         for (int x = 36; x < 60; ++x) Forget(&maps.back(), static_cast<size_t>(y) * 96 + static_cast<size_t>(x));
       }
     }
-    points = FuseDepth(maps, photos, {});
+    points = FuseDepth(maps, views, {});
   }
   static void Forget(DepthMap* map, size_t i) {
     map->inv_depth[i] = map->confidence[i] = 0;
     map->normals[i].setZero();
   }
-  std::vector<DensePoint> Fill() const { return FillPlanes(maps, photos, points, {}); }
+  std::vector<DensePoint> Fill() const { return FillPlanes(maps, views, points, {}); }
 
-  std::vector<LoadedView> photos;
+  std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
   std::vector<DensePoint> points;
 };
 
-TEST_F(FillPlanesTest, TheHoleIsFilledOnThePlaneOnce) {
+TEST_F(FillPlanesTest, FillsHoleOnPlaneOnce) {
   const std::vector<DensePoint> filled = Fill();
-  EXPECT_GT(filled.size(), 60u) << "a quarter of the pixels that no photograph knows";
-  EXPECT_LT(filled.size(), 3 * 22 * 24 / 4u) << "what one photograph has filled the others do not fill again";
+  EXPECT_GT(filled.size(), 60u) << "a quarter of the pixels that no view knows";
+  EXPECT_LT(filled.size(), 3 * 22 * 24 / 4u) << "what one view has filled the others do not fill again";
   for (const DensePoint& p : filled) {
     EXPECT_LT(std::abs((p.xyz.cast<double>() - kSlanted.point).dot(kSlanted.normal)), 0.01);
     EXPECT_GT(p.normal.cast<double>().dot(kSlanted.normal), 0.99) << "towards the cameras";
@@ -86,43 +86,43 @@ TEST_F(FillPlanesTest, TheHoleIsFilledOnThePlaneOnce) {
   }
 }
 
-TEST_F(FillPlanesTest, NothingIsFilledWhereOtherPhotographsShowAnotherColour) {
+TEST_F(FillPlanesTest, SkipsWhereColoursDiffer) {
   for (size_t v = 0; v < 3; ++v) {
-    for (float& value : photos[v].rgb.data) value = 0.2f * value + 0.4f * static_cast<float>(v);
+    for (float& value : views[v].rgb.data) value = 0.2f * value + 0.4f * static_cast<float>(v);
   }
   EXPECT_TRUE(Fill().empty());
 }
 
-TEST_F(FillPlanesTest, NothingIsFilledThatAnotherPhotographLooksThrough) {
+TEST_F(FillPlanesTest, SkipsWhereSeenThrough) {
   for (float& w : maps[1].inv_depth) w *= 0.5f;  // it saw a surface twice as far
   for (size_t v : {0u, 2u}) {
     for (size_t i = 0; i < maps[1].size(); ++i) {
       if (maps[1].confidence[i] == 0) maps[1].confidence[i] = 0.9f, maps[1].inv_depth[i] = 0.1f;
     }
-    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {photos[v], photos[1]}, points, {})) {
-      const Eigen::Vector3d there = photos[1].camera.cam_from_world * p.xyz.cast<double>();
-      const double x = photos[1].camera.fx * there.x() / there.z() + photos[1].camera.cx;
-      const double y = photos[1].camera.fy * there.y() / there.z() + photos[1].camera.cy;
-      EXPECT_TRUE(x < 0 || y < 0 || x >= 96 || y >= 72) << "photograph 1 is sure of a farther surface everywhere";
+    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {views[v], views[1]}, points, {})) {
+      const Eigen::Vector3d there = views[1].camera.cam_from_world * p.xyz.cast<double>();
+      const double x = views[1].camera.fx * there.x() / there.z() + views[1].camera.cx;
+      const double y = views[1].camera.fy * there.y() / there.z() + views[1].camera.cy;
+      EXPECT_TRUE(x < 0 || y < 0 || x >= 96 || y >= 72) << "view 1 is sure of a farther surface everywhere";
     }
   }
 }
 
-TEST_F(FillPlanesTest, MaskedPixelsOfOtherPhotographsHaveNoSay) {
+TEST_F(FillPlanesTest, IgnoresMaskedPixelsOfOtherViews) {
   const size_t before = Fill().size();
   for (size_t v = 1; v < 3; ++v) {
-    for (float& value : photos[v].rgb.data) value = 0.2f * value + 0.7f;  // another colour, but nobody looks there
-    photos[v].mask.assign(maps[v].size(), 0);
+    for (float& value : views[v].rgb.data) value = 0.2f * value + 0.7f;  // another colour, but nobody looks there
+    views[v].mask.assign(maps[v].size(), 0);
   }
   EXPECT_GT(Fill().size(), before / 2);
 }
 
-TEST_F(FillPlanesTest, MaskedPixelsStayEmpty) {
-  for (LoadedView& photo : photos) photo.mask.assign(maps[0].size(), 0);
+TEST_F(FillPlanesTest, LeavesMaskedPixelsEmpty) {
+  for (LoadedView& view : views) view.mask.assign(maps[0].size(), 0);
   EXPECT_TRUE(Fill().empty());
 }
 
-TEST_F(FillPlanesTest, IsTheSameForAnyNumberOfThreads) {
+TEST_F(FillPlanesTest, GivesSameBitsForAnyThreads) {
   const std::vector<DensePoint> before = Fill();
   SetNumThreads(1);
   const std::vector<DensePoint> after = Fill();
@@ -131,9 +131,9 @@ TEST_F(FillPlanesTest, IsTheSameForAnyNumberOfThreads) {
   for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(before[i].xyz, after[i].xyz);
 }
 
-TEST_F(FillPlanesTest, NothingToGoByFillsNothing) {
+TEST_F(FillPlanesTest, IsEmptyWithoutMapsOrPlanes) {
   EXPECT_TRUE(FillPlanes({}, {}, points, {}).empty());
-  EXPECT_TRUE(FillPlanes(maps, photos, {}, {}).empty());
+  EXPECT_TRUE(FillPlanes(maps, views, {}, {}).empty());
 }
 
 }  // namespace

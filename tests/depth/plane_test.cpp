@@ -14,7 +14,7 @@ Eigen::Vector3d Project(const Camera& camera, const Eigen::Vector3d& point) {
   return {camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy, p.z()};
 }
 
-TEST(MapBetween, CarriesAPixelToWhereItsPointProjects) {
+TEST(MapBetween, MapsPixelToProjection) {
   const Eigen::Vector3d point(0.2, -0.3, 0.4), a = Project(kLeft, point), b = Project(kRight, point);
   const Eigen::Vector3f q =
       MapBetween(kLeft, kRight)(static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(1 / a.z()));
@@ -23,14 +23,14 @@ TEST(MapBetween, CarriesAPixelToWhereItsPointProjects) {
   EXPECT_NEAR(q.z() * a.z(), b.z(), 1e-4) << "the third coordinate is the ratio of depths";
 }
 
-TEST(Plain, IsTheSameMapInPlainNumbers) {
+TEST(Plain, EqualsEigenMap) {
   const PixelMap map = MapBetween(kLeft, kRight);
   const Eigen::Vector3f q = map(30.5f, 70.25f, 0.3f);
   const Vec3f p = Plain(map)(30.5f, 70.25f, 0.3f);
   EXPECT_EQ(Eigen::Vector3f(p.x, p.y, p.z), q);
 }
 
-TEST(Plane, IsLinearInInverseDepthAndHasTheSurfacesNormal) {
+TEST(Plane, IsLinearInInverseDepth) {
   const TexturedPlane surface{{0, 0, 0.5}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
   const auto inverse = [&](double u, double v) { return 1 / surface.DepthAt(kLeft, u, v); };
   const double u = 40.5, v = 70.5;

@@ -1,5 +1,5 @@
 #pragma once
-// Cameras and pictures of surfaces whose depth is known in closed form.
+// Cameras and images of surfaces whose depth is known in closed form.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -58,16 +58,16 @@ struct TexturedPlane {
   }
 
   LoadedView Take(const Camera& camera, const std::string& name) const {
-    LoadedView photo{name, camera, {camera.width, camera.height, 3, {}}, {}};
+    LoadedView view{name, camera, {camera.width, camera.height, 3, {}}, {}};
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) {
         Eigen::Vector2d uv;
         const bool hit = DepthAt(camera, x + 0.5, y + 0.5, &uv) > 0;
         const Eigen::Vector3f rgb = hit ? TextureAt(uv.x(), uv.y()) : background;
-        for (int c = 0; c < 3; ++c) photo.rgb.data.push_back(rgb[c]);
+        for (int c = 0; c < 3; ++c) view.rgb.data.push_back(rgb[c]);
       }
     }
-    return photo;
+    return view;
   }
 };
 

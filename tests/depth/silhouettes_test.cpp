@@ -9,22 +9,22 @@ namespace {
 
 /// A dark disc with a hole of the background's colour, at (x, y), before one colour.
 LoadedView Disc(const Camera& camera, double x, double y, double radius, float background = 1) {
-  LoadedView photo{"disc", camera, {camera.width, camera.height, 3, {}}, {}};
+  LoadedView view{"disc", camera, {camera.width, camera.height, 3, {}}, {}};
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const double r = std::hypot(u + 0.5 - x, v + 0.5 - y);
       const float value = r < radius && r > 2 ? 0.3f : background;
-      photo.rgb.data.insert(photo.rgb.data.end(), 3, value);
+      view.rgb.data.insert(view.rgb.data.end(), 3, value);
     }
   }
-  return photo;
+  return view;
 }
 
 const Camera kFront = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72), kSide = CameraAt({4, 0, 0}, {0, 0, 0}, 96, 72);
 
 size_t At(int x, int y) { return static_cast<size_t>(y) * 96 + static_cast<size_t>(x); }
 
-TEST(Silhouettes, AnObjectBeforeAPlainBackgroundIsFound) {
+TEST(Silhouettes, FindObjectBeforePlainBackground) {
   const Silhouettes silhouettes({Disc(kFront, 48, 36, 20), Disc(kSide, 40, 36, 20)});
   ASSERT_FALSE(silhouettes.empty());
   EXPECT_EQ(silhouettes.Object(0)[At(60, 36)], 1);
@@ -34,7 +34,7 @@ TEST(Silhouettes, AnObjectBeforeAPlainBackgroundIsFound) {
   EXPECT_EQ(silhouettes.Object(1)[At(65, 36)], 0);
 }
 
-TEST(Silhouettes, MayContainAllowsTwoPixelsAndWhatIsBeyondThePicture) {
+TEST(Silhouettes, MayContainAllowsTwoPixels) {
   const Silhouettes silhouettes({Disc(kFront, 48, 36, 20)});
   EXPECT_TRUE(silhouettes.MayContain(0, 67.5f, 36.5f));
   EXPECT_TRUE(silhouettes.MayContain(0, 69.5f, 36.5f));
@@ -45,36 +45,36 @@ TEST(Silhouettes, MayContainAllowsTwoPixelsAndWhatIsBeyondThePicture) {
   EXPECT_TRUE(silhouettes.MayContain(0, 40, 1e9f));
 }
 
-TEST(Silhouettes, MasksAreSilhouettesOfAnyPicture) {
-  LoadedView photo = TexturedPlane{}.Take(kFront, "busy");
-  photo.mask.assign(photo.rgb.data.size() / 3, 0);
+TEST(Silhouettes, AreMasksWhereMasksDiffer) {
+  LoadedView view = TexturedPlane{}.Take(kFront, "busy");
+  view.mask.assign(view.rgb.data.size() / 3, 0);
   for (int y = 20; y < 50; ++y) {
-    for (int x = 30; x < 60; ++x) photo.mask[At(x, y)] = 1;
+    for (int x = 30; x < 60; ++x) view.mask[At(x, y)] = 1;
   }
-  const Silhouettes silhouettes({photo});
+  const Silhouettes silhouettes({view});
   ASSERT_FALSE(silhouettes.empty());
-  EXPECT_EQ(silhouettes.Object(0), photo.mask);
-  EXPECT_TRUE(Silhouettes({photo, photo}).empty()) << "one mask for all is the lens's rim";
+  EXPECT_EQ(silhouettes.Object(0), view.mask);
+  EXPECT_TRUE(Silhouettes({view, view}).empty()) << "one mask for all is the lens's rim";
 }
 
-TEST(Silhouettes, ThereAreNoneWhereOnePhotographsBorderIsNotBackground) {
+TEST(Silhouettes, AreNoneWhereOneBorderShowsScene) {
   EXPECT_TRUE(Silhouettes({}).empty());
   EXPECT_TRUE(Silhouettes({TexturedPlane{}.Take(kFront, "busy")}).empty());
   const LoadedView disc = Disc(kFront, 48, 36, 20);
   EXPECT_TRUE(Silhouettes({disc, TexturedPlane{}.Take(kSide, "busy"), disc}).empty());
   EXPECT_TRUE(Silhouettes({disc, disc, Disc(kSide, 48, 36, 20, 0.9f)}).empty()) << "another background";
-  EXPECT_TRUE(Silhouettes({disc, Disc(kSide, -9, -9, 3)}).empty()) << "an empty picture";
+  EXPECT_TRUE(Silhouettes({disc, Disc(kSide, -9, -9, 3)}).empty()) << "an empty image";
 }
 
-TEST(Silhouettes, ATenthOfTheBorderMayBeObject) {
+TEST(Silhouettes, AllowTenthOfBorder) {
   EXPECT_FALSE(Silhouettes({Disc(kFront, 48, 60, 15)}).empty());
   EXPECT_TRUE(Silhouettes({Disc(kFront, 48, 60, 40)}).empty());
 }
 
-TEST(Silhouettes, SmallDifferencesOfColourAreBackground) {
-  LoadedView photo = Disc(kFront, 48, 36, 20, 0.5f);
-  for (size_t i = 0; i < photo.rgb.data.size(); i += 7) photo.rgb.data[i] += 2.f / 255;
-  const Silhouettes silhouettes({photo});
+TEST(Silhouettes, TolerateSmallColourDifferences) {
+  LoadedView view = Disc(kFront, 48, 36, 20, 0.5f);
+  for (size_t i = 0; i < view.rgb.data.size(); i += 7) view.rgb.data[i] += 2.f / 255;
+  const Silhouettes silhouettes({view});
   ASSERT_FALSE(silhouettes.empty());
   EXPECT_EQ(silhouettes.Object(0), Silhouettes({Disc(kFront, 48, 36, 20, 0.5f)}).Object(0));
 }

@@ -16,9 +16,9 @@ LoadedView Blank(const Camera& camera) {
 }
 
 std::vector<LoadedView> Blanks(const std::vector<Camera>& cameras) {
-  std::vector<LoadedView> photos;
-  for (const Camera& camera : cameras) photos.push_back(Blank(camera));
-  return photos;
+  std::vector<LoadedView> views;
+  for (const Camera& camera : cameras) views.push_back(Blank(camera));
+  return views;
 }
 
 /// Points in front of CameraAt({0, 0, -4}, 0) from depth `near` to `far`, seen by these views.
@@ -33,38 +33,38 @@ std::vector<ScenePoint> Points(int n, double near, double far, const std::vector
   return points;
 }
 
-/// A dark square in the middle of each picture.
+/// A dark square in the middle of each image.
 std::vector<LoadedView> Squares(const std::vector<Camera>& cameras) {
-  std::vector<LoadedView> photos = Blanks(cameras);
-  for (LoadedView& photo : photos) {
+  std::vector<LoadedView> views = Blanks(cameras);
+  for (LoadedView& view : views) {
     for (int y = 20; y < 50; ++y) {
-      for (int x = 30; x < 60; ++x) photo.rgb.row(y)[3 * x] = 0;
+      for (int x = 30; x < 60; ++x) view.rgb.row(y)[3 * x] = 0;
     }
   }
-  return photos;
+  return views;
 }
 
-TEST(AngleAt, IsInDegreesBetweenTheRays) {
+TEST(AngleAt, IsInDegreesBetweenRays) {
   const Camera a = CameraAt({0, 0, -4}, {0, 0, 0}), b = CameraAt({4, 0, 0}, {0, 0, 0});
   EXPECT_NEAR(AngleAt({0, 0, 0}, a, b), 90, 1e-9);
   EXPECT_NEAR(AngleAt({0, 0, 0}, a, a), 0, 1e-5);
   EXPECT_NEAR(AngleAt({2, 0, -2}, a, b), 180, 1e-5);
 }
 
-TEST(FindDepthRanges, FollowThePointsWithAMargin) {
+TEST(FindDepthRanges, ContainPointsWithMargin) {
   const Camera camera = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72);
-  const std::vector<LoadedView> photos = Blanks({camera});
-  const DepthRange range = FindDepthRanges(photos, Points(1000, 3, 6, {0}), Silhouettes({}))[0];
+  const std::vector<LoadedView> views = Blanks({camera});
+  const DepthRange range = FindDepthRanges(views, Points(1000, 3, 6, {0}), Silhouettes({}))[0];
   EXPECT_NEAR(1 / range.near, 0.3 * 3, 0.05);
   EXPECT_NEAR(1 / range.far, 2.5 * 6, 0.1);
   std::vector<ScenePoint> points = Points(1000, 3, 6, {0});
   for (int i = 0; i < 3; ++i) points[static_cast<size_t>(i)].xyz = {0, 0, i == 0 ? 1e6 : -3.99};  // outliers
-  const DepthRange same = FindDepthRanges(photos, points, Silhouettes({}))[0];
+  const DepthRange same = FindDepthRanges(views, points, Silhouettes({}))[0];
   EXPECT_NEAR(same.near, range.near, 0.02 * range.near);
   EXPECT_NEAR(same.far, range.far, 0.02 * range.far);
 }
 
-TEST(FindDepthRanges, WithFewPointsFollowTheCameras) {
+TEST(FindDepthRanges, UseCamerasWithFewPoints) {
   const std::vector<Camera> cameras = Arc(5, 10);
   for (const DepthRange& range : FindDepthRanges(Blanks(cameras), Points(19, 3, 6, {0, 1}), Silhouettes({}))) {
     EXPECT_NEAR(1 / range.near, 0.2 * 4, 0.05);
@@ -74,21 +74,21 @@ TEST(FindDepthRanges, WithFewPointsFollowTheCameras) {
   EXPECT_TRUE(one.far > 0 && one.near > one.far);
 }
 
-TEST(FindDepthRanges, WithSilhouettesFollowTheCamerasAndReachEveryPoint) {
-  const std::vector<LoadedView> photos = Squares(Arc(4, 30));
-  const Silhouettes silhouettes(photos);
+TEST(FindDepthRanges, UseCamerasAndPointsWithSilhouettes) {
+  const std::vector<LoadedView> views = Squares(Arc(4, 30));
+  const Silhouettes silhouettes(views);
   ASSERT_FALSE(silhouettes.empty());
-  for (const DepthRange& range : FindDepthRanges(photos, Points(19, 1, 50, {0, 1, 2, 3}), silhouettes)) {
+  for (const DepthRange& range : FindDepthRanges(views, Points(19, 1, 50, {0, 1, 2, 3}), silhouettes)) {
     EXPECT_NEAR(1 / range.near, 0.55 * 4, 0.05);
     EXPECT_NEAR(1 / range.far, 1.45 * 4, 0.1);
   }
-  for (const DepthRange& range : FindDepthRanges(photos, Points(500, 1, 50, {0, 1, 2, 3}), silhouettes)) {
+  for (const DepthRange& range : FindDepthRanges(views, Points(500, 1, 50, {0, 1, 2, 3}), silhouettes)) {
     EXPECT_NEAR(1 / range.near, 0.55 * 4, 0.05);
     EXPECT_GT(1 / range.far, 1.8 * 4);
   }
 }
 
-TEST(FindNeighbors, PreferTenDegreesAndAtMostSoMany) {
+TEST(FindNeighbors, PreferTenDegrees) {
   std::vector<Camera> cameras;
   for (const double angle : {0.0, 2.0, 10.0, 28.0, 85.0}) {
     const double radians = angle * M_PI / 180;
@@ -98,7 +98,7 @@ TEST(FindNeighbors, PreferTenDegreesAndAtMostSoMany) {
   EXPECT_THAT(FindNeighbors(Blanks(cameras), {}, 2)[0], ElementsAre(2, 3));
 }
 
-TEST(FindNeighbors, SharedPointsDecideTheAngle) {
+TEST(FindNeighbors, UseAngleAtSharedPoints) {
   std::vector<Camera> cameras;
   for (const double x : {0.0, 0.5, 1.0}) cameras.push_back(CameraAt({x, 0, 0}, {x, 0, 1}, 96, 72));
   std::vector<ScenePoint> points;
@@ -110,7 +110,7 @@ TEST(FindNeighbors, SharedPointsDecideTheAngle) {
   EXPECT_THAT(FindNeighbors(Blanks(cameras), points, 1)[0], ElementsAre(1));
 }
 
-TEST(FindNeighbors, OnePlaceGivesNoDepthAndNoNeighbour) {
+TEST(FindNeighbors, RejectPureRotation) {
   const std::vector<Camera> arc = Arc(2, 10);
   Camera moved = arc[0];
   moved.cam_from_world.translation().x() += 4 * 0.3 * M_PI / 180;  // 0.3 degrees
@@ -123,7 +123,7 @@ TEST(FindNeighbors, OnePlaceGivesNoDepthAndNoNeighbour) {
   EXPECT_THAT(lonely, ElementsAre(IsEmpty(), IsEmpty()));
 }
 
-TEST(FindNeighbors, PhotographsThatShareNothingHaveNone) {
+TEST(FindNeighbors, AreNoneWithoutOverlap) {
   const std::vector<Camera> apart = {CameraAt({0, 0, -4}, {0, 0, -9}, 96, 72), CameraAt({0, 0, 4}, {0, 0, 9}, 96, 72)};
   EXPECT_THAT(FindNeighbors(Blanks(apart), {}, 5), ElementsAre(IsEmpty(), IsEmpty()));
   EXPECT_THAT(FindNeighbors(Blanks({apart[0]}), {}, 5), ElementsAre(IsEmpty()));

@@ -24,9 +24,9 @@ StereoOptions Quick() {
   return options;
 }
 
-std::vector<DepthMap> OnCpu(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthMap> OnCpu(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                             const StereoOptions& options, const Listener& listener) {
-  return EstimateDepth(photos, points, options, MakePlaneSearch(kCpu).get(), listener);
+  return EstimateDepth(views, points, options, MakePlaneSearch(kCpu).get(), listener);
 }
 
 double MedianError(const DepthMap& map, const TexturedPlane& surface, float least_confidence = kConfident) {
@@ -52,18 +52,18 @@ void ExpectConsistent(const DepthMap& map) {
   }
 }
 
-TEST(EstimateDepth, FindsASlantedPlane) {
+TEST(EstimateDepth, FindsSlantedPlane) {
   EventRecorder events;
-  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(4, 8));
-  const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), events.AsListener());
+  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(4, 8));
+  const std::vector<DepthMap> maps = OnCpu(views, {}, Quick(), events.AsListener());
   ASSERT_EQ(maps.size(), 4u);
   for (size_t v = 0; v < 4; ++v) {
-    EXPECT_EQ(maps[v].name, photos[v].name);
+    EXPECT_EQ(maps[v].name, views[v].name);
     ExpectConsistent(maps[v]);
     EXPECT_GT(ConfidentShare(maps[v]), 0.75) << v;
     EXPECT_LT(MedianError(maps[v], kSlanted), 0.01) << v;
     EXPECT_LT(MedianError(maps[v], kSlanted, 1e-6f), 0.01) << v << ", of all pixels";
-    const Eigen::Vector3f normal = (photos[v].camera.cam_from_world.linear() * kSlanted.normal).cast<float>();
+    const Eigen::Vector3f normal = (views[v].camera.cam_from_world.linear() * kSlanted.normal).cast<float>();
     EXPECT_GT(maps[v].normals[36 * 96 + 48].dot(normal), 0.9) << v;
   }
   EXPECT_TRUE(events.warnings.empty());
@@ -75,7 +75,7 @@ TEST(EstimateDepth, FindsASlantedPlane) {
   }
 }
 
-TEST(EstimateDepth, GoesFromCoarseToFineOnLargerPictures) {
+TEST(EstimateDepth, GoesFromCoarseToFine) {
   EventRecorder events;
   const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(3, 8, 161, 121)), {}, Quick(), events.AsListener());
   ASSERT_EQ(maps.size(), 3u);
@@ -88,7 +88,7 @@ TEST(EstimateDepth, GoesFromCoarseToFineOnLargerPictures) {
   EXPECT_EQ(events.steps[8].total, 9);
 }
 
-TEST(EstimateDepth, WithoutPassesGivesTheSearchAtTheCoarseResolution) {
+TEST(EstimateDepth, RunsWithoutGeometricPasses) {
   StereoOptions options = Quick();
   options.geometric_passes = 0;
   EventRecorder events;
@@ -99,17 +99,17 @@ TEST(EstimateDepth, WithoutPassesGivesTheSearchAtTheCoarseResolution) {
   EXPECT_LT(MedianError(maps[1], kSlanted), 0.02);
 }
 
-TEST(EstimateDepth, IsSureOfNothingWithoutTexture) {
+TEST(EstimateDepth, IsUnconfidentWithoutTexture) {
   for (const float contrast : {0.f, 0.003f}) {
-    std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(4, 8));
-    for (LoadedView& photo : photos) {
-      for (float& value : photo.rgb.data) value = 0.5f + contrast * (value - 0.5f);
+    std::vector<LoadedView> views = TakeAll(kSlanted, Arc(4, 8));
+    for (LoadedView& view : views) {
+      for (float& value : view.rgb.data) value = 0.5f + contrast * (value - 0.5f);
     }
-    for (const DepthMap& map : OnCpu(photos, {}, Quick(), Silent())) EXPECT_LT(ConfidentShare(map), 0.02);
+    for (const DepthMap& map : OnCpu(views, {}, Quick(), Silent())) EXPECT_LT(ConfidentShare(map), 0.02);
   }
 }
 
-TEST(EstimateDepth, NamesPhotographsThatOverlapWithNoOther) {
+TEST(EstimateDepth, WarnsOfIsolatedViews) {
   std::vector<Camera> cameras = Arc(3, 8);
   cameras.push_back(CameraAt({0, 0, -4}, {0, 0, -90}, 96, 72));
   EventRecorder events;
@@ -120,7 +120,7 @@ TEST(EstimateDepth, NamesPhotographsThatOverlapWithNoOther) {
   EXPECT_GT(ConfidentShare(maps[1]), 0.7) << "the others do not suffer";
 }
 
-TEST(EstimateDepth, PhotographsOfOnePlaceAreNamed) {
+TEST(EstimateDepth, WarnsOfPureRotation) {
   const Camera camera = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72);
   EventRecorder events;
   const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, {camera, camera}), {}, Quick(), events.AsListener());
@@ -132,7 +132,7 @@ TEST(EstimateDepth, PhotographsOfOnePlaceAreNamed) {
   }
 }
 
-TEST(EstimateDepth, OfOneOrNoPhotographKnowsNothing) {
+TEST(EstimateDepth, KnowsNothingFromOneView) {
   EXPECT_TRUE(OnCpu({}, {}, Quick(), Silent()).empty());
   EventRecorder events;
   const std::vector<DepthMap> maps = OnCpu(TakeAll(kSlanted, Arc(1, 8)), {}, Quick(), events.AsListener());
@@ -141,15 +141,15 @@ TEST(EstimateDepth, OfOneOrNoPhotographKnowsNothing) {
   EXPECT_EQ(events.warnings.size(), 1u);
 }
 
-TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
+TEST(EstimateDepth, LeavesBackgroundUnknown) {
   TexturedPlane square = kSlanted;
   square.half_side = 0.75;
-  const std::vector<LoadedView> photos = TakeAll(square, Arc(4, 8));
+  const std::vector<LoadedView> views = TakeAll(square, Arc(4, 8));
   for (const Auto<StereoColor> color : {Auto<StereoColor>(), Auto<StereoColor>(StereoColor::kBrightness)}) {
     StereoOptions options = Quick();
     options.stereo_color = color;
-    const std::vector<DepthMap> maps = OnCpu(photos, {}, options, Silent());
-    const PlaneMap truth = TrueMap(photos[1].camera, square);
+    const std::vector<DepthMap> maps = OnCpu(views, {}, options, Silent());
+    const PlaneMap truth = TrueMap(views[1].camera, square);
     size_t object = 0, confident = 0;
     for (size_t i = 0; i < maps[1].size(); ++i) {
       if (truth.planes[i].inv_depth > 0) {
@@ -164,16 +164,16 @@ TEST(EstimateDepth, OfAnObjectKnowsNothingOfItsBackground) {
   }
 }
 
-TEST(EstimateDepth, MaskedPixelsStayUnknown) {
-  std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8));
-  photos[1].mask.assign(96 * 72, 1);
-  for (size_t i = 0; i < 2000; ++i) photos[1].mask[i] = 0;
-  const std::vector<DepthMap> maps = OnCpu(photos, {}, Quick(), Silent());
+TEST(EstimateDepth, LeavesMaskedPixelsUnknown) {
+  std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 8));
+  views[1].mask.assign(96 * 72, 1);
+  for (size_t i = 0; i < 2000; ++i) views[1].mask[i] = 0;
+  const std::vector<DepthMap> maps = OnCpu(views, {}, Quick(), Silent());
   for (size_t i = 0; i < 2000; ++i) EXPECT_EQ(maps[1].inv_depth[i], 0);
   EXPECT_GT(ConfidentShare(maps[1]), 0.4);
 }
 
-TEST(EstimateDepth, PointsGiveItTheirDistances) {
+TEST(EstimateDepth, UsesDistancesOfPoints) {
   // Parallel axes tell nothing of distances.
   std::vector<Camera> cameras;
   for (const double x : {-0.2, 0.0, 0.2}) cameras.push_back(CameraAt({x, 0, 0}, {x, 0, 50}, 96, 72));
@@ -183,8 +183,8 @@ TEST(EstimateDepth, PointsGiveItTheirDistances) {
     const double x = 0.1 * (i % 10 - 4.5), y = 0.1 * (i / 10 - 2.5);
     points.push_back({{x, y, 1.6 + 0.2 * x}, {}, {0, 1, 2}});
   }
-  const std::vector<LoadedView> photos = TakeAll(wall, cameras);
-  const std::vector<DepthMap> maps = OnCpu(photos, points, Quick(), Silent());
+  const std::vector<LoadedView> views = TakeAll(wall, cameras);
+  const std::vector<DepthMap> maps = OnCpu(views, points, Quick(), Silent());
   EXPECT_GT(ConfidentShare(maps[1]), 0.6);
   EXPECT_LT(MedianError(maps[1], wall), 0.01);
 }
@@ -197,14 +197,14 @@ class EstimateDepthThreads : public testing::Test {
   int before_ = NumThreads();
 };
 
-TEST_F(EstimateDepthThreads, GiveTheSameBits) {
-  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8, 64, 48));
+TEST_F(EstimateDepthThreads, GiveSameBits) {
+  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 8, 64, 48));
   StereoOptions options = Quick();
   options.iterations = 2;
   SetNumThreads(1);
-  const std::vector<DepthMap> one = OnCpu(photos, {}, options, Silent());
+  const std::vector<DepthMap> one = OnCpu(views, {}, options, Silent());
   SetNumThreads(3);
-  const std::vector<DepthMap> three = OnCpu(photos, {}, options, Silent());
+  const std::vector<DepthMap> three = OnCpu(views, {}, options, Silent());
   for (size_t v = 0; v < one.size(); ++v) {
     EXPECT_EQ(one[v].inv_depth, three[v].inv_depth);
     EXPECT_EQ(one[v].normals, three[v].normals);

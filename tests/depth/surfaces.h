@@ -23,9 +23,9 @@ inline std::vector<Camera> Arc(int n, double step, int width = 96, int height = 
 }
 
 inline std::vector<LoadedView> TakeAll(const TexturedPlane& surface, const std::vector<Camera>& cameras) {
-  std::vector<LoadedView> photos;
-  for (size_t v = 0; v < cameras.size(); ++v) photos.push_back(surface.Take(cameras[v], fmt::format("p{}.png", v)));
-  return photos;
+  std::vector<LoadedView> views;
+  for (size_t v = 0; v < cameras.size(); ++v) views.push_back(surface.Take(cameras[v], fmt::format("p{}.png", v)));
+  return views;
 }
 
 /// The surface at every pixel of a camera, nothing where the camera does not see it.
@@ -48,10 +48,10 @@ inline PlaneMap TrueMap(const Camera& camera, const TexturedPlane& surface, floa
   return map;
 }
 
-inline DepthMap TrueDepth(const LoadedView& photo, const TexturedPlane& surface, float confidence) {
-  const PlaneMap planes = TrueMap(photo.camera, surface);
-  DepthMap map{photo.name, photo.camera, {}, {}, {}};
-  const Eigen::Vector3f normal = (photo.camera.cam_from_world.linear() * surface.normal).cast<float>();
+inline DepthMap TrueDepth(const LoadedView& view, const TexturedPlane& surface, float confidence) {
+  const PlaneMap planes = TrueMap(view.camera, surface);
+  DepthMap map{view.name, view.camera, {}, {}, {}};
+  const Eigen::Vector3f normal = (view.camera.cam_from_world.linear() * surface.normal).cast<float>();
   for (const Plane& plane : planes.planes) {
     const bool known = plane.inv_depth > 0;
     map.inv_depth.push_back(plane.inv_depth);
@@ -62,11 +62,11 @@ inline DepthMap TrueDepth(const LoadedView& photo, const TexturedPlane& surface,
 }
 
 /// Views that are all compared with one another, in grey.
-inline StereoScene SceneOf(const std::vector<LoadedView>& photos, const DepthRange& range) {
+inline StereoScene SceneOf(const std::vector<LoadedView>& views, const DepthRange& range) {
   StereoScene scene;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    StereoView view{photos[v].camera, Pack(Luma(photos[v].rgb)), {}, range, {}};
-    for (size_t other = 0; other < photos.size(); ++other) {
+  for (size_t v = 0; v < views.size(); ++v) {
+    StereoView view{views[v].camera, Pack(Luma(views[v].rgb)), {}, range, {}};
+    for (size_t other = 0; other < views.size(); ++other) {
       if (other != v) view.neighbors.push_back(static_cast<int>(other));
     }
     scene.views.push_back(std::move(view));

@@ -24,7 +24,7 @@ void ExpectValid(const std::vector<Camera>& cameras, const Camera& like) {
   }
 }
 
-TEST(OrbitCandidates, CirclesAtSeveralHeightsOfThePhotographs) {
+TEST(OrbitCandidates, MakesCirclesAtSeveralHeights) {
   const auto train = RigAround(12);
   const auto orbit = OrbitCandidates(train, 30);
   ASSERT_EQ(orbit.size(), 30u);
@@ -42,7 +42,7 @@ TEST(OrbitCandidates, CirclesAtSeveralHeightsOfThePhotographs) {
   EXPECT_EQ(heights.size(), 3u);
 }
 
-TEST(OrbitCandidates, IsOneRingForOneHeight) {
+TEST(OrbitCandidates, MakesOneCircleForOneHeight) {
   std::vector<Camera> train;
   for (int i = 0; i < 6; ++i) {
     const double a = i * std::numbers::pi / 3;
@@ -51,7 +51,7 @@ TEST(OrbitCandidates, IsOneRingForOneHeight) {
   for (const Camera& c : OrbitCandidates(train, 10)) EXPECT_NEAR(c.Center().z(), 1, 1e-6);
 }
 
-TEST(OrbitCandidates, StaysBesideThePhotographsOfAnArc) {
+TEST(OrbitCandidates, StaysOnArc) {
   const auto train = RigAround(6, 100);
   const auto orbit = OrbitCandidates(train, 40);
   ASSERT_EQ(orbit.size(), 40u);
@@ -66,20 +66,20 @@ TEST(OrbitCandidates, StaysBesideThePhotographsOfAnArc) {
   }
 }
 
-TEST(SpiralCandidates, RisesAndFallsAroundTheScene) {
+TEST(SpiralCandidates, RisesAndFallsAroundScene) {
   const auto train = RigAround(12);
   const auto spiral = SpiralCandidates(train, 40);
   ASSERT_EQ(spiral.size(), 40u);
   ExpectValid(spiral, train[0]);
   EXPECT_LT(ElevationDegrees(spiral.front()), 15);
-  EXPECT_GT(ElevationDegrees(spiral[20]), 45);  // the highest photograph is at 47.5
+  EXPECT_GT(ElevationDegrees(spiral[20]), 45);  // the highest view is at 47.5
   EXPECT_LT(ElevationDegrees(spiral.back()), 15);
   for (size_t i = 0; i + 1 < spiral.size(); ++i) {
     EXPECT_LT((spiral[i].Center() - spiral[i + 1].Center()).norm(), 4 * 2 * std::numbers::pi * 2.382 / 40 * 1.2);
   }
 }
 
-TEST(SpiralCandidates, KeepsToThePhotographedSideOfAnArc) {
+TEST(SpiralCandidates, StaysOnArc) {
   const auto train = RigAround(8, 160);  // looks from far more than one side, not from all
   for (const Camera& c : SpiralCandidates(train, 30)) {
     const double azimuth = std::atan2(c.Center().y(), c.Center().x()) * 180 / std::numbers::pi;
@@ -88,7 +88,7 @@ TEST(SpiralCandidates, KeepsToThePhotographedSideOfAnArc) {
   }
 }
 
-TEST(SpiralCandidates, CirclesTheMeanPoseOfAForwardFacingCapture) {
+TEST(SpiralCandidates, CirclesMeanPoseOfForwardFacingViews) {
   const auto train = RigForward(9);
   const auto spiral = SpiralCandidates(train, 30);
   ASSERT_EQ(spiral.size(), 30u);
@@ -100,16 +100,16 @@ TEST(SpiralCandidates, CirclesTheMeanPoseOfAForwardFacingCapture) {
   }
 }
 
-TEST(InterpolatedCandidates, IsEvenSmoothAndNeverAtAPhotograph) {
+TEST(InterpolatedCandidates, IsEvenSmoothAndOffTrainingPoses) {
   const auto train = RigAround(10);
   for (const int count : {1, 9, 18, 50, 200}) {
     const auto path = InterpolatedCandidates(train, count);
     ASSERT_EQ(path.size(), static_cast<size_t>(count));
     ExpectValid(path, train[0]);
-    const PoseSet photographs(train, SamePlace(train));
+    const PoseSet views(train, SamePlace(train));
     double length = 0, longest = 0, turn = 0;
     for (size_t i = 0; i < path.size(); ++i) {
-      EXPECT_FALSE(photographs.Has(path[i])) << i << " of " << count;
+      EXPECT_FALSE(views.Has(path[i])) << i << " of " << count;
       if (i == 0) continue;
       const double step = (path[i].Center() - path[i - 1].Center()).norm();
       length += step, longest = std::max(longest, step);
@@ -121,7 +121,7 @@ TEST(InterpolatedCandidates, IsEvenSmoothAndNeverAtAPhotograph) {
   }
 }
 
-TEST(InterpolatedCandidates, OfACameraThatOnlyTurnsGoesByAngle) {
+TEST(InterpolatedCandidates, SpacesPureRotationByAngle) {
   std::vector<Camera> train;
   for (const double a : {0., 0.2, 0.6}) train.push_back(RigCamera({0, 0, 0}, {std::cos(a), std::sin(a), 0}));
   const auto path = InterpolatedCandidates(train, 6);
@@ -129,7 +129,7 @@ TEST(InterpolatedCandidates, OfACameraThatOnlyTurnsGoesByAngle) {
   for (size_t i = 0; i + 1 < path.size(); ++i) EXPECT_NEAR(TurnBetween(path[i], path[i + 1]), 0.1, 0.03);
 }
 
-TEST(JitteredCandidates, LieBetweenNeighboursAndFollowTheSeed) {
+TEST(JitteredCandidates, LieBetweenNeighbours) {
   const auto train = RigAround(8);
   const auto a = JitteredCandidates(train, 50, 7), b = JitteredCandidates(train, 50, 7);
   const auto other = JitteredCandidates(train, 50, 8);
@@ -142,7 +142,7 @@ TEST(JitteredCandidates, LieBetweenNeighboursAndFollowTheSeed) {
   EXPECT_NE(a[0].cam_from_world.matrix(), other[0].cam_from_world.matrix());
 }
 
-TEST(Candidates, OfOneTwoAndThreeCameras) {
+TEST(Candidates, AcceptFewCameras) {
   const auto one = RigAround(1);
   EXPECT_TRUE(OrbitCandidates(one, 5).empty());
   EXPECT_TRUE(SpiralCandidates(one, 5).empty());
@@ -157,7 +157,7 @@ TEST(Candidates, OfOneTwoAndThreeCameras) {
       }
     }
   }
-  const std::vector<Camera> twins(3, one[0]);  // three photographs from one place in one direction
+  const std::vector<Camera> twins(3, one[0]);  // three views from one place in one direction
   EXPECT_TRUE(OrbitCandidates(twins, 5).empty());
   EXPECT_TRUE(SpiralCandidates(twins, 5).empty());
   EXPECT_TRUE(InterpolatedCandidates(twins, 5).empty());

@@ -13,17 +13,17 @@ Camera OnCircle(double degrees) {
   return RigCamera({4 * std::cos(a), 4 * std::sin(a), 0}, {0, 0, 0});
 }
 
-TEST(ChooseByCoverage, GoesWhereNobodyLookedFrom) {
+TEST(ChooseByCoverage, PrefersUnseenDirections) {
   const auto points = SpherePoints(4000, 1);
   const std::vector<Camera> train = {OnCircle(0), OnCircle(40)};
   const std::vector<Camera> candidates = {OnCircle(20), OnCircle(2), OnCircle(180), OnCircle(185), OnCircle(41)};
   const auto chosen = ChooseByCoverage(points, train, candidates, 3);
   ASSERT_EQ(chosen.size(), 3u);
-  EXPECT_TRUE(chosen[0] == 2 || chosen[0] == 3);  // the side that no photograph shows
+  EXPECT_TRUE(chosen[0] == 2 || chosen[0] == 3);  // the side that no view shows
   EXPECT_EQ(chosen[1], 0u);                       // then not that side once more
 }
 
-TEST(ChooseByCoverage, IsTheSameForAnyNumberOfThreads) {
+TEST(ChooseByCoverage, GivesSameResultForAnyThreads) {
   const auto points = SpherePoints(2000, 1);
   std::vector<Camera> candidates;
   for (int i = 0; i < 60; ++i) candidates.push_back(OnCircle(6.1 * i));
@@ -50,7 +50,7 @@ TEST(ChooseByCoverage, IsGreedy) {
   }
 }
 
-TEST(ChooseByCoverage, EndsWhenNothingIsGained) {
+TEST(ChooseByCoverage, StopsWithoutGain) {
   const auto points = SpherePoints(500, 1);
   const std::vector<Camera> candidates = {OnCircle(0), RigCamera({4, 0, 0}, {9, 0, 0})};  // seen already; sees nothing
   EXPECT_EQ(ChooseByCoverage(points, {}, candidates, 5), std::vector<size_t>{0});

@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(FillDepth, ContinuesTheFartherSideIntoAGap) {
+TEST(FillDepth, ContinuesFartherSide) {
   // Near (4) on the left, far (1) on the right, a gap of two columns between.
   const int width = 8, height = 5;
   std::vector<float> inv_depth;
@@ -27,7 +27,7 @@ TEST(FillDepth, ContinuesTheFartherSideIntoAGap) {
   }
 }
 
-TEST(FillDepth, RingsGrowWithTheDistanceAndLeaveWhatIsNotAskedFor) {
+TEST(FillDepth, RingsGrowWithDistance) {
   const int width = 20, height = 1;
   std::vector<float> inv_depth(20, 0.f);
   inv_depth[0] = 2;
@@ -43,7 +43,7 @@ TEST(FillDepth, RingsGrowWithTheDistanceAndLeaveWhatIsNotAskedFor) {
   for (size_t x = 15; x < 20; ++x) EXPECT_EQ(inv_depth[x], 0.f);
 }
 
-TEST(FillDepth, SaysWhereNothingCouldBeReached) {
+TEST(FillDepth, MarksUnreachedPixels) {
   std::vector<float> inv_depth(12, 0.f);
   EXPECT_EQ(FillDepth(4, 3, std::vector<uint8_t>(12, 1), &inv_depth), std::vector<float>(12, 7.f));
   EXPECT_EQ(inv_depth, std::vector<float>(12, 0.f));

@@ -144,7 +144,7 @@ TEST_F(FolderTest, WarnsWhenNothingIsLeft) {
   EXPECT_THAT(events_.warnings[1], HasSubstr("none of its proposals can be used; going on without them"));
 }
 
-TEST_F(FolderTest, NeedsAWorkingSize) {
+TEST_F(FolderTest, RequiresWorkingSize) {
   request_.width = 0;
   EXPECT_THROW(Read(), ShapeError);
 }

@@ -17,7 +17,7 @@ TEST(TurnBetween, IsTheAngle) {
   }
 }
 
-TEST(NearestOrder, FollowsALineHoweverItIsMixed) {
+TEST(NearestOrder, OrdersLine) {
   std::vector<Camera> cameras;
   for (const int x : {4, 0, 7, 2, 6, 1, 5, 3}) {
     cameras.push_back(RigCamera({1. * x, 0, 0}, {1. * x, 9, 0}));
@@ -27,7 +27,7 @@ TEST(NearestOrder, FollowsALineHoweverItIsMixed) {
   EXPECT_TRUE(std::is_sorted(xs.begin(), xs.end()) || std::is_sorted(xs.rbegin(), xs.rend()));
 }
 
-TEST(NearestOrder, HasEveryCameraOnceAndNoLongWayBack) {
+TEST(NearestOrder, VisitsEachCameraOnce) {
   const auto cameras = RigAround(20);
   std::vector<size_t> order = NearestOrder(cameras);
   for (size_t i = 0; i + 1 < order.size(); ++i) {
@@ -38,7 +38,7 @@ TEST(NearestOrder, HasEveryCameraOnceAndNoLongWayBack) {
   EXPECT_EQ(order.size(), 20u);
 }
 
-TEST(NearestOrder, OfOneCameraAndOfCamerasThatOnlyTurn) {
+TEST(NearestOrder, AcceptsOneCameraAndPureRotation) {
   EXPECT_EQ(NearestOrder(RigAround(1)), std::vector<size_t>{0});
   std::vector<Camera> turning;
   for (const double angle : {0., 0.4, 0.2, 0.6}) {

@@ -38,7 +38,7 @@ class ProposalFilesTest : public ::testing::Test {
   TempDir dir_;
 };
 
-TEST(FileNames, AreFlatAndNeverTheSame) {
+TEST(FileNames, AreFlatAndUnique) {
   EXPECT_EQ(FileName("left/0001.jpg"), "left_0001");
   EXPECT_EQ(FileName("orbit_0001"), "orbit_0001");
   EXPECT_EQ(FileName("../a.v2"), "a.v2");
@@ -46,7 +46,7 @@ TEST(FileNames, AreFlatAndNeverTheSame) {
   EXPECT_THAT(FileNames({"a/b.jpg", "a_b.png", "a_b_2", "c", "c"}), ElementsAre("a_b", "a_b_3", "a_b_2", "c", "c_2"));
 }
 
-TEST_F(ProposalFilesTest, OtherReadersOpenWhatIsWritten) {
+TEST_F(ProposalFilesTest, WritesReadableTransforms) {
   const std::vector<Proposal> proposals = {Grey("orbit_0000", "warp", 0.2f), Grey("dir/IMG.v2.JPG", "warp", 0.4f)};
   EXPECT_THAT(WriteProposals(dir_.path(), proposals),
               ElementsAre("orbit_0000.png", "dir_IMG.v2.png", "transforms.json"));
@@ -58,23 +58,23 @@ TEST_F(ProposalFilesTest, OtherReadersOpenWhatIsWritten) {
   EXPECT_EQ(scene.views[1].intrinsics.fy(), 52);
   EXPECT_EQ(scene.views[1].intrinsics.cx(), 31);
   EXPECT_TRUE(scene.views[1].cam_from_world->isApprox(proposals[0].camera.cam_from_world, 1e-12));
-  const Image8 picture = ReadImage(dir_ / "dir_IMG.v2.png");
-  EXPECT_EQ(picture.width, 64);
-  EXPECT_EQ(picture.data[5], 102);
+  const Image8 image = ReadImage(dir_ / "dir_IMG.v2.png");
+  EXPECT_EQ(image.width, 64);
+  EXPECT_EQ(image.data[5], 102);
 }
 
-TEST_F(ProposalFilesTest, SeveralCandidatesOfOneTargetHaveTheirSourceInTheName) {
+TEST_F(ProposalFilesTest, NamesCandidatesBySource) {
   EXPECT_THAT(WriteProposals(dir_.path(), {Grey("a", "warp", 0), Grey("a", "splat", 0), Grey("a", "splat", 0)}),
               ElementsAre("a_warp.png", "a_splat.png", "a_splat_2.png", "transforms.json"));
 }
 
-TEST_F(ProposalFilesTest, RefusesAPictureOfAnotherSizeThanItsCamera) {
+TEST_F(ProposalFilesTest, RefusesWrongImageSize) {
   Proposal proposal = Grey("a", "warp", 0);
   proposal.camera.width = 63;
   EXPECT_THROW(WriteProposals(dir_.path(), {proposal}), ShapeError);
 }
 
-TEST_F(ProposalFilesTest, TargetsComeBack) {
+TEST_F(ProposalFilesTest, RoundTripsTargets) {
   std::vector<Target> targets;
   for (const Camera& camera : RigAround(5)) targets.push_back({"t_" + std::to_string(targets.size()), camera});
   EXPECT_THAT(WriteTargets(dir_.path(), targets), ElementsAre("transforms.json"));
@@ -95,9 +95,9 @@ TEST_F(ProposalFilesTest, RefusesDamagedTargets) {
   EXPECT_THAT(ErrorOf({}), HasSubstr("has no \"frames\""));
   EXPECT_THAT(ErrorOf({FrameJson("a.png"), FrameJson("a.jpg")}),
               HasSubstr("frame 'a.jpg': another frame is called 'a'"));
-  json bent = FrameJson("a.png");
-  bent["k1"] = 0.1;
-  EXPECT_THAT(ErrorOf({bent}), HasSubstr("frame 'a.png': its lens is OPENCV, a target needs a pinhole"));
+  json distorted = FrameJson("a.png");
+  distorted["k1"] = 0.1;
+  EXPECT_THAT(ErrorOf({distorted}), HasSubstr("frame 'a.png': its camera model is OPENCV, a target needs a pinhole"));
   json huge = FrameJson("a.png");
   huge["w"] = 1e18;
   EXPECT_THAT(ErrorOf({huge}), HasSubstr("\"w\" is 1e+18"));

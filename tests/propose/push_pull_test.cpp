@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(PushPull, KeepsWhatIsKnownAndFillsFromNearBy) {
+TEST(PushPull, KeepsKnownAndFillsFromNeighbours) {
   ImageF image{13, 7, 3, std::vector<float>(13 * 7 * 3, 0.f)};
   std::vector<float> weight(13 * 7, 0.f);
   const auto set = [&](int x, int y, float red, float green) {
@@ -21,7 +21,7 @@ TEST(PushPull, KeepsWhatIsKnownAndFillsFromNearBy) {
   for (int x = 0; x < 13; ++x) EXPECT_NEAR(image.row(3)[3 * x + 1], 0.25f, 1e-6f) << x;
 }
 
-TEST(PushPull, MixesWhatIsHalfKnown) {
+TEST(PushPull, BlendsPartialWeights) {
   ImageF image{2, 1, 1, {1.f, 0.f}};
   PushPull({1.f, 0.5f}, &image);
   EXPECT_EQ(image.data[0], 1.f);
@@ -29,7 +29,7 @@ TEST(PushPull, MixesWhatIsHalfKnown) {
   EXPECT_LT(image.data[1], 0.5f);
 }
 
-TEST(PushPull, LeavesAPictureOfWhichNothingIsKnown) {
+TEST(PushPull, KeepsImageWithoutWeights) {
   ImageF image{3, 3, 1, std::vector<float>(9, 0.5f)};
   PushPull(std::vector<float>(9, 0.f), &image);
   EXPECT_EQ(image.data, std::vector<float>(9, 0.5f));

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-TEST(SamePlace, IsAThousandthOfTheMeanDistanceToTheNearest) {
+TEST(SamePlace, IsThousandthOfNeighbourDistance) {
   std::vector<Camera> cameras;
   for (const double x : {0., 1., 3.}) cameras.push_back(RigCamera({x, 0, 0}, {x, 9, 0}));
   EXPECT_NEAR(SamePlace(cameras), 1e-3 * 4 / 3, 1e-12);
@@ -17,7 +17,7 @@ TEST(SamePlace, IsAThousandthOfTheMeanDistanceToTheNearest) {
   EXPECT_LT(SamePlace({cameras[0]}), 1e-6);
 }
 
-TEST(PoseSet, KnowsAPoseByPlaceAndDirection) {
+TEST(PoseSet, ComparesCentreAndRotation) {
   const PoseSet set({RigCamera({1, 2, 3}, {0, 0, 0})}, 0.01);
   EXPECT_TRUE(set.Has(RigCamera({1, 2, 3}, {0, 0, 0})));
   EXPECT_TRUE(set.Has(RigCamera({1.005, 2, 3}, {0.005, 0, 0})));
@@ -26,7 +26,7 @@ TEST(PoseSet, KnowsAPoseByPlaceAndDirection) {
   EXPECT_FALSE(PoseSet({}, 1).Has(RigCamera({1, 2, 3}, {0, 0, 0})));
 }
 
-TEST(EvenSample, TakesFromEverywhere) {
+TEST(EvenSample, SamplesEvenly) {
   const auto points = SpherePoints(1000, 1);
   EXPECT_EQ(EvenSample(points, 5000).size(), 1000u);
   const auto sample = EvenSample(points, 100);
@@ -34,7 +34,7 @@ TEST(EvenSample, TakesFromEverywhere) {
   for (size_t i = 0; i < 100; ++i) EXPECT_EQ(sample[i].xyz, points[10 * i].xyz);
 }
 
-TEST(PointsSeen, LeavesOutTheBackTheOutsideAndWhatIsHidden) {
+TEST(PointsSeen, SkipsBackfacingOutsideAndOccluded) {
   const Camera camera = RigCamera({0, -4, 0}, {0, 0, 0});
   const Eigen::Vector3f towards(0, -1, 0), none(0, 0, 0);
   std::vector<DensePoint> points(6);
@@ -62,7 +62,7 @@ class TargetCheckTest : public ::testing::Test {
   TrajectoryRequest request_;
 };
 
-TEST_F(TargetCheckTest, GivesTheReason) {
+TEST_F(TargetCheckTest, ClassifiesPoses) {
   EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
   EXPECT_EQ(Classify({3, 3, 1}, {0, 0, 0}), Verdict::kTestPose);
   EXPECT_EQ(TargetCheck(request_).Classify(request_.train[3]), Verdict::kKnownPose);
@@ -70,7 +70,7 @@ TEST_F(TargetCheckTest, GivesTheReason) {
   EXPECT_EQ(Classify({0, -4, 1}, {0, -9, 1}), Verdict::kSeesNothing);
 }
 
-TEST_F(TargetCheckTest, TakesTheDistanceFromMapsWhenThereAreSome) {
+TEST_F(TargetCheckTest, UsesDepthMaps) {
   std::vector<DepthMap> maps;
   for (const Camera& camera : request_.train) {
     const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
@@ -81,25 +81,25 @@ TEST_F(TargetCheckTest, TakesTheDistanceFromMapsWhenThereAreSome) {
   EXPECT_EQ(Classify({0, -2.5, 0}, {0, 0, 0}), Verdict::kInsideGeometry);  // 1.5 from the sphere, a quarter of 8 is 2
 }
 
-TEST_F(TargetCheckTest, FewPointsNearByAreStrays) {
+TEST_F(TargetCheckTest, IgnoresFewNearPoints) {
   for (int i = 0; i < 4; ++i) points_.push_back({{0, -4, 1.1f}, {0, 0, 0}, {0, 0, 0}});
   EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
   points_.push_back(points_.back());
   EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kInsideGeometry);
 }
 
-TEST_F(TargetCheckTest, WhatAPhotographKeptIsFarEnough) {
+TEST_F(TargetCheckTest, AllowsDistanceOfTrainingViews) {
   request_.train.push_back(RigCamera({0, -1.2, 0}, {0, 0, 0}));  // 0.2 from the surface
   EXPECT_EQ(Classify({0.1, -1.25, 0}, {0, 0, 0}), Verdict::kGood);
 }
 
-TEST_F(TargetCheckTest, ASmallObjectIsEnoughWhereThePhotographsShowNoMore) {
+TEST_F(TargetCheckTest, AcceptsSmallObjects) {
   points_ = SpherePoints(5000, 0.2);  // on 2 % of the grid
   EXPECT_EQ(Classify({0, -4, 1}, {0, 0, 0}), Verdict::kGood);
   EXPECT_EQ(Classify({0, -4, 1}, {9, 0, 0}), Verdict::kSeesNothing);
 }
 
-TEST_F(TargetCheckTest, WithoutPointsOnlyPosesAreChecked) {
+TEST_F(TargetCheckTest, ChecksOnlyPosesWithoutPoints) {
   points_.resize(99);
   EXPECT_EQ(Classify({0, -0.5, 0}, {0, 0, 9}), Verdict::kGood);
   EXPECT_EQ(Classify({3, 3, 1}, {0, 0, 0}), Verdict::kTestPose);

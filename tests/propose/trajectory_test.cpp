@@ -50,7 +50,7 @@ std::vector<std::string> Names(const std::vector<Target>& targets) {
   return names;
 }
 
-TEST_F(TrajectoryTest, GivesAsManyAsAskedForWithNamesOfTheirOwn) {
+TEST_F(TrajectoryTest, GivesRequestedCountWithUniqueNames) {
   for (const std::string& trajectory : kGenerated) {
     const auto targets = Choose(trajectory);
     EXPECT_EQ(targets.size(), 16u) << trajectory;
@@ -67,7 +67,7 @@ TEST_F(TrajectoryTest, GivesAsManyAsAskedForWithNamesOfTheirOwn) {
   EXPECT_THAT(events_.warnings, IsEmpty());
 }
 
-TEST_F(TrajectoryTest, IsTheSameForOneSeedAndAnyNumberOfThreads) {
+TEST_F(TrajectoryTest, DependsOnSeedOnly) {
   for (const bool with_points : {true, false}) {
     request_.points = with_points ? &points_ : nullptr;
     for (const std::string& trajectory : kGenerated) {
@@ -85,7 +85,7 @@ TEST_F(TrajectoryTest, IsTheSameForOneSeedAndAnyNumberOfThreads) {
   }
 }
 
-TEST_F(TrajectoryTest, NeverATestPose) {
+TEST_F(TrajectoryTest, NeverChoosesTestPose) {
   AddSpare(8);
   std::vector<std::string> all = kGenerated;
   all.insert(all.end(), {"dataset", "auto"});
@@ -103,7 +103,7 @@ TEST_F(TrajectoryTest, NeverATestPose) {
   }
 }
 
-TEST_F(TrajectoryTest, NeverATrainingPoseNorOneTwice) {
+TEST_F(TrajectoryTest, NeverChoosesTrainingPoseOrDuplicate) {
   request_.spare = {{"a.png", request_.train[0]},
                     {"b.png", RigCamera({0, 3, 1}, {0, 0, 0})},
                     {"c.png", RigCamera({0, 3, 1}, {0, 0, 0})}};
@@ -114,7 +114,7 @@ TEST_F(TrajectoryTest, NeverATrainingPoseNorOneTwice) {
                     HasSubstr("2 at a training pose or at one chosen already")));
 }
 
-TEST_F(TrajectoryTest, DatasetPicksEvenlyAndKeepsNamesApart) {
+TEST_F(TrajectoryTest, DatasetPicksEvenly) {
   AddSpare(10);
   EXPECT_THAT(Names(Choose("dataset", 4)), ElementsAre("images_0", "images_3", "images_6", "images_9"));
   EXPECT_EQ(Choose("dataset", 32).size(), 10u);
@@ -124,14 +124,14 @@ TEST_F(TrajectoryTest, DatasetPicksEvenlyAndKeepsNamesApart) {
   EXPECT_THAT(Names(Choose("dataset")), ElementsAre("a_b", "a_b_2"));
 }
 
-TEST_F(TrajectoryTest, AutoIsTheDatasetFromFourPosesOn) {
+TEST_F(TrajectoryTest, AutoUsesDatasetFromFourPoses) {
   AddSpare(4);
   EXPECT_EQ(Choose("auto").at(0).name, "images_0");
   request_.test = {request_.spare[0].camera};  // one of them is not usable
   EXPECT_EQ(Choose("auto").at(0).name, "coverage_0000");
 }
 
-TEST_F(TrajectoryTest, NothingInsideGeometry) {
+TEST_F(TrajectoryTest, AvoidsGeometry) {
   points_ = SpherePoints(20000, 1);
   const auto pillar = SpherePoints(2000, 0.5);  // in the way of the orbit
   const Eigen::Vector3f place = OrbitPath(request_.train, 4)[1].Center().cast<float>();
@@ -146,8 +146,8 @@ TEST_F(TrajectoryTest, NothingInsideGeometry) {
   EXPECT_THAT(events_.notes.back(), HasSubstr("inside geometry"));
 }
 
-TEST_F(TrajectoryTest, WarnsWhenMostAreRejectedAndWhenNothingIsLeft) {
-  for (DensePoint& p : points_) p.xyz += Eigen::Vector3f(0, 0, 500);  // nobody looks there, but for one photograph
+TEST_F(TrajectoryTest, WarnsOfRejectedPoses) {
+  for (DensePoint& p : points_) p.xyz += Eigen::Vector3f(0, 0, 500);  // nobody looks there, but for one view
   request_.spare = {{"a.png", RigCamera({0, 0, 490}, {0, 0, 500})},
                     {"b.png", RigCamera({0, 0, 490}, {0, 0, 0})},
                     {"c.png", RigCamera({0, 1, 490}, {0, 0, 0})}};
@@ -165,7 +165,7 @@ TEST_F(TrajectoryTest, WarnsWhenMostAreRejectedAndWhenNothingIsLeft) {
   EXPECT_THAT(events_.warnings.at(2), HasSubstr("0 candidates"));
 }
 
-TEST_F(TrajectoryTest, FewCamerasAreEnough) {
+TEST_F(TrajectoryTest, AcceptsFewCameras) {
   for (const int n : {2, 3}) {
     for (const auto& train : {RigAround(n, 60), RigForward(n)}) {
       request_.train = train;
@@ -181,13 +181,13 @@ TEST_F(TrajectoryTest, FewCamerasAreEnough) {
   for (const std::string& trajectory : kGenerated) EXPECT_THAT(Choose(trajectory, 8), IsEmpty()) << trajectory;
 }
 
-TEST_F(TrajectoryTest, ZeroProposalsAreNoneInSilence) {
+TEST_F(TrajectoryTest, GivesNoneForZeroProposals) {
   EXPECT_THAT(Choose("orbit", 0), IsEmpty());
   EXPECT_THAT(events_.warnings, IsEmpty());
   EXPECT_THAT(events_.notes, IsEmpty());
 }
 
-TEST_F(TrajectoryTest, RefusesWrongOptionsAndNoCameras) {
+TEST_F(TrajectoryTest, RefusesWrongOptions) {
   EXPECT_THROW(Choose("helix"), UsageError);
   EXPECT_THROW(Choose("orbit", -1), UsageError);
   EXPECT_THROW(Choose("orbit", 10001), UsageError);

@@ -21,13 +21,13 @@ class WarpTest : public testing::Test {
     near.point = {0, 0, -1.5};
     far.point = {0, 0, 1.5};
     for (const Camera& camera : Arc(5, 8)) {
-      photos.push_back(Take(camera));
+      views.push_back(Take(camera));
       maps.push_back(DepthOf(camera));
     }
   }
 
   LoadedView Take(const Camera& camera) const {
-    LoadedView front = near.Take(camera, fmt::format("p{}", photos.size())), back = far.Take(camera, front.name);
+    LoadedView front = near.Take(camera, fmt::format("p{}", views.size())), back = far.Take(camera, front.name);
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) {
         if (near.DepthAt(camera, x + 0.5, y + 0.5) > 0) continue;
@@ -49,13 +49,13 @@ class WarpTest : public testing::Test {
   }
 
   TexturedPlane near, far;
-  std::vector<LoadedView> photos;
+  std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
 };
 
-TEST_F(WarpTest, ShowsANewViewAsItIs) {
+TEST_F(WarpTest, MatchesTruthInNewView) {
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, 96, 72);
-  const WarpedView view = Warper({photos, maps}).Warp(between);
+  const WarpedView view = Warper({views, maps}).Warp(between);
   EXPECT_LT(MeanError(view.rgb, Take(between).rgb), 0.03);
   const DepthMap truth = DepthOf(between);
   size_t right = 0;
@@ -64,9 +64,9 @@ TEST_F(WarpTest, ShowsANewViewAsItIs) {
   EXPECT_GT(right, truth.size() * 95 / 100);
 }
 
-TEST_F(WarpTest, SupportsWhatSeveralPhotographsShowMoreThanWhatItMadeUp) {
+TEST_F(WarpTest, SupportIsHigherForSeenThanFilled) {
   const Camera aside = CameraAt({2.6, 0, -3}, {0, 0, 0}, 96, 72);
-  const WarpedView view = Warper({photos, maps}).Warp(aside);
+  const WarpedView view = Warper({views, maps}).Warp(aside);
   double known = 0, filled = 0;
   size_t number_known = 0, number_filled = 0;
   for (const PixelEvidence& e : view.evidence) {
@@ -78,34 +78,34 @@ TEST_F(WarpTest, SupportsWhatSeveralPhotographsShowMoreThanWhatItMadeUp) {
   EXPECT_GT(known / static_cast<double>(number_known), 1.5 * filled / static_cast<double>(number_filled));
 }
 
-TEST_F(WarpTest, ForgetsTheHiddenPhotograph) {
-  photos[2].rgb.data.assign(photos[2].rgb.data.size(), 0.f);  // black: none of it may show
-  const WarpedView view = Warper({photos, maps}).Warp(photos[2].camera, 2);
-  EXPECT_LT(MeanError(view.rgb, Take(photos[2].camera).rgb), 0.05);
+TEST_F(WarpTest, HoldsViewOut) {
+  views[2].rgb.data.assign(views[2].rgb.data.size(), 0.f);  // black: none of it may show
+  const WarpedView view = Warper({views, maps}).Warp(views[2].camera, 2);
+  EXPECT_LT(MeanError(view.rgb, Take(views[2].camera).rgb), 0.05);
   for (const uint16_t from : view.provenance) EXPECT_NE(from, 3);
 }
 
-TEST_F(WarpTest, FreesColoursOfExposure) {
+TEST_F(WarpTest, DividesColoursByGains) {
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, 96, 72);
   const ImageF truth = Take(between).rgb;
-  for (float& value : photos[2].rgb.data) value *= 0.5f;
-  for (float& value : photos[3].rgb.data) value *= 0.5f;
-  WarpSources sources{photos, maps};
+  for (float& value : views[2].rgb.data) value *= 0.5f;
+  for (float& value : views[3].rgb.data) value *= 0.5f;
+  WarpSources sources{views, maps};
   sources.gains.assign(5, Eigen::Vector3f::Ones());
   sources.gains[2].setConstant(0.5f), sources.gains[3].setConstant(0.5f);
   EXPECT_LT(MeanError(Warper(sources).Warp(between).rgb, truth), 0.03);
 }
 
-TEST_F(WarpTest, TellsWhichPhotographAColourComesFrom) {
-  const WarpedView view = Warper({photos, maps}).Warp(photos[1].camera);
+TEST_F(WarpTest, RecordsProvenance) {
+  const WarpedView view = Warper({views, maps}).Warp(views[1].camera);
   size_t own = 0;
   for (const uint16_t from : view.provenance) own += from == 2 ? 1 : 0;
   EXPECT_GT(own, view.provenance.size() * 9 / 10);
 }
 
-TEST_F(WarpTest, WithoutDepthInViewShowsTheBackground) {
+TEST_F(WarpTest, ShowsBackgroundWithoutDepth) {
   const Camera away = CameraAt({0, 0, -4}, {0, 0, -9}, 24, 16);
-  WarpSources sources{photos, maps};
+  WarpSources sources{views, maps};
   sources.background = {0.25f, 0.5f, 0.75f};
   const WarpedView view = Warper(sources).Warp(away);
   for (size_t i = 0; i < view.inv_depth.size(); ++i) {
@@ -115,30 +115,30 @@ TEST_F(WarpTest, WithoutDepthInViewShowsTheBackground) {
   }
 }
 
-TEST(WarpOfAnObject, KnowsTheBackgroundBesideItsHull) {
+TEST(Warper, ShowsBackgroundBesideObject) {
   TexturedPlane square;
   square.half_side = 0.7;
   const std::vector<Camera> cameras = Arc(5, 14);
-  const std::vector<LoadedView> photos = TakeAll(square, cameras);
+  const std::vector<LoadedView> views = TakeAll(square, cameras);
   std::vector<DepthMap> maps;
-  for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, square, 0.9f));
-  const Silhouettes silhouettes(photos);
+  for (const LoadedView& view : views) maps.push_back(TrueDepth(view, square, 0.9f));
+  const Silhouettes silhouettes(views);
   ASSERT_FALSE(silhouettes.empty());
   const Camera between = CameraAt({0.4, 0, -4}, {0, 0, 0}, 96, 72);
-  const WarpedView view = Warper({photos, maps, {}, &silhouettes, {1, 1, 1}}).Warp(between);
+  const WarpedView view = Warper({views, maps, {}, &silhouettes, {1, 1, 1}}).Warp(between);
   const LoadedView truth = square.Take(between, "truth");
   EXPECT_EQ(view.evidence[0].background, 1.f);
   EXPECT_EQ(view.evidence[72 / 2 * 96 + 96 / 2].background, 0.f);
   EXPECT_LT(MeanError(view.rgb, truth.rgb), 0.02);
 }
 
-TEST_F(WarpTest, ProposerGivesThePictureWithItsDepthAndProvenance) {
-  const Warper warper({photos, maps});
-  const auto proposal = WarpProposer(warper).Propose({"t", photos[0].camera}, 0);
+TEST_F(WarpTest, ProposesWarpedView) {
+  const Warper warper({views, maps});
+  const auto proposal = WarpProposer(warper).Propose({"t", views[0].camera}, 0);
   ASSERT_TRUE(proposal.has_value());
   EXPECT_EQ(proposal->name, "t");
   EXPECT_EQ(proposal->source, "warp");
-  EXPECT_EQ(proposal->rgb.data, warper.Warp(photos[0].camera, 0).rgb.data);
+  EXPECT_EQ(proposal->rgb.data, warper.Warp(views[0].camera, 0).rgb.data);
   EXPECT_EQ(proposal->inv_depth.size(), 96u * 72u);
   EXPECT_EQ(proposal->provenance.size(), 96u * 72u);
 }

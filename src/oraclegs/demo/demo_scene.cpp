@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kStage[] = "demo-scene";
-constexpr char kMarker[] = "demo_scene.json";  // first file written: tells a former demo scene from a user's folder
+constexpr char kMarker[] = "demo_scene.json";  // written first: marks the folder as a demo scene's
 constexpr Vec3 kTarget{.02, .05, .6};
 
 /// View i of n: a 120 degree arc, every other view from higher up, the radius swinging slowly.
@@ -58,8 +58,8 @@ bool IsFormerDemoScene(const fs::path& dir) {
   }
 }
 
-/// Takes over an empty folder or a former demo scene. The photographs and depth maps of a former one go, since it may
-/// have had more views; anything else in the folder stays.
+/// Takes over an empty folder or a former demo scene. The images and depth maps of a former one are removed, since it
+/// may have had more views; anything else in the folder stays.
 void ClaimFolder(const fs::path& dir, const DemoSceneOptions& options) {
   std::error_code error;
   const bool exists = fs::exists(dir, error);

@@ -1,5 +1,5 @@
 #pragma once
-// A small ray-traced scene with known truth: what the demo and the end-to-end tests reconstruct. Torch-free.
+// A small ray-traced scene with known truth: what the demo and the end-to-end tests reconstruct.
 
 #include <filesystem>
 
@@ -9,14 +9,14 @@
 namespace oraclegs {
 
 struct DemoSceneOptions {
-  int views = 24;    ///< photographs on an arc around the scene
+  int views = 24;    ///< images on an arc around the scene
   int width = 320;   ///< pixels
   int height = 240;  ///< pixels
   int samples = 4;   ///< rays per pixel side (samples x samples)
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("demo-views", self.views, "Photographs to render", Range{2, 1000});
+    visit("demo-views", self.views, "Images to render", Range{2, 1000});
     visit("width", self.width, "Pixels", Range{16, 8192});
     visit("height", self.height, "Pixels", Range{16, 8192});
     visit("samples", self.samples, "Rays per pixel side; n x n rays per pixel", Range{1, 16});
@@ -27,7 +27,7 @@ struct DemoSceneOptions {
 /// dir/transforms.json (OpenGL axes, z up, the floor at z = 0), dir/images/NNN.png, dir/depth/NNN.png (16-bit depth
 /// along the optical axis at the pixel's centre, in 1/1000 scene unit, 0 = none) and dir/demo_scene.json (the options).
 /// The same bytes on every machine and for any number of threads. Throws RunError when `dir` cannot be written or is
-/// neither empty nor a former demo scene; of a former one only its numbered pictures are replaced.
+/// neither empty nor a former demo scene; of a former one only its numbered images are replaced.
 void WriteDemoScene(const std::filesystem::path& dir, const DemoSceneOptions& options, const Listener& listener);
 
 }  // namespace oraclegs

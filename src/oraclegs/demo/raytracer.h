@@ -19,7 +19,7 @@ struct SceneObject {
 /// The objects of the demo scene; z is up, the floor is z = 0, the room's inside is about 7 units wide.
 std::vector<SceneObject> DemoObjects();
 
-/// A pinhole camera for rays. right, down, forward are orthonormal (the camera frame of scene/camera.h).
+/// A pinhole camera for rays. right, down, forward are orthonormal (the camera frame of camera/camera.h).
 struct RayCamera {
   int width = 0, height = 0;
   double focal = 0;  ///< pixels; the principal point is the image's centre

@@ -1,5 +1,5 @@
 #pragma once
-// What rays can hit. Every shape is intersected in its own frame, centred on the origin with its axis along z.
+// The solids of the scene. Every one is intersected in its own frame, centred on the origin with its axis along z.
 
 #include <optional>
 
@@ -28,7 +28,7 @@ struct Solid {
   double bound = 0;                                        ///< radius of a sphere around `center` that holds the shape
 };
 
-/// A shape turned by `yaw` turns about the world's z axis and then tilted by `tilt` turns about its own x axis.
+/// A solid rotated by `yaw` turns about the world's z axis and then tilted by `tilt` turns about its own x axis.
 Solid MakeSolid(ShapeKind kind, const Vec3& size, const Vec3& center, double yaw = 0, double tilt = 0);
 
 struct ShapeHit {

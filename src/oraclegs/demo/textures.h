@@ -1,5 +1,5 @@
 #pragma once
-// What the demo scene is painted with. Every texture has detail from half a metre down to a centimetre, so that
+// The textures of the demo scene. Every texture has detail from half a metre down to a centimetre, so that
 // feature matching finds something on every surface at 320 x 240.
 
 #include <cstdint>

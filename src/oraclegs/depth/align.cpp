@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kLeastOfMedian = 0.2, kMostOfMedian = 5;  // of a reliable scale
+constexpr double kMinShareOfMedian = 0.2, kMaxShareOfMedian = 5;  // of a reliable scale
 constexpr double kSpanOfMedian = 1e-3;
 
 double MeanDeviation(const std::vector<double>& values, double from) {
@@ -61,8 +61,7 @@ Alignment Align(const RelativeDepth& map, const Camera& camera, const std::vecto
   if (inverse.empty()) return out;
   out.known_median = Median(inverse), out.known_deviation = MeanDeviation(inverse, out.known_median);
   out.relative_median = Median(relative), out.relative_deviation = MeanDeviation(relative, out.relative_median);
-  const bool is_fixed =
-      out.points >= rule.fewest_points && most - least > rule.smallest_span && out.relative_deviation > 0;
+  const bool is_fixed = out.points >= rule.min_points && most - least > rule.min_span && out.relative_deviation > 0;
   if (!is_fixed) return out;
   out.scale = out.known_deviation / out.relative_deviation;
   out.offset = out.known_median - out.scale * out.relative_median;
@@ -77,15 +76,15 @@ std::vector<bool> AreReliable(const std::vector<Alignment>& alignments) {
   const double median = Median(&positive);
   std::vector<bool> reliable;
   for (const Alignment& a : alignments) {
-    reliable.push_back(a.scale > 0 && a.scale >= kLeastOfMedian * median && a.scale <= kMostOfMedian * median);
+    reliable.push_back(a.scale > 0 && a.scale >= kMinShareOfMedian * median && a.scale <= kMaxShareOfMedian * median);
   }
   return reliable;
 }
 
-double SmallestSpan(const std::vector<std::vector<KnownDepth>>& known) {
+double MinSpan(const std::vector<std::vector<KnownDepth>>& known) {
   std::vector<double> all;
-  for (const auto& of_photo : known) {
-    for (const KnownDepth& k : of_photo) {
+  for (const auto& of_view : known) {
+    for (const KnownDepth& k : of_view) {
       if (k.inv_depth > 0) all.push_back(k.inv_depth);
     }
   }

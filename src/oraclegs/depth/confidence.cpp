@@ -10,25 +10,25 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kWidestAngle = 75;                        // degrees between views that can agree
-constexpr float kMeasuringAngle = 4, kLeastShare = 0.25;  // degrees below which agreement says less
-constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;  // of a round trip
-constexpr float kSupport = 1.1f;
-constexpr float kHopelessCost = 1.15f, kCostSpan = 0.5f;  // a cost of 1 is no likeness at all
-constexpr float kSeenThrough = -0.05f;                    // relative depth below which a view looks through the point
-constexpr float kSeenThroughCost = 0.5f;                  // of the view that does so, at most
-constexpr float kViolation = 0.25f;
+constexpr float kMaxAngle = 75;                               // degrees between views that can agree
+constexpr float kMeasuringAngle = 4, kMinAngleWeight = 0.25;  // degrees below which agreement has less weight
+constexpr float kPixelSigma = 0.8f, kDepthSigma = 0.01f;      // of a round trip
+constexpr float kSupportRate = 1.1f;
+constexpr float kUnrelatedCost = 1.15f, kCostSpan = 0.5f;  // a cost of 1 is no similarity at all
+constexpr float kSeenThrough = -0.05f;                     // relative depth below which a view looks through the point
+constexpr float kSeenThroughCost = 0.5f;                   // of the view that does so, at most
+constexpr float kViolationRate = 0.25f;
 constexpr int kMedianRadius = 2;
 constexpr float kOutlier = 0.05f;      // relative distance from the median
 constexpr float kSameSurface = 0.03f;  // relative difference of neighbouring pixels
-constexpr float kWorthConnecting = 0.3f;
-constexpr size_t kIsland = 40;  // pixels
-constexpr float kDamped = 0.3f;
+constexpr float kMinConnectedConfidence = 0.3f;
+constexpr size_t kMinIslandPixels = 40;
+constexpr float kDamping = 0.3f;
 
 struct OtherView {
   PlainPixelMap there, back;
   const PlaneMap* map;
-  Eigen::Vector3f center;  ///< in the frame of the view whose depths are judged
+  Eigen::Vector3f center;  ///< in the frame of the view whose confidence is computed
 };
 
 /// Views that look another way share nothing: the angle is between the rays to the point, checked there.
@@ -48,8 +48,8 @@ float AngleBetween(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * static_cast<float>(180 / M_PI);
 }
 
-float Judge(const Camera& camera, const std::vector<OtherView>& others, const Plane& plane, float cost,
-            const Eigen::Vector2f& uv) {
+float ConfidenceOf(const Camera& camera, const std::vector<OtherView>& others, const Plane& plane, float cost,
+                   const Eigen::Vector2f& uv) {
   const Eigen::Vector3f point = RayOf(camera, uv.x(), uv.y()) / plane.inv_depth;
   float support = 0;
   int violations = 0;
@@ -57,16 +57,16 @@ float Judge(const Camera& camera, const std::vector<OtherView>& others, const Pl
     const RoundTrip trip = GoAndReturn(other.there, other.back, Known(*other.map), {uv.x(), uv.y(), plane.inv_depth});
     if (!trip.seen) continue;
     const float angle = AngleBetween(point, point - other.center);
-    if (angle > kWidestAngle) continue;
+    if (angle > kMaxAngle) continue;
     const float e = trip.pixels / kPixelSigma, r = trip.relative_depth / kDepthSigma;
-    support += std::clamp(angle / kMeasuringAngle, kLeastShare, 1.f) * std::exp(-(e * e + r * r) / 2);
+    support += std::clamp(angle / kMeasuringAngle, kMinAngleWeight, 1.f) * std::exp(-(e * e + r * r) / 2);
     if (trip.relative_depth > kSeenThrough) continue;
     const Vec3f q = other.there(uv.x(), uv.y(), plane.inv_depth);
     const int x = static_cast<int>(q.x / q.z), y = static_cast<int>(q.y / q.z);
     violations += other.map->costs[static_cast<size_t>(y) * other.map->width + x] < kSeenThroughCost ? 1 : 0;
   }
-  return (1 - std::exp(-kSupport * support)) * std::clamp((kHopelessCost - cost) / kCostSpan, 0.f, 1.f) *
-         std::exp(-kViolation * static_cast<float>(violations));
+  return (1 - std::exp(-kSupportRate * support)) * std::clamp((kUnrelatedCost - cost) / kCostSpan, 0.f, 1.f) *
+         std::exp(-kViolationRate * static_cast<float>(violations));
 }
 
 /// Damps pixels far from the median of their surroundings.
@@ -84,7 +84,7 @@ void DampOutliers(const PlaneMap& map, std::vector<float>* confidence) {
           if (map.At(u, v).inv_depth > 0) values.push_back(map.At(u, v).inv_depth);
         }
       }
-      if (std::abs(map.planes[i].inv_depth / UpperMedian(&values) - 1) > kOutlier) (*confidence)[i] *= kDamped;
+      if (std::abs(map.planes[i].inv_depth / UpperMedian(&values) - 1) > kOutlier) (*confidence)[i] *= kDamping;
     }
   });
 }
@@ -95,7 +95,7 @@ void DampIslands(const PlaneMap& map, std::vector<float>* confidence) {
   std::vector<uint8_t> visited(confidence->size(), 0);
   std::vector<size_t> piece;
   for (size_t start = 0; start < visited.size(); ++start) {
-    if (visited[start] != 0 || (*confidence)[start] < kWorthConnecting) continue;
+    if (visited[start] != 0 || (*confidence)[start] < kMinConnectedConfidence) continue;
     piece.assign(1, start);
     visited[start] = 1;
     for (size_t next = 0; next < piece.size(); ++next) {
@@ -105,15 +105,15 @@ void DampIslands(const PlaneMap& map, std::vector<float>* confidence) {
       const auto visit = [&](int u, int v) {
         if (u < 0 || v < 0 || u >= width || v >= height) return;
         const size_t j = static_cast<size_t>(v) * width + u;
-        if (visited[j] != 0 || (*confidence)[j] < kWorthConnecting) return;
+        if (visited[j] != 0 || (*confidence)[j] < kMinConnectedConfidence) return;
         if (std::abs(map.planes[j].inv_depth / map.planes[i].inv_depth - 1) > kSameSurface) return;
         visited[j] = 1;
         piece.push_back(j);
       };
       visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
     }
-    if (piece.size() >= kIsland) continue;
-    for (const size_t i : piece) (*confidence)[i] *= kDamped;
+    if (piece.size() >= kMinIslandPixels) continue;
+    for (const size_t i : piece) (*confidence)[i] *= kDamping;
   }
 }
 
@@ -128,8 +128,8 @@ std::vector<float> Confidence(const StereoScene& scene, size_t view, const std::
     for (int x = 0; x < map.width; ++x) {
       const size_t i = static_cast<size_t>(y) * static_cast<size_t>(map.width) + static_cast<size_t>(x);
       if (!(map.planes[i].inv_depth > 0) || (!v.usable.empty() && v.usable[i] == 0)) continue;
-      confidence[i] = Judge(v.camera, others, map.planes[i], map.costs[i],
-                            {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+      confidence[i] = ConfidenceOf(v.camera, others, map.planes[i], map.costs[i],
+                                   {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
     }
   });
   DampOutliers(map, &confidence);

@@ -1,13 +1,13 @@
 #pragma once
-// Which depths to believe.
+// Depth confidence (docs/method.md#depth-confidence).
 
 #include "oraclegs/depth/patch_match.h"
 
 namespace oraclegs {
 
-/// How likely each pixel's depth of one view is right, [0, 1], from the finished maps of all views: that other views
-/// found the same surface, from angles wide enough to measure; that the patch looked alike; that no other view sees
-/// through it. Pixels that stand out of their surroundings, and islands of few pixels, lose most of it.
+/// How likely each pixel's depth of one view is right, [0, 1], from the finished maps of all views. It is high where
+/// other views found the same surface from angles wide enough to measure, where patches are similar, and where no other
+/// view sees through the point. Pixels that differ from their surroundings, and islands of few pixels, keep little.
 std::vector<float> Confidence(const StereoScene& scene, size_t view, const std::vector<PlaneMap>& maps);
 
 }  // namespace oraclegs

@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// What makes two pixels of two views one point.
+/// When two pixels of two views are one point.
 struct SamePoint {
   float relative_depth = 0.01f;  ///< largest difference of depth
   float pixels = 1.5f;           ///< largest distance after a round trip

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 static_assert(std::endian::native == std::endian::little, "PLY files are written as the machine stores numbers");
 
 constexpr float kMax16 = 65535;
-constexpr float kHardlyBelieved = 0.01f;  // less confidence is none: the depth is written as unknown
+constexpr float kMinStoredConfidence = 0.01f;  // below, the depth is written as unknown
 
 std::string Stem(const std::string& name) {
   std::string stem = fs::path(name).replace_extension().string();
@@ -55,7 +55,7 @@ Image8 Blank(const Camera& camera, int channels, int columns = 1) {
   return image;
 }
 
-Image8 NormalPicture(const DepthMap& map) {
+Image8 NormalImage(const DepthMap& map) {
   Image8 image = Blank(map.camera, 3);
   for (size_t i = 0; i < map.size(); ++i) {
     if (!(map.confidence[i] > 0)) continue;
@@ -64,7 +64,7 @@ Image8 NormalPicture(const DepthMap& map) {
   return image;
 }
 
-Image8 ConfidencePicture(const DepthMap& map) {
+Image8 ConfidenceImage(const DepthMap& map) {
   Image8 image = Blank(map.camera, 1);
   for (size_t i = 0; i < map.size(); ++i) image.data[i] = Byte(map.confidence[i]);
   return image;
@@ -88,20 +88,21 @@ Image8 Preview(const DepthMap& map) {
   const auto width = static_cast<size_t>(map.camera.width);
   for (size_t i = 0; i < map.size(); ++i) {
     const size_t left = 3 * (i / width * 2 * width + i % width), right = left + 3 * width;
-    const Eigen::Vector3f depth = MapColor((map.inv_depth[i] - low) / (high - low)), sure = MapColor(map.confidence[i]);
+    const Eigen::Vector3f depth = MapColor((map.inv_depth[i] - low) / (high - low));
+    const Eigen::Vector3f confidence = MapColor(map.confidence[i]);
     for (int c = 0; c < 3; ++c) {
       image.data[left + c] = map.inv_depth[i] > 0 ? Byte(depth[c]) : 0;
-      image.data[right + c] = Byte(sure[c]);
+      image.data[right + c] = Byte(confidence[c]);
     }
   }
   return image;
 }
 
-/// The largest inverse depth that is believed at all: a stray pixel in front must not cost all others their precision.
-float LargestBelieved(const DepthMap& map) {
+/// The largest inverse depth that is stored as known: an outlier in front must not cost all others their precision.
+float LargestStored(const DepthMap& map) {
   float largest = 0;
   for (size_t i = 0; i < map.size(); ++i) {
-    if (map.confidence[i] >= kHardlyBelieved) largest = std::max(largest, map.inv_depth[i]);
+    if (map.confidence[i] >= kMinStoredConfidence) largest = std::max(largest, map.inv_depth[i]);
   }
   return largest;
 }
@@ -109,7 +110,7 @@ float LargestBelieved(const DepthMap& map) {
 std::vector<uint16_t> Quantised(const DepthMap& map, float scale) {
   std::vector<uint16_t> values(map.size());
   for (size_t i = 0; i < map.size(); ++i) {
-    if (map.confidence[i] < kHardlyBelieved) continue;
+    if (map.confidence[i] < kMinStoredConfidence) continue;
     values[i] = static_cast<uint16_t>(std::lround(kMax16 * std::clamp(map.inv_depth[i] / scale, 0.f, 1.f)));
   }
   return values;
@@ -135,8 +136,8 @@ float Number(const nlohmann::json& params, const std::string& stem, const char* 
 
 void RequireSize(const fs::path& path, int width, int height, const Camera& camera) {
   if (width == camera.width && height == camera.height) return;
-  throw InputError("{}: is {} x {}, its photograph {} x {}; remove the folder, and it is made again", path.string(),
-                   width, height, camera.width, camera.height);
+  throw InputError("{}: is {} x {}, its view {} x {}; remove the folder, and it is made again", path.string(), width,
+                   height, camera.width, camera.height);
 }
 
 template <class T>
@@ -173,7 +174,7 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
   std::vector<std::string> files;
   for (size_t v = 0; v < maps.size(); ++v) {
     const DepthMap& map = maps[v];
-    const float largest = LargestBelieved(map);
+    const float largest = LargestStored(map);
     const float scale = largest > 0 ? largest : 1;
     params[stems[v]] = {{"scale", scale}, {"offset", 0}};
     if (map.monocular) params[stems[v]]["monocular"] = true;
@@ -181,8 +182,8 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
     for (const char* folder : {"", "confidence", "normals", "preview"})
       files.push_back((fs::path(folder) / file).string());
     WritePng16(dir / file, map.camera.width, map.camera.height, Quantised(map, scale));
-    WritePng(dir / "confidence" / file, ConfidencePicture(map));
-    WritePng(dir / "normals" / file, NormalPicture(map));
+    WritePng(dir / "confidence" / file, ConfidenceImage(map));
+    WritePng(dir / "normals" / file, NormalImage(map));
     WritePng(dir / "preview" / file, Preview(map));
   }
   files.emplace_back("depth_params.json");
@@ -202,14 +203,15 @@ std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::
     const float offset = Number(params, stems[v], "offset", params_path);
     const Image16 depth = ReadPng16(dir / file);
     RequireSize(dir / file, depth.width, depth.height, cameras[v]);
-    const Image8 sure = ReadImage(dir / "confidence" / file), normals = ReadImage(dir / "normals" / file);
-    RequireSize(dir / "confidence" / file, sure.width, sure.height, cameras[v]);
+    const Image8 confidences = ReadImage(dir / "confidence" / file), normals = ReadImage(dir / "normals" / file);
+    RequireSize(dir / "confidence" / file, confidences.width, confidences.height, cameras[v]);
     RequireSize(dir / "normals" / file, normals.width, normals.height, cameras[v]);
     DepthMap map{names[v], cameras[v], {}, {}, {}};
     map.monocular = params[stems[v]].value("monocular", nlohmann::json()) == true;
     for (size_t i = 0; i < depth.values.size(); ++i) {
       const uint8_t* n = normals.data.data() + static_cast<size_t>(normals.channels) * i;
-      const float confidence = static_cast<float>(sure.data[static_cast<size_t>(sure.channels) * i]) / 255;
+      const float confidence =
+          static_cast<float>(confidences.data[static_cast<size_t>(confidences.channels) * i]) / 255;
       const float inv_depth = static_cast<float>(depth.values[i]) / kMax16 * scale + offset;
       const bool known = depth.values[i] > 0 && inv_depth > 0;
       const Eigen::Vector3f normal = Eigen::Vector3f(n[0], n[1], n[2]) * (2.f / 255) - Eigen::Vector3f::Ones();

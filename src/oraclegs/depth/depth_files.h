@@ -1,5 +1,5 @@
 #pragma once
-// Depth maps as plain files that other tools open, and as pictures to look at.
+// Depth maps as plain files that other tools open, and as preview images.
 
 #include <filesystem>
 #include <vector>
@@ -12,7 +12,7 @@ namespace oraclegs {
 ///   dir/NAME.png             16-bit grey: inverse depth
 ///   dir/confidence/NAME.png  8-bit grey, 255 = certain
 ///   dir/normals/NAME.png     8-bit RGB, 255 * (n + 1) / 2, camera frame; 0 0 0 where unknown
-///   dir/preview/NAME.png     depth in colours (yellow near, purple far) beside confidence (yellow sure, purple not)
+///   dir/preview/NAME.png     depth in colours (yellow near, purple far) beside confidence (yellow high, purple low)
 /// and dir/depth_params.json as the code of [Kerbl 2023] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value
 /// / 65535 * scale + offset. Maps with a network's depth also have "monocular": true there. The paths written, relative
 /// to dir. Throws RunError.

@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kMuchFiner = 0.7f;    // a pixel that covers less than this share of a point stays a point of its own
+constexpr float kMuchFiner = 0.7f;    // a pixel that covers less than this share of a point makes a point of its own
 constexpr float kSameSide = 0.2f;     // cosine between normals
 constexpr float kDetailRange = 0.1f;  // change of luma over two pixels that counts as full detail
 constexpr float kFlatShare = 0.1f;    // of the draws where nothing changes
@@ -35,22 +35,17 @@ std::vector<float> DetailOf(const ImageF& rgb) {
 
 class Fusion {
  public:
-  Fusion(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, const FusionOptions& options)
-      : maps_(maps), photos_(photos), options_(options) {
+  Fusion(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, const FusionOptions& options)
+      : maps_(maps), views_(views), options_(options) {
     for (const DepthMap& map : maps) {
       claimed_.emplace_back(map.size(), 0);
       world_from_cam_.push_back(map.camera.cam_from_world.inverse().cast<float>());
     }
-    for (const LoadedView& photo : photos) detail_.push_back(DetailOf(photo.rgb));
+    for (const LoadedView& view : views) detail_.push_back(DetailOf(view.rgb));
   }
 
   std::vector<DensePoint> Run() {
-    std::vector<DensePoint> points;
-    for (size_t v = 0; v < maps_.size(); ++v) {
-      ThrowIfInterrupted();
-      AddPointsOf(v, &points);
-    }
-    return points;
+    return PointsOfViews(maps_.size(), [&](size_t v, std::vector<DensePoint>* points) { AddPointsOf(v, points); });
   }
 
  private:
@@ -72,7 +67,7 @@ class Fusion {
   }
 
   Eigen::Vector3f ColorAt(Pixel p) const {
-    const float* c = photos_[p.view].rgb.data.data() + 3 * p.index;
+    const float* c = views_[p.view].rgb.data.data() + 3 * p.index;
     const Eigen::Vector3f rgb(c[0], c[1], c[2]);
     return options_.gains.empty() ? rgb : rgb.cwiseQuotient(options_.gains[p.view]).cwiseMin(1.f).eval();
   }
@@ -80,7 +75,7 @@ class Fusion {
   Made PointOf(Pixel first, const std::vector<PixelMap>& there, const std::vector<PixelMap>& back) const {
     const DepthMap& map = maps_[first.view];
     const Eigen::Vector3f uvw = PixelOf(map, first.index);
-    const SamePoint same{options_.largest_depth_difference};
+    const SamePoint same{options_.max_depth_difference};
     Made made;
     DensePoint& point = made.point;
     point.pixel_size = PixelSize(first.view, first.index);
@@ -113,8 +108,8 @@ class Fusion {
     return made;
   }
 
-  /// Rows are worked on at once and taken into account one after the other: a pixel that two points want counts in
-  /// both, but makes no third.
+  /// Rows are processed in parallel and claim their pixels one after the other: a pixel that two points use is in both
+  /// means, but makes no third point.
   void AddPointsOf(size_t view, std::vector<DensePoint>* points) {
     const DepthMap& map = maps_[view];
     std::vector<PixelMap> there, back;
@@ -140,7 +135,7 @@ class Fusion {
   }
 
   const std::vector<DepthMap>& maps_;
-  const std::vector<LoadedView>& photos_;
+  const std::vector<LoadedView>& views_;
   const FusionOptions& options_;
   std::vector<std::vector<uint8_t>> claimed_;
   std::vector<std::vector<float>> detail_;
@@ -149,15 +144,23 @@ class Fusion {
 
 }  // namespace
 
-std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
+std::vector<DensePoint> FuseDepth(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                                   const FusionOptions& options) {
-  return Fusion(maps, photos, options).Run();
+  return Fusion(maps, views, options).Run();
+}
+
+std::vector<DensePoint> PointsOfViews(size_t views, FunctionRef<void(size_t, std::vector<DensePoint>*)> add) {
+  std::vector<DensePoint> points;
+  for (size_t v = 0; v < views; ++v) {
+    ThrowIfInterrupted();
+    add(v, &points);
+  }
+  return points;
 }
 
 std::vector<DensePoint> Thinned(const std::vector<DensePoint>& points, size_t budget, uint64_t seed) {
   if (points.size() <= budget) return points;
-  // [Efraimidis 2006]: the largest u^(1/w) are a weighted
-  // draw without replacement.
+  // [Efraimidis 2006]: the largest u^(1/w) are a weighted draw without replacement.
   std::vector<std::pair<float, size_t>> keys(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const Philox words = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kThinning), i);

@@ -11,10 +11,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kStride = 5;                          // every so many pixels are looked at; no divisor of usual widths
-constexpr size_t kEnough = 50;                         // common pixels of a pair
-constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation speak
-constexpr double kRidge = 1e-3;                        // pulls towards 1, in shares of a pair's weight
+constexpr size_t kStride = 5;                          // pixels; no divisor of usual widths
+constexpr size_t kMinCommonPixels = 50;                // of a pair
+constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation dominate
+constexpr double kRidge = 1e-3;                        // regularisation toward gain 1, in shares of a pair's weight
 
 /// Median log ratios of one pair, and how many pixels they come from.
 struct Ratio {
@@ -30,33 +30,33 @@ bool IsUsable(const float* rgb) {
 }
 
 /// Of view a over view b.
-Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, size_t a, size_t b) {
+Ratio Compare(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, size_t a, size_t b) {
   const PixelMap there = MapBetween(maps[a].camera, maps[b].camera), back = MapBetween(maps[b].camera, maps[a].camera);
   std::vector<double> logs[3];
   for (size_t i = 0; i < maps[a].size(); i += kStride) {
     if (maps[a].confidence[i] < kConfident) continue;
     const auto j = FindPixel(maps[b], there, back, PixelOf(maps[a], i), {});
     if (!j) continue;
-    const float* from = photos[a].rgb.data.data() + 3 * i;
-    const float* to = photos[b].rgb.data.data() + 3 * *j;
+    const float* from = views[a].rgb.data.data() + 3 * i;
+    const float* to = views[b].rgb.data.data() + 3 * *j;
     if (!IsUsable(from) || !IsUsable(to)) continue;
     for (int c = 0; c < 3; ++c) logs[c].push_back(std::log(static_cast<double>(from[c]) / static_cast<double>(to[c])));
   }
   Ratio ratio;
   ratio.pixels = logs[0].size();
-  if (ratio.pixels < kEnough) return {};
+  if (ratio.pixels < kMinCommonPixels) return {};
   for (int c = 0; c < 3; ++c) ratio.log[c] = UpperMedian(&logs[c]);
   return ratio;
 }
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos) {
+std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views) {
   const size_t n = maps.size();
   std::vector<Ratio> ratios(n * n);
   ParallelFor(static_cast<int64_t>(n * n), [&](int64_t k) {
     const size_t a = static_cast<size_t>(k) / n, b = static_cast<size_t>(k) % n;
-    if (a != b) ratios[static_cast<size_t>(k)] = Compare(maps, photos, a, b);
+    if (a != b) ratios[static_cast<size_t>(k)] = Compare(maps, views, a, b);
   });
   const auto size = static_cast<int64_t>(n);
   Eigen::MatrixXd normal = kRidge * Eigen::MatrixXd::Identity(size, size);

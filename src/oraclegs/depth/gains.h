@@ -1,5 +1,5 @@
 #pragma once
-// How differently photographs are exposed, told by the surfaces that several of them show.
+// How differently images are exposed, from the surfaces that several of them show (docs/method.md#exposure-gains).
 
 #include <vector>
 
@@ -8,12 +8,12 @@
 
 namespace oraclegs {
 
-/// Of each photograph, per channel, how much brighter it shows a surface than the photographs do in the (geometric)
-/// mean: the least-squares solution of the median log ratios of colours over each pair's common confident pixels. 1 for
-/// photographs that share too few pixels with others. `photos` belong to `maps`, one by one.
-std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos);
+/// For each view, per channel, how much brighter it shows a surface than the geometric mean of all views: the
+/// least-squares solution of the median log ratios of colours over each pair's common confident pixels. 1 for views
+/// that share too few pixels with others. `views` belong to `maps`, one by one.
+std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views);
 
-/// Root mean square of ln(gain) over photographs and channels: 0 for photographs of one exposure.
+/// Root mean square of ln(gain) over views and channels: 0 for views of one exposure.
 double ExposureSpread(const std::vector<Eigen::Vector3f>& gains);
 
 }  // namespace oraclegs

@@ -11,11 +11,11 @@
 namespace oraclegs {
 namespace {
 
-// Relative errors that halve a sample's say or more, from round to round: first nearly all have one, at the end those
-// that fit.
+// Relative errors that quarter a sample's weight, from round to round: first nearly all samples contribute, at the end
+// those that fit.
 constexpr std::array<double, 6> kErrorScales = {0.8, 0.4, 0.2, 0.1, 0.06, 0.06};
-constexpr double kRidge = 1e-3;    // holds factor and addend where they say the same
-constexpr float kFarShare = 0.1f;  // of the median: below that errors count as they do there
+constexpr double kRidge = 1e-3;    // keeps factor and addend apart where they have the same effect
+constexpr float kFarShare = 0.1f;  // of the median: smaller truths count like this one
 
 float MedianTruth(const std::vector<DepthSample>& samples) {
   std::vector<float> truths;
@@ -59,24 +59,25 @@ LocalWarp::LocalWarp(int width, int height, const std::vector<DepthSample>& samp
     for (const DepthSample& s : samples) {
       // Relative to the truth: how the depth's logarithm is off.
       const double unit = 1 / static_cast<double>(std::max(s.truth, kFarShare * median));
-      const double slopes[2] = {unit * static_cast<double>(s.inv_depth), unit * static_cast<double>(median)};
+      const double derivatives[2] = {unit * static_cast<double>(s.inv_depth), unit * static_cast<double>(median)};
       const double off = unit * (static_cast<double>(s.truth) - static_cast<double>(s.inv_depth));
       const Corners at = CornersOf(s.x, s.y);
       double left = off;
       for (int k = 0; k < 4; ++k) {
         const auto node = static_cast<Eigen::Index>(at.node[k]);
-        left -= static_cast<double>(at.share[k]) * (slopes[0] * solution[node] + slopes[1] * solution[n + node]);
+        left -=
+            static_cast<double>(at.share[k]) * (derivatives[0] * solution[node] + derivatives[1] * solution[n + node]);
       }
       const double doubt = 1 + left * left / (scale * scale);
-      // Every node has the say of one sample, however many pixels there are.
+      // Every node has the weight of one sample on average, however many pixels there are.
       const double w = static_cast<double>(s.weight) * static_cast<double>(nodes) / weights / (doubt * doubt);
       for (int k = 0; k < 8; ++k) {
         const auto i = static_cast<Eigen::Index>(at.node[k % 4]) + (k < 4 ? 0 : n);
-        const double si = static_cast<double>(at.share[k % 4]) * slopes[k / 4];
+        const double si = static_cast<double>(at.share[k % 4]) * derivatives[k / 4];
         right[i] += w * si * off;
         for (int l = 0; l < 8; ++l) {
           const auto j = static_cast<Eigen::Index>(at.node[l % 4]) + (l < 4 ? 0 : n);
-          normal(i, j) += w * si * static_cast<double>(at.share[l % 4]) * slopes[l / 4];
+          normal(i, j) += w * si * static_cast<double>(at.share[l % 4]) * derivatives[l / 4];
         }
       }
     }

@@ -1,38 +1,38 @@
 #pragma once
-// One scale and offset for a whole photograph leave a network's depth wrong by tens of percent in places. What is
-// known of the photograph bends it: a scale and an offset that vary slowly over the picture.
+// One scale and offset for a whole image leave a network's depth wrong by tens of percent in places. Known depths
+// correct it: by a scale and an offset that vary slowly over the image (docs/method.md#depth-alignment).
 
 #include <cstddef>
 #include <vector>
 
 namespace oraclegs {
 
-/// What an inverse depth should have been.
+/// An inverse depth and its true value.
 struct DepthSample {
   float x = 0, y = 0;   ///< pixels
-  float inv_depth = 0;  ///< as it is before the warp, 1/world unit
+  float inv_depth = 0;  ///< before the warp, 1/world unit
   float truth = 0;      ///< > 0
   float weight = 1;     ///< >= 0
 };
 
 struct LocalWarpOptions {
-  int cells = 16;            ///< along the picture's larger side
-  double smoothness = 0.03;  ///< what a change from node to node costs, of what an equal relative error costs
+  int cells = 16;            ///< along the image's larger side
+  double smoothness = 0.03;  ///< weight of a change from node to node, relative to that of an equal relative error
 };
 
 /// inverse depth -> (1 + a) * inverse depth + b, with a and b bilinear between the nodes of a coarse grid.
 class LocalWarp {
  public:
   /// The grid that brings the samples nearest to their truth: least squares of relative errors, in which samples that
-  /// stay far off lose their say, and of the changes between neighbouring nodes. Where there are no samples the nodes
-  /// go on as their neighbours are, a little less with each. Changes nothing when there is no sample. The picture is
+  /// stay far off are down-weighted, and of the changes between neighbouring nodes. Where there are no samples the
+  /// nodes continue their neighbours, a little weaker with each. The identity when there is no sample. The image is
   /// width x height pixels.
   LocalWarp(int width, int height, const std::vector<DepthSample>& samples, const LocalWarpOptions& options = {});
 
   float operator()(float x, float y, float inv_depth) const;
 
  private:
-  /// The four nodes around a place and their shares.
+  /// The four nodes around a place and their bilinear weights.
   struct Corners {
     size_t node[4];
     float share[4];

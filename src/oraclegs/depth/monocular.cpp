@@ -10,11 +10,11 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMostSamples = 20000;     // that bend one map
-constexpr size_t kFewestSamples = 200;     // less bends nothing
-constexpr size_t kMostKnown = 5000;        // that align one map
-constexpr float kBeforeNearest = 2;        // times the nearest known inverse depth: nearer is not believed
-constexpr float kLeastConfidence = 0.01f;  // less is written as unknown
+constexpr size_t kMaxWarpSamples = 20000;  // for one map
+constexpr size_t kMinWarpSamples = 200;
+constexpr size_t kMaxKnown = 5000;       // that align one map
+constexpr float kBeforeNearest = 2;      // times the nearest known inverse depth: nearer is unknown
+constexpr float kMinConfidence = 0.01f;  // less is written as unknown
 
 bool IsConfident(const DepthMap& map, size_t i) { return map.confidence[i] >= kConfident && map.inv_depth[i] > 0; }
 
@@ -23,7 +23,7 @@ Eigen::Vector2f CentreOf(const Camera& camera, size_t i) {
   return {static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f};
 }
 
-/// Every so manieth of the confident pixels, at most `most`.
+/// At most `most` of the confident pixels, evenly by index.
 std::vector<size_t> ConfidentPixels(const DepthMap& map, size_t most) {
   std::vector<size_t> all, some;
   for (size_t i = 0; i < map.size(); ++i) {
@@ -46,27 +46,27 @@ double ShareRight(const RelativeDepth& relative, const Alignment& alignment, con
   return all == 0 ? 0 : static_cast<double>(right) / all;
 }
 
-/// How an aligned map is bent to stereo, and how far to believe what comes of it.
-struct Bent {
+/// The correction of an aligned map by stereo, and how often it is right on held-out samples.
+struct Correction {
   LocalWarp warp;
   double right = 0;
 };
 
-Bent Bend(const DepthMap& stereo, const std::vector<float>& aligned) {
+Correction CorrectionFor(const DepthMap& stereo, const std::vector<float>& aligned) {
   const int width = stereo.camera.width, height = stereo.camera.height;
   const LocalWarpOptions options;
   const int cell = std::max(1, std::max(width, height) / options.cells);
-  std::vector<DepthSample> told, held_out, all;
-  for (const size_t i : ConfidentPixels(stereo, kMostSamples)) {
+  std::vector<DepthSample> fitted, held_out, all;
+  for (const size_t i : ConfidentPixels(stereo, kMaxWarpSamples)) {
     const Eigen::Vector2f at = CentreOf(stereo.camera, i);
     const DepthSample sample{at.x(), at.y(), aligned[i], stereo.inv_depth[i], stereo.confidence[i]};
     const int column = static_cast<int>(at.x()) / cell, row = static_cast<int>(at.y()) / cell;
-    // One in four, none of which touch.
-    const bool hide = column % 2 == 1 && row % 2 == 1;
-    (hide ? held_out : told).push_back(sample);
+    // One cell in four, none of which touch.
+    const bool is_held_out = column % 2 == 1 && row % 2 == 1;
+    (is_held_out ? held_out : fitted).push_back(sample);
     all.push_back(sample);
   }
-  const LocalWarp trial(width, height, told, options);
+  const LocalWarp trial(width, height, fitted, options);
   size_t right = 0;
   for (const DepthSample& s : held_out) {
     right += IsRight(static_cast<double>(trial(s.x, s.y, s.inv_depth)), static_cast<double>(s.truth)) ? 1 : 0;
@@ -82,7 +82,7 @@ std::vector<float> Aligned(const RelativeDepth& relative, const Alignment& align
   return out;
 }
 
-/// The normal that the inverse depths beside a pixel say.
+/// The normal from the inverse depths beside a pixel.
 Eigen::Vector3f NormalAt(const Camera& camera, const std::vector<float>& inv_depth, size_t i) {
   const auto width = static_cast<size_t>(camera.width);
   const size_t x = i % width, y = i / width, last_row = static_cast<size_t>(camera.height) - 1;
@@ -95,15 +95,15 @@ Eigen::Vector3f NormalAt(const Camera& camera, const std::vector<float>& inv_dep
   return NormalOf(camera, plane, at.x(), at.y());
 }
 
-/// Writes the guess where `out` is not confident and the guess can be.
+/// Writes the guess where `out` is not confident and the guess is possible.
 void Fill(const std::vector<float>& guess, float nearest, float confidence, const AllowedPixels& allowed,
           DepthMap* out) {
   out->monocular = true;
   ParallelBlocks(static_cast<int64_t>(out->size()), 1 << 14, [&](int64_t begin, int64_t end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       if (IsConfident(*out, i)) continue;
-      const bool can_be = guess[i] > 0 && guess[i] < nearest && confidence >= kLeastConfidence;
-      const bool fills = can_be && (allowed.empty() || allowed[i] != 0);
+      const bool possible = guess[i] > 0 && guess[i] < nearest && confidence >= kMinConfidence;
+      const bool fills = possible && (allowed.empty() || allowed[i] != 0);
       out->inv_depth[i] = fills ? guess[i] : 0;
       out->confidence[i] = fills ? confidence : 0;
       out->normals[i] = fills ? NormalAt(out->camera, guess, i) : Eigen::Vector3f::Zero();
@@ -121,7 +121,7 @@ float Nearest(const std::vector<KnownDepth>& known) {
 
 std::vector<KnownDepth> ConfidentDepths(const DepthMap& stereo) {
   std::vector<KnownDepth> known;
-  for (const size_t i : ConfidentPixels(stereo, kMostKnown)) {
+  for (const size_t i : ConfidentPixels(stereo, kMaxKnown)) {
     const Eigen::Vector2d at = CentreOf(stereo.camera, i).cast<double>();
     known.push_back({at.x(), at.y(), static_cast<double>(stereo.inv_depth[i])});
   }
@@ -146,18 +146,18 @@ MonocularDepth FusedDepth(const DepthMap& stereo, const RelativeDepth& relative,
   out.map = stereo;
   std::vector<float> guess = Aligned(relative, alignment);
   const std::vector<KnownDepth> confident = ConfidentDepths(stereo);
-  if (confident.size() < kFewestSamples) {
+  if (confident.size() < kMinWarpSamples) {
     out.right = ShareRight(relative, alignment, known);
   } else {
-    const Bent bent = Bend(stereo, guess);
-    out.right = bent.right;
+    const Correction correction = CorrectionFor(stereo, guess);
+    out.right = correction.right;
     for (size_t i = 0; i < guess.size(); ++i) {
       const Eigen::Vector2f at = CentreOf(stereo.camera, i);
-      guess[i] = bent.warp(at.x(), at.y(), guess[i]);
+      guess[i] = correction.warp(at.x(), at.y(), guess[i]);
     }
   }
   const float nearest = kBeforeNearest * std::max(Nearest(known), Nearest(confident));
-  Fill(guess, nearest, std::min(kMostBesideStereo, static_cast<float>(out.right)), allowed, &out.map);
+  Fill(guess, nearest, std::min(kMaxBesideStereo, static_cast<float>(out.right)), allowed, &out.map);
   return out;
 }
 

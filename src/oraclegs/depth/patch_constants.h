@@ -3,12 +3,12 @@
 
 namespace oraclegs {
 
-/// Every second pixel of a 9 x 9 window, like one colour of a chessboard.
+/// Every second pixel of a 9 x 9 window, like one colour of a checkerboard.
 inline constexpr int kPatchRadius = 4;
 inline constexpr int kPatchSamples = 41;
 inline constexpr int kMaxChannels = 3;
 
-/// The worst cost: 1 - ZNCC of opposite patches, and what is given where a patch cannot be compared.
+/// The worst cost: 1 - ZNCC of opposite patches, and of patches that cannot be compared.
 inline constexpr float kWorstCost = 2;
 
 /// Of the bilateral weights; the value in 8-bit units, the mean over the channels.

@@ -1,4 +1,4 @@
-// A vector holds neighbouring samples of one patch; a sample is one gather of a PackedImage word per channel.
+// A vector holds neighbouring samples of one patch; a sample is one gather of a GatherImage word per channel.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/depth/patch_cost.cpp"
@@ -30,7 +30,7 @@ struct Homography {
 };
 
 template <int kChannels>
-HWY_INLINE float Cost(const Patch& patch, const PackedImage& image, const Homography& h) {
+HWY_INLINE float Cost(const Patch& patch, const GatherImage& image, const Homography& h) {
   const F f;
   const I i;
   const PatchOffsets& offsets = Offsets();
@@ -76,7 +76,7 @@ HWY_INLINE float Cost(const Patch& patch, const PackedImage& image, const Homogr
   return std::clamp(1 - ncc, 0.f, kWorstCost);
 }
 
-HWY_INLINE bool Comparable(const Homography& h, const PackedImage& image) {
+HWY_INLINE bool Comparable(const Homography& h, const GatherImage& image) {
   const float z = h.base.z();
   const float nearest = z - kPatchRadius * (std::abs(h.right.z()) + std::abs(h.down.z()));
   if (!(z > 0) || !(nearest > kNearestShare * z)) return false;
@@ -87,7 +87,7 @@ HWY_INLINE bool Comparable(const Homography& h, const PackedImage& image) {
 void Costs(const Patch& patch, const PatchHypotheses& hypotheses, float* costs) {
   const size_t num_sources = hypotheses.sources.size();
   for (size_t s = 0; s < num_sources; ++s) {
-    const PackedImage& image = *hypotheses.sources[s].image;
+    const GatherImage& image = *hypotheses.sources[s].image;
     const PixelMap& map = hypotheses.sources[s].map;
     const Eigen::Vector3f far = map(patch.u, patch.v, 0);
     for (size_t p = 0; p < hypotheses.planes.size(); ++p) {
@@ -150,7 +150,7 @@ const PatchOffsets& Offsets() {
   return offsets;
 }
 
-Patch MakePatch(const PackedImage& image, int x, int y, const uint8_t* usable) {
+Patch MakePatch(const GatherImage& image, int x, int y, const uint8_t* usable) {
   static const BilateralTables tables = MakeTables();
   const PatchOffsets& offsets = Offsets();
   const int channels = static_cast<int>(image.channels.size());
@@ -161,15 +161,15 @@ Patch MakePatch(const PackedImage& image, int x, int y, const uint8_t* usable) {
   float total = 0;
   for (int k = 0; k < kPatchSamples; ++k) {
     const int sx = x + static_cast<int>(offsets.x[k]), sy = y + static_cast<int>(offsets.y[k]);
-    const bool counts = sx >= 0 && sy >= 0 && sx < image.width && sy < image.height &&
-                        (usable == nullptr || usable[static_cast<size_t>(sy) * image.width + sx] != 0);
+    const bool usable_sample = sx >= 0 && sy >= 0 && sx < image.width && sy < image.height &&
+                               (usable == nullptr || usable[static_cast<size_t>(sy) * image.width + sx] != 0);
     int difference = 0;
     for (int c = 0; c < channels; ++c) {
-      const int value = counts ? image.Value(c, sx, sy) : 0;
+      const int value = usable_sample ? image.Value(c, sx, sy) : 0;
       values[c][k] = static_cast<float>(value);
       difference += std::abs(value - image.Value(c, x, y));
     }
-    patch.weight[k] = counts ? tables.distance[k] * tables.value[difference / channels] : 0;
+    patch.weight[k] = usable_sample ? tables.distance[k] * tables.value[difference / channels] : 0;
     total += patch.weight[k];
   }
   if (!(total > 0)) return patch;

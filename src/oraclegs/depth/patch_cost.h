@@ -1,11 +1,11 @@
 #pragma once
-// How well a patch of one photograph fits another, the inner loop of stereo.
+// How well a patch of one image fits another, the inner loop of stereo (docs/method.md#stereo).
 
 #include <array>
 #include <cstdint>
 #include <span>
 
-#include "oraclegs/depth/packed_image.h"
+#include "oraclegs/depth/gather_image.h"
 #include "oraclegs/depth/patch_constants.h"
 #include "oraclegs/depth/plane.h"
 
@@ -19,7 +19,7 @@ struct PatchOffsets {
 };
 const PatchOffsets& Offsets();
 
-/// A pixel's surroundings in the reference view, weighted by likeness to the pixel and nearness (bilateral).
+/// A pixel's surroundings in the reference view, with bilateral weights: by similarity to the pixel and by distance.
 struct Patch {
   float u = 0, v = 0;                                         ///< the pixel's centre
   alignas(64) float weight[kPatchSlots] = {};                 ///< sum 1, zero in the padding
@@ -27,12 +27,12 @@ struct Patch {
   float variance = 0;  ///< sum over channels of the weighted variance, squared units
 };
 
-/// The patch around pixel (x, y); samples beyond the border or with usable == 0 count nothing. `usable` may be null.
-Patch MakePatch(const PackedImage& image, int x, int y, const uint8_t* usable);
+/// The patch around pixel (x, y); samples beyond the border or with usable == 0 are ignored. `usable` may be null.
+Patch MakePatch(const GatherImage& image, int x, int y, const uint8_t* usable);
 
 /// Another view to compare with.
 struct PatchSource {
-  const PackedImage* image = nullptr;  ///< as many channels as the patch's
+  const GatherImage* image = nullptr;  ///< as many channels as the patch's
   PixelMap map;                        ///< from the reference view
 };
 

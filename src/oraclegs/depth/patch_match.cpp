@@ -98,7 +98,7 @@ void RunPass(const StereoScene& scene, size_t view, const PassOptions& options, 
     if (options.geometry != nullptr) search.sources[s].known = Known((*options.geometry)[n]);
   }
   const auto improve = [&](int x, int y, int iteration) {
-    if (!search.TakesPart(x, y)) return;
+    if (!search.IsUsable(x, y)) return;
     const Patch patch = MakePatch(v.image, x, y, search.usable);
     const auto costs_of = [&](const Plane* planes, int count, const uint8_t* active, float* costs) {
       PatchCosts(patch, {sources, active, {planes, static_cast<size_t>(count)}}, costs);

@@ -1,9 +1,7 @@
 #pragma once
-// PatchMatch stereo over planes in inverse depth, one view against its neighbours.
-// [Barnes 2009] for the search; [Bleyer 2011] for
-// slanted planes; [Galliani 2015]
-// for the chessboard; [Xu 2019] for the
-// sampling of neighbours, the views' weights and the geometric term.
+// PatchMatch stereo over planes in inverse depth, one reference view against its source views (docs/method.md#stereo):
+// [Barnes 2009] for the search, [Bleyer 2011] for slanted planes, [Galliani 2015] for red-black propagation, [Xu 2019]
+// for the sampling of neighbours, the weights of source views and the geometric term.
 
 #include <cstdint>
 #include <vector>
@@ -15,10 +13,10 @@
 
 namespace oraclegs {
 
-/// What PatchMatch knows of every pixel of one view.
+/// The plane of every pixel of one view.
 struct PlaneMap {
   int width = 0, height = 0;
-  std::vector<Plane> planes;  ///< inverse depth 0 = nothing is known
+  std::vector<Plane> planes;  ///< inverse depth 0 = unknown
   std::vector<float> costs;   ///< [0, kWorstCost], without the geometric term
 
   const Plane& At(int x, int y) const { return planes[static_cast<size_t>(y) * width + x]; }
@@ -28,16 +26,16 @@ inline KnownPlanes Known(const PlaneMap& map) { return {map.planes.data(), map.w
 /// One view at one resolution.
 struct StereoView {
   Camera camera;
-  PackedImage image;
-  std::vector<uint8_t> usable;  ///< height * width, 1 = take part; empty = all
+  GatherImage image;
+  std::vector<uint8_t> usable;  ///< height * width, 1 = used; empty = all
   DepthRange range;
-  std::vector<int> neighbors;  ///< indices of views
+  std::vector<int> neighbors;  ///< source views, indices
 };
 
 /// What a pass over one view reads and never changes.
 struct StereoScene {
   std::vector<StereoView> views;
-  const Silhouettes* silhouettes = nullptr;  ///< may be null or empty; of pictures `silhouette_scale` times as large
+  const Silhouettes* silhouettes = nullptr;  ///< may be null or empty; of images `silhouette_scale` times as large
   float silhouette_scale = 1;
 };
 
@@ -55,10 +53,11 @@ struct PassOptions {
   const std::vector<PlaneMap>* geometry = nullptr;
 };
 
-/// What the search of any device knows of a view, but for its pointers into the scene and to maps, which are null, and
-/// its pass. At most kMaxSources neighbours take part.
+/// What the search reads of a view on any device, except for its pass and its pointers to the scene and the maps, which
+/// are null. At most kMaxSources neighbours are used.
 SearchView SearchOf(const StereoScene& scene, size_t view);
-/// The silhouettes of all other views as this one meets them, in the memory of the scene; none without an object.
+/// The silhouettes of all other views with the way there from this view, in the memory of the scene; none without an
+/// object.
 std::vector<SearchSilhouette> SilhouettesFor(const StereoScene& scene, size_t view);
 
 /// Improves the map of one view in place, on all threads. The same bits for any number of threads.

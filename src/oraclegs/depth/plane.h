@@ -1,5 +1,5 @@
 #pragma once
-// Hypotheses of stereo, and how they carry pixels from one view to another.
+// Plane hypotheses of stereo, and how they map pixels from one view to another.
 
 #include <Eigen/Core>
 

@@ -13,30 +13,30 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMostPlanes = 24, kSamples = 20000, kDraws = 200;
-constexpr float kLeastShare = 0.005f;  // of the points
-constexpr float kPixelsOff = 5;
+constexpr size_t kMaxPlanes = 24, kMaxSamples = 20000, kMaxDraws = 200;
+constexpr float kMinShare = 0.005f;  // of the points, for a plane
+constexpr float kMaxPixelsOff = 5;
 constexpr float kSameNormal = 0.8f;  // cosine
 constexpr int kRefinements = 2;
 constexpr float kUpright = 0.3f;  // cosine between planes that may stand upright on a third
-constexpr size_t kMostUprights = 6;
-constexpr size_t kFewestPoints = 500;
+constexpr size_t kMaxUprights = 6;
+constexpr size_t kMinPoints = 500;
 
-constexpr int kStep = 2;               // pixels between filled points
-constexpr int kCells = 90;             // along the picture's larger side
-constexpr int kWidestWindow = 16;      // cells to each side
-constexpr float kEnoughShare = 0.01f;  // of a window's pixels on one plane
-constexpr float kOnPlane = 0.02f;      // relative distance of a pixel's depth from its plane
-constexpr float kFacing = 0.3f;        // cosine; seen at a grazing angle, normals are the least exact
-constexpr float kBeyondRange = 2;      // times as near or far as any confident depth
-constexpr float kSeenThrough = 0.97f;  // of the depth that another photograph is sure of
+constexpr int kStep = 2;                  // pixels between filled points
+constexpr int kCells = 90;                // along the image's larger side
+constexpr int kMaxWindow = 16;            // cells to each side
+constexpr float kMinWindowShare = 0.01f;  // of a window's pixels on one plane
+constexpr float kOnPlane = 0.02f;         // relative distance of a pixel's depth from its plane
+constexpr float kFacing = 0.3f;           // cosine; seen at a grazing angle, normals are the least exact
+constexpr float kBeyondRange = 2;         // times as near or far as any confident depth
+constexpr float kSeenThrough = 0.97f;     // of the confident depth of another view
 constexpr float kOccluded = 1.03f;
 constexpr int kColorRadius = 2;
 constexpr float kSameColor = 0.06f;  // RMS over the channels, of means over patches
 constexpr int kNoPlane = -1;
 
 bool LiesOn(const ScenePlane& plane, const DensePoint& p) {
-  return std::abs(plane.Distance(p.xyz)) < kPixelsOff * p.pixel_size &&
+  return std::abs(plane.Distance(p.xyz)) < kMaxPixelsOff * p.pixel_size &&
          std::abs(plane.normal.dot(p.normal)) > kSameNormal;
 }
 
@@ -73,7 +73,7 @@ ScenePlane Refined(const ScenePlane& plane, const std::vector<const DensePoint*>
 std::vector<Eigen::Vector3f> Uprights(const std::vector<ScenePlane>& planes) {
   std::vector<Eigen::Vector3f> directions;
   for (size_t a = 0; a < planes.size(); ++a) {
-    for (size_t b = 0; b < a && directions.size() < kMostUprights; ++b) {
+    for (size_t b = 0; b < a && directions.size() < kMaxUprights; ++b) {
       if (std::abs(planes[a].normal.dot(planes[b].normal)) > kUpright) continue;
       directions.push_back(planes[a].normal.cross(planes[b].normal).normalized());
     }
@@ -83,23 +83,18 @@ std::vector<Eigen::Vector3f> Uprights(const std::vector<ScenePlane>& planes) {
 
 class PlaneFill {
  public:
-  PlaneFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, std::vector<ScenePlane> planes,
+  PlaneFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, std::vector<ScenePlane> planes,
             const FusionOptions& options)
-      : maps_(maps), photos_(photos), planes_(std::move(planes)), options_(options), silhouettes_(photos) {
+      : maps_(maps), views_(views), planes_(std::move(planes)), options_(options), silhouettes_(views) {
     for (const DepthMap& map : maps) filled_.emplace_back(map.size(), 0);
   }
 
   std::vector<DensePoint> Run() {
-    std::vector<DensePoint> points;
-    for (size_t v = 0; v < maps_.size(); ++v) {
-      ThrowIfInterrupted();
-      AddPointsOf(v, &points);
-    }
-    return points;
+    return PointsOfViews(maps_.size(), [&](size_t v, std::vector<DensePoint>* points) { AddPointsOf(v, points); });
   }
 
  private:
-  /// Which plane each cell of a picture continues.
+  /// Which plane each cell of an image continues.
   struct CellPlanes {
     int size = 1, across = 0;         ///< pixels; cells
     std::vector<int> plane;           ///< of each cell, kNoPlane = none
@@ -109,7 +104,7 @@ class PlaneFill {
   };
 
   bool MayFill(size_t v, size_t i) const {
-    return (photos_[v].mask.empty() || photos_[v].mask[i] != 0) &&
+    return (views_[v].mask.empty() || views_[v].mask[i] != 0) &&
            (silhouettes_.empty() || silhouettes_.Object(v)[i] != 0);
   }
 
@@ -172,11 +167,11 @@ class PlaneFill {
     for (int y = 0; y < down; ++y) {
       for (int x = 0; x < cells.across; ++x) {
         int plane = kNoPlane;
-        for (int r = 1; r <= kWidestWindow && plane == kNoPlane; r *= 2) {
+        for (int r = 1; r <= kMaxWindow && plane == kNoPlane; r *= 2) {
           const int x0 = std::max(0, x - r), x1 = std::min(cells.across, x + r + 1);
           const int y0 = std::max(0, y - r), y1 = std::min(down, y + r + 1);
           const int pixels = (x1 - x0) * (y1 - y0) * cells.size * cells.size;
-          int most = static_cast<int>(kEnoughShare * static_cast<float>(pixels));
+          int most = static_cast<int>(kMinWindowShare * static_cast<float>(pixels));
           for (size_t p = 0; p < sums.size(); ++p) {
             const std::vector<int>& sum = sums[p];
             const int count = sum[at(x1, y1)] - sum[at(x0, y1)] - sum[at(x1, y0)] + sum[at(x0, y0)];
@@ -190,7 +185,7 @@ class PlaneFill {
   }
 
   Eigen::Vector3f PatchColor(size_t v, int x, int y) const {
-    const ImageF& rgb = photos_[v].rgb;
+    const ImageF& rgb = views_[v].rgb;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int n = 0;
     for (int w = std::max(0, y - kColorRadius); w <= std::min(rgb.height - 1, y + kColorRadius); ++w) {
@@ -202,11 +197,11 @@ class PlaneFill {
     return options_.gains.empty() ? sum : sum.cwiseQuotient(options_.gains[v]).cwiseMin(1.f).eval();
   }
 
-  /// True when of the photographs that see the place one shows the same there, none looks through it, and no earlier
-  /// one has filled the pixel it falls on, at whatever depth: let in behind what an earlier photograph guessed, a
-  /// second guess painted a lawn twice.
-  bool Agreed(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {
-    bool seen = false, alike = false;
+  /// True when of the views that have the place in frame one shows the same colour there, none sees through it, and no
+  /// earlier one has filled the pixel it falls on, at any depth: otherwise a second extrapolation, behind the first,
+  /// paints a lawn twice.
+  bool IsConsistent(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {
+    bool seen = false, similar = false;
     for (size_t other = 0; other < maps_.size(); ++other) {
       if (other == v) continue;
       const DepthMap& map = maps_[other];
@@ -220,7 +215,7 @@ class PlaneFill {
       }
       const int x = static_cast<int>(u), y = static_cast<int>(w);
       const size_t i = static_cast<size_t>(y) * map.camera.width + x;
-      if (!photos_[other].mask.empty() && photos_[other].mask[i] == 0) continue;
+      if (!views_[other].mask.empty() && views_[other].mask[i] == 0) continue;
       if (!silhouettes_.empty() && !silhouettes_.MayContain(other, static_cast<float>(x), static_cast<float>(y)))
         return false;
       if (filled_[other][i] != 0 && other < v) return false;
@@ -230,9 +225,9 @@ class PlaneFill {
         if (ratio > kOccluded) continue;
       }
       seen = true;
-      alike = alike || (PatchColor(other, x, y) - color).norm() < kSameColor * std::sqrt(3.f);
+      similar = similar || (PatchColor(other, x, y) - color).norm() < kSameColor * std::sqrt(3.f);
     }
-    return alike || !seen;
+    return similar || !seen;
   }
 
   void AddPointsOf(size_t v, std::vector<DensePoint>* points) {
@@ -255,7 +250,7 @@ class PlaneFill {
         const Eigen::Vector3f xyz =
             world_from_cam * (RayOf(camera, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) / w).eval();
         const Eigen::Vector3f color = PatchColor(v, x, y);
-        if (!Agreed(v, xyz, color)) continue;
+        if (!IsConsistent(v, xyz, color)) continue;
         Eigen::Vector3f normal = planes_[static_cast<size_t>(plane)].normal;
         if (normal.dot(xyz - camera.Center().cast<float>()) > 0) normal = -normal;
         rows[static_cast<size_t>(row)].push_back(
@@ -276,7 +271,7 @@ class PlaneFill {
   }
 
   const std::vector<DepthMap>& maps_;
-  const std::vector<LoadedView>& photos_;
+  const std::vector<LoadedView>& views_;
   std::vector<ScenePlane> planes_;
   const FusionOptions& options_;
   Silhouettes silhouettes_;
@@ -287,16 +282,16 @@ class PlaneFill {
 
 std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points) {
   std::vector<ScenePlane> planes;
-  if (points.size() < kFewestPoints) return planes;
+  if (points.size() < kMinPoints) return planes;
   std::vector<const DensePoint*> left;
-  const size_t stride = (points.size() + kSamples - 1) / kSamples;
+  const size_t stride = (points.size() + kMaxSamples - 1) / kMaxSamples;
   for (size_t i = 0; i < points.size(); i += stride) left.push_back(&points[i]);
-  const auto least = static_cast<size_t>(kLeastShare * static_cast<float>(left.size()));
-  while (planes.size() < kMostPlanes && left.size() > least) {
+  const auto min_support = static_cast<size_t>(kMinShare * static_cast<float>(left.size()));
+  while (planes.size() < kMaxPlanes && left.size() > min_support) {
     ThrowIfInterrupted();
-    // The normals of ground and tables, seen at a grazing angle, are too noisy to draw; walls tell them.
+    // The normals of ground and tables, seen at a grazing angle, are too noisy to draw; those of walls define them.
     const std::vector<Eigen::Vector3f> uprights = Uprights(planes);
-    const size_t draws = std::min(kDraws, left.size()), kinds = uprights.size() + 1;
+    const size_t draws = std::min(kMaxDraws, left.size()), kinds = uprights.size() + 1;
     std::vector<size_t> support(draws * kinds);
     const auto plane_of = [&](size_t draw) {
       const DensePoint& p = *left[draw / kinds * left.size() / draws];
@@ -311,19 +306,19 @@ std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points) {
     const auto best = std::max_element(support.begin(), support.end());
     ScenePlane plane = plane_of(static_cast<size_t>(best - support.begin()));
     for (int i = 0; i < kRefinements; ++i) plane = Refined(plane, left);
-    if (Support(plane, left) < least) break;
+    if (Support(plane, left) < min_support) break;
     planes.push_back(plane);
     std::erase_if(left, [&](const DensePoint* p) { return LiesOn(plane, *p); });
   }
   return planes;
 }
 
-std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
+std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                                    const std::vector<DensePoint>& points, const FusionOptions& options) {
   std::vector<ScenePlane> planes;
   if (!maps.empty()) planes = FindPlanes(points);
   if (planes.empty()) return {};
-  return PlaneFill(maps, photos, std::move(planes), options).Run();
+  return PlaneFill(maps, views, std::move(planes), options).Run();
 }
 
 }  // namespace oraclegs

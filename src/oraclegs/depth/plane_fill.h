@@ -1,5 +1,6 @@
 #pragma once
-// Points where stereo is blind but the scene goes on as it must: lawns, plain walls, table tops.
+// Extrapolation of planes into textureless regions: lawns, plain walls, table tops
+// (docs/method.md#plane-extrapolation).
 
 #include <Eigen/Core>
 #include <vector>
@@ -21,11 +22,11 @@ struct ScenePlane {
 std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points);
 
 /// A coarse grid of points on pixels without a confident depth: a region without depth continues the plane that most
-/// confident pixels around it lie on, as far as another photograph, of those that see the place, shows the same colour
-/// there and none looks through it; what no other photograph sees is believed. `points` are those of FuseDepth with the
-/// same arguments. A point has confidence 0, found by one view. Nothing beside silhouettes, where the photographs have
+/// confident pixels around it lie on. Of the other views that have the place in frame, one must show the same colour
+/// there and none may see through it; a place that no other view has in frame is accepted. `points` are those of
+/// FuseDepth with the same arguments. A point has confidence 0 and one view. None beside silhouettes, where there are
 /// any (silhouettes.h), or where a mask excludes.
-std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
+std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                                    const std::vector<DensePoint>& points, const FusionOptions& options);
 
 }  // namespace oraclegs

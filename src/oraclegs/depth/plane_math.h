@@ -1,5 +1,5 @@
 #pragma once
-// Planes and the ways between views in plain numbers, for host and device. plane.h has them for the rest of the host.
+// Planes and the maps between views in plain numbers, for host and device. plane.h has them with Eigen.
 
 #include <cmath>
 #include <cstdint>
@@ -36,18 +36,18 @@ struct PlainPixelMap {
   }
 };
 
-/// The planes of a view's pixels, height * width, in the memory of who reads them.
+/// The planes of a view's pixels, height * width, in the memory of the device that reads them.
 struct KnownPlanes {
   const Plane* planes = nullptr;
   int width = 0, height = 0;
 };
 
-/// Where the pixel (u, v) with inverse depth w of one view lands when it is carried to another view and back with the
+/// Where the pixel (u, v) with inverse depth w of one view lands when it is mapped to another view and back with the
 /// depth that is known there.
 struct RoundTrip {
-  bool seen = false;         ///< in the other picture, where something is known
+  bool seen = false;         ///< in the other image, where depth is known
   float pixels = 0;          ///< distance from the start
-  float relative_depth = 0;  ///< depth there, of the point / of the surface known there, minus 1: > 0 is hidden
+  float relative_depth = 0;  ///< depth there, of the point / of the surface known there, minus 1: > 0 is occluded
 };
 ORACLEGS_HD inline RoundTrip GoAndReturn(const PlainPixelMap& there, const PlainPixelMap& back,
                                          const KnownPlanes& other, const Vec3f& uvw) {

@@ -1,5 +1,5 @@
 #pragma once
-// Where stereo's planes are searched: one seam for every device.
+// The search for stereo's planes: one interface for every device.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-/// What all views' maps go through before any is compared with the new ones.
+/// One pass over the maps of all views; the geometric term compares with the maps of the pass before.
 struct SearchPass {
   int iterations = 3;
   int number = 0;          ///< below 63; no two of a run are the same
@@ -19,11 +19,10 @@ class PlaneSearch {
  public:
   virtual ~PlaneSearch() = default;
 
-  /// Takes the maps of all views of the scene, which must live until EndLevel; what is left of another level is
-  /// dropped.
+  /// Takes the maps of all views of the scene, which must live until EndLevel, and drops those of another level.
   virtual void BeginLevel(const StereoScene& scene, std::vector<PlaneMap> maps) = 0;
   virtual void BeginPass(const SearchPass& pass) = 0;
-  /// Improves the map of one view, once in each pass; a view without neighbours stays as it is. Comes back when it is
+  /// Improves the map of one view, once in each pass; a view without neighbours stays as it is. Returns when it is
   /// done.
   virtual void Improve(size_t view) = 0;
   /// Gives the maps back.

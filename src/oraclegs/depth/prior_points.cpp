@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/depth/plane.h"
 
@@ -13,12 +12,12 @@ namespace {
 
 constexpr int kStep = 3;              // pixels between points
 constexpr float kFarBehind = 0.7f;    // of a pixel's inverse depth: what lies beyond is another surface
-constexpr float kSeenThrough = 0.9f;  // of the depth that another photograph is sure of
+constexpr float kSeenThrough = 0.9f;  // of the confident depth of another view
 
 class PriorFill {
  public:
-  PriorFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos, const FusionOptions& options)
-      : maps_(maps), photos_(photos), options_(options) {
+  PriorFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, const FusionOptions& options)
+      : maps_(maps), views_(views), options_(options) {
     for (const DepthMap& map : maps) {
       const auto cells = static_cast<size_t>(Across(map.camera)) * static_cast<size_t>(Cells(map.camera.height));
       covered_.emplace_back(cells, 0);
@@ -28,22 +27,19 @@ class PriorFill {
 
   std::vector<DensePoint> Run(const std::vector<DensePoint>& points) {
     Cover(points, 0);
-    std::vector<DensePoint> out;
-    for (size_t v = 0; v < maps_.size(); ++v) {
-      ThrowIfInterrupted();
-      if (!maps_[v].monocular) continue;
+    return PointsOfViews(maps_.size(), [&](size_t v, std::vector<DensePoint>* out) {
+      if (!maps_[v].monocular) return;
       const std::vector<DensePoint> more = PointsOf(v);
       Cover(more, v + 1);
-      out.insert(out.end(), more.begin(), more.end());
-    }
-    return out;
+      out->insert(out->end(), more.begin(), more.end());
+    });
   }
 
  private:
   static int Cells(int side) { return (side + kStep - 1) / kStep; }
   static int Across(const Camera& camera) { return Cells(camera.width); }
 
-  /// Where a point falls in a photograph, and its depth there.
+  /// Where a point falls in a view, and its depth there.
   struct Place {
     size_t pixel = 0, cell = 0;
     float depth = 0;
@@ -63,7 +59,7 @@ class PriorFill {
     return true;
   }
 
-  /// Photographs from `first` on know these points.
+  /// Marks these points in the views from `first` on.
   void Cover(const std::vector<DensePoint>& points, size_t first) {
     if (first >= maps_.size()) return;
     ParallelFor(static_cast<int64_t>(maps_.size() - first), [&](int64_t i) {
@@ -117,24 +113,24 @@ class PriorFill {
   }
 
   Eigen::Vector3f ColorOf(size_t v, int x, int y) const {
-    const Eigen::Vector3f rgb = Eigen::Map<const Eigen::Vector3f>(photos_[v].rgb.row(y) + 3 * x);
+    const Eigen::Vector3f rgb = Eigen::Map<const Eigen::Vector3f>(views_[v].rgb.row(y) + 3 * x);
     return options_.gains.empty() ? rgb : rgb.cwiseQuotient(options_.gains[v]).cwiseMin(1.f).eval();
   }
 
   const std::vector<DepthMap>& maps_;
-  const std::vector<LoadedView>& photos_;
+  const std::vector<LoadedView>& views_;
   const FusionOptions& options_;
-  std::vector<std::vector<uint8_t>> covered_;  // of each photograph, in cells of kStep pixels
+  std::vector<std::vector<uint8_t>> covered_;  // of each view, in cells of kStep pixels
   std::vector<Eigen::Isometry3f> cam_from_world_;
 };
 
 }  // namespace
 
-std::vector<DensePoint> PriorPoints(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& photos,
+std::vector<DensePoint> PriorPoints(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
                                     const std::vector<DensePoint>& points, const FusionOptions& options) {
   const bool any = std::any_of(maps.begin(), maps.end(), [](const DepthMap& map) { return map.monocular; });
   if (!any) return {};
-  return PriorFill(maps, photos, options).Run(points);
+  return PriorFill(maps, views, options).Run(points);
 }
 
 }  // namespace oraclegs

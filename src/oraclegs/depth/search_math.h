@@ -1,6 +1,6 @@
 #pragma once
-// The search for a pixel's plane (see patch_match.h for where it comes from), once for host and device: which planes
-// are tried, which are allowed, whose opinion counts. How patches are compared is the caller's.
+// The search for a pixel's plane (docs/method.md#stereo), once for host and device: which planes are tried, which are
+// allowed, which source views contribute. The caller compares the patches.
 
 #include <cmath>
 #include <cstdint>
@@ -15,24 +15,24 @@
 namespace oraclegs {
 
 inline constexpr uint64_t kStereoSeed = 0;  // depth does not depend on a run's seed: runs of several seeds can share it
-inline constexpr int kRegions = 8;          // that hand a plane on: in each of four directions a near fan, a far strip
+inline constexpr int kRegions = 8;  // whose planes are propagated: in each of four directions a near fan, a far strip
 inline constexpr int kFanPixels = 7, kStripPixels = 11;
 inline constexpr int kHypotheses = kRegions + 1;  // with the pixel's own
 inline constexpr int kRefinements = 6;            // random planes a pixel and iteration
 inline constexpr int kMaxSources = 8;
-inline constexpr float kLeastCosine = 0.0523f;  // between normal and viewing ray: 87 degrees
-inline constexpr float kSteepest = 4;           // tangent of the tilt that random planes reach
+inline constexpr float kMinCosine = 0.0523f;  // between normal and viewing ray: 87 degrees
+inline constexpr float kMaxTilt = 4;          // tangent of the tilt that random planes reach
 inline constexpr float kGoodCost = 0.8f, kBadCost = 1.2f, kCostSigma = 0.3f;
-inline constexpr int kEnoughGood = 3, kTooManyBad = 3;                // of the hypotheses, for a view to be trusted
+inline constexpr int kMinGood = 3, kMaxBad = 3;  // of the hypotheses, for a source view to contribute
 inline constexpr float kGeometricWeight = 0.1f, kGeometricLimit = 3;  // cost per pixel of round trip, pixels
 
-/// A view to compare with.
+/// A source view.
 struct SearchSource {
   PlainPixelMap there, back;
   KnownPlanes known;  ///< of the pass before; without planes there is no geometric term
 };
 
-/// What rules planes out: a view with the object's silhouette there.
+/// A view with the object's silhouette, beside which no plane is allowed.
 struct SearchSilhouette {
   PlainPixelMap there;
   SilhouetteMask mask;
@@ -43,17 +43,17 @@ struct SearchView {
   int width = 0, height = 0;
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float far = 0, near = 0;          ///< bounds of inverse depth
-  int view = 0, pass = 0;           ///< number the random numbers, with the iteration
+  int view = 0, pass = 0;           ///< index the random numbers, with the iteration
   const uint8_t* usable = nullptr;  ///< height * width; null: all
   Plane* planes = nullptr;          ///< height * width
   float* costs = nullptr;           ///< height * width
   int num_sources = 0, num_silhouettes = 0;
   SearchSource sources[kMaxSources];
   const SearchSilhouette* silhouettes = nullptr;
-  float silhouette_scale = 1;  ///< pixels of a silhouette to one of the pictures
+  float silhouette_scale = 1;  ///< pixels of a silhouette for one of the images
 
   ORACLEGS_HD inline int64_t Index(int x, int y) const { return static_cast<int64_t>(y) * width + x; }
-  ORACLEGS_HD inline bool TakesPart(int x, int y) const { return usable == nullptr || usable[Index(x, y)] != 0; }
+  ORACLEGS_HD inline bool IsUsable(int x, int y) const { return usable == nullptr || usable[Index(x, y)] != 0; }
 };
 
 /// Numbers of one pixel in one iteration.
@@ -88,13 +88,13 @@ ORACLEGS_HD inline float RandomInverseDepth(const SearchView& view, PixelRandom*
 
 /// Gives the plane a random tilt, even in the angle's tangent.
 ORACLEGS_HD inline void Tilt(const SearchView& view, PixelRandom* random, Plane* plane) {
-  const float tangent = kSteepest * random->Unit() * random->Unit();
+  const float tangent = kMaxTilt * random->Unit() * random->Unit();
   const float angle = 3.14159265f * random->Signed();
   plane->dx = plane->inv_depth * tangent * std::cos(angle) / view.fx;
   plane->dy = plane->inv_depth * tangent * std::sin(angle) / view.fy;
 }
 
-/// The search at one pixel that takes part, in one iteration. CostsOf(planes, count, active, costs) fills
+/// The search at one usable pixel, in one iteration. CostsOf(planes, count, active, costs) fills
 /// costs[p * num_sources + s] as PatchCosts does (patch_cost.h).
 template <class CostsOf>
 class PixelSearch {
@@ -137,7 +137,7 @@ class PixelSearch {
     const float norm = std::sqrt(Dot(away, away));
     if (norm > 0) away.x /= norm, away.y /= norm, away.z /= norm;
     const Vec3f ray{(u_ - view_.cx) / view_.fx, (v_ - view_.cy) / view_.fy, 1};
-    if (Dot(away, ray) < kLeastCosine * std::sqrt(Dot(ray, ray))) return false;
+    if (Dot(away, ray) < kMinCosine * std::sqrt(Dot(ray, ray))) return false;
     for (int k = 0; k < view_.num_silhouettes; ++k) {
       const SearchSilhouette& silhouette = view_.silhouettes[k];
       const Vec3f q = silhouette.there(u_, v_, plane.inv_depth);
@@ -173,33 +173,33 @@ class PixelSearch {
     return true;
   }
 
-  /// What a source thinks of a plane beyond its pixels: how far a round trip over its own depth ends from the start.
+  /// How far a round trip over the depth of a source ends from its start.
   ORACLEGS_HD inline float GeometricCost(const SearchSource& source, float inv_depth) const {
     if (source.known.planes == nullptr) return 0;
     const RoundTrip trip = GoAndReturn(source.there, source.back, source.known, {u_, v_, inv_depth});
     return kGeometricWeight * (trip.seen && trip.pixels < kGeometricLimit ? trip.pixels : kGeometricLimit);
   }
 
-  /// How far each source is to be believed at this pixel: one that most hypotheses fail in is probably hidden.
+  /// The sources' weights at this pixel: the point is probably occluded in a source that most hypotheses fail in.
   ORACLEGS_HD inline void WeighSources(int iteration, int hypotheses) {
-    const int n = view_.num_sources, enough = kEnoughGood < hypotheses ? kEnoughGood : hypotheses;
+    const int n = view_.num_sources, min_good = kMinGood < hypotheses ? kMinGood : hypotheses;
     const float good_cost = kGoodCost * std::exp(-static_cast<float>(iteration * iteration) / 90);
     float total = 0;
     for (int s = 0; s < n; ++s) {
       int good = 0, bad = 0;
-      float belief = 0;
+      float likelihoods = 0;
       for (int h = 0; h < hypotheses; ++h) {
         const float cost = costs_[h * n + s];
         bad += cost > kBadCost ? 1 : 0;
         if (!(cost < good_cost)) continue;
         ++good;
-        belief += Likelihood(cost);
+        likelihoods += Likelihood(cost);
       }
-      weights_[s] = good >= enough && bad < kTooManyBad ? belief / static_cast<float>(good) : 0;
+      weights_[s] = good >= min_good && bad < kMaxBad ? likelihoods / static_cast<float>(good) : 0;
       total += weights_[s];
     }
     if (total > 0) return;
-    // Nobody is good: all take part, the likelier the more. A random plane may be the first that falls into a picture.
+    // No source is good: all contribute by likelihood. A random plane may be the first that falls into an image.
     for (int s = 0; s < n; ++s) {
       float best = kWorstCost;
       for (int h = 0; h < hypotheses; ++h) best = costs_[h * n + s] < best ? costs_[h * n + s] : best;
@@ -210,7 +210,7 @@ class PixelSearch {
     return std::exp(-cost * cost / (2 * kCostSigma * kCostSigma));
   }
 
-  /// Takes the plane for the best one if it is; costs[s]: its photometric ones.
+  /// Keeps the plane if it is the best so far; costs[s]: its photometric costs.
   ORACLEGS_HD inline void Consider(const Plane& plane, const float* costs) {
     float photometric = 0, score = 0, total = 0;
     for (int s = 0; s < view_.num_sources; ++s) {

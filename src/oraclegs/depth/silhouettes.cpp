@@ -11,13 +11,13 @@ namespace {
 
 constexpr float kSameColor = 2.5f / 255;  // per channel: what JPEG and antialiasing leave of one colour
 constexpr double kBorderShare = 0.9;      // of the border that must be background
-constexpr double kObjectShare = 0.01;     // of the picture that must not: an empty picture has no silhouette
+constexpr double kObjectShare = 0.01;     // of the image that must not: an empty image has no silhouette
 constexpr int kGrowth = 2;                // pixels by which a silhouette may be wrong
 
 using Color = std::array<float, 3>;
 
-Color ColorAt(const LoadedView& photo, size_t pixel) {
-  const float* p = photo.rgb.data.data() + 3 * pixel;
+Color ColorAt(const LoadedView& view, size_t pixel) {
+  const float* p = view.rgb.data.data() + 3 * pixel;
   return {p[0], p[1], p[2]};
 }
 
@@ -40,30 +40,30 @@ std::vector<size_t> BorderPixels(int width, int height) {
   return border;
 }
 
-/// The background's colour: the median of all photographs' borders.
-Color BorderColor(const std::vector<LoadedView>& photos) {
+/// The background's colour: the median of all images' borders.
+Color BorderColor(const std::vector<LoadedView>& views) {
   Color color{};
   for (size_t c = 0; c < 3; ++c) {
     std::vector<float> values;
-    for (const LoadedView& photo : photos) {
-      for (const size_t i : BorderPixels(photo.rgb.width, photo.rgb.height)) values.push_back(ColorAt(photo, i)[c]);
+    for (const LoadedView& view : views) {
+      for (const size_t i : BorderPixels(view.rgb.width, view.rgb.height)) values.push_back(ColorAt(view, i)[c]);
     }
     color[c] = UpperMedian(&values);
   }
   return color;
 }
 
-/// One mask for all photographs is the lens's rim or the photographer's finger, not an object's surroundings.
-bool MasksFollowTheScene(const std::vector<LoadedView>& photos) {
-  return photos.size() == 1 ||
-         std::any_of(photos.begin(), photos.end(), [&](const LoadedView& p) { return p.mask != photos.front().mask; });
+/// One mask for all images is the lens's rim or the photographer's finger, not an object's surroundings.
+bool MasksFollowTheScene(const std::vector<LoadedView>& views) {
+  return views.size() == 1 ||
+         std::any_of(views.begin(), views.end(), [&](const LoadedView& p) { return p.mask != views.front().mask; });
 }
 
 /// 1 = object; empty when the border is not background.
-std::vector<uint8_t> ObjectOf(const LoadedView& photo, const Color& background, bool use_mask) {
-  const int width = photo.rgb.width, height = photo.rgb.height;
+std::vector<uint8_t> ObjectOf(const LoadedView& view, const Color& background, bool use_mask) {
+  const int width = view.rgb.width, height = view.rgb.height;
   const auto is_background = [&](size_t i) {
-    return (use_mask && !photo.mask.empty() && photo.mask[i] == 0) || Same(ColorAt(photo, i), background);
+    return (use_mask && !view.mask.empty() && view.mask[i] == 0) || Same(ColorAt(view, i), background);
   };
   const std::vector<size_t> border = BorderPixels(width, height);
   std::vector<size_t> open;
@@ -107,19 +107,19 @@ std::vector<uint8_t> Grown(const std::vector<uint8_t>& object, int width, int he
 
 }  // namespace
 
-Silhouettes::Silhouettes(const std::vector<LoadedView>& photos) {
-  if (photos.empty()) return;
-  const Color background = BorderColor(photos);
-  const bool use_masks = MasksFollowTheScene(photos);
-  for (const LoadedView& photo : photos) {
-    std::vector<uint8_t> object = ObjectOf(photo, background, use_masks);
+Silhouettes::Silhouettes(const std::vector<LoadedView>& views) {
+  if (views.empty()) return;
+  const Color background = BorderColor(views);
+  const bool use_masks = MasksFollowTheScene(views);
+  for (const LoadedView& view : views) {
+    std::vector<uint8_t> object = ObjectOf(view, background, use_masks);
     if (object.empty()) {
       *this = Silhouettes({});
       return;
     }
-    grown_.push_back(Grown(object, photo.rgb.width, photo.rgb.height));
+    grown_.push_back(Grown(object, view.rgb.width, view.rgb.height));
     object_.push_back(std::move(object));
-    sizes_.emplace_back(photo.rgb.width, photo.rgb.height);
+    sizes_.emplace_back(view.rgb.width, view.rgb.height);
   }
 }
 

@@ -8,22 +8,22 @@
 
 namespace oraclegs {
 
-/// Where an object stands in each photograph; nothing of the scene projects beside all of them.
+/// Where an object is in each view (docs/method.md#stereo). All of the scene projects within them.
 class Silhouettes {
  public:
-  /// Recognises an object before a known background, or holds nothing: every photograph's border must, but for a tenth,
-  /// be excluded by its mask (unless all have the same) or show one colour, the same in all photographs (a Blender
-  /// scene composited on its background; a turntable before a sheet). Background is then what is masked or is that
-  /// colour and connected with the border.
-  explicit Silhouettes(const std::vector<LoadedView>& photos);
+  /// Recognises an object before a known background, or holds nothing: nine tenths of every image's border must be
+  /// excluded by its mask (unless all have the same) or show one colour, the same in all images (a Blender scene
+  /// composited on its background; a turntable before a sheet). Background is then what is masked, or has that colour
+  /// and is connected with the border.
+  explicit Silhouettes(const std::vector<LoadedView>& views);
 
   bool empty() const { return object_.empty(); }
-  /// height * width of view `v`'s picture: 1 = object.
+  /// height * width of view `v`'s image: 1 = object.
   const std::vector<uint8_t>& Object(size_t v) const { return object_[v]; }
-  /// False when the pixel of view `v` is farther than two pixels from the object; true beyond the picture, of which
+  /// False when the pixel of view `v` is farther than two pixels from the object; true beyond the image, where
   /// nothing is known.
   bool MayContain(size_t v, float x, float y) const { return Mask(v).MayContain(x, y); }
-  /// The same in plain numbers; valid as long as this.
+  /// The same for device code; valid as long as this object.
   SilhouetteMask Mask(size_t v) const { return {grown_[v].data(), sizes_[v].first, sizes_[v].second}; }
 
  private:

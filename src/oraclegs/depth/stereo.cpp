@@ -14,37 +14,37 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kSmallestCoarseSide = 60;  // pixels: below, halving leaves patches nothing to compare
+constexpr int kMinCoarseSide = 60;       // pixels: below, halving leaves patches nothing to compare
 constexpr int kGeometricIterations = 2;  // of a pass in which views must agree
 constexpr int kHintRadius = 1;           // pixels around a known point that start at its depth
 
 class Stereo {
  public:
-  Stereo(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points, const StereoOptions& options,
+  Stereo(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points, const StereoOptions& options,
          PlaneSearch* search, const Listener& listener)
-      : photos_(photos),
+      : views_(views),
         points_(points),
         options_(options),
         search_(*search),
         listener_(listener),
-        silhouettes_(photos),
-        ranges_(FindDepthRanges(photos, points, silhouettes_)),
-        neighbors_(FindNeighbors(photos, points, options.neighbors)) {
-    int smallest = photos.front().camera.width;
-    for (const LoadedView& p : photos) smallest = std::min({smallest, p.camera.width, p.camera.height});
-    levels_ = smallest >= 2 * kSmallestCoarseSide ? 2 : 1;
-    const auto n = static_cast<int64_t>(photos.size());
+        silhouettes_(views),
+        ranges_(FindDepthRanges(views, points, silhouettes_)),
+        neighbors_(FindNeighbors(views, points, options.neighbors)) {
+    int smallest = views.front().camera.width;
+    for (const LoadedView& p : views) smallest = std::min({smallest, p.camera.width, p.camera.height});
+    levels_ = smallest >= 2 * kMinCoarseSide ? 2 : 1;
+    const auto n = static_cast<int64_t>(views.size());
     total_ = n * levels_ * options.geometric_passes + n;
   }
 
   std::vector<DepthMap> Run() {
-    TellLonely();
+    WarnOfIsolated();
     std::vector<PlaneMap> maps;
     int pass = 0;
     for (int level = levels_ - 1; level >= 0; --level) {
       const StereoScene scene = SceneAt(level);
       const bool first = maps.empty();
-      for (size_t v = 0; v < photos_.size(); ++v) {
+      for (size_t v = 0; v < views_.size(); ++v) {
         const Camera& camera = scene.views[v].camera;
         if (first) {
           maps.push_back(RandomPlanes(scene, v, Hints(scene, v)));
@@ -71,27 +71,28 @@ class Stereo {
     StereoScene scene;
     scene.silhouettes = &silhouettes_;
     scene.silhouette_scale = static_cast<float>(1 << level);
-    for (size_t v = 0; v < photos_.size(); ++v) {
-      const LoadedView& photo = photos_[v];
-      const int width = std::max(1, photo.camera.width >> level), height = std::max(1, photo.camera.height >> level);
-      StereoView view{Resized(photo.camera, width, height), {}, Usable(v, width, height), ranges_[v], neighbors_[v]};
-      const ImageF small = level == 0 ? photo.rgb : ResizeArea(photo.rgb, width, height);
+    for (size_t v = 0; v < views_.size(); ++v) {
+      const LoadedView& loaded = views_[v];
+      const int width = std::max(1, loaded.camera.width >> level), height = std::max(1, loaded.camera.height >> level);
+      StereoView view{Resized(loaded.camera, width, height), {}, Usable(v, width, height), ranges_[v], neighbors_[v]};
+      const ImageF small = level == 0 ? loaded.rgb : ResizeArea(loaded.rgb, width, height);
       view.image = Pack(InColor() ? small : Luma(small));
       scene.views.push_back(std::move(view));
     }
     return scene;
   }
 
-  /// Pixels that count and show the object, at a resolution; empty = all.
+  /// Pixels that no mask excludes and that show the object, at a resolution; empty = all.
   std::vector<uint8_t> Usable(size_t v, int width, int height) const {
-    const LoadedView& photo = photos_[v];
-    if (photo.mask.empty() && silhouettes_.empty()) return {};
+    const LoadedView& loaded = views_[v];
+    if (loaded.mask.empty() && silhouettes_.empty()) return {};
     std::vector<uint8_t> usable(static_cast<size_t>(width) * height);
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        const size_t from = static_cast<size_t>((2 * y + 1) * photo.camera.height / (2 * height)) * photo.camera.width +
-                            static_cast<size_t>((2 * x + 1) * photo.camera.width / (2 * width));
-        usable[static_cast<size_t>(y) * width + x] = (photo.mask.empty() || photo.mask[from] != 0) &&
+        const size_t from =
+            static_cast<size_t>((2 * y + 1) * loaded.camera.height / (2 * height)) * loaded.camera.width +
+            static_cast<size_t>((2 * x + 1) * loaded.camera.width / (2 * width));
+        usable[static_cast<size_t>(y) * width + x] = (loaded.mask.empty() || loaded.mask[from] != 0) &&
                                                      (silhouettes_.empty() || silhouettes_.Object(v)[from] != 0);
       }
     }
@@ -125,7 +126,7 @@ class Stereo {
       ThrowIfInterrupted();
       search_.Improve(v);
       const Camera& camera = scene.views[v].camera;
-      listener_(StepDone{"depth", ++done_, total_, "photographs", fmt::format("{} x {}", camera.width, camera.height)});
+      listener_(StepDone{"depth", ++done_, total_, "photos", fmt::format("{} x {}", camera.width, camera.height)});
     }
   }
 
@@ -134,7 +135,7 @@ class Stereo {
     for (size_t v = 0; v < maps.size(); ++v) {
       ThrowIfInterrupted();
       const PlaneMap& map = maps[v];
-      DepthMap depth{photos_[v].name, photos_[v].camera, {}, {}, Confidence(scene, v, maps)};
+      DepthMap depth{views_[v].name, views_[v].camera, {}, {}, Confidence(scene, v, maps)};
       depth.inv_depth.assign(map.planes.size(), 0);
       depth.normals.assign(map.planes.size(), Eigen::Vector3f::Zero());
       for (size_t i = 0; i < map.planes.size(); ++i) {
@@ -149,18 +150,18 @@ class Stereo {
     return out;
   }
 
-  void TellLonely() const {
+  void WarnOfIsolated() const {
     std::vector<std::string> names;
-    for (size_t v = 0; v < photos_.size(); ++v) {
-      if (neighbors_[v].empty()) names.push_back(photos_[v].name);
+    for (size_t v = 0; v < views_.size(); ++v) {
+      if (neighbors_[v].empty()) names.push_back(views_[v].name);
     }
     if (names.empty()) return;
     listener_(Warning{fmt::format(
-        "no depth can be found for photographs that overlap with no other, or were taken from the same point: {}",
+        "no depth can be found for photos that overlap with no other, or were taken from the same point: {}",
         fmt::join(names, ", "))});
   }
 
-  const std::vector<LoadedView>& photos_;
+  const std::vector<LoadedView>& views_;
   const std::vector<ScenePoint>& points_;
   const StereoOptions& options_;
   PlaneSearch& search_;
@@ -174,10 +175,10 @@ class Stereo {
 
 }  // namespace
 
-std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                     const StereoOptions& options, PlaneSearch* search, const Listener& listener) {
-  if (photos.empty()) return {};
-  return Stereo(photos, points, options, search, listener).Run();
+  if (views.empty()) return {};
+  return Stereo(views, points, options, search, listener).Run();
 }
 
 }  // namespace oraclegs

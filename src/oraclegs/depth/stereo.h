@@ -1,5 +1,5 @@
 #pragma once
-// Multi-view stereo: dense depth from posed photographs, without any network (docs/method.md#stereo).
+// Multi-view stereo: dense depth from posed views, without any network (docs/method.md#stereo).
 
 #include <cstdint>
 #include <vector>
@@ -29,25 +29,26 @@ struct StereoOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("stereo-neighbors", self.neighbors, "Photographs each one is compared with to find its depth", Range{1, 8});
+    visit("stereo-neighbors", self.neighbors, "Source photos that each photo is compared with to find its depth",
+          Range{1, 8});
     visit("stereo-iterations", self.iterations, "Rounds of the photometric search, at the coarse resolution",
           Range{1, 50});
     visit("stereo-passes", self.geometric_passes,
-          "Passes in which the photographs' depths are made to agree, at each resolution", Range{1, 16});
+          "Passes in which the depths of all photos are made to agree, at each resolution", Range{1, 16});
     visit("stereo-color", self.stereo_color,
           "Compare colours or brightness only, which is three times as fast; auto = colours for an object before a "
           "plain background");
   }
 };
 
-/// Depth of every photograph, in their order: coarse to fine PatchMatch, then passes in which the views must agree.
-/// `points` (views index `photos`) give distances and neighbours where there are any; without them the cameras do.
-/// Silhouettes, where the photographs show one object before a plain background, bound every depth.
+/// Depth of every view, in their order: coarse to fine PatchMatch, then passes in which the views must agree.
+/// `points` (ScenePoint::views index `views`) give distances and source views where there are any; without them the
+/// cameras do. Silhouettes, where the images show one object before a plain background, bound every depth.
 /// Pixels that cannot be known (no texture, no overlap, mirrors, sky) come out with little or no confidence.
-/// `search` does the search for planes, on the device it was made for; the rest is the CPU's.
-/// `listener` hears StepDone{"depth"}, and a warning that names photographs that overlap with no other.
+/// `search` searches the planes on its device; the rest runs on the CPU.
+/// `listener` gets StepDone{"depth"}, and a warning that names views that overlap with no other.
 /// The same bits for any number of threads. Throws Interrupted, and what `search` throws.
-std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthMap> EstimateDepth(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                     const StereoOptions& options, PlaneSearch* search, const Listener& listener);
 
 }  // namespace oraclegs

@@ -10,15 +10,15 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kEnoughForRange = 20;                 // points of a view
-constexpr int kEnoughForPair = 8;                      // points two views share
-constexpr double kObjectReach = 0.45;                  // of the distance, for an object within silhouettes
-constexpr double kSceneNear = 0.2, kSceneFar = 20;     // of the distance, for a scene without points
-constexpr double kSmallestAngle = 0.5;                 // degrees: below, noise decides the depth
-constexpr double kBestAngle = 10, kLargestAngle = 60;  // degrees
-constexpr double kNarrowSigma = 5, kWideSigma = 15;    // degrees
-constexpr int kStandIns = 1000;
-constexpr double kStandInRadius = 0.25;  // of the ball the cameras look at
+constexpr size_t kMinPointsForRange = 20;            // points of a view
+constexpr int kMinPointsForPair = 8;                 // points two views share
+constexpr double kObjectReach = 0.45;                // of the distance, for an object within silhouettes
+constexpr double kSceneNear = 0.2, kSceneFar = 20;   // of the distance, for a scene without points
+constexpr double kMinAngle = 0.5;                    // degrees: below, noise decides the depth
+constexpr double kBestAngle = 10, kMaxAngle = 60;    // degrees
+constexpr double kNarrowSigma = 5, kWideSigma = 15;  // degrees
+constexpr int kRandomPoints = 1000;
+constexpr double kRandomPointRadius = 0.25;  // of the ball the cameras look at
 
 bool InFrame(const Camera& camera, const Eigen::Vector3d& point) {
   const Eigen::Vector3d p = camera.cam_from_world * point;
@@ -28,25 +28,25 @@ bool InFrame(const Camera& camera, const Eigen::Vector3d& point) {
 }
 
 double AngleScore(double angle) {
-  if (angle < kSmallestAngle || angle >= kLargestAngle) return 0;
+  if (angle < kMinAngle || angle >= kMaxAngle) return 0;
   const double sigma = angle < kBestAngle ? kNarrowSigma : kWideSigma;
   return std::exp(-std::pow((angle - kBestAngle) / sigma, 2) / 2);
 }
 
-std::vector<Camera> CamerasOf(const std::vector<LoadedView>& photos) {
+std::vector<Camera> CamerasOf(const std::vector<LoadedView>& views) {
   std::vector<Camera> cameras;
-  for (const LoadedView& photo : photos) cameras.push_back(photo.camera);
+  for (const LoadedView& view : views) cameras.push_back(view.camera);
   return cameras;
 }
 
 /// Points in the middle of what the cameras look at.
-std::vector<Eigen::Vector3d> StandIns(const std::vector<Camera>& cameras) {
+std::vector<Eigen::Vector3d> RandomPoints(const std::vector<Camera>& cameras) {
   const Ball ball = LookedAt(cameras);
   Rng rng(0, RandomStream::kStereoStandIns);
   std::vector<Eigen::Vector3d> points;
-  while (points.size() < kStandIns) {
+  while (points.size() < kRandomPoints) {
     const Eigen::Vector3d p(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
-    if (p.squaredNorm() <= 1) points.push_back(ball.center + kStandInRadius * ball.radius * p);
+    if (p.squaredNorm() <= 1) points.push_back(ball.center + kRandomPointRadius * ball.radius * p);
   }
   return points;
 }
@@ -80,28 +80,28 @@ double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b) {
   return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0)) * 180 / M_PI;
 }
 
-std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& photos, const std::vector<ScenePoint>& points,
+std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                         const Silhouettes& silhouettes) {
-  std::vector<std::vector<double>> depths(photos.size());
+  std::vector<std::vector<double>> depths(views.size());
   for (const ScenePoint& point : points) {
-    for (size_t v = 0; v < photos.size(); ++v) {
-      // All points in frame count, seen or hidden: the bounds then hold for what no point was found on.
-      if (InFrame(photos[v].camera, point.xyz)) depths[v].push_back((photos[v].camera.cam_from_world * point.xyz).z());
+    for (size_t v = 0; v < views.size(); ++v) {
+      // All points in frame count, also occluded ones: the bounds then hold for surfaces without points, too.
+      if (InFrame(views[v].camera, point.xyz)) depths[v].push_back((views[v].camera.cam_from_world * point.xyz).z());
     }
   }
-  const Ball ball = LookedAt(CamerasOf(photos));
+  const Ball ball = LookedAt(CamerasOf(views));
   std::vector<DepthRange> ranges;
-  for (size_t v = 0; v < photos.size(); ++v) {
-    const double distance = (photos[v].camera.Center() - ball.center).norm();
+  for (size_t v = 0; v < views.size(); ++v) {
+    const double distance = (views[v].camera.Center() - ball.center).norm();
     if (!silhouettes.empty() && distance > 0) {
       DepthRange range{static_cast<float>(1 / ((1 + kObjectReach) * distance)),
                        static_cast<float>(1 / ((1 - kObjectReach) * distance))};
-      if (depths[v].size() >= kEnoughForRange) {  // near-parallel axes say little of the distance, points do
+      if (depths[v].size() >= kMinPointsForRange) {  // near-parallel axes fix the distance badly, points well
         const DepthRange seen = RangeFromDepths(std::move(depths[v]), kObjectSpan);
         range = {std::min(range.far, seen.far), std::max(range.near, seen.near)};
       }
       ranges.push_back(range);
-    } else if (depths[v].size() >= kEnoughForRange) {
+    } else if (depths[v].size() >= kMinPointsForRange) {
       ranges.push_back(RangeFromDepths(std::move(depths[v]), kSceneSpan));
     } else {
       const double scale = distance > 0 ? distance : ball.radius;
@@ -111,10 +111,10 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& photos, c
   return ranges;
 }
 
-std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photos,
-                                            const std::vector<ScenePoint>& points, int most) {
-  const std::vector<Eigen::Vector3d> stand_ins = StandIns(CamerasOf(photos));
-  const int n = static_cast<int>(photos.size());
+std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
+                                            int most) {
+  const std::vector<Eigen::Vector3d> random_points = RandomPoints(CamerasOf(views));
+  const int n = static_cast<int>(views.size());
   std::vector<std::vector<std::vector<Eigen::Vector3d>>> shared(n, std::vector<std::vector<Eigen::Vector3d>>(n));
   for (const ScenePoint& point : points) {
     for (const int a : point.views) {
@@ -128,11 +128,11 @@ std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& photo
     std::vector<std::pair<double, int>> scores;
     for (int b = 0; b < n; ++b) {
       if (a == b) continue;
-      const Camera& camera_a = photos[a].camera;
-      const Camera& camera_b = photos[b].camera;
+      const Camera& camera_a = views[a].camera;
+      const Camera& camera_b = views[b].camera;
       std::vector<Eigen::Vector3d>& common = shared[a][b];
-      if (static_cast<int>(common.size()) < kEnoughForPair) {
-        for (const Eigen::Vector3d& p : stand_ins) {
+      if (static_cast<int>(common.size()) < kMinPointsForPair) {
+        for (const Eigen::Vector3d& p : random_points) {
           if (InFrame(camera_a, p) && InFrame(camera_b, p)) common.push_back(p);
         }
       }

@@ -19,17 +19,17 @@ using Eigen::Vector3d;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kRingSpacing = 20 * kDegree;  // between the circles of an orbit
-constexpr int kMostRings = 4, kFewestPerRing = 3;
-constexpr double kSteepest = 80 * kDegree;       // beyond, "up" decides nothing
+constexpr int kMaxRings = 4, kMinPerRing = 3;
+constexpr double kMaxElevation = 80 * kDegree;   // beyond, "up" decides nothing
 constexpr double kOneWay = 45 * kDegree;         // of a camera's axis from the mean, in a forward-facing capture
-constexpr double kNearDirection = 20 * kDegree;  // photographs this close say how far away to stay
+constexpr double kNearDirection = 20 * kDegree;  // views this close decide the distance
 constexpr double kSpiralTurns = 2.382;           // no fraction: the same pose does not come twice
-constexpr double kLeastSpread = 0.25;            // of the widest direction's, so that cameras in a row make a spiral
+constexpr double kMinSpread = 0.25;              // of the widest direction's, so that cameras in a row make a spiral
 constexpr double kInwardShare = 0.9;             // the 90th percentile of the spread, as LLFF has it
 constexpr double kAside = 0.3;                   // of two neighbours' distance
 constexpr int kNeighbors = 3;
 constexpr int kStepsPerSegment = 32;  // in measuring a path
-constexpr double kKeepOff = 0.125;    // of the spacing: a target this near to a photograph shows nothing new
+constexpr double kKeepOff = 0.125;    // of the spacing: a target this near to a view shows nothing new
 
 std::vector<Camera> WithPoses(const Camera& like, const std::vector<Eigen::Isometry3d>& poses) {
   std::vector<Camera> cameras(poses.size(), like);
@@ -45,7 +45,7 @@ class Shell {
         up_(MeanUp(train)),
         ground_(GroundAxes(up_)),
         ring_(RingAround(train, focus_, up_)) {
-    lowest_ = kSteepest, highest_ = -kSteepest;
+    lowest_ = kMaxElevation, highest_ = -kMaxElevation;
     for (const Camera& c : train) {
       const Vector3d offset = c.Center() - focus_;
       const double distance = offset.norm();
@@ -54,8 +54,8 @@ class Shell {
       directions_.push_back(offset / distance);
       distances_.push_back(distance);
       const double elevation = std::asin(std::clamp(up_.dot(directions_.back()), -1., 1.));
-      lowest_ = std::min(lowest_, std::clamp(elevation, -kSteepest, kSteepest));
-      highest_ = std::max(highest_, std::clamp(elevation, -kSteepest, kSteepest));
+      lowest_ = std::min(lowest_, std::clamp(elevation, -kMaxElevation, kMaxElevation));
+      highest_ = std::max(highest_, std::clamp(elevation, -kMaxElevation, kMaxElevation));
     }
   }
 
@@ -73,7 +73,7 @@ class Shell {
   }
 
  private:
-  /// As far as the photographs of this side are: rooms and tables are not round.
+  /// As far as the views of this side are: rooms and tables are not round.
   double DistanceTowards(const Vector3d& direction) const {
     double sum = 0, weights = 0;
     for (size_t i = 0; i < directions_.size(); ++i) {
@@ -176,7 +176,7 @@ std::vector<Eigen::Isometry3d> SpiralAroundMean(const std::vector<Camera>& train
   }
   const double widest = spread.maxCoeff();
   if (!(widest > 1e-9 * (1 + mean.norm()))) return {};
-  for (int axis = 0; axis < 2; ++axis) spread[axis] = std::max(spread[axis], kLeastSpread * widest);
+  for (int axis = 0; axis < 2; ++axis) spread[axis] = std::max(spread[axis], kMinSpread * widest);
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < count; ++i) {
     const double t = (i + 0.5) / count, angle = kTwoPi * kSpiralTurns * t;
@@ -195,8 +195,8 @@ std::vector<Camera> OrbitCandidates(const std::vector<Camera>& train, int count)
   const Shell shell(train);
   if (!shell.all_around()) return AlongPath(train, OrderBesideEachOther(train), count);
   const double range = shell.highest() - shell.lowest();
-  const int rings = std::clamp(1 + static_cast<int>(range / kRingSpacing + 0.5), 1,
-                               std::clamp(count / kFewestPerRing, 1, kMostRings));
+  const int rings =
+      std::clamp(1 + static_cast<int>(range / kRingSpacing + 0.5), 1, std::clamp(count / kMinPerRing, 1, kMaxRings));
   std::vector<Eigen::Isometry3d> poses;
   for (int r = 0; r < rings; ++r) {
     const int on_ring = count * (r + 1) / rings - count * r / rings;

@@ -1,7 +1,7 @@
 #pragma once
-// Families of poses from which a scene might be looked at, by its training cameras alone. Every function returns at
-// most `count` cameras with the intrinsics of the first training camera, fewer (or none) where the training cameras do
-// not say enough: one camera makes no path. They are not checked against geometry or test poses (target_check.h).
+// Families of target poses, from the training cameras alone (docs/method.md#target-poses). Every function returns at
+// most `count` cameras with the intrinsics of the first training camera. It returns fewer, or none, where the training
+// cameras do not define them: one camera makes no path. Geometry and test poses are checked later (target_check.h).
 
 #include <cstdint>
 #include <vector>
@@ -10,18 +10,18 @@
 
 namespace oraclegs {
 
-/// Photographs taken all around: circles that look at the point nearest to all axes, as far away as the photographs in
-/// that direction, on one to four elevations between the lowest and the highest photograph. Otherwise an open path
-/// through the training poses in the order in which they lie beside each other.
+/// For views all around: circles that look at the point nearest to all axes, as far away as the views in that
+/// direction, on one to four elevations between the lowest and the highest view. Otherwise an open path through the
+/// training poses in the order in which they lie beside each other.
 std::vector<Camera> OrbitCandidates(const std::vector<Camera>& train, int count);
 
-/// Cameras that look one way (within 45 degrees): a spiral around the mean pose, as wide as the cameras are spread, as
-/// forward-facing captures are flown through [Mildenhall 2019]. Otherwise around what they look at, over the azimuths
-/// that were photographed, while the elevation rises and falls over the photographs' range.
+/// For cameras that look one way (within 45 degrees): a spiral around the mean pose, as wide as the cameras are spread,
+/// as in [Mildenhall 2019]. Otherwise a path around what they look at, over the azimuths of the views, while the
+/// elevation rises and falls over their range.
 std::vector<Camera> SpiralCandidates(const std::vector<Camera>& train, int count);
 
-/// A smooth path through all training poses from neighbour to neighbour, evenly spaced along its length (of a camera
-/// that only turns: by angle) and never at a training pose.
+/// A smooth path through all training poses from neighbour to neighbour, evenly spaced along its length (of a pure
+/// rotation: by angle) and never at a training pose.
 std::vector<Camera> InterpolatedCandidates(const std::vector<Camera>& train, int count);
 
 /// Random poses between pairs of neighbouring training cameras, moved aside by up to 0.3 of their distance.

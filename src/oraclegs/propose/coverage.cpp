@@ -13,7 +13,7 @@ namespace {
 constexpr float kNewAngle = 10 * std::numbers::pi_v<float> / 180;
 constexpr double kNothing = 1e-6;  // points: what the sums of gains round
 
-/// What a point counts that was seen from a direction of this cosine to the camera's.
+/// The weight of a point that was seen from a direction of this cosine to the camera's.
 double Newness(float cosine) { return 1 - std::exp(-std::acos(std::clamp(cosine, -1.f, 1.f)) / kNewAngle); }
 
 /// What a camera sees, and from where.
@@ -22,7 +22,7 @@ struct View {
   std::vector<Eigen::Vector3f> directions;  // from the camera to each of them, unit
   std::vector<float> cosines;               // of each to the nearest direction from which it was seen so far
   double gain = 0;
-  size_t judged_by = 0;  // chosen views that `gain` knows of
+  size_t compared = 0;  // chosen views that `gain` accounts for
 };
 
 View ViewOf(const std::vector<DensePoint>& points, const Camera& camera) {
@@ -37,8 +37,8 @@ View ViewOf(const std::vector<DensePoint>& points, const Camera& camera) {
   return view;
 }
 
-/// Most points were seen from a nearer direction before: only where that changes is the gain worked out again.
-void TakeInto(const View& other, View* view) {
+/// Updates the gain where `other` saw a point from a nearer direction; most were seen from nearer before.
+void Account(const View& other, View* view) {
   size_t j = 0;
   for (size_t i = 0; i < view->seen.size(); ++i) {
     while (j < other.seen.size() && other.seen[j] < view->seen[i]) ++j;
@@ -61,7 +61,7 @@ std::vector<size_t> ChooseByCoverage(const std::vector<DensePoint>& points, cons
   ParallelFor(static_cast<int64_t>(candidates.size()), [&](int64_t task) {
     View& view = views[static_cast<size_t>(task)];
     view = ViewOf(points, candidates[static_cast<size_t>(task)]);
-    for (const View& k : known) TakeInto(k, &view);
+    for (const View& k : known) Account(k, &view);
   });
   // A gain only shrinks as more is chosen: the largest one that is up to date is the largest of all.
   std::vector<size_t> chosen;
@@ -73,12 +73,12 @@ std::vector<size_t> ChooseByCoverage(const std::vector<DensePoint>& points, cons
     }
     if (best == candidates.size() || !(views[best].gain > kNothing)) break;
     View& view = views[best];
-    if (view.judged_by == chosen.size()) {
+    if (view.compared == chosen.size()) {
       taken[best] = true;
       chosen.push_back(best);
       continue;
     }
-    for (; view.judged_by < chosen.size(); ++view.judged_by) TakeInto(views[chosen[view.judged_by]], &view);
+    for (; view.compared < chosen.size(); ++view.compared) Account(views[chosen[view.compared]], &view);
   }
   return chosen;
 }

@@ -23,7 +23,7 @@ struct FolderProposals {
 /// Skipped, each reason with one Warning that counts and names: no image file, not readable, no pose, a camera model
 /// that is no pinhole, a shape (width to height) more than 1 % off its camera's, a name that comes twice, and the pose
 /// or the name of a test view. Confidence that is missing for some, not readable, not grey, or neither of the size of
-/// the image file nor of the size in use is dropped with a Warning. When nothing is left, a Warning says so, too.
+/// the image file nor of the size in use is dropped with a Warning. One more Warning when nothing is left.
 /// Throws InputError: no folder, no images, several synthetic_N, a damaged transforms.json.
 FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const FolderRequest& request,
                                    const Listener& listener);

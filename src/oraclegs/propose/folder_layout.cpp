@@ -101,7 +101,7 @@ class ViewNames {
     }
   }
 
-  /// A file name that a test view has, too, is one: only the whole path tells train/r_0.png from test/r_0.png.
+  /// A file name that a test view has, too, is one: only the whole path distinguishes train/r_0.png and test/r_0.png.
   bool IsTest(const std::string& image) const {
     return test_.count(FileName(image)) > 0 ||
            (dataset_.count(FileName(image)) == 0 && test_stems_.count(Stem(image)) > 0);

@@ -8,8 +8,8 @@ namespace oraclegs {
 namespace {
 
 constexpr double kTurnShare = 0.1;
-constexpr size_t kMostStarts = 16;
-constexpr int kMostSweeps = 30;
+constexpr size_t kMaxStarts = 16;
+constexpr int kMaxSweeps = 30;
 
 class Distances {
  public:
@@ -50,11 +50,11 @@ std::vector<size_t> GreedyFrom(size_t start, const Distances& distance) {
   return order;
 }
 
-/// Reverses stretches of the order as long as that makes the path shorter (2-opt).
+/// Reverses parts of the order as long as that makes the path shorter (2-opt).
 void UndoCrossings(const Distances& distance, std::vector<size_t>* order) {
   const std::vector<size_t>& o = *order;
   const size_t n = o.size();
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     bool shorter = false;
     for (size_t i = 0; i + 1 < n; ++i) {
       for (size_t j = i + 1; j < n; ++j) {
@@ -83,7 +83,7 @@ std::vector<size_t> NearestOrder(const std::vector<Camera>& cameras) {
   const Distances distance(cameras);
   std::vector<size_t> best;
   double shortest = std::numeric_limits<double>::infinity();
-  const size_t starts = std::min(kMostStarts, cameras.size());
+  const size_t starts = std::min(kMaxStarts, cameras.size());
   for (size_t s = 0; s < starts; ++s) {
     std::vector<size_t> order = GreedyFrom(s * cameras.size() / starts, distance);
     UndoCrossings(distance, &order);

@@ -10,7 +10,7 @@ namespace oraclegs {
 double TurnBetween(const Camera& a, const Camera& b);
 
 /// An order of the cameras in which neighbours are near: a short open path through all of them, by always going on to
-/// the nearest one and then undoing crossings. Turning by one radian counts as a tenth of the cameras' mean distance
+/// the nearest one and then undoing crossings. A rotation by one radian counts as a tenth of the cameras' mean distance
 /// from their centre. The same cameras give the same order.
 std::vector<size_t> NearestOrder(const std::vector<Camera>& cameras);
 

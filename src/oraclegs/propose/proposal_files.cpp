@@ -113,7 +113,7 @@ std::vector<Target> ReadTargets(const fs::path& dir) {
     Target target{FileName(file_path), {}};
     const Intrinsics intrinsics = ReadTransformsIntrinsics(frame, dir / file_path);
     if (intrinsics.model != CameraModel::kPinhole) {
-      throw InputError("{}: its intrinsics is {}, a target needs a pinhole; remove the distortion", frame.place,
+      throw InputError("{}: its camera model is {}, a target needs a pinhole; remove the distortion", frame.place,
                        CameraModelName(intrinsics.model));
     }
     if (!names.insert(target.name).second) {

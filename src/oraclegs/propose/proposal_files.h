@@ -1,5 +1,5 @@
 #pragma once
-// Proposals and the poses they are wanted from, as files that other tools open.
+// Proposals and their target poses, as files that other tools open.
 
 #include <filesystem>
 #include <string>
@@ -18,14 +18,14 @@ std::vector<std::string> FileNames(const std::vector<std::string>& views);
 /// Writes dir/NAME.png (8 bit RGB) for each proposal, NAME from FileNames (with "_SOURCE" where several proposals have
 /// one name), and dir/transforms.json as instant-ngp, Nerfstudio and ReadTransformsScene read it: for each frame fl_x,
 /// fl_y, cx, cy, w, h, file_path, and transform_matrix from camera to world with OpenGL's axes. The paths written,
-/// relative to dir. Throws RunError, ShapeError for a picture of another size than its camera.
+/// relative to dir. Throws RunError, ShapeError for an image of another size than its camera.
 std::vector<std::string> WriteProposals(const std::filesystem::path& dir, const std::vector<Proposal>& proposals);
 
-/// Writes the transforms.json alone: what a generator is asked for. Its pictures belong where file_path says.
+/// Writes the transforms.json alone: what a generator is asked for. Its images belong at each file_path.
 std::vector<std::string> WriteTargets(const std::filesystem::path& dir, const std::vector<Target>& targets);
 
 /// Reads them back, bit by bit but for the rounding of rotations. Throws InputError naming the file and the frame:
-/// missing, not JSON, no frames, a bad lens or pose, a lens that is no pinhole, a name twice.
+/// missing, not JSON, no frames, bad intrinsics or pose, a camera model that is no pinhole, a name twice.
 std::vector<Target> ReadTargets(const std::filesystem::path& dir);
 
 }  // namespace oraclegs

@@ -18,7 +18,7 @@ constexpr double kSamePlaceShare = 1e-3;
 constexpr double kSameTurn = 0.1 * std::numbers::pi / 180;
 constexpr size_t kMaxPoints = 20000, kMinPoints = 100;
 constexpr double kInsideShare = 0.25;      // of the smallest median depth
-constexpr double kOwnDistanceShare = 0.8;  // of the distance from which the nearest geometry was photographed
+constexpr double kOwnDistanceShare = 0.8;  // of the smallest distance of a training camera from geometry
 constexpr int kInsidePoints = 5;           // fewer may be outliers
 constexpr int kGrid = 16;
 constexpr double kMinCoveredShare = 0.1, kMinShareOfMedian = 0.5;

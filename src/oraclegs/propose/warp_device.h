@@ -49,8 +49,8 @@ class WarpDevice {
   /// Splats the depths of all sources and takes, at each pixel, the nearest surface that enough of them vote for.
   virtual WarpDepth FindSurfaces(const WarpTask& task) = 0;
 
-  /// The colours, evidence (but for rings) and provenance of `view`, which has room for them, and how far each colour
-  /// is known, for PushPull.
+  /// The colours, evidence (but for rings) and provenance of `view`, which has room for them, and the weight of each
+  /// colour in PushPull.
   virtual std::vector<float> Shade(const WarpTask& task, const WarpDepth& depth, WarpedView* view) = 0;
 };
 

@@ -13,16 +13,16 @@
 
 namespace oraclegs {
 
-inline constexpr float kLeastConfidence = 0.04f;   // of a depth that takes part
-inline constexpr float kWidestSplat = 4;           // pixels to either side
-inline constexpr float kSameSurface = 0.02f;       // relative difference of inverse depth
-inline constexpr float kSeenThroughDepth = 0.03f;  // from which difference on a photograph looks past a point
-inline constexpr float kAgainst = 0.15f;           // of a vote, for a photograph that looks through the surface
-inline constexpr float kFrontVotes = 0.03f;  // of the best surface's; a front surface is often seen by few photographs
-inline constexpr float kVoteAngle = 25, kColorAngle = 8;  // degrees over which a photograph's say falls by e
-inline constexpr float kVisible = 0.02f;                  // relative depth over which it does
-inline constexpr float kUnknownVisible = 0.05f;           // where the photograph's own depth is not known
-inline constexpr int kBlended = 4;                        // photographs a colour is mixed from
+inline constexpr float kMinWarpConfidence = 0.04f;  // of a depth that is splatted
+inline constexpr float kMaxSplat = 4;               // pixels to either side
+inline constexpr float kSameSurface = 0.02f;        // relative difference of inverse depth
+inline constexpr float kSeenThroughDepth = 0.03f;   // of relative difference, from which a view sees through a point
+inline constexpr float kAgainst = 0.15f;     // share of a vote that a view which sees through the surface subtracts
+inline constexpr float kFrontVotes = 0.03f;  // of the best surface's; a front surface is often seen by few views
+inline constexpr float kVoteAngle = 25, kColorAngle = 8;  // degrees over which a view's weight falls by e
+inline constexpr float kVisible = 0.02f;                  // relative depth over which it falls
+inline constexpr float kUnknownVisible = 0.05f;           // where the view's own depth is unknown
+inline constexpr int kBlended = 4;                        // views a colour is mixed from
 inline constexpr float kWellKnown = 0.02f;  // weight from which on a colour is not mixed with its surroundings'
 inline constexpr int kRaySteps = 64;
 inline constexpr float kDegrees = static_cast<float>(180 / M_PI);
@@ -37,16 +37,15 @@ ORACLEGS_HD inline float DegreesBetween(const Vec3f& a, const Vec3f& b) {
   return std::atan2(std::sqrt(Dot(cross, cross)), Dot(a, b)) * kDegrees;
 }
 
-/// A photograph that takes part, and where it stands, seen from the new view. Pictures row by row, in the device's
-/// memory.
+/// A source view and its pose relative to the new view. Images row by row, in the device's memory.
 struct WarpSource {
   const float* rgb = nullptr;            ///< [H,W,3]
   const float* inv_depth = nullptr;      ///< [H,W]
   const float* confidence = nullptr;     ///< [H,W]
-  const uint8_t* mask = nullptr;         ///< [H,W], 1 = counts; null: all do
+  const uint8_t* mask = nullptr;         ///< [H,W], 1 = used; null: all are
   const uint8_t* near_object = nullptr;  ///< [H,W], SilhouetteMask::grown; null: there are no silhouettes
   int width = 0, height = 0;
-  int number = 0;           ///< of the photograph
+  int number = 0;           ///< of the view
   float focal = 0;          ///< pixels
   float magnification = 0;  ///< the new view's focal length over its
   bool exposed = false;     ///< colours are divided by the gain
@@ -74,7 +73,7 @@ struct WarpScene {
   }
 };
 
-/// The new view's pixels that a photograph's depth falls on: both corners included, none when right < left.
+/// The new view's pixels that a source's depth falls on: both corners included, none when right < left.
 struct DepthSplat {
   float inv_depth = 0;
   int left = 0, top = 0, right = -1, bottom = -1;
@@ -84,12 +83,12 @@ ORACLEGS_HD inline DepthSplat SplatOf(const WarpScene& scene, const WarpSource& 
   DepthSplat splat;
   const size_t i = static_cast<size_t>(y) * static_cast<size_t>(from.width) + static_cast<size_t>(x);
   const float inv_depth = from.inv_depth[i];
-  if (!(from.confidence[i] > kLeastConfidence) || !(inv_depth > 0)) return splat;
+  if (!(from.confidence[i] > kMinWarpConfidence) || !(inv_depth > 0)) return splat;
   const Vec3f q = from.to_new(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, inv_depth);
   if (!(q.z > 0)) return splat;
   const float px = q.x / q.z, py = q.y / q.z, size = from.magnification / q.z;
   // A copy, since device code has no address of a host's constant.
-  const float reach = std::min(float{kWidestSplat}, 0.5f * std::max(1.f, size) + 0.25f);
+  const float reach = std::min(float{kMaxSplat}, 0.5f * std::max(1.f, size) + 0.25f);
   if (!(px > -reach && py > -reach && px < static_cast<float>(scene.width) + reach &&
         py < static_cast<float>(scene.height) + reach)) {
     return splat;
@@ -113,14 +112,14 @@ ORACLEGS_HD inline WarpSample SampleOf(float inv_depth, int source, float confid
   return {inv_depth, static_cast<uint16_t>(source), static_cast<uint16_t>(kFullWeight * std::min(1.f, confidence))};
 }
 
-/// What a photograph says of a point of the new view.
+/// What a source view shows of a point of the new view.
 struct Sighting {
   bool in_frame = false;
   float u = 0, v = 0;    ///< pixel
-  float confidence = 0;  ///< of the photograph's depth there, 0 = unknown
-  float relative = 0;    ///< inverse depth there over the point's, minus 1: > 0 something stands before it
+  float confidence = 0;  ///< of the source's depth there, 0 = unknown
+  float relative = 0;    ///< inverse depth there over the point's, minus 1: > 0 something occludes it
   float angle = 90;      ///< degrees between the rays
-  float resolution = 0;  ///< pixels of the photograph in one of the new view, per axis, at most 1
+  float resolution = 0;  ///< pixels of the source in one of the new view, per axis, at most 1
 };
 
 ORACLEGS_HD inline Sighting See(const WarpScene& scene, const WarpSource& from, float u, float v, float inv_depth) {
@@ -152,7 +151,7 @@ struct WarpSurface {
 static_assert(sizeof(WarpSurface) == sizeof(WarpSample));
 
 /// Inverse depth of the nearest surface that has enough votes, 0 without samples. They lie near to far, equals by
-/// source, and are overwritten. votes.Count(begin, end) is told the samples of a surface, and votes.Of(source) gives
+/// source, and are overwritten. votes.Count(begin, end) gets the samples of a surface, and votes.Of(source) gives
 /// the largest weight of a source among them, as a share, 0 without one.
 template <class Votes>
 ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, WarpSample* samples, size_t count,
@@ -173,11 +172,11 @@ ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, Warp
     votes.Count(samples + first, samples + last);
     for (int k = 0; k < scene.count; ++k) {
       const Sighting s = See(scene, scene.sources[k], u, v, surface.inv_depth);
-      const float say = std::exp(-s.angle / kVoteAngle), vote = votes.Of(k);
+      const float weight = std::exp(-s.angle / kVoteAngle), vote = votes.Of(k);
       if (vote > 0) {
-        surface.vote += vote * say;
+        surface.vote += vote * weight;
       } else if (s.in_frame && s.relative < -kSeenThroughDepth) {
-        surface.vote -= kAgainst * s.confidence * say;
+        surface.vote -= kAgainst * s.confidence * weight;
       }
     }
     best = std::max(best, surface.vote);
@@ -191,8 +190,8 @@ ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, Warp
   return 0;
 }
 
-/// No point of the pixel's ray, as far as surfaces are known, projects onto the object in every photograph. Silhouettes
-/// are those of objects that photographs show whole, so beyond a picture's border there is nothing either.
+/// No point of the pixel's ray, as far as surfaces are known, projects onto the object in every view. Silhouettes are
+/// those of objects that the images show whole, so nothing lies beyond an image's border.
 ORACLEGS_HD inline bool MissesObject(const WarpScene& scene, size_t pixel) {
   const float u = scene.CenterX(pixel), v = scene.CenterY(pixel);
   for (int step = 0; step < kRaySteps; ++step) {

@@ -8,12 +8,12 @@ namespace oraclegs {
 
 struct ShadedPixel {
   Vec3f color;              ///< RGB
-  float known = 0;          ///< how far the colour is, for PushPull
+  float known = 0;          ///< weight of the colour in PushPull
   uint16_t provenance = 0;  ///< as in Proposal
   PixelEvidence evidence;   ///< but for the ring
 };
 
-/// Bilinear; (u, v) inside the picture. Of what the camera would have seen at the mean exposure.
+/// Bilinear; (u, v) inside the image. At the mean exposure.
 ORACLEGS_HD inline Vec3f ColorAt(const WarpSource& from, float u, float v) {
   const float x = std::clamp(u - 0.5f, 0.f, static_cast<float>(from.width - 1));
   const float y = std::clamp(v - 0.5f, 0.f, static_cast<float>(from.height - 1));
@@ -32,7 +32,7 @@ ORACLEGS_HD inline Vec3f ColorAt(const WarpSource& from, float u, float v) {
   return {color[0], color[1], color[2]};
 }
 
-/// The photographs that a pixel's colour is mixed from, first those that say most, equals by number.
+/// The views that a pixel's colour is mixed from, by descending weight, equals by number.
 struct Blend {
   struct Shown {
     float weight = 0;
@@ -94,7 +94,7 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
   e.spread = std::sqrt(squares / (3 * total));
   out.color = mean;
   out.provenance = static_cast<uint16_t>(scene.sources[blend.shown[0].source].number + 1);
-  // The angle's say is relative: a colour seen from far off is still better than none.
+  // The angle's weight is relative: a colour seen from far off is still better than none.
   out.known = std::min(1.f, std::min(e.support, e.views) / kWellKnown);
   return out;
 }

@@ -66,11 +66,11 @@ class CudaPlaneSearchTest : public CudaTest {
   }
 };
 
-TEST_F(CudaPlaneSearchTest, AgreesWithTheCpuAfterOneIteration) {
+TEST_F(CudaPlaneSearchTest, MatchesCpuAfterOneIteration) {
   for (const bool in_color : {false, true}) {
     StereoScene scene = Scene();
-    const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8, kWidth, kHeight));
-    for (size_t v = 0; in_color && v < 3; ++v) scene.views[v].image = Pack(photos[v].rgb);
+    const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 8, kWidth, kHeight));
+    for (size_t v = 0; in_color && v < 3; ++v) scene.views[v].image = Pack(views[v].rgb);
     const std::vector<PlaneMap> start = Start(scene), gpu = OnGpu(scene, start, {{1, 0, false}}),
                                 cpu = OnCpu(scene, start, {{1, 0, false}});
     for (size_t v = 0; v < 3; ++v) {
@@ -82,7 +82,7 @@ TEST_F(CudaPlaneSearchTest, AgreesWithTheCpuAfterOneIteration) {
   }
 }
 
-TEST_F(CudaPlaneSearchTest, EndsAsNearToTheTruthAsTheCpu) {
+TEST_F(CudaPlaneSearchTest, ReachesAccuracyOfCpu) {
   const StereoScene scene = Scene();
   const std::vector<PlaneMap> start = Start(scene);
   const std::vector<SearchPass> passes = {{4, 0, false}, {2, 1, true}};
@@ -95,7 +95,7 @@ TEST_F(CudaPlaneSearchTest, EndsAsNearToTheTruthAsTheCpu) {
   }
 }
 
-TEST_F(CudaPlaneSearchTest, GivesTheSameBitsAgain) {
+TEST_F(CudaPlaneSearchTest, GivesSameBitsAgain) {
   const StereoScene scene = Scene();
   const std::vector<PlaneMap> start = Start(scene), one = OnGpu(scene, start, {{1, 0, false}, {1, 1, true}}),
                               two = OnGpu(scene, start, {{1, 0, false}, {1, 1, true}});
@@ -105,7 +105,7 @@ TEST_F(CudaPlaneSearchTest, GivesTheSameBitsAgain) {
   }
 }
 
-TEST_F(CudaPlaneSearchTest, GeometryIsTheOtherViewsAsThePassBeforeLeftThem) {
+TEST_F(CudaPlaneSearchTest, UsesMapsOfPreviousPass) {
   const StereoScene scene = Scene();
   std::vector<PlaneMap> start = Start(scene);
   for (const size_t v : {0u, 2u}) start[v] = TrueMap(scene.views[v].camera, kSlanted);
@@ -116,7 +116,7 @@ TEST_F(CudaPlaneSearchTest, GeometryIsTheOtherViewsAsThePassBeforeLeftThem) {
   EXPECT_GT(ShareRight(gpu[1], truth, 0.01f), ShareRight(without[1], truth, 0.01f));
 }
 
-TEST_F(CudaPlaneSearchTest, LeavesUnusablePixelsAloneAndCountsNoneOfThem) {
+TEST_F(CudaPlaneSearchTest, IgnoresUnusablePixels) {
   StereoScene scene = Scene();
   std::vector<uint8_t>& usable = scene.views[1].usable;
   usable.assign(kWidth * kHeight, 1);
@@ -137,18 +137,18 @@ TEST_F(CudaPlaneSearchTest, LeavesUnusablePixelsAloneAndCountsNoneOfThem) {
   EXPECT_EQ(OnGpu(scene, start, {{1, 0, false}})[1].costs, gpu[1].costs) << "whatever they show";
 }
 
-TEST_F(CudaPlaneSearchTest, SilhouettesBoundEveryHypothesis) {
+TEST_F(CudaPlaneSearchTest, StaysWithinSilhouettes) {
   TexturedPlane square = kSlanted;
   square.half_side = 0.7;
   // The third camera looks along the square and rules most depths out.
   std::vector<Camera> cameras = Arc(2, 8, 96, 72);
   cameras.push_back(CameraAt({3.5, 0, 0.5}, {0, 0, 0.3}, 96, 72));
-  const std::vector<LoadedView> photos = TakeAll(square, cameras);
-  const Silhouettes silhouettes(photos);
+  const std::vector<LoadedView> views = TakeAll(square, cameras);
+  const Silhouettes silhouettes(views);
   ASSERT_FALSE(silhouettes.empty());
   StereoScene scene;
-  for (size_t v = 0; v < 3; ++v) {  // pictures half as large as the silhouettes; beside them all planes are as good
-    const ImageF small = ResizeArea(Luma(photos[v].rgb), 48, 36);
+  for (size_t v = 0; v < 3; ++v) {  // images half as large as the silhouettes; beside them all planes are as good
+    const ImageF small = ResizeArea(Luma(views[v].rgb), 48, 36);
     std::vector<uint8_t> usable;
     for (size_t i = 0; i < 48 * 36; ++i) usable.push_back(silhouettes.Object(v)[i / 48 * 2 * 96 + i % 48 * 2]);
     scene.views.push_back({Resized(cameras[v], 48, 36), Pack(small), usable, kRange, {v == 0 ? 1 : 0}});
@@ -176,7 +176,7 @@ TEST_F(CudaPlaneSearchTest, SilhouettesBoundEveryHypothesis) {
   EXPECT_GT(compared, 300);
 }
 
-TEST_F(CudaPlaneSearchTest, WithoutNeighboursChangesNothing) {
+TEST_F(CudaPlaneSearchTest, ChangesNothingWithoutSources) {
   for (const int views : {1, 2}) {
     StereoScene scene = Scene(views);
     for (StereoView& view : scene.views) view.neighbors.clear();
@@ -188,7 +188,7 @@ TEST_F(CudaPlaneSearchTest, WithoutNeighboursChangesNothing) {
   EXPECT_TRUE(OnGpu(nothing, {}, {{1, 0, true}}).empty());
 }
 
-TEST_F(CudaPlaneSearchTest, TakesOneLevelAfterAnother) {
+TEST_F(CudaPlaneSearchTest, AcceptsSeveralLevels) {
   const auto search = MakeCudaPlaneSearch(0);
   for (const int width : {24, 40, 16}) {
     const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8, width, 20)), kRange);
@@ -199,13 +199,13 @@ TEST_F(CudaPlaneSearchTest, TakesOneLevelAfterAnother) {
   }
 }
 
-TEST_F(CudaPlaneSearchTest, FindsDepthLikeTheCpu) {
-  const std::vector<LoadedView> photos = TakeAll(kSlanted, Arc(3, 8, 64, 48));
+TEST_F(CudaPlaneSearchTest, FindsDepthOfCpu) {
+  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 8, 64, 48));
   StereoOptions options;
   options.iterations = 3;
   options.geometric_passes = 1;
-  const std::vector<DepthMap> gpu = EstimateDepth(photos, {}, options, MakeCudaPlaneSearch(0).get(), Silent()),
-                              cpu = EstimateDepth(photos, {}, options, MakePlaneSearch(kCpu).get(), Silent());
+  const std::vector<DepthMap> gpu = EstimateDepth(views, {}, options, MakeCudaPlaneSearch(0).get(), Silent()),
+                              cpu = EstimateDepth(views, {}, options, MakePlaneSearch(kCpu).get(), Silent());
   ASSERT_EQ(gpu.size(), 3u);
   for (size_t v = 0; v < 3; ++v) {
     EXPECT_GT(ConfidentShare(gpu[v]), 0.6) << v;
@@ -213,7 +213,7 @@ TEST_F(CudaPlaneSearchTest, FindsDepthLikeTheCpu) {
   }
 }
 
-TEST_F(CudaPlaneSearchTest, RefusesWhatDoesNotFitAndGpusThatAreNotThere) {
+TEST_F(CudaPlaneSearchTest, RefusesWrongShapesAndMissingGpu) {
   const auto search = MakeCudaPlaneSearch(0);
   StereoScene scene = Scene(2);
   std::vector<PlaneMap> start = Start(scene);
@@ -227,7 +227,7 @@ TEST_F(CudaPlaneSearchTest, RefusesWhatDoesNotFitAndGpusThatAreNotThere) {
 }
 
 #if defined(ORACLEGS_EMULATED_CUDA)
-TEST_F(CudaPlaneSearchTest, AllocatesNothingInAPassAndWaitsOnceAView) {
+TEST_F(CudaPlaneSearchTest, AllocatesNothingInPass) {
   const StereoScene scene = Scene();
   const auto search = MakeCudaPlaneSearch(0);
   search->BeginLevel(scene, Start(scene));
@@ -239,7 +239,7 @@ TEST_F(CudaPlaneSearchTest, AllocatesNothingInAPassAndWaitsOnceAView) {
   EXPECT_EQ(after.waits - before.waits, 3);
 }
 
-TEST_F(CudaPlaneSearchTest, SaysWhatMemoryEndedForAndMayTryAgain) {
+TEST_F(CudaPlaneSearchTest, ReportsOutOfMemoryAndRecovers) {
   const StereoScene scene = Scene();
   const std::vector<PlaneMap> start = Start(scene);
   const auto search = MakeCudaPlaneSearch(0);

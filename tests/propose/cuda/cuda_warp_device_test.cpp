@@ -28,16 +28,16 @@ class CudaWarpTest : public CudaTest {
   }
 
   void Show(const std::vector<Camera>& cameras) {
-    photos.clear(), maps.clear();
+    views.clear(), maps.clear();
     for (const Camera& camera : cameras) {
-      photos.push_back(far.Take(camera, "p"));
-      maps.push_back(TrueDepth(photos.back(), far, 0.9f));
+      views.push_back(far.Take(camera, "p"));
+      maps.push_back(TrueDepth(views.back(), far, 0.9f));
       const LoadedView front = near.Take(camera, "p");
       for (size_t i = 0; i < maps.back().size(); ++i) {
         const size_t x = i % static_cast<size_t>(camera.width), y = i / static_cast<size_t>(camera.width);
         const double depth = near.DepthAt(camera, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
         if (depth > 0) {
-          std::copy_n(&front.rgb.data[3 * i], 3, &photos.back().rgb.data[3 * i]);
+          std::copy_n(&front.rgb.data[3 * i], 3, &views.back().rgb.data[3 * i]);
           maps.back().inv_depth[i] = static_cast<float>(1 / depth);
         }
         Disturb(&maps.back(), i);
@@ -50,7 +50,7 @@ class CudaWarpTest : public CudaTest {
     if (rng.Uniform() < 0.1) map->inv_depth[i] = map->confidence[i] = 0;
   }
 
-  WarpSources Sources() const { return {photos, maps}; }
+  WarpSources Sources() const { return {views, maps}; }
 
   static size_t Differing(const std::vector<float>& a, const std::vector<float>& b, float tolerance) {
     size_t n = a.size() == b.size() ? 0 : a.size() + b.size();
@@ -85,54 +85,54 @@ class CudaWarpTest : public CudaTest {
   }
 
   TexturedPlane near, far;
-  std::vector<LoadedView> photos;
+  std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
   Rng rng{3, RandomStream::kInitialPoints};
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, kWidth, kHeight);
   const Camera aside = CameraAt({2.6, 0, -3}, {0, 0, 0}, 28, 20);
 };
 
-TEST_F(CudaWarpTest, IsTheCpus) {
+TEST_F(CudaWarpTest, MatchesCpu) {
   for (const Camera& camera : {between, aside}) ExpectTheCpus(Warped(Sources(), camera), Sources(), camera);
 }
 
-TEST_F(CudaWarpTest, ForgetsTheHiddenPhotograph) {
-  ExpectTheCpus(Warped(Sources(), photos[1].camera, 1), Sources(), photos[1].camera, 1);
+TEST_F(CudaWarpTest, HoldsViewOut) {
+  ExpectTheCpus(Warped(Sources(), views[1].camera, 1), Sources(), views[1].camera, 1);
 }
 
-TEST_F(CudaWarpTest, FromNearAndFromFar) {
+TEST_F(CudaWarpTest, MatchesCpuNearAndFar) {
   const Camera close = CameraAt({0.1, 0, -2.2}, {0, 0, 0}, kWidth, kHeight);  // a depth falls on many pixels
   const Camera distant = CameraAt({0, 1, -30}, {0, 0, 0}, 16, 12);            // many depths fall on one
   for (const Camera& camera : {close, distant}) ExpectTheCpus(Warped(Sources(), camera), Sources(), camera);
 }
 
-TEST_F(CudaWarpTest, KnowsMasksAndExposures) {
-  for (LoadedView& photo : photos) {
-    photo.mask.resize(size_t{kWidth} * kHeight);
-    for (uint8_t& counts : photo.mask) counts = rng.Uniform() < 0.8;
+TEST_F(CudaWarpTest, MatchesCpuWithMasksAndGains) {
+  for (LoadedView& source_view : views) {
+    source_view.mask.resize(size_t{kWidth} * kHeight);
+    for (uint8_t& counts : source_view.mask) counts = rng.Uniform() < 0.8;
   }
-  photos[2].mask.clear();
+  views[2].mask.clear();
   WarpSources sources = Sources();
   sources.gains = {{0.9f, 1, 1.1f}, {1, 1, 1}, {0.5f, 0.6f, 0.7f}, {1.2f, 1.2f, 1.3f}};
   ExpectTheCpus(Warped(sources, between), sources, between);
 }
 
-TEST_F(CudaWarpTest, KnowsTheBackgroundBesideAnObject) {
+TEST_F(CudaWarpTest, MatchesCpuBesideObject) {
   TexturedPlane square;
   square.half_side = 0.7;
-  photos = TakeAll(square, Arc(4, 14, kWidth, kHeight));
+  views = TakeAll(square, Arc(4, 14, kWidth, kHeight));
   maps.clear();
-  for (const LoadedView& photo : photos) maps.push_back(TrueDepth(photo, square, 0.9f));
-  const Silhouettes silhouettes(photos);
+  for (const LoadedView& source_view : views) maps.push_back(TrueDepth(source_view, square, 0.9f));
+  const Silhouettes silhouettes(views);
   ASSERT_FALSE(silhouettes.empty());
-  const WarpSources sources{photos, maps, {}, &silhouettes, {1, 1, 1}};
+  const WarpSources sources{views, maps, {}, &silhouettes, {1, 1, 1}};
   const WarpedView view = Warped(sources, between);
   EXPECT_EQ(view.evidence[0].background, 1.f);
   EXPECT_EQ(view.evidence[kHeight / 2 * kWidth + kWidth / 2].background, 0.f);
   ExpectTheCpus(view, sources, between);
 }
 
-TEST_F(CudaWarpTest, WithoutDepthInViewShowsTheBackground) {
+TEST_F(CudaWarpTest, ShowsBackgroundWithoutDepth) {
   const Camera away = CameraAt({0, 0, -4}, {0, 0, -9}, 24, 16);
   WarpSources sources = Sources();
   sources.background = {0.25f, 0.5f, 0.75f};
@@ -141,22 +141,22 @@ TEST_F(CudaWarpTest, WithoutDepthInViewShowsTheBackground) {
   ExpectTheCpus(view, sources, away);
 }
 
-TEST_F(CudaWarpTest, OfOnePhotographAndOfNone) {
-  Show({photos[0].camera});
+TEST_F(CudaWarpTest, AcceptsOneAndNoView) {
+  Show({views[0].camera});
   ExpectTheCpus(Warped(Sources(), between), Sources(), between);
-  ExpectTheCpus(Warped(Sources(), photos[0].camera, 0), Sources(), photos[0].camera, 0);
+  ExpectTheCpus(Warped(Sources(), views[0].camera, 0), Sources(), views[0].camera, 0);
   maps.clear();  // a run without depth
   ExpectTheCpus(Warped(Sources(), between), Sources(), between);
 }
 
-TEST_F(CudaWarpTest, OfManyPhotographsOfTwoSizes) {
+TEST_F(CudaWarpTest, AcceptsManyViewsOfTwoSizes) {
   std::vector<Camera> cameras = Arc(40, 1, 8, 6);
-  cameras.push_back(photos[0].camera);
+  cameras.push_back(views[0].camera);
   Show(cameras);
   ExpectTheCpus(Warped(Sources(), aside), Sources(), aside);
 }
 
-TEST_F(CudaWarpTest, AreTheSameBitsInBandsOfAnySize) {
+TEST_F(CudaWarpTest, GivesSameBitsForAnyBands) {
   const WarpedView whole = Warped(Sources(), aside);
   for (const int64_t listed : {1, 37, 1000}) {
     const WarpedView banded = Warped(Sources(), aside, std::nullopt, listed);
@@ -166,7 +166,7 @@ TEST_F(CudaWarpTest, AreTheSameBitsInBandsOfAnySize) {
   }
 }
 
-TEST_F(CudaWarpTest, MayBeAskedFromSeveralThreads) {
+TEST_F(CudaWarpTest, IsThreadSafe) {
   const WarpSources sources = Sources();
   const Warper warper(sources, MakeCudaWarpDevice(sources, 0));
   std::vector<WarpedView> views(4);
@@ -181,10 +181,10 @@ TEST_F(CudaWarpTest, MayBeAskedFromSeveralThreads) {
   EXPECT_EQ(views[1].rgb.data, views[3].rgb.data);
 }
 
-TEST_F(CudaWarpTest, RefusesAGpuThatIsNotThere) { EXPECT_THROW(MakeCudaWarpDevice(Sources(), 99), UsageError); }
+TEST_F(CudaWarpTest, RefusesMissingGpu) { EXPECT_THROW(MakeCudaWarpDevice(Sources(), 99), UsageError); }
 
 #if defined(ORACLEGS_EMULATED_CUDA)
-TEST_F(CudaWarpTest, SaysWhatTheMemoryWasFor) {
+TEST_F(CudaWarpTest, ReportsOutOfMemory) {
   const auto says = [](const char* what) { return testing::ThrowsMessage<OutOfMemory>(testing::HasSubstr(what)); };
   const Warper warper(Sources(), MakeCudaWarpDevice(Sources(), 0));
   const DeviceMemory memory = MemoryOfDevice();

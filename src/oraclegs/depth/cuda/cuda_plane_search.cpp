@@ -9,7 +9,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr cudaStream_t kStream = nullptr;  // libtorch's too
+constexpr cudaStream_t kStream = nullptr;  // libtorch's, too
 
 /// Arrays are of all views, one after the other: view v's pixels begin at first_[v].
 class CudaPlaneSearch final : public PlaneSearch {
@@ -26,7 +26,7 @@ class CudaPlaneSearch final : public PlaneSearch {
     before_.ReserveExactly(pixels);
     costs_.ReserveExactly(pixels);
     for (size_t v = 0; v < maps.size(); ++v) {
-      const PackedImage& image = scene.views[v].image;
+      const GatherImage& image = scene.views[v].image;
       for (int c = 0; c < channels_; ++c) {
         Send(image.channels[static_cast<size_t>(c)], &words_, channels_ * first_[v] + c * Pixels(v));
       }
@@ -54,7 +54,7 @@ class CudaPlaneSearch final : public PlaneSearch {
       for (sweep.color = 0; sweep.color < 2; ++sweep.color) RunHalfSweep(sweep, kStream);
     }
     done_.Record(kStream);
-    done_.Wait();  // progress is told, and an interrupt obeyed, when it is true
+    done_.Wait();  // so that progress is reported, and an interrupt obeyed, when the work is done
   }
 
   std::vector<PlaneMap> EndLevel() override {
@@ -130,14 +130,14 @@ class CudaPlaneSearch final : public PlaneSearch {
     silhouettes_.Upload(all.data(), static_cast<int64_t>(all.size()));
   }
 
-  DevicePicture PictureOf(size_t view) const {
+  SweepImage ImageOf(size_t view) const {
     const Camera& camera = scene_->views[view].camera;
     return {words_.data() + channels_ * first_[view], camera.width, camera.height};
   }
 
   HalfSweep SweepOf(size_t view) {
     const StereoView& v = scene_->views[view];
-    HalfSweep sweep{SearchOf(*scene_, view), PictureOf(view), {}, channels_, 0, 0};
+    HalfSweep sweep{SearchOf(*scene_, view), ImageOf(view), {}, channels_, 0, 0};
     SearchView& search = sweep.view;
     search.pass = pass_.number;
     if (!v.usable.empty()) search.usable = usable_.data() + first_[view];
@@ -145,7 +145,7 @@ class CudaPlaneSearch final : public PlaneSearch {
     search.costs = costs_.data() + first_[view];
     for (int s = 0; s < search.num_sources; ++s) {
       const auto n = static_cast<size_t>(v.neighbors[static_cast<size_t>(s)]);
-      sweep.sources[s] = PictureOf(n);
+      sweep.sources[s] = ImageOf(n);
       if (pass_.geometric) search.sources[s].known.planes = before_.data() + first_[n];
     }
     search.num_silhouettes = silhouettes_a_view_;
@@ -157,7 +157,7 @@ class CudaPlaneSearch final : public PlaneSearch {
   static void Send(const std::vector<T>& from, DeviceArray<T>* to, int64_t first) {
     if (from.empty()) return;
     Check(cudaMemcpy(to->data() + first, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice),
-          "sending stereo's pictures and planes");
+          "sending stereo's images and planes");
   }
   template <class T>
   static void Fetch(const DeviceArray<T>& from, int64_t first, std::vector<T>* to) {
@@ -173,8 +173,8 @@ class CudaPlaneSearch final : public PlaneSearch {
   SearchPass pass_;
   std::vector<int64_t> first_{0};
   int channels_ = 1, silhouettes_a_view_ = 0;
-  DeviceArray<uint32_t> words_{"the photographs, for stereo"};
-  DeviceArray<uint8_t> usable_{"the photographs' masks, for stereo"};
+  DeviceArray<uint32_t> words_{"the images, for stereo"};
+  DeviceArray<uint8_t> usable_{"the images' masks, for stereo"};
   DeviceArray<Plane> planes_{"stereo's planes"}, before_{"stereo's planes of the pass before"};
   DeviceArray<float> costs_{"the costs of stereo's planes"};
   DeviceArray<uint8_t> grown_{kSilhouettes};

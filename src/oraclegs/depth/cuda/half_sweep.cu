@@ -16,7 +16,7 @@ namespace {
 constexpr int kTileWidth = 32, kTileHeight = 8;         // pixels of a block, half of them of one colour
 constexpr int kThreads = kTileWidth * kTileHeight / 2;  // few: each has long arrays, which the cache must hold
 
-/// Value of a picture's word: the first of its four pixels.
+/// Value of a image's word: the first of its four pixels.
 ORACLEGS_HD inline float ValueOf(uint32_t word) { return static_cast<float>(word & 255); }
 
 /// The bilinear sample between a word's four pixels.
@@ -32,10 +32,10 @@ ORACLEGS_HD inline float Interpolate(uint32_t word, float fx, float fy) {
 template <int kChannels>
 class DevicePatch {
  public:
-  /// (x, y) takes part.
+  /// (x, y) is usable.
   ORACLEGS_HD inline DevicePatch(const HalfSweep& sweep, int x, int y) : sweep_(sweep), x_(x), y_(y) {
-    const int64_t pixels = Pixels(sweep.picture), here = sweep.view.Index(x, y);
-    for (int c = 0; c < kChannels; ++c) own_[c] = ValueOf(sweep.picture.words[c * pixels + here]);
+    const int64_t pixels = Pixels(sweep.image), here = sweep.view.Index(x, y);
+    for (int c = 0; c < kChannels; ++c) own_[c] = ValueOf(sweep.image.words[c * pixels + here]);
     float total = 0, squares = 0, sums[kChannels] = {};
     int k = 0;
     for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
@@ -59,7 +59,7 @@ class DevicePatch {
     }
   }
 
-  /// costs[p * num_sources + s], see PatchCosts. A source at a time, so that a warp stays in one picture.
+  /// costs[p * num_sources + s], see PatchCosts. A source at a time, so that a warp stays in one image.
   ORACLEGS_HD inline void operator()(const Plane* planes, int count, const uint8_t* active, float* costs) const {
     const int n = sweep_.view.num_sources;
     for (int s = 0; s < n; ++s) {
@@ -81,21 +81,21 @@ class DevicePatch {
     Vec3f base, right, down;
   };
 
-  ORACLEGS_HD inline static int64_t Pixels(const DevicePicture& picture) {
-    return static_cast<int64_t>(picture.width) * picture.height;
+  ORACLEGS_HD inline static int64_t Pixels(const SweepImage& image) {
+    return static_cast<int64_t>(image.width) * image.height;
   }
   ORACLEGS_HD inline static Vec3f Along(const Vec3f& from, const Vec3f& direction, float length) {
     return {from.x + direction.x * length, from.y + direction.y * length, from.z + direction.z * length};
   }
 
-  /// The sample's bilateral weight, 0 where it does not count, and its values.
+  /// The sample's bilateral weight, 0 where it is not used, and its values.
   ORACLEGS_HD inline float WeightOf(int dx, int dy, float* values) const {
     const int x = x_ + dx, y = y_ + dy;
-    const DevicePicture& picture = sweep_.picture;
-    if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || !sweep_.view.TakesPart(x, y)) return 0;
+    const SweepImage& image = sweep_.image;
+    if (x < 0 || y < 0 || x >= image.width || y >= image.height || !sweep_.view.IsUsable(x, y)) return 0;
     float difference = 0;
     for (int c = 0; c < kChannels; ++c) {
-      values[c] = ValueOf(picture.words[c * Pixels(picture) + sweep_.view.Index(x, y)]) - own_[c];
+      values[c] = ValueOf(image.words[c * Pixels(image) + sweep_.view.Index(x, y)]) - own_[c];
       difference += std::fabs(values[c]);
     }
     const float mean = std::floor((difference + 0.5f) / kChannels);  // in whole steps, as on the CPU
@@ -104,17 +104,17 @@ class DevicePatch {
     return std::exp(kNear * static_cast<float>(dx * dx + dy * dy) + kLike * mean * mean);
   }
 
-  ORACLEGS_HD inline static bool IsComparable(const Homography& h, const DevicePicture& picture) {
+  ORACLEGS_HD inline static bool IsComparable(const Homography& h, const SweepImage& image) {
     const float z = h.base.z;
     const float nearest = z - kPatchRadius * (std::fabs(h.right.z) + std::fabs(h.down.z));
     if (!(z > 0) || !(nearest > kNearestShare * z)) return false;
-    return h.base.x >= 0 && h.base.y >= 0 && h.base.x <= z * static_cast<float>(picture.width) &&
-           h.base.y <= z * static_cast<float>(picture.height);
+    return h.base.x >= 0 && h.base.y >= 0 && h.base.x <= z * static_cast<float>(image.width) &&
+           h.base.y <= z * static_cast<float>(image.height);
   }
 
-  ORACLEGS_HD inline float Cost(const Homography& h, const DevicePicture& picture) const {
-    const float max_x = static_cast<float>(picture.width - 1), max_y = static_cast<float>(picture.height - 1);
-    const int64_t pixels = Pixels(picture), own_pixels = Pixels(sweep_.picture);
+  ORACLEGS_HD inline float Cost(const Homography& h, const SweepImage& image) const {
+    const float max_x = static_cast<float>(image.width - 1), max_y = static_cast<float>(image.height - 1);
+    const int64_t pixels = Pixels(image), own_pixels = Pixels(sweep_.image);
     float squares = 0, cross = 0, sums[kChannels] = {};
     for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
       const Vec3f row = Along(h.base, h.down, static_cast<float>(dy));
@@ -132,12 +132,12 @@ class DevicePatch {
         const float y = fminf(fmaxf(q.y * inverse - 0.5f, 0.f), max_y);
         const int xi = static_cast<int>(x), yi = static_cast<int>(y);
         const float fx = x - static_cast<float>(xi), fy = y - static_cast<float>(yi);
-        const int64_t at = static_cast<int64_t>(yi) * picture.width + xi;
+        const int64_t at = static_cast<int64_t>(yi) * image.width + xi;
         const int64_t own_at = sweep_.view.Index(x_ + dx, y_ + dy);
 #pragma unroll
         for (int c = 0; c < kChannels; ++c) {
-          const float value = Interpolate(picture.words[c * pixels + at], fx, fy) - own_[c];
-          const float own = ValueOf(sweep_.picture.words[c * own_pixels + own_at]) - own_[c];
+          const float value = Interpolate(image.words[c * pixels + at], fx, fy) - own_[c];
+          const float own = ValueOf(sweep_.image.words[c * own_pixels + own_at]) - own_[c];
           const float weighted = weight * value;
           sums[c] += weighted;
           squares += weighted * value;
@@ -169,7 +169,7 @@ __global__ void __launch_bounds__(kThreads) ImprovePixels(const __grid_constant_
   const int tile = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
   const int x = tile % columns * kTileWidth + thread % kTileWidth;
   const int y = tile / columns * kTileHeight + thread / kTileWidth * 2 + ((x + sweep.color) & 1);
-  if (x >= sweep.view.width || y >= sweep.view.height || !sweep.view.TakesPart(x, y)) return;
+  if (x >= sweep.view.width || y >= sweep.view.height || !sweep.view.IsUsable(x, y)) return;
   const DevicePatch<kChannels> patch(sweep, x, y);
   PixelSearch<DevicePatch<kChannels>>(sweep.view, x, y, patch).Improve(sweep.iteration);
 }

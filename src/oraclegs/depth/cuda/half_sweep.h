@@ -1,5 +1,5 @@
 #pragma once
-// PatchMatch on a GPU: the pixels of one colour of the chessboard, in one iteration (depth/search_math.h).
+// PatchMatch on a GPU: the pixels of one colour of the red-black pattern, in one iteration (depth/search_math.h).
 
 #include <cuda_runtime.h>
 
@@ -9,18 +9,18 @@
 
 namespace oraclegs::cuda {
 
-/// A PackedImage in the device's memory, one channel after the other.
-struct DevicePicture {
+/// A GatherImage in device memory, one channel after the other.
+struct SweepImage {
   const uint32_t* words = nullptr;
   int width = 0, height = 0;
 };
 
-/// All pointers are to the device's memory. Handed to the kernel as it is: 1.2 KB of its arguments.
+/// All pointers are to device memory. An argument of the kernel as it is: 1.2 KB.
 struct HalfSweep {
   SearchView view;
-  DevicePicture picture;               ///< of the view
-  DevicePicture sources[kMaxSources];  ///< of view.sources
-  int channels = 1;                    ///< of all pictures; 1 or 3
+  SweepImage image;                 ///< of the view
+  SweepImage sources[kMaxSources];  ///< of view.sources
+  int channels = 1;                 ///< of all images; 1 or 3
   int iteration = 0;
   int color = 0;  ///< pixels with (x + y) % 2 == color
 };

@@ -68,12 +68,12 @@ class SourceImages {
   DeviceArray<uint8_t> mask_{"the masks of warped images"}, near_object_{"the silhouettes of warped images"};
 };
 
-/// Runs of pixels that have at most `most` samples, or are one pixel.
-std::vector<PixelBand> CutIntoBands(const std::vector<uint32_t>& counts, int64_t most) {
+/// Runs of pixels with at most `max_samples` samples, or of one pixel.
+std::vector<PixelBand> CutIntoBands(const std::vector<uint32_t>& counts, int64_t max_samples) {
   std::vector<PixelBand> bands;
   PixelBand band;
   for (const uint32_t count : counts) {
-    if (band.end > band.begin && band.samples + count > most) {
+    if (band.end > band.begin && band.samples + count > max_samples) {
       bands.push_back(band);
       band = {band.end, band.end, band.first + static_cast<uint32_t>(band.samples), 0};
     }
@@ -161,7 +161,7 @@ class CudaWarpDevice : public WarpDevice {
     provenance_.ReserveExactly(pixels);
   }
 
-  static constexpr int64_t kMaxSamplesOfDepth = 81;  // samples: (2 kWidestSplat + 1)^2
+  static constexpr int64_t kMaxSamplesOfDepth = 81;  // samples: (2 kMaxSplat + 1)^2
   static constexpr const char* kDepths = "the depths that fall on a new view's pixels";
   static constexpr const char* kView = "a new view that images are warped into";
 

@@ -7,10 +7,10 @@
 
 namespace oraclegs {
 
-/// A picture in 8 bits, laid out so that one 32-bit load fetches the four pixels of a bilinear sample: word (x, y) of a
+/// An image in 8 bits, laid out so that one 32-bit load fetches the four pixels of a bilinear sample: word (x, y) of a
 /// channel holds, lowest byte first, the pixels (x, y), (x+1, y), (x, y+1), (x+1, y+1); beyond the border the last
 /// pixel repeats.
-struct PackedImage {
+struct GatherImage {
   int width = 0, height = 0;
   std::vector<std::vector<uint32_t>> channels;  ///< each height * width words
 
@@ -20,9 +20,9 @@ struct PackedImage {
 };
 
 /// Every channel of `image`, values in [0, 1] rounded to 8 bits.
-PackedImage Pack(const ImageF& image);
+GatherImage Pack(const ImageF& image);
 
-/// Rec. 601 luma of an RGB picture, one channel.
+/// Rec. 601 luma of an RGB image, one channel.
 ImageF Luma(const ImageF& rgb);
 
 }  // namespace oraclegs

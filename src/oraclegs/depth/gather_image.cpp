@@ -1,12 +1,12 @@
-#include "oraclegs/depth/packed_image.h"
+#include "oraclegs/depth/gather_image.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace oraclegs {
 
-PackedImage Pack(const ImageF& image) {
-  PackedImage packed{image.width, image.height, {}};
+GatherImage Pack(const ImageF& image) {
+  GatherImage packed{image.width, image.height, {}};
   const int width = image.width, height = image.height, channels = image.channels;
   for (int c = 0; c < channels; ++c) {
     const auto value = [&](int x, int y) {

@@ -1,17 +1,17 @@
-#include "oraclegs/depth/packed_image.h"
+#include "oraclegs/depth/gather_image.h"
 
 #include <gtest/gtest.h>
 
 namespace oraclegs {
 namespace {
 
-TEST(Pack, AWordHoldsAPixelAndThoseRightBelowAndAcross) {
+TEST(Pack, HoldsFourPixelsInAWord) {
   ImageF image{3, 2, 2, {}};
   for (int i = 0; i < 6; ++i) {
     image.data.push_back(static_cast<float>(i) / 255);
     image.data.push_back(static_cast<float>(100 + i) / 255);
   }
-  const PackedImage packed = Pack(image);
+  const GatherImage packed = Pack(image);
   EXPECT_EQ(packed.width, 3);
   EXPECT_EQ(packed.height, 2);
   ASSERT_EQ(packed.channels.size(), 2u);
@@ -29,12 +29,12 @@ TEST(Pack, AWordHoldsAPixelAndThoseRightBelowAndAcross) {
 }
 
 TEST(Pack, RoundsAndClamps) {
-  const PackedImage packed = Pack({5, 1, 1, {-0.5f, 0.49f / 255, 0.51f / 255, 254.6f / 255, 7.f}});
+  const GatherImage packed = Pack({5, 1, 1, {-0.5f, 0.49f / 255, 0.51f / 255, 254.6f / 255, 7.f}});
   const std::vector<int> expected = {0, 0, 1, 255, 255};
   for (int x = 0; x < 5; ++x) EXPECT_EQ(packed.Value(0, x, 0), expected[static_cast<size_t>(x)]) << x;
 }
 
-TEST(Luma, WeighsTheColoursAsRec601) {
+TEST(Luma, UsesRec601Weights) {
   const ImageF luma = Luma({4, 1, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5f, 0.5f, 0.5f}});
   EXPECT_EQ(luma.channels, 1);
   ASSERT_EQ(luma.data.size(), 4u);
