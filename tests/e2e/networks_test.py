@@ -14,7 +14,7 @@ TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
 PRESETS = ["mipnerf360-12", "mipnerf360-24", "blender-8"]
 SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iterations", 3, "--stereo-passes", 1,
-         "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--opinions", 3, "--proposals", 3, "--trajectory", "dataset",
+         "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--proxy-models", 3, "--proposals", 3, "--trajectory", "dataset",
          "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2, "--candidates", 2]  # fmt: skip
 
 
@@ -72,6 +72,20 @@ class Networks(EndToEnd):
         options = json.loads((out / "options.json").read_text())["options"]
         self.assertEqual((options["proposers"], options["oracle"]), ("both", "consistency"))
         self.run_program("evaluate", out)
+
+    def test_without_the_library_networks_are_refused_and_the_rest_works(self):
+        out = self.dir / "no_library"
+        env = self.with_models["env"] | {"ORACLEGS_NETWORKS_LIBRARY": "/nowhere/liboraclegs_networks.so"}
+        for arguments, asked in (
+            (["--oracle", "vggt"], "--oracle vggt"),
+            (["--depth-prior", "fused"], "--depth-prior fused"),
+            (["--proposers", "seva"], "--proposers seva"),
+        ):
+            error = self.error_of("reconstruct", self.scene, "-o", out, *SMALL, *arguments, code=2, env=env)
+            self.assertIn(f"{asked} needs networks", error)
+        done = self.run_program("reconstruct", self.scene, "-o", out, *SMALL, "--proposers", "warp", env=env)
+        self.assertIn("without VGGT", done.stderr + done.stdout)
+        self.assertNotIn("lpips", json.loads((out / "metrics.json").read_text())["test"])
 
 
 if __name__ == "__main__":
