@@ -1,11 +1,11 @@
 #pragma once
-// Tests of device code: on the emulated device everywhere, on a real one in a build with CUDA (preset "cuda").
+// Tests of device code, also in .cu files: on the emulated device everywhere, on a real one in a build with CUDA
+// (preset "cuda").
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "oraclegs/core/buffer.h"
 #include "oraclegs/core/cuda/device_array.h"
 
 namespace oraclegs {
@@ -31,19 +31,6 @@ std::vector<T> ToHost(const cuda::DeviceArray<T>& array, int64_t count) {
   std::vector<T> out(static_cast<size_t>(count));
   array.Download(count, out.data());
   return out;
-}
-
-/// Where the buffers of kernels lie: the emulated device's memory is the host's.
-inline Device TestDevice() { return kEmulatedCuda ? kCpu : Device{DeviceKind::kCuda, 0}; }
-
-/// A copy in memory of its own.
-template <class T>
-Buffer<T> OnTestDevice(const Buffer<T>& buffer) {
-  return buffer.CopyOn(TestDevice());
-}
-template <class T>
-Buffer<T> OnHost(const Buffer<T>& buffer) {
-  return buffer.To(kCpu);
 }
 
 }  // namespace oraclegs

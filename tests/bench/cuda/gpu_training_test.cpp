@@ -1,6 +1,6 @@
 #include "bench/gpu_training.h"
 
-#include "support/cuda_device.h"
+#include "support/device_buffers.h"
 
 namespace oraclegs {
 namespace {

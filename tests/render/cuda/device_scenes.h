@@ -4,7 +4,7 @@
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 #include "render/scenes.h"
 #include "support/buffers.h"
-#include "support/cuda_device.h"
+#include "support/device_buffers.h"
 
 namespace oraclegs {
 
