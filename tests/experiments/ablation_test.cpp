@@ -121,6 +121,7 @@ TEST_F(AblationTest, LeavesOutRowsThatChangeNothing) {
 }
 
 TEST_F(AblationTest, HasARowForLpipsWhereThereAreWeights) {
+  SKIP_WITHOUT_NETWORKS();
   AblationRequest request = Ask("lpips", "lpips");
   EXPECT_THAT(MessageOf<InputError>([&] { RunAblation(request, Silent()); }),
               AllOf(HasSubstr("--rows names lpips"), HasSubstr("`oraclegs models fetch lpips-vgg`")));

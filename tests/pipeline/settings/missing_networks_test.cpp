@@ -47,6 +47,7 @@ TEST(MissingNetworks, OneErrorNamesAllAndTheCommandsThatBringThem) {
 }
 
 TEST(MissingNetworks, OnlyWhatIsNotThere) {
+  SKIP_WITHOUT_NETWORKS();
   const TempDir dir;
   const ModelsAt models(dir.path());
   WriteTinyNetworks(dir.path());

@@ -14,6 +14,7 @@ using testing::HasSubstr;
 /// Oracles of one run, its targets the first views' poses.
 class CalibratedOracleTest : public ProposingTest {
  protected:
+  void SetUp() override { SKIP_WITHOUT_NETWORKS(); }
   CalibratedOracleTest() {
     RunRequest request = Request("oracle");
     request.options.propose.proposers = ProposerChoice::kWarp;

@@ -172,6 +172,7 @@ std::vector<ScenePoint> PointsOf(const oraclegs::Run& run) {
 }
 
 TEST_F(DepthStageTest, FusesStereoWithANetwork) {
+  SKIP_WITHOUT_NETWORKS();
   RunRequest request = Request();
   request.out = temp->path() / "fused";
   request.options.depth.depth_prior = DepthPrior::kFused;
@@ -209,6 +210,7 @@ TEST_F(DepthStageTest, FusesStereoWithANetwork) {
 }
 
 TEST_F(DepthStageTest, RunsANetworkAlone) {
+  SKIP_WITHOUT_NETWORKS();
   RunRequest request = Request();
   request.out = temp->path() / "alone";
   request.options.depth.depth_prior = DepthPrior::kMonocular;
@@ -248,6 +250,7 @@ TEST_F(DepthStageTest, NotesOnceWhatBringsTheNetwork) {
 }
 
 TEST_F(DepthStageTest, RefusesWrongWeights) {
+  SKIP_WITHOUT_NETWORKS();
   RunRequest request = Request();
   request.out = temp->path() / "refused";
   request.options.depth.depth_prior = DepthPrior::kFused;

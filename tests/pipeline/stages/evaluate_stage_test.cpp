@@ -16,6 +16,7 @@ using testing::HasSubstr;
 using EvaluateStageTest = TrainedTest;
 
 TEST_F(EvaluateStageTest, ScoresLpipsInBothConventions) {
+  SKIP_WITHOUT_NETWORKS();
   EXPECT_FALSE(metrics->at("test").contains("lpips"));
   RunRequest with = *request;
   with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");

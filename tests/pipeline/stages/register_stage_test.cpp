@@ -28,6 +28,7 @@ TEST_F(PoseNetworkTest, IsNothingForColmap) {
 }
 
 TEST_F(PoseNetworkTest, IsTheOneThatIsHere) {
+  SKIP_WITHOUT_NETWORKS();
   WriteTinyVggt(temp / "models" / "vggt" / "model.safetensors");
   EXPECT_EQ(PoseNetworkOf(options, workspace)->name, "VGGT-1B");
 }

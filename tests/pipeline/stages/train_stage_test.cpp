@@ -113,6 +113,7 @@ TEST_F(TrainStageTest, RemovesResultsOfOldImages) {
 using TrainOnProposalsTest = ProposingTest;
 
 TEST_F(TrainOnProposalsTest, UsesLpipsWhereThereAreWeights) {
+  SKIP_WITHOUT_NETWORKS();
   RunRequest plain = Request("plain"), with = Request("lpips");
   for (RunRequest* request : {&plain, &with}) {
     request->options.propose.proposers = ProposerChoice::kWarp;

@@ -103,6 +103,7 @@ TEST_F(ValidateStageTest, NamesADamagedImage) {
 }
 
 TEST_F(ValidateStageTest, UsesWeightsOfVggtWhereTheyAre) {
+  SKIP_WITHOUT_NETWORKS();
   const ModelsAt models(*temp / "models");
   auto request = Request("network");
   request.options.validate.oracle = {};
