@@ -7,7 +7,8 @@
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/render/make_rasterizer.h"
-#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/noise.h"
+#include "oraclegs/train/regularizers.h"
 
 namespace oraclegs {
 namespace {
@@ -42,7 +43,7 @@ AloneSample StepAlone(AloneRun* run) {
   ms.gaussian_backward = run->rasterizer->timings().gaussian_backward;
   const TrainOptions options;
   ms.regularizers =
-      MillisecondsOf([&] { AddRegularizers(input.gaussians, options.opacity_reg, options.scale_reg, &run->grads); });
+      MillisecondsOf([&] { AddRegularizers(input.gaussians, {options.opacity_reg, options.scale_reg}, &run->grads); });
   LearningRates rates;
   rates.means = 1e-6;
   ms.adam = MillisecondsOf([&] { run->adam.Step(run->grads, rates, kMaxShDegree, &input.gaussians); });

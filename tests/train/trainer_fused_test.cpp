@@ -10,6 +10,8 @@
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/noise.h"
+#include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/schedule.h"
 #include "oraclegs/train/trainer.h"
 #include "support/buffers.h"
@@ -59,7 +61,7 @@ class SlowTrainer {
     const double photometric = PhotometricLoss()(out.image, view.image, {}, {0.8f, 0.2f}, &grad_image).loss;
     Gaussians grads = Gaussians::Zeros(gaussians_.size());
     rasterizer_->Backward(gaussians_, {grad_image, {}, {}}, &grads);
-    const double loss = photometric + AddRegularizers(gaussians_, options.opacity_reg, options.scale_reg, &grads);
+    const double loss = photometric + AddRegularizers(gaussians_, {options.opacity_reg, options.scale_reg}, &grads);
     if (i == options.iterations) return loss;
     adam_.Step(grads, rates, degree, &gaussians_);
     if (i == 8 || i == 16 || i == 24) {

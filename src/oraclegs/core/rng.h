@@ -10,23 +10,27 @@
 
 namespace oraclegs {
 
+/// Both halves of the 64-bit product.
+ORACLEGS_HD inline void MultiplyWide(uint32_t a, uint32_t b, uint32_t* high, uint32_t* low) {
+  const uint64_t product = uint64_t{a} * b;
+  *high = static_cast<uint32_t>(product >> 32);
+  *low = static_cast<uint32_t>(product);
+}
+
+#include "oraclegs/core/philox_rounds-inl.h"
+
 /// Philox4x32-10 [Salmon 2011]: four 32-bit words.
 struct Philox {
   uint32_t x[4];
 
   ORACLEGS_HD static Philox Draw(uint64_t seed, uint64_t stream, uint64_t counter) {
-    uint32_t k0 = static_cast<uint32_t>(seed), k1 = static_cast<uint32_t>(seed >> 32);
     Philox c{{static_cast<uint32_t>(counter), static_cast<uint32_t>(counter >> 32), static_cast<uint32_t>(stream),
               static_cast<uint32_t>(stream >> 32)}};
-    for (int round = 0; round < 10; ++round) {
-      const uint64_t p0 = uint64_t{0xD2511F53} * c.x[0], p1 = uint64_t{0xCD9E8D57} * c.x[2];
-      c = Philox{{static_cast<uint32_t>(p1 >> 32) ^ c.x[1] ^ k0, static_cast<uint32_t>(p1),
-                  static_cast<uint32_t>(p0 >> 32) ^ c.x[3] ^ k1, static_cast<uint32_t>(p0)}};
-      k0 += 0x9E3779B9u;
-      k1 += 0xBB67AE85u;
-    }
+    PhiloxRounds(seed, c.x);
     return c;
   }
+  /// Uniform in [0, 1), 53 bits, of the first two words.
+  ORACLEGS_HD double Uniform() const { return static_cast<double>((uint64_t{x[0]} << 32 | x[1]) >> 11) * 0x1.0p-53; }
 };
 
 /// The independent streams of one run's seed. A new use of randomness gets a new name here.
@@ -52,10 +56,7 @@ class Rng {
       : seed_(seed), stream_(static_cast<uint64_t>(stream)), counter_(counter) {}
 
   /// Uniform in [0, 1), 53 bits.
-  double Uniform() {
-    const Philox r = Philox::Draw(seed_, stream_, counter_++);
-    return static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
-  }
+  double Uniform() { return Philox::Draw(seed_, stream_, counter_++).Uniform(); }
   double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
   /// Uniform integer in [0, n), n >= 1.
   int64_t Index(int64_t n) { return static_cast<int64_t>(Uniform() * static_cast<double>(n)); }

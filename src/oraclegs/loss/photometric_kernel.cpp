@@ -20,12 +20,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "oraclegs/core/simd/lanes-inl.h"
 #include "oraclegs/loss/photometric_kernel.h"
 #include "oraclegs/loss/ssim_window.h"
+// After the lanes, whose functions it calls.
+#include "oraclegs/loss/ssim_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 using photometric::Images;
 using photometric::kGroup;
 using photometric::kRadius;
@@ -36,21 +38,16 @@ using photometric::Scratch;
 using photometric::Tile;
 using photometric::TileSums;
 
-using FloatTag = hn::CappedTag<float, 16>;
-using FloatVec = hn::Vec<FloatTag>;
-inline constexpr int kVector = static_cast<int>(hn::MaxLanes(FloatTag()));
 inline constexpr int kSlots = kRingRows - 1;  // mask from a row's number to its place in a ring
 inline constexpr int kGradientLag = 3;        // groups
 inline constexpr int kGroupInputs = kGroup + kTaps - 1;
-
-inline constexpr float kC1 = kSsimC1, kC2 = kSsimC2;
 
 HWY_INLINE constexpr float Tap(int k) {
   return static_cast<float>(kSsimWindow[k < kRadius ? kRadius - k : k - kRadius]);
 }
 
 /// Floats rounded up to whole vectors.
-HWY_INLINE constexpr int WholeVectors(int n) { return (n + kVector - 1) / kVector * kVector; }
+HWY_INLINE constexpr int WholeVectors(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
 
 /// Writes one image row of the tile with its halo into `out`, zero outside the image.
 HWY_INLINE void CopyColumns(const float* HWY_RESTRICT row, int width, const Tile& tile, float* HWY_RESTRICT out) {
@@ -72,7 +69,7 @@ HWY_INLINE void SpreadConfidence(const float* HWY_RESTRICT row, int width, const
     std::fill_n(out + 3 * (begin - left), 3 * (end - begin), 1.f);
     x = end;
   }
-  for (; x + kVector <= end; x += kVector) {
+  for (; x + kLanes <= end; x += kLanes) {
     const FloatVec u = hn::LoadU(d, row + x);
     hn::StoreInterleaved3(u, u, u, d, out + 3 * (x - left));
   }
@@ -95,7 +92,7 @@ HWY_INLINE void FetchRow(const Images& images, const Tile& tile, int y, int slot
   CopyColumns(images.target + 3 * row, images.width, tile, ys);
   SpreadConfidence(images.confidence == nullptr ? nullptr : images.confidence + row, images.width, tile,
                    s->input[Scratch::kConfidence][slot]);
-  for (int i = 0; i < columns; i += kVector) {
+  for (int i = 0; i < columns; i += kLanes) {
     const FloatVec x = hn::Load(d, xs + i), y_value = hn::Load(d, ys + i);
     hn::Store(hn::MulAdd(x, x, hn::Mul(y_value, y_value)), d, s->input[Scratch::kSquares][slot] + i);
     hn::Store(hn::Mul(x, y_value), d, s->input[Scratch::kProduct][slot] + i);
@@ -143,7 +140,7 @@ HWY_INLINE void FilterGroup(int columns, int first, Scratch* HWY_RESTRICT s) {
   for (int plane = 0; plane < Scratch::kFiltered; ++plane) {
     const float* rows[kGroupInputs];
     RingRows(s->input[plane], first, rows);
-    for (int i = 0; i < columns; i += kVector) {
+    for (int i = 0; i < columns; i += kLanes) {
       FloatVec out[kGroup];
       FilterColumns(rows, i, out);
       for (int r = 0; r < kGroup; ++r) hn::Store(out[r], d, s->vertical[plane][r] + i);
@@ -156,26 +153,16 @@ HWY_INLINE void FilterGroup(int columns, int first, Scratch* HWY_RESTRICT s) {
 HWY_INLINE void StatisticsRow(int columns, int r, const float* HWY_RESTRICT u, float dssim_scale,
                               Scratch* HWY_RESTRICT s) {
   const FloatTag d;
-  const FloatVec two = hn::Set(d, 2.f), c1 = hn::Set(d, kC1), c2 = hn::Set(d, kC2);
   const FloatVec upstream = hn::Set(d, -2.f * dssim_scale);
-  for (int i = 0; i < columns; i += kVector) {
-    const FloatVec mx = FilterRow(s->vertical[Scratch::kRender][r] + i);
-    const FloatVec my = FilterRow(s->vertical[Scratch::kTarget][r] + i);
-    const FloatVec squares = FilterRow(s->vertical[Scratch::kSquares][r] + i);
-    const FloatVec product = FilterRow(s->vertical[Scratch::kProduct][r] + i);
-    const FloatVec mxy = hn::Mul(mx, my), mm = hn::MulAdd(mx, mx, hn::Mul(my, my));
-    const FloatVec p = hn::MulAdd(two, mxy, c1), q = hn::MulAdd(two, hn::Sub(product, mxy), c2);
-    const FloatVec a = hn::Add(mm, c1), b = hn::Add(hn::Max(hn::Sub(squares, mm), hn::Zero(d)), c2);
-    const FloatVec inv_ab = hn::Div(hn::Set(d, 1.f), hn::Mul(a, b));
-    const FloatVec ssim = hn::Mul(hn::Mul(p, q), inv_ab);
-    // 1/b - 1/a = (a - b) / (a b), and 1/b = a / (a b): one division serves all.
-    const FloatVec by_my = hn::Mul(hn::Mul(my, hn::Sub(q, p)), inv_ab);
-    const FloatVec by_mx = hn::Mul(hn::Mul(mx, ssim), hn::Mul(hn::Sub(a, b), inv_ab));
+  for (int i = 0; i < columns; i += kLanes) {
+    const SsimPoint<Lanes> point = EvaluateSsim(SsimMoments<Lanes>{
+        FilterRow(s->vertical[Scratch::kRender][r] + i), FilterRow(s->vertical[Scratch::kTarget][r] + i),
+        FilterRow(s->vertical[Scratch::kSquares][r] + i), FilterRow(s->vertical[Scratch::kProduct][r] + i)});
     const FloatVec g = hn::Mul(upstream, hn::LoadU(d, u + i));
-    hn::Store(ssim, d, s->ssim + i);
-    hn::Store(hn::Mul(g, hn::Add(by_my, by_mx)), d, s->coefficient[Scratch::kMean] + i);
-    hn::Store(hn::Neg(hn::Mul(g, hn::Mul(ssim, hn::Mul(a, inv_ab)))), d, s->coefficient[Scratch::kVariance] + i);
-    hn::Store(hn::Mul(g, hn::Mul(p, inv_ab)), d, s->coefficient[Scratch::kCovariance] + i);
+    hn::Store(point.ssim.v, d, s->ssim + i);
+    hn::Store(hn::Mul(g, point.mean.v), d, s->coefficient[Scratch::kMean] + i);
+    hn::Store(hn::Mul(g, point.variance.v), d, s->coefficient[Scratch::kVariance] + i);
+    hn::Store(hn::Mul(g, point.covariance.v), d, s->coefficient[Scratch::kCovariance] + i);
   }
 }
 
@@ -187,7 +174,7 @@ HWY_INLINE void AddRow(int columns, int center, const Scratch& s, TileSums* sums
   const float* HWY_RESTRICT u = s.input[Scratch::kConfidence][center] + 6 * kRadius;
   const float* HWY_RESTRICT ssim = s.ssim + 3 * kRadius;
   FloatVec l1 = hn::Zero(d), dssim = hn::Zero(d);
-  for (int i = 0; i < columns; i += kVector) {
+  for (int i = 0; i < columns; i += kLanes) {
     const auto mine = hn::FirstN(d, static_cast<size_t>(columns - i));
     const FloatVec weight = hn::IfThenElseZero(mine, hn::LoadU(d, u + i));
     const FloatVec away = hn::IfThenElseZero(mine, hn::Sub(hn::Set(d, 1.f), hn::LoadU(d, ssim + i)));
@@ -215,7 +202,7 @@ HWY_INLINE void FinishRow(const Images& images, const Tile& tile, int row, Scrat
   if (images.grad == nullptr) return;
   for (int c = 0; c < Scratch::kCoefficients; ++c) {
     float* HWY_RESTRICT out = s->backward[c][row & kSlots];
-    for (int i = 0; i < own; i += kVector) hn::Store(FilterRow(s->coefficient[c] + i), d, out + i);
+    for (int i = 0; i < own; i += kLanes) hn::Store(FilterRow(s->coefficient[c] + i), d, out + i);
   }
 }
 
@@ -245,15 +232,15 @@ HWY_INLINE void GradientGroup(const Images& images, const Tile& tile, int first,
   for (int c = 0; c < Scratch::kCoefficients; ++c) RingRows(s.backward[c], first, rows[c]);
   const int own = 3 * (tile.x1 - tile.x0), count = std::min(kGroup, tile.y1 - tile.y0 - first);
   float* out = images.grad + 3 * ((static_cast<int64_t>(tile.y0) + first) * images.width + tile.x0);
-  for (int i = 0; i < own; i += kVector) {
+  for (int i = 0; i < own; i += kLanes) {
     FloatVec grad[kGroup];
     GradientVector(s, rows, first, i, images.l1_scale, grad);
     for (int r = 0; r < count; ++r) {
       float* to = out + 3 * static_cast<int64_t>(r) * images.width + i;
-      if (own - i >= kVector) {
+      if (own - i >= kLanes) {
         hn::StoreU(grad[r], d, to);
       } else {
-        HWY_ALIGN float last[kVector];
+        HWY_ALIGN float last[kLanes];
         hn::Store(grad[r], d, last);
         std::memcpy(to, last, sizeof(float) * (own - i));
       }

@@ -12,9 +12,15 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/train/adam.cpp"
-#include <hwy/cache_control.h>
+// clang-format off: foreach_target must come before the other Highway headers
 #include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
+
+#include "oraclegs/core/simd/lanes-inl.h"
+// After the lanes, whose functions it calls.
+#include "oraclegs/train/step_math-inl.h"
 
 #ifndef ORACLEGS_TRAIN_ADAM_ONCE_
 #define ORACLEGS_TRAIN_ADAM_ONCE_
@@ -22,7 +28,7 @@ namespace oraclegs {
 
 inline constexpr int kPrefetchRows = 8;  // of sh, ahead of use
 
-/// One parameter tensor, or part of it, and what belongs to it.
+/// One parameter array, or part of it, and what belongs to it.
 struct AdamArrays {
   const float* g;
   float *p, *m, *v;
@@ -33,38 +39,26 @@ struct AdamArrays {
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
 
 /// One vector of one parameter. `rate` = learning rate * correction1.
-HWY_INLINE void UpdateVector(V g, V rate, V correction2_root, const AdamArrays& a, int64_t at) {
-  const D d;
-  const V beta1 = hn::Set(d, static_cast<float>(kAdamBeta1)), rest1 = hn::Set(d, static_cast<float>(1 - kAdamBeta1));
-  const V beta2 = hn::Set(d, static_cast<float>(kAdamBeta2)), rest2 = hn::Set(d, static_cast<float>(1 - kAdamBeta2));
-  const V smallest = hn::Set(d, kSmallestMoment);
-  V m = hn::MulAdd(beta1, hn::LoadU(d, a.m + at), hn::Mul(rest1, g));
-  V v = hn::MulAdd(beta2, hn::LoadU(d, a.v + at), hn::Mul(rest2, hn::Mul(g, g)));
-  m = hn::IfThenZeroElse(hn::Lt(hn::Abs(m), smallest), m);
-  v = hn::IfThenZeroElse(hn::Lt(v, smallest), v);
-  const V root = hn::MulAdd(hn::Sqrt(v), correction2_root, hn::Set(d, static_cast<float>(kAdamEpsilon)));
-  const V p = hn::LoadU(d, a.p + at);
-  hn::StoreU(m, d, a.m + at);
-  hn::StoreU(v, d, a.v + at);
-  hn::StoreU(hn::Sub(p, hn::Div(hn::Mul(rate, m), root)), d, a.p + at);
+HWY_INLINE void UpdateVector(Lanes g, Lanes rate, Lanes correction2_root, const AdamArrays& a, int64_t at) {
+  const FloatTag d;
+  AdamNumber<Lanes> n{hn::LoadU(d, a.p + at), hn::LoadU(d, a.m + at), hn::LoadU(d, a.v + at)};
+  StepNumber(g, rate, correction2_root, &n);
+  hn::StoreU(n.m.v, d, a.m + at);
+  hn::StoreU(n.v.v, d, a.v + at);
+  hn::StoreU(n.value.v, d, a.p + at);
 }
 
 /// `count` floats with one learning rate.
-HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate, V correction2_root) {
-  const D d;
-  const int64_t lanes = static_cast<int64_t>(hn::Lanes(d));
-  const V rate = hn::Set(d, scaled_rate);
+HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate, Lanes correction2_root) {
+  const FloatTag d;
+  const Lanes rate(scaled_rate);
   int64_t at = 0;
-  for (; at + lanes <= count; at += lanes) UpdateVector(hn::LoadU(d, a.g + at), rate, correction2_root, a, at);
+  for (; at + kLanes <= count; at += kLanes) UpdateVector(hn::LoadU(d, a.g + at), rate, correction2_root, a, at);
   if (at == count) return;
   // The last few, in a vector of their own, so that they see the same arithmetic as the others.
-  HWY_ALIGN float buffer[4][hn::MaxLanes(D())] = {};
+  HWY_ALIGN float buffer[4][kLanes] = {};
   for (int64_t i = at; i < count; ++i) {
     buffer[0][i - at] = a.g[i], buffer[1][i - at] = a.p[i], buffer[2][i - at] = a.m[i], buffer[3][i - at] = a.v[i];
   }
@@ -82,21 +76,20 @@ HWY_INLINE void PrefetchRow(const float* row) {
 }
 
 /// `count` rows of sh, the first floats of each.
-HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants& constants, V correction2_root) {
-  const D d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  static_assert(kShFloats % hn::MaxLanes(D()) == 0, "a row must be whole vectors");
-  const int whole = constants.sh_active / lanes * lanes;
+HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants& constants, Lanes correction2_root) {
+  const FloatTag d;
+  static_assert(kShFloats % kLanes == 0, "a row must be whole vectors");
+  const int whole = constants.sh_active / kLanes * kLanes;
   const auto partial = hn::FirstN(d, static_cast<size_t>(constants.sh_active - whole));
   for (int64_t row = 0; row < count; ++row) {
     const int64_t start = row * kShFloats;
     PrefetchRow(a.m + start + kPrefetchRows * kShFloats);
     PrefetchRow(a.v + start + kPrefetchRows * kShFloats);
-    for (int k = 0; k < whole; k += lanes) {
+    for (int k = 0; k < whole; k += kLanes) {
       UpdateVector(hn::LoadU(d, a.g + start + k), hn::LoadU(d, constants.sh + k), correction2_root, a, start + k);
     }
     if (whole == constants.sh_active) continue;
-    const V g = hn::IfThenElseZero(partial, hn::LoadU(d, a.g + start + whole));
+    const Lanes g = hn::IfThenElseZero(partial, hn::LoadU(d, a.g + start + whole));
     UpdateVector(g, hn::LoadU(d, constants.sh + whole), correction2_root, a, start + whole);
   }
 }
@@ -104,7 +97,7 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
 /// `count` Gaussians.
 void UpdateRows(const GaussianRows& g, const GaussianRows& p, const GaussianRows& m, const GaussianRows& v,
                 int64_t count, const AdamConstants& constants) {
-  const V root = hn::Set(D(), constants.correction2_root);
+  const Lanes root(constants.correction2_root);
   UpdateFlat({g.means, p.means, m.means, v.means}, 3 * count, constants.means, root);
   UpdateFlat({g.log_scales, p.log_scales, m.log_scales, v.log_scales}, 3 * count, constants.log_scales, root);
   UpdateFlat({g.quats, p.quats, m.quats, v.quats}, 4 * count, constants.quats, root);

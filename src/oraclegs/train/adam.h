@@ -1,7 +1,7 @@
 #pragma once
 
 #include "oraclegs/gaussians/gaussians.h"
-#include "oraclegs/train/adam_constants.h"
+#include "oraclegs/train/step_constants.h"
 
 namespace oraclegs {
 

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers of the training that every device shares. Free of libtorch, for device code.
+// Numbers of the training that every device shares.
 
 namespace oraclegs {
 
@@ -28,7 +28,6 @@ inline constexpr float kGateSlope = 100.f;
 /// 5e5 * lr is about 100 at most per unit of extent, so what is dropped is below 1e-9 of a Gaussian's own squared size:
 /// nothing next to the rounding of a float.
 inline constexpr float kMinNoiseGate = 1e-12f;
-inline constexpr float kExpLimit = 80.f;  ///< exp(80) is finite in float32, and nothing beyond it matters
 
 inline constexpr float kTrustedDepth = 0.5f;     ///< depth_mask above: the depth of this pixel is believed
 inline constexpr double kFloaterRatio = 1.1;     ///< 1/z more than this many times the depth's: before the surface

@@ -6,6 +6,8 @@
 
 #include "oraclegs/train/floaters.h"
 #include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/noise.h"
+#include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/scale_cap.h"
 
 namespace oraclegs {
@@ -60,7 +62,7 @@ class CpuTrainDevice final : public TrainDevice {
 
   void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) override {
     Gaussians* gaussians = &model->gaussians;
-    regularizers_.Begin(*gaussians, options_.opacity_reg, options_.scale_reg);
+    regularizers_.Begin(*gaussians, {options_.opacity_reg, options_.scale_reg});
     StepConsumer consumer(iteration, gaussians, &regularizers_);
     if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);

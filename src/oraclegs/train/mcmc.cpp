@@ -157,7 +157,7 @@ int64_t RelocateDead(uint64_t seed, int64_t iteration, Gaussians* gaussians, Ada
 int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Gaussians* gaussians, Adam* adam) {
   CheckSizes("AddGaussians", *gaussians, *adam);
   const int64_t n = gaussians->size();
-  const int64_t added = std::max<int64_t>(0, std::min(max_gaussians, n + n / 20) - n);
+  const int64_t added = GrowthOf(n, max_gaussians);
   if (added == 0) return 0;
   const std::vector<double> opacities = Opacities(*gaussians);
   const WeightedDraw draw(opacities, seed, RandomStream::kAdd, iteration);

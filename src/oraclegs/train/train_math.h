@@ -42,8 +42,13 @@ ORACLEGS_HD inline Relocated RelocateBy(double opacity, int n, const double* cho
 
 /// Uniform in [0, 1), 53 bits, of the draw of this number; for weighted draws.
 ORACLEGS_HD inline double DrawUniform(uint64_t seed, RandomStream stream, uint64_t counter) {
-  const Philox r = Philox::Draw(seed, static_cast<uint64_t>(stream), counter);
-  return static_cast<double>((uint64_t{r.x[0]} << 32 | r.x[1]) >> 11) * 0x1.0p-53;
+  return Philox::Draw(seed, static_cast<uint64_t>(stream), counter).Uniform();
+}
+
+/// How many Gaussians n of them grow by: 5 %, to at most `max`.
+inline int64_t GrowthOf(int64_t n, int64_t max) {
+  const int64_t grown = n + n / 20 < max ? n + n / 20 : max;
+  return grown > n ? grown - n : 0;
 }
 
 /// The factor of a Gaussian's opacity in one iteration; see opacity_factors.h. counter: iteration << 32 | index. Real:

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "oraclegs/loss/masked_l1.h"
-#include "support/cuda_device.h"
+#include "support/device_buffers.h"
 #include "support/buffers.h"
 
 namespace oraclegs::cuda {

@@ -1,7 +1,7 @@
 #include "oraclegs/loss/cuda/photometric.h"
 
 #include "oraclegs/loss/objective.h"
-#include "support/cuda_device.h"
+#include "support/device_buffers.h"
 #include "support/golden.h"
 #include "support/buffers.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // Gaussians on the device of the tests.
 
-#include "support/cuda_device.h"
+#include "support/device_buffers.h"
 #include "train/gaussian_fixtures.h"
 
 namespace oraclegs {

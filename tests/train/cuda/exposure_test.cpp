@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "oraclegs/train/exposure.h"
-#include "support/cuda_device.h"
+#include "support/device_buffers.h"
 #include "support/buffers.h"
 
 namespace oraclegs::cuda {

@@ -42,6 +42,7 @@ HWY_INLINE Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v, b.v); }
 HWY_INLINE Lanes operator*(Lanes a, Lanes b) { return hn::Mul(a.v, b.v); }
 HWY_INLINE Lanes operator/(Lanes a, Lanes b) { return hn::Div(a.v, b.v); }
 HWY_INLINE Lanes operator-(Lanes a) { return hn::Neg(a.v); }
+HWY_INLINE LanesMask operator<(Lanes a, Lanes b) { return {hn::Lt(a.v, b.v)}; }
 HWY_INLINE LanesMask operator>(Lanes a, Lanes b) { return {hn::Gt(a.v, b.v)}; }
 HWY_INLINE LanesMask operator<=(Lanes a, Lanes b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE LanesMask operator>=(Lanes a, Lanes b) { return {hn::Ge(a.v, b.v)}; }
@@ -52,6 +53,10 @@ HWY_INLINE Lanes Max(Lanes a, Lanes b) { return hn::Max(a.v, b.v); }
 HWY_INLINE Lanes Sqrt(Lanes a) { return hn::Sqrt(a.v); }
 HWY_INLINE Lanes Exp(Lanes a) { return hn::Exp(FloatTag(), a.v); }
 HWY_INLINE Lanes Log(Lanes a) { return hn::Log(FloatTag(), a.v); }
+HWY_INLINE Lanes Cos(Lanes a) { return hn::Cos(FloatTag(), a.v); }
+HWY_INLINE Lanes Sin(Lanes a) { return hn::Sin(FloatTag(), a.v); }
+HWY_INLINE Lanes Abs(Lanes a) { return hn::Abs(a.v); }
+HWY_INLINE Lanes MulAdd(Lanes a, Lanes b, Lanes c) { return hn::MulAdd(a.v, b.v, c.v); }
 
 }  // namespace oraclegs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

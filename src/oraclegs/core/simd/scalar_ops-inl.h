@@ -41,6 +41,27 @@ template <std::floating_point T>
 ORACLEGS_HD inline T Exp(T a) {
   return std::exp(a);
 }
+template <std::floating_point T>
+ORACLEGS_HD inline T Log(T a) {
+  return std::log(a);
+}
+template <std::floating_point T>
+ORACLEGS_HD inline T Cos(T a) {
+  return std::cos(a);
+}
+template <std::floating_point T>
+ORACLEGS_HD inline T Sin(T a) {
+  return std::sin(a);
+}
+template <std::floating_point T>
+ORACLEGS_HD inline T Abs(T a) {
+  return a < 0 ? -a : a;
+}
+/// a b + c, which compilers fuse where the device can.
+template <std::floating_point T>
+ORACLEGS_HD inline T MulAdd(T a, T b, T c) {
+  return a * b + c;
+}
 
 }  // namespace
 #if !defined(__CUDACC__)

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "oraclegs/train/adam_constants.h"
+#include "oraclegs/train/step_constants.h"
 
 namespace oraclegs::cuda {
 

@@ -1,9 +1,10 @@
+#include "oraclegs/train/noise.h"
+
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "oraclegs/core/rng.h"
 #include "oraclegs/render/render.h"
-#include "oraclegs/train/mcmc.h"
 #include "support/buffers.h"
 #include "support/golden.h"
 #include "train/gaussian_fixtures.h"
@@ -21,7 +22,7 @@ Gaussians UnitGaussians(int64_t n, float logit) {
   return g;
 }
 
-TEST(NoiseTest, MatchesGoldenOnEveryTarget) {
+TEST(Noise, MatchesGoldenOnEveryTarget) {
   const SafetensorsFile golden = OpenGolden("mcmc_relocation");
   const double lr = golden.Values<double>("noise_lr_xyz").at(0);
   const Buffer<float> epsilon = GoldenFloat(golden, "noise_epsilon");
@@ -42,7 +43,7 @@ TEST(NoiseTest, MatchesGoldenOnEveryTarget) {
   });
 }
 
-TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
+TEST(Noise, DrawsPhiloxNumbersOnEveryTarget) {
   constexpr int64_t kCount = 53, kIteration = 77;
   constexpr double kRate = 1e-5;  // 5e5 times this is 5
   constexpr double kPi = 3.14159265358979323846;
@@ -63,7 +64,7 @@ TEST(NoiseTest, DrawsThePhiloxNumbersOnEveryTarget) {
   });
 }
 
-TEST(NoiseTest, IsStandardNormal) {
+TEST(Noise, IsStandardNormal) {
   constexpr int64_t kCount = 100000;
   Gaussians g = UnitGaussians(kCount, -40);
   const double gate = 1 / (1 + std::exp(-0.5));
@@ -75,7 +76,7 @@ TEST(NoiseTest, IsStandardNormal) {
   EXPECT_NEAR(x.array().pow(4).mean(), 3, 0.1);
 }
 
-TEST(NoiseTest, MultipliesByTheCovarianceItself) {
+TEST(Noise, MultipliesByTheCovarianceItself) {
   Gaussians g = RandomGaussians(31, 4);
   Flat(g.opacity_logits).setConstant(-40);
   const Eigen::ArrayXd before = Wide(g.means);
@@ -96,7 +97,7 @@ TEST(NoiseTest, MultipliesByTheCovarianceItself) {
   }
 }
 
-TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
+TEST(Noise, LeavesOpaqueGaussiansInPlace) {
   Gaussians g = RandomGaussians(100, 4);
   Flat(g.log_scales).setConstant(2);
   Flat(g.opacity_logits).head(99).setZero();  // gate exp(-49.5)
@@ -107,7 +108,7 @@ TEST(NoiseTest, TheOpaqueStayWhereTheyAre) {
   EXPECT_FALSE(Equal(g.means.Rows(99, 100), before.Rows(99, 100)));
 }
 
-TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
+TEST(Noise, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const Threads scope(threads);
     Gaussians g = RandomGaussians(5003, 4);
@@ -119,7 +120,7 @@ TEST(NoiseTest, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(SameBits(one, run(5)));
 }
 
-TEST(NoiseTest, BlocksGiveTheBitsOfTheWhole) {
+TEST(Noise, GivesTheSameBitsInBlocks) {
   Gaussians whole = RandomGaussians(203, 4), cut = RandomGaussians(203, 4);
   const MeansNoise noise{1, 9, 1e-4};
   AddNoise(noise, &whole);
@@ -129,7 +130,7 @@ TEST(NoiseTest, BlocksGiveTheBitsOfTheWhole) {
   EXPECT_TRUE(SameBits(whole, cut));
 }
 
-TEST(NoiseTest, IterationAndSeedMatter) {
+TEST(Noise, DependsOnIterationAndSeed) {
   const auto run = [](uint64_t seed, int64_t iteration) {
     Gaussians g = UnitGaussians(8, -40);
     AddNoise({seed, iteration, 1e-4}, &g);
@@ -140,60 +141,9 @@ TEST(NoiseTest, IterationAndSeedMatter) {
   EXPECT_FALSE(Equal(run(1, 5), run(2, 5)));
 }
 
-TEST(NoiseTest, RefusesEpsilonOfAnotherShape) {
+TEST(Noise, RefusesEpsilonOfAnotherShape) {
   Gaussians g = RandomGaussians(8, 4);
   EXPECT_THROW(AddNoiseFrom(Buffer<float>::Zeros({7, 3}), 1e-4, &g), ShapeError);
-}
-
-TEST(RegularizerTest, AgreesWithAutogradOnEveryTarget) {
-  constexpr double kOpacityReg = 0.3, kScaleReg = 0.7;
-  for (const int64_t n : {1, 37, 3001}) {
-    const Gaussians g = RandomGaussians(n, 8);
-    const Eigen::ArrayXd opacity = 1 / (1 + (-Wide(g.opacity_logits)).exp()), scale = Wide(g.log_scales).exp();
-    const double value = kOpacityReg * opacity.mean() + kScaleReg * scale.mean();
-    const Eigen::ArrayXd by_logit = kOpacityReg * opacity * (1 - opacity) / static_cast<double>(n);
-    const Eigen::ArrayXd by_log_scale = kScaleReg * scale / static_cast<double>(3 * n);
-    const Gaussians start = RandomGaussians(n, 9);
-    ForEachTarget([&](int64_t target) {
-      Gaussians grads = start.Clone();
-      EXPECT_NEAR(AddRegularizers(g, kOpacityReg, kScaleReg, &grads), value, 1e-6) << target;
-      EXPECT_LT(MaxAbsError(Wide(grads.opacity_logits) - Wide(start.opacity_logits), by_logit), 2e-6);
-      EXPECT_LT(MaxAbsError(Wide(grads.log_scales) - Wide(start.log_scales), by_log_scale), 2e-6);
-      EXPECT_TRUE(Equal(grads.means, start.means) && Equal(grads.sh, start.sh));
-      // From zero, the gradient is seen without the rounding of the sum.
-      grads = Gaussians::Zeros(n);
-      AddRegularizers(g, kOpacityReg, kScaleReg, &grads);
-      EXPECT_LT(RelativeL2(grads.opacity_logits, by_logit), 1e-6) << target;
-      EXPECT_LT(RelativeL2(grads.log_scales, by_log_scale), 1e-6) << target;
-    });
-  }
-}
-
-TEST(RegularizerTest, BlocksGiveTheBitsOfTheWholeAndMemoryIsReused) {
-  Regularizers regularizers;
-  for (const int64_t n : {7 * kGradBlock + 5, 2 * kGradBlock, int64_t{3}}) {
-    const Gaussians g = RandomGaussians(n, 8);
-    Gaussians whole = RandomGaussians(n, 9), cut = RandomGaussians(n, 9);
-    const double value = AddRegularizers(g, 0.01, 0.02, &whole);
-    regularizers.Begin(g, 0.01, 0.02);
-    const int64_t middle = std::min(n, 2 * kGradBlock);
-    regularizers.AddTo(middle, n, cut.Rows().From(middle));
-    regularizers.AddTo(0, middle, cut.Rows());
-    EXPECT_EQ(regularizers.Value(), value);
-    EXPECT_TRUE(SameBits(whole, cut));
-  }
-}
-
-TEST(RegularizerTest, ValueHasTheSameBitsForAnyNumberOfThreads) {
-  const Gaussians g = RandomGaussians(50001, 8);
-  const auto run = [&](int threads) {
-    const Threads scope(threads);
-    Gaussians grads = Gaussians::Zeros(g.size());
-    return AddRegularizers(g, 0.01, 0.01, &grads);
-  };
-  const double one = run(1);
-  EXPECT_EQ(one, run(2));
-  EXPECT_EQ(one, run(5));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
-// What every device's Adam is told of a step. Free of libtorch, for device code.
+// What of one training step is the same for all Gaussians, on every device.
+
+#include <cstdint>
 
 #include "oraclegs/gaussians/gaussian_rows.h"
 
@@ -19,12 +21,24 @@ struct LearningRates {
   }
 };
 
-/// What of one step is the same for all Gaussians. Learning rates are times 1 / (1 - beta1^t).
+/// Of Adam. Learning rates are times 1 / (1 - beta1^t).
 struct AdamConstants {
   float correction2_root;  ///< 1 / sqrt(1 - beta2^t)
   float means, log_scales, quats, opacity_logits;
   float sh[kShFloats];
   int sh_active;  ///< floats of a row of sh that are trained
+};
+
+/// Of the regularisers, per entry: their weights in the loss over N, or 3 N.
+struct RegularizerWeights {
+  float opacity = 0, scale = 0;
+};
+
+/// Of the noise.
+struct NoiseConstants {
+  uint64_t seed = 0;
+  uint32_t iteration = 0;
+  float strength = 0;  ///< 5e5 * lr_means
 };
 
 }  // namespace oraclegs
