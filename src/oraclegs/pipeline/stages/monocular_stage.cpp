@@ -51,7 +51,7 @@ MonocularMaps WithMonocularDepth(const std::vector<RelativeDepth>& predicted, co
     known.push_back(KnownDepths(points, static_cast<int>(v), views[v].camera));
   }
   AlignmentRule rule;
-  rule.smallest_span = SmallestSpan(known);
+  rule.min_span = MinSpan(known);
   std::vector<Alignment> alignments;
   for (size_t v = 0; v < views.size(); ++v) {
     alignments.push_back(Align(predicted[v], views[v].camera, known[v], rule));
