@@ -11,18 +11,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/core/simd/lanes-inl.h"
 #include "oraclegs/depth/patch_cost.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
+using UintTag = hn::RebindToUnsigned<FloatTag>;
 
-using F = hn::CappedTag<float, 16>;
-using I = hn::RebindToSigned<F>;
-using U = hn::RebindToUnsigned<F>;
-using V = hn::Vec<F>;
-
-HWY_INLINE V ByteOf(hn::Vec<U> word) { return hn::ConvertTo(F(), hn::BitCast(I(), word)); }
+HWY_INLINE FloatVec ByteOf(hn::Vec<UintTag> word) { return hn::ConvertTo(FloatTag(), hn::BitCast(IntTag(), word)); }
 
 /// Pixel coordinates of a patch's samples: base + dx * right + dy * down, homogeneous.
 struct Homography {
@@ -31,42 +27,42 @@ struct Homography {
 
 template <int kChannels>
 HWY_INLINE float Cost(const Patch& patch, const GatherImage& image, const Homography& h) {
-  const F f;
-  const I i;
+  const FloatTag f;
+  const IntTag i;
   const PatchOffsets& offsets = Offsets();
-  const V max_x = hn::Set(f, static_cast<float>(image.width - 1)),
-          max_y = hn::Set(f, static_cast<float>(image.height - 1));
-  const V half = hn::Set(f, 0.5f), zero = hn::Zero(f);
+  const FloatVec max_x = hn::Set(f, static_cast<float>(image.width - 1)),
+                 max_y = hn::Set(f, static_cast<float>(image.height - 1));
+  const FloatVec half = hn::Set(f, 0.5f), zero = hn::Zero(f);
   const auto stride = hn::Set(i, image.width);
-  const auto byte = hn::Set(U(), 255u);
-  V sums[kChannels], cross = zero, squares = zero;
-  for (V& sum : sums) sum = zero;
+  const auto byte = hn::Set(UintTag(), 255u);
+  FloatVec sums[kChannels], cross = zero, squares = zero;
+  for (FloatVec& sum : sums) sum = zero;
   for (size_t k = 0; k < kPatchSlots; k += hn::Lanes(f)) {
-    const V dx = hn::Load(f, &offsets.x[k]), dy = hn::Load(f, &offsets.y[k]);
+    const FloatVec dx = hn::Load(f, &offsets.x[k]), dy = hn::Load(f, &offsets.y[k]);
     const auto along = [&](int row) {
       return hn::MulAdd(dx, hn::Set(f, h.right[row]), hn::MulAdd(dy, hn::Set(f, h.down[row]), hn::Set(f, h.base[row])));
     };
-    const V inverse = hn::Div(hn::Set(f, 1.f), along(2));
-    const V x = hn::Min(hn::Max(hn::Sub(hn::Mul(along(0), inverse), half), zero), max_x);
-    const V y = hn::Min(hn::Max(hn::Sub(hn::Mul(along(1), inverse), half), zero), max_y);
+    const FloatVec inverse = hn::Div(hn::Set(f, 1.f), along(2));
+    const FloatVec x = hn::Min(hn::Max(hn::Sub(hn::Mul(along(0), inverse), half), zero), max_x);
+    const FloatVec y = hn::Min(hn::Max(hn::Sub(hn::Mul(along(1), inverse), half), zero), max_y);
     const auto xi = hn::ConvertTo(i, x), yi = hn::ConvertTo(i, y);
-    const V fx = hn::Sub(x, hn::ConvertTo(f, xi)), fy = hn::Sub(y, hn::ConvertTo(f, yi));
+    const FloatVec fx = hn::Sub(x, hn::ConvertTo(f, xi)), fy = hn::Sub(y, hn::ConvertTo(f, yi));
     const auto index = hn::Add(hn::Mul(yi, stride), xi);
-    const V weight = hn::Load(f, patch.weight + k);
+    const FloatVec weight = hn::Load(f, patch.weight + k);
     for (int c = 0; c < kChannels; ++c) {
-      const auto word = hn::GatherIndex(U(), image.channels[static_cast<size_t>(c)].data(), index);
-      const V p00 = ByteOf(hn::And(word, byte)), p10 = ByteOf(hn::And(hn::ShiftRight<8>(word), byte));
-      const V p01 = ByteOf(hn::And(hn::ShiftRight<16>(word), byte)), p11 = ByteOf(hn::ShiftRight<24>(word));
-      const V top = hn::MulAdd(fx, hn::Sub(p10, p00), p00), bottom = hn::MulAdd(fx, hn::Sub(p11, p01), p01);
-      const V value = hn::MulAdd(fy, hn::Sub(bottom, top), top);
-      const V weighted = hn::Mul(weight, value);
+      const auto word = hn::GatherIndex(UintTag(), image.channels[static_cast<size_t>(c)].data(), index);
+      const FloatVec p00 = ByteOf(hn::And(word, byte)), p10 = ByteOf(hn::And(hn::ShiftRight<8>(word), byte));
+      const FloatVec p01 = ByteOf(hn::And(hn::ShiftRight<16>(word), byte)), p11 = ByteOf(hn::ShiftRight<24>(word));
+      const FloatVec top = hn::MulAdd(fx, hn::Sub(p10, p00), p00), bottom = hn::MulAdd(fx, hn::Sub(p11, p01), p01);
+      const FloatVec value = hn::MulAdd(fy, hn::Sub(bottom, top), top);
+      const FloatVec weighted = hn::Mul(weight, value);
       sums[c] = hn::Add(sums[c], weighted);
       squares = hn::MulAdd(weighted, value, squares);
       cross = hn::MulAdd(hn::Load(f, patch.centred[c] + k), value, cross);
     }
   }
   float variance = hn::GetLane(hn::SumOfLanes(f, squares));
-  for (const V& sum : sums) {
+  for (const FloatVec& sum : sums) {
     const float mean = hn::GetLane(hn::SumOfLanes(f, sum));
     variance -= mean * mean;
   }
