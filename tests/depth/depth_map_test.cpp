@@ -2,8 +2,59 @@
 
 #include <gtest/gtest.h>
 
+#include "depth/rig.h"
+
 namespace oraclegs {
 namespace {
+
+const Camera kLeft = CameraAt({-0.5, 0, -4}, {0, 0, 0}), kRight = CameraAt({0.5, 0.1, -4}, {0, 0, 0});
+const TexturedPlane kWall{{0, 0, 0.5}, Eigen::Vector3d(0.2, -0.1, -1).normalized()};
+
+DepthMap TrueMap(const Camera& camera, float confidence = 1) {
+  DepthMap map{"view", camera, {}, {}, {}};
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      map.inv_depth.push_back(static_cast<float>(1 / kWall.DepthAt(camera, x + 0.5, y + 0.5)));
+      map.normals.emplace_back(0, 0, -1);
+      map.confidence.push_back(confidence);
+    }
+  }
+  return map;
+}
+
+class FindPixelTest : public testing::Test {
+ protected:
+  std::optional<size_t> Find(const DepthMap& other, size_t index) const {
+    return FindPixel(other, MapBetween(kLeft, kRight), MapBetween(kRight, kLeft), PixelOf(left, index), {});
+  }
+  static constexpr size_t kMiddle = 60 * 160 + 80;
+  DepthMap left = TrueMap(kLeft), right = TrueMap(kRight);
+};
+
+TEST_F(FindPixelTest, FindsPixelOfSamePoint) {
+  const auto found = Find(right, kMiddle);
+  ASSERT_TRUE(found);
+  const Eigen::Vector3f here = PixelOf(left, kMiddle), there = PixelOf(right, *found);
+  const auto world = [](const Camera& camera, const Eigen::Vector3f& uvw) -> Eigen::Vector3d {
+    return camera.cam_from_world.inverse() * (RayOf(camera, uvw.x(), uvw.y()) / uvw.z()).cast<double>().eval();
+  };
+  EXPECT_LT((world(kLeft, here) - world(kRight, there)).norm(), 0.03) << "a pixel is 0.025 wide there";
+}
+
+TEST_F(FindPixelTest, RejectsOccluder) {
+  for (float& w : right.inv_depth) w *= 1.5f;  // something nearer stands before the right camera
+  EXPECT_FALSE(Find(right, kMiddle));
+}
+
+TEST_F(FindPixelTest, IgnoresUnconfidentDepth) {
+  EXPECT_FALSE(Find(TrueMap(kRight, 0.2f), kMiddle));
+  EXPECT_TRUE(Find(TrueMap(kRight, 0.4f), kMiddle));
+}
+
+TEST_F(FindPixelTest, RejectsPointsOutOfFrame) {
+  left.inv_depth[kMiddle] = 4;  // right before the camera: far beside the right image
+  EXPECT_FALSE(Find(right, kMiddle));
+}
 
 TEST(ConfidentShare, IncludesThreshold) {
   DepthMap map;

@@ -6,7 +6,6 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
-#include "oraclegs/depth/correspondence.h"
 
 namespace oraclegs {
 namespace {

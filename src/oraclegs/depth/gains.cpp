@@ -6,7 +6,6 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/depth/correspondence.h"
 
 namespace oraclegs {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "oraclegs/propose/proposer.h"
+#include "oraclegs/propose/proposal.h"
 #include "oraclegs/render/render.h"
 
 namespace oraclegs {

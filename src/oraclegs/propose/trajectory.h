@@ -5,7 +5,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/propose/trajectory_request.h"
+#include "oraclegs/propose/target_check.h"
 
 namespace oraclegs {
 

@@ -5,9 +5,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/depth/plane.h"
-#include "oraclegs/propose/fill_depth.h"
+#include "oraclegs/propose/fill_holes.h"
 #include "oraclegs/propose/make_warp_device.h"
-#include "oraclegs/propose/push_pull.h"
 
 namespace oraclegs {
 namespace {

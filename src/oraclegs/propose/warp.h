@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "oraclegs/core/device.h"
-#include "oraclegs/propose/proposer.h"
+#include "oraclegs/propose/proposal.h"
 #include "oraclegs/propose/warp_device.h"
 
 namespace oraclegs {

@@ -7,7 +7,6 @@
 
 #include "oraclegs/depth/depth_map.h"
 #include "oraclegs/depth/silhouettes.h"
-#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/warp_math.h"
 #include "oraclegs/scene/loaded_view.h"
 

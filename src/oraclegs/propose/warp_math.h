@@ -37,6 +37,20 @@ ORACLEGS_HD inline float DegreesBetween(const Vec3f& a, const Vec3f& b) {
   return std::atan2(std::sqrt(Dot(cross, cross)), Dot(a, b)) * kDegrees;
 }
 
+/// How a warped pixel is known.
+struct PixelEvidence {
+  float support = 0;     ///< sum over the views that show the point of (0.1 + confidence), nearer ones more
+  float views = 0;       ///< how many show it
+  float angle = 90;      ///< degrees between the ray and that of the nearest view that shows the point; 90 = none
+  float spread = 0;      ///< RMS difference of the views' colours there
+  float confidence = 0;  ///< of the depth, in the most confident view
+  float conflicts = 0;   ///< summed confidence of views that look through the point
+  float occluded = 0;    ///< summed confidence of views in which something stands before it
+  float ring = 0;        ///< pixels to the nearest one whose depth was warped, 0 for those
+  float resolution = 0;  ///< pixels of the best view in one pixel, per axis, at most 1
+  float background = 0;  ///< 1 = the ray misses the object
+};
+
 /// A source view and its pose relative to the new view. Images row by row, in the device's memory.
 struct WarpSource {
   const float* rgb = nullptr;            ///< [H,W,3]

@@ -1,7 +1,6 @@
 #pragma once
 // The colour of one pixel of the forward warp whose depth is known, and its evidence, for host and device.
 
-#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/warp_math.h"
 
 namespace oraclegs {

@@ -8,7 +8,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/networks/networks.h"
-#include "oraclegs/propose/proposer.h"
+#include "oraclegs/propose/proposal.h"
 #include "oraclegs/scene/loaded_view.h"
 
 namespace oraclegs {

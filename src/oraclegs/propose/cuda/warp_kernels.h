@@ -8,7 +8,6 @@
 
 #include <cstdint>
 
-#include "oraclegs/propose/pixel_evidence.h"
 #include "oraclegs/propose/warp_math.h"
 
 namespace oraclegs::cuda {

@@ -1,7 +1,10 @@
 #pragma once
+// What a warp leaves open: depth that no view knows, colours that no view shows.
 
 #include <cstdint>
 #include <vector>
+
+#include "oraclegs/image/image.h"
 
 namespace oraclegs {
 
@@ -9,5 +12,11 @@ namespace oraclegs {
 /// the known ones in the 5x5 pixels around, for what opens beside a foreground is what lies behind it. Returns each
 /// pixel's ring: 0 = was not filled; width + height where nothing could be reached.
 std::vector<float> FillDepth(int width, int height, const std::vector<uint8_t>& to_fill, std::vector<float>* inv_depth);
+
+/// Gives the pixels of weight 0 smooth colours from the others around them, near ones first: colours are averaged by
+/// weight down a pyramid and pulled back up into what is missing [Gortler 1996]. A
+/// pixel of weight 1 or more keeps its colour, one between is mixed. weight is height * width, >= 0; where all are zero
+/// the image stays as it is.
+void PushPull(const std::vector<float>& weight, ImageF* image);
 
 }  // namespace oraclegs
