@@ -121,7 +121,7 @@ class Models(EndToEnd):
             done = self.fetch()
             self.assertEqual(done.stdout.strip(), str(self.fetched()))
             self.assertIn("Stability AI Non-Commercial License; not for commercial use", done.stderr)
-            self.assertNotIn("nobody tells its checksum", done.stderr)
+            self.assertNotIn("its checksum is not known", done.stderr)
             self.assertIn("does not hold seva; 1146 missing", done.stderr)  # it is whole, but no SEVA
             self.fetch()
         self.assertEqual(self.fetched().read_bytes(), FILE)
@@ -139,7 +139,7 @@ class Models(EndToEnd):
         with Server(lambda handler, _: send(handler, FILE)) as server:
             self.use(server)
             self.error_of("models", "fetch", "seva", code=2, env=self.env,
-                          names=["Non-Commercial", "the pictures that the network makes", "--accept-licence"])  # fmt: skip
+                          names=["Non-Commercial", "the images that the network makes", "--accept-licence"])  # fmt: skip
         self.assertEqual(server.requests, [])
 
     def test_a_lost_connection_is_taken_up_again(self):
@@ -189,7 +189,7 @@ class Models(EndToEnd):
         (self.cache / "seva/model.safetensors.part").write_bytes(FILE[:5000])
         with Server(whole) as server:
             self.use(server)
-            self.assertIn("nobody tells its checksum", self.fetch().stderr)
+            self.assertIn("its checksum is not known", self.fetch().stderr)
         self.assertEqual(self.fetched().read_bytes(), FILE)
 
     def test_truncated_for_good(self):
@@ -230,7 +230,7 @@ class Models(EndToEnd):
                 self.use(server)
                 stderr = self.fetch().stderr
         self.assertEqual(self.fetched().read_bytes(), FILE)
-        self.assertNotIn("nobody tells its checksum", stderr)
+        self.assertNotIn("its checksum is not known", stderr)
         self.assertEqual([headers.get("Authorization") for _, headers in server.requests], [f"Bearer {TOKEN}"] * 2)
         self.assertEqual([path for path, _ in other.requests], ["/blob?signature=abc"])
         self.assertNotIn(TOKEN, str(other.requests))

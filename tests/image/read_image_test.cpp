@@ -2,7 +2,6 @@
 
 #include "image/jpeg_files.h"
 #include "oraclegs/image/png.h"
-#include "oraclegs/image/read_image.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
 

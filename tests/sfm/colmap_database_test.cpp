@@ -46,7 +46,7 @@ constexpr char kMatchTables[] = R"(
     cols INTEGER NOT NULL, data BLOB, config INTEGER NOT NULL, F BLOB, E BLOB, H BLOB, qvec BLOB, tvec BLOB);
 )";
 
-/// Two cameras; b, c, a as colmap's threads may have finished them. `rows` tells whose keypoints they are.
+/// Two cameras; b, c, a as colmap's threads may have finished them. `rows` shows whose keypoints they are.
 constexpr char kThreeImages[] = R"(
   INSERT INTO cameras VALUES (1, 0, 10, 20, x'00', 0), (4, 0, 10, 20, x'00', 0);
   INSERT INTO images VALUES (1, 'camera0/b.png', 1), (2, 'camera1/c.png', 4), (7, 'camera0/a.png', 1);

@@ -42,7 +42,7 @@ TEST(MeasureModel, MeasuresParallaxPerImageAndOverall) {
                    {PointAt({0, 0, 1}, {1, 2}, .2), PointAt({0, 0, 1}, {3, 1, 3}, .4), PointAt({0, 0, 5}, {2, 2}),
                     PointAt({0, 0, 5}, {77, 2})});
   EXPECT_EQ(model.registered(), 4);
-  EXPECT_EQ(model.points, 2) << "a point is seen twice, from different photographs of the model";
+  EXPECT_EQ(model.points, 2) << "a point is seen twice, from different images of the model";
   EXPECT_NEAR(model.reprojection_error, .3, 1e-12);
   EXPECT_NEAR(model.images.at("2.png").parallax_degrees, 45, 1e-9);
   EXPECT_NEAR(model.images.at("3.png").parallax_degrees, 60, 1e-9);
@@ -74,7 +74,7 @@ TEST(MeasureModel, ReadsAModelFolder) {
 TEST(IsSound, RequiresImagesPointsAnglesAndIntrinsics) {
   EXPECT_TRUE(IsSound(Quality(2, 12)));
   EXPECT_FALSE(IsSound(Quality(1, 100)));
-  EXPECT_FALSE(IsSound(Quality(3, 11))) << "what guided matching made of 3 photographs of fox";
+  EXPECT_FALSE(IsSound(Quality(3, 11))) << "what guided matching made of 3 images of fox";
   EXPECT_FALSE(IsSound(Quality(3, 100, .5, .1)));
   ModelQuality odd = Quality(3, 100);
   odd.plausible_intrinsics = false;

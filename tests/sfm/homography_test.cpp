@@ -15,7 +15,7 @@ Eigen::Matrix3d SomeMap() {
   return h;
 }
 
-/// Points over a picture of 320 x 240, seen with up to `noise` pixels of error.
+/// Points over an image of 320 x 240, seen with up to `noise` pixels of error.
 std::vector<PointMatch> Matches(int count, double noise) {
   std::vector<PointMatch> matches;
   Rng rng(7, RandomStream::kInitialPoints);

@@ -23,7 +23,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// The same photographs, their lenses and poses forgotten.
+/// The same views without intrinsics and poses.
 Scene Unposed(Scene scene) {
   scene.format = SceneFormat::kPhotos;
   for (SceneView& view : scene.views) {
@@ -93,7 +93,7 @@ TEST(RegisterViews, FindsCamerasAndNamesMissingOnes) {
   EXPECT_THAT(said, HasSubstr("registered 5 of 7 photos; not registered: 8-again.png (the same photo as 1.png), "
                               "9-black.png (0 features"));
   EXPECT_THAT(said, HasSubstr("8-again.png is the same photo as 1.png and is left out"));
-  const std::string told = said;
+  const std::string first = said;
   EXPECT_EQ(found.format, SceneFormat::kColmap);
   ASSERT_EQ(found.views.size(), 5u);
   EXPECT_GT(found.points.size(), 50u);
@@ -122,7 +122,7 @@ TEST(RegisterViews, FindsCamerasAndNamesMissingOnes) {
   EXPECT_EQ(report.at("attempts").at(0).at("name"), "strict");
   said.clear();
   EXPECT_EQ(RegisterViews(scene, dir / "sfm", listener).points.size(), found.points.size());
-  EXPECT_EQ(said, told) << "a cached result is told with the same words";
+  EXPECT_EQ(said, first) << "a cached result repeats the warnings";
   EXPECT_EQ(ReadFile(dir / "sfm" / "colmap.log"), log) << "a finished model is read, not made again";
 }
 

@@ -15,7 +15,7 @@ class AllocationCounter {
   static void Begin();
   /// How many allocations there were since Begin.
   static int64_t End();
-  /// Where the first of them came from, one address a line (addr2line -Cfe BINARY ADDRESS tells the source).
+  /// Where the first of them came from, one address a line (addr2line -Cfe BINARY ADDRESS shows the source).
   static std::string First();
 };
 

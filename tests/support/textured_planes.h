@@ -1,5 +1,5 @@
 #pragma once
-// Photographs of known truth for tests of structure from motion: a wall z = kWallDepth with a shelf z = kShelfDepth in
+// Images of known truth for tests of structure from motion: a wall z = kWallDepth with a shelf z = kShelfDepth in
 // front of a part of it, both covered with noise, seen by cameras along a line.
 
 #include <cmath>
@@ -43,10 +43,10 @@ inline Scene WriteTexturedPlanes(const std::filesystem::path& dir, int views) {
     SceneView view;
     view.name = std::to_string(v) + ".png";
     view.image_path = dir / "images" / view.name;
-    view.lens = {CameraModel::kPinhole,
-                 kPlanesWidth,
-                 kPlanesHeight,
-                 {kPlanesFocal, kPlanesFocal, kPlanesWidth / 2., kPlanesHeight / 2.}};
+    view.intrinsics = {CameraModel::kPinhole,
+                       kPlanesWidth,
+                       kPlanesHeight,
+                       {kPlanesFocal, kPlanesFocal, kPlanesWidth / 2., kPlanesHeight / 2.}};
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.linear() = rotation;
     pose.translation() = -rotation * Eigen::Vector3d(camera_x, 0, 0);

@@ -45,7 +45,7 @@ TEST_F(Http, GetsAFileWithItsHeaders) {
               AllOf(StartsWith("GET /a?b=c HTTP/1.1\r\n"), Not(HasSubstr("Range:")), Not(HasSubstr("Authorization"))));
 }
 
-TEST_F(Http, AnEmptyFileBeginsToo) {
+TEST_F(Http, AcceptsAnEmptyFile) {
   ScriptedServer server({File("")});
   Get({server.Url()});
   EXPECT_EQ(begun_, 1);
@@ -58,13 +58,13 @@ TEST_F(Http, AsksForTheRest) {
   EXPECT_THAT(server.Requests()[0], HasSubstr("Range: bytes=3-\r\n"));
 }
 
-TEST_F(Http, TheBodyOfARefusalIsNoFile) {
+TEST_F(Http, IgnoresTheBodyOfARefusal) {
   ScriptedServer server({Answer("404 Not Found", {"Content-Length: 4"}, "gone")});
   EXPECT_EQ(Get({server.Url()}).reply.status, 404);
   EXPECT_EQ(body_ + std::to_string(begun_), "0");
 }
 
-TEST_F(Http, FollowsRedirectionsAndKeepsTheirHeaders) {
+TEST_F(Http, FollowsRedirections) {
   ScriptedServer server({Answer("302 Found", {"Location: /next", "X-Linked-Size: 9", "Content-Length: 3"}, "no!"),
                          File("yes", {"X-Linked-Size: 3"})});
   const HttpEnd end = Get({server.Url(), "secret"});
@@ -76,7 +76,7 @@ TEST_F(Http, FollowsRedirectionsAndKeepsTheirHeaders) {
     EXPECT_THAT(request, HasSubstr("Authorization: Bearer secret\r\n"));
 }
 
-TEST_F(Http, AnotherServerDoesNotGetTheSecret) {
+TEST_F(Http, KeepsTheSecretFromAnotherServer) {
   ScriptedServer other({File("yes")});
   ScriptedServer server({Answer("302 Found", {"Location: " + other.Url(), "Content-Length: 0"})});
   Get({server.Url(), "secret"});
@@ -85,7 +85,7 @@ TEST_F(Http, AnotherServerDoesNotGetTheSecret) {
   EXPECT_THAT(other.Requests()[0], AllOf(Not(HasSubstr("secret")), Not(HasSubstr("Authorization"))));
 }
 
-TEST_F(Http, NorDoesTheServerBehindTwoRedirections) {
+TEST_F(Http, KeepsTheSecretFromTheSecondRedirection) {
   ScriptedServer last({File("yes")});
   ScriptedServer middle({Answer("302 Found", {"Location: " + last.Url(), "Content-Length: 0"})});
   ScriptedServer server({Answer("307 Temporary Redirect", {"Location: " + middle.Url(), "Content-Length: 0"})});
@@ -93,7 +93,7 @@ TEST_F(Http, NorDoesTheServerBehindTwoRedirections) {
   EXPECT_THAT(middle.Requests()[0] + last.Requests()[0], Not(HasSubstr("secret")));
 }
 
-TEST_F(Http, RedirectionsThatLeadNowhere) {
+TEST_F(Http, RefusesEndlessRedirections) {
   ScriptedServer loop(std::vector<std::string>(11, Answer("302 Found", {"Location: /file", "Content-Length: 0"})));
   EXPECT_THAT([&] { Get({loop.Url()}); }, ThrowsMessage<RunError>(HasSubstr("redirects more than 10 times")));
   ScriptedServer file({Answer("302 Found", {"Location: file:///etc/passwd", "Content-Length: 0"})});
@@ -101,14 +101,14 @@ TEST_F(Http, RedirectionsThatLeadNowhere) {
   EXPECT_EQ(body_, "");
 }
 
-TEST_F(Http, AConnectionThatIsLostKeepsWhatArrived) {
+TEST_F(Http, KeepsWhatArrivedBeforeALostConnection) {
   ScriptedServer server({Answer("200 OK", {"Content-Length: 10"}, "half")});
   const HttpEnd end = Get({server.Url()});
   EXPECT_EQ(body_, "half");
   EXPECT_NE(end.dropped, "");
 }
 
-TEST_F(Http, WithoutAServerTheAddressIsNamedWithoutItsQuery) {
+TEST_F(Http, NamesTheAddressWithoutItsQuery) {
   std::string url;
   { url = ScriptedServer({}).Url("/a?signature=xyz"); }
   EXPECT_THAT([&] { Get({url}); }, ThrowsMessage<RunError>(AllOf(HasSubstr("/a: no answer: "), HasSubstr("http_proxy"),
@@ -117,7 +117,7 @@ TEST_F(Http, WithoutAServerTheAddressIsNamedWithoutItsQuery) {
   EXPECT_EQ(WithoutQuery("http://h/a?b#c"), "http://h/a");
 }
 
-TEST_F(Http, WhatAHandlerThrowsComesOut) {
+TEST_F(Http, RethrowsWhatAHandlerThrows) {
   ScriptedServer server({File("hello"), File("hello")});
   const HttpHandlers full{[](const HttpReply&) {}, [](std::string_view) { throw InputError("disk full"); }};
   EXPECT_THROW(HttpGet({server.Url()}, full), InputError);
@@ -125,7 +125,7 @@ TEST_F(Http, WhatAHandlerThrowsComesOut) {
   EXPECT_THROW(HttpGet({server.Url()}, refuses), InputError);
 }
 
-TEST_F(Http, AnInterruptEndsIt) {
+TEST_F(Http, StopsOnInterrupt) {
   ScriptedServer server({});
   RequestInterrupt(true);
   EXPECT_THROW(Get({server.Url()}), Interrupted);

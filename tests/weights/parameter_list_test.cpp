@@ -10,7 +10,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(ParameterList, BracesStandForRangesAndWords) {
+TEST(ParseParameterList, ExpandsRangesAndWords) {
   const ParameterList list = ParseParameterList("# a comment\nignore text.\na.{0-2,7}.{w,b} 3x1\n?c 5\n");
   EXPECT_EQ(list.tensors.size(), 9u);
   for (const char* name : {"a.0.w", "a.2.b", "a.7.w"}) EXPECT_THAT(list.tensors.at(name).shape, ElementsAre(3, 1));
@@ -20,7 +20,7 @@ TEST(ParameterList, BracesStandForRangesAndWords) {
   EXPECT_FALSE(list.Ignores("tex"));
 }
 
-TEST(ParameterList, MalformedListsAreOurFault) {
+TEST(ParseParameterList, RefusesMalformedLists) {
   for (const char* text : {"a", "a b", "a 3 4", "a 3y4", "a{1 3", "a -3", "a 3\na 3"}) {
     EXPECT_THROW(ParseParameterList(text), std::logic_error) << text;
   }
@@ -38,7 +38,7 @@ std::map<std::string, std::string> Official(const std::string& file) {
   return shapes;
 }
 
-TEST(ParameterListGolden, EqualsTheOfficialNetworks) {
+TEST(ParametersOf, EqualsTheOfficialNetworks) {
   const std::map<std::string, std::string> kFiles = {{"depth-anything-v2-small", "depth_anything_v2_vits"},
                                                      {"depth-anything-v2-base", "depth_anything_v2_vitb"},
                                                      {"depth-anything-v2-large", "depth_anything_v2_vitl"},

@@ -1,8 +1,11 @@
 #include "oraclegs/weights/part_file.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
-#include "support/golden.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -11,7 +14,7 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-TEST(PartFile, GoesOnWhereItStoppedWithTheSameChecksum) {
+TEST(PartFile, ContinuesWithTheSameChecksum) {
   const TempDir dir;
   {
     PartFile part(dir / "f");
@@ -41,14 +44,14 @@ TEST(PartFile, RestartsAndDiscards) {
   EXPECT_FALSE(std::filesystem::exists(dir / "f.part"));
 }
 
-TEST(PartFile, TwoProcessesDoNotWriteTheSameFile) {
+TEST(PartFile, LocksOutOtherProcesses) {
   const TempDir dir;
   const PartFile part(dir / "f");
   EXPECT_THAT([&] { PartFile second(dir / "f"); },
               ThrowsMessage<RunError>(EndsWith("f.part: another process is downloading it; wait for that one")));
 }
 
-TEST(PartFile, AFolderInTheWayAndNoFolder) {
+TEST(PartFile, NamesAFolderInTheWay) {
   const TempDir dir;
   PartFile part(dir / "f");
   std::filesystem::create_directories(dir / "f");

@@ -17,9 +17,9 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
-TEST(Registry, EveryEntryIsComplete) {
+TEST(AllWeights, AreComplete) {
   std::set<std::string> names;
-  for (const ModelInfo& model : AllModels()) {
+  for (const WeightsInfo& model : AllWeights()) {
     EXPECT_TRUE(names.insert(model.name).second) << model.name;
     EXPECT_FALSE(model.purpose.empty() || model.licence.empty() || model.files.empty()) << model.name;
     EXPECT_THAT(model.licence_page, StartsWith("https://")) << model.name;
@@ -40,19 +40,20 @@ TEST(Registry, EveryEntryIsComplete) {
   }
 }
 
-TEST(Registry, NonCommercialNetworksAreMarked) {
+TEST(AllWeights, MarksNonCommercialOnes) {
   std::set<std::string> restricted;
-  for (const ModelInfo& model : AllModels()) {
+  for (const WeightsInfo& model : AllWeights()) {
     if (model.non_commercial) restricted.insert(model.name);
   }
   EXPECT_EQ(restricted, (std::set<std::string>{"depth-anything-v2-base", "depth-anything-v2-large", "seva", "vggt"}));
-  EXPECT_THAT(ModelNamed("seva").restriction, HasSubstr("pictures that the network makes"));
-  EXPECT_EQ(ModelNamed("depth-anything-v2-small").licence, "Apache-2.0");
+  EXPECT_THAT(WeightsNamed("seva").restriction, HasSubstr("images that the network makes"));
+  EXPECT_EQ(WeightsNamed("depth-anything-v2-small").licence, "Apache-2.0");
 }
 
-TEST(Registry, AnUnknownNameListsThoseThereAre) {
-  EXPECT_THAT([] { ModelNamed("vgt"); }, ThrowsMessage<UsageError>(AllOf(StartsWith("there is no model 'vgt', only: "),
-                                                                         HasSubstr("vggt-commercial, lpips-vgg"))));
+TEST(WeightsNamed, ListsKnownNames) {
+  EXPECT_THAT([] { WeightsNamed("vgt"); },
+              ThrowsMessage<UsageError>(
+                  AllOf(StartsWith("there is no model 'vgt', only: "), HasSubstr("vggt-commercial, lpips-vgg"))));
 }
 
 }  // namespace

@@ -118,29 +118,29 @@ struct Layout {
   int width = 0, height = 0, depth = 8, color = PNG_COLOR_TYPE_RGB;
 };
 
-bool RunWrite(WriteState* state, const Layout& layout, png_bytepp rows) {
+/// Rows of `row_bytes` follow one another from `data`.
+bool RunWrite(WriteState* state, const Layout& layout, const uint8_t* data, size_t row_bytes) {
   if (setjmp(png_jmpbuf(state->png)) != 0) return false;
   png_set_write_fn(state->png, state, OnWrite, OnFlush);
   png_set_IHDR(state->png, state->info, static_cast<png_uint_32>(layout.width), static_cast<png_uint_32>(layout.height),
                layout.depth, layout.color, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(state->png, state->info);
-  png_write_image(state->png, rows);
+  for (int y = 0; y < layout.height; ++y) png_write_row(state->png, data + static_cast<size_t>(y) * row_bytes);
   png_write_end(state->png, nullptr);
   return true;
 }
 
-/// Rows follow one another from `data`, which libpng does not change.
-std::vector<png_bytep> RowPointers(const uint8_t* data, int height, size_t row_bytes) {
+/// Rows follow one another from `data`.
+std::vector<png_bytep> RowPointers(uint8_t* data, int height, size_t row_bytes) {
   std::vector<png_bytep> rows(static_cast<size_t>(height));
-  for (size_t y = 0; y < rows.size(); ++y) rows[y] = const_cast<png_bytep>(data) + y * row_bytes;
+  for (size_t y = 0; y < rows.size(); ++y) rows[y] = data + y * row_bytes;
   return rows;
 }
 
 void Write(const std::filesystem::path& path, const Layout& layout, const std::vector<uint8_t>& data) {
-  auto rows = RowPointers(data.data(), layout.height, data.size() / static_cast<size_t>(layout.height));
   WriteState state;
   if (state.info == nullptr) throw RunError("{}: cannot be written: the PNG encoder cannot start", path.string());
-  if (!RunWrite(&state, layout, rows.data())) {
+  if (!RunWrite(&state, layout, data.data(), data.size() / static_cast<size_t>(layout.height))) {
     throw RunError("{}: cannot be written: {}", path.string(), state.error.text);
   }
   WriteFileAtomically(path, state.bytes);

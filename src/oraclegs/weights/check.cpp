@@ -4,26 +4,20 @@
 #include <set>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/unique_json.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr size_t kListed = 20;
+constexpr size_t kMaxListed = 20;
 constexpr std::string_view kWrapper = "module.";
 
 std::string Shape(const std::vector<int64_t>& shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
 
-/// A name out of a file, made fit for a one-line message.
-std::string Printable(const std::string& name) {
-  const std::string quoted = QuotedForMessage(name);
-  return quoted.substr(1, quoted.size() - 2);
-}
-
 /// "; 23 missing: a, b, ... and 3 more", or nothing.
 std::string Listed(const char* what, const std::vector<std::string>& names) {
   if (names.empty()) return "";
-  const size_t shown = std::min(names.size(), kListed);
+  const size_t shown = std::min(names.size(), kMaxListed);
   const std::vector<std::string> first(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown));
   const std::string more = shown < names.size() ? fmt::format(" and {} more", names.size() - shown) : "";
   return fmt::format("; {} {}: {}{}", names.size(), what, fmt::join(first, ", "), more);
@@ -31,12 +25,12 @@ std::string Listed(const char* what, const std::vector<std::string>& names) {
 
 }  // namespace
 
-ModelFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected) {
+WeightsFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected) {
   static const std::set<std::string> kTypes = {"F32", "F16", "BF16", "F64"};
   const auto& held = file.tensors();
   const bool wrapped = !held.empty() && std::all_of(held.begin(), held.end(),
                                                     [](const auto& item) { return item.first.starts_with(kWrapper); });
-  ModelFaults faults;
+  WeightsFaults faults;
   std::set<std::string> seen;
   for (const auto& [stored, entry] : held) {
     const std::string name = wrapped ? stored.substr(kWrapper.size()) : stored;
@@ -59,9 +53,9 @@ ModelFaults CompareParameters(const SafetensorsFile& file, const ParameterList& 
   return faults;
 }
 
-size_t CheckModel(const ModelInfo& model, const std::filesystem::path& weights) {
+size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights) {
   const SafetensorsFile file = SafetensorsFile::Open(weights);
-  const ModelFaults faults = CompareParameters(file, ParametersOf(model.parameters));
+  const WeightsFaults faults = CompareParameters(file, ParametersOf(model.parameters));
   if (!faults.none()) {
     throw InputError("{}: does not hold {}{}{}{}{}; `oraclegs models fetch {}` gets its official weights",
                      weights.string(), model.name, Listed("missing", faults.missing),

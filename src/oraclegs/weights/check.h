@@ -1,5 +1,5 @@
 #pragma once
-// Does a file hold the model it should? Names, shapes and types only: no number is read.
+// Whether a file holds the weights it should. Names, shapes and types only: no number is read.
 
 #include <filesystem>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace oraclegs {
 
-struct ModelFaults {
+struct WeightsFaults {
   std::vector<std::string> missing;      ///< names
   std::vector<std::string> extra;        ///< names
   std::vector<std::string> wrong_shape;  ///< "NAME is [3], expected [4]"
@@ -21,10 +21,10 @@ struct ModelFaults {
 };
 
 /// All names may begin with "module.", as some published files have it. Types: F32, F16, BF16, F64.
-ModelFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected);
+WeightsFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected);
 
-/// Checks the file against the list of the model; returns how many tensors it holds. Throws InputError that names the
+/// Checks the file against the list of its network; returns how many tensors it holds. Throws InputError that names the
 /// file and lists the faults, of each kind the first twenty, or what SafetensorsFile::Open says.
-size_t CheckModel(const ModelInfo& model, const std::filesystem::path& weights);
+size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights);
 
 }  // namespace oraclegs

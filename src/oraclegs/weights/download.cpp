@@ -35,8 +35,8 @@ ContentRange ParseRange(const HttpReply& reply) {
   return {number(text.substr(0, text.find('-'))), number(text.substr(slash + 1))};
 }
 
-/// The SHA-256 that the server tells: the entity tag of a large file on Hugging Face is one.
-std::string ToldSha256(const HttpReply& reply) {
+/// The SHA-256 that the server sends: the entity tag of a large file on Hugging Face is one.
+std::string SentSha256(const HttpReply& reply) {
   for (const char* header : {"x-linked-etag", "etag"}) {
     const auto it = reply.headers.find(header);
     if (it == reply.headers.end()) continue;
@@ -90,28 +90,28 @@ class Transfer {
   }
 
   void Begin(const HttpReply& reply) {
-    const std::string told = ToldSha256(reply);
-    if (!request_.sha256.empty() && !told.empty() && told != request_.sha256) {
+    const std::string sent = SentSha256(reply);
+    if (!request_.sha256.empty() && !sent.empty() && sent != request_.sha256) {
       part_.Discard();
       throw RunError(
           "{}: the server has a file with SHA-256 {}, expected {}; it was replaced: get an oraclegs that "
           "knows the new one, or the old file from elsewhere",
-          shown_, told, request_.sha256);
+          shown_, sent, request_.sha256);
     }
-    sha256_ = request_.sha256.empty() ? told : request_.sha256;
-    uint64_t told_bytes = reply.Number("content-length", 0);
+    sha256_ = request_.sha256.empty() ? sent : request_.sha256;
+    uint64_t sent_bytes = reply.Number("content-length", 0);
     if (reply.status == 200) {
       part_.Restart();  // this server knows no ranges, or nothing was there
     } else {
       const ContentRange range = ParseRange(reply);
       if (range.begin != part_.size()) throw StartAnew();
-      told_bytes = range.total.value_or(0);
+      sent_bytes = range.total.value_or(0);
     }
-    total_ = request_.bytes > 0 ? request_.bytes : reply.Number("x-linked-size", told_bytes);
-    if (told_bytes > 0 && told_bytes != total_) {
+    total_ = request_.bytes > 0 ? request_.bytes : reply.Number("x-linked-size", sent_bytes);
+    if (sent_bytes > 0 && sent_bytes != total_) {
       part_.Discard();
       throw RunError("{}: the server has {} bytes, expected {}; try again later, or without a mirror or proxy", shown_,
-                     told_bytes, total_);
+                     sent_bytes, total_);
     }
     RequireSpace();
   }
@@ -130,16 +130,16 @@ class Transfer {
     part_.Append(bytes);
     const bool small = total_ > 0 && total_ < 10 * kMega;
     const uint64_t unit = small ? kKilo : kMega, done = part_.size() / unit;
-    if (done == told_done_) return;
-    told_done_ = done;
+    if (done == reported_) return;
+    reported_ = done;
     listener_(StepDone{request_.stage, static_cast<int64_t>(done), static_cast<int64_t>((total_ + unit - 1) / unit),
                        small ? "kB" : "MB", ""});
   }
 
   /// 416: we may have asked for what lies behind the last byte.
   bool RangeRefused(const HttpReply& reply) {
-    const std::string told = ToldSha256(reply);
-    sha256_ = request_.sha256.empty() ? told : request_.sha256;
+    const std::string sent = SentSha256(reply);
+    sha256_ = request_.sha256.empty() ? sent : request_.sha256;
     total_ = request_.bytes > 0 ? request_.bytes : ParseRange(reply).total.value_or(0);
     if (total_ > 0 && part_.size() == total_) return true;
     Restart();
@@ -149,7 +149,7 @@ class Transfer {
   [[noreturn]] void Refused(int status) const {
     if (status == 401) {
       throw InputError(
-          "{}: the server asks who you are (401); set HF_TOKEN to a token of an account that has agreed to "
+          "{}: the server asks for an account (401); set HF_TOKEN to a token of an account that has agreed to "
           "the licence on the model's page",
           shown_);
     }
@@ -182,7 +182,7 @@ class Transfer {
   void Verify() {
     const std::string found = part_.Sha256Hex();
     if (sha256_.empty()) {
-      listener_(Warning{fmt::format("{}: nobody tells its checksum, only its length was compared", shown_)});
+      listener_(Warning{fmt::format("{}: its checksum is not known, only its length was compared", shown_)});
     } else if (found != sha256_) {
       part_.Discard();
       throw RunError("{}: its SHA-256 is {}, expected {}; it was damaged on the way, the same command tries again",
@@ -194,8 +194,8 @@ class Transfer {
   const Listener& listener_;
   PartFile part_;
   std::string shown_, sha256_;
-  uint64_t total_ = 0;                 ///< 0 = not known
-  uint64_t told_done_ = ~uint64_t{0};  ///< of the last progress event
+  uint64_t total_ = 0;                ///< 0 = not known
+  uint64_t reported_ = ~uint64_t{0};  ///< of the last progress event
   bool restarted_ = false;
 };
 

@@ -27,13 +27,14 @@ std::string LastLine(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-void Convert(const ModelInfo& model, const std::vector<fs::path>& published, const fs::path& to,
+void Convert(const WeightsInfo& model, const std::vector<fs::path>& published, const fs::path& to,
              const fs::path& converter) {
   std::vector<std::string> argv = {"python3", converter.string(), "--model", model.name, "--out", to.string()};
   std::string command = "python3 scripts/convert_weights.py --model " + model.name + " --out " + to.string();
   for (const fs::path& file : published) {
     argv.push_back(file.string());
-    command += " " + file.string();
+    command += ' ';
+    command += file.string();
   }
   if (FindProgram("python3").empty() || !fs::exists(converter)) {
     throw RunError("{}: the files are here, but python3 or {} is not, which converts them; then run: {}", model.name,
@@ -46,12 +47,12 @@ void Convert(const ModelInfo& model, const std::vector<fs::path>& published, con
   }
 }
 
-/// `mend` is what to do about it, beyond what the check says.
-void WarnIfUnexpected(const ModelInfo& model, const fs::path& weights, const char* mend, const Listener& listener) {
+/// `fix` is what to do about it, beyond what the check says.
+void WarnIfUnexpected(const WeightsInfo& model, const fs::path& weights, const char* fix, const Listener& listener) {
   try {
-    CheckModel(model, weights);
+    CheckWeights(model, weights);
   } catch (const InputError& error) {
-    listener(Warning{fmt::format("{}{}", error.what(), mend)});
+    listener(Warning{fmt::format("{}{}", error.what(), fix)});
   }
 }
 
@@ -69,7 +70,7 @@ FetchSettings FetchSettingsFromEnvironment(const fs::path& converter) {
   return settings;
 }
 
-std::string LicenceText(const ModelInfo& model) {
+std::string LicenceText(const WeightsInfo& model) {
   std::string text = fmt::format("{}: licence {}", model.name, model.licence);
   if (model.non_commercial) text += "; not for commercial use";
   if (!model.restriction.empty()) text += "; " + model.restriction;
@@ -82,9 +83,9 @@ std::string AtMirror(const std::string& url, const std::string& mirror) {
   return mirror.substr(0, mirror.find_last_not_of('/') + 1) + url.substr(path);
 }
 
-fs::path FetchModel(const ModelInfo& model, const FetchOptions& options, const FetchSettings& settings,
-                    const Listener& listener) {
-  if (const auto here = LocateModel(model.name)) {
+fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, const FetchSettings& settings,
+                      const Listener& listener) {
+  if (const auto here = LocateWeights(model.name)) {
     WarnIfUnexpected(model, *here, "; it is here already and is not replaced: remove it first", listener);
     return *here;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// From the name of a model to its weights on this machine.
+// From the name of a network to its weights on this machine.
 
 #include <filesystem>
 #include <string>
@@ -30,16 +30,16 @@ struct FetchSettings {
 FetchSettings FetchSettingsFromEnvironment(const std::filesystem::path& converter);
 
 /// One line about the licence for people.
-std::string LicenceText(const ModelInfo& model);
+std::string LicenceText(const WeightsInfo& model);
 
 /// The address at the mirror; the address itself without one.
 std::string AtMirror(const std::string& url, const std::string& mirror);
 
-/// Downloads the published files into ModelsFolder()/NAME, converts them where that is needed, and checks names and
-/// shapes, of which a Warning tells if they are not as expected. Returns the weights; those that are there already are
+/// Downloads the published files into WeightsFolder()/NAME, converts them where that is needed, and checks names and
+/// shapes, with a Warning if they are not as expected. Returns the weights; those that are there already are
 /// checked and never replaced. Throws UsageError without agreement to the licence, what Download throws, RunError when
 /// the conversion fails.
-std::filesystem::path FetchModel(const ModelInfo& model, const FetchOptions& options, const FetchSettings& settings,
-                                 const Listener& listener);
+std::filesystem::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, const FetchSettings& settings,
+                                   const Listener& listener);
 
 }  // namespace oraclegs

@@ -16,7 +16,7 @@ bool IsFile(const fs::path& path) {
 
 }  // namespace
 
-fs::path ModelsFolder() {
+fs::path WeightsFolder() {
   const char* chosen = std::getenv("ORACLEGS_MODELS");
   if (chosen && *chosen) return chosen;
   const char* home = std::getenv("HOME");
@@ -24,22 +24,22 @@ fs::path ModelsFolder() {
   return fs::path(home) / ".cache" / "oraclegs";
 }
 
-fs::path FetchedFile(const std::string& name) { return ModelsFolder() / name / "model.safetensors"; }
+fs::path FetchedFile(const std::string& name) { return WeightsFolder() / name / "model.safetensors"; }
 
-std::optional<fs::path> LocateModel(const std::string& name) {
-  const ModelInfo& model = ModelNamed(name);
-  for (const fs::path& path : {FetchedFile(model.name), ModelsFolder() / model.name / "model.safetensors.index.json",
-                               ModelsFolder() / (model.name + ".safetensors")}) {
+std::optional<fs::path> LocateWeights(const std::string& name) {
+  const WeightsInfo& model = WeightsNamed(name);
+  for (const fs::path& path : {FetchedFile(model.name), WeightsFolder() / model.name / "model.safetensors.index.json",
+                               WeightsFolder() / (model.name + ".safetensors")}) {
     if (IsFile(path)) return path;
   }
   return std::nullopt;
 }
 
-fs::path FindModel(const std::string& name) { return FindFirstModel({name}).weights; }
+fs::path RequireWeights(const std::string& name) { return RequireFirstWeights({name}).weights; }
 
-FoundModel FindFirstModel(const std::vector<std::string>& names) {
+FoundWeights RequireFirstWeights(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    if (const auto path = LocateModel(name)) return {name, *path};
+    if (const auto path = LocateWeights(name)) return {name, *path};
   }
   throw InputError("{}: the weights of {} are not here; `oraclegs models fetch {}` brings them",
                    FetchedFile(names.at(0)).string(), fmt::join(names, " or "), names.at(0));

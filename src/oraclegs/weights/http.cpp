@@ -90,7 +90,7 @@ struct Exchange {
     std::string name(line.substr(0, colon));
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
     const std::string value(Trimmed(line.substr(colon + 1)));
-    // What the first server says of the file is not overruled by whom it redirects to.
+    // What the first server says of the file is not overruled by a server it redirects to.
     if (name.starts_with("x-linked-")) {
       reply->headers.emplace(name, value);
     } else {
@@ -179,7 +179,7 @@ HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers) {
     for (const char* of_one_answer : {"content-length", "content-range"}) end.reply.headers.erase(of_one_answer);
     Exchange exchange{curl, &handlers, &end.reply, false, nullptr};
     char detail[CURL_ERROR_SIZE] = "";
-    // Whoever is redirected to is another party: it gets neither the secret nor a header that held it.
+    // The target of a redirection is another party: it gets neither the secret nor a header that held it.
     const bool trusted = !request.bearer.empty() && origin.text == first.text;
     const std::unique_ptr<curl_slist, ListDeleter> list(
         trusted ? curl_slist_append(nullptr, ("Authorization: Bearer " + request.bearer).c_str()) : nullptr);

@@ -2,8 +2,8 @@
 // Which tensors the published file of a model holds. The lists are text files in lists/, compiled in; a line is
 //   NAME SHAPE              blocks.{0-11}.norm.{weight,bias} 384    (braces: ranges and words; 1x3x14 = [1, 3, 14])
 //   ?NAME SHAPE             may be absent
-//   ignore BEGINNING        names that begin so may be there; nobody looks at them
-// They say what the networks in nets/ ask for; a test compares the two. So `models check` needs no libtorch and no
+//   ignore BEGINNING        names that begin so may be there and are ignored
+// They say what the floor networks asks for; a test compares the two. So `models check` needs no libtorch and no
 // network has to be built for it.
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct ParameterList {
 /// Throws std::logic_error for a malformed line or a name that comes twice: the lists are ours.
 ParameterList ParseParameterList(std::string_view text);
 
-/// The list of this name (ModelInfo::parameters). Throws std::logic_error when there is none.
+/// The list of this name (WeightsInfo::parameters). Throws std::logic_error when there is none.
 ParameterList ParametersOf(const std::string& list);
 
 }  // namespace oraclegs

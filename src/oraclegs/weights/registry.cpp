@@ -16,9 +16,9 @@ PublishedFile OnHub(const std::string& repository, const std::string& path, cons
   return {kHub + repository + "/resolve/main/" + path, sha256, bytes};
 }
 
-ModelInfo DepthAnythingV2Model(const std::string& size, const std::string& purpose, const std::string& licence,
-                               const PublishedFile& file) {
-  ModelInfo model;
+WeightsInfo DepthAnythingV2Model(const std::string& size, const std::string& purpose, const std::string& licence,
+                                 const PublishedFile& file) {
+  WeightsInfo model;
   model.name = model.parameters = "depth-anything-v2-" + size;
   model.purpose = purpose;
   model.licence = licence;
@@ -29,7 +29,7 @@ ModelInfo DepthAnythingV2Model(const std::string& size, const std::string& purpo
   return model;
 }
 
-std::vector<ModelInfo> DepthModels() {
+std::vector<WeightsInfo> DepthModels() {
   return {
       DepthAnythingV2Model("small", "depth prior (the default)", "Apache-2.0",
                            OnHub("depth-anything/Depth-Anything-V2-Small", "depth_anything_v2_vits.pth",
@@ -42,8 +42,8 @@ std::vector<ModelInfo> DepthModels() {
                                  "a7ea19fa0ed99244e67b624c72b8580b7e9553043245905be58796a608eb9345", 1'341'395'338))};
 }
 
-std::vector<ModelInfo> VggtModels() {
-  ModelInfo research;
+std::vector<WeightsInfo> VggtModels() {
+  WeightsInfo research;
   research.name = research.parameters = "vggt";
   research.purpose = "3D-aware oracle, poses (VGGT-1B)";
   research.licence = "CC-BY-NC-4.0";
@@ -53,7 +53,7 @@ std::vector<ModelInfo> VggtModels() {
   research.convert = false;
   research.download_bytes = 5'026'000'000;
 
-  ModelInfo commercial = research;
+  WeightsInfo commercial = research;
   commercial.name = "vggt-commercial";
   commercial.purpose = "the same, trained for commercial use (VGGT-1B-Commercial)";
   commercial.licence = "VGGT License";
@@ -66,8 +66,8 @@ std::vector<ModelInfo> VggtModels() {
   return {research, commercial};
 }
 
-ModelInfo LpipsModel(const std::string& network, const PublishedFile& features, const PublishedFile& weights) {
-  ModelInfo model;
+WeightsInfo LpipsModel(const std::string& network, const PublishedFile& features, const PublishedFile& weights) {
+  WeightsInfo model;
   model.name = model.parameters = "lpips-" + network;
   model.purpose = network == "vgg" ? "perceptual loss and score (LPIPS, VGG16)" : "perceptual score (LPIPS, AlexNet)";
   model.licence = "BSD-3-Clause (torchvision), BSD-2-Clause (LPIPS)";
@@ -77,7 +77,7 @@ ModelInfo LpipsModel(const std::string& network, const PublishedFile& features, 
   return model;
 }
 
-std::vector<ModelInfo> LpipsModels() {
+std::vector<WeightsInfo> LpipsModels() {
   return {LpipsModel("vgg",
                      {kTorchvision + "vgg16-397923af.pth",
                       "397923af8e79cdbb6a7127f12361acd7a2f83e06b05044ddf496e83de57a5bf0", 553'433'881},
@@ -88,32 +88,32 @@ std::vector<ModelInfo> LpipsModels() {
                      {kLpips + "alex.pth", "df73285e35b22355a2df87cdb6b70b343713b667eddbda73e1977e0c860835c0", 6'009})};
 }
 
-std::vector<ModelInfo> GeneratorModels() {
-  ModelInfo seva;
+std::vector<WeightsInfo> GeneratorModels() {
+  WeightsInfo seva;
   seva.name = seva.parameters = "seva";
   seva.purpose = "generator of proposals (Stable Virtual Camera 1.1)";
   seva.licence = "Stability AI Non-Commercial License";
   seva.licence_page = kHub + "stabilityai/stable-virtual-camera";
   seva.non_commercial = true;
-  seva.restriction = "it covers the pictures that the network makes, too";
+  seva.restriction = "it covers the images that the network makes, too";
   seva.gated = true;
   seva.files = {OnHub("stabilityai/stable-virtual-camera", "modelv1.1.safetensors")};
   seva.convert = false;
   seva.download_bytes = 5'056'000'000;
 
   // Stable Diffusion 2.1 is no longer open to everybody; its authors publish the same autoencoder, byte by byte, here.
-  ModelInfo vae;
+  WeightsInfo vae;
   vae.name = vae.parameters = "sd21-vae";
-  vae.purpose = "pictures to latents and back, for seva";
+  vae.purpose = "images to latents and back, for seva";
   vae.licence = "MIT";
   vae.licence_page = kHub + "stabilityai/sd-vae-ft-mse";
   vae.files = {OnHub("stabilityai/sd-vae-ft-mse", "diffusion_pytorch_model.safetensors",
                      "a1d993488569e928462932c8c38a0760b874d166399b14414135bd9c42df5815", 334'643'276)};
   vae.download_bytes = 334'643'276;
 
-  ModelInfo clip;
+  WeightsInfo clip;
   clip.name = clip.parameters = "openclip-vith14";
-  clip.purpose = "what a photograph shows, for seva (OpenCLIP ViT-H/14)";
+  clip.purpose = "embedding of an image, for seva (OpenCLIP ViT-H/14)";
   clip.licence = "MIT";
   clip.licence_page = kHub + "laion/CLIP-ViT-H-14-laion2B-s32B-b79K";
   clip.files = {OnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K", "open_clip_pytorch_model.bin",
@@ -124,9 +124,9 @@ std::vector<ModelInfo> GeneratorModels() {
 
 }  // namespace
 
-const std::vector<ModelInfo>& AllModels() {
-  static const std::vector<ModelInfo> kModels = [] {
-    std::vector<ModelInfo> all;
+const std::vector<WeightsInfo>& AllWeights() {
+  static const std::vector<WeightsInfo> kModels = [] {
+    std::vector<WeightsInfo> all;
     for (const auto& group : {DepthModels(), VggtModels(), LpipsModels(), GeneratorModels()}) {
       all.insert(all.end(), group.begin(), group.end());
     }
@@ -135,9 +135,9 @@ const std::vector<ModelInfo>& AllModels() {
   return kModels;
 }
 
-const ModelInfo& ModelNamed(const std::string& name) {
+const WeightsInfo& WeightsNamed(const std::string& name) {
   std::vector<std::string> names;
-  for (const ModelInfo& model : AllModels()) {
+  for (const WeightsInfo& model : AllWeights()) {
     if (model.name == name) return model;
     names.push_back(model.name);
   }

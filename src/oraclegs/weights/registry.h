@@ -10,11 +10,11 @@ namespace oraclegs {
 /// A file as its authors publish it.
 struct PublishedFile {
   std::string url;
-  std::string sha256 = {};  ///< empty where no public page tells it: then what the server tells counts
+  std::string sha256 = {};  ///< empty where it is published nowhere: then the server's is used
   uint64_t bytes = 0;       ///< 0 = likewise
 };
 
-struct ModelInfo {
+struct WeightsInfo {
   std::string name;          ///< as in `oraclegs models fetch NAME`
   std::string purpose;       ///< half a line
   std::string licence;       ///< its name
@@ -29,9 +29,9 @@ struct ModelInfo {
 };
 
 /// All of them, in the order of `models list`.
-const std::vector<ModelInfo>& AllModels();
+const std::vector<WeightsInfo>& AllWeights();
 
 /// Throws UsageError that lists the names there are.
-const ModelInfo& ModelNamed(const std::string& name);
+const WeightsInfo& WeightsNamed(const std::string& name);
 
 }  // namespace oraclegs

@@ -14,7 +14,7 @@ constexpr const char* kVggtFile = "--vggt-weights";
 
 bool IsHere(const char* model) {
   try {
-    return LocateModel(model).has_value();
+    return LocateWeights(model).has_value();
   } catch (const UsageError&) {  // there is no home folder to look in
     return false;
   }

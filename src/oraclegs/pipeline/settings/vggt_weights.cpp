@@ -19,7 +19,7 @@ constexpr const char* kResearch = "VGGT-1B";
 /// Nothing also where there is no home folder to look in.
 std::optional<fs::path> Fetched(const std::string& model) {
   try {
-    return LocateModel(model);
+    return LocateWeights(model);
   } catch (const UsageError&) {
     return std::nullopt;
   }

@@ -29,7 +29,7 @@ bool IsSource(const std::string& folder) {
 }  // namespace
 
 SevaFiles FindSevaFiles() {
-  return {{FindModel(kSevaModels[0])}, FindModel(kSevaModels[1]), FindModel(kSevaModels[2])};
+  return {{RequireWeights(kSevaModels[0])}, RequireWeights(kSevaModels[1]), RequireWeights(kSevaModels[2])};
 }
 
 std::string SevaKey(const SevaOptions& options) {
