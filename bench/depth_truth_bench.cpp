@@ -10,8 +10,10 @@
 #include <exception>
 
 #include "oraclegs/depth/depth_files.h"
+#include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/run.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/scene/read_scene.h"
 
 namespace oraclegs {
 namespace {

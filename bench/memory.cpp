@@ -5,7 +5,7 @@
 
 namespace oraclegs {
 
-/// The last growth steps and iterations at the full count; everything that the process holds counts, photographs and
+/// The last growth steps and iterations at the full count; everything that the process holds counts, images and
 /// libraries too.
 void MeasureMemory(benchmark::State& state, const Case& c) {
   InputSize start = c.size;

@@ -1,16 +1,17 @@
 // Every stage of a training iteration beside what the machine can do at most. bench/stages.py runs it and prints
 // tables.
 //
-//   build/release/bin/stage_bench [--workspace NAME=FOLDER ...] [Google Benchmark's options]
+//   build/release/bin/stage_bench [--workspace NAME=FOLDER ...] [--smoke] [Google Benchmark's options]
 //
 // stages/INPUT/GAUSSIANS/WIDTHxHEIGHT   whole iterations: median ms and share of the ceiling by stage
 // alone/...                             what an iteration fuses, each by itself on the same input
 // threads/...                           blending on 1 thread and on all, bits compared
 // memory/...                            peak memory; run it as a process of its own
-// INPUT is "synthetic" or the NAME of a workspace.
+// INPUT is "synthetic" or the NAME of a workspace. --smoke runs each once on little data. Exit code 1: one failed.
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "bench/benchmarks.h"
@@ -31,6 +32,8 @@ namespace {
 
 using Measure = void (*)(benchmark::State&, const Case&);
 
+bool any_failed = false;
+
 void Register(const std::string& family, const InputSource& source, const InputSize& size, Measure measure) {
   const Case c{fmt::format("{}/{}/{}/{}x{}", family, source.name, size.gaussians, size.width, size.height), source,
                size};
@@ -41,6 +44,7 @@ void Register(const std::string& family, const InputSource& source, const InputS
                                  } catch (const std::exception& e) {
                                    state.SkipWithError(e.what());
                                  }
+                                 any_failed |= state.error_occurred();
                                })
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
@@ -58,6 +62,24 @@ void RegisterAll(const std::vector<InputSource>& sources) {
     }
     Register("memory", source, {1'000'000, 1080, 1920}, MeasureMemory);
   }
+}
+
+void RegisterSmoke() {
+  const InputSource source{"synthetic", {}};
+  constexpr InputSize kSize{1'000, 90, 160};
+  Register("stages", source, kSize, MeasureStages);
+  Register("alone", source, kSize, MeasureAlone);
+  Register("threads", source, kSize, MeasureThreads);
+  Register("memory", source, kSize, MeasureMemory);
+}
+
+/// Whether --smoke is among the options; removes it.
+bool ParseSmoke(int* argc, char** argv) {
+  char** const end =
+      std::remove_if(argv + 1, argv + *argc, [](const char* text) { return text == std::string("--smoke"); });
+  const bool found = end != argv + *argc;
+  *argc = static_cast<int>(end - argv);
+  return found;
 }
 
 /// Removes the --workspace options from of the command line. Throws UsageError.
@@ -87,7 +109,11 @@ std::vector<InputSource> ParseSources(int* argc, char** argv) {
 
 int Main(int argc, char** argv) {
   try {
-    RegisterAll(ParseSources(&argc, argv));
+    if (ParseSmoke(&argc, argv)) {
+      RegisterSmoke();
+    } else {
+      RegisterAll(ParseSources(&argc, argv));
+    }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "stage_bench: error: %s\n", e.what());
     return 2;
@@ -100,7 +126,7 @@ int Main(int argc, char** argv) {
   benchmark::AddCustomContext("copy_array_bytes", std::to_string(CopyArrayBytes()));
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
-  return 0;
+  return any_failed ? 1 : 0;
 }
 
 }  // namespace

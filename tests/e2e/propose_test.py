@@ -7,7 +7,7 @@ import unittest
 from harness import EndToEnd, command, files_below, main, png
 
 RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
-       "--max-gaussians", 1500, "--opinions", 3, "--trajectory", "dataset"]  # fmt: skip
+       "--max-gaussians", 1500, "--proxy-models", 3, "--trajectory", "dataset"]  # fmt: skip
 
 
 class Propose(EndToEnd):
