@@ -42,8 +42,9 @@ AloneSample StepAlone(AloneRun* run) {
   run->rasterizer->Backward(input.gaussians, {grad_image, {}, {}}, &run->grads);
   ms.gaussian_backward = run->rasterizer->timings().gaussian_backward;
   const TrainOptions options;
-  ms.regularizers =
-      MillisecondsOf([&] { AddRegularizers(input.gaussians, {options.opacity_reg, options.scale_reg}, &run->grads); });
+  ms.regularizers = MillisecondsOf([&] {
+    AddRegularizers(input.gaussians, {options.opacity_reg, options.scale_reg}, &run->grads);
+  });
   LearningRates rates;
   rates.means = 1e-6;
   ms.adam = MillisecondsOf([&] { run->adam.Step(run->grads, rates, kMaxShDegree, &input.gaussians); });

@@ -65,20 +65,18 @@ TrainedModel SteadyModel(const GpuScene& scene) {
 }  // namespace
 
 GpuTraining::GpuTraining(const GpuScene& scene, Device device)
-    : options_(OptionsFor(scene)), number_(kIterations / 10 * 9) {
-  view_loss_ = std::make_unique<ViewLoss>(options_, TrainingData(Targets(scene, device)));
-  views_ = view_loss_->num_photographs();
-  pixels_ = static_cast<double>(scene.cameras.front().width) * scene.cameras.front().height;
-  train_ = cuda::MakeCudaTrainDevice(device, {options_, view_loss_.get(), scene.gaussians.size()},
-                                     cuda::MakeCudaRasterizer(device));
-  model_ = train_->Upload(SteadyModel(scene));
-}
+    : options_(OptionsFor(scene)),
+      plan_(options_, Targets(scene, device)),
+      pixels_(static_cast<double>(scene.cameras.front().width) * scene.cameras.front().height),
+      train_(cuda::MakeCudaTrainDevice(device, {options_, plan_, scene.gaussians.size()})),
+      model_(train_->Upload(SteadyModel(scene))),
+      number_(kIterations / 10 * 9) {}
 
 Iteration GpuTraining::Next() {
   Iteration next;
   next.seed = kSeed;
   next.number = ++number_;
-  next.view = {ViewKind::kPhotograph, static_cast<int>(number_ % views_)};
+  next.view = {ViewKind::kPhoto, static_cast<int>(number_ % plan_.num_photos())};
   next.rates.ScaleAll(0.1);
   next.rates.means = MeansLearningRate(number_, kIterations, kExtent);
   next.sh_degree = kMaxShDegree;
@@ -90,7 +88,7 @@ Buffer<float> GpuTraining::Factors(const Iteration& iteration) {
 }
 
 RenderOutput GpuTraining::Forward(const Iteration& iteration, const Buffer<float>& factors) {
-  return train_->rasterizer().Forward(model_.gaussians, view_loss_->View(iteration.view, iteration.number).camera,
+  return train_->rasterizer().Forward(model_.gaussians, plan_.View(iteration.view, iteration.number).camera,
                                       {{}, iteration.sh_degree, false, factors}, RenderPass::kTrain);
 }
 
@@ -161,7 +159,7 @@ void GpuTraining::TimeRefine(int passes, GpuTimes* times) {
 }
 
 GpuTimes GpuTraining::Measure(int passes) {
-  for (int i = 0; i < 2 * views_; ++i) Send();  // memory gets its size
+  for (int i = 0; i < 2 * plan_.num_photos(); ++i) Send();  // memory gets its size
   GpuTimes times;
   TimeStages(passes, &times);
   TimeWhole(passes, &times);

@@ -6,6 +6,7 @@
 
 #include "bench/gpu_scene.h"
 #include "bench/gpu_table.h"
+#include "oraclegs/train/loss_terms.h"
 #include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
@@ -17,6 +18,8 @@ class GpuTraining {
  public:
   /// Errors as MakeCudaTrainDevice.
   GpuTraining(const GpuScene& scene, Device device);
+  GpuTraining(const GpuTraining&) = delete;  // the device knows the plan by its address
+  GpuTraining& operator=(const GpuTraining&) = delete;
 
   /// Medians over `passes` iterations of each kind.
   GpuTimes Measure(int passes);
@@ -33,10 +36,9 @@ class GpuTraining {
   void TimeWhole(int passes, GpuTimes* times);
   void TimeRefine(int passes, GpuTimes* times);
 
-  int views_;
-  double pixels_;
   TrainOptions options_;
-  std::unique_ptr<ViewLoss> view_loss_;
+  LossPlan plan_;
+  double pixels_;
   std::unique_ptr<TrainDevice> train_;
   TrainedModel model_;
   int64_t number_;

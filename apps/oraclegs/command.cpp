@@ -1,6 +1,5 @@
 #include "command.h"
 
-
 #include <cstdio>
 
 #include "config_file.h"

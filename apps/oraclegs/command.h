@@ -30,7 +30,8 @@ struct WorkspaceOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("out", self.out, "Workspace: the folder that receives all results; a run that was stopped there is continued");
+    visit("out", self.out,
+          "Workspace: the folder that receives all results; a run that was stopped there is continued");
     visit("overwrite", self.overwrite, "Start anew: remove what an earlier run left in the workspace");
   }
 };

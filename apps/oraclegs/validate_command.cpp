@@ -1,5 +1,5 @@
-#include "oraclegs/loss/objective.h"
 #include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/train/train_view.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

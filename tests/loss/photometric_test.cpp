@@ -125,6 +125,24 @@ TEST(PhotometricLoss, GivesNoGradientFarFromAllConfidence) {
   EXPECT_EQ(PhotometricLoss()(elsewhere, p.target, confidence, {}, nullptr).loss, value.loss);
 }
 
+TEST(PhotometricLoss, IgnoresMaskedPixels) {
+  const Pair p = RandomPair(32, 48, 17);
+  const Buffer<float> mask = Buffer<float>::Full({32, 48}, 1.f);
+  Table(mask).middleCols(20, 10).setZero();
+  const PixelWeights pixels{mask, MaskMeaning::kMask};
+  const Buffer<float> other = p.render.Clone();
+  Table(other).middleCols(60, 30).setConstant(9);
+  PhotometricLoss loss;
+  Buffer<float> grad = Buffer<float>::Empty(other.shape()), expected = Buffer<float>::Empty(other.shape());
+  const double value = loss(p.render, p.target, pixels, {}, &expected).loss;
+  EXPECT_EQ(loss(other, p.target, pixels, {}, &grad).loss, value);
+  EXPECT_EQ(loss(other, p.target, pixels, {}, nullptr).loss, value);
+  EXPECT_TRUE(SameBytes(grad, expected));
+  EXPECT_EQ(Table(grad).middleCols(60, 30).abs().maxCoeff(), 0);
+  EXPECT_GT(Table(grad).leftCols(60).abs().maxCoeff(), 0);
+  EXPECT_NE(loss(other, p.target, mask, {}, nullptr).loss, value);  // a confidence: windows see the render
+}
+
 TEST(PhotometricLoss, HasTheSameValueWithoutGradient) {
   const Pair p = RandomPair(60, 45, 16);
   PhotometricLoss loss;
@@ -151,6 +169,7 @@ TEST(PhotometricLoss, RefusesShapesThatDoNotFit) {
   EXPECT_THROW(loss(image, RandomUniform({9, 8, 3}, 1), {}, {}, nullptr), ShapeError);
   EXPECT_THROW(loss(RandomUniform({3, 8, 9}, 1), RandomUniform({3, 8, 9}, 2), {}, {}, nullptr), ShapeError);
   EXPECT_THROW(loss(image, image, RandomUniform({8, 8}, 1), {}, nullptr), ShapeError);
+  EXPECT_THROW(loss(image, image, {Buffer<float>::Full({9, 8}, 1.f), MaskMeaning::kMask}, {}, nullptr), ShapeError);
   EXPECT_THROW(loss(image, image, {}, {}, &small), ShapeError);
   EXPECT_THROW(loss({}, image, {}, {}, nullptr), ShapeError);
   EXPECT_THROW(loss(empty, empty, {}, {}, nullptr), ShapeError);

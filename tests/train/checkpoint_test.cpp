@@ -34,10 +34,10 @@ void ExpectSame(const Checkpoint& a, const Checkpoint& b) {
   EXPECT_TRUE(SameBits(a.adam.m, b.adam.m));
   EXPECT_TRUE(SameBits(a.adam.v, b.adam.v));
   EXPECT_EQ(a.adam.step, b.adam.step);
-  EXPECT_EQ(a.sampler.photographs, b.sampler.photographs);
+  EXPECT_EQ(a.sampler.photos, b.sampler.photos);
   EXPECT_EQ(a.sampler.proposals, b.sampler.proposals);
   EXPECT_EQ(a.sampler.counter, b.sampler.counter);
-  EXPECT_EQ(a.sampler.num_photographs, b.sampler.num_photographs);
+  EXPECT_EQ(a.sampler.num_photos, b.sampler.num_photos);
   EXPECT_EQ(a.sampler.num_proposals, b.sampler.num_proposals);
   EXPECT_EQ(a.exposures.maps, b.exposures.maps);
   EXPECT_EQ(a.exposures.m, b.exposures.m);
@@ -87,7 +87,7 @@ TEST(CheckpointTest, ExposuresAreThereWhereTheyAreTrained) {
   WriteCheckpoint(dir / "with", before);
   EXPECT_THAT(SafetensorsFile::Open(dir / "with").Get("exposure.maps").shape, testing::ElementsAre(2, 3, 4));
   ExpectSame(ReadCheckpoint(dir / "with"), before);
-  before.exposures.steps.push_back(9);  // of a photograph without a map
+  before.exposures.steps.push_back(9);  // of a photo without a map
   WriteCheckpoint(dir / "uneven", before);
   EXPECT_THAT(Refusal(dir / "uneven"), HasSubstr("exposure.maps has shape [2, 3, 4], expected [3, 3, 4]"));
 }
@@ -99,7 +99,7 @@ TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {
   EXPECT_THAT(file.Get("sh").shape, testing::ElementsAre(3, 16, 3));
   EXPECT_THAT(file.Get("adam.v.quats").shape, testing::ElementsAre(3, 4));
   EXPECT_EQ(file.metadata().at("iteration"), "1234");
-  EXPECT_EQ(file.metadata().at("format_version"), "2");
+  EXPECT_EQ(file.metadata().at("format_version"), "3");
 }
 
 TEST(CheckpointTest, EveryFlippedByteIsFound) {

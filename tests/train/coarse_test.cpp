@@ -97,8 +97,8 @@ TEST(CoarseIterationsTest, LeavesTheLastIterationFine) {
 }
 
 TEST(TrainerCoarseTest, TheShareIsTrainedAtHalfSize) {
-  // Photographs of a pattern as fine as a pixel: at half size it is grey, and the grey of the start fits it.
-  auto views = Photographs(2);
+  // Photos of a pattern as fine as a pixel: at half size it is grey, and the grey of the start fits it.
+  auto views = Photos(2);
   for (TrainView& view : views) {
     view.camera = Resized(view.camera, 36, 28);
     view.image = Buffer<float>::Empty({28, 36, 3});
@@ -120,9 +120,9 @@ TEST(TrainerCoarseTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
   TempDir dir;
   TrainOptions options = Options(60);
   options.coarse_share = 0.5;
-  Trainer whole(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  Trainer whole(options, kSeed, {0, 0, 0}, Photos(3), Start());
   whole.Run({dir.path(), 25, {}}, Silent());
-  Trainer resumed(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  Trainer resumed(options, kSeed, {0, 0, 0}, Photos(3), Start());
   resumed.Restore(ReadCheckpoint(CheckpointPath(dir.path(), 25)));
   resumed.Run({}, Silent());
   EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));

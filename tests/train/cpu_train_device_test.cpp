@@ -11,8 +11,8 @@ namespace {
 class CpuTrainDeviceTest : public testing::Test {
  protected:
   TrainOptions options = Options().Settled();
-  ViewLoss view_loss{options, Photographs(1)};
-  std::unique_ptr<TrainDevice> device = MakeCpuTrainDevice({options, &view_loss, 60});
+  LossPlan plan{options, Photos(1)};
+  std::unique_ptr<TrainDevice> device = MakeCpuTrainDevice({options, plan, 60});
 };
 
 TEST_F(CpuTrainDeviceTest, CopiesShareNoMemory) {
@@ -26,20 +26,20 @@ TEST_F(CpuTrainDeviceTest, CopiesShareNoMemory) {
   EXPECT_NE(copy.adam.m.means.data(), model.adam.m.means.data());
 }
 
-TEST_F(CpuTrainDeviceTest, TheLossIsSmoothedFromWhatWasRestored) {
+TEST_F(CpuTrainDeviceTest, SmoothsTheLossFromTheRestoredOne) {
   TrainedModel model = device->Upload({Start()});
   device->RestoreLoss(10);
   Iteration iteration;
   iteration.number = 5;
   const RenderOutput out =
-      device->rasterizer().Forward(model.gaussians, view_loss.photographs()[0].camera, {}, RenderPass::kTrain);
+      device->rasterizer().Forward(model.gaussians, plan.photos()[0].camera, {}, RenderPass::kTrain);
   device->BackwardAndStep(iteration, device->LossOfView(iteration, out), &model);
   const LossReport loss = device->Loss();
   EXPECT_GT(loss.last, 0);
   EXPECT_DOUBLE_EQ(loss.smoothed, kLossSmoothing * 10 + (1 - kLossSmoothing) * loss.last);
 }
 
-TEST_F(CpuTrainDeviceTest, WithoutTrainingThereAreNoExposures) {
+TEST_F(CpuTrainDeviceTest, HasNoExposuresWithoutTrainingThem) {
   EXPECT_TRUE(device->exposures().maps.empty());
   EXPECT_NO_THROW(device->RestoreExposures({}));
 }

@@ -74,13 +74,13 @@ TEST(ExposuresTest, PullIsTowardsTheIdentity) {
   Exposures exposures({Gain(1.2f), Gain(0.8f)});
   ExposureGradient gradient{};
   gradient[1] = 5;
-  EXPECT_NEAR(exposures.AddPull(0, &gradient), kExposurePull / 2 * 3 * 0.04, 1e-8);
-  EXPECT_NEAR(gradient[0], kExposurePull * 0.2, 1e-8);
+  EXPECT_NEAR(exposures.AddRegularizer(0, kExposureRegularizer, &gradient), kExposureRegularizer / 2 * 3 * 0.04, 1e-8);
+  EXPECT_NEAR(gradient[0], kExposureRegularizer * 0.2, 1e-8);
   EXPECT_EQ(gradient[1], 5);
 }
 
 TEST(ExposuresTest, TheGaugeKeepsRatiosAndTheMeanAtTheIdentity) {
-  // Gains relative to the first photograph: the mean is not 1.
+  // Gains relative to the first photo: the mean is not 1.
   Exposures exposures({Gain(1), Gain(1.5f), Gain(3)});
   EXPECT_NEAR(exposures.maps()[1][0] / exposures.maps()[0][0], 1.5, 1e-5);
   EXPECT_NEAR(exposures.maps()[2][5] / exposures.maps()[0][5], 3, 1e-5);
@@ -98,7 +98,7 @@ TEST(ExposuresTest, TheGaugeKeepsRatiosAndTheMeanAtTheIdentity) {
     }
     for (int k = 0; k < 12; ++k) EXPECT_NEAR(mean[k], static_cast<double>(kIdentityExposure[k]), 1e-6);
   }
-  // Where the pictures of two maps meet does not depend on the gauge: shown0 = T(shown1) with T = map0 map1^-1.
+  // Where the images of two maps meet does not depend on the gauge: shown0 = T(shown1) with T = map0 map1^-1.
   const auto affine = [](const ExposureMap& map) {
     Eigen::Matrix4d t = Eigen::Matrix4d::Identity();
     for (int k = 0; k < 12; ++k) t(k / 4, k % 4) = static_cast<double>(map[k]);
@@ -128,9 +128,9 @@ TEST(ExposuresTest, RefusesMapsThatAreNone) {
   EXPECT_THROW(exposures.Apply(0, RandomUniform({4, 4, 3}, 105), RandomUniform({4, 3, 3}, 106)), ShapeError);
 }
 
-/// Photographs of one scene, taken with other exposures.
+/// Photos of one scene, taken with other exposures.
 std::vector<TrainView> Exposed(const std::vector<float>& gains) {
-  auto views = Photographs(static_cast<int>(gains.size()));
+  auto views = Photos(static_cast<int>(gains.size()));
   for (size_t i = 0; i < gains.size(); ++i) Flat(views[i].image) *= gains[i];
   return views;
 }
@@ -143,7 +143,7 @@ TrainOptions WithExposure(int iterations) {
   return options;
 }
 
-TEST(TrainerExposureTest, FindsTheGainBetweenPhotographs) {
+TEST(TrainerExposureTest, FindsTheGainBetweenPhotos) {
   Trainer trainer(WithExposure(300), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f, 1.2f, 0.8f}), Truth());
   const double first = trainer.Step();
   for (int i = 2; i < 300; ++i) trainer.Step();
@@ -165,7 +165,7 @@ TEST(TrainerExposureTest, StartsFromTheMapsThatAreGiven) {
   views[0].exposure = Gain(3);  // the same ratio in another gauge
   views[1].exposure = Gain(2);
   Trainer given(WithExposure(10), kSeed, {0, 0, 0}, views, Truth());
-  EXPECT_NEAR(given.Step(), kExposurePull / 2 * 3 * 0.04, 1e-4);
+  EXPECT_NEAR(given.Step(), kExposureRegularizer / 2 * 3 * 0.04, 1e-4);
   EXPECT_NEAR(given.exposures()[0][0], 1.2, 0.02);
 }
 
@@ -191,7 +191,7 @@ TEST(TrainerExposureTest, MaskedPixelsContributeNothing) {
       Table(view.image).rightCols(3 * (kWidth - 20)).setConstant(hidden);
     }
     TrainOptions options = WithExposure(60);
-    options.ssim_weight = 0;  // its windows reach across the mask, where they find the same photograph on both sides
+    options.ssim_weight = 0;  // its windows reach across the mask, where they find the same photo on both sides
     Trainer trainer(options, kSeed, {0, 0, 0}, views, Start());
     trainer.Run({}, Silent());
     return trainer.exposures();
@@ -222,18 +222,18 @@ TEST(TrainerExposureTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
   EXPECT_GT(difference, 0.05f);
 }
 
-TEST(TrainerExposureTest, RefusesACheckpointOfOtherPhotographs) {
+TEST(TrainerExposureTest, RefusesACheckpointOfOtherPhotos) {
   Trainer three(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f, 1.f}), Start());
   Trainer two(WithExposure(60), kSeed, {0, 0, 0}, Exposed({1.2f, 0.8f}), Start());
   Checkpoint checkpoint = three.MakeCheckpoint();
   checkpoint.sampler = two.MakeCheckpoint().sampler;  // which is refused first
   try {
     two.Restore(checkpoint);
-    ADD_FAILURE() << "maps of another number of photographs were accepted";
+    ADD_FAILURE() << "maps of another number of photos were accepted";
   } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("exposure maps of 3 photographs, this run has 2"));
+    EXPECT_THAT(e.what(), HasSubstr("exposure maps of 3 photos, this run has 2"));
   }
-  Trainer without(Options(60), kSeed, {0, 0, 0}, Photographs(2), Start());
+  Trainer without(Options(60), kSeed, {0, 0, 0}, Photos(2), Start());
   EXPECT_THROW(two.Restore(without.MakeCheckpoint()), InputError);
 }
 

@@ -85,7 +85,7 @@ TEST(PruneFloatersTest, SameForAnyNumberOfThreads) {
 }
 
 TEST(TrainerFloatersTest, PruningMovesThemToTheSurface) {
-  auto views = Photographs(4);
+  auto views = Photos(4);
   for (TrainView& view : views) {  // everything is as far away as the origin: before it is the air
     view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, 1 / 3.f);
     view.depth_mask = Buffer<float>::Full({kHeight, kWidth}, 1.f);

@@ -71,7 +71,7 @@ TrainOptions Perturbed(double dropout, double noise) {
 }
 
 Gaussians Trained(const TrainOptions& options) {
-  Trainer trainer(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  Trainer trainer(options, kSeed, {0, 0, 0}, Photos(3), Start());
   trainer.Run({}, Silent());
   return trainer.gaussians().Clone();
 }
@@ -89,9 +89,9 @@ TEST(TrainerPerturbationTest, ChangesTheRunReproducibly) {
 TEST(TrainerPerturbationTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
   TempDir dir;
   const TrainOptions options = Perturbed(0.4, 0.3);
-  Trainer whole(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  Trainer whole(options, kSeed, {0, 0, 0}, Photos(3), Start());
   whole.Run({dir.path(), 25, {}}, Silent());
-  Trainer resumed(options, kSeed, {0, 0, 0}, Photographs(3), Start());
+  Trainer resumed(options, kSeed, {0, 0, 0}, Photos(3), Start());
   resumed.Restore(ReadCheckpoint(CheckpointPath(dir.path(), 25)));
   resumed.Run({}, Silent());
   EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));
@@ -100,9 +100,9 @@ TEST(TrainerPerturbationTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
 TEST(TrainerPerturbationTest, TheLastIterationShowsTheModelAsItIs) {
   TrainOptions options = Perturbed(0.9, 1);
   options.iterations = 1;
-  const double perturbed = Trainer(options, kSeed, {0, 0, 0}, Photographs(1), Start()).Step();
+  const double perturbed = Trainer(options, kSeed, {0, 0, 0}, Photos(1), Start()).Step();
   options.dropout = options.opacity_noise = 0.;
-  EXPECT_EQ(perturbed, Trainer(options, kSeed, {0, 0, 0}, Photographs(1), Start()).Step());
+  EXPECT_EQ(perturbed, Trainer(options, kSeed, {0, 0, 0}, Photos(1), Start()).Step());
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ TEST(CapScalesTest, InACameraSomeSizeIsLeftAndWithoutCamerasAll) {
 }
 
 TEST(CapScalesTest, CentersAreTheCamerasInTheWorld) {
-  const std::vector<TrainView> views = Photographs(2);
+  const std::vector<TrainView> views = Photos(2);
   const std::vector<float> centers = CameraCenters(views);
   ASSERT_EQ(centers.size(), 6u);
   for (int v = 0; v < 2; ++v) {
@@ -67,9 +67,9 @@ TEST(CapScalesTest, ATrainingKeepsThemToTheEnd) {
   const auto largest = [](double share) {
     TrainOptions options = Options();
     options.largest_scale = share;
-    const std::vector<TrainView> photographs = Photographs(3);
-    const std::vector<float> centers = CameraCenters(photographs);
-    Trainer trainer(options, kSeed, {0, 0, 0}, photographs, Start());
+    const std::vector<TrainView> photos = Photos(3);
+    const std::vector<float> centers = CameraCenters(photos);
+    Trainer trainer(options, kSeed, {0, 0, 0}, photos, Start());
     for (int i = 0; i < options.iterations; ++i) trainer.Step();
     const Gaussians& g = trainer.gaussians();
     double most = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// A scene small enough to be trained in a test: a few Gaussians, photographed by the rasteriser itself.
+// A scene small enough to be trained in a test: a few Gaussians, photoed by the rasteriser itself.
 
 #include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/trainer.h"
@@ -27,8 +27,8 @@ inline Gaussians Truth() {
   return truth;
 }
 
-/// Photographs of them, taken by the rasteriser itself.
-inline std::vector<TrainView> Photographs(int count) {
+/// Photos of them, taken by the rasteriser itself.
+inline std::vector<TrainView> Photos(int count) {
   const Gaussians truth = Truth();
   auto rasterizer = MakeRasterizer(kCpu);
   std::vector<TrainView> views;

@@ -74,7 +74,7 @@ TEST(CheckViewsTest, NamesTheInverseDepthThatIsNotFinite) {
 }
 
 TEST(CheckViewsTest, AlphaIsAShareOfEveryPixel) {
-  TrainView view = Photographs(1)[0];
+  TrainView view = Photos(1)[0];
   view.alpha = Buffer<float>::Full({kHeight, kWidth}, 1.f);
   EXPECT_NO_THROW(CheckViews({view}));
   for (const float wrong : {-0.1f, 1.1f, std::nanf("")}) {
@@ -129,7 +129,7 @@ TEST(WithGatedConfidenceTest, GateIsHardAndWhatPassesIsSoft) {
   EXPECT_TRUE(Equal(view.confidence, before));             // not written
 }
 
-TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotographDoes) {
+TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotoDoes) {
   TrainView view = WithDepth(0.5f);
   view.inv_depth[3 * kWidth + 7] = std::nanf("");
   view.depth_mask[3 * kWidth + 7] = 0;
@@ -149,7 +149,7 @@ TEST(WithCleanDepthTest, DepthCountsOnlyWhereThePhotographDoes) {
 
 TEST(CamerasTest, AreInTheOrderOfTheViews) {
   EXPECT_TRUE(Cameras({}).empty());
-  const auto views = Photographs(3);
+  const auto views = Photos(3);
   const std::vector<Camera> cameras = Cameras(views);
   ASSERT_EQ(cameras.size(), 3u);
   for (size_t v = 0; v < 3; ++v) {

@@ -13,9 +13,9 @@
 namespace oraclegs {
 namespace {
 
-/// Photographs with the depth that the rasteriser finds, where the Gaussians cover the view.
+/// Photos with the depth that the rasteriser finds, where the Gaussians cover the view.
 std::vector<TrainView> WithTrueDepth(int count) {
-  auto views = Photographs(count);
+  auto views = Photos(count);
   auto rasterizer = MakeRasterizer(kCpu);
   for (TrainView& view : views) {
     const RenderOutput out = rasterizer->Forward(Truth(), view.camera, {}, RenderPass::kInference);
@@ -53,8 +53,7 @@ TEST(TrainerDepthTest, TheTermIsThatOfTheFormula) {
   EXPECT_GT(expected, 0.01);
   EXPECT_NEAR(FirstLoss(OnlyDepth(3), views), expected, 1e-4);
   EXPECT_NEAR(FirstLoss(OnlyDepth(0), views), 0, 1e-5);
-  views[0].confidence =
-      Buffer<float>::Zeros({kHeight, kWidth});  // where the photograph does not count, its depth does not
+  views[0].confidence = Buffer<float>::Zeros({kHeight, kWidth});  // where the photo does not count, its depth does not
   EXPECT_EQ(FirstLoss(OnlyDepth(3), views), 0);
 }
 
@@ -75,7 +74,7 @@ TEST(TrainerDepthTest, DoesNotDependOnTheUnitOfTheWorld) {
 }
 
 TEST(TrainerDepthTest, WithoutDepthOrWeightTheBitsAreTheSame) {
-  const auto plain = Photographs(3);
+  const auto plain = Photos(3);
   auto deep = WithTrueDepth(3);
   const Gaussians expected = After(45, Options(), plain);
   TrainOptions off = Options();
@@ -101,7 +100,7 @@ TEST(TrainerDepthTest, BringsTheRenderToTheDepthWherePicturesSayNothing) {
   auto views = WithTrueDepth(4);
   Gaussians start = Truth();
   Table(start.means).col(2) += 0.2f;  // behind where they belong
-  Flat(start.sh).setConstant(-100);   // black before black: no picture shows it
+  Flat(start.sh).setConstant(-100);   // black before black: no image shows it
   for (TrainView& view : views) view.image.SetZero();
   const double before = DepthError(start, views);
   const auto after = [&](double weight) {

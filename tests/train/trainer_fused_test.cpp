@@ -23,7 +23,7 @@ namespace {
 constexpr uint64_t kSeed = 5;
 constexpr int64_t kCount = 3 * kGradBlock + 21;  // neither whole blocks nor whole vectors
 
-std::vector<TrainView> Photographs() {
+std::vector<TrainView> Photos() {
   std::vector<TrainView> views;
   auto rasterizer = MakeRasterizer(kCpu);
   for (int i = 0; i < 3; ++i) {
@@ -83,7 +83,7 @@ class SlowTrainer {
     return SpatialExtent(cameras);
   }
 
-  std::vector<TrainView> views_ = Photographs();
+  std::vector<TrainView> views_ = Photos();
   std::unique_ptr<Rasterizer> rasterizer_ = MakeRasterizer(kCpu);
   Gaussians gaussians_;
   Adam adam_;
@@ -98,7 +98,7 @@ TEST(TrainerFusedTest, GivesTheBitsOfItsPartsOneAfterTheOther) {
   for (const int threads : {1, 3}) {
     const Threads scope(threads);
     SlowTrainer slow(start);
-    Trainer fused(Options(), kSeed, {0, 0, 0}, Photographs(), start);
+    Trainer fused(Options(), kSeed, {0, 0, 0}, Photos(), start);
     for (int64_t i = 1; i <= Options().iterations; ++i) {
       ASSERT_EQ(fused.Step(), slow.Step(i)) << i;
       ASSERT_TRUE(SameBits(fused.gaussians(), slow.gaussians())) << i;

@@ -15,9 +15,9 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What a perfect generator would propose beyond the photographs, sure of the left half.
+/// What a perfect generator would propose beyond the photos, sure of the left half.
 std::vector<TrainView> Proposals(int count) {
-  auto views = Photographs(count);
+  auto views = Photos(count);
   for (int i = 0; i < count; ++i) {
     views[i].name = "proposal" + std::to_string(i);
     views[i].confidence = Buffer<float>::Full({kHeight, kWidth}, 0.25f);
@@ -54,38 +54,38 @@ std::vector<std::string> Notes(const TrainOptions& options, const TrainingData& 
 
 TEST(TrainerProposalsTest, WithoutConfidenceOnlyTheRegularisersAndNoiseMoveAnything) {
   const auto blind = WithConfidence(Proposals(3), 0);
-  const Gaussians after = After(60, Constantly(1), {Photographs(3), blind});
+  const Gaussians after = After(60, Constantly(1), {Photos(3), blind});
   EXPECT_EQ(MaxAbs(after.sh), 0);
-  // Which are those of photographs that are masked altogether: the views are drawn in the same order.
-  EXPECT_TRUE(SameBits(after, After(60, Options(), WithConfidence(Photographs(3), 0))));
+  // Which are those of photos that are masked altogether: the views are drawn in the same order.
+  EXPECT_TRUE(SameBits(after, After(60, Options(), WithConfidence(Photos(3), 0))));
   auto bright = blind;
   for (TrainView& view : bright) view.image = Buffer<float>::Full(view.image.shape(), 1.f);
-  EXPECT_TRUE(SameBits(after, After(60, Constantly(1), {Photographs(3), bright})));
+  EXPECT_TRUE(SameBits(after, After(60, Constantly(1), {Photos(3), bright})));
 }
 
-TEST(TrainerProposalsTest, FullConfidenceIsAPhotographWithOtherWeights) {
+TEST(TrainerProposalsTest, FullConfidenceIsAPhotoWithOtherWeights) {
   TrainOptions options = Options();
   options.ssim_weight = options.proposal_ssim;
-  const Gaussians photographs = After(30, options, Photographs(3));
+  const Gaussians photos = After(30, options, Photos(3));
   TrainOptions proposals = Constantly(1);
-  EXPECT_TRUE(SameBits(After(30, proposals, {Photographs(3), WithConfidence(Photographs(3), 1)}), photographs));
-  auto undefined = Photographs(3);
-  EXPECT_TRUE(SameBits(After(30, proposals, {Photographs(3), undefined}), photographs));
+  EXPECT_TRUE(SameBits(After(30, proposals, {Photos(3), WithConfidence(Photos(3), 1)}), photos));
+  auto undefined = Photos(3);
+  EXPECT_TRUE(SameBits(After(30, proposals, {Photos(3), undefined}), photos));
 }
 
 TEST(TrainerProposalsTest, ScheduleNoneNeverDrawsOne) {
   TrainOptions options = Options();
-  const Gaussians expected = After(60, options, Photographs(3));
-  EXPECT_FALSE(SameBits(After(60, options, {Photographs(3), Proposals(4)}), expected));
+  const Gaussians expected = After(60, options, Photos(3));
+  EXPECT_FALSE(SameBits(After(60, options, {Photos(3), Proposals(4)}), expected));
   options.schedule = ScheduleKind::kNone;
   options.synthetic_floor = 1;
-  EXPECT_TRUE(SameBits(After(60, options, {Photographs(3), Proposals(4)}), expected));
+  EXPECT_TRUE(SameBits(After(60, options, {Photos(3), Proposals(4)}), expected));
 }
 
 TEST(TrainerProposalsTest, ConstantOneDrawsNothingElseWithoutReplacement) {
-  auto photographs = Photographs(2);
-  for (TrainView& view : photographs) Flat(view.image).setConstant(std::nanf(""));  // would end the run
-  Trainer trainer(Constantly(1), kSeed, {0, 0, 0}, {photographs, Proposals(5)}, Start());
+  auto photos = Photos(2);
+  for (TrainView& view : photos) Flat(view.image).setConstant(std::nanf(""));  // would end the run
+  Trainer trainer(Constantly(1), kSeed, {0, 0, 0}, {photos, Proposals(5)}, Start());
   for (int round = 0; round < 3; ++round) {
     std::vector<int64_t> left = {0, 1, 2, 3, 4};
     for (int k = 0; k < 5; ++k) {
@@ -96,20 +96,20 @@ TEST(TrainerProposalsTest, ConstantOneDrawsNothingElseWithoutReplacement) {
       left = stack;
     }
   }
-  EXPECT_TRUE(trainer.MakeCheckpoint().sampler.photographs.empty());
+  EXPECT_TRUE(trainer.MakeCheckpoint().sampler.photos.empty());
 }
 
-TEST(TrainerProposalsTest, ShowWhatPhotographsDoNot) {
-  // One photograph, and proposals of the other side: the error there falls by what they say.
-  const auto all = Photographs(4);
-  const std::vector<TrainView> photographs = {all[0]}, proposals = WithConfidence({all[1], all[2], all[3]}, 0.8f);
+TEST(TrainerProposalsTest, ShowWhatPhotosDoNot) {
+  // One photo, and proposals of the other side: the error there falls by what they say.
+  const auto all = Photos(4);
+  const std::vector<TrainView> photos = {all[0]}, proposals = WithConfidence({all[1], all[2], all[3]}, 0.8f);
   const auto error = [&](const TrainingData& data) {
     const Gaussians gaussians = After(150, Constantly(0.5, 150), data);
     auto rasterizer = MakeRasterizer(kCpu);
     const Buffer<float> image = rasterizer->Forward(gaussians, all[3].camera, {}, RenderPass::kInference).image;
     return (Wide(image) - Wide(all[3].image)).abs().mean();
   };
-  const double without = error(photographs), with = error({photographs, proposals});
+  const double without = error(photos), with = error({photos, proposals});
   EXPECT_LT(with, 0.8 * without);
 }
 
@@ -117,7 +117,7 @@ TEST(TrainerProposalsTest, SameBitsForAnyNumberOfThreadsAndResumed) {
   TempDir dir;
   TrainOptions options = Constantly(0.4);
   options.coarse_share = 0.3;
-  const TrainingData data{Photographs(3), Proposals(4)};
+  const TrainingData data{Photos(3), Proposals(4)};
   const auto run = [&](int threads) {
     const Threads scope(threads);
     Trainer trainer(options, kSeed, {0, 0, 0}, data, Start());
@@ -135,29 +135,29 @@ TEST(TrainerProposalsTest, SameBitsForAnyNumberOfThreadsAndResumed) {
 }
 
 TEST(TrainerProposalsTest, RefusesCheckpointsOfAnotherNumberOfViews) {
-  Trainer trainer(Constantly(0.5), kSeed, {0, 0, 0}, {Photographs(3), Proposals(4)}, Start());
+  Trainer trainer(Constantly(0.5), kSeed, {0, 0, 0}, {Photos(3), Proposals(4)}, Start());
   for (int i = 0; i < 3; ++i) trainer.Step();
   const Checkpoint checkpoint = trainer.MakeCheckpoint();
   for (const int count : {0, 2, 5}) {
-    Trainer other(Constantly(0.5), kSeed, {0, 0, 0}, {Photographs(3), Proposals(count)}, Start());
+    Trainer other(Constantly(0.5), kSeed, {0, 0, 0}, {Photos(3), Proposals(count)}, Start());
     try {
       other.Restore(checkpoint);
       ADD_FAILURE() << "was accepted with " << count << " proposals";
     } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), HasSubstr(fmt::format("3 photographs and 4 proposals, this run has 3 and {}", count)));
+      EXPECT_THAT(e.what(), HasSubstr(fmt::format("3 photos and 4 proposals, this run has 3 and {}", count)));
     }
   }
-  Trainer fewer(Constantly(0.5), kSeed, {0, 0, 0}, {Photographs(2), Proposals(4)}, Start());
+  Trainer fewer(Constantly(0.5), kSeed, {0, 0, 0}, {Photos(2), Proposals(4)}, Start());
   EXPECT_THROW(fewer.Restore(checkpoint), InputError);
 }
 
 TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
-  const TrainingData data{Photographs(2), Proposals(2)};
+  const TrainingData data{Photos(2), Proposals(2)};
   const std::vector<std::string> notes = Notes(Options(5), data);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_THAT(notes[0], HasSubstr("no LPIPS network: its share of the proposals' loss goes to L1, which has 0.70"));
 
-  EXPECT_TRUE(Notes(Options(5), Photographs(2)).empty());
+  EXPECT_TRUE(Notes(Options(5), Photos(2)).empty());
   TrainOptions options = Options(5);
   options.schedule = ScheduleKind::kNone;
   EXPECT_TRUE(Notes(options, data).empty());
@@ -169,16 +169,16 @@ TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
   EXPECT_TRUE(Notes(options, data).empty());
   int asked = 0;
   const PerceptualDistance lpips = [&](auto&&...) { return static_cast<double>(++asked); };
-  EXPECT_TRUE(Notes(Constantly(1, 5), {data.photographs, data.proposals, lpips}).empty());
+  EXPECT_TRUE(Notes(Constantly(1, 5), {data.photos, data.proposals, lpips}).empty());
   EXPECT_EQ(asked, 5);
 }
 
 TEST(TrainerProposalsTest, RefusesSharesThatLeaveL1LessThanNothing) {
   TrainOptions options = Options();
   options.proposal_ssim = 0.8;
-  EXPECT_THROW(Trainer(options, kSeed, {0, 0, 0}, Photographs(2), Start()), UsageError);
+  EXPECT_THROW(Trainer(options, kSeed, {0, 0, 0}, Photos(2), Start()), UsageError);
   options.proposal_lpips = 0.2;
-  EXPECT_NO_THROW(Trainer(options, kSeed, {0, 0, 0}, Photographs(2), Start()));
+  EXPECT_NO_THROW(Trainer(options, kSeed, {0, 0, 0}, Photos(2), Start()));
 }
 
 }  // namespace

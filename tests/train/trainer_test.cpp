@@ -16,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 
 Trainer MakeTrainer(const TrainOptions& options, int views = 4) {
-  return Trainer(options, kSeed, {0, 0, 0}, Photographs(views), Start());
+  return Trainer(options, kSeed, {0, 0, 0}, Photos(views), Start());
 }
 
 TEST(TrainerTest, LearnsTheScene) {
@@ -135,9 +135,9 @@ TEST(TrainerTest, ShDegreeFollowsTheScheduleAndItsLimit) {
 }
 
 TEST(TrainerTest, WhatTheMaskHidesIsNoLoss) {
-  // The true Gaussians, and photographs that are wrong in their masked half only: SSIM windows that reach across must
+  // The true Gaussians, and photos that are wrong in their masked half only: SSIM windows that reach across must
   // not see the difference.
-  auto views = Photographs(3);
+  auto views = Photos(3);
   for (TrainView& view : views) {
     view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
     Table(view.confidence).rightCols(kWidth - 20).setZero();
@@ -153,7 +153,7 @@ TEST(TrainerTest, WhatTheMaskHidesIsNoLoss) {
 }
 
 TEST(TrainerTest, WhatTheMaskHidesGivesNoGradient) {
-  auto views = Photographs(2);
+  auto views = Photos(2);
   for (TrainView& view : views) view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
   Trainer blind(Options(60), kSeed, {0, 0, 0}, views, Start());
   for (int i = 0; i < 25; ++i) blind.Step();  // regularisers and noise only: no colour changes
@@ -162,7 +162,7 @@ TEST(TrainerTest, WhatTheMaskHidesGivesNoGradient) {
 
 TEST(TrainerTest, AMaskOfOnesIsNoMask) {
   const auto run = [](bool masked) {
-    auto views = Photographs(3);
+    auto views = Photos(3);
     for (TrainView& view : views) {
       if (masked) view.confidence = Buffer<float>::Full({kHeight, kWidth}, 1.f);
     }
@@ -175,7 +175,7 @@ TEST(TrainerTest, AMaskOfOnesIsNoMask) {
 }
 
 TEST(TrainerTest, NotFiniteLossNamesIterationAndView) {
-  auto views = Photographs(1);
+  auto views = Photos(1);
   views[0].image[(3 * kWidth + 4) * 3] = std::nanf("");
   Trainer trainer(Options(), kSeed, {0, 0, 0}, views, Start());
   try {
@@ -202,7 +202,7 @@ TEST(TrainerTest, ReportsProgress) {
 }
 
 TEST(TrainerTest, OneViewpointIsWarnedOf) {
-  Trainer trainer(Options(2), kSeed, {0, 0, 0}, Photographs(1), Start());
+  Trainer trainer(Options(2), kSeed, {0, 0, 0}, Photos(1), Start());
   int warnings = 0;
   trainer.Run({}, [&](const Event& event) { warnings += std::holds_alternative<Warning>(event); });
   EXPECT_EQ(warnings, 1);
@@ -210,11 +210,11 @@ TEST(TrainerTest, OneViewpointIsWarnedOf) {
 
 TEST(TrainerTest, RefusesWhatDoesNotFit) {
   EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, {}, Start()), UsageError);
-  EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, Photographs(2), Gaussians::Zeros(0)), UsageError);
+  EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, Photos(2), Gaussians::Zeros(0)), UsageError);
   TrainOptions options = Options();
   options.ssim_weight = 2;
-  EXPECT_THROW(Trainer(options, kSeed, {0, 0, 0}, Photographs(2), Start()), UsageError);
-  auto views = Photographs(2);
+  EXPECT_THROW(Trainer(options, kSeed, {0, 0, 0}, Photos(2), Start()), UsageError);
+  auto views = Photos(2);
   views[1].image = views[1].image.Rows(0, 5);
   EXPECT_THROW(Trainer(Options(), kSeed, {0, 0, 0}, views, Start()), ShapeError);
 }
@@ -225,7 +225,7 @@ TEST(TrainerTest, RefusesCheckpointsOfAnotherRun) {
   const Checkpoint good = trainer.MakeCheckpoint();
   EXPECT_THROW(MakeTrainer(Options(9)).Restore(good), InputError);
   Checkpoint bad = trainer.MakeCheckpoint();
-  bad.sampler.photographs = {17};
+  bad.sampler.photos = {17};
   EXPECT_THROW(MakeTrainer(Options()).Restore(bad), InputError);
   bad = trainer.MakeCheckpoint();
   bad.adam = Adam(3);

@@ -9,14 +9,14 @@
 namespace oraclegs {
 namespace {
 
-TEST(ViewSamplerTest, EveryRoundShowsEachPhotographOnce) {
+TEST(ViewSamplerTest, EveryRoundShowsEachPhotoOnce) {
   ViewSampler sampler(7, 9, 0);
   std::set<std::vector<int>> orders;
   for (int round = 0; round < 20; ++round) {
     std::vector<int> order;
     for (int k = 0; k < 9; ++k) {
       const SampledView view = sampler.Next(0.5);
-      EXPECT_EQ(view.kind, ViewKind::kPhotograph);
+      EXPECT_EQ(view.kind, ViewKind::kPhoto);
       order.push_back(view.index);
     }
     EXPECT_EQ(std::set<int>(order.begin(), order.end()).size(), 9u);
@@ -42,7 +42,7 @@ TEST(ViewSamplerTest, KindsComeWithTheirProbability) {
 
 TEST(ViewSamplerTest, EdgesOfTheProbability) {
   ViewSampler sampler(1, 2, 2);
-  for (int k = 0; k < 50; ++k) EXPECT_EQ(sampler.Next(0).kind, ViewKind::kPhotograph);
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(sampler.Next(0).kind, ViewKind::kPhoto);
   for (int k = 0; k < 50; ++k) EXPECT_EQ(sampler.Next(1).kind, ViewKind::kProposal);
   ViewSampler only_proposals(1, 0, 2);
   EXPECT_EQ(only_proposals.Next(0).kind, ViewKind::kProposal);
@@ -81,7 +81,7 @@ TEST(ViewSamplerTest, RefusesStateThatDoesNotFit) {
     sampler.Restore({{1}, {}, 5, 4, 2});  // the stacks alone would fit
     ADD_FAILURE() << "the state of another number of proposals was accepted";
   } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), testing::HasSubstr("4 photographs and 2 proposals, this run has 4 and 0"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("4 photos and 2 proposals, this run has 4 and 0"));
   }
 }
 

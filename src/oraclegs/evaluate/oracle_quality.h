@@ -7,7 +7,7 @@
 
 namespace oraclegs {
 
-inline constexpr float kLargeError = 0.1f;   ///< a pixel of a proposal that is plainly wrong
+inline constexpr float kLargeError = 0.1f;  ///< a pixel of a proposal that is plainly wrong
 inline constexpr int kReliabilityBins = 10;
 inline constexpr double kSmallBin = 0.005;  ///< share of the pixels below which a bin says too little
 
@@ -16,7 +16,7 @@ struct ReliabilityBin {
   double from = 0, to = 0;
   double confidence = 0;  ///< mean
   double error = 0;       ///< mean
-  double similarity = 0;    ///< mean Similarity(error), what a calibrated confidence equals
+  double similarity = 0;  ///< mean Similarity(error), what a calibrated confidence equals
   double share = 0;       ///< of all pixels
 };
 

@@ -31,9 +31,9 @@ struct AblationRequest {
 /// Trains the rows of ablation_rows.h seed after seed, each in a workspace of its own, out/rows/NN-NAME/seed-S; those
 /// of one scene share structure from motion, depth and proposals where their options allow. Writes out/ablation.json
 /// and out/ablation.md anew after each run; given again, it goes on where it was stopped. Tells "row 4 of 10 ..." and
-/// the time that is left. A row that fails is a warning and the others go on, but the first failure is thrown when nothing
-/// was scored at all. Throws UsageError for contradicting options, InputError when the scene cannot be read, the row of
-/// LPIPS is asked for and its weights are not there, or `out` holds something else, Interrupted.
+/// the time that is left. A row that fails is a warning and the others go on, but the first failure is thrown when
+/// nothing was scored at all. Throws UsageError for contradicting options, InputError when the scene cannot be read,
+/// the row of LPIPS is asked for and its weights are not there, or `out` holds something else, Interrupted.
 Ablation RunAblation(const AblationRequest& request, const Listener& listener);
 
 /// How long `left` runs, by their row, will take, where those of row r took known[r] seconds (0 = not known: as long as

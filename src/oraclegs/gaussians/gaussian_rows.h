@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "oraclegs/core/device_macros.h"
+
 namespace oraclegs {
 
 inline constexpr int kShFloats = 48;  ///< of one Gaussian: 16 coefficients of 3 channels
@@ -16,7 +18,7 @@ struct GaussianRows {
   float* sh;              ///< [m,48]
 
   /// The rows from row i on.
-  GaussianRows From(int64_t i) const {
+  ORACLEGS_HD GaussianRows From(int64_t i) const {
     return {means + 3 * i, log_scales + 3 * i, quats + 4 * i, opacity_logits + i, sh + kShFloats * i};
   }
 };

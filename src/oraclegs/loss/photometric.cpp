@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/loss/photometric_kernel.h"
+#include "oraclegs/render/image_buffer.h"
 
 namespace oraclegs {
 namespace {
@@ -15,8 +16,9 @@ using photometric::Scratch;
 using photometric::Tile;
 using photometric::TileSums;
 
-constexpr int kTileHeight = 48;  // rows; ten more are worked on for each tile's halo
-constexpr int kWidthStep = 16;   // pixels; keeps the inner tiles' rows whole vectors
+constexpr int64_t kMaskGrain = 1 << 14;  // pixels a task
+constexpr int kTileHeight = 48;          // rows; ten more are worked on for each tile's halo
+constexpr int kWidthStep = 16;           // pixels; keeps the inner tiles' rows whole vectors
 
 int CeilDiv(int a, int b) { return (a + b - 1) / b; }
 
@@ -47,9 +49,24 @@ Images ImagesOf(const Buffer<float>& render, const Buffer<float>& target) {
   return images;
 }
 
+/// out = where(mask > 0, inside, outside), pixel by pixel; `outside` undefined is zero. Images are [H,W,3].
+void SelectByMask(const Buffer<float>& mask, const Buffer<float>& inside, const Buffer<float>& outside,
+                  const Buffer<float>& out) {
+  const float* m = mask.data();
+  const float* a = inside.data();
+  const float* b = outside.defined() ? outside.data() : nullptr;
+  float* o = out.data();
+  ParallelBlocks(mask.count(), kMaskGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      for (int64_t c = 3 * i; c < 3 * i + 3; ++c) o[c] = m[i] > 0 ? a[c] : (b ? b[c] : 0.f);
+    }
+  });
+}
+
 }  // namespace
 
 struct PhotometricLoss::Buffers {
+  ImageBuffer masked;
   std::vector<Tile> tiles;
   std::vector<TileSums> sums;
 
@@ -96,24 +113,33 @@ PhotometricLoss::PhotometricLoss(PhotometricLoss&&) noexcept = default;
 PhotometricLoss& PhotometricLoss::operator=(PhotometricLoss&&) noexcept = default;
 
 PhotometricValue PhotometricLoss::operator()(const Buffer<float>& render, const Buffer<float>& target,
-                                             const Buffer<float>& confidence, const PhotometricWeights& weights,
+                                             const PixelWeights& pixels, const PhotometricWeights& weights,
                                              Buffer<float>* grad) {
   constexpr const char* kWho = "PhotometricLoss";
   RequireImage(kWho, "render", render);
   const int64_t height = render.size(0), width = render.size(1);
   RequireShape(kWho, "target", target, {height, width, 3});
-  if (confidence.defined()) RequireShape(kWho, "confidence", confidence, {height, width});
+  const Buffer<float>& mask = pixels.values;
+  if (mask.defined()) RequireShape(kWho, "the pixels' weights", mask, {height, width});
   const bool with_grad = grad != nullptr && grad->defined();
   if (with_grad) RequireShape(kWho, "grad", *grad, {height, width, 3});
 
+  Buffer<float> seen = render;
+  if (pixels.IsMask()) {
+    // SSIM looks 5 pixels around: where the mask is zero the render is replaced by the target, so that it neither
+    // influences the pixels that count nor takes a gradient from them.
+    seen = buffers_->masked.Get({height, width, 3});
+    SelectByMask(mask, render, target, seen);
+  }
   const double entries = 3.0 * static_cast<double>(height) * static_cast<double>(width);
-  Images images = ImagesOf(render, target);
-  if (confidence.defined()) images.confidence = confidence.data();
+  Images images = ImagesOf(seen, target);
+  if (mask.defined()) images.confidence = mask.data();
   if (with_grad) images.grad = grad->data();
   images.l1_scale = static_cast<float>(weights.l1 / entries);
   images.dssim_scale = static_cast<float>(weights.dssim / entries);
 
   const TileSums total = buffers_->Run(images);
+  if (with_grad && pixels.IsMask()) SelectByMask(mask, *grad, {}, *grad);
   PhotometricValue value;
   value.l1 = total.l1 / entries;
   value.dssim = total.dssim / entries;

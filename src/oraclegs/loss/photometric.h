@@ -2,8 +2,10 @@
 // Fused L1 + SSIM, value and gradient in one pass over the rows (docs/method.md#ssim).
 
 #include <memory>
+#include <utility>
 
 #include "oraclegs/core/buffer.h"
+#include "oraclegs/loss/mask_meaning.h"
 
 namespace oraclegs {
 
@@ -13,13 +15,25 @@ struct PhotometricWeights {
   float dssim = 0.2f;
 };
 
+/// How much each pixel of an image contributes: [H,W] in [0,1]; undefined = 1 everywhere.
+struct PixelWeights {
+  // Not explicit: plain weights are a confidence.
+  PixelWeights(Buffer<float> values_in = {}, MaskMeaning meaning_in = MaskMeaning::kConfidence)
+      : values(std::move(values_in)), meaning(meaning_in) {}
+
+  Buffer<float> values;
+  MaskMeaning meaning;
+
+  bool IsMask() const { return meaning == MaskMeaning::kMask && values.defined(); }
+};
+
 struct PhotometricValue {
   double loss = 0;
   double l1 = 0;     ///< mean(|render - target| * U)
   double dssim = 0;  ///< mean((1 - SSIM) * U)
 };
 
-/// Owns the row buffers. The same bits for any number of threads.
+/// Owns its buffers, which grow to the largest image and are then reused. The same bits for any number of threads.
 class PhotometricLoss {
  public:
   PhotometricLoss();
@@ -27,9 +41,9 @@ class PhotometricLoss {
   PhotometricLoss(PhotometricLoss&&) noexcept;
   PhotometricLoss& operator=(PhotometricLoss&&) noexcept;
 
-  /// render, target [H,W,3] float32; confidence U [H,W] in [0,1], undefined = 1 everywhere.
-  /// grad [H,W,3] receives dL/d(render); undefined = value only. Throws ShapeError.
-  PhotometricValue operator()(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& confidence,
+  /// render, target [H,W,3] float32; `pixels` is U. grad [H,W,3] receives dL/d(render); undefined or null = value only.
+  /// All means run over all pixels. Throws ShapeError.
+  PhotometricValue operator()(const Buffer<float>& render, const Buffer<float>& target, const PixelWeights& pixels,
                               const PhotometricWeights& weights, Buffer<float>* grad);
 
  private:

@@ -38,9 +38,9 @@ void RequireRenderable(const Scene& scene, int downscale) {
   for (const SceneView& view : scene.views) {
     const int width = WorkingSize(view.intrinsics.width, downscale),
               height = WorkingSize(view.intrinsics.height, downscale);
-    if (width <= kMaxImageSide && height <= kMaxImageSide) continue;
+    if (width <= kMaxRenderSide && height <= kMaxRenderSide) continue;
     throw InputError("{}: is {} x {} pixels at --downscale {}, at most {} a side can be rendered; raise --downscale",
-                     view.image_path.string(), width, height, downscale, kMaxImageSide);
+                     view.image_path.string(), width, height, downscale, kMaxRenderSide);
   }
 }
 

@@ -12,9 +12,9 @@ struct PointMatch {
 };
 
 /// The map b ~ H a that fits all `matches` best (least squares over points scaled to unit spread, outliers beyond three
-/// times the median error left out), beginning with `start`, which separates inliers from outliers. A map out of the four
-/// points of a RANSAC sample is off by many pixels where it had no point; this one is not. `start` itself when fewer
-/// than eight matches agree on a better one. Source: Hartley and Zisserman, Multiple View Geometry, alg. 4.2.
+/// times the median error left out), beginning with `start`, which separates inliers from outliers. A map out of the
+/// four points of a RANSAC sample is off by many pixels where it had no point; this one is not. `start` itself when
+/// fewer than eight matches agree on a better one. Source: Hartley and Zisserman, Multiple View Geometry, alg. 4.2.
 Eigen::Matrix3d RefitHomography(const Eigen::Matrix3d& start, const std::vector<PointMatch>& matches);
 
 }  // namespace oraclegs

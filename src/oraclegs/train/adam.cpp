@@ -34,6 +34,11 @@ struct AdamArrays {
   float *p, *m, *v;
 };
 
+/// Gradients, parameters and moments of neighbouring Gaussians.
+struct AdamRows {
+  GaussianRows gradients, params, m, v;
+};
+
 }  // namespace oraclegs
 #endif
 
@@ -95,8 +100,8 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
 }
 
 /// `count` Gaussians.
-void UpdateRows(const GaussianRows& g, const GaussianRows& p, const GaussianRows& m, const GaussianRows& v,
-                int64_t count, const AdamConstants& constants) {
+void UpdateRows(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
+  const auto& [g, p, m, v] = rows;
   const Lanes root(constants.correction2_root);
   UpdateFlat({g.means, p.means, m.means, v.means}, 3 * count, constants.means, root);
   UpdateFlat({g.log_scales, p.log_scales, m.log_scales, v.log_scales}, 3 * count, constants.log_scales, root);
@@ -143,7 +148,7 @@ AdamConstants Constants(int64_t step, const LearningRates& rates, int sh_degree)
 
 void AdamStep::Update(int64_t begin, int64_t end, const GaussianRows& grads) const {
   HWY_DYNAMIC_DISPATCH(UpdateRows)
-  (grads, params_.From(begin), m_.From(begin), v_.From(begin), end - begin, constants_);
+  ({grads, params_.From(begin), m_.From(begin), v_.From(begin)}, end - begin, constants_);
 }
 
 Adam::Adam(int64_t n) : m(Gaussians::Zeros(n)), v(Gaussians::Zeros(n)) {}

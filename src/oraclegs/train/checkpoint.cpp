@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "oraclegs-checkpoint";
-constexpr int64_t kFormatVersion = 2;
+constexpr int64_t kFormatVersion = 3;
 constexpr std::string_view kPrefix = "iteration_", kSuffix = ".safetensors";
 constexpr size_t kCheckpointsKept = 2;
 // The checksum is that of the whole file with these digits at zero, so that no byte of it is left unguarded.
@@ -55,7 +55,7 @@ void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std
   });
 }
 
-/// Nothing without photographs.
+/// Nothing without photos.
 void AddExposures(const ExposureState& state, std::map<std::string, TensorEntry>* tensors) {
   if (state.maps.empty()) return;
   const auto add = [&](const char* name, const std::vector<ExposureMap>& maps) {
@@ -210,7 +210,7 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
     const auto size = static_cast<int64_t>(stack.size());
     tensors.emplace(name, Entry("I64", {size}, stack.data(), size));
   };
-  add_stack("sampler.photographs", checkpoint.sampler.photographs);
+  add_stack("sampler.photos", checkpoint.sampler.photos);
   add_stack("sampler.proposals", checkpoint.sampler.proposals);
   AddExposures(checkpoint.exposures, &tensors);
   std::string bytes =
@@ -219,7 +219,7 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
                                      {"iteration", std::to_string(checkpoint.iteration)},
                                      {"adam.step", std::to_string(checkpoint.adam.step)},
                                      {"sampler.counter", std::to_string(checkpoint.sampler.counter)},
-                                     {"sampler.num_photographs", std::to_string(checkpoint.sampler.num_photographs)},
+                                     {"sampler.num_photos", std::to_string(checkpoint.sampler.num_photos)},
                                      {"sampler.num_proposals", std::to_string(checkpoint.sampler.num_proposals)},
                                      {"seconds", fmt::format("{}", checkpoint.seconds)},
                                      {"loss", fmt::format("{}", checkpoint.loss)},
@@ -249,8 +249,8 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
   checkpoint.adam.m = reader.Group("adam.m.", n);
   checkpoint.adam.v = reader.Group("adam.v.", n);
   checkpoint.adam.step = reader.Number<int64_t>("adam.step");
-  checkpoint.sampler = {reader.Integers("sampler.photographs"), reader.Integers("sampler.proposals"),
-                        reader.Number<uint64_t>("sampler.counter"), reader.Number<int64_t>("sampler.num_photographs"),
+  checkpoint.sampler = {reader.Integers("sampler.photos"), reader.Integers("sampler.proposals"),
+                        reader.Number<uint64_t>("sampler.counter"), reader.Number<int64_t>("sampler.num_photos"),
                         reader.Number<int64_t>("sampler.num_proposals")};
   checkpoint.exposures = reader.Exposures();
   checkpoint.seconds = reader.Number<double>("seconds");

@@ -9,10 +9,10 @@ inline constexpr double kAdamEpsilon = 1e-15;
 /// Moments below become zero. Those of a Gaussian that no view sees any more decay into the subnormal numbers and would
 /// stay there, which is slow on many processors; zero in their place moves no parameter, epsilon is far above.
 inline constexpr float kSmallestMoment = 1.17549435e-38f;
-/// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photograph says anything its loss is
+/// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photo says anything its loss is
 /// steeper by orders of magnitude (a gain that is wrong by 0.2 costs about 0.05, to keep it costs 2e-4); what it says
-/// nothing about, say the mixing of channels in a grey picture, stays where it was.
-inline constexpr double kExposurePull = 0.01;
+/// nothing about, say the mixing of channels in a grey image, stays where it was.
+inline constexpr double kExposureRegularizer = 0.01;
 
 inline constexpr double kExposureEpsilon = 1e-8;
 /// A mean of exposure maps of a smaller determinant has no way back to the identity.

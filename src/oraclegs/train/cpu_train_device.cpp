@@ -9,6 +9,7 @@
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/scale_cap.h"
+#include "oraclegs/train/view_loss.h"
 
 namespace oraclegs {
 namespace {
@@ -35,7 +36,7 @@ struct StepConsumer final : GradientConsumer {
 class CpuTrainDevice final : public TrainDevice {
  public:
   explicit CpuTrainDevice(const TrainDeviceSetup& setup)
-      : options_(setup.options), view_loss_(*setup.view_loss), rasterizer_(MakeRasterizer(kCpu)) {}
+      : options_(setup.options), plan_(setup.plan), view_loss_(plan_), rasterizer_(MakeRasterizer(kCpu)) {}
 
   Rasterizer& rasterizer() override { return *rasterizer_; }
   RenderTimings TimingsSoFar() const override { return rasterizer_->timings(); }
@@ -67,7 +68,7 @@ class CpuTrainDevice final : public TrainDevice {
     if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
     const double loss = loss_of_view_ + regularizers_.Value();
-    RequireFinite(loss, iteration.number, view_loss_.View(iteration.view, iteration.number));
+    RequireFinite(loss, iteration.number, plan_.View(iteration.view, iteration.number));
     loss_.last = loss;
     loss_.smoothed = iteration.number == 1 ? loss : kLossSmoothing * loss_.smoothed + (1 - kLossSmoothing) * loss;
   }
@@ -78,7 +79,7 @@ class CpuTrainDevice final : public TrainDevice {
 
   void Refine(const Iteration& iteration, TrainedModel* model) override {
     Gaussians* gaussians = &model->gaussians;
-    if (options_.prune_floaters) PruneFloaters(view_loss_.photographs(), gaussians);
+    if (options_.prune_floaters) PruneFloaters(plan_.photos(), gaussians);
     RelocateDead(iteration.seed, iteration.number, gaussians, &model->adam);
     AddGaussians(iteration.seed, iteration.number, options_.max_gaussians, gaussians, &model->adam);
     AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
@@ -88,7 +89,7 @@ class CpuTrainDevice final : public TrainDevice {
   void RestoreLoss(double smoothed) override { loss_ = {0, smoothed}; }
 
   ExposureState exposures() const override {
-    const Exposures* exposures = std::as_const(view_loss_).exposures();
+    const Exposures* exposures = view_loss_.exposures();
     return exposures == nullptr ? ExposureState() : exposures->state();
   }
   void RestoreExposures(const ExposureState& state) override {
@@ -103,9 +104,10 @@ class CpuTrainDevice final : public TrainDevice {
   }
 
   TrainOptions options_;
-  ViewLoss& view_loss_;
+  const LossPlan& plan_;
+  ViewLoss view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  std::vector<float> camera_centers_ = CameraCenters(view_loss_.photographs());
+  std::vector<float> camera_centers_ = CameraCenters(plan_.photos());
   Regularizers regularizers_;
   Buffer<float> opacity_factors_;  // [N]
   double loss_of_view_ = 0;

@@ -46,7 +46,7 @@ ExposureGradient BackwardPixels(const ExposureMap& a, const float* image, float*
 }  // namespace
 
 Exposures::Exposures(std::vector<ExposureMap> start) {
-  if (start.empty()) throw ShapeError("Exposures: there is no photograph");
+  if (start.empty()) throw ShapeError("Exposures: there is no photo");
   for (const ExposureMap& map : start) {
     for (const float value : map) {
       if (!std::isfinite(value)) throw ShapeError("Exposures: a start map holds {}", value);
@@ -87,14 +87,14 @@ ExposureGradient Exposures::Backward(int view, const Buffer<float>& image, const
   return total;
 }
 
-double Exposures::AddPull(int view, ExposureGradient* gradient) const {
+double Exposures::AddRegularizer(int view, double weight, ExposureGradient* gradient) const {
   double squares = 0;
   for (size_t k = 0; k < gradient->size(); ++k) {
     const double offset = static_cast<double>(state_.maps[view][k]) - static_cast<double>(kIdentityExposure[k]);
     squares += offset * offset;
-    (*gradient)[k] += kExposurePull * offset;
+    (*gradient)[k] += weight * offset;
   }
-  return 0.5 * kExposurePull * squares;
+  return 0.5 * weight * squares;
 }
 
 void Exposures::Step(int view, const ExposureGradient& gradient, double learning_rate) {
@@ -130,7 +130,7 @@ void Exposures::FixGauge() {
 void Exposures::Restore(const ExposureState& state) {
   const size_t views = state_.maps.size();
   if (state.maps.size() != views || state.m.size() != views || state.v.size() != views || state.steps.size() != views) {
-    throw InputError("the checkpoint holds exposure maps of {} photographs, this run has {}", state.maps.size(), views);
+    throw InputError("the checkpoint holds exposure maps of {} photos, this run has {}", state.maps.size(), views);
   }
   state_ = state;
 }

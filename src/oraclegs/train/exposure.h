@@ -1,5 +1,5 @@
 #pragma once
-// A colour map for each photograph: a camera chooses exposure and white balance anew for every picture, and what it
+// A colour map for each photo: a camera chooses exposure and white balance anew for every image, and what it
 // chose is no property of the scene.
 
 #include <array>
@@ -18,20 +18,20 @@ inline constexpr ExposureMap kIdentityExposure = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 
 /// dL/d(map), in the map's layout.
 using ExposureGradient = std::array<double, 12>;
 
-/// What a checkpoint holds of the maps; all of one length, the number of photographs, 0 when they are not trained.
+/// What a checkpoint holds of the maps; all of one length, the number of photos, 0 when they are not trained.
 struct ExposureState {
   std::vector<ExposureMap> maps;
   std::vector<ExposureMap> m, v;  ///< Adam's moments
   std::vector<int64_t> steps;     ///< Adam's counters
 };
 
-/// The maps of all photographs, their gradients and their Adam (beta 0.9, 0.999, epsilon 1e-8).
+/// The maps of all photos, their gradients and their Adam (beta 0.9, 0.999, epsilon 1e-8).
 ///
-/// Only differences between photographs can be known: all maps after a common one G are the same pictures as before,
+/// Only differences between photos can be known: all maps after a common one G are the same images as before,
 /// with the scene's colours changed by the inverse of G. That freedom is taken away by keeping the mean of the maps at
 /// the identity, with the G that does it: after every step (A, b) becomes (A M^-1, b - A M^-1 c), where (M, c) is the
-/// mean map. So a photograph keeps its exposure relative to any other through it, the rendered scene has the mean
-/// exposure of the photographs, and a single photograph keeps the identity.
+/// mean map. So a photo keeps its exposure relative to any other through it, the rendered scene has the mean
+/// exposure of the photos, and a single photo keeps the identity.
 class Exposures {
  public:
   /// From maps in any gauge. Throws ShapeError when there is none, one is not finite or their mean has no inverse.
@@ -44,15 +44,15 @@ class Exposures {
   /// for any number of threads.
   ExposureGradient Backward(int view, const Buffer<float>& image, const Buffer<float>& grad);
 
-  /// kExposurePull / 2 * |map - identity|^2; adds its gradient.
-  double AddPull(int view, ExposureGradient* gradient) const;
+  /// The regularisation toward identity, weight / 2 * |map - identity|^2; adds its gradient.
+  double AddRegularizer(int view, double weight, ExposureGradient* gradient) const;
 
-  /// A step of Adam for one photograph, and the mean back at the identity.
+  /// A step of Adam for one photo, and the mean back at the identity.
   void Step(int view, const ExposureGradient& gradient, double learning_rate);
 
   const std::vector<ExposureMap>& maps() const { return state_.maps; }
   const ExposureState& state() const { return state_; }
-  /// Throws InputError when the state is of another number of photographs.
+  /// Throws InputError when the state is of another number of photos.
   void Restore(const ExposureState& state);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Gaussians that hang in the air before a camera: photographs from few places cannot refute them, depth can.
+// Gaussians that hang in the air before a camera: photos from few places cannot refute them, depth can.
 
 #include <vector>
 

@@ -16,8 +16,8 @@ constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
 
 std::vector<MemoryItem> EstimateMemory(const TrainingSize& size) {
   std::vector<MemoryItem> items = {{"Gaussians and their moments", (kModelBytes + kTrainScratchBytes) * size.gaussians},
-                                   {"photographs and proposals", size.view_bytes},
-                                   {"gradients of the picture", kLossBytesAPixel * size.pixels},
+                                   {"photos and proposals", size.view_bytes},
+                                   {"gradients of the image", kLossBytesAPixel * size.pixels},
                                    {"projected Gaussians and tile lists", size.rasterizer_bytes}};
   std::stable_sort(items.begin(), items.end(),
                    [](const MemoryItem& a, const MemoryItem& b) { return a.bytes > b.bytes; });

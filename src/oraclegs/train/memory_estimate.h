@@ -20,7 +20,7 @@ struct TrainingSize {
 };
 
 struct MemoryItem {
-  std::string what;  ///< a plural, in the user's terms: "photographs and proposals"
+  std::string what;  ///< a plural, in the user's terms: "photos and proposals"
   int64_t bytes = 0;
 };
 

@@ -72,7 +72,7 @@ struct TrainOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("iterations", self.iterations, "Training steps, one photograph each", Range{1, 1e7});
+    visit("iterations", self.iterations, "Training steps, one photo each", Range{1, 1e7});
     visit("max-gaussians", self.max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
     visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
     visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree",
@@ -81,7 +81,7 @@ struct TrainOptions {
     visit("ssim-weight", self.ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
     visit(
         "schedule", self.schedule,
-        "How often an iteration takes a proposal instead of a photograph: paper = synthetic-floor + synthetic-peak * "
+        "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
         "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never");
     visit("synthetic-floor", self.synthetic_floor,
           "Share of the iterations that take a proposal, at both ends of the run", Range{0, 1});
@@ -97,20 +97,20 @@ struct TrainOptions {
           "The others count confidence to this power; 0 = all of them fully, as far as there is any confidence",
           Range{0, 100});
     visit("depth-weight", self.depth_weight,
-          "Weight of the depth term where a photograph has depth: mean |1/z - target| times the scene's typical "
+          "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
           Range{0, 1e3});
     visit("alpha-weight", self.alpha_weight,
-          "Weight of the alpha term where a Blender scene's pictures have that channel: mean |alpha - rendered|, which "
+          "Weight of the alpha term where a Blender scene's images have that channel: mean |alpha - rendered|, which "
           "keeps objects from being thin and what is beside them from being veiled; 0 = off",
           Range{0, 1e3});
     visit("exposure", self.exposure,
-          "Learn a colour map (3x4) for each photograph, for cameras that chose exposure and white balance anew each "
+          "Learn a colour map (3x4) for each photo, for cameras that chose exposure and white balance anew each "
           "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure. auto = where the "
           "colours of common surfaces differ");
     visit("dropout", self.dropout,
           "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
-          "made denser to fill in. Keeps few photographs from being learnt by heart (DropGaussian, Park et al., CVPR "
+          "made denser to fill in. Keeps few photos from being learnt by heart (DropGaussian, Park et al., CVPR "
           "2025, uses 0.2); auto = 0.2 for an object before a plain background, else 0",
           Range{0, 0.95});
     visit(
@@ -120,15 +120,15 @@ struct TrainOptions {
         "Sparse-View 3DGS, 2025, uses 0.8); auto = 0.5, 0.3 for an object before a plain background",
         Range{0, 10});
     visit("coarse-share", self.coarse_share,
-          "Share of the iterations, at the beginning, trained on photographs of half the size: shapes settle before "
+          "Share of the iterations, at the beginning, trained on photos of half the size: shapes settle before "
           "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
           Range{0, 0.9});
     visit("prune-floaters", self.prune_floaters,
-          "At each relocation also move Gaussians that hang 10 % or more before the depth of some photographs and on "
+          "At each relocation also move Gaussians that hang 10 % or more before the depth of some photos and on "
           "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
     visit("largest-scale", self.largest_scale,
-          "Largest standard deviation of a Gaussian, as a share of its distance to the nearest photograph's camera; "
-          "larger ones grow beside what the photographs show and veil views between them; 0 = any",
+          "Largest standard deviation of a Gaussian, as a share of its distance to the nearest photo's camera; "
+          "larger ones grow beside what the photos show and veil views between them; 0 = any",
           Range{0, 1e3});
     visit("last-rates", self.last_rates,
           "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "

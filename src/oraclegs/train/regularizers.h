@@ -9,10 +9,6 @@
 
 namespace oraclegs {
 
-struct RegularizerSums {
-  double opacity = 0, scale = 0;
-};
-
 /// Weights of the mean opacity and the mean scale in the loss.
 struct RegularizerOptions {
   double opacity = 0, scale = 0;

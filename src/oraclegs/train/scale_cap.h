@@ -1,5 +1,5 @@
 #pragma once
-// Gaussians beside what the photographs show have nothing to keep them small: a few grow until their tails veil every
+// Gaussians beside what the photos show have nothing to keep them small: a few grow until their tails veil every
 // view that is taken a little aside.
 
 #include <vector>

@@ -17,7 +17,7 @@ double ExposureLearningRate(int64_t iteration, int64_t iterations);
 /// 0.01^t, t = iteration / iterations.
 double DepthWeight(int64_t iteration, int64_t iterations);
 
-/// How often a proposal is drawn instead of a photograph: clip(floor + peak * t (1-t)^3, 0, 1). The constants are those
+/// How often a proposal is drawn instead of a photo: clip(floor + peak * t (1-t)^3, 0, 1). The constants are those
 /// of the official implementation; the bump is largest, 0.105, at t = 1/4.
 struct ProposalSchedule {
   double floor = 0.1;

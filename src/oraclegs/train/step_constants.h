@@ -34,6 +34,11 @@ struct RegularizerWeights {
   float opacity = 0, scale = 0;
 };
 
+/// Of some Gaussians.
+struct RegularizerSums {
+  double opacity = 0, scale = 0;
+};
+
 /// Of the noise.
 struct NoiseConstants {
   uint64_t seed = 0;

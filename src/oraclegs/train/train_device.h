@@ -1,13 +1,14 @@
 #pragma once
-// What the trainer asks of the device that the Gaussians live on.
+// What the trainer asks of the device that the Gaussians lie on; make_train_device.h makes one.
 
 #include <functional>
 #include <memory>
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
+#include "oraclegs/train/exposure.h"
+#include "oraclegs/train/loss_terms.h"
 #include "oraclegs/train/opacity_factors.h"
-#include "oraclegs/train/view_loss.h"
 
 namespace oraclegs {
 
@@ -70,21 +71,17 @@ class TrainDevice {
 
   /// Empty where they are not trained.
   virtual ExposureState exposures() const = 0;
-  /// Throws InputError when the state is of another number of photographs; does nothing where they are not trained.
+  /// Throws InputError when the state is of another number of photos; does nothing where they are not trained.
   virtual void RestoreExposures(const ExposureState& state) = 0;
 };
 
-/// Makes the device of a run. `options` are settled, `start` is how many Gaussians there will be at first; `view_loss`
-/// outlives the device.
+/// `options` are settled, `start` is how many Gaussians there will be at first; `plan` outlives the device.
 struct TrainDeviceSetup {
   const TrainOptions& options;
-  ViewLoss* view_loss;
+  const LossPlan& plan;
   int64_t start = 0;
 };
+/// Makes the device of a run.
 using TrainDeviceMaker = std::function<std::unique_ptr<TrainDevice>(const TrainDeviceSetup& setup)>;
-
-/// The device of this name. Throws UsageError when this build has none for it, RunError when its memory does not
-/// suffice.
-std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup);
 
 }  // namespace oraclegs

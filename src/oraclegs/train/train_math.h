@@ -90,7 +90,7 @@ struct FloaterVotes {
   ORACLEGS_HD inline bool IsFloater() const { return beside || (before > 0 && before >= agree); }
 };
 
-/// One number of an exposure map: a step of Adam, the t-th of its photograph.
+/// One number of an exposure map: a step of Adam, the t-th of its photo.
 struct ExposureEntry {
   float value, m, v;
 };

@@ -47,7 +47,7 @@ void CheckView(const TrainView& view) {
   CheckShares(view, "alpha", view.alpha);
 }
 
-/// One channel of a photograph, which has as many numbers as it has pixels.
+/// One channel of a photo, which has as many numbers as it has pixels.
 template <class T>
 Buffer<float> Plane(const std::vector<T>& values, const char* what, const LoadedView& photo) {
   const int64_t height = photo.rgb.height, width = photo.rgb.width;
@@ -76,7 +76,7 @@ TrainView ToTrainView(const LoadedView& photo) {
 }
 
 void CheckViews(const std::vector<TrainView>& views) {
-  if (views.empty()) throw UsageError("there is no photograph to train on");
+  if (views.empty()) throw UsageError("there is no photo to train on");
   for (const TrainView& view : views) CheckView(view);
 }
 
@@ -96,6 +96,13 @@ TrainView WithGatedConfidence(TrainView proposal, double gate, double power) {
     u[i] = counts ? static_cast<float>(std::pow(static_cast<double>(u[i]), power)) : 0.f;
   }
   return proposal;
+}
+
+double MeanConfidence(const Buffer<float>& confidence) {
+  if (!confidence.defined()) return 1;
+  double sum = 0;
+  for (const float u : confidence.span()) sum += static_cast<double>(u);
+  return sum / static_cast<double>(confidence.count());
 }
 
 std::vector<Camera> Cameras(const std::vector<TrainView>& views) {

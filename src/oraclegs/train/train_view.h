@@ -1,5 +1,5 @@
 #pragma once
-// What the trainer knows of one photograph, or of one proposal.
+// What the trainer knows of one photo, or of one proposal.
 
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ struct TrainView {
   std::string name;
   Camera camera;
   Buffer<float> image;       ///< [H,W,3]
-  Buffer<float> confidence;  ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photographs, U for proposals
+  Buffer<float> confidence;  ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photos, U for proposals
   Buffer<float> inv_depth =
       {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
   Buffer<float> depth_mask =
@@ -35,6 +35,9 @@ void CheckViews(const std::vector<TrainView>& views);
 /// The same of proposals, of which there may be none; also throws ShapeError where a confidence is not in [0, 1].
 void CheckProposals(const std::vector<TrainView>& proposals);
 
+/// Mean over the pixels; 1 where it is undefined, which stands for 1 everywhere.
+double MeanConfidence(const Buffer<float>& confidence);
+
 /// Where the views were taken from, in their order.
 std::vector<Camera> Cameras(const std::vector<TrainView>& views);
 
@@ -42,7 +45,7 @@ std::vector<Camera> Cameras(const std::vector<TrainView>& views);
 /// confidence never counts. The tensors of `proposal` are not written.
 TrainView WithGatedConfidence(TrainView proposal, double gate, double power);
 
-/// The same view whose depth counts only where its photograph does (confidence > 0) and is zero where it does not
+/// The same view whose depth counts only where its photo does (confidence > 0) and is zero where it does not
 /// count, so that what stands there, also what is not a number, reaches nothing. A depth that counts nowhere is
 /// dropped. The tensors of `view` are not written.
 TrainView WithCleanDepth(TrainView view);

@@ -6,6 +6,7 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
@@ -56,16 +57,16 @@ struct Trainer::State {
       : options(setup.options.Settled()),
         seed(setup.seed),
         background(setup.background),
-        view_loss(options, std::move(setup.data)),
-        extent(SpatialExtent(Cameras(view_loss.photographs()))),
-        device(make_device({options, &view_loss, setup.start.size()})),
+        plan(options, std::move(setup.data)),
+        extent(SpatialExtent(Cameras(plan.photos()))),
+        device(make_device({options, plan, setup.start.size()})),
         model(device->Upload({setup.start})),
-        sampler(seed, view_loss.num_photographs(), view_loss.num_proposals()) {}
+        sampler(seed, plan.num_photos(), plan.num_proposals()) {}
 
   Iteration NextIteration();
   Buffer<float> OpacityFactors();
   void Step();
-  void TellWhatIsMissing(const Listener& listener) const;
+  void ReportLimitations(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations; }
   /// Never the last iteration: refine_stop is at most 1.
   bool Refines(int64_t i) const {
@@ -73,11 +74,11 @@ struct Trainer::State {
            i % options.refine_every == 0;
   }
 
-  // What a run is; the loss also holds the exposure maps, which a checkpoint has.
+  // What a run is.
   TrainOptions options;
   uint64_t seed;
   std::array<float, 3> background;
-  ViewLoss view_loss;
+  LossPlan plan;
   double extent;
   std::unique_ptr<TrainDevice> device;
 
@@ -121,7 +122,7 @@ Buffer<float> Trainer::State::OpacityFactors() {
 void Trainer::State::Step() {
   Lap lap;
   const Iteration next = NextIteration();
-  const TrainView& view = view_loss.View(next.view, next.number);
+  const TrainView& view = plan.View(next.view, next.number);
   const RenderOptions render{background, next.sh_degree, options.antialiased, OpacityFactors()};
   Rasterizer& rasterizer = device->rasterizer();
   const RenderOutput out = rasterizer.Forward(model.gaussians, view.camera, render, RenderPass::kTrain);
@@ -140,14 +141,14 @@ void Trainer::State::Step() {
   iteration = next.number;
 }
 
-void Trainer::State::TellWhatIsMissing(const Listener& listener) const {
+void Trainer::State::ReportLimitations(const Listener& listener) const {
   if (extent == 0) {
     listener(Warning{"all training cameras stand in one place: the Gaussians keep the positions they start from"});
   }
   const ProposalSchedule schedule = options.Proposals();
   const bool uses_proposals =
-      view_loss.num_proposals() > 0 && schedule.floor + schedule.peak > 0 && options.proposal_weight > 0;
-  if (uses_proposals && options.proposal_lpips > 0 && !view_loss.has_lpips()) {
+      plan.num_proposals() > 0 && schedule.floor + schedule.peak > 0 && options.proposal_weight > 0;
+  if (uses_proposals && options.proposal_lpips > 0 && !plan.has_lpips()) {
     listener(
         Note{fmt::format("there is no LPIPS network: its share of the proposals' loss goes to L1, which has {:.2f}; "
                          "`oraclegs models fetch lpips-vgg` brings one",
@@ -205,7 +206,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   s.run_options = policy.options;
   s.timings = {};
   s.timed_since = s.iteration;
-  s.TellWhatIsMissing(listener);
+  s.ReportLimitations(listener);
   const int64_t total = s.options.iterations;
   const double seconds_before = s.seconds;
   const Stopwatch watch;

@@ -12,7 +12,6 @@
 #include "oraclegs/train/timings.h"
 #include "oraclegs/train/train_device.h"
 #include "oraclegs/train/train_view.h"
-#include "oraclegs/train/view_loss.h"
 
 namespace oraclegs {
 
@@ -39,7 +38,7 @@ struct TrainSetup {
   Gaussians start;  ///< on the CPU
 };
 
-/// 3DGS-MCMC on photographs, on proposals as often as the schedule says, and on depth where a view has it. One
+/// 3DGS-MCMC on photos, on proposals as often as the schedule says, and on depth where a view has it. One
 /// iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step -> relocate, add -> noise.
 /// Adam goes before relocation (the order of [Ye 2025], docs/method.md#one-iteration). The last iteration makes neither
 /// a step nor noise. The loss is the view's (train/view_loss.h) and the regularisers.
@@ -53,7 +52,7 @@ class Trainer {
   ~Trainer();
 
   /// Continues from here instead of from the start. Throws InputError when it does not fit, also when it is of another
-  /// number of photographs or proposals.
+  /// number of photos or proposals.
   void Restore(const Checkpoint& checkpoint);
 
   /// Runs the remaining iterations. Tells, once, when proposals are to be learnt from without LPIPS. On an interrupt
@@ -67,7 +66,7 @@ class Trainer {
   /// On the device of the training.
   const Gaussians& gaussians() const;
   int64_t iteration() const;
-  /// What turns a render into each photograph's colours; empty unless the exposure is trained.
+  /// What turns a render into each photo's colours; empty unless the exposure is trained.
   std::vector<ExposureMap> exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;

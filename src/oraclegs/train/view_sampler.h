@@ -7,8 +7,8 @@
 
 namespace oraclegs {
 
-/// A kind of training image: photographs are certain, proposals are weighted by confidence.
-enum class ViewKind { kPhotograph, kProposal };
+/// A kind of training image: photos are certain, proposals are weighted by confidence.
+enum class ViewKind { kPhoto, kProposal };
 
 struct SampledView {
   ViewKind kind;
@@ -19,15 +19,15 @@ struct SampledView {
 /// stack at random; an empty stack is refilled. Its state is the two stacks and the random counter.
 class ViewSampler {
  public:
-  ViewSampler(uint64_t seed, int photographs, int proposals);
+  ViewSampler(uint64_t seed, int photos, int proposals);
 
   /// p_synthetic: probability of a proposal; ignored when there are none.
   SampledView Next(double p_synthetic);
 
   struct State {
-    std::vector<int64_t> photographs, proposals;
+    std::vector<int64_t> photos, proposals;
     uint64_t counter = 0;
-    int64_t num_photographs = 0, num_proposals = 0;  ///< a stack alone does not tell of how many views it is the rest
+    int64_t num_photos = 0, num_proposals = 0;  ///< a stack alone does not tell of how many views it is the rest
   };
   State state() const;
   /// Throws InputError when the state is of another number of views.
@@ -35,8 +35,8 @@ class ViewSampler {
 
  private:
   uint64_t seed_;
-  int num_photographs_, num_proposals_;
-  std::vector<int64_t> photographs_, proposals_;
+  int num_photos_, num_proposals_;
+  std::vector<int64_t> photos_, proposals_;
   Rng rng_;
 };
 

@@ -55,8 +55,7 @@ void FeatureSource::ForEach(const std::vector<Query>& queries, const std::vector
     ThrowIfInterrupted();
     const std::vector<size_t>& group = groups[static_cast<size_t>(g)];
     const Query& first = queries[group.front()];
-    const WarpedView warped =
-        ReadsImages() ? warper_.Warp(first.proposal.camera, first.held_out) : WarpedView();
+    const WarpedView warped = ReadsImages() ? warper_.Warp(first.proposal.camera, first.held_out) : WarpedView();
     for (const size_t q : group) {
       std::vector<Features> features;
       if (ReadsImages()) features = FeaturesOf(queries[q].proposal, warped);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/cuda/neighbor_tree.h"
 #include "oraclegs/gaussians/neighbors.h"

@@ -4,63 +4,76 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <utility>
 
-#include "oraclegs/train/cpu_train_device.h"
-#include "support/buffers.h"
+#include "oraclegs/train/view_loss.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 
 namespace oraclegs::cuda {
 namespace {
 
-/// Photographs with masks, depth and exposures of their own, proposals with confidence.
+Buffer<float> RandomPlane(uint64_t seed) { return RandomUniform({kHeight, kWidth}, seed); }
+
+/// As a file of bytes would hold it.
+Buffer<float> InBytes(const Buffer<float>& image) {
+  return ToBuffer(image.shape(), (Flat(image).max(0.f).min(1.f) * 255).floor() / 255);
+}
+
+/// Photos with masks, depth and exposures of their own, proposals with confidence.
 TrainingData Data() {
-  torch::manual_seed(8);
-  TrainingData data(Photographs(3), Photographs(2));
-  data.photographs[1].confidence = (torch::rand({kHeight, kWidth}) > 0.3).to(torch::kFloat);
-  data.photographs[1].exposure[0] = 1.3f;
-  for (TrainView* view : {&data.photographs[0], &data.photographs[1], &data.proposals[1]}) {
-    view->inv_depth = torch::rand({kHeight, kWidth});
-    view->depth_mask = torch::rand({kHeight, kWidth});
+  TrainingData data(Photos(3), Photos(2));
+  data.photos[1].confidence = Above(RandomPlane(80), 0.3f);
+  data.photos[1].exposure[0] = 1.3f;
+  uint64_t seed = 81;
+  for (TrainView* view : {&data.photos[0], &data.photos[1], &data.proposals[1]}) {
+    view->inv_depth = RandomPlane(seed++);
+    view->depth_mask = RandomPlane(seed++);
   }
-  for (TrainView* view : {&data.photographs[1], &data.photographs[2]}) view->alpha = torch::rand({kHeight, kWidth});
-  data.proposals[0].confidence = torch::rand({kHeight, kWidth});
+  for (TrainView* view : {&data.photos[1], &data.photos[2]}) view->alpha = RandomPlane(seed++);
+  data.proposals[0].confidence = RandomPlane(seed++);
   return data;
 }
 
-RenderOutput RandomRender() {
-  return {torch::rand({kHeight, kWidth, 3}), torch::rand({kHeight, kWidth}), torch::rand({kHeight, kWidth})};
+RenderOutput RandomRender(int64_t number) {
+  const auto seed = static_cast<uint64_t>(1000 + 3 * number);
+  return {RandomUniform({kHeight, kWidth, 3}, seed), RandomPlane(seed + 1), RandomPlane(seed + 2)};
 }
 
-double Total(const LossTerms& terms) {
-  DeviceArray<LossAccumulator> ledger("a test");
+RenderOutput OnTestDevice(const RenderOutput& out) {
+  return {OnTestDevice(out.image), OnTestDevice(out.alpha), OnTestDevice(out.inv_depth)};
+}
+
+CudaViewLoss LossOnTestDevice(const LossPlan& plan) {
+  DeviceViews views(plan);
+  views.MoveTo(TestDevice());
+  return CudaViewLoss(plan, std::move(views), TestDevice());
+}
+
+double Total(const LossSums& sums) {
+  DeviceArray<LossAccumulator> accumulator("a test");
   const LossAccumulator empty;
-  ledger.Upload(&empty, 1);
-  RunLedger({terms, 1, 0, ledger.data()}, nullptr);
-  return ToHost(ledger, 1)[0].last;
+  accumulator.Upload(&empty, 1);
+  RunAccumulateLoss({sums, 1, 0, accumulator.data()}, nullptr);
+  return ToHost(accumulator, 1)[0].last;
 }
 
 class CudaViewLossTest : public CudaTest {
  protected:
-  /// Every view once, learning from photographs.
+  /// Every view once, learning from photos.
   void ExpectAsOnTheCpu(const TrainOptions& options, const TrainingData& data) {
-    ViewLoss expected(options, data), source(options, data);
-    DeviceViews views(source);
-    views.MoveTo(TestDevice());
-    CudaViewLoss loss(source, std::move(views), TestDevice());
+    const LossPlan plan(options, data);
+    ViewLoss expected(plan);
+    CudaViewLoss loss = LossOnTestDevice(plan);
     int64_t number = 0;
-    for (const SampledView view : {SampledView{ViewKind::kPhotograph, 0}, SampledView{ViewKind::kProposal, 0},
-                                   SampledView{ViewKind::kPhotograph, 1}, SampledView{ViewKind::kProposal, 1},
-                                   SampledView{ViewKind::kPhotograph, 2}, SampledView{ViewKind::kPhotograph, 1}}) {
-      Iteration iteration;
-      iteration.number = ++number;
-      iteration.view = view;
-      const RenderOutput out = RandomRender();
+    for (const SampledView view :
+         {SampledView{ViewKind::kPhoto, 0}, SampledView{ViewKind::kProposal, 0}, SampledView{ViewKind::kPhoto, 1},
+          SampledView{ViewKind::kProposal, 1}, SampledView{ViewKind::kPhoto, 2}, SampledView{ViewKind::kPhoto, 1}}) {
+      const RenderOutput out = RandomRender(++number);
       const ViewLossResult wanted = expected(view, number, out);
-      LossTerms terms;
-      const RenderGrads grads =
-          loss(iteration, {OnTestDevice(out.image), OnTestDevice(out.alpha), OnTestDevice(out.inv_depth)}, &terms);
-      EXPECT_NEAR(Total(terms), wanted.loss, 1e-6) << number;
+      LossSums sums;
+      const RenderGrads grads = loss(view, number, OnTestDevice(out), &sums);
+      EXPECT_NEAR(Total(sums), wanted.loss, 1e-6) << number;
       EXPECT_LE(RelativeL2(OnHost(grads.image), wanted.grads.image), 1e-5) << number;
       for (Buffer<float> RenderGrads::*plane : {&RenderGrads::inv_depth, &RenderGrads::alpha}) {
         ASSERT_EQ((grads.*plane).defined(), (wanted.grads.*plane).defined()) << number;
@@ -88,51 +101,47 @@ TEST_F(CudaViewLossTest, LearnsExposures) {
 TEST_F(CudaViewLossTest, ANetworkAddsToTheProposals) {
   TrainingData data = Data();
   data.lpips = [](const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad) {
-    grad->add_(weight * (render - target));
-    return (render - target).square().sum().item<double>() / 2;
+    const Eigen::ArrayXd difference = Wide(OnHost(render)) - Wide(OnHost(target));
+    const Buffer<float> sum = grad->CopyOn(kCpu);
+    Flat(sum) += (weight * difference).cast<float>();
+    grad->CopyFrom(sum);
+    return difference.square().sum() / 2;
   };
   ExpectAsOnTheCpu(Options().Settled(), data);
 }
 
 TEST_F(CudaViewLossTest, ANetworkMeetsEachProposalAsOnePicture) {
   TrainingData data = Data();
-  for (TrainView& view : data.proposals)
-    view.image = (view.image.clamp(0, 1) * 255).to(torch::kByte).to(torch::kFloat) / 255;
+  for (TrainView& view : data.proposals) view.image = InBytes(view.image);
   std::set<const void*> targets;
   data.lpips = [&](const Buffer<float>&, const Buffer<float>& target, double, Buffer<float>*) {
-    targets.insert(target.data_ptr());
+    targets.insert(target.data());
     return 0.;
   };
-  const ViewLoss source(Options().Settled(), data);
-  DeviceViews views(source);
-  views.MoveTo(TestDevice());
-  CudaViewLoss loss(source, std::move(views), TestDevice());
+  const LossPlan plan(Options().Settled(), data);
+  CudaViewLoss loss = LossOnTestDevice(plan);
   for (int64_t number = 1; number <= 6; ++number) {
-    Iteration iteration;
-    iteration.number = number;
-    iteration.view = {ViewKind::kProposal, static_cast<int>(number % 2)};
-    const RenderOutput out = RandomRender();
-    LossTerms terms;
-    loss(iteration, {OnTestDevice(out.image), OnTestDevice(out.alpha), OnTestDevice(out.inv_depth)}, &terms);
+    LossSums sums;
+    loss({ViewKind::kProposal, static_cast<int>(number % 2)}, number, OnTestDevice(RandomRender(number)), &sums);
   }
   EXPECT_EQ(targets.size(), 2u);
 }
 
 TEST_F(CudaViewLossTest, PicturesOfBytesLieThereAsBytes) {
-  TrainingData data(Photographs(2));
-  data.photographs[0].image = (data.photographs[0].image.clamp(0, 1) * 255).to(torch::kByte).to(torch::kFloat) / 255;
-  const ViewLoss source(Options().Settled(), data);
-  const DeviceViews views(source);
-  EXPECT_EQ(views.At({ViewKind::kPhotograph, 0}, false).bytes(), 3 * kWidth * kHeight);
-  EXPECT_EQ(views.At({ViewKind::kPhotograph, 1}, false).bytes(), 12 * kWidth * kHeight);
+  TrainingData data(Photos(2));
+  data.photos[0].image = InBytes(data.photos[0].image);
+  const LossPlan plan(Options().Settled(), data);
+  const DeviceViews views(plan);
+  EXPECT_EQ(views.At({ViewKind::kPhoto, 0}, false).bytes(), 3 * kWidth * kHeight);
+  EXPECT_EQ(views.At({ViewKind::kPhoto, 1}, false).bytes(), 12 * kWidth * kHeight);
   EXPECT_EQ(views.bytes(), 15 * kWidth * kHeight);
 }
 
-TEST_F(CudaViewLossTest, RefusesExposuresOfOtherPhotographs) {
+TEST_F(CudaViewLossTest, RefusesExposuresOfOtherPhotos) {
   TrainOptions options = Options();
   options.exposure = ExposureMode::kOn;
-  const ViewLoss source(options.Settled(), Data());
-  CudaViewLoss loss(source, DeviceViews(source), TestDevice());
+  const LossPlan plan(options.Settled(), Data());
+  CudaViewLoss loss = LossOnTestDevice(plan);
   EXPECT_THROW(loss.RestoreExposures({{kIdentityExposure}, {kIdentityExposure}, {kIdentityExposure}, {0}}), InputError);
 }
 

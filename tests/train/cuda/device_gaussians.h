@@ -6,26 +6,21 @@
 
 namespace oraclegs {
 
-inline Gaussians OnTestDevice(const Gaussians& gaussians) {
-  Gaussians copy = gaussians;
-  copy.ForEach([](const char*, Buffer<float>& t) { t = OnTestDevice(t); });
-  return copy;
+inline Gaussians OnTestDevice(const Gaussians& g) {
+  Gaussians out = g;
+  out.ForEach([](const char*, Buffer<float>& t) { t = OnTestDevice(t); });
+  return out;
 }
 
-inline Gaussians OnHost(const Gaussians& gaussians) {
-  Gaussians copy = gaussians;
-  copy.ForEach([](const char*, Buffer<float>& t) { t = OnHost(t); });
-  return copy;
-}
+inline Gaussians OnHost(const Gaussians& gaussians) { return gaussians.To(kCpu); }
 
-/// |a - b| <= share * max |b| of each tensor.
+/// |a - b| <= share * max |b| of each parameter.
 inline void ExpectClose(const Gaussians& a, const Gaussians& b, double share) {
   const std::vector<Buffer<float>> x = Tensors(a), y = Tensors(b);
   const char* names[] = {"means", "log_scales", "quats", "opacity_logits", "sh"};
   for (size_t i = 0; i < x.size(); ++i) {
     ASSERT_EQ(x[i].shape(), y[i].shape()) << names[i];
-    const Buffer<float> away = (x[i].to(torch::kDouble) - y[i].to(torch::kDouble)).abs();
-    EXPECT_LE(away.max().item<double>(), share * y[i].abs().max().item<double>()) << names[i];
+    EXPECT_LE(MaxAbsError(x[i], y[i]), share * static_cast<double>(MaxAbs(y[i]))) << names[i];
   }
 }
 

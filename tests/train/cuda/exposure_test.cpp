@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "oraclegs/train/exposure.h"
-#include "support/device_buffers.h"
 #include "support/buffers.h"
+#include "support/device_buffers.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -20,19 +20,19 @@ class CudaExposure : public CudaTest {
   Buffer<float> image, upstream;
   DeviceArray<float> maps{"a test"}, m{"a test"}, v{"a test"};
   DeviceArray<int64_t> steps{"a test"};
-  DeviceArray<double> sums{"a test"}, pull{"a test"};
+  DeviceArray<double> sums{"a test"}, regularizer{"a test"};
 
   void SetUp() override {
     CudaTest::SetUp();
-    torch::manual_seed(4);
+    const Buffer<float> offsets = RandomNormal({kViews, 12}, 4);
     for (int i = 0; i < kViews; ++i) {
       ExposureMap map = kIdentityExposure;
-      const Buffer<float> offset = torch::randn({12}) * 0.2;
-      for (int k = 0; k < 12; ++k) map[k] += offset.data()[k];
+      for (int k = 0; k < 12; ++k) map[k] += 0.2f * offsets[12 * i + k];
       start.push_back(map);
     }
-    image = torch::rand({61, 43, 3});
-    upstream = torch::randn({61, 43, 3}) / 1000;
+    image = RandomUniform({61, 43, 3}, 5);
+    upstream = RandomNormal({61, 43, 3}, 6);
+    Flat(upstream) /= 1000;
   }
 
   ExposureRows Upload(const ExposureState& state) {
@@ -42,7 +42,7 @@ class CudaExposure : public CudaTest {
     v.Upload(state.v[0].data(), 12 * views);
     steps.Upload(state.steps.data(), views);
     sums.Reserve(12 * ExposureBlocks(image.count() / 3));
-    pull.Reserve(1);
+    regularizer.Reserve(1);
     return {static_cast<int>(views), maps.data(), m.data(), v.data(), steps.data()};
   }
 
@@ -53,7 +53,8 @@ class CudaExposure : public CudaTest {
     in.sums = sums.data();
     in.blocks = ExposureBlocks(image.count() / 3);
     in.learning_rate = 0.01;
-    in.pull = pull.data();
+    in.weight = kExposureRegularizer;
+    in.regularizer = regularizer.data();
     return in;
   }
 
@@ -66,12 +67,12 @@ class CudaExposure : public CudaTest {
 TEST_F(CudaExposure, AppliesAndLearnsAsTheCpuDoes) {
   Exposures expected(start);
   const ExposureRows rows = Upload(expected.state());
-  const Buffer<float> x = OnTestDevice(image), shown = Buffer<float>::Empty(x.shape());
+  const Buffer<float> x = OnTestDevice(image), shown = Buffer<float>::Empty(x.shape(), TestDevice());
   for (int i = 0; i < 3; ++i) {
     Buffer<float> expected_shown = Buffer<float>::Empty(image.shape()), expected_grad = upstream.Clone();
     expected.Apply(kView, image, expected_shown);
     ExposureGradient gradient = expected.Backward(kView, image, expected_grad);
-    const double expected_pull = expected.AddPull(kView, &gradient);
+    const double expected_regularizer = expected.AddRegularizer(kView, kExposureRegularizer, &gradient);
 
     const Buffer<float> grad = OnTestDevice(upstream);
     ExposurePixels pixels;
@@ -88,7 +89,7 @@ TEST_F(CudaExposure, AppliesAndLearnsAsTheCpuDoes) {
 
     RunExposureStep(Step(rows), nullptr);
     expected.Step(kView, gradient, 0.01);
-    EXPECT_NEAR(ToHost(pull, 1)[0], expected_pull, 1e-9);
+    EXPECT_NEAR(ToHost(regularizer, 1)[0], expected_regularizer, 1e-9);
     ExpectMaps(maps, expected.maps());
     ExpectMaps(m, expected.state().m);
     ExpectMaps(v, expected.state().v);
@@ -96,7 +97,7 @@ TEST_F(CudaExposure, AppliesAndLearnsAsTheCpuDoes) {
   }
 }
 
-TEST_F(CudaExposure, TheLastIterationOnlyTellsThePull) {
+TEST_F(CudaExposure, TheLastIterationOnlyTellsTheRegularizer) {
   const Exposures expected(start);
   const ExposureRows rows = Upload(expected.state());
   sums.FillBytes(0, sums.capacity(), nullptr);
@@ -105,7 +106,7 @@ TEST_F(CudaExposure, TheLastIterationOnlyTellsThePull) {
   RunExposureStep(in, nullptr);
   ExpectMaps(maps, expected.maps());
   EXPECT_EQ(ToHost(steps, kViews)[kView], 0);
-  EXPECT_GT(ToHost(pull, 1)[0], 0);
+  EXPECT_GT(ToHost(regularizer, 1)[0], 0);
 }
 
 TEST_F(CudaExposure, AMeanWithoutAnInverseBreaksTheLoss) {
@@ -114,7 +115,7 @@ TEST_F(CudaExposure, AMeanWithoutAnInverseBreaksTheLoss) {
   const ExposureRows rows = Upload(state);
   sums.FillBytes(0, sums.capacity(), nullptr);
   RunExposureStep(Step(rows), nullptr);
-  EXPECT_TRUE(std::isnan(ToHost(pull, 1)[0]));
+  EXPECT_TRUE(std::isnan(ToHost(regularizer, 1)[0]));
 }
 
 }  // namespace

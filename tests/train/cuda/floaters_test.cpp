@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/train/floaters.h"
-#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 
@@ -25,14 +25,14 @@ class CudaFloaters : public CudaTest {
   /// A wall at distance 3 from each of four cameras, unknown here and there.
   void SetUp() override {
     CudaTest::SetUp();
-    torch::manual_seed(5);
-    views = Photographs(4);
+    views = Photos(4);
+    uint64_t seed = 5;
     for (TrainView& view : views) {
       view.inv_depth = Buffer<float>::Full({kHeight, kWidth}, 1 / 3.f);
-      view.depth_mask = (torch::rand({kHeight, kWidth}) > 0.2).to(torch::kFloat);
+      view.depth_mask = Above(RandomUniform({kHeight, kWidth}, seed++), 0.2f);
     }
-    views[3].inv_depth.narrow(1, 0, 5).SetZero();
-    views.push_back(Photographs(1)[0]);  // without depth
+    Table(views[3].inv_depth).leftCols(5).setZero();
+    views.push_back(Photos(1)[0]);  // without depth
   }
 
   FloatersInput Input(const Gaussians& gaussians) {
@@ -47,7 +47,7 @@ class CudaFloaters : public CudaTest {
       kept.push_back(OnTestDevice(view.inv_depth));
       out.inv_depth = kept.back().data();
       kept.push_back(OnTestDevice(view.depth_mask));
-      out.depth_mask = {kept.back().data_ptr(), false};
+      out.depth_mask = {kept.back().data(), false};
       all.push_back(out);
     }
     depth_views.Upload(all.data(), static_cast<int64_t>(all.size()));
@@ -58,7 +58,7 @@ class CudaFloaters : public CudaTest {
 };
 
 TEST_F(CudaFloaters, AreTheCpus) {
-  Gaussians expected = Copy(start);
+  Gaussians expected = start.Clone();
   const int64_t pruned = PruneFloaters(views, &expected);
   ASSERT_GT(pruned, 10);
   const Gaussians gaussians = OnTestDevice(start);
@@ -69,11 +69,11 @@ TEST_F(CudaFloaters, AreTheCpus) {
 
 TEST_F(CudaFloaters, NothingHappensWhenAllWouldDie) {
   start.means.SetZero();
-  start.means.narrow(1, 2, 1).fill_(-1);  // before the walls of all
-  Gaussians expected = Copy(start);
+  Table(start.means).col(2).setConstant(-1);  // before the walls of all
+  Gaussians expected = start.Clone();
   ASSERT_EQ(PruneFloaters({views[0]}, &expected), 0);
   views.resize(1);
-  views[0].depth_mask.fill_(1);
+  Flat(views[0].depth_mask).setConstant(1);
   const Gaussians gaussians = OnTestDevice(start);
   RunPruneFloaters(Input(gaussians), nullptr);
   EXPECT_TRUE(SameBits(OnHost(gaussians), start));

@@ -1,11 +1,13 @@
 // Memory that ends on the way: what is said, and what is left. On the emulated device, whose allocator can be told to
 // fail.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "oraclegs/train/cuda/cuda_train_device.h"
 #include "support/temp_dir.h"
 #include "train/cuda/device_gaussians.h"
-#include "train/cuda/training_on_both.h"
+#include "train/small_scene.h"
 #if defined(ORACLEGS_EMULATED_CUDA)
 #include "support/emulated_cuda/runtime.h"
 
@@ -29,7 +31,7 @@ class OutOfMemoryTest : public CudaTest {
   void TearDown() override { emulated_cuda::SetMemory(kPlenty); }
 
   Trainer MakeTrainer() const {
-    return Trainer({options, kSeed, {0, 0, 0}, Photographs(3), Start()},
+    return Trainer({options, kSeed, {0, 0, 0}, Photos(3), Start()},
                    [](const TrainDeviceSetup& setup) { return MakeCudaTrainDevice(TestDevice(), setup); });
   }
   CheckpointPolicy Policy(int64_t every) const { return {dir.path(), every, {{"iterations", 60}}}; }

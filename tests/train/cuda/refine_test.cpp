@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "oraclegs/train/mcmc.h"
-#include "oraclegs/train/rows.h"
-#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 
 namespace oraclegs::cuda {
@@ -59,21 +57,21 @@ class CudaRefine : public CudaTest {
 };
 
 TEST_F(CudaRefine, RelocatesAsTheCpuDoes) {
-  Gaussians expected = Copy(start);
+  Gaussians expected = start.Clone();
   Adam expected_adam = Moments();
   ASSERT_GT(RelocateDead(3, 600, &expected, &expected_adam), 0);
   const Gaussians gaussians = oraclegs::OnTestDevice(start);
   const Adam adam = OnTestDevice(Moments());
   RunRelocate(Input(600, gaussians, adam), nullptr);
   ExpectClose(OnHost(gaussians), expected, 1e-6);
-  EXPECT_TRUE(torch::equal(OnHost(gaussians.means), expected.means));  // the same sources
+  EXPECT_TRUE(Equal(OnHost(gaussians.means), expected.means));  // the same sources
   EXPECT_TRUE(SameBits(OnHost(adam.m), expected_adam.m));
   EXPECT_TRUE(SameBits(OnHost(adam.v), expected_adam.v));
 }
 
 TEST_F(CudaRefine, NothingHappensWhenAllLiveOrAllAreDead) {
   for (const float logit : {0.f, -9.f}) {
-    start.opacity_logits.fill_(logit);
+    Flat(start.opacity_logits).setConstant(logit);
     const Gaussians gaussians = oraclegs::OnTestDevice(start);
     const Adam adam = OnTestDevice(Moments());
     RunRelocate(Input(600, gaussians, adam), nullptr);
@@ -87,23 +85,25 @@ TEST_F(CudaRefine, WhatIsNotANumberIsNeverDrawn) {
   const Gaussians gaussians = oraclegs::OnTestDevice(start);
   const Adam adam = OnTestDevice(Moments());
   RunRelocate(Input(600, gaussians, adam), nullptr);
-  EXPECT_TRUE(torch::isfinite(OnHost(gaussians.opacity_logits)).all().item<bool>());
+  EXPECT_TRUE(AllFinite(OnHost(gaussians.opacity_logits)));
 }
 
 TEST_F(CudaRefine, GrowsAsTheCpuDoes) {
-  Gaussians expected = Copy(start);
+  Gaussians expected = start.Clone();
   Adam expected_adam = Moments();
   const int64_t added = AddGaussians(3, 700, 100000, &expected, &expected_adam);
   ASSERT_EQ(added, kCount / 20);
   Gaussians gaussians = oraclegs::OnTestDevice(start);
   Adam adam = OnTestDevice(Moments());
-  for (Gaussians* rows : {&gaussians, &adam.m, &adam.v}) GrowRows(rows, kCount + added);
+  for (Gaussians* rows : {&gaussians, &adam.m, &adam.v}) {
+    rows->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(kCount + added); });
+  }
   const RefineInput in = Input(700, gaussians, adam);
   RunWeigh(in, nullptr);
   EXPECT_GT(ToHost(weights, kCount).back(), 0u);
   RunGrow(in, added, nullptr);
   ExpectClose(OnHost(gaussians), expected, 1e-6);
-  EXPECT_TRUE(torch::equal(OnHost(gaussians.means), expected.means));
+  EXPECT_TRUE(Equal(OnHost(gaussians.means), expected.means));
   EXPECT_TRUE(SameBits(OnHost(adam.m), expected_adam.m));
   EXPECT_TRUE(SameBits(OnHost(adam.v), expected_adam.v));
 }
@@ -115,7 +115,7 @@ TEST_F(CudaRefine, RunningSumsAreExact) {
   const std::vector<uint64_t> sums = ToHost(weights, kCount);
   uint64_t before = 0;
   for (int64_t i = 0; i < kCount; ++i) {
-    const double opacity = OpacityOf(start.opacity_logits[i].item<float>());
+    const double opacity = OpacityOf(start.opacity_logits[i]);
     EXPECT_NEAR(static_cast<double>(sums[i] - before) * 0x1p-36, opacity, 1e-10) << i;
     before = sums[i];
   }

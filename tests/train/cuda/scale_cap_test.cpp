@@ -7,7 +7,6 @@
 
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/train/scale_cap.h"
-#include "support/buffers.h"
 #include "train/cuda/device_gaussians.h"
 #include "train/small_scene.h"
 
@@ -18,11 +17,11 @@ class CudaScaleCap : public CudaTest {};
 
 TEST_F(CudaScaleCap, IsTheCpus) {
   const Gaussians start = RandomGaussians(500, 3);
-  start.log_scales.add_(2);
-  const std::vector<float> centers = CameraCenters(Photographs(4));
-  Gaussians expected = Copy(start);
+  Flat(start.log_scales) += 2;
+  const std::vector<float> centers = CameraCenters(Photos(4));
+  Gaussians expected = start.Clone();
   CapScales(centers, 0.7, &expected);
-  ASSERT_FALSE(torch::equal(expected.log_scales, start.log_scales));
+  ASSERT_FALSE(Equal(expected.log_scales, start.log_scales));
   DeviceArray<float> on_device("a test");
   on_device.Upload(centers.data(), static_cast<int64_t>(centers.size()));
   const Gaussians gaussians = OnTestDevice(start);

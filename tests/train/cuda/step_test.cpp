@@ -3,69 +3,77 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
+#include "oraclegs/render/cuda/cuda_rasterizer.h"
 #include "oraclegs/train/adam.h"
-#include "oraclegs/train/mcmc.h"
-#include "support/buffers.h"
+#include "oraclegs/train/noise.h"
+#include "oraclegs/train/regularizers.h"
 #include "train/cuda/device_gaussians.h"
+#include "train/small_scene.h"
 
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int64_t kCount = 2 * kStepBlock + 37, kFirstBlock = 192;
-constexpr double kOpacityReg = 0.02, kScaleReg = 0.03, kRate = 1e-4;
+constexpr int64_t kCount = 2 * kStepBlock + 37;
+constexpr double kRate = 1e-4;
+constexpr RegularizerOptions kRegularizers{0.02, 0.03};
+
+struct DeviceStep final : GradientConsumer {
+  StepConstants step;
+
+  void ConsumeOnDevice(const GaussianBackwardInput& in) override { RunStep(in, step); }
+};
 
 class CudaStep : public CudaTest {
  protected:
-  Gaussians grads = RandomGaussians(kCount, 4);
   Gaussians start = RandomGaussians(kCount, 5);
+  Buffer<float> upstream = RandomNormal({kHeight, kWidth, 3}, 1);
   LearningRates rates{kRate};
+  std::unique_ptr<Rasterizer> rasterizer;
 
   void SetUp() override {
     CudaTest::SetUp();
-    start.opacity_logits -= 4;  // so that the noise moves something
-    grads.sh.narrow(0, 5, 40).SetZero();
+    if (IsSkipped()) return;
+    rasterizer = MakeCudaRasterizer(TestDevice());
+    Flat(start.opacity_logits) -= 4;  // so that the noise moves something
+    Flat(upstream) /= 1000;
   }
 
-  /// Steps on the CPU, and the value of the regularisers in the last one.
-  double OnCpu(int steps, int degree, Gaussians* gaussians, Adam* adam) {
-    double value = 0;
-    for (int i = 1; i <= steps; ++i) {
-      Gaussians g = Copy(grads);
-      value = AddRegularizers(*gaussians, kOpacityReg, kScaleReg, &g);
-      adam->Step(g, rates, degree, gaussians);
-      AddNoise({9, i, kRate}, gaussians);
-    }
-    return value;
+  static Adam NewAdam() {
+    Adam adam(kCount);
+    adam.m = OnTestDevice(adam.m);
+    adam.v = OnTestDevice(adam.v);
+    return adam;
   }
 
-  double OnGpu(int steps, int degree, Gaussians* gaussians, Adam* adam) {
-    const Gaussians g = OnTestDevice(grads);
-    double value = 0;
-    for (int i = 1; i <= steps; ++i) {
-      value = Value(*gaussians);
-      StepConstants step;
-      step.regularizers = {static_cast<float>(kOpacityReg / kCount), static_cast<float>(kScaleReg / (3 * kCount))};
-      step.adam = adam->BeginStep(rates, degree, std::as_const(*gaussians));
-      step.noise = {9, static_cast<uint32_t>(i), static_cast<float>(kNoiseRate * kRate)};
-      step.adds_noise = true;
-      for (const int64_t first : {int64_t{0}, kFirstBlock}) {  // in two blocks of gradients
-        step.first = first;
-        step.params = gaussians->Rows().From(first);
-        step.m = adam->m.Rows().From(first);
-        step.v = adam->v.Rows().From(first);
-        RunStep(step, g.Rows().From(first), first == 0 ? kFirstBlock : kCount - kFirstBlock, nullptr);
-      }
-    }
-    return value;
+  /// A step on the device. Returns the gradients of the image alone, on the host.
+  Gaussians OnGpu(int64_t iteration, int degree, Gaussians* gaussians, Adam* adam) {
+    rasterizer->Forward(*gaussians, CameraOnCircle(0.3), {{0.1f, 0.2f, 0.3f}, degree, false}, RenderPass::kTrain);
+    const RenderGrads image{OnTestDevice(upstream), {}, {}};
+    Gaussians grads = OnTestDevice(Gaussians::Zeros(kCount));
+    rasterizer->Backward(*gaussians, image, &grads);
+    const RegularizerSums weights = kRegularizers.PerEntry(kCount);
+    DeviceStep consumer;
+    consumer.step.params = gaussians->Rows();
+    consumer.step.adam = adam->BeginStep(rates, degree, std::as_const(*gaussians));
+    consumer.step.m = adam->m.Rows();
+    consumer.step.v = adam->v.Rows();
+    consumer.step.regularizers = {static_cast<float>(weights.opacity), static_cast<float>(weights.scale)};
+    consumer.step.noise = MeansNoise{9, iteration, kRate}.Constants();
+    consumer.step.adds_noise = true;
+    rasterizer->BackwardInto(*gaussians, image, &consumer);
+    return OnHost(grads);
   }
 
   static double Value(const Gaussians& gaussians) {
-    DeviceArray<RegularizerBlock> sums("a test");
+    DeviceArray<RegularizerSums> sums("a test");
     sums.ReserveExactly(StepBlocks(kCount));
     RunRegularizerSums({kCount, gaussians.Rows(), sums.data()}, nullptr);
+    const RegularizerSums weights = kRegularizers.PerEntry(kCount);
     double value = 0;
-    for (const RegularizerBlock& block : ToHost(sums, StepBlocks(kCount))) {
-      value += kOpacityReg * block.opacity / kCount + kScaleReg * block.scale / (3 * kCount);
+    for (const RegularizerSums& block : ToHost(sums, StepBlocks(kCount))) {
+      value += weights.opacity * block.opacity + weights.scale * block.scale;
     }
     return value;
   }
@@ -73,46 +81,53 @@ class CudaStep : public CudaTest {
 
 TEST_F(CudaStep, IsRegularisersAdamAndNoiseOfTheCpu) {
   for (const int degree : {0, 1, 2, 3}) {
-    Gaussians expected = Copy(start), gaussians = OnTestDevice(start);
-    Adam expected_adam(kCount), adam(kCount);
-    adam.m = OnTestDevice(adam.m);
-    adam.v = OnTestDevice(adam.v);
-    const double value = OnCpu(3, degree, &expected, &expected_adam);
-    EXPECT_NEAR(OnGpu(3, degree, &gaussians, &adam), value, 1e-6 * value);
+    Gaussians expected = start.Clone(), gaussians = OnTestDevice(start);
+    Adam expected_adam(kCount), adam = NewAdam();
+    for (int64_t i = 1; i <= 3; ++i) {
+      const double value = Value(gaussians);
+      Gaussians grads = OnGpu(i, degree, &gaussians, &adam);
+      EXPECT_GT(MaxAbs(grads.means), 0);
+      EXPECT_NEAR(AddRegularizers(expected, kRegularizers, &grads), value, 1e-6 * value);
+      expected_adam.Step(grads, rates, degree, &expected);
+      AddNoise({9, i, kRate}, &expected);
+    }
     EXPECT_EQ(adam.step, 3);
+    EXPECT_GT(MaxAbsError(expected.means, start.means), 1e-4);
     ExpectClose(OnHost(gaussians), expected, 1e-5);
     ExpectClose(OnHost(adam.m), expected_adam.m, 1e-6);
     ExpectClose(OnHost(adam.v), expected_adam.v, 1e-6);
-    const int active = ShCount(degree);
-    if (degree == 3) continue;
-    EXPECT_TRUE(
-        torch::equal(OnHost(gaussians.sh).narrow(1, active, 16 - active), start.sh.narrow(1, active, 16 - active)));
-    EXPECT_EQ(OnHost(adam.v.sh).narrow(1, active, 16 - active).abs().max().item<float>(), 0);
+    if (degree == kMaxShDegree) continue;
+    const int inactive = kShFloats - 3 * ShCount(degree);
+    const Buffer<float> sh = OnHost(gaussians.sh), v = OnHost(adam.v.sh);
+    EXPECT_TRUE((Table(sh).rightCols(inactive) == Table(start.sh).rightCols(inactive)).all());
+    EXPECT_EQ(Table(v).rightCols(inactive).abs().maxCoeff(), 0);
   }
 }
 
 TEST_F(CudaStep, MomentsDoNotStayAmongTheSubnormalNumbers) {
   Gaussians gaussians = OnTestDevice(start);
-  grads = Gaussians::Zeros(kCount);
+  upstream.SetZero();
   Adam adam(kCount);
-  adam.m.ForEach([](const char*, Buffer<float>& t) { t.fill_(1.2e-38f); });
-  adam.v.ForEach([](const char*, Buffer<float>& t) { t.fill_(1.2e-38f); });
-  adam.m = OnTestDevice(adam.m);
-  adam.v = OnTestDevice(adam.v);
+  for (Gaussians* moment : {&adam.m, &adam.v}) {
+    moment->ForEach([](const char*, Buffer<float>& t) { Flat(t).setConstant(1.2e-38f); });
+    *moment = OnTestDevice(*moment);
+  }
   OnGpu(1, 3, &gaussians, &adam);
-  EXPECT_EQ(OnHost(adam.m.sh).abs().max().item<float>(), 0);
-  EXPECT_EQ(OnHost(adam.m.means).abs().max().item<float>(), 0);
+  EXPECT_EQ(MaxAbs(OnHost(adam.m.sh)), 0);
+  EXPECT_EQ(MaxAbs(OnHost(adam.m.means)), 0);
 }
 
 TEST_F(CudaStep, NoiseIsTheCpus) {
-  Gaussians expected = Copy(start);
-  AddNoise({0x123456789abcdef0, 77, 1e-5}, &expected);
+  const MeansNoise noise{0x123456789abcdef0, 77, 1e-5};
+  Gaussians expected = start.Clone();
+  AddNoise(noise, &expected);
   const Gaussians gaussians = OnTestDevice(start);
-  RunNoise({kCount, gaussians.Rows(), {0x123456789abcdef0, 77, static_cast<float>(kNoiseRate * 1e-5)}}, nullptr);
-  const Buffer<float> moved = OnHost(gaussians.means) - start.means, wanted = expected.means - start.means;
-  EXPECT_GT(wanted.abs().max().item<float>(), 0.01f);
-  EXPECT_LE(MaxAbsError(moved, wanted), 2e-5 * wanted.abs().max().item<double>());
-  EXPECT_TRUE(torch::equal(OnHost(gaussians.quats), start.quats));
+  RunNoise({kCount, gaussians.Rows(), noise.Constants()}, nullptr);
+  const Buffer<float> means = OnHost(gaussians.means);
+  const double moved = MaxAbsError(expected.means, start.means);
+  EXPECT_GT(moved, 0.01);
+  EXPECT_LE(MaxAbsError(means, expected.means), 2e-5 * moved);
+  EXPECT_TRUE(Equal(OnHost(gaussians.quats), start.quats));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures as kernels read them. Most targets were 8-bit files: kept so, they take a quarter of the memory and of the
+// Images as kernels read them. Most targets were 8-bit files: kept so, they take a quarter of the memory and of the
 // bandwidth, and not one bit is lost.
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace oraclegs::cuda {
 
 /// Values in [0, 1], row by row, channels interleaved: 32-bit floats, or bytes that stand for byte / 255. Null: there
-/// is no such picture.
+/// is no such image.
 struct DeviceImage {
   const void* data = nullptr;
   bool packed = false;  ///< bytes

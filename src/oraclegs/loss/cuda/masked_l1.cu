@@ -13,7 +13,7 @@ __global__ void MaskedDistance(MaskedL1Input in) {
   double sum = 0;
   for (int k = thread; k < kMaskedL1PixelsABlock && begin + k < in.pixels; k += kSumThreads) {
     const int64_t i = begin + k;
-    const float a = in.rendered[i], b = in.target[i], m = in.mask.is_there() ? in.mask.At(i) : 1.f;
+    const float a = in.rendered[i], b = in.target.At(i), m = in.mask.is_there() ? in.mask.At(i) : 1.f;
     const float away = a - b;
     sum += static_cast<double>((away < 0 ? -away : away) * m);
     in.grad[i] = in.scale * (static_cast<float>(a > b) - static_cast<float>(a < b)) * m;

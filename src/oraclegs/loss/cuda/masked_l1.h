@@ -15,7 +15,7 @@ inline constexpr int kMaskedL1PixelsABlock = 1024;
 struct MaskedL1Input {
   int64_t pixels = 0;
   const float* rendered = nullptr;
-  const float* target = nullptr;
+  DeviceImage target;
   DeviceImage mask;        ///< how much each pixel counts; null = 1
   float scale = 0;         ///< weight / pixels
   double* sums = nullptr;  ///< [MaskedL1Blocks] receives sums of |rendered - target| mask

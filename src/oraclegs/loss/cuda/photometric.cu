@@ -1,12 +1,13 @@
-// Two passes over tiles of 32 x 16 pixels, a channel at a time: the statistics of every window and the slopes of the
-// loss by them; then the window over those slopes. A tile and its halo lie in shared memory. The window goes along the
-// rows first, four columns to a thread (14 reads serve 44 multiplications), then down the columns, two rows to a
-// thread.
+// Two passes over tiles of 32 x 16 pixels, a channel at a time: the statistics of every window and the derivatives of
+// the loss by them; then the window over those derivatives. A tile and its halo lie in shared memory. The window goes
+// along the rows first, four columns to a thread (14 reads serve 44 multiplications), then down the columns, two rows
+// to a thread.
 
 #include "oraclegs/loss/cuda/photometric.h"
 
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/loss/cuda/sums-inl.cuh"
+#include "oraclegs/loss/ssim_math-inl.h"
 #include "oraclegs/loss/ssim_window.h"
 
 namespace oraclegs::cuda {
@@ -34,14 +35,19 @@ using HaloPlane = float[kHaloRows][kHaloStride];
 /// The same after the horizontal window: only the tile's own columns.
 using RowsPlane = float[kHaloRows][kTileWidth];
 
-/// Render and target of a pixel's channel; zero outside the picture.
-__device__ void LoadPixel(const PhotometricInput& in, int x, int y, int channel, float* render, float* target) {
-  *render = *target = 0;
-  if (x < 0 || y < 0 || x >= in.width || y >= in.height) return;
+struct PixelPair {
+  float render = 0, target = 0;
+};
+
+/// A pixel's channel; zero outside the image.
+__device__ PixelPair LoadPixel(const PhotometricInput& in, int x, int y, int channel) {
+  PixelPair pair;
+  if (x < 0 || y < 0 || x >= in.width || y >= in.height) return pair;
   const int64_t pixel = static_cast<int64_t>(y) * in.width + x;
-  *target = in.target.At(3 * pixel + channel);
+  pair.target = in.target.At(3 * pixel + channel);
   const bool hidden = in.meaning == MaskMeaning::kMask && in.confidence.is_there() && !(in.confidence.At(pixel) > 0);
-  *render = hidden ? *target : in.render[3 * pixel + channel];
+  pair.render = hidden ? pair.target : in.render[3 * pixel + channel];
+  return pair;
 }
 
 /// The window along kColumnsAThread neighbouring columns.
@@ -71,29 +77,7 @@ __device__ void FilterColumn(const RowsPlane& in, int row, int column, float* ou
   }
 }
 
-/// Means and second moments of a window. The SSIM needs both variances only as a sum.
-struct SsimMoments {
-  float x, y, squares, product;
-};
-
-/// S of a window, and its derivatives by the filtered render, squares and product.
-struct SsimSlopes {
-  float ssim, mean, variance, covariance;
-};
-
-__device__ SsimSlopes EvaluateSsim(const SsimMoments& m) {
-  const float mxy = m.x * m.y, mm = m.x * m.x + m.y * m.y;
-  const float p = 2 * mxy + kSsimC1, q = 2 * (m.product - mxy) + kSsimC2;
-  const float spread = m.squares - mm;
-  const float a = mm + kSsimC1, b = (spread > 0 ? spread : 0.f) + kSsimC2;
-  const float inv_ab = 1 / (a * b);
-  const float ssim = p * q * inv_ab;
-  // 1/b - 1/a = (a - b) / (a b), and 1/b = a / (a b): one division serves all.
-  const float by_my = m.y * (q - p) * inv_ab, by_mx = m.x * ssim * ((a - b) * inv_ab);
-  return {ssim, by_my + by_mx, -ssim * a * inv_ab, p * inv_ab};
-}
-
-/// First pass: the sums of the tile, and the slopes where they are asked for.
+/// First pass: the sums of the tile, and the derivatives where they are asked for.
 __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out) {
   __shared__ HaloPlane render, target;
   __shared__ RowsPlane rows[4];
@@ -109,7 +93,9 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
   for (int channel = 0; channel < 3; ++channel) {
     for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
       const int r = i / kHaloColumns, c = i % kHaloColumns;
-      LoadPixel(in, x0 + c - kSsimRadius, y0 + r - kSsimRadius, channel, &render[r][c], &target[r][c]);
+      const PixelPair pair = LoadPixel(in, x0 + c - kSsimRadius, y0 + r - kSsimRadius, channel);
+      render[r][c] = pair.render;
+      target[r][c] = pair.target;
     }
     __syncthreads();
     if (thread < kHaloRows * kRunsARow) {
@@ -133,14 +119,15 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
       if (x >= in.width || y >= in.height) continue;
       const int64_t pixel = static_cast<int64_t>(y) * in.width + x;
       const float u = in.confidence.is_there() ? in.confidence.At(pixel) : 1.f;
-      const SsimSlopes s = EvaluateSsim({filtered[0][r], filtered[1][r], filtered[2][r], filtered[3][r]});
+      const SsimPoint<float> s =
+          EvaluateSsim(SsimMoments<float>{filtered[0][r], filtered[1][r], filtered[2][r], filtered[3][r]});
       const float away =
           render[row + r + kSsimRadius][column + kSsimRadius] - target[row + r + kSsimRadius][column + kSsimRadius];
       l1 += static_cast<double>((away < 0 ? -away : away) * u);
       dssim += static_cast<double>((1 - s.ssim) * u);
-      if (out.slopes == nullptr) continue;
+      if (out.derivatives == nullptr) continue;
       const float g = -2 * in.dssim_scale * u;
-      float* to = out.slopes + 3 * channel * pixels + pixel;
+      float* to = out.derivatives + 3 * channel * pixels + pixel;
       to[0] = g * s.mean;
       to[pixels] = g * s.variance;
       to[2 * pixels] = g * s.covariance;
@@ -154,7 +141,7 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
 
 /// Second pass: dL/d(render) = window(mean) + render * window(variance) + target * window(covariance) + L1's.
 __global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) {
-  __shared__ HaloPlane slopes[3];
+  __shared__ HaloPlane derivatives[3];
   __shared__ RowsPlane rows[3];
   const int thread = static_cast<int>(threadIdx.x);
   const int columns = (in.width + kTileWidth - 1) / kTileWidth;
@@ -164,18 +151,18 @@ __global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) 
   const int x = x0 + column;
   const int64_t pixels = static_cast<int64_t>(in.width) * in.height;
   for (int channel = 0; channel < 3; ++channel) {
-    const float* from = out.slopes + 3 * channel * pixels;
+    const float* from = out.derivatives + 3 * channel * pixels;
     for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
       const int r = i / kHaloColumns, c = i % kHaloColumns;
       const int px = x0 + c - kSsimRadius, py = y0 + r - kSsimRadius;
       const bool inside = px >= 0 && py >= 0 && px < in.width && py < in.height;
       const int64_t pixel = static_cast<int64_t>(py) * in.width + px;
-      for (int k = 0; k < 3; ++k) slopes[k][r][c] = inside ? from[k * pixels + pixel] : 0.f;
+      for (int k = 0; k < 3; ++k) derivatives[k][r][c] = inside ? from[k * pixels + pixel] : 0.f;
     }
     __syncthreads();
     if (thread < kHaloRows * kRunsARow) {
       const int r = thread / kRunsARow, c = thread % kRunsARow * kColumnsAThread;
-      for (int k = 0; k < 3; ++k) FilterRun(&slopes[k][r][c], &rows[k][r][c]);
+      for (int k = 0; k < 3; ++k) FilterRun(&derivatives[k][r][c], &rows[k][r][c]);
     }
     __syncthreads();
     float filtered[3][kRowsAThread];
@@ -184,8 +171,7 @@ __global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) 
       const int y = y0 + row + r;
       if (x >= in.width || y >= in.height) continue;
       const int64_t pixel = static_cast<int64_t>(y) * in.width + x;
-      float a, b;
-      LoadPixel(in, x, y, channel, &a, &b);
+      const auto [a, b] = LoadPixel(in, x, y, channel);
       const float u = in.confidence.is_there() ? in.confidence.At(pixel) : 1.f;
       const float l1 = in.l1_scale * u * (static_cast<float>(a > b) - static_cast<float>(a < b));
       const float g = filtered[0][r] + l1 + b * filtered[2][r] + a * filtered[1][r];

@@ -1,12 +1,13 @@
 #pragma once
 // Fused L1 + SSIM on a GPU, value and gradient (docs/method.md#ssim); what loss/photometric.h and the mask of
-// loss/objective.h are on the CPU.
+// train/loss_terms.h are on the CPU.
 
 #include <cuda_runtime.h>
 
 #include <cstdint>
 
 #include "oraclegs/loss/cuda/device_image.h"
+#include "oraclegs/loss/mask_meaning.h"
 
 namespace oraclegs::cuda {
 
@@ -17,12 +18,6 @@ inline constexpr int kPhotometricTileWidth = 32, kPhotometricTileHeight = 16;
 struct PhotometricSums {
   double l1;     ///< |render - target| U
   double dssim;  ///< (1 - S) U
-};
-
-/// What U does besides weighing pixels.
-enum class MaskMeaning {
-  kConfidence,  ///< windows see the render everywhere
-  kMask,        ///< where U is 0 the render is replaced by the target and takes no gradient
 };
 
 /// All memory is the device's.
@@ -38,7 +33,7 @@ struct PhotometricInput {
 
 struct PhotometricOutput {
   PhotometricSums* sums = nullptr;  ///< [PhotometricTiles], one of each tile
-  float* slopes = nullptr;          ///< [9,H,W], scratch: dL/d(mean, variance, covariance) of each window and channel
+  float* derivatives = nullptr;     ///< [9,H,W], scratch: dL/d(mean, variance, covariance) of each window and channel
   float* grad = nullptr;            ///< [H,W,3] dL/d(render)
 };
 
@@ -46,7 +41,7 @@ inline int64_t PhotometricTiles(int width, int height) {
   const int64_t columns = (width + kPhotometricTileWidth - 1) / kPhotometricTileWidth;
   return columns * ((height + kPhotometricTileHeight - 1) / kPhotometricTileHeight);
 }
-inline int64_t PhotometricSlopes(int width, int height) { return int64_t{9} * width * height; }
+inline int64_t PhotometricDerivatives(int width, int height) { return int64_t{9} * width * height; }
 
 /// Queues the work; nothing is waited for.
 void RunPhotometric(const PhotometricInput& in, const PhotometricOutput& out, cudaStream_t stream);

@@ -8,7 +8,7 @@
 
 #include "oraclegs/core/progress.h"
 #include "oraclegs/evaluate/evaluate.h"
-#include "oraclegs/loss/objective.h"
+#include "oraclegs/loss/perceptual_distance.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/train/train_view.h"
 

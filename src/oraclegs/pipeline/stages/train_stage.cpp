@@ -11,6 +11,7 @@
 #include "oraclegs/pipeline/stages/start_points.h"
 #include "oraclegs/pipeline/stages/train_inputs.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {

@@ -1,6 +1,8 @@
 #pragma once
 // Stage 4: from the records of pairs to the raw parameters (docs/method.md#gaussian-gradient).
 
+#include <cuda_runtime.h>
+
 #include "oraclegs/gaussians/gaussian_rows.h"
 #include "oraclegs/render/cuda/splats.h"
 

@@ -8,9 +8,4 @@ namespace oraclegs::cuda {
 /// its memory does not suffice for what is estimated (memory_estimate.h).
 std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup);
 
-/// The same with a rasteriser of the caller's, the tensors on `device`; for tests, whose emulated device has the host's
-/// memory. BackwardBlocks of the rasteriser hands out one block at a time.
-std::unique_ptr<TrainDevice> MakeCudaTrainDevice(Device device, const TrainDeviceSetup& setup,
-                                                 std::unique_ptr<Rasterizer> rasterizer);
-
 }  // namespace oraclegs::cuda

@@ -71,7 +71,7 @@ __device__ void MoveGauge(const double* inverse, const double* mean, float* map)
   for (int k = 0; k < kNumbers; ++k) map[k] = static_cast<float>(fixed[k]);
 }
 
-/// One block. Thread k of the first twelve has number k of the photograph's map.
+/// One block. Thread k of the first twelve has number k of the photo's map.
 __global__ void StepExposures(ExposureStepInput in) {
   __shared__ double shared[kSumThreads], gradient[kNumbers], mean[kNumbers], inverse[9];
   __shared__ bool has_inverse;
@@ -89,9 +89,9 @@ __global__ void StepExposures(ExposureStepInput in) {
     for (int k = 0; k < kNumbers; ++k) {
       const double offset = static_cast<double>(map[k]) - (k % 5 == 0 ? 1 : 0);  // the identity has ones at 0, 5, 10
       squares += offset * offset;
-      gradient[k] += kExposurePull * offset;
+      gradient[k] += in.weight * offset;
     }
-    *in.pull = 0.5 * kExposurePull * squares;
+    *in.regularizer = 0.5 * in.weight * squares;
   }
   if (!in.moves) return;  // the same for all threads
   __syncthreads();
@@ -114,7 +114,7 @@ __global__ void StepExposures(ExposureStepInput in) {
   if (thread == 0) {
     const double determinant = Invert(mean, inverse);
     has_inverse = (determinant < 0 ? -determinant : determinant) > kMinExposureDeterminant;
-    if (!has_inverse) *in.pull = NAN;
+    if (!has_inverse) *in.regularizer = NAN;
   }
   __syncthreads();
   if (!has_inverse) return;

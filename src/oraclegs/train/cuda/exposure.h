@@ -12,7 +12,7 @@ inline constexpr int kExposureNumbers = 12;  ///< of a map, [A b] row by row
 
 inline int64_t ExposureBlocks(int64_t pixels) { return (pixels + kExposurePixelsABlock - 1) / kExposurePixelsABlock; }
 
-/// Of all photographs; the device's.
+/// Of all photos; the device's.
 struct ExposureRows {
   int views = 0;
   float *maps = nullptr, *m = nullptr, *v = nullptr;  ///< [views,12]
@@ -21,7 +21,7 @@ struct ExposureRows {
 
 struct ExposurePixels {
   int64_t pixels = 0;
-  const float* map = nullptr;    ///< [12] of the photograph
+  const float* map = nullptr;    ///< [12] of the photo
   const float* image = nullptr;  ///< [H,W,3] as rendered
   float* shown = nullptr;        ///< [H,W,3] receives A image + b
   float* grad = nullptr;         ///< [H,W,3] dL/d(shown), becomes dL/d(image)
@@ -39,11 +39,12 @@ struct ExposureStepInput {
   const double* sums = nullptr;  ///< of RunExposureBackward
   int64_t blocks = 0;
   double learning_rate = 0;
-  bool moves = true;       ///< false in the last iteration
-  double* pull = nullptr;  ///< receives kExposurePull / 2 |map - identity|^2; not a number when the mean of the maps
-                           ///< has no inverse
+  double weight = 0;              ///< of the regularisation toward identity
+  bool moves = true;              ///< false in the last iteration
+  double* regularizer = nullptr;  ///< receives weight / 2 |map - identity|^2; not a number when the mean of the maps
+                                  ///< has no inverse
 };
-/// Queues a step of Adam for one photograph, and the mean of all back at the identity.
+/// Queues a step of Adam for one photo, and the mean of all back at the identity.
 void RunExposureStep(const ExposureStepInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

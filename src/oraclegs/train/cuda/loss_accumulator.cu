@@ -7,30 +7,30 @@ namespace oraclegs::cuda {
 namespace {
 
 /// One block.
-__global__ void AddUpLoss(LossAccumulatorEntry entry) {
+__global__ void AccumulateLoss(LossAccumulatorInput in) {
   __shared__ double shared[kSumThreads];
   const int thread = static_cast<int>(threadIdx.x);
-  double loss = entry.loss.constant;
-  for (int t = 0; t < entry.loss.count; ++t) {
-    const LossTerm term = entry.loss.terms[t];
+  double loss = in.loss.constant;
+  for (int k = 0; k < in.loss.count; ++k) {
+    const LossSum part = in.loss.sums[k];
     double sum = 0;
-    for (int64_t i = thread; i < term.count; i += kSumThreads) sum += term.values[i * term.stride];
-    loss += term.weight * BlockSum(sum, thread, shared);
+    for (int64_t i = thread; i < part.count; i += kSumThreads) sum += part.values[i * part.stride];
+    loss += part.weight * BlockSum(sum, thread, shared);
   }
   if (thread != 0) return;
-  LossAccumulator* ledger = entry.ledger;
-  ledger->last = loss;
-  ledger->smoothed = entry.iteration == 1 ? loss : entry.smoothing * ledger->smoothed + (1 - entry.smoothing) * loss;
+  LossAccumulator* to = in.accumulator;
+  to->last = loss;
+  to->smoothed = in.iteration == 1 ? loss : in.smoothing * to->smoothed + (1 - in.smoothing) * loss;
   const bool finite = loss - loss == 0;  // infinity and what is not a number leave something else
-  if (finite || ledger->broken != 0) return;
-  ledger->broken = entry.iteration;
-  ledger->broken_loss = loss;
+  if (finite || to->nonfinite_iteration != 0) return;
+  to->nonfinite_iteration = in.iteration;
+  to->nonfinite_loss = loss;
 }
 
 }  // namespace
 
-void RunLedger(const LossAccumulatorEntry& entry, cudaStream_t stream) {
-  Launch("the sum of the loss", AddUpLoss, {1, kSumThreads}, stream, entry);
+void RunAccumulateLoss(const LossAccumulatorInput& in, cudaStream_t stream) {
+  Launch("the sum of the loss", AccumulateLoss, {1, kSumThreads}, stream, in);
 }
 
 }  // namespace oraclegs::cuda

@@ -8,38 +8,38 @@
 namespace oraclegs::cuda {
 
 /// weight * (values[0] + values[stride] + ...), `count` numbers of the device's.
-struct LossTerm {
+struct LossSum {
   const double* values = nullptr;
   int64_t count = 0;
   int64_t stride = 1;
   double weight = 0;
 };
 
-inline constexpr int kMaxLossTerms = 7;
+inline constexpr int kMaxLossSums = 7;
 
-struct LossTerms {
-  LossTerm terms[kMaxLossTerms];
+struct LossSums {
+  LossSum sums[kMaxLossSums];
   int count = 0;
   double constant = 0;  ///< what the host knows already
 
-  /// At most kMaxLossTerms of them.
-  void Add(const LossTerm& term) { terms[count++] = term; }
+  /// At most kMaxLossSums of them.
+  void Add(const LossSum& sum) { sums[count++] = sum; }
 };
 
 struct LossAccumulator {
   double last = 0, smoothed = 0;
-  int64_t broken = 0;      ///< the first iteration whose loss was not finite; 0 = none
-  double broken_loss = 0;  ///< what it was
+  int64_t nonfinite_iteration = 0;  ///< the first one whose loss was not finite; 0 = none
+  double nonfinite_loss = 0;        ///< what it was
 };
 
-struct LossAccumulatorEntry {
-  LossTerms loss;
+struct LossAccumulatorInput {
+  LossSums loss;
   int64_t iteration = 0;
-  double smoothing = 0;          ///< share of the past in `smoothed`
-  LossAccumulator* ledger = nullptr;  ///< the device's
+  double smoothing = 0;                    ///< share of the past in `smoothed`
+  LossAccumulator* accumulator = nullptr;  ///< the device's
 };
 
 /// Queues the addition, and the smoothing: smoothed = smoothing * smoothed + (1 - smoothing) * last, from iteration 2.
-void RunLedger(const LossAccumulatorEntry& entry, cudaStream_t stream);
+void RunAccumulateLoss(const LossAccumulatorInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

@@ -13,7 +13,7 @@ namespace oraclegs::cuda {
 struct ScaleCapInput {
   GaussianRows params;
   int64_t count = 0;
-  const float* centers = nullptr;  ///< [num_centers,3], of the photographs' cameras
+  const float* centers = nullptr;  ///< [num_centers,3], of the photos' cameras
   int num_centers = 0;
   float log_share = 0;  ///< ln of the largest scale to the distance
 };

@@ -2,7 +2,9 @@
 
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/loss/cuda/sums-inl.cuh"
-#include "oraclegs/train/cuda/step-inl.cuh"
+#include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
+#include "oraclegs/train/noise_math-inl.h"
+#include "oraclegs/train/step_math-inl.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -16,32 +18,108 @@ __global__ void SumRegularizers(RegularizerInput in) {
   double opacity = 0, scale = 0;
   if (i < in.count) {
     opacity = Sigmoid(in.params.opacity_logits[i]);
-    for (int k = 0; k < 3; ++k) scale += ExpClamped(in.params.log_scales[3 * i + k]);
+    for (int k = 0; k < 3; ++k) scale += BoundedExp(in.params.log_scales[3 * i + k]);
   }
   opacity = BlockSum(opacity, thread, shared);
   scale = BlockSum(scale, thread, shared);
   if (thread == 0) in.sums[blockIdx.x] = {opacity, scale};
 }
 
-__global__ void MoveSplats(StepConstants step, GaussianRows grads, int64_t count) {
-  const int64_t i = static_cast<int64_t>(blockIdx.x) * kStepBlock + threadIdx.x;
-  if (i < count) MoveSplat(step, i, LoadRow(grads, i));
+/// All but the colours of one Gaussian, or of its gradient or a moment.
+struct SmallRow {
+  float mean[3], log_scale[3], quat[4], logit;
+};
+
+/// Whole rows at once, so that their loads are under way together.
+__device__ SmallRow LoadRow(const GaussianRows& rows, int64_t i) {
+  SmallRow row;
+  for (int k = 0; k < 3; ++k) row.mean[k] = rows.means[3 * i + k];
+  for (int k = 0; k < 3; ++k) row.log_scale[k] = rows.log_scales[3 * i + k];
+  for (int k = 0; k < 4; ++k) row.quat[k] = rows.quats[4 * i + k];
+  row.logit = rows.opacity_logits[i];
+  return row;
 }
 
-__global__ void MoveColors(StepConstants step, GaussianRows grads, int64_t count) {
-  const int pieces = (step.adam.sh_active + 3) / 4;
-  const int64_t at = static_cast<int64_t>(blockIdx.x) * kStepBlock + threadIdx.x;
-  if (at >= count * pieces) return;
-  const int64_t i = at / pieces;
-  const int first = static_cast<int>(at % pieces) * 4;
-  MoveColor(step, i, first, *reinterpret_cast<const Four*>(grads.sh + i * kShFloats + first));
+__device__ void StoreRow(const SmallRow& row, const GaussianRows& rows, int64_t i) {
+  for (int k = 0; k < 3; ++k) rows.means[3 * i + k] = row.mean[k];
+  for (int k = 0; k < 3; ++k) rows.log_scales[3 * i + k] = row.log_scale[k];
+  for (int k = 0; k < 4; ++k) rows.quats[4 * i + k] = row.quat[k];
+  rows.opacity_logits[i] = row.logit;
 }
+
+__device__ void MoveMean(const NoiseConstants& noise, int64_t i, SmallRow* row) {
+  const float gate = NoiseGate(row->logit);
+  if (!IsMoved(gate)) return;
+  float e[3];
+  DrawNormals(noise, static_cast<uint32_t>(i), e);
+  Displace(gate, noise.strength, row->quat, row->log_scale, e);
+  for (int k = 0; k < 3; ++k) row->mean[k] += e[k];
+}
+
+/// kCount numbers of one learning rate, the first ones of parameters and moments.
+struct AdamPointers {
+  float *p, *m, *v;
+};
+template <int kCount>
+__device__ void StepNumbers(const float* gradient, float rate, float correction2_root, const AdamPointers& at) {
+  for (int k = 0; k < kCount; ++k) {
+    AdamNumber<float> n{at.p[k], at.m[k], at.v[k]};
+    StepNumber(gradient[k], rate, correction2_root, &n);
+    at.p[k] = n.value, at.m[k] = n.m, at.v[k] = n.v;
+  }
+}
+
+struct alignas(16) Four {
+  float x[4];
+};
+
+/// Takes the step of each Gaussian. Its colours are moved apart from the rest, four neighbouring coefficients at a
+/// time: rows of sh are 192 bytes, hence aligned to 16.
+struct StepConsumer {
+  StepConstants step;
+
+  __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const {
+    SmallRow p = LoadRow(step.params, i), m = LoadRow(step.m, i), v = LoadRow(step.v, i);
+    const AdamConstants& adam = step.adam;
+    const float root = adam.correction2_root;
+    float log_scale[3];
+    for (int k = 0; k < 3; ++k) {
+      log_scale[k] = AddScaleRegularizer(BoundedExp(p.log_scale[k]), step.regularizers.scale, grad.log_scale[k]);
+    }
+    const float logit = grad.logit + OpacityRegularizer(Sigmoid(p.logit), step.regularizers.opacity);
+    StepNumbers<3>(grad.mean, adam.means, root, {p.mean, m.mean, v.mean});
+    StepNumbers<3>(log_scale, adam.log_scales, root, {p.log_scale, m.log_scale, v.log_scale});
+    StepNumbers<4>(grad.quat, adam.quats, root, {p.quat, m.quat, v.quat});
+    StepNumbers<1>(&logit, adam.opacity_logits, root, {&p.logit, &m.logit, &v.logit});
+    StoreRow(m, step.m, i);
+    StoreRow(v, step.v, i);
+    if (step.adds_noise) MoveMean(step.noise, i, &p);
+    StoreRow(p, step.params, i);
+  }
+
+  /// Coefficients above the active degree have neither gradient nor moments: they are left alone.
+  __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
+    const int64_t start = i * kShFloats + first;
+    Four* to_p = reinterpret_cast<Four*>(step.params.sh + start);
+    Four* to_m = reinterpret_cast<Four*>(step.m.sh + start);
+    Four* to_v = reinterpret_cast<Four*>(step.v.sh + start);
+    Four p = *to_p, m = *to_m, v = *to_v;
+    const float gradient[4] = {grad.x, grad.y, grad.z, grad.w};
+    for (int k = 0; k < 4; ++k) {
+      if (first + k >= step.adam.sh_active) break;
+      StepNumbers<1>(gradient + k, step.adam.sh[first + k], step.adam.correction2_root, {p.x + k, m.x + k, v.x + k});
+    }
+    *to_p = p;
+    *to_m = m;
+    *to_v = v;
+  }
+};
 
 __global__ void AddNoiseToAll(NoiseInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kStepBlock + threadIdx.x;
   if (i >= in.count) return;
-  SplatRow row = LoadRow(in.params, i);
-  AddNoiseTo(in.noise, static_cast<uint32_t>(i), &row);
+  SmallRow row = LoadRow(in.params, i);
+  MoveMean(in.noise, i, &row);
   for (int k = 0; k < 3; ++k) in.params.means[3 * i + k] = row.mean[k];
 }
 
@@ -51,10 +129,8 @@ void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream) {
   Launch("the sums of the regularisers", SumRegularizers, LaunchShape::For(in.count, kStepBlock), stream, in);
 }
 
-void RunStep(const StepConstants& step, const GaussianRows& grads, int64_t count, cudaStream_t stream) {
-  Launch("Adam", MoveSplats, LaunchShape::For(count, kStepBlock), stream, step, grads, count);
-  const int64_t pieces = (step.adam.sh_active + 3) / 4;
-  Launch("Adam of colours", MoveColors, LaunchShape::For(count * pieces, kStepBlock), stream, step, grads, count);
+void RunStep(const GaussianBackwardInput& in, const StepConstants& step) {
+  RunGaussianBackward("gradients of Gaussians and Adam", in, StepConsumer{step});
 }
 
 void RunNoise(const NoiseInput& in, cudaStream_t stream) {

@@ -1,4 +1,4 @@
-#include "oraclegs/train/train_device.h"
+#include "oraclegs/train/make_train_device.h"
 
 #include "oraclegs/core/config.h"
 #include "oraclegs/train/cpu_train_device.h"

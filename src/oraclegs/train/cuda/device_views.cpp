@@ -1,0 +1,121 @@
+#include "oraclegs/train/cuda/device_views.h"
+
+#include <algorithm>
+
+#include "oraclegs/loss/cuda/photometric.h"
+
+namespace oraclegs::cuda {
+namespace {
+
+constexpr ViewKind kKinds[] = {ViewKind::kPhoto, ViewKind::kProposal};
+
+PackedView Pack(const TrainView& view) {
+  // Depth and alpha are compared with to the last bit: bytes would seldom hold them.
+  return {Packed(view.image),      Packed(view.confidence), {view.inv_depth, {}},
+          Packed(view.depth_mask), {view.alpha, {}},        {}};
+}
+
+DeviceImage ImageOf(const PackedImage& image) {
+  if (image.bytes.defined()) return {image.bytes.data(), true};
+  return {image.floats.data(), false};
+}
+
+DepthView ToDepthView(const Camera& camera, const PackedView& planes) {
+  DepthView view{};
+  const Eigen::Matrix4d pose = camera.cam_from_world.matrix();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) view.cam_from_world[4 * row + column] = pose(row, column);
+  }
+  view.fx = camera.fx, view.fy = camera.fy, view.cx = camera.cx, view.cy = camera.cy;
+  view.width = camera.width, view.height = camera.height;
+  view.inv_depth = planes.inv_depth.floats.data();
+  view.depth_mask = ImageOf(planes.depth_mask);
+  return view;
+}
+
+}  // namespace
+
+int64_t PackedView::bytes() const {
+  int64_t sum = lpips_target.bytes();
+  for (const PackedImage* plane : {&image, &confidence, &inv_depth, &depth_mask, &alpha}) sum += plane->size_in_bytes();
+  return sum;
+}
+
+PackedView PackedView::To(Device device) const {
+  return {image.To(device),      confidence.To(device), inv_depth.To(device),
+          depth_mask.To(device), alpha.To(device),      lpips_target.To(device)};
+}
+
+DeviceImage PackedView::Plane(ViewPlane plane) const {
+  switch (plane) {
+    case ViewPlane::kImage:
+      return ImageOf(image);
+    case ViewPlane::kConfidence:
+      return ImageOf(confidence);
+    case ViewPlane::kInvDepth:
+      return ImageOf(inv_depth);
+    case ViewPlane::kDepthMask:
+      return ImageOf(depth_mask);
+    case ViewPlane::kAlpha:
+      return ImageOf(alpha);
+    case ViewPlane::kNone:
+      break;
+  }
+  return {};
+}
+
+DeviceViews::DeviceViews(const LossPlan& plan) {
+  for (const ViewKind kind : kKinds) {
+    for (const bool coarse : {false, true}) {
+      for (const TrainView& view : plan.Views(kind, coarse)) {
+        PackedView packed = Pack(view);
+        if (kind == ViewKind::kProposal && plan.has_lpips()) packed.lpips_target = view.image;
+        groups_[static_cast<int>(kind)][coarse].push_back(std::move(packed));
+      }
+    }
+  }
+}
+
+void DeviceViews::MoveTo(Device device) {
+  for (auto& kind : groups_) {
+    for (auto& group : kind) {
+      for (PackedView& view : group) view = view.To(device);
+    }
+  }
+}
+
+const PackedView& DeviceViews::At(const SampledView& view, bool coarse) const {
+  return groups_[static_cast<int>(view.kind)][coarse][static_cast<size_t>(view.index)];
+}
+
+std::vector<DepthView> DeviceViews::DepthViews(const std::vector<TrainView>& photos) const {
+  std::vector<DepthView> views;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const PackedView& planes = groups_[static_cast<int>(ViewKind::kPhoto)][false][i];
+    if (planes.inv_depth.defined()) views.push_back(ToDepthView(photos[i].camera, planes));
+  }
+  return views;
+}
+
+int64_t DeviceViews::bytes() const {
+  int64_t sum = 0;
+  for (const auto& kind : groups_) {
+    for (const auto& group : kind) {
+      for (const PackedView& view : group) sum += view.bytes();
+    }
+  }
+  return sum;
+}
+
+LargestView LargestOf(const LossPlan& plan) {
+  LargestView largest;
+  for (const ViewKind kind : kKinds) {
+    for (const TrainView& view : plan.Views(kind, false)) {
+      largest.pixels = std::max(largest.pixels, int64_t{view.camera.width} * view.camera.height);
+      largest.tiles = std::max(largest.tiles, PhotometricTiles(view.camera.width, view.camera.height));
+    }
+  }
+  return largest;
+}
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,134 @@
+#include "oraclegs/train/loss_terms.h"
+
+#include <cmath>
+#include <utility>
+
+#include "oraclegs/train/coarse.h"
+#include "oraclegs/train/exposure.h"
+#include "oraclegs/train/schedule.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kRounding = 1e-9;  // of a sum of shares that is 1 on paper
+
+std::vector<TrainView> CleanPhotos(std::vector<TrainView> views) {
+  CheckViews(views);
+  for (TrainView& view : views) view = WithCleanDepth(std::move(view));
+  return views;
+}
+
+/// As far as they are trusted.
+std::vector<TrainView> CleanProposals(std::vector<TrainView> views, const TrainOptions& options) {
+  CheckProposals(views);
+  for (TrainView& view : views) {
+    view = WithCleanDepth(WithGatedConfidence(std::move(view), options.confidence_gate, options.confidence_power));
+  }
+  return views;
+}
+
+std::vector<double> MeanConfidences(const std::vector<TrainView>& views) {
+  std::vector<double> means;
+  for (const TrainView& view : views) means.push_back(MeanConfidence(view.confidence));
+  return means;
+}
+
+/// Distances come from the photos, from proposals only where no photo knows any.
+double SceneDepth(const std::vector<TrainView>& photos, const std::vector<TrainView>& proposals) {
+  const double depth = CharacteristicDepth(photos);
+  return depth > 0 ? depth : CharacteristicDepth(proposals);
+}
+
+void CheckShares(const TrainOptions& options) {
+  const double shares = options.proposal_ssim + options.proposal_lpips;
+  if (!(shares <= 1 + kRounding)) {
+    throw UsageError("--proposal-ssim {} and --proposal-lpips {} sum to {}, must leave L1 0 or more of 1",
+                     options.proposal_ssim, options.proposal_lpips, shares);
+  }
+}
+
+ViewPlane PlaneIf(const Buffer<float>& plane, ViewPlane name) { return plane.defined() ? name : ViewPlane::kNone; }
+
+}  // namespace
+
+LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
+    : options_(options),
+      photos_{CleanPhotos(std::move(data.photos)), {}},
+      proposals_{CleanProposals(std::move(data.proposals), options), {}},
+      lpips_(std::move(data.lpips)),
+      coarse_iterations_(CoarseIterations(options.coarse_share, options.iterations)),
+      depth_scale_(options.depth_weight * SceneDepth(photos_.full, proposals_.full)) {
+  CheckShares(options);
+  if (coarse_iterations_ > 0) {
+    for (const TrainView& view : photos_.full) photos_.half.push_back(HalfSize(view, ViewKind::kPhoto));
+    for (const TrainView& view : proposals_.full) proposals_.half.push_back(HalfSize(view, ViewKind::kProposal));
+  }
+  mean_confidence_[false] = MeanConfidences(proposals_.full);
+  mean_confidence_[true] = MeanConfidences(proposals_.half);
+}
+
+const TrainView& LossPlan::View(const SampledView& sampled, int64_t iteration) const {
+  return Views(sampled.kind, IsCoarse(iteration))[static_cast<size_t>(sampled.index)];
+}
+
+const std::vector<TrainView>& LossPlan::Views(ViewKind kind, bool coarse) const {
+  return coarse ? GroupOf(kind).half : GroupOf(kind).full;
+}
+
+std::vector<ExposureMap> LossPlan::StartExposures() const {
+  std::vector<ExposureMap> maps;
+  if (options_.exposure != ExposureMode::kOn) return maps;
+  for (const TrainView& view : photos_.full) maps.push_back(view.exposure);
+  return maps;
+}
+
+LossTerm LossPlan::PhotometricTerm(ViewKind kind, const TrainView& view) const {
+  LossTerm term{TermKind::kPhotometric, 1, ViewPlane::kImage, PlaneIf(view.confidence, ViewPlane::kConfidence)};
+  if (kind == ViewKind::kPhoto) {
+    term.photometric = {static_cast<float>(1 - options_.ssim_weight), static_cast<float>(options_.ssim_weight)};
+    term.mask_meaning = MaskMeaning::kMask;
+  } else {
+    const double l1 = 1 - options_.proposal_ssim - (lpips_ ? options_.proposal_lpips : 0);
+    term.photometric = {static_cast<float>(options_.proposal_weight * l1),
+                        static_cast<float>(options_.proposal_weight * options_.proposal_ssim)};
+  }
+  return term;
+}
+
+LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
+  const TrainView& view = View(sampled, iteration);
+  const bool is_proposal = sampled.kind == ViewKind::kProposal;
+  LossTerms terms;
+  terms.Add(PhotometricTerm(sampled.kind, view));
+  if (!is_proposal && options_.exposure == ExposureMode::kOn) {
+    terms.Add({TermKind::kExposure, kExposureRegularizer});
+    terms.exposure = sampled.index;
+    const bool is_last = iteration >= options_.iterations;
+    terms.exposure_rate = is_last ? 0 : ExposureLearningRate(iteration, options_.iterations);
+  }
+  if (is_proposal && lpips_) {
+    const double confidence = mean_confidence_[IsCoarse(iteration)][static_cast<size_t>(sampled.index)];
+    const double weight = options_.proposal_weight * options_.proposal_lpips * confidence;
+    // The network takes most of the time: it is not asked for nothing.
+    if (weight != 0) terms.Add({TermKind::kPerceptual, weight, ViewPlane::kImage});
+  }
+  const double depth_weight =
+      depth_scale_ * (is_proposal ? options_.proposal_weight : 1) * DepthWeight(iteration, options_.iterations);
+  if (depth_weight != 0 && view.inv_depth.defined()) {
+    terms.Add({TermKind::kInvDepth, depth_weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
+  }
+  if (options_.alpha_weight != 0 && view.alpha.defined()) {
+    terms.Add(
+        {TermKind::kAlpha, options_.alpha_weight, ViewPlane::kAlpha, PlaneIf(view.confidence, ViewPlane::kConfidence)});
+  }
+  return terms;
+}
+
+void RequireFinite(double loss, int64_t iteration, const TrainView& view) {
+  if (std::isfinite(loss)) return;
+  throw RunError(
+      "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the scene", loss,
+      iteration, view.name);
+}
+
+}  // namespace oraclegs

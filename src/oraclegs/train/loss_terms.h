@@ -1,0 +1,118 @@
+#pragma once
+// What a run learns from and what the loss of each iteration consists of, for every device: devices only evaluate
+// terms.
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "oraclegs/loss/perceptual_distance.h"
+#include "oraclegs/loss/photometric.h"
+#include "oraclegs/train/options.h"
+#include "oraclegs/train/train_view.h"
+#include "oraclegs/train/view_sampler.h"
+
+namespace oraclegs {
+
+/// Photos are certain; proposals contribute as far as their confidence says, in the mean exposure of the photos.
+struct TrainingData {
+  // Not explicit: photos alone are what most runs learn from.
+  TrainingData(std::vector<TrainView> photos_in = {}, std::vector<TrainView> proposals_in = {},
+               PerceptualDistance lpips_in = {})
+      : photos(std::move(photos_in)), proposals(std::move(proposals_in)), lpips(std::move(lpips_in)) {}
+
+  std::vector<TrainView> photos;
+  std::vector<TrainView> proposals;
+  PerceptualDistance lpips;  ///< of the proposals' loss; empty = there is no network
+};
+
+enum class TermKind {
+  kPhotometric,  ///< PhotometricLoss of the image, seen through the exposure map where there is one
+  kExposure,     ///< weight / 2 |map - identity|^2 of the exposure map
+  kPerceptual,   ///< weight * LPIPS(image, target)
+  kInvDepth,     ///< weight * mean(|inverse depth - target| * mask)
+  kAlpha,        ///< weight * mean(|alpha - target| * mask)
+};
+
+/// A plane of a TrainView, wherever a device keeps it.
+enum class ViewPlane { kNone, kImage, kConfidence, kInvDepth, kDepthMask, kAlpha };
+
+struct LossTerm {
+  TermKind kind{};
+  double weight = 1;                                    ///< but of kPhotometric
+  ViewPlane target = ViewPlane::kNone;                  ///< what the render is compared with
+  ViewPlane mask = ViewPlane::kNone;                    ///< kNone: every pixel counts 1
+  PhotometricWeights photometric = {};                  ///< of kPhotometric
+  MaskMeaning mask_meaning = MaskMeaning::kConfidence;  ///< of kPhotometric
+};
+
+/// The loss of one iteration is the sum of its terms, added up in their order.
+class LossTerms {
+ public:
+  static constexpr int kMaxTerms = 5;
+
+  void Add(const LossTerm& term) { terms_[static_cast<size_t>(count_++)] = term; }
+  const LossTerm* begin() const { return terms_.data(); }
+  const LossTerm* end() const { return terms_.data() + count_; }
+
+  /// The exposure map that the render is seen through; it makes a step of this learning rate, none when that is 0.
+  std::optional<int> exposure;
+  double exposure_rate = 0;
+
+ private:
+  std::array<LossTerm, kMaxTerms> terms_{};
+  int count_ = 0;
+};
+
+/// The views of a run at the sizes it sees them, and the terms of each (docs/method.md#losses):
+/// - of a photo: (1 - s) mean|I^ - I| + s mean(1 - SSIM), s = ssim_weight, where its mask counts, through its exposure
+///   map when those are trained;
+/// - of a proposal: w ((1 - s - l) mean(|I^ - I| U) + s mean((1 - SSIM) U) + l mean(U) LPIPS(I^, I)), U the confidence,
+///   w = proposal_weight, s = proposal_ssim, l = proposal_lpips, whose share L1 gets where there is no network;
+/// - of a view with inv_depth also depth_weight * 0.01^t * CharacteristicDepth * mean(|inv_depth - rendered| *
+///   depth_mask) (docs/method.md#depth-term); w is a factor of this, too;
+/// - of a view with alpha also alpha_weight * mean(|alpha - rendered| * confidence).
+/// Iterations count from 1.
+class LossPlan {
+ public:
+  /// `options` are settled. Throws UsageError when there is no photo or the shares of the loss sum to more than 1,
+  /// ShapeError when a view does not fit; see CheckViews and CheckProposals.
+  LossPlan(const TrainOptions& options, TrainingData data);
+
+  LossTerms Terms(const SampledView& sampled, int64_t iteration) const;
+  /// The view as an iteration sees it.
+  const TrainView& View(const SampledView& sampled, int64_t iteration) const;
+
+  const std::vector<TrainView>& photos() const { return photos_.full; }
+  /// All views of a kind, at full size or as the coarse iterations see them; none of those without such iterations.
+  const std::vector<TrainView>& Views(ViewKind kind, bool coarse) const;
+  bool IsCoarse(int64_t iteration) const { return iteration <= coarse_iterations_; }
+  int num_photos() const { return static_cast<int>(photos_.full.size()); }
+  int num_proposals() const { return static_cast<int>(proposals_.full.size()); }
+  bool has_lpips() const { return static_cast<bool>(lpips_); }
+  const PerceptualDistance& lpips() const { return lpips_; }
+  const TrainOptions& options() const { return options_; }
+  /// Of the photos, where exposure maps start from; empty where they are not trained.
+  std::vector<ExposureMap> StartExposures() const;
+
+ private:
+  /// Views of one kind.
+  struct Group {
+    std::vector<TrainView> full, half;  // half: none without coarse iterations
+  };
+
+  const Group& GroupOf(ViewKind kind) const { return kind == ViewKind::kProposal ? proposals_ : photos_; }
+  LossTerm PhotometricTerm(ViewKind kind, const TrainView& view) const;
+
+  TrainOptions options_;
+  Group photos_, proposals_;
+  std::vector<double> mean_confidence_[2];  // of the proposals, by whether they are coarse
+  PerceptualDistance lpips_;
+  int64_t coarse_iterations_;
+  double depth_scale_;  // of the depth term at the start of the run, world units; 0 = there is none
+};
+
+/// Throws RunError that names the iteration and the view when the loss is not finite.
+void RequireFinite(double loss, int64_t iteration, const TrainView& view);
+
+}  // namespace oraclegs
