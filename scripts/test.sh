@@ -1,13 +1,18 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, checks the format and the house rules, runs every test; then the same of the engine with
-# sanitizers and without optimisation, and compiles the device code with nvcc where there is one.
-#   scripts/test.sh                  everything
-#   scripts/test.sh -R render        the optimised build alone; arguments go to ctest
-# ORACLEGS_NVCC=0 leaves nvcc out, ORACLEGS_NVCC=1 fails without one. CI=true: plain output, warnings are errors, and a later
-# part is left out, with a line that says so, where it could not end in time (an empty compiler cache on two cores).
+# Installs what is missing, builds, checks the format and the house rules, runs every test.
+#   scripts/test.sh                  what CI runs
+#   scripts/test.sh -R render        arguments go to ctest
+#   scripts/test.sh --all            then the engine once more with sanitizers and once without optimisation, and the device
+#                                    code compiled with nvcc where there is one
+# CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+all=
+if [[ ${1:-} == --all ]]; then
+  all=yes
+  shift
+fi
 configure=()
 if [[ ${CI:-} == true ]]; then
   configure+=(-DORACLEGS_WERROR=ON)
@@ -33,19 +38,12 @@ python3 scripts/check_house_test.py --quiet
 cmake --preset release "${configure[@]}" >/dev/null
 python3 scripts/check_house.py
 run release "$@"
-(($# == 0)) || exit 0
+[[ -n $all ]] || exit 0
 
-# in_time MINUTES PART: false when CI has passed so many minutes already.
-in_time() {
-  [[ ${CI:-} == true ]] && ((SECONDS > 60 * $1)) || return 0
-  echo "== left out: $2 ($((SECONDS / 60)) minutes have passed)"
-  return 1
-}
-
-if in_time 25 asan; then run asan; fi
-if in_time 32 debug; then run debug; fi
-if in_time 38 cuda && [[ ${ORACLEGS_NVCC:-} != 0 ]] && { [[ ${ORACLEGS_NVCC:-} == 1 ]] || command -v nvcc >/dev/null; }; then
-  step "preset cuda"  # for a real device; running it needs a GPU
+run asan
+run debug
+if command -v nvcc >/dev/null; then  # for a real device; running it needs a GPU
+  step "preset cuda"
   cmake --preset cuda -DORACLEGS_NETWORKS=OFF -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
   cmake --build --preset cuda --parallel "$(nproc)" --target cuda_tests gpu_bench
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
