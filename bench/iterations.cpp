@@ -40,7 +40,7 @@ void MeasureStages(benchmark::State& state, const Case& c) {
   state.counters["fma_gflops"] = ceilings.flops * 1e-9;
   state.counters["copy_gbps"] = ceilings.bytes * 1e-9;
   state.counters["median_ms"] = median.total;
-  for (const Stage stage : kStages) {
+  for (const IterationStage stage : kStages) {
     state.counters[fmt::format("{}_ms", StageName(stage))] = median.Milliseconds(stage);
     std::vector<double> shares;
     for (const IterationSample& s : samples) shares.push_back(ShareOfCeiling(stage, shape, s, ceilings));
@@ -48,8 +48,8 @@ void MeasureStages(benchmark::State& state, const Case& c) {
   }
   std::vector<double> forward, backward;
   for (const IterationSample& s : samples) {
-    forward.push_back(1000 * s.pixel_pairs / s.Milliseconds(Stage::kBlend));
-    backward.push_back(1000 * s.pixel_pairs_backward / s.Milliseconds(Stage::kBlendBackward));
+    forward.push_back(1000 * s.pixel_pairs / s.Milliseconds(IterationStage::kBlend));
+    backward.push_back(1000 * s.pixel_pairs_backward / s.Milliseconds(IterationStage::kBlendBackward));
   }
   state.counters["blend_pairs_per_second"] = UpperMedian(std::move(forward));
   state.counters["blend_backward_pairs_per_second"] = UpperMedian(std::move(backward));

@@ -33,25 +33,27 @@ std::vector<double> Numbers(IterationSample sample) {
 
 }  // namespace
 
-const char* StageName(Stage stage) {
+const char* StageName(IterationStage stage) {
   switch (stage) {
-    case Stage::kProject:
+    case IterationStage::kProject:
       return "project";
-    case Stage::kBin:
+    case IterationStage::kBin:
       return "bin";
-    case Stage::kBlend:
+    case IterationStage::kBlend:
       return "blend";
-    case Stage::kLoss:
+    case IterationStage::kLoss:
       return "loss";
-    case Stage::kBlendBackward:
+    case IterationStage::kBlendBackward:
       return "blend_backward";
-    case Stage::kUpdate:
+    case IterationStage::kUpdate:
       return "update";
   }
   return "";
 }
 
-bool IsComputeBound(Stage stage) { return stage == Stage::kBlend || stage == Stage::kBlendBackward; }
+bool IsComputeBound(IterationStage stage) {
+  return stage == IterationStage::kBlend || stage == IterationStage::kBlendBackward;
+}
 
 IterationSample TimedStep(Trainer* trainer) {
   const auto start = std::chrono::steady_clock::now();
@@ -81,32 +83,32 @@ IterationSample MedianOf(const std::vector<IterationSample>& samples) {
   return median;
 }
 
-double LeastWork(Stage stage, const IterationShape& shape, const IterationSample& found) {
+double LeastWork(IterationStage stage, const IterationShape& shape, const IterationSample& found) {
   const double n = shape.gaussians, visible = found.visible, pairs = found.tile_pairs;
   switch (stage) {
-    case Stage::kProject:
+    case IterationStage::kProject:
       // Reads every Gaussian's geometry and writes its rectangle; of the visible reads the colour, writes the splat.
       return n * (kGeometry + kRect) + visible * (kColor + kSplat);
-    case Stage::kBin:
+    case IterationStage::kBin:
       // Reads rectangles and the visible ones' splats, writes and reads their depth keys once (a sort of one pass);
       // writes each Gaussian's range of pairs, and each pair's tile, blocks and entry.
       return n * (kRect + kRange) + visible * (kSplat + 2 * kDepthKey) + pairs * (kPairTile + kPairMask + kEntry);
-    case Stage::kLoss:
+    case IterationStage::kLoss:
       // Reads render and image, writes the gradient; SSIM's windows stay in the caches.
       return 3 * kRgb * shape.pixels;
-    case Stage::kUpdate:
+    case IterationStage::kUpdate:
       // Reads each pair's gradient record and tile, the visible ones' splats; reads and writes parameters and both
       // moments. Gradients need not exist in memory.
       return pairs * (kGradRecord + kPairTile) + visible * kSplat + n * (kRange + 2 * 3 * kAll);
-    case Stage::kBlend:
+    case IterationStage::kBlend:
       return kFlopsPerPair * found.pixel_pairs;
-    case Stage::kBlendBackward:
+    case IterationStage::kBlendBackward:
       return kFlopsPerPairBackward * found.pixel_pairs_backward;
   }
   return 0;
 }
 
-double ShareOfCeiling(Stage stage, const IterationShape& shape, const IterationSample& found,
+double ShareOfCeiling(IterationStage stage, const IterationShape& shape, const IterationSample& found,
                       const Ceilings& ceilings) {
   const double per_second = LeastWork(stage, shape, found) / (found.Milliseconds(stage) / 1000);
   return per_second / (IsComputeBound(stage) ? ceilings.flops : ceilings.bytes);

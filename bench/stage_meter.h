@@ -10,13 +10,13 @@
 namespace oraclegs {
 
 /// A stage of an iteration, by what bounds it.
-enum class Stage { kProject, kBin, kBlend, kLoss, kBlendBackward, kUpdate };
-inline constexpr std::array kStages{Stage::kProject, Stage::kBin,           Stage::kBlend,
-                                    Stage::kLoss,    Stage::kBlendBackward, Stage::kUpdate};
+enum class IterationStage { kProject, kBin, kBlend, kLoss, kBlendBackward, kUpdate };
+inline constexpr std::array kStages{IterationStage::kProject, IterationStage::kBin,           IterationStage::kBlend,
+                                    IterationStage::kLoss,    IterationStage::kBlendBackward, IterationStage::kUpdate};
 /// "project", "bin", ...
-const char* StageName(Stage stage);
+const char* StageName(IterationStage stage);
 /// kBlend and kBlendBackward compute; the others move memory.
-bool IsComputeBound(Stage stage);
+bool IsComputeBound(IterationStage stage);
 
 /// One iteration, or a mean or median of several.
 struct IterationSample {
@@ -27,7 +27,7 @@ struct IterationSample {
   double pixel_pairs_backward = 0;  ///< evaluated by blend backward
   double total = 0;                 ///< ms, whole iteration
 
-  double Milliseconds(Stage stage) const { return milliseconds[static_cast<size_t>(stage)]; }
+  double Milliseconds(IterationStage stage) const { return milliseconds[static_cast<size_t>(stage)]; }
 };
 
 /// One step of the trainer.
@@ -42,9 +42,10 @@ struct IterationShape {
 };
 
 /// Floating-point operations (IsComputeBound) or bytes that the stage cannot do without.
-double LeastWork(Stage stage, const IterationShape& shape, const IterationSample& found);
+double LeastWork(IterationStage stage, const IterationShape& shape, const IterationSample& found);
 
 /// Least work per second as a share of the ceiling. Above 1 a memory-bound stage works from the caches.
-double ShareOfCeiling(Stage stage, const IterationShape& shape, const IterationSample& found, const Ceilings& ceilings);
+double ShareOfCeiling(IterationStage stage, const IterationShape& shape, const IterationSample& found,
+                      const Ceilings& ceilings);
 
 }  // namespace oraclegs

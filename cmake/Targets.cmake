@@ -28,6 +28,18 @@ target_precompile_headers(oraclegs_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fm
                           <filesystem> <functional> <memory> <optional> <string> <vector>)
 set_target_properties(oraclegs_pch PROPERTIES CXX_COMPILER_LAUNCHER "${ORACLEGS_CCACHE_OF_HEADERS}")
 
+# Files that Highway compiles once an instruction set share nothing: no translation unit with others (CMAKE_UNITY_BUILD, which
+# the presets but debug set: a cold build takes a third of the time), and no precompiled header, after which GCC 12 refuses the
+# constants of intrinsics in code that is not optimised.
+function(oraclegs_keep_kernels_alone)
+  foreach(source ${ARGN})
+    file(STRINGS ${source} kernels REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+    if(kernels)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+    endif()
+  endforeach()
+endfunction()
+
 # oraclegs_library(NAME [SHARED] DEPS floor-or-target...): the floor src/oraclegs/NAME as target oraclegs::NAME, and a row of
 # floors.json, which scripts/check_house.py reads. SOURCES replaces the files of the folder.
 # What lies in its folder cuda/ belongs to builds with CUDA; all others compile it for the emulated device (tests/CMakeLists.txt).
@@ -40,6 +52,7 @@ function(oraclegs_library name)
   if(NOT ORACLEGS_CUDA)
     list(FILTER sources EXCLUDE REGEX "${ORACLEGS_DEVICE_FOLDER}")
   endif()
+  oraclegs_keep_kernels_alone(${sources})
   set(kind STATIC)
   if(ARG_SHARED)
     set(kind SHARED)
@@ -76,7 +89,7 @@ endfunction()
 # How nvcc compiles the .cu files of a target.
 function(oraclegs_device_code target)
   target_include_directories(${target} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_BINARY_DIR}/generated)
-  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF)
   # expt-relaxed-constexpr: the shared mathematics calls constexpr functions of the standard library.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr;-lineinfo>)
   if(ORACLEGS_WERROR)

@@ -16,14 +16,14 @@ struct InfoOptions {
   }
 };
 
-std::string Shown(const nlohmann::json& value) {
+std::string ShownValue(const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (!value.is_structured()) return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::string text;
   for (const auto& [key, item] : value.items()) {
     text += fmt::format("{}{}", text.empty() ? "" : ", ",
-                        value.is_object() ? fmt::format("{} {}", key, Shown(item)) : Shown(item));
+                        value.is_object() ? fmt::format("{} {}", key, ShownValue(item)) : ShownValue(item));
   }
   return text.empty() ? "none" : text;
 }
@@ -34,7 +34,7 @@ std::string Lines(const nlohmann::json& info) {
     if (key == "kind" || key == "metrics") continue;
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', ' ');
-    text += fmt::format("\n  {:16} {}", name, Shown(value));
+    text += fmt::format("\n  {:16} {}", name, ShownValue(value));
   }
   return text;
 }

@@ -7,7 +7,6 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 constexpr DepthRange kRange{0.1f, 0.7f};
 constexpr int kWidth = 96, kHeight = 72;
 

@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 const Camera kCamera = CameraAt({0, 0.2, -4}, {0, 0, 0}, 24, 18);
 
 /// A map in which pixels 0 to 19 are unknown, with growing confidence.

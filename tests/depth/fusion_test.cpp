@@ -7,7 +7,6 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
 constexpr size_t kPixels = 96 * 72;
 
 std::vector<DepthMap> TrueDepths(const std::vector<LoadedView>& views, const TexturedPlane& surface,

@@ -7,17 +7,17 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kWall{{0, 0, 0.5}, Eigen::Vector3d(0.2, -0.1, -1).normalized()};
+const TexturedPlane kGainWall{{0, 0, 0.5}, Eigen::Vector3d(0.2, -0.1, -1).normalized()};
 
 class GainsTest : public testing::Test {
  protected:
   /// Another camera that sees the wall, its image darkened by `gain`.
   void Add(double x, const Eigen::Vector3f& gain) {
     const Camera camera = CameraAt({x, 0.05 * x, -4}, {0, 0, 0});
-    LoadedView view = kWall.Take(camera, std::to_string(views.size()));
+    LoadedView view = kGainWall.Take(camera, std::to_string(views.size()));
     DepthMap map{view.name, camera, {}, {}, {}};
     for (int i = 0; i < camera.width * camera.height; ++i) {
-      const double depth = kWall.DepthAt(camera, i % camera.width + 0.5, i / camera.width + 0.5);
+      const double depth = kGainWall.DepthAt(camera, i % camera.width + 0.5, i / camera.width + 0.5);
       map.inv_depth.push_back(static_cast<float>(1 / depth));
       map.normals.emplace_back(0, 0, -1);
       map.confidence.push_back(1);

@@ -9,10 +9,7 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
-constexpr DepthRange kRange{1 / 9.f, 1 / 1.5f};
-
-bool Same(const PlaneMap& a, const PlaneMap& b) {
+bool SameMap(const PlaneMap& a, const PlaneMap& b) {
   const auto same = [](const Plane& p, const Plane& q) {
     return p.inv_depth == q.inv_depth && p.dx == q.dx && p.dy == q.dy;
   };
@@ -27,7 +24,7 @@ std::vector<PlaneMap> Start(const StereoScene& scene) {
 }
 
 TEST(CpuPlaneSearch, RunsPassOverAllViews) {
-  const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange);
+  const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(3, 8, 48, 36)), kSteepRange);
   std::vector<PlaneMap> maps = Start(scene);
   const auto search = MakePlaneSearch(kCpu);
   search->BeginLevel(scene, maps);
@@ -40,12 +37,12 @@ TEST(CpuPlaneSearch, RunsPassOverAllViews) {
   for (size_t v = 0; v < maps.size(); ++v) RunPass(scene, v, {1, 1, &before}, &maps[v]);
   const std::vector<PlaneMap> found = search->EndLevel();
   ASSERT_EQ(found.size(), 3u);
-  for (size_t v = 0; v < maps.size(); ++v) EXPECT_TRUE(Same(found[v], maps[v])) << v;
+  for (size_t v = 0; v < maps.size(); ++v) EXPECT_TRUE(SameMap(found[v], maps[v])) << v;
 }
 
 TEST(CpuPlaneSearch, DropsPreviousLevel) {
-  const StereoScene large = SceneOf(TakeAll(kSlanted, Arc(3, 8, 48, 36)), kRange),
-                    small = SceneOf(TakeAll(kSlanted, Arc(2, 8, 24, 18)), kRange);
+  const StereoScene large = SceneOf(TakeAll(kSteep, Arc(3, 8, 48, 36)), kSteepRange),
+                    small = SceneOf(TakeAll(kSteep, Arc(2, 8, 24, 18)), kSteepRange);
   const auto search = MakePlaneSearch(kCpu);
   search->BeginLevel(large, Start(large));
   search->BeginPass({1, 0, true});
@@ -53,7 +50,7 @@ TEST(CpuPlaneSearch, DropsPreviousLevel) {
   search->BeginLevel(small, Start(small));
   const std::vector<PlaneMap> maps = search->EndLevel();
   ASSERT_EQ(maps.size(), 2u);
-  EXPECT_TRUE(Same(maps[1], RandomPlanes(small, 1, {})));
+  EXPECT_TRUE(SameMap(maps[1], RandomPlanes(small, 1, {})));
 }
 
 #if !defined(ORACLEGS_CUDA)

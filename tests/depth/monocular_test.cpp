@@ -9,8 +9,6 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
-
 /// A view of a plane. Stereo knows it but for a square in the middle; a network guesses it all, in a unit of its
 /// own and bent.
 class MonocularTest : public testing::Test {

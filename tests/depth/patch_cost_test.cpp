@@ -14,17 +14,17 @@ namespace oraclegs {
 namespace {
 
 const TexturedPlane kSurface{{0, 0, 0.5}, Eigen::Vector3d(0.3, -0.2, -1).normalized()};
-const Camera kLeft = CameraAt({-0.5, 0.1, -4}, {0, 0, 0}, 96, 72),
-             kRight = CameraAt({0.6, -0.2, -3.6}, {0, 0, 0}, 96, 72);
+const Camera kLeftView = CameraAt({-0.5, 0.1, -4}, {0, 0, 0}, 96, 72),
+             kRightView = CameraAt({0.6, -0.2, -3.6}, {0, 0, 0}, 96, 72);
 
 GatherImage ImageOf(const Camera& camera, int channels) {
   const ImageF rgb = kSurface.Take(camera, "").rgb;
   return Pack(channels == 1 ? Luma(rgb) : rgb);
 }
 
-/// The surface as seen from pixel (x, y) of kLeft.
-Plane Truth(int x, int y) {
-  const auto inverse = [](double u, double v) { return 1 / kSurface.DepthAt(kLeft, u, v); };
+/// The surface as seen from pixel (x, y) of kLeftView.
+Plane TruePlane(int x, int y) {
+  const auto inverse = [](double u, double v) { return 1 / kSurface.DepthAt(kLeftView, u, v); };
   const double u = x + 0.5, v = y + 0.5, w = inverse(u, v);
   return {static_cast<float>(w), static_cast<float>(inverse(u + 1, v) - w), static_cast<float>(inverse(u, v + 1) - w)};
 }
@@ -96,14 +96,14 @@ GatherImage Constant(float value) { return Pack({96, 72, 1, std::vector<float>(9
 class PatchCostsTest : public EveryTarget {};
 
 TEST_P(PatchCostsTest, AreOneMinusCorrelation) {
-  const PixelMap map = MapBetween(kLeft, kRight);
+  const PixelMap map = MapBetween(kLeftView, kRightView);
   for (const int channels : {1, 3}) {
-    const GatherImage left = ImageOf(kLeft, channels), right = ImageOf(kRight, channels);
+    const GatherImage left = ImageOf(kLeftView, channels), right = ImageOf(kRightView, channels);
     int compared = 0;
     for (int y = 1; y < 72; y += 10) {
       for (int x = 0; x < 96; x += 5) {
         const Patch patch = MakePatch(left, x, y, nullptr);
-        const Plane truth = Truth(x, y);
+        const Plane truth = TruePlane(x, y);
         for (const float factor : {1.f, 0.97f, 1.2f}) {
           const Plane plane{truth.inv_depth * factor, -truth.dx * factor, truth.dy};
           const float cost = CostOf(patch, right, map, plane);
@@ -118,14 +118,14 @@ TEST_P(PatchCostsTest, AreOneMinusCorrelation) {
 }
 
 TEST_P(PatchCostsTest, IgnoreUnusablePixels) {
-  const PixelMap map = MapBetween(kLeft, kRight);
-  GatherImage left = ImageOf(kLeft, 1);
-  const GatherImage right = ImageOf(kRight, 1);
+  const PixelMap map = MapBetween(kLeftView, kRightView);
+  GatherImage left = ImageOf(kLeftView, 1);
+  const GatherImage right = ImageOf(kRightView, 1);
   std::vector<uint8_t> usable(96 * 72, 1);
   for (int y = 0; y < 72; ++y) {
     for (int x = 50; x < 96; ++x) usable[static_cast<size_t>(y) * 96 + x] = 0;
   }
-  const Plane plane = Truth(48, 30);
+  const Plane plane = TruePlane(48, 30);
   const float cost = CostOf(MakePatch(left, 48, 30, usable.data()), right, map, plane);
   EXPECT_NEAR(cost, Reference(left, 48, 30, right, map, plane, usable), 2e-3);
   for (size_t i = 0; i < usable.size(); ++i) left.channels[0][i] = usable[i] != 0 ? left.channels[0][i] : 99;
@@ -133,14 +133,14 @@ TEST_P(PatchCostsTest, IgnoreUnusablePixels) {
 }
 
 TEST_P(PatchCostsTest, AreLowOnSurface) {
-  const PixelMap map = MapBetween(kLeft, kRight);
-  const GatherImage left = ImageOf(kLeft, 3), right = ImageOf(kRight, 3);
+  const PixelMap map = MapBetween(kLeftView, kRightView);
+  const GatherImage left = ImageOf(kLeftView, 3), right = ImageOf(kRightView, 3);
   double on = 0, beside = 0;
   int n = 0;
   for (int y = 12; y < 60; y += 6) {
     for (int x = 20; x < 76; x += 7, ++n) {
       const Patch patch = MakePatch(left, x, y, nullptr);
-      Plane plane = Truth(x, y);
+      Plane plane = TruePlane(x, y);
       on += CostOf(patch, right, map, plane);
       plane.inv_depth *= 1.1f;
       beside += CostOf(patch, right, map, plane);
@@ -151,39 +151,39 @@ TEST_P(PatchCostsTest, AreLowOnSurface) {
 }
 
 TEST_P(PatchCostsTest, ReachNoiseGuardForEqualPatches) {
-  const GatherImage left = ImageOf(kLeft, 1);
+  const GatherImage left = ImageOf(kLeftView, 1);
   const Patch patch = MakePatch(left, 40, 30, nullptr);
   ASSERT_GT(patch.variance, 20);
   EXPECT_NEAR(CostOf(patch, left, {}, {0.25f, 0, 0}), 2.25 / (patch.variance + 2.25), 1e-3);
 }
 
 TEST_P(PatchCostsTest, AreAboutOneForFlatPatch) {
-  const GatherImage flat = Constant(0.5f), left = ImageOf(kLeft, 1);
+  const GatherImage flat = Constant(0.5f), left = ImageOf(kLeftView, 1);
   EXPECT_NEAR(CostOf(MakePatch(flat, 40, 30, nullptr), left, {}, {0.25f, 0, 0}), 1, 0.02);
   EXPECT_NEAR(CostOf(MakePatch(left, 40, 30, nullptr), flat, {}, {0.25f, 0, 0}), 1, 0.02);
   EXPECT_NEAR(CostOf(MakePatch(flat, 40, 30, nullptr), flat, {}, {0.25f, 0, 0}), 1, 0.02);
 }
 
 TEST_P(PatchCostsTest, AreWorstOutOfFrame) {
-  const GatherImage left = ImageOf(kLeft, 1);
+  const GatherImage left = ImageOf(kLeftView, 1);
   const Patch patch = MakePatch(left, 40, 30, nullptr);
   const Camera ahead = CameraAt({-0.5, 0.1, 2}, {-0.5, 0.1, 9}, 96, 72);
-  EXPECT_EQ(CostOf(patch, left, MapBetween(kLeft, ahead), Truth(40, 30)), kWorstCost);
+  EXPECT_EQ(CostOf(patch, left, MapBetween(kLeftView, ahead), TruePlane(40, 30)), kWorstCost);
   const Camera aside = CameraAt({9, 0.1, -4}, {9, 0.1, 0}, 96, 72);
-  EXPECT_EQ(CostOf(patch, left, MapBetween(kLeft, aside), Truth(40, 30)), kWorstCost);
+  EXPECT_EQ(CostOf(patch, left, MapBetween(kLeftView, aside), TruePlane(40, 30)), kWorstCost);
   // So steep that a corner of the patch lies behind the other camera: no correlation, and nothing read out of bounds.
-  const PixelMap map = MapBetween(kLeft, kRight);
+  const PixelMap map = MapBetween(kLeftView, kRightView);
   EXPECT_EQ(CostOf(patch, left, map, {0.25f, 30, -30}), kWorstCost);
   EXPECT_EQ(CostOf(patch, left, map, {std::nanf(""), 0, 0}), kWorstCost);
 }
 
 TEST_P(PatchCostsTest, AreOrderedPlaneByPlane) {
-  const GatherImage left = ImageOf(kLeft, 3), right = ImageOf(kRight, 3);
+  const GatherImage left = ImageOf(kLeftView, 3), right = ImageOf(kRightView, 3);
   const Patch patch = MakePatch(left, 40, 30, nullptr);
-  const PixelMap map = MapBetween(kLeft, kRight);
+  const PixelMap map = MapBetween(kLeftView, kRightView);
   const PatchSource sources[] = {{&right, map}, {&right, map}, {&left, {}}};
   const uint8_t active[] = {1, 0, 1};
-  const Plane truth = Truth(40, 30), planes[] = {truth, {0.9f * truth.inv_depth, 0, 0}};
+  const Plane truth = TruePlane(40, 30), planes[] = {truth, {0.9f * truth.inv_depth, 0, 0}};
   float costs[6];
   PatchCosts(patch, {sources, active, planes}, costs);
   for (int p = 0; p < 2; ++p) {
@@ -217,7 +217,7 @@ TEST(MakePatch, WeighsSimilarAndNearPixels) {
 }
 
 TEST(MakePatch, IgnoresPixelsBeyondCorner) {
-  const Patch patch = MakePatch(ImageOf(kLeft, 1), 0, 0, nullptr);
+  const Patch patch = MakePatch(ImageOf(kLeftView, 1), 0, 0, nullptr);
   float sum = 0;
   for (int k = 0; k < kPatchSamples; ++k) {
     sum += patch.weight[k];

@@ -8,9 +8,6 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
-constexpr DepthRange kRange{1 / 9.f, 1 / 1.5f};
-
 class ThreadsAsBefore : public testing::Test {
  protected:
   ~ThreadsAsBefore() override { SetNumThreads(before_); }
@@ -22,7 +19,7 @@ class ThreadsAsBefore : public testing::Test {
 bool Same(const Plane& a, const Plane& b) { return a.inv_depth == b.inv_depth && a.dx == b.dx && a.dy == b.dy; }
 
 TEST(RandomPlanes, FillRangeAndStartAtHints) {
-  const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8)), kRange);
+  const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(2, 8)), kSteepRange);
   std::vector<float> hints(96 * 72, 0);
   hints[500] = 0.37f;
   const PlaneMap map = RandomPlanes(scene, 0, hints);
@@ -35,16 +32,16 @@ TEST(RandomPlanes, FillRangeAndStartAtHints) {
     high = std::max(high, plane.inv_depth);
     tilted += plane.dx != 0 ? 1 : 0;
   }
-  EXPECT_GE(low, kRange.far);
-  EXPECT_LE(high, kRange.near);
-  EXPECT_GT(high - low, 0.95f * (kRange.near - kRange.far));
+  EXPECT_GE(low, kSteepRange.far);
+  EXPECT_LE(high, kSteepRange.near);
+  EXPECT_GT(high - low, 0.95f * (kSteepRange.near - kSteepRange.far));
   EXPECT_GT(tilted, 6000);
   EXPECT_EQ(map.costs, std::vector<float>(96 * 72, kWorstCost));
   EXPECT_FALSE(Same(RandomPlanes(scene, 1, {}).planes[7], map.planes[7]));
 }
 
 TEST(RandomPlanes, SkipUnusablePixels) {
-  StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8)), kRange);
+  StereoScene scene = SceneOf(TakeAll(kSteep, Arc(2, 8)), kSteepRange);
   scene.views[0].usable.assign(96 * 72, 1);
   scene.views[0].usable[321] = 0;
   PlaneMap map = RandomPlanes(scene, 0, {});
@@ -55,14 +52,14 @@ TEST(RandomPlanes, SkipUnusablePixels) {
 }
 
 TEST(RunPass, FindsSlantedPlaneFromRandom) {
-  const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8)), kRange);
-  const PlaneMap truth = TrueMap(scene.views[1].camera, kSlanted);
+  const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(3, 8)), kSteepRange);
+  const PlaneMap truth = TrueMap(scene.views[1].camera, kSteep);
   PlaneMap map = RandomPlanes(scene, 1, {});
   EXPECT_LT(ShareRight(map, truth, 0.02f), 0.1);
   RunPass(scene, 1, {4, 0, nullptr}, &map);
   EXPECT_GT(ShareRight(map, truth, 0.02f), 0.9);
   double cosine = 0;
-  const Eigen::Vector3f normal = (scene.views[1].camera.cam_from_world.linear() * kSlanted.normal).cast<float>();
+  const Eigen::Vector3f normal = (scene.views[1].camera.cam_from_world.linear() * kSteep.normal).cast<float>();
   for (int y = 20; y < 52; ++y) {
     for (int x = 30; x < 66; ++x) {
       cosine += normal.dot(NormalOf(scene.views[1].camera, map.At(x, y), static_cast<float>(x) + 0.5f,
@@ -75,9 +72,9 @@ TEST(RunPass, FindsSlantedPlaneFromRandom) {
 }
 
 TEST(RunPass, GeometricTermFollowsOtherMaps) {
-  const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8)), kRange);
+  const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(3, 8)), kSteepRange);
   std::vector<PlaneMap> maps;
-  for (const StereoView& view : scene.views) maps.push_back(TrueMap(view.camera, kSlanted));
+  for (const StereoView& view : scene.views) maps.push_back(TrueMap(view.camera, kSteep));
   PlaneMap without = RandomPlanes(scene, 1, {}), with = without;
   RunPass(scene, 1, {2, 0, nullptr}, &without);
   RunPass(scene, 1, {2, 0, &maps}, &with);
@@ -85,7 +82,7 @@ TEST(RunPass, GeometricTermFollowsOtherMaps) {
 }
 
 TEST(RunPass, ChangesNothingWithoutSources) {
-  StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8)), kRange);
+  StereoScene scene = SceneOf(TakeAll(kSteep, Arc(2, 8)), kSteepRange);
   scene.views[0].neighbors.clear();
   const PlaneMap before = RandomPlanes(scene, 0, {});
   PlaneMap map = before;
@@ -94,7 +91,7 @@ TEST(RunPass, ChangesNothingWithoutSources) {
 }
 
 TEST(RunPass, StaysWithinSilhouettes) {
-  TexturedPlane square = kSlanted;
+  TexturedPlane square = kSteep;
   square.half_side = 0.7;
   // The third camera looks along the square and rules most depths out.
   std::vector<Camera> cameras = Arc(2, 8);
@@ -102,7 +99,7 @@ TEST(RunPass, StaysWithinSilhouettes) {
   const std::vector<LoadedView> views = TakeAll(square, cameras);
   const Silhouettes silhouettes(views);
   ASSERT_FALSE(silhouettes.empty());
-  StereoScene scene = SceneOf(views, kRange);
+  StereoScene scene = SceneOf(views, kSteepRange);
   scene.silhouettes = &silhouettes;
   for (size_t v = 0; v < 3; ++v) scene.views[v].usable = silhouettes.Object(v);
   PlaneMap map = RandomPlanes(scene, 0, {});
@@ -115,7 +112,7 @@ TEST(RunPass, StaysWithinSilhouettes) {
       const Eigen::Vector3f q =
           there(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, map.At(x, y).inv_depth);
       EXPECT_TRUE(silhouettes.MayContain(2, q.x() / q.z(), q.y() / q.z())) << x << " " << y;
-      EXPECT_TRUE(map.At(x, y).inv_depth >= kRange.far && map.At(x, y).inv_depth <= kRange.near);
+      EXPECT_TRUE(map.At(x, y).inv_depth >= kSteepRange.far && map.At(x, y).inv_depth <= kSteepRange.near);
       ++compared;
     }
   }
@@ -125,7 +122,7 @@ TEST(RunPass, StaysWithinSilhouettes) {
 using RunPassThreads = ThreadsAsBefore;
 
 TEST_F(RunPassThreads, GiveSameBits) {
-  const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(3, 8)), kRange);
+  const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(3, 8)), kSteepRange);
   const PlaneMap start = RandomPlanes(scene, 0, {});
   PlaneMap one = start, four = start;
   SetNumThreads(1);
@@ -138,7 +135,7 @@ TEST_F(RunPassThreads, GiveSameBits) {
 
 TEST(Resized, KeepsPlanesAtOtherResolution) {
   const Camera small = CameraAt({0, 0.2, -4}, {0, 0, 0}, 48, 36), large = Resized(small, 96, 72);
-  const PlaneMap truth = TrueMap(large, kSlanted), from_small = Resized(TrueMap(small, kSlanted, 0.4f), 96, 72);
+  const PlaneMap truth = TrueMap(large, kSteep), from_small = Resized(TrueMap(small, kSteep, 0.4f), 96, 72);
   ASSERT_EQ(from_small.planes.size(), truth.planes.size());
   for (size_t i = 0; i < truth.planes.size(); ++i) {
     EXPECT_NEAR(from_small.planes[i].inv_depth, truth.planes[i].inv_depth, 1e-5);
@@ -146,7 +143,7 @@ TEST(Resized, KeepsPlanesAtOtherResolution) {
     EXPECT_NEAR(from_small.planes[i].dy, truth.planes[i].dy, 1e-6);
     EXPECT_EQ(from_small.costs[i], 0.4f);
   }
-  EXPECT_GT(ShareRight(Resized(truth, 41, 29), TrueMap(Resized(small, 41, 29), kSlanted), 1e-4f), 0.999);
+  EXPECT_GT(ShareRight(Resized(truth, 41, 29), TrueMap(Resized(small, 41, 29), kSteep), 1e-4f), 0.999);
 }
 
 TEST(Resized, KeepsDepthPositive) {
@@ -157,7 +154,7 @@ TEST(Resized, KeepsDepthPositive) {
 
 TEST(GoAndReturn, ReturnsToStartOnSameSurface) {
   const std::vector<Camera> cameras = Arc(2, 12);
-  const PlaneMap a = TrueMap(cameras[0], kSlanted), b = TrueMap(cameras[1], kSlanted);
+  const PlaneMap a = TrueMap(cameras[0], kSteep), b = TrueMap(cameras[1], kSteep);
   const PlainPixelMap there = Plain(MapBetween(cameras[0], cameras[1])),
                       back = Plain(MapBetween(cameras[1], cameras[0]));
   const float w = a.At(50, 30).inv_depth;
@@ -174,7 +171,7 @@ TEST(GoAndReturn, ReturnsToStartOnSameSurface) {
 
 TEST(GoAndReturn, IsUnseenOutOfFrameOrAtUnknownDepth) {
   const std::vector<Camera> cameras = Arc(2, 12);
-  PlaneMap b = TrueMap(cameras[1], kSlanted);
+  PlaneMap b = TrueMap(cameras[1], kSteep);
   const PlainPixelMap there = Plain(MapBetween(cameras[0], cameras[1])),
                       back = Plain(MapBetween(cameras[1], cameras[0]));
   EXPECT_FALSE(GoAndReturn(there, back, Known(b), {50.5f, 30.5f, 1e3f}).seen) << "in front of the first camera";

@@ -8,8 +8,6 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
-
 DensePoint PointAt(const Eigen::Vector3f& xyz, const Eigen::Vector3f& normal) {
   DensePoint point;
   point.xyz = xyz, point.normal = normal, point.pixel_size = 0.01f;

@@ -8,8 +8,6 @@
 namespace oraclegs {
 namespace {
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
-
 /// Views of one plane. Stereo knows it but for a square in the middle, where a network does.
 class PriorPointsTest : public testing::Test {
  protected:

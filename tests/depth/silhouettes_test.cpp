@@ -22,16 +22,16 @@ LoadedView Disc(const Camera& camera, double x, double y, double radius, float b
 
 const Camera kFront = CameraAt({0, 0, -4}, {0, 0, 0}, 96, 72), kSide = CameraAt({4, 0, 0}, {0, 0, 0}, 96, 72);
 
-size_t At(int x, int y) { return static_cast<size_t>(y) * 96 + static_cast<size_t>(x); }
+size_t PixelAt(int x, int y) { return static_cast<size_t>(y) * 96 + static_cast<size_t>(x); }
 
 TEST(Silhouettes, FindObjectBeforePlainBackground) {
   const Silhouettes silhouettes({Disc(kFront, 48, 36, 20), Disc(kSide, 40, 36, 20)});
   ASSERT_FALSE(silhouettes.empty());
-  EXPECT_EQ(silhouettes.Object(0)[At(60, 36)], 1);
-  EXPECT_EQ(silhouettes.Object(0)[At(48, 36)], 1) << "the background's colour inside the object is object";
-  EXPECT_EQ(silhouettes.Object(0)[At(5, 5)], 0);
-  EXPECT_EQ(silhouettes.Object(0)[At(65, 36)], 1);
-  EXPECT_EQ(silhouettes.Object(1)[At(65, 36)], 0);
+  EXPECT_EQ(silhouettes.Object(0)[PixelAt(60, 36)], 1);
+  EXPECT_EQ(silhouettes.Object(0)[PixelAt(48, 36)], 1) << "the background's colour inside the object is object";
+  EXPECT_EQ(silhouettes.Object(0)[PixelAt(5, 5)], 0);
+  EXPECT_EQ(silhouettes.Object(0)[PixelAt(65, 36)], 1);
+  EXPECT_EQ(silhouettes.Object(1)[PixelAt(65, 36)], 0);
 }
 
 TEST(Silhouettes, MayContainAllowsTwoPixels) {
@@ -49,7 +49,7 @@ TEST(Silhouettes, AreMasksWhereMasksDiffer) {
   LoadedView view = TexturedPlane{}.Take(kFront, "busy");
   view.mask.assign(view.rgb.data.size() / 3, 0);
   for (int y = 20; y < 50; ++y) {
-    for (int x = 30; x < 60; ++x) view.mask[At(x, y)] = 1;
+    for (int x = 30; x < 60; ++x) view.mask[PixelAt(x, y)] = 1;
   }
   const Silhouettes silhouettes({view});
   ASSERT_FALSE(silhouettes.empty());

@@ -15,8 +15,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
-
 StereoOptions Quick() {
   StereoOptions options;
   options.iterations = 4;

@@ -11,6 +11,11 @@
 
 namespace oraclegs {
 
+/// The surfaces that tests look at, through cameras of Arc.
+inline const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.4, -0.3, -1).normalized()};
+inline const TexturedPlane kSteep{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
+inline constexpr DepthRange kSteepRange{1 / 9.f, 1 / 1.5f};
+
 /// Small cameras on an arc of radius 4 around the origin, `step` degrees apart, a little up and down by turns.
 inline std::vector<Camera> Arc(int n, double step, int width = 96, int height = 72) {
   std::vector<Camera> cameras;

@@ -50,13 +50,13 @@ std::string EncodePng(const PngFile& file) {
   return bytes;
 }
 
-Image8 Decode(const std::string& bytes) { return DecodePng(bytes, "photo.png"); }
+Image8 DecodeUpright(const std::string& bytes) { return DecodePng(bytes, "photo.png"); }
 
 TEST(DecodePng, ReadsRgbAndRgbaExactly) {
   for (const int interlace : {PNG_INTERLACE_NONE, PNG_INTERLACE_ADAM7}) {
     for (const int channels : {3, 4}) {
       const Image8 image = SmoothImage(19, 13, channels);
-      const Image8 decoded = Decode(EncodePng(
+      const Image8 decoded = DecodeUpright(EncodePng(
           {19, 13, 8, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, image.data, interlace, {}, {}}));
       EXPECT_EQ(decoded.width, 19);
       EXPECT_EQ(decoded.height, 13);
@@ -68,40 +68,42 @@ TEST(DecodePng, ReadsRgbAndRgbaExactly) {
 
 TEST(DecodePng, ConvertsAPaletteToRgb) {
   const PngFile file{2, 1, 8, PNG_COLOR_TYPE_PALETTE, {1, 0}, PNG_INTERLACE_NONE, {{10, 20, 30}, {40, 50, 60}}, {}};
-  const Image8 decoded = Decode(EncodePng(file));
+  const Image8 decoded = DecodeUpright(EncodePng(file));
   EXPECT_EQ(decoded.channels, 3);
   EXPECT_THAT(decoded.data, ElementsAre(40, 50, 60, 10, 20, 30));
 }
 
 TEST(DecodePng, ConvertsPaletteTransparencyToAlpha) {
   const PngFile file{2, 1, 8, PNG_COLOR_TYPE_PALETTE, {1, 0}, PNG_INTERLACE_NONE, {{10, 20, 30}, {40, 50, 60}}, {7}};
-  const Image8 decoded = Decode(EncodePng(file));
+  const Image8 decoded = DecodeUpright(EncodePng(file));
   EXPECT_EQ(decoded.channels, 4);
   EXPECT_THAT(decoded.data, ElementsAre(40, 50, 60, 255, 10, 20, 30, 7));
 }
 
 TEST(DecodePng, RoundsSixteenBitsToEight) {
   const std::vector<uint8_t> data{0x00, 0x00, 0x80, 0x00, 0xFF, 0xFF, 0x01, 0x7F, 0x12, 0x34, 0x00, 0x81};
-  const Image8 decoded = Decode(EncodePng({2, 1, 16, PNG_COLOR_TYPE_RGB, data, PNG_INTERLACE_NONE, {}, {}}));
+  const Image8 decoded = DecodeUpright(EncodePng({2, 1, 16, PNG_COLOR_TYPE_RGB, data, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_EQ(decoded.channels, 3);
   EXPECT_THAT(decoded.data, ElementsAre(0, 128, 255, 1, 18, 1));  // round(value / 257)
 }
 
 TEST(DecodePng, ConvertsGreyToColour) {
-  const Image8 grey = Decode(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY, {9, 200}, PNG_INTERLACE_NONE, {}, {}}));
+  const Image8 grey = DecodeUpright(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY, {9, 200}, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_THAT(grey.data, ElementsAre(9, 9, 9, 200, 200, 200));
   const Image8 alpha =
-      Decode(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {9, 1, 200, 2}, PNG_INTERLACE_NONE, {}, {}}));
+      DecodeUpright(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {9, 1, 200, 2}, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_EQ(alpha.channels, 4);
   EXPECT_THAT(alpha.data, ElementsAre(9, 9, 9, 1, 200, 200, 200, 2));
-  const Image8 bits = Decode(EncodePng({4, 1, 1, PNG_COLOR_TYPE_GRAY, {0b10100000}, PNG_INTERLACE_NONE, {}, {}}));
+  const Image8 bits =
+      DecodeUpright(EncodePng({4, 1, 1, PNG_COLOR_TYPE_GRAY, {0b10100000}, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_THAT(bits.data, ElementsAre(255, 255, 255, 0, 0, 0, 255, 255, 255, 0, 0, 0));
 }
 
 TEST(DecodePng, NamesATruncatedFile) {
   const std::string whole = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothImage(19, 13, 3).data, 0, {}, {}});
   for (size_t length = 8; length < whole.size(); length += 3) {
-    EXPECT_THAT(MessageOf<InputError>([&] { Decode(whole.substr(0, length)); }), HasSubstr("photo.png: ")) << length;
+    EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(whole.substr(0, length)); }), HasSubstr("photo.png: "))
+        << length;
   }
 }
 
@@ -110,19 +112,20 @@ TEST(DecodePng, RefusesADamagedByte) {
   for (size_t i = 8; i < whole.size(); ++i) {
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
-    EXPECT_THAT(MessageOf<InputError>([&] { Decode(damaged); }), HasSubstr("photo.png: ")) << i;
+    EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(damaged); }), HasSubstr("photo.png: ")) << i;
   }
 }
 
 TEST(DecodePng, RefusesAHeaderThatExceedsItsBytes) {
   std::string png = EncodePng({19, 13, 8, PNG_COLOR_TYPE_RGB, SmoothImage(19, 13, 3).data, 0, {}, {}});
   const auto with_width = [&png](std::string width) { return png.replace(16, 4, width); };
-  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width("\x7F\xFF\xFF\xFF")); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(with_width("\x7F\xFF\xFF\xFF")); }),
               HasSubstr("photo.png: its header says 2147483647 x 13 pixels"));
-  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width("\xFF\xFF\xFF\xFF")); }), HasSubstr("4294967295 x 13"));
-  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width(std::string("\x00\xFF\xFF\xFF", 4))); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(with_width("\xFF\xFF\xFF\xFF")); }),
+              HasSubstr("4294967295 x 13"));
+  EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(with_width(std::string("\x00\xFF\xFF\xFF", 4))); }),
               HasSubstr("more than its bytes can hold"));
-  EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_width(std::string(4, '\0'))); }), HasSubstr("0 x 13"));
+  EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(with_width(std::string(4, '\0'))); }), HasSubstr("0 x 13"));
 }
 
 TEST(WritePng, RoundTrips) {

@@ -67,9 +67,9 @@ void WriteDatabase(const fs::path& path) {
 
 /// A shell script in colmap's place. It notes its commands; `mapper` is its body for the n-th run of the mapper ($n),
 /// `rest` decides other commands; both may call `give MODEL`, which copies a folder of models to the --output_path.
-class FakeColmap {
+class FakeMapper {
  public:
-  FakeColmap(const std::string& mapper, const std::string& rest) : old_path_(std::getenv("PATH")) {
+  FakeMapper(const std::string& mapper, const std::string& rest) : old_path_(std::getenv("PATH")) {
     WriteModel(dir_ / "models" / "two", 2, 40);
     WriteModel(dir_ / "models" / "rich", 2, 90);
     WriteModel(dir_ / "models" / "three", 3, 60);
@@ -90,9 +90,9 @@ class FakeColmap {
     fs::permissions(dir_ / "colmap", fs::perms::owner_all);
     setenv("PATH", (dir_.path().string() + ":" + old_path_).c_str(), 1);
   }
-  ~FakeColmap() { setenv("PATH", old_path_.c_str(), 1); }
-  FakeColmap(const FakeColmap&) = delete;
-  FakeColmap& operator=(const FakeColmap&) = delete;
+  ~FakeMapper() { setenv("PATH", old_path_.c_str(), 1); }
+  FakeMapper(const FakeMapper&) = delete;
+  FakeMapper& operator=(const FakeMapper&) = delete;
 
   std::vector<std::string> Commands() const {
     std::vector<std::string> lines;
@@ -121,7 +121,7 @@ std::vector<std::string> FilesIn(const fs::path& dir) {
 
 TEST(RunAttempts, StopsWhenTheFirstAttemptHasAll) {
   const TempDir dir;
-  const FakeColmap fake("give three /0", "");
+  const FakeMapper fake("give three /0", "");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_THAT(fake.Commands(), ElementsAre("feature_extractor", "exhaustive_matcher", "mapper"));
   EXPECT_EQ(result.best.registered(), 3);
@@ -134,7 +134,7 @@ TEST(RunAttempts, StopsWhenTheFirstAttemptHasAll) {
 
 TEST(RunAttempts, DiscardsAnUnsoundModel) {
   const TempDir dir;
-  const FakeColmap fake("case $n in 1) give two /0;; 2) give hollow /0; give rich /1;; esac", "");
+  const FakeMapper fake("case $n in 1) give two /0;; 2) give hollow /0; give rich /1;; esac", "");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 2);
   EXPECT_EQ(result.best.points, 90) << "of two models of two images that with more points";
@@ -150,7 +150,7 @@ TEST(RunAttempts, DiscardsAnUnsoundModel) {
 
 TEST(RunAttempts, RegistersRemainingImages) {
   const TempDir dir;
-  const FakeColmap fake("give two /0", "image_registrator|point_triangulator|bundle_adjuster) give three ;;");
+  const FakeMapper fake("give two /0", "image_registrator|point_triangulator|bundle_adjuster) give three ;;");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 3);
   EXPECT_EQ(result.attempts.back().name, "remaining images");
@@ -161,7 +161,7 @@ TEST(RunAttempts, RegistersRemainingImages) {
 
 TEST(RunAttempts, KeepsTheModelWhenContinuingFails) {
   const TempDir dir;
-  const FakeColmap fake("[ $n = 1 ] && give two /0", "image_registrator) give three ;; point_triangulator) exit 1;;");
+  const FakeMapper fake("[ $n = 1 ] && give two /0", "image_registrator) give three ;; point_triangulator) exit 1;;");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 2);
   EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 2u);
@@ -169,7 +169,7 @@ TEST(RunAttempts, KeepsTheModelWhenContinuingFails) {
 
 TEST(RunAttempts, KeepsTheFirstDatabaseWithoutAModel) {
   const TempDir dir;
-  const FakeColmap fake("exit 1", "");
+  const FakeMapper fake("exit 1", "");
   EventRecorder events;
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, events.AsListener());
   EXPECT_EQ(result.best.registered(), 0);
@@ -182,7 +182,7 @@ TEST(RunAttempts, KeepsTheFirstDatabaseWithoutAModel) {
 TEST(RunAttempts, KeepsTheDatabaseOfTheBestModel) {
   const TempDir dir;
   // Only the fifth run of the mapper, the first with other features, finds anything.
-  const FakeColmap fake("[ $n = 5 ] && give three /0", "");
+  const FakeMapper fake("[ $n = 5 ] && give three /0", "");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 3);
   EXPECT_EQ(result.attempts.back().features, "more features");
@@ -192,7 +192,7 @@ TEST(RunAttempts, KeepsTheDatabaseOfTheBestModel) {
 
 TEST(RunAttempts, ThrowsWhenTheFirstFeaturesFail) {
   const TempDir dir;
-  const FakeColmap fake("", "exhaustive_matcher) exit 7;;");
+  const FakeMapper fake("", "exhaustive_matcher) exit 7;;");
   try {
     RunAttempts({kNames, false, dir.path()}, Silent());
     ADD_FAILURE() << "no ColmapFailure was thrown";

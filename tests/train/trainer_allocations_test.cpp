@@ -12,7 +12,7 @@ namespace {
 constexpr int kWarmUp = 40, kCounted = 20;
 
 /// Two sizes, one with a mask.
-std::vector<TrainView> Photos() {
+std::vector<TrainView> SmallPhotos() {
   auto rasterizer = MakeRasterizer(kCpu);
   std::vector<TrainView> views;
   for (int i = 0; i < 4; ++i) {
@@ -49,7 +49,7 @@ TEST(AllocationCounterTest, SeesTheHeapsFunctions) {
 
 /// Of both sizes, with confidence; one with depth.
 std::vector<TrainView> Proposals() {
-  std::vector<TrainView> views = Photos();
+  std::vector<TrainView> views = SmallPhotos();
   for (TrainView& view : views) view.confidence = RandomUniform({view.camera.height, view.camera.width}, 114);
   views[1].inv_depth = views[1].depth_mask = Buffer<float>::Full({51, 70}, 0.2f);
   return views;
@@ -77,12 +77,12 @@ void ExpectNoAllocation(const TrainingData& data) {
 
 TEST(TrainerAllocationsTest, AnIterationAllocatesNothing) {
   if (!AllocationCounter::Works()) GTEST_SKIP() << "needs glibc and no sanitizer";
-  ExpectNoAllocation(Photos());
+  ExpectNoAllocation(SmallPhotos());
 }
 
 TEST(TrainerAllocationsTest, NorDoesOneOfAProposal) {
   if (!AllocationCounter::Works()) GTEST_SKIP() << "needs glibc and no sanitizer";
-  ExpectNoAllocation({Photos(), Proposals()});
+  ExpectNoAllocation({SmallPhotos(), Proposals()});
 }
 
 }  // namespace

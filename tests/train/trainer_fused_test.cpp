@@ -20,10 +20,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr uint64_t kSeed = 5;
+constexpr uint64_t kFusedSeed = 5;
 constexpr int64_t kCount = 3 * kGradBlock + 21;  // neither whole blocks nor whole vectors
 
-std::vector<TrainView> Photos() {
+std::vector<TrainView> FarPhotos() {
   std::vector<TrainView> views;
   auto rasterizer = MakeRasterizer(kCpu);
   for (int i = 0; i < 3; ++i) {
@@ -35,7 +35,7 @@ std::vector<TrainView> Photos() {
   return views;
 }
 
-TrainOptions Options() {
+TrainOptions ShortOptions() {
   TrainOptions options;
   options.iterations = 30;
   options.max_gaussians = 2 * kCount;
@@ -49,10 +49,10 @@ TrainOptions Options() {
 class SlowTrainer {
  public:
   explicit SlowTrainer(const Gaussians& start)
-      : gaussians_(start.Clone()), adam_(start.size()), sampler_(kSeed, 3, 0), extent_(Extent()) {}
+      : gaussians_(start.Clone()), adam_(start.size()), sampler_(kFusedSeed, 3, 0), extent_(Extent()) {}
 
   double Step(int64_t i) {
-    const TrainOptions options = Options();
+    const TrainOptions options = ShortOptions();
     const LearningRates rates{MeansLearningRate(i, options.iterations, extent_)};
     const int degree = ActiveShDegree(i, options.sh_degree_interval);
     const TrainView& view = views_[sampler_.Next(0).index];
@@ -65,10 +65,10 @@ class SlowTrainer {
     if (i == options.iterations) return loss;
     adam_.Step(grads, rates, degree, &gaussians_);
     if (i == 8 || i == 16 || i == 24) {
-      moved_ += RelocateDead(kSeed, i, &gaussians_, &adam_);
-      AddGaussians(kSeed, i, options.max_gaussians, &gaussians_, &adam_);
+      moved_ += RelocateDead(kFusedSeed, i, &gaussians_, &adam_);
+      AddGaussians(kFusedSeed, i, options.max_gaussians, &gaussians_, &adam_);
     }
-    AddNoise({kSeed, i, rates.means}, &gaussians_);
+    AddNoise({kFusedSeed, i, rates.means}, &gaussians_);
     return loss;
   }
 
@@ -83,7 +83,7 @@ class SlowTrainer {
     return SpatialExtent(cameras);
   }
 
-  std::vector<TrainView> views_ = Photos();
+  std::vector<TrainView> views_ = FarPhotos();
   std::unique_ptr<Rasterizer> rasterizer_ = MakeRasterizer(kCpu);
   Gaussians gaussians_;
   Adam adam_;
@@ -98,8 +98,8 @@ TEST(TrainerFusedTest, GivesTheBitsOfItsPartsOneAfterTheOther) {
   for (const int threads : {1, 3}) {
     const Threads scope(threads);
     SlowTrainer slow(start);
-    Trainer fused(Options(), kSeed, {0, 0, 0}, Photos(), start);
-    for (int64_t i = 1; i <= Options().iterations; ++i) {
+    Trainer fused(ShortOptions(), kFusedSeed, {0, 0, 0}, FarPhotos(), start);
+    for (int64_t i = 1; i <= ShortOptions().iterations; ++i) {
       ASSERT_EQ(fused.Step(), slow.Step(i)) << i;
       ASSERT_TRUE(SameBits(fused.gaussians(), slow.gaussians())) << i;
     }

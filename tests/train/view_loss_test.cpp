@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr SampledView kPhoto{ViewKind::kPhoto, 0}, kProposal{ViewKind::kProposal, 0};
+constexpr SampledView kFirstPhoto{ViewKind::kPhoto, 0}, kFirstProposal{ViewKind::kProposal, 0};
 
 /// A view of noise, with confidence and depth.
 TrainView Noise(const std::string& name, uint64_t seed) {
@@ -44,7 +44,7 @@ TEST(ViewLoss, WeighsProposalsByConfidenceAndDepthByItsMask) {
   const TrainView photo = Photos(1)[0], proposal = Noise("proposal", 3);
   const RenderOutput out = Render();
   Planned loss(options, {{photo}, {proposal}});
-  const ViewLossResult result = loss(kProposal, 30, out);
+  const ViewLossResult result = loss(kFirstProposal, 30, out);
 
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape()),
                 grad_depth = Buffer<float>::Empty(out.inv_depth.shape());
@@ -59,7 +59,7 @@ TEST(ViewLoss, WeighsProposalsByConfidenceAndDepthByItsMask) {
 
   options.proposal_weight = 0.5;
   Planned half(options, {{photo}, {proposal}});
-  EXPECT_NEAR(half(kProposal, 30, out).loss, (image + depth) / 2, 1e-9);
+  EXPECT_NEAR(half(kFirstProposal, 30, out).loss, (image + depth) / 2, 1e-9);
 }
 
 TEST(ViewLoss, WeighsAlphaByTheMask) {
@@ -68,10 +68,10 @@ TEST(ViewLoss, WeighsAlphaByTheMask) {
   TrainView photo = Photos(1)[0];
   photo.confidence = Above(RandomUniform({kHeight, kWidth}, 122), 0.3f);
   const RenderOutput out = Render();
-  const double without = Planned(options, {{photo}})(kPhoto, 1, out).loss;
+  const double without = Planned(options, {{photo}})(kFirstPhoto, 1, out).loss;
   photo.alpha = RandomUniform({kHeight, kWidth}, 123);
   Planned loss(options, {{photo}});
-  const ViewLossResult result = loss(kPhoto, 1, out);
+  const ViewLossResult result = loss(kFirstPhoto, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.alpha.shape());
   const double alpha = MaskedL1(out.alpha, photo.alpha, photo.confidence, 0.4, &grad);
   EXPECT_GT(alpha, 0);
@@ -79,7 +79,7 @@ TEST(ViewLoss, WeighsAlphaByTheMask) {
   EXPECT_TRUE(Equal(result.grads.alpha, grad));
   options.alpha_weight = 0;
   Planned off(options, {{photo}});
-  EXPECT_FALSE(off(kPhoto, 1, out).grads.alpha.defined());
+  EXPECT_FALSE(off(kFirstPhoto, 1, out).grads.alpha.defined());
 }
 
 TEST(ViewLoss, TakesTheDepthScaleFromPhotos) {
@@ -89,9 +89,9 @@ TEST(ViewLoss, TakesTheDepthScaleFromPhotos) {
   const RenderOutput out = Render();
   const auto depth_part = [&](const TrainingData& data) {
     TrainOptions options = Options();
-    const double with = Planned(options, data)(kProposal, 1, out).loss;
+    const double with = Planned(options, data)(kFirstProposal, 1, out).loss;
     options.depth_weight = 0;
-    return with - Planned(options, data)(kProposal, 1, out).loss;
+    return with - Planned(options, data)(kFirstProposal, 1, out).loss;
   };
   const double far = depth_part({{photo}, {proposal}}), near = depth_part({{Photos(1)[0]}, {proposal}});
   EXPECT_NEAR(far, 4 * near, 1e-6 * far);
@@ -104,7 +104,7 @@ TEST(ViewLoss, IgnoresPixelsBelowTheGate) {
   TrainView proposal = Noise("proposal", 3);
   const RenderOutput out = Render();
   Planned loss(options, {{Photos(1)[0]}, {proposal}});
-  const ViewLossResult result = loss(kProposal, 1, out);
+  const ViewLossResult result = loss(kFirstProposal, 1, out);
   const Eigen::ArrayXf passes = (Flat(proposal.confidence) >= 0.5f).cast<float>();
   EXPECT_EQ((Flat(result.grads.inv_depth) * (1 - passes)).abs().maxCoeff(), 0);
   EXPECT_GT((Flat(result.grads.inv_depth) * passes).abs().maxCoeff(), 0);
@@ -112,7 +112,7 @@ TEST(ViewLoss, IgnoresPixelsBelowTheGate) {
   const Buffer<float> gated = ToBuffer(proposal.confidence.shape(), Flat(proposal.confidence).square() * passes);
   PhotometricLoss()(out.image, proposal.image, gated, {0.7f, 0.3f}, &grad);
   EXPECT_LE(MaxAbsError(result.grads.image, grad), 1e-9);
-  EXPECT_TRUE(Equal(loss.plan.View(kProposal, 1).image, proposal.image));
+  EXPECT_TRUE(Equal(loss.plan.View(kFirstProposal, 1).image, proposal.image));
 }
 
 TEST(ViewLoss, SeesProposalsThroughNoExposureMap) {
@@ -128,9 +128,9 @@ TEST(ViewLoss, SeesProposalsThroughNoExposureMap) {
   ASSERT_NE(exposed.loss.exposures(), nullptr);
   EXPECT_EQ(plain.loss.exposures(), nullptr);
   const std::vector<ExposureMap> before = exposed.loss.exposures()->maps();
-  EXPECT_EQ(exposed(kProposal, 1, out).loss, plain(kProposal, 1, out).loss);
+  EXPECT_EQ(exposed(kFirstProposal, 1, out).loss, plain(kFirstProposal, 1, out).loss);
   EXPECT_EQ(exposed.loss.exposures()->maps(), before);
-  EXPECT_NE(exposed(kPhoto, 1, out).loss, plain(kPhoto, 1, out).loss);
+  EXPECT_NE(exposed(kFirstPhoto, 1, out).loss, plain(kFirstPhoto, 1, out).loss);
   EXPECT_NE(exposed.loss.exposures()->maps(), before);
 }
 
@@ -147,7 +147,7 @@ TEST(ViewLoss, WeighsLpipsByTheMeanConfidence) {
     return difference.square().mean();
   };
   Planned loss(options, {Photos(1), {proposal}, mean_square});
-  const ViewLossResult result = loss(kProposal, 1, out);
+  const ViewLossResult result = loss(kFirstProposal, 1, out);
   Buffer<float> grad = Buffer<float>::Empty(out.image.shape());
   const double image = PhotometricLoss()(out.image, proposal.image, proposal.confidence, {0.4f, 0.3f}, &grad).loss;
   const double weight = 0.3 * MeanConfidence(proposal.confidence);
@@ -164,7 +164,7 @@ TEST(ViewLoss, DoesNotAskTheNetworkAboutProposalsWithoutConfidence) {
     return 1.;
   };
   Planned loss(Options(), {Photos(1), {proposal}, network});
-  const ViewLossResult result = loss(kProposal, 1, Render());
+  const ViewLossResult result = loss(kFirstProposal, 1, Render());
   EXPECT_EQ(result.loss, 0);
   EXPECT_EQ(MaxAbs(result.grads.image), 0);
   EXPECT_FALSE(asked);
@@ -174,7 +174,7 @@ TEST(ViewLoss, NamesIterationAndViewOfALossThatIsNotFinite) {
   TrainView proposal = Noise("proposal7", 3);
   proposal.image[(3 * kWidth + 4) * 3] = std::nanf("");
   Planned loss(Options(), {Photos(1), {proposal}});
-  EXPECT_THAT(MessageOf<RunError>([&] { loss(kProposal, 12, Render()); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { loss(kFirstProposal, 12, Render()); }),
               testing::HasSubstr("iteration 12 on proposal7"));
 }
 

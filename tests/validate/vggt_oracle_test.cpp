@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kWidth = 12, kHeight = 8;
+constexpr int kImageWidth = 12, kImageHeight = 8;
 
 double Mean(const Image8& image) {
   return std::accumulate(image.data.begin(), image.data.end(), 0.0) / static_cast<double>(image.data.size()) / 255;
@@ -41,7 +41,7 @@ class FakeAttention : public AttentionNetwork {
 
 Camera CameraOf(int width, int height) { return {width, height, 60, 60, width / 2.0, height / 2.0, {}}; }
 
-Proposal Noise(uint64_t seed, int width = kWidth, int height = kHeight) {
+Proposal Noise(uint64_t seed, int width = kImageWidth, int height = kImageHeight) {
   ImageF image{width, height, 3, {}};
   Rng rng(seed, RandomStream::kDemoScene);
   for (int i = 0; i < 3 * width * height; ++i) image.data.push_back(static_cast<float>(rng.Uniform()));
@@ -50,7 +50,7 @@ Proposal Noise(uint64_t seed, int width = kWidth, int height = kHeight) {
 
 class VggtOracleTest : public testing::Test {
  protected:
-  VggtOracleTest() { views.push_back({"view", CameraOf(kWidth, kHeight), Noise(77).rgb, {}}); }
+  VggtOracleTest() { views.push_back({"view", CameraOf(kImageWidth, kImageHeight), Noise(77).rgb, {}}); }
 
   VggtOracle Oracle(size_t chunk = 8, std::function<void(size_t)> on_pass = {}, std::vector<size_t>* passes = nullptr) {
     return {std::make_unique<FakeAttention>(passes), {chunk, std::move(on_pass)}, views};
@@ -83,7 +83,7 @@ TEST_F(VggtOracleTest, MapsHaveTheSizeOfTheirProposals) {
 }
 
 TEST_F(VggtOracleTest, AHeldOutViewIsNotLookedAt) {
-  views.push_back({"second", CameraOf(kWidth, kHeight), Noise(9).rgb, {}});
+  views.push_back({"second", CameraOf(kImageWidth, kImageHeight), Noise(9).rgb, {}});
   const VggtOracle oracle = Oracle();
   const auto beside = [&](int held_out) { return oracle.Predict(std::vector<Query>{{proposals[0], held_out}})[0]; };
   const ConfidenceMap beside_first = beside(1), beside_second = beside(0);

@@ -71,7 +71,7 @@ Image8 ConfidenceImage(const DepthMap& map) {
 }
 
 /// Inverse depths that confident pixels span, without the outermost percent.
-std::pair<float, float> Span(const DepthMap& map) {
+std::pair<float, float> InverseDepthSpan(const DepthMap& map) {
   std::vector<float> values;
   for (size_t i = 0; i < map.size(); ++i) {
     if (map.confidence[i] >= kConfident) values.push_back(map.inv_depth[i]);
@@ -84,7 +84,7 @@ std::pair<float, float> Span(const DepthMap& map) {
 
 Image8 Preview(const DepthMap& map) {
   Image8 image = Blank(map.camera, 3, 2);
-  const auto [low, high] = Span(map);
+  const auto [low, high] = InverseDepthSpan(map);
   const auto width = static_cast<size_t>(map.camera.width);
   for (size_t i = 0; i < map.size(); ++i) {
     const size_t left = 3 * (i / width * 2 * width + i % width), right = left + 3 * width;

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kStride = 5;                          // pixels; no divisor of usual widths
 constexpr size_t kMinCommonPixels = 50;                // of a pair
 constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation dominate
-constexpr double kRidge = 1e-3;                        // regularisation toward gain 1, in shares of a pair's weight
+constexpr double kGainRidge = 1e-3;                    // regularisation toward gain 1, in shares of a pair's weight
 
 /// Median log ratios of one pair, and how many pixels they come from.
 struct Ratio {
@@ -58,7 +58,7 @@ std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, co
     if (a != b) ratios[static_cast<size_t>(k)] = Compare(maps, views, a, b);
   });
   const auto size = static_cast<int64_t>(n);
-  Eigen::MatrixXd normal = kRidge * Eigen::MatrixXd::Identity(size, size);
+  Eigen::MatrixXd normal = kGainRidge * Eigen::MatrixXd::Identity(size, size);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(size, 3);
   for (int64_t a = 0; a < size; ++a) {
     for (int64_t b = 0; b < size; ++b) {

@@ -14,8 +14,8 @@ namespace {
 // Relative errors that quarter a sample's weight, from round to round: first nearly all samples contribute, at the end
 // those that fit.
 constexpr std::array<double, 6> kErrorScales = {0.8, 0.4, 0.2, 0.1, 0.06, 0.06};
-constexpr double kRidge = 1e-3;    // keeps factor and addend apart where they have the same effect
-constexpr float kFarShare = 0.1f;  // of the median: smaller truths count like this one
+constexpr double kFactorRidge = 1e-3;  // keeps factor and addend apart where they have the same effect
+constexpr float kFarShare = 0.1f;      // of the median: smaller truths count like this one
 
 float MedianTruth(const std::vector<DepthSample>& samples) {
   std::vector<float> truths;
@@ -50,7 +50,7 @@ LocalWarp::LocalWarp(int width, int height, const std::vector<DepthSample>& samp
       if (y + 1 < down_) tie(y * across_ + x, (y + 1) * across_ + x);
     }
   }
-  smooth.diagonal().array() += kRidge;
+  smooth.diagonal().array() += kFactorRidge;
 
   Eigen::VectorXd solution = Eigen::VectorXd::Zero(2 * n);
   for (const double scale : kErrorScales) {

@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-Eigen::Matrix3d Intrinsics(const Camera& c) {
+Eigen::Matrix3d IntrinsicMatrix(const Camera& c) {
   Eigen::Matrix3d k;
   k << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
   return k;
@@ -15,8 +15,9 @@ Eigen::Matrix3d Intrinsics(const Camera& c) {
 
 PixelMap MapBetween(const Camera& from, const Camera& to) {
   const Eigen::Isometry3d to_from = to.cam_from_world * from.cam_from_world.inverse();
-  const Eigen::Matrix3d k = Intrinsics(to);
-  return {(k * to_from.linear() * Intrinsics(from).inverse()).cast<float>(), (k * to_from.translation()).cast<float>()};
+  const Eigen::Matrix3d k = IntrinsicMatrix(to);
+  return {(k * to_from.linear() * IntrinsicMatrix(from).inverse()).cast<float>(),
+          (k * to_from.translation()).cast<float>()};
 }
 
 PlainPixelMap Plain(const PixelMap& map) {

@@ -17,22 +17,22 @@ constexpr size_t kMaxPlanes = 24, kMaxSamples = 20000, kMaxDraws = 200;
 constexpr float kMinShare = 0.005f;  // of the points, for a plane
 constexpr float kMaxPixelsOff = 5;
 constexpr float kSameNormal = 0.8f;  // cosine
-constexpr int kRefinements = 2;
+constexpr int kPlaneRefinements = 2;
 constexpr float kUpright = 0.3f;  // cosine between planes that may stand upright on a third
 constexpr size_t kMaxUprights = 6;
 constexpr size_t kMinPoints = 500;
 
-constexpr int kStep = 2;                  // pixels between filled points
-constexpr int kCells = 90;                // along the image's larger side
-constexpr int kMaxWindow = 16;            // cells to each side
-constexpr float kMinWindowShare = 0.01f;  // of a window's pixels on one plane
-constexpr float kOnPlane = 0.02f;         // relative distance of a pixel's depth from its plane
-constexpr float kFacing = 0.3f;           // cosine; seen at a grazing angle, normals are the least exact
-constexpr float kBeyondRange = 2;         // times as near or far as any confident depth
-constexpr float kSeenThrough = 0.97f;     // of the confident depth of another view
+constexpr int kFillStep = 2;               // pixels between filled points
+constexpr int kCells = 90;                 // along the image's larger side
+constexpr int kMaxWindow = 16;             // cells to each side
+constexpr float kMinWindowShare = 0.01f;   // of a window's pixels on one plane
+constexpr float kOnPlane = 0.02f;          // relative distance of a pixel's depth from its plane
+constexpr float kFacing = 0.3f;            // cosine; seen at a grazing angle, normals are the least exact
+constexpr float kBeyondRange = 2;          // times as near or far as any confident depth
+constexpr float kSeenThroughFill = 0.97f;  // of the confident depth of another view
 constexpr float kOccluded = 1.03f;
 constexpr int kColorRadius = 2;
-constexpr float kSameColor = 0.06f;  // RMS over the channels, of means over patches
+constexpr float kSameSurfaceColor = 0.06f;  // RMS over the channels, of means over patches
 constexpr int kNoPlane = -1;
 
 bool LiesOn(const ScenePlane& plane, const DensePoint& p) {
@@ -221,11 +221,11 @@ class PlaneFill {
       if (filled_[other][i] != 0 && other < v) return false;
       if (map.confidence[i] >= options_.min_confidence) {
         const float ratio = there.z() * map.inv_depth[i];
-        if (ratio < kSeenThrough) return false;
+        if (ratio < kSeenThroughFill) return false;
         if (ratio > kOccluded) continue;
       }
       seen = true;
-      similar = similar || (PatchColor(other, x, y) - color).norm() < kSameColor * std::sqrt(3.f);
+      similar = similar || (PatchColor(other, x, y) - color).norm() < kSameSurfaceColor * std::sqrt(3.f);
     }
     return similar || !seen;
   }
@@ -238,10 +238,10 @@ class PlaneFill {
     const CellPlanes cells = Continue(v, planes);
     const Eigen::Isometry3f world_from_cam = camera.cam_from_world.inverse().cast<float>();
     std::vector<std::vector<std::pair<size_t, DensePoint>>> rows(
-        static_cast<size_t>((camera.height + kStep - 1) / kStep));
+        static_cast<size_t>((camera.height + kFillStep - 1) / kFillStep));
     ParallelFor(static_cast<int64_t>(rows.size()), [&](int64_t row) {
-      const int y = static_cast<int>(row) * kStep;
-      for (int x = 0; x < camera.width; x += kStep) {
+      const int y = static_cast<int>(row) * kFillStep;
+      for (int x = 0; x < camera.width; x += kFillStep) {
         const size_t i = static_cast<size_t>(y) * camera.width + x;
         const int plane = cells.At(x, y);
         if (plane == kNoPlane || map.confidence[i] >= options_.min_confidence || !MayFill(v, i)) continue;
@@ -254,7 +254,7 @@ class PlaneFill {
         Eigen::Vector3f normal = planes_[static_cast<size_t>(plane)].normal;
         if (normal.dot(xyz - camera.Center().cast<float>()) > 0) normal = -normal;
         rows[static_cast<size_t>(row)].push_back(
-            {i, {xyz, normal, color, 0, kStep / (w * static_cast<float>(camera.fx)), 0, 1}});
+            {i, {xyz, normal, color, 0, kFillStep / (w * static_cast<float>(camera.fx)), 0, 1}});
       }
     });
     for (const auto& row : rows) {
@@ -262,8 +262,8 @@ class PlaneFill {
         points->push_back(point);
         const int x = static_cast<int>(i % static_cast<size_t>(camera.width)),
                   y = static_cast<int>(i / static_cast<size_t>(camera.width));
-        for (int u = y; u < std::min(camera.height, y + kStep); ++u) {
-          for (int t = x; t < std::min(camera.width, x + kStep); ++t)
+        for (int u = y; u < std::min(camera.height, y + kFillStep); ++u) {
+          for (int t = x; t < std::min(camera.width, x + kFillStep); ++t)
             filled_[v][static_cast<size_t>(u) * camera.width + t] = 1;
         }
       }
@@ -305,7 +305,7 @@ std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points) {
     });
     const auto best = std::max_element(support.begin(), support.end());
     ScenePlane plane = plane_of(static_cast<size_t>(best - support.begin()));
-    for (int i = 0; i < kRefinements; ++i) plane = Refined(plane, left);
+    for (int i = 0; i < kPlaneRefinements; ++i) plane = Refined(plane, left);
     if (Support(plane, left) < min_support) break;
     planes.push_back(plane);
     std::erase_if(left, [&](const DensePoint* p) { return LiesOn(plane, *p); });

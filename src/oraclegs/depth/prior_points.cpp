@@ -10,9 +10,9 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kStep = 3;              // pixels between points
-constexpr float kFarBehind = 0.7f;    // of a pixel's inverse depth: what lies beyond is another surface
-constexpr float kSeenThrough = 0.9f;  // of the confident depth of another view
+constexpr int kPriorStep = 3;              // pixels between points
+constexpr float kFarBehind = 0.7f;         // of a pixel's inverse depth: what lies beyond is another surface
+constexpr float kSeenThroughPrior = 0.9f;  // of the confident depth of another view
 
 class PriorFill {
  public:
@@ -36,7 +36,7 @@ class PriorFill {
   }
 
  private:
-  static int Cells(int side) { return (side + kStep - 1) / kStep; }
+  static int Cells(int side) { return (side + kPriorStep - 1) / kPriorStep; }
   static int Across(const Camera& camera) { return Cells(camera.width); }
 
   /// Where a point falls in a view, and its depth there.
@@ -55,7 +55,7 @@ class PriorFill {
     }
     const auto column = static_cast<size_t>(x), row = static_cast<size_t>(y);
     *place = {row * static_cast<size_t>(camera.width) + column,
-              row / kStep * static_cast<size_t>(Across(camera)) + column / kStep, p.z()};
+              row / kPriorStep * static_cast<size_t>(Across(camera)) + column / kPriorStep, p.z()};
     return true;
   }
 
@@ -77,7 +77,7 @@ class PriorFill {
     for (size_t other = 0; other < maps_.size(); ++other) {
       if (other == v || !Project(other, xyz, &place)) continue;
       const DepthMap& map = maps_[other];
-      if (map.confidence[place.pixel] >= kConfident && place.depth * map.inv_depth[place.pixel] < kSeenThrough) {
+      if (map.confidence[place.pixel] >= kConfident && place.depth * map.inv_depth[place.pixel] < kSeenThroughPrior) {
         return true;
       }
     }
@@ -90,9 +90,9 @@ class PriorFill {
     const Eigen::Isometry3f world_from_cam = camera.cam_from_world.inverse().cast<float>();
     std::vector<std::vector<DensePoint>> rows(static_cast<size_t>(Cells(camera.height)));
     ParallelFor(static_cast<int64_t>(rows.size()), [&](int64_t row) {
-      const int y = std::min(static_cast<int>(row) * kStep + kStep / 2, camera.height - 1);
+      const int y = std::min(static_cast<int>(row) * kPriorStep + kPriorStep / 2, camera.height - 1);
       for (int column = 0; column < Across(camera); ++column) {
-        const int x = std::min(column * kStep + kStep / 2, camera.width - 1);
+        const int x = std::min(column * kPriorStep + kPriorStep / 2, camera.width - 1);
         const size_t i = static_cast<size_t>(y) * static_cast<size_t>(camera.width) + static_cast<size_t>(x);
         const size_t cell =
             static_cast<size_t>(row) * static_cast<size_t>(Across(camera)) + static_cast<size_t>(column);
@@ -103,8 +103,8 @@ class PriorFill {
         const Eigen::Vector3f xyz = world_from_cam * (ray / w).eval();
         if (IsSeenThrough(v, xyz)) continue;
         rows[static_cast<size_t>(row)].push_back({xyz, world_from_cam.linear() * map.normals[i], ColorOf(v, x, y),
-                                                  map.confidence[i], kStep / (w * static_cast<float>(camera.fx)), 0,
-                                                  1});
+                                                  map.confidence[i], kPriorStep / (w * static_cast<float>(camera.fx)),
+                                                  0, 1});
       }
     });
     std::vector<DensePoint> points;
@@ -120,7 +120,7 @@ class PriorFill {
   const std::vector<DepthMap>& maps_;
   const std::vector<LoadedView>& views_;
   const FusionOptions& options_;
-  std::vector<std::vector<uint8_t>> covered_;  // of each view, in cells of kStep pixels
+  std::vector<std::vector<uint8_t>> covered_;  // of each view, in cells of kPriorStep pixels
   std::vector<Eigen::Isometry3f> cam_from_world_;
 };
 

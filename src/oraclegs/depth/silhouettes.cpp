@@ -9,10 +9,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kSameColor = 2.5f / 255;  // per channel: what JPEG and antialiasing leave of one colour
-constexpr double kBorderShare = 0.9;      // of the border that must be background
-constexpr double kObjectShare = 0.01;     // of the image that must not: an empty image has no silhouette
-constexpr int kGrowth = 2;                // pixels by which a silhouette may be wrong
+constexpr float kSameBackdropColor = 2.5f / 255;  // per channel: what JPEG and antialiasing leave of one colour
+constexpr double kBorderShare = 0.9;              // of the border that must be background
+constexpr double kObjectShare = 0.01;             // of the image that must not: an empty image has no silhouette
+constexpr int kGrowth = 2;                        // pixels by which a silhouette may be wrong
 
 using Color = std::array<float, 3>;
 
@@ -23,7 +23,7 @@ Color ColorAt(const LoadedView& view, size_t pixel) {
 
 bool Same(const Color& a, const Color& b) {
   for (size_t c = 0; c < 3; ++c) {
-    if (std::abs(a[c] - b[c]) > kSameColor) return false;
+    if (std::abs(a[c] - b[c]) > kSameBackdropColor) return false;
   }
   return true;
 }

@@ -10,13 +10,13 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMinPointsForRange = 20;            // points of a view
-constexpr int kMinPointsForPair = 8;                 // points two views share
-constexpr double kObjectReach = 0.45;                // of the distance, for an object within silhouettes
-constexpr double kSceneNear = 0.2, kSceneFar = 20;   // of the distance, for a scene without points
-constexpr double kMinAngle = 0.5;                    // degrees: below, noise decides the depth
-constexpr double kBestAngle = 10, kMaxAngle = 60;    // degrees
-constexpr double kNarrowSigma = 5, kWideSigma = 15;  // degrees
+constexpr size_t kMinPointsForRange = 20;                // points of a view
+constexpr int kMinPointsForPair = 8;                     // points two views share
+constexpr double kObjectReach = 0.45;                    // of the distance, for an object within silhouettes
+constexpr double kSceneNear = 0.2, kSceneFar = 20;       // of the distance, for a scene without points
+constexpr double kMinAngle = 0.5;                        // degrees: below, noise decides the depth
+constexpr double kBestAngle = 10, kMaxSearchAngle = 60;  // degrees
+constexpr double kNarrowSigma = 5, kWideSigma = 15;      // degrees
 constexpr int kRandomPoints = 1000;
 constexpr double kRandomPointRadius = 0.25;  // of the ball the cameras look at
 
@@ -28,7 +28,7 @@ bool InFrame(const Camera& camera, const Eigen::Vector3d& point) {
 }
 
 double AngleScore(double angle) {
-  if (angle < kMinAngle || angle >= kMaxAngle) return 0;
+  if (angle < kMinAngle || angle >= kMaxSearchAngle) return 0;
   const double sigma = angle < kBestAngle ? kNarrowSigma : kWideSigma;
   return std::exp(-std::pow((angle - kBestAngle) / sigma, 2) / 2);
 }
@@ -52,13 +52,14 @@ std::vector<Eigen::Vector3d> RandomPoints(const std::vector<Camera>& cameras) {
 }
 
 /// Two quantiles of depth, each times a margin.
-struct Span {
+struct RangeMargins {
   double near_quantile, far_quantile, near_margin, far_margin;
 };
-constexpr Span kSceneSpan{0.003, 0.995, 0.3, 2.5};
-constexpr Span kObjectSpan{0.05, 0.95, 0.9, 1.1};  // an object is no larger than its points, a few of which are wrong
+constexpr RangeMargins kSceneSpan{0.003, 0.995, 0.3, 2.5};
+constexpr RangeMargins kObjectSpan{0.05, 0.95, 0.9,
+                                   1.1};  // an object is no larger than its points, a few of which are wrong
 
-DepthRange RangeFromDepths(std::vector<double> depths, const Span& span) {
+DepthRange RangeFromDepths(std::vector<double> depths, const RangeMargins& span) {
   std::sort(depths.begin(), depths.end());
   const auto quantile = [&](double q) {
     return depths[static_cast<size_t>(q * static_cast<double>(depths.size() - 1))];

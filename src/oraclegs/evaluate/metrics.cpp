@@ -12,7 +12,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1 << 14;  // pixels a block
+constexpr int64_t kPixelGrain = 1 << 14;  // pixels a block
 
 using Equations = Eigen::Matrix<double, 4, 7>;
 
@@ -34,11 +34,11 @@ double Weight(const Buffer<float>& mask, int64_t pixel) {
 /// add(pixel, &sum) adds one pixel.
 template <class Sum, class Add>
 Sum SumOverPixels(int64_t pixels, const Sum& zero, const Add& add) {
-  std::vector<Sum> sums(static_cast<size_t>((pixels + kGrain - 1) / kGrain), zero);
-  ParallelBlocks(pixels, kGrain, [&](int64_t begin, int64_t end) {
+  std::vector<Sum> sums(static_cast<size_t>((pixels + kPixelGrain - 1) / kPixelGrain), zero);
+  ParallelBlocks(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
     Sum sum = zero;
     for (int64_t i = begin; i < end; ++i) add(i, &sum);
-    sums[static_cast<size_t>(begin / kGrain)] = sum;
+    sums[static_cast<size_t>(begin / kPixelGrain)] = sum;
   });
   Sum total = zero;
   for (const Sum& sum : sums) total += sum;
@@ -112,7 +112,7 @@ double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& targ
       Eigen::Matrix4d(equations.leftCols<4>()).completeOrthogonalDecomposition().solve(equations.rightCols<3>());
   Buffer<float> corrected = Buffer<float>::Empty(render.shape());
   float* out = corrected.data();
-  ParallelBlocks(pixels, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const Eigen::Vector3d color = map.transpose() * Homogeneous(from + 3 * i);
       Eigen::Map<Eigen::Vector3f>(out + 3 * i) = color.cwiseMax(0).cwiseMin(1).cast<float>();

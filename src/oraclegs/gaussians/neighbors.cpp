@@ -9,9 +9,9 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kLeafItems = 12;  // at most; about where scanning and descending cost the same
-constexpr int64_t kGrain = 1024;    // queries a task
-constexpr int kTopLevels = 6;       // split one after the other; the 64 subtrees below are then built side by side
+constexpr int64_t kLeafItems = 12;     // at most; about where scanning and descending cost the same
+constexpr int64_t kQueryGrain = 1024;  // queries a task
+constexpr int kTopLevels = 6;          // split one after the other; the 64 subtrees below are then built side by side
 
 }  // namespace
 
@@ -94,7 +94,7 @@ std::vector<double> KdTree::MeanSquaredDistanceToThree() const {
   std::vector<double> means(items_.size(), 0.0);
   const int64_t others = std::min<int64_t>(3, n - 1);
   if (others <= 0) return means;
-  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(n, kQueryGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       Search search{items_[i].xyz.cast<double>(), i, {}};
       search.nearest.fill(std::numeric_limits<double>::infinity());

@@ -14,9 +14,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "rows are written as the machine stores them");
 
-constexpr int64_t kGrain = 4096;   // rows a task
-constexpr int kFixedColumns = 14;  // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
-constexpr int kFromOpacity = 8;    // columns from opacity to the end
+constexpr int64_t kWriteGrain = 4096;  // rows a task
+constexpr int kFixedColumns = 14;      // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
+constexpr int kFromOpacity = 8;        // columns from opacity to the end
 constexpr float kMaxLogit = 15;
 
 void Append(std::vector<std::string>* names, const char* stem, int count) {
@@ -123,7 +123,7 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
   const size_t header = bytes.size();
   bytes.resize(header + static_cast<size_t>(n) * row_bytes);
   const GaussianRows all = host.Rows();
-  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(n, kWriteGrain, [&](int64_t begin, int64_t end) {
     std::vector<float> row(columns);
     for (int64_t i = begin; i < end; ++i) {
       PackRow(all.From(i), rest, row.data());
@@ -152,7 +152,7 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);
   const GaussianRows all = out.gaussians.Rows();
-  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(n, kWriteGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       float* row = values.data() + i * columns;
       ClampOpacity(row + columns - kFromOpacity);

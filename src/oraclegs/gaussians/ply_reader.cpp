@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary numbers are read as the machine stores them");
 
-constexpr int64_t kGrain = 4096;      // rows a task
+constexpr int64_t kReadGrain = 4096;  // rows a task
 constexpr uint64_t kAsciiNumber = 2;  // bytes of the shortest number with its separator
 
 template <class T>
@@ -130,7 +130,7 @@ class BodyReader {
     }
     const bool swap = format_ == PlyFormat::kBigEndian;
     const char* rows = bytes_.data() + position_;
-    ParallelBlocks(static_cast<int64_t>(element.count), kGrain, [&](int64_t begin, int64_t end) {
+    ParallelBlocks(static_cast<int64_t>(element.count), kReadGrain, [&](int64_t begin, int64_t end) {
       for (int64_t row = begin; row < end; ++row) {
         for (const Column& c : columns) {
           const double value =

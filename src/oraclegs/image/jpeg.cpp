@@ -13,7 +13,7 @@ namespace oraclegs {
 namespace {
 
 // A progressive scan can skip 32767 blocks with two bytes, but the first scan spends at least a bit on each block.
-constexpr uint64_t kPixelsPerByte = 1024;
+constexpr uint64_t kJpegPixelsPerByte = 1024;
 
 struct CloseDecoder {
   void operator()(void* handle) const { tjDestroy(handle); }
@@ -45,7 +45,7 @@ Header ReadHeader(const Decoder& decoder, std::string_view bytes, const std::str
     throw InputError("{}: is a damaged JPEG ({}); copy or export it again", file,
                      OneLine(tjGetErrorStr2(decoder.get())));
   }
-  CheckImageSize(header.width, header.height, bytes.size() * kPixelsPerByte, file);
+  CheckImageSize(header.width, header.height, bytes.size() * kJpegPixelsPerByte, file);
   return header;
 }
 

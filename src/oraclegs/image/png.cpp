@@ -15,9 +15,9 @@ namespace oraclegs {
 namespace {
 
 constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-constexpr size_t kSizeAt = 16;                 // width and height stand behind the signature and the first chunk's head
-constexpr size_t kHeaderBytes = 33;            // with the first chunk's checksum
-constexpr uint64_t kPixelsPerByte = 8 * 1032;  // deflate packs 1032 to 1 at most, a byte is eight pixels at most
+constexpr size_t kSizeAt = 16;       // width and height stand behind the signature and the first chunk's head
+constexpr size_t kHeaderBytes = 33;  // with the first chunk's checksum
+constexpr uint64_t kPngPixelsPerByte = 8 * 1032;  // deflate packs 1032 to 1 at most, a byte is eight pixels at most
 
 struct ErrorText {
   char text[160] = "";
@@ -177,7 +177,7 @@ void ReadPngSize(std::string_view bytes, const std::string& file, int* width, in
     return value;
   };
   const int64_t w = number(kSizeAt), h = number(kSizeAt + 4);
-  CheckImageSize(w, h, bytes.size() * kPixelsPerByte, file);
+  CheckImageSize(w, h, bytes.size() * kPngPixelsPerByte, file);
   *width = static_cast<int>(w);
   *height = static_cast<int>(h);
 }

@@ -9,9 +9,9 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1 << 14;  // pixels a task, at least
-constexpr int64_t kMostTasks = 256;  // so that their sums need no heap
-constexpr int kSums = 8;             // independent sums, so that additions need not wait for each other
+constexpr int64_t kPixelGrain = 1 << 14;  // pixels a task, at least
+constexpr int64_t kMostTasks = 256;       // so that their sums need no heap
+constexpr int kSums = 8;                  // independent sums, so that additions need not wait for each other
 
 /// A null mask is 1 everywhere.
 double MaskedDistance(const float* a, const float* b, const float* mask, int64_t begin, int64_t end) {
@@ -48,7 +48,7 @@ double MaskedL1(const Buffer<float>& rendered, const Buffer<float>& target, cons
   const float* b = target.data();
   const float* m = mask.defined() ? mask.data() : nullptr;
   const float step = static_cast<float>(weight / static_cast<double>(n));
-  const int64_t grain = std::max(kGrain, (n + kMostTasks - 1) / kMostTasks);
+  const int64_t grain = std::max(kPixelGrain, (n + kMostTasks - 1) / kMostTasks);
   std::array<double, kMostTasks> sums = {};
   ParallelBlocks(n, grain, [&](int64_t begin, int64_t end) {
     sums[begin / grain] = MaskedDistance(a, b, m, begin, end);

@@ -10,11 +10,11 @@
 namespace oraclegs {
 namespace {
 
-constexpr std::string_view kImageFolder = "images/";
+constexpr std::string_view kImagePrefix = "images/";
 
 std::filesystem::path FindMask(const std::filesystem::path& mask_dir, const std::string& name) {
   std::vector<std::string> names{name};
-  if (name.starts_with(kImageFolder)) names.push_back(name.substr(kImageFolder.size()));
+  if (name.starts_with(kImagePrefix)) names.push_back(name.substr(kImagePrefix.size()));
   for (const std::string& n : names) {
     const std::filesystem::path as_is = mask_dir / n;
     std::filesystem::path appended = as_is, replaced = as_is;

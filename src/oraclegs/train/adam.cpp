@@ -120,7 +120,7 @@ namespace {
 
 HWY_EXPORT(UpdateRows);
 
-constexpr int64_t kGrain = 4096;  // Gaussians; whole vectors of every tensor
+constexpr int64_t kAdamGrain = 4096;  // Gaussians; whole vectors of every tensor
 
 void RequireSameSize(const char* name, const Gaussians& other, const Gaussians& params) {
   other.Check(name);
@@ -171,7 +171,7 @@ void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degre
   RequireSameSize("Adam::Step grads", grads, *params);
   const AdamStep begun = BeginStep(rates, sh_degree, params);
   const GaussianRows rows = grads.Rows();
-  ParallelBlocks(params->size(), kGrain,
+  ParallelBlocks(params->size(), kAdamGrain,
                  [&](int64_t begin, int64_t end) { begun.Update(begin, end, rows.From(begin)); });
 }
 

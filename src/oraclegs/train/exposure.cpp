@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1 << 13;  // pixels a task
+constexpr int64_t kExposureGrain = 1 << 13;  // pixels a task
 
 using Matrix34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
@@ -63,7 +63,7 @@ void Exposures::Apply(int view, const Buffer<float>& image, const Buffer<float>&
   const ExposureMap& a = state_.maps[view];
   const float* in = image.data();
   float* out = shown.data();
-  ParallelBlocks(image.size(0) * image.size(1), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(image.size(0) * image.size(1), kExposureGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = 3 * begin; i < 3 * end; i += 3) {
       const float r = in[i], g = in[i + 1], b = in[i + 2];
       for (int k = 0; k < 3; ++k) out[i + k] = a[4 * k] * r + a[4 * k + 1] * g + a[4 * k + 2] * b + a[4 * k + 3];
@@ -76,9 +76,9 @@ ExposureGradient Exposures::Backward(int view, const Buffer<float>& image, const
   const int64_t pixels = image.size(0) * image.size(1);
   const float* in = image.data();
   float* g = grad.data();
-  sums_.resize((pixels + kGrain - 1) / kGrain);
-  ParallelBlocks(pixels, kGrain, [&](int64_t begin, int64_t end) {
-    sums_[begin / kGrain] = BackwardPixels(state_.maps[view], in, g, begin, end);
+  sums_.resize((pixels + kExposureGrain - 1) / kExposureGrain);
+  ParallelBlocks(pixels, kExposureGrain, [&](int64_t begin, int64_t end) {
+    sums_[begin / kExposureGrain] = BackwardPixels(state_.maps[view], in, g, begin, end);
   });
   ExposureGradient total{};
   for (const ExposureGradient& sum : sums_) {

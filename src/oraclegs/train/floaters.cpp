@@ -10,7 +10,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1024;  // Gaussians a task
+constexpr int64_t kFloaterGrain = 1024;  // Gaussians a task
 
 /// z times the inverse depth under a point: 1 on the surface, less before it, 0 where there is none at all. Nothing
 /// where the view has no say.
@@ -44,7 +44,7 @@ int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians)
   const float* means = gaussians->means.data();
   float* logits = gaussians->opacity_logits.data();
   std::vector<uint8_t> alive(n), floats(n);
-  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(n, kFloaterGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       alive[i] = IsAlive(logits[i]);
       const float* mean = means + 3 * i;

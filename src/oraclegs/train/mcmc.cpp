@@ -12,12 +12,12 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 4096;
+constexpr int64_t kMcmcGrain = 4096;
 
 std::vector<double> Opacities(const Gaussians& gaussians) {
   std::vector<double> opacities(gaussians.size());
   const float* logits = gaussians.opacity_logits.data();
-  ParallelBlocks(gaussians.size(), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(gaussians.size(), kMcmcGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) opacities[i] = OpacityOf(logits[i]);
   });
   return opacities;
@@ -58,7 +58,7 @@ class WeightedDraw {
 /// sources[k] = the draw numbered k.
 std::vector<int64_t> DrawSources(const WeightedDraw& draw, int64_t count) {
   std::vector<int64_t> sources(count);
-  ParallelBlocks(count, kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(count, kMcmcGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) sources[k] = draw(k);
   });
   return sources;
@@ -91,7 +91,7 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
   for (const int64_t source : sharing.sources) ++draws[source];
   float* logits = gaussians->opacity_logits.data();
   float* log_scales = gaussians->log_scales.data();
-  ParallelBlocks(static_cast<int64_t>(draws.size()), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(static_cast<int64_t>(draws.size()), kMcmcGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       if (draws[i] == 0) continue;
       const Relocated relocated = Relocate(sharing.opacities[i], 1 + draws[i]);
@@ -103,7 +103,7 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
     }
   });
   // Targets are all different and none is a source.
-  ParallelBlocks(static_cast<int64_t>(sharing.sources.size()), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(static_cast<int64_t>(sharing.sources.size()), kMcmcGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) CopyRow(gaussians, sharing.sources[k], sharing.targets[k]);
   });
 }

@@ -89,7 +89,7 @@ namespace {
 
 HWY_EXPORT(AddNoiseBlock);
 
-constexpr int64_t kGrain = 1024;
+constexpr int64_t kNoiseGrain = 1024;
 
 NoiseArrays ArraysOf(const Gaussians& gaussians) {
   const GaussianRows rows = gaussians.Rows();
@@ -108,7 +108,7 @@ void AddNoiseToBlock(const MeansNoise& noise, int64_t begin, int64_t end, Gaussi
 
 void AddNoise(const MeansNoise& noise, Gaussians* gaussians) {
   gaussians->Check("AddNoise");
-  ParallelBlocks(gaussians->size(), kGrain,
+  ParallelBlocks(gaussians->size(), kNoiseGrain,
                  [&](int64_t begin, int64_t end) { AddNoiseToBlock(noise, begin, end, gaussians); });
 }
 

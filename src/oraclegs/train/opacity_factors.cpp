@@ -6,7 +6,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 4096;  // Gaussians a task
+constexpr int64_t kOpacityGrain = 4096;  // Gaussians a task
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void DrawOpacityFactors(const OpacityPerturbation& perturbation, const Buffer<fl
   }
   const uint64_t counter = static_cast<uint64_t>(perturbation.iteration) << 32;
   float* out = factors.data();
-  ParallelBlocks(factors.count(), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(factors.count(), kOpacityGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       out[i] = static_cast<float>(
           OpacityFactor(perturbation.seed, counter | static_cast<uint64_t>(i), perturbation.drop, perturbation.noise));

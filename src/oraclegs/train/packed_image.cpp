@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 1 << 16;  // values a task
+constexpr int64_t kPackGrain = 1 << 16;  // values a task
 
 }  // namespace
 
@@ -17,7 +17,7 @@ PackedImage Packed(const Buffer<float>& image) {
   const float* from = image.data();
   uint8_t* to = bytes.data();
   std::atomic<bool> exact = true;
-  ParallelBlocks(image.count(), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(image.count(), kPackGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end && exact; ++i) {
       const bool in_range = from[i] >= 0 && from[i] <= 1;
       to[i] = in_range ? static_cast<uint8_t>(from[i] * 255 + 0.5f) : 0;

@@ -9,7 +9,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kGrain = 4096;  // Gaussians a task
+constexpr int64_t kScaleCapGrain = 4096;  // Gaussians a task
 
 }  // namespace
 
@@ -28,7 +28,7 @@ void CapScales(const std::vector<float>& centers, double share, Gaussians* gauss
   const GaussianRows rows = gaussians->Rows();
   const auto log_share = static_cast<float>(std::log(share));
   const auto count = static_cast<int>(centers.size() / 3);
-  ParallelBlocks(gaussians->size(), kGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(gaussians->size(), kScaleCapGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const float cap = LogScaleCap(rows.means + 3 * i, centers.data(), count, log_share);
       for (int64_t k = 3 * i; k < 3 * i + 3; ++k) rows.log_scales[k] = std::min(rows.log_scales[k], cap);

@@ -14,8 +14,6 @@ namespace oraclegs {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kHub = "https://huggingface.co/";
-
 std::string Variable(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
@@ -99,7 +97,7 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
     DownloadRequest request;
     request.url = AtMirror(file.url, settings.mirror);
     request.to = model.convert ? weights.parent_path() / file.url.substr(file.url.rfind('/') + 1) : weights;
-    if (file.url.starts_with(kHub)) request.bearer = settings.token;
+    if (file.url.starts_with(kHuggingFace)) request.bearer = settings.token;
     request.sha256 = file.sha256;
     request.bytes = file.bytes;
     request.stage = "fetch " + request.to.filename().string();

@@ -5,7 +5,6 @@
 namespace oraclegs {
 namespace {
 
-const std::string kHub = "https://huggingface.co/";
 const std::string kTorchvision = "https://download.pytorch.org/models/";
 const std::string kLpips =
     "https://raw.githubusercontent.com/richzhang/PerceptualSimilarity/082bb24f84c091ea94de2867d34c4544f68e0963/lpips/"
@@ -13,7 +12,7 @@ const std::string kLpips =
 
 PublishedFile OnHub(const std::string& repository, const std::string& path, const std::string& sha256 = {},
                     uint64_t bytes = 0) {
-  return {kHub + repository + "/resolve/main/" + path, sha256, bytes};
+  return {std::string(kHuggingFace) + repository + "/resolve/main/" + path, sha256, bytes};
 }
 
 WeightsInfo DepthAnythingV2Model(const std::string& size, const std::string& purpose, const std::string& licence,
@@ -47,7 +46,7 @@ std::vector<WeightsInfo> VggtModels() {
   research.name = research.parameters = "vggt";
   research.purpose = "3D-aware oracle, poses (VGGT-1B)";
   research.licence = "CC-BY-NC-4.0";
-  research.licence_page = kHub + "facebook/VGGT-1B";
+  research.licence_page = std::string(kHuggingFace) + "facebook/VGGT-1B";
   research.non_commercial = true;
   research.files = {OnHub("facebook/VGGT-1B", "model.safetensors")};
   research.convert = false;
@@ -57,7 +56,7 @@ std::vector<WeightsInfo> VggtModels() {
   commercial.name = "vggt-commercial";
   commercial.purpose = "the same, trained for commercial use (VGGT-1B-Commercial)";
   commercial.licence = "VGGT License";
-  commercial.licence_page = kHub + "facebook/VGGT-1B-Commercial";
+  commercial.licence_page = std::string(kHuggingFace) + "facebook/VGGT-1B-Commercial";
   commercial.non_commercial = false;
   commercial.restriction = "its acceptable use policy rules out military use, among others";
   commercial.gated = true;
@@ -93,7 +92,7 @@ std::vector<WeightsInfo> GeneratorModels() {
   seva.name = seva.parameters = "seva";
   seva.purpose = "generator of proposals (Stable Virtual Camera 1.1)";
   seva.licence = "Stability AI Non-Commercial License";
-  seva.licence_page = kHub + "stabilityai/stable-virtual-camera";
+  seva.licence_page = std::string(kHuggingFace) + "stabilityai/stable-virtual-camera";
   seva.non_commercial = true;
   seva.restriction = "it covers the images that the network makes, too";
   seva.gated = true;
@@ -106,7 +105,7 @@ std::vector<WeightsInfo> GeneratorModels() {
   vae.name = vae.parameters = "sd21-vae";
   vae.purpose = "images to latents and back, for seva";
   vae.licence = "MIT";
-  vae.licence_page = kHub + "stabilityai/sd-vae-ft-mse";
+  vae.licence_page = std::string(kHuggingFace) + "stabilityai/sd-vae-ft-mse";
   vae.files = {OnHub("stabilityai/sd-vae-ft-mse", "diffusion_pytorch_model.safetensors",
                      "a1d993488569e928462932c8c38a0760b874d166399b14414135bd9c42df5815", 334'643'276)};
   vae.download_bytes = 334'643'276;
@@ -115,7 +114,7 @@ std::vector<WeightsInfo> GeneratorModels() {
   clip.name = clip.parameters = "openclip-vith14";
   clip.purpose = "embedding of an image, for seva (OpenCLIP ViT-H/14)";
   clip.licence = "MIT";
-  clip.licence_page = kHub + "laion/CLIP-ViT-H-14-laion2B-s32B-b79K";
+  clip.licence_page = std::string(kHuggingFace) + "laion/CLIP-ViT-H-14-laion2B-s32B-b79K";
   clip.files = {OnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K", "open_clip_pytorch_model.bin",
                       "9a78ef8e8c73fd0df621682e7a8e8eb36c6916cb3c16b291a082ecd52ab79cc4")};
   clip.download_bytes = 3'940'000'000;

@@ -3,9 +3,13 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace oraclegs {
+
+/// Most files are published here, gated ones for accounts only.
+inline constexpr std::string_view kHuggingFace = "https://huggingface.co/";
 
 /// A file as its authors publish it.
 struct PublishedFile {

@@ -16,15 +16,15 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr int kWidth = 51, kHeight = 37;  // no whole number of tiles
-constexpr DepthRange kRange{1 / 9.f, 1 / 1.5f};
-const TexturedPlane kSlanted{{0, 0, 0.3}, Eigen::Vector3d(0.5, -0.3, -1).normalized()};
 // Pixels whose two best planes cost the same but for rounding choose differently, and hand their choice on.
 constexpr double kAgreeing = 0.98;
 constexpr float kSamePlane = 1e-3f, kSameCost = 2e-3f;
 
 class CudaPlaneSearchTest : public CudaTest {
  protected:
-  static StereoScene Scene(int views = 3) { return SceneOf(TakeAll(kSlanted, Arc(views, 8, kWidth, kHeight)), kRange); }
+  static StereoScene Scene(int views = 3) {
+    return SceneOf(TakeAll(kSteep, Arc(views, 8, kWidth, kHeight)), kSteepRange);
+  }
 
   static std::vector<PlaneMap> Start(const StereoScene& scene) {
     std::vector<PlaneMap> maps;
@@ -69,7 +69,7 @@ class CudaPlaneSearchTest : public CudaTest {
 TEST_F(CudaPlaneSearchTest, MatchesCpuAfterOneIteration) {
   for (const bool in_color : {false, true}) {
     StereoScene scene = Scene();
-    const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 8, kWidth, kHeight));
+    const std::vector<LoadedView> views = TakeAll(kSteep, Arc(3, 8, kWidth, kHeight));
     for (size_t v = 0; in_color && v < 3; ++v) scene.views[v].image = Pack(views[v].rgb);
     const std::vector<PlaneMap> start = Start(scene), gpu = OnGpu(scene, start, {{1, 0, false}}),
                                 cpu = OnCpu(scene, start, {{1, 0, false}});
@@ -88,7 +88,7 @@ TEST_F(CudaPlaneSearchTest, ReachesAccuracyOfCpu) {
   const std::vector<SearchPass> passes = {{4, 0, false}, {2, 1, true}};
   const std::vector<PlaneMap> gpu = OnGpu(scene, start, passes), cpu = OnCpu(scene, start, passes);
   for (size_t v = 0; v < 3; ++v) {
-    const PlaneMap truth = TrueMap(scene.views[v].camera, kSlanted);
+    const PlaneMap truth = TrueMap(scene.views[v].camera, kSteep);
     EXPECT_GT(ShareRight(gpu[v], truth, 0.02f), 0.85) << v;
     EXPECT_NEAR(ShareRight(gpu[v], truth, 0.02f), ShareRight(cpu[v], truth, 0.02f), 0.02) << v;
     EXPECT_NEAR(ShareRight(gpu[v], truth, 0.005f), ShareRight(cpu[v], truth, 0.005f), 0.04) << v;
@@ -108,11 +108,11 @@ TEST_F(CudaPlaneSearchTest, GivesSameBitsAgain) {
 TEST_F(CudaPlaneSearchTest, UsesMapsOfPreviousPass) {
   const StereoScene scene = Scene();
   std::vector<PlaneMap> start = Start(scene);
-  for (const size_t v : {0u, 2u}) start[v] = TrueMap(scene.views[v].camera, kSlanted);
+  for (const size_t v : {0u, 2u}) start[v] = TrueMap(scene.views[v].camera, kSteep);
   const std::vector<PlaneMap> gpu = OnGpu(scene, start, {{1, 0, true}}), cpu = OnCpu(scene, start, {{1, 0, true}}),
                               without = OnGpu(scene, start, {{1, 0, false}});
   for (size_t v = 0; v < 3; ++v) EXPECT_GT(Agreement(gpu[v], cpu[v]), kAgreeing) << v;
-  const PlaneMap truth = TrueMap(scene.views[1].camera, kSlanted);
+  const PlaneMap truth = TrueMap(scene.views[1].camera, kSteep);
   EXPECT_GT(ShareRight(gpu[1], truth, 0.01f), ShareRight(without[1], truth, 0.01f));
 }
 
@@ -138,7 +138,7 @@ TEST_F(CudaPlaneSearchTest, IgnoresUnusablePixels) {
 }
 
 TEST_F(CudaPlaneSearchTest, StaysWithinSilhouettes) {
-  TexturedPlane square = kSlanted;
+  TexturedPlane square = kSteep;
   square.half_side = 0.7;
   // The third camera looks along the square and rules most depths out.
   std::vector<Camera> cameras = Arc(2, 8, 96, 72);
@@ -151,7 +151,7 @@ TEST_F(CudaPlaneSearchTest, StaysWithinSilhouettes) {
     const ImageF small = ResizeArea(Luma(views[v].rgb), 48, 36);
     std::vector<uint8_t> usable;
     for (size_t i = 0; i < 48 * 36; ++i) usable.push_back(silhouettes.Object(v)[i / 48 * 2 * 96 + i % 48 * 2]);
-    scene.views.push_back({Resized(cameras[v], 48, 36), Pack(small), usable, kRange, {v == 0 ? 1 : 0}});
+    scene.views.push_back({Resized(cameras[v], 48, 36), Pack(small), usable, kSteepRange, {v == 0 ? 1 : 0}});
   }
   scene.silhouettes = &silhouettes;
   scene.silhouette_scale = 2;
@@ -191,7 +191,7 @@ TEST_F(CudaPlaneSearchTest, ChangesNothingWithoutSources) {
 TEST_F(CudaPlaneSearchTest, AcceptsSeveralLevels) {
   const auto search = MakeCudaPlaneSearch(0);
   for (const int width : {24, 40, 16}) {
-    const StereoScene scene = SceneOf(TakeAll(kSlanted, Arc(2, 8, width, 20)), kRange);
+    const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(2, 8, width, 20)), kSteepRange);
     const std::vector<PlaneMap> start = Start(scene);
     const std::vector<PlaneMap> gpu = Search(search.get(), scene, start, {{1, 0, false}});
     const std::vector<PlaneMap> cpu = OnCpu(scene, start, {{1, 0, false}});
@@ -200,7 +200,7 @@ TEST_F(CudaPlaneSearchTest, AcceptsSeveralLevels) {
 }
 
 TEST_F(CudaPlaneSearchTest, FindsDepthOfCpu) {
-  const std::vector<LoadedView> views = TakeAll(kSlanted, Arc(3, 8, 64, 48));
+  const std::vector<LoadedView> views = TakeAll(kSteep, Arc(3, 8, 64, 48));
   StereoOptions options;
   options.iterations = 3;
   options.geometric_passes = 1;

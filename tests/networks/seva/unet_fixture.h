@@ -25,7 +25,7 @@ inline std::vector<std::string> Words(const SafetensorsFile& file, const std::st
   return out;
 }
 
-inline UnetConfig GoldenConfig(const SafetensorsFile& file) {
+inline UnetConfig GoldenUnetConfig(const SafetensorsFile& file) {
   UnetConfig config;
   config.channels = Count(file, "model_channels");
   config.res_blocks = Count(file, "num_res_blocks");
@@ -46,7 +46,7 @@ struct GoldenUnet {
 
   GoldenUnet() {
     FileParameters source = GoldenWeights(kUnetFixture);
-    unet = LoadUnet(source, GoldenConfig(file));
+    unet = LoadUnet(source, GoldenUnetConfig(file));
     source.Finish();
     x = at::cat({GoldenFloat(file, "input.x"), GoldenFloat(file, "input.concat")}, 1);
     steps = GoldenTensor(file, "input.t").to(torch::kLong);

@@ -93,7 +93,7 @@ TEST(SevaUnet, LoadsFilesWithAndWithoutTheirPrefix) {
   const TempDir dir;
   for (const std::string prefix : {"", "module."}) {
     WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, prefix));
-    const Unet unet = LoadUnet({dir / "model.safetensors"}, GoldenConfig(golden.file));
+    const Unet unet = LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file));
     EXPECT_TRUE(torch::equal(Forward(unet, golden.x, golden.steps, conditioning), expected)) << prefix;
   }
 }
@@ -103,7 +103,7 @@ TEST(SevaUnet, NamesWhatAFileLacks) {
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, "unet."));
   try {
-    LoadUnet({dir / "model.safetensors"}, GoldenConfig(golden.file));
+    LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file));
     FAIL() << "loaded";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("the UNet of Stable Virtual Camera"),
@@ -115,7 +115,8 @@ TEST(SevaUnet, BFloat16StaysClose) {
   const GoldenUnet golden;
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, ""));
-  const Unet unet = LoadUnet({dir / "model.safetensors"}, GoldenConfig(golden.file), {torch::kCPU, torch::kBFloat16});
+  const Unet unet =
+      LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file), {torch::kCPU, torch::kBFloat16});
   const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
   EXPECT_EQ(out.scalar_type(), torch::kFloat);
   EXPECT_LE(RelativeL2(out, GoldenTensor(golden.file, "output.out")), 0.05);

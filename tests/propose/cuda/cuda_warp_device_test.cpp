@@ -15,7 +15,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kWidth = 32, kHeight = 24;
+constexpr int kWarpWidth = 32, kWarpHeight = 24;
 constexpr double kFlipped = kEmulatedCuda ? 0 : 0.02;  // of the pixels: where rounding decides, one device may differ
 
 /// A square before a wall, which neither covers the cameras' edges nor is known everywhere.
@@ -24,7 +24,7 @@ class CudaWarpTest : public CudaTest {
   CudaWarpTest() {
     near.half_side = 0.5, near.point = {0, 0, -1.5};
     far.half_side = 2.2, far.point = {0, 0, 1.5};
-    Show(Arc(4, 8, kWidth, kHeight));
+    Show(Arc(4, 8, kWarpWidth, kWarpHeight));
   }
 
   void Show(const std::vector<Camera>& cameras) {
@@ -88,7 +88,7 @@ class CudaWarpTest : public CudaTest {
   std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
   Rng rng{3, RandomStream::kInitialPoints};
-  const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, kWidth, kHeight);
+  const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, kWarpWidth, kWarpHeight);
   const Camera aside = CameraAt({2.6, 0, -3}, {0, 0, 0}, 28, 20);
 };
 
@@ -101,14 +101,14 @@ TEST_F(CudaWarpTest, HoldsViewOut) {
 }
 
 TEST_F(CudaWarpTest, MatchesCpuNearAndFar) {
-  const Camera close = CameraAt({0.1, 0, -2.2}, {0, 0, 0}, kWidth, kHeight);  // a depth falls on many pixels
-  const Camera distant = CameraAt({0, 1, -30}, {0, 0, 0}, 16, 12);            // many depths fall on one
+  const Camera close = CameraAt({0.1, 0, -2.2}, {0, 0, 0}, kWarpWidth, kWarpHeight);  // a depth falls on many pixels
+  const Camera distant = CameraAt({0, 1, -30}, {0, 0, 0}, 16, 12);                    // many depths fall on one
   for (const Camera& camera : {close, distant}) ExpectTheCpus(Warped(Sources(), camera), Sources(), camera);
 }
 
 TEST_F(CudaWarpTest, MatchesCpuWithMasksAndGains) {
   for (LoadedView& source_view : views) {
-    source_view.mask.resize(size_t{kWidth} * kHeight);
+    source_view.mask.resize(size_t{kWarpWidth} * kWarpHeight);
     for (uint8_t& counts : source_view.mask) counts = rng.Uniform() < 0.8;
   }
   views[2].mask.clear();
@@ -120,7 +120,7 @@ TEST_F(CudaWarpTest, MatchesCpuWithMasksAndGains) {
 TEST_F(CudaWarpTest, MatchesCpuBesideObject) {
   TexturedPlane square;
   square.half_side = 0.7;
-  views = TakeAll(square, Arc(4, 14, kWidth, kHeight));
+  views = TakeAll(square, Arc(4, 14, kWarpWidth, kWarpHeight));
   maps.clear();
   for (const LoadedView& source_view : views) maps.push_back(TrueDepth(source_view, square, 0.9f));
   const Silhouettes silhouettes(views);
@@ -128,7 +128,7 @@ TEST_F(CudaWarpTest, MatchesCpuBesideObject) {
   const WarpSources sources{views, maps, {}, &silhouettes, {1, 1, 1}};
   const WarpedView view = Warped(sources, between);
   EXPECT_EQ(view.evidence[0].background, 1.f);
-  EXPECT_EQ(view.evidence[kHeight / 2 * kWidth + kWidth / 2].background, 0.f);
+  EXPECT_EQ(view.evidence[kWarpHeight / 2 * kWarpWidth + kWarpWidth / 2].background, 0.f);
   ExpectTheCpus(view, sources, between);
 }
 
@@ -190,7 +190,7 @@ TEST_F(CudaWarpTest, ReportsOutOfMemory) {
   const DeviceMemory memory = MemoryOfDevice();
   emulated_cuda::SetMemory(static_cast<size_t>(memory.total - memory.free) + 1000);
   EXPECT_THAT([&] { Warped(Sources(), between); }, says("for the images that are warped"));
-  const Camera large = CameraAt({0.3, 0, -4}, {0, 0, 0}, 2 * kWidth, 2 * kHeight);
+  const Camera large = CameraAt({0.3, 0, -4}, {0, 0, 0}, 2 * kWarpWidth, 2 * kWarpHeight);
   EXPECT_THAT([&] { warper.Warp(large); }, says("for the depths that fall on a new view's pixels"));
   ExpectTheCpus(warper.Warp(between), Sources(), between);  // and goes on: there is memory for such views
   emulated_cuda::SetMemory(size_t{1} << 40);

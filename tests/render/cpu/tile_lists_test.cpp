@@ -12,7 +12,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kTilesX = 6, kTilesY = 5;
+constexpr int kColumns = 6, kRows = 5;
 
 struct Input {
   std::vector<cpu::LineSplat> splats;
@@ -24,10 +24,10 @@ Input MakeInput(int64_t n) {
   Rng rng(5, RandomStream::kInitialPoints);
   Input in;
   for (int64_t i = 0; i < n; ++i) {
-    cpu::LineSplat s = RandomSplat(&rng, kTilesX * kTile, kTilesY * kTile);
+    cpu::LineSplat s = RandomSplat(&rng, kColumns * kTile, kRows * kTile);
     s.depth = std::round(s.depth * 20) / 20 + 0.25f;
     in.splats.push_back(s);
-    in.rects.push_back(i % 3 == 0 ? TileRect{} : TileRect{0, 0, kTilesX, kTilesY});
+    in.rects.push_back(i % 3 == 0 ? TileRect{} : TileRect{0, 0, kColumns, kRows});
   }
   return in;
 }
@@ -35,10 +35,10 @@ Input MakeInput(int64_t n) {
 TEST(TileLists, SortsByDepthAndIndex) {
   const Input in = MakeInput(9000);
   cpu::TileLists lists;
-  lists.Build(in.splats.data(), in.rects.data(), 9000, kTilesX, kTilesY);
+  lists.Build(in.splats.data(), in.rects.data(), 9000, kColumns, kRows);
   std::map<uint32_t, int64_t> pairs_of;
   std::map<uint32_t, std::pair<uint32_t, int>> place_of;  // Gaussian and tile of a pair
-  for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
+  for (int tile = 0; tile < kColumns * kRows; ++tile) {
     for (int64_t i = lists.tile_begin.data()[tile]; i < lists.tile_begin.data()[tile + 1]; ++i) {
       const uint32_t id = lists.entries.data()[i].id;
       ++pairs_of[id];
@@ -49,7 +49,7 @@ TEST(TileLists, SortsByDepthAndIndex) {
       EXPECT_LT(key(before), key(id)) << "tile " << tile;
     }
   }
-  EXPECT_EQ(lists.tile_begin.data()[kTilesX * kTilesY], lists.pairs);
+  EXPECT_EQ(lists.tile_begin.data()[kColumns * kRows], lists.pairs);
   EXPECT_EQ(lists.visible, static_cast<int64_t>(pairs_of.size()));
   for (uint32_t id = 0; id < 9000; ++id) {
     const cpu::PairRange range = lists.ranges.data()[id];
@@ -65,13 +65,13 @@ TEST(TileLists, IsTheSameForAnyNumberOfThreads) {
   const Input in = MakeInput(20000);
   SetNumThreads(1);
   cpu::TileLists one;
-  one.Build(in.splats.data(), in.rects.data(), 20000, kTilesX, kTilesY);
+  one.Build(in.splats.data(), in.rects.data(), 20000, kColumns, kRows);
   SetNumThreads(5);
   cpu::TileLists five;
-  five.Build(in.splats.data(), in.rects.data(), 20000, kTilesX, kTilesY);
+  five.Build(in.splats.data(), in.rects.data(), 20000, kColumns, kRows);
   SetNumThreads(0);
   ASSERT_EQ(one.pairs, five.pairs);
-  for (int tile = 0; tile <= kTilesX * kTilesY; ++tile) {
+  for (int tile = 0; tile <= kColumns * kRows; ++tile) {
     EXPECT_EQ(one.tile_begin.data()[tile], five.tile_begin.data()[tile]);
   }
   for (int64_t i = 0; i < one.pairs; ++i) {
@@ -83,7 +83,7 @@ TEST(TileLists, IsTheSameForAnyNumberOfThreads) {
 TEST(TileLists, NothingVisible) {
   const Input in = MakeInput(1);
   cpu::TileLists lists;
-  lists.Build(in.splats.data(), in.rects.data(), 1, kTilesX, kTilesY);
+  lists.Build(in.splats.data(), in.rects.data(), 1, kColumns, kRows);
   EXPECT_EQ(lists.pairs, 0);
   EXPECT_EQ(lists.visible, 0);
 }

@@ -1,16 +1,10 @@
 #pragma once
 // Gaussians on the device of the tests.
 
-#include "support/device_buffers.h"
+#include "render/cuda/device_scenes.h"
 #include "train/gaussian_fixtures.h"
 
 namespace oraclegs {
-
-inline Gaussians OnTestDevice(const Gaussians& g) {
-  Gaussians out = g;
-  out.ForEach([](const char*, Buffer<float>& t) { t = OnTestDevice(t); });
-  return out;
-}
 
 inline Gaussians OnHost(const Gaussians& gaussians) { return gaussians.To(kCpu); }
 

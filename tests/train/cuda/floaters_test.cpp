@@ -11,13 +11,13 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int64_t kCount = 500;
+constexpr int64_t kFloaterCount = 500;
 
 class CudaFloaters : public CudaTest {
  protected:
   std::vector<TrainView> views;
   std::vector<Buffer<float>> kept;  // what the views on the device point to
-  Gaussians start = RandomGaussians(kCount, 3);
+  Gaussians start = RandomGaussians(kFloaterCount, 3);
   DeviceArray<DepthView> depth_views{"a test"};
   DeviceArray<uint8_t> floats{"a test"};
   DeviceArray<int> counts{"a test"};
@@ -51,9 +51,10 @@ class CudaFloaters : public CudaTest {
       all.push_back(out);
     }
     depth_views.Upload(all.data(), static_cast<int64_t>(all.size()));
-    floats.Reserve(kCount);
+    floats.Reserve(kFloaterCount);
     counts.Reserve(2);
-    return {gaussians.Rows(), kCount, depth_views.data(), static_cast<int>(all.size()), floats.data(), counts.data()};
+    return {gaussians.Rows(), kFloaterCount, depth_views.data(), static_cast<int>(all.size()),
+            floats.data(),    counts.data()};
   }
 };
 

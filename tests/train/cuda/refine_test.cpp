@@ -9,25 +9,25 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int64_t kCount = 3 * 256 + 19;
+constexpr int64_t kRefineCount = 3 * 256 + 19;
 
 class CudaRefine : public CudaTest {
  protected:
-  Gaussians start = RandomGaussians(kCount, 5);
+  Gaussians start = RandomGaussians(kRefineCount, 5);
   DeviceArray<uint64_t> weights{"a test"}, ranks{"a test"}, totals{"a test"};
   DeviceArray<int> sources{"a test"}, draws{"a test"};
   DeviceArray<double> choose{"a test"};
 
   void SetUp() override {
     CudaTest::SetUp();
-    for (int64_t i = 0; i < kCount; i += 7) start.opacity_logits[i] = -7;  // dead
-    start.opacity_logits[1] = 60;                                          // opacity 1
+    for (int64_t i = 0; i < kRefineCount; i += 7) start.opacity_logits[i] = -7;  // dead
+    start.opacity_logits[1] = 60;                                                // opacity 1
   }
 
   static Adam Moments() {
     Adam adam(0);
-    adam.m = RandomGaussians(kCount, 6);
-    adam.v = RandomGaussians(kCount, 7);
+    adam.m = RandomGaussians(kRefineCount, 6);
+    adam.v = RandomGaussians(kRefineCount, 7);
     return adam;
   }
 
@@ -35,12 +35,12 @@ class CudaRefine : public CudaTest {
     std::vector<double> table;
     for (const auto& row : Binomials()) table.insert(table.end(), row.begin(), row.end());
     choose.Upload(table.data(), static_cast<int64_t>(table.size()));
-    for (DeviceArray<uint64_t>* array : {&weights, &ranks, &totals}) array->Reserve(kCount);
-    for (DeviceArray<int>* array : {&sources, &draws}) array->Reserve(kCount);
+    for (DeviceArray<uint64_t>* array : {&weights, &ranks, &totals}) array->Reserve(kRefineCount);
+    for (DeviceArray<int>* array : {&sources, &draws}) array->Reserve(kRefineCount);
     RefineInput in;
     in.seed = 3;
     in.iteration = iteration;
-    in.count = kCount;
+    in.count = kRefineCount;
     in.params = gaussians.Rows();
     in.m = adam.m.Rows();
     in.v = adam.v.Rows();
@@ -92,15 +92,15 @@ TEST_F(CudaRefine, GrowsAsTheCpuDoes) {
   Gaussians expected = start.Clone();
   Adam expected_adam = Moments();
   const int64_t added = AddGaussians(3, 700, 100000, &expected, &expected_adam);
-  ASSERT_EQ(added, kCount / 20);
+  ASSERT_EQ(added, kRefineCount / 20);
   Gaussians gaussians = oraclegs::OnTestDevice(start);
   Adam adam = OnTestDevice(Moments());
   for (Gaussians* rows : {&gaussians, &adam.m, &adam.v}) {
-    rows->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(kCount + added); });
+    rows->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(kRefineCount + added); });
   }
   const RefineInput in = Input(700, gaussians, adam);
   RunWeigh(in, nullptr);
-  EXPECT_GT(ToHost(weights, kCount).back(), 0u);
+  EXPECT_GT(ToHost(weights, kRefineCount).back(), 0u);
   RunGrow(in, added, nullptr);
   ExpectClose(OnHost(gaussians), expected, 1e-6);
   EXPECT_TRUE(Equal(OnHost(gaussians.means), expected.means));
@@ -112,9 +112,9 @@ TEST_F(CudaRefine, RunningSumsAreExact) {
   const Gaussians gaussians = oraclegs::OnTestDevice(start);
   const Adam adam = OnTestDevice(Moments());
   RunWeigh(Input(600, gaussians, adam), nullptr);
-  const std::vector<uint64_t> sums = ToHost(weights, kCount);
+  const std::vector<uint64_t> sums = ToHost(weights, kRefineCount);
   uint64_t before = 0;
-  for (int64_t i = 0; i < kCount; ++i) {
+  for (int64_t i = 0; i < kRefineCount; ++i) {
     const double opacity = OpacityOf(start.opacity_logits[i]);
     EXPECT_NEAR(static_cast<double>(sums[i] - before) * 0x1p-36, opacity, 1e-10) << i;
     before = sums[i];

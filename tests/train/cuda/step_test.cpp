@@ -15,11 +15,11 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int64_t kCount = 2 * kStepBlock + 37;
+constexpr int64_t kStepCount = 2 * kStepBlock + 37;
 constexpr double kRate = 1e-4;
 constexpr RegularizerOptions kRegularizers{0.02, 0.03};
 
-struct DeviceStep final : GradientConsumer {
+struct TestStep final : GradientConsumer {
   StepConstants step;
 
   void ConsumeOnDevice(const GaussianBackwardInput& in) override { RunStep(in, step); }
@@ -27,7 +27,7 @@ struct DeviceStep final : GradientConsumer {
 
 class CudaStep : public CudaTest {
  protected:
-  Gaussians start = RandomGaussians(kCount, 5);
+  Gaussians start = RandomGaussians(kStepCount, 5);
   Buffer<float> upstream = RandomNormal({kHeight, kWidth, 3}, 1);
   LearningRates rates{kRate};
   std::unique_ptr<Rasterizer> rasterizer;
@@ -41,7 +41,7 @@ class CudaStep : public CudaTest {
   }
 
   static Adam NewAdam() {
-    Adam adam(kCount);
+    Adam adam(kStepCount);
     adam.m = OnTestDevice(adam.m);
     adam.v = OnTestDevice(adam.v);
     return adam;
@@ -51,10 +51,10 @@ class CudaStep : public CudaTest {
   Gaussians OnGpu(int64_t iteration, int degree, Gaussians* gaussians, Adam* adam) {
     rasterizer->Forward(*gaussians, CameraOnCircle(0.3), {{0.1f, 0.2f, 0.3f}, degree, false}, RenderPass::kTrain);
     const RenderGrads image{OnTestDevice(upstream), {}, {}};
-    Gaussians grads = OnTestDevice(Gaussians::Zeros(kCount));
+    Gaussians grads = OnTestDevice(Gaussians::Zeros(kStepCount));
     rasterizer->Backward(*gaussians, image, &grads);
-    const RegularizerSums weights = kRegularizers.PerEntry(kCount);
-    DeviceStep consumer;
+    const RegularizerSums weights = kRegularizers.PerEntry(kStepCount);
+    TestStep consumer;
     consumer.step.params = gaussians->Rows();
     consumer.step.adam = adam->BeginStep(rates, degree, std::as_const(*gaussians));
     consumer.step.m = adam->m.Rows();
@@ -68,11 +68,11 @@ class CudaStep : public CudaTest {
 
   static double Value(const Gaussians& gaussians) {
     DeviceArray<RegularizerSums> sums("a test");
-    sums.ReserveExactly(StepBlocks(kCount));
-    RunRegularizerSums({kCount, gaussians.Rows(), sums.data()}, nullptr);
-    const RegularizerSums weights = kRegularizers.PerEntry(kCount);
+    sums.ReserveExactly(StepBlocks(kStepCount));
+    RunRegularizerSums({kStepCount, gaussians.Rows(), sums.data()}, nullptr);
+    const RegularizerSums weights = kRegularizers.PerEntry(kStepCount);
     double value = 0;
-    for (const RegularizerSums& block : ToHost(sums, StepBlocks(kCount))) {
+    for (const RegularizerSums& block : ToHost(sums, StepBlocks(kStepCount))) {
       value += weights.opacity * block.opacity + weights.scale * block.scale;
     }
     return value;
@@ -82,7 +82,7 @@ class CudaStep : public CudaTest {
 TEST_F(CudaStep, IsRegularisersAdamAndNoiseOfTheCpu) {
   for (const int degree : {0, 1, 2, 3}) {
     Gaussians expected = start.Clone(), gaussians = OnTestDevice(start);
-    Adam expected_adam(kCount), adam = NewAdam();
+    Adam expected_adam(kStepCount), adam = NewAdam();
     for (int64_t i = 1; i <= 3; ++i) {
       const double value = Value(gaussians);
       Gaussians grads = OnGpu(i, degree, &gaussians, &adam);
@@ -107,7 +107,7 @@ TEST_F(CudaStep, IsRegularisersAdamAndNoiseOfTheCpu) {
 TEST_F(CudaStep, MomentsDoNotStayAmongTheSubnormalNumbers) {
   Gaussians gaussians = OnTestDevice(start);
   upstream.SetZero();
-  Adam adam(kCount);
+  Adam adam(kStepCount);
   for (Gaussians* moment : {&adam.m, &adam.v}) {
     moment->ForEach([](const char*, Buffer<float>& t) { Flat(t).setConstant(1.2e-38f); });
     *moment = OnTestDevice(*moment);
@@ -122,7 +122,7 @@ TEST_F(CudaStep, NoiseIsTheCpus) {
   Gaussians expected = start.Clone();
   AddNoise(noise, &expected);
   const Gaussians gaussians = OnTestDevice(start);
-  RunNoise({kCount, gaussians.Rows(), noise.Constants()}, nullptr);
+  RunNoise({kStepCount, gaussians.Rows(), noise.Constants()}, nullptr);
   const Buffer<float> means = OnHost(gaussians.means);
   const double moved = MaxAbsError(expected.means, start.means);
   EXPECT_GT(moved, 0.01);

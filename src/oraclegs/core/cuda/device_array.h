@@ -11,6 +11,9 @@
 
 namespace oraclegs::cuda {
 
+/// Where all work is queued: the default stream, which is also the networks'.
+inline constexpr cudaStream_t kStream = nullptr;
+
 /// Device memory for items that every pass writes anew. Grows to the largest use and a quarter more, so that counts
 /// which creep up from pass to pass do not allocate in each; growing waits for the device.
 template <class T>

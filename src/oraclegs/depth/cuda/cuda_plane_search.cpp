@@ -9,8 +9,6 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr cudaStream_t kStream = nullptr;  // libtorch's, too
-
 /// Arrays are of all views, one after the other: view v's pixels begin at first_[v].
 class CudaPlaneSearch final : public PlaneSearch {
  public:

@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kListed = 20;
 
-std::string Shape(at::IntArrayRef shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
+std::string ShapeText(at::IntArrayRef shape) { return fmt::format("[{}]", fmt::join(shape, ", ")); }
 
 Tensor WithoutMemory(at::IntArrayRef shape) {
   return torch::empty(shape, torch::TensorOptions(torch::kMeta).dtype(torch::kFloat));
@@ -93,7 +93,7 @@ Tensor FileParameters::Get(const std::string& name, at::IntArrayRef shape) {
     return WithoutMemory(shape);
   }
   if (!Fits(entry.shape, shape)) {
-    wrong_shape_.push_back(fmt::format("{} is {}, expected {}", name, Shape(entry.shape), Shape(shape)));
+    wrong_shape_.push_back(fmt::format("{} is {}, expected {}", name, ShapeText(entry.shape), ShapeText(shape)));
     return WithoutMemory(shape);
   }
   // The deleter keeps the mapping alive as long as any tensor of it. Nobody writes to it.

@@ -17,7 +17,6 @@
 namespace oraclegs::seva {
 namespace {
 
-constexpr int64_t kLatentStride = 8, kLatentChannels = 4;
 constexpr double kBytesInGigabyte = 1e9;
 
 Eigen::Matrix3d Intrinsics(const Camera& camera) {

@@ -9,7 +9,7 @@
 namespace oraclegs::seva {
 namespace {
 
-constexpr int64_t kFloat = 4, kLatentStride = 8;
+constexpr int64_t kFloat = 4;
 constexpr int64_t kColors = 3;
 constexpr int64_t kTileStep = 16, kMinTile = 32;                     // latent pixels
 constexpr int64_t kSuggestedFrames = 21, kSuggestedShortSide = 384;  // what the error suggests

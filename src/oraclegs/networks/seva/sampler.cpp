@@ -4,12 +4,12 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
+#include "oraclegs/networks/seva/vae.h"
 
 namespace oraclegs::seva {
 namespace {
 
 constexpr float kExtraSigma = 1e-6f;
-constexpr int64_t kLatentChannels = 4;
 constexpr float kTwoPi = 6.2831853071795865f;
 
 /// Exactly as float32: the compiler must not fuse the multiply with the subtraction.

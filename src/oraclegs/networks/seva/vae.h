@@ -9,6 +9,9 @@
 
 namespace oraclegs::seva {
 
+/// Of the published network: pixels of an image a latent, channels of a latent.
+inline constexpr int64_t kLatentStride = 8, kLatentChannels = 4;
+
 struct VaeConfig {
   std::vector<int64_t> channels = {128, 256, 512, 512};  ///< of each level; the latents are at the last one
   int64_t resnets = 2;                                   ///< of a level of the encoder; the decoder has one more

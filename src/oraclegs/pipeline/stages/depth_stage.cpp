@@ -21,7 +21,7 @@ constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which 
 
 /// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
-void Own(Run* run, Fingerprint* key) {
+void AddDepthKey(Run* run, Fingerprint* key) {
   const DepthSource& source = run->plan.depth;
   key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image.downscale, &run->files));
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
@@ -89,13 +89,13 @@ double MeanConfidentShare(const std::vector<DepthMap>& maps) {
   return maps.empty() ? 0 : sum / static_cast<double>(maps.size());
 }
 
-void Undo(Run* run, const nlohmann::json&) {
+void UndoDepth(Run* run, const nlohmann::json&) {
   std::error_code ignored;
   std::filesystem::remove(run->workspace.dense_ply(), ignored);  // first: without it what stands there is not believed
   std::filesystem::remove_all(run->workspace.depth(), ignored);
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string&) {
+std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
   const DepthSource& source = run->plan.depth;
   const TrainingViews& training = ViewsOf(run);
   MonocularMaps found = FindDepth(*run, training);
@@ -117,7 +117,7 @@ std::optional<nlohmann::json> Make(Run* run, const std::string&) {
   return record;
 }
 
-bool Load(Run* run) {
+bool LoadDepth(Run* run) {
   try {
     run->results->geometry = ReadGeometry(*run, ViewsOf(run).views);
     return !run->results->geometry.maps.empty();
@@ -140,7 +140,7 @@ void ReportNetwork(const Run& run) {
   }
 }
 
-void Report(Run* run) {
+void ReportDepth(Run* run) {
   ReportNetwork(*run);
   const Geometry& geometry = run->results->geometry;
   std::vector<std::string> poor;
@@ -160,11 +160,11 @@ void Report(Run* run) {
 
 StageWork DepthStage() {
   return {.wanted = [](const Run& run) { return run.plan.needs_depth; },
-          .own = Own,
-          .undo = Undo,
-          .make = Make,
-          .load = Load,
-          .report = Report};
+          .own = AddDepthKey,
+          .undo = UndoDepth,
+          .make = MakeDepth,
+          .load = LoadDepth,
+          .report = ReportDepth};
 }
 
 void RequireDepth(Run* run) {

@@ -12,21 +12,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void Own(Run* run, Fingerprint* key) {
+void AddEvaluateKey(Run* run, Fingerprint* key) {
   key->Add(run->files.OfAll(run->plan.lpips)).Add(ShapingOptionsToJson(run->options).dump());
   key->Add(ViewsFingerprint(run->scene, run->split.test, run->options.image.downscale, &run->files));
   std::error_code ignored;
   if (fs::exists(run->workspace.point_cloud(), ignored)) key->AddFile(run->workspace.point_cloud());
 }
 
-void Undo(Run* run, const nlohmann::json&) {
+void UndoEvaluate(Run* run, const nlohmann::json&) {
   const fs::path dir = run->workspace.renders("test");
   std::error_code error;
   fs::remove_all(dir, error);
   if (error) throw RunError("{}: cannot be removed: {}", dir.string(), error.message());
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string&) {
+std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   const Workspace& workspace = run->workspace;
   const Stopwatch watch;
   const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device);
@@ -58,7 +58,11 @@ nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& vie
 }
 
 StageWork EvaluateStage() {
-  return {.wanted = [](const Run&) { return true; }, .own = Own, .undo = Undo, .make = Make, .file = "metrics.json"};
+  return {.wanted = [](const Run&) { return true; },
+          .own = AddEvaluateKey,
+          .undo = UndoEvaluate,
+          .make = MakeEvaluate,
+          .file = "metrics.json"};
 }
 
 }  // namespace oraclegs

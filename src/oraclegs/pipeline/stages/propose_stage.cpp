@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kChunk = 8;              // targets that are proposed together
+constexpr size_t kTargetsTogether = 8;    // targets that are proposed together
 constexpr uint64_t kKeptMemoryShare = 4;  // candidates are kept in one part in so many of the free memory
 
 /// The files of --proposal-folder, and of the confidence beside synthetic_N.
@@ -46,7 +46,7 @@ void AddPoses(const Run& run, Fingerprint* key) {
   }
 }
 
-void Own(Run* run, Fingerprint* key) {
+void AddProposeKey(Run* run, Fingerprint* key) {
   const RunOptions& options = run->options;
   key->Add(run->plan.proposes);  // a folder may be all there is
   key->Add(OptionsToJson(options.propose).dump()).Add(OptionsToJson(options.trajectory).dump());
@@ -97,7 +97,7 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
 }
 
 /// What is proposed where. Deterministic: that of an earlier run is found again.
-bool Load(Run* run) {
+bool LoadPropose(Run* run) {
   StageResults& known = *run->results;
   const TrainingViews& training = ViewsOf(run);
   known.targets.clear(), known.folder = {}, known.proposers = nullptr;
@@ -122,9 +122,10 @@ std::vector<std::string> WriteCandidates(Run* run) {
   const Proposers& proposers = ProposersOf(run);
   const std::vector<Target>& targets = known.targets;
   std::vector<std::string> files;
-  for (size_t first = 0; first < targets.size(); first += kChunk) {
-    const std::vector<Target> chunk(targets.begin() + static_cast<int64_t>(first),
-                                    targets.begin() + static_cast<int64_t>(std::min(first + kChunk, targets.size())));
+  for (size_t first = 0; first < targets.size(); first += kTargetsTogether) {
+    const std::vector<Target> chunk(
+        targets.begin() + static_cast<int64_t>(first),
+        targets.begin() + static_cast<int64_t>(std::min(first + kTargetsTogether, targets.size())));
     std::vector<std::vector<Proposal>> of_chunk = proposers.Ask(chunk);
     for (size_t t = 0; t < chunk.size(); ++t) {
       for (const Proposal& p : of_chunk[t]) {
@@ -140,7 +141,7 @@ std::vector<std::string> WriteCandidates(Run* run) {
   return files;
 }
 
-void Undo(Run* run, const nlohmann::json&) {
+void UndoPropose(Run* run, const nlohmann::json&) {
   for (const char* old : {"warp", "splat", "transforms.json"}) {
     std::error_code ignored;
     fs::remove_all(run->workspace.proposals() / old, ignored);
@@ -148,8 +149,8 @@ void Undo(Run* run, const nlohmann::json&) {
   RemoveGenerated(run->workspace.proposals());
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
-  Load(run);
+std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
+  LoadPropose(run);
   const StageResults& known = *run->results;
   if (known.targets.empty() && run->options.propose.proposal_folder.empty() &&
       !CanPropose(ViewsOf(run), known.geometry)) {
@@ -189,10 +190,10 @@ std::vector<int> SpareViews(const Run& run) {
 
 StageWork ProposeStage() {
   return {.wanted = [](const Run& run) { return run.plan.has_proposals; },
-          .own = Own,
-          .undo = Undo,
-          .make = Make,
-          .load = Load};
+          .own = AddProposeKey,
+          .undo = UndoPropose,
+          .make = MakePropose,
+          .load = LoadPropose};
 }
 
 }  // namespace oraclegs

@@ -124,7 +124,7 @@ std::vector<std::string> FilesOf(int k) {
   return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
 }
 
-void Own(Run* run, Fingerprint* key) {
+void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions& options = run->options;
   key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
   key->Add(options.train.iterations);  // whose share the finish is
@@ -132,7 +132,7 @@ void Own(Run* run, Fingerprint* key) {
   key->Add(OptionsToJson(options.image).dump());
 }
 
-bool Load(Run* run) {
+bool LoadProxy(Run* run) {
   std::vector<ProxyModel> proxies;
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   for (int k = 0; k < n; ++k) {
@@ -144,7 +144,7 @@ bool Load(Run* run) {
   return true;
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
+std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   run->results->proxies.clear();
   if (!CanPropose(ViewsOf(run), run->results->geometry)) return std::nullopt;
   const ProxyTrainer trainer(run);
@@ -164,7 +164,7 @@ std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
     }
     run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
   }
-  Load(run);
+  LoadProxy(run);
   return nlohmann::json{{"models", n}, {"files", all}};
 }
 
@@ -193,9 +193,9 @@ bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
 
 StageWork ProxyStage() {
   return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
-          .own = Own,
-          .make = Make,
-          .load = Load};
+          .own = AddProxyKey,
+          .make = MakeProxy,
+          .load = LoadProxy};
 }
 
 }  // namespace oraclegs

@@ -7,12 +7,12 @@
 namespace oraclegs {
 namespace {
 
-void Own(Run* run, Fingerprint* key) {
+void AddRegisterKey(Run* run, Fingerprint* key) {
   key->Add(run->photos);
   if (run->plan.poses) key->Add("vggt").Add(run->plan.poses->fingerprint);
 }
 
-void Undo(Run* run, const nlohmann::json& record) {
+void UndoRegister(Run* run, const nlohmann::json& record) {
   if (!record.is_null()) {
     run->listener(Warning{"the photos, or what finds their poses, have changed: poses are found anew"});
   }
@@ -27,7 +27,7 @@ void Register(Run* run) {
                                : RegisterViews(run->scene, dir, run->listener);
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string&) {
+std::optional<nlohmann::json> MakeRegister(Run* run, const std::string&) {
   const size_t photos = run->scene.views.size();
   Register(run);
   nlohmann::json record = {{"photos", photos}, {"registered", run->scene.views.size()}, {"files", {"sfm"}}};
@@ -39,7 +39,7 @@ std::optional<nlohmann::json> Make(Run* run, const std::string&) {
   return record;
 }
 
-bool Load(Run* run) {
+bool LoadRegister(Run* run) {
   Register(run);
   return true;
 }
@@ -48,10 +48,10 @@ bool Load(Run* run) {
 
 StageWork RegisterStage() {
   return {.wanted = [](const Run& run) { return !run.photos.empty(); },
-          .own = Own,
-          .undo = Undo,
-          .make = Make,
-          .load = Load};
+          .own = AddRegisterKey,
+          .undo = UndoRegister,
+          .make = MakeRegister,
+          .load = LoadRegister};
 }
 
 std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Workspace& workspace) {

@@ -8,7 +8,7 @@ namespace {
 
 bool IsWanted(const Run& run) { return run.options.start.init != StartKind::kRandom || run.plan.needs_depth; }
 
-void Own(Run* run, Fingerprint* key) {
+void AddSfmKey(Run* run, Fingerprint* key) {
   key->Add(ViewsFingerprint(run->scene, run->split.train, 1, &run->files));
   for (const ScenePoint& p : run->scene.points) key->Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
 }
@@ -27,19 +27,19 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
 }
 
 /// Colmap's files are a cache of their own, which checks its inputs.
-bool Load(Run* run) {
+bool LoadSfm(Run* run) {
   for (const std::string& warning : PoseWarnings(run->scene, run->split.train)) run->listener(Warning{warning});
   run->results->points = PointsOfTrainingViews(*run);
   return true;
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string&) {
-  Load(run);
+std::optional<nlohmann::json> MakeSfm(Run* run, const std::string&) {
+  LoadSfm(run);
   return nlohmann::json{{"points", run->results->points.size()}, {"files", nlohmann::json::array()}};
 }
 
 }  // namespace
 
-StageWork SfmStage() { return {.wanted = IsWanted, .own = Own, .make = Make, .load = Load}; }
+StageWork SfmStage() { return {.wanted = IsWanted, .own = AddSfmKey, .make = MakeSfm, .load = LoadSfm}; }
 
 }  // namespace oraclegs

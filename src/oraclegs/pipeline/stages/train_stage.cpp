@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void Own(Run* run, Fingerprint* key) {
+void AddTrainKey(Run* run, Fingerprint* key) {
   key->Add(ShapingOptionsToJson(run->options).dump());
   key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image.downscale, &run->files));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) key->Add(run->files.OfAll(run->plan.lpips));
 }
 
 /// What would be mistaken for the results of these inputs.
-void Undo(Run* run, const nlohmann::json&) {
+void UndoTrain(Run* run, const nlohmann::json&) {
   std::error_code ignored;
   fs::remove(run->workspace.metrics(), ignored);
 }
@@ -119,7 +119,7 @@ void WriteModel(const Run& run, const ReadyTrainer& ready) {
   WriteFileAtomically(paths.exposures(), ExposuresToJson(ready.names, trainer.exposures()).dump(1) + "\n");
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
+std::optional<nlohmann::json> MakeTrain(Run* run, const std::string& key) {
   const Stopwatch watch;
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   saved_options["inputs"] = key;
@@ -144,7 +144,11 @@ std::optional<nlohmann::json> Make(Run* run, const std::string& key) {
 }  // namespace
 
 StageWork TrainStage() {
-  return {.wanted = [](const Run&) { return true; }, .own = Own, .undo = Undo, .make = Make, .file = "point_cloud.ply"};
+  return {.wanted = [](const Run&) { return true; },
+          .own = AddTrainKey,
+          .undo = UndoTrain,
+          .make = MakeTrain,
+          .file = "point_cloud.ply"};
 }
 
 }  // namespace oraclegs

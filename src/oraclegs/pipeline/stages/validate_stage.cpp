@@ -71,11 +71,11 @@ Buffer<float> ReadMap(const fs::path& path, const Camera& camera, int channels) 
   return map;
 }
 
-void Own(Run* run, Fingerprint* key) {
+void AddValidateKey(Run* run, Fingerprint* key) {
   key->Add(OptionsToJson(run->options.validate).dump()).Add(run->plan.oracle.Key());
 }
 
-void Undo(Run* run, const nlohmann::json&) {
+void UndoValidate(Run* run, const nlohmann::json&) {
   std::error_code ignored;
   fs::remove_all(run->workspace.confidence(), ignored);
   fs::remove(run->workspace.root() / "oracle.json", ignored);
@@ -195,13 +195,13 @@ std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rej
   return trusted;
 }
 
-bool Load(Run* run) {
+bool LoadValidate(Run* run) {
   run->results->rejected.clear();
   run->results->proposals = ReadTrusted(*run, &run->results->rejected);
   return true;
 }
 
-void Report(Run* run) {
+void ReportConfidence(Run* run) {
   const std::vector<TrainView>& proposals = run->results->proposals;
   const std::vector<std::string>& rejected = run->results->rejected;
   const std::string previews = (run->workspace.confidence() / "preview").string();
@@ -220,7 +220,7 @@ void Report(Run* run) {
                                  100 * sum / static_cast<double>(proposals.size()), previews)});
 }
 
-std::optional<nlohmann::json> Make(Run* run, const std::string&) {
+std::optional<nlohmann::json> MakeValidate(Run* run, const std::string&) {
   StageResults& known = *run->results;
   known.proposals.clear(), known.rejected.clear();
   if (known.targets.empty() && known.folder.proposals.empty()) return std::nullopt;
@@ -233,7 +233,7 @@ std::optional<nlohmann::json> Make(Run* run, const std::string&) {
     record = validation.Record();
   }
   known.candidates = CandidateStore(), known.proposers = nullptr;
-  Load(run);
+  LoadValidate(run);
   return record;
 }
 
@@ -241,11 +241,11 @@ std::optional<nlohmann::json> Make(Run* run, const std::string&) {
 
 StageWork ValidateStage() {
   return {.wanted = [](const Run& run) { return run.plan.has_proposals; },
-          .own = Own,
-          .undo = Undo,
-          .make = Make,
-          .load = Load,
-          .report = Report};
+          .own = AddValidateKey,
+          .undo = UndoValidate,
+          .make = MakeValidate,
+          .load = LoadValidate,
+          .report = ReportConfidence};
 }
 
 }  // namespace oraclegs

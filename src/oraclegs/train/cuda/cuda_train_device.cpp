@@ -20,8 +20,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr cudaStream_t kStream = nullptr;  // the networks' too
-constexpr size_t kMaxUnchecked = 1024;     // iterations whose loss the host has not asked for
+constexpr size_t kMaxUnchecked = 1024;  // iterations whose loss the host has not asked for
 // Of the rasteriser (render/cuda/raster_core.h), with the spare quarter of its arrays by pair. How many tiles a
 // Gaussian reaches depends on the scene; trained ones reach about three in the mean, those out of sight counted in.
 constexpr int64_t kRasterizerBytesAGaussian = 80;

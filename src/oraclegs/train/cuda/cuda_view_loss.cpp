@@ -7,8 +7,6 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr cudaStream_t kStream = nullptr;  // the networks' too
-
 void UploadMaps(const std::vector<ExposureMap>& maps, DeviceArray<float>* to) {
   to->Upload(maps.data()->data(), kExposureNumbers * static_cast<int64_t>(maps.size()));
 }
