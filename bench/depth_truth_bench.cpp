@@ -1,4 +1,4 @@
-// How right depth is where truth is known. Prints a line per photograph and one for all.
+// How right depth is where truth is known. Prints a line per view and one for all.
 //   oraclegs demo-scene /tmp/demo && oraclegs depth /tmp/demo -o /tmp/out && build/release/bin/depth_truth_bench
 //   /tmp/out
 
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kTrueUnit = 1e-3f;  // of demo-scene's depth pictures, scene units
+constexpr float kTrueUnit = 1e-3f;  // of demo-scene's depth images, scene units
 
 struct Errors {
   size_t pixels = 0;  ///< with a true depth

@@ -223,7 +223,7 @@ def print_threads(threads):
 
 def print_memory(memory):
     print("\n### Memory\n")
-    print("Largest resident memory of the process: photographs, libraries, the last growth step and the iterations "
+    print("Largest resident memory of the process: images, libraries, the last growth step and the iterations "
           "after it.")
     table(["input", "Gaussians", "pixels", "peak", "of it before training"],
           [[name, count(b["gaussians"]), size_of(b), f"{b['peak_bytes'] / 2**30:.2f} GiB",

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, checks the format and the house rules, runs every test.
-#   scripts/test.sh                  what CI runs
+#   scripts/test.sh                  what a change has to pass
 #   scripts/test.sh -R render        arguments go to ctest
-#   scripts/test.sh --all            then the engine once more with sanitizers and once without optimisation, and the device
-#                                    code compiled with nvcc where there is one
+#   scripts/test.sh --all            what CI runs: then also the engine with sanitizers, the engine without optimisation, and
+#                                    the device code compiled with nvcc where there is one
 # CI=true: plain output, warnings are errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -16,7 +16,7 @@ using std::chrono::duration;
 constexpr double kRateWindow = 20;  // seconds over which the rate is measured: it falls as Gaussians grow
 constexpr double kRedrawSeconds = 0.1;
 constexpr double kLineSeconds = 10;  // between plain lines, unless a tenth of the work is done sooner
-constexpr double kLeastLineSeconds = 1;
+constexpr double kMinLineSeconds = 1;
 constexpr int kBarWidth = 24;
 
 size_t TerminalWidth() {
@@ -106,7 +106,7 @@ bool Terminal::IsTimeForALine(const StepDone& event) {
   const double waited = duration<double>(Clock::now() - last_line_).count();
   const int64_t tenth = event.total > 0 ? 10 * event.done / event.total : 0;
   const bool due = bar_ ? waited >= kRedrawSeconds || event.done == event.total
-                        : waited >= kLineSeconds || (tenth > last_tenth_ && waited >= kLeastLineSeconds);
+                        : waited >= kLineSeconds || (tenth > last_tenth_ && waited >= kMinLineSeconds);
   if (!due) return false;
   last_line_ = Clock::now();
   last_tenth_ = tenth;

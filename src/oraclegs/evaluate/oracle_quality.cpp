@@ -38,7 +38,7 @@ std::vector<int64_t> Order(const std::vector<float>& values) {
   return order;
 }
 
-/// Calls f(begin, end) for each stretch of `order` of one value.
+/// Calls f(begin, end) for each run of `order` of one value.
 template <class F>
 void ForEachTie(const std::vector<float>& values, const std::vector<int64_t>& order, F&& f) {
   const auto n = static_cast<int64_t>(order.size());

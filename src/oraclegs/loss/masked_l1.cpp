@@ -10,7 +10,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kPixelGrain = 1 << 14;  // pixels a task, at least
-constexpr int64_t kMostTasks = 256;       // so that their sums need no heap
+constexpr int64_t kMaxTasks = 256;       // so that their sums need no heap
 constexpr int kSums = 8;                  // independent sums, so that additions need not wait for each other
 
 /// A null mask is 1 everywhere.
@@ -48,8 +48,8 @@ double MaskedL1(const Buffer<float>& rendered, const Buffer<float>& target, cons
   const float* b = target.data();
   const float* m = mask.defined() ? mask.data() : nullptr;
   const float step = static_cast<float>(weight / static_cast<double>(n));
-  const int64_t grain = std::max(kPixelGrain, (n + kMostTasks - 1) / kMostTasks);
-  std::array<double, kMostTasks> sums = {};
+  const int64_t grain = std::max(kPixelGrain, (n + kMaxTasks - 1) / kMaxTasks);
+  std::array<double, kMaxTasks> sums = {};
   ParallelBlocks(n, grain, [&](int64_t begin, int64_t end) {
     sums[begin / grain] = MaskedDistance(a, b, m, begin, end);
     if (g == nullptr) return;

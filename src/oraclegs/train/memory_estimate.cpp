@@ -9,7 +9,7 @@ namespace oraclegs {
 namespace {
 
 // Of a pixel: the gradients of the render, of its inverse depth and of its alpha, the render through an exposure map,
-// and the nine slopes of the SSIM.
+// and the nine derivatives of the SSIM.
 constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
 
 }  // namespace

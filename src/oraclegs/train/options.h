@@ -91,10 +91,10 @@ struct TrainOptions {
     visit("proposal-ssim", self.proposal_ssim, "Share of 1-SSIM in a proposal's loss; what SSIM and LPIPS leave is L1",
           Range{0, 1});
     visit("proposal-lpips", self.proposal_lpips, "Share of LPIPS in it; without LPIPS weights L1 gets it", Range{0, 1});
-    visit("confidence-gate", self.confidence_gate, "Pixels of proposals of less confidence than this count nothing",
+    visit("confidence-gate", self.confidence_gate, "Pixels of proposals of less confidence than this are ignored",
           Range{0, 1});
     visit("confidence-power", self.confidence_power,
-          "The others count confidence to this power; 0 = all of them fully, as far as there is any confidence",
+          "Exponent of the confidence that weighs the other pixels; 0 = all of them weigh the same",
           Range{0, 100});
     visit("depth-weight", self.depth_weight,
           "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
@@ -102,7 +102,7 @@ struct TrainOptions {
           Range{0, 1e3});
     visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha term where a Blender scene's images have that channel: mean |alpha - rendered|, which "
-          "keeps objects from being thin and what is beside them from being veiled; 0 = off",
+          "keeps objects from thinning out and their surroundings free of haze; 0 = off",
           Range{0, 1e3});
     visit("exposure", self.exposure,
           "Learn a colour map (3x4) for each photo, for cameras that chose exposure and white balance anew each "

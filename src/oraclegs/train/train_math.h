@@ -72,8 +72,8 @@ ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, in
     const float squared = dx * dx + dy * dy + dz * dz;
     if (squared < nearest) nearest = squared;
   }
-  constexpr float kLeastSquared = 1e-12f;  // a Gaussian in a camera's centre keeps some size
-  return log_share + 0.5f * std::log(nearest > kLeastSquared ? nearest : kLeastSquared);
+  constexpr float kMinSquared = 1e-12f;  // a Gaussian in a camera's centre keeps some size
+  return log_share + 0.5f * std::log(nearest > kMinSquared ? nearest : kMinSquared);
 }
 
 /// What the views say of one Gaussian's centre; see floaters.h.

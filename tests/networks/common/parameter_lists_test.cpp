@@ -1,4 +1,4 @@
-// The lists by which `models check` judges a file are what the networks ask for.
+// The lists by which `models check` checks a file are what the networks ask for.
 
 #include "oraclegs/weights/parameter_list.h"
 

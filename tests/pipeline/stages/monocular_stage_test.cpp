@@ -17,7 +17,7 @@ constexpr int kWidth = 40, kHeight = 30;
 
 float InvDepth(int x, int y) { return 0.25f + 0.005f * static_cast<float>(x) + 0.002f * static_cast<float>(y); }
 
-/// Photographs from one place, of a surface whose inverse depth is a slope; the network predicted it in units of its
+/// Views from one place, of a surface whose inverse depth is a slope; the network predicted it in units of its
 /// own.
 class MonocularStageTest : public testing::Test {
  protected:

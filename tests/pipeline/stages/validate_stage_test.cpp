@@ -134,7 +134,7 @@ TEST_F(ValidateStageTest, RefusesAnOracleWithoutWeightsBeforeWriting) {
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
               HasSubstr("--oracle vggt needs the weights"));
   EXPECT_FALSE(fs::exists(request.out));
-  request.options.propose.proposers = ProposerChoice::kNone;  // nothing to judge
+  request.options.propose.proposers = ProposerChoice::kNone;  // nothing to validate
   EXPECT_NO_THROW(StartRun(request, Silent()));
 }
 
