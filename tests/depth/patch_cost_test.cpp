@@ -38,8 +38,8 @@ double Bilinear(const GatherImage& image, int channel, double x, double y) {
          fy * ((1 - fx) * image.Value(channel, x0, y1) + fx * image.Value(channel, x1, y1));
 }
 
-/// 1 - ZNCC of the checkerboard samples around (x, y), weighted by exp(-d^2 / (2 * 4^2)) for the distance d in pixels and
-/// exp(-g^2 / (2 * 20^2)) for the mean difference g of the channels; each variance joined by 1.5^2 a channel.
+/// 1 - ZNCC of the checkerboard samples around (x, y), weighted by exp(-d^2 / (2 * 4^2)) for the distance d in pixels
+/// and exp(-g^2 / (2 * 20^2)) for the mean difference g of the channels; each variance joined by 1.5^2 a channel.
 double Reference(const GatherImage& a, int x, int y, const GatherImage& b, const PixelMap& map, const Plane& plane,
                  const std::vector<uint8_t>& usable = {}) {
   const int channels = static_cast<int>(a.channels.size());

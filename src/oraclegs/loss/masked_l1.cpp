@@ -10,7 +10,7 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kPixelGrain = 1 << 14;  // pixels a task, at least
-constexpr int64_t kMaxTasks = 256;       // so that their sums need no heap
+constexpr int64_t kMaxTasks = 256;        // so that their sums need no heap
 constexpr int kSums = 8;                  // independent sums, so that additions need not wait for each other
 
 /// A null mask is 1 everywhere.

@@ -94,8 +94,7 @@ struct TrainOptions {
     visit("confidence-gate", self.confidence_gate, "Pixels of proposals of less confidence than this are ignored",
           Range{0, 1});
     visit("confidence-power", self.confidence_power,
-          "Exponent of the confidence that weighs the other pixels; 0 = all of them weigh the same",
-          Range{0, 100});
+          "Exponent of the confidence that weighs the other pixels; 0 = all of them weigh the same", Range{0, 100});
     visit("depth-weight", self.depth_weight,
           "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
