@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its 24 images. Nothing is
-# downloaded but Debian packages. On two cores the first build takes about ten minutes, the reconstruction about five.
+# downloaded but Debian packages. On two cores the first build takes about four minutes, the reconstruction about five.
 # The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
 set -euo pipefail
