@@ -38,7 +38,7 @@ TEST(Subprocess, ProgramThatDoesNotExist) {
   const auto result = RunProcess({"oraclegs-no-such-program"});
   EXPECT_EQ(result.exit_code, 127);
   EXPECT_EQ(result.output, "cannot start oraclegs-no-such-program: No such file or directory\n");
-  EXPECT_THROW(RunProcess({}), std::logic_error);
+  EXPECT_THROW(RunProcess(ProcessRequest{}), std::logic_error);
 }
 
 TEST(Subprocess, DeathBySignalIsTold) { EXPECT_EQ(Shell("kill -9 $$").exit_code, 128 + 9); }
@@ -107,6 +107,57 @@ TEST(Subprocess, InterruptEndsTheChildAndItsChildren) {
   };
   for (int i = 0; i < 500 && is_running(); ++i) usleep(10'000);  // the signal is on its way
   EXPECT_FALSE(is_running());
+}
+
+TEST(Subprocess, AnInterruptAlsoEndsAGrandchildThatIgnoresTheFirstSignal) {
+  std::string pid;
+  const auto interrupt = [&](const std::string& line) {
+    pid = line;
+    RequestInterrupt(true);
+  };
+  const char* script = "sh -c 'trap \"\" TERM; echo $$; while true; do sleep 0.1; done' & wait";
+  EXPECT_THROW(RunProcess({"sh", "-c", script}, {}, interrupt), Interrupted);
+  RequestInterrupt(false);
+  const std::string stat = "/proc/" + pid + "/stat";
+  for (int i = 0; i < 100 && std::filesystem::exists(stat); ++i) {  // SIGKILL is on its way
+    if (RunProcess({"cat", stat}).output.find(") Z ") != std::string::npos) return;
+    usleep(10'000);
+  }
+  EXPECT_FALSE(std::filesystem::exists(stat));
+}
+
+TEST(Subprocess, TimeLimitEndsTheChild) {
+  const auto result = RunProcess(
+      ProcessRequest{.argv = {"sh", "-c", "echo begun; exec sleep 60"}, .time_limit = std::chrono::milliseconds(200)});
+  EXPECT_TRUE(result.timed_out);
+  EXPECT_EQ(result.output, "begun\n");
+  EXPECT_EQ(result.exit_code, 128 + SIGTERM);
+  EXPECT_FALSE(RunProcess(ProcessRequest{.argv = {"true"}, .time_limit = std::chrono::seconds(60)}).timed_out);
+}
+
+TEST(Subprocess, LastLineOfStderrIsKeptApart) {
+  const auto last_error = [](const std::string& script) {
+    return RunProcess(ProcessRequest{.argv = {"sh", "-c", script}, .errors_apart = true}).last_error;
+  };
+  EXPECT_EQ(last_error("echo first >&2; echo why >&2; echo ' ' >&2; echo out"), "why");
+  EXPECT_EQ(last_error("echo out"), "");
+  EXPECT_EQ(last_error("printf 'no newline' >&2"), "no newline");
+}
+
+TEST(Subprocess, StreamsKeepTheirOrder) {
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(Shell("echo a; echo b >&2; echo c; echo d >&2").output, "a\nb\nc\nd\n");
+}
+
+TEST(Subprocess, VariablesAreAddedOrReplaced) {
+  const auto result = RunProcess(ProcessRequest{.argv = {"sh", "-c", "echo \"$OWN|$PATH|${HOME:+home}\""},
+                                                .variables = {{"OWN", "a b"}, {"PATH", "/usr/bin:/bin"}}});
+  EXPECT_EQ(result.output.substr(0, result.output.rfind('|')), "a b|/usr/bin:/bin");
+}
+
+TEST(Subprocess, CallsBackWhileTheChildRuns) {
+  int calls = 0;
+  RunProcess(ProcessRequest{.argv = {"sleep", "0.3"}, .while_running = [&] { ++calls; }});
+  EXPECT_GE(calls, 2);
 }
 
 TEST(Subprocess, FindsProgramsInPath) {

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -29,26 +30,59 @@ constexpr int kPollMilliseconds = 50;                     // how soon an interru
 constexpr std::chrono::milliseconds kPatience{3000};      // between SIGTERM and SIGKILL
 constexpr int kCannotStart = 127, kKilledBySignal = 128;  // the shell's convention
 
+/// True when a process of the group runs; those that ended and wait for their parent do not.
+bool HasRunning(pid_t group) {
+  if (kill(-group, 0) != 0) return false;
+  std::error_code error;
+  for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::string stat;
+    std::getline(std::ifstream(it->path() / "stat"), stat);
+    const size_t after_name = stat.rfind(')');
+    if (after_name == std::string::npos) continue;
+    char state = 0;
+    int64_t parent = 0, member_of = 0;
+    std::istringstream(stat.substr(after_name + 1)) >> state >> parent >> member_of;
+    if (member_of == group && state != 'Z' && state != 'X') return true;
+  }
+  return false;
+}
+
+/// A pipe from a child.
+struct Pipe {
+  explicit Pipe(const std::string& program) {
+    if (pipe2(ends, O_CLOEXEC) != 0) throw RunError("cannot start {}: {}", program, std::strerror(errno));
+  }
+  ~Pipe() {
+    CloseWriteEnd();
+    close(ends[0]);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  void CloseWriteEnd() {
+    if (ends[1] >= 0) close(std::exchange(ends[1], -1));
+  }
+
+  int ends[2] = {-1, -1};
+};
+
 /// A running child, in a process group of its own so that its children end with it. Ends it when the scope is left.
 class Child {
  public:
   /// start_error() tells why when nothing runs.
-  explicit Child(const std::vector<std::string>& argv) {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw RunError("cannot start {}: {}", argv[0], std::strerror(errno));
-    output_ = ends[0];
-    start_error_ = Spawn(argv, ends[1]);
-    close(ends[1]);
+  explicit Child(const ProcessRequest& request) : output_(request.argv[0]), errors_(request.argv[0]) {
+    start_error_ = Spawn(request);
+    output_.CloseWriteEnd();
+    errors_.CloseWriteEnd();
   }
-  ~Child() {
-    End();
-    close(output_);
-  }
+  ~Child() { End(); }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
   int start_error() const { return start_error_; }
-  int output() const { return output_; }
+  int output() const { return output_.ends[0]; }
+  int errors() const { return errors_.ends[0]; }
   int exit_code() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : kKilledBySignal + WTERMSIG(status_); }
 
   bool HasEnded() {
@@ -66,27 +100,37 @@ class Child {
 
   void End() {
     if (HasEnded()) return;
-    kill(-pid_, SIGTERM);
+    const pid_t group = pid_;
+    kill(-group, SIGTERM);
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < deadline) {
-      if (HasEnded()) return;
+      if (HasEnded() && !HasRunning(group)) return;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    kill(-pid_, SIGKILL);
+    kill(-group, SIGKILL);
     Wait();
   }
 
  private:
-  int Spawn(const std::vector<std::string>& argv, int write_end) {
-    std::vector<char*> arguments;
-    // posix_spawn takes char* but writes nothing.
-    for (const auto& argument : argv) arguments.push_back(const_cast<char*>(argument.c_str()));
-    arguments.push_back(nullptr);
+  int Spawn(const ProcessRequest& request) {
+    std::vector<std::string> texts = request.argv;
+    for (char** variable = environ; *variable != nullptr; ++variable) {
+      const std::string_view text = *variable;
+      const bool replaced = std::any_of(request.variables.begin(), request.variables.end(), [&](const auto& own) {
+        return text.size() > own.first.size() && text.starts_with(own.first) && text[own.first.size()] == '=';
+      });
+      if (!replaced) texts.emplace_back(text);
+    }
+    for (const auto& [name, value] : request.variables) texts.push_back(name + "=" + value);
+    std::vector<char*> arguments, variables;
+    for (size_t i = 0; i < texts.size(); ++i)
+      (i < request.argv.size() ? arguments : variables).push_back(texts[i].data());
+    arguments.push_back(nullptr), variables.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, write_end, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&files, write_end, STDERR_FILENO);
+    posix_spawn_file_actions_adddup2(&files, output_.ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&files, (request.errors_apart ? errors_ : output_).ends[1], STDERR_FILENO);
     sigset_t defaults;  // a signal we ignore must not be ignored by the child
     sigemptyset(&defaults);
     for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) sigaddset(&defaults, signal);
@@ -95,15 +139,15 @@ class Child {
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
     posix_spawnattr_setpgroup(&attributes, 0);
     posix_spawnattr_setsigdefault(&attributes, &defaults);
-    const int error = posix_spawnp(&pid_, arguments[0], &files, &attributes, arguments.data(), environ);
+    const int error = posix_spawnp(&pid_, arguments[0], &files, &attributes, arguments.data(), variables.data());
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) pid_ = 0;
     return error;
   }
 
+  Pipe output_, errors_;
   pid_t pid_ = 0;
-  int output_ = -1;
   int status_ = 0;
   int start_error_ = 0;
 };
@@ -111,53 +155,82 @@ class Child {
 /// Where a child's output goes: log file, kept tail, lines.
 class OutputSink {
  public:
-  OutputSink(const fs::path& log, const std::function<void(const std::string&)>& on_line)
-      : log_path_(log), on_line_(on_line) {
-    if (log.empty()) return;
-    log_.open(log, std::ios::app | std::ios::binary);
-    if (!log_) throw RunError("{}: cannot write: {}", log.string(), std::strerror(errno));
+  explicit OutputSink(const ProcessRequest& request) : request_(request) {
+    if (request.log.empty()) return;
+    log_.open(request.log, std::ios::app | std::ios::binary);
+    if (!log_) throw RunError("{}: cannot write: {}", request.log.string(), std::strerror(errno));
   }
 
-  void Take(std::string_view bytes) {
+  void TakeOutput(std::string_view bytes) { Take(bytes, &line_); }
+  void TakeErrors(std::string_view bytes) { Take(bytes, &error_line_); }
+
+  ProcessResult Finish(int exit_code) {
+    for (std::string* line : {&line_, &error_line_}) {
+      if (!line->empty()) HandLine(line);
+    }
+    if (tail_.size() > kKeptBytes) tail_.erase(0, tail_.size() - kKeptBytes);
+    return {exit_code, std::move(tail_), std::move(last_error_)};
+  }
+
+ private:
+  void Take(std::string_view bytes, std::string* line) {
     if (log_.is_open()) {
       log_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush();
-      if (!log_) throw RunError("{}: cannot write: {}", log_path_.string(), std::strerror(errno));
+      if (!log_) throw RunError("{}: cannot write: {}", request_.log.string(), std::strerror(errno));
     }
     tail_.append(bytes);
     if (tail_.size() > 2 * kKeptBytes) tail_.erase(0, tail_.size() - kKeptBytes);
     for (const char c : bytes) {
-      if (c == '\n' || line_.size() >= kKeptBytes) HandLine();
-      if (c != '\n') line_.push_back(c);
+      if (c == '\n' || line->size() >= kKeptBytes) HandLine(line);
+      if (c != '\n') line->push_back(c);
     }
   }
 
-  std::string Finish() {
-    if (!line_.empty()) HandLine();
-    if (tail_.size() > kKeptBytes) tail_.erase(0, tail_.size() - kKeptBytes);
-    return std::move(tail_);
+  void HandLine(std::string* buffer) {
+    if (!buffer->empty() && buffer->back() == '\r') buffer->pop_back();
+    const std::string line = std::exchange(*buffer, {});
+    if (buffer == &error_line_ && line.find_first_not_of(" \t\r") != std::string::npos) last_error_ = line;
+    if (request_.on_line) request_.on_line(line);
   }
 
- private:
-  void HandLine() {
-    if (!line_.empty() && line_.back() == '\r') line_.pop_back();
-    const std::string line = std::exchange(line_, {});
-    if (on_line_) on_line_(line);
-  }
-
-  fs::path log_path_;
+  const ProcessRequest& request_;
   std::ofstream log_;
-  const std::function<void(const std::string&)>& on_line_;
-  std::string tail_, line_;
+  std::string tail_, line_, error_line_, last_error_;
 };
 
 /// Hands over what is there; false at the end of the output.
-bool ReadSome(int fd, OutputSink& sink) {
+template <class Sink>
+bool ReadSome(int fd, const Sink& take) {
   char buffer[16384];
   const ssize_t n = read(fd, buffer, sizeof(buffer));
   if (n < 0) return errno == EINTR || errno == EAGAIN;
-  sink.Take(std::string_view(buffer, static_cast<size_t>(n)));
+  take(std::string_view(buffer, static_cast<size_t>(n)));
   return n > 0;
 }
+
+/// What the two pipes of a child bring.
+class ChildOutput {
+ public:
+  ChildOutput(const Child& child, OutputSink* sink)
+      : sink_(sink), pipes_{{child.output(), POLLIN, 0}, {child.errors(), POLLIN, 0}} {}
+
+  bool open() const { return pipes_[0].fd >= 0 || pipes_[1].fd >= 0; }
+
+  /// False when nothing came in that time.
+  bool Read(int milliseconds) {
+    if (poll(pipes_, 2, milliseconds) <= 0) return false;
+    const auto read = [](pollfd* pipe, const auto& take) {
+      if (pipe->fd >= 0 && pipe->revents != 0 && !ReadSome(pipe->fd, take)) pipe->fd = -1;  // which poll passes over
+    };
+    read(&pipes_[0], [&](std::string_view bytes) { sink_->TakeOutput(bytes); });
+    read(&pipes_[1], [&](std::string_view bytes) { sink_->TakeErrors(bytes); });
+    return true;
+  }
+
+ private:
+  OutputSink* sink_;
+  pollfd pipes_[2];
+};
 
 bool IsProgram(const fs::path& path) {
   std::error_code ignored;
@@ -166,31 +239,42 @@ bool IsProgram(const fs::path& path) {
 
 }  // namespace
 
+ProcessResult RunProcess(const ProcessRequest& request) {
+  if (request.argv.empty()) throw std::logic_error("RunProcess: no program named");
+  ThrowIfInterrupted();
+  OutputSink sink(request);
+  Child child(request);
+  if (child.start_error() != 0) {
+    sink.TakeErrors(fmt::format("cannot start {}: {}\n", request.argv[0], std::strerror(child.start_error())));
+    return sink.Finish(kCannotStart);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  ChildOutput output(child, &sink);
+  // A grandchild that lives on may hold a pipe open: once the child has ended, only what is there is read.
+  bool ended = false;
+  while (!ended || (output.open() && output.Read(0))) {
+    ThrowIfInterrupted();
+    if (request.time_limit && std::chrono::steady_clock::now() - start > *request.time_limit) {
+      child.End();
+      ProcessResult result = sink.Finish(child.exit_code());
+      result.timed_out = true;
+      return result;
+    }
+    if (request.while_running) request.while_running();
+    if (ended) continue;
+    if (!output.open()) {  // it may close its output long before it ends
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    } else if (output.Read(kPollMilliseconds)) {
+      continue;
+    }
+    ended = child.HasEnded();
+  }
+  return sink.Finish(child.exit_code());
+}
+
 ProcessResult RunProcess(const std::vector<std::string>& argv, const fs::path& log,
                          const std::function<void(const std::string& line)>& on_line) {
-  if (argv.empty()) throw std::logic_error("RunProcess: no program named");
-  ThrowIfInterrupted();
-  OutputSink sink(log, on_line);
-  Child child(argv);
-  if (child.start_error() != 0) {
-    sink.Take(fmt::format("cannot start {}: {}\n", argv[0], std::strerror(child.start_error())));
-    return {kCannotStart, sink.Finish()};
-  }
-  // A grandchild that lives on may hold the pipe open: once the child has ended, only what is there is read.
-  bool ended = false;
-  while (true) {
-    ThrowIfInterrupted();
-    pollfd wait{child.output(), POLLIN, 0};
-    const int ready = poll(&wait, 1, ended ? 0 : kPollMilliseconds);
-    if (ready > 0 && !ReadSome(child.output(), sink)) break;
-    if (ready == 0 && ended) break;
-    if (ready <= 0) ended = child.HasEnded();
-  }
-  while (!child.HasEnded()) {  // it may close its output long before it ends
-    ThrowIfInterrupted();
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return {child.exit_code(), sink.Finish()};
+  return RunProcess({.argv = argv, .log = log, .on_line = on_line});
 }
 
 fs::path FindProgram(const std::string& name) {

@@ -3,18 +3,36 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace oraclegs {
 
-struct ProcessResult {
-  int exit_code = 0;   ///< 127 when the program could not be started; 128 + n when killed by signal n
-  std::string output;  ///< the last 64 KiB of stdout and stderr together
+struct ProcessRequest {
+  std::vector<std::string> argv;                                    ///< argv[0] is found in PATH; no shell sees it
+  std::filesystem::path log = {};                                   ///< output is appended to it; empty: to none
+  std::function<void(const std::string& line)> on_line = {};        ///< gets each line of output
+  std::function<void()> while_running = {};                         ///< is called many times a second
+  std::vector<std::pair<std::string, std::string>> variables = {};  ///< environment variables beside this process's
+  std::optional<std::chrono::duration<double>> time_limit = {};     ///< then the process and its children are ended
+  bool errors_apart = false;  ///< stderr has a pipe of its own: last_error is known, the order of the two is not
 };
 
-/// Runs argv[0] (found in PATH) without a shell, stdin closed, output appended to `log` when given, each line handed
-/// to on_line. An interrupt (core/interrupt.h) ends the child and throws Interrupted.
+struct ProcessResult {
+  int exit_code = 0;       ///< 127 when the program could not be started; 128 + n when killed by signal n
+  std::string output;      ///< the last 64 KiB of stdout and stderr together
+  std::string last_error;  ///< with errors_apart, the last line of stderr that is not blank
+  bool timed_out = false;  ///< the time limit was reached
+};
+
+/// Runs a program with stdin closed and waits for it. An interrupt (core/interrupt.h), an exception of a callback or
+/// the end of the time limit ends it and the children that it left in its process group; an interrupt throws
+/// Interrupted.
+ProcessResult RunProcess(const ProcessRequest& request);
+
+/// The same of what most callers need.
 ProcessResult RunProcess(const std::vector<std::string>& argv, const std::filesystem::path& log = {},
                          const std::function<void(const std::string& line)>& on_line = {});
 
