@@ -82,6 +82,14 @@ TEST(AblationRows, LeaveOffWhatTheUserSwitchedOff) {
   EXPECT_EQ(RowOptions(1, asked).propose.proposal_folder, "/somewhere");
 }
 
+TEST(AblationRows, AskAGeneratorWithTheProxyModels) {
+  RunOptions asked;
+  asked.propose.generator = "generate";
+  EXPECT_EQ(RowOptions(0, asked).propose.generator, "");
+  EXPECT_EQ(RowOptions(8, asked).propose.generator, "");
+  EXPECT_EQ(RowOptions(9, asked).propose.generator, "generate");
+}
+
 TEST(ChooseRows, ByNumberAndName) {
   EXPECT_EQ(ChooseRows("").size(), AblationRows().size());
   EXPECT_THAT(ChooseRows("depth, 1,proposals,2"), ElementsAre(0, 1, 4));

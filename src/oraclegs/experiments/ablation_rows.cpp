@@ -32,6 +32,7 @@ const std::vector<AblationRow>& AblationRows() {
          o->start.init = StartKind::kRandom, o->start.init_scale = usual.init_scale;
          o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
          o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
+         o->propose.generator.clear();
          o->train.schedule = ScheduleKind::kConstant, o->validate.oracle = OracleKind::kUniform;
          // Where everything is trusted alike there is nothing to calibrate, and no row of it.
          if (asked.validate.oracle != OracleKind::kUniform) o->validate.calibrate = false;
@@ -72,7 +73,9 @@ const std::vector<AblationRow>& AblationRows() {
       {"proxies", "+ proxy models",
        "the mean of proxy models beside the warped views, their confidence calibrated together and the two "
        "blended by it: everything `reconstruct` does without LPIPS",
-       [](const RunOptions& asked, RunOptions* o) { o->propose.proposers = asked.propose.proposers; }},
+       [](const RunOptions& asked, RunOptions* o) {
+         o->propose.proposers = asked.propose.proposers, o->propose.generator = asked.propose.generator;
+       }},
       {"lpips", "+ LPIPS", "the proposals' loss has a share of LPIPS, which it takes from L1",
        [](const RunOptions& asked, RunOptions* o) { o->train.proposal_lpips = asked.train.proposal_lpips; }},
   };

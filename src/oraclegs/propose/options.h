@@ -1,22 +1,25 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "oraclegs/core/options.h"
 
 namespace oraclegs {
 
-enum class ProposerChoice { kBoth, kWarp, kSplat, kSeva, kAll, kNone };
+enum class ProposerChoice { kBoth, kWarp, kSplat, kSeva, kCommand, kAll, kNone };
 
 template <>
 struct EnumWords<ProposerChoice> {
   static constexpr EnumWord<ProposerChoice> kWords[] = {
-      {ProposerChoice::kBoth, "both"}, {ProposerChoice::kWarp, "warp"}, {ProposerChoice::kSplat, "splat"},
-      {ProposerChoice::kSeva, "seva"}, {ProposerChoice::kAll, "all"},   {ProposerChoice::kNone, "none"}};
+      {ProposerChoice::kBoth, "both"}, {ProposerChoice::kWarp, "warp"},       {ProposerChoice::kSplat, "splat"},
+      {ProposerChoice::kSeva, "seva"}, {ProposerChoice::kCommand, "command"}, {ProposerChoice::kAll, "all"},
+      {ProposerChoice::kNone, "none"}};
 };
 
 struct ProposeOptions {
   ProposerChoice proposers = ProposerChoice::kBoth;
+  std::string generator;
   std::filesystem::path proposal_folder;
   int proxy_models = 4;
   double proxy_share = 0.3;
@@ -28,7 +31,12 @@ struct ProposeOptions {
     visit("proposers", self.proposers,
           "What proposes new views: warp = photos warped by their depth, splat = the mean of quickly trained proxy "
           "models, each of which some photos are held out from at first, both, seva = a generative network that needs "
-          "weights, all three, or none");
+          "weights, all = these three, command = the program of --generator alone, none = nothing");
+    visit("generator", self.generator,
+          "Shell command of a program that generates the proposed views: from the folder {request}, with their poses, "
+          "the photos warped to them and masks of the holes, into the folder {answer}, one image for each pose, e.g. "
+          "\"python3 my_model.py {request} {answer}\". With --proposers command it is asked alone, with any other word "
+          "beside the others (docs/generators.md)");
     visit("proposal-folder", self.proposal_folder,
           "Also train on these views, made by any other generator: images with transforms.json, or synthetic_N/ named "
           "like the scene's images, with synthetic_N_attention_maps/ as their confidence");
@@ -44,10 +52,22 @@ struct ProposeOptions {
     visit("proxy-gaussians", self.proxy_gaussians, "Gaussians of a proxy model at most", Range{1, 1e8});
   }
 
-  /// Whether warp, splat or seva is among those that --proposers names.
+  /// Whether warp, splat or seva is among those that --proposers names, or the command of --generator is to be asked.
   bool Uses(ProposerChoice one) const {
+    if (one == ProposerChoice::kCommand) return proposers != ProposerChoice::kNone && !generator.empty();
     return proposers == one || proposers == ProposerChoice::kAll ||
            (proposers == ProposerChoice::kBoth && one != ProposerChoice::kSeva);
+  }
+};
+
+/// How long to wait for the command of --generator; free to differ when a run is continued.
+struct GeneratorLimits {
+  int generator_timeout = 3600;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("generator-timeout", self.generator_timeout,
+          "Seconds after which the command of --generator is stopped, with an error; 0 = never", Range{0, 1e7});
   }
 };
 

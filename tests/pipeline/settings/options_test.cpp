@@ -45,5 +45,26 @@ TEST(RunOptions, AreCheckedInEveryGroup) {
   EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--init-scale is 0"));
 }
 
+TEST(RunOptions, AskForAGeneratorAndItsCommandTogether) {
+  const auto error = [](ProposerChoice proposers, const std::string& command) {
+    RunOptions options;
+    options.propose.proposers = proposers, options.propose.generator = command;
+    return MessageOf<UsageError>([&] { CheckRunOptions(options); });
+  };
+  EXPECT_EQ(error(ProposerChoice::kCommand, "true"), "");
+  EXPECT_EQ(error(ProposerChoice::kWarp, "true"), "");
+  EXPECT_THAT(error(ProposerChoice::kCommand, ""), testing::HasSubstr("--proposers command needs --generator"));
+  EXPECT_THAT(error(ProposerChoice::kNone, "true"), testing::HasSubstr("say --proposers command"));
+  EXPECT_THAT(error(ProposerChoice::kCommand, "\xff"), testing::HasSubstr("--generator is not valid UTF-8"));
+}
+
+TEST(RunOptions, MayBeContinuedWithAnotherTimeLimit) {
+  RunOptions options;
+  const nlohmann::json before = ShapingOptionsToJson(options);
+  options.generator_limits.generator_timeout = 7;
+  EXPECT_EQ(ShapingOptionsToJson(options), before);
+  EXPECT_EQ(RunOptionsToJson(options).at("generator-timeout"), 7);
+}
+
 }  // namespace
 }  // namespace oraclegs

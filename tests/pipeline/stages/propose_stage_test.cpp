@@ -121,6 +121,45 @@ TEST_F(ProposeStageTest, TakesAFolderOfAnotherGenerator) {
   EXPECT_NE(StageKey(&run, Stages(), "propose"), before);
 }
 
+TEST_F(ProposeStageTest, HasACommandGenerateTheViews) {
+  auto request = Request("command");
+  request.options.propose.proposers = ProposerChoice::kCommand;
+  request.options.propose.generator = "cp {request}/warps/*.png {answer}";
+  auto run = StartRun(request, recorder.AsListener());
+  const std::vector<Target> targets = Bring(&run, "propose").targets;
+  ASSERT_EQ(targets.size(), 8u);
+  for (const Target& target : targets) {
+    EXPECT_TRUE(fs::exists(run.workspace.proposals() / "command" / (target.name + ".png")));
+    EXPECT_FALSE(fs::exists(run.workspace.proposals() / "warp" / (target.name + ".png")));
+  }
+  EXPECT_TRUE(run.results->proxies.empty());
+  const auto candidates = run.results->candidates.Take(targets[0].name);
+  ASSERT_TRUE(candidates);
+  ASSERT_EQ(candidates->size(), 1u);
+  EXPECT_EQ(candidates->front().source, "command");
+
+  const std::string before = StageKey(&run, Stages(), "propose");
+  run.options.generator_limits.generator_timeout = 7;
+  EXPECT_EQ(StageKey(&run, Stages(), "propose"), before);
+  run.options.propose.generator += " ";
+  EXPECT_NE(StageKey(&run, Stages(), "propose"), before);
+}
+
+TEST_F(ProposeStageTest, AGeneratorThatFailsIsRunAgain) {
+  auto request = Request("failing_command");
+  request.options.propose.proposers = ProposerChoice::kWarp;
+  request.options.propose.generator = "test -e " + (*temp / "ready").string() + " && cp {request}/warps/*.png {answer}";
+  auto run = StartRun(request, Silent());
+  EXPECT_THAT(MessageOf<RunError>([&] { Bring(&run, "propose"); }), HasSubstr("ended with exit code 1"));
+  WriteFileAtomically(*temp / "ready", "");
+  Bring(&run, "propose");
+  const auto candidates = run.results->candidates.Take(run.results->targets[0].name);
+  ASSERT_TRUE(candidates);
+  ASSERT_EQ(candidates->size(), 2u);
+  EXPECT_EQ(candidates->at(0).source, "warp");
+  EXPECT_EQ(candidates->at(1).source, "command");
+}
+
 TEST_F(ProposeStageTest, RefusesAFolderThatIsNotThere) {
   auto request = Request("without_folder");
   request.options.propose.proposal_folder = *temp / "nowhere";

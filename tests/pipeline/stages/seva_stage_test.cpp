@@ -1,7 +1,6 @@
 #include "oraclegs/pipeline/stages/seva_stage.h"
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/stages/proposers.h"
@@ -139,21 +138,6 @@ TEST_F(SevaStageTest, OtherOptionsAndWeightsGiveAnotherKey) {
   fs::remove(dir / "openclip-vith14/model.safetensors");
   EXPECT_THAT(MessageOf<InputError>([&] { SevaKey(options.seva); }),
               HasSubstr("`oraclegs models fetch openclip-vith14`"));
-}
-
-TEST_F(SevaStageTest, RefusesAnImageOfAnotherSize) {
-  const TempDir dir;
-  WritePng(dir / "seva" / "view.png", Image8{4, 3, 3, std::vector<uint8_t>(36)});
-  Camera camera;
-  camera.width = 4, camera.height = 3;
-  EXPECT_TRUE(SevaProposer(dir.path(), 0).Propose({"view", camera}, std::nullopt));
-  EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"view", camera}, 2));
-  EXPECT_FALSE(SevaProposer(dir.path(), 0).Propose({"other", camera}, std::nullopt));
-  camera.width = 5;
-  EXPECT_THAT(MessageOf<InputError>([&] {
-                SevaProposer(dir.path(), 0).Propose({"view", camera}, std::nullopt);
-              }),
-              HasSubstr("is 4 x 3 with 3 channels, not 5 x 3"));
 }
 
 TEST(RemoveGenerated, LeavesOtherFolders) {

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/core/text.h"
+
 namespace oraclegs {
 
 nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
@@ -18,6 +20,16 @@ nlohmann::json RunOptionsToJson(const RunOptions& options) {
 
 void CheckRunOptions(const RunOptions& options) {
   RunOptions::ForEachGroup(options, [](const char*, const auto& group) { CheckOptions(group); });
+  const ProposerChoice proposers = options.propose.proposers;
+  const std::string& generator = options.propose.generator;
+  if (proposers == ProposerChoice::kCommand && generator.empty()) {
+    throw UsageError(
+        "--proposers command needs --generator \"COMMAND\", which generates the views; see docs/generators.md");
+  }
+  if (proposers == ProposerChoice::kNone && !generator.empty()) {
+    throw UsageError("--generator is given, but --proposers none proposes nothing; say --proposers command");
+  }
+  if (!IsUtf8(generator)) throw UsageError("--generator is not valid UTF-8: {}", EscapeBytes(generator));
 }
 
 }  // namespace oraclegs

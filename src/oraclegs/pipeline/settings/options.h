@@ -181,6 +181,7 @@ struct RunOptions {
   SevaOptions seva;
   ValidateOptions validate;
   TrainOptions train;
+  GeneratorLimits generator_limits;
   CheckpointSchedule checkpoints;
   WeightOptions weights;
   DeviceOptions device;
@@ -204,6 +205,7 @@ struct RunOptions {
   template <class Self, class F>
   static void ForEachGroup(Self& self, F&& f) {
     ForEachShapingGroup(self, f);
+    f("Proposals", self.generator_limits);
     f("Checkpoints", self.checkpoints);
     f("Weights", self.weights);
     f("Machine", self.device);
@@ -217,7 +219,8 @@ nlohmann::json ShapingOptionsToJson(const RunOptions& options);
 /// The same of all options.
 nlohmann::json RunOptionsToJson(const RunOptions& options);
 
-/// Throws UsageError for the first option out of its range.
+/// Throws UsageError for the first option out of its range, and where --proposers and --generator contradict each
+/// other.
 void CheckRunOptions(const RunOptions& options);
 
 }  // namespace oraclegs

@@ -6,7 +6,9 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/stages/proposers.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
+#include "oraclegs/pipeline/stages/seva_stage.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/propose/generator.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
 
@@ -147,6 +149,16 @@ void UndoPropose(Run* run, const nlohmann::json&) {
     fs::remove_all(run->workspace.proposals() / old, ignored);
   }
   RemoveGenerated(run->workspace.proposals());
+  RemoveGeneratorFiles(run->workspace.proposals());
+}
+
+/// Has the command of --generator generate all targets.
+void AskGenerator(Run* run) {
+  const fs::path proposals = run->workspace.proposals();
+  const std::vector<Target>& targets = run->results->targets;
+  WriteGeneratorRequest({proposals / "generator"}, targets, ViewsOf(run).views, ProposersOf(run).warper());
+  RunGenerator({run->options.propose.generator, run->options.generator_limits.generator_timeout, proposals}, targets,
+               run->listener);
 }
 
 std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
@@ -162,6 +174,7 @@ std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
         {ViewsOf(run).views, known.targets, key, run->options.seva, run->workspace.proposals(), run->plan.device},
         run->listener);
   }
+  if (!known.targets.empty() && run->options.propose.Uses(ProposerChoice::kCommand)) AskGenerator(run);
   std::vector<std::string> files;
   if (!known.targets.empty()) {
     files = WriteCandidates(run);

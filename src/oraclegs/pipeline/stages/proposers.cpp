@@ -4,6 +4,8 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/pipeline/stages/seva_stage.h"
+#include "oraclegs/propose/generator.h"
 
 namespace oraclegs {
 
@@ -16,10 +18,11 @@ Proposers::Proposers(const Run& run, const TrainingViews& training, const Geomet
   const ProposeOptions& options = run.options.propose;
   // Also where nothing but a folder proposes: the oracle learns from what is known to be wrong.
   if (options.proposers != ProposerChoice::kSplat || proxies.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);
-  warp_paints_ = options.proposers != ProposerChoice::kSeva;
+  warp_paints_ = options.proposers != ProposerChoice::kSeva && options.proposers != ProposerChoice::kCommand;
   for (int k = 0; k < run.options.seva.candidates && options.Uses(ProposerChoice::kSeva); ++k) {
-    seva_.emplace_back(run.workspace.proposals(), k);
+    stored_.emplace_back(run.workspace.proposals(), SevaSource(k));
   }
+  if (options.Uses(ProposerChoice::kCommand)) stored_.emplace_back(run.workspace.proposals(), kGeneratorSource);
   if (proxies.empty()) return;
   splat_ = std::make_unique<EnsembleProposer>(
       std::move(proxies), RenderOptions{background, run.options.train.sh_degree, run.options.train.antialiased});
@@ -45,8 +48,8 @@ std::vector<std::vector<Proposal>> Proposers::Ask(const std::vector<Target>& tar
       ask(*splat_, i);
     }
   }
-  for (const SevaProposer& seva : seva_) {
-    for (size_t i = 0; i < targets.size(); ++i) ask(seva, i);
+  for (const StoredProposer& stored : stored_) {
+    for (size_t i = 0; i < targets.size(); ++i) ask(stored, i);
   }
   return candidates;
 }

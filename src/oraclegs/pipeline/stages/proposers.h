@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "oraclegs/pipeline/stages/seva_stage.h"
 #include "oraclegs/pipeline/stages/stage.h"
+#include "oraclegs/propose/stored_proposer.h"
 #include "oraclegs/propose/warp.h"
 
 namespace oraclegs {
@@ -27,7 +27,7 @@ class Proposers {
   std::unique_ptr<Warper> warper_;
   std::unique_ptr<Proposer> warp_, splat_;  ///< null when not asked for
   bool warp_paints_ = true;                 ///< false: asked for held-out views alone, so that the oracle learns
-  std::vector<SevaProposer> seva_;          ///< one for each of its candidates
+  std::vector<StoredProposer> stored_;      ///< one for each folder of images that were made for all targets at once
 };
 
 /// Those of the run's results, made when they are first asked for; they take its proxy models.

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/image/png.h"
-#include "oraclegs/image/read_image.h"
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/settings/fingerprint.h"
@@ -80,20 +79,6 @@ void RemoveGenerated(const fs::path& proposals) {
 void RemoveChunks(const fs::path& proposals) {
   std::error_code ignored;
   fs::remove_all(proposals / kChunks, ignored);
-}
-
-std::optional<Proposal> SevaProposer::Propose(const Target& target, std::optional<int> held_out) const {
-  if (held_out) return std::nullopt;
-  const fs::path path = folder_ / (target.name + ".png");
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) return std::nullopt;
-  Proposal proposal{target.name, source_, target.camera, ToFloat(ReadImage(path))};
-  const ImageF& rgb = proposal.rgb;
-  if (rgb.width != target.camera.width || rgb.height != target.camera.height || rgb.channels != 3) {
-    throw InputError("{}: is {} x {} with {} channels, not {} x {} with 3; delete it and run again", path.string(),
-                     rgb.width, rgb.height, rgb.channels, target.camera.width, target.camera.height);
-  }
-  return proposal;
 }
 
 }  // namespace oraclegs
