@@ -16,6 +16,9 @@ packages=(
   colmap ffmpeg
 )
 
+# for examples/generators; Node.js from elsewhere brings an npm that Debian's would replace
+command -v npm >/dev/null || packages+=(nodejs npm)
+
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   {
     echo "scripts/bootstrap.sh: this is not a Debian system. Install the equivalents of these Debian 12 packages:"

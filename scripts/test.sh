@@ -49,7 +49,19 @@ check() {
   ctest --preset "$1" --parallel "$(nproc)" --no-tests=error -R "^($(IFS='|'; echo "${floors[*]}"))\$"
 }
 
+# The packages of the example that a test runs; npm writes the list of what it has installed.
+install_example() {
+  local example=examples/generators/inpaint_holes
+  [[ $example/node_modules/.package-lock.json -nt $example/package-lock.json ]] && return
+  step "npm packages of $example"
+  npm ci --prefix "$example" --no-audit --no-fund || {
+    echo "scripts/test.sh: npm cannot install the packages of $example; it needs registry.npmjs.org, or npm config set registry" >&2
+    exit 1
+  }
+}
+
 scripts/bootstrap.sh
+install_example
 scripts/format.sh --check
 python3 scripts/check_house_test.py --quiet
 cmake --preset release "${configure[@]}" >/dev/null
