@@ -75,7 +75,7 @@ if within 24 asan; then check asan; fi
 if within 31 debug; then check debug; fi
 if command -v nvcc >/dev/null && within 35 cuda; then  # for a real device; running it needs a GPU
   step "preset cuda"
-  cmake --preset cuda -DORACLEGS_NETWORKS=OFF -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
+  cmake --preset cuda -DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
   cmake --build --preset cuda --parallel "$(nproc)" --target cuda_tests gpu_bench
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
 fi
