@@ -12,10 +12,10 @@
 namespace oraclegs {
 namespace {
 
-constexpr uint64_t kSeed = 1;
+constexpr uint64_t kSceneSeed = 1;
 constexpr double kScale = 0.008;  // world units: about four tiles a Gaussian
 constexpr size_t kViews = 3;
-constexpr double kStep = 0.02;  // world units between the synthetic cameras
+constexpr double kCameraStep = 0.02;  // world units between the synthetic cameras
 
 Camera AtPixels(const Camera& camera, int64_t pixels) {
   const double factor = std::sqrt(static_cast<double>(pixels) / (static_cast<double>(camera.width) * camera.height));
@@ -26,10 +26,10 @@ Camera AtPixels(const Camera& camera, int64_t pixels) {
 }  // namespace
 
 GpuScene SyntheticScene(int64_t gaussians, int width, int height) {
-  GpuScene scene{RandomGaussians(gaussians, kScale, kSeed), {}};
+  GpuScene scene{RandomGaussians(gaussians, kScale, kSceneSeed), {}};
   for (size_t i = 0; i < kViews; ++i) {
     Camera camera = FrontCamera(width, height);
-    camera.cam_from_world.translation().x() = kStep * static_cast<double>(i);
+    camera.cam_from_world.translation().x() = kCameraStep * static_cast<double>(i);
     scene.cameras.push_back(camera);
   }
   return scene;

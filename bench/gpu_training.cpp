@@ -14,7 +14,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr uint64_t kSeed = 1;
+constexpr uint64_t kTrainingSeed = 1;
 constexpr int kIterations = 10'000'000;
 constexpr double kOpacityNoise = 0.5;  // what the pipeline chooses
 constexpr double kExtent = 1;
@@ -74,7 +74,7 @@ GpuTraining::GpuTraining(const GpuScene& scene, Device device)
 
 Iteration GpuTraining::Next() {
   Iteration next;
-  next.seed = kSeed;
+  next.seed = kTrainingSeed;
   next.number = ++number_;
   next.view = {ViewKind::kPhoto, static_cast<int>(number_ % plan_.num_photos())};
   next.rates.ScaleAll(0.1);
@@ -84,7 +84,7 @@ Iteration GpuTraining::Next() {
 }
 
 Buffer<float> GpuTraining::Factors(const Iteration& iteration) {
-  return train_->OpacityFactors({kSeed, iteration.number, 0, kOpacityNoise}, model_.gaussians.size());
+  return train_->OpacityFactors({kTrainingSeed, iteration.number, 0, kOpacityNoise}, model_.gaussians.size());
 }
 
 RenderOutput GpuTraining::Forward(const Iteration& iteration, const Buffer<float>& factors) {
