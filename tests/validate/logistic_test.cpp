@@ -60,6 +60,15 @@ TEST(Logistic, HasTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one, five);
 }
 
+TEST(Logistic, ClampsFeaturesToTheTaughtRange) {
+  Data data = Known(4000);
+  data.features(7, 0) = 50;  // one sample is no range
+  const Logistic model = Logistic::Fit(data.features, data.labels);
+  const float at_the_end[3] = {0.995f, 20, 7}, beyond[3] = {4, 20, 7}, far_beyond[3] = {1e6f, 20, 1e6f};
+  EXPECT_NEAR(model(beyond), model(at_the_end), 0.01f);
+  EXPECT_EQ(model(far_beyond), model(beyond));
+}
+
 TEST(Logistic, AnswersOneHalfBeforeItHasLearnt) {
   const float x[3] = {1, 2, 3};
   EXPECT_EQ(Logistic()(x), 0.5f);

@@ -14,17 +14,40 @@ namespace {
 
 constexpr size_t kMaxFeatures = 64;
 constexpr float kMaxDeviation = 3;  // standard deviations beyond which a feature counts no more
+constexpr double kTail = 0.005;     // share of the samples beyond either end of a feature's range
 constexpr double kRidge = 1e-3;     // per sample, on standardised features
 constexpr int kNewtonSteps = 8;
 constexpr double kConverged = 1e-4;  // change of a weight
 constexpr int64_t kBlock = 4096;     // samples
 
+/// The value below which `share` of these lie.
+float Quantile(std::vector<float>* values, double share) {
+  const auto place = static_cast<int64_t>(share * static_cast<double>(values->size() - 1) + 0.5);
+  std::nth_element(values->begin(), values->begin() + place, values->end());
+  return (*values)[static_cast<size_t>(place)];
+}
+
 }  // namespace
 
 void Logistic::Standardise(const float* features, float* x) const {
   for (Eigen::Index i = 0; i < mean_.size(); ++i) {
-    x[i] = std::clamp((features[i] - mean_[i]) * inverse_deviation_[i], -kMaxDeviation, kMaxDeviation);
+    const float taught = std::clamp(features[i], low_[i], high_[i]);
+    x[i] = std::clamp((taught - mean_[i]) * inverse_deviation_[i], -kMaxDeviation, kMaxDeviation);
   }
+}
+
+void Logistic::FitRange(const Eigen::MatrixXf& features) {
+  const Eigen::Index samples = features.rows(), n = features.cols();
+  low_.resize(n), high_.resize(n);
+  ParallelFor(n, [&](int64_t i) {
+    std::vector<float> values(features.col(i).data(), features.col(i).data() + samples);
+    low_[i] = Quantile(&values, kTail);
+    high_[i] = Quantile(&values, 1 - kTail);
+  });
+  mean_ = features.colwise().mean();
+  const Eigen::VectorXf deviation =
+      ((features.rowwise() - mean_.transpose()).colwise().squaredNorm() / static_cast<float>(samples)).cwiseSqrt();
+  inverse_deviation_ = deviation.unaryExpr([](float d) { return d > 1e-6f ? 1 / d : 0.f; });
 }
 
 /// The features, their products (the upper triangle, row by row) and 1.
@@ -47,11 +70,7 @@ Logistic Logistic::Fit(const Eigen::MatrixXf& features, const Eigen::VectorXf& l
                      kMaxFeatures, labels.size());
   }
   Logistic model;
-  model.mean_ = features.colwise().mean();
-  const Eigen::VectorXf deviation =
-      ((features.rowwise() - model.mean_.transpose()).colwise().squaredNorm() / static_cast<float>(samples))
-          .cwiseSqrt();
-  model.inverse_deviation_ = deviation.unaryExpr([](float d) { return d > 1e-6f ? 1 / d : 0.f; });
+  model.FitRange(features);
   const Eigen::Index size = model.Expand(features.row(0).eval().data()).size();
   const int64_t blocks = (samples + kBlock - 1) / kBlock;
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(size);

@@ -5,6 +5,7 @@
 namespace oraclegs {
 
 /// Logistic regression on features, their squares and their products, standardised: the probability of a soft label.
+/// Features are clamped to the range that 99 % of the samples have: a quadratic function says nothing beyond it.
 class Logistic {
  public:
   /// Answers 1/2 to everything.
@@ -19,9 +20,11 @@ class Logistic {
   float operator()(const float* features) const;
 
  private:
+  void FitRange(const Eigen::MatrixXf& features);
   void Standardise(const float* features, float* x) const;
   Eigen::VectorXf Expand(const float* features) const;
 
+  Eigen::VectorXf low_, high_;                ///< of the features, beyond which they are clamped
   Eigen::VectorXf mean_, inverse_deviation_;  ///< of the features; 0 for one that never changes
   Eigen::VectorXf linear_;
   Eigen::MatrixXf quadratic_;  ///< upper triangle
