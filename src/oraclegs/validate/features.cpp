@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/validate/integral.h"
+
 namespace oraclegs {
 namespace {
 
@@ -12,31 +14,6 @@ constexpr float kMaxAngle = 90, kMaxRing = 200;
 constexpr float kBorder = 0.1f;  // share of the image's smaller side
 
 float Luma(const float* rgb) { return 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]; }
-
-/// Sums over rectangles in constant time.
-class Integral {
- public:
-  template <class Value>
-  Integral(int width, int height, Value&& value)
-      : width_(width + 1), sums_(static_cast<size_t>(width + 1) * (height + 1)) {
-    for (int y = 0; y < height; ++y) {
-      double row = 0;
-      for (int x = 0; x < width; ++x) {
-        row += value(static_cast<size_t>(y) * width + x);
-        sums_[At(x + 1, y + 1)] = sums_[At(x + 1, y)] + row;
-      }
-    }
-  }
-  /// Over [x0, x1) x [y0, y1).
-  double Sum(int x0, int y0, int x1, int y1) const {
-    return sums_[At(x1, y1)] - sums_[At(x0, y1)] - sums_[At(x1, y0)] + sums_[At(x0, y0)];
-  }
-
- private:
-  size_t At(int x, int y) const { return static_cast<size_t>(y) * width_ + x; }
-  int width_;
-  std::vector<double> sums_;
-};
 
 float Distance(const float* a, const float* b) {
   float squares = 0;
@@ -81,13 +58,11 @@ std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& war
     for (int x = 0; x < width; ++x) {
       const size_t i = static_cast<size_t>(y) * width + x;
       const PixelEvidence& e = warped.evidence[i];
-      const int x0 = std::max(0, x - kRadius), x1 = std::min(width, x + kRadius + 1);
-      const int y0 = std::max(0, y - kRadius), y1 = std::min(height, y + kRadius + 1);
-      const double n = (x1 - x0) * (y1 - y0);
-      const double mean_a = sum_a.Sum(x0, y0, x1, y1) / n, mean_b = sum_b.Sum(x0, y0, x1, y1) / n;
-      const double var_a = std::max(0.0, sum_aa.Sum(x0, y0, x1, y1) / n - mean_a * mean_a);
-      const double var_b = std::max(0.0, sum_bb.Sum(x0, y0, x1, y1) / n - mean_b * mean_b);
-      const double covariance = sum_ab.Sum(x0, y0, x1, y1) / n - mean_a * mean_b;
+      const Window patch = Window::Around(x, y, kRadius, width, height);
+      const double mean_a = sum_a.Mean(patch), mean_b = sum_b.Mean(patch);
+      const double var_a = std::max(0.0, sum_aa.Mean(patch) - mean_a * mean_a);
+      const double var_b = std::max(0.0, sum_bb.Mean(patch) - mean_b * mean_b);
+      const double covariance = sum_ab.Mean(patch) - mean_a * mean_b;
       const double flat = static_cast<double>(kFlat) * kFlat;
       // As SSIM's structure term: patches without texture agree.
       const auto structure = static_cast<float>(1 - (covariance + flat) / (std::sqrt(var_a * var_b) + flat));
@@ -113,7 +88,7 @@ std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& war
                      Log(DepthEdge(warped.inv_depth, width, height, x, y), 0.005f),
                      Log(static_cast<float>(std::sqrt(var_a)), 0.005f),
                      Log(distance[i], 0.005f),
-                     Log(static_cast<float>(sum_d.Sum(x0, y0, x1, y1) / n), 0.005f),
+                     Log(static_cast<float>(sum_d.Mean(patch)), 0.005f),
                      structure,
                      Log(std::min(depth, 1.f), 0.002f),
                      Log(spread, 0.005f),
