@@ -106,6 +106,20 @@ TEST_F(ConsistencyTest, KeepsTheFirstSourceWhenAnotherIsCalibrated) {
   EXPECT_GT(*std::min_element(sure.begin(), sure.end()), 0.95f);  // this source was never wrong
 }
 
+TEST_F(ConsistencyTest, LearnsFromSamplesAsFromProposals) {
+  const Warper warper({views, maps});
+  ConsistencyOracle at_once(FeatureSource(warper), views), in_parts(FeatureSource(warper), views);
+  at_once.Calibrate(held_out);
+  std::vector<std::pair<std::string, PixelSamples>> samples;
+  for (const Query& query : held_out) {
+    for (auto& sample : in_parts.Sample({query}, 36000 / held_out.size())) samples.push_back(std::move(sample));
+  }
+  EXPECT_LT(in_parts.Sample({held_out[0]}, 100)[0].second.errors.size(), 105u);
+  in_parts.Fit(samples);
+  const std::vector<Proposal> asked = {held_out[2].proposal};
+  EXPECT_EQ(in_parts.Predict(asked), at_once.Predict(asked));
+}
+
 TEST_F(ConsistencyTest, NeedsHeldOutViews) {
   const Warper warper({views, maps});
   ConsistencyOracle oracle(FeatureSource(warper), views);

@@ -64,21 +64,32 @@ std::vector<ConfidenceMap> ConsistencyOracle::Predict(const std::vector<Query>& 
   return Predict(queries, features_.SecondMaps(queries));
 }
 
+std::vector<std::pair<std::string, PixelSamples>> ConsistencyOracle::Sample(const std::vector<Query>& held_out,
+                                                                            size_t limit) const {
+  return Sample(held_out, features_.SecondMaps(held_out), [limit](const Query&) { return limit; });
+}
+
 void ConsistencyOracle::Calibrate(const std::vector<Query>& held_out, const std::vector<ConfidenceMap>& second) {
   std::map<std::string, size_t> count;
+  for (const Query& query : held_out) ++count[query.proposal.source];
+  calibrator_.Fit(
+      Sample(held_out, second, [&](const Query& query) { return kMaxSamples / count.at(query.proposal.source); }));
+}
+
+std::vector<std::pair<std::string, PixelSamples>> ConsistencyOracle::Sample(
+    const std::vector<Query>& held_out, const std::vector<ConfidenceMap>& second,
+    FunctionRef<size_t(const Query&)> limit) const {
   std::vector<std::pair<std::string, PixelSamples>> samples;
   for (const Query& query : held_out) {
     if (!query.held_out) throw ShapeError("{}: no view is held out to calibrate with", query.proposal.name);
-    ++count[query.proposal.source];
     samples.push_back({query.proposal.source, {}});
   }
   features_.ForEach(held_out, second, [&](size_t q, const PixelRows& rows) {
-    const Proposal& proposal = held_out[q].proposal;
     const auto view = static_cast<size_t>(*held_out[q].held_out);
-    samples[q].second = SamplesOf(proposal, rows, {views_[view], features_.warper().Gain(view)},
-                                  kMaxSamples / count.at(proposal.source));
+    samples[q].second =
+        SamplesOf(held_out[q].proposal, rows, {views_[view], features_.warper().Gain(view)}, limit(held_out[q]));
   });
-  calibrator_.Fit(samples);
+  return samples;
 }
 
 std::vector<ConfidenceMap> ConsistencyOracle::Predict(const std::vector<Query>& queries,

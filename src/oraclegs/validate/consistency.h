@@ -3,6 +3,7 @@
 // worth where a training view was held out and proposed (docs/method.md#consistency-oracle).
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "oraclegs/validate/calibrator.h"
@@ -24,6 +25,12 @@ class ConsistencyOracle : public Oracle {
   /// The same, and the confidence of what was learnt from. A second oracle is asked once.
   std::vector<ConfidenceMap> CalibrateAndPredict(const std::vector<Query>& held_out);
 
+  /// What pixels of proposals of held-out views teach, at most `limit` of each: with the names of their sources, in
+  /// their order. For lessons that are not held in memory all at once. Throws ShapeError as Calibrate does.
+  std::vector<std::pair<std::string, PixelSamples>> Sample(const std::vector<Query>& held_out, size_t limit) const;
+  /// As Calibrate, from such samples.
+  void Fit(const std::vector<std::pair<std::string, PixelSamples>>& samples) { calibrator_.Fit(samples); }
+
   /// That of the features.
   std::string name() const override { return features_.name(); }
   using Oracle::Predict;
@@ -32,6 +39,9 @@ class ConsistencyOracle : public Oracle {
 
  private:
   void Calibrate(const std::vector<Query>& held_out, const std::vector<ConfidenceMap>& second);
+  std::vector<std::pair<std::string, PixelSamples>> Sample(const std::vector<Query>& held_out,
+                                                           const std::vector<ConfidenceMap>& second,
+                                                           FunctionRef<size_t(const Query&)> limit) const;
   std::vector<ConfidenceMap> Predict(const std::vector<Query>& queries, const std::vector<ConfidenceMap>& second) const;
 
   FeatureSource features_;

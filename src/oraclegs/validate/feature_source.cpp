@@ -34,9 +34,19 @@ std::vector<std::vector<size_t>> GroupByView(const std::vector<Query>& queries) 
 
 const float* PixelRows::Row(size_t pixel, Space* space) const {
   if (features_.empty()) return &second_[pixel];
-  if (second_.empty()) return features_[pixel].data();
-  *std::copy(features_[pixel].begin(), features_[pixel].end(), space->begin()) = second_[pixel];
+  if (second_.empty() && comparisons_.empty()) return features_[pixel].data();
+  auto end = std::copy(features_[pixel].begin(), features_[pixel].end(), space->begin());
+  for (const std::vector<Comparison>& compared : comparisons_) {
+    end = std::copy(compared[pixel].begin(), compared[pixel].end(), end);
+  }
+  if (!second_.empty()) *end = second_[pixel];
   return space->data();
+}
+
+FeatureSource FeatureSource::Thorough() const {
+  FeatureSource thorough = *this;
+  thorough.scrutiny_ = Scrutiny::kThorough;
+  return thorough;
 }
 
 std::string FeatureSource::name() const {
@@ -57,9 +67,15 @@ void FeatureSource::ForEach(const std::vector<Query>& queries, const std::vector
     const Query& first = queries[group.front()];
     const WarpedView warped = ReadsImages() ? warper_.Warp(first.proposal.camera, first.held_out) : WarpedView();
     for (const size_t q : group) {
+      const Query& query = queries[q];
       std::vector<Features> features;
-      if (ReadsImages()) features = FeaturesOf(queries[q].proposal, warped);
-      use(q, PixelRows(std::move(features), second[q]));
+      std::vector<std::vector<Comparison>> comparisons;
+      if (ReadsImages()) features = FeaturesOf(query.proposal, warped);
+      if (ReadsImages() && scrutiny_ == Scrutiny::kThorough) {
+        comparisons.push_back(Compare(query.proposal.rgb, warped.rgb));
+        if (!query.opinion.data.empty()) comparisons.push_back(Compare(query.proposal.rgb, query.opinion));
+      }
+      use(q, PixelRows(std::move(features), std::move(comparisons), second[q]));
     }
   });
 }

@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/function_ref.h"
 #include "oraclegs/propose/warp.h"
+#include "oraclegs/validate/comparison.h"
 #include "oraclegs/validate/features.h"
 #include "oraclegs/validate/oracle.h"
 
@@ -20,23 +21,33 @@ enum class Evidence {
   kBoth,
 };
 
+/// How closely proposals are compared with what the images show.
+enum class Scrutiny {
+  kPlain,     ///< by the features alone
+  kThorough,  ///< at several scales, with the warp and with the query's opinion where it has one
+};
+
 /// The features of each pixel of a proposal, as one row of numbers for each.
 class PixelRows {
  public:
-  static constexpr size_t kMaxColumns = kFeatures + 1;
+  static constexpr size_t kMaxColumns = kFeatures + 2 * kComparisons + 1;
   using Space = std::array<float, kMaxColumns>;
 
-  /// Either may be empty. `second` must outlive it.
-  PixelRows(std::vector<Features> features, const ConfidenceMap& second)
-      : features_(std::move(features)), second_(second) {}
+  /// Each may be empty. `second` must outlive it.
+  PixelRows(std::vector<Features> features, std::vector<std::vector<Comparison>> comparisons,
+            const ConfidenceMap& second)
+      : features_(std::move(features)), comparisons_(std::move(comparisons)), second_(second) {}
 
   size_t size() const { return features_.empty() ? second_.size() : features_.size(); }
-  size_t columns() const { return (features_.empty() ? 0 : kFeatures) + (second_.empty() ? 0 : 1); }
+  size_t columns() const {
+    return (features_.empty() ? 0 : kFeatures) + comparisons_.size() * kComparisons + (second_.empty() ? 0 : 1);
+  }
   /// The row of a pixel, in `space` where it is not stored as a whole.
   const float* Row(size_t pixel, Space* space) const;
 
  private:
   std::vector<Features> features_;
+  std::vector<std::vector<Comparison>> comparisons_;
   const ConfidenceMap& second_;
 };
 
@@ -48,6 +59,9 @@ class FeatureSource {
   /// What another oracle predicts, alone or as one more feature.
   FeatureSource(const Warper& warper, const Oracle& second, Evidence evidence)
       : warper_(warper), evidence_(evidence), second_(&second) {}
+
+  /// The same, with every proposal compared thoroughly. All queries of it have an opinion, or none has.
+  FeatureSource Thorough() const;
 
   /// "consistency", the second oracle's name, or that + "+consistency".
   std::string name() const;
@@ -66,6 +80,7 @@ class FeatureSource {
   const Warper& warper_;
   Evidence evidence_ = Evidence::kImages;
   const Oracle* second_ = nullptr;
+  Scrutiny scrutiny_ = Scrutiny::kPlain;
 };
 
 }  // namespace oraclegs

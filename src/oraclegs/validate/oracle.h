@@ -19,6 +19,9 @@ struct Query {
   /// Index of the training view that stands at the proposal's pose and that no evidence may come from; nothing for a
   /// proposal of a new pose.
   std::optional<int> held_out = {};
+  /// What proxy models show at its pose, made without the view that is held out; empty = there are none. Compared with
+  /// the proposals of generators that nothing is known of.
+  ImageF opinion = {};
 };
 
 class Oracle {

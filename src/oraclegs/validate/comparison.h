@@ -1,0 +1,28 @@
+#pragma once
+// How a proposal differs from what the images show at its pose, at several scales (docs/method.md#untaught-generators).
+
+#include <array>
+#include <vector>
+
+#include "oraclegs/image/image.h"
+
+namespace oraclegs {
+
+/// What is compared beside the features (features.h), in its order. "near" is a window of 7 x 7 pixels, "wide" and
+/// "wider" grow with the image.
+inline constexpr std::array kComparisonNames = {
+    "colour",          // distance of the two colours, mean over a wide window
+    "shift near",      // distance of the two windows' mean colours: what is left when details differ
+    "shift wide",      //
+    "shift wider",     //
+    "structure",       // 1 - correlation of two wide windows, as far as they have texture
+    "sharpness near",  // log of the proposal's deviation of brightness by the other image's
+    "sharpness wide",  //
+};
+inline constexpr size_t kComparisons = kComparisonNames.size();
+using Comparison = std::array<float, kComparisons>;
+
+/// Of every pixel, row by row. Every value is finite. Throws ShapeError for images of different sizes.
+std::vector<Comparison> Compare(const ImageF& proposal, const ImageF& shown);
+
+}  // namespace oraclegs
