@@ -66,15 +66,54 @@ def files_below(folder):
     return {str(p.relative_to(folder)): (p.read_bytes(), p.stat().st_mtime_ns) for p in files}
 
 
+def write_png(width, height, channels, data):
+    """A PNG of 8-bit grey (1) or RGB (3), rows top to bottom."""
+
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    row = width * channels
+    rows = b"".join(b"\0" + bytes(data[y * row : (y + 1) * row]) for y in range(height))
+    header = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2}[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
 def png(width, height, rgb):
     """A PNG of one colour."""
+    return write_png(width, height, 3, bytes(rgb) * (width * height))
 
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    rows = (b"\0" + bytes(rgb) * width) * height
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+def read_png(path):
+    """(width, height, channels, bytearray) of an 8-bit PNG that is not interlaced."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        at += 12 + length
+        if kind == b"IHDR":
+            width, height, depth, color, _, _, interlaced = struct.unpack(">IIBBBBB", body)
+            assert depth == 8 and interlaced == 0
+        packed += body if kind == b"IDAT" else b""
+    channels = {0: 1, 2: 3, 4: 2, 6: 4}[color]
+    raw, row = zlib.decompress(packed), width * channels
+    pixels, above = bytearray(), bytes(row)
+    for y in range(height):
+        begin = y * (row + 1)
+        line = bytearray(raw[begin + 1 : begin + 1 + row])
+        for i in range(row):
+            left, corner = (line[i - channels], above[i - channels]) if i >= channels else (0, 0)
+            line[i] = (line[i] + _predicted(raw[begin], left, above[i], corner)) & 255
+        pixels += line
+        above = line
+    return width, height, channels, pixels
+
+
+def _predicted(rule, left, above, corner):
+    """What the filter of a PNG's row adds to a byte."""
+    if rule < 4:
+        return (0, left, above, (left + above) // 2)[rule]
+    estimate = left + above - corner
+    return min((left, above, corner), key=lambda value: abs(estimate - value))
 
 
 def main():

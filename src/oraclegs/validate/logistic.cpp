@@ -44,7 +44,7 @@ void Logistic::FitRange(const Eigen::MatrixXf& features) {
     low_[i] = Quantile(&values, kTail);
     high_[i] = Quantile(&values, 1 - kTail);
   });
-  mean_ = features.colwise().mean();
+  mean_ = features.cast<double>().colwise().mean().cast<float>();  // a constant keeps no deviation
   const Eigen::VectorXf deviation =
       ((features.rowwise() - mean_.transpose()).colwise().squaredNorm() / static_cast<float>(samples)).cwiseSqrt();
   inverse_deviation_ = deviation.unaryExpr([](float d) { return d > 1e-6f ? 1 / d : 0.f; });

@@ -73,6 +73,37 @@ TEST_F(CalibratedOracleTest, ReportsPassesOfTheNetwork) {
   EXPECT_EQ(steps[2], (std::pair<int64_t, int64_t>{9, 9}));
 }
 
+TEST_F(CalibratedOracleTest, LeavesOutCandidatesOfFoldersThatAreWrongAsAWhole) {
+  const TrainingViews& training = ViewsOf(&*run);
+  const Proposers& proposers = ProposersOf(&*run);
+  const LoadedView& view = training.views[1];
+  const Proposal made = proposers.Ask({{view.name, view.camera}})[0][0];
+  Proposal right = made, wrong = made;
+  right.source = wrong.source = "folder";
+  right.rgb = view.rgb;
+  std::fill(wrong.rgb.data.begin(), wrong.rgb.data.end(), 0.3f);
+  run->plan.oracle = {OracleKind::kConsistency};
+  const auto taught_alone = CalibratedOracle(*run, training, proposers, 1).Classify({{made}});
+  run->results->folder = {{right, wrong}, {{}, {}}};
+  const CalibratedOracle oracle(*run, training, proposers, 1);
+  const auto answers = oracle.Classify({{made}, {made, wrong}, {wrong}, {made, right}});
+  ASSERT_EQ(answers.size(), 4u);
+  EXPECT_EQ(answers[0].confidence, taught_alone[0].confidence) << "as without a folder";
+  EXPECT_EQ(answers[1].proposal.source, "warp");
+  EXPECT_EQ(answers[1].confidence, answers[0].confidence);
+  EXPECT_EQ(answers[2].confidence, ConfidenceMap(answers[2].confidence.size(), 0.f));
+  EXPECT_EQ(answers[3].proposal.source, kMixed);
+  EXPECT_GT(*std::max_element(answers[3].confidence.begin(), answers[3].confidence.end()), 0.5f);
+}
+
+TEST_F(CalibratedOracleTest, TeachesTheNetworkTamperedViewsForFolders) {
+  const LoadedView& view = ViewsOf(&*run).views[0];
+  run->results->folder = {{Proposal{"given", "folder", view.camera, view.rgb}}, {{}}};
+  Classify(OracleKind::kVggtAndConsistency);
+  EXPECT_EQ(steps.back().second, 6 + 3 + 24);
+  EXPECT_EQ(steps.back().first, steps.back().second);
+}
+
 TEST_F(CalibratedOracleTest, UsesVggtAsItIsWithoutCalibration) {
   const auto vggt = Classify(OracleKind::kVggt), consistency = Classify(OracleKind::kConsistency);
   run->options.validate.calibrate = false;

@@ -3,10 +3,13 @@
 
 #include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "oraclegs/pipeline/stages/proposers.h"
 #include "oraclegs/pipeline/stages/stage.h"
+#include "oraclegs/pipeline/stages/untaught_oracle.h"
 #include "oraclegs/validate/consistency.h"
 #include "oraclegs/validate/pick.h"
 
@@ -32,7 +35,8 @@ class CalibratedOracle {
   /// True when passes of VGGT are what the time goes to; they are reported as they are done.
   bool reports_progress() const { return second_ != nullptr; }
 
-  /// Of each target that has candidates, in their order: one image of the candidates, with its confidence.
+  /// Of each target that has candidates, in their order: one image of the candidates, with its confidence. Candidates
+  /// that do not show the scene from their pose are left out where there are others.
   std::vector<Validated> Classify(std::vector<std::vector<Proposal>> candidates) const;
 
  private:
@@ -40,7 +44,9 @@ class CalibratedOracle {
 
   const Oracle& oracle() const;
   void LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights);
-  void Calibrate(const std::vector<LoadedView>& views, const Proposers& proposers, size_t targets);
+  void Calibrate(const HeldOutCandidates& held_out);
+  /// Of each, from the oracle of untaught generators where `untaught`.
+  std::vector<ConfidenceMap> Predict(const std::vector<Proposal>& proposals, const std::vector<bool>& untaught) const;
 
   PickRule rule_;
   size_t together_;
@@ -48,6 +54,8 @@ class CalibratedOracle {
   std::unique_ptr<Oracle> second_;                 ///< VGGT before calibration, null without
   std::unique_ptr<ConsistencyOracle> calibrated_;  ///< null where VGGT's maps are used as they are
   std::unique_ptr<Oracle> uniform_;
+  std::unique_ptr<UntaughtOracle> untaught_;  ///< null without generators that cannot hold a view out
+  std::set<std::string> taught_;              ///< sources that can
 };
 
 }  // namespace oraclegs

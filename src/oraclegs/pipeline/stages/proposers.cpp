@@ -54,6 +54,10 @@ std::vector<std::vector<Proposal>> Proposers::Ask(const std::vector<Target>& tar
   return candidates;
 }
 
+std::optional<Proposal> Proposers::Opinion(const Target& target) const {
+  return splat_ ? splat_->Propose(target, std::nullopt) : std::nullopt;
+}
+
 const Proposers& ProposersOf(Run* run) {
   StageResults& known = *run->results;
   if (!known.proposers) {

@@ -23,6 +23,11 @@ class Proposers {
   std::vector<std::vector<Proposal>> Ask(const std::vector<Target>& targets,
                                          const std::vector<std::optional<int>>& held_out = {}) const;
 
+  /// Whether proxy models can say what a view shows.
+  bool has_opinions() const { return splat_ != nullptr; }
+  /// What they show at a new pose; nothing without them.
+  std::optional<Proposal> Opinion(const Target& target) const;
+
  private:
   std::unique_ptr<Warper> warper_;
   std::unique_ptr<Proposer> warp_, splat_;  ///< null when not asked for

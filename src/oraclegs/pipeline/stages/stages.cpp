@@ -19,7 +19,7 @@ const std::vector<Stage>& Stages() {
       {"depth", 4, {"sfm"}, DepthStage()},
       {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
-      {"validate", 3, {"propose"}, ValidateStage()},
+      {"validate", 4, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
       {"evaluate", 1, {"train"}, EvaluateStage()},
   };

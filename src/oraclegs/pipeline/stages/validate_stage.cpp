@@ -201,6 +201,11 @@ bool LoadValidate(Run* run) {
   return true;
 }
 
+bool HasFromFolder(const std::vector<std::string>& names, const FolderProposals& folder) {
+  return std::any_of(folder.proposals.begin(), folder.proposals.end(),
+                     [&](const Proposal& p) { return std::find(names.begin(), names.end(), p.name) != names.end(); });
+}
+
 void ReportConfidence(Run* run) {
   const std::vector<TrainView>& proposals = run->results->proposals;
   const std::vector<std::string>& rejected = run->results->rejected;
@@ -209,9 +214,12 @@ void ReportConfidence(Run* run) {
     const char* then = proposals.empty() ? "; none is left, and the photos alone are trained on: another --trajectory "
                                            "or more photos may help"
                                          : "";
-    run->listener(
-        Warning{fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {} (see {}){}",
-                            rejected.size(), AllTargets(*run->results).size(), SomeNames(rejected), previews, then)});
+    const char* fix = HasFromFolder(rejected, run->results->folder)
+                          ? "; for those of --proposal-folder, check scene, pose, scale and orientation"
+                          : "";
+    run->listener(Warning{
+        fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {} (see {}){}{}",
+                    rejected.size(), AllTargets(*run->results).size(), SomeNames(rejected), previews, fix, then)});
   }
   if (proposals.empty()) return;
   double sum = 0;
