@@ -59,19 +59,19 @@ TEST_F(FeatureSourceTest, GivesRowsOfTheChosenEvidence) {
   }
 }
 
-TEST_F(FeatureSourceTest, ComparesThoroughlyWithTheWarpAndTheOpinion) {
+TEST_F(FeatureSourceTest, ComparesThoroughlyWithWarpAndProxyRender) {
   const Warper warper({views, maps});
   const Quarter quarter;
   const auto plain = FirstRows(FeatureSource(warper)), warp = FirstRows(FeatureSource(warper).Thorough());
-  for (Query& query : queries) query.opinion = query.proposal.rgb;
-  EXPECT_EQ(FirstRows(FeatureSource(warper)), plain) << "opinions are for thorough ones";
+  for (Query& query : queries) query.proxy_render = query.proposal.rgb;
+  EXPECT_EQ(FirstRows(FeatureSource(warper)), plain) << "proxy renders are for thorough ones";
   const auto both = FirstRows(FeatureSource(warper, quarter, Evidence::kBoth).Thorough());
   for (size_t q = 0; q < queries.size(); ++q) {
     ASSERT_EQ(warp[q].size(), kFeatures + kComparisons);
     EXPECT_TRUE(std::equal(plain[q].begin(), plain[q].end(), warp[q].begin()));
     ASSERT_EQ(both[q].size(), PixelRows::kMaxColumns);
     EXPECT_TRUE(std::equal(warp[q].begin(), warp[q].end(), both[q].begin()));
-    const Comparison same = Compare(queries[q].proposal.rgb, queries[q].opinion)[0];
+    const Comparison same = Compare(queries[q].proposal.rgb, queries[q].proxy_render)[0];
     EXPECT_TRUE(std::equal(same.begin(), same.end(), both[q].begin() + kFeatures + kComparisons));
     EXPECT_EQ(both[q].back(), 0.25f);
   }

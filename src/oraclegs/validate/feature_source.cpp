@@ -73,7 +73,7 @@ void FeatureSource::ForEach(const std::vector<Query>& queries, const std::vector
       if (ReadsImages()) features = FeaturesOf(query.proposal, warped);
       if (ReadsImages() && scrutiny_ == Scrutiny::kThorough) {
         comparisons.push_back(Compare(query.proposal.rgb, warped.rgb));
-        if (!query.opinion.data.empty()) comparisons.push_back(Compare(query.proposal.rgb, query.opinion));
+        if (!query.proxy_render.data.empty()) comparisons.push_back(Compare(query.proposal.rgb, query.proxy_render));
       }
       use(q, PixelRows(std::move(features), std::move(comparisons), second[q]));
     }

@@ -24,7 +24,7 @@ enum class Evidence {
 /// How closely proposals are compared with what the images show.
 enum class Scrutiny {
   kPlain,     ///< by the features alone
-  kThorough,  ///< at several scales, with the warp and with the query's opinion where it has one
+  kThorough,  ///< at several scales, with the warp and with the query's proxy render where it has one
 };
 
 /// The features of each pixel of a proposal, as one row of numbers for each.
@@ -60,7 +60,7 @@ class FeatureSource {
   FeatureSource(const Warper& warper, const Oracle& second, Evidence evidence)
       : warper_(warper), evidence_(evidence), second_(&second) {}
 
-  /// The same, with every proposal compared thoroughly. All queries of it have an opinion, or none has.
+  /// The same, with every proposal compared thoroughly. All queries of it have a proxy render, or none has.
   FeatureSource Thorough() const;
 
   /// "consistency", the second oracle's name, or that + "+consistency".

@@ -21,7 +21,7 @@ struct Query {
   std::optional<int> held_out = {};
   /// What proxy models show at its pose, made without the view that is held out; empty = there are none. Compared with
   /// the proposals of generators that nothing is known of.
-  ImageF opinion = {};
+  ImageF proxy_render = {};
 };
 
 class Oracle {

@@ -25,11 +25,11 @@ TEST_F(ProposersTest, AskEachProposerForEachTarget) {
   EXPECT_EQ(candidates[0][1].name, "first");
   EXPECT_EQ(candidates[1].size(), 2u);
   EXPECT_EQ(candidates[2].size(), 1u);  // the third view is held out from no member
-  EXPECT_TRUE(both.has_opinions());
-  EXPECT_EQ(both.Opinion(first)->source, "splat");
+  EXPECT_TRUE(both.has_proxy_models());
+  EXPECT_EQ(both.ProxyRender(first)->source, "splat");
   const Proposers without(run, training, known.geometry, {});
-  EXPECT_FALSE(without.has_opinions());
-  EXPECT_FALSE(without.Opinion(first).has_value());
+  EXPECT_FALSE(without.has_proxy_models());
+  EXPECT_FALSE(without.ProxyRender(first).has_value());
   run.options.propose.proposers = ProposerChoice::kSplat;
   const Proposers one(run, training, known.geometry, {{blob.Clone(), blob.Clone(), {0}}});
   EXPECT_EQ(one.Ask({first})[0].size(), 1u);

@@ -54,7 +54,7 @@ std::vector<std::vector<Proposal>> Proposers::Ask(const std::vector<Target>& tar
   return candidates;
 }
 
-std::optional<Proposal> Proposers::Opinion(const Target& target) const {
+std::optional<Proposal> Proposers::ProxyRender(const Target& target) const {
   return splat_ ? splat_->Propose(target, std::nullopt) : std::nullopt;
 }
 

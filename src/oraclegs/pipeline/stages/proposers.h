@@ -24,9 +24,9 @@ class Proposers {
                                          const std::vector<std::optional<int>>& held_out = {}) const;
 
   /// Whether proxy models can say what a view shows.
-  bool has_opinions() const { return splat_ != nullptr; }
+  bool has_proxy_models() const { return splat_ != nullptr; }
   /// What they show at a new pose; nothing without them.
-  std::optional<Proposal> Opinion(const Target& target) const;
+  std::optional<Proposal> ProxyRender(const Target& target) const;
 
  private:
   std::unique_ptr<Warper> warper_;

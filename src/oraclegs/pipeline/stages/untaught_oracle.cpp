@@ -63,7 +63,7 @@ struct HeldOutView {
   int index;
   ImageF truth, other;                      ///< its image and that of another view, in the mean exposure
   const std::vector<Proposal>& candidates;  ///< not empty
-  ImageF opinion;
+  ImageF proxy_render;
 };
 
 /// Its lessons: what it shows, what is proposed and the mean of both, each tampered, and a wrong picture.
@@ -72,7 +72,7 @@ std::vector<Query> LessonsOf(const HeldOutView& known, uint64_t seed) {
   const std::array<ImageF, kLessons - 1> bases = {known.truth, last, Mean(known.truth, first)};
   std::vector<Query> lessons;
   const auto add = [&](ImageF rgb) {
-    lessons.push_back({{known.view.name, kLesson, known.view.camera, std::move(rgb)}, known.index, known.opinion});
+    lessons.push_back({{known.view.name, kLesson, known.view.camera, std::move(rgb)}, known.index, known.proxy_render});
   };
   for (size_t b = 0; b < bases.size(); ++b) {
     Rng rng(seed, RandomStream::kTampering, (static_cast<uint64_t>(known.index) * kLessons + b) << 32);
@@ -109,15 +109,15 @@ void UntaughtOracle::Teach(const HeldOutCandidates& held_out, uint64_t seed) {
       const size_t v = taught[begin + static_cast<size_t>(i)];
       const size_t w = (v + std::max<size_t>(1, held_out.views.size() / 2)) % held_out.views.size();
       const std::vector<Proposal>& candidates = held_out.candidates[v];
-      const Proposal* opinion = OfSource(candidates, "splat");
-      if (candidates.empty() || (proposers_.has_opinions() && !opinion)) return;
+      const Proposal* proxy_render = OfSource(candidates, "splat");
+      if (candidates.empty() || (proposers_.has_proxy_models() && !proxy_render)) return;
       const LoadedView& view = held_out.views[v];
       const HeldOutView known{view,
                               static_cast<int>(v),
                               WithoutGain(view, warper.Gain(v)),
                               WithoutGain(held_out.views[w], warper.Gain(w)),
                               candidates,
-                              opinion ? opinion->rgb : ImageF()};
+                              proxy_render ? proxy_render->rgb : ImageF()};
       lessons[static_cast<size_t>(i)] = LessonsOf(known, seed);
       const WarpedView warped = warper.Warp(view.camera, known.index);
       std::vector<std::optional<double>>& of_view = agreement[static_cast<size_t>(i)];
@@ -145,7 +145,7 @@ std::vector<ConfidenceMap> UntaughtOracle::Predict(const std::vector<Proposal>& 
   std::vector<Query> queries;
   for (const Proposal& p : proposals) {
     Query query{{p.name, kLesson, p.camera, p.rgb}};  // nothing else that it may say of itself
-    if (const auto opinion = proposers_.Opinion({p.name, p.camera})) query.opinion = opinion->rgb;
+    if (const auto proxy_render = proposers_.ProxyRender({p.name, p.camera})) query.proxy_render = proxy_render->rgb;
     queries.push_back(std::move(query));
   }
   std::vector<ConfidenceMap> confidence = oracle_.Predict(queries);
