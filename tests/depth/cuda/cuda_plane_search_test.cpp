@@ -15,7 +15,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kWidth = 51, kHeight = 37;  // no whole number of tiles
+constexpr int kSearchWidth = 51, kSearchHeight = 37;  // no whole number of tiles
 // Pixels whose two best planes cost the same but for rounding choose differently, and hand their choice on.
 constexpr double kAgreeing = 0.98;
 constexpr float kSamePlane = 1e-3f, kSameCost = 2e-3f;
@@ -23,7 +23,7 @@ constexpr float kSamePlane = 1e-3f, kSameCost = 2e-3f;
 class CudaPlaneSearchTest : public CudaTest {
  protected:
   static StereoScene Scene(int views = 3) {
-    return SceneOf(TakeAll(kSteep, Arc(views, 8, kWidth, kHeight)), kSteepRange);
+    return SceneOf(TakeAll(kSteep, Arc(views, 8, kSearchWidth, kSearchHeight)), kSteepRange);
   }
 
   static std::vector<PlaneMap> Start(const StereoScene& scene) {
@@ -69,13 +69,13 @@ class CudaPlaneSearchTest : public CudaTest {
 TEST_F(CudaPlaneSearchTest, MatchesCpuAfterOneIteration) {
   for (const bool in_color : {false, true}) {
     StereoScene scene = Scene();
-    const std::vector<LoadedView> views = TakeAll(kSteep, Arc(3, 8, kWidth, kHeight));
+    const std::vector<LoadedView> views = TakeAll(kSteep, Arc(3, 8, kSearchWidth, kSearchHeight));
     for (size_t v = 0; in_color && v < 3; ++v) scene.views[v].image = Pack(views[v].rgb);
     const std::vector<PlaneMap> start = Start(scene), gpu = OnGpu(scene, start, {{1, 0, false}}),
                                 cpu = OnCpu(scene, start, {{1, 0, false}});
     for (size_t v = 0; v < 3; ++v) {
-      EXPECT_EQ(gpu[v].width, kWidth);
-      EXPECT_EQ(gpu[v].height, kHeight);
+      EXPECT_EQ(gpu[v].width, kSearchWidth);
+      EXPECT_EQ(gpu[v].height, kSearchHeight);
       EXPECT_GT(Agreement(gpu[v], cpu[v]), kAgreeing) << in_color << " " << v;
       EXPECT_LT(Agreement(gpu[v], start[v]), 0.2) << "something was done";
     }
@@ -119,9 +119,9 @@ TEST_F(CudaPlaneSearchTest, UsesMapsOfPreviousPass) {
 TEST_F(CudaPlaneSearchTest, IgnoresUnusablePixels) {
   StereoScene scene = Scene();
   std::vector<uint8_t>& usable = scene.views[1].usable;
-  usable.assign(kWidth * kHeight, 1);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < 20; ++x) usable[static_cast<size_t>(y * kWidth + x)] = 0;
+  usable.assign(kSearchWidth * kSearchHeight, 1);
+  for (int y = 0; y < kSearchHeight; ++y) {
+    for (int x = 0; x < 20; ++x) usable[static_cast<size_t>(y * kSearchWidth + x)] = 0;
   }
   const std::vector<PlaneMap> start = Start(scene);
   const std::vector<PlaneMap> gpu = OnGpu(scene, start, {{1, 0, false}}), cpu = OnCpu(scene, start, {{1, 0, false}});
@@ -244,7 +244,7 @@ TEST_F(CudaPlaneSearchTest, ReportsOutOfMemoryAndRecovers) {
   const std::vector<PlaneMap> start = Start(scene);
   const auto search = MakeCudaPlaneSearch(0);
   const DeviceMemory memory = MemoryOfDevice();
-  emulated_cuda::SetMemory(static_cast<size_t>(memory.total - memory.free) + 4 * 3 * kWidth * kHeight);
+  emulated_cuda::SetMemory(static_cast<size_t>(memory.total - memory.free) + 4 * 3 * kSearchWidth * kSearchHeight);
   std::string what;
   try {
     search->BeginLevel(scene, start);
