@@ -6,6 +6,8 @@ if(ORACLEGS_CUDA)
   add_library(oraclegs_cuda_device_tests OBJECT ${cuda_device_tests})
   oraclegs_device_code(oraclegs_cuda_device_tests)
   target_include_directories(oraclegs_cuda_device_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_include_directories(oraclegs_cuda_device_tests SYSTEM PRIVATE
+                             $<TARGET_PROPERTY:GTest::gtest,INTERFACE_INCLUDE_DIRECTORIES>)
 else()
   file(GLOB device_code CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/oraclegs/*/cuda/*.cu)
   list(FILTER device_code EXCLUDE REGEX "/sort_scan.cu$")  # calls CUB
