@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kNear = 3, kWideParts = 20, kWiderParts = 10;  // half side of a window; the image's smaller side by it
 constexpr double kNoTexture = 0.01;                          // deviation of brightness below which there is none
-constexpr double kLeastDistance = 0.005;                     // of colours
+constexpr double kMinDistance = 0.005;                       // of colours
 
-float LogDistance(double distance) { return static_cast<float>(std::log(kLeastDistance + std::max(0.0, distance))); }
+float LogDistance(double distance) { return static_cast<float>(std::log(kMinDistance + std::max(0.0, distance))); }
 
 /// Sums of the brightness of two images, for the moments of their windows.
 class Moments {

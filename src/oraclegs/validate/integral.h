@@ -1,4 +1,5 @@
 #pragma once
+// Sums of per-pixel values over rectangles (summed-area table).
 
 #include <algorithm>
 #include <cstddef>

@@ -19,7 +19,7 @@ TEST(VggtMemory, APassGrowsWithWhatIsAsked) {
   EXPECT_GT(PassBytes({}, many), bytes);
   EXPECT_GT(PassBytes({}, large), bytes);
   EXPECT_GT(PassBytes({}, heads), bytes);
-  // What issue 7 asks: four views of 518 x 350 in 3 GiB beside the weights.
+  // Four views of 518 x 350 fit into 3 GiB beside the weights.
   EXPECT_LT(PassBytes({}, {4, 350, 518, {true, true, false}}), int64_t{3} << 30);
 }
 

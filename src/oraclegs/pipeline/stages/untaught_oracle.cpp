@@ -11,10 +11,10 @@ namespace oraclegs {
 namespace {
 
 constexpr size_t kMaxTaughtViews = 32;
-constexpr size_t kViewsTogether = 4;                         // whose lessons are held at once
-constexpr size_t kTaughtPixels = 60000;                      // over all lessons
-constexpr size_t kLessons = 4;                               // of a view
-constexpr double kLeastTampered = 0.1, kMostTampered = 0.6;  // share of a lesson's pixels
+constexpr size_t kViewsTogether = 4;                      // whose lessons are held at once
+constexpr size_t kTaughtPixels = 60000;                   // over all lessons
+constexpr size_t kLessons = 4;                            // of a view
+constexpr double kMinTampered = 0.1, kMaxTampered = 0.6;  // share of a lesson's pixels
 constexpr double kWrongScale = 1.3;
 constexpr const char* kLesson = "tampered";
 
@@ -76,7 +76,7 @@ std::vector<Query> LessonsOf(const HeldOutView& known, uint64_t seed) {
   };
   for (size_t b = 0; b < bases.size(); ++b) {
     Rng rng(seed, RandomStream::kTampering, (static_cast<uint64_t>(known.index) * kLessons + b) << 32);
-    const double share = rng.Uniform(kLeastTampered, kMostTampered);
+    const double share = rng.Uniform(kMinTampered, kMaxTampered);
     add(Tamper(bases[b], known.other, share, &rng).rgb);
   }
   add(WrongPictures(known.truth, known.other)[static_cast<size_t>(known.index) % 3]);
