@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 from constant_generator import COLOR, read_png
-from harness import ROOT, EndToEnd, command, files_below, main
+from harness import ROOT, ManyViews, command, files_below, main
 
 RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
        "--max-gaussians", 1500, "--proxy-models", 3, "--trajectory", "dataset"]  # fmt: skip
@@ -18,14 +18,7 @@ EXAMPLE = ROOT / "examples/generators/inpaint_holes"
 STAND_IN = f"{shlex.quote(sys.executable)} {shlex.quote(str(Path(__file__).with_name('constant_generator.py')))}"
 
 
-class Generator(EndToEnd):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.scene = cls.dir / "views"
-        size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
-        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
-
+class Generator(ManyViews):
     def arguments(self, out, generator, *more):
         return [self.scene, "-o", out, *RUN, "--proposers", "command", "--generator", generator, *more]
 

@@ -60,6 +60,17 @@ class EndToEnd(unittest.TestCase):
         return path
 
 
+class ManyViews(EndToEnd):
+    """The same with 20 small views, enough for proposals at poses that neither train nor test."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.dir / "views"
+        size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
+        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
+
+
 def files_below(folder):
     """{relative path: (bytes, time of change)} of every file."""
     files = [p for p in sorted(folder.rglob("*")) if p.is_file()]

@@ -8,7 +8,7 @@ import subprocess
 import unittest
 from pathlib import Path
 
-from harness import PROGRAM, EndToEnd, command, main
+from harness import PROGRAM, ManyViews, main
 
 TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_name("tiny_networks")))
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
@@ -18,13 +18,10 @@ SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iteration
          "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2, "--candidates", 2]  # fmt: skip
 
 
-class Networks(EndToEnd):
+class Networks(ManyViews):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.scene = cls.dir / "views"
-        size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
-        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
         cls.models = cls.dir / "models"
         subprocess.run([TINY_NETWORKS, cls.models], check=True)
         cls.with_models = {"env": os.environ | {"ORACLEGS_MODELS": str(cls.models)}}

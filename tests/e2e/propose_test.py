@@ -1,23 +1,15 @@
 """Proposals and their confidence from the outside: files, messages, what is refused."""
 
 import json
-import subprocess
 import unittest
 
-from harness import EndToEnd, command, files_below, main, png
+from harness import ManyViews, files_below, main, png
 
 RUN = ["--views", 10, "--test-every", 4, "--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20,
        "--max-gaussians", 1500, "--proxy-models", 3, "--trajectory", "dataset"]  # fmt: skip
 
 
-class Propose(EndToEnd):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.scene = cls.dir / "views"
-        size = ["--demo-views", 20, "--width", 80, "--height", 60, "--samples", 1]
-        subprocess.run(command("demo-scene", cls.scene, "--quiet", *size), check=True)
-
+class Propose(ManyViews):
     def names(self, out):
         return {part: json.loads((out / "split.json").read_text())[part] for part in ("train", "test")}
 
