@@ -63,7 +63,7 @@ class Networks(ManyViews):
         out = self.dir / "fallback"
         arguments = ["reconstruct", self.scene, "-o", out, "--preset", "blender-8", *SMALL, "--allow-fallback"]
         done = self.run_program(*arguments)
-        for instead in ("--proposers both", "--oracle consistency", "--depth-prior stereo", "L1 and SSIM"):
+        for instead in ("--proposers splat", "--oracle consistency", "--depth-prior stereo", "L1 and SSIM"):
             self.assertRegex(done.stderr, f"are not here; {instead}.* instead")
         self.assertEqual(json.loads((out / "metrics.json").read_text())["non_commercial"], [])
         options = json.loads((out / "options.json").read_text())["options"]

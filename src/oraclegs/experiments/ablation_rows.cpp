@@ -71,8 +71,8 @@ const std::vector<AblationRow>& AblationRows() {
        "what the oracle predicts is mapped to what such pixels were worth in held-out views",
        [](const RunOptions& asked, RunOptions* o) { o->validate.calibrate = asked.validate.calibrate; }},
       {"proxies", "+ proxy models",
-       "the mean of proxy models beside the warped views, their confidence calibrated together and the two "
-       "blended by it: everything `reconstruct` does without LPIPS",
+       "the mean of proxy models in place of the warped views, in more of the iterations: everything `reconstruct` "
+       "does without LPIPS",
        [](const RunOptions& asked, RunOptions* o) {
          o->propose.proposers = asked.propose.proposers, o->propose.generator = asked.propose.generator;
        }},

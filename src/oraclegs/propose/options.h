@@ -18,20 +18,23 @@ struct EnumWords<ProposerChoice> {
 };
 
 struct ProposeOptions {
-  ProposerChoice proposers = ProposerChoice::kBoth;
+  ProposerChoice proposers = ProposerChoice::kSplat;
   std::string generator;
   std::filesystem::path proposal_folder;
   int proxy_models = 4;
-  double proxy_share = 0.3;
-  double proxy_finish = 0.15;
-  int proxy_gaussians = 40000;
+  int proxy_finished = 2;
+  double proxy_share = 0.15;
+  double proxy_finish = 0.5;
+  Auto<int> proxy_gaussians;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("proposers", self.proposers,
-          "What proposes new views: warp = photos warped by their depth, splat = the mean of quickly trained proxy "
-          "models, each of which some photos are held out from at first, both, seva = a generative network that needs "
-          "weights, all = these three, command = the program of --generator alone, none = nothing");
+          "What proposes new views: splat = the mean of proxy models, smaller models of the scene that are trained "
+          "first, "
+          "each at the beginning without some of the photos; warp = photos warped by their depth; both; seva = a "
+          "generative network that needs weights; all = these three; command = the program of --generator alone; none "
+          "= nothing");
     visit("generator", self.generator,
           "Shell command of a program that generates the proposed views: from the folder {request}, with their poses, "
           "the photos warped to them and masks of the holes, into the folder {answer}, one image for each pose, e.g. "
@@ -46,10 +49,13 @@ struct ProposeOptions {
           "about those is what the oracle learns from",
           Range{0.01, 1});
     visit("proxy-finish", self.proxy_finish,
-          "Iterations that follow with all photos, as a share of --iterations; proposals are rendered from the models "
-          "after these; 0 = from the models with photos held out",
+          "Iterations that follow with all photos for --proxy-finished of the models, as a share of --iterations; "
+          "proposals are the mean of what these show then; 0 = of what they show before",
           Range{0, 1});
-    visit("proxy-gaussians", self.proxy_gaussians, "Gaussians of a proxy model at most", Range{1, 1e8});
+    visit("proxy-finished", self.proxy_finished, "Proxy models that go on with all photos", Range{1, 16});
+    visit("proxy-gaussians", self.proxy_gaussians,
+          "Gaussians of a proxy model at most, while photos are held out; auto = 0.4 of --max-gaussians",
+          Range{1, 1e8});
   }
 
   /// Whether warp, splat or seva is among those that --proposers names, or the command of --generator is to be asked.

@@ -39,7 +39,7 @@ struct TrainOptions {
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
   ScheduleKind schedule = ScheduleKind::kPaper;
-  double synthetic_floor = ProposalSchedule().floor;
+  Auto<double> synthetic_floor = {};
   double synthetic_peak = ProposalSchedule().peak;
   double proposal_weight = 1;
   double proposal_ssim = 0.3;
@@ -61,13 +61,15 @@ struct TrainOptions {
     settled.opacity_noise = opacity_noise.ValueOr(0);
     settled.last_rates = last_rates.ValueOr(1);
     settled.exposure = exposure.ValueOr(ExposureMode::kOff);
+    settled.synthetic_floor = synthetic_floor.ValueOr(ProposalSchedule().floor);
     return settled;
   }
 
   /// How often proposals are drawn, as --schedule says.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};
-    return {synthetic_floor, schedule == ScheduleKind::kConstant ? 0 : synthetic_peak};
+    return {synthetic_floor.ValueOr(ProposalSchedule().floor),
+            schedule == ScheduleKind::kConstant ? 0 : synthetic_peak};
   }
 
   template <class Self, class V>
@@ -84,7 +86,9 @@ struct TrainOptions {
         "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
         "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never");
     visit("synthetic-floor", self.synthetic_floor,
-          "Share of the iterations that take a proposal, at both ends of the run", Range{0, 1});
+          "Share of the iterations that take a proposal, at both ends of the run; auto = 0.3 where proxy models alone "
+          "propose, else the paper's 0.1",
+          Range{0, 1});
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
     visit("proposal-weight", self.proposal_weight, "Factor of a proposal's whole loss", Range{0, 100});

@@ -82,7 +82,7 @@ TEST(MissingNetworks, AFallbackSaysWhatItTakes) {
   options.input.poses = PoseSource::kVggt;
   EventRecorder recorder;
   const RunOptions changed = WithNetworksAtHand(options, false, recorder.AsListener());
-  EXPECT_EQ(changed.propose.proposers, ProposerChoice::kBoth);
+  EXPECT_EQ(changed.propose.proposers, ProposerChoice::kSplat);
   EXPECT_EQ(changed.validate.oracle, OracleKind::kConsistency);
   EXPECT_EQ(changed.depth.depth_prior, DepthPrior::kStereo);
   EXPECT_EQ(changed.weights.lpips, LpipsUse::kWhereFound);
@@ -92,7 +92,7 @@ TEST(MissingNetworks, AFallbackSaysWhatItTakes) {
       ElementsAre("--poses vggt: the weights of vggt are not here; --poses colmap instead",
                   "--depth-prior depth-anything: the weights of depth-anything-v2-small are not here; --depth-prior "
                   "stereo instead",
-                  "--proposers seva: the weights of seva, sd21-vae, openclip-vith14 are not here; --proposers both "
+                  "--proposers seva: the weights of seva, sd21-vae, openclip-vith14 are not here; --proposers splat "
                   "instead",
                   "--oracle vggt: the weights of vggt are not here; --oracle consistency instead",
                   "--lpips required: the weights of lpips-vgg are not here; L1 and SSIM, and no LPIPS among the "
@@ -107,7 +107,7 @@ TEST(MissingNetworks, AreToldBeforeAnythingIsWritten) {
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("--proposers seva needs"));
   EXPECT_FALSE(std::filesystem::exists(request.out));
   request.options.weights.allow_fallback = true;
-  EXPECT_EQ(StartRun(request, Silent()).options.propose.proposers, ProposerChoice::kBoth);
+  EXPECT_EQ(StartRun(request, Silent()).options.propose.proposers, ProposerChoice::kSplat);
 }
 
 }  // namespace

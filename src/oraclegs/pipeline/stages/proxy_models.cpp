@@ -13,6 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kMinViewsOfProxy = 2;  // that show a surface
+
 template <class T>
 std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& held_out) {
   std::vector<T> rest;
@@ -35,10 +37,27 @@ Listener AsProxies(const Listener& listener, int64_t before, int64_t total) {
 
 /// What follows with all views: of Gaussians that have found their places and colours.
 TrainOptions FinishOptions(const RunOptions& options, TrainOptions proxy) {
+  proxy.max_gaussians = options.train.max_gaussians;
   proxy.iterations = static_cast<int>(options.propose.proxy_finish * options.train.iterations);
   proxy.sh_degree_interval = 1;
   proxy.refine_start = 0;
   return proxy;
+}
+
+int Count(const Run& run) {
+  return std::min(run.options.propose.proxy_models, static_cast<int>(run.split.train.size()));
+}
+
+/// Whether model k is trained with all views in the end.
+bool GoesOn(const Run& run, int k) { return k < run.options.propose.proxy_finished; }
+
+// Relative to the workspace.
+std::string BeforeFile(int k) { return fmt::format("proposals/proxies/{}_before.ply", k); }
+std::string FinishedFile(int k) { return fmt::format("proposals/proxies/{}.ply", k); }
+
+std::vector<std::string> ProxyFiles(const Run& run, int k) {
+  if (!GoesOn(run, k)) return {BeforeFile(k)};
+  return {BeforeFile(k), FinishedFile(k)};
 }
 
 /// What stereo knows of the views that are not held out.
@@ -61,19 +80,19 @@ class ProxyTrainer {
         options_(ProxyOptions(run->options, SettleTrainOptions(run->options.train, training_, geometry_, Silent()))),
         finish_(FinishOptions(run->options, options_)) {}
 
-  int64_t iterations() const { return options_.iterations + finish_.iterations; }
+  /// Of model `number`.
+  int64_t Iterations(int number) const { return options_.iterations + (GoesOn(run_, number) ? finish_.iterations : 0); }
 
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
-  bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
-             const Listener& listener) const {
+  bool Train(int number, const std::vector<int>& held_out, const Listener& listener) const {
     const std::vector<TrainView> kept = Without(views_, held_out);
     const std::vector<LoadedView> shown = Without(training_.views, held_out);
     const Geometry rest = GeometryWithout(geometry_, shown, held_out);
-    if (kept.size() < kMinViewsToPropose || rest.points.size() < kMinPointsForStart) {
+    if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
       run_.listener(Warning{fmt::format(
           "no proxy models for --proposers splat: one would have {} views and {} dense points, and needs {} and {}; "
           "views are warped instead",
-          kept.size(), rest.points.size(), kMinViewsToPropose, kMinPointsForStart)});
+          kept.size(), rest.points.size(), kMinViewsOfProxy, kMinPointsForStart)});
       return false;
     }
     const StartOptions& start = run_.options.start;
@@ -83,14 +102,16 @@ class ProxyTrainer {
     const auto background = BackgroundColor(run_.options.image.background);
     Trainer trainer(options_, seed, background, kept, gaussians);
     trainer.Run({}, listener);
-    WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
+    const fs::path& root = run_.workspace.root();
+    WriteGaussianPly(root / BeforeFile(number), trainer.gaussians(), options_.sh_degree);
+    if (!GoesOn(run_, number)) return true;
     if (finish_.iterations == 0) {
-      WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
+      WriteGaussianPly(root / FinishedFile(number), trainer.gaussians(), options_.sh_degree);
       return true;
     }
     Trainer finisher(finish_, seed, background, views_, trainer.gaussians());
     finisher.Run({}, Offset(listener, options_.iterations));
-    WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
+    WriteGaussianPly(root / FinishedFile(number), finisher.gaussians(), finish_.sh_degree);
     return true;
   }
 
@@ -115,19 +136,10 @@ class ProxyTrainer {
   TrainOptions options_, finish_;
 };
 
-int Count(const Run& run) {
-  return std::min(run.options.propose.proxy_models, static_cast<int>(run.split.train.size()));
-}
-
-/// Of model k, relative to the workspace: before it was trained with all views, and after.
-std::vector<std::string> FilesOf(int k) {
-  return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
-}
-
 void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions& options = run->options;
-  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
-  key->Add(options.train.iterations);  // whose share the finish is
+  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finished).Add(options.propose.proxy_finish);
+  key->Add(options.train.iterations).Add(options.train.max_gaussians);  // of the finish
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
   key->Add(OptionsToJson(options.image).dump());
 }
@@ -136,9 +148,10 @@ bool LoadProxy(Run* run) {
   std::vector<ProxyModel> proxies;
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   for (int k = 0; k < n; ++k) {
-    const std::vector<std::string> files = FilesOf(k);
-    proxies.push_back({ReadGaussianPly(run->workspace.root() / files[0]).gaussians,
-                       ReadGaussianPly(run->workspace.root() / files[1]).gaussians, HeldOutViews(views, n, k)});
+    const fs::path& root = run->workspace.root();
+    ProxyModel proxy{ReadGaussianPly(root / BeforeFile(k)).gaussians, std::nullopt, HeldOutViews(views, n, k)};
+    if (GoesOn(*run, k)) proxy.gaussians = ReadGaussianPly(root / FinishedFile(k)).gaussians;
+    proxies.push_back(std::move(proxy));
   }
   run->results->proxies = std::move(proxies);
   return true;
@@ -150,18 +163,15 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   const ProxyTrainer trainer(run);
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   std::vector<std::string> all;
-  for (int k = 0; k < n; ++k) {
+  int64_t before = 0, total = 0;
+  for (int k = 0; k < n; ++k) total += trainer.Iterations(k);
+  for (int k = 0; k < n; before += trainer.Iterations(k++)) {
     const std::string part = fmt::format("proxy {}", k);
-    const std::vector<std::string> files = FilesOf(k);
+    const std::vector<std::string> files = ProxyFiles(*run, k);
     all.insert(all.end(), files.begin(), files.end());
     if (run->workspace.IsDone(part, key)) continue;
     run->workspace.MarkUndone(part);
-    const int64_t each = trainer.iterations();
-    if (!trainer.Train(k, HeldOutViews(views, n, k),
-                       {run->workspace.root() / files[0], run->workspace.root() / files[1]},
-                       AsProxies(run->listener, k * each, n * each))) {
-      return std::nullopt;
-    }
+    if (!trainer.Train(k, HeldOutViews(views, n, k), AsProxies(run->listener, before, total))) return std::nullopt;
     run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
   }
   LoadProxy(run);
@@ -176,7 +186,8 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   train.iterations = scaled(train.iterations);
   train.sh_degree_interval = scaled(train.sh_degree_interval);
   train.refine_start = scaled(train.refine_start);
-  train.max_gaussians = std::min(train.max_gaussians, options.propose.proxy_gaussians);
+  train.max_gaussians = std::min(train.max_gaussians,
+                                 options.propose.proxy_gaussians.ValueOr(std::max(1, 2 * (train.max_gaussians / 5))));
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
   const TrainOptions unused;
   train.schedule = ScheduleKind::kNone;

@@ -5,7 +5,8 @@
 
 namespace oraclegs {
 
-/// How proxy models are trained: the run's training options at a share of its iterations.
+/// How proxy models are trained: the run's training options at a share of its iterations, with half of its Gaussians
+/// unless --proxy-gaussians says otherwise.
 TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
 
 /// Dense points without which there is nothing to warp to a new view, and views, of which two show a surface and one is

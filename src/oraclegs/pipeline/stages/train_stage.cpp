@@ -19,6 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Proxy models that are trained to the end err as the model itself does, but each in its own way, so that their mean is
+// nearer to the truth than the model would come alone: it may be seen often (docs/benchmarks.md).
+constexpr double kFloorOfProxies = 0.3;
+
 void AddTrainKey(Run* run, Fingerprint* key) {
   key->Add(ShapingOptionsToJson(run->options).dump());
   key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image.downscale, &run->files));
@@ -59,6 +63,17 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   return std::nullopt;
 }
 
+/// The run's training options with nothing automatic left.
+TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
+  const RunOptions& options = run.options;
+  TrainOptions settled = SettleTrainOptions(options.train, training, run.results->geometry, run.listener);
+  const bool by_proxies_alone = options.propose.proposers == ProposerChoice::kSplat &&
+                                options.propose.generator.empty() && options.propose.proposal_folder.empty();
+  settled.synthetic_floor =
+      settled.synthetic_floor.ValueOr(by_proxies_alone ? kFloorOfProxies : ProposalSchedule().floor);
+  return settled;
+}
+
 Gaussians StartGaussians(Run* run) {
   const StageResults& known = *run->results;
   const StartPoints start = ChooseStart(run, {ViewsOf(run).views, known.points, known.geometry});
@@ -97,7 +112,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   TrainingLpips network = LpipsOfProposals(run->options.train, run->plan, known.proposals, run->listener);
   ready.lpips = network.convention;
   ready.trainer = std::make_unique<Trainer>(
-      TrainSetup{SettleTrainOptions(run->options.train, training, known.geometry, run->listener),
+      TrainSetup{SettledOptions(*run, training),
                  run->options.start.seed,
                  BackgroundColor(run->options.image.background),
                  {MakeTrainViews(training, known.geometry), std::move(known.proposals), std::move(network.distance)},
