@@ -48,6 +48,7 @@ enum class RandomStream : uint64_t {
   kOpacityFactors = 16,  // of dropout and opacity noise
   kSeva = 20,            // of the generated views
   kTampering = 21,       // of the pictures that the oracle learns disagreement from
+  kGaussianTampering = 22,
 };
 
 /// Sequential reader of one stream; its whole state is the counter.
