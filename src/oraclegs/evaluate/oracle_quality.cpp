@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/evaluate/rank_statistics.h"
 #include "oraclegs/image/similarity.h"
 
 namespace oraclegs {
@@ -29,34 +30,6 @@ void CheckPixels(const std::vector<float>& error, const std::vector<float>& conf
   }
 }
 
-/// The pixels by rising value; equal ones in their order.
-std::vector<int64_t> Order(const std::vector<float>& values) {
-  std::vector<int64_t> order(values.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int64_t a, int64_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
-  return order;
-}
-
-/// Calls f(begin, end) for each run of `order` of one value.
-template <class F>
-void ForEachTie(const std::vector<float>& values, const std::vector<int64_t>& order, F&& f) {
-  const auto n = static_cast<int64_t>(order.size());
-  for (int64_t begin = 0, end = 0; begin < n; begin = end) {
-    while (end < n && values[order[end]] == values[order[begin]]) ++end;
-    f(begin, end);
-  }
-}
-
-/// Ranks from 1; ties share their mean.
-std::vector<double> Ranks(const std::vector<float>& values, const std::vector<int64_t>& order) {
-  std::vector<double> ranks(values.size());
-  ForEachTie(values, order, [&](int64_t begin, int64_t end) {
-    for (int64_t k = begin; k < end; ++k) ranks[order[k]] = 0.5 * static_cast<double>(begin + 1 + end);
-  });
-  return ranks;
-}
-
 /// Mean over m = 1 .. n of the mean error of the m pixels that are kept longest. `removed` is the order in which they
 /// leave, by `key`; among pixels of one key each may be the next, so that their mean stands for each.
 double SparsificationArea(const std::vector<float>& error, const std::vector<float>& key,
@@ -75,30 +48,10 @@ double SparsificationArea(const std::vector<float>& error, const std::vector<flo
   return area / kept;
 }
 
-double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const auto n = static_cast<double>(a.size());
-  const double mean_a = std::accumulate(a.begin(), a.end(), 0.0) / n;
-  const double mean_b = std::accumulate(b.begin(), b.end(), 0.0) / n;
-  double aa = 0, bb = 0, ab = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    const double x = a[i] - mean_a, y = b[i] - mean_b;
-    aa += x * x, bb += y * y, ab += x * y;
-  }
-  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
-}
-
-/// Probability that a pixel of error > threshold has less confidence than one of a smaller error, ties by half
-/// (Mann and Whitney).
-double Auroc(const std::vector<float>& error, const std::vector<double>& confidence_ranks, float threshold) {
-  double good = 0, rank_sum = 0;
-  for (size_t i = 0; i < error.size(); ++i) {
-    if (error[i] > threshold) continue;
-    ++good;
-    rank_sum += confidence_ranks[i];
-  }
-  const double bad = static_cast<double>(error.size()) - good;
-  if (good == 0 || bad == 0) return kNaN;
-  return (rank_sum - good * (good + 1) / 2) / (good * bad);
+std::vector<bool> Above(const std::vector<float>& error, float threshold) {
+  std::vector<bool> above(error.size());
+  for (size_t i = 0; i < error.size(); ++i) above[i] = error[i] > threshold;
+  return above;
 }
 
 /// Sums instead of means, so that bins can be joined.
@@ -162,7 +115,7 @@ ReliabilityBin Means(ReliabilityBin sums, double pixels) {
 OracleQuality OracleQuality::FromPixels(const std::vector<float>& error, const std::vector<float>& confidence) {
   CheckPixels(error, confidence);
   const auto n = static_cast<double>(error.size());
-  const std::vector<int64_t> by_confidence = Order(confidence), by_error = Order(error);
+  const std::vector<int64_t> by_confidence = RisingOrder(confidence), by_error = RisingOrder(error);
   OracleQuality quality;
   quality.pixels = static_cast<int64_t>(error.size());
   quality.mean_error = std::accumulate(error.begin(), error.end(), 0.0) / n;
@@ -177,10 +130,10 @@ OracleQuality OracleQuality::FromPixels(const std::vector<float>& error, const s
   const bool errors_differ = error[by_error.front()] < error[by_error.back()];
   quality.ause_ratio = errors_differ ? quality.ause / quality.ause_random : kNaN;
 
-  const std::vector<double> confidence_ranks = Ranks(confidence, by_confidence);
-  quality.spearman = 0 - Correlation(confidence_ranks, Ranks(error, by_error));
-  quality.auroc_above_median = Auroc(error, confidence_ranks, static_cast<float>(quality.median_error));
-  quality.auroc_large_error = Auroc(error, confidence_ranks, kLargeError);
+  const std::vector<double> confidence_ranks = Ranks(confidence);
+  quality.spearman = 0 - Correlation(confidence_ranks, Ranks(error));
+  quality.auroc_above_median = AurocOfLowRank(confidence_ranks, Above(error, static_cast<float>(quality.median_error)));
+  quality.auroc_large_error = AurocOfLowRank(confidence_ranks, Above(error, kLargeError));
 
   const std::vector<ReliabilityBin> sums = BinSums(error, confidence);
   for (const ReliabilityBin& bin : sums) quality.reliability.push_back(Means(bin, n));
