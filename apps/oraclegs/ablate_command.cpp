@@ -1,4 +1,5 @@
 #include "oraclegs/experiments/ablation.h"
+#include "oraclegs/experiments/tampering.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -8,14 +9,18 @@ class AblateCommand : public WorkspaceCommand {
  public:
   explicit AblateCommand(CLI::App* app)
       : WorkspaceCommand(app, "ablate", "Train a scene with one part of the program after the other: what each brings",
-                         "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --rows mcmc,proposals,confidence") {
+                         "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --rows mcmc,proposals,confidence\n"
+                         "  oraclegs ablate scene/ -o out/ --views 12 --suite tampering") {
     Bind("Ablation", &options_);
   }
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
-    Print(AblationText(RunAblation({request, options_, CommandLine()}, listener)) +
-          fmt::format("table      {}", (request.out / "ablation.md").string()));
+    const AblationRequest ablation{request, options_, CommandLine()};
+    const bool tampering = options_.suite == AblationSuite::kTampering;
+    Print(
+        (tampering ? TamperingText(RunTampering(ablation, listener)) : AblationText(RunAblation(ablation, listener))) +
+        fmt::format("table      {}", (request.out / (tampering ? "tampering.md" : "ablation.md")).string()));
   }
 
   AblateOptions options_;

@@ -4,7 +4,7 @@ import json
 import re
 import unittest
 
-from harness import EndToEnd, files_below, main
+from harness import EndToEnd, ManyViews, files_below, main, read_png
 
 RUN = ["--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20, "--max-gaussians", 1000, "--random-points",
        800, "--test-every", 4]  # fmt: skip
@@ -44,6 +44,62 @@ class Ablate(EndToEnd):
         self.error_of("ablate", self.scene, "-o", out, "--init", "sfm", code=2, names=["--init"])
         self.error_of("ablate", self.scene, "-o", out, "--proposers", "none", code=2, names=["--proposers"])
         self.error_of("ablate", self.dir / "nowhere", "-o", out, code=3, names=["nowhere"])
+        self.assertFalse(out.exists())
+
+
+class Tampering(ManyViews):
+    RUN = ["--suite", "tampering", "--views", 8, "--test-every", 5, "--stereo-iterations", 3, "--stereo-passes", 1,
+           "--iterations", 60, "--max-gaussians", 1500, "--proxy-models", 2, "--proposals", 4]  # fmt: skip
+
+    def test_prints_a_table_and_keeps_what_is_tampered_with(self):
+        out = self.dir / "tampering"
+        arguments = ["ablate", self.scene, "-o", out, *self.RUN, "--seeds", 1, "--seed", 2, "--shares", "0,20,100"]
+        done = self.run_program(*arguments)
+        psnr = r" +\d+\.\d\d"
+        for share in (0, 20, 100):
+            self.assertRegex(done.stdout, rf"(?m)^ *{share} %{4 * psnr} ")
+        self.assertRegex(done.stdout, r"(?m)^Worst of oracle − none: [+-]\d+\.\d\d dB$")
+        self.assertRegex(done.stderr, r"share-20-uniform, seed 2: \d+\.\d\d dB, about [0-9:]+ left")
+
+        report = json.loads((out / "tampering.json").read_text())
+        self.assertEqual([share["percent"] for share in report["shares"]], [0, 20, 100])
+        honest, some, everything = report["shares"]
+        for run in report["none"] + some["runs"]:
+            metrics = json.loads((out / run["workspace"] / "metrics.json").read_text())
+            self.assertEqual((metrics["test"]["psnr"], metrics["seed"]), (run["psnr"], run["seed"]))
+        self.assertEqual(honest["psnr"]["ideal"], honest["psnr"]["uniform"])
+        self.assertEqual(everything["psnr"]["ideal"], everything["psnr"]["none"])
+        self.assertGreaterEqual(some["confidence"][0]["tampered"], 0.2)
+        self.assertIn("| 20 % | ", (out / "tampering.md").read_text())
+        self.assertIn("</svg>", (out / "tampering.svg").read_text())
+
+        pictures = out / "tampered/seed-2"
+        tampered = pixels = 0
+        for path in sorted((pictures / "share-20/masks").iterdir()):
+            mask = read_png(path)[3]
+            lie, truth = (read_png(pictures / share / "pictures" / path.name)[3] for share in ("share-20", "share-0"))
+            ideal = read_png(pictures / "share-20/ideal/confidence" / path.name)[3]
+            self.assertEqual(bytes(255 - value for value in mask), bytes(ideal))
+            for i, value in enumerate(mask):
+                difference = max(abs(lie[c] - truth[c]) for c in range(3 * i, 3 * i + 3))
+                self.assertTrue(difference >= 12 if value else difference <= 14, "0.05 and the rounding to 8 bits")
+            tampered += sum(map(bool, mask))
+            pixels += len(mask)
+        self.assertAlmostEqual(some["confidence"][0]["tampered"], tampered / pixels)
+
+        kept = files_below(out / "tampered")
+        self.assertEqual(self.run_program(*arguments).stdout, done.stdout)
+        self.assertEqual(files_below(out / "tampered"), kept)
+
+    def test_bad_input(self):
+        out = self.dir / "refused"
+        suite = ["ablate", self.scene, "-o", out, "--suite"]
+        self.error_of(*suite, "magic", code=2, names=["--suite is 'magic'", "parts, tampering"])
+        self.error_of(*suite, "tampering", "--shares", "10,lots", code=2, names=["--shares names 'lots'"])
+        self.error_of(*suite, "tampering", "--shares", "120", code=2, names=["--shares names '120'", "0 .. 100"])
+        self.error_of(*suite, "tampering", "--rows", "mcmc", code=2, names=["--rows"])
+        self.error_of(*suite, "tampering", "--proposers", "warp", code=2, names=["--proposers"])
+        self.error_of(*suite, "parts", "--shares", "10", code=2, names=["--shares"])
         self.assertFalse(out.exists())
 
 

@@ -11,6 +11,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation_rows.h"
+#include "oraclegs/experiments/series.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/settings/weights.h"
@@ -26,21 +27,6 @@ using nlohmann::json;
 
 constexpr char kRows[] = "rows", kJson[] = "ablation.json", kMarkdown[] = "ablation.md";
 constexpr std::string_view kLpipsRow = "lpips";
-
-/// Throws InputError when `out` holds anything but an ablation, or one of another program.
-void RequireOurs(const fs::path& out) {
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(out, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name == kRows || name == kJson || name == kMarkdown || name.rfind(".oraclegs-", 0) == 0) continue;
-    throw InputError("{}: is not empty and holds no ablation of oraclegs; choose a new or empty folder with -o",
-                     out.string());
-  }
-  if (!fs::exists(out / kJson, ignored)) return;
-  const json saved = json::parse(ReadFile(out / kJson), nullptr, false);
-  if (saved.is_object() && saved.value("program", json()) == "oraclegs") return;
-  throw InputError("{}: was not written by oraclegs; choose a new or empty folder with -o", (out / kJson).string());
-}
 
 /// Options of a row that another has not.
 json Changes(const json& before, const json& now) {
@@ -68,12 +54,14 @@ AblationRun Scored(AblationRun run, const json& metrics) {
 
 class Ablator {
  public:
-  Ablator(const AblationRequest& request, const Listener& listener) : request_(request), listener_(listener) {
+  Ablator(const AblationRequest& request, const Listener& listener)
+      : request_(request), listener_(listener), events_(listener) {
     CheckOptions(request.options);
     CheckRunOptions(request.run.options);
     RequireAblatable(request.run.options);
+    if (!request.options.shares.empty()) throw UsageError("--shares goes with --suite tampering; leave it out");
     RequireOutsideScene(request.run.out, request.run.scene);
-    RequireOurs(request.run.out);
+    RequireSeriesFolder(request.run.out, {"ablation", kJson, {kRows, kJson, kMarkdown}});
     PlanRows();
   }
 
@@ -204,7 +192,8 @@ class Ablator {
 
   void RunOne(size_t r, uint64_t seed) {
     ThrowIfInterrupted();
-    oraclegs::Run run = Start(r, seed, ListenerOf(r, seed));
+    oraclegs::Run run =
+        Start(r, seed, events_.ForRun(fmt::format("row {}, seed {}: ", ablation_.rows[r].number, seed)));
     AblationRun result;
     result.seed = seed, result.workspace = Folder(r, seed);
     const bool was_trained = IsUpToDate(&run, "train");
@@ -259,31 +248,13 @@ class Ablator {
     WriteFileAtomically(request_.run.out / kMarkdown, AblationMarkdown(ablation_));
   }
 
-  /// What a run says, without what all of them say alike: notes of the first only, each warning once.
-  Listener ListenerOf(size_t r, uint64_t seed) {
-    const std::string where = fmt::format("row {}, seed {}: ", ablation_.rows[r].number, seed);
-    const bool first = finished_.empty();
-    return [this, where, first](const Event& event) {
-      if (const auto* stage = std::get_if<StageStarted>(&event)) {
-        listener_(StageStarted{where + stage->stage});
-      } else if (const auto* step = std::get_if<StepDone>(&event)) {
-        listener_(StepDone{where + step->stage, step->done, step->total, step->unit, step->detail});
-      } else if (const auto* end = std::get_if<StageFinished>(&event)) {
-        listener_(StageFinished{where + end->stage, end->seconds});
-      } else if (const auto* warning = std::get_if<Warning>(&event)) {
-        if (warned_.insert(warning->text).second) listener_(*warning);
-      } else if (std::holds_alternative<Note>(event) && first) {
-        listener_(event);
-      }
-    };
-  }
-
   const AblationRequest& request_;
   const Listener& listener_;
+  SeriesListener events_;
   Ablation ablation_;
   std::vector<size_t> rows_;     ///< of AblationRows(), those in the table
   std::vector<double> seconds_;  ///< that a run of each took, 0 = not known
-  std::set<std::string> finished_, warned_;
+  std::set<std::string> finished_;
   std::exception_ptr first_failure_;
   bool scene_is_good_ = false, scored_ = false;
 };
