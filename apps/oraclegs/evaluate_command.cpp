@@ -1,3 +1,4 @@
+#include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/evaluate_ply.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/stages/metrics.h"
@@ -22,16 +23,19 @@ std::string Shown(const nlohmann::json& number) {
   return number.is_number() ? fmt::format("{:.3f}", number.get<double>()) : "not known";
 }
 
-/// One line for each oracle: how well its confidence orders the pixels by their error.
+/// How well confidence orders the pixels by their error: a line for pixels and one for blocks of each oracle.
 std::string OracleSummary(const nlohmann::json& report, const std::filesystem::path& workspace) {
   std::string text = fmt::format("proposals  PSNR {:.2f} dB, mean of {} views with an image\n",
                                  report.at("psnr").get<double>(), report.at("views").get<int>());
   for (const char* name : {"oracle", "uniform"}) {
-    const nlohmann::json& q = report.at(name);
+    const nlohmann::json &q = report.at(name), &blocks = q.at("blocks");
     text += fmt::format(
         "{:<10} AUROC {} (error above the median) {} (above 0.1), AUSE {} of random, Spearman {}, reliability {}\n",
         name, Shown(q.at("auroc_above_median")), Shown(q.at("auroc_large_error")), Shown(q.at("ause_ratio")),
         Shown(q.at("spearman")), q.at("monotone").get<bool>() ? "monotone" : "not monotone");
+    text += fmt::format(
+        "           blocks of 8 x 8: AUROC {} (RMS error above 0.05), Spearman {}; calibration error {}\n",
+        Shown(blocks.at("auroc_large_error")), Shown(blocks.at("spearman")), Shown(q.at("calibration_error")));
   }
   for (const nlohmann::json& bin : report.at("oracle").at("reliability")) {
     text += fmt::format("  confidence {:.2f}: similarity {:.2f}, error {:.3f}, {:.1f} % of the pixels\n",
@@ -41,13 +45,62 @@ std::string OracleSummary(const nlohmann::json& report, const std::filesystem::p
   return text + fmt::format("report     {}", (workspace / "oracle.json").string());
 }
 
+std::string InTable(const nlohmann::json& number) { return number.is_number() ? Shown(number) : "-"; }
+
+/// A column of the table of several workspaces.
+struct QualityColumn {
+  const char* head;
+  nlohmann::json::json_pointer value;  ///< within an oracle's report
+};
+
+const std::vector<QualityColumn>& QualityColumns() {
+  using Pointer = nlohmann::json::json_pointer;
+  static const std::vector<QualityColumn> columns = {{"block Spearman", Pointer("/blocks/spearman")},
+                                                     {"block AUROC", Pointer("/blocks/auroc_large_error")},
+                                                     {"AUROC > 0.1", Pointer("/auroc_large_error")},
+                                                     {"AUROC > median", Pointer("/auroc_above_median")},
+                                                     {"Spearman", Pointer("/spearman")},
+                                                     {"AUSE of random", Pointer("/ause_ratio")},
+                                                     {"calibration error", Pointer("/calibration_error")}};
+  return columns;
+}
+
+/// A line for each workspace, and the mean of what is known.
+std::string OracleTable(const std::vector<std::filesystem::path>& workspaces,
+                        const std::vector<nlohmann::json>& reports) {
+  std::vector<std::vector<std::string>> lines = {{"workspace"}};
+  for (const QualityColumn& column : QualityColumns()) lines[0].emplace_back(column.head);
+  for (size_t w = 0; w < workspaces.size(); ++w) {
+    lines.push_back({workspaces[w].string()});
+    for (const QualityColumn& column : QualityColumns()) {
+      lines.back().push_back(InTable(reports[w].at("oracle").at(column.value)));
+    }
+  }
+  lines.push_back({"mean"});
+  for (const QualityColumn& column : QualityColumns()) {
+    double sum = 0, count = 0;
+    for (const nlohmann::json& report : reports) {
+      const nlohmann::json& value = report.at("oracle").at(column.value);
+      if (value.is_number()) sum += value.get<double>(), ++count;
+    }
+    lines.back().push_back(InTable(count > 0 ? nlohmann::json(sum / count) : nlohmann::json()));
+  }
+  std::string text = AlignColumns(lines, "l" + std::string(QualityColumns().size(), 'r'));
+  text.pop_back();  // printing ends the last line
+  return text;
+}
+
 class EvaluateCommand : public SourceCommand {
  public:
   explicit EvaluateCommand(CLI::App* app)
       : SourceCommand(
             app, "evaluate", "Score a run, or any trainer's .ply, on the test views",
             "oraclegs evaluate out/\n  oraclegs evaluate scene/ --ply other.ply -o scores/ --downscale 2\n  oraclegs "
-            "evaluate out/ --check-oracle") {
+            "evaluate out/ --check-oracle\n  oraclegs evaluate out1/ out2/ --check-oracle") {
+    this->app()
+        ->add_option("others", others_, "Workspaces of more runs, with --check-oracle")
+        ->type_name("PATH")
+        ->configurable(false);
     Bind("Oracle", &evaluate_);
   }
 
@@ -55,6 +108,10 @@ class EvaluateCommand : public SourceCommand {
   void Body(const Listener& listener) override {
     if (evaluate_.oracle && !InputIsWorkspace()) throw UsageError("--check-oracle needs the workspace of a run");
     if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--check-oracle measures proposals, not a --ply");
+    if (!others_.empty()) {
+      if (!evaluate_.oracle) throw UsageError("several workspaces go with --check-oracle alone; name one");
+      return Print(CheckAll(listener));
+    }
     if (!model_.ply.empty()) {
       const EvaluateRequest request{model_.ply, options_, out_.out, ORACLEGS_VERSION};
       return Print(SummaryOf(EvaluatePly(request, OpenScene(listener), listener), out_.out));
@@ -66,7 +123,16 @@ class EvaluateCommand : public SourceCommand {
     Print(SummaryOf(ReadMetrics(input_), input_));
   }
 
+  std::string CheckAll(const Listener& listener) const {
+    std::vector<std::filesystem::path> workspaces = {input_};
+    workspaces.insert(workspaces.end(), others_.begin(), others_.end());
+    std::vector<nlohmann::json> reports;
+    for (const auto& workspace : workspaces) reports.push_back(ReportOracle(OpenSavedRun(workspace, listener)));
+    return OracleTable(workspaces, reports);
+  }
+
   EvaluateOptions evaluate_;
+  std::vector<std::string> others_;
 };
 
 }  // namespace

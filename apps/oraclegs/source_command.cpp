@@ -1,6 +1,7 @@
 #include "source_command.h"
 
 #include "config_file.h"
+#include "option_binder.h"
 
 namespace oraclegs {
 
@@ -11,6 +12,22 @@ SourceCommand::SourceCommand(CLI::App* app, const std::string& name, const std::
   Bind("Model", &model_);
   Bind("Output", &out_);
   BindRun(&options_);
+}
+
+oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const {
+  if (!IsWorkspace(workspace)) {
+    throw InputError("{}: holds no run of oraclegs; name a workspace", workspace.string());
+  }
+  RunRequest request;
+  request.out = workspace;
+  request.version = ORACLEGS_VERSION;
+  CLI::App saved_options;
+  RunOptions::ForEachGroup(request.options, [&](const char* title, auto& group) {
+    std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&saved_options, title));
+  });
+  ApplySavedOptions(ReadSavedRun(workspace).options, WorkspacePaths(workspace).options(), &saved_options);
+  request.options.machine = options_.machine, request.options.device = options_.device;
+  return OpenRun(request, listener);
 }
 
 bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }

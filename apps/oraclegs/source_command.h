@@ -39,6 +39,8 @@ class SourceCommand : public Command {
   PosedScene OpenScene(const Listener& listener) const;
 
   bool InputIsWorkspace() const;
+  /// Another run, with the options that it was saved with. Throws InputError when the folder is no workspace.
+  oraclegs::Run OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const;
 
   std::filesystem::path input_;
   RunOptions options_;

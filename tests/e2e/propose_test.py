@@ -32,11 +32,26 @@ class Propose(ManyViews):
         stages = json.loads((out / "metrics.json").read_text())["stages"]
         self.assertTrue({"depth", "propose", "validate", "train"} <= stages.keys())
 
-        self.run_program("evaluate", out, "--check-oracle")
+        self.assertIn("blocks of 8 x 8: AUROC", self.run_program("evaluate", out, "--check-oracle").stdout)
         report = json.loads((out / "oracle.json").read_text())
         self.assertEqual(report["views"], 5)
         self.assertGreater(report["oracle"]["auroc_large_error"], 0.6)  # of a model of 6 iterations
         self.assertEqual(report["uniform"]["auroc_large_error"], 0.5)
+        self.assertEqual(report["oracle"]["blocks"]["blocks"], 5 * 80)
+
+        table = self.run_program("evaluate", out, out, "--check-oracle").stdout.splitlines()
+        self.assertIn("block Spearman", table[0])
+        figures = [line.split()[-7:] for line in table[1:]]
+        self.assertEqual(figures, 3 * [self.figures(report["oracle"])], "two runs and their mean")
+        self.error_of("evaluate", out, out, code=2, names=["--check-oracle"])
+        self.error_of("evaluate", out, self.scene, "--check-oracle", code=3, names=[self.scene])
+
+    @staticmethod
+    def figures(quality):
+        blocks = quality["blocks"]
+        names = ["auroc_large_error", "auroc_above_median", "spearman", "ause_ratio", "calibration_error"]
+        values = [blocks["spearman"], blocks["auroc_large_error"], *(quality[name] for name in names)]
+        return ["-" if value is None else f"{value:.3f}" for value in values]
 
     def test_a_folder_with_a_test_view_is_used_without_it(self):
         out = self.dir / "with_folder"

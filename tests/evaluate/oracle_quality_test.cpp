@@ -193,6 +193,9 @@ TEST(OracleQualityTest, ReliabilityIsOfTenths) {
   EXPECT_NEAR(high.similarity, (std::exp(-0.25) + std::exp(-1.) + 1) / 3, 1e-6);
   EXPECT_EQ(high.share, 0.75);
   EXPECT_TRUE(q.monotone);
+  // Similarities are 0 (e^-39) and, in the high bin, .7155.
+  EXPECT_NEAR(q.calibration_error, 0.25 * 0.05 + 0.75 * std::abs(2.9 / 3 - (std::exp(-0.25) + std::exp(-1.) + 1) / 3),
+              1e-6);
 }
 
 /// `count` pixels of each (confidence, error) pair.
@@ -221,7 +224,7 @@ TEST(OracleQualityTest, SmallBinsDoNotBreakMonotony) {
 TEST(OracleQualityTest, JsonHasTheFieldsByName) {
   const nlohmann::json json = ToJson(Quality({0.2f, 0.4f, 0, 0.05f}, {0.5f, 0.1f, 0.5f, 0.9f}));
   for (const char* name : {"pixels", "mean_error", "ause", "ause_random", "ause_ratio", "spearman", "median_error",
-                           "auroc_above_median", "auroc_large_error"}) {
+                           "auroc_above_median", "auroc_large_error", "calibration_error"}) {
     EXPECT_TRUE(json.at(name).is_number()) << name;
   }
   EXPECT_TRUE(json.at("monotone").is_boolean());

@@ -137,6 +137,9 @@ OracleQuality OracleQuality::FromPixels(const std::vector<float>& error, const s
 
   const std::vector<ReliabilityBin> sums = BinSums(error, confidence);
   for (const ReliabilityBin& bin : sums) quality.reliability.push_back(Means(bin, n));
+  for (const ReliabilityBin& bin : quality.reliability) {
+    quality.calibration_error += bin.share * std::abs(bin.confidence - bin.similarity);
+  }
   quality.monotone = ErrorFalls(WithoutSmallBins(sums, kSmallBin * n));
   return quality;
 }
@@ -162,6 +165,7 @@ nlohmann::json ToJson(const OracleQuality& quality) {
           {"auroc_above_median", number(quality.auroc_above_median)},
           {"auroc_large_error", number(quality.auroc_large_error)},
           {"reliability", bins},
+          {"calibration_error", quality.calibration_error},
           {"monotone", quality.monotone}};
 }
 

@@ -34,6 +34,8 @@ struct OracleQuality {
   double auroc_above_median = 0;  ///< low confidence as a sign of error > median_error; NaN when none or all are
   double auroc_large_error = 0;   ///< of error > kLargeError
   std::vector<ReliabilityBin> reliability;  ///< kReliabilityBins of equal width without the empty ones, ascending
+  /// Expected calibration error: |mean confidence - mean similarity| of the bins, mean by their shares.
+  double calibration_error = 0;
   /// Mean error falls from bin to bin, when bins of less than kSmallBin of the pixels are joined with the neighbour of
   /// nearer mean confidence. False for a single bin, which says nothing.
   bool monotone = false;

@@ -37,6 +37,10 @@ TEST_F(OracleReportTest, MeasuresProposalsAgainstSpareViews) {
   EXPECT_EQ(report.at("oracle").at("pixels"), 80 * 60);
   EXPECT_NEAR(report.at("oracle").at("ause").get<double>(), 0, 1e-6);
   EXPECT_EQ(report.at("oracle").at("auroc_large_error"), 1);
+  // 7 rows of 10 blocks, and 4 rows of pixels that are half a block; the top ones have an RMS error of .5 / sqrt(8).
+  EXPECT_EQ(report.at("oracle").at("blocks").at("blocks"), 80);
+  EXPECT_EQ(report.at("oracle").at("blocks").at("auroc_large_error"), 1);
+  EXPECT_EQ(report.at("uniform").at("blocks").at("auroc_large_error"), 0.5);
   EXPECT_NEAR(report.at("uniform").at("ause_ratio").get<double>(), 1, 1e-6);
   EXPECT_NEAR(report.at("psnr").get<double>(), -10 * std::log10(128. * 128 / 255 / 255 / 60), 0.2);
   EXPECT_TRUE(fs::exists(run.workspace.root() / "oracle.json"));
