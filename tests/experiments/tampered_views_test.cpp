@@ -65,6 +65,18 @@ TEST(ViewTamperer, ReachesTheShareWithTheFewestLies) {
   }
 }
 
+TEST(ViewTamperer, KnowsWhichKindMadeAPixelDiffer) {
+  const ViewTamperer tamperer = Tamperer();
+  const TamperedViews views = tamperer.Reach(0.3), honest = tamperer.Reach(0);
+  size_t tampered = 0, explained = 0;
+  for (size_t i = 0; i < views.masks[0].size(); ++i) {
+    tampered += views.masks[0][i] != 0;
+    explained += views.masks[0][i] != 0 && views.kinds[0][i] != 0;
+    EXPECT_EQ(honest.kinds[0][i], 0);
+  }
+  EXPECT_GT(explained, tampered * 9 / 10) << "but where lies of several kinds add up";
+}
+
 TEST(ViewTamperer, LeavesAllOrNothing) {
   const ViewTamperer tamperer = Tamperer();
   const TamperedViews none = tamperer.Reach(0), all = tamperer.Reach(1);

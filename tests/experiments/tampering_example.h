@@ -26,6 +26,7 @@ inline TamperingReport TamperingExample() {
   r.none = runs(TamperingTrust::kNone, 23, 25);
   add(0, {25, 25, 24, 25, 25, 25}, {{0, 0, 0, {}, {}, {}, 0.8}, {1, 0, 0, {}, {}, {}, 0.8}});
   add(30, {20, 21, 23, 24, 24, 25}, {{0, 0.301, 12, 0.88, 0.7, 0.1, 0.5}, {1, 0.302, 14, 0.92, {}, 0.2, 0.7}});
+  r.shares[1].confidence[0].auroc_of_kind[1] = 0.9, r.shares[1].confidence[1].auroc_of_kind[1] = 0.95;
   r.notes = {"A note."};
   return r;
 }

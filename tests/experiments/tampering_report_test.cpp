@@ -49,7 +49,16 @@ TEST(TamperingText, HasALineForEachShare) {
             "    0.800\n"
             "    30 %  24.00 ± 1.41  20.50 ± 0.71  23.50 ± 0.71  24.50 ± 0.71      0.75  0.900    0.700        0.150  "
             "    0.600\n"
-            "Worst of oracle − none: -0.50 dB\n");
+            "Worst of oracle − none: -0.50 dB\n"
+            "AUROC by kind of lie\n"
+            "kind       30 %\n"
+            "displace      -\n"
+            "swap      0.925\n"
+            "tone          -\n"
+            "smooth        -\n"
+            "invent        -\n"
+            "delete        -\n"
+            "flicker       -\n");
 }
 
 TEST(TamperingToJson, HasEachSeedAndNullForWhatIsMissing) {
@@ -63,6 +72,8 @@ TEST(TamperingToJson, HasEachSeedAndNullForWhatIsMissing) {
   EXPECT_EQ(third.at("psnr").at("oracle").at("count"), 2);
   EXPECT_EQ(third.at("runs").at(0).at("trust"), "uniform");
   EXPECT_EQ(third.at("confidence").at(0).at("lies"), 12);
+  EXPECT_NEAR(third.at("auroc_of_kind").at("swap").get<double>(), 0.925, 1e-12);
+  EXPECT_TRUE(third.at("auroc_of_kind").at("tone").is_null());
   EXPECT_TRUE(honest.at("recovery").is_null());
   EXPECT_TRUE(honest.at("auroc").is_null());
 }
@@ -71,8 +82,9 @@ TEST(TamperingMarkdown, HasThePlotTheTableAndTheNotes) {
   EXPECT_THAT(TamperingMarkdown(TamperingExample()),
               AllOf(HasSubstr("# Tampering benchmark of fox\n"), HasSubstr("    oraclegs ablate fox\n"),
                     HasSubstr("](tampering.svg)"), HasSubstr("| 30 % | 24.00 ± 1.41 | 20.50 ± 0.71 | "),
-                    HasSubstr("\nWorst of oracle − none: -0.50 dB.\n"), HasSubstr("- A note.\n")));
-  EXPECT_THAT(TamperingMarkdown({}), Not(HasSubstr("Worst")));
+                    HasSubstr("\nWorst of oracle − none: -0.50 dB.\n"),
+                    HasSubstr("| kind | 30 % |\n| --- | --- |\n| displace | - |\n"), HasSubstr("- A note.\n")));
+  EXPECT_THAT(TamperingMarkdown({}), AllOf(Not(HasSubstr("Worst")), Not(HasSubstr("kind |"))));
 }
 
 }  // namespace

@@ -15,15 +15,17 @@ std::optional<double> AurocOf(const std::vector<float>& confidence, const std::v
 
 }  // namespace
 
-void ConfidenceCheck::Add(const PixelMask& confidence, const PixelMask& tampered, const PixelMask& unseen) {
-  if (confidence.size() != tampered.size() || confidence.size() != unseen.size()) {
-    throw ShapeError("ConfidenceCheck: {} confidences, masks of {} and {} pixels", confidence.size(), tampered.size(),
-                     unseen.size());
+void ConfidenceCheck::Add(const CheckedPixels& proposal) {
+  const size_t size = proposal.confidence.size();
+  if (proposal.tampered.size() != size || proposal.unseen.size() != size || proposal.kinds.size() != size) {
+    throw ShapeError("ConfidenceCheck: {} confidences, masks of {}, {} and {} pixels", size, proposal.tampered.size(),
+                     proposal.unseen.size(), proposal.kinds.size());
   }
-  for (size_t i = 0; i < confidence.size(); ++i) {
-    Pixels& pixels = unseen[i] > 127 ? unseen_ : seen_;
-    pixels.confidence.push_back(static_cast<float>(confidence[i]) / 255);
-    pixels.tampered.push_back(tampered[i] > 127);
+  for (size_t i = 0; i < size; ++i) {
+    Pixels& pixels = proposal.unseen[i] > 127 ? unseen_ : seen_;
+    pixels.confidence.push_back(static_cast<float>(proposal.confidence[i]) / 255);
+    pixels.tampered.push_back(proposal.tampered[i] > 127);
+    pixels.kinds.push_back(proposal.kinds[i]);
   }
 }
 
@@ -31,6 +33,17 @@ TamperedConfidence ConfidenceCheck::Result() const {
   TamperedConfidence result;
   result.auroc = AurocOf(seen_.confidence, seen_.tampered);
   result.auroc_void = AurocOf(unseen_.confidence, unseen_.tampered);
+  for (size_t kind = 0; kind < result.auroc_of_kind.size(); ++kind) {
+    std::vector<float> confidence;
+    std::vector<bool> of_kind;
+    for (size_t i = 0; i < seen_.confidence.size(); ++i) {
+      const bool has = seen_.tampered[i] && (seen_.kinds[i] >> kind & 1) != 0;
+      if (!has && seen_.tampered[i]) continue;
+      confidence.push_back(seen_.confidence[i]);
+      of_kind.push_back(has);
+    }
+    result.auroc_of_kind[kind] = AurocOf(confidence, of_kind);
+  }
   double sum[2] = {0, 0}, count[2] = {0, 0};
   for (const Pixels* pixels : {&seen_, &unseen_}) {
     for (size_t i = 0; i < pixels->confidence.size(); ++i) {

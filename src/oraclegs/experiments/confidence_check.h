@@ -7,12 +7,19 @@
 
 namespace oraclegs {
 
+/// What is known of one proposal's pixels.
+struct CheckedPixels {
+  PixelMask confidence;  ///< [0, 255]
+  PixelMask tampered;
+  PixelMask unseen;  ///< at most one photo sees it
+  PixelKinds kinds;
+};
+
 /// What a confidence says of pixels that are known to be tampered with, over all proposals together.
 class ConfidenceCheck {
  public:
-  /// One proposal: its confidence, [0, 255]; where it is tampered with; where at most one photo sees. Throws ShapeError
-  /// unless all are of one size.
-  void Add(const PixelMask& confidence, const PixelMask& tampered, const PixelMask& unseen);
+  /// Throws ShapeError unless all are of one size.
+  void Add(const CheckedPixels& proposal);
 
   /// The numbers of the pixels; seed, share and lies are not set.
   TamperedConfidence Result() const;
@@ -21,6 +28,7 @@ class ConfidenceCheck {
   struct Pixels {
     std::vector<float> confidence;
     std::vector<bool> tampered;
+    PixelKinds kinds;
   };
   Pixels seen_, unseen_;
 };

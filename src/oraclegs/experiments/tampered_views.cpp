@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -42,18 +43,20 @@ ViewTamperer::ViewTamperer(const std::vector<ProxyModel>& members, RenderOptions
     : render_(std::move(render)), targets_(std::move(targets)) {
   const EnsembleProposer honest(members, render_);
   for (const Target& target : targets_) honest_.push_back(*honest.Propose(target, std::nullopt));
-  const std::vector<GaussianTampering> lies = DrawGaussianTamperings(honest_, kMaxLies, seed);
-  lies_ = lies.size();
-  for (const ProxyModel& member : members) members_.emplace_back(member.gaussians, lies);
+  lies_ = DrawGaussianTamperings(honest_, kMaxLies, seed);
+  for (const ProxyModel& member : members) {
+    models_.push_back(member.gaussians);
+    members_.emplace_back(member.gaussians, lies_);
+  }
 }
 
-TamperedViews ViewTamperer::With(size_t lies) const {
+TamperedViews ViewTamperer::Render(const std::vector<TamperedGaussians>& tampered, size_t lies) const {
   TamperedViews views;
   views.lies = lies;
   for (size_t v = 0; v < targets_.size(); ++v) {
     ThrowIfInterrupted();
     std::vector<ProxyModel> members;
-    for (const TamperedGaussians& member : members_) members.push_back({{}, member.Make(lies, v), {}});
+    for (const TamperedGaussians& member : tampered) members.push_back({{}, member.Make(lies, v), {}});
     const EnsembleProposer ensemble(std::move(members), render_);
     views.proposals.push_back(*ensemble.Propose(targets_[v], std::nullopt));
     views.masks.push_back(Difference(views.proposals.back().rgb, honest_[v].rgb));
@@ -62,8 +65,28 @@ TamperedViews ViewTamperer::With(size_t lies) const {
   return views;
 }
 
+std::vector<PixelKinds> ViewTamperer::KindsOf(size_t lies) const {
+  std::vector<PixelKinds> kinds;
+  for (const Proposal& p : honest_) kinds.emplace_back(p.rgb.data.size() / 3, 0);
+  for (int kind = 0; kind < kGaussianTamperKinds; ++kind) {
+    std::vector<GaussianTampering> of_kind;
+    std::copy_if(lies_.begin(), lies_.begin() + static_cast<int64_t>(lies), std::back_inserter(of_kind),
+                 [&](const GaussianTampering& lie) { return static_cast<int>(lie.kind) == kind; });
+    if (of_kind.empty()) continue;
+    std::vector<TamperedGaussians> members;
+    for (const Gaussians& model : models_) members.emplace_back(model, of_kind);
+    const TamperedViews views = Render(members, of_kind.size());
+    for (size_t v = 0; v < kinds.size(); ++v) {
+      for (size_t i = 0; i < kinds[v].size(); ++i) {
+        if (views.masks[v][i] != 0) kinds[v][i] = static_cast<uint8_t>(kinds[v][i] | (1 << kind));
+      }
+    }
+  }
+  return kinds;
+}
+
 TamperedViews ViewTamperer::FewestThatReach(double share) const {
-  const size_t most = lies_ - 1;
+  const size_t most = lies_.size() - 1;
   // More lies cost more to render, so the search begins with few.
   size_t too_few = 0, enough = std::min<size_t>(1, most);
   TamperedViews views = With(enough);
@@ -86,9 +109,9 @@ TamperedViews ViewTamperer::FewestThatReach(double share) const {
 }
 
 TamperedViews ViewTamperer::Reach(double share) const {
-  if (share > 0 && share < 1) return FewestThatReach(share);
-  TamperedViews views = With(share > 0 ? lies_ : 0);
-  if (share > 0) {
+  TamperedViews views = share <= 0 ? With(0) : share < 1 ? FewestThatReach(share) : With(lies_.size());
+  views.kinds = KindsOf(views.lies);
+  if (share >= 1) {
     for (PixelMask& mask : views.masks) std::fill(mask.begin(), mask.end(), kYes);
     views.share = 1;
   }
@@ -119,6 +142,7 @@ void WriteTamperedViews(const fs::path& dir, const TamperedViews& views) {
     for (uint8_t& value : trusted) value = static_cast<uint8_t>(kYes - value);
     WriteMask(dir / "ideal" / "confidence" / (p.name + ".png"), trusted, p.camera);
     WriteMask(dir / "masks" / (p.name + ".png"), views.masks[v], p.camera);
+    WriteMask(dir / "kinds" / (p.name + ".png"), views.kinds[v], p.camera);
   }
 }
 

@@ -16,12 +16,15 @@ inline constexpr float kHonestDifference = 0.05f;
 
 /// height * width, 255 = yes, 0 = no.
 using PixelMask = std::vector<uint8_t>;
+/// height * width, bit k = a lie of GaussianTamperKind k makes the difference by itself.
+using PixelKinds = std::vector<uint8_t>;
 
 struct TamperedViews {
-  size_t lies = 0;                    ///< how many tampered balls there are
-  double share = 0;                   ///< of all proposals' pixels, [0, 1]
-  std::vector<Proposal> proposals;    ///< of the targets, in their order
-  std::vector<PixelMask> masks = {};  ///< of each: where it differs from the honest one by more than kHonestDifference
+  size_t lies = 0;                     ///< how many tampered balls there are
+  double share = 0;                    ///< of all proposals' pixels, [0, 1]
+  std::vector<Proposal> proposals;     ///< of the targets, in their order
+  std::vector<PixelMask> masks = {};   ///< of each: where it differs from the honest one by more than kHonestDifference
+  std::vector<PixelKinds> kinds = {};  ///< of each
 };
 
 class ViewTamperer {
@@ -39,18 +42,21 @@ class ViewTamperer {
   TamperedViews Reach(double share) const;
 
  private:
-  TamperedViews With(size_t lies) const;
+  TamperedViews With(size_t lies) const { return Render(members_, lies); }
+  TamperedViews Render(const std::vector<TamperedGaussians>& members, size_t lies) const;
+  std::vector<PixelKinds> KindsOf(size_t lies) const;
   TamperedViews FewestThatReach(double share) const;
 
   RenderOptions render_;
   std::vector<Target> targets_;
   std::vector<Proposal> honest_;
-  size_t lies_ = 0;  ///< drawn, with the last one, of everything
+  std::vector<GaussianTampering> lies_;  ///< the last one is of everything
+  std::vector<Gaussians> models_;
   std::vector<TamperedGaussians> members_;
 };
 
 /// Writes dir/pictures/ and dir/ideal/, each a folder for --proposal-folder, the second with the confidence of an ideal
-/// oracle (0 in the mask, 1 outside), and dir/masks/NAME.png (255 = tampered).
+/// oracle (0 in the mask, 1 outside), dir/masks/NAME.png (255 = tampered) and dir/kinds/NAME.png (PixelKinds).
 void WriteTamperedViews(const std::filesystem::path& dir, const TamperedViews& views);
 
 /// Writes a mask of `camera`'s size. Throws RunError.

@@ -30,7 +30,7 @@ using nlohmann::json;
 constexpr char kRuns[] = "runs", kTampered[] = "tampered", kTamperingJson[] = "tampering.json",
                kTamperingMarkdown[] = "tampering.md", kTamperingSvg[] = "tampering.svg";
 constexpr char kModels[] = "models";
-constexpr int kTamperingVersion = 1;  ///< raised when the same models give other pictures
+constexpr int kTamperingVersion = 2;  ///< raised when the same models give other pictures
 
 /// How a run of the suite differs from what was asked for.
 struct Task {
@@ -276,9 +276,10 @@ class TamperingSuite {
       const std::string file = target.name + ".png";
       std::error_code ignored;
       if (!fs::exists(confidence / file, ignored)) continue;
-      check.Add(ReadMask(confidence / file, target.camera),
-                ReadMask(ShareFolder(share, seed) / "masks" / file, target.camera),
-                ReadMask(TamperedFolder(seed) / "void" / file, target.camera));
+      const fs::path pictures = ShareFolder(share, seed);
+      check.Add({ReadMask(confidence / file, target.camera), ReadMask(pictures / "masks" / file, target.camera),
+                 ReadMask(TamperedFolder(seed) / "void" / file, target.camera),
+                 ReadMask(pictures / "kinds" / file, target.camera)});
     }
     TamperedConfidence found = check.Result();
     const json record = ReadRecord(share, seed);

@@ -19,14 +19,22 @@ const std::vector<std::string> kColumns = {"tampered", "none",  "uniform", "orac
 const char* NameOf(TamperingTrust trust) { return kTamperingTrustNames[static_cast<size_t>(trust)]; }
 
 /// The mean over seeds of a number of the confidence.
-template <class Field>
-std::optional<double> MeanConfidence(const TamperingShare& share, Field field) {
+template <class Value>
+std::optional<double> MeanOver(const TamperingShare& share, Value&& number) {
   std::vector<double> values;
   for (const TamperedConfidence& c : share.confidence) {
-    if (const std::optional<double> value = c.*field) values.push_back(*value);
+    if (const std::optional<double> value = number(c)) values.push_back(*value);
   }
   const std::optional<Spread> spread = SpreadOf(values);
   return spread ? std::optional(spread->mean) : std::nullopt;
+}
+
+std::optional<double> MeanConfidence(const TamperingShare& share, std::optional<double> TamperedConfidence::*field) {
+  return MeanOver(share, [&](const TamperedConfidence& c) { return c.*field; });
+}
+
+std::optional<double> AurocOfKind(const TamperingShare& share, size_t kind) {
+  return MeanOver(share, [&](const TamperedConfidence& c) { return c.auroc_of_kind[kind]; });
 }
 
 std::string Number(const std::optional<double>& value, int decimals) {
@@ -51,6 +59,23 @@ std::vector<std::string> ShareCells(const TamperingReport& report, size_t s) {
   return cells;
 }
 
+/// Lines of the kinds that have pixels, columns of the shares that have them; empty when there are none.
+std::vector<std::vector<std::string>> KindTable(const TamperingReport& report) {
+  std::vector<size_t> shares;
+  std::vector<std::vector<std::string>> lines = {{"kind"}};
+  for (size_t s = 0; s < report.shares.size(); ++s) {
+    if (!MeanConfidence(report.shares[s], &TamperedConfidence::auroc)) continue;
+    shares.push_back(s);
+    lines[0].push_back(fmt::format("{} %", report.shares[s].percent));
+  }
+  if (shares.empty()) return {};
+  for (size_t kind = 0; kind < kGaussianTamperKindNames.size(); ++kind) {
+    lines.push_back({kGaussianTamperKindNames[kind]});
+    for (const size_t s : shares) lines.back().push_back(Number(AurocOfKind(report.shares[s], kind), 3));
+  }
+  return lines;
+}
+
 std::string ProtocolOf(const TamperingReport& r) {
   return fmt::format(
       "{} training views, {} test views, {} proposals, {} × {} pixels, {} iterations, at most {} Gaussians, seed{} {}",
@@ -61,6 +86,15 @@ std::string ProtocolOf(const TamperingReport& r) {
 std::string WorstLine(const TamperingReport& report) {
   const std::optional<double> worst = WorstOverNone(report);
   return worst ? fmt::format("Worst of oracle − none: {:+.2f} dB", *worst) : "";
+}
+
+/// The first line is the head.
+std::string MarkdownTable(const std::vector<std::vector<std::string>>& lines) {
+  std::string text = fmt::format("| {} |\n|", fmt::join(lines[0], " | "));
+  for (size_t c = 0; c < lines[0].size(); ++c) text += " --- |";
+  text += "\n";
+  for (size_t l = 1; l < lines.size(); ++l) text += fmt::format("| {} |\n", fmt::join(lines[l], " | "));
+  return text;
 }
 
 json OrNull(const std::optional<double>& value) { return value ? json(*value) : json(); }
@@ -79,6 +113,15 @@ json RunsToJson(const std::vector<TamperingRun>& runs) {
   return list;
 }
 
+template <class Value>
+json KindsToJson(Value&& auroc) {
+  json kinds = json::object();
+  for (size_t kind = 0; kind < kGaussianTamperKindNames.size(); ++kind) {
+    kinds[kGaussianTamperKindNames[kind]] = OrNull(auroc(kind));
+  }
+  return kinds;
+}
+
 json ConfidenceToJson(const TamperedConfidence& c) {
   return {{"seed", c.seed},
           {"tampered", c.tampered},
@@ -86,7 +129,8 @@ json ConfidenceToJson(const TamperedConfidence& c) {
           {"auroc", OrNull(c.auroc)},
           {"auroc_void", OrNull(c.auroc_void)},
           {"on_tampered", OrNull(c.on_tampered)},
-          {"on_honest", OrNull(c.on_honest)}};
+          {"on_honest", OrNull(c.on_honest)},
+          {"auroc_of_kind", KindsToJson([&](size_t kind) { return c.auroc_of_kind[kind]; })}};
 }
 
 }  // namespace
@@ -133,6 +177,7 @@ json TamperingToJson(const TamperingReport& r) {
                       {"auroc_void", OrNull(MeanConfidence(share, &TamperedConfidence::auroc_void))},
                       {"on_tampered", OrNull(MeanConfidence(share, &TamperedConfidence::on_tampered))},
                       {"on_honest", OrNull(MeanConfidence(share, &TamperedConfidence::on_honest))},
+                      {"auroc_of_kind", KindsToJson([&](size_t kind) { return AurocOfKind(share, kind); })},
                       {"runs", RunsToJson(share.runs)},
                       {"confidence", std::move(confidence)}});
   }
@@ -156,8 +201,11 @@ std::string TamperingText(const TamperingReport& report) {
   std::vector<std::vector<std::string>> lines = {kColumns};
   for (size_t s = 0; s < report.shares.size(); ++s) lines.push_back(ShareCells(report, s));
   const std::string worst = WorstLine(report);
-  return ProtocolOf(report) + "\n" + AlignColumns(lines, std::string(kColumns.size(), 'r')) +
-         (worst.empty() ? "" : worst + "\n");
+  std::string text = ProtocolOf(report) + "\n" + AlignColumns(lines, std::string(kColumns.size(), 'r')) +
+                     (worst.empty() ? "" : worst + "\n");
+  const std::vector<std::vector<std::string>> kinds = KindTable(report);
+  if (kinds.empty()) return text;
+  return text + "AUROC by kind of lie\n" + AlignColumns(kinds, "l" + std::string(kinds[0].size() - 1, 'r'));
 }
 
 std::string TamperingMarkdown(const TamperingReport& report) {
@@ -165,16 +213,13 @@ std::string TamperingMarkdown(const TamperingReport& report) {
       "# Tampering benchmark of {}\n\n{}; oraclegs {}.\n\n    {}\n\n![Test PSNR over the tampered share]"
       "(tampering.svg)\n\n",
       report.scene, ProtocolOf(report), report.version, report.command);
-  text += fmt::format("| {} |\n|{}\n", fmt::join(kColumns, " | "), [] {
-    std::string rule;
-    for (size_t c = 0; c < kColumns.size(); ++c) rule += " --- |";
-    return rule;
-  }());
-  for (size_t s = 0; s < report.shares.size(); ++s) {
-    text += fmt::format("| {} |\n", fmt::join(ShareCells(report, s), " | "));
-  }
+  std::vector<std::vector<std::string>> lines = {kColumns};
+  for (size_t s = 0; s < report.shares.size(); ++s) lines.push_back(ShareCells(report, s));
+  text += MarkdownTable(lines);
   const std::string worst = WorstLine(report);
   if (!worst.empty()) text += "\n" + worst + ".\n";
+  const std::vector<std::vector<std::string>> kinds = KindTable(report);
+  if (!kinds.empty()) text += "\nAUROC by kind of lie:\n\n" + MarkdownTable(kinds);
   text +=
       "\n"
       "- tampered: share of the proposals' pixels; none, uniform, oracle, ideal: PSNR of the test views in dB, mean ± "
@@ -182,7 +227,8 @@ std::string TamperingMarkdown(const TamperingReport& report) {
       "the oracle says, and with the honest pixels alone.\n"
       "- recovery: (oracle − uniform) / (ideal − uniform); none where the ideal oracle gains less than 0.05 dB.\n"
       "- AUROC: of low confidence as a sign of a tampered pixel that two photos or more see; in void: the same where "
-      "at most one does.\n"
+      "at most one does. By kind: of the pixels that the lies of one kind make differ by themselves, against honest "
+      "ones.\n"
       "- on tampered, on honest: mean confidence of such pixels.\n";
   for (const std::string& note : report.notes) text += "- " + note + "\n";
   return text;

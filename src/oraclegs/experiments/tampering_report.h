@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "oraclegs/experiments/ablation_report.h"
+#include "oraclegs/validate/tamper_gaussians.h"
 
 namespace oraclegs {
 
@@ -38,6 +39,8 @@ struct TamperedConfidence {
   std::optional<double> auroc;       ///< of low confidence as a sign of a tampered pixel, where >= 2 photos see
   std::optional<double> auroc_void;  ///< the same where at most one does
   std::optional<double> on_tampered, on_honest;  ///< mean confidence, [0, 1]
+  /// auroc of what one kind of lie makes differ by itself, against honest pixels.
+  std::array<std::optional<double>, kGaussianTamperKinds> auroc_of_kind = {};
 };
 
 /// A row of the table.
@@ -71,9 +74,9 @@ std::optional<double> WorstOverNone(const TamperingReport& report);
 
 /// Everything, each seed; what there is none of is null.
 nlohmann::json TamperingToJson(const TamperingReport& report);
-/// A table with a line for each share, and the worst difference.
+/// A table with a line for each share, the worst difference, and the AUROC of each kind of lie.
 std::string TamperingText(const TamperingReport& report);
-/// A document with a heading, the plot (tampering.svg), the table, what its columns are, and the notes.
+/// A document with a heading, the plot (tampering.svg), the tables, what their columns are, and the notes.
 std::string TamperingMarkdown(const TamperingReport& report);
 
 }  // namespace oraclegs

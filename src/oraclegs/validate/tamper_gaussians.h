@@ -3,6 +3,7 @@
 // (docs/method.md#tampering-benchmark).
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,7 +22,9 @@ enum class GaussianTamperKind {
   kDelete,    ///< removed
   kFlicker,   ///< moved and toned anew in each view, as of a generator without consistency
 };
-inline constexpr int kGaussianTamperKinds = 7;
+inline constexpr std::array kGaussianTamperKindNames = {"displace", "swap",   "tone",   "smooth",
+                                                        "invent",   "delete", "flicker"};
+inline constexpr int kGaussianTamperKinds = kGaussianTamperKindNames.size();
 
 /// One lie. The same list, applied to all members of an ensemble, gives the mean of their renders the same lies.
 struct GaussianTampering {
