@@ -45,9 +45,8 @@ ViewTamperer::ViewTamperer(const std::vector<ProxyModel>& members, RenderOptions
   for (const Target& target : targets_) honest_.push_back(*honest.Propose(target, std::nullopt));
   lies_ = DrawGaussianTamperings(honest_, kMaxLies, seed);
   for (const ProxyModel& member : members) {
-    if (!member.gaussians) continue;
-    models_.push_back(*member.gaussians);
-    members_.emplace_back(*member.gaussians, lies_);
+    models_.push_back(member.gaussians);
+    members_.emplace_back(member.gaussians, lies_);
   }
 }
 

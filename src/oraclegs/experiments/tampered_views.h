@@ -29,8 +29,7 @@ struct TamperedViews {
 
 class ViewTamperer {
  public:
-  /// Members with Gaussians on the CPU; at least one that is trained with all views, and one target. The same seed
-  /// gives the same lies.
+  /// Members with Gaussians on the CPU; at least one member and one target. The same seed gives the same lies.
   ViewTamperer(const std::vector<ProxyModel>& members, RenderOptions render, std::vector<Target> targets,
                uint64_t seed);
 

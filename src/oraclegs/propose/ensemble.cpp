@@ -1,12 +1,9 @@
 #include "oraclegs/propose/ensemble.h"
+#include "oraclegs/render/make_rasterizer.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <utility>
-
-#include "oraclegs/render/make_rasterizer.h"
 
 namespace oraclegs {
 namespace {
@@ -15,12 +12,12 @@ constexpr float kMinAlphaForDepth = 0.5f;
 constexpr size_t kMinValuesForTrim = 4;
 
 /// What one member shows.
-struct MemberRender {
+struct Render {
   std::vector<float> rgb, inv_depth;
 };
 
-MemberRender ToRender(const RenderOutput& out) {
-  MemberRender render;
+Render ToRender(const RenderOutput& out) {
+  Render render;
   const float* image = out.image.data();
   const float* alpha = out.alpha.data();
   const float* inv_depth = out.inv_depth.data();
@@ -41,81 +38,47 @@ float TrimmedMean(std::vector<float>* values) {
   return sum / static_cast<float>(values->size() - 2 * trim);
 }
 
-/// Of each pixel of the same image in all renders.
-std::vector<float> MeanOf(const std::vector<MemberRender>& renders, std::vector<float> MemberRender::*image) {
-  std::vector<float> mean((renders[0].*image).size()), values(renders.size());
-  for (size_t i = 0; i < mean.size(); ++i) {
-    for (size_t r = 0; r < renders.size(); ++r) values[r] = (renders[r].*image)[i];
-    mean[i] = TrimmedMean(&values);
-  }
-  return mean;
-}
-
-/// Sample deviation of the colours of each pixel, root mean square over the channels; of two renders or more.
-std::vector<float> DeviationOf(const std::vector<MemberRender>& renders) {
-  const auto n = static_cast<float>(renders.size());
-  std::vector<float> deviation(renders[0].inv_depth.size());
-  for (size_t i = 0; i < deviation.size(); ++i) {
-    float squares = 0;
-    for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
-      float mean = 0;
-      for (const MemberRender& r : renders) mean += r.rgb[c] / n;
-      for (const MemberRender& r : renders) squares += (r.rgb[c] - mean) * (r.rgb[c] - mean);
-    }
-    deviation[i] = std::sqrt(squares / (3 * (n - 1)));
-  }
-  return deviation;
-}
-
-/// From how many members a view is held out, of the view of which there are fewest.
-int FewestLeaveOuts(const std::vector<ProxyModel>& members) {
-  std::map<int, int> count;
-  for (const ProxyModel& member : members) {
-    for (const int view : member.held_out) ++count[view];
-  }
-  int fewest = count.empty() ? 0 : std::numeric_limits<int>::max();
-  for (const auto& [view, models] : count) fewest = std::min(fewest, models);
-  return fewest;
-}
-
 }  // namespace
 
 EnsembleProposer::EnsembleProposer(std::vector<ProxyModel> members, RenderOptions render)
-    : members_(std::move(members)),
-      render_(std::move(render)),
-      overlaps_(FewestLeaveOuts(members_) > 1),
-      rasterizer_(MakeRasterizer(kCpu)) {}
+    : members_(std::move(members)), render_(std::move(render)), rasterizer_(MakeRasterizer(kCpu)) {}
 
 std::optional<Proposal> EnsembleProposer::Propose(const Target& target, std::optional<int> held_out) const {
-  std::vector<MemberRender> finished, leave_out;
+  std::vector<Render> renders;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const auto render = [&](const Gaussians& gaussians) {
-      return ToRender(rasterizer_->Forward(gaussians, target.camera, render_, RenderPass::kInference));
-    };
     for (const ProxyModel& member : members_) {
       const std::vector<int>& unseen = member.held_out;
-      const bool knows_it = held_out && std::find(unseen.begin(), unseen.end(), *held_out) == unseen.end();
-      if (!knows_it && (held_out || overlaps_)) leave_out.push_back(render(member.before));
-      if (!held_out && member.gaussians) finished.push_back(render(*member.gaussians));
+      if (held_out && std::find(unseen.begin(), unseen.end(), *held_out) == unseen.end()) continue;
+      const Gaussians& gaussians = held_out ? member.before : member.gaussians;
+      renders.push_back(ToRender(rasterizer_->Forward(gaussians, target.camera, render_, RenderPass::kInference)));
     }
   }
-  const std::vector<MemberRender>& shown = held_out ? leave_out : finished;
-  if (shown.empty()) return std::nullopt;
+  if (renders.empty()) return std::nullopt;
+  const size_t pixels = renders[0].inv_depth.size();
   Proposal proposal{target.name, name(), target.camera, {target.camera.width, target.camera.height, 3, {}}};
-  proposal.rgb.data = MeanOf(shown, &MemberRender::rgb);
-  proposal.inv_depth = MeanOf(shown, &MemberRender::inv_depth);
-  if (overlaps_ && leave_out.size() > 1) proposal.spread = DeviationOf(leave_out);
+  proposal.rgb.data.resize(3 * pixels);
+  proposal.inv_depth.resize(pixels);
+  if (renders.size() > 1) proposal.spread.resize(pixels);
+  std::vector<float> values(renders.size());
+  for (size_t i = 0; i < pixels; ++i) {
+    float squares = 0;
+    for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
+      for (size_t r = 0; r < renders.size(); ++r) values[r] = renders[r].rgb[c];
+      const float mean = proposal.rgb.data[c] = TrimmedMean(&values);
+      for (const float v : values) squares += (v - mean) * (v - mean);
+    }
+    if (!proposal.spread.empty()) proposal.spread[i] = std::sqrt(squares / static_cast<float>(3 * renders.size()));
+    for (size_t r = 0; r < renders.size(); ++r) values[r] = renders[r].inv_depth[i];
+    proposal.inv_depth[i] = TrimmedMean(&values);
+  }
   return proposal;
 }
 
 std::vector<int> HeldOutViews(int views, int members, int member) {
   std::vector<int> held_out;
   if (members < 2) return held_out;
-  const int from_each = views >= kMinViewsForOverlap ? members / 2 : 1;
-  for (int v = 0; v < views; ++v) {
-    if ((member - v % members + members) % members < from_each) held_out.push_back(v);
-  }
+  for (int v = member; v < views; v += members) held_out.push_back(v);
   return held_out;
 }
 

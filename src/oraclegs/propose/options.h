@@ -21,10 +21,9 @@ struct ProposeOptions {
   ProposerChoice proposers = ProposerChoice::kSplat;
   std::string generator;
   std::filesystem::path proposal_folder;
-  int proxy_models = 4;
-  int proxy_finished = 2;
-  double proxy_share = 0.15;
-  double proxy_finish = 0.5;
+  int proxy_models = 2;
+  double proxy_share = 0.2;
+  double proxy_finish = 0.6;
   Auto<int> proxy_gaussians;
 
   template <class Self, class V>
@@ -43,19 +42,23 @@ struct ProposeOptions {
     visit("proposal-folder", self.proposal_folder,
           "Also train on these views, made by any other generator: images with transforms.json, or synthetic_N/ named "
           "like the scene's images, with synthetic_N_attention_maps/ as their confidence");
-    visit("proxy-models", self.proxy_models, "Proxy models that splat trains", Range{2, 16});
+    visit("proxy-models", self.proxy_models,
+          "Proxy models that splat trains; of few photos more, so that each sees three", Range{2, 16});
     visit("proxy-share", self.proxy_share,
           "Iterations of a proxy model without its held-out photos, as a share of --iterations: how wrong it then is "
           "about those is what the oracle learns from",
           Range{0.01, 1});
     visit("proxy-finish", self.proxy_finish,
-          "Iterations that follow with all photos for --proxy-finished of the models, as a share of --iterations; "
-          "proposals are the mean of what these show then; 0 = of what they show before",
+          "Iterations that follow with all photos, as a share of --iterations; proposals are rendered from the models "
+          "after these; 0 = from the models with photos held out",
           Range{0, 1});
-    visit("proxy-finished", self.proxy_finished, "Proxy models that go on with all photos", Range{1, 16});
     visit("proxy-gaussians", self.proxy_gaussians,
-          "Gaussians of a proxy model at most, while photos are held out; auto = 0.4 of --max-gaussians",
-          Range{1, 1e8});
+          "Gaussians of a proxy model at most; auto = as many as --max-gaussians", Range{1, 1e8});
+  }
+
+  /// Whether nothing but proxy models proposes.
+  bool ByProxiesAlone() const {
+    return proposers == ProposerChoice::kSplat && generator.empty() && proposal_folder.empty();
   }
 
   /// Whether warp, splat or seva is among those that --proposers names, or the command of --generator is to be asked.

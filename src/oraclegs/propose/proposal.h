@@ -30,7 +30,7 @@ struct Proposal {
   /// height * width: 1 + index of the training view a pixel's colour comes from most, 0 = made up; empty = unknown.
   std::vector<uint16_t> provenance = {};
   std::vector<float> spread = {};  ///< height * width, how much the ensemble members or candidates behind a pixel
-                                   ///< differ, RMS of colour; empty = not known
+                                   ///< differ, RMS of colour; empty = there is one
 };
 
 /// Makes candidate images. One object may be asked from several threads at once.

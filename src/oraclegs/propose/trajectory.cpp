@@ -171,7 +171,7 @@ std::vector<Target> ChooseTargets(const TrajectoryRequest& request, const Trajec
                                   const Listener& listener) {
   CheckOptions(options);
   if (request.train.empty()) throw std::invalid_argument("ChooseTargets: needs training cameras");
-  const int count = options.proposals;
+  const int count = options.proposals.ValueOr(kUsualProposals);
   if (count == 0) return {};
   const TargetCheck check(request);
   Trajectory trajectory = options.trajectory.ValueOr(Trajectory::kDataset);

@@ -38,7 +38,7 @@ struct TrainOptions {
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
   double ssim_weight = 0.2;
-  ScheduleKind schedule = ScheduleKind::kPaper;
+  Auto<ScheduleKind> schedule = {};
   Auto<double> synthetic_floor = {};
   double synthetic_peak = ProposalSchedule().peak;
   double proposal_weight = 1;
@@ -61,11 +61,12 @@ struct TrainOptions {
     settled.opacity_noise = opacity_noise.ValueOr(0);
     settled.last_rates = last_rates.ValueOr(1);
     settled.exposure = exposure.ValueOr(ExposureMode::kOff);
+    settled.schedule = schedule.ValueOr(ScheduleKind::kPaper);
     settled.synthetic_floor = synthetic_floor.ValueOr(ProposalSchedule().floor);
     return settled;
   }
 
-  /// How often proposals are drawn, as --schedule says.
+  /// How often proposals are drawn, as --schedule says; as the paper does where nothing is said.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};
     return {synthetic_floor.ValueOr(ProposalSchedule().floor),
@@ -84,10 +85,11 @@ struct TrainOptions {
     visit(
         "schedule", self.schedule,
         "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
-        "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never");
+        "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never; "
+        "auto = constant where proxy models alone propose, as often as these are trusted, else paper");
     visit("synthetic-floor", self.synthetic_floor,
-          "Share of the iterations that take a proposal, at both ends of the run; auto = 0.3 where proxy models alone "
-          "propose, else the paper's 0.1",
+          "Share of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
+          "confidence where --schedule auto is constant, else the paper's 0.1",
           Range{0, 1});
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});

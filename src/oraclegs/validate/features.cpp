@@ -70,7 +70,7 @@ std::vector<Features> FeaturesOf(const Proposal& proposal, const WarpedView& war
       if (!proposal.inv_depth.empty() && proposal.inv_depth[i] > 0 && warped.inv_depth[i] > 0) {
         depth = std::abs(std::log(proposal.inv_depth[i] / warped.inv_depth[i]));
       }
-      const float spread = proposal.spread.empty() ? 0 : proposal.spread[i];
+      const float spread = proposal.source == kMixed && !proposal.spread.empty() ? proposal.spread[i] : 0;
       const size_t left = i - (x > 0 ? 1 : 0), right = i + (x + 1 < width ? 1 : 0);
       const size_t above = y > 0 ? i - static_cast<size_t>(width) : i;
       const size_t below = y + 1 < height ? i + static_cast<size_t>(width) : i;

@@ -26,7 +26,7 @@ inline constexpr std::array kFeatureNames = {
     "colour around",  // the same, mean over the pixels around
     "structure",      // 1 - correlation of the two images' patches, as far as they have texture
     "depth",          // relative difference of the proposal's own depth from stereo's
-    "candidates",     // how much the models or candidates behind it differ
+    "candidates",     // how much the candidates it was mixed from differ
     "gradient",       // how much the proposal changes from pixel to pixel
     "brightness",
     "border",  // nearness of the image's border, where few views overlap

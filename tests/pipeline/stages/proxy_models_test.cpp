@@ -13,19 +13,17 @@ using testing::IsEmpty;
 
 using ProxyModelsTest = ProposingTest;
 
-TEST_F(ProxyModelsTest, HoldOutEachViewAndAreReadBack) {
+TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   auto run = StartRun(Request(), Silent());
   const std::vector<ProxyModel> first = Bring(&run, "proxies").proxies;
   const TrainOptions options = ProxyOptions(run.options, run.options.train);
-  EXPECT_EQ(options.iterations, 4);       // 0.15 of 30
-  EXPECT_EQ(options.max_gaussians, 600);  // 0.4 of 1500
+  EXPECT_EQ(options.iterations, 6);  // 0.2 of 30
   EXPECT_EQ(options.schedule, ScheduleKind::kNone);
   ASSERT_EQ(first.size(), 3u);
   EXPECT_EQ(first[0].held_out, (std::vector<int>{0, 3, 6, 9}));
   EXPECT_EQ(first[1].held_out, (std::vector<int>{1, 4, 7, 10}));
-  EXPECT_FALSE(Equal(first[0].gaussians->means, first[1].gaussians->means));
-  EXPECT_FALSE(Equal(first[0].before.means, first[0].gaussians->means)) << "it went on with all views";
-  EXPECT_FALSE(first[2].gaussians.has_value());
+  EXPECT_FALSE(Equal(first[0].gaussians.means, first[1].gaussians.means));
+  EXPECT_FALSE(Equal(first[0].before.means, first[0].gaussians.means)) << "it went on with all views";
   int steps = 0;
   run.listener = [&](const Event& event) {
     const auto* step = std::get_if<StepDone>(&event);
@@ -34,7 +32,7 @@ TEST_F(ProxyModelsTest, HoldOutEachViewAndAreReadBack) {
   run.results->keys.erase("proxies");
   const std::vector<ProxyModel> again = Bring(&run, "proxies").proxies;
   EXPECT_EQ(steps, 0);
-  EXPECT_TRUE(Equal(again[1].gaussians->means, first[1].gaussians->means));
+  EXPECT_TRUE(Equal(again[1].gaussians.means, first[1].gaussians.means));
   EXPECT_TRUE(Equal(again[1].before.means, first[1].before.means));
   // Only what is lost is trained again, to the same bits.
   const auto kept = run.workspace.proposals() / "proxies" / "0.ply";
@@ -44,7 +42,7 @@ TEST_F(ProxyModelsTest, HoldOutEachViewAndAreReadBack) {
   const std::vector<ProxyModel> trained_again = Bring(&run, "proxies").proxies;
   EXPECT_GT(steps, 0);
   EXPECT_EQ(fs::last_write_time(kept), written);
-  EXPECT_TRUE(Equal(trained_again[1].gaussians->means, first[1].gaussians->means));
+  EXPECT_TRUE(Equal(trained_again[1].gaussians.means, first[1].gaussians.means));
 }
 
 TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {
@@ -53,7 +51,7 @@ TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {
   auto run = StartRun(request, Silent());
   const std::vector<ProxyModel>& proxies = Bring(&run, "proxies").proxies;
   ASSERT_EQ(proxies.size(), 3u);
-  EXPECT_TRUE(Equal(proxies[0].before.means, proxies[0].gaussians->means));
+  EXPECT_TRUE(Equal(proxies[0].before.means, proxies[0].gaussians.means));
 }
 
 TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
@@ -65,6 +63,18 @@ TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
               Contains(testing::AllOf(HasSubstr("one would have 8 views and 0 dense points, and needs 2 and 1000"),
                                       HasSubstr("views are warped instead"))));
   EXPECT_TRUE(run.workspace.Record("proxies").is_null());
+}
+
+TEST(ProxyCount, LeavesEachModelThreeViews) {
+  const ProposeOptions two;
+  EXPECT_EQ(ProxyCount(two, 12), 2);
+  EXPECT_EQ(ProxyCount(two, 6), 2);
+  EXPECT_EQ(ProxyCount(two, 5), 3);
+  EXPECT_EQ(ProxyCount(two, 4), 4);
+  EXPECT_EQ(ProxyCount(two, 3), 3) << "two views each";
+  ProposeOptions many;
+  many.proxy_models = 16;
+  EXPECT_EQ(ProxyCount(many, 7), 7);
 }
 
 TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {

@@ -98,6 +98,24 @@ TEST(TrainInputs, SettleWhatIsAutomatic) {
   EXPECT_EQ(given.last_rates, 1.);
 }
 
+TEST(TrainInputs, TakeProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {
+  EventRecorder recorder;
+  std::vector<TrainView> proposals(2);
+  proposals[0].confidence = Buffer<float>::Full({4, 6}, 1.f);
+  proposals[1].confidence = Buffer<float>::Full({4, 6}, 0.5f);
+  const TrainOptions settled = SettleProxyDose({}, proposals, recorder.AsListener());
+  EXPECT_EQ(settled.schedule, ScheduleKind::kConstant);
+  EXPECT_NEAR(settled.synthetic_floor.value(), 0.5 * (1 + 0.25) / 2, 1e-12);
+  EXPECT_THAT(recorder.notes, testing::ElementsAre("31 % of the iterations take a proposal (--synthetic-floor)"));
+  EXPECT_TRUE(SettleProxyDose({}, {}, Silent()).schedule.is_auto());
+  TrainOptions asked;
+  asked.synthetic_floor = 0.2;
+  EXPECT_TRUE(SettleProxyDose(asked, proposals, Silent()).schedule.is_auto());
+  asked = {};
+  asked.schedule = ScheduleKind::kPaper;
+  EXPECT_TRUE(SettleProxyDose(asked, proposals, Silent()).synthetic_floor.is_auto());
+}
+
 TEST(TrainInputs, SaveExposuresByName) {
   const auto json = ExposuresToJson({"a.png"}, {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}});
   EXPECT_EQ(json.at("a.png").size(), 12u);

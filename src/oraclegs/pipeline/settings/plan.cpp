@@ -5,7 +5,7 @@
 namespace oraclegs {
 
 bool ProposesViews(const RunOptions& options) {
-  return options.propose.proposers != ProposerChoice::kNone && options.trajectory.proposals > 0 &&
+  return options.propose.proposers != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
          options.train.schedule != ScheduleKind::kNone;
 }
 

@@ -95,7 +95,9 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   request.maps = &geometry.maps;
   request.points = &geometry.points;
   request.seed = run.options.start.seed;
-  return ChooseTargets(request, run.options.trajectory, run.listener);
+  TrajectoryOptions trajectory = run.options.trajectory;
+  if (trajectory.proposals.is_auto() && run.options.propose.ByProxiesAlone()) trajectory.proposals = kProxyProposals;
+  return ChooseTargets(request, trajectory, run.listener);
 }
 
 /// What is proposed where. Deterministic: that of an earlier run is found again.

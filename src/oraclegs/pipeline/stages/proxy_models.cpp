@@ -37,27 +37,10 @@ Listener AsProxies(const Listener& listener, int64_t before, int64_t total) {
 
 /// What follows with all views: of Gaussians that have found their places and colours.
 TrainOptions FinishOptions(const RunOptions& options, TrainOptions proxy) {
-  proxy.max_gaussians = options.train.max_gaussians;
   proxy.iterations = static_cast<int>(options.propose.proxy_finish * options.train.iterations);
   proxy.sh_degree_interval = 1;
   proxy.refine_start = 0;
   return proxy;
-}
-
-int Count(const Run& run) {
-  return std::min(run.options.propose.proxy_models, static_cast<int>(run.split.train.size()));
-}
-
-/// Whether model k is trained with all views in the end.
-bool GoesOn(const Run& run, int k) { return k < run.options.propose.proxy_finished; }
-
-// Relative to the workspace.
-std::string BeforeFile(int k) { return fmt::format("proposals/proxies/{}_before.ply", k); }
-std::string FinishedFile(int k) { return fmt::format("proposals/proxies/{}.ply", k); }
-
-std::vector<std::string> ProxyFiles(const Run& run, int k) {
-  if (!GoesOn(run, k)) return {BeforeFile(k)};
-  return {BeforeFile(k), FinishedFile(k)};
 }
 
 /// What stereo knows of the views that are not held out.
@@ -80,11 +63,11 @@ class ProxyTrainer {
         options_(ProxyOptions(run->options, SettleTrainOptions(run->options.train, training_, geometry_, Silent()))),
         finish_(FinishOptions(run->options, options_)) {}
 
-  /// Of model `number`.
-  int64_t Iterations(int number) const { return options_.iterations + (GoesOn(run_, number) ? finish_.iterations : 0); }
+  int64_t iterations() const { return options_.iterations + finish_.iterations; }
 
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
-  bool Train(int number, const std::vector<int>& held_out, const Listener& listener) const {
+  bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
+             const Listener& listener) const {
     const std::vector<TrainView> kept = Without(views_, held_out);
     const std::vector<LoadedView> shown = Without(training_.views, held_out);
     const Geometry rest = GeometryWithout(geometry_, shown, held_out);
@@ -102,16 +85,14 @@ class ProxyTrainer {
     const auto background = BackgroundColor(run_.options.image.background);
     Trainer trainer(options_, seed, background, kept, gaussians);
     trainer.Run({}, listener);
-    const fs::path& root = run_.workspace.root();
-    WriteGaussianPly(root / BeforeFile(number), trainer.gaussians(), options_.sh_degree);
-    if (!GoesOn(run_, number)) return true;
+    WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
     if (finish_.iterations == 0) {
-      WriteGaussianPly(root / FinishedFile(number), trainer.gaussians(), options_.sh_degree);
+      WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
       return true;
     }
     Trainer finisher(finish_, seed, background, views_, trainer.gaussians());
     finisher.Run({}, Offset(listener, options_.iterations));
-    WriteGaussianPly(root / FinishedFile(number), finisher.gaussians(), finish_.sh_degree);
+    WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
     return true;
   }
 
@@ -136,10 +117,17 @@ class ProxyTrainer {
   TrainOptions options_, finish_;
 };
 
+int Count(const Run& run) { return ProxyCount(run.options.propose, static_cast<int>(run.split.train.size())); }
+
+/// Of model k, relative to the workspace: before it was trained with all views, and after.
+std::vector<std::string> FilesOf(int k) {
+  return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
+}
+
 void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions& options = run->options;
-  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finished).Add(options.propose.proxy_finish);
-  key->Add(options.train.iterations).Add(options.train.max_gaussians);  // of the finish
+  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
+  key->Add(options.train.iterations);  // whose share the finish is
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
   key->Add(OptionsToJson(options.image).dump());
 }
@@ -148,10 +136,9 @@ bool LoadProxy(Run* run) {
   std::vector<ProxyModel> proxies;
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   for (int k = 0; k < n; ++k) {
-    const fs::path& root = run->workspace.root();
-    ProxyModel proxy{ReadGaussianPly(root / BeforeFile(k)).gaussians, std::nullopt, HeldOutViews(views, n, k)};
-    if (GoesOn(*run, k)) proxy.gaussians = ReadGaussianPly(root / FinishedFile(k)).gaussians;
-    proxies.push_back(std::move(proxy));
+    const std::vector<std::string> files = FilesOf(k);
+    proxies.push_back({ReadGaussianPly(run->workspace.root() / files[0]).gaussians,
+                       ReadGaussianPly(run->workspace.root() / files[1]).gaussians, HeldOutViews(views, n, k)});
   }
   run->results->proxies = std::move(proxies);
   return true;
@@ -163,15 +150,18 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   const ProxyTrainer trainer(run);
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   std::vector<std::string> all;
-  int64_t before = 0, total = 0;
-  for (int k = 0; k < n; ++k) total += trainer.Iterations(k);
-  for (int k = 0; k < n; before += trainer.Iterations(k++)) {
+  for (int k = 0; k < n; ++k) {
     const std::string part = fmt::format("proxy {}", k);
-    const std::vector<std::string> files = ProxyFiles(*run, k);
+    const std::vector<std::string> files = FilesOf(k);
     all.insert(all.end(), files.begin(), files.end());
     if (run->workspace.IsDone(part, key)) continue;
     run->workspace.MarkUndone(part);
-    if (!trainer.Train(k, HeldOutViews(views, n, k), AsProxies(run->listener, before, total))) return std::nullopt;
+    const int64_t each = trainer.iterations();
+    if (!trainer.Train(k, HeldOutViews(views, n, k),
+                       {run->workspace.root() / files[0], run->workspace.root() / files[1]},
+                       AsProxies(run->listener, k * each, n * each))) {
+      return std::nullopt;
+    }
     run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
   }
   LoadProxy(run);
@@ -186,8 +176,7 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   train.iterations = scaled(train.iterations);
   train.sh_degree_interval = scaled(train.sh_degree_interval);
   train.refine_start = scaled(train.refine_start);
-  train.max_gaussians = std::min(train.max_gaussians,
-                                 options.propose.proxy_gaussians.ValueOr(std::max(1, 2 * (train.max_gaussians / 5))));
+  train.max_gaussians = std::min(train.max_gaussians, options.propose.proxy_gaussians.ValueOr(train.max_gaussians));
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
   const TrainOptions unused;
   train.schedule = ScheduleKind::kNone;
@@ -196,6 +185,13 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   train.proposal_lpips = unused.proposal_lpips;
   train.confidence_gate = unused.confidence_gate, train.confidence_power = unused.confidence_power;
   return train;
+}
+
+int ProxyCount(const ProposeOptions& options, int views) {
+  const int enough = std::min(kViewsOfProxy, views - 1);
+  int models = std::min(options.proxy_models, views);
+  while (models < views && views - (views + models - 1) / models < enough) ++models;
+  return models;
 }
 
 bool CanPropose(const TrainingViews& training, const Geometry& geometry) {

@@ -5,9 +5,14 @@
 
 namespace oraclegs {
 
-/// How proxy models are trained: the run's training options at a share of its iterations, with half of its Gaussians
-/// unless --proxy-gaussians says otherwise.
+/// How proxy models are trained: the run's training options at a share of its iterations.
 TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train);
+
+/// Training views that a proxy model has at first, where there are more.
+inline constexpr int kViewsOfProxy = 3;
+/// How many proxy models are trained of so many training views: --proxy-models, or more where each would see fewer
+/// views than kViewsOfProxy.
+int ProxyCount(const ProposeOptions& options, int views);
 
 /// Dense points without which there is nothing to warp to a new view, and views, of which two show a surface and one is
 /// held out.

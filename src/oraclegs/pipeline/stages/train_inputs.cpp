@@ -13,6 +13,10 @@ constexpr double kOpacityNoise = 0.5, kObjectOpacityNoise = 0.3, kLastRates = 0.
 // Views that overlap much lose by it.
 constexpr double kObjectDropout = 0.2;
 
+// Proxy models that are trained nearly to the end err as the model itself does, but each in its own way, so that their
+// mean is nearer to the truth than the model would come alone: it may be seen often, as far as it is right.
+constexpr double kProxyDose = 0.5;
+
 Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
   return Buffer<float>::From({camera.height, camera.width}, std::span<const float>(values));
 }
@@ -61,6 +65,20 @@ TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& train
     listener(Note{fmt::format("the images' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)",
                               100 * ExposureSpread(geometry.gains))});
   }
+  return options;
+}
+
+TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener) {
+  if (proposals.empty() || !options.schedule.is_auto() || !options.synthetic_floor.is_auto()) return options;
+  double squares = 0, pixels = 0;
+  for (const TrainView& view : proposals) {
+    for (const float u : view.confidence.span()) squares += static_cast<double>(u) * static_cast<double>(u);
+    pixels += static_cast<double>(view.confidence.count());
+  }
+  options.schedule = ScheduleKind::kConstant;
+  options.synthetic_floor = kProxyDose * squares / pixels;
+  listener(Note{fmt::format("{:.0f} % of the iterations take a proposal (--synthetic-floor)",
+                            100 * options.synthetic_floor.value())});
   return options;
 }
 

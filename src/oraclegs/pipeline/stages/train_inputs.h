@@ -16,6 +16,11 @@ namespace oraclegs {
 TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
                                 const Listener& listener);
 
+/// Where proxy models alone made the proposals and neither --schedule nor --synthetic-floor says how often one is
+/// taken: in a constant share of the iterations, half of the mean squared confidence (docs/method.md#schedules), which
+/// is reported. Other options, and those without proposals, stay as they are.
+TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener);
+
 /// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
 /// 0) beside an object's silhouette, and starting from the exposures stereo found.
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry);

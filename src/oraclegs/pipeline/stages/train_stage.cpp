@@ -19,10 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Proxy models that are trained to the end err as the model itself does, but each in its own way, so that their mean is
-// nearer to the truth than the model would come alone: it may be seen often (docs/benchmarks.md).
-constexpr double kFloorOfProxies = 0.3;
-
 void AddTrainKey(Run* run, Fingerprint* key) {
   key->Add(ShapingOptionsToJson(run->options).dump());
   key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image.downscale, &run->files));
@@ -65,13 +61,11 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 
 /// The run's training options with nothing automatic left.
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
-  const RunOptions& options = run.options;
-  TrainOptions settled = SettleTrainOptions(options.train, training, run.results->geometry, run.listener);
-  const bool by_proxies_alone = options.propose.proposers == ProposerChoice::kSplat &&
-                                options.propose.generator.empty() && options.propose.proposal_folder.empty();
-  settled.synthetic_floor =
-      settled.synthetic_floor.ValueOr(by_proxies_alone ? kFloorOfProxies : ProposalSchedule().floor);
-  return settled;
+  const StageResults& known = *run.results;
+  TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
+  if (run.options.propose.ByProxiesAlone())
+    settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
+  return settled.Settled();
 }
 
 Gaussians StartGaussians(Run* run) {
