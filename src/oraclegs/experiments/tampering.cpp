@@ -42,7 +42,7 @@ struct Task {
 void RequireTamperable(const AblationRequest& request) {
   const RunOptions& asked = request.run.options;
   if (!request.options.rows.empty()) throw UsageError("--rows goes with --suite parts; leave it out");
-  if (asked.propose.proposers != ProposerChoice::kBoth || !asked.propose.proposal_folder.empty() ||
+  if (asked.propose.proposers != ProposeOptions().proposers || !asked.propose.proposal_folder.empty() ||
       !asked.propose.generator.empty()) {
     throw UsageError(
         "--suite tampering makes its own proposals; leave out --proposers, --proposal-folder and --generator");
