@@ -52,7 +52,7 @@ class Generator(ManyViews):
     def test_it_takes_part_beside_the_other_proposers(self):
         out = self.dir / "beside"
         generator = STAND_IN + ' "$ORACLEGS_REQUEST" "$ORACLEGS_ANSWER"'
-        self.run_program("propose", self.scene, "-o", out, *RUN, "--generator", generator)
+        self.run_program("propose", self.scene, "-o", out, *RUN, "--proposers", "both", "--generator", generator)
         for frame in self.frames(out):
             for folder in ("warp", "splat", "command"):
                 self.assertTrue((out / "proposals" / folder / frame["file_path"]).is_file(), folder)

@@ -67,7 +67,7 @@ class Networks(ManyViews):
             self.assertRegex(done.stderr, f"are not here; {instead}.* instead")
         self.assertEqual(json.loads((out / "metrics.json").read_text())["non_commercial"], [])
         options = json.loads((out / "options.json").read_text())["options"]
-        self.assertEqual((options["proposers"], options["oracle"]), ("both", "consistency"))
+        self.assertEqual((options["proposers"], options["oracle"]), ("splat", "consistency"))
         self.run_program("evaluate", out)
 
     def test_without_the_library_networks_are_refused_and_the_rest_works(self):

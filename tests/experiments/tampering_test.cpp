@@ -20,7 +20,7 @@ class TamperingTest : public ProposingTest {
   static AblationRequest Ask(const std::string& out, const std::string& shares) {
     AblationRequest request{Request(out), {1, "", AblationSuite::kTampering, shares}, "oraclegs ablate scene -o out"};
     request.run.options.train.iterations = 60;
-    request.run.options.propose.proxy_models = 2;
+    request.run.options.propose.proposers = ProposerChoice::kSplat, request.run.options.propose.proxy_models = 2;
     return request;
   }
 };
