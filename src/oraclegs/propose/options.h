@@ -29,11 +29,9 @@ struct ProposeOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("proposers", self.proposers,
-          "What proposes new views: splat = the mean of proxy models, smaller models of the scene that are trained "
-          "first, "
-          "each at the beginning without some of the photos; warp = photos warped by their depth; both; seva = a "
-          "generative network that needs weights; all = these three; command = the program of --generator alone; none "
-          "= nothing");
+          "What proposes new views: splat = the mean of proxy models, models of the scene that are trained first, each "
+          "at the beginning without some of the photos; warp = photos warped by their depth; both; seva = a generative "
+          "network that needs weights; all = these three; command = the program of --generator alone; none = nothing");
     visit("generator", self.generator,
           "Shell command of a program that generates the proposed views: from the folder {request}, with their poses, "
           "the photos warped to them and masks of the holes, into the folder {answer}, one image for each pose, e.g. "
