@@ -20,6 +20,10 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   EXPECT_EQ(options.iterations, 6);  // 0.2 of 30
   EXPECT_EQ(options.schedule, ScheduleKind::kNone);
   ASSERT_EQ(first.size(), 3u);
+  EXPECT_FALSE(ProxiesAlonePropose(run)) << "beside warps";
+  run.options.propose.proposers = ProposerChoice::kSplat;
+  EXPECT_TRUE(ProxiesAlonePropose(run));
+  run.options.propose.proposers = ProposerChoice::kBoth;
   EXPECT_EQ(first[0].held_out, (std::vector<int>{0, 3, 6, 9}));
   EXPECT_EQ(first[1].held_out, (std::vector<int>{1, 4, 7, 10}));
   EXPECT_FALSE(Equal(first[0].gaussians.means, first[1].gaussians.means));
@@ -63,6 +67,8 @@ TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
               Contains(testing::AllOf(HasSubstr("one would have 8 views and 0 dense points, and needs 2 and 1000"),
                                       HasSubstr("views are warped instead"))));
   EXPECT_TRUE(run.workspace.Record("proxies").is_null());
+  run.options.propose.proposers = ProposerChoice::kSplat;
+  EXPECT_FALSE(ProxiesAlonePropose(run)) << "views are warped";
 }
 
 TEST(ProxyCount, LeavesEachModelThreeViews) {

@@ -96,7 +96,7 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   request.points = &geometry.points;
   request.seed = run.options.start.seed;
   TrajectoryOptions trajectory = run.options.trajectory;
-  if (trajectory.proposals.is_auto() && run.options.propose.ByProxiesAlone()) trajectory.proposals = kProxyProposals;
+  if (trajectory.proposals.is_auto() && ProxiesAlonePropose(run)) trajectory.proposals = kProxyProposals;
   return ChooseTargets(request, trajectory, run.listener);
 }
 

@@ -198,6 +198,10 @@ bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
   return geometry.points.size() >= kMinPointsToPropose && training.views.size() >= kMinViewsToPropose;
 }
 
+bool ProxiesAlonePropose(const Run& run) {
+  return run.options.propose.ByProxiesAlone() && !run.workspace.Record("proxies").is_null();
+}
+
 StageWork ProxyStage() {
   return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
           .own = AddProxyKey,

@@ -20,6 +20,10 @@ inline constexpr size_t kMinPointsToPropose = 1000, kMinViewsToPropose = 3;
 /// Whether there are as many.
 bool CanPropose(const TrainingViews& training, const Geometry& geometry);
 
+/// Whether proxy models alone propose, once stage "proxies" has run: they do not where there were too few views or
+/// points for them, and views are warped instead.
+bool ProxiesAlonePropose(const Run& run);
+
 /// Stage "proxies": the models of proposer "splat", each trained without the views that are held out from it, from what
 /// stereo found in the others, and then for --proxy-finish with all (docs/method.md#proxy-models). Writes
 /// proposals/proxies/K_before.ply and K.ply; an interrupted run loses at most one. None, with a warning, when there are

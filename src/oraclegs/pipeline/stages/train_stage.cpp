@@ -7,6 +7,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/perceptual.h"
+#include "oraclegs/pipeline/stages/proxy_models.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/stages/start_points.h"
 #include "oraclegs/pipeline/stages/train_inputs.h"
@@ -63,8 +64,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   const StageResults& known = *run.results;
   TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
-  if (run.options.propose.ByProxiesAlone())
-    settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
+  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
   return settled.Settled();
 }
 
