@@ -216,20 +216,5 @@ TEST(WriteDensePly, WritesHeaderAndPoints) {
   EXPECT_EQ(static_cast<uint8_t>(second[31]), 255) << "as many as a byte can say";
 }
 
-TEST(MapColor, RisesFromPurpleToYellow) {
-  EXPECT_LT(MapColor(0).y(), 0.1f);
-  EXPECT_LT(MapColor(1).z(), 0.2f);
-  EXPECT_GT(MapColor(1).x(), 0.9f);
-  EXPECT_EQ(MapColor(-3), MapColor(0));
-  EXPECT_EQ(MapColor(9), MapColor(1));
-  float before = -1;
-  for (int i = 0; i <= 30; ++i) {
-    const Eigen::Vector3f color = MapColor(static_cast<float>(i) / 30);
-    const float luma = color.dot(Eigen::Vector3f(0.299f, 0.587f, 0.114f));
-    EXPECT_GT(luma, before);
-    before = luma;
-  }
-}
-
 }  // namespace
 }  // namespace oraclegs

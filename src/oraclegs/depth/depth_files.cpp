@@ -1,7 +1,6 @@
 #include "oraclegs/depth/depth_files.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -10,6 +9,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/colormap.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
@@ -88,12 +88,10 @@ Image8 Preview(const DepthMap& map) {
   const auto width = static_cast<size_t>(map.camera.width);
   for (size_t i = 0; i < map.size(); ++i) {
     const size_t left = 3 * (i / width * 2 * width + i % width), right = left + 3 * width;
-    const Eigen::Vector3f depth = MapColor((map.inv_depth[i] - low) / (high - low));
-    const Eigen::Vector3f confidence = MapColor(map.confidence[i]);
-    for (int c = 0; c < 3; ++c) {
-      image.data[left + c] = map.inv_depth[i] > 0 ? Byte(depth[c]) : 0;
-      image.data[right + c] = Byte(confidence[c]);
-    }
+    const auto depth = MapColor(ColorMap::kViridis, (map.inv_depth[i] - low) / (high - low));
+    const auto confidence = MapColor(ColorMap::kPlasma, map.confidence[i]);
+    if (map.inv_depth[i] > 0) std::copy(depth.begin(), depth.end(), image.data.begin() + static_cast<int64_t>(left));
+    std::copy(confidence.begin(), confidence.end(), image.data.begin() + static_cast<int64_t>(right));
   }
   return image;
 }
@@ -148,23 +146,6 @@ void Append(std::string* bytes, T value) {
 }
 
 }  // namespace
-
-Eigen::Vector3f MapColor(float value) {
-  // Seven stops of an even walk in lightness and hue, interpolated.
-  static constexpr std::array<std::array<float, 3>, 7> kStops{{{0.19f, 0.03f, 0.29f},
-                                                               {0.25f, 0.22f, 0.50f},
-                                                               {0.19f, 0.39f, 0.55f},
-                                                               {0.13f, 0.55f, 0.55f},
-                                                               {0.27f, 0.71f, 0.44f},
-                                                               {0.63f, 0.84f, 0.24f},
-                                                               {0.99f, 0.90f, 0.15f}}};
-  const float at = std::clamp(value, 0.f, 1.f) * (kStops.size() - 1);
-  const size_t k = std::min(static_cast<size_t>(at), kStops.size() - 2);
-  const float t = at - static_cast<float>(k);
-  Eigen::Vector3f color;
-  for (size_t c = 0; c < 3; ++c) color[static_cast<int>(c)] = (1 - t) * kStops[k][c] + t * kStops[k + 1][c];
-  return color;
-}
 
 std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<DepthMap>& maps) {
   std::vector<std::string> names;

@@ -12,7 +12,8 @@ namespace oraclegs {
 ///   dir/NAME.png             16-bit grey: inverse depth
 ///   dir/confidence/NAME.png  8-bit grey, 255 = certain
 ///   dir/normals/NAME.png     8-bit RGB, 255 * (n + 1) / 2, camera frame; 0 0 0 where unknown
-///   dir/preview/NAME.png     depth in colours (yellow near, purple far) beside confidence (yellow high, purple low)
+///   dir/preview/NAME.png     depth in viridis (yellow near, purple far) beside confidence in plasma (yellow high,
+///   purple low)
 /// and dir/depth_params.json as the code of [Kerbl 2023] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value
 /// / 65535 * scale + offset. Maps with a network's depth also have "monocular": true there. The paths written, relative
 /// to dir. Throws RunError.
@@ -25,8 +26,5 @@ std::vector<DepthMap> ReadDepthMaps(const std::filesystem::path& dir, const std:
 
 /// Binary PLY: x y z nx ny nz red green blue confidence views. Throws RunError.
 void WriteDensePly(const std::filesystem::path& path, const std::vector<DensePoint>& points);
-
-/// Perceptually even colours for [0, 1]: dark purple to yellow.
-Eigen::Vector3f MapColor(float value);
 
 }  // namespace oraclegs

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "oraclegs/core/text.h"
-#include "oraclegs/depth/depth_files.h"
+#include "oraclegs/image/colormap.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/stages/calibrated_oracle.h"
@@ -27,7 +27,7 @@ Image8 Grey(const ConfidenceMap& map, const Camera& camera) {
   return image;
 }
 
-/// The proposal beside its confidence in the paper's colours.
+/// The proposal beside its confidence in plasma, the colours of figures.
 Image8 Preview(const Validated& validated) {
   const Camera& camera = validated.proposal.camera;
   const Image8 left = ToImage8(validated.proposal.rgb);
@@ -36,8 +36,9 @@ Image8 Preview(const Validated& validated) {
     const auto row = left.data.begin() + static_cast<int64_t>(y) * camera.width * 3;
     image.data.insert(image.data.end(), row, row + int64_t{3} * camera.width);
     for (int x = 0; x < camera.width; ++x) {
-      const Eigen::Vector3f color = MapColor(validated.confidence[static_cast<size_t>(y) * camera.width + x]);
-      for (int c = 0; c < 3; ++c) image.data.push_back(static_cast<uint8_t>(std::lround(255 * color[c])));
+      const float confidence = validated.confidence[static_cast<size_t>(y) * camera.width + x];
+      const auto color = MapColor(ColorMap::kPlasma, confidence);
+      image.data.insert(image.data.end(), color.begin(), color.end());
     }
   }
   return image;
