@@ -80,7 +80,7 @@ TEST_F(PerceptualTest, ProposalsThatAreTooSmallDoWithoutIt) {
 }
 
 TEST_F(PerceptualTest, ScoresAreOfBothConventionsAndSaySo) {
-  const ImageScores scores = LpipsScores({file});
+  const ImageScores scores = LpipsScores({file}, kCpu, Silent());
   const auto network = GetNetworks().LoadPerceptual({file}, kCpu, 0);
   const std::map<std::string, double> values = scores.of(render, target);
   ASSERT_EQ(values.size(), 2u);
@@ -90,9 +90,9 @@ TEST_F(PerceptualTest, ScoresAreOfBothConventionsAndSaySo) {
   EXPECT_THAT(scores.conventions.at("lpips"), HasSubstr("VGG16, images in [0, 1]"));
   EXPECT_THAT(scores.conventions.at("lpips_minus1_1"), HasSubstr("[-1, 1]"));
   EXPECT_EQ(scores.smallest_side, 16);
-  EXPECT_FALSE(LpipsScores({}).of);
+  EXPECT_FALSE(LpipsScores({}, kCpu, Silent()).of);
   const auto alex = WriteTinyAlexNetLpips(temp / "alex.safetensors");
-  EXPECT_THAT(LpipsScores({alex}).conventions.at("lpips"), HasSubstr("AlexNet"));
+  EXPECT_THAT(LpipsScores({alex}, kCpu, Silent()).conventions.at("lpips"), HasSubstr("AlexNet"));
 }
 
 }  // namespace

@@ -54,7 +54,8 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device) {
 nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,
                           const std::vector<fs::path>& lpips, const Listener& listener) {
   if (views.empty()) listener(Warning{"there are no test views: nothing is scored (see --test-every)"});
-  return ToJson(Evaluate(model.gaussians, views, model.render, {renders, LpipsScores(lpips)}, listener));
+  const ImageScores scores = LpipsScores(lpips, model.gaussians.means.device(), listener);
+  return ToJson(Evaluate(model.gaussians, views, model.render, {renders, scores}, listener));
 }
 
 StageWork EvaluateStage() {

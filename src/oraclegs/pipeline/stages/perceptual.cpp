@@ -56,9 +56,9 @@ TrainingLpips LpipsOfProposals(const TrainOptions& options, const Plan& plan, co
   return {LossOf(network), fmt::format("{}, images in [0, 1]", network->name())};
 }
 
-ImageScores LpipsScores(const std::vector<fs::path>& files) {
+ImageScores LpipsScores(const std::vector<fs::path>& files, Device device, const Listener& listener) {
   if (files.empty()) return {};
-  const SharedNetwork network = Load(files, kCpu, 0);
+  const SharedNetwork network = Load(files, DeviceOfNetworks(GetNetworks(), device, listener), 0);
   ImageScores scores;
   scores.smallest_side = network->smallest_side();
   scores.conventions = {

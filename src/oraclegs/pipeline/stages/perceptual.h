@@ -32,7 +32,8 @@ TrainingLpips LpipsOfProposals(const TrainOptions& options, const Plan& plan, co
                                const Listener& listener);
 
 /// The score "lpips" of images in [0, 1] as they are, which papers of the 3DGS family report, and "lpips_minus1_1" of
-/// images in [-1, 1], which the authors of LPIPS ask for; `conventions` says so. No scores without files.
-ImageScores LpipsScores(const std::vector<std::filesystem::path>& files);
+/// images in [-1, 1], which the authors of LPIPS ask for; `conventions` says so. Computed on `device`, or, with a
+/// warning, on the CPU where libtorch has no CUDA. No scores without files.
+ImageScores LpipsScores(const std::vector<std::filesystem::path>& files, Device device, const Listener& listener);
 
 }  // namespace oraclegs
