@@ -51,5 +51,11 @@ TEST(Printable, IsShortAndAscii) {
   EXPECT_EQ(Printable(std::string(500, 'x')).size(), 120u);
 }
 
+TEST(SplitAtCommas, DropsBlanksAndEmptyWords) {
+  EXPECT_EQ(SplitAtCommas("a, b c ,,d"), (std::vector<std::string>{"a", "b c", "d"}));
+  EXPECT_TRUE(SplitAtCommas(" , ").empty());
+  EXPECT_TRUE(SplitAtCommas("").empty());
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -32,6 +32,18 @@ std::string SomeNames(const std::vector<std::string>& names) {
   return text;
 }
 
+std::vector<std::string> SplitAtCommas(const std::string& list) {
+  std::vector<std::string> words;
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    const std::string word = list.substr(begin, end - begin);
+    const size_t first = word.find_first_not_of(' ');
+    if (first != std::string::npos) words.push_back(word.substr(first, word.find_last_not_of(' ') - first + 1));
+    begin = end + 1;
+  }
+  return words;
+}
+
 bool IsUtf8(const std::string& text) {
   try {
     return !nlohmann::json(text).dump().empty();

@@ -18,6 +18,9 @@ inline double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-
 /// "a, b, c, d, e and 7 more": at most five of `names`.
 std::string SomeNames(const std::vector<std::string>& names);
 
+/// The words of "a, b,c" without the blanks around them; empty ones are left out.
+std::vector<std::string> SplitAtCommas(const std::string& list);
+
 /// True when `text` can stand in JSON as it is.
 bool IsUtf8(const std::string& text);
 

@@ -68,6 +68,17 @@ struct EnumWords<AttentionMode> {
                                                        {AttentionMode::kOthers, "others"}};
 };
 
+/// A layer of VGGT's global attention, from 0, and how much its map counts.
+struct LayerWeight {
+  int64_t layer = 0;
+  double weight = 1;
+};
+
+struct AttentionOptions {
+  AttentionMode mode = AttentionMode::kReference;
+  std::vector<LayerWeight> layers = {};  ///< weights >= 0, not all 0; empty = those that the file names, else 0 and 22
+};
+
 /// VGGT's aggregator: which pixels of some images the other images of a scene attend to.
 class AttentionNetwork {
  public:
@@ -152,8 +163,9 @@ class Networks {
   /// cache_bytes: for targets' features (PerceptualNetwork::Loss); what does not fit is computed each time.
   virtual std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>& weights,
                                                             Device device, int64_t cache_bytes) const = 0;
-  virtual std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
-                                                          Device device) const = 0;
+  /// Layers that the network does not have are refused, too.
+  virtual std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights,
+                                                          const AttentionOptions& options, Device device) const = 0;
   /// VGGT in one pass over all images. Says in a Note how much memory that needs. Throws RunError when that is more
   /// than there is, InputError naming the images that get no camera.
   virtual PoseEstimate EstimatePoses(const PoseRequest& request, const Listener& listener) const = 0;

@@ -11,18 +11,6 @@
 namespace oraclegs {
 namespace {
 
-std::vector<std::string> SplitAtCommas(const std::string& list) {
-  std::vector<std::string> words;
-  for (size_t begin = 0; begin <= list.size();) {
-    const size_t end = std::min(list.find(',', begin), list.size());
-    const std::string word = list.substr(begin, end - begin);
-    const size_t first = word.find_first_not_of(' ');
-    if (first != std::string::npos) words.push_back(word.substr(first, word.find_last_not_of(' ') - first + 1));
-    begin = end + 1;
-  }
-  return words;
-}
-
 /// The ways to call a view, most exact first.
 std::vector<std::string> NamesOf(const std::string& name) {
   const std::filesystem::path path(name);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "oraclegs/core/options.h"
 #include "oraclegs/networks/networks.h"
 
@@ -30,6 +32,8 @@ struct ValidateOptions {
   Auto<OracleKind> oracle;
   AttentionMode oracle_mode = AttentionMode::kReference;
   Auto<int> oracle_chunk;
+  std::string vggt_layers;         ///< see AttentionLayersOf
+  std::string vggt_layer_weights;  ///< likewise
   bool calibrate = true;
   PickRule pick = PickRule::kBlend;
 
@@ -45,6 +49,11 @@ struct ValidateOptions {
     visit("oracle-chunk", self.oracle_chunk,
           "Proposals that VGGT looks at together, beside one image; auto = 8, or as many as the free memory holds",
           Range{1, 512});
+    visit("vggt-layers", self.vggt_layers,
+          "Layers of VGGT's global attention that its map is made of, from 0, comma-separated; without, 0,22 with the "
+          "weights 1,3, or what the file of weights names");
+    visit("vggt-layer-weights", self.vggt_layer_weights,
+          "How much each of --vggt-layers counts, comma-separated; scaled to sum to 1; without, all count alike");
     visit("calibrate", self.calibrate,
           "Map what the oracle predicts to what such pixels were worth in held-out views; without, VGGT's map is used "
           "as it is, as in the paper, and of the others the order that they learnt");

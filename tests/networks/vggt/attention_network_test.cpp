@@ -104,12 +104,12 @@ TEST_F(AttentionTest, RefusesSettingsThatDoNotFit) {
 TEST_F(AttentionTest, AnOpenedFileHasItsOwnSettings) {
   const TempDir dir;
   const auto path = WriteTinyVggt(dir / "tiny.safetensors");
-  const auto network = OpenAttention(path, AttentionMode::kReference, torch::kCPU);
+  const auto network = OpenAttention(path, {AttentionMode::kReference}, torch::kCPU);
   const Camera small{40, 30, 50, 50, 20, 15, {}}, upright{30, 60, 50, 50, 15, 30, {}};
   const int64_t two = network->PassBytes({small}, 2), nine = network->PassBytes({small}, 9);
   EXPECT_GT(nine, two);
   EXPECT_LE(network->PassBytes({upright}, 2), two) << "only the shape counts: the longer side is always the same";
-  EXPECT_GT(OpenAttention(path, AttentionMode::kOfficial, torch::kCPU)->PassBytes({small}, 2), two) << "padded";
+  EXPECT_GT(OpenAttention(path, {AttentionMode::kOfficial}, torch::kCPU)->PassBytes({small}, 2), two) << "padded";
   const Buffer<float> maps = network->Confidence(reference, proposals);
   const Tensor expected =
       AttentionOn(aggregator, {AttentionMode::kReference, 70, {0, 2}, {0.25, 0.75}}, reference, proposals);
@@ -118,11 +118,46 @@ TEST_F(AttentionTest, AnOpenedFileHasItsOwnSettings) {
   EXPECT_TRUE(std::equal(maps.span().begin(), maps.span().end(), values));
 }
 
+TEST_F(AttentionTest, LayersAndWeightsMayBeAskedFor) {
+  const TempDir dir;
+  const auto path = WriteTinyVggt(dir / "tiny.safetensors");
+  const auto maps_of = [&](const std::vector<LayerWeight>& layers) {
+    const auto network = OpenAttention(path, {AttentionMode::kReference, layers}, torch::kCPU);
+    const Buffer<float> maps = network->Confidence(reference, proposals);
+    return std::vector<float>(maps.span().begin(), maps.span().end());
+  };
+  const auto of_file = maps_of({});
+  EXPECT_EQ(maps_of({{0, 0.25}, {2, 0.75}}), of_file) << "what the file names";
+  EXPECT_EQ(maps_of({{0, 1}, {2, 3}}), of_file) << "scaled to sum to 1";
+  const auto first = maps_of({{0, 7}}), last = maps_of({{2, 0.1}});
+  EXPECT_EQ(maps_of({{0, 2}, {1, 0}}), first) << "a layer of weight 0 counts nothing";
+  EXPECT_NE(maps_of({{1, 1}}), first);
+  ASSERT_EQ(first.size(), of_file.size());
+  for (size_t i = 0; i < first.size(); i += 97) {
+    EXPECT_NEAR(of_file[i], 0.25f * first[i] + 0.75f * last[i], 1e-5) << "the weighted mean of the layers' own maps";
+  }
+}
+
+TEST_F(AttentionTest, LayersThatTheNetworkLacksAreRefused) {
+  const TempDir dir;
+  const auto path = WriteTinyVggt(dir / "tiny.safetensors");
+  for (const int64_t layer : {int64_t{-1}, int64_t{4}}) {
+    EXPECT_THAT(
+        [&] {
+          OpenAttention(path, {AttentionMode::kReference, {{layer, 1}}}, torch::kCPU);
+        },
+        ThrowsMessage<InputError>(
+            testing::AllOf(HasSubstr("tiny.safetensors"), HasSubstr("only 0 to 3"), HasSubstr("--vggt-layers"))));
+  }
+  EXPECT_THROW(OpenAttention(path, {AttentionMode::kReference, {{0, -1}}}, torch::kCPU), ShapeError);
+  EXPECT_THROW(OpenAttention(path, {AttentionMode::kReference, {{0, 0}}}, torch::kCPU), ShapeError);
+}
+
 TEST_F(AttentionTest, WeightsThatDoNotFitAreRefusedWhenTheyAreLoaded) {
   const TempDir dir;
   const auto path = WriteTinyVggt(dir / "tiny.safetensors",
                                   [](TinyVggtParts* parts) { parts->tensors.erase("aggregator.camera_token"); });
-  const auto network = OpenAttention(path, AttentionMode::kReference, torch::kCPU);
+  const auto network = OpenAttention(path, {AttentionMode::kReference}, torch::kCPU);
   EXPECT_THAT([&] { network->Load(); }, ThrowsMessage<InputError>(HasSubstr("missing 1: aggregator.camera_token")));
 }
 

@@ -71,7 +71,8 @@ class FakeNetworks : public Networks {
                                                     int64_t) const override {
     return nullptr;
   }
-  std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path&, AttentionMode, Device) const override {
+  std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path&, const AttentionOptions&,
+                                                  Device) const override {
     return nullptr;
   }
   PoseEstimate EstimatePoses(const PoseRequest&, const Listener&) const override { return {}; }

@@ -45,6 +45,14 @@ TEST(RunOptions, AreCheckedInEveryGroup) {
   EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--init-scale is 0"));
 }
 
+TEST(RunOptions, NameLayersAndWeightsOfVggt) {
+  RunOptions options;
+  options.validate.vggt_layers = "0,22", options.validate.vggt_layer_weights = "1,3";
+  EXPECT_NO_THROW(CheckRunOptions(options));
+  options.validate.vggt_layer_weights = "1,-3";
+  EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--vggt-layer-weights"));
+}
+
 TEST(RunOptions, AskForAGeneratorAndItsCommandTogether) {
   const auto error = [](ProposerChoice proposers, const std::string& command) {
     RunOptions options;

@@ -23,6 +23,7 @@ TEST(VggtWeights, AreWhereTheyWereFetchedOrNamed) {
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->path, dir / "models" / "vggt" / "model.safetensors");
   EXPECT_EQ(found->name, "VGGT-1B");
+  EXPECT_EQ(found->layers, 4);
   EXPECT_FALSE(found->commercial);
   WriteTinyVggt(dir / "models" / "vggt-commercial" / "model.safetensors");
   EXPECT_TRUE(FindVggtWeights("")->commercial);

@@ -126,6 +126,15 @@ TEST_F(CalibratedOracleTest, DiffersByMode) {
   EXPECT_NE(others[0].confidence, official[0].confidence);
 }
 
+TEST_F(CalibratedOracleTest, DiffersByLayers) {
+  run->options.validate.calibrate = false;
+  const auto usual = Classify(OracleKind::kVggt);
+  run->options.validate.vggt_layers = "0,2", run->options.validate.vggt_layer_weights = "1,3";
+  EXPECT_EQ(Classify(OracleKind::kVggt)[0].confidence, usual[0].confidence) << "what the file names";
+  run->options.validate.vggt_layers = "1", run->options.validate.vggt_layer_weights = "";
+  EXPECT_NE(Classify(OracleKind::kVggt)[0].confidence, usual[0].confidence);
+}
+
 TEST_F(CalibratedOracleTest, RefusesWeightsOfAnotherNetwork) {
   WriteTinyVggt(weights, [](TinyVggtParts* parts) { parts->tensors.erase("aggregator.camera_token"); });
   EXPECT_THAT(MessageOf<InputError>([&] { Classify(OracleKind::kVggt); }),

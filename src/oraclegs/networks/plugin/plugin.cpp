@@ -43,10 +43,10 @@ class TorchNetworks : public Networks {
     return MakePerceptualNetwork(LoadRecognizedLpips(weights, ToTorch(device)), cache_bytes);
   }
 
-  std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
+  std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, const AttentionOptions& options,
                                                   Device device) const override {
     UseOurThreads();
-    return vggt::OpenAttention(weights, mode, ToTorch(device));
+    return vggt::OpenAttention(weights, options, ToTorch(device));
   }
 
   PoseEstimate EstimatePoses(const PoseRequest& request, const Listener& listener) const override {

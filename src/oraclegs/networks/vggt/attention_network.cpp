@@ -30,9 +30,10 @@ Image8 Fitted(const Image8& image, int width, int height) {
 
 class AttentionOfFile : public AttentionNetwork {
  public:
-  AttentionOfFile(const std::filesystem::path& path, AttentionMode mode, torch::Device device)
+  AttentionOfFile(const std::filesystem::path& path, const AttentionOptions& options, torch::Device device)
       : path_(path), device_(device), file_(ReadWeightsFile(path)) {
-    settings_ = {mode, file_.side, file_.oracle_layers, file_.oracle_weights};
+    settings_ = {options.mode, file_.side, file_.oracle_layers, file_.oracle_weights};
+    if (!options.layers.empty()) TakeLayers(options.layers);
   }
 
   int64_t PassBytes(const std::vector<Camera>& cameras, int64_t views) const override {
@@ -57,6 +58,25 @@ class AttentionOfFile : public AttentionNetwork {
   }
 
  private:
+  void TakeLayers(const std::vector<LayerWeight>& layers) {
+    const int64_t depth = file_.network.aggregator.depth;
+    double sum = 0;
+    for (const LayerWeight& l : layers) {
+      if (l.layer < 0 || l.layer >= depth) {
+        throw InputError("{}: has no attention layer {}, only 0 to {}; name others with --vggt-layers", path_.string(),
+                         l.layer, depth - 1);
+      }
+      if (!(l.weight >= 0)) throw ShapeError("OpenAttention: layer {} has weight {}", l.layer, l.weight);
+      sum += l.weight;
+    }
+    if (!(sum > 0)) throw ShapeError("OpenAttention: the weights of the layers sum to {}", sum);
+    settings_.layers.clear(), settings_.weights.clear();
+    for (const LayerWeight& l : layers) {
+      settings_.layers.push_back(l.layer);
+      settings_.weights.push_back(l.weight / sum);
+    }
+  }
+
   std::filesystem::path path_;
   torch::Device device_;
   WeightsFile file_;
@@ -96,9 +116,9 @@ Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settin
   return UpsampleConfidence(shown, height, width).clamp_(0, 1).contiguous();
 }
 
-std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
+std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, const AttentionOptions& options,
                                                 torch::Device device) {
-  return std::make_unique<AttentionOfFile>(weights, mode, device);
+  return std::make_unique<AttentionOfFile>(weights, options, device);
 }
 
 }  // namespace oraclegs::vggt

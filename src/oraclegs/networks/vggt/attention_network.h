@@ -23,8 +23,10 @@ struct AttentionSettings {
 Tensor AttentionOn(const Aggregator& aggregator, const AttentionSettings& settings, const Image8& reference,
                    const std::vector<Image8>& proposals);
 
-/// With the settings that the file names. Throws InputError as ReadWeightsFile does.
-std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, AttentionMode mode,
+/// Layers and weights are those asked for, the weights scaled to sum to 1, or else those that the file names. Throws
+/// InputError as ReadWeightsFile does and naming a layer that the network does not have; ShapeError for weights below 0
+/// or without a sum.
+std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path& weights, const AttentionOptions& options,
                                                 torch::Device device);
 
 }  // namespace oraclegs::vggt

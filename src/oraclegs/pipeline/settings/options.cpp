@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/validate/attention_layers.h"
 
 namespace oraclegs {
 
@@ -20,6 +21,7 @@ nlohmann::json RunOptionsToJson(const RunOptions& options) {
 
 void CheckRunOptions(const RunOptions& options) {
   RunOptions::ForEachGroup(options, [](const char*, const auto& group) { CheckOptions(group); });
+  AttentionLayersOf(options.validate);
   const ProposerChoice proposers = options.propose.proposers;
   const std::string& generator = options.propose.generator;
   if (proposers == ProposerChoice::kCommand && generator.empty()) {

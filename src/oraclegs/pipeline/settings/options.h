@@ -219,8 +219,8 @@ nlohmann::json ShapingOptionsToJson(const RunOptions& options);
 /// The same of all options.
 nlohmann::json RunOptionsToJson(const RunOptions& options);
 
-/// Throws UsageError for the first option out of its range, and where --proposers and --generator contradict each
-/// other.
+/// Throws UsageError for the first option out of its range, for --vggt-layers and --vggt-layer-weights that are no
+/// layers and weights, and where --proposers and --generator contradict each other.
 void CheckRunOptions(const RunOptions& options);
 
 }  // namespace oraclegs

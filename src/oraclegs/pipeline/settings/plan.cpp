@@ -1,8 +1,17 @@
 #include "oraclegs/pipeline/settings/plan.h"
 
 #include "oraclegs/networks/loader.h"
+#include "oraclegs/validate/attention_layers.h"
 
 namespace oraclegs {
+namespace {
+
+void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
+  if (weights.layers == 0) return;  // no weights of the network: loading them says what is missing
+  RequireAttentionLayers(AttentionLayersOf(options.validate), weights.layers, weights.name);
+}
+
+}  // namespace
 
 bool ProposesViews(const RunOptions& options) {
   return options.propose.proposers != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
@@ -26,11 +35,13 @@ OracleChoice ChooseOracle(const RunOptions& options) {
   if (!asked.is_auto()) {
     const std::string needs = "--oracle " + Word(asked.value());
     OracleChoice choice{asked.value(), RequireVggtWeights(options.weights.vggt_weights, needs)};
+    RequireLayers(options, *choice.weights);
     RequireNetworksLibrary(needs);
     return choice;
   }
   auto weights = FindVggtWeights(options.weights.vggt_weights);
   if (!weights || !HasNetworksLibrary()) return {OracleKind::kConsistency};
+  RequireLayers(options, *weights);
   return {OracleKind::kVggtAndConsistency, std::move(weights)};
 }
 

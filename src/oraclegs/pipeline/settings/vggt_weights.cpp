@@ -25,11 +25,24 @@ std::optional<fs::path> Fetched(const std::string& model) {
   }
 }
 
+/// How many blocks of global attention the file has, by the names of its tensors.
+int64_t CountAttentionLayers(const SafetensorsFile& file) {
+  int64_t layers = 0;
+  const auto has = [&](int64_t layer) {
+    const std::string prefix = fmt::format("aggregator.global_blocks.{}.", layer);
+    const auto found = file.tensors().lower_bound(prefix);
+    return found != file.tensors().end() && found->first.compare(0, prefix.size(), prefix) == 0;
+  };
+  while (has(layers)) ++layers;
+  return layers;
+}
+
 VggtWeights Describe(const fs::path& path, const std::string& name) {
   const SafetensorsFile file = SafetensorsFile::Open(path);
   const auto model = file.metadata().find("model");
   const bool commercial = name == kCommercial || (model != file.metadata().end() && model->second == kCommercialModel);
-  return {path, commercial ? kCommercial : kResearch, Fingerprint().AddTensors(file).Hex(), commercial};
+  return {path, commercial ? kCommercial : kResearch, Fingerprint().AddTensors(file).Hex(), commercial,
+          CountAttentionLayers(file)};
 }
 
 }  // namespace

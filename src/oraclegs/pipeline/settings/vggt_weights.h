@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@ struct VggtWeights {
   std::string name;         ///< of the network, "VGGT-1B"
   std::string fingerprint;  ///< of its content, by a sample of each tensor
   bool commercial = false;  ///< false: its licence forbids commercial use
+  int64_t layers = 0;       ///< of global attention; 0 = the file has none under the network's names
 };
 
 /// `given` (--vggt-weights), or else what `oraclegs models fetch` left: of vggt-commercial, of vggt. Nothing when none

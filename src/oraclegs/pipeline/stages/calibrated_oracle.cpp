@@ -5,6 +5,7 @@
 
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/pipeline/settings/device.h"
+#include "oraclegs/validate/attention_layers.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
 namespace oraclegs {
@@ -122,7 +123,8 @@ void CalibratedOracle::LoadSecond(const Run& run, const std::vector<LoadedView>&
   const ValidateOptions& asked = run.options.validate;
   const Networks& networks = GetNetworks();
   const Device device = DeviceOfNetworks(networks, run.plan.device, run.listener);
-  std::unique_ptr<AttentionNetwork> network = networks.OpenAttention(weights.path, asked.oracle_mode, device);
+  std::unique_ptr<AttentionNetwork> network =
+      networks.OpenAttention(weights.path, {asked.oracle_mode, AttentionLayersOf(asked)}, device);
   std::vector<Camera> cameras;
   for (const LoadedView& view : views) cameras.push_back(view.camera);
   VggtOracleOptions options;
