@@ -52,6 +52,17 @@ class ShardIndex : public testing::Test {
   TempDir dir_;
 };
 
+TEST_F(ShardIndex, MayListFilesOfPyTorch) {
+  const auto index = dir_ / "pytorch_model.bin.index.json";
+  EXPECT_TRUE(IsTorchShardIndex(index));
+  EXPECT_FALSE(IsShardIndex(index));
+  EXPECT_FALSE(IsTorchShardIndex(dir_ / kIndex));
+  WriteFileAtomically(index, R"({"weight_map":{"x":"a.bin","y":"b.bin"}})");
+  EXPECT_EQ(ReadShardIndex(index).at("b.bin"), std::set<std::string>{"y"});
+  WriteFileAtomically(index, R"({"weight_map":{"x":"a.safetensors"}})");
+  EXPECT_THROW(ReadShardIndex(index), InputError);
+}
+
 TEST_F(ShardIndex, PartsOpenAsOneFile) {
   WriteFileAtomically(dir_ / kIndex, R"({"metadata":{"total_size":12},"weight_map":{"x":"a.safetensors",)"
                                      R"("y":"a.safetensors","z":"b.safetensors"}})");

@@ -9,16 +9,16 @@ import shutil
 import signal
 import struct
 import subprocess
-import sys
 import tempfile
 import threading
 import unittest
 from pathlib import Path
 
 from harness import EndToEnd, command, main
+from torch_files import state_dict, tensor, zipped
 
-SEVA = "/stabilityai/stable-virtual-camera/resolve/main/modelv1.1.safetensors"
-COMMERCIAL = "/facebook/VGGT-1B-Commercial/resolve/main/vggt_1B_commercial.pt"
+NAME = "vggt-commercial"  # the checksum of its file is the server's
+VGGT = "/facebook/VGGT-1B-Commercial/resolve/ebb29a532abe92960eeb6903a5530f16990ef4ab/model.safetensors"
 LPIPS = "/models/alexnet-owt-7be5be79.pth"
 TOKEN = "hf_secret"
 
@@ -104,7 +104,7 @@ class Models(EndToEnd):
     def use(self, server):
         self.env["ORACLEGS_MODELS_URL"] = server.url
 
-    def fetch(self, name="seva", *arguments, code=0):
+    def fetch(self, name=NAME, *arguments, code=0):
         return self.run_program("models", "fetch", name, "--accept-licence", *arguments, code=code, env=self.env)
 
     def fails(self, name, code, *names):
@@ -112,7 +112,7 @@ class Models(EndToEnd):
         self.assertFalse((self.cache / name / "model.safetensors").exists())
         return line
 
-    def fetched(self, name="seva"):
+    def fetched(self, name=NAME):
         return self.cache / name / "model.safetensors"
 
     def test_fetch_list_and_find_again(self):
@@ -120,19 +120,19 @@ class Models(EndToEnd):
             self.use(server)
             done = self.fetch()
             self.assertEqual(done.stdout.strip(), str(self.fetched()))
-            self.assertIn("Stability AI Non-Commercial License; not for commercial use", done.stderr)
+            self.assertIn("vggt-commercial: licence VGGT License; its acceptable use policy", done.stderr)
             self.assertNotIn("its checksum is not known", done.stderr)
-            self.assertIn("does not hold seva; 1146 missing", done.stderr)  # it is whole, but no SEVA
+            self.assertIn("does not hold vggt-commercial; 1403 missing", done.stderr)  # it is whole, but no VGGT
             self.fetch()
         self.assertEqual(self.fetched().read_bytes(), FILE)
         self.assertEqual([path.name for path in self.fetched().parent.iterdir()], ["model.safetensors"])
-        self.assertEqual([path for path, _ in server.requests], [SEVA])  # nothing is fetched twice
+        self.assertEqual([path for path, _ in server.requests], [VGGT])  # nothing is fetched twice
         text = self.run_program("models", "list", env=self.env).stdout
-        self.assertRegex(text, r"\nseva +5\.06 GB  yes ")
-        self.assertRegex(text, r"\nvggt +5\.03 GB  no ")
-        for words in ["https://huggingface.co" + SEVA, "licence Apache-2.0\n", str(self.fetched())]:
+        self.assertRegex(text, r"\nvggt-commercial +5\.03 GB  yes ")
+        self.assertRegex(text, r"\nseva +5\.06 GB  no ")
+        for words in ["https://huggingface.co" + VGGT, "licence Apache-2.0\n", str(self.fetched())]:
             self.assertIn(words, text)
-        line = self.error_of("models", "check", "seva", code=3, names=[self.fetched(), "1146 missing"], env=self.env)
+        line = self.error_of("models", "check", NAME, code=3, names=[self.fetched(), "1403 missing"], env=self.env)
         self.assertIn("1 that are no part of it: x", line)
 
     def test_the_licence_comes_first(self):
@@ -158,11 +158,11 @@ class Models(EndToEnd):
             handler.wfile.flush()
             enough.wait(60)
 
-        part = self.cache / "seva/model.safetensors.part"
+        part = self.cache / NAME / "model.safetensors.part"
         for how, code in [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)]:
             with Server(stalls) as server:
                 self.use(server)
-                arguments = command("models", "fetch", "seva", "--accept-licence")
+                arguments = command("models", "fetch", NAME, "--accept-licence")
                 process = subprocess.Popen(arguments, env=self.env, stderr=subprocess.PIPE, text=True)
                 while process.poll() is None and not (part.exists() and part.stat().st_size == 100_000):
                     enough.wait(0.01)
@@ -185,8 +185,8 @@ class Models(EndToEnd):
             begin(handler, 200, len(FILE))
             handler.wfile.write(FILE)
 
-        (self.cache / "seva").mkdir(parents=True)
-        (self.cache / "seva/model.safetensors.part").write_bytes(FILE[:5000])
+        (self.cache / NAME).mkdir(parents=True)
+        (self.cache / NAME / "model.safetensors.part").write_bytes(FILE[:5000])
         with Server(whole) as server:
             self.use(server)
             self.assertIn("its checksum is not known", self.fetch().stderr)
@@ -203,13 +203,13 @@ class Models(EndToEnd):
 
         with Server(cut) as server:
             self.use(server)
-            self.fails("seva", 4, f"after 70000 of {len(FILE)} bytes; the same command continues")
+            self.fails(NAME, 4, f"after 70000 of {len(FILE)} bytes; the same command continues")
 
     def test_wrong_checksums(self):
         with Server(lambda handler, _: send(handler, FILE, etag="0" * 64)) as server:
             self.use(server)
-            self.fails("seva", 4, f"its SHA-256 is {SHA256}, expected {'0' * 64}")
-        self.assertEqual(list((self.cache / "seva").iterdir()), [])
+            self.fails(NAME, 4, f"its SHA-256 is {SHA256}, expected {'0' * 64}")
+        self.assertEqual(list((self.cache / NAME).iterdir()), [])
         # Where we know the checksum and the length ourselves, the server has no say.
         with Server(lambda handler, _: send(handler, FILE, etag=SHA256)) as server:
             self.use(server)
@@ -221,7 +221,7 @@ class Models(EndToEnd):
     def test_another_host_gets_no_token(self):
         with Server(lambda handler, _: send(handler, FILE)) as other:
             def redirect(handler, path):
-                if path == SEVA:
+                if path == VGGT:
                     begin(handler, 307, 0, Location="/api/resolve-cache" + path)
                 else:
                     begin(handler, 302, 0, Location=other.url + "/blob?signature=abc", X_Linked_Etag=f'"{SHA256}"')
@@ -250,33 +250,25 @@ class Models(EndToEnd):
         with Server(lambda handler, _: send(handler, FILE, etag=SHA256)) as proxy:
             self.env |= {"http_proxy": proxy.url, "ORACLEGS_MODELS_URL": "http://models.invalid"}
             self.fetch()
-        self.assertEqual(proxy.requests[0][0], "http://models.invalid" + SEVA)
+        self.assertEqual(proxy.requests[0][0], "http://models.invalid" + VGGT)
 
     def test_a_folder_that_cannot_be_written(self):
         self.dir.joinpath("file").write_text("x")
         self.env |= {"ORACLEGS_MODELS": str(self.dir / "file/in"), "ORACLEGS_MODELS_URL": "http://127.0.0.1:1"}
         self.error_of("models", "fetch", "seva", "--accept-licence", code=4, names=["file/in/seva"], env=self.env)
 
-    def test_pickles_are_converted(self):
-        sys.path.insert(0, str(Path(__file__).parent))
-        from convert_weights_test import state_dict, tensor, zipped
-
-        published = zipped({"model": state_dict(**{"module.a": tensor([1, 2], (2,)), "module.b": tensor([3], (1,))})})
-        with Server(lambda handler, _: send(handler, published)) as server:
+    def test_published_files_that_cannot_be_converted(self):
+        name = "depth-anything-v2-small"
+        published = self.cache / name / "depth_anything_v2_vits.pth"
+        published.parent.mkdir(parents=True)
+        with Server(lambda handler, _: begin(handler, 404, 0)) as server:
             self.use(server)
-            stderr = self.fetch("vggt-commercial", "--keep-published").stderr
-        self.assertIn("does not hold vggt-commercial; ", stderr)
-        self.assertEqual([path for path, _ in server.requests], [COMMERCIAL])
-        data = self.fetched("vggt-commercial").read_bytes()
-        (size,) = struct.unpack("<Q", data[:8])
-        header = json.loads(data[8 : 8 + size])
-        self.assertEqual(header["a"], {"dtype": "F32", "shape": [2], "data_offsets": [0, 8]})
-        self.assertEqual(struct.unpack("<3f", data[8 + size :]), (1, 2, 3))
-        self.assertTrue((self.cache / "vggt-commercial/vggt_1B_commercial.pt").exists())
-        shutil.rmtree(self.cache)
-        with Server(lambda handler, _: send(handler, b"\x80\x02cos\nsystem\n." + b" " * 16)) as server:
-            self.use(server)
-            self.fails("vggt-commercial", 4, "cannot convert its files", "os system")
+            for content, said in [(zipped(state_dict(a=tensor([1], (1,)))), f"cannot be converted to {name}"),
+                                  (b"\x80\x02cos\nsystem\n." + b" " * 16, "os system")]:  # fmt: skip
+                published.write_bytes(content)
+                self.fails(name, 4, "cannot convert its files", published, said, "remove them from")
+                self.assertEqual(published.read_bytes(), content)
+        self.assertEqual(server.requests, [])  # what is here is not fetched again
 
     def test_check_of_a_file_that_fits(self):
         shapes = {"features.0": (64, 3, 11, 11), "features.3": (192, 64, 5, 5), "features.6": (384, 192, 3, 3),
@@ -311,7 +303,7 @@ class Models(EndToEnd):
                       names=["the weights of lpips-alex are not here; `oraclegs models fetch lpips-alex`"])  # fmt: skip
 
     def test_mistakes_on_the_command_line(self):
-        for arguments, words in [([], ["action"]), (["get"], ["models get", "list, fetch NAME and check NAME"]),
+        for arguments, words in [([], ["action"]), (["get"], ["models get", "list, fetch NAME, check NAME and convert FILE..."]),
                                  (["list", "seva"], ["takes no name"]), (["fetch"], ["needs a name"]),
                                  (["check"], ["needs a name"]), (["fetch", "vgt"], ["'vgt'", "vggt-commercial"])]:  # fmt: skip
             self.error_of("models", *arguments, code=2, names=words, env=self.env)

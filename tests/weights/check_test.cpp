@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/safetensors.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -30,7 +31,10 @@ std::string Zeros(const std::map<std::string, std::vector<int64_t>>& shapes, con
 }
 
 WeightsFaults Compare(const std::string& bytes, const std::string& list) {
-  return CompareParameters(SafetensorsFile::Parse(bytes, "f"), ParseParameterList(list));
+  std::map<std::string, TensorLayout> held;
+  const SafetensorsFile file = SafetensorsFile::Parse(bytes, "f");
+  for (const auto& [name, entry] : file.tensors()) held[name] = {entry.dtype, entry.shape};
+  return CompareParameters(held, ParseParameterList(list));
 }
 
 const std::string kList = "ignore text.\na 2x3\n?b 4\n";

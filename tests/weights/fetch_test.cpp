@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "environment.h"
+#include "lpips_files.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/weights/check.h"
 #include "oraclegs/weights/folder.h"
 #include "scripted_server.h"
+#include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
 
@@ -38,14 +41,14 @@ TEST(AtMirror, ReplacesTheHost) {
 
 TEST(FetchSettingsFromEnvironment, ReadsVariables) {
   const ScopedVariable mirror("ORACLEGS_MODELS_URL", "http://m"), token("HF_TOKEN", "hf_1");
-  EXPECT_EQ(FetchSettingsFromEnvironment("c.py").token, "hf_1");
-  EXPECT_EQ(FetchSettingsFromEnvironment("c.py").mirror, "http://m");
+  EXPECT_EQ(FetchSettingsFromEnvironment().token, "hf_1");
+  EXPECT_EQ(FetchSettingsFromEnvironment().mirror, "http://m");
   const ScopedVariable bad("HF_TOKEN", "a\r\nEvil: 1");
-  EXPECT_THAT([] { FetchSettingsFromEnvironment("c.py"); },
+  EXPECT_THAT([] { FetchSettingsFromEnvironment(); },
               ThrowsMessage<UsageError>(StrEq("HF_TOKEN holds blanks or line breaks; set it to the token alone")));
   const ScopedVariable none("HF_TOKEN", std::nullopt), wrong("ORACLEGS_MODELS_URL", "ftp://m");
   EXPECT_THAT(
-      [] { FetchSettingsFromEnvironment("c.py"); },
+      [] { FetchSettingsFromEnvironment(); },
       ThrowsMessage<UsageError>(StrEq("ORACLEGS_MODELS_URL is 'ftp://m', must begin with http:// or https://")));
 }
 
@@ -73,7 +76,7 @@ TEST_F(FetchWeightsTest, RequiresTheLicence) {
 
 TEST_F(FetchWeightsTest, KeepsWhatIsHere) {
   WriteFileAtomically(dir_ / "seva.safetensors", "x");
-  EXPECT_EQ(Fetch("seva", {"", "http://127.0.0.1:1", ""}, false), dir_ / "seva.safetensors");
+  EXPECT_EQ(Fetch("seva", {"", "http://127.0.0.1:1"}, false), dir_ / "seva.safetensors");
   // What `models check` advises must not end in a circle.
   EXPECT_THAT(events_.warnings, testing::ElementsAre(AllOf(HasSubstr("seva.safetensors: has 1 bytes"),
                                                            HasSubstr("is not replaced: remove it first"))));
@@ -82,50 +85,54 @@ TEST_F(FetchWeightsTest, KeepsWhatIsHere) {
 TEST_F(FetchWeightsTest, KeepsASafetensorsFile) {
   const std::string bytes = SerializeSafetensors({}, {{"a", "b"}});
   ScriptedServer server({File(bytes)});
-  EXPECT_EQ(Fetch("seva", {"hf_1", server.Url(""), ""}), dir_ / "seva/model.safetensors");
-  EXPECT_EQ(ReadFile(RequireWeights("seva")), bytes);
-  EXPECT_THAT(events_.notes, Contains(LicenceText(WeightsNamed("seva"))));
+  EXPECT_EQ(Fetch("vggt-commercial", {"hf_1", server.Url("")}), dir_ / "vggt-commercial/model.safetensors");
+  EXPECT_EQ(ReadFile(RequireWeights("vggt-commercial")), bytes);
+  EXPECT_THAT(events_.notes, Contains(LicenceText(WeightsNamed("vggt-commercial"))));
   // The file is what the server has, but not what the program can use.
   EXPECT_THAT(events_.warnings,
-              Contains(AllOf(HasSubstr("does not hold seva; 1146 missing: "), HasSubstr("and 1126 more"))));
+              Contains(AllOf(HasSubstr("does not hold vggt-commercial; 1403 missing: "), HasSubstr("and 1383 more"))));
   EXPECT_THAT(server.Requests()[0],
-              AllOf(HasSubstr("GET /stabilityai/stable-virtual-camera/resolve/main/modelv1.1.safetensors "),
-                    HasSubstr("Bearer hf_1")));
+              AllOf(HasSubstr("GET /facebook/VGGT-1B-Commercial/resolve/"), HasSubstr("Bearer hf_1")));
 }
 
 TEST_F(FetchWeightsTest, SendsTheTokenToHuggingFaceOnly) {
   ScriptedServer server({Answer("404 Not Found", {"Content-Length: 0"})});
-  EXPECT_THROW(Fetch("lpips-vgg", {"hf_1", server.Url(""), ""}), InputError);
+  EXPECT_THROW(Fetch("lpips-vgg", {"hf_1", server.Url("")}), InputError);
   EXPECT_THAT(server.Requests()[0], AllOf(HasSubstr("GET /models/vgg16-397923af.pth "), Not(HasSubstr("hf_1"))));
 }
 
-TEST_F(FetchWeightsTest, KeepsTheFilesWithoutTheConverter) {
+TEST_F(FetchWeightsTest, KeepsPublishedFilesThatCannotBeConverted) {
+  WeightsInfo model = WeightsNamed("lpips-alex");
+  model.files = {{"https://host/features.pth"}};  // no checksum
   ScriptedServer server({File("pickle")});
-  EXPECT_THAT(
-      [&] {
-        Fetch("vggt-commercial", {"", server.Url(""), dir_ / "none.py"});
-      },
-      ThrowsMessage<RunError>(AllOf(HasSubstr("none.py is not, which converts them; then run: python3 "
-                                              "scripts/convert_weights.py --model vggt-commercial --out "),
-                                    HasSubstr("vggt_1B_commercial.pt"))));
-  EXPECT_TRUE(std::filesystem::exists(dir_ / "vggt-commercial/vggt_1B_commercial.pt"));
-  // Next time the file is not asked for again. A converter that fails says why in its last line.
-  WriteFileAtomically(dir_ / "fails.py", "print('one')\nraise SystemExit('no state dict')\n");
-  EXPECT_THAT(
-      [&] {
-        Fetch("vggt-commercial", {"", "http://127.0.0.1:1", dir_ / "fails.py"});
-      },
-      ThrowsMessage<RunError>(
-          StrEq("vggt-commercial: cannot convert its files: no state dict (exit code 1); remove them from " +
-                (dir_ / "vggt-commercial").string() + " to get them again")));
+  const std::string file = (dir_ / "lpips-alex/features.pth").string();
+  const std::string expected = "lpips-alex: cannot convert its files: " + file +
+                               ": is neither a checkpoint of PyTorch nor a safetensors file; name the published file; "
+                               "remove them from " +
+                               (dir_ / "lpips-alex").string() + " to get them again";
+  FetchOptions options;
+  options.accept_licence = true;
+  // The second time the file is not asked for again.
+  for (const std::string& url : {server.Url(""), std::string("http://127.0.0.1:1")}) {
+    EXPECT_EQ(MessageOf<RunError>([&] { FetchWeights(model, options, {"", url}, events_.AsListener()); }), expected);
+    EXPECT_EQ(ReadFile(file), "pickle");
+  }
 }
 
 TEST_F(FetchWeightsTest, ReplacesPublishedFilesByConvertedOnes) {
-  ScriptedServer server({File("pickle")});
-  WriteFileAtomically(dir_ / "works.py", "import sys\nopen(sys.argv[4], 'wb').write(b'\\2' + b'\\0' * 7 + b'{}')\n");
-  Fetch("vggt-commercial", {"", server.Url(""), dir_ / "works.py"});
-  EXPECT_EQ(ReadFile(RequireWeights("vggt-commercial")).size(), 10u);
-  EXPECT_FALSE(std::filesystem::exists(dir_ / "vggt-commercial/vggt_1B_commercial.pt"));
+  for (const bool keep : {false, true}) {
+    WeightsInfo model = WeightsNamed("lpips-alex");
+    model.files = {{"https://host/features.pth"}, {"https://host/taps.pth"}};  // no checksums
+    ScriptedServer server({File(LpipsFeatures()), File(LpipsTaps())});
+    FetchOptions options;
+    options.accept_licence = true;
+    options.keep_published = keep;
+    const auto weights = FetchWeights(model, options, {"", server.Url("")}, events_.AsListener());
+    EXPECT_EQ(CheckWeights(model, weights), 15u);
+    EXPECT_EQ(std::filesystem::exists(dir_ / "lpips-alex/features.pth"), keep);
+    EXPECT_EQ(std::filesystem::exists(dir_ / "lpips-alex/taps.pth"), keep);
+    std::filesystem::remove_all(dir_ / "lpips-alex");
+  }
 }
 
 }  // namespace

@@ -32,6 +32,13 @@ TEST(AllWeights, AreComplete) {
     }
     EXPECT_GT(model.download_bytes, 0u);
     EXPECT_LE(bytes, model.download_bytes);
+    // What is on the hub is asked for at a revision, which never changes.
+    for (const PublishedFile& file : model.files) {
+      if (!file.url.starts_with(kHuggingFace)) continue;
+      const size_t at = file.url.find("/resolve/");
+      ASSERT_NE(at, std::string::npos);
+      EXPECT_EQ(file.url.find_first_not_of("0123456789abcdef", at + 9), at + 9 + 40) << file.url;
+    }
     // A file that is used as it is published must be one safetensors file.
     if (!model.convert) {
       EXPECT_EQ(model.files.size(), 1u);

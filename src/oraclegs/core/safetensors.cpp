@@ -1,13 +1,7 @@
 #include "oraclegs/core/safetensors.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -19,6 +13,8 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/mapped_file.h"
+#include "oraclegs/core/safetensors_layout.h"
 #include "oraclegs/core/shard_index.h"
 #include "oraclegs/core/unique_json.h"
 
@@ -30,25 +26,6 @@ using nlohmann::json;
 constexpr uint64_t kLengthBytes = 8;
 constexpr uint64_t kMaxHeaderBytes = 100'000'000;  // the limit of the format's own library
 constexpr const char* kMetadataKey = "__metadata__";
-
-/// Bytes of one element; nothing for a type the format does not have.
-std::optional<uint64_t> ElementBytes(const std::string& dtype) {
-  static const std::map<std::string, uint64_t> kBytes = {
-      {"BOOL", 1}, {"U8", 1},  {"I8", 1},  {"F8_E4M3", 1}, {"F8_E5M2", 1}, {"U16", 2}, {"I16", 2}, {"F16", 2},
-      {"BF16", 2}, {"U32", 4}, {"I32", 4}, {"F32", 4},     {"U64", 8},     {"I64", 8}, {"F64", 8}};
-  const auto it = kBytes.find(dtype);
-  if (it == kBytes.end()) return std::nullopt;
-  return it->second;
-}
-
-/// Product of the sizes and of one element's bytes; nothing when it does not fit or a size is negative.
-std::optional<uint64_t> TensorBytes(const std::vector<int64_t>& shape, uint64_t element_bytes) {
-  int64_t bytes = static_cast<int64_t>(element_bytes);
-  for (const int64_t size : shape) {
-    if (size < 0 || __builtin_mul_overflow(bytes, size, &bytes)) return std::nullopt;
-  }
-  return static_cast<uint64_t>(bytes);
-}
 
 std::optional<uint64_t> AsUnsigned(const json& value) {
   if (!value.is_number_unsigned()) return std::nullopt;
@@ -149,28 +126,6 @@ struct Float16 {
   }
 };
 
-struct Closer {
-  int fd;
-  ~Closer() { close(fd); }
-};
-
-std::shared_ptr<const void> MapFile(const std::filesystem::path& path, std::string_view* bytes) {
-  const std::string name = path.string();
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (fd < 0) throw InputError("{}: cannot open: {}", name, std::strerror(errno));
-  const Closer closer{fd};
-  struct stat info {};
-  if (fstat(fd, &info) != 0) throw InputError("{}: cannot read: {}", name, std::strerror(errno));
-  if (!S_ISREG(info.st_mode)) throw InputError("{}: is not a regular file", name);
-  const size_t size = static_cast<size_t>(info.st_size);
-  if (size == 0) throw InputError("{}: is empty; get the file again", name);
-  void* address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-  if (address == MAP_FAILED) throw InputError("{}: cannot map into memory: {}", name, std::strerror(errno));
-  *bytes = std::string_view(static_cast<const char*>(address), size);
-  // munmap takes what mmap gave, the owner shows it read-only.
-  return std::shared_ptr<const void>(address, [size](const void* a) { munmap(const_cast<void*>(a), size); });
-}
-
 }  // namespace
 
 int64_t TensorEntry::numel() const {
@@ -183,9 +138,9 @@ SafetensorsFile SafetensorsFile::Open(const std::filesystem::path& path) {
   if (IsShardIndex(path)) return OpenShards(path);
   SafetensorsFile file;
   file.name_ = path.string();
-  std::string_view bytes;
-  file.storage_ = MapFile(path, &bytes);
-  file.ParseHeader(bytes);
+  const MappedFile mapped = MapFile(path);
+  file.storage_ = mapped.owner;
+  file.ParseHeader(mapped.bytes);
   return file;
 }
 
@@ -297,38 +252,20 @@ template std::vector<uint8_t> SafetensorsFile::Values<uint8_t>(const std::string
 
 std::string SerializeSafetensors(const std::map<std::string, TensorEntry>& tensors,
                                  const std::map<std::string, std::string>& metadata) {
-  std::vector<std::pair<uint64_t, const std::string*>> order;  // wide elements first: all aligned, and no gaps
-  for (const auto& [name, entry] : tensors) {
-    const auto element_bytes = ElementBytes(entry.dtype);
-    if (name == kMetadataKey || !element_bytes) {
-      throw std::logic_error(fmt::format("safetensors: cannot store '{}' of dtype '{}'", name, entry.dtype));
-    }
-    const auto bytes = TensorBytes(entry.shape, *element_bytes);
-    if (!bytes || *bytes != entry.bytes.size()) {
+  std::map<std::string, TensorLayout> layouts;
+  for (const auto& [name, entry] : tensors) layouts[name] = {entry.dtype, entry.shape};
+  const SafetensorsLayout layout = LayOutSafetensors(layouts, metadata);
+  std::string out;
+  out.reserve(layout.beginning.size() + layout.data_bytes);
+  out += layout.beginning;
+  for (const std::string& name : layout.order) {
+    const TensorEntry& entry = tensors.at(name);
+    if (TensorBytes(entry.shape, *ElementBytes(entry.dtype)) != entry.bytes.size()) {
       throw std::logic_error(fmt::format("safetensors: '{}' has {} bytes, its shape is [{}] of {}", name,
                                          entry.bytes.size(), fmt::join(entry.shape, ", "), entry.dtype));
     }
-    order.emplace_back(*element_bytes, &name);
+    out += entry.bytes;
   }
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-
-  nlohmann::ordered_json header = nlohmann::ordered_json::object();
-  if (!metadata.empty()) header[kMetadataKey] = metadata;
-  uint64_t offset = 0;
-  for (const auto& [width, name] : order) {
-    const TensorEntry& entry = tensors.at(*name);
-    const uint64_t end = offset + entry.bytes.size();
-    header[*name] = {{"dtype", entry.dtype}, {"shape", entry.shape}, {"data_offsets", {offset, end}}};
-    offset = end;
-  }
-  std::string text = header.dump();
-  text.resize((text.size() + 7) / 8 * 8, ' ');
-
-  std::string out;
-  out.reserve(kLengthBytes + text.size() + offset);
-  for (uint64_t i = 0; i < kLengthBytes; ++i) out.push_back(static_cast<char>(text.size() >> (8 * i)));
-  out += text;
-  for (const auto& [width, name] : order) out += tensors.at(*name).bytes;
   return out;
 }
 

@@ -11,9 +11,12 @@ namespace oraclegs {
 
 /// True for names that end in ".safetensors.index.json".
 bool IsShardIndex(const std::filesystem::path& path);
+/// True for names that end in ".bin.index.json": the parts are files of PyTorch.
+bool IsTorchShardIndex(const std::filesystem::path& path);
 
 /// The parts by file name, and the tensors of each. Throws InputError when the index cannot be read, is malformed or
-/// empty, or names a part that is no *.safetensors file beside it: an index must not reach into other folders.
+/// empty, or names a part that is no *.safetensors (or *.bin) file beside it: an index must not reach into other
+/// folders.
 std::map<std::string, std::set<std::string>> ReadShardIndex(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/safetensors.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {
@@ -25,9 +26,8 @@ std::string Listed(const char* what, const std::vector<std::string>& names) {
 
 }  // namespace
 
-WeightsFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected) {
+WeightsFaults CompareParameters(const std::map<std::string, TensorLayout>& held, const ParameterList& expected) {
   static const std::set<std::string> kTypes = {"F32", "F16", "BF16", "F64"};
-  const auto& held = file.tensors();
   const bool wrapped = !held.empty() && std::all_of(held.begin(), held.end(),
                                                     [](const auto& item) { return item.first.starts_with(kWrapper); });
   WeightsFaults faults;
@@ -53,16 +53,21 @@ WeightsFaults CompareParameters(const SafetensorsFile& file, const ParameterList
   return faults;
 }
 
+std::string FaultsText(const WeightsFaults& faults) {
+  return Listed("missing", faults.missing) + Listed("that are no part of it", faults.extra) +
+         Listed("of another shape", faults.wrong_shape) + Listed("of a type that cannot be read", faults.wrong_type);
+}
+
 size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights) {
   const SafetensorsFile file = SafetensorsFile::Open(weights);
-  const WeightsFaults faults = CompareParameters(file, ParametersOf(model.parameters));
+  std::map<std::string, TensorLayout> held;
+  for (const auto& [name, entry] : file.tensors()) held[name] = {entry.dtype, entry.shape};
+  const WeightsFaults faults = CompareParameters(held, ParametersOf(model.parameters));
   if (!faults.none()) {
-    throw InputError("{}: does not hold {}{}{}{}{}; `oraclegs models fetch {}` gets its official weights",
-                     weights.string(), model.name, Listed("missing", faults.missing),
-                     Listed("that are no part of it", faults.extra), Listed("of another shape", faults.wrong_shape),
-                     Listed("of a type that cannot be read", faults.wrong_type), model.name);
+    throw InputError("{}: does not hold {}{}; `oraclegs models fetch {}` gets its official weights", weights.string(),
+                     model.name, FaultsText(faults), model.name);
   }
-  return file.tensors().size();
+  return held.size();
 }
 
 }  // namespace oraclegs

@@ -2,10 +2,11 @@
 // Whether a file holds the weights it should. Names, shapes and types only: no number is read.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
-#include "oraclegs/core/safetensors.h"
+#include "oraclegs/core/safetensors_layout.h"
 #include "oraclegs/weights/parameter_list.h"
 #include "oraclegs/weights/registry.h"
 
@@ -21,7 +22,10 @@ struct WeightsFaults {
 };
 
 /// All names may begin with "module.", as some published files have it. Types: F32, F16, BF16, F64.
-WeightsFaults CompareParameters(const SafetensorsFile& file, const ParameterList& expected);
+WeightsFaults CompareParameters(const std::map<std::string, TensorLayout>& held, const ParameterList& expected);
+
+/// "; 23 missing: a, b, ... and 3 more; 1 of another shape: ...": of each kind the first twenty. Empty without faults.
+std::string FaultsText(const WeightsFaults& faults);
 
 /// Checks the file against the list of its network; returns how many tensors it holds. Throws InputError that names the
 /// file and lists the faults, of each kind the first twenty, or what SafetensorsFile::Open says.

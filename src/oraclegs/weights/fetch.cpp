@@ -1,12 +1,11 @@
 #include "oraclegs/weights/fetch.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/subprocess.h"
 #include "oraclegs/weights/check.h"
+#include "oraclegs/weights/convert.h"
 #include "oraclegs/weights/download.h"
 #include "oraclegs/weights/folder.h"
 
@@ -19,29 +18,15 @@ std::string Variable(const char* name) {
   return value ? value : "";
 }
 
-/// The last line of what a program wrote.
-std::string LastLine(std::string text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
-  return text.substr(text.rfind('\n') + 1);
-}
-
 void Convert(const WeightsInfo& model, const std::vector<fs::path>& published, const fs::path& to,
-             const fs::path& converter) {
-  std::vector<std::string> argv = {"python3", converter.string(), "--model", model.name, "--out", to.string()};
-  std::string command = "python3 scripts/convert_weights.py --model " + model.name + " --out " + to.string();
-  for (const fs::path& file : published) {
-    argv.push_back(file.string());
-    command += ' ';
-    command += file.string();
-  }
-  if (FindProgram("python3").empty() || !fs::exists(converter)) {
-    throw RunError("{}: the files are here, but python3 or {} is not, which converts them; then run: {}", model.name,
-                   converter.string(), command);
-  }
-  const ProcessResult result = RunProcess(argv);
-  if (result.exit_code != 0) {
-    throw RunError("{}: cannot convert its files: {} (exit code {}); remove them from {} to get them again", model.name,
-                   LastLine(result.output), result.exit_code, to.parent_path().string());
+             const Listener& listener) {
+  ConvertRequest request{published, to};
+  request.model = &model;
+  try {
+    ConvertWeights(request, listener);
+  } catch (const InputError& error) {
+    throw RunError("{}: cannot convert its files: {}; remove them from {} to get them again", model.name, error.what(),
+                   to.parent_path().string());
   }
 }
 
@@ -56,8 +41,8 @@ void WarnIfUnexpected(const WeightsInfo& model, const fs::path& weights, const c
 
 }  // namespace
 
-FetchSettings FetchSettingsFromEnvironment(const fs::path& converter) {
-  FetchSettings settings{Variable("HF_TOKEN"), Variable("ORACLEGS_MODELS_URL"), converter};
+FetchSettings FetchSettingsFromEnvironment() {
+  FetchSettings settings{Variable("HF_TOKEN"), Variable("ORACLEGS_MODELS_URL")};
   const bool printable =
       std::all_of(settings.token.begin(), settings.token.end(), [](unsigned char c) { return c > 0x20 && c < 0x7f; });
   if (!printable) throw UsageError("HF_TOKEN holds blanks or line breaks; set it to the token alone");
@@ -106,12 +91,13 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
   }
   if (model.convert) {
     listener(Note{fmt::format("{}: converting to {}", model.name, weights.string())});
-    Convert(model, published, weights, settings.converter);
+    Convert(model, published, weights, listener);
     for (const fs::path& file : published) {
       if (!options.keep_published) fs::remove(file);
     }
+  } else {
+    WarnIfUnexpected(model, weights, "", listener);
   }
-  WarnIfUnexpected(model, weights, "", listener);
   return weights;
 }
 

@@ -22,12 +22,11 @@ struct FetchOptions {
 
 /// What the machine adds.
 struct FetchSettings {
-  std::string token = {};                ///< HF_TOKEN: sent to huggingface.co (or the mirror) alone
-  std::string mirror = {};               ///< ORACLEGS_MODELS_URL: takes the place of scheme and host of every address
-  std::filesystem::path converter = {};  ///< scripts/convert_weights.py
+  std::string token = {};   ///< HF_TOKEN: sent to huggingface.co (or the mirror) alone
+  std::string mirror = {};  ///< ORACLEGS_MODELS_URL: takes the place of scheme and host of every address
 };
 /// From the environment. Throws UsageError when a variable cannot be what it should.
-FetchSettings FetchSettingsFromEnvironment(const std::filesystem::path& converter);
+FetchSettings FetchSettingsFromEnvironment();
 
 /// One line about the licence for people.
 std::string LicenceText(const WeightsInfo& model);
@@ -35,10 +34,10 @@ std::string LicenceText(const WeightsInfo& model);
 /// The address at the mirror; the address itself without one.
 std::string AtMirror(const std::string& url, const std::string& mirror);
 
-/// Downloads the published files into WeightsFolder()/NAME, converts them where that is needed, and checks names and
-/// shapes, with a Warning if they are not as expected. Returns the weights; those that are there already are
-/// checked and never replaced. Throws UsageError without agreement to the licence, what Download throws, RunError when
-/// the conversion fails.
+/// Downloads the published files into WeightsFolder()/NAME and converts them where that is needed (convert.h). Names
+/// and shapes of files that need no conversion are checked, with a Warning if they are not as expected. Returns the
+/// weights; those that are there already are checked and never replaced. Throws UsageError without agreement to the
+/// licence, what Download throws, RunError when the conversion fails; the published files then stay.
 std::filesystem::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, const FetchSettings& settings,
                                    const Listener& listener);
 

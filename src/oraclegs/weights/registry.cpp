@@ -10,9 +10,12 @@ const std::string kLpips =
     "https://raw.githubusercontent.com/richzhang/PerceptualSimilarity/082bb24f84c091ea94de2867d34c4544f68e0963/lpips/"
     "weights/v0.1/";
 
-PublishedFile OnHub(const std::string& repository, const std::string& path, const std::string& sha256 = {},
-                    uint64_t bytes = 0) {
-  return {std::string(kHuggingFace) + repository + "/resolve/main/" + path, sha256, bytes};
+std::string PageOnHub(const std::string& repository) { return fmt::format("{}{}", kHuggingFace, repository); }
+
+/// A file as it was at one revision, which never changes: "OWNER/NAME", "REVISION", "PATH".
+PublishedFile OnHub(const std::string& repository, const std::string& revision, const std::string& path,
+                    const std::string& sha256 = {}, uint64_t bytes = 0) {
+  return {fmt::format("{}/resolve/{}/{}", PageOnHub(repository), revision, path), sha256, bytes};
 }
 
 WeightsInfo DepthAnythingV2Model(const std::string& size, const std::string& purpose, const std::string& licence,
@@ -31,13 +34,16 @@ WeightsInfo DepthAnythingV2Model(const std::string& size, const std::string& pur
 std::vector<WeightsInfo> DepthModels() {
   return {
       DepthAnythingV2Model("small", "depth prior (the default)", "Apache-2.0",
-                           OnHub("depth-anything/Depth-Anything-V2-Small", "depth_anything_v2_vits.pth",
+                           OnHub("depth-anything/Depth-Anything-V2-Small", "03876f8651c73a60fe4c2c48294e09fcb6838fcf",
+                                 "depth_anything_v2_vits.pth",
                                  "715fade13be8f229f8a70cc02066f656f2423a59effd0579197bbf57860e1378", 99'218'434)),
       DepthAnythingV2Model("base", "depth prior", "CC-BY-NC-4.0",
-                           OnHub("depth-anything/Depth-Anything-V2-Base", "depth_anything_v2_vitb.pth",
+                           OnHub("depth-anything/Depth-Anything-V2-Base", "a4e71a6c2ce52fe50df0f212066b0d4a87be9b5e",
+                                 "depth_anything_v2_vitb.pth",
                                  "0d2b7002e62d39d655571c371333340bd88f67ab95050c03591555aa05645328", 389'961'218)),
       DepthAnythingV2Model("large", "depth prior", "CC-BY-NC-4.0",
-                           OnHub("depth-anything/Depth-Anything-V2-Large", "depth_anything_v2_vitl.pth",
+                           OnHub("depth-anything/Depth-Anything-V2-Large", "cbbb86a30ce19b5684b7a05155dc7e6cbc7685b9",
+                                 "depth_anything_v2_vitl.pth",
                                  "a7ea19fa0ed99244e67b624c72b8580b7e9553043245905be58796a608eb9345", 1'341'395'338))};
 }
 
@@ -46,22 +52,23 @@ std::vector<WeightsInfo> VggtModels() {
   research.name = research.parameters = "vggt";
   research.purpose = "3D-aware oracle, poses (VGGT-1B)";
   research.licence = "CC-BY-NC-4.0";
-  research.licence_page = std::string(kHuggingFace) + "facebook/VGGT-1B";
+  research.licence_page = PageOnHub("facebook/VGGT-1B");
   research.non_commercial = true;
-  research.files = {OnHub("facebook/VGGT-1B", "model.safetensors")};
+  research.files = {OnHub("facebook/VGGT-1B", "860abec7937da0a4c03c41d3c269c366e82abdf9", "model.safetensors",
+                          "f164acf60724910d8fe1578bb499d800850c7bb0948db7555c413f9fbe60467e", 5'026'367'224)};
   research.convert = false;
-  research.download_bytes = 5'026'000'000;
+  research.download_bytes = 5'026'367'224;
 
   WeightsInfo commercial = research;
   commercial.name = "vggt-commercial";
   commercial.purpose = "the same, trained for commercial use (VGGT-1B-Commercial)";
   commercial.licence = "VGGT License";
-  commercial.licence_page = std::string(kHuggingFace) + "facebook/VGGT-1B-Commercial";
+  commercial.licence_page = PageOnHub("facebook/VGGT-1B-Commercial");
   commercial.non_commercial = false;
   commercial.restriction = "its acceptable use policy rules out military use, among others";
   commercial.gated = true;
-  commercial.files = {OnHub("facebook/VGGT-1B-Commercial", "vggt_1B_commercial.pt")};
-  commercial.convert = true;
+  commercial.files = {
+      OnHub("facebook/VGGT-1B-Commercial", "ebb29a532abe92960eeb6903a5530f16990ef4ab", "model.safetensors")};
   return {research, commercial};
 }
 
@@ -92,11 +99,12 @@ std::vector<WeightsInfo> GeneratorModels() {
   seva.name = seva.parameters = "seva";
   seva.purpose = "generator of proposals (Stable Virtual Camera 1.1)";
   seva.licence = "Stability AI Non-Commercial License";
-  seva.licence_page = std::string(kHuggingFace) + "stabilityai/stable-virtual-camera";
+  seva.licence_page = PageOnHub("stabilityai/stable-virtual-camera");
   seva.non_commercial = true;
   seva.restriction = "it covers the images that the network makes, too";
   seva.gated = true;
-  seva.files = {OnHub("stabilityai/stable-virtual-camera", "modelv1.1.safetensors")};
+  seva.files = {OnHub("stabilityai/stable-virtual-camera", "e538e251c1009e9a41cf8b7fee5f21332a1960de",
+                      "modelv1.1.safetensors", "b45d13cb89fe652d607c31989e5f71c2f1217a4f0939301fb60f3b941d6636da")};
   seva.convert = false;
   seva.download_bytes = 5'056'000'000;
 
@@ -105,8 +113,9 @@ std::vector<WeightsInfo> GeneratorModels() {
   vae.name = vae.parameters = "sd21-vae";
   vae.purpose = "images to latents and back, for seva";
   vae.licence = "MIT";
-  vae.licence_page = std::string(kHuggingFace) + "stabilityai/sd-vae-ft-mse";
-  vae.files = {OnHub("stabilityai/sd-vae-ft-mse", "diffusion_pytorch_model.safetensors",
+  vae.licence_page = PageOnHub("stabilityai/sd-vae-ft-mse");
+  vae.files = {OnHub("stabilityai/sd-vae-ft-mse", "31f26fdeee1355a5c34592e401dd41e45d25a493",
+                     "diffusion_pytorch_model.safetensors",
                      "a1d993488569e928462932c8c38a0760b874d166399b14414135bd9c42df5815", 334'643'276)};
   vae.download_bytes = 334'643'276;
 
@@ -114,10 +123,11 @@ std::vector<WeightsInfo> GeneratorModels() {
   clip.name = clip.parameters = "openclip-vith14";
   clip.purpose = "embedding of an image, for seva (OpenCLIP ViT-H/14)";
   clip.licence = "MIT";
-  clip.licence_page = std::string(kHuggingFace) + "laion/CLIP-ViT-H-14-laion2B-s32B-b79K";
-  clip.files = {OnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K", "open_clip_pytorch_model.bin",
-                      "9a78ef8e8c73fd0df621682e7a8e8eb36c6916cb3c16b291a082ecd52ab79cc4")};
-  clip.download_bytes = 3'940'000'000;
+  clip.licence_page = PageOnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K");
+  clip.files = {OnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K", "1c2b8495b28150b8a4922ee1c8edee224c284c0c",
+                      "open_clip_pytorch_model.bin", "9a78ef8e8c73fd0df621682e7a8e8eb36c6916cb3c16b291a082ecd52ab79cc4",
+                      3'944'692'325)};
+  clip.download_bytes = 3'944'692'325;
   return {seva, vae, clip};
 }
 

@@ -27,7 +27,7 @@ struct WeightsInfo {
   std::string restriction = {};  ///< what the licence asks beside, for people; empty = nothing unusual
   bool gated = false;            ///< the host wants an account that has agreed to the licence
   std::vector<PublishedFile> files;
-  bool convert = true;          ///< the files have to go through scripts/convert_weights.py
+  bool convert = true;          ///< the files have to go through ConvertWeights (convert.h)
   uint64_t download_bytes = 0;  ///< of all files, about
   std::string parameters = {};  ///< name of the list of its tensors (parameter_list.h)
 };

@@ -1,0 +1,34 @@
+#pragma once
+// A file that is written in pieces and appears under its name when it is whole.
+
+#include <filesystem>
+#include <string_view>
+
+namespace oraclegs {
+
+/// A uniquely named file of the folder of `path`, which is gone at the end of the scope unless it was finished. Its
+/// name does not contain the final one, which may be as long as a name can be.
+class AtomicFile {
+ public:
+  /// The folder must be there. Throws RunError naming `path` and the reason, as all of this class.
+  explicit AtomicFile(const std::filesystem::path& path);
+  /// The same in any folder; errors name `path`.
+  AtomicFile(const std::filesystem::path& folder, const std::filesystem::path& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void Append(std::string_view bytes);
+  /// Flushes to disk and closes the file, which has its temporary name still.
+  void Flush();
+  /// Flush, and gives it its final name, in place of what had that name before.
+  void Finish();
+
+ private:
+  [[noreturn]] void Fail(const char* what, int error) const;
+
+  std::filesystem::path wanted_, temporary_;
+  int fd_ = -1;
+};
+
+}  // namespace oraclegs

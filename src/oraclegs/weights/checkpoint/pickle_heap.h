@@ -1,0 +1,70 @@
+#pragma once
+// What the pickle of a checkpoint makes, as plain data. Nothing of it is ever called. Values refer to each other by
+// index, so that no depth of nesting and no circle costs more than the pickle is long.
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "oraclegs/weights/checkpoint/pickle_value.h"
+
+namespace oraclegs {
+
+/// The row of numbers under one key of a file.
+struct PickleStorage {
+  std::string key;
+  ElementType element;
+  int64_t numel = 0;
+  std::string_view bytes;  ///< in the file: known when the pickle was read
+};
+
+/// Storages are named as a whole or in part.
+struct PickleStoragePart {
+  size_t storage = 0;
+  int64_t offset = 0, numel = 0;  ///< elements
+};
+
+/// Sizes are not negative; whether it lies within its storage is not known yet.
+struct PickleTensor {
+  static constexpr size_t kNoPart = ~size_t{0};
+  size_t part = kNoPart;  ///< of a storage
+  ElementType element;
+  int64_t offset = 0;  ///< elements, as the strides
+  std::vector<int64_t> shape, strides;
+};
+
+struct PickleObject {
+  size_t type = 0;    ///< global
+  PickleValue state;  ///< kNone where it has none
+};
+
+class PickleHeap {
+ public:
+  std::string file;  ///< for errors
+  std::deque<std::vector<PickleValue>> items;
+  std::deque<PickleGlobal> globals;
+  std::deque<PickleObject> objects;
+  std::deque<PickleStorage> storages;
+  std::deque<PickleStoragePart> parts;
+  std::deque<PickleTensor> tensors;
+  std::map<std::string, size_t, std::less<>> global_of_name, storage_of_key, part_of_view;
+
+  /// Throws InputError when all of them together are more than any checkpoint has.
+  PickleValue Add(PickleKind kind, std::vector<PickleValue> values);
+  /// Throws InputError for a name that is longer than any of a checkpoint.
+  PickleValue AddGlobal(std::string_view module, std::string_view name);
+
+  const std::vector<PickleValue>& ItemsOf(const PickleValue& value) const { return items[value.index()]; }
+  /// The last value under a key of a dict; nullptr where it has none and where `dict` is none.
+  const PickleValue* Find(const PickleValue& dict, std::string_view key) const;
+  /// "list", "an object of pathlib PosixPath", for errors.
+  std::string Describe(const PickleValue& value) const;
+
+ private:
+  uint64_t added_ = 0;
+};
+
+}  // namespace oraclegs
