@@ -2,8 +2,37 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 namespace oraclegs {
 namespace {
+
+TEST(NaturalLess, OrdersNumbersByTheirValue) {
+  std::vector<std::string> names = {
+      "r_10", "r_2", "r_02", "a/9.jpg", "a/10.jpg", "r_2b", "r", "R_3", "r_00000000000000000000010"};
+  std::sort(names.begin(), names.end(), NaturalLess);
+  EXPECT_EQ(names, (std::vector<std::string>{"R_3", "a/9.jpg", "a/10.jpg", "r", "r_02", "r_2", "r_2b",
+                                             "r_00000000000000000000010", "r_10"}));
+}
+
+TEST(NaturalLess, IsAStrictWeakOrder) {
+  const std::vector<std::string> names = {"",  "0",  "00",  "1",  "01",   "1a", "01a",
+                                          "a", "a0", "a00", "a1", "\xff", "10", "9"};
+  for (const auto& a : names) {
+    EXPECT_FALSE(NaturalLess(a, a));
+    for (const auto& b : names) {
+      EXPECT_NE(a == b, NaturalLess(a, b) || NaturalLess(b, a)) << a << " " << b;
+      EXPECT_FALSE(NaturalLess(a, b) && NaturalLess(b, a));
+      for (const auto& c : names) {
+        if (NaturalLess(a, b) && NaturalLess(b, c)) {
+          EXPECT_TRUE(NaturalLess(a, c)) << a << " " << b << " " << c;
+        }
+      }
+    }
+  }
+}
 
 TEST(FormatSeconds, ShowsHoursOnlyWhereThereAreAny) {
   EXPECT_EQ(FormatSeconds(0.4), "0:00");
@@ -51,10 +80,11 @@ TEST(Printable, IsShortAndAscii) {
   EXPECT_EQ(Printable(std::string(500, 'x')).size(), 120u);
 }
 
-TEST(SplitAtCommas, DropsBlanksAndEmptyWords) {
-  EXPECT_EQ(SplitAtCommas("a, b c ,,d"), (std::vector<std::string>{"a", "b c", "d"}));
-  EXPECT_TRUE(SplitAtCommas(" , ").empty());
-  EXPECT_TRUE(SplitAtCommas("").empty());
+TEST(SplitTrimmed, DropsBlanksAndEmptyParts) {
+  EXPECT_EQ(SplitTrimmed("a, b c ,,d", ','), (std::vector<std::string>{"a", "b c", "d"}));
+  EXPECT_EQ(SplitTrimmed("a, b\r\n\nc", '\n'), (std::vector<std::string>{"a, b", "c"}));
+  EXPECT_TRUE(SplitTrimmed(" , ", ',').empty());
+  EXPECT_TRUE(SplitTrimmed("", ',').empty());
 }
 
 }  // namespace

@@ -86,10 +86,31 @@ TEST(SplitViews, TakesNamedTestViews) {
               AllOf(HasSubstr("no view is called '9999'"), HasSubstr("x/7103.jpg, x/7104.jpg")));
 }
 
+TEST(SplitViews, TakesNamedTrainingViews) {
+  const Scene scene = NumberedScene(10);
+  Split split = SplitViews(scene, {.train_views = "0002,:5,images/0008.jpg"});
+  EXPECT_THAT(split.train, ElementsAre(2, 5, 8));
+  EXPECT_THAT(split.test, ElementsAre(0)) << "every 8th, but those that train";
+  split = SplitViews(scene, {.train_views = ":1,:3,:5,:7", .test_views = ":0,:9"});
+  EXPECT_THAT(split.train, ElementsAre(1, 3, 5, 7));
+  EXPECT_THAT(split.test, ElementsAre(0, 9));
+  EXPECT_THAT(SplitViews(scene, {.views = 2, .train_views = ":1,:3,:5,:7"}).train, ElementsAre(1, 7));
+}
+
+TEST(SplitViews, RefusesListsThatOverlap) {
+  EXPECT_THAT(SplitError(NumberedScene(10), {.train_views = ":1,:2,:3", .test_views = ":3,:4"}),
+              AllOf(HasSubstr("--train-views and --test-views"), HasSubstr("images/0003.jpg")));
+}
+
+TEST(SplitViews, RefusesAPositionBeyondTheViews) {
+  EXPECT_THAT(SplitError(NumberedScene(10), {.train_views = ":1,:10"}),
+              AllOf(HasSubstr("--train-views asks for view :10"), HasSubstr(":0 to :9")));
+}
+
 TEST(SplitViews, NamesATestViewWithoutImage) {
   Scene scene = NumberedScene(5);
   scene.missing_images = {"images/gone.jpg"};
-  EXPECT_THAT(SplitError(scene, {.test_views = "gone"}), HasSubstr("'gone' has no image file"));
+  EXPECT_THAT(SplitError(scene, {.test_views = "gone"}), HasSubstr("'gone' in --test-views has no image file"));
 }
 
 TEST(SplitViews, TakesBlendersFiles) {

@@ -32,16 +32,45 @@ std::string SomeNames(const std::vector<std::string>& names) {
   return text;
 }
 
-std::vector<std::string> SplitAtCommas(const std::string& list) {
-  std::vector<std::string> words;
-  for (size_t begin = 0; begin <= list.size();) {
-    const size_t end = std::min(list.find(',', begin), list.size());
-    const std::string word = list.substr(begin, end - begin);
-    const size_t first = word.find_first_not_of(' ');
-    if (first != std::string::npos) words.push_back(word.substr(first, word.find_last_not_of(' ') - first + 1));
+bool NaturalLess(std::string_view a, std::string_view b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto run = [&](std::string_view text, size_t from) {
+    size_t end = from;
+    while (end < text.size() && digit(text[end])) ++end;
+    return text.substr(from, end - from);
+  };
+  const auto value = [](std::string_view digits) {
+    return digits.substr(std::min(digits.find_first_not_of('0'), digits.size()));
+  };
+  size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (digit(a[i]) && digit(b[j])) {
+      const std::string_view left = run(a, i), right = run(b, j);
+      const std::string_view x = value(left), y = value(right);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+      i += left.size(), j += right.size();
+    } else if (a[i] != b[j]) {
+      return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+    } else {
+      ++i, ++j;
+    }
+  }
+  const size_t left = a.size() - i, right = b.size() - j;
+  return left != right ? left < right : a < b;
+}
+
+std::vector<std::string> SplitTrimmed(const std::string& text, char separator) {
+  constexpr const char* kBlanks = " \t\r";
+  std::vector<std::string> parts;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(separator, begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const size_t first = part.find_first_not_of(kBlanks);
+    if (first != std::string::npos) parts.push_back(part.substr(first, part.find_last_not_of(kBlanks) - first + 1));
     begin = end + 1;
   }
-  return words;
+  return parts;
 }
 
 bool IsUtf8(const std::string& text) {

@@ -18,8 +18,12 @@ inline double Gigabytes(int64_t bytes) { return static_cast<double>(bytes) * 1e-
 /// "a, b, c, d, e and 7 more": at most five of `names`.
 std::string SomeNames(const std::vector<std::string>& names);
 
-/// The words of "a, b,c" without the blanks around them; empty ones are left out.
-std::vector<std::string> SplitAtCommas(const std::string& list);
+/// Names as people sort them: runs of digits compare by their value, all else by bytes, so that r_2 comes before r_10.
+/// Names that differ in leading zeros alone compare by bytes. A strict weak order.
+bool NaturalLess(std::string_view a, std::string_view b);
+
+/// The parts of `text` between separators, without the blanks around them; empty ones are left out.
+std::vector<std::string> SplitTrimmed(const std::string& text, char separator);
 
 /// True when `text` can stand in JSON as it is.
 bool IsUtf8(const std::string& text);

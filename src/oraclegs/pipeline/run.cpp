@@ -56,6 +56,13 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   return scene;
 }
 
+/// Lists of views in files become options of the run, so that it is continued without the files.
+RunRequest WithListsRead(const RunRequest& request) {
+  RunRequest read = request;
+  read.options.split = WithListsRead(request.options.split);
+  return read;
+}
+
 /// Poses where there are none yet, and the split.
 void FindPosesAndSplit(Run* run) {
   run->photos = PhotosFingerprint(run->scene, &run->files);
@@ -74,12 +81,13 @@ PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const
     throw InputError("{}: these photos have no poses; run `oraclegs reconstruct` and name its workspace instead",
                      root.string());
   }
-  Split split = SplitViews(scene, options.split);
+  Split split = SplitViews(scene, WithListsRead(options.split));
   return {std::move(scene), std::move(split)};
 }
 
-Run StartRun(const RunRequest& request, const Listener& listener) {
-  CheckRunOptions(request.options);
+Run StartRun(const RunRequest& asked, const Listener& listener) {
+  CheckRunOptions(asked.options);
+  const RunRequest request = WithListsRead(asked);
   RequireOutsideScene(request.out, request.scene);
   Scene scene = Read(request.scene, request.options, listener);
   RequireOutsideScene(request.out, scene, request.options.input.images);
@@ -99,8 +107,9 @@ Run StartRun(const RunRequest& request, const Listener& listener) {
   return run;
 }
 
-Run OpenRun(const RunRequest& request, const Listener& listener) {
-  CheckRunOptions(request.options);
+Run OpenRun(const RunRequest& asked, const Listener& listener) {
+  CheckRunOptions(asked.options);
+  const RunRequest request = WithListsRead(asked);
   const SavedRun saved = ReadSavedRun(request.out);
   const std::string difference = DescribeDifference(saved.options, request.options);
   if (!difference.empty()) {

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/transforms.h"
@@ -109,6 +110,8 @@ Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options) {
     ReadImageSize(path, &view.intrinsics.width, &view.intrinsics.height);
     scene.views.push_back(std::move(view));
   }
+  std::sort(scene.views.begin(), scene.views.end(),
+            [](const SceneView& a, const SceneView& b) { return NaturalLess(a.name, b.name); });
   return scene;
 }
 

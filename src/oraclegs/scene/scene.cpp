@@ -35,6 +35,12 @@ std::vector<int> AllViews(const Scene& scene) {
   return all;
 }
 
+std::vector<std::string> NamesAt(const Scene& scene, const std::vector<int>& views) {
+  std::vector<std::string> names;
+  for (const int i : views) names.push_back(scene.views[static_cast<size_t>(i)].name);
+  return names;
+}
+
 bool IsFile(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error);
@@ -63,7 +69,7 @@ void RequireUtf8Names(const Scene& scene) {
 void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,
                          const Listener& listener, Scene* scene) {
   std::sort(candidates.begin(), candidates.end(),
-            [](const SceneView& a, const SceneView& b) { return a.name < b.name; });
+            [](const SceneView& a, const SceneView& b) { return NaturalLess(a.name, b.name); });
   const auto twin = std::adjacent_find(candidates.begin(), candidates.end(),
                                        [](const SceneView& a, const SceneView& b) { return a.name == b.name; });
   if (twin != candidates.end()) {

@@ -57,6 +57,9 @@ inline constexpr int kMaxImageSide = 1 << 20;  ///< pixels; more in a scene file
 /// Indices of all views, in order.
 std::vector<int> AllViews(const Scene& scene);
 
+/// Names of the views with these indices, in their order.
+std::vector<std::string> NamesAt(const Scene& scene, const std::vector<int>& views);
+
 /// True for a regular file; false, not an exception, for a path that cannot be looked at.
 bool IsFile(const std::filesystem::path& path);
 
@@ -68,7 +71,7 @@ std::string ViewName(const std::string& written_path);
 /// scores and settings are JSON, which holds nothing else.
 void RequireUtf8Names(const Scene& scene);
 
-/// Moves `candidates` to scene->views, sorted by name in byte order; those whose image_path is empty go to
+/// Moves `candidates` to scene->views, sorted by name (NaturalLess); those whose image_path is empty go to
 /// scene->missing_images, with one warning to `listener`. `source` names the file that lists the views, `searched`
 /// says where images were looked for. Throws InputError when two views have one name, or no view has an image.
 void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,

@@ -1,62 +1,14 @@
 #include "oraclegs/scene/split.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/scene/scene.h"
+#include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
-
-/// The ways to call a view, most exact first.
-std::vector<std::string> NamesOf(const std::string& name) {
-  const std::filesystem::path path(name);
-  std::filesystem::path without_extension = path;
-  without_extension.replace_extension();
-  return {name, path.filename().string(), without_extension.string(), path.stem().string()};
-}
-
-std::vector<std::string> NamesAt(const Scene& scene, const std::vector<int>& views) {
-  std::vector<std::string> names;
-  for (const int i : views) names.push_back(scene.views[static_cast<size_t>(i)].name);
-  return names;
-}
-
-/// The one view that `wanted` calls; the most exact way to call it that fits anything decides.
-int FindView(const Scene& scene, const std::string& wanted) {
-  const size_t ways = NamesOf("").size();
-  for (size_t way = 0; way < ways; ++way) {
-    std::vector<int> found;
-    for (const int i : AllViews(scene)) {
-      if (NamesOf(scene.views[static_cast<size_t>(i)].name)[way] == wanted) found.push_back(i);
-    }
-    if (found.size() == 1) return found.front();
-    if (found.size() > 1) {
-      throw InputError("{}: the test view '{}' could be any of {}; give its full name", scene.root.string(), wanted,
-                       SomeNames(NamesAt(scene, found)));
-    }
-  }
-  const auto missing = std::find_if(scene.missing_images.begin(), scene.missing_images.end(), [&](const auto& name) {
-    const auto names = NamesOf(name);
-    return std::find(names.begin(), names.end(), wanted) != names.end();
-  });
-  if (missing != scene.missing_images.end()) {
-    throw InputError("{}: the test view '{}' has no image file", scene.root.string(), wanted);
-  }
-  throw InputError("{}: no view is called '{}'; there are {}", scene.root.string(), wanted,
-                   SomeNames(NamesAt(scene, AllViews(scene))));
-}
-
-std::vector<int> NamedViews(const Scene& scene, const std::string& list) {
-  std::vector<int> named;
-  for (const std::string& word : SplitAtCommas(list)) named.push_back(FindView(scene, word));
-  std::sort(named.begin(), named.end());
-  named.erase(std::unique(named.begin(), named.end()), named.end());
-  return named;
-}
 
 std::vector<int> EveryNth(const Scene& scene, int n) {
   std::vector<int> views;
@@ -83,21 +35,46 @@ std::vector<int> PickEvenly(const std::vector<int>& candidates, int count) {
   return picked;
 }
 
+std::vector<int> Without(const std::vector<int>& views, const std::vector<int>& others) {
+  std::vector<int> left;
+  std::set_difference(views.begin(), views.end(), others.begin(), others.end(), std::back_inserter(left));
+  return left;
+}
+
+std::vector<int> TestViewsOf(const Scene& scene, const SplitOptions& options) {
+  if (!options.test_views.empty()) return NamedViews(scene, "--test-views", options.test_views);
+  if (scene.format == SceneFormat::kBlender) return ViewsOfRole(scene, DeclaredRole::kTest);
+  return EveryNth(scene, options.test_every);
+}
+
+void RequireApart(const Scene& scene, const std::vector<int>& train, const std::vector<int>& test) {
+  std::vector<int> both;
+  std::set_intersection(train.begin(), train.end(), test.begin(), test.end(), std::back_inserter(both));
+  if (both.empty()) return;
+  throw InputError("{}: both --train-views and --test-views name {}; a view that trains cannot test",
+                   scene.root.string(), SomeNames(NamesAt(scene, both)));
+}
+
 }  // namespace
 
+SplitOptions WithListsRead(const SplitOptions& options) {
+  SplitOptions read = options;
+  read.train_views = ExpandViewList(options.train_views, "train");
+  read.test_views = ExpandViewList(options.test_views, "test");
+  return read;
+}
+
 Split SplitViews(const Scene& scene, const SplitOptions& options) {
-  const bool blender = scene.format == SceneFormat::kBlender;
   Split split;
-  if (!options.test_views.empty()) {
-    split.test = NamedViews(scene, options.test_views);
-  } else if (blender) {
-    split.test = ViewsOfRole(scene, DeclaredRole::kTest);
+  split.test = TestViewsOf(scene, options);
+  if (options.train_views.empty()) {
+    const bool blender = scene.format == SceneFormat::kBlender;
+    split.train = Without(blender ? ViewsOfRole(scene, DeclaredRole::kTrain) : AllViews(scene), split.test);
   } else {
-    split.test = EveryNth(scene, options.test_every);
+    split.train = NamedViews(scene, "--train-views", options.train_views);
+    if (!options.test_views.empty()) RequireApart(scene, split.train, split.test);
+    split.test = Without(split.test, split.train);
   }
-  const std::vector<int> candidates = blender ? ViewsOfRole(scene, DeclaredRole::kTrain) : AllViews(scene);
-  std::set_difference(candidates.begin(), candidates.end(), split.test.begin(), split.test.end(),
-                      std::back_inserter(split.train));
   const size_t available = split.train.size();
   if (options.views > 0 && static_cast<size_t>(options.views) > available) {
     throw InputError("{}: --views asks for {} training views, but only {} are left beside {} test views; ask for fewer",
@@ -107,7 +84,7 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
   if (split.train.size() < 2) {
     throw InputError(
         "{}: {} training view(s) out of {} photos, {} of them test views; training needs 2 or more, "
-        "see --views and --test-every",
+        "see --views, --train-views and --test-every",
         scene.root.string(), split.train.size(), scene.views.size(), split.test.size());
   }
   return split;

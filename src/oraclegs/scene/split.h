@@ -10,9 +10,10 @@
 namespace oraclegs {
 
 struct SplitOptions {
-  int test_every = 8;        ///< every n-th view by name is a test view, 0 = no test views
-  int views = 0;             ///< training views, 0 = all that are not test views
-  std::string test_views{};  ///< comma-separated names (with or without extension); replaces test_every
+  int test_every = 8;         ///< every n-th view by name is a test view, 0 = no test views
+  int views = 0;              ///< training views, 0 = all that are not test views
+  std::string train_views{};  ///< a list as view_list.h reads it; the candidates for `views`
+  std::string test_views{};   ///< likewise; replaces test_every
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -22,7 +23,10 @@ struct SplitOptions {
           Range{0, 1e6});
     visit("views", self.views, "Training views, picked evenly from the rest: linspace(0, n-1, N) truncated; 0 = all",
           Range{0, 1e6});
-    visit("test-views", self.test_views, "Comma-separated names of the test views; replaces --test-every");
+    visit("train-views", self.train_views,
+          "The training views: names, with or without folder and extension, and positions in name order, :0 the first, "
+          "joined by commas; or @FILE with one a line, or with the JSON of a run's split.json");
+    visit("test-views", self.test_views, "The test views, likewise; replaces --test-every");
   }
 };
 
@@ -31,8 +35,12 @@ struct Split {
   std::vector<int> train, test;
 };
 
-/// The protocol of the sparse-view papers (docs/method.md#train-and-test-views). Throws InputError when
-/// fewer than two training views are left or more are asked for than exist, or a named view does not.
+/// The options with the lists of files in place of their names. Throws InputError as ExpandViewList does.
+SplitOptions WithListsRead(const SplitOptions& options);
+
+/// The protocol of the sparse-view papers (docs/method.md#train-and-test-views). `options` are WithListsRead. Throws
+/// InputError when fewer than two training views are left or more are asked for than exist, a named view does not, or
+/// one is named in both lists.
 Split SplitViews(const Scene& scene, const SplitOptions& options);
 
 /// {"train": [names], "test": [names]}

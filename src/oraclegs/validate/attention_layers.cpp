@@ -16,7 +16,7 @@ constexpr const char* kWeights = "vggt-layer-weights";
 template <class T>
 std::vector<T> NumbersOf(const char* option, const std::string& text, const char* kind) {
   std::vector<T> numbers;
-  for (const std::string& word : SplitAtCommas(text)) {
+  for (const std::string& word : SplitTrimmed(text, ',')) {
     T number{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     const bool whole_word = error == std::errc() && end == word.data() + word.size();

@@ -30,11 +30,25 @@ class SfmStageTest : public testing::Test {
 
 TEST_F(SfmStageTest, GivesTheModelsPoints) {
   request.options.start.init = {};
+  request.options.start.sfm_points = SfmPoints::kModel;
   auto run = MakeRun(1000);
   EXPECT_EQ(Bring(&run, "sfm").points.size(), 1000u);
   EXPECT_EQ(run.workspace.Record("sfm").at("points"), 1000);
   EXPECT_GE(run.workspace.Record("sfm").at("seconds"), 0);
   EXPECT_TRUE(recorder.warnings.empty());
+}
+
+TEST_F(SfmStageTest, TakesTheModelByItselfWhereAllViewsTrain) {
+  request.options.start.init = {};
+  request.options.split.test_every = 0;
+  auto run = MakeRun(1000);
+  EXPECT_EQ(Bring(&run, "sfm").points.size(), 1000u);
+}
+
+TEST_F(SfmStageTest, TriangulatesWhereViewsAreHeldOut) {
+  request.options.start.init = {};
+  auto run = MakeRun(1000);
+  for (const ScenePoint& point : Bring(&run, "sfm").points) EXPECT_NE(point.xyz.y(), 0) << "a point of the model";
 }
 
 TEST_F(SfmStageTest, IsNotWantedWhereNothingUsesPoints) {

@@ -6,17 +6,29 @@
 namespace oraclegs {
 namespace {
 
-bool IsWanted(const Run& run) { return run.options.start.init != StartKind::kRandom || run.plan.needs_depth; }
+bool IsWanted(const Run& run) {
+  const Auto<StartKind>& init = run.options.start.init;
+  return (init != StartKind::kRandom && init != StartKind::kRandomCube) || run.plan.needs_depth;
+}
+
+/// Whether the scene's own points serve. Where views are held out they do not: those views helped to place them.
+bool TakesModel(const Run& run) {
+  const bool all_train = run.split.train.size() == run.scene.views.size();
+  const auto asked = run.options.start.sfm_points.ValueOr(all_train ? SfmPoints::kModel : SfmPoints::kTriangulate);
+  return asked == SfmPoints::kModel && !run.scene.points.empty();
+}
 
 void AddSfmKey(Run* run, Fingerprint* key) {
   key->Add(ViewsFingerprint(run->scene, run->split.train, 1, &run->files));
+  if (!TakesModel(*run)) return;
   for (const ScenePoint& p : run->scene.points) key->Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
 }
 
 std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
-  std::vector<ScenePoint> points = PointsSeenBy(run.scene, run.split.train);
-  if (points.size() >= kMinSparseStart) return points;
-  if (!run.scene.points.empty()) {
+  std::vector<ScenePoint> points;
+  if (TakesModel(run)) {
+    points = PointsSeenBy(run.scene, run.split.train);
+    if (points.size() >= kMinSparseStart) return points;
     run.listener(Note{fmt::format("{} of the model's {} points were seen by two training views; triangulating anew",
                                   points.size(), run.scene.points.size())});
   }

@@ -25,7 +25,7 @@ class StartBuilder {
 
   StartPoints Build() {
     const Auto<StartKind>& init = run_.options.start.init;
-    if (init == StartKind::kRandom) {
+    if (init == StartKind::kRandom || init == StartKind::kRandomCube) {
       AddRandom(static_cast<size_t>(run_.options.train.random_points));
     } else if (init == StartKind::kSfm) {
       Require(sfm_.size(), "the training views gave {} points, too few to start from; use --init random");
@@ -118,7 +118,9 @@ class StartBuilder {
     for (const int view : run_.split.train) {
       cameras.push_back(WorkingCamera(run_.scene.views[static_cast<size_t>(view)], run_.options.image));
     }
-    Add(RandomPointsInView(cameras, n, run_.options.start.seed), "random");
+    const uint64_t seed = run_.options.start.seed;
+    const bool in_cube = run_.options.start.init == StartKind::kRandomCube;
+    Add(in_cube ? RandomPointsInCube(cameras, n, seed) : RandomPointsInView(cameras, n, seed), "random");
   }
 
   const Run& run_;

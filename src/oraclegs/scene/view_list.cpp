@@ -1,0 +1,109 @@
+#include "oraclegs/scene/view_list.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr uint64_t kMaxListBytes = 1 << 20;
+
+/// The ways to call a view, most exact first.
+std::vector<std::string> NamesOf(const std::string& name) {
+  const std::filesystem::path path(name);
+  std::filesystem::path without_extension = path;
+  without_extension.replace_extension();
+  return {name, path.filename().string(), without_extension.string(), path.stem().string()};
+}
+
+/// The number of ":7"; nothing when the item is no position.
+std::optional<size_t> PositionOf(const std::string& item) {
+  if (item.size() < 2 || item[0] != ':') return {};
+  size_t position = 0;
+  const char* const end = item.data() + item.size();
+  const auto [stop, error] = std::from_chars(item.data() + 1, end, position);
+  if (error != std::errc() || stop != end) return {};
+  return position;
+}
+
+int FindView(const Scene& scene, const std::string& option, const std::string& wanted) {
+  if (const auto position = PositionOf(wanted)) {
+    if (*position < scene.views.size()) return static_cast<int>(*position);
+    throw InputError("{}: {} asks for view {}, but the {} views are :0 to :{}", scene.root.string(), option, wanted,
+                     scene.views.size(), static_cast<int64_t>(scene.views.size()) - 1);
+  }
+  const size_t ways = NamesOf("").size();
+  for (size_t way = 0; way < ways; ++way) {
+    std::vector<int> found;
+    for (const int i : AllViews(scene)) {
+      if (NamesOf(scene.views[static_cast<size_t>(i)].name)[way] == wanted) found.push_back(i);
+    }
+    if (found.size() == 1) return found.front();
+    if (found.size() > 1) {
+      throw InputError("{}: '{}' in {} could be any of {}; give its full name", scene.root.string(), wanted, option,
+                       SomeNames(NamesAt(scene, found)));
+    }
+  }
+  const auto missing = std::find_if(scene.missing_images.begin(), scene.missing_images.end(), [&](const auto& name) {
+    const auto names = NamesOf(name);
+    return std::find(names.begin(), names.end(), wanted) != names.end();
+  });
+  if (missing != scene.missing_images.end()) {
+    throw InputError("{}: the view '{}' in {} has no image file", scene.root.string(), wanted, option);
+  }
+  throw InputError("{}: no view is called '{}', which {} names; there are {}", scene.root.string(), wanted, option,
+                   SomeNames(NamesAt(scene, AllViews(scene))));
+}
+
+std::vector<std::string> NamesInJson(const std::string& text, const std::string& file, const std::string& part) {
+  const nlohmann::json json = ParseUniqueJson(text, file, "list of views");
+  const auto names = json.find(part);
+  if (names == json.end() || !names->is_array() ||
+      !std::all_of(names->begin(), names->end(), [](const nlohmann::json& name) { return name.is_string(); })) {
+    throw InputError("{}: has no list \"{}\" of view names, as split.json of a run has", file, part);
+  }
+  return names->get<std::vector<std::string>>();
+}
+
+}  // namespace
+
+std::vector<int> NamedViews(const Scene& scene, const std::string& option, const std::string& list) {
+  std::vector<int> named;
+  for (const std::string& item : SplitTrimmed(list, ',')) named.push_back(FindView(scene, option, item));
+  std::sort(named.begin(), named.end());
+  named.erase(std::unique(named.begin(), named.end()), named.end());
+  return named;
+}
+
+std::string ExpandViewList(const std::string& list, const std::string& part) {
+  if (!list.starts_with('@')) return list;
+  const std::string file = list.substr(1);
+  const std::string text = ReadFile(file, kMaxListBytes);
+  if (!IsUtf8(text)) throw InputError("{}: is not UTF-8 text; a list has one view name a line", file);
+  std::vector<std::string> names;
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && text[first] == '{') {
+    names = NamesInJson(text, file, part);
+  } else {
+    names = SplitTrimmed(text, '\n');
+    std::erase_if(names, [](const std::string& name) { return name.starts_with('#'); });
+  }
+  if (names.empty()) throw InputError("{}: names no view; a list has one view name a line", file);
+  const auto comma = std::find_if(names.begin(), names.end(),
+                                  [](const std::string& name) { return name.find(',') != std::string::npos; });
+  if (comma != names.end()) {
+    throw InputError("{}: '{}' holds a comma; write one view name a line, and rename photos with commas", file,
+                     Printable(*comma));
+  }
+  return fmt::format("{}", fmt::join(names, ","));
+}
+
+}  // namespace oraclegs
