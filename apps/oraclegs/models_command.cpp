@@ -101,7 +101,7 @@ class ModelsCommand : public Command {
       Print(FetchWeights(Model(), fetch_, FetchSettingsFromEnvironment(), listener).string());
     } else if (action_ == "check") {
       const auto file = check_.file.empty() ? RequireWeights(Model().name) : check_.file;
-      const size_t tensors = CheckWeights(Model(), file);
+      const size_t tensors = CheckWeights(Model(), file, listener);
       Print(fmt::format("{}: all {} tensors of {} are there", file.string(), tensors, Model().name));
     } else if (action_ == "convert") {
       ConvertFiles(listener);

@@ -6,6 +6,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
+#include "support/event_recorder.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -40,9 +41,10 @@ WeightsFaults Compare(const std::string& bytes, const std::string& list) {
 const std::string kList = "ignore text.\na 2x3\n?b 4\n";
 
 TEST(CompareParameters, AcceptsOptionalAndIgnoredTensors) {
-  EXPECT_TRUE(Compare(Zeros({{"a", {2, 3}}}), kList).none());
-  EXPECT_TRUE(Compare(Zeros({{"a", {2, 3}}, {"b", {4}}, {"text.x", {9}}}), kList).none());
-  EXPECT_TRUE(Compare(Zeros({{"module.a", {2, 3}}}), kList).none());
+  EXPECT_TRUE(Compare(Zeros({{"a", {2, 3}}}), kList).only_extra());
+  EXPECT_THAT(Compare(Zeros({{"a", {2, 3}}}), kList).extra, testing::IsEmpty());
+  EXPECT_TRUE(Compare(Zeros({{"a", {2, 3}}, {"b", {4}}, {"text.x", {9}}}), kList).only_extra());
+  EXPECT_TRUE(Compare(Zeros({{"module.a", {2, 3}}}), kList).only_extra());
 }
 
 TEST(CompareParameters, ListsFaults) {
@@ -60,12 +62,19 @@ TEST(CheckWeights, ListsTheFirstTwentyOfEachKind) {
   const auto path = dir / "model.safetensors";
   WriteFileAtomically(path, Zeros(shapes));
   const WeightsInfo& model = WeightsNamed("lpips-alex");
-  EXPECT_EQ(CheckWeights(model, path), 15u);
+  EXPECT_EQ(CheckWeights(model, path, Silent()), 15u);
+  shapes["stray"] = {1};
+  WriteFileAtomically(path, Zeros(shapes));
+  EventRecorder recorder;
+  EXPECT_EQ(CheckWeights(model, path, recorder.AsListener()), 15u);
+  EXPECT_THAT(recorder.warnings,
+              ElementsAre(HasSubstr("1 tensors that are no part of lpips-alex and are not read: stray")));
+  shapes.erase("stray");
   shapes["features.0.bias"] = {65};
   shapes.erase("lin4.model.1.weight");
   for (int i = 10; i < 33; ++i) shapes[fmt::format("new.{}", i)] = {1};
   WriteFileAtomically(path, Zeros(shapes));
-  EXPECT_THAT([&] { CheckWeights(model, path); },
+  EXPECT_THAT([&] { CheckWeights(model, path, Silent()); },
               ThrowsMessage<InputError>(AllOf(
                   StartsWith(path.string() + ": does not hold lpips-alex; 1 missing: lin4.model.1.weight; 23 that "
                                              "are no part of it: new.10, new.11, "),
@@ -77,7 +86,7 @@ TEST(CheckWeights, ListsTheFirstTwentyOfEachKind) {
 TEST(CheckWeights, RefusesAForeignFile) {
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", "PK\3\4 pickle");
-  EXPECT_THROW(CheckWeights(WeightsNamed("seva"), dir / "model.safetensors"), InputError);
+  EXPECT_THROW(CheckWeights(WeightsNamed("seva"), dir / "model.safetensors", Silent()), InputError);
 }
 
 }  // namespace

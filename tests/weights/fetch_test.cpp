@@ -128,7 +128,7 @@ TEST_F(FetchWeightsTest, ReplacesPublishedFilesByConvertedOnes) {
     options.accept_licence = true;
     options.keep_published = keep;
     const auto weights = FetchWeights(model, options, {"", server.Url("")}, events_.AsListener());
-    EXPECT_EQ(CheckWeights(model, weights), 15u);
+    EXPECT_EQ(CheckWeights(model, weights, Silent()), 15u);
     EXPECT_EQ(std::filesystem::exists(dir_ / "lpips-alex/features.pth"), keep);
     EXPECT_EQ(std::filesystem::exists(dir_ / "lpips-alex/taps.pth"), keep);
     std::filesystem::remove_all(dir_ / "lpips-alex");

@@ -15,6 +15,7 @@
 #include "oraclegs/camera/camera.h"
 #include "oraclegs/core/buffer.h"
 #include "oraclegs/core/enum_words.h"
+#include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/networks/seva_options.h"
@@ -68,6 +69,19 @@ struct EnumWords<AttentionMode> {
                                                        {AttentionMode::kOthers, "others"}};
 };
 
+/// Number type of VGGT's aggregator.
+enum class VggtPrecision {
+  kFloat32,
+  kBFloat16,
+  kAutocast  ///< as its authors run it: weights and sums in float32, products in bfloat16
+};
+template <>
+struct EnumWords<VggtPrecision> {
+  static constexpr EnumWord<VggtPrecision> kWords[] = {{VggtPrecision::kFloat32, "float32"},
+                                                       {VggtPrecision::kBFloat16, "bfloat16"},
+                                                       {VggtPrecision::kAutocast, "autocast"}};
+};
+
 /// A layer of VGGT's global attention, from 0, and how much its map counts.
 struct LayerWeight {
   int64_t layer = 0;
@@ -77,6 +91,7 @@ struct LayerWeight {
 struct AttentionOptions {
   AttentionMode mode = AttentionMode::kReference;
   std::vector<LayerWeight> layers = {};  ///< weights >= 0, not all 0; empty = those that the file names, else 0 and 22
+  Auto<VggtPrecision> precision = {};    ///< automatic = bfloat16 on a GPU, else float32
 };
 
 /// VGGT's aggregator: which pixels of some images the other images of a scene attend to.

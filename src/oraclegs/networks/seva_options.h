@@ -28,7 +28,12 @@ enum class Halves {
 };
 
 /// Number type of the networks.
-enum class Precision { kFloat32, kBFloat16, kFloat16 };
+enum class Precision {
+  kFloat32,
+  kBFloat16,
+  kFloat16,
+  kAutocast  ///< as its authors run it: weights and norms in float32, products in float16 (in bfloat16 on a CPU)
+};
 
 }  // namespace seva
 
@@ -67,7 +72,8 @@ template <>
 struct EnumWords<seva::Precision> {
   static constexpr EnumWord<seva::Precision> kWords[] = {{seva::Precision::kFloat32, "float32"},
                                                          {seva::Precision::kBFloat16, "bfloat16"},
-                                                         {seva::Precision::kFloat16, "float16"}};
+                                                         {seva::Precision::kFloat16, "float16"},
+                                                         {seva::Precision::kAutocast, "autocast"}};
 };
 
 /// The defaults are the paper's.
@@ -105,7 +111,9 @@ struct SevaOptions {
           Range{0.1, 10});
     visit("seva-halves", self.halves,
           "Guidance computes every step twice: batched = at once, in-turn = with half the memory, auto = what fits");
-    visit("seva-precision", self.precision, "Number type of seva's networks");
+    visit("seva-precision", self.precision,
+          "Number type of seva's networks; autocast = as its authors run it: weights and norms in float32, products in "
+          "float16, on a CPU in bfloat16");
     visit("seva-memory", self.memory, "GB that seva may use, auto = what is free", Range{0, 1e6});
     visit("seva-seed", self.seed, "Seed of seva's noise", Range{0, 9e15});
   }

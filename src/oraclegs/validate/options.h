@@ -32,6 +32,7 @@ struct ValidateOptions {
   Auto<OracleKind> oracle;
   AttentionMode oracle_mode = AttentionMode::kReference;
   Auto<int> oracle_chunk;
+  Auto<VggtPrecision> vggt_precision;
   std::string vggt_layers;         ///< see AttentionLayersOf
   std::string vggt_layer_weights;  ///< likewise
   bool calibrate = true;
@@ -47,8 +48,14 @@ struct ValidateOptions {
           "Whose attention VGGT's map is made of: reference = that of the image beside the proposals; others = that of "
           "all other views of the pass; official = that of the image's camera token, over the whole pass together");
     visit("oracle-chunk", self.oracle_chunk,
-          "Proposals that VGGT looks at together, beside one image; auto = 8, or as many as the free memory holds",
-          Range{1, 512});
+          "Proposals that VGGT looks at together, beside one image; auto = 8, or as many as the free memory holds; 0 = "
+          "all "
+          "of them, or as many as the free memory holds",
+          Range{0, 512});
+    visit("vggt-precision", self.vggt_precision,
+          "Number type of VGGT as oracle: float32; bfloat16; autocast = as its authors run it: weights and sums in "
+          "float32, "
+          "products in bfloat16; auto = bfloat16 on a GPU, else float32");
     visit("vggt-layers", self.vggt_layers,
           "Layers of VGGT's global attention that its map is made of, from 0, comma-separated; without, 0,22 with the "
           "weights 1,3, or what the file of weights names");

@@ -58,16 +58,20 @@ std::string FaultsText(const WeightsFaults& faults) {
          Listed("of another shape", faults.wrong_shape) + Listed("of a type that cannot be read", faults.wrong_type);
 }
 
-size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights) {
+size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener) {
   const SafetensorsFile file = SafetensorsFile::Open(weights);
   std::map<std::string, TensorLayout> held;
   for (const auto& [name, entry] : file.tensors()) held[name] = {entry.dtype, entry.shape};
   const WeightsFaults faults = CompareParameters(held, ParametersOf(model.parameters));
-  if (!faults.none()) {
+  if (!faults.only_extra()) {
     throw InputError("{}: does not hold {}{}; `oraclegs models fetch {}` gets its official weights", weights.string(),
                      model.name, FaultsText(faults), model.name);
   }
-  return held.size();
+  if (!faults.extra.empty()) {
+    listener(Warning{fmt::format("{}: holds {} tensors that are no part of {} and are not read: {}", weights.string(),
+                                 faults.extra.size(), model.name, SomeNames(faults.extra))});
+  }
+  return held.size() - faults.extra.size();
 }
 
 }  // namespace oraclegs

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/progress.h"
 #include "oraclegs/core/safetensors_layout.h"
 #include "oraclegs/weights/parameter_list.h"
 #include "oraclegs/weights/registry.h"
@@ -18,7 +19,8 @@ struct WeightsFaults {
   std::vector<std::string> wrong_shape;  ///< "NAME is [3], expected [4]"
   std::vector<std::string> wrong_type;   ///< "NAME is I64"
 
-  bool none() const { return missing.empty() && extra.empty() && wrong_shape.empty() && wrong_type.empty(); }
+  /// True when all that the network reads is there and fits.
+  bool only_extra() const { return missing.empty() && wrong_shape.empty() && wrong_type.empty(); }
 };
 
 /// All names may begin with "module.", as some published files have it. Types: F32, F16, BF16, F64.
@@ -27,8 +29,9 @@ WeightsFaults CompareParameters(const std::map<std::string, TensorLayout>& held,
 /// "; 23 missing: a, b, ... and 3 more; 1 of another shape: ...": of each kind the first twenty. Empty without faults.
 std::string FaultsText(const WeightsFaults& faults);
 
-/// Checks the file against the list of its network; returns how many tensors it holds. Throws InputError that names the
-/// file and lists the faults, of each kind the first twenty, or what SafetensorsFile::Open says.
-size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights);
+/// Checks the file against the list of its network; returns how many tensors of it there are. Tensors that are no part
+/// of it alone are a warning. Throws InputError that names the file and lists the faults, of each kind the first
+/// twenty, or what SafetensorsFile::Open says.
+size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener);
 
 }  // namespace oraclegs

@@ -64,7 +64,7 @@ void FitToNetwork(const ConvertRequest& request, StateDict* tensors, const Liste
   for (const auto& [name, tensor] : *tensors) held[name] = {tensor.dtype, tensor.shape};
   WeightsFaults faults = CompareParameters(held, expected);
   const std::vector<std::string> extra = std::exchange(faults.extra, {});
-  if (!faults.none()) {
+  if (!faults.only_extra()) {
     throw InputError("{}: cannot be converted to {}{}; is it the right file?", Where(request), model.name,
                      FaultsText(faults));
   }

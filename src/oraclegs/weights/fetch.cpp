@@ -33,7 +33,7 @@ void Convert(const WeightsInfo& model, const std::vector<fs::path>& published, c
 /// `fix` is what to do about it, beyond what the check says.
 void WarnIfUnexpected(const WeightsInfo& model, const fs::path& weights, const char* fix, const Listener& listener) {
   try {
-    CheckWeights(model, weights);
+    CheckWeights(model, weights, listener);
   } catch (const InputError& error) {
     listener(Warning{fmt::format("{}{}", error.what(), fix)});
   }

@@ -62,9 +62,13 @@ TEST(SevaModel, SaysWhichFileDoesNotFit) {
 }
 
 TEST(SevaModel, KnowsItsNumberTypes) {
-  EXPECT_EQ(ScalarTypeOf(Precision::kFloat32), torch::kFloat);
-  EXPECT_EQ(ScalarTypeOf(Precision::kBFloat16), torch::kBFloat16);
-  EXPECT_EQ(ScalarTypeOf(Precision::kFloat16), torch::kHalf);
+  EXPECT_EQ(PlaceOn(torch::kCPU, Precision::kFloat32).type, torch::kFloat);
+  EXPECT_EQ(PlaceOn(torch::kCPU, Precision::kBFloat16).type, torch::kBFloat16);
+  EXPECT_EQ(PlaceOn(torch::kCPU, Precision::kFloat16).type, torch::kHalf);
+  EXPECT_FALSE(PlaceOn(torch::kCPU, Precision::kFloat16).products);
+  EXPECT_EQ(PlaceOn(torch::kCPU, Precision::kAutocast).type, torch::kFloat);
+  EXPECT_EQ(PlaceOn(torch::kCPU, Precision::kAutocast).products, torch::kBFloat16);
+  EXPECT_EQ(PlaceOn(torch::kCUDA, Precision::kAutocast).products, torch::kHalf);
 }
 
 TEST(LoadViewGenerator, GeneratesWhatTheGeneratorDoes) {

@@ -1,5 +1,7 @@
 #include "oraclegs/networks/seva/unet.h"
 
+#include <ATen/autocast_mode.h>
+
 #include "networks/seva/unet_fixture.h"
 #include "oraclegs/core/files.h"
 #include "support/temp_dir.h"
@@ -120,6 +122,25 @@ TEST(SevaUnet, BFloat16StaysClose) {
   const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
   EXPECT_EQ(out.scalar_type(), torch::kFloat);
   EXPECT_LE(RelativeL2(out, GoldenTensor(golden.file, "output.out")), 0.05);
+}
+
+TEST(SevaUnet, AutocastComputesProductsInHalfAndSumsInFloat) {
+  const GoldenUnet golden;
+  const TempDir dir;
+  WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, ""));
+  const auto error = [&](const Placement& placement) {
+    const Unet unet = LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file), placement);
+    EXPECT_EQ(unet.any_weight().scalar_type(), placement.type);
+    const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
+    EXPECT_EQ(out.scalar_type(), torch::kFloat);
+    return RelativeL2(out, GoldenTensor(golden.file, "output.out"));
+  };
+  const double exact = error({torch::kCPU, torch::kFloat, {}});
+  const double mixed = error({torch::kCPU, torch::kFloat, torch::kBFloat16});
+  const double half = error({torch::kCPU, torch::kBFloat16, {}});
+  EXPECT_GT(mixed, 10 * exact);
+  EXPECT_LT(mixed, half);
+  EXPECT_FALSE(at::autocast::is_cpu_enabled()) << "left on";
 }
 
 TEST(SevaUnet, RefusesWhatDoesNotFit) {

@@ -86,6 +86,32 @@ TEST(Vggt, TakesHalfPrecisionOnAGpuOnly) {
   const Placement gpu = PlaceOn({torch::kCUDA, 1});
   EXPECT_EQ(gpu.aggregator_type, torch::kBFloat16);
   EXPECT_EQ(gpu.device, torch::Device(torch::kCUDA, 1));
+  EXPECT_EQ(PlaceOn(torch::kCPU, VggtPrecision::kBFloat16).aggregator_type, torch::kBFloat16);
+  EXPECT_EQ(PlaceOn({torch::kCUDA, 1}, VggtPrecision::kFloat32).aggregator_type, torch::kFloat);
+  const Placement mixed = PlaceOn({torch::kCUDA, 1}, VggtPrecision::kAutocast);
+  EXPECT_EQ(mixed.aggregator_type, torch::kFloat);
+  EXPECT_EQ(mixed.products, torch::kBFloat16);
+}
+
+TEST(Vggt, AutocastKeepsTokensInFloatAndNearerThanHalfWeights) {
+  const SafetensorsFile file = OpenGolden(kVggtFixture);
+  Vggt vggt = GoldenVggt();
+  const Tensor images = GoldenFloat(file, "input.images");
+  const int64_t last = vggt.config.aggregator.depth - 1;
+  const AggregatorRequest request{HeadLayers(vggt), OracleLayers(file)};
+  const AggregatorResult exact = Aggregate(vggt.aggregator, images, request);
+  vggt.aggregator.products = torch::kBFloat16;
+  const AggregatorResult mixed = Aggregate(vggt.aggregator, images, request);
+  EXPECT_EQ(mixed.tokens.at(last).scalar_type(), torch::kFloat);
+  const double error = RelativeL2(mixed.tokens.at(last), exact.tokens.at(last));
+  EXPECT_GT(error, 1e-5);
+  EXPECT_LT(error, 0.02);
+  for (const auto& [layer, attention] : mixed.attention) {
+    EXPECT_EQ(attention.from_camera.scalar_type(), torch::kFloat);
+    EXPECT_LT(RelativeL2(attention.from_camera, exact.attention.at(layer).from_camera), 0.05);
+  }
+  vggt.aggregator.products.reset();
+  EXPECT_TRUE(torch::equal(Aggregate(vggt.aggregator, images, request).tokens.at(last), exact.tokens.at(last)));
 }
 
 TEST(Vggt, HalfPrecisionAggregatorStaysNearFloat) {

@@ -145,17 +145,27 @@ TEST(ChooseChunk, IsEightOrWhatTheMemoryHolds) {
   const auto bytes = [](int64_t chunk) { return (10 + chunk) << 20; };
   const auto mebibytes = [](uint64_t n) { return n << 20; };
   EventRecorder recorder;
-  EXPECT_EQ(ChooseChunk(bytes, {}, mebibytes(100), recorder.AsListener()), 8u);
-  EXPECT_EQ(ChooseChunk(bytes, {}, 0, recorder.AsListener()), 8u);  // unknown
-  EXPECT_EQ(ChooseChunk(bytes, 20, mebibytes(100), recorder.AsListener()), 20u);
+  EXPECT_EQ(ChooseChunk(bytes, {}, 40, mebibytes(100), recorder.AsListener()), 8u);
+  EXPECT_EQ(ChooseChunk(bytes, {}, 40, 0, recorder.AsListener()), 8u);  // unknown
+  EXPECT_EQ(ChooseChunk(bytes, 20, 40, mebibytes(100), recorder.AsListener()), 20u);
   EXPECT_TRUE(recorder.warnings.empty());
-  EXPECT_EQ(ChooseChunk(bytes, {}, mebibytes(13), recorder.AsListener()), 3u);
+  EXPECT_EQ(ChooseChunk(bytes, {}, 40, mebibytes(13), recorder.AsListener()), 3u);
   EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::AllOf(HasSubstr("3 proposals at a time, not 8"),
                                                                      HasSubstr("--oracle-chunk 3"))));
-  EXPECT_EQ(ChooseChunk(bytes, 20, mebibytes(13), recorder.AsListener()), 20u);
+  EXPECT_EQ(ChooseChunk(bytes, 20, 40, mebibytes(13), recorder.AsListener()), 20u);
   EXPECT_THAT(recorder.warnings.back(), testing::AllOf(HasSubstr("--oracle-chunk 20"), HasSubstr("are free")));
-  EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {}, mebibytes(10), Silent()); }),
+  EXPECT_THAT(MessageOf<RunError>([&] { ChooseChunk(bytes, {}, 40, mebibytes(10), Silent()); }),
               testing::AllOf(HasSubstr("for one proposal beside an image"), HasSubstr("--oracle consistency")));
+}
+
+TEST(ChooseChunk, TakesAllAtOnceForZero) {
+  const auto bytes = [](int64_t chunk) { return (10 + chunk) << 20; };
+  EventRecorder recorder;
+  EXPECT_EQ(ChooseChunk(bytes, 0, 40, uint64_t{100} << 20, recorder.AsListener()), 40u);
+  EXPECT_EQ(ChooseChunk(bytes, 0, 0, uint64_t{100} << 20, recorder.AsListener()), 1u) << "no proposal at all";
+  EXPECT_TRUE(recorder.warnings.empty());
+  EXPECT_EQ(ChooseChunk(bytes, 0, 40, uint64_t{42} << 20, recorder.AsListener()), 32u);
+  EXPECT_THAT(recorder.warnings, testing::ElementsAre(HasSubstr("32 proposals at a time, not 40")));
 }
 
 }  // namespace

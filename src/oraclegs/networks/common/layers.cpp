@@ -26,7 +26,9 @@ LayerNorm LoadLayerNorm(const ParameterScope& at, int64_t width, double eps) {
 }
 
 Tensor Forward(const LayerNorm& layer, const Tensor& x) {
-  return at::layer_norm(x, {x.size(-1)}, layer.weight, layer.bias, layer.eps);
+  const bool mixed = x.scalar_type() != layer.weight.scalar_type();  // within Autocast: then the norm is float32
+  return at::layer_norm(mixed ? x.to(layer.weight.scalar_type()) : x, {x.size(-1)}, layer.weight, layer.bias,
+                        layer.eps);
 }
 
 Conv LoadConv(const ParameterScope& at, const ConvShape& shape) {

@@ -112,12 +112,11 @@ void FileParameters::Finish() const {
   for (const auto& [name, place] : places_) {
     if (!known_.count(name) && !Ignores(name)) extra.push_back(Printable(name));
   }
-  const std::string faults = Listed("missing", missing_) + Listed("not part of it", extra) +
-                             Listed("twice there", twice_) + Listed("no floating-point tensor", wrong_type_) +
-                             Listed("of another shape", wrong_shape_);
+  const std::string faults = Listed("missing", missing_) + Listed("twice there", twice_) +
+                             Listed("no floating-point tensor", wrong_type_) + Listed("of another shape", wrong_shape_);
   if (faults.empty()) return;
-  throw InputError("{}: does not hold {}{}; get its official weights again, or name the model that the file holds",
-                   files_, options_.model, faults);
+  throw InputError("{}: does not hold {}{}{}; get its official weights again, or name the model that the file holds",
+                   files_, options_.model, faults, Listed("not part of it", extra));
 }
 
 StoredShapes::StoredShapes(const std::vector<std::filesystem::path>& paths) {

@@ -70,8 +70,9 @@ class FileParameters : public ParameterSource {
   /// matrix may be stored as the convolution of a single pixel, [out, in, 1, 1].
   Tensor Get(const std::string& name, at::IntArrayRef shape) override;
   void Unused(const std::string& name, at::IntArrayRef shape) override;
-  /// Throws one InputError that lists what is missing, too much, twice there, no floating-point tensor or of another
-  /// shape; of each kind the first twenty. To be called when the network is filled, before it is used.
+  /// Throws one InputError that lists what is missing, twice there, no floating-point tensor or of another shape, and
+  /// then also what is no part of the network, which alone is no error; of each kind the first twenty. To be called
+  /// when the network is filled, before it is used.
   void Finish() const;
 
  private:

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "oraclegs/networks/common/autocast.h"
 #include "oraclegs/networks/common/tensor_buffer.h"
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
@@ -83,7 +84,7 @@ namespace {
 class LoadedGenerator : public ViewGenerator {
  public:
   explicit LoadedGenerator(const ViewGeneratorRequest& request)
-      : model_(request.files, {ToTorch(request.device), ScalarTypeOf(request.options.precision)}),
+      : model_(request.files, PlaceOn(ToTorch(request.device), request.options.precision)),
         options_(request.options),
         free_bytes_(request.free_bytes) {}
 
@@ -110,6 +111,8 @@ struct Model::State {
   std::optional<Vae> vae;
   std::optional<OpenClip> clip;
 
+  Autocast Products() const { return {placement.device, placement.products}; }
+
   /// Mapped files cost nothing to keep; elsewhere only what works next is there.
   void Place(Part part) {
     const bool stays = placement.device.is_cpu();
@@ -122,16 +125,18 @@ struct Model::State {
   }
 };
 
-torch::ScalarType ScalarTypeOf(Precision precision) {
+Placement PlaceOn(torch::Device device, Precision precision) {
   switch (precision) {
     case Precision::kBFloat16:
-      return torch::kBFloat16;
+      return {device, torch::kBFloat16, {}};
     case Precision::kFloat16:
-      return torch::kHalf;
+      return {device, torch::kHalf, {}};
+    case Precision::kAutocast:
+      return {device, torch::kFloat, HalfTypeOf(device)};
     case Precision::kFloat32:
       break;
   }
-  return torch::kFloat;
+  return {device, torch::kFloat, {}};
 }
 
 Model::Model(const SevaFiles& files, const Placement& placement) : state_(std::make_unique<State>()) {
@@ -157,11 +162,18 @@ NetworkSet Model::networks() const {
   NetworkSet networks;
   networks.unet = &state->unet;
   networks.place = [state](Part part) { state->Place(part); };
-  networks.encode = [state](const Tensor& image) { return EncodeImages(*state->vae, image); };
+  networks.encode = [state](const Tensor& image) {
+    const Autocast scope = state->Products();
+    return EncodeImages(*state->vae, image).to(torch::kFloat);
+  };
   networks.decode = [state](const Tensor& latent, int64_t side) {
+    const Autocast scope = state->Products();
     return DecodeTiled(*state->vae, latent, {side, std::max<int64_t>(1, side / 3)});
   };
-  networks.embed = [state](const Tensor& image) { return ImageEmbeddings(*state->clip, image); };
+  networks.embed = [state](const Tensor& image) {
+    const Autocast scope = state->Products();
+    return ImageEmbeddings(*state->clip, image);
+  };
   networks.autoencoder = EstimateAutoencoder(state->vae_config, state->placement.type);
   const auto bytes = [](const fs::path& file) { return static_cast<int64_t>(fs::file_size(file)); };
   if (state->placement.device.is_cpu()) {

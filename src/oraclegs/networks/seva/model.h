@@ -10,7 +10,7 @@
 
 namespace oraclegs::seva {
 
-torch::ScalarType ScalarTypeOf(Precision precision);
+Placement PlaceOn(torch::Device device, Precision precision);
 
 /// Owns the networks. On the CPU the files are mapped and nothing is copied in float32. On another device the UNet
 /// stays; the encoders and the decoder come when they are needed and leave before the UNet works.

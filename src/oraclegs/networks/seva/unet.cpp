@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "oraclegs/networks/common/autocast.h"
+
 namespace oraclegs::seva {
 namespace {
 
@@ -143,6 +145,7 @@ Unet LoadUnet(const std::vector<std::filesystem::path>& paths, const UnetConfig&
   options.cast_type = placement.type;
   FileParameters source(paths, options);
   Unet unet = LoadUnet(source, config);
+  unet.products = placement.products;
   source.Finish();
   return unet;
 }
@@ -160,6 +163,7 @@ Conditioning Prepare(const Unet& unet, const Conditions& in) {
         in.height, downscale);
   }
   const at::TensorOptions options = unet.any_weight().options();
+  const Autocast scope(unet.any_weight().device(), unet.products);
   Conditioning out;
   out.frames = in.frames;
   const Tensor dense = in.dense.to(options.dtype(torch::kFloat));
@@ -209,6 +213,7 @@ Tensor Forward(const Unet& unet, const Tensor& x, const Tensor& steps, const Con
     throw ShapeError("Unet: x is [{}] and steps [{}], expected [N, {}, h, w] and [N] as they were prepared",
                      fmt::join(x.sizes(), ", "), fmt::join(steps.sizes(), ", "), unet.config.in_channels);
   }
+  const Autocast scope(unet.any_weight().device(), unet.products);
   const Tensor embedding = at::silu(TimeEmbedding(unet, steps));
   Tensor y = x.to(unet.any_weight().options());
   std::vector<Tensor> skips;

@@ -3,6 +3,7 @@
 // what the input images show, the noise in them. The defaults are Stable Virtual Camera 1.1.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -46,6 +47,7 @@ struct Unet {
   UnetBlock middle;
   GroupNorm norm_out;
   Conv conv_out;
+  std::optional<torch::ScalarType> products;  ///< of Prepare and Forward, where other than the weights' (Autocast)
 
   const Tensor& any_weight() const { return time1.weight; }  ///< of its type, on its device
 };
@@ -54,7 +56,8 @@ Unet LoadUnet(ParameterSource& source, const UnetConfig& config);
 
 struct Placement {
   torch::Device device = torch::kCPU;
-  torch::ScalarType type = torch::kFloat;
+  torch::ScalarType type = torch::kFloat;          ///< of the weights
+  std::optional<torch::ScalarType> products = {};  ///< of matrix products, where another
 };
 /// From safetensors files with the official names, "module." in front of them or not. Throws InputError that lists
 /// all that does not fit.

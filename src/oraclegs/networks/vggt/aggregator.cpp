@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/networks/common/attention.h"
+#include "oraclegs/networks/common/autocast.h"
 
 namespace oraclegs::vggt {
 namespace {
@@ -79,6 +80,7 @@ Tensor EmbedViews(const Aggregator& aggregator, const Tensor& images) {
 AggregatorResult Aggregate(const Aggregator& aggregator, const Tensor& images, const AggregatorRequest& request) {
   const AggregatorConfig& config = aggregator.config;
   const int64_t last = LastLayer(request, config.depth);
+  const Autocast scope(images.device(), aggregator.products);
   Tensor x = EmbedViews(aggregator, images);
   const int64_t patch = config.backbone.patch;
   const RopeGrid grid{aggregator.special_tokens(), images.size(2) / patch, images.size(3) / patch};

@@ -2,6 +2,7 @@
 // VGGT's aggregator: blocks that attend inside each view and over all views in turn (docs/method.md#vggt-aggregator).
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "oraclegs/networks/common/vit.h"
@@ -27,6 +28,7 @@ struct Aggregator {
   Vit backbone;
   Tensor camera_token, register_token;  ///< [1, 2, 1 or registers, width]; along axis 1: of view 0, of the others
   std::vector<Block> frame_blocks, global_blocks;
+  std::optional<torch::ScalarType> products;  ///< of its matrix products, where other than the weights' (Autocast)
 
   /// Tokens of a view in front of its patches: the camera's and the registers.
   int64_t special_tokens() const { return 1 + config.registers; }

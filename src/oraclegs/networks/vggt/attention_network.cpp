@@ -31,7 +31,7 @@ Image8 Fitted(const Image8& image, int width, int height) {
 class AttentionOfFile : public AttentionNetwork {
  public:
   AttentionOfFile(const std::filesystem::path& path, const AttentionOptions& options, torch::Device device)
-      : path_(path), device_(device), file_(ReadWeightsFile(path)) {
+      : path_(path), placement_(PlaceOn(device, options.precision)), file_(ReadWeightsFile(path)) {
     settings_ = {options.mode, file_.side, file_.oracle_layers, file_.oracle_weights};
     if (!options.layers.empty()) TakeLayers(options.layers);
   }
@@ -49,7 +49,7 @@ class AttentionOfFile : public AttentionNetwork {
   }
 
   void Load() override {
-    if (!aggregator_) aggregator_ = LoadVggt({path_}, {}, PlaceOn(device_), file_.network).aggregator;
+    if (!aggregator_) aggregator_ = LoadVggt({path_}, {}, placement_, file_.network).aggregator;
   }
 
   Buffer<float> Confidence(const Image8& reference, const std::vector<Image8>& proposals) override {
@@ -78,7 +78,7 @@ class AttentionOfFile : public AttentionNetwork {
   }
 
   std::filesystem::path path_;
-  torch::Device device_;
+  Placement placement_;
   WeightsFile file_;
   AttentionSettings settings_;
   std::optional<Aggregator> aggregator_;

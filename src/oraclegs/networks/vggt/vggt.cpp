@@ -58,8 +58,22 @@ Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& head
   options.cast_prefix = "aggregator.";
   FileParameters source(paths, options);
   Vggt vggt = LoadVggt(source, config, heads);
+  vggt.aggregator.products = placement.products;
   source.Finish();
   return vggt;
+}
+
+Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision) {
+  const VggtPrecision usual = device.is_cuda() ? VggtPrecision::kBFloat16 : VggtPrecision::kFloat32;
+  switch (precision.ValueOr(usual)) {
+    case VggtPrecision::kBFloat16:
+      return {device, torch::kBFloat16, {}};
+    case VggtPrecision::kAutocast:
+      return {device, torch::kFloat, torch::kBFloat16};
+    case VggtPrecision::kFloat32:
+      break;
+  }
+  return {device, torch::kFloat, {}};
 }
 
 std::vector<int64_t> HeadLayers(const Vggt& vggt) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "oraclegs/networks/common/dpt.h"
+#include "oraclegs/networks/networks.h"
 #include "oraclegs/networks/vggt/aggregator.h"
 #include "oraclegs/networks/vggt/camera_head.h"
 
@@ -37,10 +38,11 @@ Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads)
 
 struct Placement {
   torch::Device device = torch::kCPU;
-  torch::ScalarType aggregator_type = torch::kFloat;  ///< the heads are float32 always
+  torch::ScalarType aggregator_type = torch::kFloat;  ///< of its weights; the heads are float32 always
+  std::optional<torch::ScalarType> products = {};     ///< of the aggregator's matrix products, where another
 };
-/// As its authors run it: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for.
-inline Placement PlaceOn(torch::Device device) { return {device, device.is_cuda() ? torch::kBFloat16 : torch::kFloat}; }
+/// Automatic: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for, else in float32.
+Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision = {});
 /// The network of this configuration from safetensors files with the official names. Heads that are not asked for and
 /// the track head may be there and are not read. Throws InputError that lists all that does not fit.
 Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& heads, const Placement& placement = {},

@@ -38,18 +38,20 @@ bool IsNothing(const ConfidenceMap& map) {
 
 }  // namespace
 
-size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, uint64_t available,
+size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, size_t all, uint64_t available,
                    const Listener& listener) {
   const auto fits = [&](int64_t chunk) { return available == 0 || static_cast<uint64_t>(bytes(chunk)) <= available; };
   const double free = GiB(static_cast<double>(available));
-  if (!asked.is_auto()) {
+  if (asked.ValueOr(0) > 0) {
     if (!fits(asked.value())) {
       listener(Warning{fmt::format("--oracle-chunk {}: a pass needs about {:.1f} GiB, {:.1f} GiB are free",
                                    asked.value(), GiB(static_cast<double>(bytes(asked.value()))), free)});
     }
     return static_cast<size_t>(asked.value());
   }
-  int64_t chunk = kChunk;
+  const bool together = !asked.is_auto();
+  const int64_t most = static_cast<int64_t>(together ? std::max<size_t>(all, 1) : kChunk);
+  int64_t chunk = most;
   while (chunk > 1 && !fits(chunk)) --chunk;
   if (!fits(chunk)) {
     throw RunError(
@@ -58,11 +60,11 @@ size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>
         "--oracle consistency",
         GiB(static_cast<double>(bytes(1))), free);
   }
-  if (chunk < static_cast<int64_t>(kChunk)) {
+  if (chunk < most) {
     listener(Warning{fmt::format(
         "VGGT looks at {} proposals at a time, not {}, for {:.1f} GiB of memory are free; --oracle-chunk {} gives the "
         "same confidence again",
-        chunk, kChunk, free, chunk)});
+        chunk, most, free, chunk)});
   }
   return static_cast<size_t>(chunk);
 }
@@ -87,7 +89,7 @@ CalibratedOracle::CalibratedOracle(const Run& run, const TrainingViews& training
     uniform_ = MakeUniformOracle();
     return;
   }
-  if (choice.weights) LoadSecond(run, training.views, *choice.weights);
+  if (choice.weights) LoadSecond(run, training.views, *choice.weights, targets);
   const bool calibrate = run.options.validate.calibrate;
   if (!calibrate && choice.kind == OracleKind::kVggt) {
     progress_->total = targets;
@@ -119,17 +121,18 @@ const Oracle& CalibratedOracle::oracle() const {
   return *second_;
 }
 
-void CalibratedOracle::LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights) {
+void CalibratedOracle::LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights,
+                                  size_t targets) {
   const ValidateOptions& asked = run.options.validate;
   const Networks& networks = GetNetworks();
   const Device device = DeviceOfNetworks(networks, run.plan.device, run.listener);
   std::unique_ptr<AttentionNetwork> network =
-      networks.OpenAttention(weights.path, {asked.oracle_mode, AttentionLayersOf(asked)}, device);
+      networks.OpenAttention(weights.path, {asked.oracle_mode, AttentionLayersOf(asked), asked.vggt_precision}, device);
   std::vector<Camera> cameras;
   for (const LoadedView& view : views) cameras.push_back(view.camera);
   VggtOracleOptions options;
   options.chunk = ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
-                              static_cast<uint64_t>(FreeBytes(device)), run.listener);
+                              std::max(targets, views.size()), static_cast<uint64_t>(FreeBytes(device)), run.listener);
   together_ = options.chunk;
   progress_ = std::make_shared<Progress>();
   progress_->listener = run.listener;

@@ -15,11 +15,11 @@
 
 namespace oraclegs {
 
-/// How many proposals VGGT looks at together: `asked`, or where that is automatic the most, up to 8, whose pass needs
-/// no more than the free memory. bytes(n): what a pass over n proposals needs with the weights; available: bytes, 0 =
-/// unknown. Warns of a chunk that was made smaller, or that was asked for and may not fit. Throws RunError when not
-/// even one fits and none was asked for.
-size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, uint64_t available,
+/// How many proposals VGGT looks at together: `asked`; or the most whose pass needs no more than the free memory, up to
+/// 8 where that is automatic, up to `all` where 0 is asked for. bytes(n): what a pass over n proposals needs with the
+/// weights; available: bytes, 0 = unknown. Warns of a chunk that was made smaller, or that was asked for and may not
+/// fit. Throws RunError when not even one fits and no number was asked for.
+size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, size_t all, uint64_t available,
                    const Listener& listener);
 
 class CalibratedOracle {
@@ -43,7 +43,7 @@ class CalibratedOracle {
   struct Progress;
 
   const Oracle& oracle() const;
-  void LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights);
+  void LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights, size_t targets);
   void Calibrate(const HeldOutCandidates& held_out);
   /// Of each, from the oracle of untaught generators where `untaught`.
   std::vector<ConfidenceMap> Predict(const std::vector<Proposal>& proposals, const std::vector<bool>& untaught) const;
