@@ -77,13 +77,31 @@ TEST_F(FolderTest, SkipsOtherShapes) {
   Paint("a.png", {1, 2, 3});
   Paint("b.png", {1, 2, 3}, 48, 64);
   Paint("synthetic_1/1.png", {1, 2, 3}, 640, 484);  // less than 1 % off
-  Paint("synthetic_1/2.png", {1, 2, 3}, 640, 490);
+  Paint("synthetic_1/2.png", {1, 2, 3}, 640, 515);  // more than 6 %
   EXPECT_THAT(NamesOf(Read()), ElementsAre("a"));
   EXPECT_THAT(events_.warnings, ElementsAre(AllOf(HasSubstr("(b.png)"), HasSubstr("more than 1 %"))));
   const FolderProposals official = Read("synthetic_1");
   ASSERT_THAT(NamesOf(official), ElementsAre("1"));
   EXPECT_EQ(official.proposals[0].rgb.height, 48);
   EXPECT_EQ(official.proposals[0].camera.fx, 50);
+}
+
+// As Stable Virtual Camera makes them: its sides are multiples of 64, and what stands over is cropped.
+TEST_F(FolderTest, TakesViewsOfAnotherShapeForTheirMiddle) {
+  Paint("synthetic_1/1.png", {1, 2, 3}, 896, 640);  // 64 x 48 at a scale of 14 is 896 x 672
+  const FolderProposals read = Read("synthetic_1");
+  ASSERT_THAT(NamesOf(read), ElementsAre("1"));
+  Paint("synthetic_1/1.png", {1, 2, 3}, 896, 672);
+  const Camera camera = read.proposals[0].camera, whole = Read("synthetic_1").proposals.at(0).camera;
+  EXPECT_EQ(whole.height, 48);
+  EXPECT_EQ(camera.width, 64);
+  EXPECT_EQ(camera.height, 46);  // 640 / 14 = 45.7
+  const double down = 46 / (640 / 14.0);
+  EXPECT_DOUBLE_EQ(camera.fx, whole.fx);
+  EXPECT_DOUBLE_EQ(camera.fy, whole.fy * down);
+  EXPECT_NEAR(camera.cy / down - 640 / 28.0, whole.cy - 24, 1e-12) << "the middle of the view stays the middle";
+  EXPECT_EQ(read.proposals[0].rgb.height, 46);
+  EXPECT_THAT(events_.warnings, ElementsAre());
 }
 
 TEST_F(FolderTest, SkipsDamagedImages) {
@@ -120,7 +138,7 @@ TEST_F(FolderTest, WarnsOfUnusableConfidence) {
   WriteFrames({"a", "b", "c", "d", "e", "f"});
   for (const char* name : {"a.png", "b.png", "c.png", "d.png", "e.png", "f.png"}) Paint(name, {1, 2, 3});
   Paint("confidence/a.png", {128});
-  Paint("confidence/c.png", {128}, 32, 24);
+  Paint("confidence/c.png", {128}, 32, 32);
   Paint("confidence/d.png", {200, 10, 10});
   WriteText(dir_ / "confidence/e.png", "no image");
   const FolderProposals read = Read();
@@ -130,7 +148,7 @@ TEST_F(FolderTest, WarnsOfUnusableConfidence) {
   EXPECT_THAT(
       events_.warnings,
       ::testing::UnorderedElementsAre(
-          AllOf(HasSubstr("confidence: 1 confidence maps"), HasSubstr("another size than"), HasSubstr(": c.png")),
+          AllOf(HasSubstr("confidence: 1 confidence maps"), HasSubstr("another shape than"), HasSubstr(": c.png")),
           AllOf(HasSubstr("in colours"), HasSubstr(": d.png")), AllOf(HasSubstr("not readable"), HasSubstr(": e.png")),
           AllOf(HasSubstr("2 proposals have no confidence map"), HasSubstr("b.png, f.png"))));
 }

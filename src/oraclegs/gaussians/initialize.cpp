@@ -21,6 +21,7 @@ namespace {
 constexpr double kC0 = 0.28209479177387814;         // the constant spherical harmonic
 constexpr double kMinSquaredDistance = 1e-7;        // duplicates would have no size at all
 constexpr double kBlenderHalfSide = 1.3;            // world units
+constexpr double kCubeHalfSide = 3;                 // of the cameras' extent
 constexpr double kTooClose = 0.2;                   // of the radius: nothing starts right in front of a camera
 constexpr int64_t kProbes = 20000, kMinHits = 200;  // 1%: a sparser overlap would cost too many draws
 
@@ -82,6 +83,18 @@ class ViewVolume {
   Ball ball_;
 };
 
+PointCloud InCube(double half_side, int64_t n, uint64_t seed) {
+  Rng rng(seed, RandomStream::kInitialPoints);
+  PointCloud cloud;
+  cloud.xyz.resize(n);
+  cloud.rgb.resize(n);
+  for (int64_t i = 0; i < n; ++i) {
+    for (int axis = 0; axis < 3; ++axis) cloud.xyz[i][axis] = static_cast<float>(rng.Uniform(-half_side, half_side));
+    cloud.rgb[i] = NearGrey(&rng);
+  }
+  return cloud;
+}
+
 }  // namespace
 
 PointCloud ToPointCloud(const std::vector<ScenePoint>& points) {
@@ -95,18 +108,10 @@ PointCloud ToPointCloud(const std::vector<ScenePoint>& points) {
   return cloud;
 }
 
-PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed) {
-  Rng rng(seed, RandomStream::kInitialPoints);
-  PointCloud cloud;
-  cloud.xyz.resize(n);
-  cloud.rgb.resize(n);
-  for (int64_t i = 0; i < n; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      cloud.xyz[i][axis] = static_cast<float>(rng.Uniform(-kBlenderHalfSide, kBlenderHalfSide));
-    }
-    cloud.rgb[i] = NearGrey(&rng);
-  }
-  return cloud;
+PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed) { return InCube(kBlenderHalfSide, n, seed); }
+
+PointCloud RandomPointsInCube(const std::vector<Camera>& cameras, int64_t n, uint64_t seed) {
+  return InCube(kCubeHalfSide * SpatialExtent(cameras), n, seed);
 }
 
 PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uint64_t seed) {

@@ -27,6 +27,10 @@ PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed);
 /// near and far bounds taken from the cameras' distance to the point nearest to all optical axes; colours near grey.
 PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uint64_t seed);
 
+/// n points uniform in the cube [-3r, 3r]^3 around the world's origin, r = SpatialExtent(cameras), colours near grey:
+/// the random start of [Kheradmand 2024] for scenes that are not Blender's.
+PointCloud RandomPointsInCube(const std::vector<Camera>& cameras, int64_t n, uint64_t seed);
+
 /// Mean squared distance of each point to its three nearest other points, at least 1e-7; exact. On all threads, or on
 /// the GPU that `device` names, which becomes the current one. Throws UsageError for a device this build cannot use.
 std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device = kCpu);

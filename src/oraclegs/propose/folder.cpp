@@ -17,16 +17,34 @@ namespace oraclegs {
 namespace {
 
 constexpr double kShapeTolerance = 0.01;
-constexpr int kGreyTolerance = 8;  // of 255 between channels: what a JPEG does to grey
+constexpr double kCropTolerance = 0.06;  // generators round sides to multiples of 64 and crop what is over
+constexpr int kGreyTolerance = 8;        // of 255 between channels: what a JPEG does to grey
 
 constexpr const char* kTestPose =
     "they have the pose of a test view, which must stay unseen; remove them from the folder";
 constexpr const char* kShape =
     "their width to height differs by more than 1 % from their camera's; generate them in the camera's shape";
+constexpr const char* kViewShape =
+    "their width to height differs by more than 6 % from their view's; generate them in the view's shape";
 
-bool SameShape(int width, int height, int other_width, int other_height) {
+bool SameShape(int width, int height, int other_width, int other_height, double tolerance = kShapeTolerance) {
   const double ratio = static_cast<double>(width) * other_height / (static_cast<double>(height) * other_width);
-  return std::abs(ratio - 1) <= kShapeTolerance;
+  return std::abs(ratio - 1) <= tolerance;
+}
+
+/// The camera of the part of a view that a picture of another shape shows: as generators fit images to their sizes, the
+/// view was scaled until it covered the picture, and what stood over was cropped evenly. At the view's resolution.
+Camera CentreCrop(const Camera& view, const Image8& picture) {
+  const double scale =
+      std::max(static_cast<double>(picture.width) / view.width, static_cast<double>(picture.height) / view.height);
+  const double width = picture.width / scale, height = picture.height / scale;
+  Camera crop = view;
+  crop.width = std::max(1, static_cast<int>(std::lround(width)));
+  crop.height = std::max(1, static_cast<int>(std::lround(height)));
+  const double across = crop.width / width, down = crop.height / height;
+  crop.fx = view.fx * across, crop.cx = (view.cx - (view.width - width) / 2) * across;
+  crop.fy = view.fy * down, crop.cy = (view.cy - (view.height - height) / 2) * down;
+  return crop;
 }
 
 /// A camera from a file at the size that the run works at.
@@ -66,6 +84,7 @@ bool IsGrey(const Image8& image) {
 /// What became of one image.
 struct Loaded {
   std::optional<Proposal> proposal;
+  bool cropped = false;  // it shows the middle of its view only
   std::vector<float> confidence;
   const char* skipped = nullptr;          // why there is no proposal
   const char* confidence_lost = nullptr;  // why a confidence file is not used
@@ -75,10 +94,8 @@ void LoadConfidence(const std::filesystem::path& file, const Image8& image, Load
   const Camera& camera = loaded->proposal->camera;
   try {
     const Image8 map = ReadImage(file);
-    const bool whole = map.width == image.width && map.height == image.height;
-    const bool working = map.width == camera.width && map.height == camera.height;
-    if (!whole && !working) {
-      loaded->confidence_lost = "of another size than their images";
+    if (!SameShape(map.width, map.height, image.width, image.height, kCropTolerance)) {
+      loaded->confidence_lost = "of another shape than their images";
     } else if (!IsGrey(map)) {
       loaded->confidence_lost = "in colours instead of grey";
     } else {
@@ -101,11 +118,16 @@ Loaded Load(const FolderImage& image, const FolderRequest& request, bool named_l
     loaded.skipped = kUnreadableImage;
     return loaded;
   }
-  if (!SameShape(pixels.width, pixels.height, image.camera.width, image.camera.height)) {
-    loaded.skipped = kShape;
+  const Camera& whole = image.camera;
+  loaded.cropped = !SameShape(pixels.width, pixels.height, whole.width, whole.height);
+  const bool near = SameShape(pixels.width, pixels.height, whole.width, whole.height, kCropTolerance);
+  if (loaded.cropped && !(named_like_view && near)) {
+    loaded.skipped = named_like_view ? kViewShape : kShape;
     return loaded;
   }
-  const Camera camera = named_like_view ? image.camera : AtWorkingSize(image.camera, request);
+  const Camera camera = loaded.cropped    ? CentreCrop(whole, pixels)
+                        : named_like_view ? whole
+                                          : AtWorkingSize(whole, request);
   loaded.proposal = Proposal{image.name, "folder", camera, {}};
   loaded.proposal->rgb = ResizeArea(Composited(pixels, request.background), camera.width, camera.height);
   if (!image.confidence.empty()) LoadConfidence(image.confidence, pixels, &loaded);
@@ -159,19 +181,26 @@ FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const Folde
   });
   FolderProposals result;
   SkippedImages lost;
-  std::vector<std::string> missing;
+  std::vector<std::string> missing, cropped;
   for (size_t i = 0; i < loaded.size(); ++i) {
     const FolderImage& image = content.images[i];
     if (loaded[i].skipped != nullptr) {
       content.skipped[loaded[i].skipped].push_back(image.shown);
       continue;
     }
+    if (loaded[i].cropped) cropped.push_back(image.shown);
     result.proposals.push_back(std::move(*loaded[i].proposal));
     result.confidence.push_back(std::move(loaded[i].confidence));
     if (loaded[i].confidence_lost != nullptr) lost[loaded[i].confidence_lost].push_back(image.shown);
     if (!content.confidence_dir.empty() && image.confidence.empty()) missing.push_back(image.shown);
   }
   WarnOfSkipped(content, listener);
+  if (!cropped.empty()) {
+    listener(
+        Note{fmt::format("{}: {} proposals have not quite the shape of their views and are taken for their middle: "
+                         "{}",
+                         content.images_dir.string(), cropped.size(), SomeNames(cropped))});
+  }
   if (result.proposals.empty()) {
     listener(Warning{
         fmt::format("{}: none of its proposals can be used; going on without them", content.images_dir.string())});

@@ -19,11 +19,13 @@ struct FolderProposals {
 ///   synthetic_N/      dir itself, or the only such folder in it: images named like the scene's views, with the
 ///                     views' poses; synthetic_N_attention_maps/NAME.png may stand beside it
 /// An image named after a view has the view's size, another one the working size where its shape is that, or else its
-/// own shape and at most as many pixels. Images are resized by area, confidence maps with them.
+/// own shape and at most as many pixels. Images are resized by area, confidence maps with them. One named after a view
+/// whose shape (width to height) is up to 6 % off the view's shows the middle of it, as generators crop images to
+/// multiples of 64 pixels: its camera is cropped likewise, and a Note says so.
 /// Skipped, each reason with one Warning that counts and names: no image file, not readable, no pose, a camera model
-/// that is no pinhole, a shape (width to height) more than 1 % off its camera's, a name that comes twice, and the pose
-/// or the name of a test view. Confidence that is missing for some, not readable, not grey, or neither of the size of
-/// the image file nor of the size in use is dropped with a Warning. One more Warning when nothing is left.
+/// that is no pinhole, a shape more than 1 % off its camera's or 6 % off its view's, a name that comes twice, and the
+/// pose or the name of a test view. Confidence that is missing for some, not readable, not grey, or of a shape more
+/// than 6 % off its image's is dropped with a Warning. One more Warning when nothing is left.
 /// Throws InputError: no folder, no images, several synthetic_N, a damaged transforms.json.
 FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const FolderRequest& request,
                                    const Listener& listener);

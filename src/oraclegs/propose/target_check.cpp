@@ -153,6 +153,7 @@ TargetCheck::TargetCheck(const TrajectoryRequest& request)
   nearest_ = std::min(kInsideShare * *std::min_element(depth.begin(), depth.end()),
                       kOwnDistanceShare * *std::min_element(clear.begin(), clear.end()));
   // An object before a plain background covers little of the image.
+  if (request.sees_anything) return;
   min_share_ = std::min(kMinCoveredShare, kMinShareOfMedian * UpperMedian(&share));
 }
 

@@ -18,6 +18,7 @@ struct TrajectoryRequest {
   const std::vector<DepthMap>* maps = nullptr;      ///< of the training views
   const std::vector<DensePoint>* points = nullptr;  ///< where surfaces are
   uint64_t seed = 0;
+  bool sees_anything = false;  ///< poses that see next to nothing of the points count, too: for generators
 };
 
 /// A thousandth of the mean distance from a training camera to the nearest other one: centres closer than this are one
@@ -55,7 +56,7 @@ class TargetCheck {
   ///   kInsideGeometry  five points or more lie nearer than a quarter of the smallest median depth of a training
   ///                    camera, and nearer than to any training camera
   ///   kSeesNothing     points fall on less than a tenth of a 16 x 16 grid over the image, and on less than half of
-  ///                    the training cameras' median share
+  ///                    the training cameras' median share; never where the request's sees_anything
   /// The last two need at least 100 points.
   Verdict Classify(const Camera& camera) const;
 
@@ -70,7 +71,7 @@ class TargetCheck {
   PoseSet test_, train_;
   std::vector<DensePoint> points_;
   double nearest_ = 0;    ///< world units: geometry this near has the camera inside
-  double min_share_ = 0;  ///< of the grid
+  double min_share_ = 0;  ///< of the grid; 0 = any
 };
 
 }  // namespace oraclegs

@@ -57,7 +57,8 @@ LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
       proposals_{CleanProposals(std::move(data.proposals), options), {}},
       lpips_(std::move(data.lpips)),
       coarse_iterations_(CoarseIterations(options.coarse_share, options.iterations)),
-      depth_scale_(options.depth_weight * SceneDepth(photos_.full, proposals_.full)) {
+      depth_scale_(options.depth_weight *
+                   (options.depth_loss == DepthLoss::kPaper ? 1 : SceneDepth(photos_.full, proposals_.full))) {
   CheckShares(options);
   if (coarse_iterations_ > 0) {
     for (const TrainView& view : photos_.full) photos_.half.push_back(HalfSize(view, ViewKind::kPhoto));
@@ -104,7 +105,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
     terms.Add({TermKind::kExposure, kExposureRegularizer});
     terms.exposure = sampled.index;
     const bool is_last = iteration >= options_.iterations;
-    terms.exposure_rate = is_last ? 0 : ExposureLearningRate(iteration, options_.iterations);
+    terms.exposure_rate = is_last ? 0 : ExposureLearningRate(iteration, options_.Horizon());
   }
   if (is_proposal && lpips_) {
     const double confidence = mean_confidence_[IsCoarse(iteration)][static_cast<size_t>(sampled.index)];
@@ -113,7 +114,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
     if (weight != 0) terms.Add({TermKind::kPerceptual, weight, ViewPlane::kImage});
   }
   const double depth_weight =
-      depth_scale_ * (is_proposal ? options_.proposal_weight : 1) * DepthWeight(iteration, options_.iterations);
+      depth_scale_ * (is_proposal ? options_.proposal_weight : 1) * DepthWeight(iteration, options_.Horizon());
   if (depth_weight != 0 && view.inv_depth.defined()) {
     terms.Add({TermKind::kInvDepth, depth_weight, ViewPlane::kInvDepth, ViewPlane::kDepthMask});
   }

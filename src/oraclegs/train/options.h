@@ -8,11 +8,23 @@
 namespace oraclegs {
 
 /// How the share of iterations that take a proposal changes over the run.
-enum class ScheduleKind { kPaper, kConstant, kNone };
+enum class ScheduleKind { kPaper, kConstant, kUnion, kNone };
 template <>
 struct EnumWords<ScheduleKind> {
-  static constexpr EnumWord<ScheduleKind> kWords[] = {
-      {ScheduleKind::kPaper, "paper"}, {ScheduleKind::kConstant, "constant"}, {ScheduleKind::kNone, "none"}};
+  static constexpr EnumWord<ScheduleKind> kWords[] = {{ScheduleKind::kPaper, "paper"},
+                                                      {ScheduleKind::kConstant, "constant"},
+                                                      {ScheduleKind::kUnion, "union"},
+                                                      {ScheduleKind::kNone, "none"}};
+};
+
+/// What the depth term compares.
+enum class DepthLoss {
+  kRelative,  ///< inverse depths in units of the scene's typical distance, weighted by their confidence
+  kPaper,     ///< inverse depths in scene units under a mask of 0 and 1 (equation 5 of the OracleGS paper)
+};
+template <>
+struct EnumWords<DepthLoss> {
+  static constexpr EnumWord<DepthLoss> kWords[] = {{DepthLoss::kRelative, "relative"}, {DepthLoss::kPaper, "paper"}};
 };
 
 /// Whether exposure maps are trained.
@@ -25,8 +37,10 @@ struct EnumWords<ExposureMode> {
 /// Everything that decides the numbers of a training run.
 struct TrainOptions {
   int iterations = 7000;
+  int horizon = 0;
   int max_gaussians = 100000;
   double depth_weight = 1;
+  DepthLoss depth_loss = DepthLoss::kRelative;
   double alpha_weight = 0.1;
   Auto<ExposureMode> exposure = {};
   Auto<double> dropout = {};
@@ -66,16 +80,23 @@ struct TrainOptions {
     return settled;
   }
 
+  /// The iterations over which rates, weights and shares run their course.
+  int64_t Horizon() const { return horizon > 0 ? horizon : iterations; }
+
   /// How often proposals are drawn, as --schedule says; as the paper does where nothing is said.
   ProposalSchedule Proposals() const {
     if (schedule == ScheduleKind::kNone) return {0, 0};
     return {synthetic_floor.ValueOr(ProposalSchedule().floor),
-            schedule == ScheduleKind::kConstant ? 0 : synthetic_peak};
+            schedule == ScheduleKind::kPaper || schedule.is_auto() ? synthetic_peak : 0};
   }
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("iterations", self.iterations, "Training steps, one photo each", Range{1, 1e7});
+    visit("horizon", self.horizon,
+          "Iterations over which learning rates, depth weight, schedule and --refine-stop run their course, where "
+          "training stops before that; 0 = --iterations. The paper scores a run of 30000 after 15000 or 22000",
+          Range{0, 1e7});
     visit("max-gaussians", self.max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
     visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
     visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree",
@@ -85,7 +106,8 @@ struct TrainOptions {
     visit(
         "schedule", self.schedule,
         "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
-        "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; none = never; "
+        "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; union = photos "
+        "and proposals are drawn from one pile; none = never; "
         "auto = constant where proxy models alone propose, as often as these are trusted, else paper");
     visit("synthetic-floor", self.synthetic_floor,
           "Share of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
@@ -105,6 +127,9 @@ struct TrainOptions {
           "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
           "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
           Range{0, 1e3});
+    visit("depth-loss", self.depth_loss,
+          "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
+          "paper = |1/z - target| in scene units, all pixels of known depth alike (equation 5 of the OracleGS paper)");
     visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha term where a Blender scene's images have that channel: mean |alpha - rendered|, which "
           "keeps objects from thinning out and their surroundings free of haze; 0 = off",

@@ -1,5 +1,6 @@
 #pragma once
-// What changes with the iteration (docs/method.md#learning-rates, #schedules). Iterations count from 1.
+// What changes with the iteration (docs/method.md#learning-rates, #schedules). Iterations count from 1; `iterations` is
+// the horizon of the run (--horizon).
 
 #include <cstdint>
 

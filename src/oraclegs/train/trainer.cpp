@@ -68,9 +68,10 @@ struct Trainer::State {
   void Step();
   void ReportLimitations(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations; }
-  /// Never the last iteration: refine_stop is at most 1.
+  /// Never the last iteration of the horizon: refine_stop is at most 1.
   bool Refines(int64_t i) const {
-    return i > options.refine_start && static_cast<double>(i) < options.refine_stop * options.iterations &&
+    return i > options.refine_start &&
+           static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon()) &&
            i % options.refine_every == 0;
   }
 
@@ -99,10 +100,10 @@ Iteration Trainer::State::NextIteration() {
   Iteration next;
   const int64_t i = next.number = iteration + 1;
   next.seed = seed;
-  next.rates.ScaleAll(RateFactor(i, options.iterations, options.last_rates.value()));
-  next.rates.means = MeansLearningRate(i, options.iterations, extent);
+  next.rates.ScaleAll(RateFactor(i, options.Horizon(), options.last_rates.value()));
+  next.rates.means = MeansLearningRate(i, options.Horizon(), extent);
   next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval), options.sh_degree);
-  next.view = sampler.Next(SyntheticProbability(i, options.iterations, options.Proposals()));
+  next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
   next.refines = Refines(i);
   // Also after the last relocation: what is large grows until the end.

@@ -37,7 +37,7 @@ struct Object {
 
 TEST(TrainInputs, MaskDepthByConfidenceAndSilhouette) {
   const Object object;
-  const TrainView view = MakeTrainViews(object.training(), object.geometry).front();
+  const TrainView view = MakeTrainViews(object.training(), object.geometry, DepthLoss::kRelative).front();
   const auto depth = [&](int y, int x) { return view.inv_depth[y * kSide + x]; };
   const auto mask = [&](int y, int x) { return view.depth_mask[y * kSide + x]; };
   EXPECT_EQ(depth(10, 9), 0.5f);
@@ -48,13 +48,13 @@ TEST(TrainInputs, MaskDepthByConfidenceAndSilhouette) {
   EXPECT_EQ(mask(10, 7), 0) << "too near the silhouette to be certain";
   EXPECT_FLOAT_EQ(view.exposure[0], 1.2f);
   EXPECT_FLOAT_EQ(view.exposure[10], 0.8f);
-  EXPECT_FALSE(MakeTrainViews(object.training(), {}).front().inv_depth.defined());
+  EXPECT_FALSE(MakeTrainViews(object.training(), {}, DepthLoss::kRelative).front().inv_depth.defined());
 }
 
 TEST(TrainInputs, WeightANetworksDepthByItsConfidence) {
   Object object;
   object.geometry.maps[0].monocular = true;
-  const TrainView view = MakeTrainViews(object.training(), object.geometry).front();
+  const TrainView view = MakeTrainViews(object.training(), object.geometry, DepthLoss::kRelative).front();
   const auto mask = [&](int y, int x) { return view.depth_mask[y * kSide + x]; };
   EXPECT_NEAR(mask(10, 9), 0.9, 1e-6);
   EXPECT_NEAR(mask(10, 14), 0.3, 1e-6);

@@ -26,13 +26,22 @@ struct EnumWords<PoseSource> {
 };
 
 /// Where the Gaussians start.
-enum class StartKind { kDense, kSfm, kRandom, kHybrid };
+enum class StartKind { kDense, kSfm, kRandom, kRandomCube, kHybrid };
 template <>
 struct EnumWords<StartKind> {
   static constexpr EnumWord<StartKind> kWords[] = {{StartKind::kDense, "dense"},
                                                    {StartKind::kSfm, "sfm"},
                                                    {StartKind::kRandom, "random"},
+                                                   {StartKind::kRandomCube, "random-cube"},
                                                    {StartKind::kHybrid, "hybrid"}};
+};
+
+/// Where sparse points come from.
+enum class SfmPoints { kTriangulate, kModel };
+template <>
+struct EnumWords<SfmPoints> {
+  static constexpr EnumWord<SfmPoints> kWords[] = {{SfmPoints::kTriangulate, "triangulate"},
+                                                   {SfmPoints::kModel, "model"}};
 };
 
 /// What the training views' depth is made from.
@@ -65,6 +74,7 @@ struct InputOptions {
 };
 
 struct StartOptions {
+  Auto<SfmPoints> sfm_points;
   Auto<StartKind> init;
   Auto<double> init_scale;
   double init_opacity = 0.5;
@@ -74,10 +84,17 @@ struct StartOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("init", self.init,
-          "Where the Gaussians start: dense = what stereo found, sfm = points triangulated from the training views, "
-          "random = in the volume they look at, hybrid = all three, auto = dense, or sfm joined by random points "
-          "where stereo finds little, or random alone below 100");
+    visit(
+        "sfm-points", self.sfm_points,
+        "Where sparse points come from: triangulate = by colmap from the training views alone, with their poses fixed; "
+        "model = those of the scene's own model that two training views saw, though test views helped to place them; "
+        "auto = model where all photos train, else triangulate");
+    visit(
+        "init", self.init,
+        "Where the Gaussians start: dense = what stereo found, sfm = points triangulated from the training views, "
+        "random = in the volume they look at, random-cube = as 3DGS-MCMC's authors draw them, in a cube of three times "
+        "the cameras' extent around the origin, hybrid = the first three, auto = dense, or sfm joined by random points "
+        "where stereo finds little, or random alone below 100");
     visit("init-scale", self.init_scale,
           "Start scale as a factor of the distance to the neighbours; auto = 1 for a dense start, 0.1 for others",
           Range{1e-6, 10});

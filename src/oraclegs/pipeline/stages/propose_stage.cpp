@@ -87,6 +87,12 @@ FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
                             run.listener);
 }
 
+/// Whether something is asked that needs no depth: what it makes of places that the photos hardly show, the oracle
+/// classifies.
+bool AsksGenerator(const Run& run) {
+  return run.plan.Uses(run.options, ProposerChoice::kSeva) || run.plan.Uses(run.options, ProposerChoice::kCommand);
+}
+
 std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   TrajectoryRequest request;
   request.train = CamerasOf(run, run.split.train);
@@ -95,6 +101,7 @@ std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   request.maps = &geometry.maps;
   request.points = &geometry.points;
   request.seed = run.options.start.seed;
+  request.sees_anything = AsksGenerator(run);
   TrajectoryOptions trajectory = run.options.trajectory;
   if (trajectory.proposals.is_auto() && ProxiesAlonePropose(run)) trajectory.proposals = kProxyProposals;
   return ChooseTargets(request, trajectory, run.listener);
@@ -107,7 +114,7 @@ bool LoadPropose(Run* run) {
   known.targets.clear(), known.folder = {}, known.proposers = nullptr;
   if (!run->options.propose.proposal_folder.empty()) known.folder = ReadFolder(*run, training.views.front());
   if (!run->plan.proposes) return true;
-  if (CanPropose(training, known.geometry)) {
+  if (AsksGenerator(*run) || CanPropose(training, known.geometry)) {
     known.targets = OwnTargets(*run, known.geometry);
   } else {
     run->listener(Warning{fmt::format(
@@ -166,7 +173,7 @@ void AskGenerator(Run* run) {
 std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   LoadPropose(run);
   const StageResults& known = *run->results;
-  if (known.targets.empty() && run->options.propose.proposal_folder.empty() &&
+  if (known.targets.empty() && run->options.propose.proposal_folder.empty() && !AsksGenerator(*run) &&
       !CanPropose(ViewsOf(run), known.geometry)) {
     return std::nullopt;
   }
@@ -198,7 +205,8 @@ std::vector<int> SpareViews(const Run& run) {
     const auto is_in = [v](const std::vector<int>& part) {
       return std::find(part.begin(), part.end(), v) != part.end();
     };
-    if (!is_in(run.split.train) && !is_in(run.split.test)) spare.push_back(v);
+    const bool tests = run.scene.views[static_cast<size_t>(v)].role == DeclaredRole::kTest;  // though not in this split
+    if (!tests && !is_in(run.split.train) && !is_in(run.split.test)) spare.push_back(v);
   }
   return spare;
 }

@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/pipeline/stages/proxy_models.h"
 #include "oraclegs/pipeline/stages/seva_stage.h"
 #include "oraclegs/propose/generator.h"
 
@@ -18,7 +19,10 @@ Proposers::Proposers(const Run& run, const TrainingViews& training, const Geomet
   const ProposeOptions& options = run.options.propose;
   // Also where nothing but a folder proposes: the oracle learns from what is known to be wrong.
   if (options.proposers != ProposerChoice::kSplat || proxies.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);
-  warp_paints_ = options.proposers != ProposerChoice::kSeva && options.proposers != ProposerChoice::kCommand;
+  // Beside a generator targets are asked for where stereo found little, too.
+  const bool generates = options.Uses(ProposerChoice::kSeva) || !options.generator.empty();
+  warp_paints_ = options.proposers != ProposerChoice::kSeva && options.proposers != ProposerChoice::kCommand &&
+                 (!generates || CanPropose(training, geometry));
   for (int k = 0; k < run.options.seva.candidates && options.Uses(ProposerChoice::kSeva); ++k) {
     stored_.emplace_back(run.workspace.proposals(), SevaSource(k));
   }

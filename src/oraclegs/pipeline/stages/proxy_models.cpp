@@ -59,7 +59,7 @@ class ProxyTrainer {
       : run_(*run),
         training_(ViewsOf(run)),
         geometry_(run->results->geometry),
-        views_(MakeTrainViews(training_, geometry_)),
+        views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
         options_(ProxyOptions(run->options, SettleTrainOptions(run->options.train, training_, geometry_, Silent()))),
         finish_(FinishOptions(run->options, options_)) {}
 
@@ -174,6 +174,7 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   const double share = options.propose.proxy_share;
   const auto scaled = [&](int iterations) { return std::max(1, static_cast<int>(share * iterations)); };
   train.iterations = scaled(train.iterations);
+  train.horizon = 0;
   train.sh_degree_interval = scaled(train.sh_degree_interval);
   train.refine_start = scaled(train.refine_start);
   train.max_gaussians = std::min(train.max_gaussians, options.propose.proxy_gaussians.ValueOr(train.max_gaussians));

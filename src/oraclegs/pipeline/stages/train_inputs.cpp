@@ -22,13 +22,14 @@ Buffer<float> ToMap(const std::vector<float>& values, const Camera& camera) {
 }
 
 /// The depth map as a target; what stereo is not confident of is ignored, what a network predicted in its place counts
-/// as much as its confidence.
-void AddDepth(const DepthMap& map, TrainView* view) {
+/// as much as its confidence, or in the paper's loss as 1.
+void AddDepth(const DepthMap& map, DepthLoss loss, TrainView* view) {
   view->inv_depth = ToMap(map.inv_depth, map.camera);
   view->depth_mask = ToMap(map.confidence, map.camera);
-  if (map.monocular) return;
+  const float least = map.monocular ? 0.f : kConfident;
   for (float& confidence : view->depth_mask.span()) {
-    if (confidence < kConfident) confidence = 0;
+    if (confidence < least) confidence = 0;
+    if (loss == DepthLoss::kPaper && confidence > 0) confidence = 1;
   }
 }
 
@@ -82,14 +83,21 @@ TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>&
   return options;
 }
 
-std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry) {
+TrainOptions SettleUnion(TrainOptions options, size_t photos, size_t proposals) {
+  if (options.schedule != ScheduleKind::kUnion) return options;
+  options.schedule = ScheduleKind::kConstant;
+  options.synthetic_floor = static_cast<double>(proposals) / static_cast<double>(photos + proposals);
+  return options;
+}
+
+std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {
   const Silhouettes& silhouettes = training.silhouettes;
   std::vector<TrainView> views;
   for (size_t v = 0; v < training.views.size(); ++v) {
     views.push_back(ToTrainView(training.views[v]));
     if (!geometry.maps.empty()) {
-      AddDepth(geometry.maps[v], &views.back());
-      if (!silhouettes.empty()) AddEmptiness(silhouettes, v, &views.back());
+      AddDepth(geometry.maps[v], depth_loss, &views.back());
+      if (!silhouettes.empty() && depth_loss != DepthLoss::kPaper) AddEmptiness(silhouettes, v, &views.back());
     }
     if (!geometry.gains.empty()) views.back().exposure = Diagonal(geometry.gains[v]);
   }

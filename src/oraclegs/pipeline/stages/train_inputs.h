@@ -21,9 +21,12 @@ TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& train
 /// is reported. Other options, and those without proposals, stay as they are.
 TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener);
 
+/// --schedule union as a constant share: that of the proposals among all views. Other schedules stay as they are.
+TrainOptions SettleUnion(TrainOptions options, size_t photos, size_t proposals);
+
 /// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
-/// 0) beside an object's silhouette, and starting from the exposures stereo found.
-std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry);
+/// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.
+std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss);
 
 /// {"NAME": [12 numbers, the 3x4 colour map row by row]} of trained exposures.
 nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std::vector<ExposureMap>& exposures);

@@ -65,7 +65,7 @@ TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   const StageResults& known = *run.results;
   TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
   if (ProxiesAlonePropose(run)) settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
-  return settled.Settled();
+  return SettleUnion(std::move(settled), training.views.size(), known.proposals.size()).Settled();
 }
 
 Gaussians StartGaussians(Run* run) {
@@ -109,7 +109,8 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
       TrainSetup{SettledOptions(*run, training),
                  run->options.start.seed,
                  BackgroundColor(run->options.image.background),
-                 {MakeTrainViews(training, known.geometry), std::move(known.proposals), std::move(network.distance)},
+                 {MakeTrainViews(training, known.geometry, run->options.train.depth_loss), std::move(known.proposals),
+                  std::move(network.distance)},
                  std::move(start)},
       [device = run->plan.device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
   if (checkpoint) ready.trainer->Restore(*checkpoint);
