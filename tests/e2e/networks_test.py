@@ -8,11 +8,11 @@ import subprocess
 import unittest
 from pathlib import Path
 
-from harness import PROGRAM, ManyViews, main
+from harness import PROGRAM, ManyViews, files_below, main
 
 TINY_NETWORKS = os.environ.get("ORACLEGS_TINY_NETWORKS", str(Path(PROGRAM).with_name("tiny_networks")))
 MODELS = ["depth-anything-v2-small", "seva", "sd21-vae", "openclip-vith14", "vggt", "lpips-vgg"]
-PRESETS = ["mipnerf360-12", "mipnerf360-24", "blender-8"]
+PRESETS = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8", "best-mipnerf360-12"]
 SMALL = ["--views", 10, "--test-every", 4, "--downscale", 1, "--stereo-iterations", 3, "--stereo-passes", 1,
          "--iterations", 20, "--max-gaussians", 1500, "--init", "hybrid", "--proxy-models", 3, "--proposals", 3, "--trajectory", "dataset",
          "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2, "--candidates", 2]  # fmt: skip
@@ -28,7 +28,7 @@ class Networks(ManyViews):
 
     def test_a_preset_runs_the_whole_pipeline(self):
         out = self.dir / "whole"
-        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "mipnerf360-12", *SMALL]
+        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "best-mipnerf360-12", *SMALL]
         done = self.run_program(*arguments, **self.with_models)
         metrics = json.loads((out / "metrics.json").read_text())
         self.assertTrue({"sfm", "depth", "propose", "validate", "train", "evaluate"} <= metrics["stages"].keys())
@@ -47,6 +47,42 @@ class Networks(ManyViews):
         self.assertFalse((out / "proposals/seva_chunks").exists())
         self.assertRegex(self.run_program(*arguments, **self.with_models).stdout, "(?m)^propose .*unchanged")
 
+    def test_the_papers_preset_runs(self):
+        out = self.dir / "paper"
+        small = ["--views", 10, "--test-every", 4, "--downscale", 1, "--iterations", 20, "--max-gaussians", 1500, "--init",
+                 "random-cube", "--seva-frames", 12, "--seva-short-side", 64, "--seva-steps", 2]  # fmt: skip
+        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "paper-mipnerf360-12", *small]
+        self.run_program(*arguments, **self.with_models)
+        frames = json.loads((out / "proposals/transforms.json").read_text())["frames"]
+        self.assertEqual(len(frames), 5, "every view that neither trains nor tests")
+        metrics = json.loads((out / "metrics.json").read_text())
+        self.assertEqual(metrics["depth"]["prior"], "depth-anything")
+        self.assertEqual(metrics["options"]["horizon"], 30000)
+
+    def test_three_images_and_no_depth_are_enough_for_a_generator(self):
+        out = self.dir / "three"
+        self.run_program("reconstruct", self.scene, "-o", out, *SMALL, "--views", 3, "--proposers", "seva", "--candidates",
+                         1, "--depth-prior", "none", "--init", "random", "--oracle", "vggt", "--no-calibrate",
+                         **self.with_models)  # fmt: skip
+        self.assertEqual(len(list((out / "confidence").glob("*.png"))), 3)
+
+    def test_layers_of_the_oracle_are_options(self):
+        out = self.dir / "layers"
+        arguments = ["validate", self.scene, "-o", out, *SMALL, "--proposers", "warp", "--oracle", "vggt", "--no-calibrate"]
+        self.run_program(*arguments, **self.with_models)
+        usual = files_below(out / "confidence")
+        self.run_program(*arguments, "--vggt-layers", "1", "--overwrite", **self.with_models)
+        of_one = files_below(out / "confidence")
+        self.assertEqual(usual.keys(), of_one.keys())
+        self.assertNotEqual([usual[name][0] for name in usual], [of_one[name][0] for name in usual])
+        for bad, code, names in (
+            (["--vggt-layers", "0,99"], 2, ["99"]),
+            (["--vggt-layers", "0", "--vggt-layer-weights", "1,2"], 2, ["--vggt-layer-weights"]),
+            (["--vggt-layers", "first"], 2, ["'first'"]),
+        ):
+            self.error_of(*arguments, *bad, "-o", self.dir / "refused", code=code, names=names, **self.with_models)
+            self.assertFalse((self.dir / "refused").exists())
+
     def test_without_weights_all_that_is_missing_is_named(self):
         out = self.dir / "missing"
         for preset in PRESETS:
@@ -61,7 +97,7 @@ class Networks(ManyViews):
 
     def test_a_fallback_runs_what_needs_no_weights_and_says_so(self):
         out = self.dir / "fallback"
-        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "blender-8", *SMALL, "--allow-fallback"]
+        arguments = ["reconstruct", self.scene, "-o", out, "--preset", "best-mipnerf360-24", *SMALL, "--allow-fallback"]
         done = self.run_program(*arguments)
         for instead in ("--proposers splat", "--oracle consistency", "--depth-prior stereo", "L1 and SSIM"):
             self.assertRegex(done.stderr, f"are not here; {instead}.* instead")

@@ -1,0 +1,80 @@
+"""The presets: those of the paper hold the paper's settings, as docs/method.md lists them, and all of them can be read."""
+
+import re
+import tomllib
+import unittest
+from pathlib import Path
+
+from harness import ROOT, EndToEnd, main
+
+PRESETS = sorted((ROOT / "presets").glob("*.toml"))
+PAPER = ["paper-mipnerf360-12", "paper-mipnerf360-24", "paper-blender-8"]
+
+
+def preset(name):
+    return tomllib.loads((ROOT / f"presets/{name}.toml").read_text())
+
+
+def defaults():
+    """{option: default} of `reconstruct`, as docs/commands.md lists them; another test compares that page with the program."""
+    page = (ROOT / "docs/commands.md").read_text().partition("\n## General options\n")[2]
+    rows = re.findall(r"^\| `--([a-z0-9-]+)[^`]*` \|.*?default ([^|]*?) \|$", page, re.M)
+    return dict(rows)
+
+
+def word(value):
+    return {True: "on", False: "off"}.get(value, str(value)) if isinstance(value, bool) else str(value)
+
+
+def same(a, b):
+    try:
+        return float(a) == float(b)
+    except ValueError:
+        return a == b
+
+
+class Presets(EndToEnd):
+    def test_the_papers_are_the_paper(self):
+        text = (ROOT / "docs/method.md").read_text().partition("\n## paper presets\n")[2].partition("\n## ")[0]
+        rows = re.findall(r"^\| (.+?) \| (.+?) \| `--([a-z0-9-]+)` \| (\S+) \| (\S+) \| (\S+) \|$", text, re.M)
+        self.assertEqual(len(rows), text.count("`--") - text.count("`--preset") - text.count("`--depth-weights"))
+        usual = defaults()
+        given = [preset(name) for name in PAPER]
+        for setting, paper, option, *expected in rows:
+            have = [word(p.get(option, usual.get(option, "nothing"))) for p in given]
+            print(f"{setting:52} {paper:38} --{option:20} {' '.join(f'{h:14}' for h in have)}")
+            for name, want, is_there in zip(PAPER, expected, have, strict=True):
+                with self.subTest(preset=name, setting=setting):
+                    self.assertTrue(same(want, is_there), f"--{option} is {is_there}, the paper's is {want}")
+        listed = {option for _, _, option, *_ in rows}
+        for name, options in zip(PAPER, given, strict=True):
+            self.assertEqual(set(options) - listed - {"train-views", "test-views"}, set(), f"{name}: not in the table")
+
+    def test_published_splits(self):
+        blender = preset("paper-blender-8")
+        train = [int(name.rpartition("_")[2]) for name in blender["train-views"].split(",")]
+        self.assertEqual(train, [26, 86, 2, 55, 75, 93, 16, 73])
+        self.assertEqual(blender["test-views"].split(","), [f"test/r_{i}" for i in range(0, 200, 8)])
+        self.assertEqual([blender[k] for k in ("train-views", "test-views")],
+                         [preset("best-blender-8")[k] for k in ("train-views", "test-views")])  # fmt: skip
+        order = [25, 22, 28, 40, 44, 48, 0, 8, 13]
+        for n in (3, 6, 9):
+            self.assertEqual((preset(f"llff-{n}")["views"], preset(f"llff-{n}")["test-every"]), (n, 8))
+            dtu = preset(f"dtu-{n}")
+            self.assertEqual(dtu["train-views"], ",".join(f":{i}" for i in order[:n]))
+            test = [int(word[1:]) for word in dtu["test-views"].split(",")]
+            self.assertEqual(len(test), 25)
+            self.assertFalse(set(test) & set(order))
+
+    def test_all_can_be_read(self):
+        page = (ROOT / "docs/commands.md").read_text()
+        for path in PRESETS:
+            with self.subTest(path.stem):
+                error = self.error_of("reconstruct", self.dir / "nowhere", "-o", self.dir / "out", "--preset", path.stem,
+                                      "--allow-fallback", code=3)  # fmt: skip
+                self.assertIn("nowhere", error)
+                self.assertTrue(f"`{path.stem}`" in page, "not in docs/commands.md")
+
+
+if __name__ == "__main__":
+    main()
