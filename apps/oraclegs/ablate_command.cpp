@@ -1,4 +1,4 @@
-#include "oraclegs/experiments/ablation.h"
+#include "oraclegs/experiments/ablation_suite.h"
 #include "oraclegs/experiments/tampering.h"
 #include "workspace_command.h"
 
@@ -9,7 +9,7 @@ class AblateCommand : public WorkspaceCommand {
  public:
   explicit AblateCommand(CLI::App* app)
       : WorkspaceCommand(app, "ablate", "Train a scene with one part of the program after the other: what each brings",
-                         "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --rows mcmc,proposals,confidence\n"
+                         "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --also other/\n"
                          "  oraclegs ablate scene/ -o out/ --views 12 --suite tampering") {
     Bind("Ablation", &options_);
   }
@@ -18,9 +18,12 @@ class AblateCommand : public WorkspaceCommand {
   void Fill(const RunRequest& request, const Listener& listener) override {
     const AblationRequest ablation{request, options_, CommandLine()};
     const bool tampering = options_.suite == AblationSuite::kTampering;
-    Print(
-        (tampering ? TamperingText(RunTampering(ablation, listener)) : AblationText(RunAblation(ablation, listener))) +
-        fmt::format("table      {}", (request.out / (tampering ? "tampering.md" : "ablation.md")).string()));
+    if (tampering && !options_.also.empty()) throw UsageError("--also goes with --suite parts; leave it out");
+    const auto parts = [&] {
+      return options_.also.empty() ? RunAblation(ablation, listener) : RunSuite(ablation, listener);
+    };
+    Print((tampering ? TamperingText(RunTampering(ablation, listener)) : AblationText(parts())) +
+          fmt::format("table      {}", (request.out / (tampering ? "tampering.md" : "ablation.md")).string()));
   }
 
   AblateOptions options_;

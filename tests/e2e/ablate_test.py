@@ -14,10 +14,10 @@ RUN = ["--stereo-iterations", 3, "--stereo-passes", 1, "--iterations", 20, "--ma
 class Ablate(EndToEnd):
     def test_prints_a_table_and_writes_it(self):
         out = self.dir / "an ablation"
-        arguments = ["ablate", self.scene, "-o", out, *RUN, "--rows", "mcmc,proposals", "--seeds", 2, "--seed", 3]
+        arguments = ["ablate", self.scene, "-o", out, *RUN, "--rows", "mcmc,union", "--seeds", 2, "--seed", 3]
         done = self.run_program(*arguments)
         self.assertRegex(done.stdout, r"(?m)^1 MCMC, random start +\d+\.\d\d ± \d+\.\d\d +0\.\d{4} ± ")
-        self.assertRegex(done.stdout, r"(?m)^2 \+ proposals .* [+-]\d+\.\d\d ± \d+\.\d\d +\d+:\d\d$")
+        self.assertRegex(done.stdout, r"(?m)^2 \+ all proposals .* [+-]\d+\.\d\d ± \d+\.\d\d +\d+:\d\d$")
         self.assertRegex(done.stderr, r"row 1 of 11 \(MCMC, random start\), seed 3: \d+\.\d\d dB, about [0-9:]+ left")
         report = json.loads((out / "ablation.json").read_text())
         self.assertEqual(report["seeds"], [3, 4])
@@ -42,7 +42,7 @@ class Ablate(EndToEnd):
         self.error_of("ablate", self.scene, code=2, names=["-o"])
         self.error_of("ablate", self.scene, "-o", out, "--rows", "mcmc,magic", code=2, names=["--rows", "magic", "mcmc"])
         self.error_of("ablate", self.scene, "-o", out, "--seeds", 0, code=2, names=["--seeds"])
-        self.error_of("ablate", self.scene, "-o", out, "--init", "sfm", code=2, names=["--init"])
+        self.error_of("ablate", self.scene, "-o", out, "--init", "random", code=2, names=["--init"])
         self.error_of("ablate", self.scene, "-o", out, "--proposers", "none", code=2, names=["--proposers"])
         self.error_of("ablate", self.dir / "nowhere", "-o", out, code=3, names=["nowhere"])
         self.assertFalse(out.exists())

@@ -14,7 +14,7 @@ using testing::Not;
 AblationRun Ran(uint64_t seed, double psnr) {
   AblationRun run;
   run.seed = seed, run.workspace = "rows/x";
-  run.psnr = psnr, run.ssim = psnr / 100, run.psnr_color_corrected = psnr + 1;
+  run.psnr = psnr, run.ssim = psnr / 100, run.lpips = 0.5 - psnr / 100, run.psnr_color_corrected = psnr + 1;
   run.training_seconds = 60, run.gaussians = 500, run.start = "random";
   return run;
 }
@@ -61,24 +61,26 @@ TEST(GainOf, ComparesSeedBySeedWithTheNearestRowThatHasScores) {
 }
 
 TEST(AblationText, AlignsScoresAndTellsFailures) {
-  EXPECT_EQ(AblationText(Example()),
-            "12 training views, 7 test views, 270 × 480 pixels, 7000 iterations, at most 100000 Gaussians, seeds 0, 1, "
-            "2\n"
-            "row                           PSNR             SSIM     corrected          gain  training\n"
-            "1 MCMC, random start  21.00 ± 1.00  0.2100 ± 0.0100  22.00 ± 1.00             -      1:00\n"
-            "2 + proposals         failed: scene: no points\n"
-            "3 + schedule          22.00 ± 2.12  0.2200 ± 0.0212  23.00 ± 2.12  +1.00 ± 0.71      1:00\n"
-            "4 + SfM start         not run yet\n"
-            "row 3 (+ schedule), seed 1 failed: scene: no points\n");
+  EXPECT_EQ(
+      AblationText(Example()),
+      "12 training views, 7 test views, 270 × 480 pixels, 7000 iterations, at most 100000 Gaussians, seeds 0, 1, "
+      "2\n"
+      "row                           PSNR             SSIM            LPIPS     corrected          gain  training\n"
+      "1 MCMC, random start  21.00 ± 1.00  0.2100 ± 0.0100  0.2900 ± 0.0100  22.00 ± 1.00             -      1:00\n"
+      "2 + proposals         failed: scene: no points\n"
+      "3 + schedule          22.00 ± 2.12  0.2200 ± 0.0212  0.2800 ± 0.0212  23.00 ± 2.12  +1.00 ± 0.71      1:00\n"
+      "4 + SfM start         not run yet\n"
+      "row 3 (+ schedule), seed 1 failed: scene: no points\n");
 }
 
 TEST(AblationText, ShowsNoDeviationOfOneSeedAndNoScoresWithoutTestPixels) {
   Ablation a = Example();
   a.seeds = {5};
   a.rows = {{1, "mcmc", "MCMC", "alone", {}, {Ran(5, 20)}}};
-  EXPECT_THAT(AblationText(a), AllOf(HasSubstr("seed 5\n"), HasSubstr("20.00  0.2000"), Not(HasSubstr("±"))));
-  a.rows[0].runs[0].psnr = a.rows[0].runs[0].ssim = a.rows[0].runs[0].psnr_color_corrected = std::nullopt;
-  EXPECT_THAT(AblationText(a), HasSubstr("1 MCMC     -     -          -     -      1:00\n"));
+  EXPECT_THAT(AblationText(a), AllOf(HasSubstr("seed 5\n"), HasSubstr("20.00  0.2000  0.3000"), Not(HasSubstr("±"))));
+  a.rows[0].runs[0].psnr = a.rows[0].runs[0].ssim = a.rows[0].runs[0].lpips = a.rows[0].runs[0].psnr_color_corrected =
+      std::nullopt;
+  EXPECT_THAT(AblationText(a), HasSubstr("1 MCMC     -     -      -          -     -      1:00\n"));
 }
 
 TEST(AblationToJson, HasEachSeedAndItsFailure) {
@@ -113,12 +115,12 @@ TEST(AblationMarkdown, HasHeadingTablesAndNotes) {
             "\n"
             "    oraclegs ablate fox -o out\n"
             "\n"
-            "| row | PSNR, dB | SSIM | PSNR, colour-corrected | gain, dB | training |\n"
-            "| --- | --- | --- | --- | --- | --- |\n"
-            "| 1 MCMC, random start | 21.00 ± 1.00 | 0.2100 ± 0.0100 | 22.00 ± 1.00 | - | 1:00 |\n"
-            "| 2 + proposals | failed: scene: no points | | | | |\n"
-            "| 3 + schedule | 22.00 ± 2.12 | 0.2200 ± 0.0212 | 23.00 ± 2.12 | +1.00 ± 0.71 | 1:00 |\n"
-            "| 4 + SfM start | not run yet | | | | |\n"
+            "| row | PSNR, dB | SSIM | LPIPS | PSNR, colour-corrected | gain, dB | training |\n"
+            "| --- | --- | --- | --- | --- | --- | --- |\n"
+            "| 1 MCMC, random start | 21.00 ± 1.00 | 0.2100 ± 0.0100 | 0.2900 ± 0.0100 | 22.00 ± 1.00 | - | 1:00 |\n"
+            "| 2 + proposals | failed: scene: no points | | | | | |\n"
+            "| 3 + schedule | 22.00 ± 2.12 | 0.2200 ± 0.0212 | 0.2800 ± 0.0212 | 23.00 ± 2.12 | +1.00 ± 0.71 | 1:00 |\n"
+            "| 4 + SfM start | not run yet | | | | | |\n"
             "\n"
             "| row | adds | options |\n"
             "| --- | --- | --- |\n"

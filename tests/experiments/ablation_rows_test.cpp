@@ -25,7 +25,7 @@ TEST(AblationRows, EndWithTheProgramAsItIs) {
   EXPECT_EQ(Shaping(last), ShapingOptionsToJson(RunOptions{}));
   RunOptions asked;
   asked.split.views = 12;
-  asked.start = {StartKind::kHybrid, 0.7, 0.1, 0.5, false, 3};
+  asked.start = {SfmPoints::kModel, StartKind::kHybrid, 0.7, 0.1, 0.5, false, 3};
   asked.propose.proposers = ProposerChoice::kSplat, asked.propose.proposal_folder = "/somewhere";
   asked.validate.pick = PickRule::kPixel;
   asked.train.iterations = 100, asked.train.depth_weight = 2, asked.train.dropout = 0.1,
@@ -39,7 +39,7 @@ TEST(AblationRows, BeginWithMcmcAlone) {
   asked.split.views = 12, asked.train.iterations = 100, asked.start.seed = 4;
   asked.train.coarse_share = 0.3, asked.train.prune_floaters = true, asked.propose.proposal_folder = "/somewhere";
   const RunOptions first = RowOptions(0, asked);
-  EXPECT_EQ(first.start.init, StartKind::kRandom);
+  EXPECT_EQ(first.start.init, StartKind::kRandomCube);
   EXPECT_EQ(first.propose.proposers, ProposerChoice::kNone);
   EXPECT_TRUE(first.propose.proposal_folder.empty());
   const TrainOptions& t = first.train;
@@ -55,47 +55,84 @@ TEST(AblationRows, BeginWithMcmcAlone) {
   EXPECT_EQ(first.start.seed, 4u);
 }
 
-TEST(AblationRows, UseLpipsInTheLastAlone) {
+TEST(AblationRows, BeginWithThePapersInItsOrder) {
+  std::vector<std::string> names;
+  for (const AblationRow& row : AblationRows()) names.push_back(row.name);
+  names.resize(7);
+  EXPECT_THAT(names, ElementsAre("mcmc", "union", "schedule", "lpips", "sfm", "depth", "confidence"));
+  RunOptions paper;
+  paper.validate.calibrate = false, paper.start.init = StartKind::kSfm, paper.propose.proposers = ProposerChoice::kSeva;
+  TrainOptions& t = paper.train;
+  t.schedule = ScheduleKind::kPaper, t.exposure = ExposureMode::kOff;
+  t.dropout = 0, t.opacity_noise = 0, t.last_rates = 1, t.largest_scale = 0, t.alpha_weight = 0;
+  EXPECT_EQ(Shaping(6, paper), ShapingOptionsToJson(paper)) << "the paper's preset is the last of its rows";
+  EXPECT_EQ(Shaping(10, paper), Shaping(6, paper));
+}
+
+TEST(AblationRows, DrawProposalsFromOnePileUntilTheScheduleComes) {
+  EXPECT_EQ(RowOptions(1, {}).train.schedule, ScheduleKind::kUnion);
+  EXPECT_EQ(RowOptions(2, {}).train.schedule, ScheduleKind::kPaper);
+}
+
+TEST(AblationRows, UseLpipsFromItsRowOn) {
   for (size_t row = 0; row < AblationRows().size(); ++row) {
     const double share = RowOptions(row, {}).train.proposal_lpips;
-    EXPECT_EQ(share, row + 1 < AblationRows().size() ? 0 : TrainOptions().proposal_lpips) << AblationRows()[row].name;
+    EXPECT_EQ(share, row < 3 ? 0 : TrainOptions().proposal_lpips) << AblationRows()[row].name;
   }
+}
+
+TEST(AblationRows, TakeTheGeneratorThatIsAskedFor) {
+  const auto proposer = [](ProposerChoice choice) {
+    RunOptions asked;
+    asked.propose.proposers = choice;
+    EXPECT_EQ(RowOptions(10, asked).propose.proposers, choice);
+    return RowOptions(1, asked).propose.proposers;
+  };
+  EXPECT_EQ(proposer(ProposerChoice::kSplat), ProposerChoice::kWarp);
+  EXPECT_EQ(proposer(ProposerChoice::kBoth), ProposerChoice::kWarp);
+  EXPECT_EQ(proposer(ProposerChoice::kWarp), ProposerChoice::kWarp);
+  EXPECT_EQ(proposer(ProposerChoice::kSeva), ProposerChoice::kSeva);
+  EXPECT_EQ(proposer(ProposerChoice::kAll), ProposerChoice::kSeva);
+  EXPECT_EQ(proposer(ProposerChoice::kNone), ProposerChoice::kNone) << "a folder alone";
 }
 
 TEST(AblationRows, CalibrateTheOracleInARowOfItsOwn) {
   for (size_t row = 0; row < AblationRows().size(); ++row) {
-    EXPECT_EQ(RowOptions(row, {}).validate.calibrate, row >= 8) << AblationRows()[row].name;
+    EXPECT_EQ(RowOptions(row, {}).validate.calibrate, row >= 9) << AblationRows()[row].name;
   }
 }
 
 TEST(AblationRows, LeaveOffWhatTheUserSwitchedOff) {
   RunOptions asked;
   asked.train.depth_weight = 0;
+  EXPECT_EQ(Shaping(5, asked), Shaping(4, asked));
   asked.train.schedule = ScheduleKind::kConstant;
-  EXPECT_EQ(Shaping(4, asked), Shaping(3, asked));
-  EXPECT_EQ(Shaping(2, asked), Shaping(1, asked));
+  EXPECT_EQ(RowOptions(8, asked).train.schedule, ScheduleKind::kConstant);
   asked.validate.oracle = OracleKind::kUniform;
-  EXPECT_EQ(Shaping(5, asked), Shaping(4, asked)) << "nobody to trust";
-  EXPECT_EQ(Shaping(8, asked), Shaping(7, asked)) << "nothing to calibrate";
+  EXPECT_EQ(Shaping(6, asked), Shaping(5, asked)) << "nobody to trust";
+  EXPECT_EQ(Shaping(9, asked), Shaping(8, asked)) << "nothing to calibrate";
   asked.propose.proposers = ProposerChoice::kNone, asked.propose.proposal_folder = "/somewhere";
   EXPECT_EQ(RowOptions(1, asked).propose.proposers, ProposerChoice::kNone);
   EXPECT_EQ(RowOptions(1, asked).propose.proposal_folder, "/somewhere");
 }
 
-TEST(AblationRows, AskAGeneratorWithTheProxyModels) {
+TEST(AblationRows, AskAGeneratorAloneBeforeTheProxyModels) {
   RunOptions asked;
   asked.propose.generator = "generate";
   EXPECT_EQ(RowOptions(0, asked).propose.generator, "");
-  EXPECT_EQ(RowOptions(8, asked).propose.generator, "");
-  EXPECT_EQ(RowOptions(9, asked).propose.generator, "generate");
+  for (const size_t row : {1, 9}) {
+    EXPECT_EQ(RowOptions(row, asked).propose.generator, "generate");
+    EXPECT_EQ(RowOptions(row, asked).propose.proposers, ProposerChoice::kCommand);
+  }
+  EXPECT_EQ(RowOptions(10, asked).propose.proposers, ProposerChoice::kSplat);
 }
 
 TEST(ChooseRows, ByNumberAndName) {
   EXPECT_EQ(ChooseRows("").size(), AblationRows().size());
-  EXPECT_THAT(ChooseRows("depth, 1,proposals,2"), ElementsAre(0, 1, 4));
-  EXPECT_THAT(ChooseRows("lpips,9"), ElementsAre(8, 10));
+  EXPECT_THAT(ChooseRows("depth, 1,union,2"), ElementsAre(0, 1, 5));
+  EXPECT_THAT(ChooseRows("lpips,9"), ElementsAre(3, 8));
   for (const char* bad : {"magic", "0", "12", "1,,2", "1,"}) {
-    EXPECT_THAT(MessageOf<UsageError>([&] { ChooseRows(bad); }), AllOf(HasSubstr("--rows"), HasSubstr("5 depth")))
+    EXPECT_THAT(MessageOf<UsageError>([&] { ChooseRows(bad); }), AllOf(HasSubstr("--rows"), HasSubstr("6 depth")))
         << bad;
   }
 }
@@ -112,7 +149,7 @@ TEST(RequireAblatable, RefusesOptionsThatContradictTheRows) {
   RunOptions blind;
   blind.depth.depth_prior = DepthPrior::kNone;
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(blind); }), HasSubstr("--depth-prior none"));
-  for (const StartKind init : {StartKind::kRandom, StartKind::kSfm}) {
+  for (const StartKind init : {StartKind::kRandom, StartKind::kRandomCube}) {
     RunOptions other;
     other.start.init = init;
     EXPECT_THAT(MessageOf<UsageError>([&] { RequireAblatable(other); }), HasSubstr("--init " + Word(init)));

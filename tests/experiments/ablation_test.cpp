@@ -31,15 +31,14 @@ class AblationTest : public ProposingTest {
 };
 
 TEST_F(AblationTest, TrainsEachRowInItsWorkspaceAndSharesStages) {
-  const AblationRequest request = Ask("shared", "proposals,schedule");
+  const AblationRequest request = Ask("shared", "union,schedule");
   const Ablation ablation = RunAblation(request, recorder.AsListener());
-  const fs::path out = request.run.out, first = out / "rows/02-proposals/seed-0",
-                 second = out / "rows/03-schedule/seed-0";
+  const fs::path out = request.run.out, first = out / "rows/02-union/seed-0", second = out / "rows/03-schedule/seed-0";
   ASSERT_EQ(ablation.rows.size(), 2u);
   EXPECT_EQ(*ablation.rows[0].runs[0].psnr, ReadMetrics(first).at("test").at("psnr"));
   EXPECT_EQ(*ablation.rows[1].runs[0].psnr, ReadMetrics(second).at("test").at("psnr"));
-  EXPECT_EQ(ReadSavedRun(first).options.at("schedule"), "constant");
-  EXPECT_EQ(ReadSavedRun(second).options.at("schedule"), "auto") << "the paper's, for warped views";
+  EXPECT_EQ(ReadSavedRun(first).options.at("schedule"), "union");
+  EXPECT_EQ(ReadSavedRun(second).options.at("schedule"), "paper");
   const nlohmann::json of_first = ReadStageRecords(first), of_second = ReadStageRecords(second);
   for (const char* stage : {"depth", "propose", "validate"}) {
     EXPECT_EQ(of_first.at(stage), of_second.at(stage)) << "made once: " << stage;
@@ -49,19 +48,20 @@ TEST_F(AblationTest, TrainsEachRowInItsWorkspaceAndSharesStages) {
   EXPECT_EQ(ablation.width, 80);
   EXPECT_EQ(Saved("shared"), AblationToJson(ablation));
   EXPECT_EQ(ReadFile(out / "ablation.md"), AblationMarkdown(ablation));
-  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("row 2 of 11 (+ proposals), seed 0: "), HasSubstr(" left"))));
+  EXPECT_THAT(recorder.notes,
+              Contains(AllOf(HasSubstr("row 2 of 11 (+ all proposals), seed 0: "), HasSubstr(" left"))));
   EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("row 3 of 11"), Not(HasSubstr(" left")))));
 
   // Given again, nothing is trained; a second seed takes the depth of the first.
   const auto written = fs::last_write_time(first / "point_cloud.ply");
-  const Ablation both = RunAblation(Ask("shared", "proposals,schedule", 2), Silent());
+  const Ablation both = RunAblation(Ask("shared", "union,schedule", 2), Silent());
   EXPECT_EQ(fs::last_write_time(first / "point_cloud.ply"), written);
   ASSERT_EQ(both.rows[0].runs.size(), 2u);
   EXPECT_EQ(both.rows[0].runs[0].psnr, ablation.rows[0].runs[0].psnr);
-  EXPECT_EQ(ReadStageRecords(out / "rows/02-proposals/seed-1").at("depth"), of_first.at("depth"));
-  EXPECT_NE(ReadStageRecords(out / "rows/02-proposals/seed-1").at("train").at("key"), of_first.at("train").at("key"));
+  EXPECT_EQ(ReadStageRecords(out / "rows/02-union/seed-1").at("depth"), of_first.at("depth"));
+  EXPECT_NE(ReadStageRecords(out / "rows/02-union/seed-1").at("train").at("key"), of_first.at("train").at("key"));
 
-  AblationRequest other = Ask("shared", "proposals");
+  AblationRequest other = Ask("shared", "union");
   other.run.options.train.iterations = 11;
   EXPECT_THAT(MessageOf<InputError>([&] { RunAblation(other, Silent()); }),
               HasSubstr("--iterations was 10, now is 11"));
@@ -71,7 +71,7 @@ TEST_F(AblationTest, TrainsEachRowInItsWorkspaceAndSharesStages) {
 }
 
 TEST_F(AblationTest, ContinuesWhenInterrupted) {
-  const AblationRequest request = Ask("stopped", "mcmc,proposals");
+  const AblationRequest request = Ask("stopped", "mcmc,union");
   const Listener stop = [](const Event& event) {
     const auto* note = std::get_if<Note>(&event);
     if (note && note->text.rfind("row 1 of 11", 0) == 0) RequestInterrupt(true);
@@ -81,7 +81,7 @@ TEST_F(AblationTest, ContinuesWhenInterrupted) {
   nlohmann::json rows = Saved("stopped").at("rows");
   EXPECT_EQ(rows.at(0).at("runs").size(), 1u);
   EXPECT_TRUE(rows.at(1).at("runs").empty());
-  EXPECT_THAT(ReadFile(request.run.out / "ablation.md"), HasSubstr("| 2 + proposals | not run yet |"));
+  EXPECT_THAT(ReadFile(request.run.out / "ablation.md"), HasSubstr("| 2 + all proposals | not run yet |"));
 
   const auto written = fs::last_write_time(request.run.out / "rows/01-mcmc/seed-0/point_cloud.ply");
   RunAblation(request, Silent());
@@ -104,7 +104,7 @@ TEST_F(AblationTest, GoesOnAfterARowThatFails) {
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   EXPECT_TRUE(ablation.rows[0].runs[0].psnr);
   EXPECT_THAT(ablation.rows[1].runs[0].failure, HasSubstr("too few to start from"));
-  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("row 4 (+ SfM start), seed 0 failed: ")));
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("row 5 (+ SfM start), seed 0 failed: ")));
 
   request.options.rows = "sfm";
   EXPECT_THAT(MessageOf<InputError>([&] { RunAblation(request, Silent()); }), HasSubstr("too few to start from"))
@@ -112,12 +112,12 @@ TEST_F(AblationTest, GoesOnAfterARowThatFails) {
 }
 
 TEST_F(AblationTest, LeavesOutRowsThatChangeNothing) {
-  AblationRequest request = Ask("left_out", "proposals,schedule");
-  request.run.options.train.schedule = ScheduleKind::kConstant;
+  AblationRequest request = Ask("left_out", "regularisers,calibration");
+  request.run.options.validate.oracle = OracleKind::kUniform;
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   ASSERT_EQ(ablation.rows.size(), 1u);
-  EXPECT_THAT(recorder.notes, Contains(HasSubstr("Row 3 (+ schedule) is left out")));
-  EXPECT_THAT(ablation.notes, Contains(HasSubstr("Row 3 (+ schedule) is left out")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("Row 10 (+ calibrated oracle) is left out")));
+  EXPECT_THAT(ablation.notes, Contains(HasSubstr("Row 10 (+ calibrated oracle) is left out")));
 }
 
 TEST_F(AblationTest, HasARowForLpipsWhereThereAreWeights) {
@@ -129,8 +129,8 @@ TEST_F(AblationTest, HasARowForLpipsWhereThereAreWeights) {
   request.run.options.train.synthetic_floor = 0.9;
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   ASSERT_EQ(ablation.rows.size(), 1u);
-  EXPECT_EQ(ablation.rows[0].number, 11u);
-  const fs::path out = request.run.out / "rows/11-lpips/seed-0";
+  EXPECT_EQ(ablation.rows[0].number, 4u);
+  const fs::path out = request.run.out / "rows/04-lpips/seed-0";
   EXPECT_EQ(ReadMetrics(out).at("train").at("lpips"), "VGG16, images in [0, 1]");
   EXPECT_TRUE(ReadMetrics(out).at("test").contains("lpips"));
 }

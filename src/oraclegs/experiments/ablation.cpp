@@ -45,6 +45,7 @@ std::optional<double> NumberOf(const json& test, const char* name) {
 AblationRun Scored(AblationRun run, const json& metrics) {
   const json& test = metrics.at("test");
   run.psnr = NumberOf(test, "psnr"), run.ssim = NumberOf(test, "ssim");
+  run.lpips = NumberOf(test, "lpips");
   run.psnr_color_corrected = NumberOf(test, "psnr_color_corrected");
   run.gaussians = metrics.value("gaussians", int64_t{0});
   run.training_seconds = metrics.value("train", json::object()).value("seconds", 0.0);
@@ -98,6 +99,7 @@ class Ablator {
         ablation_.notes.push_back(
             fmt::format("There is no row for LPIPS: without weights for it, its share of a proposal's loss is L1; {}.",
                         HowToFetch(kLpipsModel)));
+        before = ShapingOptionsToJson(RowOptions(row, asked));  // no change of the row below
         continue;
       }
       const json now = ShapingOptionsToJson(RowOptions(row, asked));

@@ -16,6 +16,7 @@ constexpr char kNone[] = "-";
 using Value = std::optional<double> (*)(const AblationRun& run);
 std::optional<double> Psnr(const AblationRun& run) { return run.psnr; }
 std::optional<double> Ssim(const AblationRun& run) { return run.ssim; }
+std::optional<double> Lpips(const AblationRun& run) { return run.lpips; }
 std::optional<double> Corrected(const AblationRun& run) { return run.psnr_color_corrected; }
 std::optional<double> Seconds(const AblationRun& run) { return run.training_seconds; }
 
@@ -54,7 +55,8 @@ std::vector<std::string> Cells(const Ablation& ablation, size_t r) {
   const AblationResult& row = ablation.rows[r];
   const std::optional<Gain> gain = GainOf(ablation, r);
   const std::optional<Spread> seconds = SpreadOver(row, Seconds);
-  return {Shown(SpreadOver(row, Psnr), 2), Shown(SpreadOver(row, Ssim), 4), Shown(SpreadOver(row, Corrected), 2),
+  return {Shown(SpreadOver(row, Psnr), 2),           Shown(SpreadOver(row, Ssim), 4),
+          Shown(SpreadOver(row, Lpips), 4),          Shown(SpreadOver(row, Corrected), 2),
           gain ? Shown(gain->psnr, 2, true) : kNone, FormatSeconds(seconds->mean)};
 }
 
@@ -72,6 +74,10 @@ std::vector<std::string> PartialFailures(const Ablation& ablation) {
 }
 
 std::string Protocol(const Ablation& a) {
+  if (!a.scenes.empty()) {
+    return fmt::format("mean over {}: {} iterations, at most {} Gaussians, seed{} {}", fmt::join(a.scenes, ", "),
+                       a.iterations, a.max_gaussians, a.seeds.size() == 1 ? "" : "s", fmt::join(a.seeds, ", "));
+  }
   return fmt::format("{} training views, {} test views, {} × {} pixels, {} iterations, at most {} Gaussians, seed{} {}",
                      a.train_views, a.test_views, a.width, a.height, a.iterations, a.max_gaussians,
                      a.seeds.size() == 1 ? "" : "s", fmt::join(a.seeds, ", "));
@@ -108,7 +114,7 @@ json ToJson(const AblationRun& run) {
     return out;
   }
   out["psnr"] = ToJson(run.psnr), out["ssim"] = ToJson(run.ssim);
-  out["psnr_color_corrected"] = ToJson(run.psnr_color_corrected);
+  out["lpips"] = ToJson(run.lpips), out["psnr_color_corrected"] = ToJson(run.psnr_color_corrected);
   out["training_seconds"] = run.training_seconds, out["gaussians"] = run.gaussians, out["start"] = run.start;
   return out;
 }
@@ -157,6 +163,7 @@ json AblationToJson(const Ablation& a) {
                     {"changes", row.changes},
                     {"psnr", ToJson(SpreadOver(row, Psnr))},
                     {"ssim", ToJson(SpreadOver(row, Ssim))},
+                    {"lpips", ToJson(SpreadOver(row, Lpips))},
                     {"psnr_color_corrected", ToJson(SpreadOver(row, Corrected))},
                     {"training_seconds", ToJson(SpreadOver(row, Seconds))},
                     {"gain", gain ? ToJson(gain->psnr) : json()},
@@ -167,6 +174,7 @@ json AblationToJson(const Ablation& a) {
           {"version", a.version},
           {"command", a.command},
           {"scene", a.scene},
+          {"scenes", a.scenes},
           {"views", {{"train", a.train_views}, {"test", a.test_views}}},
           {"width", a.width},
           {"height", a.height},
@@ -178,7 +186,7 @@ json AblationToJson(const Ablation& a) {
 }
 
 std::string AblationText(const Ablation& ablation) {
-  std::vector<std::vector<std::string>> lines = {{"row", "PSNR", "SSIM", "corrected", "gain", "training"}};
+  std::vector<std::vector<std::string>> lines = {{"row", "PSNR", "SSIM", "LPIPS", "corrected", "gain", "training"}};
   for (size_t r = 0; r < ablation.rows.size(); ++r) {
     const AblationResult& row = ablation.rows[r];
     lines.push_back({fmt::format("{} {}", row.number, row.label)});
@@ -186,7 +194,7 @@ std::string AblationText(const Ablation& ablation) {
     if (HasScores(row)) cells = Cells(ablation, r);
     lines.back().insert(lines.back().end(), cells.begin(), cells.end());
   }
-  std::string text = Protocol(ablation) + "\n" + AlignColumns(lines, "lrrrrr");
+  std::string text = Protocol(ablation) + "\n" + AlignColumns(lines, "lrrrrrr");
   for (const std::string& line : PartialFailures(ablation)) text += line + "\n";
   return text;
 }
@@ -194,13 +202,13 @@ std::string AblationText(const Ablation& ablation) {
 std::string AblationMarkdown(const Ablation& ablation) {
   std::string text = fmt::format("# Ablation of {}\n\n{}; oraclegs {}.\n\n    {}\n\n", ablation.scene,
                                  Protocol(ablation), ablation.version, ablation.command);
-  text += "| row | PSNR, dB | SSIM | PSNR, colour-corrected | gain, dB | training |\n";
-  text += "| --- | --- | --- | --- | --- | --- |\n";
+  text += "| row | PSNR, dB | SSIM | LPIPS | PSNR, colour-corrected | gain, dB | training |\n";
+  text += "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (size_t r = 0; r < ablation.rows.size(); ++r) {
     const AblationResult& row = ablation.rows[r];
     const std::string head = fmt::format("| {} {} |", row.number, InCell(row.label));
     text += HasScores(row) ? fmt::format("{} {} |\n", head, fmt::join(Cells(ablation, r), " | "))
-                           : fmt::format("{} {} | | | | |\n", head, InCell(WithoutScores(row)));
+                           : fmt::format("{} {} | | | | | |\n", head, InCell(WithoutScores(row)));
   }
   text += "\n| row | adds | options |\n| --- | --- | --- |\n";
   for (const AblationResult& row : ablation.rows) {

@@ -15,6 +15,7 @@ struct AblationRun {
   std::string workspace;                                   ///< relative to the ablation's folder
   std::string failure;                                     ///< why there are no scores; "" = there are
   std::optional<double> psnr, ssim, psnr_color_corrected;  ///< none without test pixels; dB
+  std::optional<double> lpips;                             ///< none without its weights either
   double training_seconds = 0;
   int64_t gaussians = 0;
   std::string start;  ///< of what points
@@ -29,6 +30,7 @@ struct AblationResult {
 
 struct Ablation {
   std::string scene, command, version;
+  std::vector<std::string> scenes = {};  ///< of a mean over several; then there are no numbers of views and pixels
   size_t train_views = 0, test_views = 0;
   int width = 0, height = 0;  ///< pixels of a training view
   int iterations = 0, max_gaussians = 0;

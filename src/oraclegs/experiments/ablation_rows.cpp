@@ -22,18 +22,33 @@ size_t RowOf(const std::string& word) {
   throw UsageError("--rows names '{}'; there are {}", word, RowList());
 }
 
+/// What proposes before the row of proxy models, which are no part of the paper.
+ProposerChoice PaperProposer(const ProposeOptions& asked) {
+  switch (asked.proposers) {
+    case ProposerChoice::kSplat:
+    case ProposerChoice::kBoth:
+      return asked.generator.empty() ? ProposerChoice::kWarp : ProposerChoice::kCommand;
+    case ProposerChoice::kAll:
+      return ProposerChoice::kSeva;
+    default:
+      return asked.proposers;
+  }
+}
+
 }  // namespace
 
 const std::vector<AblationRow>& AblationRows() {
   static const std::vector<AblationRow> rows = {
-      {"mcmc", "MCMC, random start", "3DGS-MCMC on the views alone, as its authors start and train it",
+      {"mcmc", "MCMC, random start",
+       "3DGS-MCMC on the views alone, as its authors start it, in a cube of three times the cameras' extent, and train "
+       "it",
        [](const RunOptions& asked, RunOptions* o) {
          const StartOptions usual;
-         o->start.init = StartKind::kRandom, o->start.init_scale = usual.init_scale;
+         o->start.init = StartKind::kRandomCube, o->start.init_scale = usual.init_scale;
          o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
          o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
          o->propose.generator.clear();
-         o->train.schedule = ScheduleKind::kConstant, o->validate.oracle = OracleKind::kUniform;
+         o->train.schedule = ScheduleKind::kUnion, o->validate.oracle = OracleKind::kUniform;
          // Where everything is trusted alike there is nothing to calibrate, and no row of it.
          if (asked.validate.oracle != OracleKind::kUniform) o->validate.calibrate = false;
          o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
@@ -42,21 +57,23 @@ const std::vector<AblationRow>& AblationRows() {
          o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1,
          o->train.exposure = ExposureMode::kOff;
        }},
-      {"proposals", "+ proposals",
-       "views warped to new poses by stereo's depth, all pixels trusted alike, a constant share of the "
-       "iterations",
+      {"union", "+ all proposals",
+       "proposed views beside the images, drawn from one pile, all pixels trusted alike: warped by stereo's depth "
+       "where proxy models are what is asked for, else by the generator that is",
        [](const RunOptions& asked, RunOptions* o) {
-         const bool none = asked.propose.proposers == ProposerChoice::kNone;
-         o->propose.proposers = none ? ProposerChoice::kNone : ProposerChoice::kWarp;
+         o->propose.proposers = PaperProposer(asked.propose), o->propose.generator = asked.propose.generator;
          o->propose.proposal_folder = asked.propose.proposal_folder;
        }},
       {"schedule", "+ schedule", "the paper's share of proposals over the run, 0.1 + t (1-t)^3",
-       [](const RunOptions& asked, RunOptions* o) { o->train.schedule = asked.train.schedule; }},
+       [](const RunOptions&, RunOptions* o) { o->train.schedule = ScheduleKind::kPaper; }},
+      {"lpips", "+ LPIPS", "the proposals' loss has a share of LPIPS, which it takes from L1",
+       [](const RunOptions& asked, RunOptions* o) { o->train.proposal_lpips = asked.train.proposal_lpips; }},
       {"sfm", "+ SfM start", "Gaussians start at points triangulated from the training views",
        [](const RunOptions&, RunOptions* o) { o->start.init = StartKind::kSfm; }},
-      {"depth", "+ depth", "stereo's inverse depth in the loss of the views",
+      {"depth", "+ depth", "inverse depth in the loss of the views",
        [](const RunOptions& asked, RunOptions* o) { o->train.depth_weight = asked.train.depth_weight; }},
-      {"confidence", "+ confidence", "each proposed pixel counts by what its oracle predicts, which orders the pixels",
+      {"confidence", "+ confidence",
+       "each proposed pixel counts by what its oracle predicts, which orders the pixels: the whole of the paper",
        [](const RunOptions& asked, RunOptions* o) { o->validate.oracle = asked.validate.oracle; }},
       {"dense", "+ dense start", "Gaussians start at stereo's dense points, at the size of their distances",
        [](const RunOptions& asked, RunOptions* o) {
@@ -66,18 +83,14 @@ const std::vector<AblationRow>& AblationRows() {
       {"regularisers", "+ regularisers",
        "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, alpha in the loss "
        "where images have it, colour maps where exposures vary",
-       [](const RunOptions& asked, RunOptions* o) { o->train = asked.train, o->train.proposal_lpips = 0; }},
+       [](const RunOptions& asked, RunOptions* o) { o->train = asked.train; }},
       {"calibration", "+ calibrated oracle",
        "what the oracle predicts is mapped to what such pixels were worth in held-out views",
        [](const RunOptions& asked, RunOptions* o) { o->validate.calibrate = asked.validate.calibrate; }},
       {"proxies", "+ proxy models",
-       "the mean of proxy models in place of the warped views, in more of the iterations: everything `reconstruct` "
-       "does without LPIPS",
-       [](const RunOptions& asked, RunOptions* o) {
-         o->propose.proposers = asked.propose.proposers, o->propose.generator = asked.propose.generator;
-       }},
-      {"lpips", "+ LPIPS", "the proposals' loss has a share of LPIPS, which it takes from L1",
-       [](const RunOptions& asked, RunOptions* o) { o->train.proposal_lpips = asked.train.proposal_lpips; }},
+       "the mean of proxy models in place of the warped views, in more of the iterations: everything that "
+       "`reconstruct` does",
+       [](const RunOptions& asked, RunOptions* o) { o->propose = asked.propose; }},
   };
   return rows;
 }
@@ -114,8 +127,8 @@ void RequireAblatable(const RunOptions& asked) {
     throw UsageError("--depth-prior none leaves an ablation no depth to speak of; leave it out");
   }
   const Auto<StartKind>& init = asked.start.init;
-  if (init == StartKind::kRandom || init == StartKind::kSfm) {
-    throw UsageError("--init {} is what some rows start from by themselves; leave it out, or give dense or hybrid",
+  if (init == StartKind::kRandom || init == StartKind::kRandomCube) {
+    throw UsageError("--init {} is what the first rows start from by themselves; leave it out, or give another",
                      Word(init.value()));
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
-// What an ablation adds, part by part: Table 3 of the OracleGS paper, then what this program has beyond it.
+// What an ablation adds, part by part: the rows of Table 3 of the OracleGS paper in its order, then what this program
+// has beyond it.
 
 #include <string>
 #include <vector>

@@ -1,0 +1,123 @@
+#include "oraclegs/experiments/ablation_suite.h"
+
+#include <algorithm>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/experiments/series.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kSuiteJson[] = "ablation.json", kSuiteMarkdown[] = "ablation.md";
+
+std::string NameOf(const fs::path& scene) {
+  const fs::path path = scene.lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
+const AblationRun* RunOf(const AblationResult& row, uint64_t seed) {
+  const auto found = std::find_if(row.runs.begin(), row.runs.end(), [&](const auto& run) { return run.seed == seed; });
+  return found == row.runs.end() ? nullptr : &*found;
+}
+
+const AblationResult* RowOf(const Ablation& ablation, const std::string& name) {
+  const auto found =
+      std::find_if(ablation.rows.begin(), ablation.rows.end(), [&](const auto& row) { return row.name == name; });
+  return found == ablation.rows.end() ? nullptr : &*found;
+}
+
+/// Nothing where one of them has nothing.
+std::optional<double> MeanOf(const std::vector<const AblationRun*>& runs, std::optional<double> AblationRun::*value) {
+  double sum = 0;
+  for (const AblationRun* run : runs) {
+    if (!(run->*value)) return std::nullopt;
+    sum += *(run->*value);
+  }
+  return sum / static_cast<double>(runs.size());
+}
+
+AblationRun MeanRun(const std::vector<const AblationRun*>& runs, const std::vector<std::string>& names) {
+  AblationRun mean;
+  mean.seed = runs.front()->seed;
+  for (size_t s = 0; s < runs.size(); ++s) {
+    if (!runs[s]->failure.empty()) mean.failure = fmt::format("{}: {}", names[s], runs[s]->failure);
+  }
+  if (!mean.failure.empty()) return mean;
+  mean.psnr = MeanOf(runs, &AblationRun::psnr), mean.ssim = MeanOf(runs, &AblationRun::ssim);
+  mean.lpips = MeanOf(runs, &AblationRun::lpips);
+  mean.psnr_color_corrected = MeanOf(runs, &AblationRun::psnr_color_corrected);
+  const auto count = static_cast<double>(runs.size());
+  double gaussians = 0;
+  for (const AblationRun* run : runs) {
+    mean.training_seconds += run->training_seconds / count;
+    gaussians += static_cast<double>(run->gaussians) / count;
+  }
+  mean.gaussians = static_cast<int64_t>(gaussians);
+  return mean;
+}
+
+}  // namespace
+
+Ablation MeanOver(const std::vector<Ablation>& scenes) {
+  Ablation mean = scenes.front();
+  mean.scenes.clear(), mean.notes.clear(), mean.rows.clear();
+  mean.train_views = mean.test_views = 0, mean.width = mean.height = 0;
+  for (const Ablation& scene : scenes) {
+    mean.scenes.push_back(NameOf(scene.scene));
+    for (const std::string& note : scene.notes) {
+      if (std::find(mean.notes.begin(), mean.notes.end(), note) == mean.notes.end()) mean.notes.push_back(note);
+    }
+  }
+  mean.scene = fmt::format("{}", fmt::join(mean.scenes, ", "));
+  for (const AblationResult& first : scenes.front().rows) {
+    AblationResult row = first;
+    row.runs.clear();
+    std::vector<const AblationResult*> same;
+    for (const Ablation& scene : scenes) {
+      if (const AblationResult* found = RowOf(scene, row.name)) same.push_back(found);
+    }
+    if (same.size() < scenes.size()) continue;
+    for (const AblationRun& run : first.runs) {
+      std::vector<const AblationRun*> runs;
+      for (const AblationResult* of_scene : same) {
+        if (const AblationRun* found = RunOf(*of_scene, run.seed)) runs.push_back(found);
+      }
+      if (runs.size() == scenes.size()) row.runs.push_back(MeanRun(runs, mean.scenes));
+    }
+    mean.rows.push_back(std::move(row));
+  }
+  return mean;
+}
+
+Ablation RunSuite(const AblationRequest& request, const Listener& listener) {
+  std::vector<fs::path> scenes = {request.run.scene};
+  for (const std::string& scene : SplitTrimmed(request.options.also, ',')) scenes.emplace_back(scene);
+  std::vector<std::string> names;
+  for (const fs::path& scene : scenes) names.push_back(NameOf(scene));
+  for (const std::string& name : names) {
+    if (std::count(names.begin(), names.end(), name) == 1) continue;
+    throw UsageError("two scenes are called '{}'; give each a folder of a name of its own", name);
+  }
+  const fs::path out = request.run.out;
+  std::vector<std::string_view> content = {kSuiteJson, kSuiteMarkdown};
+  content.insert(content.end(), names.begin(), names.end());
+  RequireSeriesFolder(out, {"ablation of these scenes", kSuiteJson, content});
+  std::vector<Ablation> done;
+  Ablation mean;
+  for (size_t s = 0; s < scenes.size(); ++s) {
+    AblationRequest one = request;
+    one.options.also.clear();
+    one.run.scene = scenes[s], one.run.out = out / names[s];
+    done.push_back(RunAblation(one, listener));
+    mean = MeanOver(done);
+    const auto replace = nlohmann::json::error_handler_t::replace;
+    WriteFileAtomically(out / kSuiteJson, AblationToJson(mean).dump(2, ' ', false, replace) + "\n");
+    WriteFileAtomically(out / kSuiteMarkdown, AblationMarkdown(mean));
+  }
+  return mean;
+}
+
+}  // namespace oraclegs
