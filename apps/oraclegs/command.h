@@ -97,6 +97,7 @@ std::unique_ptr<Command> MakeValidate(CLI::App* app);
 std::unique_ptr<Command> MakeTrain(CLI::App* app);
 std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
 std::unique_ptr<Command> MakeRender(CLI::App* app);
+std::unique_ptr<Command> MakeFigure(CLI::App* app);
 std::unique_ptr<Command> MakeExport(CLI::App* app);
 std::unique_ptr<Command> MakeInfo(CLI::App* app);
 std::unique_ptr<Command> MakeModels(CLI::App* app);

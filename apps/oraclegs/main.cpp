@@ -76,7 +76,7 @@ int Main(int argc, char** argv) {
       "  oraclegs reconstruct /tmp/demo -o /tmp/demo_out --preset quick");
   std::vector<std::unique_ptr<Command>> commands;
   for (auto* make : {MakeReconstruct, MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain, MakeEvaluate,
-                     MakeAblate, MakeRender, MakeExport, MakeInfo, MakeModels, MakeDemoScene}) {
+                     MakeAblate, MakeRender, MakeFigure, MakeExport, MakeInfo, MakeModels, MakeDemoScene}) {
     commands.push_back(make(&app));
   }
   try {

@@ -9,7 +9,7 @@ import unittest
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "export", "info", "models", "demo-scene"]
+COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "figure", "export", "info", "models", "demo-scene"]
 
 # Where each command's options are declared, below src/oraclegs.
 RUN_OPTIONS = ["pipeline/settings/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
@@ -18,6 +18,7 @@ DECLARED_IN = {
     **{name: RUN_OPTIONS for name in ["reconstruct", "sfm", "depth", "train", "evaluate"]},
     "ablate": RUN_OPTIONS + ["experiments/ablation.h"],
     "render": RUN_OPTIONS + ["pipeline/render_path.h"],
+    "figure": RUN_OPTIONS + ["report/figure.h"],
     "export": ["pipeline/export.h"],
     "demo-scene": ["demo/demo_scene.h"],
     "info": [],
@@ -119,7 +120,7 @@ class Usage(EndToEnd):
 
     def test_presets_are_read(self):
         for preset in (ROOT / "presets").glob("*.toml"):
-            scene = ["--views", 2, "--init", "random", "--random-points", 100, "--allow-fallback"]
+            scene = ["--train-views", ":1,:2,:3", "--test-views", ":0", "--views", 2, "--init", "random", "--random-points", 100, "--allow-fallback"]
             self.run_program("sfm", self.scene, "-o", self.dir / preset.stem, "--preset", preset.stem, *scene)
 
 

@@ -1,0 +1,52 @@
+#include "oraclegs/report/figure.h"
+#include "source_command.h"
+
+namespace oraclegs {
+namespace {
+
+class FigureCommand : public SourceCommand {
+ public:
+  explicit FigureCommand(CLI::App* app)
+      : SourceCommand(app, "figure", "Figures of a paper, as PNG and PDF: confidence of proposals, runs side by side",
+                      "oraclegs figure out/ -o confidence --rows 3\n  oraclegs figure out1/ out2/ -o crops --labels "
+                      "\"3DGS-MCMC,ours\" --crop 40,60,128,96") {
+    this->app()
+        ->add_option("others", others_, "Workspaces of more runs to compare")
+        ->type_name("PATH")
+        ->configurable(false);
+    Bind("Figure", &figure_);
+  }
+
+ private:
+  void Body(const Listener& listener) override {
+    RequireOut(out_.out);
+    if (!InputIsWorkspace()) throw UsageError("a figure needs the workspace of a run; {} is none", input_.string());
+    std::vector<std::filesystem::path> workspaces = {input_};
+    workspaces.insert(workspaces.end(), others_.begin(), others_.end());
+    for (const auto& workspace : workspaces) {
+      if (!IsWorkspace(workspace)) {
+        throw InputError("{}: holds no run of oraclegs; name a workspace", workspace.string());
+      }
+    }
+    const FigureKind usual = others_.empty() ? FigureKind::kConfidence : FigureKind::kComparison;
+    const FigureKind kind = figure_.kind.ValueOr(usual);
+    if (kind == FigureKind::kConfidence && !others_.empty()) {
+      throw UsageError("--kind confidence shows one run; name one workspace");
+    }
+    std::filesystem::path stem = out_.out;
+    if (stem.extension() == ".png" || stem.extension() == ".pdf") stem.replace_extension();
+    const Sheet sheet = kind == FigureKind::kConfidence ? ConfidenceSheet(*OpenRunOfInput(listener), figure_)
+                                                        : ComparisonSheet(workspaces, figure_);
+    const SheetFiles files = WriteSheet(sheet, stem, figure_.panel_width);
+    Print(fmt::format("figure     {}, {}", files.png.string(), files.pdf.string()));
+  }
+
+  FigureOptions figure_;
+  std::vector<std::string> others_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeFigure(CLI::App* app) { return std::make_unique<FigureCommand>(app); }
+
+}  // namespace oraclegs
