@@ -119,6 +119,9 @@ class HeldOut(EndToEnd):
         done = self.run_program("sfm", scene, "-o", self.dir / "model_out", *split, "--sfm-points", "model")
         self.assertFalse((self.dir / "model_out" / "sfm" / "inputs.json").exists())
         self.assertIn("150", done.stdout)
+        self.assertNotIn("images_", done.stderr)
+        done = self.run_program("sfm", scene, "-o", self.dir / "small", *split, "--sfm-points", "model", "--downscale", 2)
+        self.assertIn("has no folder images_2; the photos are resized here", done.stderr)
 
     def test_lists_in_files(self):
         """A run's own split.json, and a file with a name a line, give that split again."""

@@ -1,5 +1,6 @@
 #include "oraclegs/pipeline/run.h"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -44,6 +45,19 @@ void RequireRenderable(const Scene& scene, int downscale) {
   }
 }
 
+/// Published scores are of the dataset's own smaller images, where it has some.
+void NoteResizing(const Scene& scene, int downscale, const Listener& listener) {
+  if (scene.format != SceneFormat::kColmap || downscale == 1) return;
+  const bool has_smaller = std::any_of(scene.views.begin(), scene.views.end(), [&](const SceneView& view) {
+    return ImageFile(view, downscale) != view.image_path;
+  });
+  if (has_smaller) return;
+  listener(
+      Note{fmt::format("{}: has no folder images_{}; the photos are resized here, and scores differ a little from "
+                       "those of a dataset that has it",
+                       scene.root.string(), downscale)});
+}
+
 Scene Read(const fs::path& root, const RunOptions& options, const Listener& listener) {
   if (!IsUtf8(options.input.images.string())) {
     throw InputError("{}: the name of the --images folder is not valid UTF-8; rename it",
@@ -53,6 +67,7 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   read.images = options.input.images;
   Scene scene = ReadScene(root, read, listener);
   RequireRenderable(scene, options.image.downscale);
+  NoteResizing(scene, options.image.downscale, listener);
   return scene;
 }
 
