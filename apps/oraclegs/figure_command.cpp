@@ -7,7 +7,8 @@ namespace {
 class FigureCommand : public SourceCommand {
  public:
   explicit FigureCommand(CLI::App* app)
-      : SourceCommand(app, "figure", "Figures of a paper, as PNG and PDF: confidence of proposals, runs side by side",
+      : SourceCommand(app, "figure",
+                      "Figures of a paper, -o NAME.png and NAME.pdf: confidence of proposals, or runs side by side",
                       "oraclegs figure out/ -o confidence --rows 3\n  oraclegs figure out1/ out2/ -o crops --labels "
                       "\"3DGS-MCMC,ours\" --crop 40,60,128,96") {
     this->app()
@@ -33,7 +34,11 @@ class FigureCommand : public SourceCommand {
     if (kind == FigureKind::kConfidence && !others_.empty()) {
       throw UsageError("--kind confidence shows one run; name one workspace");
     }
+    if (!model_.ply.empty()) throw UsageError("a figure shows what is in the workspace; leave out --ply");
     std::filesystem::path stem = out_.out;
+    if (!stem.has_filename() || std::filesystem::is_directory(stem)) {
+      throw UsageError("-o {} is a folder; name the figure, for example {}", stem.string(), (stem / "figure").string());
+    }
     if (stem.extension() == ".png" || stem.extension() == ".pdf") stem.replace_extension();
     const Sheet sheet = kind == FigureKind::kConfidence ? ConfidenceSheet(*OpenRunOfInput(listener), figure_)
                                                         : ComparisonSheet(workspaces, figure_);

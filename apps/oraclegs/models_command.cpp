@@ -85,7 +85,7 @@ class ModelsCommand : public Command {
         ->required();
     this->app()
         ->add_option("name", names_, "Model to fetch or check, as `list` names it; files to convert")
-        ->type_name("NAME|FILE")
+        ->type_name("NAME or FILE")
         ->configurable(false);
     Bind("Fetch", &fetch_);
     Bind("Check", &check_);

@@ -120,7 +120,8 @@ class Usage(EndToEnd):
 
     def test_presets_are_read(self):
         for preset in (ROOT / "presets").glob("*.toml"):
-            scene = ["--train-views", ":1,:2,:3", "--test-views", ":0", "--views", 2, "--init", "random", "--random-points", 100, "--allow-fallback"]
+            scene = ["--train-views", ":1,:2,:3", "--test-views", ":0", "--views", 2, "--init", "random", "--random-points", 100, "--allow-fallback",
+                     "--smaller-copies", "auto"]
             self.run_program("sfm", self.scene, "-o", self.dir / preset.stem, "--preset", preset.stem, *scene)
 
 

@@ -122,6 +122,9 @@ class HeldOut(EndToEnd):
         self.assertNotIn("images_", done.stderr)
         done = self.run_program("sfm", scene, "-o", self.dir / "small", *split, "--sfm-points", "model", "--downscale", 2)
         self.assertIn("has no folder images_2; the photos are resized here", done.stderr)
+        required = ["--downscale", 2, "--smaller-copies", "required"]
+        self.error_of("sfm", scene, "-o", self.dir / "refused", *split, *required, code=3, names=["no folder images_2"])
+        self.assertFalse((self.dir / "refused").exists())
 
     def test_lists_in_files(self):
         """A run's own split.json, and a file with a name a line, give that split again."""

@@ -86,13 +86,13 @@ class Networks(ManyViews):
     def test_without_weights_all_that_is_missing_is_named(self):
         out = self.dir / "missing"
         for preset in PRESETS:
-            error = self.error_of("reconstruct", self.scene, "-o", out, "--preset", preset, code=3)
+            error = self.error_of("reconstruct", self.scene, "-o", out, "--preset", preset, "--downscale", 1, code=3)
             self.assertEqual(re.findall(r"`oraclegs models fetch ([^`]*)`", error), MODELS)
             self.assertIn("--allow-fallback", error)
         self.assertFalse(out.exists())
         (self.models / "vggt/model.safetensors").rename(self.models / "vggt.moved")
         self.addCleanup((self.models / "vggt.moved").rename, self.models / "vggt/model.safetensors")
-        error = self.error_of("sfm", self.scene, "-o", out, "--preset", PRESETS[0], code=3, **self.with_models)
+        error = self.error_of("sfm", self.scene, "-o", out, "--preset", PRESETS[0], "--downscale", 1, code=3, **self.with_models)
         self.assertEqual(re.findall(r"models fetch ([^`]*)`", error), ["vggt"])
 
     def test_a_fallback_runs_what_needs_no_weights_and_says_so(self):

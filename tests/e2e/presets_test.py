@@ -59,7 +59,7 @@ class Presets(EndToEnd):
                          [preset("best-blender-8")[k] for k in ("train-views", "test-views")])  # fmt: skip
         order = [25, 22, 28, 40, 44, 48, 0, 8, 13]
         for n in (3, 6, 9):
-            self.assertEqual((preset(f"llff-{n}")["views"], preset(f"llff-{n}")["test-every"]), (n, 8))
+            self.assertEqual([preset(f"llff-{n}")[key] for key in ("views", "test-every", "view-steps")], [n, 8, "round"])
             dtu = preset(f"dtu-{n}")
             self.assertEqual(dtu["train-views"], ",".join(f":{i}" for i in order[:n]))
             test = [int(word[1:]) for word in dtu["test-views"].split(",")]

@@ -61,7 +61,8 @@ TEST(AblationRows, BeginWithThePapersInItsOrder) {
   names.resize(7);
   EXPECT_THAT(names, ElementsAre("mcmc", "union", "schedule", "lpips", "sfm", "depth", "confidence"));
   RunOptions paper;
-  paper.validate.calibrate = false, paper.start.init = StartKind::kSfm, paper.propose.proposers = ProposerChoice::kSeva;
+  paper.validate.calibrate = false, paper.start.init = StartKind::kSfm, paper.start.init_scale = 0.1,
+  paper.propose.proposers = ProposerChoice::kSeva;
   TrainOptions& t = paper.train;
   t.schedule = ScheduleKind::kPaper, t.exposure = ExposureMode::kOff;
   t.dropout = 0, t.opacity_noise = 0, t.last_rates = 1, t.largest_scale = 0, t.alpha_weight = 0;

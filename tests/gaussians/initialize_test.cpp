@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "oraclegs/camera/scene_bounds.h"
 #include "support/buffers.h"
 
 namespace oraclegs {
@@ -65,6 +66,17 @@ TEST(RandomPointsInBlenderCube, FillsTheCubeForASeed) {
   EXPECT_TRUE((low >= -1.3f).all() && (low < -1.28f).all() && (high <= 1.3f).all() && (high > 1.28f).all());
   EXPECT_EQ(RandomPointsInBlenderCube(4000, 5).xyz, cloud.xyz);
   EXPECT_NE(RandomPointsInBlenderCube(4000, 6).xyz, cloud.xyz);
+}
+
+TEST(RandomPointsInCube, FillsThreeTimesTheExtentAroundTheOrigin) {
+  const std::vector<Camera> cameras = Ring(6, 2, {10, -3, 4});
+  const auto half = static_cast<float>(3 * SpatialExtent(cameras));
+  const PointCloud cloud = RandomPointsInCube(cameras, 4000, 5);
+  Eigen::Array3f low = cloud.xyz[0], high = low;
+  for (const auto& point : cloud.xyz) low = low.min(point.array()), high = high.max(point.array());
+  EXPECT_TRUE((low >= -half).all() && (low < -0.98f * half).all());
+  EXPECT_TRUE((high <= half).all() && (high > 0.98f * half).all());
+  EXPECT_EQ(RandomPointsInCube(cameras, 4000, 5).xyz, cloud.xyz);
 }
 
 TEST(RandomPointsInView, IsSeenByTwoCameras) {

@@ -102,6 +102,19 @@ TEST_F(FolderTest, TakesViewsOfAnotherShapeForTheirMiddle) {
   EXPECT_NEAR(camera.cy / down - 640 / 28.0, whole.cy - 24, 1e-12) << "the middle of the view stays the middle";
   EXPECT_EQ(read.proposals[0].rgb.height, 46);
   EXPECT_THAT(events_.warnings, ElementsAre());
+  EXPECT_THAT(events_.notes, Contains(HasSubstr("middle")));
+}
+
+TEST_F(FolderTest, CutsTheConfidenceOfTheWholeViewToTheMiddle) {
+  Paint("synthetic_1/1.png", {1, 2, 3}, 896, 640);  // 64 x 46
+  Image8 map{64, 48, 1, std::vector<uint8_t>(64 * 48, 255)};
+  std::fill(map.data.begin(), map.data.begin() + 64, uint8_t{0});  // the topmost row, which the image does not show
+  std::filesystem::create_directories(dir_ / "synthetic_1_attention_maps");
+  WritePng(dir_ / "synthetic_1_attention_maps/1.png", map);
+  const FolderProposals read = Read("synthetic_1");
+  ASSERT_EQ(read.confidence.size(), 1u);
+  EXPECT_EQ(read.confidence[0].size(), 64u * 46);
+  EXPECT_THAT(read.confidence[0], Each(1.f));
 }
 
 TEST_F(FolderTest, SkipsDamagedImages) {

@@ -34,7 +34,7 @@ class SheetTest : public testing::Test {
   TempDir dir;
 };
 
-TEST_F(SheetTest, HasEachPictureInItsPlace) {
+TEST_F(SheetTest, HasEachImageInItsPlace) {
   const SheetFiles files = WriteSheet(Two(), dir / "folder/figure", 100);
   const Image8 image = ReadImage(files.png);
   EXPECT_EQ(image.width, 8 + 100 + 6 + 100 + 8);
@@ -42,7 +42,7 @@ TEST_F(SheetTest, HasEachPictureInItsPlace) {
   EXPECT_EQ(PixelAt(image, 114 + 50, 26 + 25), (std::vector<int>{77, 77, 77}));
   const int second = 26 + 50 + 18 + 6;  // a caption below the first row
   EXPECT_EQ(PixelAt(image, 8 + 50, second + 50), (std::vector<int>{0, 0, 255}));
-  EXPECT_EQ(PixelAt(image, 114 + 50, second + 50), (std::vector<int>{255, 255, 255})) << "no picture";
+  EXPECT_EQ(PixelAt(image, 114 + 50, second + 50), (std::vector<int>{255, 255, 255})) << "no image";
   const auto plasma = MapColor(ColorMap::kPlasma, 0.5f);
   const int bar = second + 100 + 6 + 5;
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(PixelAt(image, image.width / 2, bar)[static_cast<size_t>(c)], plasma[c], 4);

@@ -70,6 +70,21 @@ TEST(SplitViews, PicksDistinctViewsWithTheEnds) {
   }
 }
 
+TEST(SplitViews, RoundsPositionsWhereAsked) {  // 17 views are left of 20, as of LLFF's "fern"
+  SplitOptions options = Options(6);
+  const auto positions = [&] {
+    const Split split = SplitViews(NumberedScene(20), options);
+    const std::vector<int> left = {1, 2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 17, 18, 19};
+    std::vector<int> found;
+    for (const int v : split.train)
+      found.push_back(static_cast<int>(std::find(left.begin(), left.end(), v) - left.begin()));
+    return found;
+  };
+  EXPECT_THAT(positions(), ElementsAre(0, 3, 6, 9, 12, 16));
+  options.view_steps = ViewSteps::kRound;
+  EXPECT_THAT(positions(), ElementsAre(0, 3, 6, 10, 13, 16));
+}
+
 TEST(SplitViews, HoldsNothingOutAtZero) {
   const Split split = SplitViews(NumberedScene(4), Options(0, 0));
   EXPECT_THAT(split.test, IsEmpty());

@@ -109,6 +109,29 @@ TEST(TrainerTest, TheLastIterationMovesNothing) {
   EXPECT_EQ(trainer.MakeCheckpoint().adam.step, 34);
 }
 
+TEST(TrainerTest, TheLastIterationDoesNotRefineWhateverTheHorizon) {
+  TrainOptions options = Options(40);  // 40 is a multiple of refine_every, and growth would go on for long
+  options.horizon = 200;
+  options.max_gaussians = 1000;
+  Trainer trainer = MakeTrainer(options);
+  for (int i = 0; i < 39; ++i) trainer.Step();
+  const Gaussians before = trainer.gaussians().Clone();
+  trainer.Step();
+  EXPECT_TRUE(SameBits(before, trainer.gaussians()));
+}
+
+TEST(TrainerTest, AHorizonIsARunThatStopsEarly) {
+  TrainOptions whole = Options(100);
+  TrainOptions part = Options(60);
+  part.horizon = 100;
+  Trainer a = MakeTrainer(whole), b = MakeTrainer(part);
+  for (int i = 0; i < 59; ++i) a.Step(), b.Step();
+  EXPECT_TRUE(SameBits(a.gaussians(), b.gaussians()));
+  Trainer other = MakeTrainer(Options(60));
+  for (int i = 0; i < 59; ++i) other.Step();
+  EXPECT_FALSE(SameBits(a.gaussians(), other.gaussians())) << "its rates fall faster";
+}
+
 TEST(TrainerTest, GrowsOnScheduleOnly) {
   TrainOptions options = Options(100);
   options.refine_stop = 0.6;

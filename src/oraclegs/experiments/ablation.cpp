@@ -150,6 +150,7 @@ class Ablator {
     request.out = request_.run.out / Folder(r, seed);
     request.options = RowOptions(rows_[r], request_.run.options);
     request.options.start.seed = seed;
+    request.options.split = WithListsRead(request.options.split);
     return request;
   }
 

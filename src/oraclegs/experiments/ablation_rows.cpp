@@ -44,7 +44,7 @@ const std::vector<AblationRow>& AblationRows() {
        "it",
        [](const RunOptions& asked, RunOptions* o) {
          const StartOptions usual;
-         o->start.init = StartKind::kRandomCube, o->start.init_scale = usual.init_scale;
+         o->start.init = StartKind::kRandomCube, o->start.init_scale = 0.1;
          o->start.init_opacity = usual.init_opacity, o->start.init_flatness = usual.init_flatness;
          o->propose.proposers = ProposerChoice::kNone, o->propose.proposal_folder.clear();
          o->propose.generator.clear();

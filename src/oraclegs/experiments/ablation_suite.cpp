@@ -5,6 +5,9 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/series.h"
+#include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/scene/read_scene.h"
+#include "oraclegs/scene/split.h"
 
 namespace oraclegs {
 namespace {
@@ -14,7 +17,8 @@ namespace fs = std::filesystem;
 constexpr char kSuiteJson[] = "ablation.json", kSuiteMarkdown[] = "ablation.md";
 
 std::string NameOf(const fs::path& scene) {
-  const fs::path path = scene.lexically_normal();
+  std::error_code ignored;
+  const fs::path path = fs::weakly_canonical(scene, ignored).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
@@ -105,6 +109,12 @@ Ablation RunSuite(const AblationRequest& request, const Listener& listener) {
   std::vector<std::string_view> content = {kSuiteJson, kSuiteMarkdown};
   content.insert(content.end(), names.begin(), names.end());
   RequireSeriesFolder(out, {"ablation of these scenes", kSuiteJson, content});
+  // What cannot be read is an error now, not after hours of training the scenes before it.
+  for (const fs::path& scene : scenes) {
+    RequireOutsideScene(out, scene);
+    const Scene read = ReadScene(scene, {}, Silent());
+    if (read.HasPoses()) SplitViews(read, WithListsRead(request.run.options.split));
+  }
   std::vector<Ablation> done;
   Ablation mean;
   for (size_t s = 0; s < scenes.size(); ++s) {

@@ -134,6 +134,7 @@ class TamperingSuite {
     RunRequest request = request_.run;
     request.out = WorkspaceOf(name, seed);
     request.options.start.seed = seed;
+    request.options.split = WithListsRead(request.options.split);
     // A user's folder comes without the models that made it, so no run sees them.
     request.options.propose.proposers = name == kModels ? ProposerChoice::kSplat : ProposerChoice::kNone;
     return request;

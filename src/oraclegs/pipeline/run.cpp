@@ -45,13 +45,21 @@ void RequireRenderable(const Scene& scene, int downscale) {
   }
 }
 
-/// Published scores are of the dataset's own smaller images, where it has some.
-void NoteResizing(const Scene& scene, int downscale, const Listener& listener) {
-  if (scene.format != SceneFormat::kColmap || downscale == 1) return;
+/// Published scores are of the dataset's own smaller images, where it has some. Throws InputError where it must.
+void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const Listener& listener) {
+  const int downscale = options.downscale;
+  const bool required = options.smaller_copies == SmallerCopies::kRequired;
+  if (downscale == 1 || (scene.format != SceneFormat::kColmap && !required)) return;
   const bool has_smaller = std::any_of(scene.views.begin(), scene.views.end(), [&](const SceneView& view) {
     return ImageFile(view, downscale) != view.image_path;
   });
   if (has_smaller) return;
+  if (required) {
+    throw InputError(
+        "{}: has no folder images_{}, as --smaller-copies required asks for; get the dataset's, or say "
+        "--smaller-copies auto to resize the photos here",
+        scene.root.string(), downscale);
+  }
   listener(
       Note{fmt::format("{}: has no folder images_{}; the photos are resized here, and scores differ a little from "
                        "those of a dataset that has it",
@@ -67,7 +75,7 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   read.images = options.input.images;
   Scene scene = ReadScene(root, read, listener);
   RequireRenderable(scene, options.image.downscale);
-  NoteResizing(scene, options.image.downscale, listener);
+  CheckSmallerCopies(scene, options.image, listener);
   return scene;
 }
 

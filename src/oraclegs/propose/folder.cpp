@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kShapeTolerance = 0.01;
 constexpr double kCropTolerance = 0.06;  // generators round sides to multiples of 64 and crop what is over
+constexpr double kMapTolerance = 0.03;   // attention maps have whole patches of 14 pixels of 518
 constexpr int kGreyTolerance = 8;        // of 255 between channels: what a JPEG does to grey
 
 constexpr const char* kTestPose =
@@ -32,12 +33,12 @@ bool SameShape(int width, int height, int other_width, int other_height, double 
   return std::abs(ratio - 1) <= tolerance;
 }
 
-/// The camera of the part of a view that a picture of another shape shows: as generators fit images to their sizes, the
-/// view was scaled until it covered the picture, and what stood over was cropped evenly. At the view's resolution.
-Camera CentreCrop(const Camera& view, const Image8& picture) {
+/// The camera of the part of a view that an image of another shape shows: as generators fit images to their sizes, the
+/// view was scaled until it covered the image, and what stood over was cropped evenly. At the view's resolution.
+Camera CentreCrop(const Camera& view, const Image8& image) {
   const double scale =
-      std::max(static_cast<double>(picture.width) / view.width, static_cast<double>(picture.height) / view.height);
-  const double width = picture.width / scale, height = picture.height / scale;
+      std::max(static_cast<double>(image.width) / view.width, static_cast<double>(image.height) / view.height);
+  const double width = image.width / scale, height = image.height / scale;
   Camera crop = view;
   crop.width = std::max(1, static_cast<int>(std::lround(width)));
   crop.height = std::max(1, static_cast<int>(std::lround(height)));
@@ -90,11 +91,27 @@ struct Loaded {
   const char* confidence_lost = nullptr;  // why a confidence file is not used
 };
 
-void LoadConfidence(const std::filesystem::path& file, const Image8& image, Loaded* loaded) {
+/// The middle of `map`, as large as fits, in the shape of `image`.
+Image8 MiddleOf(const Image8& map, const Image8& image) {
+  const double scale =
+      std::max(static_cast<double>(image.width) / map.width, static_cast<double>(image.height) / map.height);
+  const int width = std::clamp(static_cast<int>(std::lround(image.width / scale)), 1, map.width);
+  const int height = std::clamp(static_cast<int>(std::lround(image.height / scale)), 1, map.height);
+  Image8 middle{width, height, map.channels, {}};
+  for (int64_t y = (map.height - height) / 2; middle.data.size() < size_t{1} * width * height * map.channels; ++y) {
+    const auto row = map.data.begin() + (y * map.width + (map.width - width) / 2) * map.channels;
+    middle.data.insert(middle.data.end(), row, row + int64_t{width} * map.channels);
+  }
+  return middle;
+}
+
+/// `whole`: the camera of the view that the image may be the middle of.
+void LoadConfidence(const std::filesystem::path& file, const Image8& image, const Camera& whole, Loaded* loaded) {
   const Camera& camera = loaded->proposal->camera;
   try {
-    const Image8 map = ReadImage(file);
-    if (!SameShape(map.width, map.height, image.width, image.height, kCropTolerance)) {
+    Image8 map = ReadImage(file);
+    if (loaded->cropped && SameShape(map.width, map.height, whole.width, whole.height)) map = MiddleOf(map, image);
+    if (!SameShape(map.width, map.height, image.width, image.height, kMapTolerance)) {
       loaded->confidence_lost = "of another shape than their images";
     } else if (!IsGrey(map)) {
       loaded->confidence_lost = "in colours instead of grey";
@@ -130,7 +147,7 @@ Loaded Load(const FolderImage& image, const FolderRequest& request, bool named_l
                                           : AtWorkingSize(whole, request);
   loaded.proposal = Proposal{image.name, "folder", camera, {}};
   loaded.proposal->rgb = ResizeArea(Composited(pixels, request.background), camera.width, camera.height);
-  if (!image.confidence.empty()) LoadConfidence(image.confidence, pixels, &loaded);
+  if (!image.confidence.empty()) LoadConfidence(image.confidence, pixels, whole, &loaded);
   return loaded;
 }
 

@@ -136,7 +136,13 @@ std::vector<int> PointsSeen(const std::vector<DensePoint>& points, const Camera&
 }
 
 TargetCheck::TargetCheck(const TrajectoryRequest& request)
-    : same_place_(SamePlace(request.train)), test_(request.test, same_place_), train_(request.train, same_place_) {
+    : same_place_(SamePlace(request.train)),
+      test_(request.test, same_place_),
+      train_(request.train, same_place_),
+      real_({}, same_place_) {
+  for (const Target& spare : request.spare) {
+    if (request.sees_anything) real_.Add(spare.camera);
+  }
   if (request.points == nullptr || request.points->size() < kMinPoints) return;
   points_ = EvenSample(*request.points, kMaxPoints);
   const size_t n = request.train.size();
@@ -169,7 +175,7 @@ Verdict TargetCheck::Classify(const Camera& camera) const {
   if (test_.Has(camera)) return Verdict::kTestPose;
   if (train_.Has(camera)) return Verdict::kKnownPose;
   if (points_.empty()) return Verdict::kGood;
-  if (IsInsideGeometry(camera)) return Verdict::kInsideGeometry;
+  if (!real_.Has(camera) && IsInsideGeometry(camera)) return Verdict::kInsideGeometry;
   if (CoveredShare(points_, camera) < min_share_) return Verdict::kSeesNothing;
   return Verdict::kGood;
 }

@@ -54,7 +54,8 @@ class TargetCheck {
   ///   kTestPose        a test pose (PoseSet)
   ///   kKnownPose       a training pose
   ///   kInsideGeometry  five points or more lie nearer than a quarter of the smallest median depth of a training
-  ///                    camera, and nearer than to any training camera
+  ///                    camera, and nearer than to any training camera; never a spare pose where the request's
+  ///                    sees_anything, for a real camera stood there
   ///   kSeesNothing     points fall on less than a tenth of a 16 x 16 grid over the image, and on less than half of
   ///                    the training cameras' median share; never where the request's sees_anything
   /// The last two need at least 100 points.
@@ -68,7 +69,7 @@ class TargetCheck {
   bool IsInsideGeometry(const Camera& camera) const;
 
   double same_place_;
-  PoseSet test_, train_;
+  PoseSet test_, train_, real_;  ///< real_: where a camera stood, as the request's sees_anything may use it
   std::vector<DensePoint> points_;
   double nearest_ = 0;    ///< world units: geometry this near has the camera inside
   double min_share_ = 0;  ///< of the grid; 0 = any

@@ -36,7 +36,7 @@ struct FigureOptions {
     visit("crop", self.crop, "Of a comparison: the part to show, X,Y,WIDTH,HEIGHT in pixels of the renders");
     visit("labels", self.labels,
           "Of a comparison: what the runs are called, separated by commas; without, their folders");
-    visit("panel-width", self.panel_width, "Width of a picture in the PNG, pixels", Range{32, 4096});
+    visit("panel-width", self.panel_width, "Width of an image in the PNG, pixels", Range{32, 4096});
   }
 };
 

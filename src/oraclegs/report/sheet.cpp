@@ -68,7 +68,7 @@ void Write(cairo_t* context, const std::string& text, double center, double base
 void Draw(cairo_t* context, const Image8& image, double left, double top, double width) {
   Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
   unsigned char* const pixels = cairo_image_surface_get_data(surface.get());
-  if (pixels == nullptr) throw RunError("a picture of {} x {} cannot be drawn", image.width, image.height);
+  if (pixels == nullptr) throw RunError("an image of {} x {} cannot be drawn", image.width, image.height);
   const int stride = cairo_image_surface_get_stride(surface.get());
   const auto channels = static_cast<size_t>(image.channels);
   for (int y = 0; y < image.height; ++y) {

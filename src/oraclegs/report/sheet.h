@@ -1,5 +1,5 @@
 #pragma once
-// Pictures in a grid, with words beside them, as a PNG and as a PDF.
+// Images in a grid, with words beside them, as a PNG and as a PDF.
 
 #include <filesystem>
 #include <optional>
@@ -27,9 +27,9 @@ struct SheetFiles {
   std::filesystem::path png, pdf;
 };
 
-/// Writes STEM.png and STEM.pdf, each panel panel_width pixels wide (a point in the PDF, which keeps the pictures' own
-/// pixels). The PNG's larger side is at most 32767 pixels. Throws ShapeError for a row of another length, RunError when
-/// a file cannot be written.
+/// Writes STEM.png and STEM.pdf, each panel panel_width pixels wide (a point in the PDF, which keeps the images' own
+/// pixels). The PNG's larger side is at most 32767 pixels. Throws ShapeError for a row of another length, UsageError
+/// when it would be larger, RunError when a file cannot be written.
 SheetFiles WriteSheet(const Sheet& sheet, const std::filesystem::path& stem, int panel_width);
 
 }  // namespace oraclegs

@@ -27,14 +27,29 @@ struct EnumWords<Background> {
 /// Its RGB in [0, 1].
 std::array<float, 3> BackgroundColor(Background background);
 
+/// What --downscale N reads.
+enum class SmallerCopies {
+  kWhereFound,  ///< the files of images_N, else the images, resized
+  kRequired,    ///< the files of images_N
+};
+template <>
+struct EnumWords<SmallerCopies> {
+  static constexpr EnumWord<SmallerCopies> kWords[] = {{SmallerCopies::kWhereFound, "auto"},
+                                                       {SmallerCopies::kRequired, "required"}};
+};
+
 struct ImageOptions {
   int downscale = 1;  ///< whole factor
+  SmallerCopies smaller_copies = SmallerCopies::kWhereFound;
   Background background = Background::kBlack;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("downscale", self.downscale,
           "Divide the photos' size by this (antialiased; an existing images_N folder is used)", Range{1, 64});
+    visit("smaller-copies", self.smaller_copies,
+          "For --downscale N: auto = the dataset's own images_N where it has one, else the photos, resized; required = "
+          "an error where there is none, for scores that compare with published ones");
     visit("background", self.background, "Colour behind transparent pixels and behind the scene");
   }
 };

@@ -1,6 +1,7 @@
 #include "oraclegs/scene/split.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
@@ -22,15 +23,15 @@ std::vector<int> ViewsOfRole(const Scene& scene, DeclaredRole role) {
   return views;
 }
 
-/// candidates[linspace(0, n-1, count)], truncated. The products are numpy's (i * step, the last exact), so that the
-/// same views are picked where the ideal value is a whole number and rounding decides.
-std::vector<int> PickEvenly(const std::vector<int>& candidates, int count) {
+/// candidates[linspace(0, n-1, count)], truncated or rounded. The products are numpy's (i * step, the last exact), so
+/// that the same views are picked where the ideal value is a whole number and its last bits decide.
+std::vector<int> PickEvenly(const std::vector<int>& candidates, int count, ViewSteps steps) {
   const double last = static_cast<double>(candidates.size() - 1);
   const double step = count > 1 ? last / (count - 1) : 0;
   std::vector<int> picked;
   for (int i = 0; i < count; ++i) {
     const double place = i > 0 && i == count - 1 ? last : i * step;
-    picked.push_back(candidates[static_cast<size_t>(place)]);
+    picked.push_back(candidates[static_cast<size_t>(steps == ViewSteps::kRound ? std::nearbyint(place) : place)]);
   }
   return picked;
 }
@@ -80,7 +81,7 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
     throw InputError("{}: --views asks for {} training views, but only {} are left beside {} test views; ask for fewer",
                      scene.root.string(), options.views, available, split.test.size());
   }
-  if (options.views > 0) split.train = PickEvenly(split.train, options.views);
+  if (options.views > 0) split.train = PickEvenly(split.train, options.views, options.view_steps);
   if (split.train.size() < 2) {
     throw InputError(
         "{}: {} training view(s) out of {} photos, {} of them test views; training needs 2 or more, "

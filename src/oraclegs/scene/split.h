@@ -9,9 +9,20 @@
 
 namespace oraclegs {
 
+/// Which of n views in order `views` takes: the positions linspace(0, n-1, N), made whole.
+enum class ViewSteps {
+  kTruncate,  ///< as on Mip-NeRF 360 [Barron 2022]
+  kRound,     ///< half to even, as on LLFF [Niemeyer 2022]
+};
+template <>
+struct EnumWords<ViewSteps> {
+  static constexpr EnumWord<ViewSteps> kWords[] = {{ViewSteps::kTruncate, "truncate"}, {ViewSteps::kRound, "round"}};
+};
+
 struct SplitOptions {
-  int test_every = 8;         ///< every n-th view by name is a test view, 0 = no test views
-  int views = 0;              ///< training views, 0 = all that are not test views
+  int test_every = 8;  ///< every n-th view by name is a test view, 0 = no test views
+  int views = 0;       ///< training views, 0 = all that are not test views
+  ViewSteps view_steps = ViewSteps::kTruncate;
   std::string train_views{};  ///< a list as view_list.h reads it; the candidates for `views`
   std::string test_views{};   ///< likewise; replaces test_every
 
@@ -21,8 +32,10 @@ struct SplitOptions {
           "Every n-th view in name order, from the first, is held out for testing; 0 = none. Blender scenes use their "
           "own test file",
           Range{0, 1e6});
-    visit("views", self.views, "Training views, picked evenly from the rest: linspace(0, n-1, N) truncated; 0 = all",
+    visit("views", self.views, "Training views, picked evenly from the rest, at linspace(0, n-1, N); 0 = all",
           Range{0, 1e6});
+    visit("view-steps", self.view_steps,
+          "How these positions become whole: truncate, as papers on Mip-NeRF 360 do, or round, as those on LLFF do");
     visit("train-views", self.train_views,
           "The training views: names, with or without folder and extension, and positions in name order, :0 the first, "
           "joined by commas; or @FILE with one a line, or with the JSON of a run's split.json");

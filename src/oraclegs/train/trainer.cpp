@@ -68,9 +68,9 @@ struct Trainer::State {
   void Step();
   void ReportLimitations(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations; }
-  /// Never the last iteration of the horizon: refine_stop is at most 1.
+  /// Not in the last iteration, whose model is scored: nothing would settle what is moved then.
   bool Refines(int64_t i) const {
-    return i > options.refine_start &&
+    return !IsLast(i) && i > options.refine_start &&
            static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon()) &&
            i % options.refine_every == 0;
   }

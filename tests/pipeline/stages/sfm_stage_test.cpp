@@ -45,6 +45,14 @@ TEST_F(SfmStageTest, TakesTheModelByItselfWhereAllViewsTrain) {
   EXPECT_EQ(Bring(&run, "sfm").points.size(), 1000u);
 }
 
+TEST_F(SfmStageTest, TriangulatesWherePosedViewsLackTheirImages) {
+  request.options.start.init = {};
+  request.options.split.test_every = 0;
+  auto run = MakeRun(1000);
+  run.scene.missing_images.push_back("removed.jpg");  // which helped to place the model's points
+  for (const ScenePoint& point : Bring(&run, "sfm").points) EXPECT_NE(point.xyz.y(), 0) << "a point of the model";
+}
+
 TEST_F(SfmStageTest, TriangulatesWhereViewsAreHeldOut) {
   request.options.start.init = {};
   auto run = MakeRun(1000);

@@ -60,6 +60,29 @@ TEST(TrainInputs, WeightANetworksDepthByItsConfidence) {
   EXPECT_NEAR(mask(10, 14), 0.3, 1e-6);
 }
 
+TEST(TrainInputs, MaskDepthByZeroAndOneForThePaper) {
+  Object object;
+  const auto masks = [&] {
+    const TrainView view = MakeTrainViews(object.training(), object.geometry, DepthLoss::kPaper).front();
+    return std::vector<float>{view.depth_mask[10 * kSide + 9], view.depth_mask[10 * kSide + 14],
+                              view.depth_mask[2 * kSide + 2]};
+  };
+  EXPECT_THAT(masks(), testing::ElementsAre(1, 0, 0)) << "confident, not confident, nothing";
+  object.geometry.maps[0].monocular = true;
+  EXPECT_THAT(masks(), testing::ElementsAre(1, 1, 0)) << "a network's depth counts wherever it is";
+}
+
+TEST(SettleUnion, DrawsFromOnePile) {
+  TrainOptions options;
+  options.schedule = ScheduleKind::kUnion;
+  const TrainOptions settled = SettleUnion(options, 12, 36);
+  EXPECT_EQ(settled.Proposals().floor, 0.75);
+  EXPECT_EQ(settled.Proposals().peak, 0);
+  EXPECT_EQ(SettleUnion(options, 12, 0).Proposals().floor, 0);
+  options.schedule = ScheduleKind::kPaper;
+  EXPECT_EQ(SettleUnion(options, 12, 36).Proposals().peak, 1) << "others stay as they are";
+}
+
 TEST(TrainInputs, LearnExposureWhereItVaries) {
   EventRecorder recorder;
   Geometry geometry;

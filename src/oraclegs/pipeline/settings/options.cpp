@@ -22,6 +22,10 @@ nlohmann::json RunOptionsToJson(const RunOptions& options) {
 void CheckRunOptions(const RunOptions& options) {
   RunOptions::ForEachGroup(options, [](const char*, const auto& group) { CheckOptions(group); });
   AttentionLayersOf(options.validate);
+  if (options.train.horizon > 0 && options.train.horizon < options.train.iterations) {
+    throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",
+                     options.train.horizon, options.train.iterations);
+  }
   const ProposerChoice proposers = options.propose.proposers;
   const std::string& generator = options.propose.generator;
   if (proposers == ProposerChoice::kCommand && generator.empty()) {

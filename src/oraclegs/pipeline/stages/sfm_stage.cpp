@@ -11,9 +11,10 @@ bool IsWanted(const Run& run) {
   return (init != StartKind::kRandom && init != StartKind::kRandomCube) || run.plan.needs_depth;
 }
 
-/// Whether the scene's own points serve. Where views are held out they do not: those views helped to place them.
+/// Whether the scene's own points serve. Where views are held out, or lack their images, they do not: those views
+/// helped to place them.
 bool TakesModel(const Run& run) {
-  const bool all_train = run.split.train.size() == run.scene.views.size();
+  const bool all_train = run.split.train.size() == run.scene.views.size() && run.scene.missing_images.empty();
   const auto asked = run.options.start.sfm_points.ValueOr(all_train ? SfmPoints::kModel : SfmPoints::kTriangulate);
   return asked == SfmPoints::kModel && !run.scene.points.empty();
 }
