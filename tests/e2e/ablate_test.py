@@ -37,6 +37,23 @@ class Ablate(EndToEnd):
         same = {name for name in rows if name.endswith((".ply", "metrics.json", "stages.json", ".png"))}
         self.assertEqual({name: again[name][0] for name in same}, {name: rows[name][0] for name in same})
 
+    def test_several_scenes_and_lists_in_files(self):
+        other = self.copy_scene("other")
+        split = self.dir / "split.txt"
+        split.write_text("\n".join(f":{i}" for i in range(1, 8)))
+        out = self.dir / "suite"
+        rows = [*RUN, "--rows", "mcmc", "--seeds", 1]
+        arguments = ["ablate", self.scene, "-o", out, *rows, "--also", other, "--train-views", f"@{split}",
+                     "--test-views", ":0"]  # fmt: skip
+        done = self.run_program(*arguments)
+        self.assertIn("mean over scene, other: 20 iterations", done.stdout)
+        self.assertEqual(self.run_program(*arguments).stdout, done.stdout, "goes on where it was")
+        refused = self.dir / "refused_suite"
+        suite = ["ablate", self.scene, "-o", refused, *rows, "--also"]
+        self.error_of(*suite, self.dir / "nowhere", code=3, names=["nowhere"])
+        self.error_of(*suite, self.scene, code=2, names=["two scenes"])
+        self.assertFalse(refused.exists())
+
     def test_bad_input(self):
         out = self.dir / "refused"
         self.error_of("ablate", self.scene, code=2, names=["-o"])
