@@ -120,7 +120,7 @@ struct DepthOptions {
           "Where the photos' depth comes from: stereo; depth-anything = a network's prediction from each photo alone, "
           "aligned to the sparse points; fused = stereo where it is confident, elsewhere the network's, warped to fit "
           "stereo; auto = fused where the network's weights are, else stereo; none = no depth, which leaves a sparse "
-          "start and no views to propose");
+          "start and no proposals but a generator's");
   }
 };
 
