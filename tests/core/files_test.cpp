@@ -149,5 +149,14 @@ TEST(Files, AFullDiskIsFoundBeforeTheRun) {
   EXPECT_EQ(EntriesIn(dir.path()), 0u);
 }
 
+TEST(ReplaceFile, LeavesTheOldOrTheNew) {
+  TempDir dir;
+  ReplaceFile(dir / "a", "old");
+  ReplaceFile(dir / "a", "new");
+  EXPECT_EQ(ReadFile(dir / "a"), "new");
+  EXPECT_EQ(EntriesIn(dir.path()), 1u) << "no temporary file is left";
+  EXPECT_THROW(ReplaceFile(dir / "missing" / "a", "x"), RunError);
+}
+
 }  // namespace
 }  // namespace oraclegs

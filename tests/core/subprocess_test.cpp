@@ -49,6 +49,28 @@ TEST(Subprocess, StdinIsEmpty) {
   EXPECT_EQ(result.output, "");
 }
 
+TEST(Subprocess, FeedsStdin) {
+  const std::string piece(300000, 'x');  // more than a socket holds
+  int pieces = 0;
+  const auto result =
+      RunProcess({.argv = {"sh", "-c", "wc -c; cat"}, .next_input = [&] { return pieces++ < 5 ? piece : ""; }});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.output, "1500000\n");
+  EXPECT_EQ(pieces, 6);
+}
+
+TEST(Subprocess, DropsInputThatNobodyReads) {
+  int pieces = 0;
+  const auto result = RunProcess({.argv = {"sh", "-c", "exec <&-; sleep 0.1; exit 3"}, .next_input = [&] {
+                                    ++pieces;
+                                    return std::string(100000, 'x');
+                                  }});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_LT(pieces, 50);
+  EXPECT_THROW(RunProcess({.argv = {"cat"}, .next_input = []() -> std::string { throw InputError("stop"); }}),
+               InputError);
+}
+
 TEST(Subprocess, LinesArriveWhole) {
   std::vector<std::string> lines;
   RunProcess({"printf", "one\\r\\n\\ntwo\\nthree"}, {}, [&](const std::string& line) { lines.push_back(line); });

@@ -87,5 +87,13 @@ TEST(SplitTrimmed, DropsBlanksAndEmptyParts) {
   EXPECT_TRUE(SplitTrimmed("", ',').empty());
 }
 
+TEST(ShellQuoted, LeavesPlainWordsAndQuotesOthers) {
+  EXPECT_EQ(ShellQuoted("out/fox-1.ply"), "out/fox-1.ply");
+  EXPECT_EQ(ShellQuoted("caf\xc3\xa9"), "caf\xc3\xa9");
+  EXPECT_EQ(ShellQuoted("my scene"), "'my scene'");
+  EXPECT_EQ(ShellQuoted("it's"), "'it'\\''s'");
+  EXPECT_EQ(ShellQuoted(""), "''");
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -26,6 +26,19 @@ TEST(UniqueJson, RefusesWhatIsNoJson) {
                   StrEq("f: the header is not valid JSON (at byte 2); the file is damaged, get it again")));
 }
 
+TEST(UniqueJson, RefusesWhatIsNestedTooDeep) {
+  const auto arrays = [](size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  EXPECT_NO_THROW(ParseUniqueJson(arrays(64), "f", "header"));
+  for (const size_t levels : {size_t{65}, size_t{3000000}}) {
+    EXPECT_THAT(
+        [&] { ParseUniqueJson(arrays(levels), "f", "header"); },
+        ThrowsMessage<InputError>(StrEq("f: the header is nested more than 64 levels deep; write the file again")));
+  }
+  std::string objects = "1";
+  for (int i = 0; i < 65; ++i) objects = R"({"a":)" + objects + "}";
+  EXPECT_THROW(ParseUniqueJson(objects, "f", "header"), InputError);
+}
+
 TEST(UniqueJson, NamesFitIntoALine) {
   EXPECT_EQ(QuotedForMessage("a"), "\"a\"");
   EXPECT_EQ(QuotedForMessage("a\nb\"\xff"), "\"a\\nb\\\"\\ufffd\"");

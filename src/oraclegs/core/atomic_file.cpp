@@ -58,14 +58,27 @@ void AtomicFile::Append(std::string_view bytes) {
 void AtomicFile::Flush() {
   if (fd_ < 0) return;
   if (fsync(fd_) != 0) Fail("cannot flush to disk", errno);
-  if (close(std::exchange(fd_, -1)) != 0) Fail("cannot write", errno);
+  Close();
 }
 
 void AtomicFile::Finish() {
   Flush();
+  Rename();
+  SyncFolder(FolderOf(wanted_));
+}
+
+void AtomicFile::FinishUnflushed() {
+  Close();
+  Rename();
+}
+
+void AtomicFile::Close() {
+  if (fd_ >= 0 && close(std::exchange(fd_, -1)) != 0) Fail("cannot write", errno);
+}
+
+void AtomicFile::Rename() {
   if (rename(temporary_.c_str(), wanted_.c_str()) != 0) Fail("cannot write", errno);
   temporary_.clear();
-  SyncFolder(FolderOf(wanted_));
 }
 
 void AtomicFile::Fail(const char* what, int error) const {

@@ -23,8 +23,12 @@ class AtomicFile {
   void Flush();
   /// Flush, and gives it its final name, in place of what had that name before.
   void Finish();
+  /// The same without waiting for the disk: readers see all of the old or the new file, but a power cut may lose both.
+  void FinishUnflushed();
 
  private:
+  void Close();
+  void Rename();
   [[noreturn]] void Fail(const char* what, int error) const;
 
   std::filesystem::path wanted_, temporary_;

@@ -67,6 +67,12 @@ void WriteFileAtomically(const fs::path& path, std::string_view bytes) {
   file.Finish();
 }
 
+void ReplaceFile(const fs::path& path, std::string_view bytes) {
+  AtomicFile file(path);
+  file.Append(bytes);
+  file.FinishUnflushed();
+}
+
 void RequireWritableFolder(const fs::path& dir) {
   CreateFolders(dir);
   AtomicFile probe(dir, dir);

@@ -18,6 +18,10 @@ std::string ReadFile(const std::filesystem::path& path, uint64_t max_bytes = uin
 /// Creates the parent folder. Throws RunError (disk full, read-only, ...) after removing the temporary file.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
+/// The same for what is replaced many times a minute and lost without harm: it does not wait for the disk, and the
+/// folder must be there.
+void ReplaceFile(const std::filesystem::path& path, std::string_view bytes);
+
 /// Creates `dir` and its parents and proves that files can be made in it. Throws RunError naming it and the reason.
 void RequireWritableFolder(const std::filesystem::path& dir);
 

@@ -28,6 +28,11 @@ struct StageFinished {
   double seconds = 0;
 };
 
+/// A stage's result is that of an earlier run; if it had to be read back, StageFinished came first.
+struct StageKept {
+  std::string stage;
+};
+
 /// A file that the user may want to open stands under its final name.
 struct FileWritten {
   std::filesystem::path path;
@@ -43,7 +48,7 @@ struct Note {
   std::string text;
 };
 
-using Event = std::variant<StageStarted, StepDone, StageFinished, FileWritten, Warning, Note>;
+using Event = std::variant<StageStarted, StepDone, StageFinished, StageKept, FileWritten, Warning, Note>;
 
 /// Receives events on the thread that runs the stage. Must not be empty when passed to the library; see Silent().
 using Listener = std::function<void(const Event&)>;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -67,12 +68,56 @@ struct Pipe {
   int ends[2] = {-1, -1};
 };
 
+/// The way into a child: a socket, because writing to one that nobody reads any more need not raise SIGPIPE.
+class InputSocket {
+ public:
+  explicit InputSocket(const ProcessRequest& request) : next_(request.next_input) {
+    if (!next_) return;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends_) != 0) {
+      throw RunError("cannot start {}: {}", request.argv[0], std::strerror(errno));
+    }
+  }
+  ~InputSocket() {
+    Close(&ends_[0]);
+    Close(&ends_[1]);
+  }
+  InputSocket(const InputSocket&) = delete;
+  InputSocket& operator=(const InputSocket&) = delete;
+
+  int childs_end() const { return ends_[0]; }
+  int ours() const { return ends_[1]; }
+  void CloseChildsEnd() { Close(&ends_[0]); }
+
+  /// Hands on what the child takes without waiting.
+  void Write() {
+    if (at_ == bytes_.size()) {
+      bytes_ = next_();
+      at_ = 0;
+      if (bytes_.empty()) return Close(&ends_[1]);
+    }
+    const ssize_t n = send(ends_[1], bytes_.data() + at_, bytes_.size() - at_, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (n >= 0) at_ += static_cast<size_t>(n);
+    if (n < 0 && errno != EAGAIN && errno != EINTR) Close(&ends_[1]);
+  }
+
+ private:
+  static void Close(int* fd) {
+    if (*fd >= 0) close(std::exchange(*fd, -1));
+  }
+
+  const std::function<std::string()>& next_;
+  int ends_[2] = {-1, -1};
+  std::string bytes_;
+  size_t at_ = 0;
+};
+
 /// A running child, in a process group of its own so that its children end with it. Ends it when the scope is left.
 class Child {
  public:
   /// start_error() tells why when nothing runs.
-  explicit Child(const ProcessRequest& request) : output_(request.argv[0]), errors_(request.argv[0]) {
+  explicit Child(const ProcessRequest& request) : output_(request.argv[0]), errors_(request.argv[0]), input_(request) {
     start_error_ = Spawn(request);
+    input_.CloseChildsEnd();
     output_.CloseWriteEnd();
     errors_.CloseWriteEnd();
   }
@@ -83,6 +128,7 @@ class Child {
   int start_error() const { return start_error_; }
   int output() const { return output_.ends[0]; }
   int errors() const { return errors_.ends[0]; }
+  InputSocket* input() { return &input_; }
   int exit_code() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : kKilledBySignal + WTERMSIG(status_); }
 
   bool HasEnded() {
@@ -128,7 +174,11 @@ class Child {
     arguments.push_back(nullptr), variables.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (request.next_input) {
+      posix_spawn_file_actions_adddup2(&files, input_.childs_end(), STDIN_FILENO);
+    } else {
+      posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    }
     posix_spawn_file_actions_adddup2(&files, output_.ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&files, (request.errors_apart ? errors_ : output_).ends[1], STDERR_FILENO);
     sigset_t defaults;  // a signal we ignore must not be ignored by the child
@@ -147,6 +197,7 @@ class Child {
   }
 
   Pipe output_, errors_;
+  InputSocket input_;
   pid_t pid_ = 0;
   int status_ = 0;
   int start_error_ = 0;
@@ -208,28 +259,37 @@ bool ReadSome(int fd, const Sink& take) {
   return n > 0;
 }
 
-/// What the two pipes of a child bring.
-class ChildOutput {
+/// What the two pipes of a child bring, and what its stdin takes.
+class ChildStreams {
  public:
-  ChildOutput(const Child& child, OutputSink* sink)
-      : sink_(sink), pipes_{{child.output(), POLLIN, 0}, {child.errors(), POLLIN, 0}} {}
+  ChildStreams(Child* child, OutputSink* sink)
+      : sink_(sink),
+        input_(child->input()),
+        pipes_{{child->output(), POLLIN, 0}, {child->errors(), POLLIN, 0}, {input_->ours(), POLLOUT, 0}} {}
 
-  bool open() const { return pipes_[0].fd >= 0 || pipes_[1].fd >= 0; }
+  bool open() const { return pipes_[0].fd >= 0 || pipes_[1].fd >= 0 || pipes_[2].fd >= 0; }
 
-  /// False when nothing came in that time.
-  bool Read(int milliseconds) {
-    if (poll(pipes_, 2, milliseconds) <= 0) return false;
+  void StopInput() { pipes_[2].fd = -1; }
+
+  /// False when nothing came or went in that time.
+  bool Serve(int milliseconds) {
+    if (poll(pipes_, 3, milliseconds) <= 0) return false;
     const auto read = [](pollfd* pipe, const auto& take) {
       if (pipe->fd >= 0 && pipe->revents != 0 && !ReadSome(pipe->fd, take)) pipe->fd = -1;  // which poll passes over
     };
     read(&pipes_[0], [&](std::string_view bytes) { sink_->TakeOutput(bytes); });
     read(&pipes_[1], [&](std::string_view bytes) { sink_->TakeErrors(bytes); });
+    if (pipes_[2].fd >= 0 && pipes_[2].revents != 0) {
+      input_->Write();
+      pipes_[2].fd = input_->ours();
+    }
     return true;
   }
 
  private:
   OutputSink* sink_;
-  pollfd pipes_[2];
+  InputSocket* input_;
+  pollfd pipes_[3];
 };
 
 bool IsProgram(const fs::path& path) {
@@ -249,10 +309,10 @@ ProcessResult RunProcess(const ProcessRequest& request) {
     return sink.Finish(kCannotStart);
   }
   const auto start = std::chrono::steady_clock::now();
-  ChildOutput output(child, &sink);
+  ChildStreams streams(&child, &sink);
   // A grandchild that lives on may hold a pipe open: once the child has ended, only what is there is read.
   bool ended = false;
-  while (!ended || (output.open() && output.Read(0))) {
+  while (!ended || (streams.open() && streams.Serve(0))) {
     ThrowIfInterrupted();
     if (request.time_limit && std::chrono::steady_clock::now() - start > *request.time_limit) {
       child.End();
@@ -262,12 +322,13 @@ ProcessResult RunProcess(const ProcessRequest& request) {
     }
     if (request.while_running) request.while_running();
     if (ended) continue;
-    if (!output.open()) {  // it may close its output long before it ends
+    if (!streams.open()) {  // it may close them long before it ends
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    } else if (output.Read(kPollMilliseconds)) {
+    } else if (streams.Serve(kPollMilliseconds)) {
       continue;
     }
     ended = child.HasEnded();
+    if (ended) streams.StopInput();
   }
   return sink.Finish(child.exit_code());
 }

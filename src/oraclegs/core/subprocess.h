@@ -15,6 +15,7 @@ struct ProcessRequest {
   std::filesystem::path log = {};                                   ///< output is appended to it; empty: to none
   std::function<void(const std::string& line)> on_line = {};        ///< gets each line of output
   std::function<void()> while_running = {};                         ///< is called many times a second
+  std::function<std::string()> next_input = {};                     ///< the next bytes of stdin; empty: the end of it
   std::vector<std::pair<std::string, std::string>> variables = {};  ///< environment variables beside this process's
   std::optional<std::chrono::duration<double>> time_limit = {};     ///< then the process and its children are ended
   bool errors_apart = false;  ///< stderr has a pipe of its own: last_error is known, the order of the two is not
@@ -27,9 +28,9 @@ struct ProcessResult {
   bool timed_out = false;  ///< the time limit was reached
 };
 
-/// Runs a program with stdin closed and waits for it. An interrupt (core/interrupt.h), an exception of a callback or
-/// the end of the time limit ends it and the children that it left in its process group; an interrupt throws
-/// Interrupted.
+/// Runs a program and waits for it; its stdin is closed unless it is fed by next_input, whose bytes are dropped once
+/// the program reads no more. An interrupt (core/interrupt.h), an exception of a callback or the end of the time limit
+/// ends it and the children that it left in its process group; an interrupt throws Interrupted.
 ProcessResult RunProcess(const ProcessRequest& request);
 
 /// The same of what most callers need.

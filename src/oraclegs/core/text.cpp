@@ -1,6 +1,8 @@
 #include "oraclegs/core/text.h"
 
 #include <fmt/format.h>
+#include <cctype>
+#include <cstring>
 
 #include <algorithm>
 #include <cmath>
@@ -71,6 +73,16 @@ std::vector<std::string> SplitTrimmed(const std::string& text, char separator) {
     begin = end + 1;
   }
   return parts;
+}
+
+std::string ShellQuoted(const std::string& word) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || (c & 0x80) != 0 || std::strchr("-_./,:=@+%", c) != nullptr;
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 bool IsUtf8(const std::string& text) {

@@ -25,6 +25,9 @@ bool NaturalLess(std::string_view a, std::string_view b);
 /// The parts of `text` between separators, without the blanks around them; empty ones are left out.
 std::vector<std::string> SplitTrimmed(const std::string& text, char separator);
 
+/// The word as a POSIX shell reads it: as it is, or in single quotes.
+std::string ShellQuoted(const std::string& word);
+
 /// True when `text` can stand in JSON as it is.
 bool IsUtf8(const std::string& text);
 

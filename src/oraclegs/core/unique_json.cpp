@@ -9,9 +9,17 @@ namespace oraclegs {
 
 using nlohmann::json;
 
+namespace {
+constexpr int kDeepestJson = 64;  // levels; the library copies and destroys values by recursion
+}  // namespace
+
 json ParseUniqueJson(std::string_view text, const std::string& file, const std::string& part) {
   std::vector<std::set<std::string>> keys;
-  const auto check = [&](int, json::parse_event_t event, json& value) {
+  const auto check = [&](int depth, json::parse_event_t event, json& value) {
+    const bool opens = event == json::parse_event_t::object_start || event == json::parse_event_t::array_start;
+    if (opens && depth >= kDeepestJson) {
+      throw InputError("{}: the {} is nested more than {} levels deep; write the file again", file, part, kDeepestJson);
+    }
     if (event == json::parse_event_t::object_start) keys.emplace_back();
     if (event == json::parse_event_t::object_end) keys.pop_back();
     if (event == json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {

@@ -8,7 +8,7 @@
 namespace oraclegs {
 
 /// Parses JSON that says nothing twice: the library alone would keep the last of two equal keys. Throws InputError with
-/// `file` and `part` ("header") when it is no JSON or repeats a key.
+/// `file` and `part` ("header") when it is no JSON, repeats a key or is nested more than 64 levels deep.
 nlohmann::json ParseUniqueJson(std::string_view text, const std::string& file, const std::string& part);
 
 /// A name out of a file, in quotes and made fit for a one-line message: at most 120 bytes, all of them printable.

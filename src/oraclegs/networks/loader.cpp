@@ -7,9 +7,8 @@
 #include <mutex>
 #include <optional>
 #include <system_error>
-#include <vector>
 
-#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/library_file.h"
 #include "oraclegs/networks/build_id.h"
 
 namespace oraclegs {
@@ -27,35 +26,10 @@ constexpr const char* kHowToGet =
     "-DORACLEGS_NETWORKS=ON";
 #endif
 
-/// The folder of the shared library that holds `function`, or of the program.
-std::optional<fs::path> FolderOf(const void* function) {
-  Dl_info info{};
-  if (dladdr(function, &info) == 0 || info.dli_fname == nullptr) return std::nullopt;
-  std::error_code ignored;
-  const fs::path file = fs::canonical(info.dli_fname, ignored);
-  if (file.empty()) return std::nullopt;
-  return file.parent_path();
-}
-
-std::vector<fs::path> Folders() {
-  std::vector<fs::path> folders;
-  // Of liboraclegs_core.so, which program and library of networks share.
-  if (const auto core = FolderOf(reinterpret_cast<const void*>(&NumThreads))) folders.push_back(*core);
-  std::error_code ignored;
-  const fs::path program = fs::canonical("/proc/self/exe", ignored);
-  if (program.empty()) return folders;
-  for (const char* beside : {".", "../lib", "../lib/oraclegs"}) folders.push_back(program.parent_path() / beside);
-  return folders;
-}
-
 /// Nothing when there is none; what the variable names, whether it is there or not.
 std::optional<fs::path> FindLibrary() {
   if (const char* given = std::getenv(kNetworksVariable)) return given;
-  for (const fs::path& folder : Folders()) {
-    std::error_code ignored;
-    if (fs::exists(folder / kLibrary, ignored)) return (folder / kLibrary).lexically_normal();
-  }
-  return std::nullopt;
+  return FindLibraryFile(kLibrary);
 }
 
 /// What is wrong with a library that the system's loader refuses, from its words.

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace oraclegs {
+
+/// A shared library that belongs to this program and is loaded when it is needed: beside liboraclegs_core.so, beside
+/// the program, in ../lib or in ../lib/oraclegs. Nothing when there is none.
+std::optional<std::filesystem::path> FindLibraryFile(const std::string& name);
+
+}  // namespace oraclegs
