@@ -130,5 +130,19 @@ TEST(DecodeJpeg, RefusesAHeaderThatExceedsItsBytes) {
   EXPECT_THAT(MessageOf<InputError>([&] { Decode(with_size(0, 16)); }), HasSubstr("photo.jpg"));
 }
 
+TEST(CompressJpeg, IsReadBack) {
+  for (const int channels : {1, 3}) {
+    const Image8 image = SmoothImage(61, 47, channels);
+    const Image8 decoded = Decode(CompressJpeg(image, 92));
+    EXPECT_EQ(decoded.width, 61);
+    EXPECT_EQ(decoded.height, 47);
+    for (size_t i = 0; i < image.data.size(); ++i) {
+      EXPECT_NEAR(decoded.data[channels == 1 ? 3 * i : i], image.data[i], 12);
+    }
+  }
+  const Image8 image = SmoothImage(61, 47, 3);
+  EXPECT_LT(CompressJpeg(image, 30).size(), CompressJpeg(image, 95).size());
+}
+
 }  // namespace
 }  // namespace oraclegs

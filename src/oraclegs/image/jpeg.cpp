@@ -15,10 +15,10 @@ namespace {
 // A progressive scan can skip 32767 blocks with two bytes, but the first scan spends at least a bit on each block.
 constexpr uint64_t kJpegPixelsPerByte = 1024;
 
-struct CloseDecoder {
+struct CloseCodec {
   void operator()(void* handle) const { tjDestroy(handle); }
 };
-using Decoder = std::unique_ptr<void, CloseDecoder>;
+using Decoder = std::unique_ptr<void, CloseCodec>;
 
 struct Header {
   int width = 0, height = 0, subsampling = 0, colors = 0;
@@ -101,6 +101,23 @@ void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation o
   *height = header.height;
   if (orientation == Orientation::kUpright && SwapsAxes(ReadJpegMetadata(bytes).orientation))
     std::swap(*width, *height);
+}
+
+std::string CompressJpeg(const Image8& image, int quality) {
+  const std::unique_ptr<void, CloseCodec> encoder(tjInitCompress());
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  const bool grey = image.channels == 1;
+  if (!encoder ||
+      tjCompress2(encoder.get(), image.data.data(), image.width, 0, image.height, grey ? TJPF_GRAY : TJPF_RGB, &bytes,
+                  &size, grey ? TJSAMP_GRAY : TJSAMP_420, quality, 0) != 0) {
+    const std::string why = OneLine(tjGetErrorStr2(encoder.get()));
+    tjFree(bytes);
+    throw RunError("an image of {} x {} pixels cannot be written as JPEG: {}", image.width, image.height, why);
+  }
+  std::string jpeg(reinterpret_cast<const char*>(bytes), size);
+  tjFree(bytes);
+  return jpeg;
 }
 
 }  // namespace oraclegs

@@ -17,4 +17,7 @@ Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation o
 /// The size that DecodeJpeg would return, from the header.
 void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height);
 
+/// The bytes of a JPEG; 1 or 3 channels; quality 1 to 100. Throws RunError.
+std::string CompressJpeg(const Image8& image, int quality);
+
 }  // namespace oraclegs
