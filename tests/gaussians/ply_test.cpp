@@ -217,6 +217,25 @@ TEST_F(GaussianPlyFile, KeepsComments) {
   EXPECT_TRUE(ReadGaussianPly(path_).comments.empty());
 }
 
+TEST_F(GaussianPlyFile, KeepsSupport) {
+  const Gaussians g = RandomGaussians(3);
+  WriteGaussianPly(path_, g, 1, {}, {0, 0.5f, 1});
+  const GaussianPly read = ReadGaussianPly(path_);
+  EXPECT_EQ(read.sh_degree, 1);
+  EXPECT_EQ(read.support, (std::vector<float>{0, 0.5f, 1}));
+  EXPECT_TRUE(Equal(read.gaussians.quats, g.quats));
+  WriteGaussianPly(path_, g, 1);
+  EXPECT_TRUE(ReadGaussianPly(path_).support.empty());
+  EXPECT_THROW(WriteGaussianPly(path_, g, 1, {}, {0.5f}), ShapeError);
+}
+
+TEST_F(GaussianPlyFile, RefusesSupportOutOfRange) {
+  for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
+    WriteGaussianPly(path_, RandomGaussians(2), 0, {}, {0.5f, bad});
+    EXPECT_THAT(ReadError(path_), HasSubstr("support of vertex 1"));
+  }
+}
+
 TEST_F(GaussianPlyFile, RefusesToWriteWrongShapes) {
   Gaussians g = RandomGaussians(3);
   EXPECT_THROW(WriteGaussianPly(path_, g, 4), ShapeError);

@@ -7,6 +7,8 @@
 namespace oraclegs {
 
 inline constexpr int kShFloats = 48;  ///< of one Gaussian: 16 coefficients of 3 channels
+/// The constant spherical harmonic: without the others, colour = 0.5 + kConstantSh * sh.
+inline constexpr double kConstantSh = 0.28209479177387814;
 
 /// Rows of neighbouring Gaussians, or of anything of their layout (gradients, moments), as plain memory: float32, one
 /// row after the other without gaps.

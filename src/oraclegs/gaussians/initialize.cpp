@@ -18,7 +18,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr double kC0 = 0.28209479177387814;         // the constant spherical harmonic
 constexpr double kMinSquaredDistance = 1e-7;        // duplicates would have no size at all
 constexpr double kBlenderHalfSide = 1.3;            // world units
 constexpr double kCubeHalfSide = 3;                 // of the cameras' extent
@@ -28,7 +27,7 @@ constexpr int64_t kProbes = 20000, kMinHits = 200;  // 1%: a sparser overlap wou
 /// Nearly grey; no two points have quite the same colour.
 Eigen::Vector3f NearGrey(Rng* rng) {
   Eigen::Vector3f rgb;
-  for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(0.5 + kC0 * rng->Uniform() / 255);
+  for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(0.5 + kConstantSh * rng->Uniform() / 255);
   return rgb;
 }
 
@@ -196,7 +195,7 @@ Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions&
     for (int k = 0; k < 3; ++k) {
       row.means[k] = points.xyz[i][k];
       row.log_scales[k] = log_scale;
-      row.sh[k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kC0);
+      row.sh[k] = static_cast<float>((static_cast<double>(points.rgb[i][k]) - 0.5) / kConstantSh);
     }
     if (!points.normals.empty() && options.flatness != 1) {
       Flatten(points.normals[i], options.flatness, row.log_scales, row.quats);

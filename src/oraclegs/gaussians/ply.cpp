@@ -18,6 +18,7 @@ constexpr int64_t kWriteGrain = 4096;  // rows a task
 constexpr int kFixedColumns = 14;      // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
 constexpr int kFromOpacity = 8;        // columns from opacity to the end
 constexpr float kMaxLogit = 15;
+constexpr char kSupport[] = "support";
 
 void Append(std::vector<std::string>* names, const char* stem, int count) {
   for (int i = 0; i < count; ++i) names->push_back(stem + std::to_string(i));
@@ -37,7 +38,9 @@ std::vector<std::string> PropertyNames(int rest) {
 /// Floats of f_rest for a degree: three channels of all but the constant coefficient.
 int RestCount(int degree) { return 3 * (ShCount(degree) - 1); }
 
-std::string HeaderText(int64_t count, const std::vector<std::string>& names, const std::vector<std::string>& comments) {
+std::string HeaderText(int64_t count, std::vector<std::string> names, bool has_support,
+                       const std::vector<std::string>& comments) {
+  if (has_support) names.emplace_back(kSupport);
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   for (std::string comment : comments) {
     // A line break would be read as the next line of the header.
@@ -97,6 +100,20 @@ void ClampOpacity(float* logit) {
   if (std::isinf(*logit)) *logit = std::copysign(kMaxLogit, *logit);
 }
 
+/// The support of each Gaussian, where the file has it.
+std::vector<float> ReadSupport(const std::string& bytes, const PlyHeader& header, const PlyElement& vertex,
+                               const std::string& file) {
+  const int at = vertex.Find(kSupport);
+  if (at < 0 || vertex.properties[static_cast<size_t>(at)].is_list) return {};
+  std::vector<float> support = ReadPlyColumns(bytes, header, vertex.name, {kSupport}, file);
+  for (size_t i = 0; i < support.size(); ++i) {
+    if (support[i] >= 0 && support[i] <= 1) continue;
+    throw InputError("{}: support of vertex {} is {}, expected 0 to 1; remove that property or train again", file, i,
+                     support[i]);
+  }
+  return support;
+}
+
 /// Throws for a number that would spoil every render.
 void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i, const std::string& file) {
   for (size_t c = 0; c < names.size(); ++c) {
@@ -112,14 +129,18 @@ void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i
 }  // namespace
 
 void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree,
-                      const std::vector<std::string>& comments) {
+                      const std::vector<std::string>& comments, const std::vector<float>& support) {
   gaussians.Check("WriteGaussianPly");
+  const bool has_support = !support.empty();
+  if (has_support && static_cast<int64_t>(support.size()) != gaussians.size()) {
+    throw ShapeError("WriteGaussianPly: support of {} Gaussians, expected {}", support.size(), gaussians.size());
+  }
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("WriteGaussianPly: degree {}", sh_degree);
   const Gaussians host = gaussians.To(kCpu);
   const int64_t n = host.size();
   const int rest = RestCount(sh_degree);
-  const size_t columns = kFixedColumns + 3 + rest, row_bytes = columns * sizeof(float);
-  std::string bytes = HeaderText(n, PropertyNames(rest), comments);
+  const size_t columns = kFixedColumns + 3 + rest + (has_support ? 1 : 0), row_bytes = columns * sizeof(float);
+  std::string bytes = HeaderText(n, PropertyNames(rest), has_support, comments);
   const size_t header = bytes.size();
   bytes.resize(header + static_cast<size_t>(n) * row_bytes);
   const GaussianRows all = host.Rows();
@@ -127,6 +148,7 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
     std::vector<float> row(columns);
     for (int64_t i = begin; i < end; ++i) {
       PackRow(all.From(i), rest, row.data());
+      if (has_support) row.back() = support[static_cast<size_t>(i)];
       std::memcpy(bytes.data() + header + static_cast<size_t>(i) * row_bytes, row.data(), row_bytes);
     }
   });
@@ -148,6 +170,7 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   const int rest = RestCount(out.sh_degree);
   const std::vector<std::string> names = PropertyNames(rest);
   std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
+  out.support = ReadSupport(bytes, header, element, file);
   const auto n = static_cast<int64_t>(element.count);
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);

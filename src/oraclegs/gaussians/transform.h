@@ -1,0 +1,26 @@
+#pragma once
+// A model somewhere else: turned, scaled and moved as one rigid thing.
+
+#include <Eigen/Core>
+
+#include "oraclegs/gaussians/gaussians.h"
+
+namespace oraclegs {
+
+/// x -> scale * rotation * x + translation.
+struct Similarity {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< proper: determinant 1
+  double scale = 1;                                        ///< > 0
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
+/// How coefficients of spherical harmonics change when what they describe is turned: c' = D c, block by block of a
+/// degree, by the recursion of [Ivanic 1996].
+using ShRotation = Eigen::Matrix<float, kShCoefficients, kShCoefficients>;
+ShRotation RotationOfHarmonics(const Eigen::Matrix3d& rotation);
+
+/// The transformed Gaussians in new memory on the host: an image of them, taken by a camera that is transformed in the
+/// same way, stays the same.
+Gaussians Transformed(const Gaussians& gaussians, const Similarity& transform);
+
+}  // namespace oraclegs
