@@ -128,5 +128,52 @@ TEST(OrbitPath, RefusesNoCamerasAndNoFrames) {
   EXPECT_THROW(OrbitPath(Arc(2, 0, 9, Vector3d::Zero()), 0), std::invalid_argument);
 }
 
+TEST(SpiralPath, RisesInTwoTurnsAroundViewsFromAllAround) {
+  const Vector3d focus(1, 2, 3);
+  auto cameras = Arc(9, 0, 360, focus);
+  cameras[2] = CameraAt(cameras[2].Center() + Vector3d(0, 0, 1), focus);
+  const Vector3d up = MeanUp(cameras);
+  const auto path = SpiralPath(cameras, 40);
+  ASSERT_EQ(path.size(), 40u);
+  for (size_t i = 0; i < path.size(); ++i) {
+    EXPECT_NO_THROW(path[i].Check("spiral"));
+    EXPECT_NEAR(path[i].Forward().dot((focus - path[i].Center()).normalized()), 1, 1e-3);
+    if (i == 0) continue;
+    EXPECT_GT(up.dot(path[i].Center()), up.dot(path[i - 1].Center()));
+  }
+  const auto beside = [&](size_t i) { return Vector3d(path[i].Center() - focus).head<2>().eval(); };
+  EXPECT_NEAR((beside(0) - beside(20)).norm(), 0, 0.2);  // a turn later
+  EXPECT_NEAR((beside(0) - beside(10)).norm(), 8, 0.3);  // half a turn later
+}
+
+TEST(SpiralPath, StaysBeforeViewsFromOneSide) {
+  const Vector3d focus(0, 0, 0);
+  const auto cameras = Arc(6, 0, 60, focus);
+  const auto path = SpiralPath(cameras, 30);
+  for (const Camera& c : path) {
+    EXPECT_NO_THROW(c.Check("spiral"));
+    const double azimuth = std::atan2(c.Center().y(), c.Center().x()) * 180 / std::numbers::pi;
+    EXPECT_GT(azimuth, -1);
+    EXPECT_LT(azimuth, 51);
+    EXPECT_NEAR(c.Forward().dot((focus - c.Center()).normalized()), 1, 1e-9);
+  }
+  EXPECT_EQ(SpiralPath({cameras[0]}, 2).size(), 2u);
+  EXPECT_THROW(SpiralPath({}, 2), std::invalid_argument);
+}
+
+TEST(InterpolatedPath, PassesTheCamerasInTheirOrder) {
+  auto cameras = Arc(4, 0, 120, {0, 0, 0});
+  std::swap(cameras[1], cameras[2]);
+  const auto path = InterpolatedPath(cameras, 31);
+  ASSERT_EQ(path.size(), 31u);
+  for (size_t k = 0; k < 4; ++k) {
+    EXPECT_TRUE(path[10 * k].cam_from_world.isApprox(cameras[k].cam_from_world, 1e-6)) << k;
+  }
+  for (const Camera& c : path) EXPECT_NO_THROW(c.Check("interpolated"));
+  EXPECT_TRUE(InterpolatedPath({cameras[1]}, 3)[2].cam_from_world.isApprox(cameras[1].cam_from_world, 1e-9));
+  EXPECT_EQ(InterpolatedPath(cameras, 1).size(), 1u);
+  EXPECT_THROW(InterpolatedPath({}, 3), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace oraclegs {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr int kSpiralTurns = 2;
 constexpr double kMaxGap = kTwoPi / 3;  // a wider one is a side that no view shows
 
 bool AllLookTowards(const std::vector<Camera>& cameras, const Vector3d& focus) {
@@ -42,20 +44,65 @@ Vector3d Tangent(const Vector3d& p0, const Vector3d& p1, const Vector3d& p2) {
   return along.norm() > longest ? Vector3d(along * (longest / along.norm())) : along;
 }
 
-std::vector<Eigen::Isometry3d> Circle(const std::vector<Camera>& cameras, const Vector3d& focus, const Vector3d& up,
-                                      int frames) {
-  double height = 0, radius = 0;
-  for (const Camera& c : cameras) {
-    const Vector3d offset = c.Center() - focus;
-    height += up.dot(offset) / static_cast<double>(cameras.size());
-    radius += (offset - up.dot(offset) * up).norm() / static_cast<double>(cameras.size());
+/// The cameras' distances from the axis `up` through a point, and heights along it.
+struct CameraBelt {
+  CameraBelt(const std::vector<Camera>& cameras, const Vector3d& focus, const Vector3d& up) {
+    low = high = up.dot(cameras.front().Center() - focus);
+    for (const Camera& c : cameras) {
+      const Vector3d offset = c.Center() - focus;
+      const double height = up.dot(offset);
+      low = std::min(low, height), high = std::max(high, height);
+      mean += height / static_cast<double>(cameras.size());
+      radius += (offset - height * up).norm() / static_cast<double>(cameras.size());
+    }
   }
+  double low = 0, high = 0, mean = 0, radius = 0;
+};
+
+/// For views from one side: around their mean, beside and above it as far as half of them go.
+std::vector<Eigen::Isometry3d> EllipseBefore(const std::vector<Camera>& cameras, int frames) {
+  const Vector3d up = MeanUp(cameras);
+  Vector3d mean = Vector3d::Zero(), forward = Vector3d::Zero();
+  for (const Camera& c : cameras) {
+    mean += c.Center() / static_cast<double>(cameras.size());
+    forward += c.Forward();
+  }
+  Vector3d focus = NearestToAxes(cameras);
+  if (!AllLookTowards(cameras, focus)) focus = mean + forward.normalized() * std::max(1e-3, (focus - mean).norm());
+  const Vector3d side = forward.cross(up).normalized();
+  double wide = 0, high = 0;
+  for (const Camera& c : cameras) {
+    wide = std::max(wide, std::abs(side.dot(c.Center() - mean)) / 2);
+    high = std::max(high, std::abs(up.dot(c.Center() - mean)) / 2);
+  }
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < frames; ++i) {
+    const double along = (i + 0.5) / frames, a = kSpiralTurns * kTwoPi * along;
+    const Vector3d center = mean + wide * std::cos(a) * side + (high * (2 * along - 1) + high * std::sin(a) / 2) * up;
+    poses.push_back(LookAt(center, focus, up));
+  }
+  return poses;
+}
+
+std::vector<Camera> WithPoses(const Camera& intrinsics, const std::vector<Eigen::Isometry3d>& poses) {
+  std::vector<Camera> path(poses.size(), intrinsics);
+  for (size_t i = 0; i < path.size(); ++i) path[i].cam_from_world = poses[i];
+  return path;
+}
+
+/// Turns around the axis `up` through what the cameras look at, in which the height goes from one to the other.
+struct Turns {
+  double from_height = 0, to_height = 0, turns = 1;
+};
+std::vector<Eigen::Isometry3d> Around(const CameraBelt& belt, const Vector3d& focus, const Vector3d& up,
+                                      const Turns& how, int frames) {
   const auto ground = GroundAxes(up);
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < frames; ++i) {
-    const double a = kTwoPi * i / frames;
+    const double along = static_cast<double>(i) / frames, a = how.turns * kTwoPi * along;
     const Vector3d side = ground.transpose() * Eigen::Vector2d(std::cos(a), std::sin(a));
-    poses.push_back(LookAt(focus + height * up + radius * side, focus, up));
+    const double height = how.from_height + (how.to_height - how.from_height) * along;
+    poses.push_back(LookAt(focus + height * up + belt.radius * side, focus, up));
   }
   return poses;
 }
@@ -165,7 +212,8 @@ std::vector<Camera> OrbitPath(const std::vector<Camera>& cameras, int frames) {
   const Vector3d focus = NearestToAxes(cameras), up = MeanUp(cameras);
   std::vector<Eigen::Isometry3d> poses;
   if (RingAround(cameras, focus, up).all_around) {
-    poses = Circle(cameras, focus, up, frames);
+    const CameraBelt belt(cameras, focus, up);
+    poses = Around(belt, focus, up, {belt.mean, belt.mean, 1}, frames);
   } else {
     const std::vector<size_t> order = OrderBesideEachOther(cameras);
     for (int i = 0; i < frames; ++i) {
@@ -173,9 +221,29 @@ std::vector<Camera> OrbitPath(const std::vector<Camera>& cameras, int frames) {
       poses.push_back(PoseAlong(cameras, order, there_and_back * static_cast<double>(order.size() - 1)));
     }
   }
-  std::vector<Camera> path(poses.size(), cameras.front());
-  for (size_t i = 0; i < path.size(); ++i) path[i].cam_from_world = poses[i];
-  return path;
+  return WithPoses(cameras.front(), poses);
+}
+
+std::vector<Camera> SpiralPath(const std::vector<Camera>& cameras, int frames) {
+  if (cameras.empty() || frames < 1) throw std::invalid_argument("SpiralPath: needs cameras and at least one frame");
+  const Vector3d focus = NearestToAxes(cameras), up = MeanUp(cameras);
+  if (!RingAround(cameras, focus, up).all_around) return WithPoses(cameras.front(), EllipseBefore(cameras, frames));
+  const CameraBelt belt(cameras, focus, up);
+  return WithPoses(cameras.front(), Around(belt, focus, up, {belt.low, belt.high, kSpiralTurns}, frames));
+}
+
+std::vector<Camera> InterpolatedPath(const std::vector<Camera>& cameras, int frames) {
+  if (cameras.empty() || frames < 1) {
+    throw std::invalid_argument("InterpolatedPath: needs cameras and at least one frame");
+  }
+  std::vector<size_t> order(cameras.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < frames; ++i) {
+    const double along = frames > 1 ? static_cast<double>(i) / (frames - 1) : 0;
+    poses.push_back(PoseAlong(cameras, order, along * static_cast<double>(cameras.size() - 1)));
+  }
+  return WithPoses(cameras.front(), poses);
 }
 
 }  // namespace oraclegs

@@ -14,6 +14,16 @@ namespace oraclegs {
 /// leaves what the views show. Throws std::invalid_argument without cameras or frames.
 std::vector<Camera> OrbitPath(const std::vector<Camera>& cameras, int frames);
 
+/// `frames` poses that rise from the lowest to the highest of the cameras, from the training cameras alone. Views from
+/// all around: two turns of the circle of OrbitPath. Otherwise two turns of an ellipse in front of the scene, as wide
+/// and high as half of what the cameras spread over, looking at the point nearest to their axes. Throws
+/// std::invalid_argument without cameras or frames.
+std::vector<Camera> SpiralPath(const std::vector<Camera>& cameras, int frames);
+
+/// `frames` poses of the smooth path through the cameras in their order, from the first to the last, each with as much
+/// time as any other; intrinsics of the first. Throws std::invalid_argument without cameras or frames.
+std::vector<Camera> InterpolatedPath(const std::vector<Camera>& cameras, int frames);
+
 /// A pose of the smooth path through the cameras in this order, at s in [0, order.size() - 1]: whole numbers are the
 /// cameras themselves. Centres by cubic splines whose speed is limited, so that unevenly placed cameras make no loops;
 /// rotations by slerp.
