@@ -1,0 +1,18 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace oraclegs {
+
+/// A zip archive of (name, bytes) in this order, stored as they are; the same bytes every time. Throws RunError.
+std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& files);
+
+/// The files of an archive by name. Throws InputError naming `archive`: no zip, damaged, encrypted, more files than
+/// `max_files`, or many times larger unpacked than packed.
+std::map<std::string, std::string> ReadZip(std::string_view bytes, int64_t max_files, const std::string& archive);
+
+}  // namespace oraclegs
