@@ -1,0 +1,159 @@
+#include "oraclegs/mesh/fuse_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "oraclegs/camera/camera_path.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/memory.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/mesh/isosurface.h"
+#include "oraclegs/mesh/vertex_colors.h"
+#include "oraclegs/render/make_rasterizer.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kTruncationVoxels = 4;    // a surface needs voxels on both sides
+constexpr double kTruncationShare = 0.01;  // of depth: what renders of a splat disagree by
+constexpr double kMaxTruncationVoxels = 16;
+constexpr double kMinFootprintShare = 0.25;  // finer voxels would find no pixel
+constexpr int64_t kMaxAutoBlocks = 60'000;   // about two million vertices
+constexpr int kPasses = 3;
+constexpr size_t kViewsForScale = 8;
+
+struct DepthScale {
+  double depth = 0;      // median of the pixels, scene units; 0 = nothing is seen
+  double footprint = 0;  // median of what a pixel covers there
+};
+
+/// Renders views one after the other.
+class ViewSource {
+ public:
+  ViewSource(const Gaussians& gaussians, const RenderOptions& render, std::vector<Camera> cameras,
+             const Listener& listener)
+      : gaussians_(gaussians),
+        render_(render),
+        cameras_(std::move(cameras)),
+        listener_(listener),
+        rasterizer_(MakeRasterizer(gaussians.device())) {}
+
+  SurfaceView View(size_t i) {
+    ThrowIfInterrupted();
+    return SurfaceViewOf(rasterizer_->Forward(gaussians_, cameras_[i], render_, RenderPass::kInference), cameras_[i]);
+  }
+  void ForEach(int pass, const std::function<void(const SurfaceView&)>& body) {
+    const auto n = static_cast<int64_t>(cameras_.size());
+    for (int64_t i = 0; i < n; ++i) {
+      body(View(static_cast<size_t>(i)));
+      listener_(StepDone{"mesh", pass * n + i + 1, kPasses * n, "renders", ""});
+    }
+  }
+  size_t count() const { return cameras_.size(); }
+
+ private:
+  const Gaussians& gaussians_;
+  RenderOptions render_;
+  std::vector<Camera> cameras_;
+  const Listener& listener_;
+  std::unique_ptr<Rasterizer> rasterizer_;
+};
+
+DepthScale ScaleOf(ViewSource* source) {
+  std::vector<float> depths, footprints;
+  const size_t step = std::max<size_t>(1, source->count() / kViewsForScale);
+  for (size_t i = 0; i < source->count(); i += step) {
+    const SurfaceView view = source->View(i);
+    for (size_t p = 0; p < view.weights.size(); ++p) {
+      if (view.weights[p] <= 0) continue;
+      depths.push_back(1 / view.surface.inv_depth[p]);
+      footprints.push_back(depths.back() / static_cast<float>(view.surface.camera.fx));
+    }
+  }
+  if (depths.empty()) return {};
+  const auto median = [](std::vector<float>* values) {
+    const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+    std::nth_element(values->begin(), middle, values->end());
+    return static_cast<double>(*middle);
+  };
+  return {median(&depths), median(&footprints)};
+}
+
+double TruncationOf(const MeshOptions& options, double voxel, double depth) {
+  const double automatic =
+      std::clamp(kTruncationShare * depth, kTruncationVoxels * voxel, kMaxTruncationVoxels * voxel);
+  const double truncation = options.truncation.ValueOr(automatic);
+  if (truncation >= voxel && truncation <= 4 * kMaxTruncationVoxels * voxel) return truncation;
+  throw UsageError("--trunc is {:.3g}, must be 1 to {:.0f} voxels of {:.3g}; leave it out, or change --voxel",
+                   truncation, 4 * kMaxTruncationVoxels, voxel);
+}
+
+TsdfBlocks BlocksAt(ViewSource* source, double voxel, double truncation) {
+  TsdfBlocks blocks(voxel, truncation);
+  source->ForEach(0, [&](const SurfaceView& view) { blocks.Add(view); });
+  return blocks;
+}
+
+/// The blocks for the size that was asked for, or for one that gives a mesh of a size that viewers open.
+TsdfBlocks DecideBlocks(ViewSource* source, const DepthScale& scale, const MeshOptions& options) {
+  double voxel = options.voxel.ValueOr(scale.footprint);
+  if (voxel < kMinFootprintShare * scale.footprint) {
+    throw UsageError(
+        "--voxel is {:.3g}: the renders hold no such detail, a pixel covers {:.3g}; give at least {:.3g}, or work on "
+        "larger images (--downscale)",
+        voxel, scale.footprint, kMinFootprintShare * scale.footprint);
+  }
+  TsdfBlocks blocks = BlocksAt(source, voxel, TruncationOf(options, voxel, scale.depth));
+  if (options.voxel.is_auto() && blocks.count() > kMaxAutoBlocks) {
+    voxel *= std::sqrt(static_cast<double>(blocks.count()) / kMaxAutoBlocks);
+    blocks = BlocksAt(source, voxel, TruncationOf(options, voxel, scale.depth));
+  }
+  RequireRoom(blocks, AvailableMemory());
+  return blocks;
+}
+
+}  // namespace
+
+std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count) {
+  std::vector<Camera> all = cameras;
+  const int between = count - static_cast<int>(cameras.size());
+  if (cameras.size() < 2 || between <= 0) return all;
+  const std::vector<size_t> order = OrderBesideEachOther(cameras);
+  const auto last = static_cast<double>(order.size() - 1);
+  for (int i = 0; i < between; ++i) {
+    const double s = (i + 0.5) / between * last;
+    Camera camera = cameras[order[static_cast<size_t>(s)]];
+    camera.cam_from_world = PoseAlong(cameras, order, s);
+    all.push_back(camera);
+  }
+  return all;
+}
+
+FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, const std::vector<Camera>& cameras,
+                    const MeshOptions& options, const Listener& listener) {
+  CheckOptions(options);
+  RequireIsosurface();
+  ViewSource source(gaussians, render, MeshCameras(cameras, options.renders), listener);
+  const DepthScale scale = ScaleOf(&source);
+  FusedMesh fused;
+  if (scale.depth == 0) return fused;
+  {  // the volume is gone before colours are gathered
+    const TsdfBlocks blocks = DecideBlocks(&source, scale, options);
+    fused.voxel = blocks.voxel(), fused.truncation = blocks.truncation();
+    TsdfVolume volume(blocks);
+    source.ForEach(1, [&](const SurfaceView& view) { volume.Integrate(view); });
+    const VoxelField field{volume.voxel(),    &volume.blocks(),   &volume.distances(),
+                           &volume.weights(), options.adaptivity, NumThreads()};
+    fused.mesh = WithoutSmallParts(Isosurface(field), options.min_part);
+  }
+  SetNormals(&fused.mesh);
+  VertexColors colors(fused.mesh, fused.truncation);
+  source.ForEach(2, [&](const SurfaceView& view) { colors.Add(view); });
+  fused.mesh.colors = colors.Colors();
+  return fused;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,54 @@
+#pragma once
+// A triangle mesh of what a model of Gaussians shows.
+
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/core/progress.h"
+#include "oraclegs/mesh/triangle_mesh.h"
+#include "oraclegs/render/render.h"
+
+namespace oraclegs {
+
+struct MeshOptions {
+  Auto<double> voxel;
+  Auto<double> truncation;
+  int renders = 60;
+  double adaptivity = 0.1;
+  double min_part = 0.001;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("voxel", self.voxel,
+          "Side of a voxel in scene units: the finest detail; auto is what a pixel covers at the scene's depth",
+          Range{1e-9, 1e9});
+    visit("trunc", self.truncation,
+          "Depths that differ by less are averaged, in scene units; auto is 4 voxels or 1 % of the scene's depth",
+          Range{1e-9, 1e9});
+    visit("renders", self.renders,
+          "Renders whose depth is fused: from the training views, and from cameras between them, up to this number",
+          Range{1, 1e5});
+    visit("adaptivity", self.adaptivity, "More makes larger triangles where the surface is flat", Range{0, 1});
+    visit("min-part", self.min_part, "Parts of less than this share of the whole area are left out", Range{0, 1});
+  }
+};
+
+/// The cameras, and others on the smooth path through them in the order in which they lie beside each other, up to
+/// `count` in all.
+std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count);
+
+struct FusedMesh {
+  TriangleMesh mesh;      ///< with normals and colours; empty when the renders show no surface
+  double voxel = 0;       ///< scene units, decided
+  double truncation = 0;  ///< likewise
+};
+
+/// Renders depth and colour from MeshCameras, fuses the depth in a truncated signed distance, takes its surface and
+/// colours the vertices with the means of what the renders show there. Renders each view three times and keeps
+/// none.
+/// Throws UsageError for voxels so small that the machine's memory does not hold them, with a size that fits.
+FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, const std::vector<Camera>& cameras,
+                    const MeshOptions& options, const Listener& listener);
+
+}  // namespace oraclegs

@@ -1,0 +1,203 @@
+#include "oraclegs/mesh/mesh_file.h"
+
+#include <Eigen/Geometry>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+static_assert(std::endian::native == std::endian::little, "numbers are written as the machine stores them");
+
+constexpr size_t kPlyVertexBytes = 27, kPlyFaceBytes = 13;  // 6 floats and RGB; a count and 3 indices
+constexpr const char* kPlyHeader =
+    "ply\nformat binary_little_endian 1.0\ncomment oraclegs mesh\nelement vertex {}\n"
+    "property float x\nproperty float y\nproperty float z\n"
+    "property float nx\nproperty float ny\nproperty float nz\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+    "element face {}\nproperty list uchar int vertex_indices\nend_header\n";
+
+template <class T>
+void Put(std::string* bytes, const T& value) {
+  bytes->append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+std::string PlyBytes(const TriangleMesh& mesh) {
+  std::string bytes = fmt::format(fmt::runtime(kPlyHeader), mesh.positions.size(), mesh.triangles.size());
+  bytes.reserve(bytes.size() + mesh.positions.size() * kPlyVertexBytes + mesh.triangles.size() * kPlyFaceBytes);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (int c = 0; c < 3; ++c) Put(&bytes, mesh.positions[i][c]);
+    for (int c = 0; c < 3; ++c) Put(&bytes, mesh.normals[i][c]);
+    Put(&bytes, mesh.colors[i]);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    Put(&bytes, uint8_t{3});
+    Put(&bytes, triangle);
+  }
+  return bytes;
+}
+
+/// glTF multiplies with linear colours; 16 bits, because 8 of them do not tell dark sRGB values apart.
+uint16_t LinearOfSrgb(uint8_t value) {
+  const double v = value / 255.0;
+  const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  return static_cast<uint16_t>(std::lround(65535 * linear));
+}
+
+enum GltfNumber { kGltfFloat = 5126, kGltfUnsignedShort = 5123, kGltfUnsignedInt = 5125 };
+
+/// Views and accessors of a binary buffer.
+class GltfBuffer {
+ public:
+  /// Adds the accessor of what was put since the last call. `target`: 34962 vertices, 34963 indices.
+  nlohmann::json& Add(size_t count, GltfNumber number, const char* type, int target) {
+    views_.push_back(
+        {{"buffer", 0}, {"byteOffset", begin_}, {"byteLength", bytes_.size() - begin_}, {"target", target}});
+    accessors_.push_back(
+        {{"bufferView", views_.size() - 1}, {"componentType", number}, {"count", count}, {"type", type}});
+    begin_ = bytes_.size();
+    return accessors_.back();
+  }
+  std::string* bytes() { return &bytes_; }
+  const nlohmann::json& views() const { return views_; }
+  const nlohmann::json& accessors() const { return accessors_; }
+
+ private:
+  std::string bytes_;
+  size_t begin_ = 0;
+  nlohmann::json views_ = nlohmann::json::array(), accessors_ = nlohmann::json::array();
+};
+
+void PutGeometry(const TriangleMesh& mesh, GltfBuffer* buffer) {
+  Eigen::Vector3f low = mesh.positions.front(), high = low;
+  for (const Eigen::Vector3f& position : mesh.positions) {
+    low = low.cwiseMin(position), high = high.cwiseMax(position);
+    for (int c = 0; c < 3; ++c) Put(buffer->bytes(), position[c]);
+  }
+  nlohmann::json& positions = buffer->Add(mesh.positions.size(), kGltfFloat, "VEC3", 34962);
+  positions["min"] = {low.x(), low.y(), low.z()};
+  positions["max"] = {high.x(), high.y(), high.z()};
+  for (const Eigen::Vector3f& normal : mesh.normals) {
+    for (int c = 0; c < 3; ++c) Put(buffer->bytes(), normal[c]);
+  }
+  buffer->Add(mesh.normals.size(), kGltfFloat, "VEC3", 34962);
+  for (const auto& color : mesh.colors) {
+    for (const uint8_t channel : color) Put(buffer->bytes(), LinearOfSrgb(channel));
+    Put(buffer->bytes(), uint16_t{65535});
+  }
+  buffer->Add(mesh.colors.size(), kGltfUnsignedShort, "VEC4", 34962)["normalized"] = true;
+  for (const auto& triangle : mesh.triangles) Put(buffer->bytes(), triangle);
+  buffer->Add(3 * mesh.triangles.size(), kGltfUnsignedInt, "SCALAR", 34963);
+}
+
+std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const fs::path& path) {
+  GltfBuffer buffer;
+  PutGeometry(mesh, &buffer);
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY());
+  const nlohmann::json primitive = {
+      {"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"COLOR_0", 2}}}, {"indices", 3}, {"material", 0}, {"mode", 4}};
+  const nlohmann::json document = {{"asset", {{"version", "2.0"}, {"generator", "oraclegs"}}},
+                                   {"extensionsUsed", {"KHR_materials_unlit"}},
+                                   {"scene", 0},
+                                   {"scenes", {{{"nodes", {0}}}}},
+                                   {"nodes", {{{"mesh", 0}, {"rotation", {turn.x(), turn.y(), turn.z(), turn.w()}}}}},
+                                   {"meshes", {{{"primitives", nlohmann::json::array({primitive})}}}},
+                                   {"materials",
+                                    {{{"doubleSided", true},
+                                      {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
+                                      {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}}}},
+                                   {"buffers", {{{"byteLength", buffer.bytes()->size()}}}},
+                                   {"bufferViews", buffer.views()},
+                                   {"accessors", buffer.accessors()}};
+  std::string text = document.dump();
+  while (text.size() % 4 != 0) text += ' ';
+  constexpr uint64_t kHeaders = 12 + 8 + 8;
+  const uint64_t length = kHeaders + text.size() + buffer.bytes()->size();
+  if (length > UINT32_MAX) {
+    throw UsageError("{}: the mesh needs {:.1f} GiB, a .glb holds 4; write a .ply, or give a larger --voxel",
+                     path.string(), static_cast<double>(length) / (1 << 30));
+  }
+  std::string bytes;
+  bytes.reserve(length);
+  bytes += "glTF";
+  Put(&bytes, uint32_t{2});
+  Put(&bytes, static_cast<uint32_t>(length));
+  Put(&bytes, static_cast<uint32_t>(text.size()));
+  bytes += "JSON" + text;
+  Put(&bytes, static_cast<uint32_t>(buffer.bytes()->size()));
+  bytes += std::string("BIN\0", 4) + *buffer.bytes();
+  return bytes;
+}
+
+/// The number after a word of the header; nothing when it is not there.
+std::optional<uint64_t> CountAfter(std::string_view header, std::string_view word) {
+  const size_t at = header.find(word);
+  if (at == std::string_view::npos) return std::nullopt;
+  uint64_t count = 0;
+  const char* begin = header.data() + at + word.size();
+  const auto [end, error] = std::from_chars(begin, header.data() + header.size(), count);
+  if (error != std::errc() || end == header.data() + header.size() || *end != '\n') return std::nullopt;
+  return count;
+}
+
+}  // namespace
+
+void RequireMeshExtension(const fs::path& path) {
+  if (path.extension() == ".ply" || path.extension() == ".glb") return;
+  throw UsageError("{}: a mesh is written as .ply or .glb; give a name that ends so", path.string());
+}
+
+void WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up) {
+  RequireMeshExtension(path);
+  if (mesh.triangles.empty() || mesh.normals.size() != mesh.positions.size() ||
+      mesh.colors.size() != mesh.positions.size()) {
+    throw ShapeError("WriteMesh: {} triangles, {} positions, {} normals, {} colours", mesh.triangles.size(),
+                     mesh.positions.size(), mesh.normals.size(), mesh.colors.size());
+  }
+  WriteFileAtomically(path, path.extension() == ".glb" ? GlbBytes(mesh, up, path) : PlyBytes(mesh));
+}
+
+TriangleMesh ReadMeshPly(const fs::path& path) {
+  const std::string bytes = ReadFile(path);
+  constexpr std::string_view kEnd = "end_header\n";
+  const size_t end = bytes.find(kEnd);
+  const std::string_view header = std::string_view(bytes).substr(0, end == std::string::npos ? 0 : end + kEnd.size());
+  const auto vertices = CountAfter(header, "element vertex "), faces = CountAfter(header, "element face ");
+  if (!vertices || !faces || header != fmt::format(fmt::runtime(kPlyHeader), *vertices, *faces)) {
+    throw InputError("{}: is no mesh of oraclegs; make one with `oraclegs mesh`", path.string());
+  }
+  const uint64_t left = bytes.size() - header.size();
+  if (*vertices > left / kPlyVertexBytes || *faces > left / kPlyFaceBytes ||
+      *vertices * kPlyVertexBytes + *faces * kPlyFaceBytes != left) {
+    throw InputError("{}: holds {} bytes, not those of {} vertices and {} faces; make it again", path.string(), left,
+                     *vertices, *faces);
+  }
+  TriangleMesh mesh;
+  mesh.positions.resize(*vertices), mesh.normals.resize(*vertices), mesh.colors.resize(*vertices);
+  mesh.triangles.resize(*faces);
+  const char* at = bytes.data() + header.size();
+  for (size_t i = 0; i < *vertices; ++i, at += kPlyVertexBytes) {
+    std::memcpy(mesh.positions[i].data(), at, 12);
+    std::memcpy(mesh.normals[i].data(), at + 12, 12);
+    std::memcpy(mesh.colors[i].data(), at + 24, 3);
+  }
+  for (auto& triangle : mesh.triangles) {
+    std::memcpy(triangle.data(), at + 1, 12);
+    for (const uint32_t vertex : triangle) {
+      if (vertex < *vertices) continue;
+      throw InputError("{}: a face has vertex {} of {}; make it again", path.string(), vertex, *vertices);
+    }
+    at += kPlyFaceBytes;
+  }
+  return mesh;
+}
+
+}  // namespace oraclegs
