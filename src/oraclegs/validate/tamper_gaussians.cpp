@@ -18,7 +18,7 @@ constexpr double kLeastLift = 0.15, kFarthestLift = 0.4;    // of what is invent
 constexpr double kLeastGain = 0.7, kLargestGain = 1.3;      // of a toned channel
 constexpr double kLeastShift = 0.08, kLargestShift = 0.25;  // either way
 constexpr float kSmoothFactor = 3;
-constexpr float kDcOfColor = 1 / 0.28209479177387814f;  // the constant spherical harmonic
+constexpr float kDcOfColor = 1 / static_cast<float>(kConstantSh);
 constexpr int kPixelTries = 64;
 
 /// Random numbers of a lie: those that say where it is, then those of each view.

@@ -1,0 +1,136 @@
+#include "oraclegs/evaluate/support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
+#include "oraclegs/render/constants.h"
+#include "oraclegs/render/make_rasterizer.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int64_t kSupportGrain = 1024;   // Gaussians a task
+constexpr double kSeenShare = 0.1;        // of a Gaussian's projected area, for a view to see it
+constexpr double kFurtherViews = 4;       // unoccluded, for 63 % of the last quarter
+constexpr float kTrusted = 0.5f;          // confidence
+constexpr double kSmallestFootprint = 1;  // pixels; what is smaller is compared with this
+
+/// Sums over the pixels of a view: the blending weights of a Gaussian, and the weights times the view's weight.
+struct Contribution {
+  double blended = 0, trusted = 0;
+};
+
+/// The contributions of all Gaussians to a view. They are gradients: with one colour for all Gaussians, dL/d(colour) of
+/// one is the sum of its blending weights times dL/d(pixel).
+class Contributions {
+ public:
+  Contributions(const Gaussians& gaussians, const RenderOptions& options)
+      : device_(gaussians.means.device()), rasterizer_(MakeRasterizer(device_)), grey_(gaussians), options_(options) {
+    grey_.sh = Buffer<float>::Zeros(gaussians.sh.shape(), device_);
+    options_.sh_degree = 0;
+    grads_ = Gaussians::Zeros(gaussians.size(), device_);
+  }
+
+  /// Channel 0 of the gradient is Contribution::trusted, channel 1 is Contribution::blended, both times dColour/dSH.
+  const float* Of(const SupportView& view) {
+    const int64_t height = view.camera.height, width = view.camera.width;
+    if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});
+    const Buffer<float> weight = view.weight.defined() ? view.weight.To(kCpu) : Buffer<float>();
+    Buffer<float> upstream = Buffer<float>::Zeros({height, width, 3});
+    for (int64_t p = 0; p < height * width; ++p) {
+      upstream[3 * p] = weight.defined() ? weight[p] : 1;
+      upstream[3 * p + 1] = 1;
+    }
+    rasterizer_->Forward(grey_, view.camera, options_, RenderPass::kTrain);
+    RenderGrads grads;
+    grads.image = upstream.To(device_);
+    rasterizer_->Backward(grey_, grads, &grads_);
+    sh_ = grads_.sh.To(kCpu);
+    return sh_.data();
+  }
+
+ private:
+  Device device_;
+  std::unique_ptr<Rasterizer> rasterizer_;
+  Gaussians grey_, grads_;
+  Buffer<float> sh_;
+  RenderOptions options_;
+};
+
+/// The pixels that a Gaussian would cover without anything before it, weighted by its alpha: 2 pi opacity sqrt(det of
+/// its projected covariance). 0 behind the camera.
+double FootprintOf(const GaussianRows& g, const Camera& camera) {
+  const Eigen::Matrix3d to_camera = camera.cam_from_world.linear();
+  const Eigen::Vector3d p =
+      camera.cam_from_world * Eigen::Vector3d(Eigen::Map<const Eigen::Vector3f>(g.means).cast<double>());
+  if (!(p.z() > 0)) return 0;
+  const Eigen::Quaterniond q(g.quats[0], g.quats[1], g.quats[2], g.quats[3]);
+  Eigen::Matrix<double, 2, 3> j;
+  j << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(),
+      -camera.fy * p.y() / (p.z() * p.z());
+  Eigen::Matrix<double, 2, 3> half = j * to_camera * q.normalized().toRotationMatrix();
+  for (int axis = 0; axis < 3; ++axis) half.col(axis) *= std::exp(std::min(g.log_scales[axis], 40.f));
+  Eigen::Matrix2d covariance = half * half.transpose();
+  covariance.diagonal().array() += kLowPass;
+  return 2 * std::numbers::pi * Sigmoid(static_cast<double>(g.opacity_logits[0])) *
+         std::sqrt(std::max(0.0, covariance.determinant()));
+}
+
+/// What the views say of one Gaussian so far.
+struct Evidence {
+  int images = 0;         ///< that see it
+  double seen = 0;        ///< sum of the unoccluded shares in images that see it
+  double confidence = 0;  ///< highest mean confidence in a proposal that sees it
+};
+
+float SupportOf(const Evidence& evidence) {
+  const double trust = std::clamp(evidence.confidence, 0.0, 1.0);
+  if (evidence.images == 0) return static_cast<float>(std::min(trust / 2, 0.4999));
+  if (evidence.images == 1) {
+    return static_cast<float>(std::min(0.5 + (evidence.seen + trust) / 8, 0.7499));
+  }
+  return static_cast<float>(1 - 0.25 * std::exp(-std::max(0.0, evidence.seen - 2 * kSeenShare) / kFurtherViews));
+}
+
+}  // namespace
+
+std::vector<float> Support(const Gaussians& gaussians, const std::vector<SupportView>& views,
+                           const RenderOptions& options) {
+  gaussians.Check("Support");
+  const int64_t n = gaussians.size();
+  std::vector<Evidence> evidence(static_cast<size_t>(n));
+  Contributions contributions(gaussians, options);
+  const Gaussians host = gaussians.To(kCpu);
+  const GaussianRows rows = host.Rows();
+  for (const SupportView& view : views) {
+    ThrowIfInterrupted();
+    const float* sh = contributions.Of(view);
+    ParallelBlocks(n, kSupportGrain, [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) {
+        const double trusted = sh[i * kShFloats] / kConstantSh, blended = sh[i * kShFloats + 1] / kConstantSh;
+        if (!(blended > 0)) continue;
+        const double share =
+            std::min(1.0, blended / std::max(FootprintOf(rows.From(i), view.camera), kSmallestFootprint));
+        if (share < kSeenShare) continue;
+        Evidence& known = evidence[static_cast<size_t>(i)];
+        const double confidence = trusted / blended;
+        if (view.is_proposal) {
+          known.confidence = std::max(known.confidence, confidence);
+        } else if (confidence >= kTrusted) {  // not where the image is masked out
+          ++known.images;
+          known.seen += share;
+        }
+      }
+    });
+  }
+  std::vector<float> support(evidence.size());
+  std::transform(evidence.begin(), evidence.end(), support.begin(), SupportOf);
+  return support;
+}
+
+}  // namespace oraclegs
