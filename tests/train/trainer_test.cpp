@@ -224,6 +224,26 @@ TEST(TrainerTest, ReportsProgress) {
   EXPECT_EQ(done.back(), 250);
 }
 
+TEST(TrainerTest, ShowsEachIterationAndChangesNothing) {
+  Trainer unseen = MakeTrainer(Options(40));
+  unseen.Run({}, Silent());
+  Trainer seen = MakeTrainer(Options(40));
+  std::vector<int64_t> iterations;
+  double seconds = 0, last_loss = 0;
+  seen.Run({}, Silent(), [&](const TrainMoment& moment) {
+    iterations.push_back(moment.iteration);
+    EXPECT_EQ(moment.total, 40);
+    EXPECT_GE(moment.seconds, seconds);
+    EXPECT_GT(moment.gaussians.To(kCpu).Clone().size(), 0);
+    seconds = moment.seconds, last_loss = moment.loss();
+  });
+  ASSERT_EQ(iterations.size(), 41u);
+  EXPECT_EQ(iterations.front(), 0) << "before the first";
+  EXPECT_EQ(iterations.back(), 40);
+  EXPECT_GT(last_loss, 0);
+  EXPECT_TRUE(SameBits(seen.gaussians(), unseen.gaussians()));
+}
+
 TEST(TrainerTest, OneViewpointIsWarnedOf) {
   Trainer trainer(Options(2), kSeed, {0, 0, 0}, Photos(1), Start());
   int warnings = 0;

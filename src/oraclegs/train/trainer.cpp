@@ -201,7 +201,7 @@ double Trainer::Step() {
   return state_->device->Loss().last;
 }
 
-TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listener) {
+TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listener, const TrainObserver& observer) {
   State& s = *state_;
   if (s.restored) CheckSameOptions(policy.dir, s.run_options, policy.options);
   s.run_options = policy.options;
@@ -217,8 +217,13 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
     WriteCheckpoint(CheckpointPath(policy.dir, s.iteration), MakeCheckpoint());
     RemoveOldCheckpoints(policy.dir, s.iteration);
   };
+  const auto loss = [&] { return s.device->Loss().smoothed; };
+  const auto show = [&] {
+    if (observer) observer({s.iteration, total, s.seconds, s.model.gaussians, loss});
+  };
   int64_t reported = s.iteration;
   Stopwatch since_report;
+  show();
   while (s.iteration < total) {
     if (InterruptRequested()) {
       if (policy.dir.empty())
@@ -236,6 +241,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
     }
     s.seconds = seconds_before + watch.Seconds();
     if (!policy.dir.empty() && policy.every > 0 && s.iteration % policy.every == 0) save();
+    show();
     if (s.iteration - reported >= kReportEvery || since_report.Seconds() >= kReportSeconds || s.iteration == total) {
       reported = s.iteration;
       since_report = Stopwatch();

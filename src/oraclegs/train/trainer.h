@@ -8,6 +8,7 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/train/observer.h"
 #include "oraclegs/train/options.h"
 #include "oraclegs/train/timings.h"
 #include "oraclegs/train/train_device.h"
@@ -57,8 +58,8 @@ class Trainer {
 
   /// Runs the remaining iterations. Tells, once, when proposals are to be learnt from without LPIPS. On an interrupt
   /// saves a checkpoint and throws Interrupted. Throws OutOfMemory that names the last checkpoint when the device's
-  /// memory ends on the way.
-  TrainResult Run(const CheckpointPolicy& policy, const Listener& listener);
+  /// memory ends on the way. `observer` may be empty.
+  TrainResult Run(const CheckpointPolicy& policy, const Listener& listener, const TrainObserver& observer = {});
 
   /// One iteration; returns the loss. For tests and benchmarks.
   double Step();
