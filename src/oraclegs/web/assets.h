@@ -1,0 +1,25 @@
+#pragma once
+// The pages of web/ that are part of the program: HTML, scripts and styles of the viewer and of the report.
+
+#include <optional>
+#include <string_view>
+
+namespace oraclegs {
+
+/// An embedded file. The bytes live as long as the program.
+struct WebAsset {
+  std::string_view bytes;
+  std::string_view type;  ///< MIME type for the Content-Type header, with the charset of texts
+};
+
+/// The embedded file of that name: "viewer.html", "viewer.js", "viewer.css", "report.html" (a template, see page.h),
+/// "report.js", "report.css". Nothing for any other name, and for every name when the pages were not built.
+std::optional<WebAsset> FindWebAsset(std::string_view name);
+
+/// Whether the pages are part of this program. They are when web/node_modules was there at build time.
+bool WebPagesBuilt();
+
+/// How to get the pages, as the end of a message: one sentence without a full stop.
+std::string_view HowToBuildWebPages();
+
+}  // namespace oraclegs

@@ -1,0 +1,48 @@
+#pragma once
+// One connection of the server: limits on what a client may send and on how long it may take.
+
+#include <httplib.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace oraclegs {
+
+/// The socket of a client as a stream of httplib, which alone limits the length of a line and the pause between two
+/// bytes, not the number of lines nor the time of a request. It owns the socket.
+class Connection : public httplib::Stream {
+ public:
+  /// `stopping` ends all waits when it becomes true.
+  Connection(int socket, const std::atomic<bool>& stopping) : socket_(socket), stopping_(stopping) {}
+  /// Closes it, after what was still sent has been read for a moment: else the client might lose the answer.
+  ~Connection() override;
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  /// Waits for the next request, a few seconds; false when none comes. Then its limits begin to count.
+  bool WaitForRequest();
+
+  bool is_readable() const override;
+  bool is_writable() const override;
+  ssize_t read(char* to, size_t size) override;
+  ssize_t write(const char* from, size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override;
+  void get_local_ip_and_port(std::string& ip, int& port) const override;
+  socket_t socket() const override { return socket_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Waits until the socket is ready for `events`; false at the deadline, or when the server stops.
+  bool Wait(short events, Clock::time_point deadline) const;
+
+  int socket_;
+  const std::atomic<bool>& stopping_;
+  size_t bytes_left_ = 0;  ///< of the request
+  Clock::time_point request_deadline_, answer_begin_;
+  size_t written_ = 0;  ///< of the answer
+};
+
+}  // namespace oraclegs

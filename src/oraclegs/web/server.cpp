@@ -1,0 +1,135 @@
+#include "oraclegs/web/server.h"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/web/assets.h"
+#include "oraclegs/web/limited_server.h"
+#include "oraclegs/web/routes.h"
+#include "oraclegs/web/site.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kPortsToTry = 20;
+constexpr size_t kChunk = 256 << 10;  // bytes of a file that are sent at once
+
+/// Sends an open file; false to httplib ends the connection.
+httplib::ContentProvider ProviderOf(std::shared_ptr<FileBelow> file) {
+  return [file = std::move(file)](size_t offset, size_t length, httplib::DataSink& sink) {
+    std::string chunk(std::min(length, kChunk), '\0');
+    const auto read = file->ReadAt(offset, chunk.data(), chunk.size());
+    return read && *read > 0 && sink.write(chunk.data(), *read);
+  };
+}
+
+void Send(WebAnswer answer, httplib::Response* response) {
+  response->status = answer.status;
+  for (const auto& [name, value] : answer.headers) response->set_header(name, value);
+  if (answer.file && answer.file->size() > 0) {
+    const size_t size = answer.file->size();
+    response->set_content_provider(size, answer.type, ProviderOf(std::make_shared<FileBelow>(std::move(*answer.file))));
+  } else if (!answer.type.empty()) {
+    response->set_content(answer.body, answer.type);
+  }
+}
+
+WebRequest RequestOf(const httplib::Request& request) {
+  return {request.method, request.path, request.get_header_value("Host"),
+          static_cast<int>(request.get_header_value_count("Host")), request.get_header_value("If-None-Match")};
+}
+
+}  // namespace
+
+class WebServer::Impl {
+ public:
+  explicit Impl(const WebServerOptions& options) : host_(options.host), site_(options.root) {
+    port_ = Bind(options);
+    const AllowedHosts hosts(host_, port_);
+    // All answers come from here: patterns of httplib are regular expressions, which cost stack by the byte.
+    server_.set_pre_routing_handler([this, hosts](const httplib::Request& request, httplib::Response& response) {
+      Send(AnswerTo(RequestOf(request), hosts, &site_), &response);
+      return httplib::Server::HandlerResponse::Handled;
+    });
+    thread_ = std::thread([this] {
+      server_.listen_after_bind();
+      ended_ = true;
+    });
+    while (!server_.is_running() && !ended_) std::this_thread::yield();
+  }
+
+  ~Impl() {
+    server_.StopConnections();
+    server_.stop();
+    thread_.join();
+  }
+
+  int port() const { return port_; }
+  const std::string& host() const { return host_; }
+
+ private:
+  int Bind(const WebServerOptions& options) {
+    if (host_.empty() || (host_.front() == '[' && (host_.size() < 3 || host_.back() != ']'))) {
+      throw UsageError("--host is '{}'; give a name or an address, such as 127.0.0.1 or [::1]", host_);
+    }
+    const std::string name = host_.front() == '[' ? host_.substr(1, host_.size() - 2) : host_;
+    const auto bind = [&](int port) {
+      errno = 0;
+      return server_.bind_to_port(name, port);
+    };
+    if (options.port) {
+      if (bind(*options.port)) return *options.port;
+      const int error = errno;
+      if (error == EADDRINUSE)
+        throw UsageError("--port {}: is in use; choose another one, or leave it out", *options.port);
+      throw UsageError("--host {} --port {}: cannot be bound to: {}", host_, *options.port, Reason(error));
+    }
+    int error = 0;
+    for (int port = kDefaultWebPort; port < kDefaultWebPort + kPortsToTry; ++port) {
+      if (bind(port)) return port;
+      error = errno;
+      if (error != EADDRINUSE) break;
+    }
+    if (error == EADDRINUSE) {
+      const int any = server_.bind_to_any_port(name);
+      if (any > 0) return any;
+    }
+    throw UsageError("--host {}: cannot be bound to: {}", host_, Reason(error));
+  }
+
+  static std::string Reason(int error) {
+    return error == 0 ? "there is no such name or address on this machine" : std::strerror(error);
+  }
+
+  std::string host_;
+  int port_ = 0;
+  Site site_;
+  LimitedServer server_;
+  std::atomic<bool> ended_ = false;
+  std::thread thread_;
+};
+
+WebServer::WebServer(const WebServerOptions& options) {
+  if (!WebPagesBuilt()) throw RunError("the viewer is not part of this program: {}", HowToBuildWebPages());
+  impl_ = std::make_unique<Impl>(options);
+}
+
+WebServer::~WebServer() = default;
+
+int WebServer::port() const { return impl_->port(); }
+
+std::string WebServer::url() const {
+  const std::string& host = impl_->host();
+  const std::string shown = IsWildcard(host) ? "127.0.0.1" : host;
+  const bool bare_v6 = shown.find(':') != std::string::npos && shown.front() != '[';
+  return fmt::format("http://{}:{}/", bare_v6 ? "[" + shown + "]" : shown, impl_->port());
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,89 @@
+// The viewer at a URL: of `oraclegs view`, or of the tests' own server.
+import assert from 'node:assert/strict';
+import {DESKTOP, openPage, PHONE} from './browser.mjs';
+import * as checks from './scene_checks.mjs';
+import {settled} from './picture.mjs';
+
+const resolve = (url) => (url.startsWith('data:') ? url : `/files/${url}`);
+
+async function open(browser, url, size) {
+  const opened = await openPage(browser, size, url);
+  await opened.page.goto(url);
+  await opened.page.locator('.stage[data-drawn]').waitFor();
+  const run = await opened.page.evaluate(() => globalThis.oraclegs.session.document);
+  return {...opened, run};
+}
+
+// bound: PSNR of the 3D view against the program's render, dB.
+export async function desktop(browser, {url, bound, screenshot}) {
+  const {page, problems, close, run} = await open(browser, url, DESKTOP);
+  assert.equal(await page.locator('h1').textContent(), run.title);
+  await screenshot(page, 'viewer');
+  const views = run.views?.length ?? 0;
+  if (views > 0) {
+    await choosesByKeyboard(page, views);
+    await checks.comparesBySlider(page);
+    const goTo = async (view) => {
+      await page.locator(`#view-${view.id}`).click();
+      await page.waitForFunction((id) => globalThis.oraclegs.scene.current?.id === id, view.id);
+    };
+    if (run.views.some((view) => view.render?.url)) await checks.showsTheRender(page, {run, resolve, bound, goTo});
+    const id = await checks.clicksAFrustum(page);
+    assert.equal(await page.locator('[role=option][aria-selected=true]').getAttribute('id'), `view-${id}`);
+    await screenshot(page, 'viewer_compare');
+    await page.locator('.stage canvas').focus();
+    await page.keyboard.press('h');
+    await settled(page);
+  }
+  if (run.splat.support) {
+    await checks.tintsAndHides(page, {range: page.getByLabel('Hide Gaussians with support below')});
+    await page.keyboard.press('p');
+    await settled(page);
+    await screenshot(page, 'viewer_provenance');
+    await page.keyboard.press('p');
+  }
+  await movesByKeys(page);
+  await page.keyboard.press('?');
+  await page.locator('dialog[open]').waitFor();
+  await page.keyboard.press('Escape');
+  await page.locator('dialog[open]').waitFor({state: 'detached'}).catch(() => {});
+  assert.equal(await page.locator('dialog[open]').count(), 0, 'Escape closes the help');
+  await checks.tabsThrough(page, 5);
+  await checks.followsTheScheme(page);
+  assert.deepEqual(problems, []);
+  await close();
+}
+
+export async function phone(browser, {url, screenshot}) {
+  const {page, problems, close, run} = await open(browser, url, PHONE);
+  await checks.fitsTheWidth(page);
+  await screenshot(page, 'viewer_phone');
+  if (run.views?.length) {
+    const view = run.views[run.views.length - 1];
+    await page.locator(`#view-${view.id}`).tap();
+    await page.waitForFunction((id) => globalThis.oraclegs.scene.current?.id === id, view.id);
+    await checks.fitsTheWidth(page);
+  }
+  assert.deepEqual(problems, []);
+  await close();
+}
+
+async function choosesByKeyboard(page, views) {
+  await page.locator('.view-list').focus();
+  await page.keyboard.press('Home');
+  const first = await page.locator('[role=option][aria-selected=true]').getAttribute('id');
+  await page.keyboard.press('ArrowDown');
+  const second = await page.locator('[role=option][aria-selected=true]').getAttribute('id');
+  if (views > 1) assert.notEqual(first, second);
+  await page.waitForFunction((id) => `view-${globalThis.oraclegs.scene.current?.id}` === id, second);
+  await page.locator('.compare-layer').waitFor({state: 'visible'});
+  await page.locator('.details img').first().waitFor();
+}
+
+async function movesByKeys(page) {
+  const pose = () => page.evaluate(() => globalThis.oraclegs.scene.pose.position.toArray());
+  const before = await pose();
+  await page.locator('.stage canvas').focus();
+  await page.keyboard.press('ArrowLeft', {delay: 150});
+  assert.notDeepEqual(await pose(), before, 'arrow keys turn the camera');
+}

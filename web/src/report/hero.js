@@ -1,0 +1,25 @@
+// The top of the page: an image, what it is, and what went wrong.
+import {h} from '../shared/dom.js';
+import {number} from '../shared/format.js';
+
+export function hero(run) {
+  const views = (role) => (run.views ?? []).filter((view) => view.role === role).length;
+  const facts = [
+    views('train') && `${views('train')} training views`, views('test') && `${views('test')} test views`,
+    views('proposal') && `${views('proposal')} proposals`, run.splat?.gaussians && `${number(run.splat.gaussians)} Gaussians`,
+    Number.isFinite(run.scores?.psnr) && `PSNR ${number(run.scores.psnr, 2)} dB`].filter(Boolean);
+  const image = run.hero?.url && h('img', {src: run.hero.url, alt: run.hero.caption || `Render of ${run.title ?? 'the scene'}`});
+  // A portrait as wide as the page would show little of itself.
+  image?.addEventListener?.('load', () => image.classList.toggle('tall', image.naturalHeight > image.naturalWidth));
+  return h('header', {class: image ? 'hero' : 'hero bare'},
+    image,
+    h('div', {class: 'hero-text'}, h('h1', {}, run.title ?? 'OracleGS'), h('p', {}, facts.join(' · ')),
+      run.hero?.caption && h('p', {}, run.hero.caption)));
+}
+
+export function warnings(run) {
+  const texts = [...(run.warnings ?? [])];
+  if (run.finished === false) texts.unshift('The run has not finished: the same command continues it.');
+  if (run.non_commercial?.length) texts.push(`For non-commercial use only: made with ${run.non_commercial.join(', ')}.`);
+  return texts.length > 0 && h('div', {class: 'warnings', role: 'note', 'aria-label': 'Warnings'}, texts.map((text) => h('p', {class: 'warning'}, text)));
+}

@@ -1,0 +1,58 @@
+// Test views with a slider between render and truth; proposals with what became of them.
+import {h} from '../shared/dom.js';
+import {number} from '../shared/format.js';
+import {CLASSES} from '../shared/support_classes.js';
+import {imageSlider} from '../ui/image_slider.js';
+import {plasmaLegend} from '../ui/plasma_legend.js';
+
+const MAX_OPEN = 8;  // proposals that are shown without a click
+
+export function testViews(run) {
+  const views = (run.views ?? []).filter((view) => view.role === 'test' && view.render?.url && view.image?.url);
+  if (views.length === 0) return null;
+  const supported = views.some((view) => view.support?.url);
+  return h('div', {},
+    h('p', {class: 'lead'}, 'Drag the slider: the render is on the left. The right side shows the photo, or where the two differ',
+      supported && ', or what the render rests on', '.'),
+    supported && supportLegend(),
+    h('div', {class: 'pairs'}, views.map(pair)));
+}
+
+function pair(view) {
+  const right = [['Photo', view.image], ['Error', view.error], ['Support', view.support]]
+    .filter(([, image]) => image?.url).map(([label, image]) => ({label, url: image.url}));
+  const facts = [Number.isFinite(view.psnr) && `${number(view.psnr, 2)} dB`, Number.isFinite(view.ssim) && `SSIM ${number(view.ssim, 3)}`];
+  return h('article', {class: 'pair'}, h('h3', {}, view.name, h('span', {}, facts.filter(Boolean).join(' · '))),
+    imageSlider({left: {label: 'Render', url: view.render.url}, right, name: view.name, width: view.camera?.width, height: view.camera?.height}));
+}
+
+export function supportLegend() {
+  return h('div', {class: 'plan-legend'}, CLASSES.map(({name, color}) => {
+    const swatch = h('i', {class: 'swatch', 'aria-hidden': 'true'});
+    swatch.style.background = color;
+    return h('span', {}, swatch, name);
+  }));
+}
+
+export function proposals(run) {
+  const views = run.views ?? [];
+  const list = views.filter((view) => view.role === 'proposal' && view.image?.url);
+  if (list.length === 0) return null;
+  const byId = new Map(views.map((view) => [view.id, view]));
+  const rows = list.map((view) => proposal(view, byId.get(view.nearest)));
+  return h('div', {},
+    h('p', {class: 'lead'}, 'What the generator proposed, how far the oracle trusts each pixel, what the splat shows there now, and the photo that was taken nearest.'),
+    plasmaLegend(), rows.slice(0, MAX_OPEN),
+    rows.length > MAX_OPEN && h('details', {}, h('summary', {}, `The other ${rows.length - MAX_OPEN} proposals`), rows.slice(MAX_OPEN)));
+}
+
+function proposal(view, nearest) {
+  const images = [
+    ['Proposal', view.image, view.name], ['Confidence', view.confidence, view.name], ['Final render', view.render, view.name],
+    [`Nearest photo${nearest ? `: ${nearest.name}` : ''}`, nearest?.image ?? nearest?.thumbnail, nearest?.name]].filter(([, image]) => image?.url);
+  const facts = [view.source && `from ${view.source}`, Number.isFinite(view.mean_confidence) && `mean confidence ${number(view.mean_confidence, 2)}`];
+  return h('article', {class: 'proposal'}, h('h3', {}, view.name, h('span', {}, facts.filter(Boolean).join(' · '))),
+    h('div', {class: 'strip'}, images.map(([label, image, name]) => h('figure', {},
+      h('img', {src: image.url, alt: `${label} of ${name}`, loading: 'lazy', decoding: 'async', width: view.camera?.width, height: view.camera?.height}),
+      h('figcaption', {}, label)))));
+}

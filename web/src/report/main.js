@@ -1,0 +1,38 @@
+// The report of a run: one page without requests. A section appears where the document has what it shows.
+import {h, put} from '../shared/dom.js';
+import {explorer} from './explorer.js';
+import {hero, warnings} from './hero.js';
+import {proposals, testViews} from './images.js';
+import {calibration, curves, support} from './measures.js';
+import {plan} from './plan.js';
+import {commandAndOptions, licences} from './record.js';
+import {registration} from './registration.js';
+import {scores, stages} from './scores.js';
+
+const run = JSON.parse(document.getElementById('document').textContent);
+document.title = `${run.title ?? 'OracleGS'} – report`;
+
+const SECTIONS = [
+  ['splat', '3D', 'The splat in 3D', explorer],
+  ['scores', 'Scores', 'Scores', scores],
+  ['test', 'Test views', 'Test views: render and truth', testViews],
+  ['proposals', 'Proposals', 'Proposals and their confidence', proposals],
+  ['support', 'Support', 'What the splat rests on', support],
+  ['calibration', 'Calibration', 'Is the confidence right?', calibration],
+  ['plan', 'Cameras', 'Cameras and points from above', plan],
+  ['registration', 'Registration', 'Registration of the photos', registration],
+  ['training', 'Training', 'Training', curves],
+  ['stages', 'Stages', 'Stages', stages],
+  ['reproduce', 'Options', 'Command and options', commandAndOptions],
+  ['licences', 'Licences', 'Licences', licences],
+];
+
+const sections = SECTIONS.map(([id, short, title, make]) => ({id, short, title, content: make(run)})).filter((s) => s.content);
+
+put(document.getElementById('page'),
+  hero(run),
+  sections.length > 1 && h('nav', {class: 'contents', 'aria-label': 'Contents'},
+    h('ul', {}, sections.map((s) => h('li', {}, h('a', {href: `#${s.id}`}, s.short))))),
+  h('main', {id: 'main', tabIndex: -1}, warnings(run),
+    sections.map((s) => h('section', {id: s.id, 'aria-labelledby': `${s.id}-title`}, h('h2', {id: `${s.id}-title`}, s.title), s.content))),
+  h('footer', {}, [run.program, run.created && new Date(run.created).toLocaleString('en', {dateStyle: 'long', timeStyle: 'short'})].filter(Boolean).join(' · ')));

@@ -1,0 +1,46 @@
+// Curves of the training, support and calibration.
+import {h} from '../shared/dom.js';
+import {number, percent} from '../shared/format.js';
+import {CLASSES} from '../shared/support_classes.js';
+import {Chart} from '../ui/chart.js';
+import {table} from './table.js';
+
+export function curves(run) {
+  const list = (run.curves ?? []).filter((curve) => curve.x?.length > 1);
+  if (list.length === 0) return null;
+  return h('div', {class: 'cards'}, list.map((curve) => h('div', {class: 'card'}, h('h3', {}, curve.name),
+    new Chart([curve], {logarithmic: curve.name === 'loss'}).element)));
+}
+
+export function support(run) {
+  const classes = run.support?.classes ?? [];
+  if (classes.length === 0) return null;
+  const colors = new Map(CLASSES.map((c) => [c.name, c.color]));
+  const name = (row) => {
+    const swatch = h('i', {class: 'swatch', 'aria-hidden': 'true'});
+    swatch.style.cssText = `display:inline-block;vertical-align:-3px;margin-right:8px;background:${colors.get(row.name) ?? '#888'}`;
+    return h('span', {}, swatch, row.name);
+  };
+  const column = (key, title, show) => classes.some((c) => Number.isFinite(c[key])) && {name: title, number: true, value: (c) => c[key], cell: (c) => show(c[key])};
+  return h('div', {},
+    h('p', {class: 'lead'}, 'Support says what a Gaussian, and so a pixel, rests on. The less there is, the larger the errors should be.',
+      Number.isFinite(run.support.auroc) && ` As a detector of errors above 0.1, low support has an AUROC of ${number(run.support.auroc, 2)}.`),
+    h('div', {class: 'card'}, table(classes, [
+      {name: 'Class', value: (c) => c.name, cell: name},
+      column('gaussians', 'Gaussians', (v) => percent(v, 1)), column('share', 'Pixels of test views', (v) => percent(v, 1)),
+      column('mean_error', 'Mean error', (v) => number(v, 3))].filter(Boolean), {caption: 'Classes of support'})));
+}
+
+export function calibration(run) {
+  const bins = (run.calibration?.bins ?? []).filter((bin) => Number.isFinite(bin.confidence) && Number.isFinite(bin.share));
+  if (bins.length === 0) return null;
+  const {title, x_name = 'confidence', y_name = 'share of right pixels'} = run.calibration;
+  const x = bins.map((bin) => bin.confidence);
+  const chart = new Chart([
+    {name: y_name, x_name, x, y: bins.map((bin) => bin.share)},
+    {name: 'perfect', x_name, x: [0, 1], y: [0, 1], dash: [6, 5]},
+  ], {points: true, yName: y_name, range: {x: [0, 1], y: [0, 1]}, height: 300});
+  return h('div', {},
+    h('p', {class: 'lead'}, title && `${title}. `, 'On the dashed line, pixels of confidence 0.7 are right 70 % of the time; below it, the oracle trusts too much.'),
+    h('div', {class: 'card'}, chart.element));
+}

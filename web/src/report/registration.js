@@ -1,0 +1,28 @@
+// Which photos have a pose, which have none and why, and what to photograph next.
+import {h} from '../shared/dom.js';
+import {number} from '../shared/format.js';
+import {figures} from './scores.js';
+import {table} from './table.js';
+
+export function registration(run) {
+  const found = run.registration;
+  if (!found || (!found.views?.length && !Number.isFinite(found.photos))) return null;
+  const facts = [
+    Number.isFinite(found.photos) && [`${found.registered ?? '–'} of ${found.photos}`, '', 'photos have a pose'],
+    Number.isFinite(found.reprojection_error) && [number(found.reprojection_error, 2), 'px', 'reprojection error'],
+    Number.isFinite(found.parallax_degrees) && [number(found.parallax_degrees, 1), '°', 'parallax']].filter(Boolean);
+  const views = found.views ?? [];
+  const troubled = views.filter((view) => view.registered === false || view.why || view.advice);
+  return h('div', {}, figures(facts),
+    (found.warnings ?? []).map((text) => h('p', {class: 'warning'}, text)),
+    found.advice?.length > 0 && h('div', {class: 'advice'}, h('strong', {}, 'What to photograph next'), h('ul', {}, found.advice.map((text) => h('li', {}, text)))),
+    troubled.length > 0 && h('div', {class: 'card'}, rows(troubled)),
+    views.length > troubled.length && h('details', {}, h('summary', {}, `All ${views.length} photos`), h('div', {class: 'card'}, rows(views))));
+}
+
+const rows = (views) => table(views, [
+  {name: 'Photo', value: (view) => view.name},
+  {name: 'Verdict', value: (view) => view.status ?? (view.registered ? 'registered' : 'not registered')},
+  {name: 'Why', value: (view) => view.why ?? ''},
+  {name: 'What to do', value: (view) => view.advice ?? ''},
+], {caption: 'Verdict on each photo', sortable: views.length > 3});

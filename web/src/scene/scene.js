@@ -1,0 +1,244 @@
+// The 3D view of a run: the splat, its cameras, and flights between them. Knows no page: it reports by events.
+//   "move"     the camera has left the pose of a view
+//   "view"     detail = the view that was clicked          "hover"  detail = the view under the pointer, or undefined
+//   "arrive"   detail = the view whose pose was reached    "drawn"  everything is on the canvas
+//   "lost"     the graphics context was lost
+import {Vector3} from 'three';
+import {countClasses} from '../shared/support_classes.js';
+import {Controls} from './controls.js';
+import {Frusta} from './frusta.js';
+import {defaultIntrinsics, forwardOf, frameOf, lookingAt, poseOf} from './poses.js';
+import {imageRect, mixIntrinsics} from './projection.js';
+import {Provenance} from './provenance.js';
+import {centersOf, decodeSplat} from './splat.js';
+import {Stage} from './stage.js';
+
+const FLIGHT_MS = 700;
+const UPS = [[0, -1, 0], [0, 0, 1], [0, 1, 0], [0, 0, -1], [1, 0, 0], [-1, 0, 0]].map((up) => new Vector3(...up));
+
+export class SplatScene extends EventTarget {
+  // container: a positioned element; options: see Controls.
+  constructor(container, options = {}) {
+    super();
+    this.stage = new Stage(container, () => this.drawn());
+    this.canvas = this.stage.canvas;
+    this.views = [];
+    this.tint = 0;
+    this.hideBelow = 0;
+    this.settle(lookingAt(new Vector3(0, 0, -3), new Vector3(), new Vector3(0, -1, 0), defaultIntrinsics));
+    this.controls = new Controls(this.stage, {
+      ...options, pose: () => this.pose, frame: {up: new Vector3(0, -1, 0), center: new Vector3(), radius: 1},
+      onMove: () => this.moved(),
+      onClick: (x, y) => this.click(x, y),
+      onHover: (x, y) => this.hover(x, y),
+    });
+    this.canvas.addEventListener('webglcontextlost', (event) => { event.preventDefault(); this.report('lost'); });
+    this.canvas.addEventListener('webglcontextrestored', () => this.stage.invalidate());
+  }
+
+  report(name, detail) {
+    this.dispatchEvent(new CustomEvent(name, {detail}));
+  }
+
+  // The cameras of a document. The pose stays, except the first time, and where only the splat's extent gave it.
+  setDocument(run) {
+    this.views = (run?.views ?? []).filter((view) => view.camera?.world_to_camera?.length === 16);
+    this.place = run?.place ?? run?.splat;  // where up is, and what the cameras look at
+    if (this.frusta) {
+      this.frusta.clear();
+      this.stage.scene.remove(this.frusta.group);
+    }
+    this.applyFrame();
+    this.frusta = new Frusta(this.views, this.controls.frame);
+    if (this.visible) this.frusta.set({visible: this.visible});
+    this.frusta.set({hidden: this.current?.id});
+    this.stage.scene.add(this.frusta.group);
+    if (!this.placed || (this.placed === 'by extent' && this.views.length > 0)) this.home(true);
+    this.stage.invalidate();
+  }
+
+  applyFrame() {
+    const poses = this.views.filter((view) => view.role !== 'proposal').map((view) => poseOf(view.camera));
+    this.controls.frame = frameOf(this.place, poses, this.centers);
+    this.lens();
+  }
+
+  // bytes: ArrayBuffer; support: Uint8Array or nothing. Takes the place of the splat before, which is freed.
+  async setSplat({bytes, format, support}) {
+    const ticket = (this.ticket = (this.ticket ?? 0) + 1);
+    const mesh = await decodeSplat(bytes, format);
+    if (ticket !== this.ticket) {
+      mesh.dispose();
+      return;
+    }
+    const provenance = support && support.length >= mesh.numSplats ? new Provenance(mesh, support) : undefined;
+    this.removeSplat();
+    this.mesh = mesh;
+    this.provenance = provenance;
+    this.classCounts = provenance ? countClasses(support.subarray(0, mesh.numSplats)) : undefined;
+    provenance?.set(this.tint, this.hideBelow);
+    if (!this.placed) {
+      this.centers = centersOf(mesh);
+      this.applyFrame();
+      this.home(true);
+    }
+    this.stage.scene.add(mesh);
+    this.stage.invalidate();
+  }
+
+  removeSplat() {
+    if (!this.mesh) return;
+    this.stage.scene.remove(this.mesh);
+    this.provenance?.dispose();
+    this.mesh.dispose();
+    this.mesh = this.provenance = this.classCounts = undefined;
+  }
+
+  get gaussians() {
+    return this.mesh?.numSplats ?? 0;
+  }
+
+  // tint: whether the Gaussians have the colours of their classes; hideBelow: support in [0,1].
+  setProvenance(tint, hideBelow) {
+    this.tint = tint ? 1 : 0;
+    this.hideBelow = hideBelow;
+    this.provenance?.set(this.tint, hideBelow);
+    this.stage.invalidate();
+  }
+
+  setVisible(visible) {
+    this.visible = {...visible};
+    if (this.frusta?.set({visible})) this.stage.invalidate();
+  }
+
+  // The first training camera, or a look at the scene as a whole.
+  home(atOnce = false) {
+    const first = this.views.find((view) => view.role === 'train') ?? this.views.find((view) => view.role === 'test');
+    if (first) {
+      this.placed = 'at a camera';
+      this.fly(poseOf(first.camera), first, {atOnce, quiet: true});
+    } else if (this.mesh) {
+      this.placed = 'by extent';
+      const {up, center, radius} = this.controls.frame;
+      const side = Math.abs(up.z) < 0.9 ? new Vector3(0, 0, -1) : new Vector3(0, -1, 0);
+      const offset = side.addScaledVector(up, -side.dot(up)).normalize().addScaledVector(up, 0.3).multiplyScalar(2.6 * radius);
+      this.fly(lookingAt(center.clone().add(offset), center, up, defaultIntrinsics), undefined, {atOnce});
+    }
+  }
+
+  // Takes another axis of the world for up; for files, which do not say it.
+  nextUp() {
+    const frame = this.controls.frame;
+    const at = UPS.findIndex((up) => frame.up.distanceTo(up) < 0.01);
+    this.place = {center: frame.center.toArray(), radius: frame.radius, up: UPS[(at + 1) % UPS.length].toArray()};
+    this.applyFrame();
+    this.home();
+  }
+
+  // Goes to a view's camera; "arrive" follows.
+  goTo(view, atOnce = false) {
+    this.placed = 'by hand';
+    this.fly(poseOf(view.camera), view, {atOnce});
+  }
+
+  // quiet: no "arrive", for a pose that nobody asked to compare.
+  fly(to, view, {atOnce = false, quiet = false}) {
+    this.leave();
+    const from = {...this.pose, position: this.pose.position.clone(), quaternion: this.pose.quaternion.clone()};
+    const near = from.position.distanceTo(to.position) < 1e-6 * this.controls.frame.radius;
+    const still = atOnce || near || matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const start = performance.now();
+    const flight = (this.flight = {});
+    this.stage.addTicker(() => {
+      if (flight !== this.flight) return false;
+      const t = still ? 1 : Math.min((performance.now() - start) / FLIGHT_MS, 1);
+      const eased = t * t * (3 - 2 * t);
+      this.settle({
+        position: from.position.clone().lerp(to.position, eased), quaternion: from.quaternion.clone().slerp(to.quaternion, eased),
+        intrinsics: mixIntrinsics(from.intrinsics, to.intrinsics, eased)});
+      if (t < 1) return true;
+      this.flight = undefined;
+      this.controls.aim();
+      if (view) this.arrive(view, quiet);
+      return false;
+    });
+  }
+
+  arrive(view, quiet) {
+    this.current = view;
+    this.frusta.set({hidden: view.id});
+    this.stage.invalidate();
+    if (!quiet) this.report('arrive', view);
+  }
+
+  leave() {
+    if (!this.current) return;
+    this.current = undefined;
+    this.frusta.set({hidden: undefined});
+    this.report('move');
+  }
+
+  moved() {
+    this.placed = 'by hand';
+    this.flight = undefined;
+    this.leave();
+    this.settle(this.pose);
+  }
+
+  settle(pose) {
+    this.pose = pose;
+    this.stage.camera.position.copy(pose.position);
+    this.stage.camera.quaternion.copy(pose.quaternion);
+    this.lens();
+  }
+
+  lens() {
+    const frame = this.controls?.frame;
+    if (!frame) return;
+    const {radius, center} = frame;
+    const far = this.pose.position.distanceTo(center) + 100 * radius;
+    this.stage.setLens(this.pose.intrinsics, 0.01 * radius, far);
+  }
+
+  // Where the image of the current pose's camera is in the container, in CSS pixels.
+  imageRect() {
+    return imageRect(this.pose.intrinsics, this.stage.size.width, this.stage.size.height);
+  }
+
+  click(x, y) {
+    const view = this.frusta?.pick(x, y, this.stage.camera, this.stage.size);
+    if (view) this.report('view', view);
+  }
+
+  hover(x, y) {
+    const view = this.frusta?.pick(x, y, this.stage.camera, this.stage.size);
+    if (view === this.hovered) return;
+    this.hovered = view;
+    this.canvas.style.cursor = view ? 'pointer' : '';
+    this.mark(view);
+    this.report('hover', view);
+  }
+
+  // Highlights the frustum of a view.
+  mark(view) {
+    if (this.frusta?.set({marked: view?.id})) this.stage.invalidate();
+  }
+
+  // Where a view's camera is in the container; for tests and tooltips.
+  screenPositionOf(view) {
+    const point = poseOf(view.camera);
+    const p = point.position.clone().addScaledVector(forwardOf(point), 1e-4).project(this.stage.camera);
+    const {width, height} = this.stage.size;
+    return {x: (p.x * 0.5 + 0.5) * width, y: (0.5 - p.y * 0.5) * height, visible: Math.abs(p.z) < 1};
+  }
+
+  drawn() {
+    this.report('drawn');
+  }
+
+  dispose() {
+    this.removeSplat();
+    this.frusta?.clear();
+    this.stage.dispose();
+  }
+}

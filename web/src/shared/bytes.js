@@ -1,0 +1,19 @@
+// The bytes behind a URL of the document. data: URIs are decoded here: no request, whatever the page's policy.
+export async function bytesOf(url) {
+  if (url.startsWith('data:')) return fromDataUri(url);
+  const response = await fetch(url, {cache: 'no-cache'});
+  if (!response.ok) throw new Error(`${url}: the program answers ${response.status}`);
+  return response.arrayBuffer();
+}
+
+export function fromDataUri(uri) {
+  const comma = uri.indexOf(',');
+  return fromBase64(uri.slice(comma + 1)).buffer;
+}
+
+export function fromBase64(text) {
+  const binary = atob(text);
+  const out = new Uint8Array(binary.length);
+  for (let i = 0; i < binary.length; i++) out[i] = binary.charCodeAt(i);
+  return out;
+}

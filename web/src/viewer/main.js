@@ -1,0 +1,156 @@
+// The viewer: the 3D view of a run beside its images, while it trains and afterwards.
+import {SplatScene} from '../scene/scene.js';
+import {hasWebGL2} from '../scene/stage.js';
+import {h, put} from '../shared/dom.js';
+import {number} from '../shared/format.js';
+import {CompareOverlay} from '../ui/compare_overlay.js';
+import {ProvenancePanel} from '../ui/provenance_panel.js';
+import {RoleToggles} from '../ui/role_toggles.js';
+import {ViewDetails} from '../ui/view_details.js';
+import {ViewList} from '../ui/view_list.js';
+import {helpDialog, listenForKeys} from './keys.js';
+import {RunPanel, stateName} from './run_panel.js';
+import {fileUrl, Session} from './session.js';
+import {SplatSource} from './splat_source.js';
+
+const page = document.getElementById('page');
+const title = h('h1', {}, 'OracleGS');
+const facts = h('span', {class: 'facts'});
+const badge = h('span', {class: 'badge', role: 'status', hidden: true});
+const stage = h('main', {class: 'stage', 'aria-label': '3D view'});
+const note = h('div', {class: 'stage-note', role: 'status'}, h('p', {}, 'Loading …'));
+const tip = h('div', {class: 'stage-tip', hidden: true});
+const banner = h('div', {class: 'banner', role: 'alert', hidden: true}, 'The program has ended; this page stays as it is.');
+const help = helpDialog();
+put(stage, note, tip, banner);
+
+const session = new Session();
+const run = new RunPanel();
+const provenance = new ProvenancePanel((tint, hideBelow) => {
+  scene?.setProvenance(tint, hideBelow);
+  provenanceButton.setAttribute('aria-pressed', String(tint));
+});
+const roles = new RoleToggles((visible) => scene?.setVisible(visible));
+const details = new ViewDetails(fileUrl, (view) => choose(view));
+const list = new ViewList(fileUrl, (view) => choose(view), (view) => scene?.mark(view));
+
+const tool = (label, key, action) => h('button', {type: 'button', title: `${label} (${key})`, onclick: action}, label, ' ', h('kbd', {'aria-hidden': 'true'}, key));
+const provenanceButton = tool('Provenance', 'P', () => provenance.toggle());
+provenanceButton.hidden = true;
+provenanceButton.setAttribute('aria-pressed', 'false');
+const camerasButton = tool('Cameras', 'C', () => roles.toggleAll());
+const upButton = tool('Up', 'U', () => nextUp());
+camerasButton.hidden = upButton.hidden = true;
+const tools = h('div', {class: 'tools'},
+  tool('Home', 'H', () => home()), upButton, provenanceButton, camerasButton, tool('Keys', '?', () => help.showModal()));
+
+put(page, h('div', {class: 'viewer'},
+  h('header', {class: 'bar'}, title, badge, facts, tools), stage,
+  h('aside', {class: 'side', 'aria-label': 'Images and progress'}, run.element, provenance.element, details.element,
+    h('section', {class: 'panel views', hidden: true}, h('h2', {}, 'Views'), roles.element, list.element))), help);
+const viewsPanel = page.querySelector('.views');
+
+const say = (text) => {
+  note.hidden = !text;
+  note.firstChild.textContent = text;
+};
+
+let scene;
+let overlay;
+let source;
+try {
+  if (!hasWebGL2()) throw new Error('this browser has no WebGL 2, or it is switched off');
+  scene = new SplatScene(stage);
+} catch (error) {
+  say(`The 3D view needs WebGL 2: ${error.message}. The images beside it work without.`);
+}
+
+function choose(view) {
+  list.select(view);
+  details.show(view, session.document?.views ?? []);
+  overlay?.hide();
+  scene?.goTo(view);
+}
+
+function home() {
+  overlay?.hide();
+  scene?.home();
+}
+
+function nextUp() {
+  if (!upButton.hidden) scene.nextUp();
+}
+
+if (scene) {
+  overlay = new CompareOverlay(stage, scene, fileUrl, () => overlay.hide());
+  source = new SplatSource(scene, say, shown);
+  scene.addEventListener('view', (event) => choose(event.detail));
+  scene.addEventListener('arrive', (event) => overlay.show(event.detail));
+  scene.addEventListener('move', () => overlay.hide());
+  scene.addEventListener('hover', ({detail: view}) => {
+    tip.hidden = !view;
+    tip.textContent = view ? view.name : '';
+  });
+  scene.addEventListener('lost', () => say('The graphics driver has reset the 3D view. Reload the page.'));
+  scene.addEventListener('drawn', () => { if (scene.mesh) stage.dataset.drawn = source.shown; });
+}
+
+function shown() {
+  provenance.setCounts(scene.classCounts);
+  provenanceButton.hidden = !scene.classCounts;
+  showFacts();
+}
+
+function showFacts() {
+  const gaussians = scene?.gaussians || session.document?.splat?.gaussians;
+  const iteration = source?.isLive && session.live?.splat?.iteration;
+  facts.textContent = [
+    gaussians && `${number(gaussians)} Gaussians`, iteration && `iteration ${number(iteration)}`,
+    Number.isFinite(session.document?.scores?.psnr) && `PSNR ${number(session.document.scores.psnr, 2)} dB`].filter(Boolean).join(' · ');
+}
+
+function showState(live) {
+  badge.hidden = !live;
+  badge.textContent = stateName(live);
+  badge.dataset.state = live?.state ?? '';
+  run.update(live);
+}
+
+let shownDocument;
+session.addEventListener('change', () => {
+  const {document: doc, live} = session;
+  showState(live);
+  if (doc && JSON.stringify([doc.views, doc.place, doc.splat]) !== shownDocument) {
+    shownDocument = JSON.stringify([doc.views, doc.place, doc.splat]);
+    list.setViews(doc.views ?? []);
+    roles.setViews(doc.views ?? []);
+    viewsPanel.hidden = camerasButton.hidden = !doc.views?.length;
+    upButton.hidden = !viewsPanel.hidden || !scene;
+    scene?.setDocument(doc);
+  }
+  if (doc?.title) {
+    title.textContent = doc.title;
+    document.title = `${doc.title} – OracleGS`;
+  }
+  showFacts();
+  source?.update(session);
+});
+session.addEventListener('gone', () => {
+  banner.hidden = false;
+  if (session.running) showState({...session.live, state: 'ended'});
+});
+session.addEventListener('back', () => {
+  banner.hidden = true;
+  showState(session.live);
+});
+
+listenForKeys({
+  p: () => provenance.toggle(), h: home, u: nextUp, c: () => roles.toggleAll(), n: () => list.step(1), b: () => list.step(-1),
+  '?': () => help.showModal(), Escape: () => overlay?.hide(),
+  f: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.().catch(() => {})),
+});
+
+globalThis.oraclegs = {scene, session};  // for the console and for tests
+session.start().then(() => {
+  if (!session.asked) say('The program does not answer.');
+});

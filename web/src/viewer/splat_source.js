@@ -1,0 +1,40 @@
+// Which splat the page shows: while training the newest snapshot, afterwards the final one with its support.
+import {bytesOf} from '../shared/bytes.js';
+import {fileUrl} from './session.js';
+
+export class SplatSource {
+  // onState(text or ''): what the page says in place of a splat; onShown(): another splat is there.
+  constructor(scene, onState, onShown) {
+    Object.assign(this, {scene, onState, onShown, shown: undefined, loading: undefined});
+  }
+
+  wanted({document: run, live}) {
+    const final = run?.splat?.url && {...run.splat, key: `final ${run.splat.url} ${run.splat.bytes} ${run.splat.gaussians} ${run.created}`};
+    const snapshot = live?.splat?.url && {
+      url: live.splat.url, format: live.splat.url.split('.').pop(), key: `live ${live.started} ${live.splat.iteration} ${live.splat.gaussians}`};
+    return live?.state === 'running' ? snapshot || final : final || snapshot;
+  }
+
+  async update(session) {
+    const wanted = this.wanted(session);
+    if (!wanted) {
+      if (!this.shown) this.onState(session.running ? 'Training has not started yet. The splat appears here by itself.' : 'There is no splat yet.');
+      return;
+    }
+    if (wanted.key === this.shown || this.loading) return;
+    this.loading = wanted.key;
+    try {
+      if (!this.shown) this.onState('Loading the splat …');
+      const [bytes, support] = await Promise.all([
+        bytesOf(fileUrl(wanted.url)), wanted.support?.url ? bytesOf(fileUrl(wanted.support.url)) : undefined]);
+      await this.scene.setSplat({bytes, format: wanted.format, support: support && new Uint8Array(support)});
+      this.shown = wanted.key;
+      this.isLive = wanted.key.startsWith('live');
+      this.onState('');
+      this.onShown(wanted);
+    } catch (error) {
+      if (!this.shown) this.onState(`The splat cannot be shown: ${error.message}`);
+    }
+    this.loading = undefined;
+  }
+}
