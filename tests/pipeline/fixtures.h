@@ -11,7 +11,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/demo/demo_scene.h"
 #include "oraclegs/pipeline/run.h"
-#include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/pipeline/stages.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"

@@ -1,10 +1,10 @@
 #include "oraclegs/pipeline/render_path.h"
 
-#include <cstdlib>
-
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/read_image.h"
+#include "pipeline/fake_program.h"
 #include "pipeline/trained.h"
+#include "support/errors.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -33,6 +33,34 @@ TEST_F(RenderPathTest, RendersItsPaths) {
   EXPECT_EQ(picture.height, 36);
 }
 
+TEST_F(RenderPathTest, WritesEachValueIntoItsFolder) {
+  const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
+  Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
+  RenderPathOptions path;
+  path.video = false, path.frames = 2, path.path = PathKind::kInterpolate, path.what = "normals,colour,depth";
+
+  const auto cameras = PathCameras(posed, request->options.image, path);
+  ASSERT_EQ(cameras.size(), 2u);
+  RenderCameras(model, cameras, *temp / "values", path, Silent());
+  for (const char* file : {"0000.png", "normals/0001.png", "depth/0001.png"}) {
+    EXPECT_EQ(ReadImage(*temp / "values" / file).channels, 3) << file;
+  }
+  path.what = "support";
+  model.support.clear();
+  EXPECT_THAT(MessageOf<InputError>([&] { RenderCameras(model, cameras, *temp / "values", path, Silent()); }),
+              testing::HasSubstr("train again"));
+  path.what = "colors";
+  EXPECT_THAT(MessageOf<UsageError>([&] { RenderCameras(model, cameras, *temp / "values", path, Silent()); }),
+              testing::HasSubstr("colour, depth, normals, support"));
+}
+
+TEST_F(RenderPathTest, SpiralHasItsFrames) {
+  const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
+  RenderPathOptions path;
+  path.frames = 5, path.path = PathKind::kSpiral;
+  EXPECT_EQ(PathCameras(posed, request->options.image, path).size(), 5u);
+}
+
 TEST_F(RenderPathTest, KeepsViewsOfOneStemApart) {
   PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
   const auto rename = [&](int view, const char* name) {
@@ -47,23 +75,6 @@ TEST_F(RenderPathTest, KeepsViewsOfOneStemApart) {
   EXPECT_EQ(cameras[1].name, "1_png");
 }
 
-/// A program of this name that is found first while the scope lasts.
-class FakeProgram {
- public:
-  FakeProgram(const std::string& name, const std::string& body) : old_path_(std::getenv("PATH")) {
-    WriteText(dir_ / name, "#!/bin/sh\n" + body + "\n");
-    std::filesystem::permissions(dir_ / name, std::filesystem::perms::owner_all);
-    setenv("PATH", (dir_.path().string() + ":" + old_path_).c_str(), 1);
-  }
-  ~FakeProgram() { setenv("PATH", old_path_.c_str(), 1); }
-  FakeProgram(const FakeProgram&) = delete;
-  FakeProgram& operator=(const FakeProgram&) = delete;
-
- private:
-  TempDir dir_;
-  std::string old_path_;
-};
-
 TEST_F(RenderPathTest, WritesTheVideoIntoTheNamedFolderAlone) {
   const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
   const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
@@ -74,7 +85,7 @@ TEST_F(RenderPathTest, WritesTheVideoIntoTheNamedFolderAlone) {
   WriteText(*temp / "holiday.mp4", "the user's own");
   {
     const FakeProgram ffmpeg("ffmpeg", "for last; do :; done; echo film > \"$last\"");
-    EXPECT_EQ(RenderCameras(model, orbit, out, path, Silent()), out / "video.mp4");
+    EXPECT_THAT(RenderCameras(model, orbit, out, path, Silent()), testing::ElementsAre(out / "video.mp4"));
   }
   EXPECT_EQ(ReadFile(out / "video.mp4"), "film\n");
   EXPECT_EQ(ReadFile(*temp / "holiday.mp4"), "the user's own");
@@ -82,7 +93,7 @@ TEST_F(RenderPathTest, WritesTheVideoIntoTheNamedFolderAlone) {
   for (const auto& entry : std::filesystem::directory_iterator(out)) names.push_back(entry.path().filename());
   EXPECT_THAT(names, testing::UnorderedElementsAre("0000.png", "0001.png", "video.mp4"));
   const FakeProgram broken("ffmpeg", "exit 1");
-  EXPECT_EQ(RenderCameras(model, orbit, *temp / "broken", path, recorder.AsListener()), "");
+  EXPECT_THAT(RenderCameras(model, orbit, *temp / "broken", path, recorder.AsListener()), testing::IsEmpty());
   EXPECT_THAT(recorder.warnings, testing::Contains(testing::HasSubstr("ffmpeg failed")));
 }
 

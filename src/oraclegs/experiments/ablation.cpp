@@ -15,7 +15,7 @@
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/settings/weights.h"
-#include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/workspace/stage_sharing.h"
 #include "oraclegs/scene/loaded_view.h"
 

@@ -15,9 +15,9 @@
 #include "oraclegs/experiments/tampered_views.h"
 #include "oraclegs/experiments/tampering_plot.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/proposers.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
-#include "oraclegs/pipeline/stages/stages.h"
 #include "oraclegs/pipeline/workspace/stage_sharing.h"
 #include "oraclegs/scene/loaded_view.h"
 

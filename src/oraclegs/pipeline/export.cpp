@@ -5,26 +5,51 @@
 #include <vector>
 
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/formats/spatial_order.h"
 
 namespace oraclegs {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Opacity times the area of the largest face: how much of an image a Gaussian can cover.
 float Weight(float opacity, const float* log_scales) {
   const float smallest = std::min({log_scales[0], log_scales[1], log_scales[2]});
-  return opacity * std::exp(log_scales[0] + log_scales[1] + log_scales[2] - smallest);
+  const float weight = opacity * std::exp(log_scales[0] + log_scales[1] + log_scales[2] - smallest);
+  return std::isnan(weight) ? 0 : weight;  // nothing of an infinite size
 }
+
+/// Which way a format's own axes are turned against the program's: signs of x, y, z.
+Eigen::Vector3d FileAxes(SplatFormat format) {
+  if (format == SplatFormat::kSpz) return {1, -1, -1};
+  if (format == SplatFormat::kGltf || format == SplatFormat::kGltfSpz) return {-1, -1, 1};
+  return {1, 1, 1};
+}
+
+bool KeepsComments(SplatFormat format) { return format == SplatFormat::kPly || format == SplatFormat::kCompressedPly; }
 
 }  // namespace
 
-Gaussians Pruned(const Gaussians& gaussians, const ExportOptions& options) {
+bool NeedsCameras(const ExportOptions& options) { return options.crop == "auto" || options.up == "auto"; }
+
+GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file) {
+  const Gaussians& gaussians = splat.gaussians;
   gaussians.Check("Pruned");
+  if (options.min_support > 0 && splat.support.empty()) {
+    throw InputError(
+        "{}: says nothing of the support of its Gaussians, which --min-support goes by; give a model that "
+        "oraclegs has trained and evaluated, or leave the option out",
+        file);
+  }
   const float* logits = gaussians.opacity_logits.data();
   const float* scales = gaussians.log_scales.data();
+  const std::vector<bool> lonely = options.remove_outliers ? LonelyGaussians(gaussians) : std::vector<bool>();
   std::vector<int64_t> kept;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
-    if (Sigmoid(logits[i]) >= options.min_opacity) kept.push_back(i);
+    const Eigen::Vector3d mean = Eigen::Map<const Eigen::Vector3f>(gaussians.means.data() + 3 * i).cast<double>();
+    const bool keep = Sigmoid(logits[i]) >= options.min_opacity && crop.Holds(mean) && (lonely.empty() || !lonely[i]) &&
+                      (options.min_support <= 0 || splat.support[i] >= static_cast<float>(options.min_support));
+    if (keep) kept.push_back(i);
   }
   const auto limit = static_cast<size_t>(options.max_gaussians);
   if (limit > 0 && kept.size() > limit) {
@@ -34,29 +59,67 @@ Gaussians Pruned(const Gaussians& gaussians, const ExportOptions& options) {
     kept.resize(limit);
     std::sort(kept.begin(), kept.end());
   }
-  Gaussians result = gaussians;
-  result.ForEach([&](const char*, Buffer<float>& part) {
-    const Buffer<float> all = part;
-    part = Buffer<float>::Empty(all.shape().WithRows(static_cast<int64_t>(kept.size())));
-    const int64_t row = all.shape().row();
-    for (size_t i = 0; i < kept.size(); ++i) {
-      std::copy_n(all.data() + kept[i] * row, row, part.data() + static_cast<int64_t>(i) * row);
-    }
-  });
-  return result;
+  GaussianPly pruned{Picked(gaussians, kept), std::min(options.sh_degree, splat.sh_degree), splat.comments, {}};
+  for (const int64_t i : kept) {
+    if (!splat.support.empty()) pruned.support.push_back(splat.support[i]);
+  }
+  return pruned;
 }
 
-ExportResult ExportPly(const std::filesystem::path& from, const std::filesystem::path& to,
-                       const ExportOptions& options) {
+void CheckExport(const fs::path& from, const fs::path& to, const ExportOptions& options) {
   CheckOptions(options);
-  const GaussianPly file = ReadGaussianPly(from);
-  const Gaussians kept = Pruned(file.gaussians, options);
-  if (kept.size() == 0) {
-    throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity", from.string(), file.gaussians.size());
+  std::error_code ignored;
+  if (to.filename().empty() || fs::is_directory(to, ignored)) {
+    throw UsageError("{}: is a folder; name the file to write, for example {}", to.string(),
+                     (to / "scene.spz").string());
   }
-  const int degree = std::min(options.sh_degree, file.sh_degree);
-  WriteGaussianPly(to, kept, degree, file.comments);
-  return {file.gaussians.size(), kept.size(), degree};
+  SplatFormatOf(to);
+  if (fs::equivalent(from, to, ignored)) {
+    throw UsageError("{}: is the input itself, which an export never overwrites; choose another -o", to.string());
+  }
+  ParseCrop(options.crop);
+  ParseAxis(options.up);
+}
+
+ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportOptions& options,
+                         const std::optional<ExportCameras>& cameras, const Listener& listener) {
+  CheckExport(from, to, options);
+  const std::string file = from.string();
+  if (NeedsCameras(options) && !cameras) {
+    throw UsageError("{}: has no cameras, which {} needs; give the workspace of a run", file,
+                     options.crop == "auto" ? "--crop auto" : "--up auto");
+  }
+  Crop crop = ParseCrop(options.crop);
+  if (crop.kind == Crop::Kind::kAuto) {
+    crop.kind = Crop::Kind::kBall;
+    crop.ball = cameras->looked_at;
+  }
+  const SplatFormat format = SplatFormatOf(to);
+  const GaussianPly splat = ReadSplat(from);
+  GaussianPly kept = Pruned(splat, options, crop, file);
+  if (kept.gaussians.size() == 0) {
+    throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity or --min-support, or crop less", file,
+                     splat.gaussians.size());
+  }
+  if (!options.up.empty() || options.scale != 1) {
+    Similarity transform;
+    transform.scale = options.scale;
+    if (!options.up.empty()) {
+      const Eigen::Vector3d usual = -Eigen::Vector3d::UnitY();  // up where y points down
+      const auto axis = ParseAxis(options.up);
+      const Eigen::Vector3d wanted = axis ? Eigen::Vector3d(axis->cwiseProduct(FileAxes(format))) : usual;
+      transform.rotation = TurnBetween(cameras ? cameras->up : usual, wanted);
+    }
+    kept.gaussians = Transformed(kept.gaussians, transform);
+  }
+  if (!KeepsComments(format)) {
+    for (const std::string& comment : kept.comments)
+      listener(Note{fmt::format("{} has no room for a comment of the model: {}", ExtensionOf(format), comment)});
+  }
+  const int degree = format == SplatFormat::kSplat ? 0 : kept.sh_degree;
+  WriteSplat(to, kept.gaussians, degree, kept.comments, kept.support);
+  listener(FileWritten{to});
+  return {format, splat.gaussians.size(), kept.gaussians.size(), degree, fs::file_size(to)};
 }
 
 }  // namespace oraclegs

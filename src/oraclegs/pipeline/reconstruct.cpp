@@ -2,22 +2,34 @@
 
 #include <nlohmann/json.hpp>
 
+#include "oraclegs/pipeline/live/live.h"
+#include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/stages/stages.h"
 
 namespace oraclegs {
 
+namespace {
+
+void BringUpToDate(const std::vector<const char*>& stages, Run* run) {
+  Live::Guard(run->live.get(), [&] {
+    if (!IsUpToDate(run, "train")) {
+      for (const int view : run->split.test) LoadViews(run->scene, {view}, run->options.image, Silent());
+    }
+    for (const char* stage : stages) RunStage(run, stage);
+  });
+}
+
+}  // namespace
+
 nlohmann::json Reconstruct(Run* run) {
-  if (!IsUpToDate(run, "train")) {
-    for (const int view : run->split.test) LoadViews(run->scene, {view}, run->options.image, Silent());
-  }
-  RunStage(run, "evaluate");
+  BringUpToDate({"evaluate"}, run);
   return ReadMetrics(run->workspace.root());
 }
 
 nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener) {
   Run run = StartRun(request, listener);
-  return Reconstruct(&run);
+  BringUpToDate({"evaluate", "report"}, &run);
+  return ReadMetrics(run.workspace.root());
 }
 
 void EvaluateRun(Run* run) {

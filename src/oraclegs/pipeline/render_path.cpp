@@ -8,7 +8,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
-#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/pipeline/value_images.h"
 
 namespace oraclegs {
 namespace {
@@ -51,6 +51,17 @@ bool WriteVideo(const std::vector<fs::path>& images, const fs::path& video, int 
   return true;
 }
 
+std::vector<Camera> FlightPath(const std::vector<Camera>& cameras, const RenderPathOptions& options) {
+  switch (options.path) {
+    case PathKind::kSpiral:
+      return SpiralPath(cameras, options.frames);
+    case PathKind::kInterpolate:
+      return InterpolatedPath(cameras, options.frames);
+    default:
+      return OrbitPath(cameras, options.frames);
+  }
+}
+
 }  // namespace
 
 std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions& image,
@@ -64,40 +75,48 @@ std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions
     names.push_back(view.name);
   }
   std::vector<NamedCamera> named;
-  if (options.path != PathKind::kOrbit) {
+  if (options.path == PathKind::kTrain || options.path == PathKind::kTest) {
     names = ImageNames(names);
     for (size_t i = 0; i < names.size(); ++i) named.push_back({names[i], cameras[i]});
     return named;
   }
-  for (const Camera& camera : OrbitPath(cameras, options.frames)) {
+  for (const Camera& camera : FlightPath(cameras, options)) {
     named.push_back({fmt::format("{:04d}", named.size()), camera});
   }
   return named;
 }
 
-fs::path RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const fs::path& out,
-                       const RenderPathOptions& options, const Listener& listener) {
+std::vector<fs::path> RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras, const fs::path& out,
+                                    const RenderPathOptions& options, const Listener& listener) {
   CheckOptions(options);
+  const std::vector<RenderValue> values = ParseRenderValues(options.what);
+  std::vector<Camera> poses;
+  for (const NamedCamera& named : cameras) poses.push_back(named.camera);
   RequireWritableFolder(out);
   const StageClock clock("render", listener);
-  const Device device = model.gaussians.means.device();
-  ReportDevice(device, ProbeDevices(), listener);
-  const auto rasterizer = MakeRasterizer(device);
-  std::vector<fs::path> images;
-  for (const NamedCamera& named : cameras) {
+  ReportDevice(model.gaussians.device(), ProbeDevices(), listener);
+  ValueRenderer renderer(model, values, poses);
+  std::vector<fs::path> folders;
+  for (const RenderValue value : values) folders.push_back(value == RenderValue::kColour ? out : out / Word(value));
+  for (const fs::path& folder : folders) RequireWritableFolder(folder);
+  std::vector<std::vector<fs::path>> files(values.size());
+  for (size_t i = 0; i < cameras.size(); ++i) {
     ThrowIfInterrupted();
-    const RenderOutput render =
-        rasterizer->Forward(model.gaussians, named.camera, model.render, RenderPass::kInference);
-    images.push_back(fs::absolute(out / (named.name + ".png")));
-    WritePng(images.back(), ToImage8(render.image));
-    listener(
-        StepDone{"render", static_cast<int64_t>(images.size()), static_cast<int64_t>(cameras.size()), "images", ""});
+    const std::vector<Image8> images = renderer.Render(cameras[i].camera);
+    for (size_t v = 0; v < values.size(); ++v) {
+      files[v].push_back(fs::absolute(folders[v] / (cameras[i].name + ".png")));
+      WritePng(files[v].back(), images[v]);
+    }
+    listener(StepDone{"render", static_cast<int64_t>(i + 1), static_cast<int64_t>(cameras.size()), "images", ""});
   }
-  const fs::path video = out / "video.mp4";  // in the folder that was named: what stands beside it is not ours
-  const bool has_video = options.video && images.size() > 1 && WriteVideo(images, video, options.fps, listener);
+  std::vector<fs::path> videos;
+  for (size_t v = 0; v < values.size() && options.video && cameras.size() > 1; ++v) {
+    const fs::path video = folders[v] / "video.mp4";  // in the folder that was named: what stands beside it is not ours
+    if (WriteVideo(files[v], video, options.fps, listener)) videos.push_back(video);
+  }
   clock.Finish();
   listener(FileWritten{out});
-  return has_video ? video : fs::path();
+  return videos;
 }
 
 }  // namespace oraclegs

@@ -6,9 +6,11 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/pipeline/live/live.h"
+#include "oraclegs/pipeline/report/run_document.h"
 #include "oraclegs/pipeline/settings/missing_networks.h"
+#include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/register_stage.h"
-#include "oraclegs/pipeline/stages/stages.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
@@ -126,7 +128,11 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   SplitViews(scene, options.split);  // which image registers is unknown, but what all of them cannot fill is refused
   Workspace workspace = Workspace::Claim(request.out, request.scene, options, request.overwrite);
   Run run{options, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
-  FindPosesAndSplit(&run);
+  run.live = std::make_shared<Live>(run.workspace, listener);
+  run.listener = run.live->AsListener();
+  if (run.options.report.report) run.on_training = WriteStartDocument;
+  if (request.on_claimed) request.on_claimed();
+  Live::Guard(run.live.get(), [&] { FindPosesAndSplit(&run); });
   return run;
 }
 

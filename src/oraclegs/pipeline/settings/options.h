@@ -159,6 +159,20 @@ struct CheckpointSchedule {
   }
 };
 
+/// What is made to look at when a run ends. Free to differ when a run is continued.
+struct ReportOptions {
+  bool report = true;
+  int orbit_frames = 96;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("report", self.report, "End with report.html, which shows the splat, the scores and the proposals");
+    visit("orbit-frames", self.orbit_frames,
+          "Images of the film of four seconds that the report begins with, when ffmpeg is installed; 0 = none",
+          Range{0, 1000});
+  }
+};
+
 /// Where weights lie on this machine, and what to do without. What a stage makes depends on their content, which its
 /// key holds.
 struct WeightOptions {
@@ -200,6 +214,7 @@ struct RunOptions {
   TrainOptions train;
   GeneratorLimits generator_limits;
   CheckpointSchedule checkpoints;
+  ReportOptions report;
   WeightOptions weights;
   DeviceOptions device;
   MachineOptions machine;
@@ -224,6 +239,7 @@ struct RunOptions {
     ForEachShapingGroup(self, f);
     f("Proposals", self.generator_limits);
     f("Checkpoints", self.checkpoints);
+    f("Report", self.report);
     f("Weights", self.weights);
     f("Machine", self.device);
     f("Machine", self.machine);

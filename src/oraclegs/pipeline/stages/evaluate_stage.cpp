@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/perceptual.h"
@@ -36,6 +37,9 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
       {"gaussians", model.gaussians.size()},
       {"peak_memory_bytes", PeakMemoryBytes()},
       {"files", {"metrics.json"}}};
+  if (!model.support.empty() && !views.empty()) {
+    record["support"] = ToJson(MeasureSupport(model.gaussians, model.support, views, model.render));
+  }
   record["seconds"] = watch.Seconds();
   WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
   return record;
@@ -48,7 +52,8 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device) {
   file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
   return {std::move(file.gaussians),
           {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased},
-          PartsInComments(file.comments)};
+          PartsInComments(file.comments),
+          std::move(file.support)};
 }
 
 nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,

@@ -15,6 +15,7 @@ struct Model {
   Gaussians gaussians;
   RenderOptions render;
   std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
+  std::vector<float> support = {};               ///< [N] in [0, 1], how well each is supported; empty = not known
 };
 
 /// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing of `options` and on `device`.

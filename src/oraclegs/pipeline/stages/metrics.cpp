@@ -10,9 +10,6 @@
 namespace oraclegs {
 namespace {
 
-// The stages whose time is reported, in their order.
-constexpr const char* kStages[] = {"register", "sfm", "depth", "proxies", "propose", "validate", "train"};
-
 double PerSecond(const nlohmann::json& record) {
   const double seconds = record.value("training_seconds", 0.0);
   return seconds > 0 ? record.value("iterations", 0.0) / seconds : 0;
@@ -29,9 +26,10 @@ int64_t PeakMemoryBytes() {
 nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record) {
   nlohmann::json metrics;
   metrics["test"] = evaluate_record.at("test");
+  if (evaluate_record.contains("support")) metrics["support"] = evaluate_record.at("support");
   metrics["gaussians"] = evaluate_record.at("gaussians");
   metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
-  for (const char* stage : kStages) {
+  for (const char* stage : kTimedStages) {
     const nlohmann::json record = run.workspace.Record(stage);
     if (record.is_object()) metrics["stages"][stage]["seconds"] = record.value("seconds", 0.0);
   }

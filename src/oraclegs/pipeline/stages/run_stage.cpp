@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 
 namespace oraclegs {
@@ -40,6 +41,7 @@ class StageRunner {
     if (const auto found = held.find(stage.name); found != held.end() && found->second == Key(stage)) return;
     const bool done = IsDone(stage);
     if (done && !stage.work.load) {
+      run_->listener(StageKept{stage.name});
       if (asked) run_->listener(Note{fmt::format("{}: nothing has changed, {} is kept", stage.name, stage.work.file)});
       return;
     }
@@ -54,6 +56,7 @@ class StageRunner {
       Make(stage, key, clock);
     } else if (stage.work.load(run_)) {
       clock.Finish();
+      run_->listener(StageKept{stage.name});
     } else {
       Undo(stage);
       Make(stage, key, clock);
@@ -108,12 +111,12 @@ bool IsUpToDate(Run* run, const std::vector<Stage>& stages, const std::string& n
 
 void RunStage(Run* run, const std::vector<Stage>& stages, const std::string& name) {
   StageRunner runner(run, stages, Needs::kBringUpToDate);
-  runner.Bring(runner.Find(name), true);
+  Live::Guard(run->live.get(), [&] { runner.Bring(runner.Find(name), true); });
 }
 
 void RunStageAlone(Run* run, const std::vector<Stage>& stages, const std::string& name) {
   StageRunner runner(run, stages, Needs::kTakeAsTheyAre);
-  runner.Bring(runner.Find(name), true);
+  Live::Guard(run->live.get(), [&] { runner.Bring(runner.Find(name), true); });
 }
 
 }  // namespace oraclegs

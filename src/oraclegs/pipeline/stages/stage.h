@@ -24,6 +24,7 @@
 
 namespace oraclegs {
 
+class Live;
 class Proposers;
 
 /// The training views of the split, in its order.
@@ -60,6 +61,8 @@ struct Run {
   std::string photos;  ///< stands for images that came without poses; "" = the scene has poses of its own
   FileHashes files = {};
   std::unique_ptr<StageResults> results = std::make_unique<StageResults>();
+  std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
+  std::shared_ptr<Live> live = {};  ///< what it writes for those that look on; null for a run that was only opened
 };
 
 /// The training views, loaded when they are first asked for.

@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/perceptual.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
@@ -92,8 +94,17 @@ nlohmann::json TimingsToJson(const TrainResult& result) {
 struct ReadyTrainer {
   std::unique_ptr<Trainer> trainer;
   std::vector<std::string> names;  ///< of the training views
+  std::vector<SupportView> views;  ///< what the Gaussians are supported by
   std::string lpips;               ///< convention; "" = not used
 };
+
+/// The images and the proposals, with what each of their pixels counts.
+std::vector<SupportView> SupportViewsOf(const std::vector<TrainView>& images, const std::vector<TrainView>& proposals) {
+  std::vector<SupportView> views;
+  for (const TrainView& view : images) views.push_back({view.camera, view.confidence, false});
+  for (const TrainView& view : proposals) views.push_back({view.camera, view.confidence, true});
+  return views;
+}
 
 /// What is known of the views is given up: it is not kept beside the trainer's copy.
 ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) {
@@ -105,12 +116,13 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   ReportDevice(run->plan.device, run->plan.support, run->listener);
   TrainingLpips network = LpipsOfProposals(run->options.train, run->plan, known.proposals, run->listener);
   ready.lpips = network.convention;
+  std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
+  ready.views = SupportViewsOf(images, known.proposals);
   ready.trainer = std::make_unique<Trainer>(
       TrainSetup{SettledOptions(*run, training),
                  run->options.start.seed,
                  BackgroundColor(run->options.image.background),
-                 {MakeTrainViews(training, known.geometry, run->options.train.depth_loss), std::move(known.proposals),
-                  std::move(network.distance)},
+                 {std::move(images), std::move(known.proposals), std::move(network.distance)},
                  std::move(start)},
       [device = run->plan.device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
   if (checkpoint) ready.trainer->Restore(*checkpoint);
@@ -118,11 +130,27 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   return ready;
 }
 
+/// Empty, after a warning, where memory does not suffice. What was trained is not lost when the user stops it here.
+std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
+  const Trainer& trainer = *ready.trainer;
+  RenderOptions render;
+  render.antialiased = run.options.train.antialiased;
+  try {
+    return Support(trainer.gaussians(), ready.views, render);
+  } catch (const Interrupted&) {
+    WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
+    throw;
+  } catch (const OutOfMemory& error) {
+    run.listener(Warning{fmt::format("{}; the splat does not say what supports its Gaussians", error.what())});
+    return {};
+  }
+}
+
 void WriteModel(const Run& run, const ReadyTrainer& ready) {
   const WorkspacePaths& paths = run.workspace;
   const Trainer& trainer = *ready.trainer;
   WriteGaussianPly(paths.point_cloud(), trainer.gaussians(), run.options.train.sh_degree,
-                   LicenceComments(NonCommercialParts(paths)));
+                   LicenceComments(NonCommercialParts(paths)), SupportOfModel(run, ready));
   std::error_code ignored;
   fs::remove(paths.exposures(), ignored);
   if (trainer.exposures().empty()) return;
@@ -134,11 +162,12 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string& key) {
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
   saved_options["inputs"] = key;
   const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
+  if (run->on_training) run->on_training(run);
   const ReadyTrainer ready = MakeTrainer(run, checkpoint);
   const double loading = watch.Seconds();
   const TrainResult result = ready.trainer->Run(
       {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
-      run->listener);
+      run->listener, run->live ? run->live->AsObserver() : TrainObserver());
   WriteModel(*run, ready);
   return nlohmann::json{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},

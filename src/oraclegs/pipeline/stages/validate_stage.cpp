@@ -12,6 +12,7 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/stages/calibrated_oracle.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/validate/view_chunks.h"
 
 namespace oraclegs {
@@ -241,6 +242,8 @@ std::optional<nlohmann::json> MakeValidate(Run* run, const std::string&) {
     validation.ClassifyFolder();
     record = validation.Record();
   }
+  // Beside the maps, so that they can be shown where they are: those of a folder have their poses nowhere else.
+  WriteTargets(run->workspace.confidence(), AllTargets(known));
   known.candidates = CandidateStore(), known.proposers = nullptr;
   LoadValidate(run);
   return record;

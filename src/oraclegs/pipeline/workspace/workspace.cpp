@@ -24,7 +24,8 @@ constexpr uint64_t kMaxJsonBytes = 64 << 20;
 // Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
 constexpr const char* kOwnNames[] = {"options.json",    "split.json",  "stages.json", "metrics.json", "sfm",
                                      "point_cloud.ply", "checkpoints", "renders",     "depth",        "exposures.json",
-                                     "proposals",       "confidence",  "oracle.json"};
+                                     "proposals",       "confidence",  "oracle.json", "live",         "curves.csv",
+                                     "report",          "report.html"};
 
 nlohmann::json ReadJson(const fs::path& path) {
   try {

@@ -28,6 +28,10 @@ class WorkspacePaths {
   std::filesystem::path proposals() const { return root_ / "proposals"; }
   std::filesystem::path confidence() const { return root_ / "confidence"; }
   std::filesystem::path checkpoints() const { return root_ / "checkpoints"; }
+  std::filesystem::path report() const { return root_ / "report"; }            ///< what the viewer shows
+  std::filesystem::path report_page() const { return root_ / "report.html"; }  ///< the same as one file
+  std::filesystem::path curves() const { return root_ / "curves.csv"; }        ///< how training went
+  std::filesystem::path live() const { return root_ / "live"; }                ///< for those that look on
   std::filesystem::path renders(const std::string& path_name) const { return root_ / "renders" / path_name; }
 
  private:

@@ -1,5 +1,6 @@
-#include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/pipeline/stages.h"
 
+#include "oraclegs/pipeline/report/report_stage.h"
 #include "oraclegs/pipeline/stages/depth_stage.h"
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/pipeline/stages/propose_stage.h"
@@ -22,6 +23,7 @@ const std::vector<Stage>& Stages() {
       {"validate", 4, {"propose"}, ValidateStage()},
       {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
       {"evaluate", 1, {"train"}, EvaluateStage()},
+      {"report", 1, {"evaluate"}, ReportStage()},
   };
   return stages;
 }

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/pipeline/stages.h"
 
 #include <set>
 
@@ -56,25 +56,25 @@ TEST_F(StagesTest, NeedOnlyWhatComesBefore) {
     for (const std::string& need : stage.needs) EXPECT_EQ(before.count(need), 1u) << stage.name << " " << need;
     before.insert(stage.name);
   }
-  EXPECT_EQ(before.size(), 8u);
-  EXPECT_EQ(Reached(Stages(), "register").size(), 8u);
+  EXPECT_EQ(before.size(), 9u);
+  EXPECT_EQ(Reached(Stages(), "register").size(), 9u);
   EXPECT_THAT(Reached(Stages(), "proxies"),
-              UnorderedElementsAreArray({"proxies", "propose", "validate", "train", "evaluate"}));
+              UnorderedElementsAreArray({"proxies", "propose", "validate", "train", "evaluate", "report"}));
 }
 
 TEST_F(StagesTest, ARaisedVersionRunsThatStageAndThoseThatNeedIt) {
   auto run = StartRun(Request("versions"), Silent());
-  RunStage(&run, Noted(), "evaluate");
+  RunStage(&run, Noted(), "report");
   const nlohmann::json before = Records(run);
-  EXPECT_EQ(before.size(), 8u);
+  EXPECT_EQ(before.size(), 9u);
   for (size_t s = 0; s < Stages().size(); ++s) {
     std::vector<Stage> upgraded = Noted();
     ++upgraded[s].version;
     run.results = std::make_unique<StageResults>();
-    RunStage(&run, upgraded, "evaluate");
+    RunStage(&run, upgraded, "report");
     EXPECT_EQ(Changed(before, Records(run)), Reached(upgraded, upgraded[s].name)) << upgraded[s].name;
     run.results = std::make_unique<StageResults>();
-    RunStage(&run, Noted(), "evaluate");  // back to where it was
+    RunStage(&run, Noted(), "report");  // back to where it was
     EXPECT_EQ(Changed(before, Records(run)), std::set<std::string>());
   }
 }
@@ -84,7 +84,7 @@ TEST_F(StagesTest, AnUpgradedStereoTrainsAnew) {
   request.options.propose.proposers = ProposerChoice::kWarp;
   const auto reconstruct = [&](const std::vector<Stage>& stages) {
     auto run = StartRun(request, recorder.AsListener());
-    RunStage(&run, stages, "evaluate");
+    RunStage(&run, stages, "report");
     return Records(run);
   };
   const nlohmann::json before = reconstruct(Stages());
@@ -94,7 +94,7 @@ TEST_F(StagesTest, AnUpgradedStereoTrainsAnew) {
   ASSERT_EQ(upgraded[2].name, "depth");
   const nlohmann::json after = reconstruct(upgraded);
   EXPECT_THAT(Changed(before, after), UnorderedElementsAreArray({"depth", "propose", "validate", "train", "evaluate"}));
-  EXPECT_EQ(after.at("evaluate").at("test"), before.at("evaluate").at("test")) << "the same work has the same result";
+  EXPECT_EQ(after.at("report").at("test"), before.at("report").at("test")) << "the same work has the same result";
 }
 
 }  // namespace

@@ -1,0 +1,173 @@
+#include "oraclegs/pipeline/view/splat_site.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <vector>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/statistics.h"
+#include "oraclegs/formats/splat_file.h"
+#include "oraclegs/formats/spz.h"
+#include "oraclegs/pipeline/live/run_state.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kInnerShare = 0.7;  // of the Gaussians, within the radius that is shown at first
+
+std::vector<int64_t> FiniteOnes(const Gaussians& gaussians) {
+  std::vector<char> finite(static_cast<size_t>(gaussians.size()), 1);
+  gaussians.ForEach([&](const char*, const Buffer<float>& buffer) {
+    const int64_t width = buffer.count() / gaussians.size();
+    for (int64_t k = 0; k < buffer.count(); ++k) {
+      if (!std::isfinite(buffer[k])) finite[static_cast<size_t>(k / width)] = 0;
+    }
+  });
+  std::vector<int64_t> kept;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    if (finite[static_cast<size_t>(i)]) kept.push_back(i);
+  }
+  return kept;
+}
+
+/// How much a Gaussian covers and hides: opacity times the area of its broadest side.
+float Presence(const Gaussians& g, int64_t i) {
+  std::array<float, 3> scales = {g.log_scales[3 * i], g.log_scales[3 * i + 1], g.log_scales[3 * i + 2]};
+  std::sort(scales.begin(), scales.end());
+  const float presence = Sigmoid(g.opacity_logits[i]) * std::exp(scales[1] + scales[2]);
+  return std::isnan(presence) ? 0 : presence;  // nothing of an infinite size
+}
+
+/// The `max` of them that are most present, in their order.
+std::vector<int64_t> MostPresent(const Gaussians& gaussians, std::vector<int64_t> some, int64_t max) {
+  const auto more = [&](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  };
+  std::vector<std::pair<float, int64_t>> ranked;
+  for (const int64_t i : some) ranked.emplace_back(Presence(gaussians, i), i);
+  std::nth_element(ranked.begin(), ranked.begin() + max, ranked.end(), more);
+  some.clear();
+  for (int64_t k = 0; k < max; ++k) some.push_back(ranked[static_cast<size_t>(k)].second);
+  std::sort(some.begin(), some.end());
+  return some;
+}
+
+GaussianPly Picked(const GaussianPly& splat, const std::vector<int64_t>& picked) {
+  GaussianPly part{Gaussians::Empty(static_cast<int64_t>(picked.size())), splat.sh_degree, splat.comments};
+  const auto copy = [&](const Buffer<float>& from, const Buffer<float>& to) {
+    const int64_t width = from.count() / splat.gaussians.size();
+    for (size_t k = 0; k < picked.size(); ++k) {
+      std::copy_n(from.data() + picked[k] * width, width, to.data() + static_cast<int64_t>(k) * width);
+    }
+  };
+  const Gaussians &from = splat.gaussians, &to = part.gaussians;
+  copy(from.means, to.means), copy(from.log_scales, to.log_scales), copy(from.quats, to.quats);
+  copy(from.opacity_logits, to.opacity_logits), copy(from.sh, to.sh);
+  if (splat.support.empty()) return part;
+  for (const int64_t i : picked) part.support.push_back(splat.support[static_cast<size_t>(i)]);
+  return part;
+}
+
+/// {"up", "center", "radius"}: where the viewer looks at first. Nobody knows what is up: in most files y points down.
+nlohmann::json Framing(const Gaussians& gaussians) {
+  std::array<std::vector<double>, 3> axes;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    for (int c = 0; c < 3; ++c) axes[static_cast<size_t>(c)].push_back(gaussians.means[3 * i + c]);
+  }
+  std::array<double, 3> center{};
+  for (size_t c = 0; c < 3; ++c) center[c] = Median(&axes[c]);
+  std::vector<double> distances;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    double square = 0;
+    for (int c = 0; c < 3; ++c) square += std::pow(gaussians.means[3 * i + c] - center[static_cast<size_t>(c)], 2);
+    distances.push_back(std::sqrt(square));
+  }
+  const auto inner = static_cast<std::ptrdiff_t>(kInnerShare * static_cast<double>(distances.size() - 1));
+  std::nth_element(distances.begin(), distances.begin() + inner, distances.end());
+  const double radius = distances[static_cast<size_t>(inner)];
+  return {{"up", {0, -1, 0}}, {"center", center}, {"radius", radius > 0 ? radius : 1}};
+}
+
+std::string SupportBytes(const std::vector<float>& support) {
+  std::string bytes;
+  for (const float s : support) bytes.push_back(static_cast<char>(std::lround(255 * std::clamp(s, 0.f, 1.f))));
+  return bytes;
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() {
+  std::error_code error;
+  const fs::path base = fs::temp_directory_path(error);
+  std::string name = ((error ? fs::path("/tmp") : base) / "oraclegs-view-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw RunError("{}: a temporary folder cannot be made: {}; name another place with TMPDIR", name,
+                   std::strerror(errno));
+  }
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, const Listener& listener) {
+  const int64_t all = splat.gaussians.size();
+  std::vector<int64_t> kept = all == 0 ? std::vector<int64_t>() : FiniteOnes(splat.gaussians);
+  const auto finite = static_cast<int64_t>(kept.size());
+  if (finite == 0) throw InputError("{}: holds no Gaussian that can be shown; name another file", file);
+  if (finite < all) {
+    listener(Warning{fmt::format("{}: {} of {} Gaussians have numbers that are not finite and are left out", file,
+                                 all - finite, all)});
+  }
+  if (finite > max) {
+    listener(
+        Warning{fmt::format("{}: holds {} Gaussians; the {} that cover and hide most are shown (`oraclegs export` "
+                            "writes smaller files)",
+                            file, finite, max)});
+    kept = MostPresent(splat.gaussians, std::move(kept), max);
+  }
+  return static_cast<int64_t>(kept.size()) == all ? std::move(splat) : Picked(splat, kept);
+}
+
+void WriteSplatSite(const fs::path& file, const fs::path& folder, const Listener& listener) {
+  nlohmann::json warnings = nlohmann::json::array();
+  const Listener listening = [&](const Event& event) {
+    if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
+    listener(event);
+  };
+  const GaussianPly shown = ShownPart(ReadSplat(file), file.string(), kMaxShownGaussians, listening);
+  const std::string spz = EncodeSpz(shown.gaussians, shown.sh_degree);
+  nlohmann::json splat = {
+      {"url", "splat.spz"},           {"format", "spz"},   {"gaussians", shown.gaussians.size()}, {"bytes", spz.size()},
+      {"sh_degree", shown.sh_degree}, {"support", nullptr}};
+  splat.update(Framing(shown.gaussians));
+  ReplaceFile(folder / "splat.spz", spz);
+  if (!shown.support.empty()) {
+    splat["support"] = {{"url", "support.bin"}};
+    ReplaceFile(folder / "support.bin", SupportBytes(shown.support));
+  }
+  const nlohmann::json document = {{"format", 1},
+                                   {"kind", "file"},
+                                   {"title", file.filename().string()},
+                                   {"created", UtcNow()},
+                                   {"finished", true},
+                                   {"splat", std::move(splat)},
+                                   {"views", nlohmann::json::array()},
+                                   {"warnings", std::move(warnings)}};
+  fs::create_directory(folder / "report");
+  ReplaceFile(folder / "report" / "run.json",
+              document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace oraclegs
