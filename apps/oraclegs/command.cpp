@@ -105,6 +105,10 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
   const bool trained_here = std::filesystem::exists(paths.point_cloud(), ignored);
   if (trained_here) text += fmt::format("splat      {}\n", paths.point_cloud().string());
   text += fmt::format("metrics    {}\nimages     {}", paths.metrics().string(), paths.renders("test").string());
+  if (std::filesystem::exists(paths.report_page(), ignored)) {
+    text += fmt::format("\nreport     {}", paths.report_page().string());
+  }
+  if (trained_here) text += fmt::format("\nto look    oraclegs view {}", ShellQuoted(workspace.string()));
   return text;
 }
 

@@ -99,6 +99,8 @@ std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
 std::unique_ptr<Command> MakeRender(CLI::App* app);
 std::unique_ptr<Command> MakeFigure(CLI::App* app);
 std::unique_ptr<Command> MakeExport(CLI::App* app);
+std::unique_ptr<Command> MakeView(CLI::App* app);
+std::unique_ptr<Command> MakeMesh(CLI::App* app);
 std::unique_ptr<Command> MakeInfo(CLI::App* app);
 std::unique_ptr<Command> MakeModels(CLI::App* app);
 std::unique_ptr<Command> MakeDemoScene(CLI::App* app);

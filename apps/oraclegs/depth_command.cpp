@@ -1,5 +1,5 @@
+#include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/depth_stage.h"
-#include "oraclegs/pipeline/stages/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

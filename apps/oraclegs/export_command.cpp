@@ -1,6 +1,8 @@
-#include "command.h"
+#include "oraclegs/camera/camera_path.h"
 #include "oraclegs/pipeline/export.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/scene/loaded_view.h"
+#include "source_command.h"
 
 namespace oraclegs {
 namespace {
@@ -10,16 +12,17 @@ struct ExportFile {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("out", self.out, "The .ply file to write");
+    visit("out", self.out, "The file to write: .ply, .compressed.ply, .spz, .sog, .splat, .glb or .spz.glb");
   }
 };
 
 class ExportCommand : public Command {
  public:
   explicit ExportCommand(CLI::App* app)
-      : Command(app, "export", "Write a smaller .ply: fewer Gaussians, lower degree of view-dependent colour",
-                "oraclegs export out/ -o small.ply --sh-degree 1 --min-opacity 0.02") {
-    BindInput("input", &input_, "Workspace of a run, or a .ply of any 3DGS trainer");
+      : Command(app, "export",
+                "The splat for other programs: another format, fewer Gaussians, a part, another up or size",
+                "oraclegs export out/ -o scene.spz --min-support 0.25 --crop auto --up auto") {
+    BindInput("input", &input_, "Workspace of a run, or a splat of any of these formats");
     Bind("Output", &file_);
     Bind("Model", &options_);
   }
@@ -27,11 +30,26 @@ class ExportCommand : public Command {
  private:
   void Body(const Listener& listener) override {
     RequireOut(file_.out);
-    const auto ply = IsWorkspace(input_) ? WorkspacePaths(input_).point_cloud() : input_;
-    const ExportResult result = ExportPly(ply, file_.out, options_);
-    listener(FileWritten{file_.out});
-    Print(fmt::format("splat      {} ({} of {} Gaussians, SH degree {})", file_.out.string(), result.after,
-                      result.before, result.sh_degree));
+    const bool workspace = IsWorkspace(input_);
+    const auto splat = workspace ? WorkspacePaths(input_).point_cloud() : input_;
+    CheckExport(splat, file_.out, options_);
+    if (workspace) RequireOutsideScene(std::filesystem::absolute(file_.out).parent_path(), ReadSavedRun(input_).scene);
+    std::optional<ExportCameras> cameras;
+    // An up of the user's choice goes by the cameras where there are any; nothing else asks for them.
+    if (workspace && (NeedsCameras(options_) || !options_.up.empty())) cameras = CamerasOf(listener);
+    const ExportResult result = ExportSplat(splat, file_.out, options_, cameras, listener);
+    Print(fmt::format("splat      {} ({}, {:.2f} MB, {} of {} Gaussians, SH degree {})", file_.out.string(),
+                      ExtensionOf(result.format), static_cast<double>(result.bytes) / 1e6, result.after, result.before,
+                      result.sh_degree));
+  }
+
+  ExportCameras CamerasOf(const Listener& listener) const {
+    const oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
+    std::vector<Camera> cameras;
+    for (const int i : run.split.train) {
+      cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(i)], run.options.image));
+    }
+    return {LookedAt(cameras), MeanUp(cameras)};
   }
 
   std::filesystem::path input_;

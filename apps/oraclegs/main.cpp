@@ -33,15 +33,7 @@ int Fail(const std::string& text, int code) {
 /// "oraclegs train 'my scene' -o out", which a shell reads as what was typed.
 std::string CommandLine(int argc, char** argv) {
   std::string line = "oraclegs";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-      return std::isalnum(c) || c >= 0x80 || std::strchr("-_./,=:+@%", c);
-    });
-    line += plain ? " " : " '";
-    for (const char c : word) line += c == '\'' ? "'\\''" : std::string(1, c);
-    if (!plain) line += "'";
-  }
+  for (int i = 1; i < argc; ++i) line += " " + ShellQuoted(argv[i]);
   return line;
 }
 
@@ -75,8 +67,9 @@ int Main(int argc, char** argv) {
       "`oraclegs COMMAND --help` explains a command. Start with:\n  oraclegs demo-scene /tmp/demo\n"
       "  oraclegs reconstruct /tmp/demo -o /tmp/demo_out --preset quick");
   std::vector<std::unique_ptr<Command>> commands;
-  for (auto* make : {MakeReconstruct, MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain, MakeEvaluate,
-                     MakeAblate, MakeRender, MakeFigure, MakeExport, MakeInfo, MakeModels, MakeDemoScene}) {
+  for (auto* make :
+       {MakeReconstruct, MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain, MakeEvaluate, MakeAblate, MakeRender,
+        MakeFigure, MakeExport, MakeMesh, MakeView, MakeInfo, MakeModels, MakeDemoScene}) {
     commands.push_back(make(&app));
   }
   try {

@@ -1,4 +1,5 @@
 #include "oraclegs/pipeline/render_path.h"
+#include "oraclegs/pipeline/value_images.h"
 #include "source_command.h"
 
 namespace oraclegs {
@@ -8,12 +9,13 @@ class RenderCommand : public SourceCommand {
  public:
   explicit RenderCommand(CLI::App* app)
       : SourceCommand(app, "render", "Images (and a video when ffmpeg is installed) along a camera path",
-                      "oraclegs render out/ --path orbit --frames 240") {
+                      "oraclegs render out/ --path spiral --what colour,depth --frames 240") {
     Bind("Path", &path_);
   }
 
  private:
   void Body(const Listener& listener) override {
+    ParseRenderValues(path_.what);  // before the point cloud is read
     std::filesystem::path out = out_.out;
     if (out.empty() && InputIsWorkspace()) out = WorkspacePaths(input_).renders(Word(path_.path));
     RequireOut(out);
@@ -22,9 +24,9 @@ class RenderCommand : public SourceCommand {
     const PosedScene posed = OpenScene(listener);
     RequireOutsideScene(out, posed.scene, options_.input.images);
     const auto cameras = PathCameras(posed, options_.image, path_);
-    const auto video = RenderCameras(model, cameras, out, path_, listener);
+    const auto videos = RenderCameras(model, cameras, out, path_, listener);
     Print(fmt::format("images     {} in {}", cameras.size(), out.string()));
-    if (!video.empty()) Print(fmt::format("video      {}", video.string()));
+    for (const auto& video : videos) Print(fmt::format("video      {}", video.string()));
   }
 
   RenderPathOptions path_;

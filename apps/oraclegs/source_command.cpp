@@ -14,7 +14,8 @@ SourceCommand::SourceCommand(CLI::App* app, const std::string& name, const std::
   BindRun(&options_);
 }
 
-oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const {
+oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
+                             const DeviceOptions& device, const Listener& listener) {
   if (!IsWorkspace(workspace)) {
     throw InputError("{}: holds no run of oraclegs; name a workspace", workspace.string());
   }
@@ -26,8 +27,12 @@ oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace
     std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&saved_options, title));
   });
   ApplySavedOptions(ReadSavedRun(workspace).options, WorkspacePaths(workspace).options(), &saved_options);
-  request.options.machine = options_.machine, request.options.device = options_.device;
+  request.options.machine = machine, request.options.device = device;
   return OpenRun(request, listener);
+}
+
+oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const {
+  return OpenRunAsSaved(workspace, options_.machine, options_.device, listener);
 }
 
 bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }

@@ -27,6 +27,11 @@ struct OutOptions {
   }
 };
 
+/// A run with the options that it was saved with, but for the machine's. Throws InputError when the folder is no
+/// workspace.
+oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
+                             const DeviceOptions& device, const Listener& listener);
+
 /// Has a positional that is a workspace (whose options are then in force) or a scene folder, and --ply.
 class SourceCommand : public Command {
  protected:

@@ -13,7 +13,6 @@ namespace {
 
 using std::chrono::duration;
 
-constexpr double kRateWindow = 20;  // seconds over which the rate is measured: it falls as Gaussians grow
 constexpr double kRedrawSeconds = 0.1;
 constexpr double kLineSeconds = 10;  // between plain lines, unless a tenth of the work is done sooner
 constexpr double kMinLineSeconds = 1;
@@ -50,13 +49,13 @@ Listener Terminal::AsListener() {
 
 void Terminal::On(const StageStarted& event) {
   EraseBar();
-  stage_.clear();
+  rate_.Clear();
   Log().info("{}: started", event.stage);
 }
 
 void Terminal::On(const StageFinished& event) {
   EraseBar();
-  stage_.clear();
+  rate_.Clear();
   Log().info("{}: done in {}", event.stage, FormatSeconds(event.seconds));
 }
 
@@ -77,7 +76,7 @@ void Terminal::On(const Note& event) {
 
 void Terminal::On(const StepDone& event) {
   if (verbosity_ == Verbosity::kQuiet) return;
-  const Rate rate = Measure(event);
+  const StepRate::Speed rate = Measure(event);
   if (!IsTimeForALine(event)) return;
   if (bar_) return DrawBar(event, rate);
   const std::string left = rate.seconds_left > 0 ? ", " + FormatSeconds(rate.seconds_left) + " left" : "";
@@ -85,21 +84,12 @@ void Terminal::On(const StepDone& event) {
              RateText(rate.per_second), left);
 }
 
-Terminal::Rate Terminal::Measure(const StepDone& event) {
-  const auto now = Clock::now();
-  if (event.stage != stage_) {
-    stage_ = event.stage;
-    recent_.clear();
-    last_line_ = bar_ ? Clock::time_point{} : now;
+StepRate::Speed Terminal::Measure(const StepDone& event) {
+  if (event.stage != rate_.stage()) {
+    last_line_ = bar_ ? Clock::time_point{} : Clock::now();
     last_tenth_ = event.total > 0 ? 10 * event.done / event.total : 0;
   }
-  recent_.emplace_back(now, event.done);
-  while (recent_.size() > 2 && duration<double>(now - recent_[1].first).count() > kRateWindow) recent_.pop_front();
-  const double seconds = duration<double>(now - recent_.front().first).count();
-  const auto steps = static_cast<double>(event.done - recent_.front().second);
-  if (seconds <= 0 || steps <= 0) return {};
-  if (event.total <= 0) return {steps / seconds, 0};
-  return {steps / seconds, static_cast<double>(event.total - event.done) * seconds / steps};
+  return rate_.Add(event);
 }
 
 bool Terminal::IsTimeForALine(const StepDone& event) {
@@ -113,7 +103,7 @@ bool Terminal::IsTimeForALine(const StepDone& event) {
   return true;
 }
 
-void Terminal::DrawBar(const StepDone& event, const Rate& rate) {
+void Terminal::DrawBar(const StepDone& event, const StepRate::Speed& rate) {
   std::string line = event.stage + " ";
   if (event.total > 0) {
     const auto filled = static_cast<int>(kBarWidth * event.done / event.total);

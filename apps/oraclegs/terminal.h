@@ -2,12 +2,10 @@
 // What the user sees while a stage runs.
 
 #include <chrono>
-#include <deque>
-#include <string>
-#include <utility>
 
 #include "oraclegs/core/log.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/core/step_rate.h"
 
 namespace oraclegs {
 
@@ -24,28 +22,23 @@ class Terminal {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Rate {
-    double per_second = 0;  ///< 0 = not known yet
-    double seconds_left = 0;
-  };
-
   void On(const StageStarted& event);
   void On(const StepDone& event);
   void On(const StageFinished& event);
+  void On(const StageKept&) {}  ///< notes say what matters of it
   void On(const FileWritten& event);
   void On(const Warning& event);
   void On(const Note& event);
 
-  Rate Measure(const StepDone& event);
+  StepRate::Speed Measure(const StepDone& event);
   bool IsTimeForALine(const StepDone& event);
-  void DrawBar(const StepDone& event, const Rate& rate);
+  void DrawBar(const StepDone& event, const StepRate::Speed& rate);
   void EraseBar();
 
   Verbosity verbosity_;
-  bool bar_;                                                  ///< stderr is a terminal
-  bool drawn_ = false;                                        ///< the cursor stands on a drawn line
-  std::string stage_;                                         ///< whose steps are counted now
-  std::deque<std::pair<Clock::time_point, int64_t>> recent_;  ///< steps of the last seconds, for the rate
+  bool bar_;            ///< stderr is a terminal
+  bool drawn_ = false;  ///< the cursor stands on a drawn line
+  StepRate rate_;
   Clock::time_point last_line_;
   int64_t last_tenth_ = 0;
 };

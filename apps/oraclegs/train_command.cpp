@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/stages.h"
+#include "oraclegs/pipeline/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -8,7 +8,8 @@ class TrainCommand : public WorkspaceCommand {
  public:
   explicit TrainCommand(CLI::App* app)
       : WorkspaceCommand(app, "train", "Train the Gaussians (with sfm before it when needed), without scoring them",
-                         "oraclegs train scene/ -o out/ --iterations 7000 --max-gaussians 100000") {}
+                         "oraclegs train scene/ -o out/ --iterations 7000 --max-gaussians 100000", LiveView::kOffered) {
+  }
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {

@@ -1,20 +1,43 @@
 #pragma once
 // The commands that read a scene and fill a workspace: reconstruct, sfm, train.
 
+#include <unistd.h>
+
+#include <optional>
 #include <string>
 
 #include "command.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/run.h"
+#include "viewing.h"
 
 namespace oraclegs {
 
+struct LiveViewOptions {
+  bool view = false;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("view", self.view,
+          "Serve the viewer while the run goes on; afterwards, where the output is a terminal, until Ctrl-C");
+  }
+};
+
+/// Whether a command can show its run (--view).
+enum class LiveView { kNone, kOffered };
+
 class WorkspaceCommand : public Command {
  protected:
-  WorkspaceCommand(CLI::App* app, const std::string& name, const std::string& help, const std::string& example)
+  WorkspaceCommand(CLI::App* app, const std::string& name, const std::string& help, const std::string& example,
+                   LiveView live = LiveView::kNone)
       : Command(app, name, help, example) {
     BindInput("scene", &request_.scene,
               "Scene folder: photos, a COLMAP model, transforms.json or a Blender scene; never written to");
     Bind("Output", &workspace_);
+    if (live == LiveView::kOffered) {
+      Bind("Viewer", &live_);
+      Bind("Viewer", &viewer_);
+    }
     BindRun(&request_.options);
   }
 
@@ -27,11 +50,32 @@ class WorkspaceCommand : public Command {
     request_.out = workspace_.out;
     request_.overwrite = workspace_.overwrite;
     request_.version = ORACLEGS_VERSION;
+    std::optional<Viewing> viewing;
+    if (live_.view) request_.on_claimed = [&] { StartViewing(listener, &viewing); };
     Fill(request_, listener);
+    // A script that waits for the run must not wait for ever.
+    if (viewing && isatty(STDOUT_FILENO)) {
+      Print("the run is finished; the viewer goes on until Ctrl-C");
+      viewing->Wait();
+    }
+  }
+
+  /// A run is worth more than a look at it.
+  void StartViewing(const Listener& listener, std::optional<Viewing>* viewing) const {
+    try {
+      viewing->emplace(workspace_.out, viewer_, listener);
+    } catch (const std::exception& error) {
+      listener(
+          Warning{fmt::format("{}; the run goes on without the viewer, `oraclegs view {}` shows it from another "
+                              "terminal",
+                              error.what(), ShellQuoted(workspace_.out.string()))});
+    }
   }
 
   RunRequest request_;
   WorkspaceOptions workspace_;
+  LiveViewOptions live_;
+  ViewerOptions viewer_;
 };
 
 }  // namespace oraclegs

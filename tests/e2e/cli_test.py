@@ -9,7 +9,7 @@ import unittest
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "figure", "export", "info", "models", "demo-scene"]
+COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "figure", "export", "mesh", "view", "info", "models", "demo-scene"]
 
 # Where each command's options are declared, below src/oraclegs.
 RUN_OPTIONS = ["pipeline/settings/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
@@ -20,7 +20,9 @@ DECLARED_IN = {
     "render": RUN_OPTIONS + ["pipeline/render_path.h"],
     "figure": RUN_OPTIONS + ["report/figure.h"],
     "export": ["pipeline/export.h"],
+    "mesh": RUN_OPTIONS + ["mesh/fuse_model.h"],
     "demo-scene": ["demo/demo_scene.h"],
+    "view": ["web/viewer_options.h"],
     "info": [],
     "models": ["weights/fetch.h"],
 }

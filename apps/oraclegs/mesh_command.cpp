@@ -1,0 +1,59 @@
+#include "oraclegs/camera/camera_path.h"
+#include "oraclegs/mesh/fuse_model.h"
+#include "oraclegs/mesh/isosurface.h"
+#include "oraclegs/mesh/mesh_file.h"
+#include "oraclegs/pipeline/settings/device.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
+#include "oraclegs/pipeline/stages/stage_clock.h"
+#include "oraclegs/scene/loaded_view.h"
+#include "source_command.h"
+
+namespace oraclegs {
+namespace {
+
+class MeshCommand : public SourceCommand {
+ public:
+  explicit MeshCommand(CLI::App* app)
+      : SourceCommand(app, "mesh", "A triangle mesh with colours, fused from the depth that the splat renders",
+                      "oraclegs mesh out/ -o mesh.glb") {
+    Bind("Mesh", &mesh_);
+  }
+
+ private:
+  void Body(const Listener& listener) override {
+    std::filesystem::path out = out_.out;
+    if (out.empty() && InputIsWorkspace()) out = input_ / "mesh.ply";
+    RequireOut(out);
+    RequireMeshExtension(out);
+    RequireIsosurface();
+    const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
+    const Model model = LoadModel(ply, options_, ChooseDevice(options_.device.device, ProbeDevices()));
+    const PosedScene posed = OpenScene(listener);
+    RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
+    std::vector<Camera> cameras;
+    for (const int i : posed.split.train) {
+      cameras.push_back(WorkingCamera(posed.scene.views[static_cast<size_t>(i)], options_.image));
+    }
+    const StageClock clock("mesh", listener);
+    const FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
+    if (fused.mesh.triangles.empty()) {
+      throw InputError(
+          "{}: its renders show no surface (opaque, of known depth) from the training views; train longer, or lower "
+          "--min-part",
+          ply.string());
+    }
+    WriteMesh(out, fused.mesh, MeanUp(cameras));
+    clock.Finish();
+    listener(FileWritten{out});
+    Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g})", out.string(),
+                      fused.mesh.positions.size(), fused.mesh.triangles.size(), fused.voxel));
+  }
+
+  MeshOptions mesh_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeMesh(CLI::App* app) { return std::make_unique<MeshCommand>(app); }
+
+}  // namespace oraclegs
