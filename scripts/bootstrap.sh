@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Installs what OracleGS is built from, on Debian 12 (bookworm). Does nothing when all of it is there.
+# Installs what OracleGS is built from, on Debian 12 (bookworm), and the npm packages of its web pages. Does nothing when all
+# of it is there.
 set -euo pipefail
+cd "$(dirname "$0")/.."
 
 packages=(
   # tools
@@ -9,14 +11,19 @@ packages=(
   libtorch-dev libopenblas0-pthread libhwy-dev libeigen3-dev
   # files, command line, log
   nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
-  libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev
+  libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev libwebp-dev libzip-dev
+  libcpp-httplib-dev
+  # meshes; Boost's headers because OpenVDB's include them and its package does not ask for them
+  libopenvdb-dev libboost-dev
   # tests and benchmarks
   libgtest-dev libgmock-dev libbenchmark-dev
   # run as child processes
   colmap ffmpeg
+  # tests of the web pages
+  chromium
 )
 
-# for examples/generators; Node.js from elsewhere brings an npm that Debian's would replace
+# for web/ and examples/generators; Node.js from elsewhere brings an npm that Debian's would replace
 command -v npm >/dev/null || packages+=(nodejs npm)
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
@@ -33,20 +40,28 @@ for package in "${packages[@]}"; do
   status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
   [[ $status == installed ]] || missing+=("$package")
 done
-if ((${#missing[@]} == 0)); then
-  exit 0
-fi
-
-as_root=()
-if ((EUID != 0)); then
-  if ! command -v sudo >/dev/null; then
-    echo "scripts/bootstrap.sh: run as root, or install sudo; missing packages: ${missing[*]}" >&2
-    exit 1
+if ((${#missing[@]} > 0)); then
+  as_root=()
+  if ((EUID != 0)); then
+    if ! command -v sudo >/dev/null; then
+      echo "scripts/bootstrap.sh: run as root, or install sudo; missing packages: ${missing[*]}" >&2
+      exit 1
+    fi
+    as_root=(sudo)
   fi
-  as_root=(sudo)
+
+  echo "Installing: ${missing[*]}"
+  apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q)
+  "${apt[@]}" update </dev/null
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null
 fi
 
-echo "Installing: ${missing[*]}"
-apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q)
-"${apt[@]}" update </dev/null
-"${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null
+# The packages that the viewer and the report are bundled from; npm writes the list of what it has installed.
+if ! [[ web/node_modules/.package-lock.json -nt web/package-lock.json ]]; then
+  echo "Installing the npm packages of web/"
+  npm ci --prefix web --no-audit --no-fund --ignore-scripts </dev/null || {
+    rm -rf web/node_modules
+    echo "scripts/bootstrap.sh: npm cannot install the packages of web/; it needs registry.npmjs.org, or npm config set registry." >&2
+    echo "Everything but the viewer and the report is built without them." >&2
+  }
+fi

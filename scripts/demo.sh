@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its 24 images. Nothing is
-# downloaded but Debian packages. On two cores the first build takes about four minutes, the reconstruction about five.
+# downloaded but Debian and npm packages. On two cores the first build takes about four minutes, the reconstruction about five.
 # The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
 set -euo pipefail
@@ -17,9 +17,11 @@ build/release/bin/oraclegs reconstruct "$folder/scene" -o "$folder/run" --overwr
   --views 12 --iterations 7000 --max-gaussians 50000
 
 echo
+echo "Report:               $folder/run/report.html (open it in a browser: the splat in 3D, images, scores)"
 echo "Input images:         $folder/scene/images"
 echo "Test views, rendered: $folder/run/renders/test (NAME.png; NAME_gt.png is the true image)"
 echo "Depth:                $folder/run/depth/preview"
 echo "Scores:               $folder/run/metrics.json"
 echo "Gaussian splat:       $folder/run/point_cloud.ply (opens in any 3DGS viewer)"
+echo "In 3D, with cameras:  build/release/bin/oraclegs view $folder/run"
 echo "Next: your own photos: build/release/bin/oraclegs reconstruct PHOTOS/ -o OUT/ (docs/tutorial.md)"

@@ -49,19 +49,22 @@ check() {
   ctest --preset "$1" --parallel "$(nproc)" --no-tests=error -R "^($(IFS='|'; echo "${floors[*]}"))\$"
 }
 
-# The packages of the example that a test runs; npm writes the list of what it has installed.
-install_example() {
-  local example=examples/generators/inpaint_holes
-  [[ $example/node_modules/.package-lock.json -nt $example/package-lock.json ]] && return
-  step "npm packages of $example"
-  npm ci --prefix "$example" --no-audit --no-fund || {
-    echo "scripts/test.sh: npm cannot install the packages of $example; it needs registry.npmjs.org, or npm config set registry" >&2
-    exit 1
-  }
+# Folders with npm packages that tests run; npm writes the list of what it has installed.
+npm_folders=(examples/generators/inpaint_holes tests/foreign)
+install_npm_packages() {
+  local folder
+  for folder in "${npm_folders[@]}"; do
+    [[ $folder/node_modules/.package-lock.json -nt $folder/package-lock.json ]] && continue
+    step "npm packages of $folder"
+    npm ci --prefix "$folder" --no-audit --no-fund || {
+      echo "scripts/test.sh: npm cannot install the packages of $folder; it needs registry.npmjs.org, or npm config set registry" >&2
+      exit 1
+    }
+  done
 }
 
 scripts/bootstrap.sh
-install_example
+install_npm_packages
 scripts/format.sh --check
 python3 scripts/check_house_test.py --quiet
 cmake --preset release "${configure[@]}" >/dev/null
@@ -70,7 +73,7 @@ run release "$@"
 [[ -n $all ]] || exit 0
 
 # The floors below the pipeline, where the parsers and the kernels are.
-floors=(core image camera scene sfm demo depth gaussians render loss train propose weights)
+floors=(core image camera scene sfm demo depth gaussians formats render loss train propose weights web mesh)
 if within 24 asan; then check asan; fi
 if within 31 debug; then check debug; fi
 if command -v nvcc >/dev/null && within 35 cuda; then  # for a real device; running it needs a GPU
