@@ -24,7 +24,7 @@ class ViewSourceTest : public TrainedTest {
 
 TEST_F(ViewSourceTest, AFinishedRunIsServedAsItIs) {
   const fs::path out = Copy("finished");
-  WriteText(out / "report" / "run.json", R"({"splat": {"url": "report/splat.spz"}})");
+  WriteText(out / "report" / "run.json", R"({"finished": true, "splat": {"url": "report/splat.spz"}})");
   WriteText(out / "report" / "splat.spz", "x");
   const ViewSource source(out, recorder.AsListener());
   EXPECT_EQ(source.root(), out);
@@ -51,7 +51,7 @@ TEST_F(ViewSourceTest, ADamagedReportIsWarnedOf) {
   ViewSource source(out, recorder.AsListener());
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("run.json: is damaged")));
   EXPECT_TRUE(fs::exists(source.root() / "splat.spz"));
-  WriteText(out / "report" / "run.json", R"({"splat": {"url": "report/splat.spz"}})");
+  WriteText(out / "report" / "run.json", R"({"finished": true, "splat": {"url": "report/splat.spz"}})");
   ViewSource again(out, recorder.AsListener());
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("splat.spz: is missing")));
 }
