@@ -55,7 +55,7 @@ export function makeLive(iteration, state = 'running') {
   };
 }
 
-// A snapshot: the scene with the colours of its balls turned, so that it can be told from another.
+// A snapshot: the scene with the colours of its balls rotated, so that it differs from the others.
 export const makeSnapshot = (gaussians, turn) =>
   encodeSplat(gaussians.map((g) => ({...g, color: g.color.map((_, k) => g.color[(k + turn) % 3])})));
 

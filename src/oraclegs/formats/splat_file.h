@@ -1,5 +1,5 @@
 #pragma once
-// Splat files of every format, told apart by the end of their names.
+// Splat files of every format, distinguished by the end of their names.
 
 #include <filesystem>
 #include <string>

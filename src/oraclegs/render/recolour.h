@@ -20,7 +20,7 @@ inline constexpr int kSupportClasses = 4;
 
 /// What a class is called in texts: "seen by two or more images".
 const char* NameOf(SupportClass support_class);
-/// 8-bit sRGB, told apart without colour vision [Wong 2011].
+/// 8-bit sRGB, distinguishable without colour vision [Wong 2011].
 std::array<uint8_t, 3> ColorOf(SupportClass support_class);
 
 /// Of a Gaussian's support in [0, 1]: 0.75 and more is seen by two or more images, 0.5 by one, 0.25 proposed and

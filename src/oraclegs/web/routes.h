@@ -1,5 +1,5 @@
 #pragma once
-// What the server answers, as a function of the request: whom it answers at all, what is at which path, and the headers
+// What the server answers, as a function of the request: which requests it refuses, what is at which path, and the headers
 // that keep a browser from doing anything else with it.
 
 #include <map>

@@ -1,4 +1,4 @@
-// Which photos have a pose, which have none and why, and what to photograph next.
+// Which photos have a pose, which have none and why, and where another photo would help.
 import {h} from '../shared/dom.js';
 import {number} from '../shared/format.js';
 import {figures} from './scores.js';
