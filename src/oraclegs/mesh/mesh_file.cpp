@@ -45,7 +45,7 @@ std::string PlyBytes(const TriangleMesh& mesh) {
   return bytes;
 }
 
-/// glTF multiplies with linear colours; 16 bits, because 8 of them do not tell dark sRGB values apart.
+/// glTF multiplies with linear colours; 16 bits, because 8 of them do not distinguish dark sRGB values.
 uint16_t LinearOfSrgb(uint8_t value) {
   const double v = value / 255.0;
   const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);

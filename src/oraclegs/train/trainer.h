@@ -56,7 +56,7 @@ class Trainer {
   /// number of photos or proposals.
   void Restore(const Checkpoint& checkpoint);
 
-  /// Runs the remaining iterations. Tells, once, when proposals are to be learnt from without LPIPS. On an interrupt
+  /// Runs the remaining iterations. Notes, once, when proposals are to be learnt from without LPIPS. On an interrupt
   /// saves a checkpoint and throws Interrupted. Throws OutOfMemory that names the last checkpoint when the device's
   /// memory ends on the way. `observer` may be empty.
   TrainResult Run(const CheckpointPolicy& policy, const Listener& listener, const TrainObserver& observer = {});

@@ -1,6 +1,6 @@
 #pragma once
-// What the server answers, as a function of the request: which requests it refuses, what is at which path, and the headers
-// that keep a browser from doing anything else with it.
+// What the server answers, as a function of the request: which requests it refuses, what is at which path, and the
+// headers that keep a browser from doing anything else with it.
 
 #include <map>
 #include <optional>
