@@ -1,6 +1,7 @@
 #include "oraclegs/image/read_image.h"
 
 #include "image/jpeg_files.h"
+#include "image/photo_files.h"
 #include "oraclegs/image/png.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
@@ -33,6 +34,21 @@ TEST(ReadImageSize, GivesTheUprightSize) {
   EXPECT_EQ(ReadImage(dir / "a.jpg", Orientation::kAsStored).width, 20);
 }
 
+TEST(ReadImage, ReadsWhatPhonesAndScannersWrite) {
+  const TempDir dir;
+  const Image8 image = SmoothImage(32, 24, 3);
+  WriteText(dir / "a.jpg", EncodeHeif(image, PhoneExif(6)));
+  WriteText(dir / "b.jpg", EncodeWebp(image));
+  EncodeTiff(dir / "c.jpg", image);
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) {
+    EXPECT_EQ(ReadImage(dir / name).width, 32) << name;
+    int width = 0, height = 0;
+    ReadImageSize(dir / name, &width, &height);
+    EXPECT_EQ(width, 32) << name;
+    EXPECT_EQ(height, 24) << name;
+  }
+}
+
 TEST(ReadImage, NamesAFileThatIsNoImage) {
   const TempDir dir;
   WriteText(dir / "empty.png", "");
@@ -45,14 +61,15 @@ TEST(ReadImage, NamesAFileThatIsNoImage) {
     EXPECT_THAT(MessageOf<InputError>([&] { ReadImage(dir / name); }), HasSubstr(name));
     EXPECT_THAT(MessageOf<InputError>([&] { ReadImageSize(dir / name, &width, &height); }), HasSubstr(name));
   }
-  EXPECT_THAT(MessageOf<InputError>([&] { ReadImage(dir / "text.png"); }), HasSubstr("not a JPEG or PNG"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadImage(dir / "text.png"); }), HasSubstr("is not a JPEG, PNG, HEIC"));
   EXPECT_THAT(MessageOf<InputError>([&] { ReadImage(dir / "empty.png"); }), HasSubstr("is empty"));
 }
 
 TEST(HasImageExtension, IgnoresCase) {
-  for (const char* name : {"a.jpg", "a.JPG", "b/a.Jpeg", "a.png", "a.b.PNG"})
+  for (const char* name :
+       {"a.jpg", "a.JPG", "b/a.Jpeg", "a.png", "a.b.PNG", "a.HEIC", "a.heif", "a.avif", "a.webp", "a.tif", "a.TIFF"})
     EXPECT_TRUE(HasImageExtension(name)) << name;
-  for (const char* name : {"a.jp", "a", "a.png.txt", "png", ".png", "a.webp"})
+  for (const char* name : {"a.jp", "a", "a.png.txt", "png", ".png", "a.gif", "a.cr2"})
     EXPECT_FALSE(HasImageExtension(name)) << name;
 }
 

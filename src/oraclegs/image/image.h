@@ -30,7 +30,7 @@ struct Image16 {
 };
 
 enum class Orientation {
-  kUpright,   ///< as the EXIF tag of a JPEG says
+  kUpright,   ///< as the EXIF tag says, or the file itself (HEIF)
   kAsStored,  ///< the tag is ignored
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/image/exif.h"
 
 namespace oraclegs {
@@ -23,11 +24,6 @@ using Decoder = std::unique_ptr<void, CloseCodec>;
 struct Header {
   int width = 0, height = 0, subsampling = 0, colors = 0;
 };
-
-std::string OneLine(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
 
 const unsigned char* Data(std::string_view bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
 
@@ -92,6 +88,37 @@ Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation o
   }
   if (is_cmyk) image = CmykToRgb(image.data, header, metadata.has_adobe_mark);
   return ApplyOrientation(std::move(image), orientation == Orientation::kUpright ? metadata.orientation : 1);
+}
+
+Image8 DecodeReducedJpeg(std::string_view bytes, const std::string& file, int min_side) {
+  const Decoder decoder = MakeDecoder();
+  const Header header = ReadHeader(decoder, bytes, file);
+  Image8 image{header.width, header.height, 1, {}};
+  for (int denominator = 8; denominator > 1; denominator /= 2) {
+    const tjscalingfactor factor{1, denominator};
+    if (std::max(TJSCALED(header.width, factor), TJSCALED(header.height, factor)) < min_side) continue;
+    image.width = TJSCALED(header.width, factor);
+    image.height = TJSCALED(header.height, factor);
+    break;
+  }
+  const bool is_cmyk = header.colors == TJCS_CMYK || header.colors == TJCS_YCCK;
+  const size_t pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+  image.data.resize(pixels * (is_cmyk ? 4 : 1));
+  const int result = tjDecompress2(decoder.get(), Data(bytes), bytes.size(), image.data.data(), image.width, 0,
+                                   image.height, is_cmyk ? TJPF_CMYK : TJPF_GRAY, TJFLAG_LIMITSCANS | TJFLAG_FASTDCT);
+  if (result != 0) {
+    const std::string message = OneLine(tjGetErrorStr2(decoder.get()));
+    if (tjGetErrorCode(decoder.get()) != TJERR_WARNING || !IsHarmless(message)) {
+      throw InputError("{}: is a damaged or incomplete JPEG ({}); copy or export it again", file, message);
+    }
+  }
+  if (is_cmyk) {  // the green of what is seen is near its gray
+    const Header reduced{image.width, image.height, header.subsampling, header.colors};
+    const Image8 rgb = CmykToRgb(image.data, reduced, ReadJpegMetadata(bytes).has_adobe_mark);
+    image.data.resize(pixels);
+    for (size_t i = 0; i < pixels; ++i) image.data[i] = rgb.data[3 * i + 1];
+  }
+  return image;
 }
 
 void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height) {

@@ -14,6 +14,10 @@ bool IsJpeg(std::string_view bytes);
 /// damaged or cut short, or when its header promises more pixels than its bytes can hold.
 Image8 DecodeJpeg(std::string_view bytes, const std::string& file, Orientation orientation);
 
+/// Decodes as gray, as stored, at the smallest of the sizes a JPEG offers (1/8 to 1) whose longer side is at least
+/// `min_side`. Throws as DecodeJpeg.
+Image8 DecodeReducedJpeg(std::string_view bytes, const std::string& file, int min_side);
+
 /// The size that DecodeJpeg would return, from the header.
 void ReadJpegSize(std::string_view bytes, const std::string& file, Orientation orientation, int* width, int* height);
 

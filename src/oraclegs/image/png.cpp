@@ -218,7 +218,7 @@ Image16 ReadPng16(const std::filesystem::path& path) {
   const size_t row_bytes = 2 * static_cast<size_t>(image.width);
   if (png_get_bit_depth(state.png, state.info) != 16 || png_get_rowbytes(state.png, state.info) != row_bytes ||
       png_get_interlace_type(state.png, state.info) != PNG_INTERLACE_NONE) {
-    throw InputError("{}: is not a grey PNG of 16 bits, as depth maps are; export it so", file);
+    throw InputError("{}: is not a gray PNG of 16 bits, as depth maps are; export it so", file);
   }
   std::vector<uint8_t> data(row_bytes * static_cast<size_t>(image.height));
   auto rows = RowPointers(data.data(), image.height, row_bytes);

@@ -1,13 +1,18 @@
 #include "oraclegs/image/read_image.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <string>
+#include <string_view>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/heif.h"
 #include "oraclegs/image/jpeg.h"
 #include "oraclegs/image/png.h"
+#include "oraclegs/image/tiff.h"
+#include "oraclegs/image/webp.h"
 
 namespace oraclegs {
 namespace {
@@ -16,7 +21,17 @@ constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;  // an image of the larges
 
 [[noreturn]] void RefuseFormat(const std::string& bytes, const std::string& file) {
   if (bytes.empty()) throw InputError("{}: is empty; copy the image again", file);
-  throw InputError("{}: is not a JPEG or PNG image, whatever its name says; convert it to one", file);
+  throw InputError("{}: is not a JPEG, PNG, HEIC, AVIF, WebP or TIFF image, whatever its name says; convert it to JPEG",
+                   file);
+}
+
+void SizeOf(const std::string& bytes, const std::string& file, Orientation orientation, int* width, int* height) {
+  if (IsJpeg(bytes)) return ReadJpegSize(bytes, file, orientation, width, height);
+  if (IsPng(bytes)) return ReadPngSize(bytes, file, width, height);
+  if (IsHeif(bytes)) return ReadHeifSize(bytes, file, width, height);
+  if (IsWebp(bytes)) return ReadWebpSize(bytes, file, orientation, width, height);
+  if (IsTiff(bytes)) return ReadTiffSize(bytes, file, orientation, width, height);
+  RefuseFormat(bytes, file);
 }
 
 }  // namespace
@@ -25,21 +40,31 @@ Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
   const std::string bytes = ReadFile(path, kMaxFileBytes);
   if (IsJpeg(bytes)) return DecodeJpeg(bytes, path.string(), orientation);
   if (IsPng(bytes)) return DecodePng(bytes, path.string());
+  if (IsHeif(bytes)) return DecodeHeif(bytes, path.string());
+  if (IsWebp(bytes)) return DecodeWebp(bytes, path.string(), orientation);
+  if (IsTiff(bytes)) return DecodeTiff(bytes, path.string(), orientation);
   RefuseFormat(bytes, path.string());
 }
 
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
+  SizeOf(ReadFile(path, kMaxFileBytes), path.string(), orientation, width, height);
+}
+
+ImageInfo ReadImageInfo(const std::filesystem::path& path) {
   const std::string bytes = ReadFile(path, kMaxFileBytes);
-  if (IsJpeg(bytes)) return ReadJpegSize(bytes, path.string(), orientation, width, height);
-  if (IsPng(bytes)) return ReadPngSize(bytes, path.string(), width, height);
-  RefuseFormat(bytes, path.string());
+  ImageInfo info;
+  SizeOf(bytes, path.string(), Orientation::kUpright, &info.width, &info.height);
+  info.exif = ReadExif(bytes);
+  return info;
 }
 
 bool HasImageExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+  static constexpr std::array<std::string_view, 10> kKnown = {".jpg", ".jpeg", ".png",  ".heic", ".heif",
+                                                              ".hif", ".avif", ".webp", ".tif",  ".tiff"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
 
 }  // namespace oraclegs

@@ -3,19 +3,29 @@
 
 #include <filesystem>
 
+#include "oraclegs/image/exif_tags.h"
 #include "oraclegs/image/image.h"
 
 namespace oraclegs {
 
-/// Reads a JPEG or PNG (by content, not by name) as RGB or RGBA. 16-bit PNG is reduced to 8; palette, grey and CMYK
-/// become RGB; transparency of any kind becomes an alpha channel. Throws InputError naming the file and the damage.
+/// Reads a JPEG, PNG, HEIC, AVIF, WebP or TIFF (by content, not by name) as RGB or RGBA. 10 and 16 bits are reduced to
+/// 8; palette, gray and CMYK become RGB; transparency of any kind becomes an alpha channel. The EXIF orientation of a
+/// PNG is not applied. Throws InputError naming the file and the damage.
 Image8 ReadImage(const std::filesystem::path& path, Orientation orientation = Orientation::kUpright);
 
 /// Width and height as ReadImage would return them, from the header alone.
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height,
                    Orientation orientation = Orientation::kUpright);
 
-/// True for .jpg .jpeg .png in any case.
+struct ImageInfo {
+  int width = 0, height = 0;  ///< as ReadImage would return them
+  Exif exif;
+};
+
+/// What is known without decoding.
+ImageInfo ReadImageInfo(const std::filesystem::path& path);
+
+/// True for .jpg .jpeg .png .heic .heif .hif .avif .webp .tif .tiff in any case.
 bool HasImageExtension(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -1,0 +1,74 @@
+#include "oraclegs/image/heif.h"
+
+#include "image/jpeg_files.h"
+#include "image/photo_files.h"
+#include "support/errors.h"
+
+namespace oraclegs {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Mean difference of two images of one size.
+double MeanDifference(const Image8& a, const Image8& b) {
+  EXPECT_EQ(a.data.size(), b.data.size());
+  double sum = 0;
+  for (size_t i = 0; i < std::min(a.data.size(), b.data.size()); ++i) sum += std::abs(a.data[i] - b.data[i]);
+  return sum / static_cast<double>(std::max<size_t>(1, a.data.size()));
+}
+
+TEST(DecodeHeif, GivesTheImageBack) {
+  for (const auto format : {heif_compression_HEVC, heif_compression_AV1}) {
+    for (const int channels : {3, 4}) {
+      Image8 image = SmoothImage(64, 48, channels);
+      const std::string bytes = EncodeHeif(image, "", format);
+      ASSERT_FALSE(bytes.empty()) << "libheif of the tests has encoders";
+      ASSERT_TRUE(IsHeif(bytes));
+      const Image8 read = DecodeHeif(bytes, "a.heic");
+      EXPECT_EQ(read.width, 64);
+      EXPECT_EQ(read.height, 48);
+      EXPECT_EQ(read.channels, channels);
+      EXPECT_LT(MeanDifference(read, image), 4);
+      int width = 0, height = 0;
+      ReadHeifSize(bytes, "a.heic", &width, &height);
+      EXPECT_EQ(width, 64);
+      EXPECT_EQ(height, 48);
+    }
+  }
+}
+
+TEST(DecodeHeif, IgnoresTheExifOrientation) {
+  // The container has its own way to turn an image, and the EXIF tag repeats it.
+  const Image8 image = SmoothImage(64, 32, 3);
+  const Image8 read = DecodeHeif(EncodeHeif(image, PhoneExif(6)), "a.heic");
+  EXPECT_EQ(read.width, 64);
+  EXPECT_LT(MeanDifference(read, image), 4);
+}
+
+TEST(DecodeHeif, NamesADamagedFile) {
+  const std::string bytes = EncodeHeif(SmoothImage(64, 48, 3));
+  EXPECT_THAT(MessageOf<InputError>([&] { DecodeHeif(bytes.substr(0, bytes.size() / 2), "a.heic"); }),
+              HasSubstr("a.heic: is a damaged or incomplete HEIF image"));
+  EXPECT_FALSE(IsHeif("RIFFxxxxWEBP"));
+}
+
+TEST(DecodeHeif, SurvivesAnyDamage) {
+  const std::string bytes = EncodeHeif(SmoothImage(32, 32, 3), PhoneExif());
+  DecodeDamaged(bytes, [](const std::string& damaged) {
+    int width = 0, height = 0;
+    ReadHeifSize(damaged, "a.heic", &width, &height);
+    const Image8 image = DecodeHeif(damaged, "a.heic");
+    EXPECT_EQ(image.width, width);
+    EXPECT_EQ(image.data.size(), static_cast<size_t>(width) * height * image.channels);
+  });
+}
+
+TEST(ReadHeifExif, GivesTheTiffStructure) {
+  const std::string tiff = PhoneExif();
+  EXPECT_EQ(ReadHeifExif(EncodeHeif(SmoothImage(32, 32, 3), tiff)), tiff);
+  EXPECT_EQ(ReadHeifExif(EncodeHeif(SmoothImage(32, 32, 3))), "");
+  EXPECT_EQ(ReadHeifExif("nonsense"), "");
+}
+
+}  // namespace
+}  // namespace oraclegs
