@@ -245,16 +245,16 @@ TEST(ImageFile, IsTheDownscaledOneThatFits) {
   OneView one(12, 8);
   one.Write(Filled(12, 8, {10, 10, 10}));
   const auto small = one.dir / "images_2" / "a.png";
-  EXPECT_EQ(ImageFile(one.view(), 2), one.view().image_path);
+  EXPECT_EQ(ImageFile(one.view(), {.downscale = 2}), one.view().image_path);
   WritePng(small, Filled(6, 4, {200, 200, 200}));
-  EXPECT_EQ(ImageFile(one.view(), 2), small);
-  EXPECT_EQ(ImageFile(one.view(), 1), one.view().image_path);
+  EXPECT_EQ(ImageFile(one.view(), {.downscale = 2}), small);
+  EXPECT_EQ(ImageFile(one.view(), {.downscale = 1}), one.view().image_path);
   WritePng(small, Filled(5, 4, {200, 200, 200}));
-  EXPECT_EQ(ImageFile(one.view(), 2), one.view().image_path);
+  EXPECT_EQ(ImageFile(one.view(), {.downscale = 2}), one.view().image_path);
   // A turned one in the folder is held to the same rule.
   WriteText(small, WithOrientation(EncodeJpeg(SmoothImage(6, 4, 3)), 6));
   one.view().as_stored = true;
-  EXPECT_EQ(ImageFile(one.view(), 2), small);
+  EXPECT_EQ(ImageFile(one.view(), {.downscale = 2}), small);
   EXPECT_EQ(ToImage8(one.Load({.downscale = 2}).rgb).data, ReadImage(small, Orientation::kAsStored).data);
 }
 
@@ -327,6 +327,16 @@ TEST(LoadViews, StopsOnInterrupt) {
   RequestInterrupt(true);
   EXPECT_THROW(one.Load(), Interrupted);
   RequestInterrupt(false);
+}
+
+TEST(WorkingSize, LimitsTheLongerSide) {
+  EXPECT_EQ(WorkingSize({4000, 3000}, {}), (PixelSize{4000, 3000}));
+  EXPECT_EQ(WorkingSize({4032, 3024}, {.max_size = 1000}), (PixelSize{1000, 750}));
+  EXPECT_EQ(WorkingSize({3024, 4032}, {.max_size = 1000}), (PixelSize{750, 1000}));
+  EXPECT_EQ(WorkingSize({800, 600}, {.max_size = 1000}), (PixelSize{800, 600}));
+  EXPECT_EQ(WorkingSize({4000, 3000}, {.max_size = 0}), (PixelSize{4000, 3000}));
+  EXPECT_EQ(WorkingSize({4000, 3000}, {.downscale = 2, .max_size = 1000}), (PixelSize{1000, 750}));
+  EXPECT_EQ(WorkingSize({100000, 1}, {.max_size = 10}), (PixelSize{10, 1}));
 }
 
 }  // namespace

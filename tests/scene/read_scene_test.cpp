@@ -121,7 +121,7 @@ TEST_F(ReadSceneTest, FindsPhotosHereOrInImages) {
 
   WriteImage(root() / "images/d.png");
   EXPECT_EQ(Read().views.size(), 1u);
-  EXPECT_EQ(Read({.images = "."}).views.size(), 3u);
+  EXPECT_EQ(Read({.images = "."}).views.size(), 4u);
 }
 
 TEST_F(ReadSceneTest, AttachesMasks) {

@@ -44,8 +44,14 @@ std::string SplitError(const Scene& scene, const SplitOptions& options) {
   return MessageOf<InputError>([&] { SplitViews(scene, options); });
 }
 
+TEST(SplitViews, TrainsAllUnlessAskedToEvaluate) {
+  const Split split = SplitViews(NumberedScene(3), {});
+  EXPECT_THAT(split.test, ElementsAre());
+  EXPECT_THAT(split.train, ElementsAre(0, 1, 2));
+}
+
 TEST(SplitViews, TestsEveryEighth) {
-  const Split split = SplitViews(NumberedScene(10), {});
+  const Split split = SplitViews(NumberedScene(10), {.eval = true});
   EXPECT_THAT(split.test, ElementsAre(0, 8));
   EXPECT_THAT(split.train, ElementsAre(1, 2, 3, 4, 5, 6, 7, 9));
 }
@@ -103,7 +109,7 @@ TEST(SplitViews, TakesNamedTestViews) {
 
 TEST(SplitViews, TakesNamedTrainingViews) {
   const Scene scene = NumberedScene(10);
-  Split split = SplitViews(scene, {.train_views = "0002,:5,images/0008.jpg"});
+  Split split = SplitViews(scene, {.eval = true, .train_views = "0002,:5,images/0008.jpg"});
   EXPECT_THAT(split.train, ElementsAre(2, 5, 8));
   EXPECT_THAT(split.test, ElementsAre(0)) << "every 8th, but those that train";
   split = SplitViews(scene, {.train_views = ":1,:3,:5,:7", .test_views = ":0,:9"});
@@ -146,11 +152,12 @@ TEST(SplitViews, TakesBlendersFiles) {
 }
 
 TEST(SplitViews, RefusesTooFewTrainingViews) {
-  EXPECT_THAT(SplitError(SceneOf({}), {}), HasSubstr("0 training view(s)"));
-  EXPECT_THAT(SplitError(NumberedScene(1), Options(0, 0)), HasSubstr("1 training view(s)"));
-  EXPECT_THAT(SplitError(NumberedScene(2), {}), HasSubstr("1 training view(s) out of 2 photos"));
-  EXPECT_THAT(SplitError(NumberedScene(9), Options(1)), HasSubstr("1 training view(s)"));
-  EXPECT_THAT(SplitError(NumberedScene(9), Options(0, 1)), HasSubstr("0 training view(s)"));
+  EXPECT_THAT(SplitError(SceneOf({}), {}), HasSubstr("0 of 0 photos for training"));
+  EXPECT_THAT(SplitError(NumberedScene(1), Options(0, 0)), HasSubstr("1 of 1 photo for training"));
+  EXPECT_THAT(SplitError(NumberedScene(2), {.eval = true}),
+              HasSubstr("1 of 2 photos for training beside 1 test view;"));
+  EXPECT_THAT(SplitError(NumberedScene(9), Options(1)), HasSubstr("1 of 9 photos for training"));
+  EXPECT_THAT(SplitError(NumberedScene(9), Options(0, 1)), HasSubstr("0 of 9 photos for training"));
 }
 
 TEST(SplitViews, RefusesMoreViewsThanExist) {
@@ -161,7 +168,7 @@ TEST(SplitViews, RefusesMoreViewsThanExist) {
 
 TEST(SplitToJson, ListsNames) {
   const Scene scene = NumberedScene(4);
-  const nlohmann::json json = SplitToJson(scene, SplitViews(scene, {}));
+  const nlohmann::json json = SplitToJson(scene, SplitViews(scene, {.eval = true}));
   EXPECT_EQ(json.dump(),
             R"({"test":["images/0000.jpg"],"train":["images/0001.jpg","images/0002.jpg","images/0003.jpg"]})");
 }

@@ -209,7 +209,7 @@ std::vector<ColmapPoint> ParsePointsText(std::string_view text, const std::strin
     ColmapPoint point;
     fields.Word("the point's id");
     point.xyz = fields.Vector3("the position");
-    for (uint8_t& c : point.rgb) c = fields.Number<uint8_t>("the colour");
+    for (uint8_t& c : point.rgb) c = fields.Number<uint8_t>("the color");
     point.reprojection_error = fields.Number<double>("the reprojection error");
     while (!fields.empty()) {
       point.image_ids.push_back(fields.Number<uint32_t>("an image id"));

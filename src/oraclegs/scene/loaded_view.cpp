@@ -47,12 +47,16 @@ struct Source {
   Intrinsics intrinsics;
 };
 
-Source ReadSource(const SceneView& view, int downscale) {
-  const fs::path file = ImageFile(view, downscale);
+/// Of an image of the dataset's folder images_N.
+PixelSize SizeOfSmallerCopy(const SceneView& view, int downscale) {
+  return WorkingSize({view.intrinsics.width, view.intrinsics.height}, {.downscale = downscale});
+}
+
+Source ReadSource(const SceneView& view, const ImageOptions& options) {
+  const fs::path file = ImageFile(view, options);
   const bool is_full = file == view.image_path;
-  Intrinsics intrinsics = is_full ? view.intrinsics
-                                  : Resized(view.intrinsics, WorkingSize(view.intrinsics.width, downscale),
-                                            WorkingSize(view.intrinsics.height, downscale));
+  const PixelSize copy = SizeOfSmallerCopy(view, options.downscale.ValueOr(1));
+  Intrinsics intrinsics = is_full ? view.intrinsics : Resized(view.intrinsics, copy.width, copy.height);
   if (const auto orientation = FittingOrientation(view, file, intrinsics.width, intrinsics.height)) {
     return {ReadImage(file, *orientation), std::move(intrinsics)};
   }
@@ -141,7 +145,7 @@ void Store(ImageF image, LoadedView* loaded) {
 
 LoadedView LoadView(const Scene& scene, const SceneView& view, const ImageOptions& options) {
   LoadedView loaded{view.name, WorkingCamera(view, options), {}, {}, {}};
-  Source source = ReadSource(view, options.downscale);
+  Source source = ReadSource(view, options);
   ImageF image = ComposeSource(scene, view, source, options);
   source.image = {};  // the 8-bit image is not needed beside the float ones
   if (!source.intrinsics.IsPinhole()) {
@@ -197,19 +201,31 @@ std::optional<Orientation> FittingOrientation(const SceneView& view, const fs::p
   return std::nullopt;
 }
 
-int WorkingSize(int size, int downscale) { return std::max(1, (2 * size + downscale) / (2 * downscale)); }
+PixelSize WorkingSize(PixelSize full, const ImageOptions& options) {
+  const int downscale = options.downscale.ValueOr(1);
+  const auto divided = [downscale](int side) { return std::max(1, (2 * side + downscale) / (2 * downscale)); };
+  const PixelSize size{divided(full.width), divided(full.height)};
+  const int longer = std::max(size.width, size.height), limit = options.max_size.ValueOr(0);
+  if (limit == 0 || longer <= limit) return size;
+  const auto reduced = [&](int side) {
+    return std::max(1, static_cast<int>((int64_t{2} * side * limit + longer) / (2 * longer)));
+  };
+  return {reduced(size.width), reduced(size.height)};
+}
 
-fs::path ImageFile(const SceneView& view, int downscale) {
-  const fs::path small = downscale == 1 ? fs::path() : DownscaledFile(view.image_path, downscale);
-  const int width = WorkingSize(view.intrinsics.width, downscale),
-            height = WorkingSize(view.intrinsics.height, downscale);
-  return !small.empty() && FittingOrientation(view, small, width, height) ? small : view.image_path;
+fs::path ImageFile(const SceneView& view, const ImageOptions& options) {
+  const int downscale = options.downscale.ValueOr(1);
+  if (downscale == 1) return view.image_path;
+  const fs::path small = DownscaledFile(view.image_path, downscale);
+  const PixelSize size = SizeOfSmallerCopy(view, downscale);
+  return !small.empty() && FittingOrientation(view, small, size.width, size.height) ? small : view.image_path;
 }
 
 Camera WorkingCamera(const SceneView& view, const ImageOptions& options) {
   Camera camera = UndistortedCamera(view.intrinsics);
   camera.cam_from_world = view.cam_from_world.value();
-  return Resized(camera, WorkingSize(camera.width, options.downscale), WorkingSize(camera.height, options.downscale));
+  const PixelSize size = WorkingSize({camera.width, camera.height}, options);
+  return Resized(camera, size.width, size.height);
 }
 
 std::vector<LoadedView> LoadViews(const Scene& scene, const std::vector<int>& views, const ImageOptions& options,

@@ -22,7 +22,7 @@ enum class Background { kBlack, kWhite, kGrey };
 template <>
 struct EnumWords<Background> {
   static constexpr EnumWord<Background> kWords[] = {
-      {Background::kBlack, "black"}, {Background::kWhite, "white"}, {Background::kGrey, "grey"}};
+      {Background::kBlack, "black"}, {Background::kWhite, "white"}, {Background::kGrey, "gray"}};
 };
 /// Its RGB in [0, 1].
 std::array<float, 3> BackgroundColor(Background background);
@@ -39,18 +39,24 @@ struct EnumWords<SmallerCopies> {
 };
 
 struct ImageOptions {
-  int downscale = 1;  ///< whole factor
+  Auto<int> downscale = {};  ///< whole factor; auto = 1
+  Auto<int> max_size = {};   ///< pixels of the longer side; auto and 0 = no limit
   SmallerCopies smaller_copies = SmallerCopies::kWhereFound;
   Background background = Background::kBlack;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
+    visit("max-size", self.max_size,
+          "Pixels of the photos' longer side; larger photos are reduced. auto = by --quality and device: 1000 on a CPU "
+          "and 1600 on a GPU for normal; no limit where --downscale is given; 0 = full size",
+          Range{0, 1e6});
     visit("downscale", self.downscale,
-          "Divide the photos' size by this (antialiased; an existing images_N folder is used)", Range{1, 64});
+          "Divide the photos' size by this (antialiased; an existing images_N folder is used); auto = see --max-size",
+          Range{1, 64});
     visit("smaller-copies", self.smaller_copies,
           "For --downscale N: auto = the dataset's own images_N where it has one, else the photos, resized; required = "
           "an error where there is none, for scores that compare with published ones");
-    visit("background", self.background, "Colour behind transparent pixels and behind the scene");
+    visit("background", self.background, "Color behind transparent pixels and behind the scene");
   }
 };
 
@@ -65,7 +71,7 @@ struct LoadedView {
 };
 
 /// Loads the given views of a scene with poses, in their order, on all threads. Undistortion happens at full size, then
-/// the area filter; sizes are round(size / downscale). The alpha channel composites onto the background; it masks
+/// the area filter; WorkingSize has the sizes. The alpha channel composites onto the background; it masks
 /// nothing (a Blender scene's background is part of what is scored, and its alpha is kept) unless the scene is a
 /// scene of photos, where alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128. A file images_N/NAME
 /// beside images/NAME is read in its place when N = downscale and it has the working size.
@@ -81,11 +87,17 @@ std::vector<LoadedView> LoadViews(const Scene& scene, const std::vector<int>& vi
 std::optional<Orientation> FittingOrientation(const SceneView& view, const std::filesystem::path& file, int width,
                                               int height);
 
-/// A side of LoadViews' images: round(size / downscale), at least 1.
-int WorkingSize(int size, int downscale);
+struct PixelSize {
+  int width = 0, height = 0;
+  bool operator==(const PixelSize&) const = default;
+};
+
+/// The size of LoadViews' image of an image of `full` pixels: round(side / downscale), then reduced in proportion
+/// where the longer side exceeds --max-size; at least 1.
+PixelSize WorkingSize(PixelSize full, const ImageOptions& options);
 
 /// The file that LoadViews opens for the view: its image, or the one of images_N.
-std::filesystem::path ImageFile(const SceneView& view, int downscale);
+std::filesystem::path ImageFile(const SceneView& view, const ImageOptions& options);
 
 /// The camera that LoadViews gives the view, without reading pixels.
 Camera WorkingCamera(const SceneView& view, const ImageOptions& options);

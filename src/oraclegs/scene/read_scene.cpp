@@ -5,8 +5,7 @@
 #include <system_error>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/text.h"
-#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/photo_folder.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/transforms.h"
 
@@ -83,35 +82,17 @@ fs::path FindImageFolder(const fs::path& root, const fs::path& model_dir, const 
   return !any_in(usual) && any_in(root) ? root : usual;
 }
 
-std::vector<fs::path> FindPhotos(const fs::path& dir) {
-  std::vector<fs::path> photos = ListFolder(dir);
-  std::erase_if(photos, [](const fs::path& path) {
-    const bool hidden = path.filename().string().starts_with(".");  // e.g. "._1.jpg" beside photos from a Mac
-    return hidden || !HasImageExtension(path) || !IsFile(path);
-  });
-  return photos;
-}
-
-Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options) {
-  std::vector<fs::path> photos = FindPhotos(options.images.empty() ? root / "images" : root / options.images);
-  if (photos.empty() && options.images.empty()) photos = FindPhotos(root);
-  if (photos.empty()) {
-    throw InputError(
-        "{}: no scene found; expected a COLMAP model (sparse/0), transforms.json, transforms_train.json, or .jpg and "
-        ".png photos here or in images/",
-        (options.images.empty() ? root : root / options.images).string());
-  }
+Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
   Scene scene;
   scene.format = SceneFormat::kPhotos;
-  for (const fs::path& path : photos) {
-    SceneView view;
-    view.name = path.filename().string();
-    view.image_path = path;
-    ReadImageSize(path, &view.intrinsics.width, &view.intrinsics.height);
-    scene.views.push_back(std::move(view));
+  scene.views = ReadPhotos(options.images.empty() ? root / "images" : root / options.images, listener);
+  if (scene.views.empty() && options.images.empty()) scene.views = ReadPhotos(root, listener);
+  if (scene.views.empty()) {
+    throw InputError(
+        "{}: no scene found; expected a COLMAP model (sparse/0), transforms.json, transforms_train.json, or photos "
+        "(JPEG, PNG, HEIC, AVIF, WebP, TIFF) here or in images/",
+        (options.images.empty() ? root : root / options.images).string());
   }
-  std::sort(scene.views.begin(), scene.views.end(),
-            [](const SceneView& a, const SceneView& b) { return NaturalLess(a.name, b.name); });
   return scene;
 }
 
@@ -130,7 +111,7 @@ Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Lis
   } else if (IsFile(root / "transforms_train.json")) {
     scene = ReadBlenderScene(root, options, listener);
   } else {
-    scene = ReadPhotoFolder(root, options);
+    scene = ReadPhotoFolder(root, options, listener);
   }
   scene.root = root;
   RequireUtf8Names(scene);

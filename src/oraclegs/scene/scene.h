@@ -27,6 +27,8 @@ struct SceneView {
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
   Intrinsics intrinsics;             ///< of the full-size image; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
+  std::string camera;      ///< of a plain folder: maker and model, from EXIF; may be empty
+  double focal_prior = 0;  ///< of a plain folder: focal length in pixels, from EXIF; 0 = unknown
   bool as_stored = false;  ///< the camera describes the pixels as stored: the EXIF orientation is ignored
   DeclaredRole role = DeclaredRole::kNone;
 };

@@ -5,11 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
 namespace {
+
+constexpr int kUsualTestEvery = 8;  // of the sparse-view papers
 
 std::vector<int> EveryNth(const Scene& scene, int n) {
   std::vector<int> views;
@@ -45,7 +48,7 @@ std::vector<int> Without(const std::vector<int>& views, const std::vector<int>& 
 std::vector<int> TestViewsOf(const Scene& scene, const SplitOptions& options) {
   if (!options.test_views.empty()) return NamedViews(scene, "--test-views", options.test_views);
   if (scene.format == SceneFormat::kBlender) return ViewsOfRole(scene, DeclaredRole::kTest);
-  return EveryNth(scene, options.test_every);
+  return EveryNth(scene, options.test_every.ValueOr(options.eval ? kUsualTestEvery : 0));
 }
 
 void RequireApart(const Scene& scene, const std::vector<int>& train, const std::vector<int>& test) {
@@ -78,15 +81,18 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
   }
   const size_t available = split.train.size();
   if (options.views > 0 && static_cast<size_t>(options.views) > available) {
-    throw InputError("{}: --views asks for {} training views, but only {} are left beside {} test views; ask for fewer",
-                     scene.root.string(), options.views, available, split.test.size());
+    throw InputError("{}: --views asks for {}, but only {} left beside {}; ask for fewer", scene.root.string(),
+                     Counted(options.views, "training view"),
+                     available == 1 ? "1 is" : fmt::format("{} are", available),
+                     Counted(split.test.size(), "test view"));
   }
   if (options.views > 0) split.train = PickEvenly(split.train, options.views, options.view_steps);
   if (split.train.size() < 2) {
     throw InputError(
-        "{}: {} training view(s) out of {} photos, {} of them test views; training needs 2 or more, "
-        "see --views, --train-views and --test-every",
-        scene.root.string(), split.train.size(), scene.views.size(), split.test.size());
+        "{}: {} of {} for training beside {}; training needs 2 or more (3 or better), see --views, --train-views, "
+        "--test-views and --eval",
+        scene.root.string(), split.train.size(), Counted(scene.views.size(), "photo"),
+        Counted(split.test.size(), "test view"));
   }
   return split;
 }

@@ -20,17 +20,22 @@ struct EnumWords<ViewSteps> {
 };
 
 struct SplitOptions {
-  int test_every = 8;  ///< every n-th view by name is a test view, 0 = no test views
-  int views = 0;       ///< training views, 0 = all that are not test views
+  bool eval = false;  ///< hold views out for testing
+  Auto<int> test_every =
+      {};         ///< every n-th view by name is a test view, 0 = no test views; auto = 8 with `eval`, else 0
+  int views = 0;  ///< training views, 0 = all that are not test views
   ViewSteps view_steps = ViewSteps::kTruncate;
   std::string train_views{};  ///< a list as view_list.h reads it; the candidates for `views`
   std::string test_views{};   ///< likewise; replaces test_every
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
+    visit("eval", self.eval,
+          "Hold every 8th view out and score the result on it; otherwise all photos train. Scenes with a test file of "
+          "their own (Blender) always use it");
     visit("test-every", self.test_every,
-          "Every n-th view in name order, from the first, is held out for testing; 0 = none. Blender scenes use their "
-          "own test file",
+          "Every n-th view in name order, from the first, is held out for testing; 0 = none; auto = 8 with --eval, "
+          "else 0",
           Range{0, 1e6});
     visit("views", self.views, "Training views, picked evenly from the rest, at linspace(0, n-1, N); 0 = all",
           Range{0, 1e6});
@@ -39,7 +44,7 @@ struct SplitOptions {
     visit("train-views", self.train_views,
           "The training views: names, with or without folder and extension, and positions in name order, :0 the first, "
           "joined by commas; or @FILE with one a line, or with the JSON of a run's split.json");
-    visit("test-views", self.test_views, "The test views, likewise; replaces --test-every");
+    visit("test-views", self.test_views, "The test views, likewise; replaces --eval and --test-every");
   }
 };
 

@@ -1,0 +1,156 @@
+#include "oraclegs/scene/frame.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "oraclegs/camera/camera_path.h"
+#include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/options.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/scene/view_list.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kMinTurn = 0.02;     // variance of the images' horizontal sides across the weaker of two directions
+constexpr double kMinUpCosine = 0.5;  // between the two kinds of up
+constexpr double kMaxTiltCosine = 0.966;    // 15 degrees between a floor's normal and the cameras' mean up
+constexpr double kPlaneThickness = 0.01;    // of the median distance of the points from the center
+constexpr double kMinPlaneFraction = 0.15;  // of the points, on a floor or table worth leveling by
+constexpr int kPlaneTries = 500;
+constexpr size_t kMinPlanePoints = 50;
+
+std::vector<Camera> CamerasOf(const Scene& scene) {
+  std::vector<Camera> cameras;
+  for (const SceneView& view : scene.views) {
+    Camera camera;
+    camera.cam_from_world = view.cam_from_world.value();
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+/// Cameras are rarely rolled, so that the horizontal sides of their images span the ground. Their mean up instead is
+/// off by as much as they look down.
+Eigen::Vector3d UpOf(const std::vector<Camera>& cameras) {
+  const Eigen::Vector3d mean = MeanUp(cameras);
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const Camera& camera : cameras) {
+    const Eigen::Vector3d side = camera.cam_from_world.linear().row(0).transpose();
+    squares += side * side.transpose() / static_cast<double>(cameras.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(squares);
+  const Eigen::Vector3d across = spread.eigenvectors().col(0);
+  const Eigen::Vector3d up = across * (across.dot(mean) < 0 ? -1 : 1);
+  return spread.eigenvalues()[1] > kMinTurn && up.dot(mean) > kMinUpCosine ? up : mean;
+}
+
+double MedianDistance(const std::vector<ScenePoint>& points, const Eigen::Vector3d& center) {
+  std::vector<double> distances;
+  for (const ScenePoint& p : points) distances.push_back((p.xyz - center).norm());
+  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+/// Unit, towards `up`; of the plane through three points that most points lie near, of those about level.
+std::optional<Eigen::Vector3d> FloorNormal(const std::vector<ScenePoint>& points, const Eigen::Vector3d& up,
+                                           const Eigen::Vector3d& center) {
+  if (points.size() < kMinPlanePoints) return std::nullopt;
+  const double thickness = kPlaneThickness * MedianDistance(points, center);
+  const auto near = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& normal, double offset) {
+    return std::abs(normal.dot(p) - offset) < thickness;
+  };
+  std::minstd_rand random;  // its numbers are laid down by the standard
+  const auto draw = [&] { return points[random() % points.size()].xyz; };
+  Eigen::Vector3d best = up, on_best = center;
+  size_t most = 0;
+  for (int k = 0; k < kPlaneTries; ++k) {
+    const Eigen::Vector3d a = draw(), b = draw(), c = draw();
+    Eigen::Vector3d normal = (b - a).cross(c - a);
+    if (!(normal.norm() > 0)) continue;
+    normal = normal.normalized() * (normal.dot(up) < 0 ? -1 : 1);
+    if (normal.dot(up) < kMaxTiltCosine) continue;
+    size_t count = 0;
+    for (const ScenePoint& p : points) count += near(p.xyz, normal, normal.dot(a)) ? 1 : 0;
+    if (count > most) most = count, best = normal, on_best = a;
+  }
+  if (static_cast<double>(most) < kMinPlaneFraction * static_cast<double>(points.size())) return std::nullopt;
+  // The plane that fits all of them: the direction in which they vary least.
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const ScenePoint& p : points) {
+    if (!near(p.xyz, best, best.dot(on_best))) continue;
+    const Eigen::Vector3d d = p.xyz - on_best;
+    mean += d, squares += d * d.transpose();
+  }
+  mean /= static_cast<double>(most);
+  const Eigen::Matrix3d spread = squares / static_cast<double>(most) - mean * mean.transpose();
+  const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  return normal * (normal.dot(up) < 0 ? -1 : 1);
+}
+
+bool IsIdentity(const SceneFrame& frame) {
+  return frame.rotation.isIdentity(0) && frame.center.isZero(0) && frame.scale == 1;
+}
+
+}  // namespace
+
+SceneFrame LevelFrame(const Scene& scene) {
+  const std::vector<Camera> cameras = CamerasOf(scene);
+  const Eigen::Vector3d up = UpOf(cameras), center = LookedAt(cameras).center;
+  SceneFrame frame;
+  frame.is_level = true;
+  const Eigen::Vector3d level_up = FloorNormal(scene.points, up, center).value_or(up);
+  frame.rotation = Eigen::Quaterniond::FromTwoVectors(level_up, -Eigen::Vector3d::UnitY()).toRotationMatrix();
+  frame.center = frame.rotation * center;
+  return frame;
+}
+
+SceneScale ReadScale(const Scene& scene, const std::string& text) {
+  if (text.empty()) return {};
+  const size_t equals = text.rfind('=');
+  const auto number = [&](const std::string& digits) {
+    double value = 0;
+    SetOption("scale", digits, &value);
+    if (!(value > 0) || !std::isfinite(value)) throw UsageError("--scale is '{}', must be above 0", text);
+    return value;
+  };
+  if (equals == std::string::npos) return {number(text), false};
+  const double length = number(text.substr(equals + 1));
+  const std::vector<int> views = NamedViews(scene, "--scale", text.substr(0, equals));
+  if (views.size() != 2) {
+    throw UsageError("--scale is '{}', must be a factor or name two photos and their distance, as A,B=0.35", text);
+  }
+  const auto place = [&](int v) { return CamerasOf(scene)[static_cast<size_t>(v)].Center(); };
+  const double distance = (place(views[0]) - place(views[1])).norm();
+  if (!(distance > 0)) throw InputError("--scale {}: both photos were taken from one place; name two others", text);
+  return {length / distance, true};
+}
+
+void ApplyFrame(const SceneFrame& frame, Scene* scene) {
+  if (IsIdentity(frame)) return;
+  for (SceneView& view : scene->views) {
+    Eigen::Isometry3d& pose = view.cam_from_world.value();
+    const Eigen::Vector3d position = -(pose.linear().transpose() * pose.translation());
+    const Eigen::Vector3d moved = frame.scale * (frame.rotation * position - frame.center);
+    pose.linear() = (pose.linear() * frame.rotation.transpose()).eval();
+    pose.translation() = -(pose.linear() * moved);
+  }
+  for (ScenePoint& p : scene->points) p.xyz = frame.scale * (frame.rotation * p.xyz - frame.center);
+}
+
+std::vector<std::string> FrameComments(const SceneFrame& frame) {
+  std::vector<std::string> comments;
+  if (frame.is_level) comments.push_back("up is -y, the origin is what the cameras look at");
+  comments.push_back(frame.is_metric ? "a unit is a meter" : "a unit is of unknown length");
+  return comments;
+}
+
+}  // namespace oraclegs

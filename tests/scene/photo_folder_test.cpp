@@ -1,0 +1,88 @@
+#include "oraclegs/scene/photo_folder.h"
+
+#include "image/jpeg_files.h"
+#include "image/photo_files.h"
+#include "scene/tiny_scenes.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class PhotoFolderTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> Names() {
+    std::vector<std::string> names;
+    for (const SceneView& view : ReadPhotos(dir_.path(), events_.AsListener())) names.push_back(view.name);
+    return names;
+  }
+
+  TempDir dir_;
+  EventRecorder events_;
+};
+
+TEST_F(PhotoFolderTest, FindsPhotosInAllFolders) {
+  for (const char* name : {"b/1.png", "a/2/x y.png", "a/10.png", "c.png", "umlaut \xC3\xA4 'quoted'.png"})
+    WriteImage(dir_ / name);
+  for (const char* name : {".hidden/d.png", "._c.png", "masks/c.png", "images_4/c.png"}) WriteImage(dir_ / name);
+  WriteImage(dir_ / "out/renders/c.png");
+  WriteText(dir_ / "out/options.json", "{\n  \"format\": 1,\n  \"program\": \"oraclegs\"\n}");
+  WriteText(dir_ / "notes.txt", "no photo");
+  EXPECT_THAT(Names(), ElementsAre("a/2/x y.png", "a/10.png", "b/1.png", "c.png", "umlaut \xC3\xA4 'quoted'.png"));
+  EXPECT_THAT(events_.warnings, IsEmpty());
+}
+
+TEST_F(PhotoFolderTest, NamesWhatIsSkippedOnceForEachReason) {
+  WriteImage(dir_ / "c.png");
+  for (const char* name : {"IMG_2.CR2", "IMG_10.CR2", "clip.MOV", "anim.gif", "a\nb.bmp"}) WriteText(dir_ / name, "x");
+  Names();
+  EXPECT_THAT(events_.warnings,
+              ::testing::UnorderedElementsAre("IMG_2.CR2, IMG_10.CR2: raw photos are not read; export them as JPEG",
+                                              HasSubstr("clip.MOV: videos beside photos are not read"),
+                                              HasSubstr("a?b.bmp, anim.gif: this kind of image is not read")));
+}
+
+TEST_F(PhotoFolderTest, LeavesOutDamageWhenEnoughIsLeft) {
+  for (const char* name : {"a.png", "b.png"}) WriteImage(dir_ / name);
+  WriteText(dir_ / "c.jpg", "no JPEG");
+  EXPECT_THAT(MessageOf<InputError>([&] { Names(); }), HasSubstr("c.jpg"));
+  WriteImage(dir_ / "d.png");
+  EXPECT_THAT(Names(), ElementsAre("a.png", "b.png", "d.png"));
+  ASSERT_EQ(events_.warnings.size(), 1u);
+  EXPECT_THAT(events_.warnings[0], HasSubstr("c.jpg"));
+  EXPECT_THAT(events_.warnings[0], HasSubstr("it is left out"));
+}
+
+TEST_F(PhotoFolderTest, KnowsTheCameraFromExif) {
+  WriteText(dir_ / "a.jpg", WithExif(EncodeJpeg(SmoothImage(40, 30, 3)), PhoneExif(6)));
+  WriteImage(dir_ / "b.png");
+  const auto views = ReadPhotos(dir_.path(), Silent());
+  ASSERT_EQ(views.size(), 2u);
+  EXPECT_EQ(views[0].camera, "Maker Phone 9");
+  EXPECT_EQ(views[0].intrinsics.width, 30) << "upright";
+  EXPECT_NEAR(views[0].focal_prior, 26 / 43.2666 * 50, 1e-6);
+  EXPECT_EQ(views[1].camera, "");
+  EXPECT_EQ(views[1].focal_prior, 0);
+}
+
+TEST_F(PhotoFolderTest, RefusesTooMany) {
+  for (int i = 0; i <= kMaxPhotos; ++i) WriteText(dir_ / fmt::format("{}.jpg", i), "x");
+  EXPECT_THAT(MessageOf<InputError>([&] { Names(); }), HasSubstr("has 501 photos, and at most 500"));
+}
+
+TEST(FindPhotos, IsEmptyWithoutAFolder) { EXPECT_THAT(FindPhotos("/nonexistent", Silent()), IsEmpty()); }
+
+TEST(WhyNotRead, KnowsRawPhotosAndVideos) {
+  EXPECT_THAT(WhyNotRead("a.NEF"), HasSubstr("raw photos"));
+  EXPECT_THAT(WhyNotRead("a.mp4"), HasSubstr("videos"));
+  EXPECT_EQ(WhyNotRead("a.jpg"), "");
+  EXPECT_EQ(WhyNotRead("a.txt"), "");
+}
+
+}  // namespace
+}  // namespace oraclegs
