@@ -1,0 +1,193 @@
+#include "oraclegs/capture/import.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <system_error>
+
+#include "oraclegs/capture/video.h"
+#include "oraclegs/capture/zip_photos.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/photo_folder.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr char kManifest[] = ".import.json";  // hidden: no photo
+constexpr char kHalf[] = ".oraclegs-photos.tmp";
+
+enum class InputKind { kFolder, kPhoto, kVideo, kZip };
+
+InputKind KindOf(const fs::path& input) {
+  std::error_code error;
+  if (fs::is_directory(input, error)) return InputKind::kFolder;
+  if (!fs::exists(input, error)) throw InputError("{}: no such file or folder", input.string());
+  if (!fs::is_regular_file(input, error)) throw InputError("{}: is neither a file nor a folder", input.string());
+  if (IsZip(input)) return InputKind::kZip;
+  if (HasImageExtension(input)) return InputKind::kPhoto;
+  if (LooksLikeVideo(input)) return InputKind::kVideo;
+  if (const std::string why = WhyNotRead(input); !why.empty()) throw InputError("{}: {}", input.string(), why);
+  try {
+    ReadImageInfo(input);
+    return InputKind::kPhoto;
+  } catch (const InputError&) {
+    throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these",
+                     input.string());
+  }
+}
+
+/// Bytes that JSON and file systems of others can hold.
+std::string PlainText(const fs::path& path) {
+  const std::string text = OneLine(path.string());
+  return IsUtf8(text) ? text : EscapeBytes(text);
+}
+
+json Stamp(const fs::path& file) {
+  std::error_code error;
+  const auto time = fs::last_write_time(file, error).time_since_epoch();
+  return {{"path", PlainText(fs::absolute(file))},
+          {"bytes", fs::file_size(file, error)},
+          {"changed", std::chrono::duration_cast<std::chrono::nanoseconds>(time).count()}};
+}
+
+json ManifestOf(const std::vector<fs::path>& inputs, const CaptureOptions& options) {
+  json files = json::array();
+  for (const fs::path& input : inputs) {
+    if (KindOf(input) != InputKind::kFolder) {
+      files.push_back(Stamp(input));
+      continue;
+    }
+    for (const fs::path& photo : FindPhotos(input, Silent())) files.push_back(Stamp(photo));
+  }
+  return {{"format", 1}, {"frames", options.frames.ValueOr(kUsualFrames)}, {"files", files}};
+}
+
+bool IsImported(const fs::path& dir, const json& manifest) {
+  std::error_code error;
+  if (!fs::is_regular_file(dir / kManifest, error)) return false;
+  return json::parse(ReadFile(dir / kManifest), nullptr, false) == manifest;
+}
+
+/// Copies and unpacks into one folder.
+class Importer {
+ public:
+  Importer(fs::path dir, const CaptureOptions& options, const Listener& listener)
+      : dir_(std::move(dir)), options_(options), listener_(listener) {}
+
+  void Add(const fs::path& input, bool alone) {
+    ThrowIfInterrupted();
+    switch (KindOf(input)) {
+      case InputKind::kPhoto:
+        return Copy(input, FreeName(input.filename()));
+      case InputKind::kZip:
+        return UnpackPhotos(input, alone ? dir_ : dir_ / FreeName(input.stem()), listener_);
+      case InputKind::kVideo:
+        return ExtractFrames(input, options_.frames.ValueOr(kUsualFrames), alone ? dir_ : dir_ / FreeName(input.stem()),
+                             listener_);
+      case InputKind::kFolder: {
+        const fs::path folder = FreeName(fs::weakly_canonical(input).filename());
+        for (const fs::path& photo : FindPhotos(input, listener_))
+          Copy(photo, folder / photo.lexically_relative(input));
+        return;
+      }
+    }
+  }
+
+ private:
+  /// A name at the top of the folder that is not taken: IMG_1.jpg, then IMG_1-2.jpg.
+  fs::path FreeName(const fs::path& wanted) {
+    std::string stem = PlainText(wanted.stem()), extension = PlainText(wanted.extension());
+    if (stem.empty() || stem[0] == '.') stem = "_" + stem;
+    std::string name = stem + extension;
+    for (int i = 2; !taken_.insert(name).second; ++i) name = fmt::format("{}-{}{}", stem, i, extension);
+    return name;
+  }
+
+  void Copy(const fs::path& from, const fs::path& name) const {
+    const fs::path to = dir_ / name;
+    std::error_code error;
+    fs::create_directories(to.parent_path(), error);
+    if (!error) fs::copy_file(from, to, error);
+    if (!error) return;
+    std::error_code ignored;  // a full disk is reported in many ways
+    const bool is_full = fs::space(dir_, ignored).available < fs::file_size(from, ignored);
+    throw RunError("{}: cannot be copied to {}: {}", OneLine(from.string()), OneLine(to.string()),
+                   is_full ? "no space is left on the disk; choose another -o" : error.message());
+  }
+
+  fs::path dir_;
+  const CaptureOptions& options_;
+  const Listener& listener_;
+  std::set<std::string> taken_;
+};
+
+}  // namespace
+
+bool IsUsedInPlace(const std::vector<fs::path>& inputs) {
+  std::error_code error;
+  return inputs.size() == 1 && (fs::is_directory(inputs[0], error) || !fs::exists(inputs[0], error));
+}
+
+void CheckInputs(const std::vector<fs::path>& inputs) {
+  size_t photos = 0;
+  for (const fs::path& input : inputs) {
+    switch (KindOf(input)) {
+      case InputKind::kPhoto:
+        ReadImageInfo(input);
+        ++photos;
+        break;
+      case InputKind::kVideo:
+        ProbeVideo(input);
+        break;
+      case InputKind::kZip:
+        photos += static_cast<size_t>(CountZipPhotos(input));
+        break;
+      case InputKind::kFolder: {
+        const size_t found = FindPhotos(input, Silent()).size();
+        if (found == 0) throw InputError("{}: holds no photos that can be read", input.string());
+        photos += found;
+        break;
+      }
+    }
+  }
+  if (photos > static_cast<size_t>(kMaxPhotos)) {
+    throw InputError("{}: with the others {} photos, and at most {} without poses can be put together; name fewer",
+                     inputs.front().string(), photos, kMaxPhotos);
+  }
+}
+
+void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& options, const fs::path& dir,
+                  const Listener& listener) {
+  const json manifest = ManifestOf(inputs, options);
+  if (IsImported(dir, manifest)) return;
+  listener(StageStarted{"import"});
+  const auto start = std::chrono::steady_clock::now();
+  const fs::path half = dir.parent_path() / kHalf;
+  std::error_code error;
+  fs::remove_all(half, error);
+  fs::create_directories(half, error);
+  if (error) throw RunError("{}: cannot be made: {}", half.string(), error.message());
+  Importer importer(half, options, listener);
+  try {
+    for (const fs::path& input : inputs) importer.Add(input, inputs.size() == 1);
+    WriteFileAtomically(half / kManifest, manifest.dump(1) + "\n");
+  } catch (...) {
+    fs::remove_all(half, error);
+    throw;
+  }
+  fs::remove_all(dir, error);
+  if (!error) fs::rename(half, dir, error);
+  if (error) throw RunError("{}: cannot be renamed to {}: {}", half.string(), dir.string(), error.message());
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  listener(StageFinished{"import", seconds.count()});
+}
+
+}  // namespace oraclegs

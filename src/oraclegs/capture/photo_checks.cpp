@@ -1,0 +1,145 @@
+#include "oraclegs/capture/photo_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
+
+#include "oraclegs/capture/sharpness.h"
+#include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/image/thumbnail.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kCheckSide = 640;
+constexpr int kSignatureSide = 24;
+constexpr size_t kMetadataBytes = 256 * 1024;  // XMP stands near the start
+
+// Of the set's median: at a third, edges are some three pixels wide at the checked size where others' are one.
+constexpr double kBlurredShare = .3;
+constexpr double kBlurredSharpness = 2e-3;  // less detail than this has no photo in focus, whatever it shows
+constexpr size_t kMinForMedian = 4;
+constexpr double kAlikeLevels = 1.2;  // mean difference of gray levels of two photos from one place
+
+std::string MetadataOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kMetadataBytes, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return bytes;
+}
+
+/// As phones' screens are: 16:9 to 22:9.
+bool IsPhoneScreen(int width, int height) {
+  const double aspect = static_cast<double>(std::max(width, height)) / std::min(width, height);
+  return aspect > 1.7 && aspect < 2.45 && std::min(width, height) >= 640;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double Difference(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size() || a.empty()) return 255;
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum / static_cast<double>(a.size());
+}
+
+/// Adds "NAMES: what" when there are names.
+void Say(const std::vector<std::string>& names, const char* one, const char* many, std::vector<std::string>* out) {
+  if (!names.empty()) out->push_back(fmt::format("{}: {}", SomeNames(names), names.size() == 1 ? one : many));
+}
+
+}  // namespace
+
+PhotoSigns ReadSigns(const std::filesystem::path& path) {
+  const Image8 gray = ReadGrayThumbnail(path, kCheckSide);
+  PhotoSigns signs;
+  const auto pixels = static_cast<double>(gray.data.size());
+  double sum = 0, squares = 0, equal = 0;
+  for (size_t i = 0; i < gray.data.size(); ++i) {
+    const double level = gray.data[i];
+    sum += level;
+    squares += level * level;
+    signs.dark += level <= 4;
+    signs.bright += level >= 251;
+    equal += i > 0 && gray.data[i] == gray.data[i - 1];
+  }
+  signs.mean = sum / pixels;
+  signs.dark /= pixels;
+  signs.bright /= pixels;
+  signs.flat = equal / pixels;
+  signs.sharpness = Sharpness(gray) / (squares / pixels - signs.mean * signs.mean + 25);
+  const ImageF small = ResizeArea(ToFloat(gray), kSignatureSide, kSignatureSide);
+  for (const float value : small.data) signs.signature.push_back(255.0 * value);
+
+  const std::string metadata = MetadataOf(path);
+  const ImageInfo info = ReadImageInfo(path);
+  signs.is_panorama = info.width >= 1.95 * info.height || metadata.find("GPano:ProjectionType") != std::string::npos;
+  signs.is_screenshot =
+      IsPng(metadata) && !info.exif.HasCamera() && IsPhoneScreen(info.width, info.height) && signs.flat > .6;
+  return signs;
+}
+
+std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, const std::vector<PhotoSigns>& signs) {
+  std::vector<double> sharpness;
+  for (const PhotoSigns& s : signs) sharpness.push_back(s.sharpness);
+  const double usual = sharpness.size() >= kMinForMedian ? Median(sharpness) : 0;
+  std::vector<std::string> blurred, dark, bright, panoramas, screenshots, alike;
+  for (size_t i = 0; i < signs.size(); ++i) {
+    const PhotoSigns& s = signs[i];
+    if (s.is_screenshot) screenshots.push_back(names[i]);
+    if (s.is_panorama && !s.is_screenshot) panoramas.push_back(names[i]);
+    const bool is_dark = s.mean < 20 || s.dark > .7, is_bright = s.mean > 240 || s.bright > .6;
+    if (is_dark) dark.push_back(names[i]);
+    if (is_bright && !s.is_screenshot) bright.push_back(names[i]);
+    const bool is_blurred = s.sharpness < kBlurredSharpness || s.sharpness < kBlurredShare * usual;
+    if (is_blurred && !is_dark && !is_bright && !s.is_screenshot) blurred.push_back(names[i]);
+    for (size_t j = 0; j < i; ++j) {
+      if (Difference(s.signature, signs[j].signature) >= kAlikeLevels) continue;
+      alike.push_back(names[j] + " and " + names[i]);
+      break;
+    }
+  }
+  std::vector<std::string> out;
+  Say(blurred, "is blurred; take it again with a steady hand or more light, or leave it out",
+      "are blurred; take them again with a steady hand or more light, or leave them out", &out);
+  Say(dark, "is almost black; take it again with a longer exposure",
+      "are almost black; take them again with more light", &out);
+  Say(bright, "is mostly white; take it again with a shorter exposure",
+      "are mostly white; take them again with a shorter exposure", &out);
+  Say(alike, "show the same from the same place; one of them helps little, take photos from different places",
+      "show the same from the same place; copies help little, take photos from different places", &out);
+  Say(panoramas, "is a panorama or a spherical image, which no camera model here fits; take plain photos instead",
+      "are panoramas or spherical images, which no camera model here fits; take plain photos instead", &out);
+  Say(screenshots, "looks like a screenshot; give the photo itself, or leave it out",
+      "look like screenshots; give the photos themselves, or leave them out", &out);
+  return out;
+}
+
+std::vector<std::string> CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener) {
+  std::vector<PhotoSigns> signs(photos.size());
+  std::mutex mutex;
+  int64_t done = 0;
+  const auto total = static_cast<int64_t>(photos.size());
+  ParallelFor(total, [&](int64_t i) {
+    ThrowIfInterrupted();
+    signs[static_cast<size_t>(i)] = ReadSigns(photos[static_cast<size_t>(i)].path);
+    const std::lock_guard lock(mutex);
+    listener(StepDone{"check", ++done, total, "photos", ""});
+  });
+  std::vector<std::string> names;
+  for (const CheckedPhoto& photo : photos) names.push_back(OneLine(photo.name));
+  return DescribeTrouble(names, signs);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,38 @@
+#pragma once
+// What photos look like that will not register, or spoil the result: found before an hour is spent on them.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+
+namespace oraclegs {
+
+/// A photo to be checked.
+struct CheckedPhoto {
+  std::string name;
+  std::filesystem::path path;
+};
+
+/// What the checks look at, of one photo.
+struct PhotoSigns {
+  double sharpness = 0;           ///< variance of the Laplacian per variance of the image, at a small size
+  double mean = 0;                ///< gray level, 0 to 255
+  double dark = 0, bright = 0;    ///< shares of pixels that are black or white
+  double flat = 0;                ///< share of pixels equal to their neighbor
+  std::vector<double> signature;  ///< 24 x 24 gray levels
+  bool is_panorama = false;       ///< twice as wide as high, or said to be one by its metadata
+  bool is_screenshot = false;     ///< a PNG of a phone's screen, without a camera in its metadata
+};
+
+/// Decodes a small version. Throws InputError naming the file.
+PhotoSigns ReadSigns(const std::filesystem::path& path);
+
+/// A sentence for each kind of trouble, naming the photos and what to do; empty when there is none.
+std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, const std::vector<PhotoSigns>& signs);
+
+/// Both, of photos without poses. Reports StepDone{"check"}.
+std::vector<std::string> CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener);
+
+}  // namespace oraclegs

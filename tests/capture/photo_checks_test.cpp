@@ -1,0 +1,74 @@
+#include "oraclegs/capture/photo_checks.h"
+
+#include "image/jpeg_files.h"
+#include "image/photo_files.h"
+#include "oraclegs/image/png.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Blocks of random colors: sharp edges everywhere.
+Image8 Blocks(int width, int height, uint32_t seed) {
+  Image8 image{width, height, 3, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const uint32_t h =
+          (static_cast<uint32_t>(x / 20) * 73856093u ^ static_cast<uint32_t>(y / 20) * 19349663u ^ seed) * 2654435761u;
+      for (int c = 0; c < 3; ++c) image.data.push_back(static_cast<uint8_t>(40 + (h >> 24) * 170 / 255));
+    }
+  }
+  return image;
+}
+
+class PhotoChecksTest : public ::testing::Test {
+ protected:
+  void Add(const std::string& name, const Image8& image) {
+    WriteText(dir_ / name, EncodeJpeg(image));
+    photos_.push_back({name, dir_ / name});
+  }
+  std::vector<std::string> Check() { return CheckPhotos(photos_, events_.AsListener()); }
+
+  TempDir dir_;
+  std::vector<CheckedPhoto> photos_;
+  EventRecorder events_;
+};
+
+TEST_F(PhotoChecksTest, IsSilentAboutGoodPhotos) {
+  for (uint32_t i = 0; i < 5; ++i) Add(fmt::format("{}.jpg", i), Blocks(320, 240, i * 1000003u));
+  EXPECT_THAT(Check(), IsEmpty());
+  EXPECT_EQ(events_.steps.size(), 5u);
+}
+
+TEST_F(PhotoChecksTest, NamesEachTrouble) {
+  for (uint32_t i = 0; i < 6; ++i) Add(fmt::format("{}.jpg", i), Blocks(320, 240, i * 1000003u));
+  const Image8 sharp = Blocks(320, 240, 77);
+  Add("blurred.jpg", ToImage8(ResizeArea(ResizeArea(ToFloat(sharp), 20, 15), 320, 240)));
+  Add("black.jpg", {320, 240, 3, std::vector<uint8_t>(320 * 240 * 3, 3)});
+  Add("white.jpg", {320, 240, 3, std::vector<uint8_t>(320 * 240 * 3, 254)});
+  Add("again.jpg", Blocks(320, 240, 0));
+  Add("wide.jpg", Blocks(640, 240, 5));
+  WritePng(dir_ / "screen.png", {1170, 2532, 3, std::vector<uint8_t>(1170 * 2532 * 3, 240)});
+  photos_.push_back({"screen.png", dir_ / "screen.png"});
+  EXPECT_THAT(Check(),
+              ElementsAre(HasSubstr("blurred.jpg: is blurred"), HasSubstr("black.jpg: is almost black"),
+                          HasSubstr("white.jpg: is mostly white"), HasSubstr("0.jpg and again.jpg: show the same"),
+                          HasSubstr("wide.jpg: is a panorama"), HasSubstr("screen.png: looks like a screenshot")));
+}
+
+TEST_F(PhotoChecksTest, KnowsSphericalImagesByTheirMetadata) {
+  const std::string jpeg = EncodeJpeg(Blocks(320, 240, 1));
+  const std::string xmp = "http://ns.adobe.com/xap/1.0/ GPano:ProjectionType=\"equirectangular\"";
+  const size_t length = xmp.size() + 2;
+  WriteText(dir_ / "a.jpg", jpeg.substr(0, 2) + "\xFF\xE1" + static_cast<char>(length >> 8) +
+                                static_cast<char>(length & 255) + xmp + jpeg.substr(2));
+  EXPECT_TRUE(ReadSigns(dir_ / "a.jpg").is_panorama);
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,70 @@
+#include "oraclegs/capture/video.h"
+
+#include "capture/video_files.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/image/read_image.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+TEST(ExtractFrames, TakesTheSharpestOfEachPart) {
+  const TempDir dir;
+  const fs::path video = dir / "a 'clip': 1.mp4";
+  WriteVideo(video, 4, {"-vf", "boxblur=8:enable='not(mod(n,5))+lt(mod(n,5),3)'"});
+  EXPECT_TRUE(LooksLikeVideo(video));
+  const VideoInfo info = ProbeVideo(video);
+  EXPECT_NEAR(info.seconds, 4, .2);
+  EXPECT_NEAR(info.frames_per_second, 10, .5);
+  EventRecorder events;
+  ExtractFrames(video, 8, dir / "out", events.AsListener());
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(dir / "out")) names.push_back(entry.path().filename().string());
+  EXPECT_EQ(names.size(), 8u);
+  EXPECT_EQ(ReadImage(dir / "out/frame_0001.jpg").width, 160);
+  EXPECT_TRUE(fs::exists(dir / "out/frame_0008.jpg"));
+}
+
+TEST(ExtractFrames, TakesWhatAShortVideoHas) {
+  const TempDir dir;
+  WriteVideo(dir / "a.mp4", .6);
+  ExtractFrames(dir / "a.mp4", 24, dir / "out", Silent());
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir / "out"), fs::directory_iterator()), 6);
+}
+
+TEST(ProbeVideo, NamesWhatIsWrong) {
+  const TempDir dir;
+  WriteText(dir / "empty.mp4", "");
+  WriteText(dir / "text.mp4", "no video");
+  WriteVideo(dir / "short.mp4", .1);
+  EXPECT_THAT(MessageOf<InputError>([&] { ProbeVideo(dir / "empty.mp4"); }), HasSubstr("empty.mp4: is empty"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ProbeVideo(dir / "text.mp4"); }), HasSubstr("text.mp4: holds no video"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ProbeVideo(dir / "short.mp4"); }), HasSubstr("short.mp4: is too short"));
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nonexistent", 1);
+  EXPECT_THAT(MessageOf<InputError>([&] { ProbeVideo(dir / "short.mp4"); }), HasSubstr("apt install ffmpeg"));
+  setenv("PATH", path.c_str(), 1);
+}
+
+TEST(LooksLikeVideo, KnowsNamesAndContents) {
+  const TempDir dir;
+  WriteText(dir / "a", std::string("\0\0\0\x18"
+                                   "ftypisom....",
+                                   16));
+  WriteText(dir / "b", std::string("\0\0\0\x18"
+                                   "ftypheic....",
+                                   16));
+  WriteText(dir / "c.txt", "text");
+  EXPECT_TRUE(LooksLikeVideo(dir / "a"));
+  EXPECT_FALSE(LooksLikeVideo(dir / "b"));
+  EXPECT_FALSE(LooksLikeVideo(dir / "c.txt"));
+  EXPECT_TRUE(LooksLikeVideo("missing.MOV"));
+}
+
+}  // namespace
+}  // namespace oraclegs
