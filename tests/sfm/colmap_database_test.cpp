@@ -270,6 +270,19 @@ TEST(SetFocalGuess, ChangesUnknownFocalLengthsOnly) {
             (Rows{Hex({15, 5, 10, .25}), intrinsics, intrinsics, "00"}));
 }
 
+TEST(SetFocalPriors, MarksTheFocalLengthsAsKnown) {
+  const TempDir dir;
+  const std::string intrinsics = Hex({12, 5, 10, .25});
+  const fs::path path = WriteDatabase(
+      dir, kTables + fmt::format("INSERT INTO cameras VALUES (1, 2, 10, 20, x'{0}', 0), (2, 2, 10, 20, x'{0}', 0), "
+                                 "(3, 0, 10, 20, x'{0}', 0);"
+                                 "INSERT INTO images VALUES (1, 'a', 1), (2, 'b', 2), (3, 'c', 3);",
+                                 intrinsics));
+  SetFocalPriors(path, {{"a", 15}, {"c", 15}, {"unknown", 99}});
+  EXPECT_EQ(Sqlite(path).Rows("SELECT hex(params), prior_focal_length FROM cameras ORDER BY camera_id"),
+            (Rows{Hex({15, 5, 10, .25}) + "|1", intrinsics + "|0", intrinsics + "|0"}));
+}
+
 TEST(NumberImagesByName, RenumbersImagesAndFeatures) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir);

@@ -94,7 +94,7 @@ TEST(ColmapRunner, PassesOptionsWithoutAShell) {
   const TempDir dir;
   const FakeColmap fake("");
   const Listener silent = Silent();
-  const ColmapRunner colmap(dir.path(), silent);
+  const ColmapRunner colmap(dir.path(), silent, "sfm");
   colmap.Run("mapper", {{"output_path", "a b; $(touch x) *"}, {"Mapper.min_model_size", "2"}, {"empty", ""}}, "");
   EXPECT_THAT(fake.Arguments(),
               ElementsAre("mapper", "--database_path", (dir / "database.db").string(), "--Mapper.min_model_size", "2",
@@ -116,17 +116,17 @@ echo 'Registering image #7 (4)' >&2
 echo 'Triangulating image #3'
 printf 'Registering image #9 (5)')");
   const Steps steps;
-  ColmapRunner(dir.path(), steps.listener).Run("feature_extractor", {}, "working");
+  ColmapRunner(dir.path(), steps.listener, "sfm").Run("feature_extractor", {}, "working");
   EXPECT_THAT(steps.reported,
-              ElementsAre("sfm 1/12 images, working", "sfm 12/12 images, working", "sfm 1/2 blocks, working",
-                          "sfm 1/0 images, working", "sfm 2/0 images, working", "sfm 3/0 images, working"));
+              ElementsAre("sfm 1/12 images, working", "sfm 12/12 images, working", "sfm 1/0 images, working",
+                          "sfm 2/0 images, working", "sfm 3/0 images, working"));
 }
 
 TEST(ColmapRunner, CountsEachCommandFromOne) {
   const TempDir dir;
   const FakeColmap fake("echo 'Registering image #5 (1)'; echo \"$1 was here\" >&2");
   const Steps steps;
-  const ColmapRunner colmap(dir.path(), steps.listener);
+  const ColmapRunner colmap(dir.path(), steps.listener, "sfm");
   colmap.Run("mapper", {}, "first");
   colmap.Run("point_triangulator", {}, "second");
   EXPECT_THAT(steps.reported, ElementsAre("sfm 1/0 images, first", "sfm 1/0 images, second"));
@@ -138,7 +138,7 @@ TEST(ColmapRunner, ReportsTheLastReadableLineOfAFailure) {
   const TempDir dir;
   const FakeColmap fake("echo started; echo 'ERROR: no good initial image pair' >&2; printf '\\n \\t\\n'; exit 1");
   const Listener silent = Silent();
-  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent));
+  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent, "sfm"));
   EXPECT_EQ(failure.command, "mapper");
   EXPECT_EQ(failure.exit_code, 1);
   EXPECT_EQ(failure.last_line, "ERROR: no good initial image pair");
@@ -151,7 +151,7 @@ TEST(ColmapRunner, ReportsTheCauseOfACrash) {
       "echo 'F20261122 08:06:59.932825 11264 sfm.cc:473] Check failed: bundle_adjuster.Solve(&reconstruction) ';"
       "echo '*** Check failure stack trace: ***'; echo '    @     0x562d91bf63a1  _start'; exit 134");
   const Listener silent = Silent();
-  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent));
+  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent, "sfm"));
   EXPECT_EQ(failure.last_line, "Check failed: bundle_adjuster.Solve(&reconstruction) ");
   EXPECT_EQ(failure.exit_code, 134);
 }
@@ -161,11 +161,11 @@ TEST(ColmapRunner, FailsOnACrashAndAMissingProgram) {
   const Listener silent = Silent();
   {
     const FakeColmap fake("kill -KILL $$");
-    EXPECT_EQ(FailureOf(ColmapRunner(dir.path(), silent)).exit_code, 128 + 9);
+    EXPECT_EQ(FailureOf(ColmapRunner(dir.path(), silent, "sfm")).exit_code, 128 + 9);
   }
   const FakeColmap restores_path("");
   setenv("PATH", "/nowhere", 1);
-  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent));
+  const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent, "sfm"));
   EXPECT_EQ(failure.exit_code, 127);
   EXPECT_THAT(failure.last_line, StartsWith("cannot start colmap: "));
 }
@@ -175,7 +175,7 @@ TEST(ColmapRunner, NamesALogThatCannotBeWritten) {
   const FakeColmap fake("");
   const Listener silent = Silent();
   try {
-    ColmapRunner(dir / "missing", silent).Run("mapper", {}, "");
+    ColmapRunner(dir / "missing", silent, "sfm").Run("mapper", {}, "");
     ADD_FAILURE() << "no RunError was thrown";
   } catch (const RunError& error) {
     EXPECT_THAT(error.what(), StartsWith((dir / "missing").string() + "/colmap.log: cannot write"));
@@ -187,7 +187,7 @@ TEST(ColmapRunner, StopsOnInterrupt) {
   const TempDir dir;
   const FakeColmap fake("echo 'Processed file [1/9]'; sleep 60");
   const Listener interrupt = [](const Event&) { RequestInterrupt(true); };
-  EXPECT_THROW(ColmapRunner(dir.path(), interrupt).Run("mapper", {}, ""), Interrupted);
+  EXPECT_THROW(ColmapRunner(dir.path(), interrupt, "sfm").Run("mapper", {}, ""), Interrupted);
   RequestInterrupt(false);
 }
 
@@ -198,12 +198,13 @@ TEST(ColmapRunner, ExtractsFeaturesOnTheCpu) {
   for (const bool has_masks : {false, true}) {
     const FakeColmap fake("echo 'Processed file [2/2]'");
     const Steps steps;
-    ColmapRunner(dir.path(), steps.listener).ExtractFeatures("SIMPLE_RADIAL", has_masks);
+    ColmapRunner(dir.path(), steps.listener, "sfm").ExtractFeatures("SIMPLE_RADIAL", has_masks);
     std::vector<std::string> want{"feature_extractor", "--database_path", (dir / "database.db").string(),
                                   "--ImageReader.camera_model", "SIMPLE_RADIAL"};
     if (has_masks) want.insert(want.end(), {"--ImageReader.mask_path", (dir / "masks").string()});
-    want.insert(want.end(), {"--ImageReader.single_camera_per_folder", "1", "--SiftExtraction.num_threads", threads,
-                             "--SiftExtraction.use_gpu", "0", "--image_path", (dir / "images").string()});
+    want.insert(want.end(), {"--ImageReader.single_camera_per_folder", "1", "--SiftExtraction.max_image_size", "2000",
+                             "--SiftExtraction.num_threads", threads, "--SiftExtraction.use_gpu", "0", "--image_path",
+                             (dir / "images").string()});
     EXPECT_EQ(fake.Arguments(), want);
     EXPECT_THAT(steps.reported, ElementsAre("sfm 2/2 images, finding features"));
     const auto images = ReadDatabaseImages(dir / "database.db");
@@ -217,7 +218,7 @@ TEST(ColmapRunner, RefusesSuccessWithoutADatabase) {
   const FakeColmap fake("");
   const Listener silent = Silent();
   try {
-    ColmapRunner(dir.path(), silent).ExtractFeatures("SIMPLE_RADIAL", false);
+    ColmapRunner(dir.path(), silent, "sfm").ExtractFeatures("SIMPLE_RADIAL", false);
     ADD_FAILURE() << "no RunError was thrown";
   } catch (const RunError& error) {
     EXPECT_THAT(error.what(), StartsWith((dir / "database.db").string() + ": "));
@@ -226,13 +227,33 @@ TEST(ColmapRunner, RefusesSuccessWithoutADatabase) {
 
 TEST(ColmapRunner, MatchesEveryPairOnTheCpu) {
   const TempDir dir;
+  WriteTwoImages(dir / "database.db");
   const FakeColmap fake("echo 'Matching block [1/1, 1/1] in 0.1s'");
   const Steps steps;
-  ColmapRunner(dir.path(), steps.listener).MatchExhaustively();
-  EXPECT_THAT(fake.Arguments(),
-              ElementsAre("exhaustive_matcher", "--database_path", (dir / "database.db").string(),
-                          "--SiftMatching.num_threads", std::to_string(NumThreads()), "--SiftMatching.use_gpu", "0"));
-  EXPECT_THAT(steps.reported, ElementsAre("sfm 1/1 blocks, matching"));
+  ColmapRunner(dir.path(), steps.listener, "sfm").MatchExhaustively();
+  EXPECT_THAT(fake.Arguments(), ElementsAre("exhaustive_matcher", "--database_path", (dir / "database.db").string(),
+                                            "--ExhaustiveMatching.block_size", "2", "--SiftMatching.num_threads",
+                                            std::to_string(NumThreads()), "--SiftMatching.use_gpu", "0"));
+  EXPECT_THAT(steps.reported, ElementsAre("sfm 0/1 pairs, matching", "sfm 1/1 pairs, matching"));
+}
+
+TEST(MatchingBlocks, CountEachPairOnce) {
+  for (const int images : {2, 3, 12, 13, 60}) {
+    for (const int threads : {1, 2, 16}) {
+      const MatchingBlocks blocks = ChooseMatchingBlocks(images, threads);
+      EXPECT_GE(blocks.size, 2) << "colmap asks for it";
+      EXPECT_EQ(blocks.PairsUpTo(blocks.count(), blocks.count()), blocks.pairs()) << images;
+      int64_t before = 0;
+      for (int row = 1; row <= blocks.count(); ++row) {
+        for (int column = 1; column <= blocks.count(); ++column) {
+          EXPECT_GE(blocks.PairsUpTo(row, column), before);
+          before = blocks.PairsUpTo(row, column);
+        }
+      }
+    }
+  }
+  EXPECT_GE(ChooseMatchingBlocks(12, 2).count(), 3) << "12 photos are seen to advance";
+  EXPECT_LE(ChooseMatchingBlocks(400, 1).count(), 10);
 }
 
 TEST(ColmapRunner, PassesAnotherDatabase) {
@@ -240,7 +261,7 @@ TEST(ColmapRunner, PassesAnotherDatabase) {
   WriteTwoImages(dir / "more.db");
   const std::string threads = std::to_string(NumThreads());
   const Listener silent = Silent();
-  const ColmapRunner colmap(dir.path(), silent, "more.db");
+  const ColmapRunner colmap(dir.path(), silent, "sfm", "more.db");
   {
     const FakeColmap fake("");
     colmap.ExtractFeatures("SIMPLE_RADIAL", false, {{"SiftExtraction.peak_threshold", "0.002"}});
@@ -251,9 +272,10 @@ TEST(ColmapRunner, PassesAnotherDatabase) {
   {
     const FakeColmap fake("");
     colmap.MatchExhaustively({{"SiftMatching.max_ratio", "0.85"}});
-    EXPECT_THAT(fake.Arguments(), ElementsAre("exhaustive_matcher", "--database_path", (dir / "more.db").string(),
-                                              "--SiftMatching.max_ratio", "0.85", "--SiftMatching.num_threads", threads,
-                                              "--SiftMatching.use_gpu", "0"));
+    EXPECT_THAT(fake.Arguments(),
+                ElementsAre("exhaustive_matcher", "--database_path", (dir / "more.db").string(),
+                            "--ExhaustiveMatching.block_size", "2", "--SiftMatching.max_ratio", "0.85",
+                            "--SiftMatching.num_threads", threads, "--SiftMatching.use_gpu", "0"));
   }
   const FakeColmap fake("");
   colmap.MatchPairs({{"camera0/a.png", "camera0/b.png"}, {"camera0/b.png", "camera1/c.png"}}, {});
@@ -268,7 +290,7 @@ TEST(ColmapRunner, AdjustsBundlesWithoutADatabase) {
   const TempDir dir;
   const FakeColmap fake("");
   const Listener silent = Silent();
-  ColmapRunner(dir.path(), silent).AdjustBundle(dir / "in", dir / "out");
+  ColmapRunner(dir.path(), silent, "sfm").AdjustBundle(dir / "in", dir / "out");
   EXPECT_THAT(fake.Arguments(), ElementsAre("bundle_adjuster", "--input_path", (dir / "in").string(), "--output_path",
                                             (dir / "out").string()));
 }

@@ -7,8 +7,11 @@
 #include <set>
 
 #include "image/jpeg_files.h"
+#include "image/photo_files.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/jpeg.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "support/temp_dir.h"
@@ -31,7 +34,7 @@ TEST(PlanStaging, GroupsViewsByIntrinsics) {
   for (const StagedView& staged : plan) {
     names.insert(staged.name);
     EXPECT_EQ(staged.name.find(' '), std::string::npos);
-    EXPECT_FALSE(staged.is_upright_copy);
+    EXPECT_FALSE(staged.is_copy);
   }
   EXPECT_EQ(names.size(), 4u);
   EXPECT_EQ(plan[0].name, "camera0/a_b.png");
@@ -48,13 +51,53 @@ TEST(PlanStaging, CopiesRotatedImagesUpright) {
   view.image_path = dir / view.name;
   WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothImage(24, 16, 3)), 3));
   scene.views = {view};
-  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_upright_copy) << "a plain photo is used upright";
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_copy) << "a plain photo is used upright";
   scene.views[0].intrinsics = {CameraModel::kSimplePinhole, 24, 16, {20, 12, 8}};
-  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_upright_copy);
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_copy);
   scene.views[0].as_stored = true;
-  EXPECT_FALSE(PlanStaging(scene, {0})[0].is_upright_copy) << "colmap's poses are of the stored pixels";
+  EXPECT_FALSE(PlanStaging(scene, {0})[0].is_copy) << "colmap's poses are of the stored pixels";
   WriteText(view.image_path, WithOrientation(EncodeJpeg(SmoothImage(16, 24, 3)), 6));
-  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_upright_copy) << "only the upright image has the size of the camera";
+  EXPECT_TRUE(PlanStaging(scene, {0})[0].is_copy) << "only the upright image has the size of the camera";
+}
+
+TEST(PlanStaging, GroupsPhotosByCameraAndFocalLength) {
+  const TempDir dir;
+  Scene scene;
+  const auto add = [&](const char* name, int width, int height, double focal, const char* camera) {
+    SceneView view;
+    view.name = name;
+    view.image_path = dir / name;
+    view.focal_prior = focal;
+    view.camera = camera;
+    WritePng(view.image_path, SmoothImage(width, height, 3));
+    scene.views.push_back(view);
+  };
+  add("a.png", 24, 16, 20, "Phone");
+  add("b.png", 24, 16, 20, "Phone");
+  add("c.png", 16, 24, 20, "Phone");  // upright
+  add("d.png", 24, 16, 30, "Phone");  // the other lens
+  add("e.png", 24, 16, 20, "Camera");
+  add("f.png", 24, 16, 0, "");
+  std::vector<int> cameras;
+  for (const StagedView& staged : PlanStaging(scene, {0, 1, 2, 3, 4, 5})) cameras.push_back(staged.camera);
+  EXPECT_EQ(cameras, (std::vector<int>{0, 0, 1, 2, 3, 4}));
+}
+
+TEST(StageImages, CopiesWhatColmapDoesNotRead) {
+  const TempDir dir;
+  Scene scene;
+  SceneView view;
+  view.name = "a.heic";
+  view.image_path = dir / view.name;
+  WriteText(view.image_path, EncodeHeif(SmoothImage(64, 48, 3)));
+  scene.views = {view};
+  const auto plan = PlanStaging(scene, {0});
+  EXPECT_TRUE(plan[0].is_copy);
+  EXPECT_EQ(plan[0].name, "camera0/a.heic.jpg");
+  EXPECT_FALSE(StageImages(scene, {0}, plan, dir / "sfm"));
+  const std::string copy = ReadFile(dir / "sfm" / "images" / plan[0].name);
+  EXPECT_TRUE(IsJpeg(copy));
+  EXPECT_EQ(ReadImage(dir / "sfm" / "images" / plan[0].name).width, 64);
 }
 
 TEST(StageImages, LinksImagesAndWritesMasks) {

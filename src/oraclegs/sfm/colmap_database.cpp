@@ -114,6 +114,30 @@ std::vector<Eigen::Vector2d> ReadKeypoints(const Database& open, uint32_t image_
   return points;
 }
 
+/// The parameters of a SIMPLE_RADIAL camera in a column; empty when they are not those.
+std::vector<double> GetSimpleRadial(sqlite3_stmt* row, int column) {
+  const void* bytes = sqlite3_column_blob(row, column);
+  std::vector<double> params(static_cast<size_t>(CameraModelParameterCount(CameraModel::kSimpleRadial)));
+  const size_t size = params.size() * sizeof(double);
+  if (bytes == nullptr || sqlite3_column_bytes(row, column) != static_cast<int>(size)) return {};
+  std::memcpy(params.data(), bytes, size);
+  return params;
+}
+
+void UpdateParams(const Database& open, const std::map<uint32_t, std::vector<double>>& params, bool are_known) {
+  open.Execute("BEGIN");
+  for (const auto& [id, intrinsics] : params) {
+    const Statement update(open, are_known
+                                     ? "UPDATE cameras SET params = ?1, prior_focal_length = 1 WHERE camera_id = ?2"
+                                     : "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
+    sqlite3_bind_blob(update.get(), 1, intrinsics.data(), static_cast<int>(intrinsics.size() * sizeof(double)),
+                      SQLITE_STATIC);
+    sqlite3_bind_int64(update.get(), 2, id);
+    update.Step();
+  }
+  open.Execute("COMMIT");
+}
+
 }  // namespace
 
 std::map<std::string, DatabaseImage> ReadDatabaseImages(const fs::path& database) {
@@ -208,6 +232,27 @@ void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Intri
   open.Execute("COMMIT");
 }
 
+void SetFocalPriors(const fs::path& database, const std::map<std::string, double>& focal_of_image) {
+  std::map<uint32_t, double> focal_of_camera;
+  for (const auto& [name, image] : ReadDatabaseImages(database)) {
+    const auto found = focal_of_image.find(name);
+    if (found != focal_of_image.end()) focal_of_camera[image.camera_id] = found->second;
+  }
+  if (focal_of_camera.empty()) return;
+  const Database open(database);
+  const Statement rows(open, "SELECT camera_id, params FROM cameras WHERE model = ?1");
+  sqlite3_bind_int(rows.get(), 1, static_cast<int>(CameraModel::kSimpleRadial));
+  std::map<uint32_t, std::vector<double>> params;
+  while (rows.Step()) {
+    const auto id = static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0));
+    std::vector<double> intrinsics = GetSimpleRadial(rows.get(), 1);
+    if (intrinsics.empty() || focal_of_camera.count(id) == 0) continue;
+    intrinsics[0] = focal_of_camera[id];
+    params[id] = std::move(intrinsics);
+  }
+  UpdateParams(open, params, /*are_known=*/true);
+}
+
 int SetFocalGuess(const fs::path& database, double sides) {
   const Database open(database);
   const Statement rows(
@@ -215,23 +260,12 @@ int SetFocalGuess(const fs::path& database, double sides) {
   sqlite3_bind_int(rows.get(), 1, static_cast<int>(CameraModel::kSimpleRadial));
   std::map<uint32_t, std::vector<double>> params;
   while (rows.Step()) {
-    const void* bytes = sqlite3_column_blob(rows.get(), 3);
-    std::vector<double> intrinsics(static_cast<size_t>(CameraModelParameterCount(CameraModel::kSimpleRadial)));
-    const size_t size = intrinsics.size() * sizeof(double);
-    if (bytes == nullptr || sqlite3_column_bytes(rows.get(), 3) != static_cast<int>(size)) continue;
-    std::memcpy(intrinsics.data(), bytes, size);
+    std::vector<double> intrinsics = GetSimpleRadial(rows.get(), 3);
+    if (intrinsics.empty()) continue;
     intrinsics[0] = sides * std::max(sqlite3_column_int(rows.get(), 1), sqlite3_column_int(rows.get(), 2));
     params[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = std::move(intrinsics);
   }
-  open.Execute("BEGIN");
-  for (const auto& [id, intrinsics] : params) {
-    const Statement update(open, "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
-    sqlite3_bind_blob(update.get(), 1, intrinsics.data(), static_cast<int>(intrinsics.size() * sizeof(double)),
-                      SQLITE_STATIC);
-    sqlite3_bind_int64(update.get(), 2, id);
-    update.Step();
-  }
-  open.Execute("COMMIT");
+  UpdateParams(open, params, /*are_known=*/false);
   return static_cast<int>(params.size());
 }
 

@@ -50,6 +50,10 @@ void RemoveMatches(const std::filesystem::path& database, const std::vector<std:
 /// Replaces the cameras of those ids, marked as calibrated. Throws RunError naming the database.
 void SetDatabaseCameras(const std::filesystem::path& database, const std::map<uint32_t, Intrinsics>& cameras);
 
+/// Lets the focal length of the SIMPLE_RADIAL cameras of these images, by name, start where EXIF says, in pixels, and
+/// marks it as known. Throws RunError naming the database.
+void SetFocalPriors(const std::filesystem::path& database, const std::map<std::string, double>& focal_of_image);
+
 /// Lets the focal length of each SIMPLE_RADIAL camera whose own is not known (no EXIF) start at `sides` longer sides of
 /// the image; returns how many there are. Throws RunError naming the database.
 int SetFocalGuess(const std::filesystem::path& database, double sides);

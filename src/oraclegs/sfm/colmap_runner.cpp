@@ -1,11 +1,13 @@
 #include "oraclegs/sfm/colmap_runner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 #include <utility>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/memory.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/sfm/colmap_database.h"
 
@@ -26,28 +28,42 @@ std::string Readable(const std::string& line) {
 /// Follows one command's lines: "Processed file [3/12]", "Matching block [1/1, 1/1]", "Registering image #7 (4)".
 class ProgressReader {
  public:
-  ProgressReader(std::string what, const Listener& listener) : what_(std::move(what)), listener_(listener) {}
+  ProgressReader(std::string stage, std::string what, const MatchingBlocks& blocks, const Listener& listener)
+      : stage_(std::move(stage)), what_(std::move(what)), blocks_(blocks), listener_(listener) {
+    if (blocks_.images > 1) listener_(StepDone{stage_, 0, blocks_.pairs(), "pairs", what_});
+  }
 
   void operator()(const std::string& line) {
     if (std::string readable = Readable(line); !readable.empty()) last_line_ = std::move(readable);
     int done = 0, total = 0;
     if (std::sscanf(line.c_str(), "Processed file [%d/%d]", &done, &total) == 2) {
-      listener_(StepDone{"sfm", done, total, "images", what_});
-    } else if (std::sscanf(line.c_str(), "Matching block [%d/%d", &done, &total) == 2) {
-      listener_(StepDone{"sfm", done, total, "blocks", what_});
+      listener_(StepDone{stage_, done, total, "images", what_});
+    } else if (int column = 0, columns = 0;
+               std::sscanf(line.c_str(), "Matching block [%d/%d, %d/%d]", &done, &total, &column, &columns) == 4) {
+      if (blocks_.images > 1) {  // the line ends when the block is done
+        listener_(StepDone{stage_, blocks_.PairsUpTo(done, column), blocks_.pairs(), "pairs", what_});
+      }
     } else if (line.rfind("Registering image #", 0) == 0 || line.rfind("Triangulating image #", 0) == 0) {
-      listener_(StepDone{"sfm", ++images_, 0, "images", what_});
+      listener_(StepDone{stage_, ++images_, 0, "images", what_});
     }
   }
 
   const std::string& last_line() const { return last_line_; }
 
  private:
-  std::string what_;
+  std::string stage_, what_;
+  MatchingBlocks blocks_;
   const Listener& listener_;
   std::string last_line_;
   int images_ = 0;
 };
+
+/// As many threads as fit into half of the free memory.
+int ExtractionThreads() {
+  constexpr uint64_t kBytesPerThread = uint64_t{900} << 20;  // at kMaxFeatureImageSide
+  const uint64_t fit = AvailableMemory() / 2 / kBytesPerThread;
+  return static_cast<int>(std::clamp<uint64_t>(fit, 1, static_cast<uint64_t>(NumThreads())));
+}
 
 ColmapOptions MatchingOptions() {
   return {{"SiftMatching.use_gpu", "0"}, {"SiftMatching.num_threads", std::to_string(NumThreads())}};
@@ -55,18 +71,44 @@ ColmapOptions MatchingOptions() {
 
 }  // namespace
 
+int64_t MatchingBlocks::PairsUpTo(int row, int column) const {
+  // Colmap gives a pair (i, j) of positions inside two blocks to one of the two orders of these blocks.
+  int64_t pairs = 0;
+  for (int r = 0; r < row; ++r) {
+    for (int c = 0; c < (r + 1 == row ? column : count()); ++c) {
+      for (int i = r * size; i < std::min(images, (r + 1) * size); ++i) {
+        for (int j = c * size; j < std::min(images, (c + 1) * size); ++j) {
+          const int at_i = i % size, at_j = j % size;
+          pairs += (i > j && at_i <= at_j) || (i < j && at_i < at_j);
+        }
+      }
+    }
+  }
+  return pairs;
+}
+
+MatchingBlocks ChooseMatchingBlocks(int images, int threads) {
+  constexpr int kMaxBlocks = 10;  // along one axis: 100 reports
+  MatchingBlocks blocks{images, std::max(2, images)};
+  const double pairs_at_once = 2.0 * std::max(2, threads);
+  const int wanted =
+      std::clamp(static_cast<int>(std::sqrt(static_cast<double>(blocks.pairs()) / pairs_at_once)), 1, kMaxBlocks);
+  blocks.size = std::max(2, (images + wanted - 1) / wanted);
+  return blocks;
+}
+
 bool ColmapAvailable() { return !FindProgram("colmap").empty(); }
 
 void ColmapRunner::Run(const std::string& command, const ColmapOptions& options, const std::string& what) const {
-  Execute({"colmap", command, "--database_path", database().string()}, options, what);
+  Execute({"colmap", command, "--database_path", database().string()}, options, {what, {}});
 }
 
-void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& options, const std::string& what) const {
+void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const {
   for (const auto& [name, value] : options) {
     argv.push_back("--" + name);
     argv.push_back(value);
   }
-  ProgressReader progress(what, listener_);
+  ProgressReader progress(stage_, task.what, task.blocks, listener_);
   const ProcessResult result =
       RunProcess(argv, work_dir_ / "colmap.log", [&](const std::string& line) { progress(line); });
   if (result.exit_code != 0) throw ColmapFailure{argv[1], result.exit_code, progress.last_line()};
@@ -77,7 +119,8 @@ void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_mas
                         {"ImageReader.single_camera_per_folder", "1"},
                         {"ImageReader.camera_model", camera_model},
                         {"SiftExtraction.use_gpu", "0"},
-                        {"SiftExtraction.num_threads", std::to_string(NumThreads())}};
+                        {"SiftExtraction.max_image_size", std::to_string(kMaxFeatureImageSide)},
+                        {"SiftExtraction.num_threads", std::to_string(ExtractionThreads())}};
   if (has_masks) options["ImageReader.mask_path"] = (work_dir_ / "masks").string();
   options.insert(more.begin(), more.end());
   Run("feature_extractor", options, "finding features");
@@ -89,7 +132,10 @@ void ColmapRunner::MatchExhaustively(const ColmapOptions& more) const {
   // thread: colmap's approximate neighbour search draws its seed from the machine. The cached result does not.
   ColmapOptions options = MatchingOptions();
   options.insert(more.begin(), more.end());
-  Run("exhaustive_matcher", options, "matching");
+  const auto images = static_cast<int>(ReadDatabaseImages(database()).size());
+  const MatchingBlocks blocks = ChooseMatchingBlocks(images, NumThreads());
+  options["ExhaustiveMatching.block_size"] = std::to_string(blocks.size);
+  Execute({"colmap", "exhaustive_matcher", "--database_path", database().string()}, options, {"matching", blocks});
 }
 
 void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::string>>& names,
@@ -107,7 +153,7 @@ void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::stri
 
 void ColmapRunner::AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const {
   Execute({"colmap", "bundle_adjuster"}, {{"input_path", model.string()}, {"output_path", adjusted.string()}},
-          "adjusting");
+          {"adjusting", {}});
 }
 
 }  // namespace oraclegs

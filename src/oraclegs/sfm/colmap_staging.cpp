@@ -17,6 +17,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/image/exif.h"
 #include "oraclegs/image/image.h"
+#include "oraclegs/image/jpeg.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -28,6 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr size_t kHeaderBytes = 128 * 1024;  // an EXIF segment holds 64 KiB at most and stands near the start
 constexpr uint8_t kMaskThreshold = 128;
+constexpr int kCopyQuality = 97;
 
 std::string ReadHeader(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -37,9 +39,12 @@ std::string ReadHeader(const fs::path& path) {
   return bytes;
 }
 
-/// True when colmap, which ignores the EXIF orientation, would see the image otherwise than its camera does.
-bool NeedsUprightCopy(const SceneView& view) {
-  if (ReadJpegMetadata(ReadHeader(view.image_path)).orientation == 1) return false;
+/// True when colmap reads no such file or, ignoring the EXIF orientation, would see the image otherwise than its camera
+/// does.
+bool NeedsCopy(const SceneView& view) {
+  const std::string header = ReadHeader(view.image_path);
+  if (!IsJpeg(header) && !IsPng(header)) return true;
+  if (ReadJpegMetadata(header).orientation == 1) return false;
   if (view.intrinsics.params.empty()) return true;
   return FittingOrientation(view, view.image_path, view.intrinsics.width, view.intrinsics.height) ==
          Orientation::kUpright;
@@ -64,21 +69,32 @@ std::string PlainName(const SceneView& view) {
 }
 
 /// Views with equal keys were taken by one camera.
-using CameraKey = std::tuple<int, int, int, std::vector<double>>;
+using CameraKey = std::tuple<int, int, int, std::vector<double>, std::string>;
 
 CameraKey CameraKeyOf(const SceneView& view) {
   if (!view.intrinsics.params.empty()) {
     return {static_cast<int>(view.intrinsics.model), view.intrinsics.width, view.intrinsics.height,
-            view.intrinsics.params};
+            view.intrinsics.params, ""};
   }
   int width = 0, height = 0;
   ReadImageSize(view.image_path, &width, &height);
-  return {-1, width, height, {}};
+  return {-1, width, height, {view.focal_prior}, view.camera};
+}
+
+/// As the view's camera sees it. Transparency is in the mask.
+void WriteCopy(const SceneView& view, const fs::path& target) {
+  Image8 image = ReadImage(view.image_path);
+  if (image.channels == 4) {
+    Image8 opaque{image.width, image.height, 3, std::vector<uint8_t>(image.data.size() / 4 * 3)};
+    for (size_t i = 0; i < image.data.size() / 4; ++i) std::copy_n(&image.data[4 * i], 3, &opaque.data[3 * i]);
+    image = std::move(opaque);
+  }
+  WriteFileAtomically(target, CompressJpeg(image, kCopyQuality));
 }
 
 void PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
-  if (staged.is_upright_copy) {
-    WritePng(target, ReadImage(view.image_path));
+  if (staged.is_copy) {
+    WriteCopy(view, target);
     return;
   }
   std::error_code error;
@@ -131,8 +147,8 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     const CameraKey key = CameraKeyOf(view);
     const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
     if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
-    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, NeedsUprightCopy(view)};
-    if (staged.is_upright_copy) staged.name += ".png";
+    StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, NeedsCopy(view)};
+    if (staged.is_copy) staged.name += ".jpg";
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
       taken.insert(staged.name);
@@ -180,6 +196,7 @@ nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views)
                              {"height", view.intrinsics.height},
                              {"params", view.intrinsics.params}};
     }
+    if (view.focal_prior > 0) entry["focal_prior"] = view.focal_prior;
     if (view.cam_from_world) {
       const Eigen::Matrix<double, 3, 4> pose = view.cam_from_world->matrix().topRows<3>();
       for (int row = 0; row < 3; ++row) {
@@ -188,7 +205,7 @@ nlohmann::json DescribeInputs(const Scene& scene, const std::vector<int>& views)
     }
     images.push_back(std::move(entry));
   }
-  return {{"format", 3}, {"images", std::move(images)}};
+  return {{"format", 4}, {"images", std::move(images)}};
 }
 
 }  // namespace oraclegs

@@ -12,9 +12,9 @@ namespace oraclegs {
 
 /// Where one view stands below work_dir/images.
 struct StagedView {
-  std::string name;              ///< "camera0/0001.jpg", unique, without blanks
-  int camera = 0;                ///< views with equal intrinsics (of one size, when these are unknown) share it
-  bool is_upright_copy = false;  ///< colmap ignores the EXIF tag that turns it, so an upright copy is written
+  std::string name;      ///< "camera0/0001.jpg", unique, without blanks
+  int camera = 0;        ///< views with equal intrinsics share it; unknown ones: of one size, camera and focal length
+  bool is_copy = false;  ///< a JPEG is written: colmap would see the image unturned, or reads no such file
 };
 
 /// One entry per element of `views`. Reads headers of the images, writes nothing.
@@ -22,7 +22,7 @@ struct StagedView {
 std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views);
 
 /// Makes work_dir/images and work_dir/masks anew as planned; returns whether there are masks. Images are linked,
-/// and copied only where links are not possible. A mask (masks/NAME.png) joins the view's mask file and its alpha
+/// and copied only where that does not do. A mask (masks/NAME.png) joins the view's mask file and its alpha
 /// channel: black where features must not be found.
 /// Throws InputError for an image or mask that cannot be read, RunError when work_dir cannot be written.
 bool StageImages(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,

@@ -72,7 +72,7 @@ class AttemptRunner {
   int images() const { return static_cast<int>(request_.names.size()); }
 
   ColmapRunner Colmap(const std::string& database) const {
-    return ColmapRunner(request_.work_dir, listener_, (folder_.filename() / (database + ".db")).string());
+    return ColmapRunner(request_.work_dir, listener_, "register", (folder_.filename() / (database + ".db")).string());
   }
 
   std::string Registered() const {
@@ -83,6 +83,7 @@ class AttemptRunner {
   /// The first set is matched in any case: its matches say why images are missing.
   void Try(const FeatureSet& set, const ColmapRunner& colmap, bool is_first) {
     colmap.ExtractFeatures("SIMPLE_RADIAL", request_.has_masks, set.extraction);
+    SetFocalPriors(colmap.database(), request_.focal_priors);
     if (is_first) first_database_ = colmap.database();
     if (!is_first && !CanMatch(colmap)) return;
     colmap.MatchExhaustively(set.matching);

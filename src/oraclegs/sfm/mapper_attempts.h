@@ -2,6 +2,7 @@
 // Runs the attempts of retry_schedule.h in a folder of structure from motion, and keeps the best model of all.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct AttemptRequest {
   std::vector<std::string> names;  ///< of the images, below work_dir/images
   bool has_masks = false;
   std::filesystem::path work_dir;
+  std::map<std::string, double> focal_priors = {};  ///< pixels, by name of the image, where EXIF says it
 };
 
 struct AttemptResult {

@@ -219,7 +219,7 @@ std::vector<std::string> PoseWarnings(const Scene& scene, const std::vector<int>
   } else if (!alone.empty()) {
     warnings.push_back(
         fmt::format("{} each see nothing that another training photo sees, so their depth cannot be found; add "
-                    "photos between them and their neighbours, or correct their poses",
+                    "photos between them and their neighbors, or correct their poses",
                     SomeNames(alone)));
   }
   return warnings;

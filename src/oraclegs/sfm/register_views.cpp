@@ -11,6 +11,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
@@ -99,7 +100,7 @@ std::vector<ViewReport> GatherEvidence(const Scene& photos, const Distinct& dist
   }
   throw InputError(
       "{}: the cameras of its {} photos could not be found: {}. Take them again with more overlap between "
-      "neighbours and sharp, textured surfaces, or give poses (transforms.json or a COLMAP model); see {}",
+      "neighbors and sharp, textured surfaces, or give poses (transforms.json or a COLMAP model); see {}",
       photos.root.string(), photos.views.size(), WhyMissing(report), see);
 }
 
@@ -107,7 +108,11 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
                             const fs::path& work_dir, const Listener& listener) {
   AttemptRequest request;
   request.work_dir = work_dir;
-  for (const StagedView& staged : plan) request.names.push_back(staged.name);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    request.names.push_back(plan[i].name);
+    const double focal = photos.views[distinct.views[i]].focal_prior;
+    if (focal > 0) request.focal_priors[plan[i].name] = focal;
+  }
   AttemptResult result;
   try {
     request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
@@ -169,7 +174,7 @@ Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listene
   ModelInScene model = ReadModel(photos, distinct.views, plan, work_dir, listener);
   for (const std::string& warning : warnings) listener(Warning{warning});
   if (model.views.size() == photos.views.size()) {
-    listener(Note{fmt::format("registered {} of {} photos", model.views.size(), photos.views.size())});
+    listener(Note{fmt::format("registered {} of {}", model.views.size(), Counted(photos.views.size(), "photo"))});
   }
   return RegisteredScene(photos, std::move(model));
 }

@@ -10,6 +10,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/sfm/colmap_database.h"
@@ -54,7 +55,7 @@ size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const 
 
 void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const fs::path& work_dir, const Listener& listener) {
-  const ColmapRunner colmap(work_dir, listener);
+  const ColmapRunner colmap(work_dir, listener, "sfm");
   const bool has_masks = StageImages(scene, views, plan, work_dir);
   colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
   if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {
@@ -109,7 +110,8 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
   WriteFileAtomically(work_dir / "points.ply", PointsPly(points));
   MarkDone(work_dir, inputs);
   RemoveAttempts(work_dir);
-  listener(Note{fmt::format("triangulated {} points from {} views", points.size(), views.size())});
+  listener(
+      Note{fmt::format("triangulated {} from {}", Counted(points.size(), "point"), Counted(views.size(), "view"))});
   return points;
 }
 
