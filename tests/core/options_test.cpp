@@ -107,10 +107,12 @@ TEST(SetOption, NamesTheKnownWords) {
 
 TEST(SetOption, RefusesTextThatIsNoNumber) {
   int views = 3;
-  for (const char* text : {"", "x", "1x", "99999999999999999999"}) {
+  for (const char* text : {"", "x", "1x"}) {
     EXPECT_EQ(UsageMessage([&] { SetOption("views", text, &views); }),
-              fmt::format("--views is '{}', must be a number", text));
+              fmt::format("--views is '{}', must be a whole number", text));
   }
+  EXPECT_EQ(UsageMessage([&] { SetOption("views", "99999999999999999999", &views); }),
+            "--views is '99999999999999999999', which is too large");
   EXPECT_EQ(views, 3);
 }
 

@@ -71,6 +71,8 @@ TEST(IsUtf8, RefusesIncompleteCharacters) {
   EXPECT_FALSE(IsUtf8("\xC3"));  // cut short
 }
 
+TEST(OneLine, ReplacesControlCharacters) { EXPECT_EQ(OneLine("a\nb\tc\x7F \xC3\xA4"), "a?b?c? \xC3\xA4"); }
+
 TEST(EscapeBytes, ShowsBytesOutsideAscii) { EXPECT_EQ(EscapeBytes("caf\xE9.jpg"), "caf\\xE9.jpg"); }
 
 TEST(Printable, IsShortAndAscii) {

@@ -110,8 +110,9 @@ void SetOption(const char* name, const std::string& text, T* field) {
   } else if constexpr (std::is_arithmetic_v<T>) {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::result_out_of_range) throw UsageError("--{} is '{}', which is too large", name, text);
     if (error != std::errc() || end != text.data() + text.size()) {
-      throw UsageError("--{} is '{}', must be a number", name, text);
+      throw UsageError("--{} is '{}', must be a {}number", name, text, std::is_integral_v<T> ? "whole " : "");
     }
     *field = value;
   } else {

@@ -6,8 +6,18 @@
 #include <functional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace oraclegs {
+
+/// The stages that a run will go through, in their order, and how long each is expected to take.
+struct RunPlanned {
+  struct Planned {
+    std::string stage;
+    double seconds = 0;  ///< 0 = nobody knows
+  };
+  std::vector<Planned> stages;
+};
 
 /// A stage of the pipeline ("sfm", "train", ...) begins.
 struct StageStarted {
@@ -48,7 +58,7 @@ struct Note {
   std::string text;
 };
 
-using Event = std::variant<StageStarted, StepDone, StageFinished, StageKept, FileWritten, Warning, Note>;
+using Event = std::variant<RunPlanned, StageStarted, StepDone, StageFinished, StageKept, FileWritten, Warning, Note>;
 
 /// Receives events on the thread that runs the stage. Must not be empty when passed to the library; see Silent().
 using Listener = std::function<void(const Event&)>;

@@ -93,6 +93,13 @@ bool IsUtf8(const std::string& text) {
   }
 }
 
+std::string OneLine(std::string name) {
+  for (char& c : name) {
+    if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
+  }
+  return name;
+}
+
 std::string EscapeBytes(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

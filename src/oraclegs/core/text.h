@@ -31,6 +31,9 @@ std::string ShellQuoted(const std::string& word);
 /// True when `text` can stand in JSON as it is.
 bool IsUtf8(const std::string& text);
 
+/// A file name in a message, which is one line: control characters become '?'.
+std::string OneLine(std::string name);
+
 /// Bytes outside ASCII as \xNN, to show a name that is not UTF-8.
 std::string EscapeBytes(const std::string& text);
 

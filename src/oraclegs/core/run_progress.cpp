@@ -1,0 +1,70 @@
+#include "oraclegs/core/run_progress.h"
+
+#include <algorithm>
+
+namespace oraclegs {
+namespace {
+
+// Seconds of finished stages that count as planned right, so that a first short stage does not decide.
+constexpr double kPriorSeconds = 20;
+
+}  // namespace
+
+RunProgress::Row* RunProgress::Find(const std::string& stage) {
+  const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.stage == stage; });
+  return row == rows_.end() ? nullptr : &*row;
+}
+
+void RunProgress::Add(const Event& event, Clock::time_point now) {
+  if (const auto* planned = std::get_if<RunPlanned>(&event)) {
+    rows_.clear();
+    current_.clear();
+    for (const auto& p : planned->stages) rows_.push_back({p.stage, p.seconds, std::nullopt});
+  } else if (const auto* start = std::get_if<StageStarted>(&event)) {
+    if (Find(start->stage) == nullptr) return;
+    current_ = start->stage;
+    since_ = now;
+  } else if (const auto* end = std::get_if<StageFinished>(&event)) {
+    if (Row* row = Find(end->stage)) row->took = end->seconds;
+    if (end->stage == current_) current_.clear();
+  } else if (const auto* kept = std::get_if<StageKept>(&event)) {
+    // What was read back took no time worth planning by.
+    if (Row* row = Find(kept->stage)) row->planned = 0, row->took = 0;
+  }
+}
+
+std::optional<RunProgress::Place> RunProgress::PlaceOf(const std::string& stage) const {
+  for (size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].stage == stage)
+      return Place{static_cast<int>(i) + 1, static_cast<int>(rows_.size()), rows_[i].planned};
+  }
+  return std::nullopt;
+}
+
+double RunProgress::Slowness() const {
+  double planned = kPriorSeconds, took = kPriorSeconds;
+  for (const Row& row : rows_) {
+    if (row.took && row.planned > 0) planned += row.planned, took += *row.took;
+  }
+  return took / planned;
+}
+
+double RunProgress::SecondsLeft(double stage_left, Clock::time_point now) const {
+  const double slowness = Slowness();
+  double left = 0;
+  for (const Row& row : rows_) {
+    if (row.took) continue;
+    if (row.stage != current_) {
+      if (row.planned <= 0) return 0;
+      left += row.planned * slowness;
+    } else if (stage_left > 0) {
+      left += stage_left;
+    } else {
+      const double spent = std::chrono::duration<double>(now - since_).count();
+      left += std::max(0.0, row.planned * slowness - spent);
+    }
+  }
+  return left;
+}
+
+}  // namespace oraclegs

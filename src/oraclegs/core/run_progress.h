@@ -1,0 +1,49 @@
+#pragma once
+// Where a whole run stands: which of its stages is at work, and how long it will still take.
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+
+namespace oraclegs {
+
+/// Follows the events of a run that began with RunPlanned. Of other runs it knows nothing.
+class RunProgress {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct Place {
+    int number = 0;      ///< of the stage, from 1
+    int of = 0;          ///< stages in all
+    double seconds = 0;  ///< that it is expected to take; 0 = nobody knows
+  };
+
+  void Add(const Event& event, Clock::time_point now = Clock::now());
+
+  /// Nothing for a stage that was not planned.
+  std::optional<Place> PlaceOf(const std::string& stage) const;
+
+  /// Of the whole run; 0 = nobody knows. `stage_left`: what the stage at work measured itself, 0 = nothing yet. What is
+  /// to come is expected to be as much slower or faster than planned as what is done was.
+  double SecondsLeft(double stage_left, Clock::time_point now = Clock::now()) const;
+
+ private:
+  struct Row {
+    std::string stage;
+    double planned = 0;
+    std::optional<double> took;  ///< of a finished stage; 0 of one that was kept
+  };
+
+  Row* Find(const std::string& stage);
+  /// Real by planned seconds of what is finished, drawn to 1 where that is little.
+  double Slowness() const;
+
+  std::vector<Row> rows_;
+  std::string current_;
+  Clock::time_point since_;
+};
+
+}  // namespace oraclegs
