@@ -162,7 +162,7 @@ TEST_F(FolderTest, WarnsOfUnusableConfidence) {
       events_.warnings,
       ::testing::UnorderedElementsAre(
           AllOf(HasSubstr("confidence: 1 confidence maps"), HasSubstr("another shape than"), HasSubstr(": c.png")),
-          AllOf(HasSubstr("in colours"), HasSubstr(": d.png")), AllOf(HasSubstr("not readable"), HasSubstr(": e.png")),
+          AllOf(HasSubstr("in colors"), HasSubstr(": d.png")), AllOf(HasSubstr("not readable"), HasSubstr(": e.png")),
           AllOf(HasSubstr("2 proposals have no confidence map"), HasSubstr("b.png, f.png"))));
 }
 

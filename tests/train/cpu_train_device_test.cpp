@@ -37,6 +37,13 @@ TEST_F(CpuTrainDeviceTest, SmoothsTheLossFromTheRestoredOne) {
   const LossReport loss = device->Loss();
   EXPECT_GT(loss.last, 0);
   EXPECT_DOUBLE_EQ(loss.smoothed, kLossSmoothing * 10 + (1 - kLossSmoothing) * loss.last);
+  const TermSums terms = device->Terms();
+  EXPECT_EQ(terms.photos, 1);
+  EXPECT_EQ(terms.proposals, 0);
+  EXPECT_NEAR((1 - options.ssim_weight) * terms.l1 + options.ssim_weight * terms.dssim + terms.depth + terms.alpha +
+                  terms.regularization,
+              loss.last, 1e-6);
+  EXPECT_EQ(terms.Since(terms).l1, 0);
 }
 
 TEST_F(CpuTrainDeviceTest, HasNoExposuresWithoutTrainingThem) {

@@ -155,7 +155,7 @@ TEST(TrainerProposalsTest, SaysOnceThatLpipsIsMissing) {
   const TrainingData data{Photos(2), Proposals(2)};
   const std::vector<std::string> notes = Notes(Options(5), data);
   ASSERT_EQ(notes.size(), 1u);
-  EXPECT_THAT(notes[0], HasSubstr("no LPIPS network: its share of the proposals' loss goes to L1, which has 0.70"));
+  EXPECT_THAT(notes[0], HasSubstr("without LPIPS: its weight in the loss on proposals goes to L1, which has 0.70"));
 
   EXPECT_TRUE(Notes(Options(5), Photos(2)).empty());
   TrainOptions options = Options(5);

@@ -103,6 +103,19 @@ TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& 
   return metrics;
 }
 
+double MeanPsnr(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options) {
+  const std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(gaussians.means.device());
+  double sum = 0;
+  int scored = 0;
+  for (const LoadedView& view : views) {
+    if (CountsNowhere(view)) continue;
+    const RenderOutput out = rasterizer->Forward(gaussians, view.camera, options, RenderPass::kInference);
+    sum += Psnr(Quantized(out.image.To(kCpu)), Quantized(ToBuffer(view.rgb)), MaskOf(view));
+    ++scored;
+  }
+  return scored == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / scored;
+}
+
 nlohmann::json ToJson(const TestMetrics& metrics) {
   nlohmann::json views = nlohmann::json::array();
   for (const ViewMetrics& view : metrics.views) {

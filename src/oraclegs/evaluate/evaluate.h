@@ -52,6 +52,10 @@ struct TestMetrics {
 TestMetrics Evaluate(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options,
                      const EvaluateExtras& extras, const Listener& listener);
 
+/// The mean PSNR of the same comparison, NaN when no view is scored. Does not look for interrupts: who trains saves
+/// first.
+double MeanPsnr(const Gaussians& gaussians, const std::vector<LoadedView>& views, const RenderOptions& options);
+
 /// {"psnr", "ssim", "psnr_color_corrected", "views": [{"name", "psnr", "ssim", "psnr_color_corrected"}]}, and of each
 /// further score its name in both and in "conventions"; the means are null when no view is scored.
 nlohmann::json ToJson(const TestMetrics& metrics);

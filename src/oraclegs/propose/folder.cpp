@@ -114,7 +114,7 @@ void LoadConfidence(const std::filesystem::path& file, const Image8& image, cons
     if (!SameShape(map.width, map.height, image.width, image.height, kMapTolerance)) {
       loaded->confidence_lost = "of another shape than their images";
     } else if (!IsGrey(map)) {
-      loaded->confidence_lost = "in colours instead of grey";
+      loaded->confidence_lost = "in colors instead of gray";
     } else {
       const ImageF resized = ResizeArea(Composited(map, {}), camera.width, camera.height);
       for (size_t i = 0; i < resized.data.size(); i += 3) {
@@ -163,7 +163,7 @@ void WarnOfConfidence(const FolderContent& content, const SkippedImages& lost, c
   const std::string dir = content.confidence_dir.string();
   for (const auto& [why, names] : lost) {
     listener(
-        Warning{fmt::format("{}: {} confidence maps are {} and not used: {}; write them as 8-bit grey PNG of the "
+        Warning{fmt::format("{}: {} confidence maps are {} and not used: {}; write them as 8-bit gray PNG of the "
                             "image's size",
                             dir, names.size(), why, SomeNames(names))});
   }

@@ -18,7 +18,7 @@ struct EnumWords<ProposerChoice> {
 };
 
 struct ProposeOptions {
-  ProposerChoice proposers = ProposerChoice::kSplat;
+  Auto<ProposerChoice> proposers = {};  ///< see Choice
   std::string generator;
   std::filesystem::path proposal_folder;
   int proxy_models = 2;
@@ -29,9 +29,10 @@ struct ProposeOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("proposers", self.proposers,
-          "What proposes new views: splat = the mean of proxy models, models of the scene that are trained first, each "
-          "at the beginning without some of the photos; warp = photos warped by their depth; both; seva = a generative "
-          "network that needs weights; all = these three; command = the program of --generator alone; none = nothing");
+          "What proposes new views: splat = an ensemble of proxy models, short trainings that each hold some photos "
+          "out; warp = photos warped by their depth; both; seva = Stable Virtual Camera, a generative network that "
+          "needs weights; all = these three; command = the program of --generator alone; none = nothing; auto = splat, "
+          "or warp with --quality draft");
     visit("generator", self.generator,
           "Shell command of a program that generates the proposed views: from the folder {request}, with their poses, "
           "the photos warped to them and masks of the holes, into the folder {answer}, one image for each pose, e.g. "
@@ -41,29 +42,32 @@ struct ProposeOptions {
           "Also train on these views, made by any other generator: images with transforms.json, or synthetic_N/ named "
           "like the scene's images, with synthetic_N_attention_maps/ as their confidence");
     visit("proxy-models", self.proxy_models,
-          "Proxy models that splat trains; of few photos more, so that each sees three", Range{2, 16});
+          "Proxy models to train for splat; of few photos more, so that each sees three", Range{2, 16});
     visit("proxy-share", self.proxy_share,
-          "Iterations of a proxy model without its held-out photos, as a share of --iterations: how wrong it then is "
-          "about those is what the oracle learns from",
+          "Iterations of a proxy model with photos held out, as a fraction of --iterations; the errors on these photos "
+          "calibrate the confidence",
           Range{0.01, 1});
     visit("proxy-finish", self.proxy_finish,
-          "Iterations that follow with all photos, as a share of --iterations; proposals are rendered from the models "
-          "after these; 0 = from the models with photos held out",
+          "Iterations that follow with all photos, as a fraction of --iterations; proposals are rendered from the "
+          "models after these; 0 = from the models with photos held out",
           Range{0, 1});
     visit("proxy-gaussians", self.proxy_gaussians,
-          "Gaussians of a proxy model at most; auto = as many as --max-gaussians", Range{1, 1e8});
+          "Maximum number of Gaussians of a proxy model; auto = as many as --max-gaussians", Range{1, 1e8});
   }
+
+  ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }
 
   /// Whether nothing but proxy models proposes.
   bool ByProxiesAlone() const {
-    return proposers == ProposerChoice::kSplat && generator.empty() && proposal_folder.empty();
+    return Choice() == ProposerChoice::kSplat && generator.empty() && proposal_folder.empty();
   }
 
   /// Whether warp, splat or seva is among those that --proposers names, or the command of --generator is to be asked.
   bool Uses(ProposerChoice one) const {
-    if (one == ProposerChoice::kCommand) return proposers != ProposerChoice::kNone && !generator.empty();
-    return proposers == one || proposers == ProposerChoice::kAll ||
-           (proposers == ProposerChoice::kBoth && one != ProposerChoice::kSeva);
+    const ProposerChoice choice = Choice();
+    if (one == ProposerChoice::kCommand) return choice != ProposerChoice::kNone && !generator.empty();
+    return choice == one || choice == ProposerChoice::kAll ||
+           (choice == ProposerChoice::kBoth && one != ProposerChoice::kSeva);
   }
 };
 

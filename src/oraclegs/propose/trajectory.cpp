@@ -8,6 +8,7 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/propose/candidates.h"
 #include "oraclegs/propose/coverage.h"
@@ -162,7 +163,8 @@ void Report(Trajectory trajectory, const Sifted& sifted, size_t chosen, const Li
                             "--trajectory when too few are left",
                             word, reasons)});
   }
-  listener(Note{fmt::format("{} poses for proposals chosen by trajectory '{}' ({})", chosen, word, reasons)});
+  listener(
+      Note{fmt::format("{} for proposals chosen by trajectory '{}' ({})", Counted(chosen, "pose"), word, reasons)});
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct TrajectoryOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("trajectory", self.trajectory,
-          "Poses of the proposals: dataset = poses of the scene that are neither training nor test, orbit, spiral, "
+          "Camera poses of the proposals: dataset = poses of the scene that neither train nor test, orbit, spiral, "
           "interpolate = a path through the training poses, coverage = where the photos leave most unseen, auto = "
           "dataset when it has at least 4 poses, else coverage");
     visit(

@@ -58,6 +58,7 @@ class CpuTrainDevice final : public TrainDevice {
   RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) override {
     const ViewLossResult result = view_loss_(iteration.view, iteration.number, out);
     loss_of_view_ = result.loss;
+    AddTerms(iteration.view.kind, result);
     return result.grads;
   }
 
@@ -68,6 +69,7 @@ class CpuTrainDevice final : public TrainDevice {
     if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
     const double loss = loss_of_view_ + regularizers_.Value();
+    terms_.regularization += regularizers_.Value();
     RequireFinite(loss, iteration.number, plan_.View(iteration.view, iteration.number));
     loss_.last = loss;
     loss_.smoothed = iteration.number == 1 ? loss : kLossSmoothing * loss_.smoothed + (1 - kLossSmoothing) * loss;
@@ -81,12 +83,13 @@ class CpuTrainDevice final : public TrainDevice {
     Gaussians* gaussians = &model->gaussians;
     if (options_.prune_floaters) PruneFloaters(plan_.photos(), gaussians);
     RelocateDead(iteration.seed, iteration.number, gaussians, &model->adam);
-    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians, gaussians, &model->adam);
+    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians.value(), gaussians, &model->adam);
     AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
   }
 
   LossReport Loss() override { return loss_; }
   void RestoreLoss(double smoothed) override { loss_ = {0, smoothed}; }
+  TermSums Terms() const override { return terms_; }
 
   ExposureState exposures() const override {
     const Exposures* exposures = view_loss_.exposures();
@@ -97,6 +100,16 @@ class CpuTrainDevice final : public TrainDevice {
   }
 
  private:
+  void AddTerms(ViewKind kind, const ViewLossResult& result) {
+    if (kind == ViewKind::kProposal) {
+      ++terms_.proposals;
+      terms_.proposal += result.loss;
+      return;
+    }
+    ++terms_.photos;
+    terms_.l1 += result.photometric.l1, terms_.dssim += result.photometric.dssim;
+    terms_.depth += result.depth, terms_.alpha += result.alpha;
+  }
   static TrainedModel Copy(const TrainedModel& model) {
     TrainedModel copy = model;
     for (Gaussians* group : {&copy.gaussians, &copy.adam.m, &copy.adam.v}) *group = group->Clone();
@@ -112,6 +125,7 @@ class CpuTrainDevice final : public TrainDevice {
   Buffer<float> opacity_factors_;  // [N]
   double loss_of_view_ = 0;
   LossReport loss_;
+  TermSums terms_;
 };
 
 }  // namespace

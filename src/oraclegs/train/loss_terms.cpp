@@ -56,7 +56,7 @@ LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
       photos_{CleanPhotos(std::move(data.photos)), {}},
       proposals_{CleanProposals(std::move(data.proposals), options), {}},
       lpips_(std::move(data.lpips)),
-      coarse_iterations_(CoarseIterations(options.coarse_share, options.iterations)),
+      coarse_iterations_(CoarseIterations(options.coarse_share, options.iterations.value())),
       depth_scale_(options.depth_weight *
                    (options.depth_loss == DepthLoss::kPaper ? 1 : SceneDepth(photos_.full, proposals_.full))) {
   CheckShares(options);
@@ -104,7 +104,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
   if (!is_proposal && options_.exposure == ExposureMode::kOn) {
     terms.Add({TermKind::kExposure, kExposureRegularizer});
     terms.exposure = sampled.index;
-    const bool is_last = iteration >= options_.iterations;
+    const bool is_last = iteration >= options_.iterations.value();
     terms.exposure_rate = is_last ? 0 : ExposureLearningRate(iteration, options_.Horizon());
   }
   if (is_proposal && lpips_) {

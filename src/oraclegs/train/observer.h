@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/function_ref.h"
 #include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/train/term_sums.h"
 
 namespace oraclegs {
 
@@ -17,6 +18,7 @@ struct TrainMoment {
   const Gaussians& gaussians;  ///< on the device of the training; only to be read
   /// Smoothed over the iterations. Waits for the device, and throws RunError where training has diverged.
   FunctionRef<double()> loss;
+  TermSums terms = {};  ///< of the iterations of this process
 };
 
 /// Is called before the first iteration and after each. What it does is no part of the result, but its time is part of

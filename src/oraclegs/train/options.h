@@ -34,11 +34,14 @@ struct EnumWords<ExposureMode> {
   static constexpr EnumWord<ExposureMode> kWords[] = {{ExposureMode::kOn, "on"}, {ExposureMode::kOff, "off"}};
 };
 
+/// Of a training that nothing else is known of.
+inline constexpr int kUsualIterations = 7000, kUsualMaxGaussians = 100000;
+
 /// Everything that decides the numbers of a training run.
 struct TrainOptions {
-  int iterations = 7000;
+  Auto<int> iterations = {};
   int horizon = 0;
-  int max_gaussians = 100000;
+  Auto<int> max_gaussians = {};
   double depth_weight = 1;
   DepthLoss depth_loss = DepthLoss::kRelative;
   double alpha_weight = 0.1;
@@ -68,9 +71,11 @@ struct TrainOptions {
   bool antialiased = false;
   int random_points = 100000;
 
-  /// Nothing automatic is left: it becomes what 3DGS has, which is off.
+  /// Nothing automatic is left: it becomes what 3DGS has, which is off, and the usual sizes.
   TrainOptions Settled() const {
     TrainOptions settled = *this;
+    settled.iterations = iterations.ValueOr(kUsualIterations);
+    settled.max_gaussians = max_gaussians.ValueOr(kUsualMaxGaussians);
     settled.dropout = dropout.ValueOr(0);
     settled.opacity_noise = opacity_noise.ValueOr(0);
     settled.last_rates = last_rates.ValueOr(1);
@@ -80,8 +85,8 @@ struct TrainOptions {
     return settled;
   }
 
-  /// The iterations over which rates, weights and shares run their course.
-  int64_t Horizon() const { return horizon > 0 ? horizon : iterations; }
+  /// The iterations over which rates, weights and shares run their course; of settled options.
+  int64_t Horizon() const { return horizon > 0 ? horizon : iterations.value(); }
 
   /// How often proposals are drawn, as --schedule says; as the paper does where nothing is said.
   ProposalSchedule Proposals() const {
@@ -92,56 +97,58 @@ struct TrainOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("iterations", self.iterations, "Training steps, one photo each", Range{1, 1e7});
+    visit("iterations", self.iterations, "Training steps, one photo each; auto = by --quality, pixels and device",
+          Range{1, 1e7});
     visit("horizon", self.horizon,
           "Iterations over which learning rates, depth weight, schedule and --refine-stop run their course, where "
           "training stops before that; 0 = --iterations. The paper scores a run of 30000 after 15000 or 22000",
           Range{0, 1e7});
-    visit("max-gaussians", self.max_gaussians, "Growth stops at this many Gaussians", Range{1, 1e8});
-    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour", Range{0, 3});
+    visit("max-gaussians", self.max_gaussians,
+          "Growth stops at this many Gaussians; auto = by --quality, pixels and number of photos", Range{1, 1e8});
+    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent color", Range{0, 3});
     visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree",
           Range{1, 1e7});
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
-    visit("ssim-weight", self.ssim_weight, "Share of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
+    visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
     visit(
         "schedule", self.schedule,
         "How often an iteration takes a proposal instead of a photo: paper = synthetic-floor + synthetic-peak * "
         "t (1-t)^3 of them, t the share of the run that is done; constant = synthetic-floor throughout; union = photos "
         "and proposals are drawn from one pile; none = never; "
-        "auto = constant where proxy models alone propose, as often as these are trusted, else paper");
+        "auto = constant where proxy models alone propose, in proportion to their confidence, else paper");
     visit("synthetic-floor", self.synthetic_floor,
-          "Share of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
+          "Fraction of the iterations that take a proposal, at both ends of the run; auto = half of the mean squared "
           "confidence where --schedule auto is constant, else the paper's 0.1",
           Range{0, 1});
     visit("synthetic-peak", self.synthetic_peak,
           "Factor of t (1-t)^3, which adds to the floor and is largest, 0.105, at a quarter of the run", Range{0, 100});
-    visit("proposal-weight", self.proposal_weight, "Factor of a proposal's whole loss", Range{0, 100});
-    visit("proposal-ssim", self.proposal_ssim, "Share of 1-SSIM in a proposal's loss; what SSIM and LPIPS leave is L1",
-          Range{0, 1});
-    visit("proposal-lpips", self.proposal_lpips, "Share of LPIPS in it; without LPIPS weights L1 gets it", Range{0, 1});
-    visit("confidence-gate", self.confidence_gate, "Pixels of proposals of less confidence than this are ignored",
-          Range{0, 1});
+    visit("proposal-weight", self.proposal_weight, "Weight of the loss on proposals, beside that on photos",
+          Range{0, 100});
+    visit("proposal-ssim", self.proposal_ssim,
+          "Weight of 1-SSIM in the loss on proposals; what SSIM and LPIPS leave is L1", Range{0, 1});
+    visit("proposal-lpips", self.proposal_lpips,
+          "Weight of LPIPS in the loss on proposals; L1 gets it where LPIPS's weights are missing", Range{0, 1});
+    visit("confidence-gate", self.confidence_gate, "Ignore pixels of proposals below this confidence", Range{0, 1});
     visit("confidence-power", self.confidence_power,
-          "Exponent of the confidence that weighs the other pixels; 0 = all of them weigh the same", Range{0, 100});
+          "Exponent applied to the confidence that weighs the other pixels; 0 = all weigh the same", Range{0, 100});
     visit("depth-weight", self.depth_weight,
           "Weight of the depth term where a photo has depth: mean |1/z - target| times the scene's typical "
-          "distance, falling to a hundredth over the run (3DGS depth regularisation, Kerbl et al. 2024); 0 = off",
+          "distance, falling to a hundredth over the run (3DGS depth regularization, Kerbl et al. 2024); 0 = off",
           Range{0, 1e3});
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
           "paper = |1/z - target| in scene units, all pixels of known depth alike (equation 5 of the OracleGS paper)");
     visit("alpha-weight", self.alpha_weight,
-          "Weight of the alpha term where a Blender scene's images have that channel: mean |alpha - rendered|, which "
-          "keeps objects from thinning out and their surroundings free of haze; 0 = off",
+          "Weight of the alpha (silhouette) loss where images have an alpha channel: mean |alpha - rendered|; 0 = off",
           Range{0, 1e3});
     visit("exposure", self.exposure,
-          "Learn a colour map (3x4) for each photo, for cameras that chose exposure and white balance anew each "
+          "Learn a color map (3x4) for each photo, for cameras that chose exposure and white balance anew each "
           "time (3DGS exposure compensation, Kerbl et al. 2024); the scene gets the mean exposure. auto = where the "
-          "colours of common surfaces differ");
+          "colors of common surfaces differ");
     visit("dropout", self.dropout,
-          "Share of the Gaussians left out of an iteration, growing linearly from 0 to this at the end; the others are "
-          "made denser to fill in. Keeps few photos from being learnt by heart (DropGaussian, Park et al., CVPR "
-          "2025, uses 0.2); auto = 0.2 for an object before a plain background, else 0",
+          "Dropout rate of the Gaussians at the end of training, growing linearly from 0 (the opacities of the others "
+          "are raised to make up for it); reduces overfitting to few photos (DropGaussian, Park et al., CVPR 2025, "
+          "uses 0.2); auto = 0.2 for an object before a plain background, else 0",
           Range{0, 0.95});
     visit(
         "opacity-noise", self.opacity_noise,
@@ -150,19 +157,19 @@ struct TrainOptions {
         "Sparse-View 3DGS, 2025, uses 0.8); auto = 0.5, 0.3 for an object before a plain background",
         Range{0, 10});
     visit("coarse-share", self.coarse_share,
-          "Share of the iterations, at the beginning, trained on photos of half the size: shapes settle before "
+          "Fraction of the iterations, at the beginning, trained on photos of half the size: shapes settle before "
           "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
           Range{0, 0.9});
     visit("prune-floaters", self.prune_floaters,
-          "At each relocation also move Gaussians that hang 10 % or more before the depth of some photos and on "
-          "that of no more others; needs depth (compare SparseGS, Xiong et al. 2023)");
+          "At each relocation also move floaters: Gaussians at least 10 % in front of the depth maps of as many or "
+          "more photos than confirm them; needs depth (compare SparseGS, Xiong et al. 2023)");
     visit("largest-scale", self.largest_scale,
-          "Largest standard deviation of a Gaussian, as a share of its distance to the nearest photo's camera; "
-          "larger ones grow beside what the photos show and veil views between them; 0 = any",
+          "Maximum standard deviation of a Gaussian, as a fraction of its distance to the nearest camera; larger ones "
+          "fog the views between the photos; 0 = unlimited",
           Range{0, 1e3});
     visit("last-rates", self.last_rates,
-          "Share of their learning rates that colours, opacities, scales and rotations have at the end; they fall over "
-          "the second half of the run. 3DGS keeps them (1); auto = 0.1",
+          "Final factor of the learning rates of color, opacity, scale and rotation, which decay over the second half "
+          "of the run; 1 = constant, as in 3DGS; auto = 0.1",
           Range{1e-6, 1});
     visit("opacity-reg", self.opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
     visit("scale-reg", self.scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
@@ -170,7 +177,8 @@ struct TrainOptions {
           Range{100, 1e8});
     visit("refine-start", self.refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
     visit("refine-every", self.refine_every, "Iterations between relocations", Range{1, 1e7});
-    visit("refine-stop", self.refine_stop, "Share of the iterations after which they end", Range{0, 1});
+    visit("refine-stop", self.refine_stop, "Fraction of the iterations after which relocation and growth end",
+          Range{0, 1});
   }
 };
 

@@ -9,6 +9,7 @@
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/loss_terms.h"
 #include "oraclegs/train/opacity_factors.h"
+#include "oraclegs/train/term_sums.h"
 
 namespace oraclegs {
 
@@ -68,6 +69,8 @@ class TrainDevice {
   /// Waits for the device. Throws RunError when the loss of an iteration since the last call was not finite.
   virtual LossReport Loss() = 0;
   virtual void RestoreLoss(double smoothed) = 0;
+  /// Of all iterations since this was made. A device that would have to wait for them keeps none.
+  virtual TermSums Terms() const { return {}; }
 
   /// Empty where they are not trained.
   virtual ExposureState exposures() const = 0;

@@ -67,7 +67,7 @@ struct Trainer::State {
   Buffer<float> OpacityFactors();
   void Step();
   void ReportLimitations(const Listener& listener) const;
-  bool IsLast(int64_t i) const { return i >= options.iterations; }
+  bool IsLast(int64_t i) const { return i >= options.iterations.value(); }
   /// Not in the last iteration, whose model is scored: nothing would settle what is moved then.
   bool Refines(int64_t i) const {
     return !IsLast(i) && i > options.refine_start &&
@@ -115,7 +115,8 @@ Iteration Trainer::State::NextIteration() {
 /// model as it will be used.
 Buffer<float> Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
-  const OpacityPerturbation perturbation{seed, i, DropProbability(options.dropout.value(), i, options.iterations),
+  const OpacityPerturbation perturbation{seed, i,
+                                         DropProbability(options.dropout.value(), i, options.iterations.value()),
                                          IsLast(i) ? 0 : options.opacity_noise.value()};
   return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Buffer<float>();
 }
@@ -150,10 +151,10 @@ void Trainer::State::ReportLimitations(const Listener& listener) const {
   const bool uses_proposals =
       plan.num_proposals() > 0 && schedule.floor + schedule.peak > 0 && options.proposal_weight > 0;
   if (uses_proposals && options.proposal_lpips > 0 && !plan.has_lpips()) {
-    listener(
-        Note{fmt::format("there is no LPIPS network: its share of the proposals' loss goes to L1, which has {:.2f}; "
-                         "`oraclegs models fetch lpips-vgg` brings one",
-                         1 - options.proposal_ssim)});
+    listener(Note{fmt::format(
+        "without LPIPS: its weight in the loss on proposals goes to L1, which has {:.2f} (`oraclegs models fetch "
+        "lpips-vgg` downloads the network)",
+        1 - options.proposal_ssim)});
   }
 }
 
@@ -173,9 +174,9 @@ Trainer::~Trainer() = default;
 
 void Trainer::Restore(const Checkpoint& checkpoint) {
   State& s = *state_;
-  if (checkpoint.iteration > s.options.iterations) {
+  if (checkpoint.iteration > s.options.iterations.value()) {
     throw InputError("the checkpoint stands at iteration {}, this run ends at {}", checkpoint.iteration,
-                     s.options.iterations);
+                     s.options.iterations.value());
   }
   checkpoint.gaussians.Check("Trainer::Restore");
   const int64_t n = checkpoint.gaussians.size();
@@ -208,7 +209,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   s.timings = {};
   s.timed_since = s.iteration;
   s.ReportLimitations(listener);
-  const int64_t total = s.options.iterations;
+  const int64_t total = s.options.iterations.value();
   const double seconds_before = s.seconds;
   const Stopwatch watch;
   const auto save = [&] {
@@ -219,7 +220,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   };
   const auto loss = [&] { return s.device->Loss().smoothed; };
   const auto show = [&] {
-    if (observer) observer({s.iteration, total, s.seconds, s.model.gaussians, loss});
+    if (observer) observer({s.iteration, total, s.seconds, s.model.gaussians, loss, s.device->Terms()});
   };
   int64_t reported = s.iteration;
   Stopwatch since_report;

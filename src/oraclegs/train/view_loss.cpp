@@ -49,18 +49,21 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
     exposures_->Apply(*terms.exposure, out.image, shown);
   }
   const Rendered rendered{view, out, shown, terms.exposure};
-  for (const LossTerm& term : terms) result.loss += Evaluate(term, rendered, &result.grads);
+  for (const LossTerm& term : terms) result.loss += Evaluate(term, rendered, &result);
   RequireFinite(result.loss, iteration, view);
   if (terms.exposure_rate > 0) exposures_->Step(*terms.exposure, exposure_gradient_, terms.exposure_rate);
   return result;
 }
 
-double ViewLoss::Evaluate(const LossTerm& term, const Rendered& rendered, RenderGrads* grads) {
+double ViewLoss::Evaluate(const LossTerm& term, const Rendered& rendered, ViewLossResult* result) {
+  RenderGrads* grads = &result->grads;
   const TrainView& view = rendered.view;
   const Buffer<float>&target = PlaneOf(view, term.target), &mask = PlaneOf(view, term.mask);
   switch (term.kind) {
     case TermKind::kPhotometric:
-      return photometric_(rendered.shown, target, {mask, term.mask_meaning}, term.photometric, &grads->image).loss;
+      result->photometric =
+          photometric_(rendered.shown, target, {mask, term.mask_meaning}, term.photometric, &grads->image);
+      return result->photometric.loss;
     case TermKind::kExposure:
       exposure_gradient_ = exposures_->Backward(*rendered.exposure, rendered.out.image, grads->image);
       return exposures_->AddRegularizer(*rendered.exposure, term.weight, &exposure_gradient_);
@@ -68,10 +71,10 @@ double ViewLoss::Evaluate(const LossTerm& term, const Rendered& rendered, Render
       return term.weight * plan_.lpips()(rendered.out.image, target, term.weight, &grads->image);
     case TermKind::kInvDepth:
       grads->inv_depth = grad_inv_depth_.Get({view.camera.height, view.camera.width});
-      return MaskedL1(rendered.out.inv_depth, target, mask, term.weight, &grads->inv_depth);
+      return result->depth = MaskedL1(rendered.out.inv_depth, target, mask, term.weight, &grads->inv_depth);
     case TermKind::kAlpha:
       grads->alpha = grad_alpha_.Get({view.camera.height, view.camera.width});
-      return MaskedL1(rendered.out.alpha, target, mask, term.weight, &grads->alpha);
+      return result->alpha = MaskedL1(rendered.out.alpha, target, mask, term.weight, &grads->alpha);
   }
   return 0;
 }

@@ -12,7 +12,9 @@ namespace oraclegs {
 
 struct ViewLossResult {
   double loss = 0;
-  RenderGrads grads;  ///< valid until the next view's
+  PhotometricValue photometric;
+  double depth = 0, alpha = 0;  ///< these terms, with their weights
+  RenderGrads grads;            ///< valid until the next view's
 };
 
 /// The loss of a view, by the terms of a plan. Owns the exposure maps where they are trained.
@@ -33,7 +35,7 @@ class ViewLoss {
  private:
   struct Rendered;
 
-  double Evaluate(const LossTerm& term, const Rendered& rendered, RenderGrads* grads);
+  double Evaluate(const LossTerm& term, const Rendered& rendered, ViewLossResult* result);
 
   const LossPlan& plan_;
   PhotometricLoss photometric_;

@@ -114,7 +114,7 @@ void RunFindSurfaces(const SurfacesInput& in, cudaStream_t stream) {
 }
 
 void RunShade(const ShadeInput& in, cudaStream_t stream) {
-  Launch("colouring a warp", Shade, ShapeFor(static_cast<int64_t>(in.scene.pixels())), stream, in);
+  Launch("coloring a warp", Shade, ShapeFor(static_cast<int64_t>(in.scene.pixels())), stream, in);
 }
 
 }  // namespace oraclegs::cuda

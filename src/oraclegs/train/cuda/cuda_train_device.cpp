@@ -42,7 +42,7 @@ class CudaTrainDevice final : public TrainDevice {
         options_(setup.options),
         plan_(setup.plan),
         rasterizer_(MakeCudaRasterizer(device)),
-        capacity_(std::max<int64_t>(options_.max_gaussians, setup.start)),
+        capacity_(std::max<int64_t>(options_.max_gaussians.value(), setup.start)),
         loss_(plan_, ViewsOnDevice(), device) {
     ReserveForCapacity();
     accumulator_.ReserveExactly(1);
@@ -143,7 +143,7 @@ class CudaTrainDevice final : public TrainDevice {
     }
     const RefineInput in = Refinement(iteration, *model);
     RunRelocate(in, kStream);
-    if (const int64_t added = GrowthOf(n, options_.max_gaussians); added > 0) {
+    if (const int64_t added = GrowthOf(n, options_.max_gaussians.value()); added > 0) {
       RunWeigh(in, kStream);
       total_weight_.Ask(in.scratch.weights + n - 1, kStream);
       if (total_weight_.Get() > 0) {

@@ -126,7 +126,7 @@ __global__ void AddNoiseToAll(NoiseInput in) {
 }  // namespace
 
 void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream) {
-  Launch("the sums of the regularisers", SumRegularizers, LaunchShape::For(in.count, kStepBlock), stream, in);
+  Launch("the sums of the regularizers", SumRegularizers, LaunchShape::For(in.count, kStepBlock), stream, in);
 }
 
 void RunStep(const GaussianBackwardInput& in, const StepConstants& step) {
