@@ -115,7 +115,7 @@ TEST(AblationMarkdown, HasHeadingTablesAndNotes) {
             "\n"
             "    oraclegs ablate fox -o out\n"
             "\n"
-            "| row | PSNR, dB | SSIM | LPIPS | PSNR, colour-corrected | gain, dB | training |\n"
+            "| row | PSNR, dB | SSIM | LPIPS | PSNR, color-corrected | gain, dB | training |\n"
             "| --- | --- | --- | --- | --- | --- | --- |\n"
             "| 1 MCMC, random start | 21.00 ± 1.00 | 0.2100 ± 0.0100 | 0.2900 ± 0.0100 | 22.00 ± 1.00 | - | 1:00 |\n"
             "| 2 + proposals | failed: scene: no points | | | | | |\n"

@@ -125,7 +125,7 @@ TEST(AblationRows, AskAGeneratorAloneBeforeTheProxyModels) {
     EXPECT_EQ(RowOptions(row, asked).propose.generator, "generate");
     EXPECT_EQ(RowOptions(row, asked).propose.proposers, ProposerChoice::kCommand);
   }
-  EXPECT_EQ(RowOptions(10, asked).propose.proposers, ProposerChoice::kSplat);
+  EXPECT_EQ(RowOptions(10, asked).propose.Choice(), ProposerChoice::kSplat);
 }
 
 TEST(ChooseRows, ByNumberAndName) {

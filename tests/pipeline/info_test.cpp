@@ -17,6 +17,8 @@ TEST_F(InfoTest, DescribesScenesWorkspacesAndModels) {
   EXPECT_EQ(ply.at("kind"), "gaussians");
   EXPECT_EQ(ply.at("gaussians"), metrics->at("gaussians"));
   EXPECT_EQ(ply.at("sh_degree"), 3);
+  EXPECT_EQ(Describe(request->scene / "images", Silent()).at("sizes"), nlohmann::json({{"48x36", 6}}))
+      << "of plain photos";
   EXPECT_THROW(Describe(*temp / "nowhere", Silent()), InputError);
 }
 

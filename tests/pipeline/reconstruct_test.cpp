@@ -48,7 +48,9 @@ TEST_F(ReconstructTest, WithoutTestViewsThereAreNoScoresButAModel) {
   all.options.split.test_every = 0;
   const auto scored = Reconstruct(all, recorder.AsListener());
   EXPECT_TRUE(scored.at("test").at("psnr").is_null());
-  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("no test views")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("all photos train")));
+  EXPECT_EQ(scored.at("train_views").at("views").size(), scored.at("views").at("train"));
+  EXPECT_FALSE(std::filesystem::is_empty(*temp / "all" / "renders" / "train"));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST_F(RenderPathTest, WritesEachValueIntoItsFolder) {
               testing::HasSubstr("train again"));
   path.what = "colors";
   EXPECT_THAT(MessageOf<UsageError>([&] { RenderCameras(model, cameras, *temp / "values", path, Silent()); }),
-              testing::HasSubstr("colour, depth, normals, support"));
+              testing::HasSubstr("color, depth, normals, support"));
 }
 
 TEST_F(RenderPathTest, SpiralHasItsFrames) {

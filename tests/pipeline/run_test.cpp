@@ -62,8 +62,9 @@ TEST_F(RunTest, RefusesImagesTooLargeToRender) {
   }
   request.scene = plain;
   request.options.split.test_every = 0;
+  request.options.image.max_size = 0;
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }),
-              AllOf(HasSubstr("a.png"), HasSubstr("32770 x 1"), HasSubstr("raise --downscale")));
+              AllOf(HasSubstr("a.png"), HasSubstr("32770 x 1"), HasSubstr("lower --max-size")));
   EXPECT_FALSE(std::filesystem::exists(temp / "out"));
   request.options.image.downscale = 2;
   EXPECT_THAT(MessageOf<InputError>([&] { ReadPosedScene(plain, request.options, Silent()); }), HasSubstr("no poses"));
@@ -76,13 +77,47 @@ TEST_F(RunTest, OpensWhatWasStarted) {
   EXPECT_EQ(OpenRun(open, Silent()).split.train.size(), 4u);
   open.options.image.downscale = 2;
   EXPECT_THAT(MessageOf<InputError>([&] { OpenRun(open, Silent()); }),
-              AllOf(HasSubstr("--downscale was 1, now is 2"), HasSubstr("out")));
+              AllOf(HasSubstr("--downscale was auto, now is 2"), HasSubstr("out")));
+}
+
+TEST_F(RunTest, ImportsSeveralFiles) {
+  std::filesystem::copy(std::filesystem::directory_iterator(temp / "scene" / "images")->path(), temp / "a.png");
+  std::filesystem::copy(temp / "a.png", temp / "b.png");
+  request.scene.clear();
+  request.inputs = {temp / "a.png", temp / "b.png"};
+  request.options.split.test_every = 0;
+  EventRecorder recorder;
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, recorder.AsListener()); }), HasSubstr("one and the same"));
+  EXPECT_TRUE(std::filesystem::exists(temp / "out" / "photos" / "b.png"));
+  EXPECT_THAT(recorder.warnings, testing::Contains(HasSubstr("a.png and b.png: show the same")));
+  EXPECT_EQ(ReadSavedRun(temp / "out").inputs.size(), 2u);
+  EXPECT_THAT(MessageOf<UsageError>([&] { OneFolder(request); }), HasSubstr("takes one scene folder"));
+  request.inputs = {temp / "scene"};
+  EXPECT_EQ(OneFolder(request), temp / "scene");
 }
 
 TEST_F(RunTest, RefusesPlainPhotosAsAPosedScene) {
   EXPECT_EQ(ReadPosedScene(request.scene, request.options, Silent()).split.test.size(), 2u);
   EXPECT_THAT(MessageOf<InputError>([&] { ReadPosedScene(temp / "scene" / "images", request.options, Silent()); }),
               HasSubstr("no poses"));
+}
+
+TEST_F(RunTest, SettlesTheSizeAnewForOtherOptions) {
+  request.options.train.iterations = {};
+  request.options.quality.quality = Quality::kHigh;
+  const int high = StartRun(request, Silent()).options.train.iterations.value();
+  EXPECT_EQ(StartRun(request, Silent()).options.train.iterations, high);
+  request.options.quality.quality = Quality::kDraft;
+  EXPECT_LT(StartRun(request, Silent()).options.train.iterations.value(), high);
+}
+
+TEST_F(RunTest, RefusesInputsInTheWorkspace) {
+  request.scene.clear();
+  for (const auto& input : {temp / "out" / "photos", temp / "out"}) {
+    std::filesystem::create_directories(input);
+    request.inputs = {input};
+    EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("lies in the workspace"));
+  }
 }
 
 }  // namespace

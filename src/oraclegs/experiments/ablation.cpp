@@ -14,6 +14,7 @@
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/settings/plan.h"
+#include "oraclegs/pipeline/settings/run_size.h"
 #include "oraclegs/pipeline/settings/weights.h"
 #include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/workspace/stage_sharing.h"
@@ -80,8 +81,9 @@ class Ablator {
   void PlanRows() {
     ablation_.scene = request_.run.scene.string();
     ablation_.command = request_.command, ablation_.version = request_.run.version;
+    request_.run.options = WithUsualSizes(request_.run.options);
     const RunOptions& asked = request_.run.options;
-    ablation_.iterations = asked.train.iterations, ablation_.max_gaussians = asked.train.max_gaussians;
+    ablation_.iterations = asked.train.iterations.value(), ablation_.max_gaussians = asked.train.max_gaussians.value();
     for (int s = 0; s < request_.options.seeds; ++s) {
       ablation_.seeds.push_back(asked.start.seed + static_cast<uint64_t>(s));
     }
@@ -168,7 +170,8 @@ class Ablator {
     // The first one of all may find that the scene cannot be read, before a folder is made.
     std::error_code none;
     if (scene_is_good_ || fs::exists(request_.run.out / kJson, none)) {
-      Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);
+      Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite,
+                                             {SizeToJson(request.options), {}, false});
       request.overwrite = false;
       std::error_code ignored;
       if (!fs::exists(workspace.metrics(), ignored)) TakeOver(&workspace, request.options, r, seed);
@@ -251,7 +254,7 @@ class Ablator {
     WriteFileAtomically(request_.run.out / kMarkdown, AblationMarkdown(ablation_));
   }
 
-  const AblationRequest& request_;
+  AblationRequest request_;
   const Listener& listener_;
   SeriesListener events_;
   Ablation ablation_;

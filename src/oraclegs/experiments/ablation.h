@@ -40,7 +40,7 @@ struct AblateOptions {
           "0,10,30,50,100 unless given");
     visit("rows", self.rows,
           "Of --suite parts: rows to train, by number or name, separated by commas: mcmc, union, schedule, lpips "
-          "(with its weights only), sfm, depth and confidence, which are the paper's, then dense, regularisers, "
+          "(with its weights only), sfm, depth and confidence, which are the paper's, then dense, regularizers, "
           "calibration, proxies; all unless given");
   }
 };

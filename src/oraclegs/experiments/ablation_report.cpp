@@ -202,7 +202,7 @@ std::string AblationText(const Ablation& ablation) {
 std::string AblationMarkdown(const Ablation& ablation) {
   std::string text = fmt::format("# Ablation of {}\n\n{}; oraclegs {}.\n\n    {}\n\n", ablation.scene,
                                  Protocol(ablation), ablation.version, ablation.command);
-  text += "| row | PSNR, dB | SSIM | LPIPS | PSNR, colour-corrected | gain, dB | training |\n";
+  text += "| row | PSNR, dB | SSIM | LPIPS | PSNR, color-corrected | gain, dB | training |\n";
   text += "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (size_t r = 0; r < ablation.rows.size(); ++r) {
     const AblationResult& row = ablation.rows[r];

@@ -18,20 +18,21 @@ size_t RowOf(const std::string& word) {
   const std::vector<AblationRow>& rows = AblationRows();
   for (size_t i = 0; i < rows.size(); ++i) {
     if (word == rows[i].name || word == std::to_string(i + 1)) return i;
+    if (word == "regularisers" && rows[i].name == std::string("regularizers")) return i;  // the older spelling
   }
   throw UsageError("--rows names '{}'; there are {}", word, RowList());
 }
 
 /// What proposes before the row of proxy models, which are no part of the paper.
 ProposerChoice PaperProposer(const ProposeOptions& asked) {
-  switch (asked.proposers) {
+  switch (asked.Choice()) {
     case ProposerChoice::kSplat:
     case ProposerChoice::kBoth:
       return asked.generator.empty() ? ProposerChoice::kWarp : ProposerChoice::kCommand;
     case ProposerChoice::kAll:
       return ProposerChoice::kSeva;
     default:
-      return asked.proposers;
+      return asked.Choice();
   }
 }
 
@@ -80,9 +81,9 @@ const std::vector<AblationRow>& AblationRows() {
          const uint64_t seed = o->start.seed;
          o->start = asked.start, o->start.seed = seed;
        }},
-      {"regularisers", "+ regularisers",
+      {"regularizers", "+ regularizers",
        "noise on opacities, dropout for objects, learning rates that come to rest, a cap on scales, alpha in the loss "
-       "where images have it, colour maps where exposures vary",
+       "where images have it, color maps where exposures vary",
        [](const RunOptions& asked, RunOptions* o) { o->train = asked.train; }},
       {"calibration", "+ calibrated oracle",
        "what the oracle predicts is mapped to what such pixels were worth in held-out views",

@@ -15,6 +15,7 @@
 #include "oraclegs/experiments/tampered_views.h"
 #include "oraclegs/experiments/tampering_plot.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/settings/run_size.h"
 #include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/proposers.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
@@ -42,7 +43,7 @@ struct Task {
 void RequireTamperable(const AblationRequest& request) {
   const RunOptions& asked = request.run.options;
   if (!request.options.rows.empty()) throw UsageError("--rows goes with --suite parts; leave it out");
-  if (asked.propose.proposers != ProposeOptions().proposers || !asked.propose.proposal_folder.empty() ||
+  if (asked.propose.Choice() != ProposerChoice::kSplat || !asked.propose.proposal_folder.empty() ||
       !asked.propose.generator.empty()) {
     throw UsageError(
         "--suite tampering makes its own proposals; leave out --proposers, --proposal-folder and --generator");
@@ -86,10 +87,11 @@ class TamperingSuite {
     RequireSeriesFolder(
         out(),
         {"tampering benchmark", kTamperingJson, {kRuns, kTampered, kTamperingJson, kTamperingMarkdown, kTamperingSvg}});
-    const RunOptions& asked = request.run.options;
+    request_.run.options = WithUsualSizes(request.run.options);
+    const RunOptions& asked = request_.run.options;
     report_.scene = request.run.scene.string(), report_.command = request.command;
     report_.version = request.run.version;
-    report_.iterations = asked.train.iterations, report_.max_gaussians = asked.train.max_gaussians;
+    report_.iterations = asked.train.iterations.value(), report_.max_gaussians = asked.train.max_gaussians.value();
     for (int s = 0; s < request.options.seeds; ++s) {
       report_.seeds.push_back(asked.start.seed + static_cast<uint64_t>(s));
     }
@@ -154,7 +156,8 @@ class TamperingSuite {
     std::error_code none;
     // The first one of all may find that the scene cannot be read, before a folder is made.
     if (has_started_ || fs::exists(out() / kTamperingJson, none)) {
-      Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite);
+      Workspace workspace = Workspace::Claim(request.out, request.scene, request.options, request.overwrite,
+                                             {SizeToJson(request.options), {}, false});
       request.overwrite = false;
       if (!fs::exists(workspace.metrics(), none)) TakeOverGeometry(&workspace, donors_);
     }
@@ -321,7 +324,7 @@ class TamperingSuite {
     WriteFileAtomically(out() / kTamperingSvg, TamperingPlot(report_));
   }
 
-  const AblationRequest& request_;
+  AblationRequest request_;
   const Listener& listener_;
   SeriesListener events_;
   TamperingReport report_;

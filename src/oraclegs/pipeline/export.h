@@ -22,7 +22,7 @@ struct ExportOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent colour that is kept", Range{0, 3});
+    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent color that is kept", Range{0, 3});
     visit("min-opacity", self.min_opacity, "Gaussians fainter than this are left out", Range{0, 1});
     visit("min-support", self.min_support,
           "Gaussians that the images support less are left out: 0.25 the weakly supported, 0.5 also the proposed, "

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/formats/splat_file.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
 #include "oraclegs/scene/read_scene.h"
@@ -34,15 +36,31 @@ const char* FormatName(SceneFormat format) {
   return "";
 }
 
+/// "4000x3000" of a photo that no camera is known for; empty when it cannot be read.
+std::string SizeOfPhoto(const fs::path& photo) {
+  try {
+    int width = 0, height = 0;
+    ReadImageSize(photo, &width, &height);
+    return fmt::format("{}x{}", width, height);
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
   const Scene scene = ReadScene(path, SceneReadOptions{}, listener);
   std::map<std::string, int> models, sizes;
-  size_t masks = 0;
+  size_t masks = 0, unreadable = 0;
   for (const SceneView& view : scene.views) {
     masks += view.mask_path.empty() ? 0 : 1;
-    if (view.intrinsics.params.empty()) continue;
-    ++models[std::string(CameraModelName(view.intrinsics.model))];
-    ++sizes[fmt::format("{}x{}", view.intrinsics.width, view.intrinsics.height)];
+    if (!view.intrinsics.params.empty()) {
+      ++models[std::string(CameraModelName(view.intrinsics.model))];
+      ++sizes[fmt::format("{}x{}", view.intrinsics.width, view.intrinsics.height)];
+    } else if (const std::string size = SizeOfPhoto(view.image_path); !size.empty()) {
+      ++sizes[size];
+    } else {
+      ++unreadable;
+    }
   }
   return {{"kind", "scene"},
           {"format", FormatName(scene.format)},
@@ -52,11 +70,12 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
           {"points", scene.points.size()},
           {"masks", masks},
           {"missing_images", scene.missing_images},
+          {"unreadable_images", unreadable},
           {"poses", scene.HasPoses()}};
 }
 
-nlohmann::json DescribePly(const fs::path& path) {
-  const GaussianPly ply = ReadGaussianPly(path);
+nlohmann::json DescribeSplat(const fs::path& path) {
+  const GaussianPly ply = ReadSplat(path);
   nlohmann::json info = {{"kind", "gaussians"}, {"gaussians", ply.gaussians.size()}, {"sh_degree", ply.sh_degree}};
   if (!ply.comments.empty()) info["comments"] = ply.comments;
   if (ply.gaussians.size() == 0) return info;
@@ -91,9 +110,9 @@ nlohmann::json DescribeWorkspace(const fs::path& path) {
 nlohmann::json Describe(const fs::path& path, const Listener& listener) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) {
-    throw InputError("{}: does not exist; name a scene folder, a workspace or a .ply file", path.string());
+    throw InputError("{}: does not exist; name a scene folder, a workspace or a splat file", path.string());
   }
-  if (!fs::is_directory(path, ignored)) return DescribePly(path);
+  if (!fs::is_directory(path, ignored)) return DescribeSplat(path);
   return IsWorkspace(path) ? DescribeWorkspace(path) : DescribeScene(path, listener);
 }
 

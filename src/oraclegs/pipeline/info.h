@@ -8,9 +8,11 @@
 namespace oraclegs {
 
 /// A summary of what a path is, by its "kind":
-///   "scene"      format, views, camera models, sizes, points, missing images
-///   "workspace"  scene, options, split sizes, finished stages, metrics
-///   "gaussians"  a PLY: number, SH degree, bounding box, opacities
+///   "scene"      format, views, camera models, sizes (of photos that came without cameras, the files'), points,
+///   missing
+///                and unreadable images
+///   "workspace"  scene, options, metrics
+///   "gaussians"  a splat file of any format: number, SH degree, bounding box, opacities
 /// Throws InputError when it is none of them.
 nlohmann::json Describe(const std::filesystem::path& path, const Listener& listener);
 

@@ -27,7 +27,9 @@ nlohmann::json Reconstruct(Run* run) {
 }
 
 nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener) {
-  Run run = StartRun(request, listener);
+  RunRequest estimated = request;
+  estimated.estimates = true;
+  Run run = StartRun(estimated, listener);
   BringUpToDate({"evaluate", "report"}, &run);
   return ReadMetrics(run.workspace.root());
 }

@@ -25,7 +25,7 @@ struct EnumWords<PathKind> {
 
 struct RenderPathOptions {
   PathKind path = PathKind::kOrbit;
-  std::string what = "colour";
+  std::string what = "color";
   int frames = 120;
   int fps = 30;
   bool video = true;
@@ -36,7 +36,7 @@ struct RenderPathOptions {
           "Cameras to render: the training views, the test views, a flight among the training views, two rising turns, "
           "or smoothly through the training views in their order");
     visit("what", self.what,
-          "What to render, separated by commas: colour, depth (near is yellow), normals (camera frame), support (how "
+          "What to render, separated by commas: color, depth (near is yellow), normals (camera frame), support (how "
           "well each Gaussian is supported by images)");
     visit("frames", self.frames, "Images of orbit, spiral and interpolate", Range{1, 1e5});
     visit("fps", self.fps, "Images per second of the video", Range{1, 240});

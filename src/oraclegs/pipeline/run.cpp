@@ -4,11 +4,16 @@
 #include <numeric>
 #include <utility>
 
+#include "oraclegs/capture/import.h"
+#include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/pipeline/announce_stages.h"
 #include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/report/run_document.h"
 #include "oraclegs/pipeline/settings/missing_networks.h"
+#include "oraclegs/pipeline/settings/run_size.h"
 #include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/register_stage.h"
 #include "oraclegs/render/constants.h"
@@ -25,35 +30,35 @@ std::string PhotosFingerprint(const Scene& scene, FileHashes* files) {
   if (scene.HasPoses()) return "";
   std::vector<int> all(scene.views.size());
   std::iota(all.begin(), all.end(), 0);
-  return ViewsFingerprint(scene, all, 1, files);
+  return ViewsFingerprint(scene, all, ImageOptions(), files);
 }
 
 void ReportSplit(const nlohmann::json& split, const Listener& listener) {
   for (const char* part : {"train", "test"}) {
     const auto names = split.at(part).get<std::vector<std::string>>();
-    listener(Note{fmt::format("{} {} views{}{}", names.size(), std::string(part) == "train" ? "training" : "test",
-                              names.empty() ? "" : ": ", fmt::join(names, ", "))});
+    listener(
+        Note{fmt::format("{}{}{}", Counted(names.size(), std::string(part) == "train" ? "training view" : "test view"),
+                         names.empty() ? "" : ": ", fmt::join(names, ", "))});
   }
 }
 
 /// Throws InputError when a view's image is too large to be rendered.
-void RequireRenderable(const Scene& scene, int downscale) {
+void RequireRenderable(const Scene& scene, const ImageOptions& options) {
   for (const SceneView& view : scene.views) {
-    const int width = WorkingSize(view.intrinsics.width, downscale),
-              height = WorkingSize(view.intrinsics.height, downscale);
-    if (width <= kMaxRenderSide && height <= kMaxRenderSide) continue;
-    throw InputError("{}: is {} x {} pixels at --downscale {}, at most {} a side can be rendered; raise --downscale",
-                     view.image_path.string(), width, height, downscale, kMaxRenderSide);
+    const PixelSize size = WorkingSize({view.intrinsics.width, view.intrinsics.height}, options);
+    if (size.width <= kMaxRenderSide && size.height <= kMaxRenderSide) continue;
+    throw InputError("{}: would be used at {} x {} pixels, at most {} a side can be rendered; lower --max-size",
+                     view.image_path.string(), size.width, size.height, kMaxRenderSide);
   }
 }
 
 /// Published scores are of the dataset's own smaller images, where it has some. Throws InputError where it must.
 void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const Listener& listener) {
-  const int downscale = options.downscale;
+  const int downscale = options.downscale.ValueOr(1);
   const bool required = options.smaller_copies == SmallerCopies::kRequired;
   if (downscale == 1 || (scene.format != SceneFormat::kColmap && !required)) return;
   const bool has_smaller = std::any_of(scene.views.begin(), scene.views.end(), [&](const SceneView& view) {
-    return ImageFile(view, downscale) != view.image_path;
+    return ImageFile(view, options) != view.image_path;
   });
   if (has_smaller) return;
   if (required) {
@@ -76,9 +81,44 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   SceneReadOptions read;
   read.images = options.input.images;
   Scene scene = ReadScene(root, read, listener);
-  RequireRenderable(scene, options.image.downscale);
   CheckSmallerCopies(scene, options.image, listener);
   return scene;
+}
+
+/// The size of the run that `request` continues; null where it starts one, also with other options or of another scene
+/// in the folder of one that has no results yet.
+nlohmann::json SavedSize(const RunRequest& request) {
+  if (!IsWorkspace(request.out) || request.overwrite) return nullptr;
+  const SavedRun saved = ReadSavedRun(request.out);
+  std::error_code ignored;
+  const bool same_options = DescribeDifference(saved.options, request.options, saved.size).empty() ||
+                            AsksForMoreIterations(saved, request.options);
+  return same_options && fs::equivalent(saved.scene, request.scene, ignored) ? saved.size : nlohmann::json();
+}
+
+/// What lies in the workspace may be removed before it is read.
+void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inputs) {
+  std::error_code ignored;
+  const fs::path workspace = fs::weakly_canonical(fs::absolute(out, ignored), ignored);
+  for (const fs::path& input : inputs) {
+    const fs::path place = fs::weakly_canonical(fs::absolute(input, ignored), ignored);
+    const auto [end, rest] = std::mismatch(workspace.begin(), workspace.end(), place.begin(), place.end());
+    if (end != workspace.end()) continue;
+    throw InputError("{}: lies in the workspace {}, whose files are written anew; choose another -o, or move it",
+                     input.string(), out.string());
+  }
+}
+
+/// The options with the size of the run settled: as `saved` has it, where the run is continued. Which image registers
+/// may be unknown, but a split that all of them cannot fill is refused.
+RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device, const nlohmann::json& saved,
+                      const Listener& listener) {
+  const SceneSize size = SizeOf(scene, static_cast<int>(SplitViews(scene, asked.split).train.size()));
+  RunOptions settled = WithSize(WithSavedSize(asked, saved), size, device.is_cuda());
+  CheckRunOptions(settled);
+  RequireRenderable(scene, settled.image);
+  if (const std::string text = DescribeSize(asked, settled, size); !text.empty()) listener(Note{text});
+  return settled;
 }
 
 /// Lists of views in files become options of the run, so that it is continued without the files.
@@ -88,10 +128,36 @@ RunRequest WithListsRead(const RunRequest& request) {
   return read;
 }
 
-/// Poses where there are none yet, and the split.
+/// Warns of photos that look unfit; what was found is kept beside the run.
+void ReportPhotoChecks(Run* run) {
+  const fs::path path = run->workspace.photo_checks();
+  nlohmann::json kept;
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) kept = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  std::vector<std::string> warnings;
+  if (kept.is_object() && kept.value("photos", nlohmann::json()) == run->photos && kept.contains("warnings") &&
+      kept["warnings"].is_array()) {
+    for (const nlohmann::json& warning : kept["warnings"]) {
+      if (warning.is_string()) warnings.push_back(warning.get<std::string>());
+    }
+  } else {
+    std::vector<CheckedPhoto> photos;
+    for (const SceneView& view : run->scene.views) photos.push_back({view.name, view.image_path});
+    warnings = CheckPhotos(photos, run->listener);
+    const nlohmann::json json = {{"photos", run->photos}, {"warnings", warnings}};
+    WriteFileAtomically(path, json.dump(1) + "\n");
+  }
+  for (const std::string& warning : warnings) run->listener(Warning{warning});
+}
+
+/// Poses where there are none yet, the frame, and the split. Poses that came with the scene keep their frame, but for
+/// --scale.
 void FindPosesAndSplit(Run* run) {
-  run->photos = PhotosFingerprint(run->scene, &run->files);
   if (!run->photos.empty()) RunStage(run, "register");
+  if (!run->photos.empty()) run->frame = LevelFrame(run->scene);
+  const SceneScale scale = ReadScale(run->scene, run->options.input.scale);
+  run->frame.scale = scale.factor, run->frame.is_metric = scale.is_metric;
+  ApplyFrame(run->frame, &run->scene);
   run->split = SplitViews(run->scene, run->options.split);
   const nlohmann::json json = SplitToJson(run->scene, run->split);
   ReportSplit(json, run->listener);
@@ -110,14 +176,40 @@ PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const
   return {std::move(scene), std::move(split)};
 }
 
+fs::path OneFolder(const RunRequest& request) {
+  if (request.inputs.empty() || IsUsedInPlace(request.inputs)) {
+    return request.inputs.empty() ? request.scene : request.inputs.front();
+  }
+  throw UsageError("{}: this command takes one scene folder; run `oraclegs reconstruct` for anything else",
+                   request.inputs.front().string());
+}
+
 Run StartRun(const RunRequest& asked, const Listener& listener) {
   CheckRunOptions(asked.options);
-  const RunRequest request = WithListsRead(asked);
-  RequireOutsideScene(request.out, request.scene);
-  Scene scene = Read(request.scene, request.options, listener);
-  RequireOutsideScene(request.out, scene, request.options.input.images);
+  RunRequest request = WithListsRead(asked);
+  const bool imports = !request.inputs.empty() && !IsUsedInPlace(request.inputs);
+  RequireInputsOutside(request.out, request.inputs);
+  if (imports) {
+    CheckInputs(request.inputs);
+    std::error_code ignored;
+    for (const fs::path& input : request.inputs) {
+      if (fs::is_directory(input, ignored)) RequireOutsideScene(request.out, input);
+    }
+    request.scene = WorkspacePaths(request.out).photos();
+  } else {
+    request.scene = OneFolder(request);
+    RequireOutsideScene(request.out, request.scene);
+    request.inputs.clear();
+  }
   const fs::path& proposals = request.options.propose.proposal_folder;
   if (!proposals.empty()) RequireApart(request.out, proposals);
+
+  Scene scene;
+  const auto read = [&] {
+    scene = Read(request.scene, request.options, listener);
+    if (!imports) RequireOutsideScene(request.out, scene, request.options.input.images);
+  };
+  if (!imports) read();
   const bool has_poses = scene.HasPoses();
   if (has_poses && request.options.input.poses == PoseSource::kVggt) {
     listener(Note{"--poses vggt: the scene has poses, which are used"});
@@ -125,14 +217,30 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   // What is asked for and missing is an error before anything is written.
   const RunOptions options = WithNetworksAtHand(request.options, has_poses, listener);
   Plan plan = MakePlan(options, has_poses);
-  SplitViews(scene, options.split);  // which image registers is unknown, but what all of them cannot fill is refused
-  Workspace workspace = Workspace::Claim(request.out, request.scene, options, request.overwrite);
-  Run run{options, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  const nlohmann::json saved_size = SavedSize(request);
+  const auto settle = [&] { return SettleSize(options, scene, plan.device, saved_size, listener); };
+  std::optional<RunOptions> settled;
+  if (!imports) settled = settle();
+  Workspace workspace = Workspace::Claim(request.out, request.scene, options, request.overwrite,
+                                         {settled ? SizeToJson(*settled) : saved_size, request.inputs, true});
+  if (imports) {
+    ImportPhotos(request.inputs, options.capture, workspace.photos(), listener);
+    read();
+    settled = settle();
+    workspace.SaveSize(SizeToJson(*settled));
+  }
+  Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.start_iterations = ReadSavedRun(request.out).start_iterations;
   run.live = std::make_shared<Live>(run.workspace, listener);
   run.listener = run.live->AsListener();
   if (run.options.report.report) run.on_training = WriteStartDocument;
   if (request.on_claimed) request.on_claimed();
-  Live::Guard(run.live.get(), [&] { FindPosesAndSplit(&run); });
+  Live::Guard(run.live.get(), [&] {
+    run.photos = PhotosFingerprint(run.scene, &run.files);
+    if (!run.photos.empty()) ReportPhotoChecks(&run);
+    if (request.estimates) AnnounceStages(&run);
+    FindPosesAndSplit(&run);
+  });
   return run;
 }
 
@@ -140,7 +248,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   CheckRunOptions(asked.options);
   const RunRequest request = WithListsRead(asked);
   const SavedRun saved = ReadSavedRun(request.out);
-  const std::string difference = DescribeDifference(saved.options, request.options);
+  const std::string difference = DescribeDifference(saved.options, request.options, saved.size);
   if (!difference.empty()) {
     throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
   }
@@ -148,7 +256,10 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   Workspace workspace = Workspace::Open(request.out);
   Plan plan = MakePlanToEvaluate(request.options);
   if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
-  Run run{request.options, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
+  Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.start_iterations = saved.start_iterations;
+  run.photos = PhotosFingerprint(run.scene, &run.files);
   FindPosesAndSplit(&run);
   return run;
 }

@@ -67,7 +67,7 @@ std::vector<RenderValue> ParseRenderValues(const std::string& text) {
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     const std::string word = text.substr(begin, end - begin);
-    const auto value = FromWord<RenderValue>(word);
+    const auto value = FromWord<RenderValue>(word == "colour" ? "color" : word);  // the older spelling
     if (!value) {
       throw UsageError("--what is '{}', must be one or more of: {} (separated by commas)", text,
                        AllWords<RenderValue>(", "));

@@ -20,13 +20,13 @@ enum class RenderValue {
 };
 template <>
 struct EnumWords<RenderValue> {
-  static constexpr EnumWord<RenderValue> kWords[] = {{RenderValue::kColour, "colour"},
+  static constexpr EnumWord<RenderValue> kWords[] = {{RenderValue::kColour, "color"},
                                                      {RenderValue::kDepth, "depth"},
                                                      {RenderValue::kNormals, "normals"},
                                                      {RenderValue::kSupport, "support"}};
 };
 
-/// "colour,depth" as a list, each value once. Throws UsageError for an unknown or a missing word.
+/// "color,depth" as a list, each value once. Throws UsageError for an unknown or a missing word.
 std::vector<RenderValue> ParseRenderValues(const std::string& text);
 
 /// Renders images of several values, each Gaussian projected as seldom as possible.

@@ -33,14 +33,22 @@ TEST(Curves, HaveAtMost500RowsAndTheLast) {
 
 TEST(Curves, AreReadBack) {
   TempDir dir;
-  ReplaceFile(dir / "curves.csv", CurvesToCsv({{1, 0.25, 0.5, 100}, {3, 0.75, 0.0625, 120}}));
-  EXPECT_EQ(ReadFile(dir / "curves.csv"), "iteration,seconds,loss,gaussians\n1,0.250,0.5,100\n3,0.750,0.0625,120\n");
-  const auto rows = ReadCurves(dir / "curves.csv");
+  CurveRow full{3, 0.75, 0.0625, 120, 4.5};
+  full.SetTerms({2, 4, 0.5, 0.25, 0.125, 0, 3, 0.75});
+  full.psnr = 21.5;
+  ReplaceFile(dir / "train.csv", CurvesToCsv({{1, 0.25, 0.5, 100}, full}));
+  EXPECT_EQ(ReadFile(dir / "train.csv"),
+            "iteration,seconds,ms_per_iteration,loss,l1,ssim,depth,alpha,proposal,regularization,gaussians,psnr\n"
+            "1,0.250,,0.5,,,,,,,100,\n3,0.750,4.5,0.0625,0.25,0.875,0.0625,0,0.75,0.125,120,21.5\n");
+  const auto rows = ReadCurves(dir / "train.csv");
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[1].iteration, 3);
   EXPECT_EQ(rows[1].seconds, 0.75);
   EXPECT_EQ(rows[1].loss, 0.0625);
   EXPECT_EQ(rows[1].gaussians, 120);
+  EXPECT_EQ(rows[1].proposal, 0.75);
+  EXPECT_EQ(rows[1].psnr, 21.5);
+  EXPECT_TRUE(std::isnan(rows[0].psnr));
 }
 
 TEST(CurvesFile, GrowsByRows) {
@@ -76,7 +84,9 @@ TEST(Curves, DamagedRowsAreLeftOut) {
   TempDir dir;
   EXPECT_TRUE(ReadCurves(dir / "missing").empty());
   EXPECT_TRUE(ReadCurves(dir.path()).empty());
-  WriteText(dir / "c", "nonsense\n1,1,0.5,10\n1,1,0.5,10\n2,nan,0.5,10\n3,1,inf,10\n4,1,0.5,10,7\n5,2,0.4,20\n6,2");
+  WriteText(dir / "c",
+            "nonsense\n1,1,,0.5,,,,,,,10,\n1,1,,0.5,,,,,,,10,\n2,nan,,0.5,,,,,,,10,\n3,1,,inf,,,,,,,10,\n"
+            "4,1,,0.5,,,,,,,10,,7\n4,1,,0.5,,,x,,,,10,\n4,1,,0.5,,,,,,,,\n5,2,3,0.4,,,,,,,20,19\n6,2");
   const auto rows = ReadCurves(dir / "c");
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].iteration, 1);
@@ -96,6 +106,11 @@ TEST(Curves, AreJsonOfAtMost500Points) {
   }
   EXPECT_EQ(curves[0].at("name"), "loss");
   EXPECT_EQ(curves[1].at("y").back(), 12000);
+  rows[599].psnr = 20;
+  const nlohmann::json scored = CurvesToJson(rows);
+  ASSERT_EQ(scored.size(), 3u);
+  EXPECT_EQ(scored[2].at("x"), nlohmann::json({600}));
+  EXPECT_EQ(scored[2].at("unit"), "dB");
 }
 
 }  // namespace

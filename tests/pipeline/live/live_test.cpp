@@ -44,7 +44,7 @@ TEST_F(LiveTest, AFinishedRunSaysSo) {
   bool trained = false;
   for (const auto& stage : state.at("stages")) trained = trained || stage.at("name") == "train";
   EXPECT_TRUE(trained);
-  const auto rows = ReadCurves(temp / "out" / "curves.csv");
+  const auto rows = ReadCurves(temp / "out" / "train.csv");
   ASSERT_EQ(rows.size(), 30u);
   EXPECT_EQ(rows.back().iteration, 30);
   EXPECT_EQ(state.at("curves")[0].at("x").size(), 30u);
@@ -104,6 +104,29 @@ TEST_F(LiveTest, ChangesNoBitOfTheResult) {
   EXPECT_EQ(ReadFile(temp / "out" / "point_cloud.ply"), ReadFile(temp / "blind" / "point_cloud.ply"));
 }
 
+TEST_F(LiveTest, ScoresTestViewsWithoutChangingABit) {
+  Reconstruct(request, Silent());
+  RunRequest scored = request;
+  scored.out = temp / "scored";
+  scored.options.checkpoints.eval_every = 8;
+  const nlohmann::json metrics = Reconstruct(scored, Silent());
+  EXPECT_EQ(ReadFile(temp / "out" / "point_cloud.ply"), ReadFile(temp / "scored" / "point_cloud.ply"));
+  EXPECT_EQ(WithoutSeconds(temp / "out" / "train.csv"), WithoutSeconds(temp / "scored" / "train.csv"));
+  std::vector<int64_t> at;
+  const auto rows = ReadCurves(temp / "scored" / "train.csv");
+  for (const CurveRow& row : rows) {
+    if (std::isfinite(row.psnr)) at.push_back(row.iteration);
+    EXPECT_GE(row.milliseconds, 0);
+    EXPECT_GT(row.l1, 0);
+    EXPECT_LT(row.ssim, 1);
+    EXPECT_GT(row.regularization, 0);
+    EXPECT_TRUE(std::isnan(row.proposal));
+  }
+  EXPECT_THAT(at, testing::ElementsAre(8, 16, 24, 30));
+  EXPECT_NEAR(rows.back().psnr, metrics.at("test").at("psnr").get<double>(), 1e-4);  // of seven digits
+  EXPECT_TRUE(std::isnan(ReadCurves(temp / "out" / "train.csv").back().psnr));
+}
+
 TEST_F(LiveTest, AnInterruptedRunContinuesItsCurves) {
   request.options.train.iterations = 250;
   RunRequest straight = request;
@@ -120,13 +143,13 @@ TEST_F(LiveTest, AnInterruptedRunContinuesItsCurves) {
   EXPECT_EQ(state.at("state"), "interrupted");
   EXPECT_THAT(state.at("message").get<std::string>(), HasSubstr("interrupted at iteration"));
   {  // as if it had been killed after more iterations than its checkpoint has
-    auto rows = ReadCurves(temp / "out" / "curves.csv");
+    auto rows = ReadCurves(temp / "out" / "train.csv");
     rows.push_back({240, 1, 7, 7});
-    ReplaceFile(temp / "out" / "curves.csv", CurvesToCsv(rows));
+    ReplaceFile(temp / "out" / "train.csv", CurvesToCsv(rows));
   }
   Reconstruct(request, Silent());
-  EXPECT_EQ(WithoutSeconds(temp / "out" / "curves.csv"), WithoutSeconds(temp / "straight" / "curves.csv"));
-  EXPECT_EQ(ReadCurves(temp / "out" / "curves.csv").size(), 250u);
+  EXPECT_EQ(WithoutSeconds(temp / "out" / "train.csv"), WithoutSeconds(temp / "straight" / "train.csv"));
+  EXPECT_EQ(ReadCurves(temp / "out" / "train.csv").size(), 250u);
 }
 
 TEST_F(LiveTest, AFailureIsTheEnd) {
@@ -151,7 +174,7 @@ TEST_F(LiveTest, AFileThatCannotBeWrittenIsOneWarning) {
     const auto* start = std::get_if<StageStarted>(&event);
     if (start && start->stage == "train") {
       fs::remove_all(temp / "out" / "live");
-      fs::create_directories(temp / "out" / "curves.csv");  // where a file should go
+      fs::create_directories(temp / "out" / "train.csv");  // where a file should go
     }
   };
   const nlohmann::json metrics = Reconstruct(request, spoil);
@@ -167,7 +190,7 @@ TEST_F(LiveTest, OverwriteRemovesIt) {
   request.overwrite = true;
   request.options.train.iterations = 5;
   Reconstruct(request, Silent());
-  EXPECT_EQ(ReadCurves(temp / "out" / "curves.csv").size(), 5u);
+  EXPECT_EQ(ReadCurves(temp / "out" / "train.csv").size(), 5u);
   EXPECT_FALSE(fs::exists(temp / "out" / "live" / "splat.splat")) << "the report has the splat";
 }
 

@@ -51,7 +51,7 @@ TEST(Fingerprint, OfWeightsIsThatOfNamesShapesAndSamples) {
 /// With files read anew.
 std::string Print(const Scene& scene, const std::vector<int>& views, int downscale) {
   FileHashes files;
-  return ViewsFingerprint(scene, views, downscale, &files);
+  return ViewsFingerprint(scene, views, {.downscale = downscale}, &files);
 }
 
 TEST(ViewsFingerprint, ChangesWithPixelsMaskIntrinsicsAndPose) {

@@ -109,7 +109,7 @@ TEST_F(DepthStageTest, ReadsBackWhenNothingHasChanged) {
 TEST_F(DepthStageTest, ReportsConfidence) {
   const Geometry geometry = Again(Request());
   ASSERT_FALSE(recorder.notes.empty());
-  EXPECT_THAT(recorder.notes.back(), testing::AllOf(HasSubstr("depth is confident on"), HasSubstr("dense points")));
+  EXPECT_THAT(recorder.notes.back(), testing::AllOf(HasSubstr("depth: confident on"), HasSubstr("dense points")));
   for (const DepthMap& map : geometry.maps) {
     const bool warned = !recorder.warnings.empty() && recorder.warnings.back().find(map.name) != std::string::npos;
     EXPECT_EQ(warned, ConfidentShare(map) < 0.02) << map.name;

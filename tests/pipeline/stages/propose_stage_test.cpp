@@ -64,6 +64,25 @@ TEST_F(ProposeStageTest, KeepsTheProxyModelsWhenOnlyThePosesChange) {
   EXPECT_EQ(run.workspace.Record("proxies"), proxies);
 }
 
+TEST_F(ProposeStageTest, AFinishedRunThatTrainsOnKeepsProxyModelsAndProposals) {
+  RunRequest request = Request("longer");
+  {
+    auto run = StartRun(request, Silent());
+    RunStage(&run, "train");
+  }
+  request.options.train.iterations = request.options.train.iterations.value() + 20;
+  auto run = StartRun(request, recorder.AsListener());
+  EXPECT_EQ(run.start_iterations, request.options.train.iterations.value() - 20);
+  const auto records = [&] {
+    return std::vector{run.workspace.Record("proxies"), run.workspace.Record("propose"),
+                       run.workspace.Record("validate")};
+  };
+  const auto before = records();
+  RunStage(&run, "train");
+  EXPECT_EQ(records(), before);
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration 30 ")));
+}
+
 TEST_F(ProposeStageTest, MakesWarpsThatDoNotDependOnHowGaussiansStart) {
   RunRequest request = Request("warp_key");
   const auto key = [&](ProposerChoice proposers, double opacity) {

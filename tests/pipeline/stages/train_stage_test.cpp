@@ -4,6 +4,7 @@
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/pipeline/live/curves.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "pipeline/fixtures.h"
 #include "pipeline/proposing.h"
@@ -17,6 +18,7 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
+constexpr auto kWithFolders = std::filesystem::copy_options::recursive;
 
 class TrainStageTest : public testing::Test {
  protected:
@@ -71,7 +73,7 @@ TEST_F(TrainStageTest, ContinuesAnInterruptedRunToTheSameBits) {
 }
 
 TEST_F(TrainStageTest, HasNoTimingsWhenNothingIsLeftToDo) {
-  request.options.checkpoints.checkpoint_every = request.options.train.iterations;
+  request.options.checkpoints.checkpoint_every = request.options.train.iterations.value();
   const std::string ply = Train(request);
   const auto timings = [&] {
     return nlohmann::json::parse(ReadFile(temp / "out" / "stages.json")).at("train").at("milliseconds_per_iteration");
@@ -81,6 +83,54 @@ TEST_F(TrainStageTest, HasNoTimingsWhenNothingIsLeftToDo) {
   std::filesystem::remove(temp / "out" / "point_cloud.ply");
   EXPECT_EQ(Train(request), ply);  // from the checkpoint of the last iteration
   EXPECT_TRUE(timings().is_null());
+}
+
+TEST_F(TrainStageTest, AFinishedRunGoesOnWithMoreIterations) {
+  request.options.train.iterations = 60;
+  const std::string first = Train(request);
+  for (const char* copy : {"again", "killed"}) std::filesystem::copy(temp / "out", temp / copy, kWithFolders);
+  request.options.train.iterations = 250;
+  const std::string longer = Train(request);
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration 60 ")));
+  EXPECT_NE(longer, first);
+  EXPECT_EQ(StartRun(request, Silent()).workspace.Record("train").at("iterations"), 250);
+  EXPECT_EQ(ReadCurves(temp / "out" / "train.csv").front().iteration, 1);
+  EXPECT_EQ(ReadCurves(temp / "out" / "train.csv").back().iteration, 250);
+
+  request.out = temp / "again";
+  EXPECT_EQ(Train(request), longer) << "the same bits";
+  request.out = temp / "killed";
+  TrainUntil(request, 100);
+  EXPECT_EQ(Train(request), longer) << "the same bits after an interrupt";
+
+  request.options.train.iterations = 60;
+  EXPECT_THAT(MessageOf<InputError>([&] { Train(request); }), HasSubstr("--iterations was 250, now is 60"));
+}
+
+TEST_F(TrainStageTest, AFinishedRunGoesOnWithinItsHorizonAsIfItHadNotStopped) {
+  request.options.train.horizon = 90;
+  request.options.train.opacity_noise = 0;
+  RunRequest straight = request;
+  straight.out = temp / "straight";
+  straight.options.train.iterations = 90;
+  Train(straight);
+  request.options.train.iterations = 40;
+  Train(request);
+  request.options.train.iterations = 90;
+  Train(request);
+  // The end of the first part made no step, so that the bits differ, and little else.
+  const auto loss = [&](const char* run) { return ReadCurves(temp / run / "train.csv").back().loss; };
+  EXPECT_NEAR(loss("out"), loss("straight"), 0.1 * loss("straight"));
+}
+
+TEST_F(TrainStageTest, KeepsTheLastCheckpointAlone) {
+  request.options.checkpoints.checkpoint_every = 10;
+  Train(request);
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(temp / "out" / "checkpoints")) {
+    names.push_back(entry.path().filename().string());
+  }
+  EXPECT_THAT(names, testing::ElementsAre("iteration_0000030.safetensors"));
 }
 
 TEST_F(TrainStageTest, RefusesOtherOptionsThanTheInterruptedRuns) {
@@ -127,11 +177,11 @@ TEST_F(TrainOnProposalsTest, UsesLpipsWhereThereAreWeights) {
   };
   const auto without_network = train(plain);
   EXPECT_TRUE(without_network.second.at("lpips").is_null());
-  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch lpips-vgg` brings one")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch lpips-vgg` downloads the network")));
   recorder = {};
   const auto with_network = train(with);
   EXPECT_EQ(with_network.second.at("lpips"), "VGG16, images in [0, 1]");
-  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("no LPIPS network"))));
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("without LPIPS"))));
   EXPECT_NE(with_network.first, without_network.first);
   EXPECT_EQ(train(with), with_network) << "nothing has changed";
 

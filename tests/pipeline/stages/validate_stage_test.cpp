@@ -43,7 +43,7 @@ TEST_F(ValidateStageTest, GivesTrainingViewsWithConfidenceAndFilesToLookAt) {
       EXPECT_TRUE(fs::exists(result.root / folder / (view.name + ".png"))) << folder;
     }
   }
-  EXPECT_THAT(recorder.notes, Contains(HasSubstr("8 proposals, trusted to")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("8 proposals, mean confidence")));
 }
 
 TEST_F(ValidateStageTest, ReadsBackWhatItWrote) {
@@ -81,15 +81,16 @@ TEST_F(ValidateStageTest, LeavesOutWhatIsTrustedNowhere) {
   const Result result = Validate(request, recorder.AsListener());
   ASSERT_EQ(result.views.size(), 1u);
   EXPECT_EQ(Flat(result.views[0].confidence).minCoeff(), 1.f);
-  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("trusts nothing of 1 of 2 proposals, which are left out")));
+  EXPECT_THAT(recorder.warnings, Contains(HasSubstr("1 of 2 proposals have no confidence anywhere and are left out")));
 
   recorder.warnings.clear(), recorder.notes.clear();
   WritePng(maps / names[1], Image8{80, 60, 1, std::vector<uint8_t>(size_t{80} * 60, 0)});
   EXPECT_THAT(Validate(request, recorder.AsListener()).views, IsEmpty());
   EXPECT_THAT(recorder.warnings,
-              Contains(testing::AllOf(HasSubstr("trusts nothing of 2 of 2"), HasSubstr("photos alone are trained"),
-                                      HasSubstr("--trajectory"))));
-  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("trusted to")))) << "there is nothing to take a mean of";
+              Contains(testing::AllOf(HasSubstr("2 of 2 proposals have no confidence"),
+                                      HasSubstr("photos alone are trained"), HasSubstr("--trajectory"))));
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr("mean confidence"))))
+      << "there is nothing to take a mean of";
 }
 
 TEST_F(ValidateStageTest, NamesADamagedImage) {
@@ -109,7 +110,7 @@ TEST_F(ValidateStageTest, UsesWeightsOfVggtWhereTheyAre) {
   request.options.validate.oracle = {};
   request.options.propose.proposers = ProposerChoice::kWarp;
   const Result without = Validate(request, recorder.AsListener());
-  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch vggt` brings its weights")));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr("`oraclegs models fetch vggt` downloads its weights")));
   EXPECT_THAT(NonCommercialParts(WorkspacePaths(without.root)), IsEmpty());
   WriteTinyVggt(*temp / "models" / "vggt" / "model.safetensors");
   const Result with = Validate(request, recorder.AsListener());

@@ -31,9 +31,28 @@ TEST(StageTable, SaysOfEachStageWhatItTookAndGave) {
             "depth        1:02  confident on 78 % of the pixels, 41230 dense points\n"
             "proxies      1:10  4 proxy models\n"
             "propose      1:00  32 views\n"
-            "validate     0:40  2 proposals, trusted to 60 % in the mean\n"
+            "validate     0:40  2 proposals, mean confidence 0.60\n"
             "train     1:01:40  98123 Gaussians, 7000 iterations\n"
-            "evaluate     0:01  PSNR 27.01 dB, SSIM 0.9123\n");
+            "evaluate     0:01  PSNR 27.01 dB, SSIM 0.9123\n"
+            "total     1:06:46\n");
+}
+
+TEST(StageTable, HasWhatWasPredicted) {
+  json records = {{"sfm", {{"seconds", 12}, {"points", 3021}, {"predicted_seconds", 15}}},
+                  {"train", {{"seconds", 100}, {"gaussians", 5}, {"iterations", 7}, {"predicted_seconds", 90}}}};
+  EXPECT_EQ(StageTable(json::object(), records),
+            "stage  time  predicted  result\n"
+            "sfm    0:12       0:15  3021 points\n"
+            "train  1:40       1:30  5 Gaussians, 7 iterations\n"
+            "total  1:52       1:45\n");
+  records["sfm"].erase("predicted_seconds");  // of an earlier version
+  EXPECT_THAT(StageTable(json::object(), records), HasSubstr("total  1:52\n"));
+}
+
+TEST(StageTable, SaysWhatThisRunTook) {
+  json before = Records();
+  before.erase("evaluate");
+  EXPECT_THAT(StageTable(before, Records()), HasSubstr("total     1:06:46  0:01 in this run\n"));
 }
 
 TEST(StageTable, MarksWhatStoodThereBefore) {

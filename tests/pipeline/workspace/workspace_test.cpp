@@ -46,10 +46,64 @@ TEST_F(WorkspaceTest, RefusesOtherOptionsWithTheirNamesAndValues) {
   WriteText(out / "point_cloud.ply", "x");
   options.train.iterations = 200;
   options.split.test_views = "a,b";
-  EXPECT_THAT(Refusal(), AllOf(HasSubstr(out.string()), HasSubstr("--iterations was 7000, now is 200"),
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr(out.string()), HasSubstr("--iterations was auto, now is 200"),
                                HasSubstr("--test-views was not given, now is a,b"), HasSubstr("--overwrite"),
                                testing::Not(HasSubstr("\n"))));
-  EXPECT_THAT(ReadSavedRun(out).options.at("iterations"), 7000);
+  EXPECT_THAT(ReadSavedRun(out).options.at("iterations"), "auto");
+}
+
+TEST_F(WorkspaceTest, ATrainedRunGoesOnWithMoreIterationsAlone) {
+  options.train.iterations = 100;
+  { const Workspace workspace = Claim(); }
+  WriteText(out / "point_cloud.ply", "x");
+  options.train.iterations = 200;
+  EXPECT_THAT(Refusal(), HasSubstr("--iterations was 100, now is 200")) << "it has not trained to its end";
+  WriteText(out / "stages.json", R"({"train": {"key": "k", "files": []}})");
+  EXPECT_THAT(Refusal(), HasSubstr("--iterations was 100, now is 200")) << "there is nothing to go on from";
+  WriteText(out / "stages.json", R"({"train": {"key": "k", "files": []}})");
+  WriteText(out / "checkpoints" / "iteration_0000100.safetensors", "x");
+  options.start.seed = 1;
+  EXPECT_THAT(Refusal(), HasSubstr("--seed was 0, now is 1"));
+  options.start.seed = 0;
+  EXPECT_EQ(Refusal(), "");
+  EXPECT_EQ(ReadSavedRun(out).options.at("iterations"), 200);
+  EXPECT_EQ(ReadSavedRun(out).start_iterations, 100);
+  options.train.iterations = 300;
+  EXPECT_EQ(Refusal(), "");
+  EXPECT_EQ(Refusal(), "");
+  EXPECT_EQ(ReadSavedRun(out).start_iterations, 100) << "of the run's beginning";
+  options.train.iterations = 250;
+  EXPECT_THAT(Refusal(), HasSubstr("--iterations was 300, now is 250"));
+  EXPECT_EQ(Refusal(true), "");
+  EXPECT_EQ(ReadSavedRun(out).start_iterations, 0);
+}
+
+TEST_F(WorkspaceTest, AnAutomaticNumberOfIterationsGoesOn) {
+  { Workspace::Claim(out, scene, options, false, {nlohmann::json{{"iterations", 100}}, {}, true}); }
+  WriteText(out / "point_cloud.ply", "x");
+  WriteText(out / "stages.json", R"({"train": {"key": "k", "files": []}})");
+  WriteText(out / "checkpoints" / "iteration_0000100.safetensors", "x");
+  options.train.iterations = 90;
+  EXPECT_THAT(Refusal(), HasSubstr("--iterations was auto, now is 90"));
+  options.train.iterations = 150;
+  EXPECT_EQ(Refusal(), "");
+  EXPECT_EQ(ReadSavedRun(out).start_iterations, 100);
+}
+
+TEST_F(WorkspaceTest, KnowsWhatWasImportedAlsoWhenItIsMoved) {
+  const auto claim = [&](const std::vector<std::filesystem::path>& inputs) {
+    return Workspace::Claim(out, WorkspacePaths(out).photos(), options, false, {nullptr, inputs, true});
+  };
+  const std::filesystem::path a = scene / "a.jpg", b = scene / "b.jpg";
+  { const Workspace workspace = claim({a, b}); }
+  WriteText(out / "sfm/points.ply", "x");
+  EXPECT_NO_THROW(claim({a, scene / "." / "b.jpg"}));
+  EXPECT_THAT(MessageOf<InputError>([&] { claim({a}); }), HasSubstr("holds a run of another scene"));
+  EXPECT_THAT(Refusal(), HasSubstr("holds a run of another scene"));
+  std::filesystem::rename(out, temp / "moved");
+  const SavedRun saved = ReadSavedRun(temp / "moved");
+  EXPECT_EQ(saved.inputs, (std::vector<std::string>{a.string(), b.string()}));
+  EXPECT_EQ(saved.scene, std::filesystem::canonical(temp.path()) / "moved/photos");
 }
 
 TEST_F(WorkspaceTest, ACheckpointIsAResultToProtect) {
@@ -165,7 +219,7 @@ TEST(DescribeDifference, ComparesWithDefaultsWhatAnOlderRunDidNotSave) {
   RunOptions options;
   EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "");
   options.image.downscale = 2;
-  EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "--downscale was 1, now is 2");
+  EXPECT_EQ(DescribeDifference(nlohmann::json::object(), options), "--downscale was auto, now is 2");
   EXPECT_EQ(DescribeDifference({{"downscale", 2}, {"gone", 1}}, options), "");
 }
 

@@ -4,8 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -18,10 +19,52 @@ namespace {
 
 constexpr int64_t kMaxRows = 500;
 constexpr uint64_t kMaxBytes = 4 << 20;
-constexpr const char* kHeader = "iteration,seconds,loss,gaussians";
+constexpr const char* kHeader =
+    "iteration,seconds,ms_per_iteration,loss,l1,ssim,depth,alpha,proposal,regularization,gaussians,psnr";
 
-std::string LineOf(const CurveRow& row) {
-  return fmt::format("{},{:.3f},{:.7g},{}\n", row.iteration, row.seconds, row.loss, row.gaussians);
+/// A cell; empty for NaN.
+std::string Cell(double value) { return std::isnan(value) ? "" : fmt::format("{:.7g}", value); }
+
+std::string LineOf(const CurveRow& r) {
+  return fmt::format("{},{:.3f},{},{},{},{},{},{},{},{},{},{}\n", r.iteration, r.seconds, Cell(r.milliseconds),
+                     Cell(r.loss), Cell(r.l1), Cell(r.ssim), Cell(r.depth), Cell(r.alpha), Cell(r.proposal),
+                     Cell(r.regularization), r.gaussians, Cell(r.psnr));
+}
+
+std::vector<std::string> CellsOf(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+/// False for what is no number. NaN for an empty cell.
+bool ReadCell(const std::string& cell, double* value) {
+  *value = CurveRow::kNone;
+  if (cell.empty()) return true;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), *value);
+  return error == std::errc() && end == cell.data() + cell.size();
+}
+
+/// False for a damaged line, and the header.
+bool ReadLine(const std::string& line, CurveRow* row) {
+  const std::vector<std::string> cells = CellsOf(line);
+  double iteration = 0, gaussians = 0;
+  double* const values[] = {&iteration,     &row->seconds,        &row->milliseconds, &row->loss,
+                            &row->l1,       &row->ssim,           &row->depth,        &row->alpha,
+                            &row->proposal, &row->regularization, &gaussians,         &row->psnr};
+  if (cells.size() != std::size(values)) return false;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (!ReadCell(cells[i], values[i])) return false;
+  }
+  if (!(iteration > 0 && iteration < 1e15 && gaussians >= 0 && gaussians < 1e15)) return false;
+  row->iteration = static_cast<int64_t>(iteration), row->gaussians = static_cast<int64_t>(gaussians);
+  return std::isfinite(row->loss) && std::isfinite(row->seconds);
 }
 
 }  // namespace
@@ -61,32 +104,53 @@ std::vector<CurveRow> ReadCurves(const std::filesystem::path& path) {
     std::istringstream text(ReadFile(path, kMaxBytes));
     for (std::string line; std::getline(text, line);) {
       CurveRow row;
-      long long iteration = 0, gaussians = 0;
-      char rest = 0;
-      if (std::sscanf(line.c_str(), "%lld,%lf,%lf,%lld%c", &iteration, &row.seconds, &row.loss, &gaussians, &rest) != 4)
-        continue;
-      row.iteration = iteration, row.gaussians = gaussians;
-      const bool follows = rows.empty() || iteration > rows.back().iteration;
-      if (follows && iteration > 0 && std::isfinite(row.loss) && std::isfinite(row.seconds)) rows.push_back(row);
+      if (ReadLine(line, &row) && (rows.empty() || row.iteration > rows.back().iteration)) rows.push_back(row);
     }
   } catch (const InputError&) {  // no regular file, or far too large: no curves
   }
   return rows;
 }
 
+void CurveRow::SetTerms(const TermSums& sums) {
+  const auto photos = static_cast<double>(sums.photos), proposals = static_cast<double>(sums.proposals);
+  if (sums.photos > 0) {
+    l1 = sums.l1 / photos, ssim = 1 - sums.dssim / photos;
+    depth = sums.depth / photos, alpha = sums.alpha / photos;
+  }
+  if (sums.proposals > 0) proposal = sums.proposal / proposals;
+  if (sums.photos + sums.proposals > 0) regularization = sums.regularization / (photos + proposals);
+}
+
 nlohmann::json CurvesToJson(const std::vector<CurveRow>& rows) {
-  nlohmann::json loss = {{"name", "loss"}, {"unit", ""}, {"x_name", "iteration"}};
-  nlohmann::json gaussians = {{"name", "Gaussians"}, {"unit", ""}, {"x_name", "iteration"}};
-  for (nlohmann::json* curve : {&loss, &gaussians}) (*curve)["x"] = (*curve)["y"] = nlohmann::json::array();
+  const auto curve = [](const char* name, const char* unit) {
+    return nlohmann::json{{"name", name},
+                          {"unit", unit},
+                          {"x_name", "iteration"},
+                          {"x", nlohmann::json::array()},
+                          {"y", nlohmann::json::array()}};
+  };
+  const auto add = [](nlohmann::json* to, int64_t x, const auto& y) {
+    (*to)["x"].push_back(x);
+    (*to)["y"].push_back(y);
+  };
+  nlohmann::json loss = curve("loss", ""), gaussians = curve("Gaussians", ""), psnr = curve("PSNR of test views", "dB");
   // A file of another program may have any number.
   const size_t step = std::max<size_t>(1, (rows.size() + kMaxRows - 1) / kMaxRows);
   for (size_t i = step - 1; i < rows.size(); i += step) {
-    loss["x"].push_back(rows[i].iteration);
-    loss["y"].push_back(rows[i].loss);
-    gaussians["x"].push_back(rows[i].iteration);
-    gaussians["y"].push_back(rows[i].gaussians);
+    add(&loss, rows[i].iteration, rows[i].loss);
+    add(&gaussians, rows[i].iteration, rows[i].gaussians);
   }
-  return nlohmann::json::array({std::move(loss), std::move(gaussians)});
+  std::vector<const CurveRow*> scored;
+  for (const CurveRow& row : rows) {
+    if (std::isfinite(row.psnr)) scored.push_back(&row);
+  }
+  const size_t scored_step = std::max<size_t>(1, (scored.size() + kMaxRows - 1) / kMaxRows);
+  for (size_t i = scored_step - 1; i < scored.size(); i += scored_step) {
+    add(&psnr, scored[i]->iteration, scored[i]->psnr);
+  }
+  nlohmann::json curves = nlohmann::json::array({std::move(loss), std::move(gaussians)});
+  if (!scored.empty()) curves.push_back(std::move(psnr));
+  return curves;
 }
 
 }  // namespace oraclegs

@@ -1,28 +1,43 @@
 #pragma once
-// How training went: curves.csv.
+// How training went: train.csv.
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <utility>
 #include <vector>
 
+#include "oraclegs/train/term_sums.h"
+
 namespace oraclegs {
 
+/// A row; NaN = no value. The terms are means over the iterations since the row before, of this process.
 struct CurveRow {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
   int64_t iteration = 0;
   double seconds = 0;  ///< of training until then, summed over resumed runs
   double loss = 0;     ///< smoothed over the iterations
   int64_t gaussians = 0;
+  double milliseconds = kNone;      ///< an iteration takes, without what looks on
+  double l1 = kNone, ssim = kNone;  ///< of photos: mean |render - image| and SSIM, where the mask counts
+  double depth = kNone;             ///< of photos: the depth term, with its weight
+  double alpha = kNone;             ///< likewise
+  double proposal = kNone;          ///< the whole loss of iterations that took a proposal
+  double regularization = kNone;    ///< of opacities and scales
+  double psnr = kNone;              ///< dB, of the test views
+
+  void SetTerms(const TermSums& sums);
 };
 
 /// True for the iterations of a training of `total` that have a row: at most 500, evenly apart, and the last one.
 bool HasCurveRow(int64_t iteration, int64_t total);
 
-/// The rows of curves.csv as text, with a header.
+/// The rows of train.csv as text, with a header.
 std::string CurvesToCsv(const std::vector<CurveRow>& rows);
 
-/// curves.csv while it grows: whoever kills the run leaves the rows before its last checkpoint.
+/// train.csv while it grows: whoever kills the run leaves the rows before its last checkpoint.
 class CurvesFile {
  public:
   explicit CurvesFile(std::filesystem::path path) : path_(std::move(path)) {}
@@ -45,7 +60,8 @@ class CurvesFile {
 /// The rows of such a file, without those that are damaged; empty when there is none.
 std::vector<CurveRow> ReadCurves(const std::filesystem::path& path);
 
-/// [{"name": "loss", "unit", "x_name", "x": [...], "y": [...]}, ...] of loss and Gaussians over the iterations.
+/// [{"name": "loss", "unit", "x_name", "x": [...], "y": [...]}, ...] of loss, Gaussians and, where it was measured,
+/// PSNR over the iterations.
 nlohmann::json CurvesToJson(const std::vector<CurveRow>& rows);
 
 }  // namespace oraclegs

@@ -53,9 +53,14 @@ Listener Live::AsListener() {
   return [this](const Event& event) { On(event); };
 }
 
-TrainObserver Live::AsObserver() {
+TrainObserver Live::AsObserver(TestScore score) {
   training_ = false;
-  return [this](const TrainMoment& moment) { OnMoment(moment); };
+  score_ = std::move(score);
+  return [this](const TrainMoment& moment) {
+    const double start = watch_.Seconds();
+    OnMoment(moment);
+    looked_ += watch_.Seconds() - start;
+  };
 }
 
 void Live::Guard(Live* live, FunctionRef<void()> body) {
@@ -85,15 +90,29 @@ void Live::OnMoment(const TrainMoment& moment) {
   if (!std::exchange(training_, true)) {  // the rows of what is not continued are dropped
     std::erase_if(rows_, [&](const CurveRow& row) { return row.iteration > moment.iteration; });
     Try([&] { curves_.Write(rows_); });
-  } else if (HasCurveRow(moment.iteration, moment.total)) {
+    BeginRow(moment);
+  } else if (HasCurveRow(moment.iteration, moment.total) || score_.IsDue(moment.iteration, moment.total)) {
     AddRow(moment);
   }
   if (snapshots_.IsDue(watch_.Seconds()) || moment.iteration == moment.total) TakeSnapshot(moment);
   if (watch_.Seconds() >= state_due_) WriteState();
 }
 
+void Live::BeginRow(const TrainMoment& moment) {
+  since_ = {moment.iteration, moment.seconds, moment.terms};
+  looked_ = 0;
+}
+
 void Live::AddRow(const TrainMoment& moment) {
-  rows_.push_back({moment.iteration, moment.seconds, moment.loss(), moment.gaussians.size()});
+  CurveRow row;
+  row.iteration = moment.iteration, row.gaussians = moment.gaussians.size();
+  row.seconds = moment.seconds, row.loss = moment.loss();
+  const auto iterations = static_cast<double>(moment.iteration - since_.iteration);
+  row.milliseconds = std::max(0., moment.seconds - since_.seconds - looked_) * 1000 / iterations;
+  row.SetTerms(moment.terms.Since(since_.terms));
+  BeginRow(moment);
+  if (score_.IsDue(moment.iteration, moment.total)) Try([&] { row.psnr = score_.psnr(moment.gaussians); });
+  rows_.push_back(row);
   Try([&] { curves_.Append(rows_); });
 }
 

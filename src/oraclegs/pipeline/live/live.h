@@ -1,9 +1,10 @@
 #pragma once
-// What a run writes for those that look on: OUT/live/ and OUT/curves.csv.
+// What a run writes for those that look on: OUT/live/ and OUT/train.csv.
 
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,17 @@
 
 namespace oraclegs {
 
-/// Writes live/state.json at most twice a second, live/splat.splat while training, and curves.csv. It holds a
+/// How the test views are scored while a model is trained.
+struct TestScore {
+  int64_t every = 0;                                            ///< iterations; 0 = never
+  std::function<double(const Gaussians& gaussians)> psnr = {};  ///< dB, mean over the views
+
+  bool IsDue(int64_t iteration, int64_t total) const {
+    return every > 0 && iteration > 0 && (iteration % every == 0 || iteration == total);
+  }
+};
+
+/// Writes live/state.json at most twice a second, live/splat.splat while training, and train.csv. It holds a
 /// FolderLock on live/: a run that was killed is known by that. Nothing of it changes a result or ends a run: a file
 /// that cannot be written is one warning. The end of the run is written by the destructor, or by Guard when it fails.
 class Live {
@@ -34,7 +45,7 @@ class Live {
   /// Valid as long as this object lives, as the observer.
   Listener AsListener();
   /// For one training, from the start or from a checkpoint.
-  TrainObserver AsObserver();
+  TrainObserver AsObserver(TestScore score = {});
 
   /// Runs `body`; what it throws is the end of the run, and goes on. `live` may be null.
   static void Guard(Live* live, FunctionRef<void()> body);
@@ -42,6 +53,8 @@ class Live {
  private:
   void On(const Event& event);
   void OnMoment(const TrainMoment& moment);
+  /// Begins the mean of the next row.
+  void BeginRow(const TrainMoment& moment);
   void AddRow(const TrainMoment& moment);
   void TakeSnapshot(const TrainMoment& moment);
   void WriteState();
@@ -58,6 +71,14 @@ class Live {
   double state_due_ = 0;  ///< seconds of watch_
   std::vector<CurveRow> rows_;
   CurvesFile curves_;
+  TestScore score_;
+  /// Where the iterations of the next row begin.
+  struct {
+    int64_t iteration = 0;
+    double seconds = 0;
+    TermSums terms = {};
+  } since_;
+  double looked_ = 0;      ///< seconds of looking on since then, which are no part of an iteration
   bool training_ = false;  ///< the observer was called
   SnapshotClock snapshots_;
   nlohmann::json shown_splat_ = nullptr;

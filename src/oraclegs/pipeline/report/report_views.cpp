@@ -216,7 +216,7 @@ std::vector<std::string> ReportViews::Advice() const {
     places.push_back(seen.neighbours.front());
     const std::string where = seen.neighbours.size() == 1
                                   ? "near " + seen.neighbours[0]
-                                  : fmt::format("near {}, towards {}", seen.neighbours[0], seen.neighbours[1]);
+                                  : fmt::format("near {}, toward {}", seen.neighbours[0], seen.neighbours[1]);
     advice.push_back(fmt::format(
         "Take a photo {} (proposal {}): two or more photos support only {:.0f} % of what is seen from there.", where,
         seen.proposal, 100 * seen.supported));

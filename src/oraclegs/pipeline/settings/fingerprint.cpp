@@ -65,11 +65,12 @@ std::string FileHashes::OfAll(const std::vector<fs::path>& files) {
   return print.Hex();
 }
 
-std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, int downscale, FileHashes* files) {
+std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, const ImageOptions& images,
+                             FileHashes* files) {
   std::vector<fs::path> read;
   for (const int v : views) {
     const SceneView& view = scene.views[static_cast<size_t>(v)];
-    read.push_back(ImageFile(view, downscale));
+    read.push_back(ImageFile(view, images));
     if (!view.mask_path.empty()) read.push_back(view.mask_path);
   }
   files->Read(read);

@@ -9,6 +9,7 @@
 
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/core/sha256.h"
+#include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -42,8 +43,9 @@ class FileHashes {
   std::map<std::filesystem::path, std::string> known_;
 };
 
-/// The scene's format, and of these views names, images (the files that LoadViews opens at this downscale), masks,
+/// The scene's format, and of these views names, images (the files that LoadViews opens with these options), masks,
 /// intrinsics and poses.
-std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, int downscale, FileHashes* files);
+std::string ViewsFingerprint(const Scene& scene, const std::vector<int>& views, const ImageOptions& images,
+                             FileHashes* files);
 
 }  // namespace oraclegs

@@ -30,7 +30,7 @@ void AddIf(bool missing, MissingNetwork network, std::vector<MissingNetwork>* li
 void AddSeva(const RunOptions& options, std::vector<MissingNetwork>* list) {
   if (!ProposesViews(options) || !options.propose.Uses(ProposerChoice::kSeva)) return;
   MissingNetwork seva{
-      Asked("proposers", Word(options.propose.proposers)), {}, "", "--proposers splat", [](RunOptions* o) {
+      Asked("proposers", Word(options.propose.Choice())), {}, "", "--proposers splat", [](RunOptions* o) {
         o->propose.proposers = ProposerChoice::kSplat;
       }};
   for (const char* model : kSevaModels) {

@@ -22,11 +22,12 @@ nlohmann::json RunOptionsToJson(const RunOptions& options) {
 void CheckRunOptions(const RunOptions& options) {
   RunOptions::ForEachGroup(options, [](const char*, const auto& group) { CheckOptions(group); });
   AttentionLayersOf(options.validate);
-  if (options.train.horizon > 0 && options.train.horizon < options.train.iterations) {
+  if (options.train.horizon > 0 && !options.train.iterations.is_auto() &&
+      options.train.horizon < options.train.iterations.value()) {
     throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",
-                     options.train.horizon, options.train.iterations);
+                     options.train.horizon, options.train.iterations.value());
   }
-  const ProposerChoice proposers = options.propose.proposers;
+  const ProposerChoice proposers = options.propose.Choice();
   const std::string& generator = options.propose.generator;
   if (proposers == ProposerChoice::kCommand && generator.empty()) {
     throw UsageError(

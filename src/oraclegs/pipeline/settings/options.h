@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "oraclegs/capture/options.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/networks/seva_options.h"
@@ -63,6 +64,7 @@ struct EnumWords<LpipsUse> {
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
   PoseSource poses = PoseSource::kColmap;
+  std::string scale;  ///< as ReadScale reads it
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -70,6 +72,29 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
+    visit("scale", self.scale,
+          "Size of the result: a factor, or a length that you know, as IMG_1,IMG_2=0.35: these two photos were taken "
+          "0.35 m apart, which makes a unit a meter");
+  }
+};
+
+/// How much time a run may take for its result.
+enum class Quality { kDraft, kNormal, kHigh };
+template <>
+struct EnumWords<Quality> {
+  static constexpr EnumWord<Quality> kWords[] = {
+      {Quality::kDraft, "draft"}, {Quality::kNormal, "normal"}, {Quality::kHigh, "high"}};
+};
+
+/// The one knob: what is left automatic among --max-size, --iterations, --max-gaussians and --proposers follows it.
+struct QualityOptions {
+  Quality quality = Quality::kNormal;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("quality", self.quality,
+          "Size of the images, iterations, Gaussians and proposals, where other options do not set them: draft = a "
+          "first look within minutes; normal; high = the most detail, for several times as long");
   }
 };
 
@@ -89,24 +114,21 @@ struct StartOptions {
         "Where sparse points come from: triangulate = by colmap from the training views alone, with their poses fixed; "
         "model = those of the scene's own model that two training views saw, though test views helped to place them; "
         "auto = model where all photos train, else triangulate");
-    visit(
-        "init", self.init,
-        "Where the Gaussians start: dense = what stereo found, sfm = points triangulated from the training views, "
-        "random = in the volume they look at, random-cube = as 3DGS-MCMC's authors draw them, in a cube of three times "
-        "the cameras' extent around the origin, hybrid = the first three, auto = dense, or sfm joined by random points "
-        "where stereo finds little, or random alone below 100");
+    visit("init", self.init,
+          "Where the Gaussians start: dense = points of multi-view stereo, sfm = points triangulated from the training "
+          "views, random = in the volume they look at, random-cube = as 3DGS-MCMC's authors draw them, in a cube of "
+          "three times the cameras' extent around the origin, hybrid = the first three, auto = dense, or sfm joined by "
+          "random points where stereo finds little, or random alone below 100");
     visit("init-scale", self.init_scale,
-          "Start scale as a factor of the distance to the neighbours; auto = 1 for a dense start, 0.1 for others",
+          "Initial scale as a factor of the distance to the neighbors; auto = 1 for a dense start, 0.1 for others",
           Range{1e-6, 10});
-    visit("init-opacity", self.init_opacity, "Start opacity", Range{0.006, 0.99});
+    visit("init-opacity", self.init_opacity, "Initial opacity", Range{0.006, 0.99});
     visit("init-flatness", self.init_flatness,
-          "Start thickness along the surface's normal, as a share of the other two scales; "
-          "1 = round",
+          "Initial thickness along the surface's normal, as a fraction of the other two scales; 1 = round",
           Range{0.01, 1});
     visit("init-planes", self.init_planes,
-          "Extrapolate planes of a dense start into textureless regions, where stereo finds nothing (lawns, plain "
-          "walls)");
-    visit("seed", self.seed, "Seed of everything random; the same seed gives the same bits",
+          "Extend fitted planes into textureless regions (walls, lawns) where stereo finds nothing");
+    visit("seed", self.seed, "Seed of all random numbers; the same seed gives the same bits",
           Range{0, 9007199254740992.0});
   }
 };
@@ -147,15 +169,21 @@ struct MachineOptions {
   }
 };
 
-/// Likewise.
+/// Likewise: what is written while a run trains.
 struct CheckpointSchedule {
   int checkpoint_every = 1000;
+  int eval_every = 0;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("checkpoint-every", self.checkpoint_every,
           "Iterations between checkpoints, from which a killed run continues; 0 = only when interrupted",
           Range{0, 1e7});
+    visit(
+        "eval-every", self.eval_every,
+        "Iterations between scores of the test views, the column psnr of train.csv; each one renders all of them; 0 = "
+        "none",
+        Range{0, 1e7});
   }
 };
 
@@ -202,6 +230,8 @@ struct WeightOptions {
 
 struct RunOptions {
   InputOptions input;
+  QualityOptions quality;
+  CaptureOptions capture;  ///< of commands that start a run; in none of the groups below
   SplitOptions split;
   ImageOptions image;
   StartOptions start;
@@ -223,6 +253,7 @@ struct RunOptions {
   template <class Self, class F>
   static void ForEachShapingGroup(Self& self, F&& f) {
     f("Scene", self.input);
+    f("Basic", self.quality);
     f("Split", self.split);
     f("Images", self.image);
     f("Start", self.start);

@@ -14,7 +14,7 @@ void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
 }  // namespace
 
 bool ProposesViews(const RunOptions& options) {
-  return options.propose.proposers != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
+  return options.propose.Choice() != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
          options.train.schedule != ScheduleKind::kNone;
 }
 
@@ -52,10 +52,11 @@ void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, c
     return;
   }
   if (!HasNetworksLibrary()) {
-    listener(Note{"oracle: the images alone, without VGGT; " + WhyNoNetworks()});
+    listener(Note{"oracle: consistency of the images, without VGGT; " + WhyNoNetworks()});
     return;
   }
-  listener(Note{"oracle: the images alone, without VGGT; `oraclegs models fetch vggt` brings its weights"});
+  listener(
+      Note{"oracle: consistency of the images, without VGGT (`oraclegs models fetch vggt` downloads its weights)"});
 }
 
 Plan MakePlan(const RunOptions& options, bool has_poses) {
@@ -70,7 +71,7 @@ Plan MakePlan(const RunOptions& options, bool has_poses) {
     RequireNetworksLibrary("--poses vggt");
   }
   if (plan.Uses(options, ProposerChoice::kSeva)) {
-    RequireNetworksLibrary("--proposers " + Word(options.propose.proposers));
+    RequireNetworksLibrary("--proposers " + Word(options.propose.Choice()));
   }
   return plan;
 }

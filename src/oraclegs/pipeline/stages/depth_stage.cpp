@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "oraclegs/core/plural.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/make_plane_search.h"
@@ -23,7 +24,7 @@ constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which 
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
 void AddDepthKey(Run* run, Fingerprint* key) {
   const DepthSource& source = run->plan.depth;
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image.downscale, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
   key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
   if (source.HasNetwork()) {
     key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));
@@ -147,8 +148,9 @@ void ReportDepth(Run* run) {
   for (const DepthMap& map : geometry.maps) {
     if (ConfidentShare(map) < kMinConfidentShare) poor.push_back(map.name);
   }
-  run->listener(Note{fmt::format("depth is confident on {:.0f} % of the pixels; {} dense points",
-                                 100 * MeanConfidentShare(geometry.maps), geometry.points.size())});
+  run->listener(
+      Note{fmt::format("depth: confident on {:.0f} % of the pixels; {}", 100 * MeanConfidentShare(geometry.maps),
+                       Counted(geometry.points.size(), "dense point"))});
   if (poor.empty()) return;
   run->listener(Warning{fmt::format(
       "hardly any depth was found in {}: no other photo shows the same surfaces from near by, or they have no texture; "

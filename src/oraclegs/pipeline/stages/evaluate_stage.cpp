@@ -13,31 +13,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Where nothing is held out, the training views are rendered, so that there is something to look at.
+const std::vector<int>& ScoredViews(const Split& split) { return split.test.empty() ? split.train : split.test; }
+
 void AddEvaluateKey(Run* run, Fingerprint* key) {
   key->Add(run->files.OfAll(run->plan.lpips)).Add(ShapingOptionsToJson(run->options).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.test, run->options.image.downscale, &run->files));
+  key->Add(ViewsFingerprint(run->scene, ScoredViews(run->split), run->options.image, &run->files));
   std::error_code ignored;
   if (fs::exists(run->workspace.point_cloud(), ignored)) key->AddFile(run->workspace.point_cloud());
 }
 
 void UndoEvaluate(Run* run, const nlohmann::json&) {
-  const fs::path dir = run->workspace.renders("test");
-  std::error_code error;
-  fs::remove_all(dir, error);
-  if (error) throw RunError("{}: cannot be removed: {}", dir.string(), error.message());
+  for (const char* part : {"test", "train"}) {
+    const fs::path dir = run->workspace.renders(part);
+    std::error_code error;
+    fs::remove_all(dir, error);
+    if (error) throw RunError("{}: cannot be removed: {}", dir.string(), error.message());
+  }
 }
 
 std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   const Workspace& workspace = run->workspace;
   const Stopwatch watch;
   const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device);
-  const std::vector<LoadedView> views = LoadViews(run->scene, run->split.test, run->options.image, run->listener);
-  nlohmann::json record = {
-      {"test", ScoreModel(model, views, workspace.renders("test"), run->plan.lpips, run->listener)},
-      {"gaussians", model.gaussians.size()},
-      {"peak_memory_bytes", PeakMemoryBytes()},
-      {"files", {"metrics.json"}}};
-  if (!model.support.empty() && !views.empty()) {
+  const bool held_out = !run->split.test.empty();
+  const std::vector<LoadedView> views =
+      LoadViews(run->scene, ScoredViews(run->split), run->options.image, run->listener);
+  if (!held_out)
+    run->listener(Note{"all photos train: no view is left to score the result on (--eval holds some out)"});
+  const fs::path renders = workspace.renders(held_out ? "test" : "train");
+  nlohmann::json scores = ScoreModel(model, views, renders, run->plan.lpips, run->listener);
+  nlohmann::json record = {{"test", held_out ? scores : ScoreModel(model, {}, {}, {}, Silent())},
+                           {"gaussians", model.gaussians.size()},
+                           {"peak_memory_bytes", PeakMemoryBytes()},
+                           {"files", {"metrics.json"}}};
+  if (!held_out) record["train_views"] = std::move(scores);
+  if (!model.support.empty() && held_out) {
     record["support"] = ToJson(MeasureSupport(model.gaussians, model.support, views, model.render));
   }
   record["seconds"] = watch.Seconds();
@@ -58,7 +69,7 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device) {
 
 nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,
                           const std::vector<fs::path>& lpips, const Listener& listener) {
-  if (views.empty()) listener(Warning{"there are no test views: nothing is scored (see --test-every)"});
+  if (views.empty()) listener(Warning{"there are no test views: nothing is scored (see --eval)"});
   const ImageScores scores = LpipsScores(lpips, model.gaussians.means.device(), listener);
   return ToJson(Evaluate(model.gaussians, views, model.render, {renders, scores}, listener));
 }

@@ -26,6 +26,7 @@ int64_t PeakMemoryBytes() {
 nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record) {
   nlohmann::json metrics;
   metrics["test"] = evaluate_record.at("test");
+  if (evaluate_record.contains("train_views")) metrics["train_views"] = evaluate_record.at("train_views");
   if (evaluate_record.contains("support")) metrics["support"] = evaluate_record.at("support");
   metrics["gaussians"] = evaluate_record.at("gaussians");
   metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
@@ -63,6 +64,10 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   }
   metrics["peak_memory_bytes"] = peak;
   metrics["views"] = {{"train", run.split.train.size()}, {"test", run.split.test.size()}};
+  metrics["frame"] = {{"level", run.frame.is_level},
+                      {"up", run.frame.is_level ? nlohmann::json("-y") : nlohmann::json()},
+                      {"scale", run.frame.scale},
+                      {"unit", run.frame.is_metric ? nlohmann::json("meter") : nlohmann::json()}};
   metrics["non_commercial"] = NonCommercialParts(run.workspace);
   metrics["program"] = "oraclegs";
   metrics["version"] = run.version;

@@ -55,7 +55,7 @@ void AddProposeKey(Run* run, Fingerprint* key) {
   key->Add(static_cast<double>(options.start.seed));  // of the poses
   if (run->plan.Uses(options, ProposerChoice::kSeva)) key->Add(SevaKey(options.seva));
   key->Add(OptionsToJson(options.image).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.train, options.image.downscale, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, options.image, &run->files));
   AddPoses(*run, key);
   if (options.propose.proposal_folder.empty()) return;
   for (const fs::path& file : FolderFiles(options.propose.proposal_folder)) key->Add(file.string()).AddFile(file);

@@ -18,10 +18,10 @@ Proposers::Proposers(const Run& run, const TrainingViews& training, const Geomet
   warper_ = std::make_unique<Warper>(std::move(sources), run.plan.device);
   const ProposeOptions& options = run.options.propose;
   // Also where nothing but a folder proposes: the oracle learns from what is known to be wrong.
-  if (options.proposers != ProposerChoice::kSplat || proxies.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);
+  if (options.Choice() != ProposerChoice::kSplat || proxies.empty()) warp_ = std::make_unique<WarpProposer>(*warper_);
   // Beside a generator targets are asked for where stereo found little, too.
   const bool generates = options.Uses(ProposerChoice::kSeva) || !options.generator.empty();
-  warp_paints_ = options.proposers != ProposerChoice::kSeva && options.proposers != ProposerChoice::kCommand &&
+  warp_paints_ = options.Choice() != ProposerChoice::kSeva && options.Choice() != ProposerChoice::kCommand &&
                  (!generates || CanPropose(training, geometry));
   for (int k = 0; k < run.options.seva.candidates && options.Uses(ProposerChoice::kSeva); ++k) {
     stored_.emplace_back(run.workspace.proposals(), SevaSource(k));

@@ -35,9 +35,16 @@ Listener AsProxies(const Listener& listener, int64_t before, int64_t total) {
   };
 }
 
+/// Those of the run as it was begun: a finished run that trains on keeps its proxy models.
+RunOptions OptionsOfProxies(const Run& run) {
+  RunOptions options = run.options;
+  if (run.start_iterations > 0) options.train.iterations = static_cast<int>(run.start_iterations);
+  return options;
+}
+
 /// What follows with all views: of Gaussians that have found their places and colours.
 TrainOptions FinishOptions(const RunOptions& options, TrainOptions proxy) {
-  proxy.iterations = static_cast<int>(options.propose.proxy_finish * options.train.iterations);
+  proxy.iterations = static_cast<int>(options.propose.proxy_finish * options.train.iterations.value());
   proxy.sh_degree_interval = 1;
   proxy.refine_start = 0;
   return proxy;
@@ -60,10 +67,12 @@ class ProxyTrainer {
         training_(ViewsOf(run)),
         geometry_(run->results->geometry),
         views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
-        options_(ProxyOptions(run->options, SettleTrainOptions(run->options.train, training_, geometry_, Silent()))),
-        finish_(FinishOptions(run->options, options_)) {}
+        asked_(OptionsOfProxies(*run)),
+        options_(ProxyOptions(asked_,
+                              SettleTrainOptions(InFrame(asked_.train, run->frame), training_, geometry_, Silent()))),
+        finish_(FinishOptions(asked_, options_)) {}
 
-  int64_t iterations() const { return options_.iterations + finish_.iterations; }
+  int64_t iterations() const { return options_.iterations.value() + finish_.iterations.value(); }
 
   /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
   bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
@@ -79,19 +88,19 @@ class ProxyTrainer {
       return false;
     }
     const StartOptions& start = run_.options.start;
-    const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians));
+    const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians.value()));
     const Gaussians gaussians = InitializeGaussians(cloud, InitializeOptionsOf(start, kDenseScale));
     const uint64_t seed = start.seed + static_cast<uint64_t>(number);
     const auto background = BackgroundColor(run_.options.image.background);
     Trainer trainer(options_, seed, background, kept, gaussians);
     trainer.Run({}, listener);
     WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
-    if (finish_.iterations == 0) {
+    if (finish_.iterations.value() == 0) {
       WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
       return true;
     }
     Trainer finisher(finish_, seed, background, views_, trainer.gaussians());
-    finisher.Run({}, Offset(listener, options_.iterations));
+    finisher.Run({}, Offset(listener, options_.iterations.value()));
     WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
     return true;
   }
@@ -114,6 +123,7 @@ class ProxyTrainer {
   const TrainingViews& training_;
   const Geometry& geometry_;
   std::vector<TrainView> views_;
+  RunOptions asked_;
   TrainOptions options_, finish_;
 };
 
@@ -125,9 +135,9 @@ std::vector<std::string> FilesOf(int k) {
 }
 
 void AddProxyKey(Run* run, Fingerprint* key) {
-  const RunOptions& options = run->options;
+  const RunOptions options = OptionsOfProxies(*run);
   key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
-  key->Add(options.train.iterations);  // whose share the finish is
+  key->Add(options.train.iterations.value());  // whose share the finish is
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
   key->Add(OptionsToJson(options.image).dump());
 }
@@ -173,11 +183,12 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
 TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   const double share = options.propose.proxy_share;
   const auto scaled = [&](int iterations) { return std::max(1, static_cast<int>(share * iterations)); };
-  train.iterations = scaled(train.iterations);
+  train.iterations = scaled(train.iterations.value());
   train.horizon = 0;
   train.sh_degree_interval = scaled(train.sh_degree_interval);
   train.refine_start = scaled(train.refine_start);
-  train.max_gaussians = std::min(train.max_gaussians, options.propose.proxy_gaussians.ValueOr(train.max_gaussians));
+  const int most = train.max_gaussians.value();
+  train.max_gaussians = std::min(most, options.propose.proxy_gaussians.ValueOr(most));
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
   const TrainOptions unused;
   train.schedule = ScheduleKind::kNone;

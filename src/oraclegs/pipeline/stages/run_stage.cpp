@@ -86,6 +86,9 @@ class StageRunner {
     }
     if (!record->contains("seconds")) (*record)["seconds"] = clock.Seconds();
     (*record)["key"] = key;
+    if (const auto predicted = run_->predicted.find(stage.name); predicted != run_->predicted.end()) {
+      (*record)["predicted_seconds"] = predicted->second;
+    }
     clock.Finish(record->at("seconds").get<double>());
     run_->workspace.MarkDone(stage.name, *record);
     if (*stage.work.file != '\0') run_->listener(FileWritten{run_->workspace.root() / stage.work.file});

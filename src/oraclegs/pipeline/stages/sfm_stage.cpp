@@ -20,7 +20,7 @@ bool TakesModel(const Run& run) {
 }
 
 void AddSfmKey(Run* run, Fingerprint* key) {
-  key->Add(ViewsFingerprint(run->scene, run->split.train, 1, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, ImageOptions(), &run->files));
   if (!TakesModel(*run)) return;
   for (const ScenePoint& p : run->scene.points) key->Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
 }

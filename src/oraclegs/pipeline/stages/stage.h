@@ -18,6 +18,7 @@
 #include "oraclegs/pipeline/workspace/workspace.h"
 #include "oraclegs/propose/ensemble.h"
 #include "oraclegs/propose/folder.h"
+#include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/train/train_view.h"
@@ -60,8 +61,12 @@ struct Run {
   Listener listener;
   std::string photos;  ///< stands for images that came without poses; "" = the scene has poses of its own
   FileHashes files = {};
+  SceneFrame frame = {};                         ///< that the scene was brought into, once its poses are known
+  std::map<std::string, double> predicted = {};  ///< seconds of each stage; empty where nobody asked
   std::unique_ptr<StageResults> results = std::make_unique<StageResults>();
   std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
+  /// --iterations that the run was begun with, of which proxy models train a share; 0 = --iterations.
+  int64_t start_iterations = 0;
   std::shared_ptr<Live> live = {};  ///< what it writes for those that look on; null for a run that was only opened
 };
 

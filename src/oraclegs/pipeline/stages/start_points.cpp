@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "oraclegs/core/plural.h"
 #include "oraclegs/depth/plane_fill.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/pipeline/stages/sfm_stage.h"
@@ -21,7 +22,7 @@ class StartBuilder {
         views_(known.views),
         sfm_(known.sfm),
         geometry_(known.geometry),
-        budget_(static_cast<size_t>(run.options.train.max_gaussians)) {}
+        budget_(static_cast<size_t>(run.options.train.max_gaussians.value())) {}
 
   StartPoints Build() {
     const Auto<StartKind>& init = run_.options.start.init;
@@ -158,7 +159,7 @@ PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>
 
 StartPoints ChooseStart(Run* run, const StartEvidence& known) {
   StartPoints start = StartBuilder(*run, known).Build();
-  run->listener(Note{fmt::format("starting from {} points ({})", start.cloud.xyz.size(), start.source)});
+  run->listener(Note{fmt::format("starting from {} ({})", Counted(start.cloud.xyz.size(), "point"), start.source)});
   run->workspace.MarkDone("start", {{"key", ""},
                                     {"seconds", 0},
                                     {"source", start.source},

@@ -63,9 +63,14 @@ TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& train
   if (!options.exposure.is_auto()) return options;
   options.exposure = geometry.HasVariedExposure() ? ExposureMode::kOn : ExposureMode::kOff;
   if (options.exposure == ExposureMode::kOn) {
-    listener(Note{fmt::format("the images' exposures differ by {:.0f} %: a colour map is learnt for each (--exposure)",
+    listener(Note{fmt::format("the images' exposures differ by {:.0f} %: a color map is learned for each (--exposure)",
                               100 * ExposureSpread(geometry.gains))});
   }
+  return options;
+}
+
+TrainOptions InFrame(TrainOptions options, const SceneFrame& frame) {
+  options.scale_reg /= frame.scale;
   return options;
 }
 

@@ -12,6 +12,7 @@
 #include "oraclegs/pipeline/stages/proxy_models.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/stages/start_points.h"
+#include "oraclegs/pipeline/stages/test_score.h"
 #include "oraclegs/pipeline/stages/train_inputs.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/train/make_train_device.h"
@@ -24,8 +25,50 @@ namespace fs = std::filesystem;
 
 void AddTrainKey(Run* run, Fingerprint* key) {
   key->Add(ShapingOptionsToJson(run->options).dump());
-  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image.downscale, &run->files));
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
   if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) key->Add(run->files.OfAll(run->plan.lpips));
+}
+
+/// The key of the stage, but for --iterations.
+std::string InputsOf(Run* run) {
+  Fingerprint print;
+  print.Add(kTrainStageVersion);
+  for (const char* need : {"sfm", "depth", "validate"}) {
+    const nlohmann::json record = run->workspace.Record(need);
+    print.Add(record.is_object() ? record.value("key", "") : "");
+  }
+  nlohmann::json options = ShapingOptionsToJson(run->options);
+  options.erase("iterations");
+  print.Add(options.dump());
+  print.Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) print.Add(run->files.OfAll(run->plan.lpips));
+  return print.Hex();
+}
+
+/// True for the options of a checkpoint from which these go on: the same, with at least as many iterations.
+bool GoesOnFrom(nlohmann::json before, const nlohmann::json& now) {
+  const auto iterations = [](const nlohmann::json& options) {
+    const nlohmann::json value = options.is_object() ? options.value("iterations", nlohmann::json()) : nlohmann::json();
+    return value.is_number() ? value.get<double>() : 0.;
+  };
+  if (iterations(before) > iterations(now)) return false;
+  if (before.is_object()) before["iterations"] = now.at("iterations");
+  return before == now;
+}
+
+/// Leaves the one that a finished run is continued from. Where there is no room for it, the run is none the worse.
+void KeepLastCheckpoint(const Run& run, const Trainer& trainer) {
+  const fs::path last = CheckpointPath(run.workspace.checkpoints(), trainer.iteration());
+  try {
+    WriteCheckpoint(last, trainer.MakeCheckpoint());
+  } catch (const RunError& error) {
+    run.listener(Warning{fmt::format("{}; this run cannot be continued with more --iterations", error.what())});
+    return;
+  }
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(run.workspace.checkpoints(), ignored)) {
+    if (entry.path() != last) fs::remove(entry.path(), ignored);
+  }
 }
 
 /// What would be mistaken for the results of these inputs.
@@ -40,7 +83,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
   const auto path = NewestCheckpoint(run.workspace.checkpoints());
   if (path) {
     Checkpoint checkpoint = ReadCheckpoint(*path);
-    if (checkpoint.options == saved_options) {
+    if (GoesOnFrom(checkpoint.options, saved_options)) {
+      checkpoint.options = saved_options;
       run.listener(Note{fmt::format("continuing from iteration {} ({})", checkpoint.iteration, path->string())});
       return checkpoint;
     }
@@ -65,7 +109,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 /// The run's training options with nothing automatic left.
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   const StageResults& known = *run.results;
-  TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
+  TrainOptions settled =
+      SettleTrainOptions(InFrame(run.options.train, run.frame), training, known.geometry, run.listener);
   if (ProxiesAlonePropose(run)) settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
   return SettleUnion(std::move(settled), training.views.size(), known.proposals.size()).Settled();
 }
@@ -149,26 +194,29 @@ std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
 void WriteModel(const Run& run, const ReadyTrainer& ready) {
   const WorkspacePaths& paths = run.workspace;
   const Trainer& trainer = *ready.trainer;
-  WriteGaussianPly(paths.point_cloud(), trainer.gaussians(), run.options.train.sh_degree,
-                   LicenceComments(NonCommercialParts(paths)), SupportOfModel(run, ready));
+  std::vector<std::string> comments = FrameComments(run.frame);
+  for (std::string& comment : LicenceComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
+  WriteGaussianPly(paths.point_cloud(), trainer.gaussians(), run.options.train.sh_degree, comments,
+                   SupportOfModel(run, ready));
   std::error_code ignored;
   fs::remove(paths.exposures(), ignored);
   if (trainer.exposures().empty()) return;
   WriteFileAtomically(paths.exposures(), ExposuresToJson(ready.names, trainer.exposures()).dump(1) + "\n");
 }
 
-std::optional<nlohmann::json> MakeTrain(Run* run, const std::string& key) {
+std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
   const Stopwatch watch;
   nlohmann::json saved_options = ShapingOptionsToJson(run->options);
-  saved_options["inputs"] = key;
+  saved_options["inputs"] = InputsOf(run);
   const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
   if (run->on_training) run->on_training(run);
   const ReadyTrainer ready = MakeTrainer(run, checkpoint);
   const double loading = watch.Seconds();
   const TrainResult result = ready.trainer->Run(
       {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
-      run->listener, run->live ? run->live->AsObserver() : TrainObserver());
+      run->listener, run->live ? run->live->AsObserver(TestScoreOf(*run)) : TrainObserver());
   WriteModel(*run, ready);
+  KeepLastCheckpoint(*run, *ready.trainer);
   return nlohmann::json{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},
                         {"iterations", result.iterations},

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/png.h"
@@ -220,14 +221,14 @@ void ReportConfidence(Run* run) {
                           ? "; for those of --proposal-folder, check scene, pose, scale and orientation"
                           : "";
     run->listener(Warning{
-        fmt::format("the oracle trusts nothing of {} of {} proposals, which are left out: {} (see {}){}{}",
-                    rejected.size(), AllTargets(*run->results).size(), SomeNames(rejected), previews, fix, then)});
+        fmt::format("{} of {} proposals have no confidence anywhere and are left out: {} (see {}){}{}", rejected.size(),
+                    AllTargets(*run->results).size(), SomeNames(rejected), previews, fix, then)});
   }
   if (proposals.empty()) return;
   double sum = 0;
   for (const TrainView& view : proposals) sum += Mean(view.confidence.span());
-  run->listener(Note{fmt::format("{} proposals, trusted to {:.0f} % in the mean ({})", proposals.size(),
-                                 100 * sum / static_cast<double>(proposals.size()), previews)});
+  run->listener(Note{fmt::format("{}, mean confidence {:.2f} ({})", Counted(proposals.size(), "proposal"),
+                                 sum / static_cast<double>(proposals.size()), previews)});
 }
 
 std::optional<nlohmann::json> MakeValidate(Run* run, const std::string&) {

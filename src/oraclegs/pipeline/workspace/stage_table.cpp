@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
 
@@ -17,9 +18,9 @@ using nlohmann::json;
 int64_t Count(const json& record, const char* what) { return record.value(what, int64_t{0}); }
 
 std::string Proposed(const json& record) {
-  std::string text = fmt::format("{} views", Count(record, "targets"));
+  std::string text = Counted(Count(record, "targets"), "view");
   if (Count(record, "folder") > 0) text += fmt::format(", {} from the folder", Count(record, "folder"));
-  if (Count(record, "proxy_models") > 0) text += fmt::format(", {} proxy models", Count(record, "proxy_models"));
+  if (Count(record, "proxy_models") > 0) text += ", " + Counted(Count(record, "proxy_models"), "proxy model");
   return text;
 }
 
@@ -28,8 +29,8 @@ std::string Validated(const json& record) {
   if (means.empty()) return "0 proposals";
   double sum = 0;
   for (const json& mean : means) sum += mean.is_number() ? mean.get<double>() : 0;
-  return fmt::format("{} proposals, trusted to {:.0f} % in the mean", means.size(),
-                     100 * sum / static_cast<double>(means.size()));
+  return fmt::format("{}, mean confidence {:.2f}", Counted(means.size(), "proposal"),
+                     sum / static_cast<double>(means.size()));
 }
 
 std::string Scored(const json& record) {
@@ -46,22 +47,25 @@ struct Row {
 
 constexpr Row kRows[] = {
     {"register",
-     [](const json& r) { return fmt::format("{} of {} photos", Count(r, "registered"), Count(r, "photos")); }},
-    {"sfm", [](const json& r) { return fmt::format("{} points", Count(r, "points")); }},
+     [](const json& r) {
+       return fmt::format("{} of {}", Count(r, "registered"), Counted(Count(r, "photos"), "photo"));
+     }},
+    {"sfm", [](const json& r) { return Counted(Count(r, "points"), "point"); }},
     {"depth",
      [](const json& r) {
-       const std::string points = fmt::format("{} dense points", Count(r, "points"));
+       const std::string points = Counted(Count(r, "points"), "dense point");
        if (!r.contains("confident_share")) return points;  // written by an earlier version
        return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
      }},
-    {"proxies", [](const json& r) { return fmt::format("{} proxy models", Count(r, "models")); }},
+    {"proxies", [](const json& r) { return Counted(Count(r, "models"), "proxy model"); }},
     {"propose", Proposed},
     {"validate", Validated},
     {"train",
      [](const json& r) {
-       return fmt::format("{} Gaussians, {} iterations", Count(r, "gaussians"), Count(r, "iterations"));
+       return Counted(Count(r, "gaussians"), "Gaussian") + ", " + Counted(Count(r, "iterations"), "iteration");
      }},
     {"evaluate", Scored},
+    {"report", [](const json&) { return std::string("report.html"); }},
 };
 
 }  // namespace
@@ -76,14 +80,25 @@ json ReadStageRecords(const std::filesystem::path& workspace) {
 }
 
 std::string StageTable(const json& before, const json& after) {
-  std::vector<std::vector<std::string>> lines = {{"stage", "time", "result"}};
+  std::vector<std::vector<std::string>> lines = {{"stage", "time", "predicted", "result"}};
+  double total = 0, kept = 0, predicted_total = 0;
+  bool any_predicted = false, all_predicted = true;
   for (const Row& row : kRows) {
     if (!after.contains(row.stage) || !after[row.stage].is_object()) continue;
     const json& record = after[row.stage];
+    const double seconds = record.value("seconds", 0.0), predicted = record.value("predicted_seconds", 0.0);
     const bool unchanged = before.contains(row.stage) && before[row.stage] == record;
-    lines.push_back({row.stage, FormatSeconds(record.value("seconds", 0.0)), row.result(record)});
-    if (unchanged) lines.back().back() += " (unchanged)";
+    lines.push_back({row.stage, FormatSeconds(seconds), predicted > 0 ? FormatSeconds(predicted) : "",
+                     row.result(record) + (unchanged ? " (unchanged)" : "")});
+    total += seconds, predicted_total += predicted;
+    kept += unchanged ? seconds : 0;
+    any_predicted = any_predicted || predicted > 0;
+    all_predicted = all_predicted && predicted > 0;
   }
+  lines.push_back({"total", FormatSeconds(total), all_predicted ? FormatSeconds(predicted_total) : "",
+                   kept > 0 ? fmt::format("{} in this run", FormatSeconds(total - kept)) : ""});
+  if (any_predicted) return AlignColumns(lines, "lrrl");
+  for (auto& line : lines) line.erase(line.begin() + 2);
   return AlignColumns(lines, "lrl");
 }
 

@@ -18,22 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 1;
-constexpr uint64_t kMaxJsonBytes = 64 << 20;
-
 // Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
-constexpr const char* kOwnNames[] = {"options.json",    "split.json",  "stages.json", "metrics.json", "sfm",
-                                     "point_cloud.ply", "checkpoints", "renders",     "depth",        "exposures.json",
-                                     "proposals",       "confidence",  "oracle.json", "live",         "curves.csv",
-                                     "report",          "report.html"};
-
-nlohmann::json ReadJson(const fs::path& path) {
-  try {
-    return nlohmann::json::parse(ReadFile(path, kMaxJsonBytes));
-  } catch (const nlohmann::json::exception&) {
-    throw InputError("{}: not valid JSON; start anew with another -o, or delete the folder", path.string());
-  }
-}
+constexpr const char* kOwnNames[] = {
+    "options.json", "split.json", "stages.json",    "metrics.json", "sfm",        "point_cloud.ply",  "checkpoints",
+    "renders",      "depth",      "exposures.json", "proposals",    "confidence", "oracle.json",      "live",
+    "train.csv",    "curves.csv", "report",         "report.html",  "photos",     "photo_checks.json"};
 
 fs::path Canonical(const fs::path& path) {
   std::error_code ignored;
@@ -77,7 +66,35 @@ std::string JsonText(const fs::path& path) {
   return nlohmann::json::parse(nlohmann::json(path.string()).dump(-1, ' ', false, replace)).get<std::string>();
 }
 
-void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOptions& options) {
+/// To its end, and can train on: the last checkpoint is there.
+bool HasTrained(const WorkspacePaths& paths) {
+  std::error_code ignored;
+  return fs::exists(paths.stages(), ignored) && ReadRunJson(paths.stages()).contains("train") &&
+         HoldsAnything(paths.checkpoints());
+}
+
+/// --iterations that the run in `dir` was begun with, when it is continued with more; 0 = it is not.
+int64_t StartIterations(const fs::path& dir, const RunOptions& now) {
+  const SavedRun saved = ReadSavedRun(dir);
+  if (saved.start_iterations > 0) return saved.start_iterations;
+  return AsksForMoreIterations(saved, now) ? IterationsOf(saved) : 0;
+}
+
+/// The scene of a run in messages: its folder, or what was imported.
+std::string SourceText(const std::string& scene, const std::vector<std::string>& inputs) {
+  std::vector<std::string> names;
+  for (const std::string& input : inputs) names.push_back(OneLine(input));
+  return inputs.empty() ? scene : SomeNames(names);
+}
+
+std::vector<std::string> JsonTexts(const std::vector<fs::path>& paths) {
+  std::vector<std::string> texts;
+  for (const fs::path& path : paths) texts.push_back(JsonText(Canonical(path)));
+  return texts;
+}
+
+void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const std::vector<std::string>& inputs,
+                         const RunOptions& options, bool may_train_on) {
   if (!IsWorkspace(dir)) {
     if (HoldsAnything(dir)) {
       throw InputError("{}: is not empty and holds no run of oraclegs; choose a new or empty folder with -o",
@@ -87,17 +104,18 @@ void RefuseForeignFolder(const fs::path& dir, const fs::path& scene, const RunOp
   }
   const SavedRun saved = ReadSavedRun(dir);
   std::error_code ignored;
-  if (saved.scene != JsonText(scene) &&
-      (HasResults(WorkspacePaths(dir)) || fs::exists(WorkspacePaths(dir).sfm(), ignored))) {
+  const bool is_other = saved.inputs != inputs || (inputs.empty() && saved.scene != JsonText(scene));
+  if (is_other && (HasResults(WorkspacePaths(dir)) || fs::exists(WorkspacePaths(dir).sfm(), ignored))) {
     throw InputError(
         "{}: holds a run of another scene ({}, now is {}); choose another -o, or start anew with "
         "--overwrite",
-        dir.string(), saved.scene.string(), scene.string());
+        dir.string(), SourceText(saved.scene.string(), saved.inputs), SourceText(scene.string(), inputs));
   }
-  const std::string difference = DescribeDifference(saved.options, options);
+  const std::string difference = DescribeDifference(saved.options, options, saved.size);
   // Nothing is lost by other options as long as there is nothing but structure from motion, which checks its own
   // inputs.
-  if (!difference.empty() && HasResults(WorkspacePaths(dir))) {
+  const bool goes_on = may_train_on && AsksForMoreIterations(saved, options) && HasTrained(WorkspacePaths(dir));
+  if (!difference.empty() && !goes_on && HasResults(WorkspacePaths(dir))) {
     throw InputError(
         "{}: holds a run with other options ({}); give the same options to continue it, choose another -o, "
         "or start anew with --overwrite",
@@ -117,41 +135,7 @@ void RequireOutside(const fs::path& dir, const fs::path& folder, const char* wha
                    what, folder.string());
 }
 
-std::string Shown(const nlohmann::json& value) {
-  return value.is_string() ? (value.get<std::string>().empty() ? "not given" : value.get<std::string>()) : value.dump();
-}
-
 }  // namespace
-
-bool IsWorkspace(const fs::path& dir) {
-  std::error_code ignored;
-  return fs::is_regular_file(WorkspacePaths(dir).options(), ignored);
-}
-
-SavedRun ReadSavedRun(const fs::path& dir) {
-  const fs::path path = WorkspacePaths(dir).options();
-  const nlohmann::json json = ReadJson(path);
-  const bool ours = json.is_object() && json.value("program", nlohmann::json()) == "oraclegs" &&
-                    json.contains("scene") && json["scene"].is_string() && json.contains("options") &&
-                    json["options"].is_object();
-  if (!ours) throw InputError("{}: was not written by oraclegs; choose another folder", path.string());
-  if (json.value("format", nlohmann::json()) != kFormat) {
-    throw InputError("{}: is of format {}, this program reads {}; choose another -o", path.string(),
-                     json.value("format", nlohmann::json()).dump(), kFormat);
-  }
-  return {json["scene"].get<std::string>(), json["options"]};
-}
-
-std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& now) {
-  const nlohmann::json current = ShapingOptionsToJson(now), defaults = ShapingOptionsToJson(RunOptions{});
-  std::string text;
-  for (const auto& [name, value] : current.items()) {
-    const nlohmann::json& before = saved.contains(name) ? saved.at(name) : defaults.at(name);
-    if (before == value) continue;
-    text += fmt::format("{}--{} was {}, now is {}", text.empty() ? "" : "; ", name, Shown(before), Shown(value));
-  }
-  return text;
-}
 
 void RequireOutsideScene(const fs::path& dir, const fs::path& scene_root) {
   RequireOutside(dir, scene_root, "the scene folder");
@@ -193,21 +177,35 @@ Workspace Workspace::Lock(const fs::path& dir) {
   return Workspace(dir, fd);
 }
 
-Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, const RunOptions& options, bool overwrite) {
+Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, const RunOptions& options, bool overwrite,
+                           const RunDetails& details) {
   RequireOutsideScene(dir, scene_root);
   const fs::path scene = Canonical(scene_root);
+  const std::vector<std::string> inputs = JsonTexts(details.imported);
   const bool start_anew = overwrite && IsWorkspace(dir);
-  if (!start_anew) RefuseForeignFolder(dir, scene, options);
+  if (!start_anew) RefuseForeignFolder(dir, scene, inputs, options, details.may_train_on);
   Workspace workspace = Lock(dir);
   if (start_anew) {
     ReadSavedRun(dir);  // throws when the file of that name is somebody else's
     RemoveRun(dir);
   }
-  WriteJson(workspace.options(), {{"program", "oraclegs"},
-                                  {"format", kFormat},
-                                  {"scene", JsonText(scene)},
-                                  {"options", RunOptionsToJson(options)}});
+  nlohmann::json json = {{"program", "oraclegs"},
+                         {"format", kRunFormat},
+                         {"scene", JsonText(scene)},
+                         {"options", RunOptionsToJson(options)},
+                         {"size", details.size}};
+  if (!inputs.empty()) json["inputs"] = inputs;
+  if (IsWorkspace(dir) && HasResults(workspace)) {
+    if (const int64_t start = StartIterations(dir, options); start > 0) json["start_iterations"] = start;
+  }
+  WriteJson(workspace.options(), json);
   return workspace;
+}
+
+void Workspace::SaveSize(const nlohmann::json& size) const {
+  nlohmann::json json = ReadRunJson(options());
+  json["size"] = size;
+  WriteJson(options(), json);
 }
 
 Workspace Workspace::Open(const fs::path& dir) {
@@ -225,7 +223,7 @@ Workspace::~Workspace() {
 nlohmann::json Workspace::Record(const std::string& stage) const {
   std::error_code ignored;
   if (!fs::exists(stages(), ignored)) return nullptr;
-  const nlohmann::json all = ReadJson(stages());
+  const nlohmann::json all = ReadRunJson(stages());
   return all.is_object() && all.contains(stage) ? all[stage] : nullptr;
 }
 
@@ -241,14 +239,14 @@ bool Workspace::IsDone(const std::string& stage, const std::string& key) const {
 
 void Workspace::MarkUndone(const std::string& stage) {
   if (Record(stage).is_null()) return;
-  nlohmann::json all = ReadJson(stages());
+  nlohmann::json all = ReadRunJson(stages());
   all.erase(stage);
   WriteJson(stages(), all);
 }
 
 void Workspace::MarkDone(const std::string& stage, const nlohmann::json& record) {
   std::error_code ignored;
-  nlohmann::json all = fs::exists(stages(), ignored) ? ReadJson(stages()) : nlohmann::json::object();
+  nlohmann::json all = fs::exists(stages(), ignored) ? ReadRunJson(stages()) : nlohmann::json::object();
   if (!all.is_object()) all = nlohmann::json::object();
   all[stage] = record;
   WriteJson(stages(), all);

@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/pipeline/workspace/saved_run.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -16,6 +18,8 @@ class WorkspacePaths {
   explicit WorkspacePaths(std::filesystem::path root) : root_(std::move(root)) {}
 
   const std::filesystem::path& root() const { return root_; }
+  std::filesystem::path photos() const { return root_ / "photos"; }  ///< imported from what the user named
+  std::filesystem::path photo_checks() const { return root_ / "photo_checks.json"; }
   std::filesystem::path options() const { return root_ / "options.json"; }  ///< scene and options of the run
   std::filesystem::path split() const { return root_ / "split.json"; }      ///< names of train and test views
   std::filesystem::path stages() const { return root_ / "stages.json"; }    ///< what is finished, from what inputs
@@ -30,7 +34,7 @@ class WorkspacePaths {
   std::filesystem::path checkpoints() const { return root_ / "checkpoints"; }
   std::filesystem::path report() const { return root_ / "report"; }            ///< what the viewer shows
   std::filesystem::path report_page() const { return root_ / "report.html"; }  ///< the same as one file
-  std::filesystem::path curves() const { return root_ / "curves.csv"; }        ///< how training went
+  std::filesystem::path curves() const { return root_ / "train.csv"; }         ///< how training went
   std::filesystem::path live() const { return root_ / "live"; }                ///< for those that look on
   std::filesystem::path renders(const std::string& path_name) const { return root_ / "renders" / path_name; }
 
@@ -38,31 +42,26 @@ class WorkspacePaths {
   std::filesystem::path root_;
 };
 
-/// What options.json holds.
-struct SavedRun {
-  std::filesystem::path scene;  ///< absolute; bytes that are not UTF-8 are replaced
-  nlohmann::json options;       ///< of all groups
+/// What options.json also holds.
+struct RunDetails {
+  nlohmann::json size;                          ///< what "auto" became (settings/run_size.h); null = not known yet
+  std::vector<std::filesystem::path> imported;  ///< the inputs of a run whose scene is its own photos/
+  bool may_train_on = true;                     ///< a finished run may be continued with more --iterations
 };
-
-/// True when `dir` holds a run of this program.
-bool IsWorkspace(const std::filesystem::path& dir);
-/// Throws InputError naming the file when it is missing or damaged.
-SavedRun ReadSavedRun(const std::filesystem::path& dir);
-
-/// "--views was 9, now is 12; --seed was 0, now is 1": the options that shape the result and differ; empty when none.
-/// A run saved before an option existed has its default.
-std::string DescribeDifference(const nlohmann::json& saved, const RunOptions& now);
 
 /// A workspace held for writing; a second program that asks for the same folder is refused meanwhile.
 class Workspace : public WorkspacePaths {
  public:
   /// Claims `dir` for a run of `scene_root` with these options, and says so in options.json. An empty or missing folder
-  /// is taken; one that holds this run (same scene, same result-shaping options) is continued; with `overwrite` what a
-  /// run of this program left there is removed first. Throws InputError naming the folder, the difference and the fix
-  /// when it holds another run with results, or files of someone else, or lies in the scene folder; RunError when it
-  /// cannot be written.
+  /// is taken; one that holds this run (same scene, same result-shaping options) is continued, also with more
+  /// --iterations when it has trained to its end; with `overwrite` what a run of this program left there is removed
+  /// first. Throws InputError naming the
+  /// folder, the difference and the fix when it holds another run with results, or files of someone else, or lies in
+  /// the scene folder; RunError when it cannot be written.
   static Workspace Claim(const std::filesystem::path& dir, const std::filesystem::path& scene_root,
-                         const RunOptions& options, bool overwrite);
+                         const RunOptions& options, bool overwrite, const RunDetails& details = {});
+  /// Says in options.json what "auto" became, of a run whose photos were not known when it was claimed.
+  void SaveSize(const nlohmann::json& size) const;
   /// Holds an existing workspace as it is. Throws InputError when `dir` is none, RunError when it cannot be written.
   static Workspace Open(const std::filesystem::path& dir);
 
