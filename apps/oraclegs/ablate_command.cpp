@@ -8,7 +8,7 @@ namespace {
 class AblateCommand : public WorkspaceCommand {
  public:
   explicit AblateCommand(CLI::App* app)
-      : WorkspaceCommand(app, "ablate", "Train a scene with one part of the program after the other: what each brings",
+      : WorkspaceCommand(app, "ablate", "Ablation study: add one component at a time and tabulate the gain",
                          "oraclegs ablate scene/ -o out/ --views 12 --seeds 3 --also other/\n"
                          "  oraclegs ablate scene/ -o out/ --views 12 --suite tampering") {
     Bind("Ablation", &options_);
@@ -16,7 +16,10 @@ class AblateCommand : public WorkspaceCommand {
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
-    const AblationRequest ablation{request, options_, CommandLine()};
+    RunRequest one = request;
+    one.scene = OneFolder(request);
+    one.inputs.clear();
+    const AblationRequest ablation{one, options_, CommandLine()};
     const bool tampering = options_.suite == AblationSuite::kTampering;
     if (tampering && !options_.also.empty()) throw UsageError("--also goes with --suite parts; leave it out");
     const auto parts = [&] {

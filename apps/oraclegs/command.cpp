@@ -1,15 +1,22 @@
 #include "command.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 
-#include "config_file.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/settings/device.h"
+#include "oraclegs/pipeline/workspace/advice.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
+#include "presets.h"
+#include "run_scope.h"
 
 namespace oraclegs {
 namespace {
+
+constexpr size_t kMaxAdvice = 3;
 
 std::string Number(const nlohmann::json& value, const char* unit) {
   return value.is_number() ? fmt::format("{:.3f}{}", value.get<double>(), unit) : "not known";
@@ -17,28 +24,55 @@ std::string Number(const nlohmann::json& value, const char* unit) {
 
 }  // namespace
 
-Command::Command(CLI::App* app, const std::string& name, const std::string& help, const std::string& example)
-    : app_(app->add_subcommand(name, help)) {
-  app_->footer("Example:\n  " + example);
-  app_->add_option_function<std::string>(
-          "--config", [this](const std::string& text) { config_ = text; },
-          "TOML file of `option-name = value` lines; the command line wins over it")
+Command::Command(CLI::App* app, const std::string& name, const std::string& help, const std::string& example,
+                 General general)
+    : app_(app->add_subcommand(name, help)), example_(example) {
+  if (general == General::kAll) BindGeneral();
+  app_->set_help_flag("-h,--help");
+  app_->set_help_all_flag("--help-all");
+  options_.push_back({.name = "help", .letter = 'h', .help = "Print this help", .group = "General"});
+  options_.push_back({.name = "help-all", .help = "Print all options", .group = "General", .basic = false});
+}
+
+void Command::BindGeneral() {
+  app_->add_option_function<std::string>("--config", [this](const std::string& text) { config_ = text; })
       ->type_name("FILE")
       ->configurable(false)
-      ->group("General");
+      ->take_last();
+  options_.push_back({.name = "config",
+                      .value = "FILE",
+                      .help = "Options from a file: TOML lines of `option-name = value`, or the options.json of a run; "
+                              "the command line wins over it",
+                      .group = "General"});
   Bind("General", &output_);
-  app_->set_help_flag("-h,--help", "Print this help")->group("General");
+  options_.back().basic = false;  // --verbose
 }
 
 void Command::BindRun(RunOptions* options) {
-  RunOptions::ForEachGroup(*options, [&](const char* title, auto& group) { Bind(title, &group); });
+  const RunScope& scope = RunScopeOf(app_->get_name());
+  RunOptions::ForEachGroup(*options, [&](const char* title, auto& group) {
+    using Group = std::remove_reference_t<decltype(group)>;
+    Group::Visit(group, [&, title](const char* name, auto& value, const auto&... rest) {
+      const bool useful = scope.Has(title, name);
+      if (!useful && scope.others == OtherOptions::kNone) return OptionBinder(&unused_, title)(name, value, rest...);
+      OptionBinder(app_, title, [&](OptionInfo info) {
+        info.hidden = !useful;
+        info.basic = scope.IsBasic(info.name);
+        options_.push_back(std::move(info));
+      })(name, value, rest...);
+    });
+    checks_.push_back([&group] { CheckOptions(group); });
+  });
   machine_ = &options->machine;
   device_ = &options->device;
-  app_->add_option("--preset", preset_,
-                   "Options of a published or usual setting, a file of presets/; --config wins over it")
-      ->type_name("NAME")
-      ->configurable(false)
-      ->group("General");
+  app_->add_option("--preset", preset_)->type_name("NAME")->configurable(false)->take_last();
+  options_.push_back(
+      {.name = "preset",
+       .value = "NAME",
+       .help = fmt::format("Options of a named setting, over which --config and the command line win: {}",
+                           fmt::join(PresetNames(), ", ")),
+       .words = PresetNames(),
+       .group = "General"});
 }
 
 void Command::BindMachine(MachineOptions* options) {
@@ -54,10 +88,19 @@ void Command::BindInput(const char* name, std::filesystem::path* path, const cha
       ->required();
 }
 
+void Command::BindInputs(const char* name, std::vector<std::filesystem::path>* paths, const char* help) {
+  app_->add_option_function<std::vector<std::string>>(
+          name, [paths](const std::vector<std::string>& texts) { paths->assign(texts.begin(), texts.end()); }, help)
+      ->type_name("PATH...")
+      ->expected(1, 10000)
+      ->configurable(false)
+      ->required();
+}
+
 void Command::Run(const std::string& command_line) {
   command_line_ = command_line;
-  if (!config_.empty()) ApplyConfigFile(config_, app_);
-  if (!preset_.empty()) ApplyPreset(preset_, app_);
+  if (!config_.empty()) ApplyConfigFile(config_, Targets());
+  if (!preset_.empty()) ApplyPreset(preset_, Targets());
   ApplyDefaults();
   for (const auto& check : checks_) check();
   if (device_) ChooseDevice(device_->device, ProbeDevices());  // what cannot be had is refused before any work
@@ -67,6 +110,27 @@ void Command::Run(const std::string& command_line) {
     if (option->count() > 0) Log().debug("option {} = {}", option->get_name(), fmt::join(option->results(), " "));
   }
   Body(terminal.AsListener());
+}
+
+CommandInfo Command::Info() const {
+  CommandInfo info{.name = app_->get_name(), .help = app_->get_description(), .group = "", .example = example_};
+  for (const CLI::Option* argument : app_->get_options()) {
+    if (!argument->get_positional()) continue;
+    info.arguments.push_back({argument->get_name(), argument->get_type_name(), argument->get_description(),
+                              argument->get_required(), argument->get_items_expected_max() > 1});
+  }
+  // Groups in the order of their first option; what is general comes last.
+  std::vector<std::string> groups;
+  for (const OptionInfo& option : options_) {
+    if (option.group == "General") continue;
+    if (std::find(groups.begin(), groups.end(), option.group) == groups.end()) groups.push_back(option.group);
+  }
+  groups.emplace_back("General");
+  for (const std::string& group : groups) {
+    std::copy_if(options_.begin(), options_.end(), std::back_inserter(info.options),
+                 [&](const OptionInfo& option) { return option.group == group; });
+  }
+  return info;
 }
 
 void Command::Print(const std::string& text) const {
@@ -82,9 +146,15 @@ void RequireOut(const std::filesystem::path& out) {
 std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path& workspace) {
   const nlohmann::json& test = metrics.at("test");
   std::string text = "test       no test pixels\n";
-  if (!test.at("views").empty()) {
-    text = fmt::format("test       PSNR {}, SSIM {}, mean of {} views (PSNR after colour correction {})\n",
-                       Number(test.at("psnr"), " dB"), Number(test.at("ssim"), ""), test.at("views").size(),
+  if (metrics.contains("train_views")) {
+    const nlohmann::json& seen = metrics["train_views"];
+    text = fmt::format("photos     PSNR {}, SSIM {} at {} that it was trained on; --eval scores held-out views\n",
+                       Number(seen.at("psnr"), " dB"), Number(seen.at("ssim"), ""),
+                       Counted(seen.at("views").size(), "photo"));
+  } else if (!test.at("views").empty()) {
+    text = fmt::format("test       PSNR {}, SSIM {}, mean of {} (PSNR after color correction {})\n",
+                       Number(test.at("psnr"), " dB"), Number(test.at("ssim"), ""),
+                       Counted(test.at("views").size(), "view"),
                        Number(test.value("psnr_color_corrected", nlohmann::json()), " dB"));
   }
   text += fmt::format("model      {} Gaussians", metrics.at("gaussians").get<int64_t>());
@@ -94,21 +164,27 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
         fmt::format(", {} iterations in {} ({:.1f}/s)", train.at("iterations").get<int64_t>(),
                     FormatSeconds(train.at("seconds").get<double>()), train.at("iterations_per_second").get<double>());
   }
-  text += fmt::format(", {:.1f} GB memory at most\n", metrics.at("peak_memory_bytes").get<double>() / 1e9);
+  text += fmt::format(", peak memory {:.1f} GB\n", metrics.at("peak_memory_bytes").get<double>() / 1e9);
   const auto parts = metrics.value("non_commercial", std::vector<std::string>());
   if (!parts.empty()) {
-    text += fmt::format("licence    not for commercial use: made with {}\n", fmt::join(parts, ", "));
+    text += fmt::format("license    not for commercial use: made with {}\n", fmt::join(parts, ", "));
   }
   if (workspace.empty()) return text;
   const WorkspacePaths paths(workspace);
   std::error_code ignored;
   const bool trained_here = std::filesystem::exists(paths.point_cloud(), ignored);
   if (trained_here) text += fmt::format("splat      {}\n", paths.point_cloud().string());
-  text += fmt::format("metrics    {}\nimages     {}", paths.metrics().string(), paths.renders("test").string());
+  text += fmt::format("metrics    {}\nimages     {}", paths.metrics().string(),
+                      paths.renders(metrics.contains("train_views") ? "train" : "test").string());
   if (std::filesystem::exists(paths.report_page(), ignored)) {
     text += fmt::format("\nreport     {}", paths.report_page().string());
   }
-  if (trained_here) text += fmt::format("\nto look    oraclegs view {}", ShellQuoted(workspace.string()));
+  if (!trained_here) return text;
+  for (const std::string& advice : PhotoAdvice(workspace, kMaxAdvice)) text += "\nnext photo " + advice;
+  const std::string quoted = ShellQuoted(workspace.string());
+  text += fmt::format(
+      "\nlook       oraclegs view {}\nvideo      oraclegs render {}\nshare      oraclegs export {} -o scene.spz",
+      quoted, quoted, quoted);
   return text;
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "command_info.h"
+#include "config_file.h"
 #include "option_binder.h"
 #include "oraclegs/pipeline/settings/options.h"
 #include "terminal.h"
@@ -19,7 +21,7 @@ struct OutputOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("quiet", self.quiet, "Print warnings and errors only");
+    visit("quiet", self.quiet, "Print only warnings and errors");
     visit("verbose", self.verbose, "Also print the options in force");
   }
 };
@@ -30,48 +32,67 @@ struct WorkspaceOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("out", self.out,
-          "Workspace: the folder that receives all results; a run that was stopped there is continued");
-    visit("overwrite", self.overwrite, "Start anew: remove what an earlier run left in the workspace");
+    visit("out", self.out, "Workspace: the folder for all results; a run that was stopped there is continued");
+    visit("overwrite", self.overwrite, "Start anew: remove the results of an earlier run from the workspace");
   }
 };
 
-/// A subcommand: options structs bound to groups of flags, and a body. --config, --quiet and --verbose are there
-/// always.
+/// Whether --help shows a group of options or leaves them to --help-all.
+enum class Level { kBasic, kAdvanced };
+
+/// Whether a command has --config, --quiet and --verbose beside --help.
+enum class General { kAll, kHelpAlone };
+
+/// A subcommand: options structs bound to groups of flags, and a body.
 class Command {
  public:
-  Command(CLI::App* app, const std::string& name, const std::string& help, const std::string& example);
+  Command(CLI::App* app, const std::string& name, const std::string& help, const std::string& example,
+          General general = General::kAll);
   virtual ~Command() = default;
 
   /// True when the command line named this command.
   bool Chosen() const { return app_->parsed(); }
   /// Reads --config, --preset and the like, checks all options, runs the body. `command_line` is what was typed.
   void Run(const std::string& command_line);
+  /// All that the help says of it.
+  CommandInfo Info() const;
+  CLI::App* app() const { return app_; }
 
  protected:
   template <class Options>
-  void Bind(const char* group, Options* options) {
-    Options::Visit(*options, OptionBinder(app_, group));
+  void Bind(const char* group, Options* options, Level level = Level::kBasic) {
+    Options::Visit(*options, OptionBinder(app_, group, [&](OptionInfo info) {
+      info.basic = level == Level::kBasic;
+      options_.push_back(std::move(info));
+    }));
     checks_.push_back([options] { CheckOptions(*options); });
   }
-  /// All groups of a run, and --preset.
+  /// The options of a run that RunScopeOf the command's name gives it, and --preset.
   void BindRun(RunOptions* options);
   /// --threads, for commands that are no run.
   void BindMachine(MachineOptions* options);
   void BindInput(const char* name, std::filesystem::path* path, const char* help);
+  /// One path or more.
+  void BindInputs(const char* name, std::vector<std::filesystem::path>* paths, const char* help);
 
   /// May set options that no file and no flag has set, from what the command works on.
   virtual void ApplyDefaults() {}
   virtual void Body(const Listener& listener) = 0;
 
-  CLI::App* app() { return app_; }
+  /// Where options of files and of saved runs go: the command's own, and what RunScope keeps from the command line.
+  OptionTargets Targets() { return {app_, &unused_}; }
   /// What was typed, as a shell would read it again.
   const std::string& CommandLine() const { return command_line_; }
   /// Prints to stdout, unless --quiet was given.
   void Print(const std::string& text) const;
 
  private:
+  void BindGeneral();
+
   CLI::App* app_;
+  CLI::App unused_;  ///< never parses a command line
+  std::string example_;
+  std::vector<OptionInfo> options_;  ///< all that app_ has
   OutputOptions output_;
   const MachineOptions* machine_ = nullptr;  ///< of the derived class
   const DeviceOptions* device_ = nullptr;    ///< likewise, where there is a choice
@@ -101,8 +122,15 @@ std::unique_ptr<Command> MakeFigure(CLI::App* app);
 std::unique_ptr<Command> MakeExport(CLI::App* app);
 std::unique_ptr<Command> MakeView(CLI::App* app);
 std::unique_ptr<Command> MakeMesh(CLI::App* app);
+std::unique_ptr<Command> MakeCameras(CLI::App* app);
 std::unique_ptr<Command> MakeInfo(CLI::App* app);
 std::unique_ptr<Command> MakeModels(CLI::App* app);
+std::unique_ptr<Command> MakeDemo(CLI::App* app);
 std::unique_ptr<Command> MakeDemoScene(CLI::App* app);
+
+// Those that speak of all commands ask for them when they run.
+std::unique_ptr<Command> MakeHelp(CLI::App* app, std::function<Catalog()> catalog);
+std::unique_ptr<Command> MakeCompletion(CLI::App* app, std::function<Catalog()> catalog);
+std::unique_ptr<Command> MakeMan(CLI::App* app, std::function<Catalog()> catalog);
 
 }  // namespace oraclegs

@@ -9,14 +9,23 @@
 
 namespace oraclegs {
 
-/// Sets the command's options that nothing before has set from a TOML file of `option-name = value` lines. Throws
-/// UsageError naming the file: it cannot be read, a key is unknown or stands twice, a value does not fit.
-void ApplyConfigFile(const std::filesystem::path& file, CLI::App* command);
+/// Where an option of a file goes: to the command's own option, else to one that files alone may set.
+struct OptionTargets {
+  CLI::App* command;
+  CLI::App* unused = nullptr;
+};
+
+/// Sets the options that nothing before has set from a file: TOML of `option-name = value` lines, or JSON, which is the
+/// options.json of a run (of which options that the command does not know, --threads and --device are passed over) or
+/// an object of options. Throws UsageError naming the file: it cannot be read, a key is unknown or stands twice, a
+/// value does not fit.
+void ApplyConfigFile(const std::filesystem::path& file, const OptionTargets& targets);
 
 /// The same from the preset of this name; the message for an unknown one lists those that exist.
-void ApplyPreset(const std::string& name, CLI::App* command);
+void ApplyPreset(const std::string& name, const OptionTargets& targets);
 
-/// The same from a run's saved options; names that the command does not know are passed over.
-void ApplySavedOptions(const nlohmann::json& options, const std::filesystem::path& file, CLI::App* command);
+/// The same from a run's saved options; names that the command does not know are passed over. Throws InputError naming
+/// the file when a value does not fit.
+void ApplySavedOptions(const nlohmann::json& options, const std::filesystem::path& file, const OptionTargets& targets);
 
 }  // namespace oraclegs

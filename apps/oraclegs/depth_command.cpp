@@ -8,7 +8,7 @@ namespace {
 class DepthCommand : public WorkspaceCommand {
  public:
   explicit DepthCommand(CLI::App* app)
-      : WorkspaceCommand(app, "depth", "Depth of every training view by multi-view stereo, and a dense cloud",
+      : WorkspaceCommand(app, "depth", "Multi-view stereo: a depth map of every training view and a dense point cloud",
                          "oraclegs depth scene/ -o out/ --views 12") {}
 
  private:

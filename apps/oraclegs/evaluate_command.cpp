@@ -105,6 +105,12 @@ class EvaluateCommand : public SourceCommand {
   }
 
  private:
+  /// What is scored was asked for: a scene without a run has test views, too.
+  void ApplyDefaults() override {
+    SourceCommand::ApplyDefaults();
+    if (!InputIsWorkspace() && app()->get_option("--eval")->count() == 0) options_.split.eval = true;
+  }
+
   void Body(const Listener& listener) override {
     if (evaluate_.oracle && !InputIsWorkspace()) throw UsageError("--check-oracle needs the workspace of a run");
     if (evaluate_.oracle && !model_.ply.empty()) throw UsageError("--check-oracle measures proposals, not a --ply");

@@ -3,6 +3,7 @@
 
 #include "command.h"
 #include "oraclegs/pipeline/info.h"
+#include "oraclegs/pipeline/settings/options.h"
 
 namespace oraclegs {
 namespace {
@@ -16,25 +17,55 @@ struct InfoOptions {
   }
 };
 
+/// Numbers of four digits, lists in parentheses, "key value, key value" of objects.
 std::string ShownValue(const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   if (!value.is_structured()) return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::string text;
+  std::vector<std::string> parts;
   for (const auto& [key, item] : value.items()) {
-    text += fmt::format("{}{}", text.empty() ? "" : ", ",
-                        value.is_object() ? fmt::format("{} {}", key, ShownValue(item)) : ShownValue(item));
+    parts.push_back((value.is_object() ? key + " " : "") + ShownValue(item));
   }
-  return text.empty() ? "none" : text;
+  if (parts.empty()) return "none";
+  const std::string text = fmt::format("{}", fmt::join(parts, ", "));
+  return value.is_array() ? "(" + text + ")" : text;
+}
+
+/// Those that the run was given, or that an option's default has become.
+nlohmann::json ChangedOptions(const nlohmann::json& options) {
+  const nlohmann::json usual = RunOptionsToJson(RunOptions{});
+  nlohmann::json changed = nlohmann::json::object();
+  for (const auto& [name, value] : options.items()) {
+    if (!usual.contains(name) || usual[name] != value) changed[name] = value;
+  }
+  return changed;
+}
+
+std::string ShownItem(const std::string& key, const nlohmann::json& value) {
+  if (key == "options") {
+    const nlohmann::json changed = ChangedOptions(value);
+    return changed.empty() ? "all at their defaults" : ShownValue(changed) + "; all others at their defaults";
+  }
+  if (key == "bounding_box") return ShownValue(value.at("min")) + " to " + ShownValue(value.at("max"));
+  if (key == "camera_models" && value.empty()) return "not known: the photos have no poses yet";
+  if (key == "sizes" && value.empty()) return "not known";
+  return ShownValue(value);
+}
+
+/// What nobody misses where there is none.
+bool IsIdle(const std::string& key, const nlohmann::json& value) {
+  const bool counts_trouble = key == "masks" || key == "unreadable_images" || key == "missing_images";
+  return counts_trouble && (value == 0 || (value.is_array() && value.empty()));
 }
 
 std::string Lines(const nlohmann::json& info) {
   std::string text = info.at("kind").get<std::string>();
   for (const auto& [key, value] : info.items()) {
-    if (key == "kind" || key == "metrics") continue;
+    if (key == "kind" || key == "metrics" || IsIdle(key, value)) continue;
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', ' ');
-    text += fmt::format("\n  {:16} {}", name, ShownValue(value));
+    text += fmt::format("\n  {:16} {}", name, ShownItem(key, value));
   }
   return text;
 }
@@ -42,8 +73,8 @@ std::string Lines(const nlohmann::json& info) {
 class InfoCommand : public Command {
  public:
   explicit InfoCommand(CLI::App* app)
-      : Command(app, "info", "Say what a scene folder, a workspace or a .ply holds", "oraclegs info scene/ --json") {
-    BindInput("path", &path_, "Scene folder, workspace or .ply file");
+      : Command(app, "info", "Show a summary of a scene, a workspace or a splat file", "oraclegs info scene/ --json") {
+    BindInput("path", &path_, "Scene folder, workspace or splat file");
     Bind("Output", &options_);
   }
 

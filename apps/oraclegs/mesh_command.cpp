@@ -14,7 +14,7 @@ namespace {
 class MeshCommand : public SourceCommand {
  public:
   explicit MeshCommand(CLI::App* app)
-      : SourceCommand(app, "mesh", "A triangle mesh with colours, fused from the depth that the splat renders",
+      : SourceCommand(app, "mesh", "A triangle mesh with colors, fused from the depth that the splat renders",
                       "oraclegs mesh out/ -o mesh.glb") {
     Bind("Mesh", &mesh_);
   }

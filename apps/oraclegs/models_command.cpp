@@ -41,7 +41,7 @@ std::string ListText() {
   for (const WeightsInfo& model : AllWeights()) {
     const auto here = LocateWeights(model.name);
     rows.push_back({model.name, Size(model.download_bytes), here ? "yes" : "no", model.purpose});
-    std::string licence = "licence " + model.licence;
+    std::string licence = "license " + model.licence;
     if (model.non_commercial) licence += "; not for commercial use";
     if (!model.restriction.empty()) licence += "; " + model.restriction;
     if (model.gated) licence += "; needs an account that agreed to it (HF_TOKEN)";
@@ -75,7 +75,7 @@ class ModelsCommand : public Command {
  public:
   explicit ModelsCommand(CLI::App* app)
       : Command(app, "models", "List, fetch, check and convert the weights of networks",
-                "oraclegs models list\n  oraclegs models fetch depth-anything-v2-small --accept-licence\n"
+                "oraclegs models list\n  oraclegs models fetch depth-anything-v2-small --accept-license\n"
                 "  oraclegs models check depth-anything-v2-small\n"
                 "  oraclegs models convert --model lpips-vgg vgg16-397923af.pth vgg.pth") {
     this->app()

@@ -1,49 +1,102 @@
 #pragma once
-// Turns the Visit of an options struct (core/options.h) into command-line options with their help.
+// Turns the Visit of an options struct (core/options.h) into command-line options and what the help says of them.
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
+#include "command_info.h"
+#include "oraclegs/core/nearest_word.h"
 #include "oraclegs/core/options.h"
 
 namespace oraclegs {
 
-template <class T>
-inline constexpr bool kIsAutoNumber = false;
-template <class T>
-inline constexpr bool kIsAutoNumber<Auto<T>> = std::is_arithmetic_v<T>;
+/// Receives each option that was added, to be remembered; the binder has filled in all but `basic` and `hidden`.
+using OptionTaker = std::function<void(OptionInfo)>;
 
-/// Adds each visited field to a command. The struct must outlive the command. The help shows ranges, words and
-/// defaults; CheckOptions checks the ranges, also of what configuration files set.
+/// Adds each visited field to a command. The struct must outlive the command. CheckOptions checks the ranges, also of
+/// what configuration files set.
 class OptionBinder {
  public:
-  OptionBinder(CLI::App* command, std::string group) : command_(command), group_(std::move(group)) {}
+  OptionBinder(CLI::App* command, std::string group, OptionTaker taker = {})
+      : command_(command), group_(std::move(group)), taker_(std::move(taker)) {}
 
   template <class T, class... Bounds>
   void operator()(const char* name, T& value, const char* help, const Bounds&... bounds) const {
-    const std::string text =
-        fmt::format("{} [{}{}{}]", help, WordsText<T>(), (BoundsText(bounds) + ... + ""), DefaultText(value));
+    OptionInfo info;
+    info.name = name;
+    info.group = group_;
+    info.help = help;
+    info.words = WordsOf<T>();
+    info.values = WordsText(info.words) + AutoText<T>() + (BoundsText(bounds) + ... + "") + DefaultText(value);
+    const bool none = info.values.ends_with("not given by default") || info.values.ends_with("default off");
+    if (!none) info.usual = DefaultText(value);
+    info.value = ValueName<T>();
+    info.letter = LetterOf(info.name);
+    if constexpr (std::is_same_v<T, bool>) info.negatable = true, info.default_on = value;
     // An option that is given twice takes the last value: a script can append to a list of options.
-    Add(name, value, text)->take_last()->group(group_);
+    Add(info, &value)->take_last()->group(group_);
+    if (taker_) taker_(std::move(info));
   }
 
  private:
-  static std::string Flags(const std::string& name) {
-    if (name == "out") return "-o,--out";
-    if (name == "quiet" || name == "verbose") return fmt::format("-{},--{}", name.front(), name);
-    return "--" + name;
+  template <class T>
+  static constexpr bool IsText() {
+    return std::is_same_v<T, std::string> || std::is_same_v<T, std::filesystem::path>;
   }
+
+  static char LetterOf(const std::string& name) {
+    return name == "out" || name == "quiet" || name == "verbose" ? name.front() : '\0';
+  }
+
+  /// What CLI11 calls it: "-o,--out". Old spellings are accepted, too.
+  static std::string Flags(const OptionInfo& info) {
+    std::string flags = info.letter ? fmt::format("-{},--{}", info.letter, info.name) : "--" + info.name;
+    if (info.name == "accept-license") flags += ",--accept-licence";
+    return flags;
+  }
+
   static std::string BoundsText(const Range& range) { return fmt::format("{} .. {}, ", range.low, range.high); }
+  static std::string WordsText(const std::vector<std::string>& words) {
+    return words.empty() ? "" : fmt::format("{}, ", fmt::join(words, " | "));
+  }
+  template <class T>
+  static std::string AutoText() {
+    if constexpr (kIsAuto<T>) return std::is_enum_v<typename T::Value> ? "" : "auto or ";
+    return "";
+  }
 
   template <class T>
-  static std::string WordsText() {
+  static std::vector<std::string> WordsOf() {
     if constexpr (kIsAuto<T>) {
-      return std::is_enum_v<typename T::Value> ? "auto | " + WordsText<typename T::Value>() : "auto or ";
-    } else if constexpr (std::is_enum_v<T>) {
-      return AllWords<T>(" | ") + ", ";
+      std::vector<std::string> words = WordsOf<typename T::Value>();
+      if (!words.empty()) words.insert(words.begin(), "auto");
+      return words;
     } else {
+      std::vector<std::string> words;
+      if constexpr (std::is_enum_v<T>) {
+        for (const auto& row : EnumWords<T>::kWords) words.emplace_back(row.word);
+      }
+      return words;
+    }
+  }
+
+  template <class T>
+  static std::string ValueName() {
+    if constexpr (kIsAuto<T>) {
+      return ValueName<typename T::Value>();
+    } else if constexpr (std::is_same_v<T, bool>) {
       return "";
+    } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+      return "PATH";
+    } else if constexpr (std::is_enum_v<T>) {
+      return "WORD";
+    } else if constexpr (std::is_integral_v<T>) {
+      return "N";
+    } else {
+      return std::is_floating_point_v<T> ? "X" : "TEXT";
     }
   }
 
@@ -57,25 +110,33 @@ class OptionBinder {
     }
   }
 
-  /// Numbers are CLI11's to read, all other texts ours: their errors name the words that exist.
   template <class T>
-  CLI::Option* Add(const std::string& name, T& value, const std::string& help) const {
+  CLI::Option* Add(const OptionInfo& info, T* value) const {
     if constexpr (std::is_same_v<T, bool>) {
-      return command_->add_flag(fmt::format("{},!--no-{}", Flags(name), name), value, help);
-    } else if constexpr (std::is_enum_v<T> || kIsAuto<T> || std::is_same_v<T, std::filesystem::path>) {
-      return command_
-          ->add_option_function<std::string>(
-              Flags(name), [&value, name](const std::string& text) { SetOption(name.c_str(), text, &value); }, help)
-          ->type_name(std::is_same_v<T, std::filesystem::path> ? "PATH"
-                      : kIsAutoNumber<T>                       ? "FLOAT"
-                                                               : "TEXT");
+      return command_->add_flag(fmt::format("{},!--no-{}", Flags(info), info.name), *value, info.help);
+    } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+      return command_->add_option(Flags(info), *value, info.help);
     } else {
-      return command_->add_option(Flags(name), value, help);
+      const auto set = [value, name = info.name, words = info.words](const std::string& text) {
+        Set(name, text, words, value);
+      };
+      return command_->add_option_function<std::string>(Flags(info), set, info.help)->type_name(info.value);
+    }
+  }
+
+  template <class T>
+  static void Set(const std::string& name, const std::string& text, const std::vector<std::string>& words, T* value) {
+    const std::string known = text == "grey" ? "gray" : text == "colour" ? "color" : text;  // older spellings
+    try {
+      SetOption(name.c_str(), words.empty() ? text : known, value);
+    } catch (const UsageError& error) {
+      throw UsageError("{}{}", error.what(), DidYouMean(text, words));
     }
   }
 
   CLI::App* command_;
   std::string group_;
+  OptionTaker taker_;
 };
 
 }  // namespace oraclegs

@@ -1,3 +1,4 @@
+#include "oraclegs/core/plural.h"
 #include "oraclegs/pipeline/stages.h"
 #include "workspace_command.h"
 
@@ -7,7 +8,7 @@ namespace {
 class ProposeCommand : public WorkspaceCommand {
  public:
   explicit ProposeCommand(CLI::App* app)
-      : WorkspaceCommand(app, "propose", "Images of views that no photo was taken from, to be validated and trained on",
+      : WorkspaceCommand(app, "propose", "Synthesize new views (proposals) as extra training data",
                          "oraclegs propose scene/ -o out/ --views 12 --trajectory interpolate --proposals 16") {}
 
  private:
@@ -15,8 +16,8 @@ class ProposeCommand : public WorkspaceCommand {
     oraclegs::Run run = StartRun(request, listener);
     RunStage(&run, "propose");
     const StageResults& known = *run.results;
-    Print(fmt::format("proposals  {} poses, {} proxy models, {} views from a folder\nimages     {}",
-                      known.targets.size(), known.proxies.size(), known.folder.proposals.size(),
+    Print(fmt::format("proposals  {}, {}, {} from a folder\nimages     {}", Counted(known.targets.size(), "pose"),
+                      Counted(known.proxies.size(), "proxy model"), Counted(known.folder.proposals.size(), "view"),
                       run.workspace.proposals().string()));
   }
 };

@@ -9,7 +9,7 @@ class RenderCommand : public SourceCommand {
  public:
   explicit RenderCommand(CLI::App* app)
       : SourceCommand(app, "render", "Images (and a video when ffmpeg is installed) along a camera path",
-                      "oraclegs render out/ --path spiral --what colour,depth --frames 240") {
+                      "oraclegs render out/ --path spiral --what color,depth --frames 240") {
     Bind("Path", &path_);
   }
 

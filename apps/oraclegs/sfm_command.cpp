@@ -1,3 +1,4 @@
+#include "oraclegs/core/plural.h"
 #include "oraclegs/pipeline/stages.h"
 #include "workspace_command.h"
 
@@ -7,15 +8,15 @@ namespace {
 class SfmCommand : public WorkspaceCommand {
  public:
   explicit SfmCommand(CLI::App* app)
-      : WorkspaceCommand(app, "sfm", "Poses where there are none, and the points that training starts from",
+      : WorkspaceCommand(app, "sfm", "Structure from motion (COLMAP): camera poses and a sparse point cloud",
                          "oraclegs sfm photos/ -o out/ --views 12") {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {
     oraclegs::Run run = StartRun(request, listener);
     RunStage(&run, "sfm");
-    Print(fmt::format("sfm        {} points from {} training views\nworkspace  {}", run.results->points.size(),
-                      run.split.train.size(), request.out.string()));
+    Print(fmt::format("sfm        {} from {}\nworkspace  {}", Counted(run.results->points.size(), "point"),
+                      Counted(run.split.train.size(), "training view"), request.out.string()));
   }
 };
 

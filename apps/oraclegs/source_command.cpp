@@ -14,6 +14,19 @@ SourceCommand::SourceCommand(CLI::App* app, const std::string& name, const std::
   BindRun(&options_);
 }
 
+namespace {
+
+/// Opens a run without saying again what its own commands have said: warnings and long work alone are shown.
+oraclegs::Run OpenQuietly(const RunRequest& request, const Listener& listener) {
+  oraclegs::Run run = OpenRun(request, [&](const Event& event) {
+    if (std::holds_alternative<Warning>(event) || std::holds_alternative<StepDone>(event)) listener(event);
+  });
+  run.listener = listener;
+  return run;
+}
+
+}  // namespace
+
 oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
                              const DeviceOptions& device, const Listener& listener) {
   if (!IsWorkspace(workspace)) {
@@ -26,9 +39,9 @@ oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const Machi
   RunOptions::ForEachGroup(request.options, [&](const char* title, auto& group) {
     std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&saved_options, title));
   });
-  ApplySavedOptions(ReadSavedRun(workspace).options, WorkspacePaths(workspace).options(), &saved_options);
+  ApplySavedOptions(ReadSavedRun(workspace).options, WorkspacePaths(workspace).options(), {&saved_options});
   request.options.machine = machine, request.options.device = device;
-  return OpenRun(request, listener);
+  return OpenQuietly(request, listener);
 }
 
 oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const {
@@ -41,7 +54,7 @@ void SourceCommand::ApplyDefaults() {
   if (InputIsWorkspace()) {
     nlohmann::json saved = ReadSavedRun(input_).options;
     for (const char* name : {"threads", "device"}) saved.erase(name);  // belong to the machine, not to the run
-    ApplySavedOptions(saved, WorkspacePaths(input_).options(), app());
+    ApplySavedOptions(saved, WorkspacePaths(input_).options(), Targets());
   } else if (model_.ply.empty()) {
     throw UsageError("{}: holds no run of oraclegs; name a workspace, or a point cloud with --ply", input_.string());
   }
@@ -53,7 +66,7 @@ std::optional<oraclegs::Run> SourceCommand::OpenRunOfInput(const Listener& liste
   request.out = input_;
   request.options = options_;
   request.version = ORACLEGS_VERSION;
-  return OpenRun(request, listener);
+  return OpenQuietly(request, listener);
 }
 
 PosedScene SourceCommand::OpenScene(const Listener& listener) const {

@@ -44,19 +44,50 @@ Terminal::Terminal(Verbosity verbosity)
 Terminal::~Terminal() { EraseBar(); }
 
 Listener Terminal::AsListener() {
-  return [this](const Event& event) { std::visit([this](const auto& e) { On(e); }, event); };
+  return [this](const Event& event) {
+    run_.Add(event);
+    std::visit([this](const auto& e) { On(e); }, event);
+  };
+}
+
+void Terminal::On(const RunPlanned& event) {
+  EraseBar();
+  double total = 0;
+  std::string parts;
+  for (const auto& [stage, seconds] : event.stages) {
+    if (seconds <= 0) return;  // a total without it would be too low
+    total += seconds;
+    parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", stage, FormatSeconds(seconds));
+  }
+  if (total > 0) Log().info("about {} in all: {}", FormatSeconds(total), parts);
 }
 
 void Terminal::On(const StageStarted& event) {
   EraseBar();
   rate_.Clear();
-  Log().info("{}: started", event.stage);
+  const auto place = run_.PlaceOf(event.stage);
+  const std::string about = place && place->seconds > 0 ? ", about " + FormatSeconds(place->seconds) : "";
+  Log().info("{}: started{}", Numbered(event.stage), about);
 }
 
 void Terminal::On(const StageFinished& event) {
   EraseBar();
   rate_.Clear();
-  Log().info("{}: done in {}", event.stage, FormatSeconds(event.seconds));
+  const double left = run_.SecondsLeft(0);
+  Log().info("{}: done in {}{}", Numbered(event.stage), FormatSeconds(event.seconds),
+             left > 0 ? fmt::format(", {} left in all", FormatSeconds(left)) : "");
+}
+
+std::string Terminal::Numbered(const std::string& stage) const {
+  const auto place = run_.PlaceOf(stage);
+  return place ? fmt::format("[{}/{}] {}", place->number, place->of, stage) : stage;
+}
+
+std::string Terminal::LeftText(const StepDone& event, double stage_left) const {
+  std::string text = stage_left > 0 ? ", " + FormatSeconds(stage_left) + " left" : "";
+  const double all = run_.PlaceOf(event.stage) ? run_.SecondsLeft(stage_left) : 0;
+  if (all > 0) text += fmt::format(", {} in all", FormatSeconds(all));
+  return text;
 }
 
 void Terminal::On(const FileWritten& event) {
@@ -79,9 +110,8 @@ void Terminal::On(const StepDone& event) {
   const StepRate::Speed rate = Measure(event);
   if (!IsTimeForALine(event)) return;
   if (bar_) return DrawBar(event, rate);
-  const std::string left = rate.seconds_left > 0 ? ", " + FormatSeconds(rate.seconds_left) + " left" : "";
-  Log().info("{}: {}{}{}{}{}", event.stage, CountText(event), event.detail.empty() ? "" : ", ", event.detail,
-             RateText(rate.per_second), left);
+  Log().info("{}: {}{}{}{}{}", Numbered(event.stage), CountText(event), event.detail.empty() ? "" : ", ", event.detail,
+             RateText(rate.per_second), LeftText(event, rate.seconds_left));
 }
 
 StepRate::Speed Terminal::Measure(const StepDone& event) {
@@ -104,14 +134,14 @@ bool Terminal::IsTimeForALine(const StepDone& event) {
 }
 
 void Terminal::DrawBar(const StepDone& event, const StepRate::Speed& rate) {
-  std::string line = event.stage + " ";
+  std::string line = Numbered(event.stage) + " ";
   if (event.total > 0) {
     const auto filled = static_cast<int>(kBarWidth * event.done / event.total);
     line += fmt::format("[{:#>{}}{:->{}}] ", "", filled, "", kBarWidth - filled);
   }
   line += CountText(event) + RateText(rate.per_second);
   if (!event.detail.empty()) line += ", " + event.detail;
-  if (rate.seconds_left > 0) line += ", " + FormatSeconds(rate.seconds_left) + " left";
+  line += LeftText(event, rate.seconds_left);
   line.resize(std::min(line.size(), TerminalWidth() - 1));
   std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
   std::fflush(stderr);

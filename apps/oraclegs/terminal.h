@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/log.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/core/run_progress.h"
 #include "oraclegs/core/step_rate.h"
 
 namespace oraclegs {
@@ -22,6 +23,7 @@ class Terminal {
 
  private:
   using Clock = std::chrono::steady_clock;
+  void On(const RunPlanned& event);
   void On(const StageStarted& event);
   void On(const StepDone& event);
   void On(const StageFinished& event);
@@ -30,6 +32,10 @@ class Terminal {
   void On(const Warning& event);
   void On(const Note& event);
 
+  /// "[2/7] depth"; the name alone where nothing was planned.
+  std::string Numbered(const std::string& stage) const;
+  /// ", 0:40 left, 9:30 in all"
+  std::string LeftText(const StepDone& event, double stage_left) const;
   StepRate::Speed Measure(const StepDone& event);
   bool IsTimeForALine(const StepDone& event);
   void DrawBar(const StepDone& event, const StepRate::Speed& rate);
@@ -39,6 +45,7 @@ class Terminal {
   bool bar_;            ///< stderr is a terminal
   bool drawn_ = false;  ///< the cursor stands on a drawn line
   StepRate rate_;
+  RunProgress run_;
   Clock::time_point last_line_;
   int64_t last_tenth_ = 0;
 };

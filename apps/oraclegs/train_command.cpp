@@ -7,7 +7,7 @@ namespace {
 class TrainCommand : public WorkspaceCommand {
  public:
   explicit TrainCommand(CLI::App* app)
-      : WorkspaceCommand(app, "train", "Train the Gaussians (with sfm before it when needed), without scoring them",
+      : WorkspaceCommand(app, "train", "Run all stages up to training; no evaluation",
                          "oraclegs train scene/ -o out/ --iterations 7000 --max-gaussians 100000", LiveView::kOffered) {
   }
 

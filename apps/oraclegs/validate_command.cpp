@@ -8,7 +8,7 @@ namespace {
 class ValidateCommand : public WorkspaceCommand {
  public:
   explicit ValidateCommand(CLI::App* app)
-      : WorkspaceCommand(app, "validate", "How far each pixel of the proposals can be trusted",
+      : WorkspaceCommand(app, "validate", "Estimate a confidence map for every proposed view",
                          "oraclegs validate scene/ -o out/ --views 12") {}
 
  private:
@@ -16,7 +16,7 @@ class ValidateCommand : public WorkspaceCommand {
     oraclegs::Run run = StartRun(request, listener);
     RunStage(&run, "validate");
     for (const TrainView& view : run.results->proposals) {
-      Print(fmt::format("{:<24} {:5.1f} % trusted", view.name, 100 * MeanConfidence(view.confidence)));
+      Print(fmt::format("{:<24} mean confidence {:.3f}", view.name, MeanConfidence(view.confidence)));
     }
     Print(fmt::format("images     {}", (run.workspace.confidence() / "preview").string()));
   }

@@ -31,12 +31,15 @@ class WorkspaceCommand : public Command {
   WorkspaceCommand(CLI::App* app, const std::string& name, const std::string& help, const std::string& example,
                    LiveView live = LiveView::kNone)
       : Command(app, name, help, example) {
-    BindInput("scene", &request_.scene,
-              "Scene folder: photos, a COLMAP model, transforms.json or a Blender scene; never written to");
+    BindInputs(
+        "input", &request_.inputs,
+        "What to reconstruct, never written to: a folder of photos or a posed scene (COLMAP model, transforms.json, "
+        "Blender), or any number of photos, videos, zip archives and folders of photos");
+    Bind("Input", &request_.options.capture);
     Bind("Output", &workspace_);
     if (live == LiveView::kOffered) {
       Bind("Viewer", &live_);
-      Bind("Viewer", &viewer_);
+      Bind("Viewer", &viewer_, Level::kAdvanced);
     }
     BindRun(&request_.options);
   }

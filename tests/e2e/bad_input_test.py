@@ -177,7 +177,7 @@ class BadInput(EndToEnd):
         self.run_program("train", self.scene, *run)
         before = (out / "point_cloud.ply").read_bytes()
         self.error_of("reconstruct", self.scene, *run, "--downscale", 2, code=3,
-                      names=[out, "--downscale was 1, now is 2", "--overwrite"])  # fmt: skip
+                      names=[out, "--downscale was auto, now is 2", "--overwrite"])  # fmt: skip
         other = self.copy_scene("another_scene")
         self.error_of("reconstruct", other, *run, code=3, names=[out, other])
         self.assertEqual((out / "point_cloud.ply").read_bytes(), before)

@@ -2,59 +2,109 @@
 """The command line as a user meets it: help, documents, options from files, and the main job with its files."""
 
 import json
+import os
 import re
+import shutil
 import struct
 import subprocess
 import unittest
+from pathlib import Path
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "train", "evaluate", "ablate", "render", "figure", "export", "mesh", "view", "info", "models", "demo-scene"]
+COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "evaluate", "ablate", "render", "figure", "export", "mesh", "cameras",
+            "view", "info", "models", "demo", "demo-scene", "help", "completion", "man"]  # fmt: skip
 
-# Where each command's options are declared, below src/oraclegs.
-RUN_OPTIONS = ["pipeline/settings/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
-               "propose/options.h", "propose/trajectory.h", "validate/options.h"]
-DECLARED_IN = {
-    **{name: RUN_OPTIONS for name in ["reconstruct", "sfm", "depth", "train", "evaluate"]},
-    "ablate": RUN_OPTIONS + ["experiments/ablation.h"],
-    "render": RUN_OPTIONS + ["pipeline/render_path.h"],
-    "figure": RUN_OPTIONS + ["report/figure.h"],
-    "export": ["pipeline/export.h"],
-    "mesh": RUN_OPTIONS + ["mesh/fuse_model.h"],
-    "demo-scene": ["demo/demo_scene.h"],
-    "view": ["web/viewer_options.h"],
-    "info": [],
-    "models": ["weights/fetch.h"],
+# Headers below src/oraclegs that declare options: all of a run, and those of single commands.
+RUN_OPTIONS = ["pipeline/settings/options.h", "capture/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
+               "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
+OWN_OPTIONS = {"ablate": "experiments/ablation.h", "render": "pipeline/render_path.h", "figure": "report/figure.h", "export": "pipeline/export.h",
+               "mesh": "mesh/fuse_model.h", "demo": "demo/demo_scene.h", "demo-scene": "demo/demo_scene.h", "view": "web/viewer_options.h", "models": "weights/fetch.h"}  # fmt: skip
+
+# Headers of run options that a command has no use for.
+NOT_SHOWN = {
+    "cameras": [header for header in RUN_OPTIONS if header not in ("scene/split.h", "scene/loaded_view.h")],
+    "sfm": ["depth/stereo.h", "train/options.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"],
+    "depth": ["train/options.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"],
+    "propose": ["validate/options.h"],
+    **{name: ["capture/options.h", "depth/stereo.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
+       for name in ["evaluate", "render", "figure", "mesh"]},
+    **{name: RUN_OPTIONS for name in ["export", "view", "info", "models", "demo", "demo-scene", "help", "completion", "man"]},
 }
+
+# Of these headers, what single commands have nevertheless.
+SHOWN_ALONE = {name: {"threads"} for name in ["demo-scene"]} | {name: {"antialiased"} for name in ["evaluate", "render", "figure", "mesh"]} | {
+    "demo": {"threads", "views", "iterations"}, "cameras": {"images", "poses", "scale"}}
+
+BASIC = ["out", "quality", "max-size", "eval", "frames", "preset", "config", "views", "iterations", "device", "seed", "view", "overwrite", "quiet", "help"]  # of reconstruct
 
 
 def declared_options(headers):
     for header in headers:
-        yield from re.findall(r'visit\("([a-z-]+)"', (ROOT / "src/oraclegs" / header).read_text())
+        yield from re.findall(r'visit\(\s*"([a-z-]+)"', (ROOT / "src/oraclegs" / header).read_text())
+
+
+def options_in(text):
+    return re.findall(r"(?m)^  (?:-\w, )?--([a-z-]+)", text)
 
 
 class Help(unittest.TestCase):
-    def help_of(self, *arguments):
-        return subprocess.run(command(*arguments, "--help"), check=True, capture_output=True, text=True).stdout
+    def output_of(self, *arguments):
+        return subprocess.run(command(*arguments), check=True, capture_output=True, text=True).stdout
 
     def test_lists_every_command(self):
-        text = self.help_of()
+        text = self.output_of("--help")
         for name in COMMANDS:
-            self.assertIn(name, text)
+            self.assertRegex(text, rf"(?m)^  {name} +\w")
+        self.assertIn("Usage: oraclegs COMMAND", text)
+        self.assertEqual(text, self.output_of("help"))
 
-    def test_every_command_tells_every_option_with_default_and_an_example(self):
+    def test_all_of_a_command_has_what_it_uses_with_default_and_an_example(self):
         for name in COMMANDS:
-            text = self.help_of(name)
+            text = self.output_of(name, "--help-all")
             flat = " ".join(text.split())
-            for option in declared_options(DECLARED_IN[name]):
+            shown = [OWN_OPTIONS[name]] if name in OWN_OPTIONS else []
+            shown += [header for header in RUN_OPTIONS if header not in NOT_SHOWN.get(name, [])]
+            of_stages = [header for header in shown if header not in ("pipeline/settings/options.h", "train/options.h")]
+            for option in declared_options(shown if name == "reconstruct" else of_stages):
                 self.assertRegex(flat, rf"--{option}\b[^\[]*\[[^\]]*default", f"{name} --{option}")
             self.assertIn("Example:", text)
-            self.assertIn(f"oraclegs {name}", text)
+            self.assertIn(f"Usage: oraclegs {name} [OPTIONS]", text)
             self.assertLess(max(map(len, text.splitlines())), 121)
 
+    def test_a_command_shows_nothing_that_it_has_no_use_for(self):
+        for name, headers in NOT_SHOWN.items():
+            own = set(declared_options([OWN_OPTIONS[name]])) if name in OWN_OPTIONS else set()
+            shown = set(options_in(self.output_of(name, "--help-all")))
+            self.assertEqual(shown & set(declared_options(headers)) - own - SHOWN_ALONE.get(name, set()), set(), name)
+
+    def test_the_short_help_is_short_and_says_where_the_rest_is(self):
+        text = self.output_of("reconstruct", "--help")
+        options = options_in(text)
+        self.assertLessEqual(len(re.findall(r"(?m)^  -", text)), 15)
+        for name in BASIC:
+            self.assertIn(name, options)
+        self.assertRegex(text, r"(?m)^\d+ more options: oraclegs reconstruct --help-all$")
+        for name in COMMANDS:
+            short = self.output_of(name, "--help")
+            self.assertLessEqual(len(options_in(short)), 17, name)
+            self.assertLessEqual(set(options_in(short)), set(options_in(self.output_of(name, "--help-all"))))
+
+    def test_the_help_command_explains_another(self):
+        self.assertEqual(self.output_of("help", "export"), self.output_of("export", "--help"))
+        self.assertEqual(self.output_of("help", "sfm", "--all"), self.output_of("sfm", "--help-all"))
+
+    def test_the_help_of_preset_names_all(self):
+        text = " ".join(self.output_of("reconstruct", "--help").split())
+        for preset in (ROOT / "presets").glob("*.toml"):
+            self.assertIn(preset.stem, text)
+
     def test_version(self):
-        text = subprocess.run(command("--version"), check=True, capture_output=True, text=True).stdout
-        self.assertRegex(text, r"^oraclegs \d+\.\d+\.\d+\n$")
+        text = self.output_of("--version")
+        self.assertRegex(text, r"^oraclegs \d+\.\d+\.\d+ \(commit ([0-9a-f]{7,40}(-dirty)?|unknown)\)\n")
+        for line in ["cpu .* in use \\(.* built\\), \\d+ threads?", "cuda .*", "libtorch .*", "colmap .*", "ffmpeg .*"]:
+            self.assertRegex(text, rf"(?m)^{line}$")
+        self.assertEqual(len(text.splitlines()), 6)
 
     def test_documents_name_every_preset(self):
         pages = (ROOT / "docs/tutorial.md").read_text() + (ROOT / "docs/commands.md").read_text()
@@ -68,30 +118,85 @@ class Help(unittest.TestCase):
         for name in ["libtorch", "libc10", "openblas"]:  # not "c10", which addresses may hold
             self.assertNotIn(name, libraries)
 
+    def test_program_knows_no_folder_of_its_sources(self):
+        program = Path(command("--version")[0]).read_bytes()
+        for folder in ["presets", "scripts"]:
+            self.assertNotIn(str(ROOT / folder).encode(), program)
+
+
+class Shell(unittest.TestCase):
+    def complete(self, *words):
+        """What bash offers for the last of these words."""
+        words = " ".join(f"'{word}'" for word in ["oraclegs", *words])
+        script = f'source <("$1" completion bash); COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); ' \
+                 '$(complete -p oraclegs | sed "s/.*-F \\([^ ]*\\).*/\\1/"); printf "%s\\n" "${COMPREPLY[@]}"'  # fmt: skip
+        done = subprocess.run(["bash", "-c", script, "bash", command()[0]], capture_output=True, text=True, check=True)
+        self.assertEqual(done.stderr, "")
+        return done.stdout.split()
+
+    def test_bash_completes_commands_options_and_words(self):
+        self.assertEqual(self.complete("recon"), ["reconstruct"])
+        self.assertEqual(self.complete("reconstruct", "--iter"), ["--iterations"])
+        self.assertEqual(self.complete("reconstruct", "x", "--preset", "qui"), ["quick"])
+        self.assertIn("hybrid", self.complete("sfm", "--init", ""))
+        self.assertEqual(self.complete("help", "expo"), ["export"])
+        self.assertEqual(self.complete("export", "--iter"), [])
+        self.assertEqual(self.complete("reconstruct", "--views", ""), [])
+
+    def test_other_shells_have_every_command_and_option(self):
+        for shell in ["zsh", "fish"]:
+            text = subprocess.run(command("completion", shell), check=True, capture_output=True, text=True).stdout
+            for word in [*COMMANDS, "max-gaussians", "check-oracle", "hybrid"]:
+                self.assertIn(word, text)
+            if shutil.which(shell):
+                subprocess.run([shell, "-n"], input=text, text=True, check=True)
+
+    def test_man_page_is_sound(self):
+        page = subprocess.run(command("man"), check=True, capture_output=True, text=True).stdout
+        for name in COMMANDS:
+            self.assertIn(f'.SS "{name}"'.replace("-", "\\-"), page)
+        self.assertIn("\\-\\-max\\-gaussians", page)
+        if not shutil.which("groff"):
+            return
+        done = subprocess.run(["groff", "-man", "-Tutf8", "-ww"], input=page, text=True, capture_output=True, check=True)
+        self.assertEqual(done.stderr, "")
+        self.assertIn("max-gaussians", done.stdout)
+
 
 class Usage(EndToEnd):
     def test_mistakes_on_the_command_line_end_with_2(self):
         out = self.dir / "usage_out"
         self.error_of(code=2)
-        self.error_of("frobnicate", code=2, names=["frobnicate"])
-        self.error_of("reconstruct", code=2, names=["scene"])
+        self.error_of("frobnicate", code=2, names=["frobnicate", "reconstruct"])
+        self.error_of("reconstuct", self.scene, code=2, names=["'reconstuct'; did you mean 'reconstruct'?"])
+        self.error_of("help", "exprot", code=2, names=["did you mean 'export'?"])
+        self.error_of("--versoin", code=2, names=["--versoin: no such option; did you mean --version?"])
+        self.error_of("reconstruct", code=2, names=["input"])
         self.error_of("reconstruct", self.scene, code=2, names=["-o"])
-        self.error_of("reconstruct", self.scene, "-o", out, "--iterationz", "5", code=2, names=["iterationz"])
+        self.error_of("reconstruct", self.scene, "-o", out, "--iteration", "100", code=2,
+                      names=["--iteration: no such option; did you mean --iterations?"])  # fmt: skip
+        self.error_of("reconstruct", self.scene, "-o", out, "-p", code=2, names=["-p: no such option"])
+        self.error_of("reconstruct", self.scene, "-o", code=2, names=["--out needs a value"])
+        self.error_of("export", self.scene, "--iterations", "5", code=2, names=["--iterations: no such option"])
         self.error_of("reconstruct", self.scene, "-o", out, "--views", "many", code=2, names=["views", "many"])
         self.error_of("reconstruct", self.scene, "-o", out, "--views", "-3", code=2, names=["--views is -3", "0 .. "])
         self.error_of("reconstruct", self.scene, "-o", out, "--ssim-weight", "nan", code=2, names=["--ssim-weight"])
         self.error_of("reconstruct", self.scene, "-o", out, "--iterations", "99999999999", code=2, names=["iterations"])
         self.error_of("reconstruct", self.scene, "-o", out, "--background", "pink", code=2, names=["pink", "white"])
+        self.error_of("reconstruct", self.scene, "-o", out, "--background", "whit", code=2, names=["did you mean 'white'?"])
+        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "qick", code=2, names=["did you mean 'quick'?"])
         self.error_of("reconstruct", self.scene, "-o", out, "--preset", "fast", code=2, names=["fast", "quick"])
         self.error_of("evaluate", self.scene, code=2, names=["--ply"])
         self.assertFalse(out.exists())
 
     def test_mistakes_in_a_configuration_file_end_with_2_and_name_it(self):
         file = self.dir / "bad.toml"
-        for text, names in [("iterationz = 5\n", ["iterationz"]), ('views = "many"\n', ["many"]),
+        for text, names in [("iterationz = 5\n", ["iterationz", "did you mean 'iterations'?"]), ('views = "many"\n', ["many"]),
                             ("views = 3\nviews = 4\n", ["views"]), ("[train]\niterations = 5\n", ["train"]),
                             ('background = "white\n', ["background"]), ("views = [1, 2]\n", ["views"]),
-                            ("just words\n", ["just words"])]:  # fmt: skip
+                            ("just words\n", ["just words"]),
+                            ("{", ["JSON"]), ('{"iterations": [1]}', ["iterations"]), ('{"iterationz": 1}', ["iterationz"]),
+                            ('{"options": {"views": "many"}}', ["many"])]:  # fmt: skip
             file.write_text(text)
             with self.subTest(text):
                 arguments = ["reconstruct", self.scene, "-o", self.dir / "x", "--config", file]
@@ -119,6 +224,30 @@ class Usage(EndToEnd):
         self.assertFalse(options["antialiased"])
         self.assertEqual(options["max-gaussians"], 900)  # the file before the preset
         self.assertEqual(options["downscale"], 2)  # the preset before the default
+
+    def test_config_takes_the_options_of_a_run(self):
+        first, second = self.dir / "first", self.dir / "second"
+        self.run_program("sfm", self.scene, "-o", first, "--preset", "quick", "--background", "grey", "--init", "random", "--threads", 1)
+        self.run_program("sfm", self.scene, "-o", second, "--config", first / "options.json")
+        options = [json.loads((out / "options.json").read_text())["options"] for out in (first, second)]
+        self.assertEqual(options[0].pop("threads"), 1)
+        self.assertEqual(options[1].pop("threads"), 0, "belongs to the machine")
+        self.assertEqual(options[0], options[1])
+        self.assertEqual(options[0]["background"], "gray", "the older spelling is accepted")
+        plain = self.dir / "plain.json"
+        plain.write_text('{"downscale": 4, "init": "random", "antialiased": true}')
+        self.run_program("sfm", self.scene, "-o", self.dir / "third", "--config", plain)
+        options = json.loads((self.dir / "third/options.json").read_text())["options"]
+        self.assertEqual((options["downscale"], options["antialiased"]), (4, True))
+
+    def test_presets_of_the_user_are_found(self):
+        folder = self.dir / "my_presets"
+        folder.mkdir()
+        (folder / "mine.toml").write_text('init = "random"\niterations = 77\n')
+        env = {**os.environ, "ORACLEGS_PRESETS": str(folder)}
+        self.run_program("sfm", self.scene, "-o", self.dir / "mine", "--preset", "mine", env=env)
+        self.assertEqual(json.loads((self.dir / "mine/options.json").read_text())["options"]["iterations"], 77)
+        self.error_of("sfm", self.scene, "-o", self.dir / "x", "--preset", "mine", code=2, names=["mine"])
 
     def test_presets_are_read(self):
         for preset in (ROOT / "presets").glob("*.toml"):
@@ -182,6 +311,9 @@ class MainJob(EndToEnd):
     def test_tells_what_happens_in_plain_lines_and_ends_with_a_summary(self):
         self.assertNotIn("\r", self.done.stderr)
         self.assertIn("6 training views: ", self.done.stderr)
+        table = dict(re.findall(r"(?m)^(\w+) +(\d+:\d\d)  ", self.done.stdout))
+        for stage, time in re.findall(r"(?m)(\w+): done in (\d+:\d\d)$", self.done.stderr):
+            self.assertEqual(table.get(stage, time), time, stage)
         self.assertIn("PSNR", self.done.stdout)
         self.assertIn(str(self.out / "point_cloud.ply"), self.done.stdout)
 
@@ -205,7 +337,14 @@ class MainJob(EndToEnd):
         self.assertLess(small.stat().st_size, (self.out / "point_cloud.ply").stat().st_size)
         info = json.loads(self.run_program("info", small, "--json").stdout)
         self.assertEqual(info["sh_degree"], 1)
-        self.assertIn("Gaussians", self.run_program("info", self.out).stdout)
+        text = self.run_program("info", self.out).stdout
+        self.assertIn("Gaussians", text)
+        self.assertRegex(text, r"(?m)^  options +.*iterations 200\b.*; all others at their defaults$")
+        self.assertNotIn("synthetic-peak", text)
+        self.assertNotRegex(self.run_program("info", small).stdout, r"[1-9]\d*\.\d{5}")
+        photos = self.run_program("info", self.scene / "images").stdout
+        self.assertRegex(photos, r"(?m)^  sizes +96x72 8$")
+        self.assertIn("not known: the photos have no poses", photos)
         self.assertIn("transforms.json", self.run_program("info", self.scene).stdout)
 
         scores = self.dir / "scores"
@@ -215,11 +354,17 @@ class MainJob(EndToEnd):
         unscored = self.run_program("evaluate", self.scene, "--ply", small, "--test-every", 0).stdout
         self.assertIn("no test pixels", unscored)
 
-        self.run_program("render", self.out, "--path", "orbit", "--frames", 3)
+        folder = self.dir / "no_such_folder"
+        self.error_of("export", self.out, "-o", f"{folder}/", code=2, names=["is a folder", "scene.spz"])
+        self.assertFalse(folder.exists())
+
+        done = self.run_program("render", self.out, "--path", "orbit", "--frames", 3)
+        self.assertNotIn("training views", done.stderr, "was said by the run")
+        self.assertEqual(done.stderr.count("started"), 1, "of the render alone")
         self.assertEqual(len(list((self.out / "renders/orbit").glob("*.png"))), 3)
         arguments = ["--path", "train", "-o", self.dir / "train", "--no-video"]
         self.run_program("render", self.scene, "--ply", small, *arguments)
-        self.assertEqual(len(list((self.dir / "train").glob("*.png"))), 7)
+        self.assertEqual(len(list((self.dir / "train").glob("*.png"))), 8)
 
     def test_starts_from_triangulated_points_where_colmap_gives_them(self):
         out = self.dir / "sfm_out"

@@ -105,10 +105,10 @@ class Models(EndToEnd):
         self.env["ORACLEGS_MODELS_URL"] = server.url
 
     def fetch(self, name=NAME, *arguments, code=0):
-        return self.run_program("models", "fetch", name, "--accept-licence", *arguments, code=code, env=self.env)
+        return self.run_program("models", "fetch", name, "--accept-license", *arguments, code=code, env=self.env)
 
     def fails(self, name, code, *names):
-        line = self.error_of("models", "fetch", name, "--accept-licence", code=code, names=names, env=self.env)
+        line = self.error_of("models", "fetch", name, "--accept-license", code=code, names=names, env=self.env)
         self.assertFalse((self.cache / name / "model.safetensors").exists())
         return line
 
@@ -120,7 +120,7 @@ class Models(EndToEnd):
             self.use(server)
             done = self.fetch()
             self.assertEqual(done.stdout.strip(), str(self.fetched()))
-            self.assertIn("vggt-commercial: licence VGGT License; its acceptable use policy", done.stderr)
+            self.assertIn("vggt-commercial: license VGGT License; its acceptable use policy", done.stderr)
             self.assertNotIn("its checksum is not known", done.stderr)
             self.assertIn("does not hold vggt-commercial; 1403 missing", done.stderr)  # it is whole, but no VGGT
             self.fetch()
@@ -130,7 +130,7 @@ class Models(EndToEnd):
         text = self.run_program("models", "list", env=self.env).stdout
         self.assertRegex(text, r"\nvggt-commercial +5\.03 GB  yes ")
         self.assertRegex(text, r"\nseva +5\.06 GB  no ")
-        for words in ["https://huggingface.co" + VGGT, "licence Apache-2.0\n", str(self.fetched())]:
+        for words in ["https://huggingface.co" + VGGT, "license Apache-2.0\n", str(self.fetched())]:
             self.assertIn(words, text)
         line = self.error_of("models", "check", NAME, code=3, names=[self.fetched(), "1403 missing"], env=self.env)
         self.assertIn("1 that are no part of it: x", line)
@@ -139,7 +139,7 @@ class Models(EndToEnd):
         with Server(lambda handler, _: send(handler, FILE)) as server:
             self.use(server)
             self.error_of("models", "fetch", "seva", code=2, env=self.env,
-                          names=["Non-Commercial", "the images that the network makes", "--accept-licence"])  # fmt: skip
+                          names=["Non-Commercial", "the images that the network makes", "--accept-license"])  # fmt: skip
         self.assertEqual(server.requests, [])
 
     def test_a_lost_connection_is_taken_up_again(self):
@@ -162,7 +162,7 @@ class Models(EndToEnd):
         for how, code in [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)]:
             with Server(stalls) as server:
                 self.use(server)
-                arguments = command("models", "fetch", NAME, "--accept-licence")
+                arguments = command("models", "fetch", NAME, "--accept-license")
                 process = subprocess.Popen(arguments, env=self.env, stderr=subprocess.PIPE, text=True)
                 while process.poll() is None and not (part.exists() and part.stat().st_size == 100_000):
                     enough.wait(0.01)
@@ -236,7 +236,7 @@ class Models(EndToEnd):
         self.assertNotIn(TOKEN, str(other.requests))
 
     def test_refusals(self):
-        for status, words, code in [(401, ["(401)", "set HF_TOKEN"], 3), (403, ["(403)", "agree to the licence"], 3),
+        for status, words, code in [(401, ["(401)", "set HF_TOKEN"], 3), (403, ["(403)", "agree to the license"], 3),
                                     (404, ["(404)", "docs/models.md"], 3), (503, ["(503)", "try again later"], 4)]:  # fmt: skip
             with Server(lambda handler, _, status=status: begin(handler, status, 0)) as server:
                 self.use(server)
@@ -255,7 +255,7 @@ class Models(EndToEnd):
     def test_a_folder_that_cannot_be_written(self):
         self.dir.joinpath("file").write_text("x")
         self.env |= {"ORACLEGS_MODELS": str(self.dir / "file/in"), "ORACLEGS_MODELS_URL": "http://127.0.0.1:1"}
-        self.error_of("models", "fetch", "seva", "--accept-licence", code=4, names=["file/in/seva"], env=self.env)
+        self.error_of("models", "fetch", "seva", "--accept-license", code=4, names=["file/in/seva"], env=self.env)
 
     def test_published_files_that_cannot_be_converted(self):
         name = "depth-anything-v2-small"
@@ -308,7 +308,7 @@ class Models(EndToEnd):
                                  (["check"], ["needs a name"]), (["fetch", "vgt"], ["'vgt'", "vggt-commercial"])]:  # fmt: skip
             self.error_of("models", *arguments, code=2, names=words, env=self.env)
         self.env["HF_TOKEN"] = "a b"
-        self.error_of("models", "fetch", "seva", "--accept-licence", code=2, names=["HF_TOKEN"], env=self.env)
+        self.error_of("models", "fetch", "seva", "--accept-license", code=2, names=["HF_TOKEN"], env=self.env)
 
 
 if __name__ == "__main__":

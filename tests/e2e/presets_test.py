@@ -17,7 +17,7 @@ def preset(name):
 
 def defaults():
     """{option: default} of `reconstruct`, as docs/commands.md lists them; another test compares that page with the program."""
-    page = (ROOT / "docs/commands.md").read_text().partition("\n## General options\n")[2]
+    page = re.split(r"(?m)^## [\w ]+ options$", (ROOT / "docs/commands.md").read_text(), maxsplit=1)[1]
     rows = re.findall(r"^\| `--([a-z0-9-]+)[^`]*` \|.*?default ([^|]*?) \|$", page, re.M)
     return dict(rows)
 

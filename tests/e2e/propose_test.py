@@ -23,7 +23,7 @@ class Propose(ManyViews):
         for frame in frames:
             name = frame["file_path"].removesuffix(".png")
             self.assertNotIn(name, used)
-            self.assertRegex(proposed, rf"(?m)^{name} +[0-9.]+ % trusted$")
+            self.assertRegex(proposed, rf"(?m)^{name} +mean confidence [0-9.]+$")
             for folder in ("proposals", "proposals/splat", "confidence", "confidence/preview"):
                 self.assertTrue((out / folder / f"{name}.png").is_file(), folder)
         before = files_below(out / "proposals") | files_below(out / "confidence")

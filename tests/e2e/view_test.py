@@ -130,7 +130,7 @@ class View(EndToEnd):
     def test_an_interrupted_run_says_so_and_a_new_one_is_seen(self):
         out = self.dir / "again"
         run = self.start_long_run(out)
-        wait_for(lambda: (out / "curves.csv").exists())
+        wait_for(lambda: (out / "train.csv").exists())
         run.send_signal(signal.SIGINT)
         self.assertEqual(run.wait(timeout=60), 130)
         self.assertEqual(json.loads((out / "live/state.json").read_text())["state"], "interrupted")

@@ -1,0 +1,55 @@
+#include <cstdio>
+
+#include "command.h"
+#include "help_text.h"
+
+namespace oraclegs {
+namespace {
+
+struct HelpOptions {
+  bool all = false;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("all", self.all, "Explain all options of the command, not only the basic ones");
+  }
+};
+
+class HelpCommand : public Command {
+ public:
+  HelpCommand(CLI::App* app, std::function<Catalog()> catalog)
+      : Command(app, "help", "Explain a command", "oraclegs help reconstruct", General::kHelpAlone),
+        catalog_(std::move(catalog)) {
+    this->app()->add_option("command", name_, "The command to explain; without, all are listed")->type_name("COMMAND");
+    Bind("Help", &options_);
+  }
+
+ private:
+  void Body(const Listener&) override {
+    const Catalog catalog = catalog_();
+    if (name_.empty()) {
+      std::fputs(OverviewText(catalog).c_str(), stdout);
+      return;
+    }
+    std::vector<std::string> names;
+    for (const CommandInfo& command : catalog) {
+      names.push_back(command.name);
+      if (command.name != name_) continue;
+      std::fputs(HelpText(command, options_.all).c_str(), stdout);
+      return;
+    }
+    throw UsageError("there is no command '{}'{}", name_, DidYouMean(name_, names));
+  }
+
+  std::function<Catalog()> catalog_;
+  std::string name_;
+  HelpOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeHelp(CLI::App* app, std::function<Catalog()> catalog) {
+  return std::make_unique<HelpCommand>(app, std::move(catalog));
+}
+
+}  // namespace oraclegs

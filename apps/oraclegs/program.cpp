@@ -1,0 +1,96 @@
+#include "program.h"
+
+#include <cstdio>
+
+#include "help_text.h"
+#include "mistakes.h"
+#include "oraclegs/core/text.h"
+#include "version.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kUsage = 2, kGoOn = -1;
+
+/// "oraclegs train 'my scene' -o out", which a shell reads as what was typed.
+std::string CommandLineOf(int argc, char** argv) {
+  std::string line = "oraclegs";
+  for (int i = 1; i < argc; ++i) line += " " + ShellQuoted(argv[i]);
+  return line;
+}
+
+}  // namespace
+
+int Fail(const std::string& text, int code) {
+  const std::string line = text.substr(0, text.find('\n'));
+  std::fprintf(stderr, "oraclegs: error: %s\n", line.c_str());
+  return code;
+}
+
+Program::Program() {
+  app_.name("oraclegs");
+  app_.set_help_flag("-h,--help");
+  app_.set_help_all_flag("--help-all");
+  app_.set_version_flag("--version", [] { return VersionText(); });
+  app_.require_subcommand(1);
+  const auto add = [&](const char* title, auto... make) {
+    groups_.push_back({title, {}});
+    (groups_.back().commands.push_back(make(&app_)), ...);
+  };
+  const auto catalog = [this] { return Describe(); };
+  const auto of_all = [&](auto* make) { return [=](CLI::App* app) { return make(app, catalog); }; };
+  add("Photos to splat", MakeReconstruct, MakeDemo, MakeDemoScene);
+  add("Look and share", MakeView, MakeRender, MakeExport, MakeMesh, MakeCameras, MakeInfo);
+  add("Single stages", MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain);
+  add("Measure", MakeEvaluate, MakeAblate, MakeFigure);
+  add("Set up", MakeModels, of_all(MakeHelp), of_all(MakeCompletion), of_all(MakeMan));
+}
+
+Catalog Program::Describe() const {
+  Catalog catalog;
+  for (const Group& group : groups_) {
+    for (const auto& command : group.commands) {
+      catalog.push_back(command->Info());
+      catalog.back().group = group.title;
+    }
+  }
+  return catalog;
+}
+
+Command* Program::Chosen() const {
+  for (const Group& group : groups_) {
+    for (const auto& command : group.commands) {
+      if (command->Chosen()) return command.get();
+    }
+  }
+  return nullptr;
+}
+
+int Program::Parse(int argc, char** argv) {
+  if (const auto mistake = FindMistake({argv + 1, argv + argc}, app_)) return Fail(*mistake, kUsage);
+  const auto help = [&](bool all) {
+    const Command* chosen = Chosen();
+    std::fputs((chosen ? HelpText(chosen->Info(), all) : OverviewText(Describe())).c_str(), stdout);
+    return 0;
+  };
+  try {
+    app_.parse(argc, argv);
+    return kGoOn;
+  } catch (const CLI::CallForHelp&) {
+    return help(false);
+  } catch (const CLI::CallForAllHelp&) {
+    return help(true);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app_.exit(error);  // --version
+    return Fail(Explain(error, app_), kUsage);
+  }
+}
+
+int Program::Run(int argc, char** argv) {
+  const int code = Parse(argc, argv);
+  if (code != kGoOn) return code;
+  Chosen()->Run(CommandLineOf(argc, argv));
+  return 0;
+}
+
+}  // namespace oraclegs

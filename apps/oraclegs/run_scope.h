@@ -1,0 +1,28 @@
+#pragma once
+// Which options of a run a command has, and which of them its short help shows.
+
+#include <string_view>
+#include <vector>
+
+namespace oraclegs {
+
+/// What becomes of options that are of no use to the command.
+enum class OtherOptions {
+  kHidden,  ///< accepted: the command works on a workspace, whose stages share one set of options
+  kNone,    ///< refused on the command line; a configuration file and a saved run may have them
+};
+
+struct RunScope {
+  std::vector<std::string_view> without_groups;  ///< titles (RunOptions::ForEachGroup) that are of no use to it
+  std::vector<std::string_view> with_options;    ///< of those groups, which are of use nevertheless
+  std::vector<std::string_view> basic;           ///< in the short help
+  OtherOptions others = OtherOptions::kHidden;
+
+  bool Has(std::string_view group, std::string_view option) const;
+  bool IsBasic(std::string_view option) const;
+};
+
+/// Of the command of this name.
+const RunScope& RunScopeOf(std::string_view command);
+
+}  // namespace oraclegs

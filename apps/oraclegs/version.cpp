@@ -1,0 +1,78 @@
+#include "version.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "oraclegs/core/hwy_targets.h"
+// Highway's macros of instruction sets need the line above.
+#include <hwy/highway.h>
+
+#include "oraclegs/core/config.h"
+#include "oraclegs/core/library_file.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/plural.h"
+#include "oraclegs/core/subprocess.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr double kProgramSeconds = 5;  // that another program gets to say its version
+
+std::string NameOf(int64_t target) {
+  const std::string name = hwy::TargetName(target);
+  return name == "AVX3" ? "AVX-512" : name == "AVX3_DL" ? "AVX-512 of Ice Lake" : name;
+}
+
+/// A better instruction set has a lower bit.
+std::string InstructionSetsText() {
+  std::string in_use = "none of them", built;
+  for (int bit = 62; bit >= 0; --bit) {
+    const int64_t target = int64_t{1} << bit;
+    if ((HWY_TARGETS & target) == 0) continue;
+    if ((hwy::SupportedTargets() & target) != 0) in_use = NameOf(target);
+    built += fmt::format("{}{}", built.empty() ? "" : ", ", NameOf(target));
+  }
+  return fmt::format("{} in use ({} built), {}", in_use, built, Counted(NumThreads(), "thread"));
+}
+
+std::string NetworksText() {
+#ifdef ORACLEGS_NETWORKS
+  const auto library = FindLibraryFile("liboraclegs_networks.so");
+  return library ? fmt::format("{} ({})", ORACLEGS_LIBTORCH, library->string())
+                 : fmt::format("{}, but liboraclegs_networks.so is not installed", ORACLEGS_LIBTORCH);
+#else
+  return "no: built without it";
+#endif
+}
+
+std::string CudaText() {
+#ifdef ORACLEGS_CUDA
+  return "yes (" ORACLEGS_CUDA_VERSION ")";
+#else
+  return "no: built without it";
+#endif
+}
+
+/// The word after `name` in the first line that the program prints, or that it is not there.
+std::string ProgramVersion(const std::string& program, const std::string& argument, const std::string& before) {
+  if (FindProgram(program).empty()) return "not found";
+  ProcessRequest request{{program, argument}};
+  request.time_limit = std::chrono::duration<double>(kProgramSeconds);
+  const std::string output = RunProcess(request).output;
+  const size_t at = output.find(before);
+  if (at == std::string::npos) return "found, version unknown";
+  const size_t begin = at + before.size();
+  return output.substr(begin, output.find_first_of(" \n", begin) - begin);
+}
+
+}  // namespace
+
+std::string VersionText() {
+  return fmt::format(
+      "oraclegs {} (commit {})\ncpu        {}\ncuda       {}\nlibtorch   {}\ncolmap     {}\nffmpeg     {}",
+      ORACLEGS_VERSION, CommitText(), InstructionSetsText(), CudaText(), NetworksText(),
+      ProgramVersion("colmap", "-h", "COLMAP "), ProgramVersion("ffmpeg", "-version", "ffmpeg version "));
+}
+
+}  // namespace oraclegs
