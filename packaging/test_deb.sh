@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# Installs the packages in a bare Debian 12 and runs them there: a test of what they depend on. Needs root (mmdebstrap makes
+# the system below a temporary folder, which is removed afterwards) and a Debian mirror; takes some minutes.
+#   packaging/test_deb.sh [--networks] [FOLDER_OF_PACKAGES]     FOLDER: build/package/packages
+# --networks also installs oraclegs-networks, which brings libtorch: 400 MB more.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+networks=
+if [[ ${1:-} == --networks ]]; then
+  networks=yes
+  shift
+fi
+packages=$(realpath "${1:-build/package/packages}")
+for tool in mmdebstrap dpkg-deb chroot; do
+  command -v "$tool" >/dev/null || {
+    echo "packaging/test_deb.sh: $tool is missing; apt-get install mmdebstrap dpkg" >&2
+    exit 1
+  }
+done
+((EUID == 0)) || {
+  echo "packaging/test_deb.sh: run it as root, it makes a Debian system in a folder" >&2
+  exit 1
+}
+compgen -G "$packages/oraclegs_*.deb" >/dev/null || {
+  echo "packaging/test_deb.sh: no oraclegs_*.deb in $packages; run packaging/build.sh first" >&2
+  exit 1
+}
+
+root=$(mktemp -d /tmp/oraclegs-root.XXXXXX)
+clean_up() {
+  for mounted in proc dev; do
+    if mountpoint -q "$root/$mounted"; then umount "$root/$mounted"; fi
+  done
+  rm -rf --one-file-system "$root"
+}
+trap clean_up EXIT
+
+step() { echo "== $1 (${SECONDS} s)"; }
+inside() { env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive chroot "$root" "$@"; }
+
+# sizes_of PACKAGES...: what apt would install, in MB on disk and MB to download.
+sizes_of() {
+  inside apt-get -s -y install "$@" >"$root/tmp/simulated"
+  inside sh -c 'awk "/^Inst/ { print \$2 }" /tmp/simulated | grep -v ^oraclegs |
+    xargs --no-run-if-empty apt-cache show --no-all-versions' |
+    awk '/^Package:/ { n++ } /^Installed-Size:/ { disk += $2 / 1024 } /^Size:/ { load += $2 / 1e6 }
+         END { printf "%d packages, %.0f MB on disk, %.0f MB to download", n, disk, load }'
+}
+
+step "a bare Debian 12"
+mirror=${DEBIAN_MIRROR:-http://deb.debian.org}
+mmdebstrap --quiet --variant=apt --mode=root bookworm "$root" "deb $mirror/debian bookworm main" \
+  "deb $mirror/debian bookworm-updates main" "deb $mirror/debian-security bookworm-security main"
+mount -t proc proc "$root/proc"
+mount --bind /dev "$root/dev"
+cp --remove-destination /etc/resolv.conf "$root/etc/resolv.conf"
+install -D -t "$root/packages" "$packages"/*.deb
+inside apt-get -q update >/dev/null
+
+deb=$(cd "$root" && ls packages/oraclegs_*.deb)
+echo "colmap alone brings:           $(sizes_of colmap)"
+echo "/$deb brings: $(sizes_of "/$deb")"
+step "apt install /$deb"
+inside apt-get -q -y install "/$deb" >"$root/tmp/log" 2>&1 || { tail -n 30 "$root/tmp/log" >&2; exit 1; }
+echo "with colmap there:             $(inside du -sm --apparent-size /usr/lib/x86_64-linux-gnu/oraclegs /usr/bin/oraclegs | awk '{ s += $1 } END { print s }') MB are oraclegs itself"
+if [[ -n $networks ]]; then
+  step "apt install oraclegs-networks"
+  echo "brings: $(sizes_of "/$(cd "$root" && ls packages/oraclegs-networks_*.deb)")"
+  inside apt-get -q -y install "/$(cd "$root" && ls packages/oraclegs-networks_*.deb)" >"$root/tmp/log" 2>&1 || { tail -n 30 "$root/tmp/log" >&2; exit 1; }
+  inside oraclegs --version | grep libtorch
+fi
+
+step "oraclegs --version"
+inside oraclegs --version
+inside test -s /usr/share/man/man1/oraclegs.1.gz
+inside test -s /usr/share/bash-completion/completions/oraclegs
+inside test -s /usr/share/doc/oraclegs/THIRD_PARTY_NOTICES.md
+
+step "photos without poses: registered by colmap"
+inside oraclegs demo-scene /tmp/scene --demo-views 8 --quiet
+inside oraclegs reconstruct /tmp/scene/images -o /tmp/out --preset quick --downscale 1 --iterations 100 --quiet
+inside test -s /tmp/out/point_cloud.ply
+inside oraclegs mesh /tmp/out -o /tmp/out.glb --quiet  # OpenVDB
+
+step "oraclegs demo"
+inside sh -c 'cd /tmp && oraclegs demo --quiet'
+inside test -s /tmp/oraclegs-demo/demo.png
+inside test -s /tmp/oraclegs-demo/run/report.html
+
+step "apt remove"
+inside apt-get -q -y purge 'oraclegs*' >"$root/tmp/log" 2>&1
+left=$(inside find /usr /etc -xdev -path /usr/share/doc -prune -o -name '*oraclegs*' -print)
+[[ -z $left ]] || { echo "left behind: $left" >&2; exit 1; }
+step "passed"
