@@ -63,9 +63,10 @@ void CompareAll(const fs::path& workspace) {
   const SavedRun saved = ReadSavedRun(workspace);
   const Scene scene = ReadScene(saved.scene, {}, Silent());
   SplitOptions options;
-  options.test_every = saved.options.at("test-every").get<int>();
-  options.views = saved.options.at("views").get<int>();
-  const Split split = SplitViews(scene, options);
+  // The views that trained, whatever the options were.
+  const std::string file = fmt::format("@{}", (workspace / "split.json").string());
+  options.train_views = file;
+  const Split split = SplitViews(scene, WithListsRead(options));
   Errors all;
   for (const int v : split.train) {
     const SceneView& view = scene.views[static_cast<size_t>(v)];

@@ -16,7 +16,7 @@ run() { # NAME OPTIONS...
   "$here/build/release/bin/oraclegs" reconstruct "$data/$name" -o "$out/$name-$seed" --quiet \
     --downscale 2 --iterations 7000 --max-gaussians 100000 --seed "$seed" "$@"
 }
-run fox --views 12 "$@"
+run fox --eval --views 12 "$@"
 run lego --background white "$@"
 run sceaux --test-views 7103,7107 "$@"
 

@@ -12,11 +12,14 @@ packages=(
   # files, command line, log
   nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
   libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev libwebp-dev libzip-dev
+  libheif-dev libtiff-dev
   libcpp-httplib-dev
   # meshes; Boost's headers because OpenVDB's include them and its package does not ask for them
   libopenvdb-dev libboost-dev
+  # the Python package
+  pybind11-dev python3-dev python3-numpy
   # tests and benchmarks
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libheif-examples
   # run as child processes
   colmap ffmpeg
   # tests of the web pages

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its 24 images. Nothing is
-# downloaded but Debian and npm packages. On two cores the first build takes about four minutes, the reconstruction about five.
+# downloaded but Debian and npm packages. On two cores the first build takes about four minutes, the reconstruction about two.
 # The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
 set -euo pipefail
@@ -12,11 +12,10 @@ scripts/bootstrap.sh
 cmake --preset release >/dev/null
 cmake --build --preset release --target oraclegs --parallel "$(nproc)"
 
-build/release/bin/oraclegs demo-scene "$folder/scene"
-build/release/bin/oraclegs reconstruct "$folder/scene" -o "$folder/run" --overwrite \
-  --views 12 --iterations 7000 --max-gaussians 50000
+build/release/bin/oraclegs demo -o "$folder"
 
 echo
+echo "Side by side:         $folder/demo.png (a true image, and the same view of the splat)"
 echo "Report:               $folder/run/report.html (open it in a browser: the splat in 3D, images, scores)"
 echo "Input images:         $folder/scene/images"
 echo "Test views, rendered: $folder/run/renders/test (NAME.png; NAME_gt.png is the true image)"

@@ -11,7 +11,7 @@ case "${1:-}" in
 esac
 
 folders=()
-for folder in src apps tests bench cmake; do
+for folder in src apps tests bench cmake python; do
   [[ -d $folder ]] && folders+=("$folder")
 done
 # A newer clang-format breaks lines elsewhere: the version of Debian 12 decides where it is installed.

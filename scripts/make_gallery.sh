@@ -17,7 +17,7 @@ images=$(realpath -m "${2:-$here/docs/images}")
 name=$(basename "$scene")
 work=$here/build/gallery/$name
 program=${ORACLEGS_BIN:-$here/build/release/bin/oraclegs}
-read -ra options <<<"${RUN_OPTIONS:---views 12 --downscale 2 --iterations 7000 --max-gaussians 100000}"
+read -ra options <<<"${RUN_OPTIONS:---eval --views 12 --downscale 2 --iterations 7000 --max-gaussians 100000}"
 for tool in ffmpeg python3 "$program"; do
   command -v "$tool" >/dev/null || { echo "scripts/make_gallery.sh: $tool is not there" >&2; exit 1; }
 done

@@ -217,7 +217,7 @@ TEST_F(DownloadTest, ExplainsRefusals) {
   ScriptedServer server({refused("401 Unauthorized"), refused("403 Forbidden"), refused("404 Not Found"),
                          refused("503 Service Unavailable"), refused("418 I'm a teapot")});
   EXPECT_THAT(ErrorOf<InputError>(Request(server)), AllOf(HasSubstr("(401)"), HasSubstr("set HF_TOKEN")));
-  EXPECT_THAT(ErrorOf<InputError>(Request(server)), AllOf(HasSubstr("(403)"), HasSubstr("agree to the licence")));
+  EXPECT_THAT(ErrorOf<InputError>(Request(server)), AllOf(HasSubstr("(403)"), HasSubstr("agree to the license")));
   EXPECT_THAT(ErrorOf<InputError>(Request(server)), AllOf(HasSubstr("(404)"), HasSubstr("docs/models.md")));
   EXPECT_THAT(ErrorOf(Request(server)), AllOf(HasSubstr("(503)"), HasSubstr("the same command continues")));
   EXPECT_THAT(ErrorOf(Request(server)), HasSubstr("the server answers 418"));

@@ -27,10 +27,10 @@ using testing::ThrowsMessage;
 
 TEST(LicenceText, IsOneLine) {
   EXPECT_EQ(LicenceText(WeightsNamed("seva")),
-            "seva: licence Stability AI Non-Commercial License; not for commercial use; it covers the images that the "
+            "seva: license Stability AI Non-Commercial License; not for commercial use; it covers the images that the "
             "network makes, too; see https://huggingface.co/stabilityai/stable-virtual-camera");
   EXPECT_EQ(LicenceText(WeightsNamed("sd21-vae")),
-            "sd21-vae: licence MIT; see https://huggingface.co/stabilityai/sd-vae-ft-mse");
+            "sd21-vae: license MIT; see https://huggingface.co/stabilityai/sd-vae-ft-mse");
 }
 
 TEST(AtMirror, ReplacesTheHost) {
@@ -69,8 +69,8 @@ class FetchWeightsTest : public testing::Test {
 
 TEST_F(FetchWeightsTest, RequiresTheLicence) {
   EXPECT_THAT([&] { Fetch("seva", {}, false); },
-              ThrowsMessage<UsageError>(AllOf(HasSubstr("seva: licence Stability AI Non-Commercial License"),
-                                              HasSubstr("if you agree to it, add --accept-licence"))));
+              ThrowsMessage<UsageError>(AllOf(HasSubstr("seva: license Stability AI Non-Commercial License"),
+                                              HasSubstr("if you agree to it, add --accept-license"))));
   EXPECT_TRUE(std::filesystem::is_empty(dir_.path()));
 }
 

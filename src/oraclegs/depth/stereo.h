@@ -29,14 +29,12 @@ struct StereoOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("stereo-neighbors", self.neighbors, "Source photos that each photo is compared with to find its depth",
-          Range{1, 8});
-    visit("stereo-iterations", self.iterations, "Rounds of the photometric search, at the coarse resolution",
-          Range{1, 50});
-    visit("stereo-passes", self.geometric_passes,
-          "Passes in which the depths of all photos are made to agree, at each resolution", Range{1, 16});
+    visit("stereo-neighbors", self.neighbors, "Source photos per reference photo", Range{1, 8});
+    visit("stereo-iterations", self.iterations,
+          "Iterations of the photometric search (PatchMatch), at the coarse resolution", Range{1, 50});
+    visit("stereo-passes", self.geometric_passes, "Geometric-consistency passes at each resolution", Range{1, 16});
     visit("stereo-color", self.stereo_color,
-          "Compare colours or brightness only, which is three times as fast; auto = colours for an object before a "
+          "Compare colors or brightness only, which is three times as fast; auto = colors for an object before a "
           "plain background");
   }
 };

@@ -144,7 +144,7 @@ std::vector<double> MeansOn(Device device, const std::vector<Eigen::Vector3f>& p
     return cuda::MeanSquaredDistanceToThree(points);
   }
 #endif
-  throw UsageError("this build looks for neighbours on the CPU only, '{}' was asked for; use --device cpu",
+  throw UsageError("this build looks for neighbors on the CPU only, '{}' was asked for; use --device cpu",
                    device.Name());
 }
 
@@ -177,7 +177,7 @@ void Flatten(const Eigen::Vector3f& normal, double flatness, float* log_scales, 
 
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device) {
   if (points.rgb.size() != points.xyz.size()) {
-    throw ShapeError("InitializeGaussians: {} colours for {} points", points.rgb.size(), points.xyz.size());
+    throw ShapeError("InitializeGaussians: {} colors for {} points", points.rgb.size(), points.xyz.size());
   }
   if (!points.normals.empty() && points.normals.size() != points.xyz.size()) {
     throw ShapeError("InitializeGaussians: {} normals for {} points", points.normals.size(), points.xyz.size());

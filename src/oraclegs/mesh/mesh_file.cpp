@@ -159,7 +159,7 @@ void WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vect
   RequireMeshExtension(path);
   if (mesh.triangles.empty() || mesh.normals.size() != mesh.positions.size() ||
       mesh.colors.size() != mesh.positions.size()) {
-    throw ShapeError("WriteMesh: {} triangles, {} positions, {} normals, {} colours", mesh.triangles.size(),
+    throw ShapeError("WriteMesh: {} triangles, {} positions, {} normals, {} colors", mesh.triangles.size(),
                      mesh.positions.size(), mesh.normals.size(), mesh.colors.size());
   }
   WriteFileAtomically(path, path.extension() == ".glb" ? GlbBytes(mesh, up, path) : PlyBytes(mesh));

@@ -98,7 +98,7 @@ struct SevaOptions {
     visit("seva-passes", self.passes, "2 = first frames all around, then the views between them, 1 = the views alone",
           Range{1, 2});
     visit("candidates", self.candidates, "Samples that seva draws for each view; the oracle picks", Range{1, 64});
-    visit("seva-cfg", self.cfg, "Strength of guidance by the photos", Range{0, 100});
+    visit("seva-cfg", self.cfg, "Strength of classifier-free guidance", Range{0, 100});
     visit("seva-cfg-min", self.cfg_min, "The same for frames at the place of a photo", Range{0, 100});
     visit("seva-guider", self.guider,
           "Which frames get the full guidance: multi-view = all but frames at a photo's place, temporal = the more the "

@@ -13,7 +13,7 @@ std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return cuda::MakeCudaRasterizer(device);
 #endif
-  throw UsageError("this build has no rasteriser for '{}'; use --device cpu", device.Name());
+  throw UsageError("this build has no rasterizer for '{}'; use --device cpu", device.Name());
 }
 
 }  // namespace oraclegs

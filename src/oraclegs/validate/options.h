@@ -41,33 +41,31 @@ struct ValidateOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("oracle", self.oracle,
-          "What decides how far a proposed pixel is trusted: consistency = what the images show there; vggt = what the "
-          "views attend to in each other inside VGGT; vggt+consistency = both; uniform = trust all; auto = "
+          "What estimates the confidence of proposed pixels: consistency = multi-view consistency with the photos; "
+          "vggt = cross-view attention of the network VGGT; vggt+consistency = both; uniform = 1 everywhere; auto = "
           "vggt+consistency where VGGT's weights are, else consistency");
     visit("oracle-mode", self.oracle_mode,
-          "Whose attention VGGT's map is made of: reference = that of the image beside the proposals; others = that of "
-          "all other views of the pass; official = that of the image's camera token, over the whole pass together");
+          "Which attention of VGGT is used as confidence: reference = of the photo beside the proposals; others = of "
+          "all other views of the pass; official = of the photo's camera token, over the whole pass together, as in "
+          "the paper's code");
     visit("oracle-chunk", self.oracle_chunk,
-          "Proposals that VGGT looks at together, beside one image; auto = 8, or as many as the free memory holds; 0 = "
-          "all "
-          "of them, or as many as the free memory holds",
+          "Proposals that VGGT processes together, beside one photo; auto = 8, or as many as fit into memory; 0 = all, "
+          "or as many as fit",
           Range{0, 512});
     visit("vggt-precision", self.vggt_precision,
           "Number type of VGGT as oracle: float32; bfloat16; autocast = as its authors run it: weights and sums in "
-          "float32, "
-          "products in bfloat16; auto = bfloat16 on a GPU, else float32");
+          "float32, products in bfloat16; auto = bfloat16 on a GPU, else float32");
     visit("vggt-layers", self.vggt_layers,
-          "Layers of VGGT's global attention that its map is made of, from 0, comma-separated; without, 0,22 with the "
+          "Layers of VGGT's global attention that make the confidence, from 0, comma-separated; without, 0,22 with the "
           "weights 1,3, or what the file of weights names");
     visit("vggt-layer-weights", self.vggt_layer_weights,
-          "How much each of --vggt-layers counts, comma-separated; scaled to sum to 1; without, all count alike");
+          "Weights of --vggt-layers, comma-separated; scaled to sum to 1; without, all the same");
     visit("calibrate", self.calibrate,
-          "Map what the oracle predicts to what such pixels were worth in held-out views; without, VGGT's map is used "
-          "as it is, as in the paper, and of the others the order that they learnt");
+          "Calibrate the confidence on held-out training photos; --no-calibrate takes VGGT's attention as it is, as in "
+          "the paper, and the uncalibrated score of the other oracles");
     visit("pick", self.pick,
-          "What several candidates for a view become: blend = their mean, weighted by the error that their confidence "
-          "stands for; pixel = the candidate of highest confidence at each pixel; view = the one of highest mean "
-          "confidence");
+          "How several candidates for a view are fused: blend = mean weighted by confidence; pixel = the most "
+          "confident candidate at each pixel; view = the candidate of highest mean confidence");
   }
 };
 

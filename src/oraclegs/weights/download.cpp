@@ -150,11 +150,11 @@ class Transfer {
     if (status == 401) {
       throw InputError(
           "{}: the server asks for an account (401); set HF_TOKEN to a token of an account that has agreed to "
-          "the licence on the model's page",
+          "the license on the model's page",
           shown_);
     }
     if (status == 403) {
-      throw InputError("{}: access denied (403); agree to the licence on the model's page with the account of HF_TOKEN",
+      throw InputError("{}: access denied (403); agree to the license on the model's page with the account of HF_TOKEN",
                        shown_);
     }
     if (status == 404 || status == 410) {

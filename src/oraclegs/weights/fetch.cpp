@@ -54,7 +54,7 @@ FetchSettings FetchSettingsFromEnvironment() {
 }
 
 std::string LicenceText(const WeightsInfo& model) {
-  std::string text = fmt::format("{}: licence {}", model.name, model.licence);
+  std::string text = fmt::format("{}: license {}", model.name, model.licence);
   if (model.non_commercial) text += "; not for commercial use";
   if (!model.restriction.empty()) text += "; " + model.restriction;
   return text + "; see " + model.licence_page;
@@ -73,7 +73,7 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
     return *here;
   }
   if (!options.accept_licence) {
-    throw UsageError("{}; if you agree to it, add --accept-licence", LicenceText(model));
+    throw UsageError("{}; if you agree to it, add --accept-license", LicenceText(model));
   }
   listener(Note{LicenceText(model)});
   const fs::path weights = FetchedFile(model.name);

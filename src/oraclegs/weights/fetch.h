@@ -15,7 +15,7 @@ struct FetchOptions {
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
-    visit("accept-licence", self.accept_licence, "Agree to the licence of the model, which `fetch` shows");
+    visit("accept-license", self.accept_licence, "Agree to the license of the model, which `fetch` shows");
     visit("keep-published", self.keep_published, "Keep the published files after they were converted");
   }
 };

@@ -83,9 +83,8 @@ TEST_F(CudaNeighbors, LeavesHaveAtMostTwelvePoints) {
 #if defined(ORACLEGS_EMULATED_CUDA)
 TEST_F(CudaNeighbors, NameTheMemoryThatIsMissing) {
   emulated_cuda::SetMemory(20000);
-  EXPECT_THAT(
-      [&] { MeanSquaredDistanceToThree(Cube(1000)); },
-      testing::ThrowsMessage<OutOfMemory>(testing::HasSubstr("for the neighbours of the points to start from")));
+  EXPECT_THAT([&] { MeanSquaredDistanceToThree(Cube(1000)); },
+              testing::ThrowsMessage<OutOfMemory>(testing::HasSubstr("for the neighbors of the points to start from")));
   emulated_cuda::SetMemory(size_t{1} << 40);
 }
 #endif

@@ -150,24 +150,24 @@ __global__ void NearestThree(NeighborTree tree, double* means) {
 
 void RunStartTree(const NeighborTree& tree, cudaStream_t stream) {
   const size_t bytes = static_cast<size_t>(TreeNodes(tree.n)) * sizeof(NodeBox);
-  Check(cudaMemsetAsync(tree.boxes, 0, bytes, stream), "starting the tree of neighbours");
-  Launch("start of the tree of neighbours", StartTree, LaunchShape::For(tree.n, kBlock), stream, tree);
+  Check(cudaMemsetAsync(tree.boxes, 0, bytes, stream), "starting the tree of neighbors");
+  Launch("start of the tree of neighbors", StartTree, LaunchShape::For(tree.n, kBlock), stream, tree);
 }
 
 void RunNodeBoxes(const NeighborTree& tree, int level, cudaStream_t stream) {
-  Launch("boxes of neighbours", NodeBoxes, LaunchShape::For(tree.n, kBlock), stream, tree, level);
+  Launch("boxes of neighbors", NodeBoxes, LaunchShape::For(tree.n, kBlock), stream, tree, level);
 }
 
 void RunSplitKeys(const NeighborTree& tree, int level, uint32_t* keys, uint32_t* nodes, cudaStream_t stream) {
-  Launch("splitting neighbours", SplitKeys, LaunchShape::For(tree.n, kBlock), stream, tree, level, keys, nodes);
+  Launch("splitting neighbors", SplitKeys, LaunchShape::For(tree.n, kBlock), stream, tree, level, keys, nodes);
 }
 
 void RunNodeKeys(const uint32_t* nodes, const uint32_t* order, int64_t n, uint32_t* keys, cudaStream_t stream) {
-  Launch("gathering neighbours", NodeKeys, LaunchShape::For(n, kBlock), stream, nodes, order, n, keys);
+  Launch("gathering neighbors", NodeKeys, LaunchShape::For(n, kBlock), stream, nodes, order, n, keys);
 }
 
 void RunNearestThree(const NeighborTree& tree, double* means, cudaStream_t stream) {
-  Launch("search of neighbours", NearestThree, LaunchShape::For(tree.n, kBlock), stream, tree, means);
+  Launch("search of neighbors", NearestThree, LaunchShape::For(tree.n, kBlock), stream, tree, means);
 }
 
 }  // namespace oraclegs::cuda

@@ -9,7 +9,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr const char* kPurpose = "the neighbours of the points to start from";
+constexpr const char* kPurpose = "the neighbors of the points to start from";
 constexpr int kWholeKey = 32;  // bits
 
 /// The tree's memory, and that of sorting it.
