@@ -3,6 +3,7 @@
 #include "capture/video_files.h"
 #include "image/jpeg_files.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/scene/photo_folder.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -25,9 +26,9 @@ class ImportTest : public ::testing::Test {
     fs::create_directories(dir_ / "out");
     ImportPhotos(inputs, options, dir_ / "out/photos", events_.AsListener());
     std::vector<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(dir_ / "out/photos")) {
-      const std::string name = entry.path().lexically_relative(dir_ / "out/photos").string();
-      if (entry.is_regular_file() && name[0] != '.') names.push_back(name);
+    const fs::path images = dir_ / "out/photos/images";
+    for (const auto& entry : fs::recursive_directory_iterator(images)) {
+      if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(images).string());
     }
     return names;
   }
@@ -49,6 +50,13 @@ TEST_F(ImportTest, TakesFilesAndFolders) {
   EXPECT_FALSE(fs::exists(dir_ / "out/.oraclegs-photos.tmp"));
 }
 
+TEST_F(ImportTest, GivesNamesByWhichPhotosAreFoundAgain) {
+  EXPECT_THAT(Import({Photo("masks/a.jpg").parent_path(), Photo("images_4/b.jpg").parent_path(), Photo("images/c.jpg"),
+                      Photo("without")}),
+              UnorderedElementsAre("_masks/a.jpg", "_images_4/b.jpg", "c.jpg", "without.jpg"));
+  EXPECT_EQ(FindPhotos(dir_ / "out/photos", Silent()).size(), 4u);
+}
+
 TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
   const std::vector<fs::path> inputs = {Photo("a.jpg"), Photo("b.jpg")};
   Import(inputs);
@@ -59,7 +67,7 @@ TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
   Photo("b.jpg", 40);  // changed
   Import(inputs);
   EXPECT_EQ(events_.started.size(), 2u);
-  EXPECT_EQ(ReadFile(dir_ / "out/photos/b.jpg"), ReadFile(dir_ / "b.jpg"));
+  EXPECT_EQ(ReadFile(dir_ / "out/photos/images/b.jpg"), ReadFile(dir_ / "b.jpg"));
   Import(inputs, {.frames = 10});
   EXPECT_EQ(events_.started.size(), 3u);
 }

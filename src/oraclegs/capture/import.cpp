@@ -23,6 +23,8 @@ using nlohmann::json;
 
 constexpr char kManifest[] = ".import.json";  // hidden: no photo
 constexpr char kHalf[] = ".oraclegs-photos.tmp";
+// A folder of one's own, so that nothing that is imported is taken for the images/, masks/ or sparse/ of a scene.
+constexpr char kImages[] = "images";
 
 enum class InputKind { kFolder, kPhoto, kVideo, kZip };
 
@@ -42,6 +44,12 @@ InputKind KindOf(const fs::path& input) {
     throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these",
                      input.string());
   }
+}
+
+/// The name of a photo, with an extension by its content where it has none of a photo: by that it is found again.
+fs::path WithImageExtension(const fs::path& photo) {
+  if (HasImageExtension(photo)) return photo.filename();
+  return photo.filename() += ReadImageInfo(photo).extension;
 }
 
 /// Bytes that JSON and file systems of others can hold.
@@ -86,7 +94,7 @@ class Importer {
     ThrowIfInterrupted();
     switch (KindOf(input)) {
       case InputKind::kPhoto:
-        return Copy(input, FreeName(input.filename()));
+        return Copy(input, FreeName(WithImageExtension(input)));
       case InputKind::kZip:
         return UnpackPhotos(input, alone ? dir_ : dir_ / FreeName(input.stem()), listener_);
       case InputKind::kVideo:
@@ -105,7 +113,7 @@ class Importer {
   /// A name at the top of the folder that is not taken: IMG_1.jpg, then IMG_1-2.jpg.
   fs::path FreeName(const fs::path& wanted) {
     std::string stem = PlainText(wanted.stem()), extension = PlainText(wanted.extension());
-    if (stem.empty() || stem[0] == '.') stem = "_" + stem;
+    if (stem.empty() || stem[0] == '.' || IsHelperFolder(stem)) stem = "_" + stem;
     std::string name = stem + extension;
     for (int i = 2; !taken_.insert(name).second; ++i) name = fmt::format("{}-{}{}", stem, i, extension);
     return name;
@@ -173,9 +181,9 @@ void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& opt
   const fs::path half = dir.parent_path() / kHalf;
   std::error_code error;
   fs::remove_all(half, error);
-  fs::create_directories(half, error);
+  fs::create_directories(half / kImages, error);
   if (error) throw RunError("{}: cannot be made: {}", half.string(), error.message());
-  Importer importer(half, options, listener);
+  Importer importer(half / kImages, options, listener);
   try {
     for (const fs::path& input : inputs) importer.Add(input, inputs.size() == 1);
     WriteFileAtomically(half / kManifest, manifest.dump(1) + "\n");

@@ -34,6 +34,13 @@ void SizeOf(const std::string& bytes, const std::string& file, Orientation orien
   RefuseFormat(bytes, file);
 }
 
+const char* ExtensionOf(const std::string& bytes) {
+  if (IsJpeg(bytes)) return ".jpg";
+  if (IsPng(bytes)) return ".png";
+  if (IsHeif(bytes)) return ".heic";
+  return IsWebp(bytes) ? ".webp" : ".tif";
+}
+
 }  // namespace
 
 Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
@@ -55,6 +62,7 @@ ImageInfo ReadImageInfo(const std::filesystem::path& path) {
   ImageInfo info;
   SizeOf(bytes, path.string(), Orientation::kUpright, &info.width, &info.height);
   info.exif = ReadExif(bytes);
+  info.extension = ExtensionOf(bytes);
   return info;
 }
 

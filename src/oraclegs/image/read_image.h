@@ -2,6 +2,7 @@
 // Image files of any supported format.
 
 #include <filesystem>
+#include <string>
 
 #include "oraclegs/image/exif_tags.h"
 #include "oraclegs/image/image.h"
@@ -20,6 +21,7 @@ void ReadImageSize(const std::filesystem::path& path, int* width, int* height,
 struct ImageInfo {
   int width = 0, height = 0;  ///< as ReadImage would return them
   Exif exif;
+  std::string extension;  ///< of such files, by content: ".jpg"
 };
 
 /// What is known without decoding.

@@ -53,14 +53,6 @@ bool IsRunFolder(const fs::path& dir) {
   return head.find("\"program\": \"oraclegs\"") != std::string::npos || fs::exists(dir / "split.json", ignored);
 }
 
-/// masks/ belongs to the photos beside it; images_2/, images_4/, ... are smaller copies.
-bool IsHelperFolder(const std::string& name) {
-  if (name == "masks") return true;
-  constexpr std::string_view kSmaller = "images_";
-  return name.starts_with(kSmaller) && name.size() > kSmaller.size() &&
-         std::all_of(name.begin() + kSmaller.size(), name.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
 std::string Below(const fs::path& dir, const fs::path& path) { return path.lexically_relative(dir).generic_string(); }
 
 /// Calls `visit` for every file below `dir` that is not passed over.
@@ -91,6 +83,13 @@ void AddCamera(const Exif& exif, SceneView* view) {
 }
 
 }  // namespace
+
+bool IsHelperFolder(const std::string& name) {
+  if (name == "masks") return true;
+  constexpr std::string_view kSmaller = "images_";
+  return name.starts_with(kSmaller) && name.size() > kSmaller.size() &&
+         std::all_of(name.begin() + kSmaller.size(), name.end(), [](unsigned char c) { return std::isdigit(c); });
+}
 
 std::string WhyNotRead(const fs::path& path) {
   const std::string extension = LowerExtension(path);

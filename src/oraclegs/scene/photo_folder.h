@@ -22,6 +22,10 @@ std::vector<std::filesystem::path> FindPhotos(const std::filesystem::path& dir, 
 /// can be. Throws InputError for such a photo otherwise, and for more than kMaxPhotos.
 std::vector<SceneView> ReadPhotos(const std::filesystem::path& dir, const Listener& listener);
 
+/// True for the name of a folder beside photos that holds none of them: masks/, and the smaller copies images_2/,
+/// images_4/, ...
+bool IsHelperFolder(const std::string& name);
+
 /// Why a file that looks like a photo or video of another kind is not read, and what to do: "raw photos are not read;
 /// export them as JPEG"; empty for all other files. By name.
 std::string WhyNotRead(const std::filesystem::path& path);
