@@ -35,18 +35,21 @@ class MeshCommand : public SourceCommand {
       cameras.push_back(WorkingCamera(posed.scene.views[static_cast<size_t>(i)], options_.image));
     }
     const StageClock clock("mesh", listener);
-    const FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
+    FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
     if (fused.mesh.triangles.empty()) {
       throw InputError(
           "{}: its renders show no surface (opaque, of known depth) from the training views; train longer, or lower "
           "--min-part",
           ply.string());
     }
+    const float meters = static_cast<float>(model.unit_meters.value_or(1));
+    for (Eigen::Vector3f& position : fused.mesh.positions) position *= meters;
     WriteMesh(out, fused.mesh, MeanUp(cameras));
     clock.Finish();
     listener(FileWritten{out});
-    Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g})", out.string(),
-                      fused.mesh.positions.size(), fused.mesh.triangles.size(), fused.voxel));
+    Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g}{})", out.string(),
+                      fused.mesh.positions.size(), fused.mesh.triangles.size(), meters * fused.voxel,
+                      model.unit_meters ? " m" : ""));
   }
 
   MeshOptions mesh_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/core/statistics.h"
 #include "support/errors.h"
 
 namespace oraclegs {
@@ -88,25 +89,46 @@ TEST_F(FrameTest, KeepsWhatTheCamerasSee) {
 
 TEST_F(FrameTest, GivesTheSameBitsAgain) { EXPECT_EQ(LevelFrame(scene).rotation, LevelFrame(scene).rotation); }
 
-TEST_F(FrameTest, ScaleIsAFactorOrALength) {
-  EXPECT_EQ(ReadScale(scene, "").factor, 1);
-  EXPECT_EQ(ReadScale(scene, "2.5").factor, 2.5);
-  EXPECT_FALSE(ReadScale(scene, "2.5").is_metric);
-  const SceneScale metric = ReadScale(scene, "a,c.jpg=0.5");
-  EXPECT_TRUE(metric.is_metric);
-  SceneFrame frame;
-  frame.scale = metric.factor;
-  ApplyFrame(frame, &scene);
-  EXPECT_NEAR((PlaceOf(0) - PlaceOf(2)).norm(), 0.5, 1e-12);
+TEST_F(FrameTest, PutsTheCamerasAtTheUsualDistance) {
+  ApplyFrame(LevelFrame(scene), &scene);
+  std::vector<double> distances;
+  for (size_t v = 0; v < scene.views.size(); ++v) distances.push_back(PlaceOf(v).norm());
+  EXPECT_NEAR(Median(distances), 4, 1e-9);
 }
 
-TEST_F(FrameTest, RefusesOtherScales) {
-  for (const char* text : {"0", "-1", "a", "a=1", "a,b,c=1", "a,b=", "a,b=0", "nan"}) {
-    EXPECT_THROW(ReadScale(scene, text), UsageError) << text;
+TEST_F(FrameTest, MetersComeFromANumberOrADistance) {
+  EXPECT_FALSE(UnitMeters(scene, "", false));
+  EXPECT_EQ(UnitMeters(scene, "0.01", false), 0.01);
+  const double distance = (PlaceOf(0) - PlaceOf(2)).norm();
+  EXPECT_DOUBLE_EQ(UnitMeters(scene, "a,c.jpg=0.5", true).value(), 0.5 / distance);
+  EXPECT_THROW(UnitMeters(scene, "0.01", true), UsageError) << "units that nobody knows";
+}
+
+TEST_F(FrameTest, RefusesOtherLengths) {
+  for (const char* text : {"0", "-1", "a", "a=1", "a,b,c=1", "a,b=", "a,b=0", "nan", "=1"}) {
+    EXPECT_THROW(CheckScale(text), UsageError) << text;
   }
-  EXPECT_THROW(ReadScale(scene, "a,z=1"), InputError);
+  EXPECT_NO_THROW(CheckScale(""));
+  EXPECT_NO_THROW(CheckScale(scene, "a,b=1"));
+  EXPECT_THROW(CheckScale(scene, "a,z=1"), InputError);
+  EXPECT_THROW(CheckScale(scene, "a,a.jpg=1"), UsageError) << "one photo";
   scene.views[1].cam_from_world = scene.views[0].cam_from_world;
-  EXPECT_THROW(ReadScale(scene, "a,b=1"), InputError);
+  EXPECT_THROW(UnitMeters(scene, "a,b=1", true), InputError);
+}
+
+TEST(FrameComments, CarryTheUnit) {
+  SceneFrame frame;
+  EXPECT_TRUE(FrameComments(frame).empty());
+  frame.is_level = true, frame.unit_meters = 0.0625;
+  std::vector<std::string> comments = FrameComments(frame);
+  EXPECT_EQ(comments.size(), 2u);
+  EXPECT_EQ(UnitMetersOf(comments), 0.0625);
+  comments.push_back("by me");
+  EXPECT_EQ(WithUnit(comments, 1), (std::vector<std::string>{"by me", "a unit is 1 m"}));
+  EXPECT_EQ(WithUnit(comments, {}), std::vector<std::string>{"by me"});
+  for (const char* text : {"a unit is  m", "a unit is long m", "a unit is -1 m", "a unit is 1 mm"}) {
+    EXPECT_FALSE(UnitMetersOf({text})) << text;
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "oraclegs/capture/sharpness.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
@@ -39,12 +40,6 @@ std::string MetadataOf(const std::filesystem::path& path) {
 bool IsPhoneScreen(int width, int height) {
   const double aspect = static_cast<double>(std::max(width, height)) / std::min(width, height);
   return aspect > 1.7 && aspect < 2.45 && std::min(width, height) >= 640;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double Difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -93,7 +88,7 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
 std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, const std::vector<PhotoSigns>& signs) {
   std::vector<double> sharpness;
   for (const PhotoSigns& s : signs) sharpness.push_back(s.sharpness);
-  const double usual = sharpness.size() >= kMinForMedian ? Median(sharpness) : 0;
+  const double usual = sharpness.size() >= kMinForMedian ? UpperMedian(sharpness) : 0;
   std::vector<std::string> blurred, dark, bright, panoramas, screenshots, alike;
   for (size_t i = 0; i < signs.size(); ++i) {
     const PhotoSigns& s = signs[i];

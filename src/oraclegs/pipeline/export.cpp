@@ -6,6 +6,8 @@
 
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/spatial_order.h"
+#include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/scene/frame.h"
 
 namespace oraclegs {
 namespace {
@@ -101,9 +103,11 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity or --min-support, or crop less", file,
                      splat.gaussians.size());
   }
-  if (!options.up.empty() || options.scale != 1) {
+  const std::optional<double> unit = UnitMetersOf(splat.comments);
+  const double scale = options.scale.ValueOr(unit.value_or(1));
+  if (!options.up.empty() || scale != 1) {
     Similarity transform;
-    transform.scale = options.scale;
+    transform.scale = scale;
     if (!options.up.empty()) {
       const Eigen::Vector3d usual = -Eigen::Vector3d::UnitY();  // up where y points down
       const auto axis = ParseAxis(options.up);
@@ -111,9 +115,10 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
       transform.rotation = TurnBetween(cameras ? cameras->up : usual, wanted);
     }
     kept.gaussians = Transformed(kept.gaussians, transform);
+    kept.comments = WithUnit(kept.comments, unit ? std::optional(*unit / scale) : std::nullopt);
   }
   if (!KeepsComments(format)) {
-    for (const std::string& comment : kept.comments)
+    for (const std::string& comment : LicenceComments(PartsInComments(kept.comments)))
       listener(Note{fmt::format("{} has no room for a comment of the model: {}", ExtensionOf(format), comment)});
   }
   const int degree = format == SplatFormat::kSplat ? 0 : kept.sh_degree;

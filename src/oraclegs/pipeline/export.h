@@ -18,7 +18,7 @@ struct ExportOptions {
   bool remove_outliers = false;
   std::string crop = {};
   std::string up = {};
-  double scale = 1;
+  Auto<double> scale = {};
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -38,7 +38,10 @@ struct ExportOptions {
         "up", self.up,
         "Turn the model so that up is this axis of the file: x, -x, y, -y, z, -z, or auto: what viewers of the format "
         "expect");
-    visit("scale", self.scale, "Make the model this many times as large", Range{1e-6, 1e6});
+    visit("scale", self.scale,
+          "Make the model this many times as large; auto = such that a unit is a meter, where the model says how long "
+          "its units are, else 1",
+          Range{1e-6, 1e6});
   }
 };
 

@@ -16,6 +16,7 @@
 #include "oraclegs/pipeline/settings/run_size.h"
 #include "oraclegs/pipeline/stages.h"
 #include "oraclegs/pipeline/stages/register_stage.h"
+#include "oraclegs/pipeline/workspace/frame_file.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
@@ -150,14 +151,23 @@ void ReportPhotoChecks(Run* run) {
   for (const std::string& warning : warnings) run->listener(Warning{warning});
 }
 
-/// Poses where there are none yet, the frame, and the split. Poses that came with the scene keep their frame, but for
-/// --scale.
-void FindPosesAndSplit(Run* run) {
-  if (!run->photos.empty()) RunStage(run, "register");
-  if (!run->photos.empty()) run->frame = LevelFrame(run->scene);
-  const SceneScale scale = ReadScale(run->scene, run->options.input.scale);
-  run->frame.scale = scale.factor, run->frame.is_metric = scale.is_metric;
+/// Brings the poses that were found into the run's frame. Poses that came with the scene keep theirs.
+void EnterFrame(Run* run, bool opened) {
+  const fs::path file = run->workspace.frame();
+  if (!run->photos.empty() && opened) {
+    run->frame = ReadFrame(file).value_or(SceneFrame());  // none: a run of an earlier version, in COLMAP's frame
+  } else if (!run->photos.empty()) {
+    run->frame = FrameOf(run->scene, file);
+    WriteFrame(run->scene, run->frame, file);
+  }
   ApplyFrame(run->frame, &run->scene);
+  run->frame.unit_meters = UnitMeters(run->scene, run->options.input.scale, !run->photos.empty());
+}
+
+/// Poses where there are none yet, the frame, and the split. `opened`: the run is only looked at.
+void FindPosesAndSplit(Run* run, bool opened) {
+  if (!run->photos.empty()) RunStage(run, "register");
+  EnterFrame(run, opened);
   run->split = SplitViews(run->scene, run->options.split);
   const nlohmann::json json = SplitToJson(run->scene, run->split);
   ReportSplit(json, run->listener);
@@ -208,6 +218,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   const auto read = [&] {
     scene = Read(request.scene, request.options, listener);
     if (!imports) RequireOutsideScene(request.out, scene, request.options.input.images);
+    CheckScale(scene, request.options.input.scale);
   };
   if (!imports) read();
   const bool has_poses = scene.HasPoses();
@@ -239,7 +250,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
     run.photos = PhotosFingerprint(run.scene, &run.files);
     if (!run.photos.empty()) ReportPhotoChecks(&run);
     if (request.estimates) AnnounceStages(&run);
-    FindPosesAndSplit(&run);
+    FindPosesAndSplit(&run, false);
   });
   return run;
 }
@@ -260,7 +271,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.start_iterations = saved.start_iterations;
   run.photos = PhotosFingerprint(run.scene, &run.files);
-  FindPosesAndSplit(&run);
+  FindPosesAndSplit(&run, true);
   return run;
 }
 

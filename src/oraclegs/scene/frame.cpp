@@ -6,12 +6,14 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/options.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/view_list.h"
 
@@ -23,6 +25,9 @@ constexpr double kMinUpCosine = 0.5;  // between the two kinds of up
 constexpr double kMaxTiltCosine = 0.966;    // 15 degrees between a floor's normal and the cameras' mean up
 constexpr double kPlaneThickness = 0.01;    // of the median distance of the points from the center
 constexpr double kMinPlaneFraction = 0.15;  // of the points, on a floor or table worth leveling by
+constexpr double kUsualDistance = 4;        // units; that of the cameras of NeRF Synthetic
+constexpr std::string_view kLevelComment = "up is -y, the origin is what the cameras look at";
+constexpr std::string_view kUnitComment = "a unit is ", kMeters = " m";
 constexpr int kPlaneTries = 500;
 constexpr size_t kMinPlanePoints = 50;
 
@@ -54,9 +59,7 @@ Eigen::Vector3d UpOf(const std::vector<Camera>& cameras) {
 double MedianDistance(const std::vector<ScenePoint>& points, const Eigen::Vector3d& center) {
   std::vector<double> distances;
   for (const ScenePoint& p : points) distances.push_back((p.xyz - center).norm());
-  const auto middle = distances.begin() + static_cast<int64_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return UpperMedian(&distances);
 }
 
 /// Unit, towards `up`; of the plane through three points that most points lie near, of those about level.
@@ -96,6 +99,30 @@ std::optional<Eigen::Vector3d> FloorNormal(const std::vector<ScenePoint>& points
   return normal * (normal.dot(up) < 0 ? -1 : 1);
 }
 
+/// The parts of "A,B=0.35" or "0.35".
+struct Scale {
+  std::string views;  ///< "" where a number stands alone
+  double meters = 0;
+};
+
+Scale ParseScale(const std::string& text) {
+  const size_t equals = text.rfind('=');
+  Scale scale{equals == std::string::npos ? "" : text.substr(0, equals), 0};
+  SetOption("scale", equals == std::string::npos ? text : text.substr(equals + 1), &scale.meters);
+  const bool two = scale.views.empty() ? equals == std::string::npos : SplitTrimmed(scale.views, ',').size() == 2;
+  if (!(scale.meters > 0) || !std::isfinite(scale.meters) || !two) {
+    throw UsageError("--scale is '{}', must be the meters of a unit, or two photos and their distance, as A,B=0.35",
+                     text);
+  }
+  return scale;
+}
+
+std::vector<int> ViewsOf(const Scene& scene, const Scale& scale, const std::string& text) {
+  std::vector<int> views = NamedViews(scene, "--scale", scale.views);
+  if (views.size() != 2) throw UsageError("--scale is '{}', must name two photos, as A,B=0.35", text);
+  return views;
+}
+
 bool IsIdentity(const SceneFrame& frame) {
   return frame.rotation.isIdentity(0) && frame.center.isZero(0) && frame.scale == 1;
 }
@@ -110,28 +137,38 @@ SceneFrame LevelFrame(const Scene& scene) {
   const Eigen::Vector3d level_up = FloorNormal(scene.points, up, center).value_or(up);
   frame.rotation = Eigen::Quaterniond::FromTwoVectors(level_up, -Eigen::Vector3d::UnitY()).toRotationMatrix();
   frame.center = frame.rotation * center;
+  std::vector<double> distances;
+  for (const Camera& camera : cameras) distances.push_back((camera.Center() - center).norm());
+  if (const double usual = Median(&distances); usual > 0) frame.scale = kUsualDistance / usual;
   return frame;
 }
 
-SceneScale ReadScale(const Scene& scene, const std::string& text) {
-  if (text.empty()) return {};
-  const size_t equals = text.rfind('=');
-  const auto number = [&](const std::string& digits) {
-    double value = 0;
-    SetOption("scale", digits, &value);
-    if (!(value > 0) || !std::isfinite(value)) throw UsageError("--scale is '{}', must be above 0", text);
-    return value;
-  };
-  if (equals == std::string::npos) return {number(text), false};
-  const double length = number(text.substr(equals + 1));
-  const std::vector<int> views = NamedViews(scene, "--scale", text.substr(0, equals));
-  if (views.size() != 2) {
-    throw UsageError("--scale is '{}', must be a factor or name two photos and their distance, as A,B=0.35", text);
+void CheckScale(const std::string& text) {
+  if (!text.empty()) ParseScale(text);
+}
+
+void CheckScale(const Scene& scene, const std::string& text) {
+  if (text.empty()) return;
+  const Scale scale = ParseScale(text);
+  if (!scale.views.empty()) ViewsOf(scene, scale, text);
+}
+
+std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bool arbitrary) {
+  if (text.empty()) return std::nullopt;
+  const Scale scale = ParseScale(text);
+  if (scale.views.empty()) {
+    if (!arbitrary) return scale.meters;
+    throw UsageError(
+        "--scale is '{}', but units are arbitrary where poses are found; name two photos and their distance in meters, "
+        "as A,B=0.35",
+        text);
   }
-  const auto place = [&](int v) { return CamerasOf(scene)[static_cast<size_t>(v)].Center(); };
+  const std::vector<int> views = ViewsOf(scene, scale, text);
+  const std::vector<Camera> cameras = CamerasOf(scene);
+  const auto place = [&](int v) { return cameras[static_cast<size_t>(v)].Center(); };
   const double distance = (place(views[0]) - place(views[1])).norm();
   if (!(distance > 0)) throw InputError("--scale {}: both photos were taken from one place; name two others", text);
-  return {length / distance, true};
+  return scale.meters / distance;
 }
 
 void ApplyFrame(const SceneFrame& frame, Scene* scene) {
@@ -148,9 +185,35 @@ void ApplyFrame(const SceneFrame& frame, Scene* scene) {
 
 std::vector<std::string> FrameComments(const SceneFrame& frame) {
   std::vector<std::string> comments;
-  if (frame.is_level) comments.push_back("up is -y, the origin is what the cameras look at");
-  comments.push_back(frame.is_metric ? "a unit is a meter" : "a unit is of unknown length");
+  if (frame.is_level) comments.emplace_back(kLevelComment);
+  if (frame.unit_meters) comments.push_back(fmt::format("{}{}{}", kUnitComment, *frame.unit_meters, kMeters));
   return comments;
+}
+
+std::optional<double> UnitMetersOf(const std::vector<std::string>& comments) {
+  for (const std::string& comment : comments) {
+    if (!comment.starts_with(kUnitComment) || !comment.ends_with(kMeters)) continue;
+    const std::string number =
+        comment.substr(kUnitComment.size(), comment.size() - kUnitComment.size() - kMeters.size());
+    try {
+      double meters = 0;
+      SetOption("unit", number, &meters);
+      if (meters > 0 && std::isfinite(meters)) return meters;
+    } catch (const UsageError&) {  // a comment of somebody else
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters) {
+  std::vector<std::string> others;
+  for (const std::string& comment : comments) {
+    if (comment != kLevelComment && !UnitMetersOf({comment})) others.push_back(comment);
+  }
+  SceneFrame frame;
+  frame.unit_meters = unit_meters;
+  for (std::string& comment : FrameComments(frame)) others.push_back(std::move(comment));
+  return others;
 }
 
 }  // namespace oraclegs

@@ -112,9 +112,9 @@ TEST_F(VggtPosesTest, ARunWithoutPosesGoesThroughAndSaysWhoseItIs) {
   request.options.weights.vggt_weights = weights.path;
   const nlohmann::json metrics = Reconstruct(request, recorder.AsListener());
   EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json({"VGGT-1B"}));
-  EXPECT_THAT(ReadGaussianPly(temp / "out" / "point_cloud.ply").comments,
-              ElementsAre("up is -y, the origin is what the cameras look at", "a unit is of unknown length",
-                          "not for commercial use: made with VGGT-1B"));
+  EXPECT_THAT(
+      ReadGaussianPly(temp / "out" / "point_cloud.ply").comments,
+      ElementsAre("up is -y, the origin is what the cameras look at", "not for commercial use: made with VGGT-1B"));
   const nlohmann::json stages = nlohmann::json::parse(ReadFile(temp / "out" / "stages.json"));
   EXPECT_EQ(stages.at("register").at("registered"), 5);
   EXPECT_EQ(Reconstruct(request, Silent()), metrics);  // nothing has changed

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/text.h"
+#include "oraclegs/scene/frame.h"
 #include "oraclegs/validate/attention_layers.h"
 
 namespace oraclegs {
@@ -22,6 +23,7 @@ nlohmann::json RunOptionsToJson(const RunOptions& options) {
 void CheckRunOptions(const RunOptions& options) {
   RunOptions::ForEachGroup(options, [](const char*, const auto& group) { CheckOptions(group); });
   AttentionLayersOf(options.validate);
+  CheckScale(options.input.scale);
   if (options.train.horizon > 0 && !options.train.iterations.is_auto() &&
       options.train.horizon < options.train.iterations.value()) {
     throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",

@@ -64,7 +64,7 @@ struct EnumWords<LpipsUse> {
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
   PoseSource poses = PoseSource::kColmap;
-  std::string scale;  ///< as ReadScale reads it
+  std::string scale;  ///< as UnitMeters reads it
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -72,9 +72,10 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
-    visit("scale", self.scale,
-          "Size of the result: a factor, or a length that you know, as IMG_1,IMG_2=0.35: these two photos were taken "
-          "0.35 m apart, which makes a unit a meter");
+    visit(
+        "scale", self.scale,
+        "A length that you know, as IMG_1,IMG_2=0.35: these two photos were taken 0.35 m apart; for scenes with poses "
+        "also the meters of a unit. Exports and meshes are in meters then");
   }
 };
 

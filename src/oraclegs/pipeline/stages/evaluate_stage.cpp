@@ -7,6 +7,7 @@
 #include "oraclegs/pipeline/stages/perceptual.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/scene/frame.h"
 
 namespace oraclegs {
 namespace {
@@ -64,7 +65,8 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device) {
   return {std::move(file.gaussians),
           {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased},
           PartsInComments(file.comments),
-          std::move(file.support)};
+          std::move(file.support),
+          UnitMetersOf(file.comments)};
 }
 
 nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,

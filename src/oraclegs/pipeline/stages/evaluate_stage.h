@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 #include "oraclegs/evaluate/evaluate.h"
 #include "oraclegs/gaussians/gaussians.h"
@@ -16,6 +17,7 @@ struct Model {
   RenderOptions render;
   std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
   std::vector<float> support = {};               ///< [N] in [0, 1], how well each is supported; empty = not known
+  std::optional<double> unit_meters = {};        ///< length of a unit; nothing = not known
 };
 
 /// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing of `options` and on `device`.

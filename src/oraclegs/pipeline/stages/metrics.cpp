@@ -64,10 +64,10 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   }
   metrics["peak_memory_bytes"] = peak;
   metrics["views"] = {{"train", run.split.train.size()}, {"test", run.split.test.size()}};
-  metrics["frame"] = {{"level", run.frame.is_level},
-                      {"up", run.frame.is_level ? nlohmann::json("-y") : nlohmann::json()},
-                      {"scale", run.frame.scale},
-                      {"unit", run.frame.is_metric ? nlohmann::json("meter") : nlohmann::json()}};
+  metrics["frame"] = {
+      {"level", run.frame.is_level},
+      {"up", run.frame.is_level ? nlohmann::json("-y") : nlohmann::json()},
+      {"unit_meters", run.frame.unit_meters ? nlohmann::json(*run.frame.unit_meters) : nlohmann::json()}};
   metrics["non_commercial"] = NonCommercialParts(run.workspace);
   metrics["program"] = "oraclegs";
   metrics["version"] = run.version;

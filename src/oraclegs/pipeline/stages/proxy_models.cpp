@@ -68,8 +68,7 @@ class ProxyTrainer {
         geometry_(run->results->geometry),
         views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
         asked_(OptionsOfProxies(*run)),
-        options_(ProxyOptions(asked_,
-                              SettleTrainOptions(InFrame(asked_.train, run->frame), training_, geometry_, Silent()))),
+        options_(ProxyOptions(asked_, SettleTrainOptions(asked_.train, training_, geometry_, Silent()))),
         finish_(FinishOptions(asked_, options_)) {}
 
   int64_t iterations() const { return options_.iterations.value() + finish_.iterations.value(); }

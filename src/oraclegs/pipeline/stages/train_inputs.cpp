@@ -69,11 +69,6 @@ TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& train
   return options;
 }
 
-TrainOptions InFrame(TrainOptions options, const SceneFrame& frame) {
-  options.scale_reg /= frame.scale;
-  return options;
-}
-
 TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>& proposals, const Listener& listener) {
   if (proposals.empty() || !options.schedule.is_auto() || !options.synthetic_floor.is_auto()) return options;
   double squares = 0, pixels = 0;

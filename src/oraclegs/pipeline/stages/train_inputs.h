@@ -16,10 +16,6 @@ namespace oraclegs {
 TrainOptions SettleTrainOptions(TrainOptions options, const TrainingViews& training, const Geometry& geometry,
                                 const Listener& listener);
 
-/// The options for a scene in this frame: --scale-reg weighs scales, which the frame multiplied, so that --scale
-/// changes the size of the result and nothing else.
-TrainOptions InFrame(TrainOptions options, const SceneFrame& frame);
-
 /// Where proxy models alone made the proposals and neither --schedule nor --synthetic-floor says how often one is
 /// taken: in a constant share of the iterations, half of the mean squared confidence (docs/method.md#schedules), which
 /// is reported. Other options, and those without proposals, stay as they are.

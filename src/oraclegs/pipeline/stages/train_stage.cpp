@@ -109,8 +109,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 /// The run's training options with nothing automatic left.
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   const StageResults& known = *run.results;
-  TrainOptions settled =
-      SettleTrainOptions(InFrame(run.options.train, run.frame), training, known.geometry, run.listener);
+  TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
   if (ProxiesAlonePropose(run)) settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
   return SettleUnion(std::move(settled), training.views.size(), known.proposals.size()).Settled();
 }
