@@ -9,6 +9,7 @@
 namespace oraclegs {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -32,7 +33,7 @@ class PhotoChecksTest : public ::testing::Test {
     WriteText(dir_ / name, EncodeJpeg(image));
     photos_.push_back({name, dir_ / name});
   }
-  std::vector<std::string> Check() { return CheckPhotos(photos_, events_.AsListener()); }
+  std::vector<std::string> Check() { return CheckPhotos(photos_, events_.AsListener()).warnings; }
 
   TempDir dir_;
   std::vector<CheckedPhoto> photos_;
@@ -68,6 +69,21 @@ TEST_F(PhotoChecksTest, KnowsSphericalImagesByTheirMetadata) {
   WriteText(dir_ / "a.jpg", jpeg.substr(0, 2) + "\xFF\xE1" + static_cast<char>(length >> 8) +
                                 static_cast<char>(length & 255) + xmp + jpeg.substr(2));
   EXPECT_TRUE(ReadSigns(dir_ / "a.jpg").is_panorama);
+}
+
+TEST_F(PhotoChecksTest, LeavesOutWhatCannotBeDecoded) {
+  for (uint32_t i = 0; i < 4; ++i) Add(fmt::format("{}.jpg", i), Blocks(320, 240, i * 1000003u));
+  std::filesystem::resize_file(dir_ / "1.jpg", std::filesystem::file_size(dir_ / "1.jpg") / 2);
+  const PhotoTrouble trouble = CheckPhotos(photos_, events_.AsListener());
+  EXPECT_THAT(trouble.unreadable, ElementsAre(1));
+  EXPECT_THAT(trouble.warnings, ElementsAre(AllOf(HasSubstr("1.jpg"), HasSubstr("it is left out"))));
+  photos_.pop_back();
+  EXPECT_THROW(Check(), InputError) << "two good ones are too few";
+}
+
+TEST_F(PhotoChecksTest, TakesFilmFramesForPhotos) {
+  for (uint32_t i = 0; i < 3; ++i) Add(fmt::format("{}.jpg", i), Blocks(560, 240, i * 1000003u));
+  EXPECT_THAT(Check(), IsEmpty());
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 namespace oraclegs {
 
+inline constexpr int kUsualFrames = 24;  ///< taken out of a video unless --frames says otherwise
+
 struct CaptureOptions {
   Auto<int> frames;
 

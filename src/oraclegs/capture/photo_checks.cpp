@@ -14,6 +14,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/image/thumbnail.h"
+#include "oraclegs/scene/photo_folder.h"
 
 namespace oraclegs {
 namespace {
@@ -26,6 +27,7 @@ constexpr size_t kMetadataBytes = 256 * 1024;  // XMP stands near the start
 constexpr double kBlurredShare = .3;
 constexpr double kBlurredSharpness = 2e-3;  // less detail than this has no photo in focus, whatever it shows
 constexpr size_t kMinForMedian = 4;
+constexpr double kMinPanorama = 2.5;  // width by height; film is up to 2.4
 constexpr double kAlikeLevels = 1.2;  // mean difference of gray levels of two photos from one place
 
 std::string MetadataOf(const std::filesystem::path& path) {
@@ -79,7 +81,9 @@ PhotoSigns ReadSigns(const std::filesystem::path& path) {
 
   const std::string metadata = MetadataOf(path);
   const ImageInfo info = ReadImageInfo(path);
-  signs.is_panorama = info.width >= 1.95 * info.height || metadata.find("GPano:ProjectionType") != std::string::npos;
+  const double aspect = static_cast<double>(info.width) / info.height;
+  const bool is_sphere = aspect == 2 && !info.exif.HasCamera();
+  signs.is_panorama = aspect >= kMinPanorama || is_sphere || metadata.find("GPano:ProjectionType") != std::string::npos;
   signs.is_screenshot =
       IsPng(metadata) && !info.exif.HasCamera() && IsPhoneScreen(info.width, info.height) && signs.flat > .6;
   return signs;
@@ -121,20 +125,39 @@ std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, 
   return out;
 }
 
-std::vector<std::string> CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener) {
+PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener) {
   std::vector<PhotoSigns> signs(photos.size());
+  std::vector<std::string> damage(photos.size());
   std::mutex mutex;
   int64_t done = 0;
   const auto total = static_cast<int64_t>(photos.size());
   ParallelFor(total, [&](int64_t i) {
     ThrowIfInterrupted();
-    signs[static_cast<size_t>(i)] = ReadSigns(photos[static_cast<size_t>(i)].path);
+    try {
+      signs[static_cast<size_t>(i)] = ReadSigns(photos[static_cast<size_t>(i)].path);
+    } catch (const InputError& error) {
+      damage[static_cast<size_t>(i)] = error.what();
+    }
     const std::lock_guard lock(mutex);
     listener(StepDone{"check", ++done, total, "photos", ""});
   });
+  PhotoTrouble trouble;
   std::vector<std::string> names;
-  for (const CheckedPhoto& photo : photos) names.push_back(OneLine(photo.name));
-  return DescribeTrouble(names, signs);
+  std::vector<PhotoSigns> readable;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (damage[i].empty()) {
+      names.push_back(OneLine(photos[i].name));
+      readable.push_back(std::move(signs[i]));
+    } else {
+      trouble.unreadable.push_back(i);
+      trouble.warnings.push_back(damage[i] + "; it is left out");
+    }
+  }
+  if (!trouble.unreadable.empty() && readable.size() < kMinGoodPhotos) {
+    throw InputError("{}", damage[trouble.unreadable.front()]);
+  }
+  for (std::string& text : DescribeTrouble(names, readable)) trouble.warnings.push_back(std::move(text));
+  return trouble;
 }
 
 }  // namespace oraclegs

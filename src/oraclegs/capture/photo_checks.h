@@ -22,7 +22,7 @@ struct PhotoSigns {
   double dark = 0, bright = 0;    ///< shares of pixels that are black or white
   double flat = 0;                ///< share of pixels equal to their neighbor
   std::vector<double> signature;  ///< 24 x 24 gray levels
-  bool is_panorama = false;       ///< twice as wide as high, or said to be one by its metadata
+  bool is_panorama = false;       ///< very wide, a sphere by its size, or said to be one by its metadata
   bool is_screenshot = false;     ///< a PNG of a phone's screen, without a camera in its metadata
 };
 
@@ -32,7 +32,14 @@ PhotoSigns ReadSigns(const std::filesystem::path& path);
 /// A sentence for each kind of trouble, naming the photos and what to do; empty when there is none.
 std::vector<std::string> DescribeTrouble(const std::vector<std::string>& names, const std::vector<PhotoSigns>& signs);
 
-/// Both, of photos without poses. Reports StepDone{"check"}.
-std::vector<std::string> CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener);
+/// What CheckPhotos found.
+struct PhotoTrouble {
+  std::vector<std::string> warnings;
+  std::vector<size_t> unreadable;  ///< indices of photos that cannot be decoded; a warning names each
+};
+
+/// Both, of photos without poses. Reports StepDone{"check"}. Throws InputError naming a photo that cannot be decoded
+/// when fewer than three others can.
+PhotoTrouble CheckPhotos(const std::vector<CheckedPhoto>& photos, const Listener& listener);
 
 }  // namespace oraclegs

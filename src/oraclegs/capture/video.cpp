@@ -84,6 +84,13 @@ bool LooksLikeVideo(const fs::path& path) {
          (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "AVI ");
 }
 
+/// "DIR/%06d.jpg" as ffmpeg reads it: any % of the folder's own is doubled.
+std::string NumberedFiles(const fs::path& dir) {
+  std::string text;
+  for (const char c : dir.string()) text += c == '%' ? "%%" : std::string(1, c);
+  return text + "/%06d.jpg";
+}
+
 VideoInfo ProbeVideo(const fs::path& video) {
   RequireFfmpeg(video);
   std::error_code error;
@@ -157,7 +164,7 @@ void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const
                   "2",
                   "-f",
                   "image2",
-                  (fs::absolute(all) / "%06d.jpg").string()};
+                  NumberedFiles(fs::absolute(all))};
   request.errors_apart = true;
   request.on_line = [&](const std::string& line) {
     int done = 0;

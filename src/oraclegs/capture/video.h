@@ -15,8 +15,6 @@ struct VideoInfo {
   double frames() const { return seconds * frames_per_second; }
 };
 
-inline constexpr int kUsualFrames = 24;  ///< taken out of a video unless --frames says otherwise
-
 /// True for the name or the first bytes of a video.
 bool LooksLikeVideo(const std::filesystem::path& path);
 

@@ -36,7 +36,8 @@ void WarnOfMemory(int64_t needed, const Listener& listener) {
 void AnnounceStages(Run* run) {
   const Split split = SplitViews(run->scene, run->options.split);
   const EstimateInput input{run->options, SizeOf(run->scene, static_cast<int>(split.train.size())),
-                            static_cast<int>(run->scene.views.size()), static_cast<int>(split.test.size()),
+                            static_cast<int>(run->scene.views.size()),
+                            static_cast<int>((split.test.empty() ? split.train : split.test).size()),
                             run->plan.device.is_cpu() ? CpuSlowness() : 0};
   RunPlanned planned;
   for (const Stage& stage : Stages()) {

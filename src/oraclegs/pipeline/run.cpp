@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "oraclegs/capture/import.h"
-#include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/announce_stages.h"
 #include "oraclegs/pipeline/live/live.h"
+#include "oraclegs/pipeline/photo_report.h"
 #include "oraclegs/pipeline/report/run_document.h"
 #include "oraclegs/pipeline/settings/missing_networks.h"
 #include "oraclegs/pipeline/settings/run_size.h"
@@ -97,6 +97,20 @@ nlohmann::json SavedSize(const RunRequest& request) {
   return same_options && fs::equivalent(saved.scene, request.scene, ignored) ? saved.size : nlohmann::json();
 }
 
+/// Other frames of a video would replace what a finished run was made from.
+void RequireSameFrames(const RunRequest& request, const nlohmann::json& saved_size) {
+  const Auto<int>& now = request.options.capture.frames;
+  const nlohmann::json before =
+      saved_size.is_object() ? saved_size.value("frames", nlohmann::json()) : nlohmann::json();
+  std::error_code ignored;
+  if (now.is_auto() || !before.is_number() || before == now.value()) return;
+  if (!fs::exists(WorkspacePaths(request.out).point_cloud(), ignored)) return;
+  throw InputError(
+      "{}: holds a run with other options (--frames was {}, now is {}); give the same options to continue it, choose "
+      "another -o, or start anew with --overwrite",
+      request.out.string(), before.dump(), now.value());
+}
+
 /// What lies in the workspace may be removed before it is read.
 void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inputs) {
   std::error_code ignored;
@@ -127,28 +141,6 @@ RunRequest WithListsRead(const RunRequest& request) {
   RunRequest read = request;
   read.options.split = WithListsRead(request.options.split);
   return read;
-}
-
-/// Warns of photos that look unfit; what was found is kept beside the run.
-void ReportPhotoChecks(Run* run) {
-  const fs::path path = run->workspace.photo_checks();
-  nlohmann::json kept;
-  std::error_code ignored;
-  if (fs::is_regular_file(path, ignored)) kept = nlohmann::json::parse(ReadFile(path), nullptr, false);
-  std::vector<std::string> warnings;
-  if (kept.is_object() && kept.value("photos", nlohmann::json()) == run->photos && kept.contains("warnings") &&
-      kept["warnings"].is_array()) {
-    for (const nlohmann::json& warning : kept["warnings"]) {
-      if (warning.is_string()) warnings.push_back(warning.get<std::string>());
-    }
-  } else {
-    std::vector<CheckedPhoto> photos;
-    for (const SceneView& view : run->scene.views) photos.push_back({view.name, view.image_path});
-    warnings = CheckPhotos(photos, run->listener);
-    const nlohmann::json json = {{"photos", run->photos}, {"warnings", warnings}};
-    WriteFileAtomically(path, json.dump(1) + "\n");
-  }
-  for (const std::string& warning : warnings) run->listener(Warning{warning});
 }
 
 /// Brings the poses that were found into the run's frame. Poses that came with the scene keep theirs.
@@ -230,12 +222,13 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   Plan plan = MakePlan(options, has_poses);
   const nlohmann::json saved_size = SavedSize(request);
   const auto settle = [&] { return SettleSize(options, scene, plan.device, saved_size, listener); };
+  if (imports) RequireSameFrames(request, saved_size);
   std::optional<RunOptions> settled;
   if (!imports) settled = settle();
   Workspace workspace = Workspace::Claim(request.out, request.scene, options, request.overwrite,
                                          {settled ? SizeToJson(*settled) : saved_size, request.inputs, true});
   if (imports) {
-    ImportPhotos(request.inputs, options.capture, workspace.photos(), listener);
+    ImportPhotos(request.inputs, WithSavedSize(options, saved_size).capture, workspace.photos(), listener);
     read();
     settled = settle();
     workspace.SaveSize(SizeToJson(*settled));
@@ -248,7 +241,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   if (request.on_claimed) request.on_claimed();
   Live::Guard(run.live.get(), [&] {
     run.photos = PhotosFingerprint(run.scene, &run.files);
-    if (!run.photos.empty()) ReportPhotoChecks(&run);
+    CheckRunPhotos(&run);
     if (request.estimates) AnnounceStages(&run);
     FindPosesAndSplit(&run, false);
   });
@@ -271,6 +264,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.start_iterations = saved.start_iterations;
   run.photos = PhotosFingerprint(run.scene, &run.files);
+  LeaveOutUnreadablePhotos(&run);
   FindPosesAndSplit(&run, true);
   return run;
 }

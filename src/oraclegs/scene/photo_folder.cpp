@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMinGoodPhotos = 3;  // with fewer, a photo that cannot be read is an error
-
 struct UnreadKind {
   const char* reason;
   std::vector<std::string_view> extensions;

@@ -10,7 +10,8 @@
 
 namespace oraclegs {
 
-inline constexpr int kMaxPhotos = 500;  ///< unposed photos of one scene: every pair of them is matched
+inline constexpr size_t kMinGoodPhotos = 3;  ///< with fewer, a photo that cannot be read is an error
+inline constexpr int kMaxPhotos = 500;       ///< unposed photos of one scene: every pair of them is matched
 
 /// The photos below `dir`, by path. Hidden files and folders, workspaces of oraclegs, masks/ and images_N/ are passed
 /// over; links to folders are not followed. Files that look like photos or videos and are none that can be read are

@@ -76,7 +76,7 @@ double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
   } else if (stage == "train") {
     seconds = input.options.train.iterations.value() * SecondsOfIteration(input);
   } else if (stage == "evaluate") {
-    seconds = 0.5 + 2 * SecondsOfRender(input) * std::max(input.test_views, 1);
+    seconds = 0.5 + 2 * SecondsOfRender(input) * std::max(input.scored_views, 1);
   } else if (stage == "report") {
     seconds = kReport + SecondsOfRender(input) * std::min(input.options.report.orbit_frames, kOrbitFrames);
   }

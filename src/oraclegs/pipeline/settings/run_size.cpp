@@ -91,7 +91,8 @@ nlohmann::json SizeToJson(const RunOptions& settled) {
   return {{"max-size", settled.image.max_size.ValueOr(0)},
           {"iterations", settled.train.iterations.ValueOr(kUsualIterations)},
           {"max-gaussians", settled.train.max_gaussians.ValueOr(kUsualMaxGaussians)},
-          {"proposers", Word(settled.propose.Choice())}};
+          {"proposers", Word(settled.propose.Choice())},
+          {"frames", settled.capture.frames.ValueOr(kUsualFrames)}};
 }
 
 RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
@@ -103,6 +104,7 @@ RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
   take("max-size", &options.image.max_size);
   take("iterations", &options.train.iterations);
   take("max-gaussians", &options.train.max_gaussians);
+  take("frames", &options.capture.frames);
   const nlohmann::json proposers = size.value("proposers", nlohmann::json());
   if (options.propose.proposers.is_auto() && proposers.is_string()) {
     if (const auto word = FromWord<ProposerChoice>(proposers.get<std::string>())) options.propose.proposers = *word;

@@ -88,7 +88,9 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
       run.listener(Note{fmt::format("continuing from iteration {} ({})", checkpoint.iteration, path->string())});
       return checkpoint;
     }
-    const std::string difference = DescribeDifference(checkpoint.options, run.options);
+    nlohmann::json before = checkpoint.options;  // what --iterations may be was asked when the workspace was claimed
+    if (before.is_object()) before["iterations"] = saved_options.at("iterations");
+    const std::string difference = DescribeDifference(before, run.options);
     if (!difference.empty()) {
       throw InputError(
           "{}: was saved with other options ({}); give the same options to continue, or start anew with --overwrite",
