@@ -19,6 +19,16 @@ std::string CommandLineOf(int argc, char** argv) {
   return line;
 }
 
+/// What was typed, last first, as CLI11 takes it. It would read a path "[2024]" as a list.
+std::vector<std::string> ForParser(int argc, char** argv) {
+  std::vector<std::string> words;
+  for (int i = argc - 1; i > 0; --i) {
+    const std::string word = argv[i];
+    words.push_back(word.starts_with('[') && word.ends_with(']') ? "./" + word : word);
+  }
+  return words;
+}
+
 }  // namespace
 
 int Fail(const std::string& text, int code) {
@@ -74,7 +84,7 @@ int Program::Parse(int argc, char** argv) {
     return 0;
   };
   try {
-    app_.parse(argc, argv);
+    app_.parse(ForParser(argc, argv));
     return kGoOn;
   } catch (const CLI::CallForHelp&) {
     return help(false);

@@ -35,7 +35,7 @@ class Inputs(EndToEnd):
         return self.run_program("sfm", *inputs, "-o", self.dir / out, code=4, env=environment)
 
     def imported(self, out):
-        return sorted(p for p in files_below(self.dir / out / "photos") if not p.startswith("."))
+        return sorted(p for p in files_below(self.dir / out / "photos/images"))
 
     def test_strange_names_and_no_second_import(self):
         folder = self.dir / "strange"
@@ -90,6 +90,21 @@ class Inputs(EndToEnd):
         self.error_of("sfm", self.jpegs, self.jpegs, "-o", self.jpegs / "out", code=3, names=["lies in the scene folder"])
         self.error_of("ablate", self.jpegs, self.jpegs, "-o", out, code=2, names=["takes one scene folder"])
         self.assertFalse(out.exists(), "nothing is written for what cannot be read")
+
+    def test_a_folder_in_brackets(self):
+        folder = self.dir / "[2024]"
+        shutil.copytree(self.jpegs, folder)
+        environment = {**os.environ, "PATH": f"{self.no_colmap}:{os.environ['PATH']}"}
+        self.run_program("sfm", folder.name, "-o", self.dir / "bracket_out", code=4, cwd=self.dir, env=environment)
+        saved = json.loads((self.dir / "bracket_out" / "options.json").read_text())
+        self.assertEqual(saved["scene"], str(folder.resolve()))
+
+    def test_photos_in_the_workspace_are_not_lost(self):
+        out = self.dir / "own_out"
+        shutil.copytree(self.jpegs, out / "photos")
+        before = files_below(out)
+        self.error_of("sfm", *sorted((out / "photos").iterdir()), "-o", out, "--overwrite", code=3, names=["lies in the workspace"])
+        self.assertEqual(files_below(out), before)
 
     def test_folders_in_folders_and_what_is_skipped(self):
         folder = self.dir / "deep"

@@ -67,7 +67,10 @@ std::map<fs::path, zip_uint64_t> ListPhotos(zip_t* zip, std::map<std::string, st
     const fs::path path = SafePath(name);
     if (path.empty()) continue;
     if (HasImageExtension(path)) {
-      photos.emplace(path, index);
+      fs::path free = path;
+      for (int n = 2; !photos.emplace(free, index).second; ++n) {
+        free = path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), n, path.extension().string());
+      }
     } else if (const std::string why = WhyNotRead(path); !why.empty()) {
       (*skipped)[why].push_back(OneLine(path.generic_string()));
     }
@@ -98,10 +101,12 @@ int CountZipPhotos(const fs::path& path) {
         "them to a folder of their own",
         path.string(), photos.size(), kMaxPhotos);
   }
-  zip_stat_t stat;
-  const bool known = zip_stat_index(archive.get(), photos.begin()->second, 0, &stat) == 0;
-  if (known && (stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE) {
-    throw InputError("{}: is encrypted; unpack it and name the folder", path.string());
+  for (const auto& [name, index] : photos) {
+    zip_stat_t stat;
+    const bool known = zip_stat_index(archive.get(), index, 0, &stat) == 0;
+    if (known && (stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE) {
+      throw InputError("{}: is encrypted; unpack it and name the folder", path.string());
+    }
   }
   return static_cast<int>(photos.size());
 }

@@ -81,38 +81,39 @@ CameraKey CameraKeyOf(const SceneView& view) {
   return {-1, width, height, {view.focal_prior}, view.camera};
 }
 
-/// As the view's camera sees it. Transparency is in the mask.
-void WriteCopy(const SceneView& view, const fs::path& target) {
+/// 255 where features may be found by the image's transparency; no data when they may be anywhere.
+Image8 AlphaMask(const Image8& image) {
+  if (image.channels != 4) return {};
+  Image8 mask{image.width, image.height, 1, std::vector<uint8_t>(image.data.size() / 4)};
+  for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = image.data[4 * i + 3] < kMaskThreshold ? 0 : 255;
+  return mask;
+}
+
+/// As the view's camera sees it, without transparency, whose mask it returns.
+Image8 WriteCopy(const SceneView& view, const fs::path& target) {
   Image8 image = ReadImage(view.image_path);
+  Image8 mask = AlphaMask(image);
   if (image.channels == 4) {
     Image8 opaque{image.width, image.height, 3, std::vector<uint8_t>(image.data.size() / 4 * 3)};
     for (size_t i = 0; i < image.data.size() / 4; ++i) std::copy_n(&image.data[4 * i], 3, &opaque.data[3 * i]);
     image = std::move(opaque);
   }
   WriteFileAtomically(target, CompressJpeg(image, kCopyQuality));
+  return mask;
 }
 
-void PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
-  if (staged.is_copy) {
-    WriteCopy(view, target);
-    return;
-  }
+/// Returns the mask of the photo's transparency.
+Image8 PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
+  if (staged.is_copy) return WriteCopy(view, target);
   std::error_code error;
   fs::create_symlink(fs::absolute(view.image_path), target, error);
   if (error) fs::copy_file(view.image_path, target, error);
   if (error) throw RunError("{}: cannot be written: {}", target.string(), error.message());
+  return MayBeTransparent(ReadHeader(view.image_path)) ? AlphaMask(ReadImage(view.image_path)) : Image8();
 }
 
-/// 255 where features may be found; no data when they may be anywhere.
-Image8 FeatureMask(const SceneView& view) {
-  Image8 mask;
-  if (MayBeTransparent(ReadHeader(view.image_path))) {
-    const Image8 image = ReadImage(view.image_path);
-    if (image.channels == 4) {
-      mask = {image.width, image.height, 1, std::vector<uint8_t>(image.data.size() / 4)};
-      for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = image.data[4 * i + 3] < kMaskThreshold ? 0 : 255;
-    }
-  }
+/// The mask of the photo's transparency, joined by the view's own.
+Image8 FeatureMask(const SceneView& view, Image8 mask) {
   if (view.mask_path.empty()) return mask;
   const Image8 drawn = ReadImage(view.mask_path);
   if (mask.data.empty()) {
@@ -170,8 +171,7 @@ bool StageImages(const Scene& scene, const std::vector<int>& views, const std::v
   std::vector<uint8_t> masked(views.size(), 0);
   ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
     const SceneView& view = scene.views.at(views[i]);
-    PlaceImage(view, plan[i], work_dir / "images" / plan[i].name);
-    const Image8 mask = FeatureMask(view);
+    const Image8 mask = FeatureMask(view, PlaceImage(view, plan[i], work_dir / "images" / plan[i].name));
     if (mask.data.empty()) return;
     WritePng(work_dir / "masks" / (plan[i].name + ".png"), mask);
     masked[i] = 1;

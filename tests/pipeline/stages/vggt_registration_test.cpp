@@ -122,6 +122,36 @@ TEST_F(VggtPosesTest, ARunWithoutPosesGoesThroughAndSaysWhoseItIs) {
   EXPECT_EQ(OpenRun(request, Silent()).scene.views.size(), 5u);  // poses that are found stand without them
 }
 
+TEST_F(VggtPosesTest, AnImportedRunGoesThroughAndIsOpenedInItsFrame) {
+  RunRequest request = TinyRequest({}, temp / "out");
+  for (const auto& entry : fs::directory_iterator(temp / "photos")) {
+    if (entry.path().filename() != "upright.png") request.inputs.push_back(entry.path());
+  }
+  std::sort(request.inputs.begin(), request.inputs.end());
+  request.options.input.poses = PoseSource::kVggt;
+  request.options.weights.vggt_weights = weights.path;
+  request.options.train.iterations = {};
+  request.options.train.horizon = 20;  // few, settled after the import
+  const nlohmann::json metrics = Reconstruct(request, recorder.AsListener());
+  EXPECT_EQ(metrics.at("train").at("iterations"), 20);
+  const SavedRun saved = ReadSavedRun(temp / "out");
+  EXPECT_EQ(saved.size.at("iterations"), 20);
+  EXPECT_EQ(saved.inputs.size(), request.inputs.size());
+  EXPECT_EQ(Reconstruct(request, Silent()), metrics) << "nothing has changed";
+
+  oraclegs::Run opened = OpenRun(request, Silent());
+  const std::string points = ReadFile(temp / "out" / "point_cloud.ply");
+  EvaluateRun(&opened);
+  EXPECT_EQ(ReadMetrics(temp / "out").at("test"), metrics.at("test")) << "of the same frame";
+  EXPECT_EQ(ReadFile(temp / "out" / "point_cloud.ply"), points);
+  // A run that was made before frames were kept stands in the frame of its poses.
+  fs::remove(WorkspacePaths(temp / "out").frame());
+  EXPECT_FALSE(OpenRun(request, Silent()).frame.is_level);
+
+  request.options.capture.frames = 7;
+  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("--frames was 24, now is 7"));
+}
+
 TEST_F(VggtPosesTest, PosesThatAreThereAreKept) {
   RunRequest request = TinyRequest(temp / "posed", temp / "out2");
   request.options.input.poses = PoseSource::kVggt;
