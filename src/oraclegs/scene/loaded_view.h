@@ -48,7 +48,8 @@ struct ImageOptions {
   static void Visit(Self& self, V&& visit) {
     visit("max-size", self.max_size,
           "Pixels of the photos' longer side; larger photos are reduced. auto = by --quality and device: 1000 on a CPU "
-          "and 1600 on a GPU for normal; no limit where --downscale is given; 0 = full size",
+          "and 1600 on a GPU for normal; no limit where --downscale is given, or a scene is looked at without a run; "
+          "0 = full size",
           Range{0, 1e6});
     visit("downscale", self.downscale,
           "Divide the photos' size by this (antialiased; an existing images_N folder is used); auto = see --max-size",
