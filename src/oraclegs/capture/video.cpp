@@ -113,6 +113,10 @@ VideoInfo ProbeVideo(const fs::path& video) {
   request.errors_apart = true;
   request.time_limit = kProbeLimit;
   const ProcessResult result = RunProcess(request);
+  if (result.timed_out) {
+    throw InputError("{}: takes too long to read; copy it to a disk of this machine, or cut a shorter piece",
+                     video.string());
+  }
   if (result.exit_code != 0) RefuseVideo(video, result.last_error);
   const size_t begin = result.output.find('{'), end = result.output.rfind('}');
   if (begin == std::string::npos || end == std::string::npos) RefuseVideo(video, "");

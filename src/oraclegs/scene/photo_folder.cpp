@@ -47,8 +47,7 @@ bool IsRunFolder(const fs::path& dir) {
   std::string head(4096, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  std::error_code ignored;
-  return head.find("\"program\": \"oraclegs\"") != std::string::npos || fs::exists(dir / "split.json", ignored);
+  return head.find("\"program\": \"oraclegs\"") != std::string::npos;
 }
 
 std::string Below(const fs::path& dir, const fs::path& path) { return path.lexically_relative(dir).generic_string(); }
