@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import os
-from typing import Any, Callable, Dict, List, Optional, Union
+from typing import Any, Callable, Dict, Iterable, List, Optional, Union
 
 from . import _core
 
@@ -32,9 +32,10 @@ def _checked(options: Dict[str, Any]) -> Dict[str, Any]:
     return {name.replace("_", "-"): _value(value) for name, value in options.items()}
 
 
-def reconstruct(scene: PathLike, out: PathLike, progress: Optional[Progress] = None, overwrite: bool = False,
+def reconstruct(inputs: Union[PathLike, Iterable[PathLike]], out: PathLike, progress: Optional[Progress] = None, overwrite: bool = False,
                 **options: Any) -> Dict[str, Any]:  # fmt: skip
-    """Makes a splat of the photos or the posed scene in `scene`, in the workspace `out`, as `oraclegs reconstruct` does.
+    """Makes a splat of `inputs` in the workspace `out`, as `oraclegs reconstruct` does: of a folder of photos or a posed
+    scene, or of any number of photos, videos, zip archives and folders of photos.
 
     `options` are those of the command line with "_" for "-": views=12, init="dense", report=False. A run that stands in
     `out` is continued. `progress(stage, done, total, detail)` is called in this thread as the work goes on, with the
@@ -45,4 +46,5 @@ def reconstruct(scene: PathLike, out: PathLike, progress: Optional[Progress] = N
     the run fails, OutOfMemory when memory ends. One run at a time in a process.
     """
     text = json.dumps(_checked(options))
-    return json.loads(_core.reconstruct(os.fspath(scene), os.fspath(out), text, overwrite, progress))
+    paths = [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
+    return json.loads(_core.reconstruct([os.fspath(path) for path in paths], os.fspath(out), text, overwrite, progress))

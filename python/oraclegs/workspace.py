@@ -75,7 +75,7 @@ class Proposal:
 
 
 class Workspace:
-    """Reads the workspace of a run; what it holds is read when it is first asked for. Nothing is written to it.
+    """Reads the workspace of a run; what it holds is read when it is first asked for. Its results are not changed.
 
     Raises InputError when the folder is no workspace or a file of it is missing or damaged. `views` also needs the photos
     of the run, and that no run is going on in the workspace.

@@ -90,10 +90,11 @@ class OnlyRun {
   static inline std::atomic<bool> busy_ = false;
 };
 
-RunRequest RequestOf(const std::filesystem::path& scene, const std::filesystem::path& out, const std::string& options,
-                     bool overwrite) {
+RunRequest RequestOf(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& out,
+                     const std::string& options, bool overwrite) {
   RunRequest request;
-  request.scene = scene;
+  if (inputs.empty()) throw UsageError("there is nothing to reconstruct; name a folder of photos");
+  request.inputs = inputs;
   request.out = out;
   request.overwrite = overwrite;
   request.version = ORACLEGS_VERSION;
@@ -102,9 +103,9 @@ RunRequest RequestOf(const std::filesystem::path& scene, const std::filesystem::
 }
 
 /// Returns the text of metrics.json. `options` is the text of a JSON object.
-std::string RunReconstruct(const std::filesystem::path& scene, const std::filesystem::path& out,
+std::string RunReconstruct(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& out,
                            const std::string& options, bool overwrite, const std::optional<py::function>& progress) {
-  const RunRequest request = RequestOf(scene, out, options, overwrite);
+  const RunRequest request = RequestOf(inputs, out, options, overwrite);
   const OnlyRun only;
   SetNumThreads(request.options.machine.threads);
   EventQueue queue;

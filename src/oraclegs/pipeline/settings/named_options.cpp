@@ -13,12 +13,19 @@ std::string TextOfJson(const std::string& name, const nlohmann::json& value) {
   throw UsageError("--{} is {}, must be a number, a text, or true or false", name, value.dump());
 }
 
+/// All groups that `reconstruct` has.
+template <class Options, class F>
+void ForEachNamedGroup(Options& options, F&& f) {
+  RunOptions::ForEachGroup(options, [&](const char*, auto& group) { f(group); });
+  f(options.capture);
+}
+
 }  // namespace
 
 std::vector<std::string> RunOptionNames() {
   std::vector<std::string> names;
   const RunOptions options;
-  RunOptions::ForEachGroup(options, [&](const char*, const auto& group) {
+  ForEachNamedGroup(options, [&](const auto& group) {
     for (const NamedOption& option : ListOptions(group)) names.push_back(option.name);
   });
   return names;
@@ -26,7 +33,7 @@ std::vector<std::string> RunOptionNames() {
 
 void SetRunOptions(const nlohmann::json& values, UnknownOption unknown, RunOptions* options) {
   std::set<std::string> known;
-  RunOptions::ForEachGroup(*options, [&](const char*, auto& group) {
+  ForEachNamedGroup(*options, [&](auto& group) {
     std::remove_reference_t<decltype(group)>::Visit(group, [&](const char* name, auto& field, auto&&...) {
       if (!values.contains(name)) return;
       known.insert(name);
