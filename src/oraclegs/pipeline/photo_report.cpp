@@ -14,12 +14,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr uint64_t kMaxBytes = 16 << 20;
+constexpr uint64_t kMaxChecksBytes = 16 << 20;
 
 /// What is kept of these photos; null when there is nothing, or of others.
 json KeptOf(const Run& run) {
   try {
-    json kept = json::parse(ReadFile(run.workspace.photo_checks(), kMaxBytes), nullptr, false);
+    json kept = json::parse(ReadFile(run.workspace.photo_checks(), kMaxChecksBytes), nullptr, false);
     if (kept.is_object() && kept.value("photos", json()) == run.photos) return kept;
   } catch (const Error&) {  // not yet written, or damaged: looked at anew
   }

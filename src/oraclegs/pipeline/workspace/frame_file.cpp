@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr uint64_t kMaxBytes = 1 << 20;
+constexpr uint64_t kMaxFrameBytes = 1 << 20;
 
 /// Stands for the poses as they were found.
 std::string KeyOf(const Scene& scene) {
@@ -29,7 +29,7 @@ std::string KeyOf(const Scene& scene) {
 
 json ReadJson(const fs::path& file) {
   try {
-    return json::parse(ReadFile(file, kMaxBytes), nullptr, false);
+    return json::parse(ReadFile(file, kMaxFrameBytes), nullptr, false);
   } catch (const Error&) {
     return nullptr;
   }
