@@ -88,7 +88,7 @@ TEST_F(RunTest, ImportsSeveralFiles) {
   request.options.split.test_every = 0;
   EventRecorder recorder;
   EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, recorder.AsListener()); }), HasSubstr("one and the same"));
-  EXPECT_TRUE(std::filesystem::exists(temp / "out" / "photos" / "b.png"));
+  EXPECT_TRUE(std::filesystem::exists(temp / "out" / "photos" / "images" / "b.png"));
   EXPECT_THAT(recorder.warnings, testing::Contains(HasSubstr("a.png and b.png: show the same")));
   EXPECT_EQ(ReadSavedRun(temp / "out").inputs.size(), 2u);
   EXPECT_THAT(MessageOf<UsageError>([&] { OneFolder(request); }), HasSubstr("takes one scene folder"));

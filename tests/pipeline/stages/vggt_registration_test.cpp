@@ -140,9 +140,11 @@ TEST_F(VggtPosesTest, AnImportedRunGoesThroughAndIsOpenedInItsFrame) {
   EXPECT_EQ(saved.inputs.size(), request.inputs.size());
   EXPECT_EQ(Reconstruct(request, Silent()), metrics) << "nothing has changed";
 
-  oraclegs::Run opened = OpenRun(request, Silent());
   const std::string points = ReadFile(temp / "out" / "point_cloud.ply");
-  EvaluateRun(&opened);
+  {
+    oraclegs::Run opened = OpenRun(request, Silent());
+    EvaluateRun(&opened);
+  }
   EXPECT_EQ(ReadMetrics(temp / "out").at("test"), metrics.at("test")) << "of the same frame";
   EXPECT_EQ(ReadFile(temp / "out" / "point_cloud.ply"), points);
   // A run that was made before frames were kept stands in the frame of its poses.
