@@ -18,6 +18,7 @@
 #include "oraclegs/pipeline/stages/register_stage.h"
 #include "oraclegs/pipeline/workspace/frame_file.h"
 #include "oraclegs/render/constants.h"
+#include "oraclegs/scene/gps_scale.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
 
@@ -143,6 +144,19 @@ RunRequest WithListsRead(const RunRequest& request) {
   return read;
 }
 
+/// The length of a unit, by the user's word or else by GPS.
+std::optional<double> UnitOf(const Run& run, bool opened) {
+  const bool found = !run.photos.empty();
+  if (!run.options.input.scale.empty()) return UnitMeters(run.scene, run.options.input.scale, found);
+  const std::optional<GpsScale> gps = found ? UnitMetersByGps(run.scene) : std::nullopt;
+  if (!gps) return std::nullopt;
+  if (!opened) {
+    run.listener(Note{fmt::format("a unit is {:.3g} m, within {:.1f} %, by the GPS positions of {} (--scale overrules)",
+                                  gps->unit_meters, 100 * gps->error, Counted(gps->views, "photo"))});
+  }
+  return gps->unit_meters;
+}
+
 /// Brings the poses that were found into the run's frame. Poses that came with the scene keep theirs.
 void EnterFrame(Run* run, bool opened) {
   const fs::path file = run->workspace.frame();
@@ -153,7 +167,7 @@ void EnterFrame(Run* run, bool opened) {
     WriteFrame(run->scene, run->frame, file);
   }
   ApplyFrame(run->frame, &run->scene);
-  run->frame.unit_meters = UnitMeters(run->scene, run->options.input.scale, !run->photos.empty());
+  run->frame.unit_meters = UnitOf(*run, opened);
 }
 
 /// Poses where there are none yet, the frame, and the split. `opened`: the run is only looked at.

@@ -76,6 +76,7 @@ void VisitFiles(const fs::path& dir, const Visit& visit) {
 void AddCamera(const Exif& exif, SceneView* view) {
   view->camera = exif.make;
   if (!exif.model.empty()) view->camera += (view->camera.empty() ? "" : " ") + exif.model;
+  view->gps = exif.gps;
   view->focal_prior = FocalPixels(exif, view->intrinsics.width, view->intrinsics.height).value_or(0);
 }
 

@@ -12,6 +12,7 @@
 
 #include "oraclegs/camera/intrinsics.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/image/exif_tags.h"
 
 namespace oraclegs {
 
@@ -27,9 +28,10 @@ struct SceneView {
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
   Intrinsics intrinsics;             ///< of the full-size image; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
-  std::string camera;      ///< of a plain folder: maker and model, from EXIF; may be empty
-  double focal_prior = 0;  ///< of a plain folder: focal length in pixels, from EXIF; 0 = unknown
-  bool as_stored = false;  ///< the camera describes the pixels as stored: the EXIF orientation is ignored
+  std::string camera;              ///< of a plain folder: maker and model, from EXIF; may be empty
+  double focal_prior = 0;          ///< of a plain folder: focal length in pixels, from EXIF; 0 = unknown
+  std::optional<GpsPosition> gps;  ///< of a plain folder: from EXIF
+  bool as_stored = false;          ///< the camera describes the pixels as stored: the EXIF orientation is ignored
   DeclaredRole role = DeclaredRole::kNone;
 };
 

@@ -75,7 +75,7 @@ struct InputOptions {
     visit(
         "scale", self.scale,
         "A length that you know, as IMG_1,IMG_2=0.35: these two photos were taken 0.35 m apart; for scenes with poses "
-        "also the meters of a unit. Exports and meshes are in meters then");
+        "also the meters of a unit. Without it, by GPS where EXIF has it. Exports and meshes are in meters then");
   }
 };
 
