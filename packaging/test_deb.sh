@@ -79,7 +79,7 @@ inside test -s /usr/share/doc/oraclegs/THIRD_PARTY_NOTICES.md
 
 step "photos without poses: registered by colmap"
 inside oraclegs demo-scene /tmp/scene --demo-views 8 --quiet
-inside oraclegs reconstruct /tmp/scene/images -o /tmp/out --preset quick --downscale 1 --iterations 100 --quiet
+inside oraclegs reconstruct /tmp/scene/images -o /tmp/out --quality draft --iterations 100 --quiet
 inside test -s /tmp/out/point_cloud.ply
 inside oraclegs mesh /tmp/out -o /tmp/out.glb --quiet  # OpenVDB
 

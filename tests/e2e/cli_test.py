@@ -137,7 +137,7 @@ class Shell(unittest.TestCase):
     def test_bash_completes_commands_options_and_words(self):
         self.assertEqual(self.complete("recon"), ["reconstruct"])
         self.assertEqual(self.complete("reconstruct", "--iter"), ["--iterations"])
-        self.assertEqual(self.complete("reconstruct", "x", "--preset", "qui"), ["quick"])
+        self.assertEqual(self.complete("reconstruct", "x", "--preset", "paper-bl"), ["paper-blender-8"])
         self.assertIn("hybrid", self.complete("sfm", "--init", ""))
         self.assertEqual(self.complete("help", "expo"), ["export"])
         self.assertEqual(self.complete("export", "--iter"), [])
@@ -184,8 +184,8 @@ class Usage(EndToEnd):
         self.error_of("reconstruct", self.scene, "-o", out, "--iterations", "99999999999", code=2, names=["iterations"])
         self.error_of("reconstruct", self.scene, "-o", out, "--background", "pink", code=2, names=["pink", "white"])
         self.error_of("reconstruct", self.scene, "-o", out, "--background", "whit", code=2, names=["did you mean 'white'?"])
-        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "qick", code=2, names=["did you mean 'quick'?"])
-        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "fast", code=2, names=["fast", "quick"])
+        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "lllff-3", code=2, names=["did you mean 'llff-3'?"])
+        self.error_of("reconstruct", self.scene, "-o", out, "--preset", "fast", code=2, names=["fast", "llff-3"])
         self.error_of("evaluate", self.scene, code=2, names=["--ply"])
         self.assertFalse(out.exists())
 
@@ -217,8 +217,11 @@ class Usage(EndToEnd):
         self.assertEqual((by_file / "options.json").read_text(), (by_flags / "options.json").read_text())
         self.assertEqual((by_file / "point_cloud.ply").read_bytes(), (by_flags / "point_cloud.ply").read_bytes())
 
-        arguments = ["--config", file, "--preset", "quick", "--iterations", 7, "--no-antialiased"]
-        self.run_program("sfm", self.scene, "-o", mixed, *arguments)
+        (self.dir / "presets").mkdir()
+        (self.dir / "presets/small.toml").write_text("iterations = 1500\nmax-gaussians = 30000\ndownscale = 2\n")
+        env = {**os.environ, "ORACLEGS_PRESETS": str(self.dir / "presets")}
+        arguments = ["--config", file, "--preset", "small", "--iterations", 7, "--no-antialiased"]
+        self.run_program("sfm", self.scene, "-o", mixed, *arguments, env=env)
         options = json.loads((mixed / "options.json").read_text())["options"]
         self.assertEqual(options["iterations"], 7)  # the command line before the file
         self.assertFalse(options["antialiased"])
@@ -227,7 +230,7 @@ class Usage(EndToEnd):
 
     def test_config_takes_the_options_of_a_run(self):
         first, second = self.dir / "first", self.dir / "second"
-        self.run_program("sfm", self.scene, "-o", first, "--preset", "quick", "--background", "grey", "--init", "random", "--threads", 1)
+        self.run_program("sfm", self.scene, "-o", first, "--quality", "draft", "--background", "grey", "--init", "random", "--threads", 1)
         self.run_program("sfm", self.scene, "-o", second, "--config", first / "options.json")
         options = [json.loads((out / "options.json").read_text())["options"] for out in (first, second)]
         self.assertEqual(options[0].pop("threads"), 1)
