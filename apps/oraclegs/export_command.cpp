@@ -45,10 +45,7 @@ class ExportCommand : public Command {
 
   ExportCameras CamerasOf(const Listener& listener) const {
     const oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
-    std::vector<Camera> cameras;
-    for (const int i : run.split.train) {
-      cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(i)], run.options.image));
-    }
+    const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
     return {LookedAt(cameras), MeanUp(cameras)};
   }
 

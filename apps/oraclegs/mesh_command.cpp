@@ -30,10 +30,7 @@ class MeshCommand : public SourceCommand {
     const Model model = LoadModel(ply, options_, ChooseDevice(options_.device.device, ProbeDevices()));
     const PosedScene posed = OpenScene(listener);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
-    std::vector<Camera> cameras;
-    for (const int i : posed.split.train) {
-      cameras.push_back(WorkingCamera(posed.scene.views[static_cast<size_t>(i)], options_.image));
-    }
+    const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image);
     const StageClock clock("mesh", listener);
     FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
     if (fused.mesh.triangles.empty()) {

@@ -2,6 +2,7 @@
 
 #include "formats/splats.h"
 #include "oraclegs/formats/spatial_order.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {

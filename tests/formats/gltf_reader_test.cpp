@@ -6,6 +6,7 @@
 #include "formats/splats.h"
 #include "oraclegs/formats/gltf_writer.h"
 #include "oraclegs/formats/spatial_order.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {

@@ -7,6 +7,7 @@
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/webp.h"
 #include "oraclegs/formats/zip_archive.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {

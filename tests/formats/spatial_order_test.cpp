@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "formats/splats.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {
@@ -40,14 +41,6 @@ TEST(SpatialOrder, GivesGroupsSmallBoxes) {
 TEST(SpatialOrder, OfOneAndOfEqualPlaces) {
   EXPECT_EQ(SpatialOrder(PlausibleGaussians(1)), std::vector<int64_t>{0});
   EXPECT_EQ(SpatialOrder(Gaussians::Zeros(1000)).size(), 1000u);
-}
-
-TEST(Picked, TakesRowsOfAllBuffers) {
-  const Gaussians g = PlausibleGaussians(5);
-  const Gaussians picked = Picked(g, {4, 1});
-  EXPECT_EQ(picked.size(), 2);
-  EXPECT_EQ(picked.quats[0], g.quats[16]);
-  EXPECT_EQ(picked.sh[95], g.sh[95]);
 }
 
 }  // namespace

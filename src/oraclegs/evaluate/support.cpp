@@ -20,13 +20,9 @@ constexpr double kFurtherViews = 4;       // unoccluded, for 63 % of the last qu
 constexpr float kTrusted = 0.5f;          // confidence
 constexpr double kSmallestFootprint = 1;  // pixels; what is smaller is compared with this
 
-/// Sums over the pixels of a view: the blending weights of a Gaussian, and the weights times the view's weight.
-struct Contribution {
-  double blended = 0, trusted = 0;
-};
-
-/// The contributions of all Gaussians to a view. They are gradients: with one colour for all Gaussians, dL/d(colour) of
-/// one is the sum of its blending weights times dL/d(pixel).
+/// The contributions of all Gaussians to a view: the sums over its pixels of a Gaussian's blending weights ("blended"),
+/// and of these times the pixels' weights ("trusted"). They are gradients: with one colour for all Gaussians,
+/// dL/d(colour) of one is the sum of its blending weights times dL/d(pixel).
 class Contributions {
  public:
   Contributions(const Gaussians& gaussians, const RenderOptions& options)
@@ -36,7 +32,7 @@ class Contributions {
     grads_ = Gaussians::Zeros(gaussians.size(), device_);
   }
 
-  /// Channel 0 of the gradient is Contribution::trusted, channel 1 is Contribution::blended, both times dColour/dSH.
+  /// Channel 0 of the gradient is what is trusted, channel 1 what is blended, both times dColour/dSH.
   const float* Of(const SupportView& view) {
     const int64_t height = view.camera.height, width = view.camera.width;
     if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});

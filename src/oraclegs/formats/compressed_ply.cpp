@@ -6,6 +6,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/spatial_order.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {

@@ -10,6 +10,7 @@
 #include "oraclegs/formats/gltf_layout.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/spz.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {

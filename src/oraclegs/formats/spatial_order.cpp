@@ -5,13 +5,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kPickGrain = 4096;
 constexpr int64_t kLeastShare = 64;  // a side has at least so much of the groups
 // Gaussians this many times as far out as nine tenths of all, in whatever direction, have groups of their own: each
 // would make the box of a group of others as large as the scene.
@@ -82,20 +80,6 @@ std::vector<int64_t> SpatialOrder(const Gaussians& gaussians) {
   Halve(means, order.data(), order.data() + near);
   Halve(means, order.data() + near, order.data() + n);
   return order;
-}
-
-Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices) {
-  Gaussians picked = gaussians.To(kCpu);
-  const auto n = static_cast<int64_t>(indices.size());
-  picked.ForEach([&](const char*, Buffer<float>& part) {
-    const Buffer<float> all = part;
-    part = Buffer<float>::Empty(all.shape().WithRows(n));
-    const int64_t row = all.shape().row();
-    ParallelBlocks(n, kPickGrain, [&](int64_t begin, int64_t end) {
-      for (int64_t i = begin; i < end; ++i) std::copy_n(all.data() + indices[i] * row, row, part.data() + i * row);
-    });
-  });
-  return picked;
 }
 
 }  // namespace oraclegs

@@ -14,7 +14,4 @@ inline constexpr int64_t kSpatialGroup = 256;
 /// from the first on fills a small box, and so do its halves.
 std::vector<int64_t> SpatialOrder(const Gaussians& gaussians);
 
-/// The Gaussians of these indices, in this order, in new memory on the host.
-Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices);
-
 }  // namespace oraclegs

@@ -13,6 +13,7 @@
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/splat.h"
 #include "oraclegs/formats/spz.h"
+#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {

@@ -24,6 +24,12 @@ uint8_t NearestByte(float value) {
   return value > 0 ? static_cast<uint8_t>(std::lround(std::min(value, 255.f))) : uint8_t{0};
 }
 
+std::string SupportBytes(const std::vector<float>& support) {
+  std::string bytes;
+  for (const float s : support) bytes.push_back(static_cast<char>(NearestByte(255 * s)));
+  return bytes;
+}
+
 float LogitOfOpacity(float opacity) {
   if (std::isnan(opacity)) return opacity;
   return std::clamp(std::log(opacity / (1 - opacity)), -kFarthestLogit, kFarthestLogit);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "oraclegs/gaussians/gaussian_rows.h"
 #include "oraclegs/gaussians/ply.h"
@@ -16,6 +17,9 @@ inline constexpr int64_t kSplatGrain = 4096;  ///< Gaussians a task
 
 /// The nearest of the bytes 0..255; 0 for a NaN.
 uint8_t NearestByte(float value);
+
+/// The support of Gaussians, a byte each.
+std::string SupportBytes(const std::vector<float>& support);
 
 /// The logit of an opacity in [0,1]; +-15 where it would be infinite.
 float LogitOfOpacity(float opacity);

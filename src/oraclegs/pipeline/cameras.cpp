@@ -13,6 +13,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/stages.h"
 #include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/point_ply.h"
 
 namespace oraclegs {
 namespace {
@@ -140,18 +141,6 @@ void WriteSparseModel(const CameraDataset& dataset, const fs::path& out, const s
   WriteColmapText(out / "sparse" / "0", cameras, images, tracks);
 }
 
-std::string PointsPly(const std::vector<ScenePoint>& points) {
-  std::string ply = fmt::format(
-      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-      points.size());
-  for (const ScenePoint& p : points) {
-    ply +=
-        fmt::format("{:.9g} {:.9g} {:.9g} {} {} {}\n", p.xyz.x(), p.xyz.y(), p.xyz.z(), p.rgb[0], p.rgb[1], p.rgb[2]);
-  }
-  return ply;
-}
-
 nlohmann::json IntrinsicsJson(const Camera& c) {
   return {{"w", c.width}, {"h", c.height}, {"fl_x", c.fx}, {"fl_y", c.fy}, {"cx", c.cx}, {"cy", c.cy}};
 }
@@ -227,7 +216,7 @@ CameraDatasetResult WriteCameraDataset(const CameraDataset& dataset, const fs::p
   FolderInTheMaking folder(out);
   WriteDatasetImages(dataset, folder.path(), &views, listener);
   WriteSparseModel(dataset, folder.path(), views);
-  if (!dataset.points.empty()) WriteFileAtomically(folder.path() / "sparse_pc.ply", PointsPly(dataset.points));
+  if (!dataset.points.empty()) WritePointPly(folder.path() / "sparse_pc.ply", dataset.points);
   WriteFileAtomically(folder.path() / "transforms.json", TransformsJson(dataset, views).dump(1) + "\n");
   WriteFileAtomically(folder.path() / "split.json", SplitJson(views).dump(2) + "\n");
   folder.Finish();

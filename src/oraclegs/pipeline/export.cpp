@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/spatial_order.h"
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/scene/frame.h"
 
@@ -13,13 +14,6 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Opacity times the area of the largest face: how much of an image a Gaussian can cover.
-float Weight(float opacity, const float* log_scales) {
-  const float smallest = std::min({log_scales[0], log_scales[1], log_scales[2]});
-  const float weight = opacity * std::exp(log_scales[0] + log_scales[1] + log_scales[2] - smallest);
-  return std::isnan(weight) ? 0 : weight;  // nothing of an infinite size
-}
 
 /// Which way a format's own axes are turned against the program's: signs of x, y, z.
 Eigen::Vector3d FileAxes(SplatFormat format) {
@@ -44,7 +38,6 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
         file);
   }
   const float* logits = gaussians.opacity_logits.data();
-  const float* scales = gaussians.log_scales.data();
   const std::vector<bool> lonely = options.remove_outliers ? LonelyGaussians(gaussians) : std::vector<bool>();
   std::vector<int64_t> kept;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
@@ -53,19 +46,9 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
                       (options.min_support <= 0 || splat.support[i] >= static_cast<float>(options.min_support));
     if (keep) kept.push_back(i);
   }
-  const auto limit = static_cast<size_t>(options.max_gaussians);
-  if (limit > 0 && kept.size() > limit) {
-    std::stable_sort(kept.begin(), kept.end(), [&](int64_t a, int64_t b) {
-      return Weight(Sigmoid(logits[a]), scales + 3 * a) > Weight(Sigmoid(logits[b]), scales + 3 * b);
-    });
-    kept.resize(limit);
-    std::sort(kept.begin(), kept.end());
-  }
-  GaussianPly pruned{Picked(gaussians, kept), std::min(options.sh_degree, splat.sh_degree), splat.comments, {}};
-  for (const int64_t i : kept) {
-    if (!splat.support.empty()) pruned.support.push_back(splat.support[i]);
-  }
-  return pruned;
+  if (options.max_gaussians > 0) kept = MostPresent(gaussians, std::move(kept), options.max_gaussians);
+  return {Picked(gaussians, kept), std::min(options.sh_degree, splat.sh_degree), splat.comments,
+          Picked(splat.support, kept)};
 }
 
 void CheckExport(const fs::path& from, const fs::path& to, const ExportOptions& options) {

@@ -67,13 +67,9 @@ std::vector<Camera> FlightPath(const std::vector<Camera>& cameras, const RenderP
 std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions& image,
                                      const RenderPathOptions& options) {
   const std::vector<int>& views = options.path == PathKind::kTest ? posed.split.test : posed.split.train;
+  const std::vector<Camera> cameras = WorkingCameras(posed.scene, views, image);
   std::vector<std::string> names;
-  std::vector<Camera> cameras;
-  for (const int i : views) {
-    const SceneView& view = posed.scene.views[static_cast<size_t>(i)];
-    cameras.push_back(WorkingCamera(view, image));
-    names.push_back(view.name);
-  }
+  for (const int i : views) names.push_back(posed.scene.views[static_cast<size_t>(i)].name);
   std::vector<NamedCamera> named;
   if (options.path == PathKind::kTrain || options.path == PathKind::kTest) {
     names = ImageNames(names);

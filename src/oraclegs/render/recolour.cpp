@@ -3,8 +3,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kConstantHarmonic = 0.28209479177387814f;  // docs/method.md#spherical-harmonics
-
 struct SupportClassLook {
   const char* name;
   std::array<uint8_t, 3> color;
@@ -28,7 +26,8 @@ Gaussians Recolored(const Gaussians& gaussians, const Buffer<float>& colors) {
   if (colors.count() != 3 * n) throw ShapeError("Recolored: {} for {} Gaussians", colors.shape().Text(), n);
   Buffer<float> sh = Buffer<float>::Zeros(gaussians.sh.shape());
   for (int64_t i = 0; i < n; ++i) {
-    for (int64_t c = 0; c < 3; ++c) sh[kShFloats * i + c] = (colors[3 * i + c] - 0.5f) / kConstantHarmonic;
+    for (int64_t c = 0; c < 3; ++c)
+      sh[kShFloats * i + c] = (colors[3 * i + c] - 0.5f) / static_cast<float>(kConstantSh);
   }
   Gaussians recolored = gaussians;
   recolored.sh = sh.To(gaussians.device());

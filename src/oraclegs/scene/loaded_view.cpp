@@ -228,6 +228,12 @@ Camera WorkingCamera(const SceneView& view, const ImageOptions& options) {
   return Resized(camera, size.width, size.height);
 }
 
+std::vector<Camera> WorkingCameras(const Scene& scene, const std::vector<int>& views, const ImageOptions& options) {
+  std::vector<Camera> cameras;
+  for (const int i : views) cameras.push_back(WorkingCamera(scene.views[static_cast<size_t>(i)], options));
+  return cameras;
+}
+
 std::vector<LoadedView> LoadViews(const Scene& scene, const std::vector<int>& views, const ImageOptions& options,
                                   const Listener& listener) {
   std::vector<LoadedView> loaded(views.size());

@@ -102,5 +102,7 @@ std::filesystem::path ImageFile(const SceneView& view, const ImageOptions& optio
 
 /// The camera that LoadViews gives the view, without reading pixels.
 Camera WorkingCamera(const SceneView& view, const ImageOptions& options);
+/// The same of the scene's views with these indices.
+std::vector<Camera> WorkingCameras(const Scene& scene, const std::vector<int>& views, const ImageOptions& options);
 
 }  // namespace oraclegs

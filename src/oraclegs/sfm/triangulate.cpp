@@ -13,6 +13,7 @@
 #include "oraclegs/core/plural.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/point_ply.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_staging.h"
@@ -22,18 +23,6 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string PointsPly(const std::vector<ScenePoint>& points) {
-  std::string ply = fmt::format(
-      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-      points.size());
-  for (const ScenePoint& p : points) {
-    fmt::format_to(std::back_inserter(ply), "{:.9g} {:.9g} {:.9g} {} {} {}\n", p.xyz.x(), p.xyz.y(), p.xyz.z(),
-                   p.rgb[0], p.rgb[1], p.rgb[2]);
-  }
-  return ply;
-}
 
 /// A text model of the given poses with the ids the database has. Returns its number of images.
 size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
@@ -107,7 +96,7 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
     return {};
   }
   std::vector<ScenePoint> points = ReadModel(scene, views, plan, work_dir, listener).points;
-  WriteFileAtomically(work_dir / "points.ply", PointsPly(points));
+  WritePointPly(work_dir / "points.ply", points);
   MarkDone(work_dir, inputs);
   RemoveAttempts(work_dir);
   listener(

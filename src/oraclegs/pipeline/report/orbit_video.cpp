@@ -109,10 +109,7 @@ bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cam
 }
 
 fs::path WriteOrbitVideo(const Run& run, const Model& model, const OrbitVideo& how) {
-  std::vector<Camera> cameras;
-  for (const int i : run.split.train) {
-    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(i)], run.options.image));
-  }
+  const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
   const fs::path video = run.workspace.renders("orbit") / "video.mp4";
   return WriteOrbitVideo(model, cameras, video, how, run.listener) ? video : fs::path();
 }

@@ -11,6 +11,8 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/spz.h"
+#include "oraclegs/formats/values.h"
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/pipeline/live/curves.h"
 #include "oraclegs/pipeline/live/run_state.h"
 #include "oraclegs/pipeline/report/report_files.h"
@@ -76,10 +78,7 @@ json Triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Where the scene is, whether there is a splat or not.
 json PlaceOf(const Run& run) {
-  std::vector<Camera> cameras;
-  for (const int view : run.split.train) {
-    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(view)], run.options.image));
-  }
+  const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
   const Ball ball = LookedAt(cameras);
   return {{"up", Triple(MeanUp(cameras))}, {"center", Triple(ball.center)}, {"radius", ball.radius}};
 }
@@ -93,11 +92,7 @@ json SplatOf(const Model& model, const ReportFiles& files) {
   splat["bytes"] = spz.size();
   splat["sh_degree"] = model.render.sh_degree;
   if (model.support.empty()) return splat;
-  std::string support;
-  for (const int64_t i : order) {
-    support += static_cast<char>(std::lround(255 * std::clamp(model.support[static_cast<size_t>(i)], 0.f, 1.f)));
-  }
-  splat["support"] = files.Bytes("support.bin", support);
+  splat["support"] = files.Bytes("support.bin", SupportBytes(Picked(model.support, order)));
   return splat;
 }
 

@@ -61,17 +61,9 @@ void AddProposeKey(Run* run, Fingerprint* key) {
   for (const fs::path& file : FolderFiles(options.propose.proposal_folder)) key->Add(file.string()).AddFile(file);
 }
 
-std::vector<Camera> CamerasOf(const Run& run, const std::vector<int>& views) {
-  std::vector<Camera> cameras;
-  for (const int v : views) {
-    cameras.push_back(WorkingCamera(run.scene.views[static_cast<size_t>(v)], run.options.image));
-  }
-  return cameras;
-}
-
 std::vector<Target> TargetsOf(const Run& run, const std::vector<int>& views) {
   std::vector<Target> targets;
-  const std::vector<Camera> cameras = CamerasOf(run, views);
+  const std::vector<Camera> cameras = WorkingCameras(run.scene, views, run.options.image);
   for (size_t i = 0; i < views.size(); ++i) {
     targets.push_back({run.scene.views[static_cast<size_t>(views[i])].name, cameras[i]});
   }
@@ -81,10 +73,11 @@ std::vector<Target> TargetsOf(const Run& run, const std::vector<int>& views) {
 FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
   std::vector<int> no_test = SpareViews(run);
   no_test.insert(no_test.end(), run.split.train.begin(), run.split.train.end());
-  return ReadProposalFolder(run.options.propose.proposal_folder,
-                            {CamerasOf(run, run.split.train), TargetsOf(run, run.split.test), TargetsOf(run, no_test),
-                             view.camera.width, view.camera.height, BackgroundColor(run.options.image.background)},
-                            run.listener);
+  return ReadProposalFolder(
+      run.options.propose.proposal_folder,
+      {WorkingCameras(run.scene, run.split.train, run.options.image), TargetsOf(run, run.split.test),
+       TargetsOf(run, no_test), view.camera.width, view.camera.height, BackgroundColor(run.options.image.background)},
+      run.listener);
 }
 
 /// Whether something is asked that needs no depth: what it makes of places that the photos hardly show, the oracle
@@ -95,8 +88,8 @@ bool AsksGenerator(const Run& run) {
 
 std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
   TrajectoryRequest request;
-  request.train = CamerasOf(run, run.split.train);
-  request.test = CamerasOf(run, run.split.test);
+  request.train = WorkingCameras(run.scene, run.split.train, run.options.image);
+  request.test = WorkingCameras(run.scene, run.split.test, run.options.image);
   request.spare = TargetsOf(run, SpareViews(run));
   request.maps = &geometry.maps;
   request.points = &geometry.points;

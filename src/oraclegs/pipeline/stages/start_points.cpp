@@ -115,10 +115,7 @@ class StartBuilder {
       Add(RandomPointsInBlenderCube(n, run_.options.start.seed), "random");
       return;
     }
-    std::vector<Camera> cameras;
-    for (const int view : run_.split.train) {
-      cameras.push_back(WorkingCamera(run_.scene.views[static_cast<size_t>(view)], run_.options.image));
-    }
+    const std::vector<Camera> cameras = WorkingCameras(run_.scene, run_.split.train, run_.options.image);
     const uint64_t seed = run_.options.start.seed;
     const bool in_cube = run_.options.start.init == StartKind::kRandomCube;
     Add(in_cube ? RandomPointsInCube(cameras, n, seed) : RandomPointsInView(cameras, n, seed), "random");

@@ -15,6 +15,8 @@
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/splat_file.h"
 #include "oraclegs/formats/spz.h"
+#include "oraclegs/formats/values.h"
+#include "oraclegs/gaussians/selection.h"
 #include "oraclegs/pipeline/live/run_state.h"
 
 namespace oraclegs {
@@ -39,44 +41,6 @@ std::vector<int64_t> FiniteOnes(const Gaussians& gaussians) {
   return kept;
 }
 
-/// How much a Gaussian covers and hides: opacity times the area of its broadest side.
-float Presence(const Gaussians& g, int64_t i) {
-  std::array<float, 3> scales = {g.log_scales[3 * i], g.log_scales[3 * i + 1], g.log_scales[3 * i + 2]};
-  std::sort(scales.begin(), scales.end());
-  const float presence = Sigmoid(g.opacity_logits[i]) * std::exp(scales[1] + scales[2]);
-  return std::isnan(presence) ? 0 : presence;  // nothing of an infinite size
-}
-
-/// The `max` of them that are most present, in their order.
-std::vector<int64_t> MostPresent(const Gaussians& gaussians, std::vector<int64_t> some, int64_t max) {
-  const auto more = [&](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : a.second < b.second;
-  };
-  std::vector<std::pair<float, int64_t>> ranked;
-  for (const int64_t i : some) ranked.emplace_back(Presence(gaussians, i), i);
-  std::nth_element(ranked.begin(), ranked.begin() + max, ranked.end(), more);
-  some.clear();
-  for (int64_t k = 0; k < max; ++k) some.push_back(ranked[static_cast<size_t>(k)].second);
-  std::sort(some.begin(), some.end());
-  return some;
-}
-
-GaussianPly Picked(const GaussianPly& splat, const std::vector<int64_t>& picked) {
-  GaussianPly part{Gaussians::Empty(static_cast<int64_t>(picked.size())), splat.sh_degree, splat.comments};
-  const auto copy = [&](const Buffer<float>& from, const Buffer<float>& to) {
-    const int64_t width = from.count() / splat.gaussians.size();
-    for (size_t k = 0; k < picked.size(); ++k) {
-      std::copy_n(from.data() + picked[k] * width, width, to.data() + static_cast<int64_t>(k) * width);
-    }
-  };
-  const Gaussians &from = splat.gaussians, &to = part.gaussians;
-  copy(from.means, to.means), copy(from.log_scales, to.log_scales), copy(from.quats, to.quats);
-  copy(from.opacity_logits, to.opacity_logits), copy(from.sh, to.sh);
-  if (splat.support.empty()) return part;
-  for (const int64_t i : picked) part.support.push_back(splat.support[static_cast<size_t>(i)]);
-  return part;
-}
-
 /// {"up", "center", "radius"}: where the viewer looks at first. Nobody knows what is up: in most files y points down.
 nlohmann::json Framing(const Gaussians& gaussians) {
   std::array<std::vector<double>, 3> axes;
@@ -95,12 +59,6 @@ nlohmann::json Framing(const Gaussians& gaussians) {
   std::nth_element(distances.begin(), distances.begin() + inner, distances.end());
   const double radius = distances[static_cast<size_t>(inner)];
   return {{"up", {0, -1, 0}}, {"center", center}, {"radius", radius > 0 ? radius : 1}};
-}
-
-std::string SupportBytes(const std::vector<float>& support) {
-  std::string bytes;
-  for (const float s : support) bytes.push_back(static_cast<char>(std::lround(255 * std::clamp(s, 0.f, 1.f))));
-  return bytes;
 }
 
 }  // namespace
@@ -135,9 +93,10 @@ GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, c
         Warning{fmt::format("{}: holds {} Gaussians; the {} that cover and hide most are shown (`oraclegs export` "
                             "writes smaller files)",
                             file, finite, max)});
-    kept = MostPresent(splat.gaussians, std::move(kept), max);
   }
-  return static_cast<int64_t>(kept.size()) == all ? std::move(splat) : Picked(splat, kept);
+  if (std::min(finite, max) == all) return splat;
+  kept = MostPresent(splat.gaussians, std::move(kept), max);
+  return {Picked(splat.gaussians, kept), splat.sh_degree, splat.comments, Picked(splat.support, kept)};
 }
 
 void WriteSplatSite(const fs::path& file, const fs::path& folder, const Listener& listener) {
