@@ -27,26 +27,26 @@ class MeshCommand : public SourceCommand {
     RequireMeshExtension(out);
     RequireIsosurface();
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
-    const Model model = LoadModel(ply, options_, ChooseDevice(options_.device.device, ProbeDevices()));
     const PosedScene posed = OpenScene(listener);
+    const Device device = ChooseDevice(options_.device.device, ProbeDevices());
+    const Model model = LoadModel(ply, options_, device, posed.unit_meters);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
     const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image);
+    const std::optional<double> unit_meters = posed.unit_meters ? posed.unit_meters : model.unit_meters;
+    mesh_.unit = unit_meters.value_or(1);
     const StageClock clock("mesh", listener);
-    FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
+    const FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
     if (fused.mesh.triangles.empty()) {
       throw InputError(
           "{}: its renders show no surface (opaque, of known depth) from the training views; train longer, or lower "
           "--min-part",
           ply.string());
     }
-    const float meters = static_cast<float>(model.unit_meters.value_or(1));
-    for (Eigen::Vector3f& position : fused.mesh.positions) position *= meters;
     WriteMesh(out, fused.mesh, MeanUp(cameras));
     clock.Finish();
     listener(FileWritten{out});
     Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g}{})", out.string(),
-                      fused.mesh.positions.size(), fused.mesh.triangles.size(), meters * fused.voxel,
-                      model.unit_meters ? " m" : ""));
+                      fused.mesh.positions.size(), fused.mesh.triangles.size(), fused.voxel, unit_meters ? " m" : ""));
   }
 
   MeshOptions mesh_;

@@ -20,8 +20,9 @@ class RenderCommand : public SourceCommand {
     if (out.empty() && InputIsWorkspace()) out = WorkspacePaths(input_).renders(Word(path_.path));
     RequireOut(out);
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
-    const Model model = LoadModel(ply, options_, ChooseDevice(options_.device.device, ProbeDevices()));
     const PosedScene posed = OpenScene(listener);
+    const Device device = ChooseDevice(options_.device.device, ProbeDevices());
+    const Model model = LoadModel(ply, options_, device, posed.unit_meters);
     RequireOutsideScene(out, posed.scene, options_.input.images);
     const auto cameras = PathCameras(posed, options_.image, path_);
     const auto videos = RenderCameras(model, cameras, out, path_, listener);

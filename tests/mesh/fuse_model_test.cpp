@@ -52,6 +52,18 @@ TEST(FuseModel, MakesABallOfItsColor) {
   EXPECT_EQ(recorder.steps.back().done, recorder.steps.back().total);
 }
 
+TEST(FuseModel, MultipliesByTheUnit) {
+  SKIP_WITHOUT_OPENVDB();
+  MeshOptions options;
+  options.renders = 20;
+  options.voxel = 0.5;  // 0.05 of the scene's units
+  options.unit = 10;
+  const FusedMesh fused = FuseModel(Ball(3000), {}, ShapeCamerasAround(3), options, Silent());
+  EXPECT_NEAR(fused.voxel, 0.5, 1e-9);
+  ASSERT_FALSE(fused.mesh.positions.empty());
+  for (const Eigen::Vector3f& position : fused.mesh.positions) EXPECT_NEAR(position.norm(), 10, 1);
+}
+
 TEST(FuseModel, NamesAVoxelThatTheRendersHold) {
   SKIP_WITHOUT_OPENVDB();
   MeshOptions options;

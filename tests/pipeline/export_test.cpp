@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "oraclegs/camera/camera_path.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/render/make_rasterizer.h"
 #include "pipeline/fixtures.h"
 #include "support/buffers.h"
@@ -113,6 +115,33 @@ TEST(ExportSplat, TurnsUpToTheFilesAxisAndScales) {
   const ExportCameras cameras{{Eigen::Vector3d::Zero(), 1}, Eigen::Vector3d::UnitX()};
   ExportSplat(temp / "in.ply", temp / "x.ply", {.up = "auto"}, cameras, Silent());
   EXPECT_NEAR(ReadSplat(temp / "x.ply").gaussians.means[0], -2, 1e-5);  // x has become -y, and -y -x
+}
+
+TEST(ExportSplat, IsInMetersWhereTheUnitIsKnown) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(3), 3, {"up is -y, the origin is what the cameras look at", "a unit is 0.5 m"});
+  Export(temp / "in.ply", temp / "m.ply", {});
+  const GaussianPly meters = ReadGaussianPly(temp / "m.ply");
+  EXPECT_NEAR(meters.gaussians.means[6], 1, 1e-6);
+  EXPECT_NEAR(meters.gaussians.log_scales[0], std::log(0.5), 1e-6);
+  EXPECT_THAT(meters.comments,
+              testing::ElementsAre("up is -y, the origin is what the cameras look at", "a unit is 1 m"));
+  Export(temp / "m.ply", temp / "again.ply", {});
+  EXPECT_EQ(ReadFile(temp / "again.ply"), ReadFile(temp / "m.ply"));
+  Export(temp / "in.ply", temp / "same.ply", {.scale = 1});
+  EXPECT_EQ(ReadGaussianPly(temp / "same.ply").gaussians.means[6], 2);
+  Export(temp / "in.ply", temp / "turned.ply", {.up = "z"});
+  EXPECT_THAT(ReadGaussianPly(temp / "turned.ply").comments, testing::ElementsAre("a unit is 1 m"));
+}
+
+TEST(LoadModel, BringsAnExportInMetersBackToTheScene) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(3), 3, {"a unit is 0.5 m"});
+  Export(temp / "in.ply", temp / "m.ply", {});
+  const Model model = LoadModel(temp / "m.ply", {}, kCpu, 0.5);
+  EXPECT_NEAR(model.gaussians.means[6], 2, 1e-6);
+  EXPECT_EQ(model.unit_meters, 0.5);
+  EXPECT_NEAR(LoadModel(temp / "m.ply", {}, kCpu).gaussians.means[6], 1, 1e-6);
 }
 
 TEST(ExportSplat, AutoNeedsCameras) {

@@ -73,9 +73,12 @@ TEST_F(PhotoReportTest, LooksAnewAtOtherPhotos) {
   }
   auto run = Unregistered();
   run.photos = "of others";
+  const size_t before = run.scene.views.size();
   LeaveOutUnreadablePhotos(&run);
-  EXPECT_TRUE(std::any_of(run.scene.views.begin(), run.scene.views.end(),
-                          [](const SceneView& view) { return view.name == "002.png"; }));
+  EXPECT_EQ(run.scene.views.size(), before) << "what is kept is of others";
+  CheckRunPhotos(&run);
+  EXPECT_EQ(run.scene.views.size(), before - 1);
+  EXPECT_THAT(ReadFile(run.workspace.photo_checks()), HasSubstr("of others"));
 }
 
 TEST_F(PhotoReportTest, IgnoresAScenesOwnPoses) {

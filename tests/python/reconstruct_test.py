@@ -41,7 +41,20 @@ class Reconstruct(unittest.TestCase):
             oraclegs.reconstruct(fixtures.scene(), out, init="thick")
         with self.assertRaisesRegex(oraclegs.UsageError, "--iterations is -1"):
             oraclegs.reconstruct(fixtures.scene(), out, iterations=-1)
+        with self.assertRaisesRegex(oraclegs.UsageError, "--frames is 0"):
+            oraclegs.reconstruct(fixtures.scene(), out, frames=0)
         self.assertFalse(out.exists())
+
+    def test_takes_lists(self):
+        run = fixtures.finished_run()
+        oraclegs.reconstruct([fixtures.scene()], run, **fixtures.SMALL)  # the same as the folder itself
+        photos = sorted((fixtures.scene() / "images").iterdir())[:2]
+        text = fixtures.folder() / "notes.txt"
+        text.write_text("no photo")
+        with self.assertRaisesRegex(oraclegs.InputError, "notes.txt: is neither a photo"):
+            oraclegs.reconstruct([*photos, text], fixtures.folder() / "list", **fixtures.SMALL)
+        with self.assertRaisesRegex(oraclegs.Error, "photos"):  # two tell no depth
+            oraclegs.reconstruct(photos, fixtures.folder() / "list", **fixtures.SMALL)
 
     def test_bad_input_is_an_input_error(self):
         with self.assertRaisesRegex(oraclegs.InputError, "nowhere"):

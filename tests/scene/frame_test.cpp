@@ -105,13 +105,15 @@ TEST_F(FrameTest, MetersComeFromANumberOrADistance) {
 }
 
 TEST_F(FrameTest, RefusesOtherLengths) {
-  for (const char* text : {"0", "-1", "a", "a=1", "a,b,c=1", "a,b=", "a,b=0", "nan", "=1"}) {
+  for (const char* text : {"0", "-1", "a", "a=1", "a,b,c=1", "a,b=", "a,b=0", "nan", "=1", ":0,:1=1"}) {
     EXPECT_THROW(CheckScale(text), UsageError) << text;
   }
   EXPECT_NO_THROW(CheckScale(""));
   EXPECT_NO_THROW(CheckScale(scene, "a,b=1"));
   EXPECT_THROW(CheckScale(scene, "a,z=1"), InputError);
   EXPECT_THROW(CheckScale(scene, "a,a.jpg=1"), UsageError) << "one photo";
+  EXPECT_THAT(MessageOf<InputError>([&] { UnitMeters(scene, "a,z=1", true); }),
+              testing::HasSubstr("the camera of one of these photos was not found"));
   scene.views[1].cam_from_world = scene.views[0].cam_from_world;
   EXPECT_THROW(UnitMeters(scene, "a,b=1", true), InputError);
 }
@@ -124,8 +126,10 @@ TEST(FrameComments, CarryTheUnit) {
   EXPECT_EQ(comments.size(), 2u);
   EXPECT_EQ(UnitMetersOf(comments), 0.0625);
   comments.push_back("by me");
-  EXPECT_EQ(WithUnit(comments, 1), (std::vector<std::string>{"by me", "a unit is 1 m"}));
-  EXPECT_EQ(WithUnit(comments, {}), std::vector<std::string>{"by me"});
+  const std::string level = comments[0];
+  EXPECT_EQ(WithUnit(comments, 1), (std::vector<std::string>{level, "by me", "a unit is 1 m"}));
+  EXPECT_EQ(WithUnit(comments, {}), (std::vector<std::string>{level, "by me"}));
+  EXPECT_EQ(WithoutLevel(comments), (std::vector<std::string>{"a unit is 0.0625 m", "by me"}));
   for (const char* text : {"a unit is  m", "a unit is long m", "a unit is -1 m", "a unit is 1 mm"}) {
     EXPECT_FALSE(UnitMetersOf({text})) << text;
   }

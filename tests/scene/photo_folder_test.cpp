@@ -31,7 +31,8 @@ TEST_F(PhotoFolderTest, FindsPhotosInAllFolders) {
     WriteImage(dir_ / name);
   for (const char* name : {".hidden/d.png", "._c.png", "masks/c.png", "images_4/c.png"}) WriteImage(dir_ / name);
   WriteImage(dir_ / "out/renders/c.png");
-  WriteText(dir_ / "out/options.json", "{\n  \"format\": 1,\n  \"program\": \"oraclegs\"\n}");
+  const std::string inputs(20000, ' ');  // a run may name many
+  WriteText(dir_ / "out/options.json", "{\n  \"format\": 1," + inputs + "\n  \"program\": \"oraclegs\"\n}");
   WriteText(dir_ / "notes.txt", "no photo");
   EXPECT_THAT(Names(), ElementsAre("a/2/x y.png", "a/10.png", "b/1.png", "c.png", "umlaut \xC3\xA4 'quoted'.png"));
   EXPECT_THAT(events_.warnings, IsEmpty());

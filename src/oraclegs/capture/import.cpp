@@ -102,6 +102,11 @@ class Importer {
                              listener_);
       case InputKind::kFolder: {
         const fs::path folder = FreeName(fs::weakly_canonical(input).filename());
+        if (std::error_code error; fs::is_directory(input / "masks", error)) {
+          listener_(Warning{fmt::format(
+              "{}: masks are used where the folder is the only input; name it alone, or make one folder of all photos",
+              (input / "masks").string())});
+        }
         for (const fs::path& photo : FindPhotos(input, listener_))
           Copy(photo, folder / photo.lexically_relative(input));
         return;

@@ -66,6 +66,13 @@ std::vector<fs::path> Candidates(const fs::path& dir) {
   return files;
 }
 
+/// "DIR/%06d.jpg" as ffmpeg reads it: any % of the folder's own is doubled.
+std::string NumberedFiles(const fs::path& dir) {
+  std::string text;
+  for (const char c : dir.string()) text += c == '%' ? "%%" : std::string(1, c);
+  return text + "/%06d.jpg";
+}
+
 }  // namespace
 
 bool LooksLikeVideo(const fs::path& path) {
@@ -82,13 +89,6 @@ bool LooksLikeVideo(const fs::path& path) {
   const std::string_view bytes = head;
   return (bytes.substr(4, 4) == "ftyp" && !IsHeif(bytes)) || bytes.starts_with("\x1A\x45\xDF\xA3") ||
          (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "AVI ");
-}
-
-/// "DIR/%06d.jpg" as ffmpeg reads it: any % of the folder's own is doubled.
-std::string NumberedFiles(const fs::path& dir) {
-  std::string text;
-  for (const char c : dir.string()) text += c == '%' ? "%%" : std::string(1, c);
-  return text + "/%06d.jpg";
 }
 
 VideoInfo ProbeVideo(const fs::path& video) {

@@ -2,7 +2,9 @@
 
 #include <zip.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -21,6 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxUnpacked = uint64_t{1} << 35;  // what 500 photos may have, and no bomb
 constexpr size_t kPieceBytes = size_t{1} << 20;
+constexpr char kHelperReason[] =
+    "masks and smaller copies are not taken out of archives; unpack the archive and name its folder";
 
 struct CloseArchive {
   void operator()(zip_t* zip) const { zip_discard(zip); }
@@ -66,6 +70,11 @@ std::map<fs::path, zip_uint64_t> ListPhotos(zip_t* zip, std::map<std::string, st
     if (name == nullptr || *name == '\0' || std::string_view(name).ends_with('/')) continue;
     const fs::path path = SafePath(name);
     if (path.empty()) continue;
+    if (std::any_of(path.begin(), std::prev(path.end()),
+                    [](const fs::path& p) { return IsHelperFolder(p.string()); })) {
+      (*skipped)[kHelperReason].push_back(OneLine(path.generic_string()));
+      continue;
+    }
     if (HasImageExtension(path)) {
       fs::path free = path;
       for (int n = 2; !photos.emplace(free, index).second; ++n) {

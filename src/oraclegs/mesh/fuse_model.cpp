@@ -85,10 +85,10 @@ DepthScale ScaleOf(ViewSource* source) {
 double TruncationOf(const MeshOptions& options, double voxel, double depth) {
   const double automatic =
       std::clamp(kTruncationShare * depth, kTruncationVoxels * voxel, kMaxTruncationVoxels * voxel);
-  const double truncation = options.truncation.ValueOr(automatic);
+  const double truncation = options.truncation.is_auto() ? automatic : options.truncation.value() / options.unit;
   if (truncation >= voxel && truncation <= 4 * kMaxTruncationVoxels * voxel) return truncation;
   throw UsageError("--trunc is {:.3g}, must be 1 to {:.0f} voxels of {:.3g}; leave it out, or change --voxel",
-                   truncation, 4 * kMaxTruncationVoxels, voxel);
+                   truncation * options.unit, 4 * kMaxTruncationVoxels, voxel * options.unit);
 }
 
 TsdfBlocks BlocksAt(ViewSource* source, double voxel, double truncation) {
@@ -99,12 +99,12 @@ TsdfBlocks BlocksAt(ViewSource* source, double voxel, double truncation) {
 
 /// The blocks for the size that was asked for, or for one that gives a mesh of a size that viewers open.
 TsdfBlocks DecideBlocks(ViewSource* source, const DepthScale& scale, const MeshOptions& options) {
-  double voxel = options.voxel.ValueOr(scale.footprint);
+  double voxel = options.voxel.is_auto() ? scale.footprint : options.voxel.value() / options.unit;
   if (voxel < kMinFootprintShare * scale.footprint) {
     throw UsageError(
         "--voxel is {:.3g}: the renders hold no such detail, a pixel covers {:.3g}; give at least {:.3g}, or work on "
         "larger images (--downscale)",
-        voxel, scale.footprint, kMinFootprintShare * scale.footprint);
+        voxel * options.unit, scale.footprint * options.unit, kMinFootprintShare * scale.footprint * options.unit);
   }
   TsdfBlocks blocks = BlocksAt(source, voxel, TruncationOf(options, voxel, scale.depth));
   if (options.voxel.is_auto() && blocks.count() > kMaxAutoBlocks) {
@@ -153,6 +153,8 @@ FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, con
   VertexColors colors(fused.mesh, fused.truncation);
   source.ForEach(2, [&](const SurfaceView& view) { colors.Add(view); });
   fused.mesh.colors = colors.Colors();
+  for (Eigen::Vector3f& position : fused.mesh.positions) position *= static_cast<float>(options.unit);
+  fused.voxel *= options.unit, fused.truncation *= options.unit;
   return fused;
 }
 

@@ -17,14 +17,15 @@ struct MeshOptions {
   int renders = 60;
   double adaptivity = 0.1;
   double min_part = 0.001;
+  double unit = 1;  ///< of the scene, in those of the mesh: what the mesh and the lengths above are multiplied by
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("voxel", self.voxel,
-          "Side of a voxel in scene units: the finest detail; auto is what a pixel covers at the scene's depth",
+          "Side of a voxel in units of the mesh: the finest detail; auto is what a pixel covers at the scene's depth",
           Range{1e-9, 1e9});
     visit("trunc", self.truncation,
-          "Depths that differ by less are averaged, in scene units; auto is 4 voxels or 1 % of the scene's depth",
+          "Depths that differ by less are averaged, in units of the mesh; auto is 4 voxels or 1 % of the scene's depth",
           Range{1e-9, 1e9});
     visit("renders", self.renders,
           "Renders whose depth is fused: from the training views, and from cameras between them, up to this number",
@@ -40,7 +41,7 @@ std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count);
 
 struct FusedMesh {
   TriangleMesh mesh;      ///< with normals and colours; empty when the renders show no surface
-  double voxel = 0;       ///< scene units, decided
+  double voxel = 0;       ///< units of the mesh, decided
   double truncation = 0;  ///< likewise
 };
 

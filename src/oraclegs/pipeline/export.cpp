@@ -99,6 +99,7 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     }
     kept.gaussians = Transformed(kept.gaussians, transform);
     kept.comments = WithUnit(kept.comments, unit ? std::optional(*unit / scale) : std::nullopt);
+    if (!options.up.empty()) kept.comments = WithoutLevel(std::move(kept.comments));
   }
   if (!KeepsComments(format)) {
     for (const std::string& comment : LicenceComments(PartsInComments(kept.comments)))

@@ -56,7 +56,7 @@ void CheckRunPhotos(Run* run) {
   json kept = KeptOf(*run);
   if (kept.is_null()) {
     kept = Look(*run);
-    WriteFileAtomically(run->workspace.photo_checks(), kept.dump(1) + "\n");
+    WriteFileAtomically(run->workspace.photo_checks(), kept.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
   }
   for (const std::string& warning : TextsOf(kept, "warnings")) run->listener(Warning{warning});
   LeaveOut(TextsOf(kept, "unreadable"), &run->scene);

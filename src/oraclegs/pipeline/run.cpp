@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "oraclegs/capture/import.h"
+#include "oraclegs/capture/video.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/announce_stages.h"
 #include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/photo_report.h"
@@ -98,14 +100,14 @@ nlohmann::json SavedSize(const RunRequest& request) {
   return same_options && fs::equivalent(saved.scene, request.scene, ignored) ? saved.size : nlohmann::json();
 }
 
-/// Other frames of a video would replace what a finished run was made from.
+/// Other frames of a video would replace what the run was made from.
 void RequireSameFrames(const RunRequest& request, const nlohmann::json& saved_size) {
   const Auto<int>& now = request.options.capture.frames;
   const nlohmann::json before =
       saved_size.is_object() ? saved_size.value("frames", nlohmann::json()) : nlohmann::json();
-  std::error_code ignored;
   if (now.is_auto() || !before.is_number() || before == now.value()) return;
-  if (!fs::exists(WorkspacePaths(request.out).point_cloud(), ignored)) return;
+  if (std::none_of(request.inputs.begin(), request.inputs.end(), LooksLikeVideo)) return;
+  if (!HasResults(WorkspacePaths(request.out))) return;
   throw InputError(
       "{}: holds a run with other options (--frames was {}, now is {}); give the same options to continue it, choose "
       "another -o, or start anew with --overwrite",
@@ -147,7 +149,7 @@ RunRequest WithListsRead(const RunRequest& request) {
 /// The length of a unit, by the user's word or else by GPS.
 std::optional<double> UnitOf(const Run& run, bool opened) {
   const bool found = !run.photos.empty();
-  if (!run.options.input.scale.empty()) return UnitMeters(run.scene, run.options.input.scale, found);
+  if (!run.options.frame.scale.empty()) return UnitMeters(run.scene, run.options.frame.scale, found);
   const std::optional<GpsScale> gps = found ? UnitMetersByGps(run.scene) : std::nullopt;
   if (!gps) return std::nullopt;
   if (!opened) {
@@ -157,17 +159,29 @@ std::optional<double> UnitOf(const Run& run, bool opened) {
   return gps->unit_meters;
 }
 
+/// A length that became known after training: the header of the splat says it, too.
+void RefreshUnit(const Run& run) {
+  const fs::path ply = run.workspace.point_cloud();
+  std::error_code ignored;
+  if (!fs::exists(ply, ignored)) return;
+  try {
+    const GaussianPly splat = ReadGaussianPly(ply);
+    if (UnitMetersOf(splat.comments) == run.frame.unit_meters) return;
+    WriteGaussianPly(ply, splat.gaussians, splat.sh_degree, WithUnit(splat.comments, run.frame.unit_meters),
+                     splat.support);
+  } catch (const InputError&) {  // the stages make a damaged one again
+  }
+}
+
 /// Brings the poses that were found into the run's frame. Poses that came with the scene keep theirs.
 void EnterFrame(Run* run, bool opened) {
-  const fs::path file = run->workspace.frame();
-  if (!run->photos.empty() && opened) {
-    run->frame = ReadFrame(file).value_or(SceneFrame());  // none: a run of an earlier version, in COLMAP's frame
-  } else if (!run->photos.empty()) {
-    run->frame = FrameOf(run->scene, file);
-    WriteFrame(run->scene, run->frame, file);
+  if (!run->photos.empty()) {
+    run->frame = FrameOf(run->scene, run->workspace.frame());
+    if (!opened) WriteFrame(run->scene, run->frame, run->workspace.frame());
   }
   ApplyFrame(run->frame, &run->scene);
   run->frame.unit_meters = UnitOf(*run, opened);
+  if (!opened) RefreshUnit(*run);
 }
 
 /// Poses where there are none yet, the frame, and the split. `opened`: the run is only looked at.
@@ -189,7 +203,8 @@ PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const
                      root.string());
   }
   Split split = SplitViews(scene, WithListsRead(options.split));
-  return {std::move(scene), std::move(split)};
+  const std::optional<double> unit_meters = UnitMeters(scene, options.frame.scale, false);
+  return {std::move(scene), std::move(split), unit_meters};
 }
 
 fs::path OneFolder(const RunRequest& request) {
@@ -224,7 +239,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   const auto read = [&] {
     scene = Read(request.scene, request.options, listener);
     if (!imports) RequireOutsideScene(request.out, scene, request.options.input.images);
-    CheckScale(scene, request.options.input.scale);
+    CheckScale(scene, request.options.frame.scale);
   };
   if (!imports) read();
   const bool has_poses = scene.HasPoses();

@@ -27,6 +27,7 @@ struct RunRequest {
 struct PosedScene {
   Scene scene;
   Split split;
+  std::optional<double> unit_meters = {};  ///< length of a unit; nothing = not known
 };
 
 /// Reads a scene that has poses of its own. Throws InputError for a plain folder of photos.

@@ -15,6 +15,7 @@
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/scene/gps_scale.h"
 #include "oraclegs/scene/view_list.h"
 
 namespace oraclegs {
@@ -42,8 +43,8 @@ std::vector<Camera> CamerasOf(const Scene& scene) {
 }
 
 /// Cameras are rarely rolled, so that the horizontal sides of their images span the ground. Their mean up instead is
-/// off by as much as they look down.
-Eigen::Vector3d UpOf(const std::vector<Camera>& cameras) {
+/// off by as much as they look down. Nothing where the sides lie along one line or cameras look straight down.
+std::optional<Eigen::Vector3d> UpOfSides(const std::vector<Camera>& cameras) {
   const Eigen::Vector3d mean = MeanUp(cameras);
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   for (const Camera& camera : cameras) {
@@ -53,7 +54,7 @@ Eigen::Vector3d UpOf(const std::vector<Camera>& cameras) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(squares);
   const Eigen::Vector3d across = spread.eigenvectors().col(0);
   const Eigen::Vector3d up = across * (across.dot(mean) < 0 ? -1 : 1);
-  return spread.eigenvalues()[1] > kMinTurn && up.dot(mean) > kMinUpCosine ? up : mean;
+  return spread.eigenvalues()[1] > kMinTurn && up.dot(mean) > kMinUpCosine ? std::optional(up) : std::nullopt;
 }
 
 double MedianDistance(const std::vector<ScenePoint>& points, const Eigen::Vector3d& center) {
@@ -117,10 +118,28 @@ Scale ParseScale(const std::string& text) {
   return scale;
 }
 
+/// Names alone: the place of a view among the others changes when a photo cannot be used.
+void RequireNames(const Scale& scale, const std::string& text) {
+  for (const std::string& name : SplitTrimmed(scale.views, ',')) {
+    if (name.starts_with(':')) throw UsageError("--scale is '{}', must name two photos, as A,B=0.35", text);
+  }
+}
+
 std::vector<int> ViewsOf(const Scene& scene, const Scale& scale, const std::string& text) {
   std::vector<int> views = NamedViews(scene, "--scale", scale.views);
   if (views.size() != 2) throw UsageError("--scale is '{}', must name two photos, as A,B=0.35", text);
   return views;
+}
+
+/// Of those that have a pose.
+std::vector<int> FoundViewsOf(const Scene& scene, const Scale& scale, const std::string& text) {
+  try {
+    return ViewsOf(scene, scale, text);
+  } catch (const InputError&) {
+    throw InputError(
+        "--scale {}: the camera of one of these photos was not found (sfm/registration.json says why); name two others",
+        text);
+  }
 }
 
 bool IsIdentity(const SceneFrame& frame) {
@@ -131,7 +150,10 @@ bool IsIdentity(const SceneFrame& frame) {
 
 SceneFrame LevelFrame(const Scene& scene) {
   const std::vector<Camera> cameras = CamerasOf(scene);
-  const Eigen::Vector3d up = UpOf(cameras), center = LookedAt(cameras).center;
+  const Eigen::Vector3d center = LookedAt(cameras).center;
+  std::optional<Eigen::Vector3d> known_up = UpOfSides(cameras);
+  if (!known_up) known_up = UpByGps(scene);
+  const Eigen::Vector3d up = known_up.value_or(MeanUp(cameras));
   SceneFrame frame;
   frame.is_level = true;
   const Eigen::Vector3d level_up = FloorNormal(scene.points, up, center).value_or(up);
@@ -144,7 +166,7 @@ SceneFrame LevelFrame(const Scene& scene) {
 }
 
 void CheckScale(const std::string& text) {
-  if (!text.empty()) ParseScale(text);
+  if (!text.empty()) RequireNames(ParseScale(text), text);
 }
 
 void CheckScale(const Scene& scene, const std::string& text) {
@@ -163,7 +185,7 @@ std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bo
         "as A,B=0.35",
         text);
   }
-  const std::vector<int> views = ViewsOf(scene, scale, text);
+  const std::vector<int> views = FoundViewsOf(scene, scale, text);
   const std::vector<Camera> cameras = CamerasOf(scene);
   const auto place = [&](int v) { return cameras[static_cast<size_t>(v)].Center(); };
   const double distance = (place(views[0]) - place(views[1])).norm();
@@ -206,14 +228,17 @@ std::optional<double> UnitMetersOf(const std::vector<std::string>& comments) {
 }
 
 std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters) {
-  std::vector<std::string> others;
-  for (const std::string& comment : comments) {
-    if (comment != kLevelComment && !UnitMetersOf({comment})) others.push_back(comment);
-  }
+  std::vector<std::string> kept = comments;
+  std::erase_if(kept, [](const std::string& comment) { return UnitMetersOf({comment}).has_value(); });
   SceneFrame frame;
   frame.unit_meters = unit_meters;
-  for (std::string& comment : FrameComments(frame)) others.push_back(std::move(comment));
-  return others;
+  for (std::string& comment : FrameComments(frame)) kept.push_back(std::move(comment));
+  return kept;
+}
+
+std::vector<std::string> WithoutLevel(std::vector<std::string> comments) {
+  std::erase(comments, kLevelComment);
+  return comments;
 }
 
 }  // namespace oraclegs

@@ -21,7 +21,8 @@ struct SceneFrame {
 
 /// Of a scene with poses: up becomes -y (down is y, as in a camera that is held level; splat viewers expect it), and
 /// the point that the cameras look at becomes the origin. Up is upright to the images' horizontal sides, however far
-/// the cameras look down; where they all look the same way, so that this is open, it is their mean up. The normal of
+/// the cameras look down; where they all look the same way, so that this is open, GPS says it (UpByGps), or else their
+/// mean up. The normal of
 /// the plane that most points lie near replaces it where the two are within 15 degrees. Nothing is turned about the
 /// vertical. A unit becomes a quarter of the cameras' median distance from the center, the size of scene that the
 /// constants of 3DGS were chosen for. The same scene gives the same bits.
@@ -46,7 +47,10 @@ std::vector<std::string> FrameComments(const SceneFrame& frame);
 /// The length of a unit, as FrameComments wrote it among others.
 std::optional<double> UnitMetersOf(const std::vector<std::string>& comments);
 
-/// The comments of a model that was moved, whose unit has another length now: nothing else of the old frame holds.
+/// The comments with another length of a unit, or none.
 std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters);
+
+/// The comments of a model that was turned: it is level no more.
+std::vector<std::string> WithoutLevel(std::vector<std::string> comments);
 
 }  // namespace oraclegs

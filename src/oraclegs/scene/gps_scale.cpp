@@ -1,5 +1,7 @@
 #include "oraclegs/scene/gps_scale.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -11,6 +13,7 @@ namespace {
 constexpr size_t kMinPositions = 5;
 constexpr double kMinSpread = 10;   // meters, root mean square from the middle
 constexpr double kMaxError = 0.03;  // of the scale
+constexpr double kMinWidth = 0.1;   // of the places, to their length
 constexpr double kEquatorRadius = 6378137, kSquaredEccentricity = 6.69437999014e-3;  // WGS 84
 
 using Place = std::complex<double>;  // on the ground
@@ -66,6 +69,35 @@ std::optional<GpsScale> UnitMetersByGps(const Scene& scene) {
   const double error = std::sqrt(SumOfSquares(residuals) / freedom / units) / scale;
   if (!(error <= kMaxError)) return std::nullopt;
   return GpsScale{scale, error, static_cast<int>(n)};
+}
+
+std::optional<Eigen::Vector3d> UpByGps(const Scene& scene) {
+  std::vector<Eigen::Vector3d> found, told;
+  const GpsPosition* origin = nullptr;
+  for (const SceneView& view : scene.views) {
+    if (!view.gps || !view.gps->altitude || !view.cam_from_world) continue;
+    if (origin == nullptr) origin = &*view.gps;
+    const Place ground = OnGround(*view.gps, *origin);
+    found.push_back(view.cam_from_world->inverse(Eigen::Isometry).translation());
+    told.emplace_back(ground.real(), ground.imag(), *view.gps->altitude - *origin->altitude);
+  }
+  const auto n = static_cast<Eigen::Index>(found.size());
+  if (found.size() < kMinPositions) return std::nullopt;
+  Eigen::Matrix3Xd from(3, n), to(3, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    from.col(i) = found[static_cast<size_t>(i)], to.col(i) = told[static_cast<size_t>(i)];
+  from.colwise() -= from.rowwise().mean().eval();
+  to.colwise() -= to.rowwise().mean().eval();
+  const auto count = static_cast<double>(n);
+  const Eigen::Vector3d axes = Eigen::JacobiSVD<Eigen::Matrix3Xd>(to).singularValues();  // descending
+  if (!(axes.squaredNorm() >= count * kMinSpread * kMinSpread) || axes[1] < kMinWidth * axes[0]) return std::nullopt;
+  const Eigen::Matrix4d fit = Eigen::umeyama(from, to);
+  const Eigen::Matrix3d turn = fit.topLeftCorner<3, 3>();
+  const double scale = std::cbrt(turn.determinant());
+  const double freedom = 3 * count - 7;
+  const double error = (to - turn * from).norm() / std::sqrt(freedom) / (scale * from.norm());
+  if (!(error <= kMaxError)) return std::nullopt;
+  return Eigen::Vector3d(turn.row(2).transpose() / scale);
 }
 
 }  // namespace oraclegs

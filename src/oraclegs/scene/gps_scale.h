@@ -1,5 +1,7 @@
 #pragma once
+// What the GPS positions of photos say of a scene.
 
+#include <Eigen/Core>
 #include <optional>
 
 #include "oraclegs/scene/scene.h"
@@ -17,5 +19,9 @@ struct GpsScale {
 /// GPS knows them worst. Nothing when fewer than 5 photos have a position, when these lie within some 10 m, about the
 /// error of a phone's GPS, or when they do not agree with the cameras: an error above 3 %.
 std::optional<GpsScale> UnitMetersByGps(const Scene& scene);
+
+/// Which way is up (unit, in the scene's frame, which need not be level), by the GPS positions with their heights: a
+/// similarity in space, with the same conditions, and places that do not lie along one line.
+std::optional<Eigen::Vector3d> UpByGps(const Scene& scene);
 
 }  // namespace oraclegs

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <system_error>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 
@@ -15,6 +15,8 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxOptionsBytes = 16 << 20;
 
 struct UnreadKind {
   const char* reason;
@@ -43,11 +45,11 @@ std::string LowerExtension(const fs::path& path) {
 
 /// A result of this program: its images are renders, not photos.
 bool IsRunFolder(const fs::path& dir) {
-  std::ifstream file(dir / "options.json", std::ios::binary);
-  std::string head(4096, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return head.find("\"program\": \"oraclegs\"") != std::string::npos;
+  try {
+    return ReadFile(dir / "options.json", kMaxOptionsBytes).find("\"program\": \"oraclegs\"") != std::string::npos;
+  } catch (const Error&) {  // there is none
+    return false;
+  }
 }
 
 std::string Below(const fs::path& dir, const fs::path& path) { return path.lexically_relative(dir).generic_string(); }

@@ -147,12 +147,21 @@ TEST_F(VggtPosesTest, AnImportedRunGoesThroughAndIsOpenedInItsFrame) {
   }
   EXPECT_EQ(ReadMetrics(temp / "out").at("test"), metrics.at("test")) << "of the same frame";
   EXPECT_EQ(ReadFile(temp / "out" / "point_cloud.ply"), points);
-  // A run that was made before frames were kept stands in the frame of its poses.
-  fs::remove(WorkspacePaths(temp / "out").frame());
-  EXPECT_FALSE(OpenRun(request, Silent()).frame.is_level);
+  const Eigen::Matrix3d rotation = OpenRun(request, Silent()).frame.rotation;
+  WriteText(WorkspacePaths(temp / "out").frame(), "{ damaged");
+  EXPECT_EQ(OpenRun(request, Silent()).frame.rotation, rotation) << "it is found again";
 
   request.options.capture.frames = 7;
-  EXPECT_THAT(MessageOf<InputError>([&] { StartRun(request, Silent()); }), HasSubstr("--frames was 24, now is 7"));
+  EXPECT_EQ(Reconstruct(request, Silent()), metrics) << "there is no video";
+
+  // A length that becomes known afterwards trains nothing anew.
+  const std::string train = ReadFile(temp / "out" / "train.csv");
+  request.options.frame.scale = "000,001=0.5";
+  const nlohmann::json measured = Reconstruct(request, Silent());
+  EXPECT_TRUE(measured.at("frame").at("unit_meters").is_number());
+  EXPECT_EQ(ReadFile(temp / "out" / "train.csv"), train);
+  EXPECT_EQ(UnitMetersOf(ReadGaussianPly(temp / "out" / "point_cloud.ply").comments),
+            measured.at("frame").at("unit_meters").get<double>());
 }
 
 TEST_F(VggtPosesTest, PosesThatAreThereAreKept) {

@@ -22,8 +22,9 @@ nlohmann::json RunOptionsToJson(const RunOptions& options) {
 
 void CheckRunOptions(const RunOptions& options) {
   RunOptions::ForEachGroup(options, [](const char*, const auto& group) { CheckOptions(group); });
+  CheckOptions(options.capture);
   AttentionLayersOf(options.validate);
-  CheckScale(options.input.scale);
+  CheckScale(options.frame.scale);
   if (options.train.horizon > 0 && !options.train.iterations.is_auto() &&
       options.train.horizon < options.train.iterations.value()) {
     throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",

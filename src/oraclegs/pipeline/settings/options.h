@@ -64,7 +64,6 @@ struct EnumWords<LpipsUse> {
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
   PoseSource poses = PoseSource::kColmap;
-  std::string scale;  ///< as UnitMeters reads it
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -72,6 +71,15 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
+  }
+};
+
+/// What is known of the scene's size. It may become known, or change, after a run.
+struct FrameOptions {
+  std::string scale;  ///< as UnitMeters reads it
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
     visit(
         "scale", self.scale,
         "A length that you know, as IMG_1,IMG_2=0.35: these two photos were taken 0.35 m apart; for scenes with poses "
@@ -231,6 +239,7 @@ struct WeightOptions {
 
 struct RunOptions {
   InputOptions input;
+  FrameOptions frame;
   QualityOptions quality;
   CaptureOptions capture;  ///< of commands that start a run; in none of the groups below
   SplitOptions split;
@@ -269,6 +278,7 @@ struct RunOptions {
   template <class Self, class F>
   static void ForEachGroup(Self& self, F&& f) {
     ForEachShapingGroup(self, f);
+    f("Scene", self.frame);
     f("Proposals", self.generator_limits);
     f("Checkpoints", self.checkpoints);
     f("Report", self.report);

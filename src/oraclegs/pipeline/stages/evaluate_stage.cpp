@@ -3,6 +3,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/gaussians/transform.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/perceptual.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
@@ -59,14 +60,19 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
 
 }  // namespace
 
-Model LoadModel(const fs::path& ply, const RunOptions& options, Device device) {
+Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, std::optional<double> unit_meters) {
   GaussianPly file = ReadGaussianPly(ply);
+  std::optional<double> unit = UnitMetersOf(file.comments);
+  if (unit && unit_meters && *unit != *unit_meters) {  // exported in meters
+    file.gaussians = Transformed(file.gaussians, {.scale = *unit / *unit_meters});
+    unit = unit_meters;
+  }
   file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
   return {std::move(file.gaussians),
           {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased},
           PartsInComments(file.comments),
           std::move(file.support),
-          UnitMetersOf(file.comments)};
+          unit};
 }
 
 nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,

@@ -21,7 +21,10 @@ struct Model {
 };
 
 /// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing of `options` and on `device`.
-Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device);
+/// `unit_meters`: of the scene; a model whose own unit is known and another, as of an export in meters, is scaled to
+/// it.
+Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
+                std::optional<double> unit_meters = {});
 
 /// Scores a model on the views {"psnr", ...} (evaluate.h); warns when there are none. `renders`: receives the images,
 /// empty = nothing is written. `lpips`: files of its weights, none = no such score.

@@ -43,12 +43,6 @@ bool HoldsAnything(const fs::path& dir) {
   return false;
 }
 
-bool HasResults(const WorkspacePaths& paths) {
-  std::error_code ignored;
-  return fs::exists(paths.point_cloud(), ignored) || fs::exists(paths.metrics(), ignored) ||
-         (fs::is_directory(paths.checkpoints(), ignored) && HoldsAnything(paths.checkpoints()));
-}
-
 void RemoveRun(const fs::path& dir) {
   // options.json goes last: as long as it stands, the folder is recognised as ours.
   for (const char* name : kOwnNames) {
@@ -136,6 +130,12 @@ void RequireOutside(const fs::path& dir, const fs::path& folder, const char* wha
 }
 
 }  // namespace
+
+bool HasResults(const WorkspacePaths& paths) {
+  std::error_code ignored;
+  return fs::exists(paths.point_cloud(), ignored) || fs::exists(paths.metrics(), ignored) ||
+         (fs::is_directory(paths.checkpoints(), ignored) && HoldsAnything(paths.checkpoints()));
+}
 
 void RequireOutsideScene(const fs::path& dir, const fs::path& scene_root) {
   RequireOutside(dir, scene_root, "the scene folder");

@@ -43,6 +43,9 @@ class WorkspacePaths {
   std::filesystem::path root_;
 };
 
+/// True when something lies there that took long to make: a splat, scores or a checkpoint.
+bool HasResults(const WorkspacePaths& paths);
+
 /// What options.json also holds.
 struct RunDetails {
   nlohmann::json size;                          ///< what "auto" became (settings/run_size.h); null = not known yet
