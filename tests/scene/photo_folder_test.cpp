@@ -69,6 +69,9 @@ TEST_F(PhotoFolderTest, KnowsTheCameraFromExif) {
   EXPECT_NEAR(views[0].focal_prior, 26 / 43.2666 * 50, 1e-6);
   EXPECT_EQ(views[1].camera, "");
   EXPECT_EQ(views[1].focal_prior, 0);
+  ASSERT_TRUE(views[0].gps);
+  EXPECT_NEAR(views[0].gps->latitude, 47.51, 1e-9);
+  EXPECT_FALSE(views[1].gps);
 }
 
 TEST_F(PhotoFolderTest, RefusesTooMany) {
