@@ -35,10 +35,10 @@ void WarnOfMemory(int64_t needed, const Listener& listener) {
 
 void AnnounceStages(Run* run) {
   const Split split = SplitViews(run->scene, run->options.split);
-  const EstimateInput input{run->options, SizeOf(run->scene, static_cast<int>(split.train.size())),
-                            static_cast<int>(run->scene.views.size()),
-                            static_cast<int>((split.test.empty() ? split.train : split.test).size()),
-                            run->plan.device.is_cpu() ? CpuSlowness() : 0};
+  const auto train = static_cast<int>(split.train.size()), test = static_cast<int>(split.test.size());
+  const auto all = static_cast<int>(run->scene.views.size());
+  const EstimateInput input{run->options, SizeOf(run->scene, train), run->photos.empty() ? 0 : all,
+                            test,         all - train - test,        run->plan.device.is_cpu() ? CpuSlowness() : 0};
   RunPlanned planned;
   for (const Stage& stage : Stages()) {
     if (!stage.work.wanted(*run)) continue;

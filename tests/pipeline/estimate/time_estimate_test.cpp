@@ -9,7 +9,7 @@ namespace {
 
 class EstimateTest : public testing::Test {
  protected:
-  EstimateInput Input(const RunOptions& options) const { return {options, scene, 12, 0, 1}; }
+  EstimateInput Input(const RunOptions& options) const { return {options, scene, 14, 2, 0, 1}; }
 
   SceneSize scene{12, {4000, 3000}};
   RunOptions options = WithSize({}, scene, false);
@@ -35,6 +35,27 @@ TEST_F(EstimateTest, ScalesWithTheMachine) {
   EstimateInput slow = Input(options);
   slow.slowness = 3;
   EXPECT_DOUBLE_EQ(EstimateSeconds("depth", slow), 3 * EstimateSeconds("depth", Input(options)));
+}
+
+TEST_F(EstimateTest, PointsOfRegistrationServeWhereAllPhotosTrain) {
+  EstimateInput all = Input(options);
+  all.photos = 12, all.test_views = 0;
+  EXPECT_LT(EstimateSeconds("sfm", all), 1);
+  EXPECT_GT(EstimateSeconds("sfm", Input(options)), 10);
+}
+
+TEST_F(EstimateTest, SmallPhotosAreMatchedSooner) {
+  const double large = EstimateSeconds("register", Input(options));
+  scene.largest = {320, 240};
+  EXPECT_LT(EstimateSeconds("register", Input(options)), large / 2);
+}
+
+TEST_F(EstimateTest, PosesOfViewsAreNoMoreThanThere) {
+  const double usual = EstimateSeconds("validate", Input(options));
+  options.trajectory.trajectory = Trajectory::kDataset;
+  EstimateInput few = Input(options);
+  few.other_views = 3;
+  EXPECT_LT(EstimateSeconds("validate", few), usual / 4);
 }
 
 TEST_F(EstimateTest, WithoutProposalsNothingIsProposed) {

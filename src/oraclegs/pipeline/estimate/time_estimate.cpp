@@ -1,22 +1,26 @@
 #include "oraclegs/pipeline/estimate/time_estimate.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
+#include "oraclegs/sfm/colmap_runner.h"
 
 namespace oraclegs {
 namespace {
 
 // Seconds on the reference machine.
-constexpr double kFeaturesOfPhoto = 2.2, kMatchOfPair = 0.35, kMapping = 5, kMappingOfPhoto = 0.5;
+constexpr double kFeatures = 0.2, kFeaturesOfPixel = 0.47e-6;  // a photo
+constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;        // a pair; features grow with the pixels' square root
+constexpr double kMapping = 3, kMappingOfPhoto = 0.3, kReuse = 0.3;
 constexpr double kStereoOfPixel = 24e-6, kStereo = 3;
 constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
-constexpr double kProposeOfPixel = 0.35e-6, kPropose = 3;
-constexpr double kValidateOfPixel = 4e-6, kValidate = 2;
-constexpr double kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
-constexpr double kReport = 4;
+constexpr double kProposeOfPixel = 0.35e-6, kPropose = 1;
+constexpr double kValidateOfPixel = 2.5e-6, kValidate = 1;
+constexpr double kScoreOfPixel = 1.05e-6, kScore = 0.5;
+constexpr double kReport = 3, kReportOfPixel = 1.1e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 constexpr int kOrbitFrames = 96;
 
 // Bytes.
@@ -33,7 +37,10 @@ double PairsOf(int photos) { return 0.5 * photos * (photos - 1); }
 int ProposalsOf(const EstimateInput& input) {
   const RunOptions& options = input.options;
   if (!ProposesViews(options)) return 0;
-  return options.trajectory.proposals.ValueOr(options.propose.ByProxiesAlone() ? kProxyProposals : kUsualProposals);
+  const int proposals =
+      options.trajectory.proposals.ValueOr(options.propose.ByProxiesAlone() ? kProxyProposals : kUsualProposals);
+  const bool at_views = options.trajectory.trajectory == Trajectory::kDataset;
+  return at_views ? std::min(proposals, input.other_views) : proposals;
 }
 
 double SecondsOfIteration(const EstimateInput& input) {
@@ -41,8 +48,13 @@ double SecondsOfIteration(const EstimateInput& input) {
          kIterationOfGaussian * input.options.train.max_gaussians.value();
 }
 
-double SecondsOfFeatures(int photos) {
-  return kFeaturesOfPhoto * photos + kMatchOfPair * PairsOf(photos) + kMapping + kMappingOfPhoto * photos;
+/// COLMAP looks at photos of at most kMaxFeatureImageSide pixels.
+double SecondsOfFeatures(const EstimateInput& input, int photos) {
+  const PixelSize full = input.scene.largest;
+  const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / std::max(full.width, full.height));
+  const double pixels = static_cast<double>(full.width) * full.height * reduction * reduction;
+  return (kFeatures + kFeaturesOfPixel * pixels) * photos +
+         (kMatch + kMatchOfSide * std::sqrt(pixels)) * PairsOf(photos) + kMapping + kMappingOfPhoto * photos;
 }
 
 double SecondsOfProxies(const EstimateInput& input) {
@@ -62,9 +74,10 @@ double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
   const double pixels = PixelsOfView(input), views = input.scene.views, proposals = ProposalsOf(input);
   double seconds = 0;
   if (stage == "register") {
-    seconds = SecondsOfFeatures(input.photos);
+    seconds = SecondsOfFeatures(input, input.photos);
   } else if (stage == "sfm") {
-    seconds = SecondsOfFeatures(input.scene.views);
+    const bool found = input.photos > 0 && input.test_views + input.other_views == 0;  // all by registration
+    seconds = found ? kReuse : SecondsOfFeatures(input, input.scene.views);
   } else if (stage == "depth") {
     seconds = kStereo + kStereoOfPixel * pixels * views;
   } else if (stage == "proxies") {
@@ -76,9 +89,10 @@ double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
   } else if (stage == "train") {
     seconds = input.options.train.iterations.value() * SecondsOfIteration(input);
   } else if (stage == "evaluate") {
-    seconds = 0.5 + 2 * SecondsOfRender(input) * std::max(input.scored_views, 1);
+    seconds = kScore + kScoreOfPixel * pixels * (input.test_views > 0 ? input.test_views : views);
   } else if (stage == "report") {
-    seconds = kReport + SecondsOfRender(input) * std::min(input.options.report.orbit_frames, kOrbitFrames);
+    seconds = kReport + kReportOfPixel * pixels * (views + input.test_views) +
+              SecondsOfRender(input) * std::min(input.options.report.orbit_frames, kOrbitFrames);
   }
   return input.slowness * seconds;
 }

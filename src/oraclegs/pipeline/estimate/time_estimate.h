@@ -9,9 +9,10 @@ namespace oraclegs {
 struct EstimateInput {
   const RunOptions& options;  ///< with its size settled
   SceneSize scene;
-  int photos = 0;        ///< that are registered, where the scene has no poses
-  int scored_views = 0;  ///< the test views; the training views where there are none
-  double slowness = 1;   ///< of the machine (speed_probe.h)
+  int photos = 0;       ///< that are registered; 0 where the scene has poses
+  int test_views = 0;   ///< held out
+  int other_views = 0;  ///< that neither train nor test: poses of --trajectory dataset
+  double slowness = 1;  ///< of the machine (speed_probe.h)
 };
 
 /// Seconds that a stage takes on a CPU; 0 for a stage of another name, and where a network takes part, whose time
