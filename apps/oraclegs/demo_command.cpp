@@ -8,6 +8,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/workspace/stage_table.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
 
 namespace oraclegs {
@@ -85,8 +86,9 @@ class DemoCommand : public Command {
     RunRequest request;
     request.scene = scene, request.out = run, request.options = run_;
     request.estimates = true, request.overwrite = options_.overwrite, request.version = ORACLEGS_VERSION;
+    const nlohmann::json before = request.overwrite ? nlohmann::json::object() : ReadStageRecords(run);
     const nlohmann::json metrics = Reconstruct(request, listener);
-    Print(SummaryOf(metrics, run));
+    Print(StageTable(before, ReadStageRecords(run)) + SummaryOf(metrics, run));
     if (WriteComparison(WorkspacePaths(run).renders("test"), image)) {
       Print("Left: an image that the training did not see. Right: the same view of the splat.\n" + image.string());
     }
