@@ -18,7 +18,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMinSpareForDataset = 4;
 constexpr int kCandidatesPerTarget = 8, kMinCandidates = 256, kMaxCandidates = 4096;
 constexpr size_t kPointsTimesCandidates = 20000000;  // memory of the choice by coverage: 20 bytes for each
 constexpr size_t kMinCoveragePoints = 1000;

@@ -9,6 +9,9 @@
 
 namespace oraclegs {
 
+/// So many views with a pose that neither train nor test are taken as poses by the automatic trajectory.
+inline constexpr size_t kMinSpareForDataset = 4;
+
 enum class Trajectory { kDataset, kOrbit, kSpiral, kInterpolate, kCoverage };
 
 template <>

@@ -56,6 +56,11 @@ TEST_F(EstimateTest, PosesOfViewsAreNoMoreThanThere) {
   EstimateInput few = Input(options);
   few.other_views = 3;
   EXPECT_LT(EstimateSeconds("validate", few), usual / 4);
+  options.trajectory.trajectory = {};
+  EXPECT_EQ(EstimateSeconds("validate", Input(options)), usual);
+  EstimateInput spare = Input(options);
+  spare.other_views = 40;
+  EXPECT_LT(EstimateSeconds("validate", spare), usual / 2);
 }
 
 TEST_F(EstimateTest, WithoutProposalsNothingIsProposed) {

@@ -18,9 +18,9 @@ constexpr double kMapping = 3, kMappingOfPhoto = 0.3, kReuse = 0.3;
 constexpr double kStereoOfPixel = 24e-6, kStereo = 3;
 constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
 constexpr double kProposeOfPixel = 0.35e-6, kPropose = 1;
-constexpr double kValidateOfPixel = 2.5e-6, kValidate = 1;
-constexpr double kScoreOfPixel = 1.05e-6, kScore = 0.5;
-constexpr double kReport = 3, kReportOfPixel = 1.1e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
+constexpr double kValidateOfPixel = 1.7e-6, kTeachOracleOfPixel = 6e-6, kValidate = 0.5;
+constexpr double kScoreOfPixel = 0.75e-6, kScore = 0.5, kLoadOfPixel = 26e-9;  // of an image as it came
+constexpr double kReport = 3, kReportOfPixel = 0.7e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 constexpr int kOrbitFrames = 96;
 
 // Bytes.
@@ -32,6 +32,11 @@ double PixelsOfView(const EstimateInput& input) {
   return static_cast<double>(size.width) * size.height;
 }
 
+/// As the image came.
+double FullPixels(const EstimateInput& input) {
+  return static_cast<double>(input.scene.largest.width) * input.scene.largest.height;
+}
+
 double PairsOf(int photos) { return 0.5 * photos * (photos - 1); }
 
 int ProposalsOf(const EstimateInput& input) {
@@ -39,7 +44,9 @@ int ProposalsOf(const EstimateInput& input) {
   if (!ProposesViews(options)) return 0;
   const int proposals =
       options.trajectory.proposals.ValueOr(options.propose.ByProxiesAlone() ? kProxyProposals : kUsualProposals);
-  const bool at_views = options.trajectory.trajectory == Trajectory::kDataset;
+  const bool has_spare = static_cast<size_t>(input.other_views) >= kMinSpareForDataset;
+  const auto& trajectory = options.trajectory.trajectory;
+  const bool at_views = trajectory.is_auto() ? has_spare : trajectory.value() == Trajectory::kDataset;
   return at_views ? std::min(proposals, input.other_views) : proposals;
 }
 
@@ -50,9 +57,9 @@ double SecondsOfIteration(const EstimateInput& input) {
 
 /// COLMAP looks at photos of at most kMaxFeatureImageSide pixels.
 double SecondsOfFeatures(const EstimateInput& input, int photos) {
-  const PixelSize full = input.scene.largest;
-  const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / std::max(full.width, full.height));
-  const double pixels = static_cast<double>(full.width) * full.height * reduction * reduction;
+  const int side = std::max(input.scene.largest.width, input.scene.largest.height);
+  const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / side);
+  const double pixels = FullPixels(input) * reduction * reduction;
   return (kFeatures + kFeaturesOfPixel * pixels) * photos +
          (kMatch + kMatchOfSide * std::sqrt(pixels)) * PairsOf(photos) + kMapping + kMappingOfPhoto * photos;
 }
@@ -85,13 +92,14 @@ double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
   } else if (stage == "propose") {
     seconds = kPropose + kProposeOfPixel * pixels * proposals;
   } else if (stage == "validate") {
-    seconds = kValidate + kValidateOfPixel * pixels * proposals;
+    seconds = kValidate + kValidateOfPixel * pixels * proposals + kTeachOracleOfPixel * pixels * views;
   } else if (stage == "train") {
     seconds = input.options.train.iterations.value() * SecondsOfIteration(input);
   } else if (stage == "evaluate") {
-    seconds = kScore + kScoreOfPixel * pixels * (input.test_views > 0 ? input.test_views : views);
+    const double scored = input.test_views > 0 ? input.test_views : views;
+    seconds = kScore + (kScoreOfPixel * pixels + kLoadOfPixel * FullPixels(input)) * scored;
   } else if (stage == "report") {
-    seconds = kReport + kReportOfPixel * pixels * (views + input.test_views) +
+    seconds = kReport + (kReportOfPixel * pixels + kLoadOfPixel * FullPixels(input)) * (views + input.test_views) +
               SecondsOfRender(input) * std::min(input.options.report.orbit_frames, kOrbitFrames);
   }
   return input.slowness * seconds;
@@ -99,10 +107,9 @@ double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
 
 int64_t EstimateRunMemory(const EstimateInput& input) {
   const double pixels = PixelsOfView(input);
-  const double full = static_cast<double>(input.scene.largest.width) * input.scene.largest.height;
   const double held =
       kBytesOfViewPixel * pixels * input.scene.views + kBytesOfProposalPixel * pixels * ProposalsOf(input);
-  const double loading = kBytesOfLoadedPixel * full * std::min(NumThreads(), input.scene.views);
+  const double loading = kBytesOfLoadedPixel * FullPixels(input) * std::min(NumThreads(), input.scene.views);
   const double training = kBytesOfGaussian * input.options.train.max_gaussians.value() + kBytesOfWorkPixel * pixels;
   return static_cast<int64_t>(kProgramBytes + held + std::max(loading, training));
 }
