@@ -114,6 +114,8 @@ TEST_F(FrameTest, RefusesOtherLengths) {
   EXPECT_THROW(CheckScale(scene, "a,a.jpg=1"), UsageError) << "one photo";
   EXPECT_THAT(MessageOf<InputError>([&] { UnitMeters(scene, "a,z=1", true); }),
               testing::HasSubstr("the camera of one of these photos was not found"));
+  EXPECT_THAT(MessageOf<InputError>([&] { UnitMeters(scene, "a,z=1", false); }), testing::HasSubstr("'z'"))
+      << "of a scene with poses";
   scene.views[1].cam_from_world = scene.views[0].cam_from_world;
   EXPECT_THROW(UnitMeters(scene, "a,b=1", true), InputError);
 }

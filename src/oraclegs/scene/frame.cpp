@@ -185,7 +185,7 @@ std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bo
         "as A,B=0.35",
         text);
   }
-  const std::vector<int> views = FoundViewsOf(scene, scale, text);
+  const std::vector<int> views = arbitrary ? FoundViewsOf(scene, scale, text) : ViewsOf(scene, scale, text);
   const std::vector<Camera> cameras = CamerasOf(scene);
   const auto place = [&](int v) { return cameras[static_cast<size_t>(v)].Center(); };
   const double distance = (place(views[0]) - place(views[1])).norm();

@@ -45,25 +45,25 @@ double SumOfSquares(const std::vector<Place>& places) {
 }  // namespace
 
 std::optional<GpsScale> UnitMetersByGps(const Scene& scene) {
-  std::vector<Place> found, told;  // by registration, by GPS
+  std::vector<Place> places, positions;  // of the cameras, by GPS
   const GpsPosition* origin = nullptr;
   for (const SceneView& view : scene.views) {
     if (!view.gps || !view.cam_from_world) continue;
     if (origin == nullptr) origin = &*view.gps;
     const Eigen::Vector3d center = view.cam_from_world->inverse(Eigen::Isometry).translation();
-    found.emplace_back(center.x(), center.z());  // seen from above (from -y) z is left of x, as north is of east
-    told.push_back(OnGround(*view.gps, *origin));
+    places.emplace_back(center.x(), center.z());  // seen from above (from -y) z is left of x, as north is of east
+    positions.push_back(OnGround(*view.gps, *origin));
   }
-  const size_t n = found.size();
+  const size_t n = places.size();
   if (n < kMinPositions) return std::nullopt;
-  Center(&found);
-  Center(&told);
-  const double spread = SumOfSquares(told), units = SumOfSquares(found);
+  Center(&places);
+  Center(&positions);
+  const double spread = SumOfSquares(positions), units = SumOfSquares(places);
   if (!(spread >= static_cast<double>(n) * kMinSpread * kMinSpread) || !(units > 0)) return std::nullopt;
   Place factor = 0;  // a scale and a turn
-  for (size_t i = 0; i < n; ++i) factor += std::conj(found[i]) * told[i] / units;
+  for (size_t i = 0; i < n; ++i) factor += std::conj(places[i]) * positions[i] / units;
   std::vector<Place> residuals;
-  for (size_t i = 0; i < n; ++i) residuals.push_back(told[i] - factor * found[i]);
+  for (size_t i = 0; i < n; ++i) residuals.push_back(positions[i] - factor * places[i]);
   const double freedom = 2 * static_cast<double>(n) - 4;  // two numbers a place, less those of the similarity
   const double scale = std::abs(factor);
   const double error = std::sqrt(SumOfSquares(residuals) / freedom / units) / scale;
@@ -72,20 +72,20 @@ std::optional<GpsScale> UnitMetersByGps(const Scene& scene) {
 }
 
 std::optional<Eigen::Vector3d> UpByGps(const Scene& scene) {
-  std::vector<Eigen::Vector3d> found, told;
+  std::vector<Eigen::Vector3d> places, positions;
   const GpsPosition* origin = nullptr;
   for (const SceneView& view : scene.views) {
     if (!view.gps || !view.gps->altitude || !view.cam_from_world) continue;
     if (origin == nullptr) origin = &*view.gps;
     const Place ground = OnGround(*view.gps, *origin);
-    found.push_back(view.cam_from_world->inverse(Eigen::Isometry).translation());
-    told.emplace_back(ground.real(), ground.imag(), *view.gps->altitude - *origin->altitude);
+    places.push_back(view.cam_from_world->inverse(Eigen::Isometry).translation());
+    positions.emplace_back(ground.real(), ground.imag(), *view.gps->altitude - *origin->altitude);
   }
-  const auto n = static_cast<Eigen::Index>(found.size());
-  if (found.size() < kMinPositions) return std::nullopt;
+  const auto n = static_cast<Eigen::Index>(places.size());
+  if (places.size() < kMinPositions) return std::nullopt;
   Eigen::Matrix3Xd from(3, n), to(3, n);
   for (Eigen::Index i = 0; i < n; ++i)
-    from.col(i) = found[static_cast<size_t>(i)], to.col(i) = told[static_cast<size_t>(i)];
+    from.col(i) = places[static_cast<size_t>(i)], to.col(i) = positions[static_cast<size_t>(i)];
   from.colwise() -= from.rowwise().mean().eval();
   to.colwise() -= to.rowwise().mean().eval();
   const auto count = static_cast<double>(n);
