@@ -9,6 +9,8 @@
 namespace oraclegs {
 namespace {
 
+constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
+
 /// What a network does is of no known speed.
 bool UsesNetwork(const Plan& plan, const RunOptions& options, const std::string& stage) {
   if (stage == "register") return plan.poses.has_value();
@@ -38,7 +40,8 @@ void AnnounceStages(Run* run) {
   const auto train = static_cast<int>(split.train.size()), test = static_cast<int>(split.test.size());
   const auto all = static_cast<int>(run->scene.views.size());
   const EstimateInput input{run->options, SizeOf(run->scene, train), run->photos.empty() ? 0 : all,
-                            test,         all - train - test,        run->plan.device.is_cpu() ? CpuSlowness() : 0};
+                            test,         all - train - test,        run->plan.device.is_cpu() ? CpuSlowness() : 0,
+                            run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
   RunPlanned planned;
   for (const Stage& stage : Stages()) {
     if (!stage.work.wanted(*run)) continue;

@@ -14,13 +14,13 @@ namespace {
 // Seconds on the reference machine.
 constexpr double kFeatures = 0.2, kFeaturesOfPixel = 0.47e-6;  // a photo
 constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;        // a pair; features grow with the pixels' square root
-constexpr double kMapping = 3, kMappingOfPhoto = 0.3, kReuse = 0.3;
-constexpr double kStereoOfPixel = 24e-6, kStereo = 3;
+constexpr double kMapping = 3, kMappingOfPhoto = 0.3, kTriangulation = 0.5, kReuse = 0.3;
+constexpr double kStereoOfPixel = 24e-6, kStereo = 0.5;
 constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
 constexpr double kProposeOfPixel = 0.35e-6, kPropose = 1;
 constexpr double kValidateOfPixel = 1.7e-6, kTeachOracleOfPixel = 6e-6, kValidate = 0.5;
 constexpr double kScoreOfPixel = 0.75e-6, kScore = 0.5, kLoadOfPixel = 26e-9;  // of an image as it came
-constexpr double kReport = 3, kReportOfPixel = 0.7e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
+constexpr double kReport = 0.5, kReportOfPixel = 1e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 constexpr int kOrbitFrames = 96;
 
 // Bytes.
@@ -31,6 +31,8 @@ double PixelsOfView(const EstimateInput& input) {
   const PixelSize size = WorkingSize(input.scene.largest, input.options.image);
   return static_cast<double>(size.width) * size.height;
 }
+
+double CoveredPixels(const EstimateInput& input) { return input.covered * PixelsOfView(input); }
 
 /// As the image came.
 double FullPixels(const EstimateInput& input) {
@@ -51,7 +53,7 @@ int ProposalsOf(const EstimateInput& input) {
 }
 
 double SecondsOfIteration(const EstimateInput& input) {
-  return kIteration + kIterationOfPixel * PixelsOfView(input) +
+  return kIteration + kIterationOfPixel * CoveredPixels(input) +
          kIterationOfGaussian * input.options.train.max_gaussians.value();
 }
 
@@ -61,7 +63,7 @@ double SecondsOfFeatures(const EstimateInput& input, int photos) {
   const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / side);
   const double pixels = FullPixels(input) * reduction * reduction;
   return (kFeatures + kFeaturesOfPixel * pixels) * photos +
-         (kMatch + kMatchOfSide * std::sqrt(pixels)) * PairsOf(photos) + kMapping + kMappingOfPhoto * photos;
+         (kMatch + kMatchOfSide * std::sqrt(pixels)) * PairsOf(photos);
 }
 
 double SecondsOfProxies(const EstimateInput& input) {
@@ -72,19 +74,19 @@ double SecondsOfProxies(const EstimateInput& input) {
 }
 
 double SecondsOfRender(const EstimateInput& input) {
-  return kRenderOfPixel * PixelsOfView(input) + kRenderOfGaussian * input.options.train.max_gaussians.value();
+  return kRenderOfPixel * CoveredPixels(input) + kRenderOfGaussian * input.options.train.max_gaussians.value();
 }
 
 }  // namespace
 
 double EstimateSeconds(const std::string& stage, const EstimateInput& input) {
-  const double pixels = PixelsOfView(input), views = input.scene.views, proposals = ProposalsOf(input);
+  const double pixels = CoveredPixels(input), views = input.scene.views, proposals = ProposalsOf(input);
   double seconds = 0;
   if (stage == "register") {
-    seconds = SecondsOfFeatures(input, input.photos);
+    seconds = SecondsOfFeatures(input, input.photos) + kMapping + kMappingOfPhoto * input.photos;
   } else if (stage == "sfm") {
     const bool found = input.photos > 0 && input.test_views + input.other_views == 0;  // all by registration
-    seconds = found ? kReuse : SecondsOfFeatures(input, input.scene.views);
+    seconds = found ? kReuse : SecondsOfFeatures(input, input.scene.views) + kTriangulation;
   } else if (stage == "depth") {
     seconds = kStereo + kStereoOfPixel * pixels * views;
   } else if (stage == "proxies") {

@@ -13,6 +13,7 @@ struct EstimateInput {
   int test_views = 0;   ///< held out
   int other_views = 0;  ///< that neither train nor test: poses of --trajectory dataset
   double slowness = 1;  ///< of the machine (speed_probe.h)
+  double covered = 1;   ///< share of the pixels that show something: the background of an object costs little
 };
 
 /// Seconds that a stage takes on a CPU; 0 for a stage of another name, and where a network takes part, whose time
