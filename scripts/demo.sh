@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds OracleGS, renders a small scene with known truth and reconstructs it from 12 of its 24 images. Nothing is
-# downloaded but Debian and npm packages. On two cores the first build takes several minutes, the reconstruction about two.
+# downloaded but Debian and npm packages. On two cores packages took three minutes, the build six, the scene two.
 # The results go to build/demo, or to the folder given.
 #   scripts/demo.sh [FOLDER]
 set -euo pipefail

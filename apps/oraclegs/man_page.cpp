@@ -99,6 +99,8 @@ std::string ManPage(const Catalog& commands, const std::string& version) {
          ".TP\n.B ORACLEGS_MODELS\nFolder of the networks' weights.\n"
          ".TP\n.B ORACLEGS_PRESETS\nFolder of more presets, NAME.toml.\n"
          ".TP\n.B ORACLEGS_NETWORKS_LIBRARY\nThe library of networks to load.\n"
+         ".TP\n.B ORACLEGS_STALL_LIMIT\nSeconds after which a program that does nothing (colmap, ffmpeg) is ended; "
+         "120.\n"
          ".TP\n.B HF_TOKEN\nAccess token for weights that need an account.\n"
          ".SH EXIT STATUS\n"
          ".TP\n.B 0\nDone.\n.TP\n.B 2\nA mistake on the command line.\n.TP\n.B 3\nBad input.\n.TP\n.B 4\nThe run "

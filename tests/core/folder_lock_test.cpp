@@ -29,6 +29,38 @@ TEST(FolderLock, OnlyOneHoldsIt) {
   EXPECT_FALSE(second.held());
 }
 
+TEST(FolderLock, TellsWhyItIsNotHeld) {
+  TempDir dir;
+  const FolderLock first(dir.path()), second(dir.path(), std::chrono::milliseconds(0));
+  EXPECT_EQ(first.state(), FolderLock::State::kHeld);
+  EXPECT_EQ(second.state(), FolderLock::State::kHeldByAnother);
+  EXPECT_EQ(FolderLock(dir / "missing").state(), FolderLock::State::kUnknown);
+}
+
+TEST(FolderLock, CanBeMoved) {
+  TempDir dir;
+  std::optional<FolderLock> first(dir.path());
+  EXPECT_EQ(HeldFolderLocks().size(), 1u);
+  std::optional<FolderLock> second(std::move(*first));
+  first.reset();
+  EXPECT_TRUE(IsFolderLocked(dir.path()));
+  EXPECT_EQ(HeldFolderLocks().size(), 1u);
+  second.reset();
+  EXPECT_FALSE(IsFolderLocked(dir.path()));
+  EXPECT_TRUE(HeldFolderLocks().empty());
+}
+
+TEST(FolderLock, NoticesThatTheFolderIsGone) {
+  TempDir dir;
+  std::filesystem::create_directory(dir / "run");
+  const FolderLock lock(dir / "run");
+  EXPECT_TRUE(lock.IsStillThere());
+  std::filesystem::remove(dir / "run");
+  EXPECT_FALSE(lock.IsStillThere());
+  std::filesystem::create_directory(dir / "run");
+  EXPECT_FALSE(lock.IsStillThere()) << "it is another folder";
+}
+
 TEST(FolderLock, EndsWithTheProcess) {
   TempDir dir;
   int ready[2];

@@ -93,13 +93,37 @@ TEST(Subprocess, OnlyTheTailOfMuchOutputIsKept) {
   EXPECT_THAT(result.output, testing::EndsWith("100000\nthe end\n"));
 }
 
-TEST(Subprocess, GrandchildThatLivesOnDoesNotHoldUsUp) {
+TEST(Subprocess, AGrandchildThatLeavesTheGroupDoesNotHoldUsUp) {
   const TempDir dir;
-  const auto result = Shell("sleep 60 & echo $! > " + (dir / "pid").string() + "; echo done");
+  const auto result = Shell("setsid sleep 60 & echo $! > " + (dir / "pid").string() + "; sleep 0.2; echo done");
   EXPECT_EQ(result.output, "done\n");
   const int grandchild = std::stoi(ReadFile(dir / "pid"));
   EXPECT_EQ(kill(grandchild, 0), 0) << "it was waited for";
   kill(grandchild, SIGKILL);
+}
+
+TEST(Subprocess, AStalledProgramIsEnded) {
+  const auto stalls = [](const std::string& script) {
+    return RunProcess({.argv = {"sh", "-c", script}, .stall_limit = std::chrono::duration<double>(0.5)});
+  };
+  const auto waits = stalls("echo first; sleep 60");
+  EXPECT_TRUE(waits.stalled);
+  EXPECT_FALSE(waits.timed_out);
+  EXPECT_EQ(waits.output, "first\n");
+  EXPECT_EQ(waits.exit_code, 128 + SIGTERM);
+  EXPECT_FALSE(stalls("for i in 1 2 3 4 5 6; do sleep 0.2; echo $i; done").stalled) << "it prints";
+  EXPECT_FALSE(stalls("end=$(($(date +%s) + 2)); while [ $(date +%s) -lt $end ]; do :; done").stalled) << "it computes";
+}
+
+TEST(Subprocess, TheStallLimitCanBeSet) {
+  EXPECT_EQ(StallLimit().count(), 120);
+  for (const char* text : {"0", "-1", "never", "nan", ""}) {
+    setenv("ORACLEGS_STALL_LIMIT", text, 1);
+    EXPECT_EQ(StallLimit().count(), 120) << text;
+  }
+  setenv("ORACLEGS_STALL_LIMIT", "2.5", 1);
+  EXPECT_EQ(StallLimit().count(), 2.5);
+  unsetenv("ORACLEGS_STALL_LIMIT");
 }
 
 TEST(Subprocess, AThrowingListenerEndsTheChild) {
@@ -180,16 +204,6 @@ TEST(Subprocess, CallsBackWhileTheChildRuns) {
   int calls = 0;
   RunProcess(ProcessRequest{.argv = {"sleep", "0.3"}, .while_running = [&] { ++calls; }});
   EXPECT_GE(calls, 2);
-}
-
-TEST(Subprocess, FindsProgramsInPath) {
-  EXPECT_TRUE(std::filesystem::exists(FindProgram("sh")));
-  EXPECT_TRUE(FindProgram("sh").is_absolute());
-  EXPECT_EQ(FindProgram("/bin/sh"), "/bin/sh");
-  EXPECT_EQ(FindProgram("oraclegs-no-such-program"), "");
-  EXPECT_EQ(FindProgram(""), "");
-  EXPECT_EQ(FindProgram("/etc/passwd"), "") << "a file that is no program";
-  EXPECT_EQ(FindProgram("/tmp"), "") << "a folder";
 }
 
 }  // namespace

@@ -99,13 +99,14 @@ const Intrinsics kOpenCvIntrinsics{CameraModel::kOpenCv, 640, 480, {500.5, 501.2
 
 /// Every function must name the database, say what is wrong and what mends it.
 void ExpectRefused(const fs::path& database, const std::string& reason) {
-  const auto message = AllOf(StartsWith(database.string() + ": "), HasSubstr(reason), HasSubstr("delete it"));
+  const auto message =
+      AllOf(StartsWith(database.string() + ": "), HasSubstr(reason), HasSubstr("run the same command again"));
   EXPECT_THAT(MessageOf<RunError>([&] { ReadDatabaseImages(database); }), message);
   EXPECT_THAT(MessageOf<RunError>([&] { SetDatabaseCameras(database, {{1, kOpenCvIntrinsics}}); }), message);
   EXPECT_THAT(MessageOf<RunError>([&] { NumberImagesByName(database); }), message);
   EXPECT_THAT(MessageOf<RunError>([&] { ReadFeatureCounts(database); }), message);
   EXPECT_THAT(MessageOf<RunError>([&] { ReadMatchedPairs(database); }),
-              AllOf(StartsWith(database.string() + ": "), HasSubstr("delete it")));
+              AllOf(StartsWith(database.string() + ": "), HasSubstr("run the same command again")));
   EXPECT_THAT(MessageOf<RunError>([&] { SetFocalGuess(database, 1); }), message);
 }
 
@@ -309,7 +310,7 @@ TEST(NumberImagesByName, KeepsNumbersOnFailure) {
 
 TEST(ColmapDatabase, RefusesAMissingFile) {
   const TempDir dir;
-  ExpectRefused(dir / "database.db", "unable to open");
+  ExpectRefused(dir / "database.db", "was not written by colmap");
   EXPECT_FALSE(fs::exists(dir / "database.db"));
 }
 

@@ -160,14 +160,57 @@ TEST(ColmapRunner, FailsOnACrashAndAMissingProgram) {
   const TempDir dir;
   const Listener silent = Silent();
   {
-    const FakeColmap fake("kill -KILL $$");
-    EXPECT_EQ(FailureOf(ColmapRunner(dir.path(), silent, "sfm")).exit_code, 128 + 9);
+    const FakeColmap fake("echo almost; kill -SEGV $$");
+    const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent, "sfm"));
+    EXPECT_EQ(failure.exit_code, 128 + SIGSEGV);
+    EXPECT_EQ(failure.Text(), fmt::format("colmap {} crashed (signal 11): almost", failure.command));
   }
   const FakeColmap restores_path("");
   setenv("PATH", "/nowhere", 1);
   const ColmapFailure failure = FailureOf(ColmapRunner(dir.path(), silent, "sfm"));
   EXPECT_EQ(failure.exit_code, 127);
   EXPECT_THAT(failure.last_line, StartsWith("cannot start colmap: "));
+}
+
+/// The error of a run that another one may not meet again.
+std::string PassingErrorOf(const TempDir& dir) {
+  const Listener silent = Silent();
+  try {
+    ColmapRunner(dir.path(), silent, "sfm").Run("mapper", {}, "");
+  } catch (const RunError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no RunError was thrown";
+  return "";
+}
+
+TEST(ColmapRunner, TellsWhatPassesFromWhatFailsAgain) {
+  const TempDir dir;
+  const std::string log = (dir / "colmap.log").string();
+  {
+    const FakeColmap fake("echo almost; kill -KILL $$");
+    EXPECT_EQ(PassingErrorOf(dir),
+              "colmap mapper was killed from outside, as happens when memory runs out; run the same command again (it "
+              "said last: almost); see " +
+                  log);
+  }
+  {
+    const FakeColmap fake("echo 'SQLite error: database or disk is full'; kill -ABRT $$");
+    EXPECT_THAT(PassingErrorOf(dir), HasSubstr("no space left on the disk; make room"));
+  }
+  setenv("ORACLEGS_STALL_LIMIT", "0.3", 1);
+  const FakeColmap fake("echo 'all is well'; sleep 60");
+  EXPECT_THAT(PassingErrorOf(dir),
+              AllOf(HasSubstr("did nothing for 0.3 s"), HasSubstr("it said last: all is well"), HasSubstr(log)));
+  unsetenv("ORACLEGS_STALL_LIMIT");
+}
+
+TEST(ColmapRunner, LogsToItsLogAlone) {
+  const TempDir dir;
+  const FakeColmap fake("echo \"logtostderr is $GLOG_logtostderr\"");
+  const Listener silent = Silent();
+  ColmapRunner(dir.path(), silent, "sfm").Run("mapper", {}, "");
+  EXPECT_EQ(ReadFile(dir / "colmap.log"), "logtostderr is 1\n");
 }
 
 TEST(ColmapRunner, NamesALogThatCannotBeWritten) {

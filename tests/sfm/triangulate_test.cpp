@@ -94,6 +94,31 @@ TEST(TriangulatePoints, WarnsOfAFailure) {
   EXPECT_THAT(events.warnings, testing::ElementsAre(AllOf(HasSubstr("feature_extractor ended with code 3"),
                                                           HasSubstr("it broke"), HasSubstr("colmap.log"))));
   EXPECT_FALSE(fs::exists(dir / "sfm" / "inputs.json"));
+
+  const std::string log = ReadFile(dir / "sfm" / "colmap.log"), warning = events.warnings[0];
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(events.warnings, testing::ElementsAre(warning, warning));
+  EXPECT_EQ(ReadFile(dir / "sfm" / "colmap.log"), log) << "it failed on the same images before";
+
+  std::ofstream(dir / "bin" / "colmap") << "#!/bin/sh\necho another one\nexit 4\n";
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(events.warnings.back(), HasSubstr("ended with code 4: another one"));
+
+  WriteText(dir / "sfm" / "failure.json", "{\"inputs\":");
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(ReadFile(dir / "sfm" / "colmap.log"), HasSubstr("another one"));
+}
+
+TEST(TriangulatePoints, GoesOnToFailWhenColmapIsKilled) {
+  const TempDir dir;
+  fs::create_directories(dir / "bin");
+  std::ofstream(dir / "bin" / "colmap") << "#!/bin/sh\nkill -KILL $$\n";
+  fs::permissions(dir / "bin" / "colmap", fs::perms::owner_all);
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
+  const EmptyPath no_programs;
+  setenv("PATH", ((dir / "bin").string() + ":/usr/bin:/bin").c_str(), 1);
+  EXPECT_THROW(TriangulatePoints(scene, {0, 1}, dir / "sfm", Silent()), RunError);
+  EXPECT_FALSE(fs::exists(dir / "sfm" / "failure.json"));
 }
 
 TEST(PointsSeenBy, KeepsPointsOfTwoViews) {

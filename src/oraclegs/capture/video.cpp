@@ -12,6 +12,7 @@
 
 #include "oraclegs/capture/sharpness.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/subprocess.h"

@@ -1,28 +1,41 @@
 #pragma once
-// How a program that reads a folder knows that the one that writes it is still there.
+// How a program that uses a folder knows that another one writes it.
 
+#include <chrono>
 #include <filesystem>
+#include <vector>
 
 namespace oraclegs {
 
-/// A lock on a folder, which ends with this object and with the process, however it ends. Whoever has it waits for
-/// nobody but readers that look (IsFolderLocked), and those take a moment. It does not keep others from writing.
+/// A lock on a folder, which ends with this object and with the process, however it ends, but not before the programs
+/// that the process started (core/process_group.h). It does not keep others from writing.
 class FolderLock {
  public:
-  /// Holds nothing, without an error, where the folder is not there, another process has it, or the file system has no
-  /// locks.
-  explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
+  enum class State { kHeld, kHeldByAnother, kUnknown };  ///< unknown: no such folder, or a file system without locks
 
-  bool held() const { return fd_ >= 0; }
+  /// Waits for another holder that long. Readers that look (IsFolderLocked) take microseconds.
+  explicit FolderLock(const std::filesystem::path& folder,
+                      std::chrono::milliseconds patience = std::chrono::milliseconds(100));
+  ~FolderLock();
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&&) = delete;
+
+  State state() const { return state_; }
+  bool held() const { return state_ == State::kHeld; }
+
+  /// False once the folder was removed or another one has its name.
+  bool IsStillThere() const;
 
  private:
-  int fd_ = -1;
+  std::filesystem::path folder_;
+  int fd_ = -1;  ///< open, whether locked or not, unless another holds it
+  State state_ = State::kUnknown;
 };
 
 /// True when a FolderLock is held on `folder`, by this process or another; false where nobody can know.
 bool IsFolderLocked(const std::filesystem::path& folder);
+
+/// Descriptors of the locks that this process holds.
+std::vector<int> HeldFolderLocks();
 
 }  // namespace oraclegs

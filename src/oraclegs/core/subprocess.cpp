@@ -2,18 +2,14 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -21,34 +17,15 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/process_group.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t kKeptBytes = 64 * 1024;
-constexpr int kPollMilliseconds = 50;                     // how soon an interrupt is noticed
-constexpr std::chrono::milliseconds kPatience{3000};      // between SIGTERM and SIGKILL
-constexpr int kCannotStart = 127, kKilledBySignal = 128;  // the shell's convention
-
-/// True when a process of the group runs; those that ended and wait for their parent do not.
-bool HasRunning(pid_t group) {
-  if (kill(-group, 0) != 0) return false;
-  std::error_code error;
-  for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    std::string stat;
-    std::getline(std::ifstream(it->path() / "stat"), stat);
-    const size_t after_name = stat.rfind(')');
-    if (after_name == std::string::npos) continue;
-    char state = 0;
-    int64_t parent = 0, member_of = 0;
-    std::istringstream(stat.substr(after_name + 1)) >> state >> parent >> member_of;
-    if (member_of == group && state != 'Z' && state != 'X') return true;
-  }
-  return false;
-}
+constexpr int kPollMilliseconds = 50;  // how soon an interrupt is noticed
+constexpr int kCannotStart = 127;      // the shell's convention
 
 /// A pipe from a child.
 struct Pipe {
@@ -111,96 +88,55 @@ class InputSocket {
   size_t at_ = 0;
 };
 
-/// A running child, in a process group of its own so that its children end with it. Ends it when the scope is left.
+/// A running program with what leads to and from it. Ends it when the scope is left.
 class Child {
  public:
-  /// start_error() tells why when nothing runs.
-  explicit Child(const ProcessRequest& request) : output_(request.argv[0]), errors_(request.argv[0]), input_(request) {
-    start_error_ = Spawn(request);
+  explicit Child(const ProcessRequest& request)
+      : output_(request.argv[0]),
+        errors_(request.argv[0]),
+        input_(request),
+        group_({request.argv, request.variables, request.next_input ? input_.childs_end() : -1, output_.ends[1],
+                (request.errors_apart ? errors_ : output_).ends[1]}) {
     input_.CloseChildsEnd();
     output_.CloseWriteEnd();
     errors_.CloseWriteEnd();
   }
-  ~Child() { End(); }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
 
-  int start_error() const { return start_error_; }
+  ProcessGroup* group() { return &group_; }
   int output() const { return output_.ends[0]; }
   int errors() const { return errors_.ends[0]; }
   InputSocket* input() { return &input_; }
-  int exit_code() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : kKilledBySignal + WTERMSIG(status_); }
 
-  bool HasEnded() {
-    if (pid_ <= 0) return true;
-    if (waitpid(pid_, &status_, WNOHANG) != pid_) return false;
-    pid_ = 0;
-    return true;
-  }
+ private:
+  Pipe output_, errors_;
+  InputSocket input_;
+  ProcessGroup group_;
+};
 
-  void Wait() {
-    if (pid_ <= 0) return;
-    while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) continue;
-    pid_ = 0;
-  }
+/// Whether a program still does something: it prints, takes input or computes.
+class StallWatch {
+ public:
+  explicit StallWatch(std::chrono::duration<double> limit) : limit_(limit) {}
 
-  void End() {
-    if (HasEnded()) return;
-    const pid_t group = pid_;
-    kill(-group, SIGTERM);
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (std::chrono::steady_clock::now() < deadline) {
-      if (HasEnded() && !HasRunning(group)) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    kill(-group, SIGKILL);
-    Wait();
+  void NoteSign() { since_ = Clock::now(), cpu_since_ = -1; }
+
+  bool HasStalled(const ProcessGroup& group) {
+    const auto now = Clock::now();
+    if (now < next_look_) return false;
+    next_look_ = now + std::chrono::duration_cast<Clock::duration>(limit_ / kLooks);
+    const double cpu = group.CpuSeconds();
+    if (cpu_since_ < 0) cpu_since_ = cpu;
+    if (cpu - cpu_since_ > kBusyShare * limit_.count()) NoteSign();
+    return now - since_ > limit_;
   }
 
  private:
-  int Spawn(const ProcessRequest& request) {
-    std::vector<std::string> texts = request.argv;
-    for (char** variable = environ; *variable != nullptr; ++variable) {
-      const std::string_view text = *variable;
-      const bool replaced = std::any_of(request.variables.begin(), request.variables.end(), [&](const auto& own) {
-        return text.size() > own.first.size() && text.starts_with(own.first) && text[own.first.size()] == '=';
-      });
-      if (!replaced) texts.emplace_back(text);
-    }
-    for (const auto& [name, value] : request.variables) texts.push_back(name + "=" + value);
-    std::vector<char*> arguments, variables;
-    for (size_t i = 0; i < texts.size(); ++i)
-      (i < request.argv.size() ? arguments : variables).push_back(texts[i].data());
-    arguments.push_back(nullptr), variables.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    if (request.next_input) {
-      posix_spawn_file_actions_adddup2(&files, input_.childs_end(), STDIN_FILENO);
-    } else {
-      posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    }
-    posix_spawn_file_actions_adddup2(&files, output_.ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&files, (request.errors_apart ? errors_ : output_).ends[1], STDERR_FILENO);
-    sigset_t defaults;  // a signal we ignore must not be ignored by the child
-    sigemptyset(&defaults);
-    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) sigaddset(&defaults, signal);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setsigdefault(&attributes, &defaults);
-    const int error = posix_spawnp(&pid_, arguments[0], &files, &attributes, arguments.data(), variables.data());
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&files);
-    if (error != 0) pid_ = 0;
-    return error;
-  }
-
-  Pipe output_, errors_;
-  InputSocket input_;
-  pid_t pid_ = 0;
-  int status_ = 0;
-  int start_error_ = 0;
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kLooks = 20;           // in the time of the limit
+  static constexpr double kBusyShare = 0.02;  // of one core; what waits in a loop uses less
+  std::chrono::duration<double> limit_;
+  Clock::time_point since_ = Clock::now(), next_look_ = since_;
+  double cpu_since_ = -1;  ///< -1 = not looked at since the last sign
 };
 
 /// Where a child's output goes: log file, kept tail, lines.
@@ -292,11 +228,6 @@ class ChildStreams {
   pollfd pipes_[3];
 };
 
-bool IsProgram(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
-}
-
 }  // namespace
 
 ProcessResult RunProcess(const ProcessRequest& request) {
@@ -304,20 +235,28 @@ ProcessResult RunProcess(const ProcessRequest& request) {
   ThrowIfInterrupted();
   OutputSink sink(request);
   Child child(request);
-  if (child.start_error() != 0) {
-    sink.TakeErrors(fmt::format("cannot start {}: {}\n", request.argv[0], std::strerror(child.start_error())));
+  if (const int error = child.group()->start_error(); error != 0) {
+    sink.TakeErrors(fmt::format("cannot start {}: {}\n", request.argv[0], std::strerror(error)));
     return sink.Finish(kCannotStart);
   }
   const auto start = std::chrono::steady_clock::now();
+  std::optional<StallWatch> stall;
+  if (request.stall_limit) stall.emplace(*request.stall_limit);
+  const auto over = [&] {  // one of the two limits is reached
+    ProcessResult limits;
+    limits.timed_out = request.time_limit && std::chrono::steady_clock::now() - start > *request.time_limit;
+    limits.stalled = !limits.timed_out && stall && stall->HasStalled(*child.group());
+    return limits;
+  };
   ChildStreams streams(&child, &sink);
   // A grandchild that lives on may hold a pipe open: once the child has ended, only what is there is read.
   bool ended = false;
   while (!ended || (streams.open() && streams.Serve(0))) {
     ThrowIfInterrupted();
-    if (request.time_limit && std::chrono::steady_clock::now() - start > *request.time_limit) {
-      child.End();
-      ProcessResult result = sink.Finish(child.exit_code());
-      result.timed_out = true;
+    if (const ProcessResult limits = over(); limits.timed_out || limits.stalled) {
+      child.group()->End();
+      ProcessResult result = sink.Finish(child.group()->exit_code());
+      result.timed_out = limits.timed_out, result.stalled = limits.stalled;
       return result;
     }
     if (request.while_running) request.while_running();
@@ -325,12 +264,14 @@ ProcessResult RunProcess(const ProcessRequest& request) {
     if (!streams.open()) {  // it may close them long before it ends
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     } else if (streams.Serve(kPollMilliseconds)) {
+      if (stall) stall->NoteSign();
       continue;
     }
-    ended = child.HasEnded();
+    ended = child.group()->HasEnded();
     if (ended) streams.StopInput();
   }
-  return sink.Finish(child.exit_code());
+  child.group()->End();
+  return sink.Finish(child.group()->exit_code());
 }
 
 ProcessResult RunProcess(const std::vector<std::string>& argv, const fs::path& log,
@@ -338,18 +279,11 @@ ProcessResult RunProcess(const std::vector<std::string>& argv, const fs::path& l
   return RunProcess({.argv = argv, .log = log, .on_line = on_line});
 }
 
-fs::path FindProgram(const std::string& name) {
-  if (name.empty()) return {};
-  if (name.find('/') != std::string::npos) return IsProgram(name) ? fs::absolute(name) : fs::path();
-  const char* path = std::getenv("PATH");
-  std::string_view folders = path ? path : "/usr/local/bin:/usr/bin:/bin";
-  while (true) {
-    const size_t colon = std::min(folders.find(':'), folders.size());
-    const fs::path candidate = fs::path(colon == 0 ? "." : std::string(folders.substr(0, colon))) / name;
-    if (IsProgram(candidate)) return fs::absolute(candidate);
-    if (colon == folders.size()) return {};
-    folders.remove_prefix(colon + 1);
-  }
+std::chrono::duration<double> StallLimit() {
+  constexpr double kDefault = 120;
+  const char* text = std::getenv("ORACLEGS_STALL_LIMIT");
+  const double seconds = text ? std::strtod(text, nullptr) : 0;
+  return std::chrono::duration<double>(seconds > 0 && seconds < 1e9 ? seconds : kDefault);
 }
 
 }  // namespace oraclegs

@@ -18,6 +18,8 @@ struct ProcessRequest {
   std::function<std::string()> next_input = {};                     ///< the next bytes of stdin; empty: the end of it
   std::vector<std::pair<std::string, std::string>> variables = {};  ///< environment variables beside this process's
   std::optional<std::chrono::duration<double>> time_limit = {};     ///< then the process and its children are ended
+  /// Then a program that neither prints nor reads nor computes is ended.
+  std::optional<std::chrono::duration<double>> stall_limit = {};
   bool errors_apart = false;  ///< stderr has a pipe of its own: last_error is known, the order of the two is not
 };
 
@@ -26,18 +28,20 @@ struct ProcessResult {
   std::string output;      ///< the last 64 KiB of stdout and stderr together
   std::string last_error;  ///< with errors_apart, the last line of stderr that is not blank
   bool timed_out = false;  ///< the time limit was reached
+  bool stalled = false;    ///< the stall limit was reached
 };
 
 /// Runs a program and waits for it; its stdin is closed unless it is fed by next_input, whose bytes are dropped once
 /// the program reads no more. An interrupt (core/interrupt.h), an exception of a callback or the end of the time limit
-/// ends it and the children that it left in its process group; an interrupt throws Interrupted.
+/// ends it; an interrupt throws Interrupted. Children that it leaves in its process group end with it, and all end when
+/// this process dies (core/process_group.h).
 ProcessResult RunProcess(const ProcessRequest& request);
 
 /// The same of what most callers need.
 ProcessResult RunProcess(const std::vector<std::string>& argv, const std::filesystem::path& log = {},
                          const std::function<void(const std::string& line)>& on_line = {});
 
-/// Full path of a program in PATH, empty when there is none.
-std::filesystem::path FindProgram(const std::string& name);
+/// How long a program that we run may do nothing: ORACLEGS_STALL_LIMIT (seconds, above 0), else two minutes.
+std::chrono::duration<double> StallLimit();
 
 }  // namespace oraclegs

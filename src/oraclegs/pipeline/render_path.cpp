@@ -2,10 +2,11 @@
 
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/subprocess.h"
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/image/png.h"
+#include "oraclegs/pipeline/report/ffmpeg.h"
 #include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/value_images.h"
@@ -20,7 +21,7 @@ std::string FfmpegList(const std::vector<fs::path>& images, int fps) {
   std::string list = "ffconcat version 1.0\n";
   for (const fs::path& image : images) {
     std::string quoted;
-    for (const char c : image.string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    for (const char c : fs::absolute(image).string()) quoted += c == '\'' ? "'\\''" : std::string(1, c);
     list += fmt::format("file '{}'\nduration {:.9f}\n", quoted, 1.0 / fps);
   }
   return list;
@@ -32,19 +33,20 @@ bool WriteVideo(const std::vector<fs::path>& images, const fs::path& video, int 
     listener(Note{"ffmpeg is not installed: no video, the images are there"});
     return false;
   }
-  const fs::path list = fs::path(video).replace_extension(".txt.tmp"),
-                 part = fs::path(video).replace_extension(".mp4.tmp");
+  const fs::path whole = fs::absolute(video);  // ffmpeg takes "a:" at the beginning for a protocol
+  const fs::path list = fs::path(whole).replace_extension(".txt.tmp"),
+                 part = fs::path(whole).replace_extension(".mp4.tmp");
   WriteFileAtomically(list, FfmpegList(images, fps));
-  const ProcessResult result = RunProcess({ffmpeg.string(), "-y", "-loglevel", "error", "-f", "concat", "-safe", "0",
-                                           "-i", list.string(), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-r",
-                                           std::to_string(fps), "-pix_fmt", "yuv420p", "-f", "mp4", part.string()});
+  std::string why = RunFfmpeg({.argv = {ffmpeg.string(), "-y", "-loglevel", "error", "-f", "concat", "-safe", "0", "-i",
+                                        list.string(), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-r",
+                                        std::to_string(fps), "-pix_fmt", "yuv420p", "-f", "mp4", part.string()}});
   std::error_code error;
   fs::remove(list, error);
-  if (result.exit_code == 0) fs::rename(part, video, error);
-  if (result.exit_code != 0 || error) {
+  if (why.empty()) fs::rename(part, whole, error);
+  if (error) why = error.message();
+  if (!why.empty()) {
     fs::remove(part, error);
-    listener(Warning{fmt::format("{}: ffmpeg failed (exit code {}): no video, the images are there", video.string(),
-                                 result.exit_code)});
+    listener(Warning{fmt::format("{}: {}: no video, the images are there", video.string(), why)});
     return false;
   }
   listener(FileWritten{video});

@@ -27,8 +27,18 @@ class Database {
   }
 
   [[noreturn]] void Fail() const {
-    throw RunError("{}: {}; delete it, colmap makes it anew", path_.string(),
-                   handle_ ? sqlite3_errmsg(handle_.get()) : "cannot be opened");
+    std::error_code ignored;
+    if (!fs::exists(path_, ignored)) {
+      throw RunError("{}: was not written by colmap; see that colmap works, and run the same command again",
+                     path_.string());
+    }
+    const int code = handle_ ? sqlite3_errcode(handle_.get()) : SQLITE_CANTOPEN;
+    const bool is_damaged = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR;
+    throw RunError("{}: {}; {}run the same command again", path_.string(),
+                   handle_ ? sqlite3_errmsg(handle_.get()) : "cannot be opened",
+                   code == SQLITE_FULL ? "make room on the disk, and "
+                   : is_damaged        ? "colmap makes it anew: "
+                                       : "check the disk and the rights of the folder, and ");
   }
 
   void Execute(const char* sql) const {

@@ -1,14 +1,19 @@
 #include "oraclegs/sfm/colmap_runner.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <string_view>
 #include <utility>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/memory.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/sfm/colmap_database.h"
 
 namespace oraclegs {
@@ -69,7 +74,29 @@ ColmapOptions MatchingOptions() {
   return {{"SiftMatching.use_gpu", "0"}, {"SiftMatching.num_threads", std::to_string(NumThreads())}};
 }
 
+constexpr std::chrono::minutes kLongestSilence{30};
+
+std::string LastWords(const std::string& line) {
+  return line.empty() ? "" : fmt::format(" (it said last: {})", Printable(line));
+}
+
+bool IsDiskFull(const std::string& output) {
+  return output.find("disk is full") != std::string::npos || output.find("No space left") != std::string::npos;
+}
+
+/// By a signal that does not come from a fault of its own.
+bool WasKilled(int exit_code) {
+  const int signal = exit_code - 128;
+  return signal == SIGKILL || signal == SIGTERM || signal == SIGINT || signal == SIGHUP;
+}
+
 }  // namespace
+
+std::string ColmapFailure::Text() const {
+  const std::string how = exit_code > 128 ? fmt::format("crashed (signal {})", exit_code - 128)
+                                          : fmt::format("ended with code {}", exit_code);
+  return fmt::format("colmap {} {}{}", command, how, last_line.empty() ? "" : ": " + Printable(last_line));
+}
 
 int64_t MatchingBlocks::PairsUpTo(int row, int column) const {
   // Colmap gives a pair (i, j) of positions inside two blocks to one of the two orders of these blocks.
@@ -109,9 +136,40 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
     argv.push_back(value);
   }
   ProgressReader progress(stage_, task.what, task.blocks, listener_);
-  const ProcessResult result =
-      RunProcess(argv, work_dir_ / "colmap.log", [&](const std::string& line) { progress(line); });
-  if (result.exit_code != 0) throw ColmapFailure{argv[1], result.exit_code, progress.last_line()};
+  const std::string command = argv[1];
+  auto last_sign = std::chrono::steady_clock::now();
+  ProcessRequest request;
+  request.argv = std::move(argv);
+  request.log = work_dir_ / "colmap.log";
+  request.variables = {{"GLOG_logtostderr", "1"}};  // else its logging leaves files in the temporary folder
+  request.stall_limit = StallLimit();
+  request.on_line = [&](const std::string& line) {
+    last_sign = std::chrono::steady_clock::now();
+    progress(line);
+  };
+  request.while_running = [&] {
+    if (std::chrono::steady_clock::now() - last_sign > kLongestSilence) {
+      Stop(command, "printed nothing for half an hour and was ended", progress.last_line());
+    }
+  };
+  const ProcessResult result = RunProcess(request);
+  if (result.stalled) {
+    Stop(command,
+         fmt::format("did nothing for {:g} s and was ended (more patience: ORACLEGS_STALL_LIMIT=SECONDS)",
+                     request.stall_limit->count()),
+         progress.last_line());
+  }
+  if (result.exit_code == 0) return;
+  if (IsDiskFull(result.output)) Stop(command, "found no space left on the disk; make room", progress.last_line());
+  if (WasKilled(result.exit_code)) {
+    Stop(command, "was killed from outside, as happens when memory runs out", progress.last_line());
+  }
+  throw ColmapFailure{command, result.exit_code, progress.last_line()};
+}
+
+void ColmapRunner::Stop(const std::string& command, const std::string& why, const std::string& last_line) const {
+  throw RunError("colmap {} {}; run the same command again{}; see {}", command, why, LastWords(last_line),
+                 (work_dir_ / "colmap.log").string());
 }
 
 void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_masks, const ColmapOptions& more) const {

@@ -15,11 +15,14 @@ namespace oraclegs {
 /// True when the colmap program is installed.
 bool ColmapAvailable();
 
-/// A command of colmap ended with an error.
+/// A command of colmap ended with an error that the same images will meet again.
 struct ColmapFailure {
   std::string command;
   int exit_code = 0;
   std::string last_line;  ///< of its output
+
+  /// "colmap mapper ended with code 1: no good initial image pair found".
+  std::string Text() const;
 };
 
 using ColmapOptions = std::map<std::string, std::string>;  ///< "SiftMatching.use_gpu" -> "0"
@@ -60,7 +63,9 @@ class ColmapRunner {
   void MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more) const;
   /// Poses, intrinsics and points of a model refined together; reads no database.
   void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
-  /// Any command that works on the database. Throws ColmapFailure when it ends with an error; an interrupt ends it.
+  /// Any command that works on the database; an interrupt ends it. Throws ColmapFailure when it ends with an error, and
+  /// RunError when it was killed, did nothing for StallLimit() or printed nothing for half an hour, or the disk is
+  /// full.
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;
 
  private:
@@ -70,6 +75,7 @@ class ColmapRunner {
     MatchingBlocks blocks;
   };
   void Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const;
+  [[noreturn]] void Stop(const std::string& command, const std::string& why, const std::string& last_line) const;
 
   std::filesystem::path work_dir_;
   std::string database_, stage_;

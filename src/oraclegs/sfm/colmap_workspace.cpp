@@ -42,8 +42,8 @@ void MarkDone(const fs::path& work_dir, const nlohmann::json& inputs) {
 
 void ClearWorkDir(const fs::path& work_dir) {
   RequireWritableFolder(work_dir);
-  for (const char* name : {kInputs, "registration.json", "database.db", "database.db-wal", "database.db-shm",
-                           "colmap.log", "points.ply", "sparse", "images", "masks"}) {
+  for (const char* name : {kInputs, "failure.json", "registration.json", "database.db", "database.db-wal",
+                           "database.db-shm", "colmap.log", "points.ply", "sparse", "images", "masks"}) {
     Remove(work_dir / name);
   }
   RemoveAttempts(work_dir);

@@ -118,8 +118,7 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
     request.has_masks = StageImages(photos, distinct.views, plan, work_dir);
     result = RunAttempts(request, listener);
   } catch (const ColmapFailure& failure) {
-    throw RunError("colmap {} ended with code {}: {}; see {}", failure.command, failure.exit_code, failure.last_line,
-                   (work_dir / "colmap.log").string());
+    throw RunError("{}; see {}", failure.Text(), (work_dir / "colmap.log").string());
   }
   std::map<std::string, RegisteredImage> by_view_name;
   for (size_t i = 0; i < plan.size(); ++i) {

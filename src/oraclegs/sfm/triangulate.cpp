@@ -10,7 +10,9 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/point_ply.h"
@@ -23,6 +25,8 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr char kFailure[] = "failure.json";
 
 /// A text model of the given poses with the ids the database has. Returns its number of images.
 size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
@@ -67,6 +71,34 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
   MoveFolder(made, work_dir / "sparse" / "0");
 }
 
+/// The program that fails: once another stands there, it is tried again.
+nlohmann::json ColmapStamp() {
+  const fs::path program = FindProgram("colmap");
+  std::error_code ignored;
+  return {{"program", EscapeBytes(program.string())},
+          {"bytes", fs::file_size(program, ignored)},
+          {"modified", fs::last_write_time(program, ignored).time_since_epoch().count()}};
+}
+
+/// What the same colmap failed with on the same inputs, as happens again each time; empty when it did not.
+std::string RememberedFailure(const fs::path& work_dir, const nlohmann::json& inputs) {
+  std::error_code ignored;
+  if (!fs::exists(work_dir / kFailure, ignored)) return "";
+  try {
+    const nlohmann::json failure = nlohmann::json::parse(ReadFile(work_dir / kFailure));
+    if (failure.at("inputs") != inputs || failure.at("colmap") != ColmapStamp()) return "";
+    return failure.at("warning").get<std::string>();
+  } catch (const std::exception&) {
+    return "";  // damaged: it is tried again
+  }
+}
+
+void RememberFailure(const fs::path& work_dir, const nlohmann::json& inputs, const std::string& warning) {
+  const nlohmann::json failure = {{"inputs", inputs}, {"colmap", ColmapStamp()}, {"warning", warning}};
+  WriteFileAtomically(work_dir / kFailure,
+                      failure.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
 }  // namespace
 
 std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<int>& views, const fs::path& work_dir,
@@ -81,6 +113,10 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
       listener(Warning{fmt::format("{}; the points are triangulated again", damage.what())});
     }
   }
+  if (const std::string failed = RememberedFailure(work_dir, inputs); !failed.empty()) {
+    listener(Warning{failed});
+    return {};
+  }
   if (!ColmapAvailable()) {
     listener(Warning{"the colmap program is not installed (Debian: apt install colmap): no points are triangulated"});
     return {};
@@ -89,10 +125,11 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
   try {
     Triangulate(scene, views, plan, work_dir, listener);
   } catch (const ColmapFailure& failure) {
-    listener(Warning{
-        fmt::format("no points are triangulated, as happens when photos match nowhere or poses are wrong: "
-                    "colmap {} ended with code {}: {}; see {}",
-                    failure.command, failure.exit_code, failure.last_line, (work_dir / "colmap.log").string())});
+    const std::string warning =
+        fmt::format("no points are triangulated, as happens when photos match nowhere or poses are wrong: {}; see {}",
+                    failure.Text(), (work_dir / "colmap.log").string());
+    RememberFailure(work_dir, inputs, warning);
+    listener(Warning{warning});
     return {};
   }
   std::vector<ScenePoint> points = ReadModel(scene, views, plan, work_dir, listener).points;

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "oraclegs/core/subprocess.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {

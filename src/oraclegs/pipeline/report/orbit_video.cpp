@@ -5,8 +5,9 @@
 
 #include "oraclegs/camera/camera_path.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/core/subprocess.h"
+#include "oraclegs/pipeline/report/ffmpeg.h"
 #include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/scene/loaded_view.h"
 
@@ -74,7 +75,7 @@ bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cam
   }
   std::vector<Camera> path = OrbitPath(training_cameras, how.frames);
   for (Camera& camera : path) camera = FilmCamera(camera, how.max_side);
-  const fs::path part = fs::path(video).replace_extension(".mp4.tmp");
+  const fs::path part = fs::absolute(video).replace_extension(".mp4.tmp");  // no "a:", a protocol
   const auto rasterizer = MakeRasterizer(model.gaussians.device());
   size_t rendered = 0;
   ProcessRequest request;
@@ -89,9 +90,8 @@ bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cam
   std::string why;
   try {
     RequireWritableFolder(video.parent_path());
-    const ProcessResult result = RunProcess(request);
-    if (result.exit_code != 0) why = fmt::format("ffmpeg failed (exit code {})", result.exit_code);
-    if (result.exit_code == 0) fs::rename(part, video, error);
+    why = RunFfmpeg(request);
+    if (why.empty()) fs::rename(part, video, error);
     if (error) why = error.message();
   } catch (const RunError& failed) {
     why = failed.what();

@@ -1,0 +1,248 @@
+#include "oraclegs/core/process_group.h"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+#include <thread>
+
+#include "oraclegs/core/find_program.h"
+#include "oraclegs/core/folder_lock.h"
+
+namespace oraclegs {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{3000};  // between SIGTERM and SIGKILL
+constexpr int kKilledBySignal = 128;                  // the shell's convention
+
+struct ProcessState {
+  char state = 0;
+  int64_t ticks = 0;  // of CPU time, with those of children that were waited for
+};
+
+/// What the kernel says of each process of a group.
+template <class Take>
+void ForEachOfGroup(pid_t group, const Take& take) {
+  std::error_code error;
+  for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::string stat;
+    std::getline(std::ifstream(it->path() / "stat"), stat);
+    const size_t after_name = stat.rfind(')');
+    if (after_name == std::string::npos) continue;
+    std::istringstream fields(stat.substr(after_name + 1));
+    ProcessState process;
+    int64_t parent = 0, member_of = 0, passed_over = 0, ticks = 0;
+    fields >> process.state >> parent >> member_of;
+    if (member_of != group) continue;
+    for (int i = 0; i < 8; ++i) fields >> passed_over;
+    for (int i = 0; i < 4 && fields >> ticks; ++i) process.ticks += ticks;
+    take(process);
+  }
+}
+
+/// True when a process of the group runs; those that ended and wait for their parent do not.
+bool HasRunning(pid_t group) {
+  if (kill(-group, 0) != 0) return false;
+  bool running = false;
+  ForEachOfGroup(group, [&](const ProcessState& p) { running = running || (p.state != 'Z' && p.state != 'X'); });
+  return running;
+}
+
+// What follows runs in a child between fork and exec, where only calls are allowed that need no lock: another thread
+// may have held one.
+
+/// Makes `fd` the descriptor `target`, open beyond exec.
+void Become(int fd, int target) {
+  if (fd == target) {
+    fcntl(fd, F_SETFD, 0);
+  } else {
+    dup2(fd, target);
+  }
+}
+
+/// Copies that stand above the three standard descriptors, one of which may be closed in this process.
+int Above(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 3); }
+
+struct Exec {
+  const char* file;
+  char* const* arguments;
+  char* const* environment;
+  int input, output, errors;
+  pid_t parent;
+};
+
+[[noreturn]] void BecomeProgram(const Exec& exec, int report) {
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != exec.parent) _exit(1);  // it died before the line above
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ})
+    ::signal(signal, SIG_DFL);  // what we ignore, it need not
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int input = Above(exec.input >= 0 ? exec.input : open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const int output = Above(exec.output), errors = Above(exec.errors);
+  Become(input, STDIN_FILENO), Become(output, STDOUT_FILENO), Become(errors, STDERR_FILENO);
+  execve(exec.file, exec.arguments, exec.environment);
+  const int error = errno;
+  [[maybe_unused]] const ssize_t written = write(report, &error, sizeof(error));
+  _exit(127);
+}
+
+/// The guard: waits until the other end of `pipe` is closed, which this process's death does, and ends the group.
+/// Of the open files only `kept` stay open, ascending, the pipe among them: the locks, until nothing of the group is
+/// left.
+[[noreturn]] void GuardGroup(pid_t group, int pipe, const std::vector<int>& kept) {
+  setpgid(0, 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) ::signal(signal, SIG_IGN);
+  prctl(PR_SET_NAME, "oraclegs-guard");
+  unsigned first = 0;
+  for (const int fd : kept) {
+    const auto next = static_cast<unsigned>(fd);
+    if (next > first) close_range(first, next - 1, 0);
+    first = next + 1;
+  }
+  close_range(first, ~0U, 0);
+  char byte = 0;
+  ssize_t n = 0;
+  while ((n = read(pipe, &byte, 1)) > 0 || (n < 0 && errno == EINTR)) continue;
+  constexpr timespec kPause{0, 10'000'000};
+  constexpr int kTries = 500;
+  for (int i = 0; i < kTries && kill(-group, SIGKILL) == 0; ++i) nanosleep(&kPause, nullptr);
+  _exit(0);
+}
+
+// End of what runs in a child.
+
+/// The environment of this process with some variables set anew.
+std::vector<std::string> Environment(const std::vector<std::pair<std::string, std::string>>& variables) {
+  std::vector<std::string> texts;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    const bool replaced = std::any_of(variables.begin(), variables.end(), [&](const auto& own) {
+      return text.size() > own.first.size() && text.starts_with(own.first) && text[own.first.size()] == '=';
+    });
+    if (!replaced) texts.emplace_back(text);
+  }
+  for (const auto& [name, value] : variables) texts.push_back(name + "=" + value);
+  return texts;
+}
+
+std::vector<char*> Pointers(std::vector<std::string>* texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : *texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// Starts the program; its number, or 0 and errno in *error.
+pid_t StartProgram(const ProgramStart& start, int* error) {
+  const fs::path program = FindProgram(start.argv[0]);
+  *error = 0;
+  if (program.empty()) {
+    *error = start.argv[0].find('/') != std::string::npos && access(start.argv[0].c_str(), F_OK) == 0 ? EACCES : ENOENT;
+    return 0;
+  }
+  std::vector<std::string> argv = start.argv, environment = Environment(start.variables);
+  const std::vector<char*> arguments = Pointers(&argv), variables = Pointers(&environment);
+  const std::string file = program.string();
+  const Exec exec{file.c_str(), arguments.data(), variables.data(), start.input, start.output, start.errors, getpid()};
+  int report[2];
+  if (pipe2(report, O_CLOEXEC) != 0) {
+    *error = errno;
+    return 0;
+  }
+  const int report_end = fcntl(report[1], F_DUPFD_CLOEXEC, 3);
+  close(report[1]);
+  const pid_t pid = fork();
+  if (pid == 0) BecomeProgram(exec, report_end);
+  if (pid < 0) *error = errno;
+  close(report_end);
+  int failed = 0;
+  ssize_t n = 0;
+  while (pid > 0 && (n = read(report[0], &failed, sizeof(failed))) < 0 && errno == EINTR) continue;
+  close(report[0]);
+  if (pid < 0) return 0;
+  if (n != sizeof(failed)) return pid;
+  *error = failed;
+  while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) continue;
+  return 0;
+}
+
+}  // namespace
+
+ProcessGroup::ProcessGroup(const ProgramStart& start) {
+  int guard_pipe[2];
+  if (pipe2(guard_pipe, O_CLOEXEC) != 0) {
+    start_error_ = errno;
+    return;
+  }
+  program_ = StartProgram(start, &start_error_);
+  if (program_ > 0) {
+    setpgid(program_, program_);  // the child does the same: whoever comes first
+    std::vector<int> kept = HeldFolderLocks();
+    kept.push_back(guard_pipe[0]);
+    std::sort(kept.begin(), kept.end());
+    guard_ = fork();
+    if (guard_ == 0) GuardGroup(program_, guard_pipe[0], kept);
+    if (guard_ < 0) start_error_ = errno;
+  }
+  close(guard_pipe[0]);
+  guard_pipe_ = guard_pipe[1];
+  if (start_error_ != 0) End();
+}
+
+bool ProcessGroup::HasEnded() const {
+  if (program_ <= 0) return true;
+  siginfo_t info{};
+  // It is not waited for yet: its number stays that of the group.
+  return waitid(P_PID, static_cast<id_t>(program_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == program_;
+}
+
+void ProcessGroup::End() {
+  if (program_ > 0) {
+    if (HasRunning(program_)) {
+      kill(-program_, SIGTERM);
+      const auto deadline = std::chrono::steady_clock::now() + kPatience;
+      while (HasRunning(program_) && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      kill(-program_, SIGKILL);
+    }
+  }
+  if (guard_ > 0) {  // before the group's number is free for others
+    kill(guard_, SIGKILL);
+    while (waitpid(guard_, nullptr, 0) < 0 && errno == EINTR) continue;
+  }
+  if (guard_pipe_ >= 0) close(guard_pipe_);
+  if (program_ > 0) {
+    while (waitpid(program_, &status_, 0) < 0 && errno == EINTR) continue;
+  }
+  program_ = guard_ = 0;
+  guard_pipe_ = -1;
+}
+
+int ProcessGroup::exit_code() const {
+  return WIFEXITED(status_) ? WEXITSTATUS(status_) : kKilledBySignal + WTERMSIG(status_);
+}
+
+double ProcessGroup::CpuSeconds() const {
+  int64_t ticks = 0;
+  if (program_ > 0) ForEachOfGroup(program_, [&](const ProcessState& process) { ticks += process.ticks; });
+  return static_cast<double>(ticks) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+}  // namespace oraclegs

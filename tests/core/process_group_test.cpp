@@ -1,0 +1,153 @@
+#include "oraclegs/core/process_group.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "oraclegs/core/folder_lock.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+using Variables = std::vector<std::pair<std::string, std::string>>;
+
+/// The shell's script with its output thrown away.
+class Script {
+ public:
+  explicit Script(const std::string& text, const Variables& variables = {})
+      : argv_{"sh", "-c", text}, variables_(variables), null_(open("/dev/null", O_WRONLY | O_CLOEXEC)) {
+    group_.emplace(ProgramStart{argv_, variables_, -1, null_, null_});
+  }
+  ~Script() { close(null_); }
+
+  ProcessGroup& operator*() { return *group_; }
+  ProcessGroup* operator->() { return &*group_; }
+
+ private:
+  std::vector<std::string> argv_;
+  Variables variables_;
+  int null_;
+  std::optional<ProcessGroup> group_;
+};
+
+bool Within5Seconds(const std::function<bool()>& is_true) {
+  for (int i = 0; i < 500 && !is_true(); ++i) usleep(10'000);
+  return is_true();
+}
+
+/// True when the process is gone, or a zombie that nobody has waited for.
+bool IsGone(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string stat;
+  return !std::getline(file, stat) || stat.find(") Z ") != std::string::npos;
+}
+
+/// The number that a script wrote.
+pid_t PidIn(const std::filesystem::path& file) {
+  pid_t pid = 0;
+  Within5Seconds([&] { return static_cast<bool>(std::ifstream(file) >> pid); });
+  return pid;
+}
+
+TEST(ProcessGroup, TellsTheExitCode) {
+  Script script("exit 7");
+  EXPECT_EQ(script->start_error(), 0);
+  EXPECT_TRUE(Within5Seconds([&] { return script->HasEnded(); }));
+  script->End();
+  EXPECT_EQ(script->exit_code(), 7);
+}
+
+TEST(ProcessGroup, TellsWhyNothingStarts) {
+  const std::vector<std::string> missing = {"oraclegs-no-such-program"}, folder = {"/"}, text = {"/etc/passwd"};
+  EXPECT_EQ(ProcessGroup({missing, {}, -1, 1, 2}).start_error(), ENOENT);
+  EXPECT_EQ(ProcessGroup({folder, {}, -1, 1, 2}).start_error(), EACCES);
+  EXPECT_EQ(ProcessGroup({text, {}, -1, 1, 2}).start_error(), EACCES);
+  const TempDir dir;
+  WriteText(dir / "rubbish", "\x7f\x45no program");
+  std::filesystem::permissions(dir / "rubbish", std::filesystem::perms::owner_all);
+  const std::vector<std::string> rubbish = {(dir / "rubbish").string()};
+  EXPECT_EQ(ProcessGroup({rubbish, {}, -1, 1, 2}).start_error(), ENOEXEC);
+}
+
+TEST(ProcessGroup, VariablesReplaceThoseOfTheEnvironment) {
+  setenv("ORACLEGS_TEST_VARIABLE", "ours", 1);
+  Script script("test \"$ORACLEGS_TEST_VARIABLE\" = theirs", {{"ORACLEGS_TEST_VARIABLE", "theirs"}});
+  unsetenv("ORACLEGS_TEST_VARIABLE");
+  EXPECT_TRUE(Within5Seconds([&] { return script->HasEnded(); }));
+  script->End();
+  EXPECT_EQ(script->exit_code(), 0);
+}
+
+TEST(ProcessGroup, EndsChildrenThatAreLeftBehind) {
+  const TempDir dir;
+  pid_t grandchild = 0;
+  {
+    Script script("sleep 60 & echo $! > '" + (dir / "pid").string() + "'");
+    EXPECT_TRUE(Within5Seconds([&] { return script->HasEnded(); }));
+    grandchild = PidIn(dir / "pid");
+    ASSERT_GT(grandchild, 0);
+    EXPECT_FALSE(IsGone(grandchild));
+    script->End();
+    EXPECT_EQ(script->exit_code(), 0);
+  }
+  EXPECT_TRUE(Within5Seconds([&] { return IsGone(grandchild); }));
+}
+
+TEST(ProcessGroup, CountsComputingOnly) {
+  Script waits("sleep 60"), computes("while true; do :; done");
+  EXPECT_TRUE(Within5Seconds([&] { return computes->CpuSeconds() > 0.1; }));
+  EXPECT_LT(waits->CpuSeconds(), 0.1);
+}
+
+/// A process that starts a script and waits. It holds a lock on `dir`.
+pid_t StartParent(const TempDir& dir, const std::string& text) {
+  const pid_t parent = fork();
+  if (parent != 0) return parent;
+  const FolderLock lock(dir.path());
+  Script script(text);
+  while (true) pause();
+}
+
+TEST(ProcessGroup, DiesWithAParentThatIsKilled) {
+  const TempDir dir;
+  const pid_t parent = StartParent(dir, "sleep 60 & echo $! > '" + (dir / "child").string() + "'; echo $$ > '" +
+                                            (dir / "shell").string() + "'; wait");
+  const pid_t shell = PidIn(dir / "shell"), child = PidIn(dir / "child");
+  ASSERT_GT(shell, 0);
+  ASSERT_GT(child, 0);
+  EXPECT_TRUE(IsFolderLocked(dir.path()));
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  EXPECT_TRUE(Within5Seconds([&] { return IsGone(shell) && IsGone(child); }));
+  EXPECT_TRUE(Within5Seconds([&] { return !IsFolderLocked(dir.path()); }));
+}
+
+TEST(ProcessGroup, KeepsTheLockUntilTheGroupIsGone) {
+  const TempDir dir;
+  int alive[2];
+  ASSERT_EQ(pipe(alive), 0);  // the script's children keep its end open
+  const pid_t parent = StartParent(dir, "echo $$ > '" + (dir / "shell").string() + "'; sleep 60 & sleep 60 & wait");
+  close(alive[1]);
+  ASSERT_GT(PidIn(dir / "shell"), 0);
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  Within5Seconds([&] { return !IsFolderLocked(dir.path()); });
+  EXPECT_FALSE(IsFolderLocked(dir.path()));
+  const int flags = fcntl(alive[0], F_GETFL);
+  fcntl(alive[0], F_SETFL, flags | O_NONBLOCK);
+  char byte = 0;
+  EXPECT_EQ(read(alive[0], &byte, 1), 0) << "something of the group lives, though the lock is free";
+  close(alive[0]);
+}
+
+}  // namespace
+}  // namespace oraclegs
