@@ -177,6 +177,21 @@ TEST_F(GaussianPlyFile, RefusesNanAndZeroRotations) {
   EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
 }
 
+TEST_F(GaussianPlyFile, TakesDenormalNumbersForWhatTheyAre) {
+  constexpr float kTiny = std::numeric_limits<float>::denorm_min();
+  Gaussians g = RandomGaussians(3);
+  g.means[0] = kTiny, g.means[1] = -kTiny, g.sh[0] = kTiny;
+  WriteGaussianPly(path_, g);
+  const Gaussians read = ReadGaussianPly(path_).gaussians;
+  EXPECT_EQ(read.means[0], kTiny);
+  EXPECT_EQ(read.means[1], -kTiny);
+  EXPECT_EQ(read.sh[0], kTiny);
+  g.quats.Rows(1, 2).SetZero();
+  g.quats[4] = kTiny;
+  WriteGaussianPly(path_, g);
+  EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
+}
+
 TEST_F(GaussianPlyFile, AcceptsOpacityZeroAndOne) {
   Gaussians g = RandomGaussians(3);
   g.opacity_logits[0] = std::numeric_limits<float>::infinity();

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <memory>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/train/diverged.h"
+#include "oraclegs/train/make_train_device.h"
 #include "support/buffers.h"
 #include "support/temp_dir.h"
 #include "train/small_scene.h"
@@ -206,6 +210,139 @@ TEST(TrainerTest, NotFiniteLossNamesIterationAndView) {
     ADD_FAILURE() << "a loss that is not a number was accepted";
   } catch (const RunError& e) {
     EXPECT_THAT(e.what(), HasSubstr("iteration 1 on photo0"));
+  }
+}
+
+/// Hands the Gaussians gradients that are no numbers in one iteration.
+class FailingDevice final : public TrainDevice {
+ public:
+  FailingDevice(const TrainDeviceSetup& setup, int64_t fails_at)
+      : device_(MakeTrainDevice(kCpu, setup)), at_(fails_at) {}
+
+  Rasterizer& rasterizer() override { return device_->rasterizer(); }
+  RenderTimings TimingsSoFar() const override { return device_->TimingsSoFar(); }
+  TrainedModel Upload(const TrainedModel& host) override { return device_->Upload(host); }
+  TrainedModel Download(const TrainedModel& model) const override { return device_->Download(model); }
+  Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
+    return device_->OpacityFactors(perturbation, n);
+  }
+  RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) override {
+    RenderGrads grads = device_->LossOfView(iteration, out);
+    if (iteration.number == at_) Flat(grads.image).setConstant(std::nanf(""));
+    return grads;
+  }
+  void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) override {
+    device_->BackwardAndStep(iteration, upstream, model);
+  }
+  void CapScales(TrainedModel* model) override { device_->CapScales(model); }
+  void Refine(const Iteration& iteration, TrainedModel* model) override { device_->Refine(iteration, model); }
+  LossReport Loss() override { return device_->Loss(); }
+  void RestoreLoss(double smoothed) override { device_->RestoreLoss(smoothed); }
+  ExposureState exposures() const override { return device_->exposures(); }
+  void RestoreExposures(const ExposureState& state) override { device_->RestoreExposures(state); }
+
+ private:
+  std::unique_ptr<TrainDevice> device_;
+  int64_t at_;
+};
+
+TEST(TrainerTest, AGradientThatIsNoNumberLeavesTheLastGoodCheckpoint) {
+  for (const int64_t fails_at : {7, 25, 30, 39, 40}) {
+    TempDir dir;
+    Trainer trainer({Options(40), kSeed, {0, 0, 0}, Photos(2), Start()},
+                    [&](const TrainDeviceSetup& setup) { return std::make_unique<FailingDevice>(setup, fails_at); });
+    std::string error;
+    try {
+      trainer.Run({dir.path(), 10, {}}, Silent());
+    } catch (const Diverged& diverged) {
+      error = diverged.what();
+    }
+    const int64_t good = (fails_at - 1) / 10 * 10;
+    if (fails_at == 40) {  // the last iteration moves nothing
+      EXPECT_EQ(error, "");
+      continue;
+    }
+    EXPECT_THAT(error, testing::AllOf(HasSubstr("training has diverged; check the poses"),
+                                      HasSubstr(good == 0 ? "nothing had been saved"
+                                                          : CheckpointPath(dir.path(), good).string() +
+                                                                " was saved before that")));
+    const auto newest = NewestCheckpoint(dir.path());
+    ASSERT_EQ(newest.has_value(), good > 0);
+    if (good == 0) continue;
+    const Checkpoint checkpoint = ReadCheckpoint(*newest);
+    EXPECT_EQ(checkpoint.iteration, good);
+    checkpoint.gaussians.ForEach(
+        [](const char* name, const Buffer<float>& values) { EXPECT_TRUE(Flat(values).allFinite()) << name; });
+  }
+}
+
+/// What training makes of a scene that teaches little: numbers, whatever they are.
+void ExpectNumbers(std::vector<TrainView> views, const Gaussians& start) {
+  Trainer trainer(Options(60), kSeed, {0, 0, 0}, std::move(views), start);
+  trainer.Run({}, Silent());
+  trainer.gaussians().ForEach(
+      [](const char* name, const Buffer<float>& values) { EXPECT_TRUE(Flat(values).allFinite()) << name; });
+}
+
+TEST(TrainerTest, DegenerateScenesGiveNumbers) {
+  {
+    SCOPED_TRACE("all cameras are equal");
+    std::vector<TrainView> views = Photos(3);
+    for (TrainView& view : views) view.camera = views[0].camera;
+    ExpectNumbers(views, Start());
+  }
+  {
+    SCOPED_TRACE("all points in one plane");
+    Gaussians start = Start();
+    for (int64_t i = 0; i < start.size(); ++i) start.means[3 * i + 2] = 0;
+    ExpectNumbers(Photos(3), start);
+  }
+  {
+    SCOPED_TRACE("all points in one place");
+    Gaussians start = Start();
+    start.means.SetZero();
+    ExpectNumbers(Photos(3), start);
+  }
+  {
+    SCOPED_TRACE("one Gaussian");
+    ExpectNumbers(Photos(3), Start(1));
+  }
+  {
+    SCOPED_TRACE("none is visible");
+    Gaussians start = Start();
+    for (int64_t i = 0; i < start.size(); ++i) start.means[3 * i + 1] += 1e4f;
+    ExpectNumbers(Photos(3), start);
+  }
+  {
+    SCOPED_TRACE("all are dead");
+    Gaussians start = Start();
+    Flat(start.opacity_logits).setConstant(-15);
+    ExpectNumbers(Photos(3), start);
+  }
+  {
+    SCOPED_TRACE("images of one pixel");
+    std::vector<TrainView> views = Photos(3);
+    for (TrainView& view : views) {
+      view.camera.width = view.camera.height = 1, view.camera.cx = view.camera.cy = 0.5;
+      view.image = view.image.Rows(0, 1).Clone();
+      view.image = Buffer<float>::From({1, 1, 3}, std::vector<float>{0.5f, 0.2f, 0.1f});
+    }
+    ExpectNumbers(views, Start());
+  }
+  {
+    SCOPED_TRACE("sizes at the ends of what a float holds");
+    Gaussians start = Start();
+    Flat(start.log_scales).head(30).setConstant(-80);
+    Flat(start.log_scales).segment(30, 30).setConstant(30);
+    ExpectNumbers(Photos(3), start);
+  }
+  {
+    SCOPED_TRACE("denormal numbers");
+    Gaussians start = Start();
+    const float tiny = std::numeric_limits<float>::denorm_min();
+    Flat(start.means).head(60).setConstant(tiny);
+    Flat(start.sh).setConstant(tiny);
+    ExpectNumbers(Photos(3), start);
   }
 }
 

@@ -122,8 +122,10 @@ void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i
                      i, row[c]);
   }
   const float* q = row + names.size() - 4;
-  if (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0) return;
-  throw InputError("{}: rot_0 .. rot_3 of vertex {} are all zero, which is no rotation; export it again", file, i);
+  const float squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];  // by which a renderer divides
+  if (std::isnormal(squared)) return;
+  throw InputError("{}: rot_0 .. rot_3 of vertex {} are {}, which is no rotation; export it again", file, i,
+                   squared < 1 ? "all zero" : "too large");
 }
 
 }  // namespace

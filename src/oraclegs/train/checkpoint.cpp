@@ -263,10 +263,17 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
   return checkpoint;
 }
 
+std::vector<fs::path> FindCheckpoints(const fs::path& dir) {
+  std::vector<fs::path> paths;
+  for (const auto& [iteration, path] : ListCheckpoints(dir)) paths.push_back(path);
+  std::reverse(paths.begin(), paths.end());
+  return paths;
+}
+
 std::optional<fs::path> NewestCheckpoint(const fs::path& dir) {
-  const auto found = ListCheckpoints(dir);
+  const std::vector<fs::path> found = FindCheckpoints(dir);
   if (found.empty()) return std::nullopt;
-  return found.rbegin()->second;
+  return found.front();
 }
 
 void RemoveOldCheckpoints(const fs::path& dir, int64_t iteration) {

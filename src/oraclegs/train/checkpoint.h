@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/exposure.h"
@@ -37,7 +38,10 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
 /// Throws InputError naming the file: wrong format version, checksum, shapes or keys.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
 
-/// The newest checkpoint of a folder ("iteration_0003000.safetensors"), nullopt when there is none.
+/// The checkpoints of a folder ("iteration_0003000.safetensors"), the newest first.
+std::vector<std::filesystem::path> FindCheckpoints(const std::filesystem::path& dir);
+
+/// The newest of them, nullopt when there is none.
 std::optional<std::filesystem::path> NewestCheckpoint(const std::filesystem::path& dir);
 
 /// Removes what a run that has just saved `iteration` needs no more: all but the two newest up to there, those of

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/train/coarse.h"
+#include "oraclegs/train/diverged.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/schedule.h"
 
@@ -127,7 +128,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
 
 void RequireFinite(double loss, int64_t iteration, const TrainView& view) {
   if (std::isfinite(loss)) return;
-  throw RunError(
+  throw Diverged(
       "the loss is {} at iteration {} on {}: training has diverged; check the poses and the scale of the scene", loss,
       iteration, view.name);
 }

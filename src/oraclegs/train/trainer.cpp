@@ -6,6 +6,7 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/schedule.h"
 
@@ -26,6 +27,12 @@ std::string WhereToContinue(const CheckpointPolicy& policy) {
       newest->string());
 }
 
+/// What is left of a run that diverged, which it would do again from there with the same options.
+std::string WhatIsSaved(const CheckpointPolicy& policy) {
+  const auto newest = policy.dir.empty() ? std::nullopt : NewestCheckpoint(policy.dir);
+  return newest ? fmt::format("{} was saved before that", newest->string()) : "nothing had been saved";
+}
+
 /// Throws unless the options a checkpoint was saved with are these; names the first that differs.
 void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now) {
   if (DumpOptions(saved) == DumpOptions(now)) return;
@@ -43,7 +50,7 @@ void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
   gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
     const Buffer<float> host = t.To(kCpu);
     if (std::all_of(host.span().begin(), host.span().end(), [](float x) { return std::isfinite(x); })) return;
-    throw RunError(
+    throw Diverged(
         "{} of a Gaussian are not finite at iteration {}: training has diverged; check the poses and the "
         "scale of the scene",
         name, iteration);
@@ -203,6 +210,15 @@ double Trainer::Step() {
 }
 
 TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listener, const TrainObserver& observer) {
+  try {
+    return RunToTheEnd(policy, listener, observer);
+  } catch (const Diverged& error) {
+    throw Diverged("{}; {}", error.what(), WhatIsSaved(policy));
+  }
+}
+
+TrainResult Trainer::RunToTheEnd(const CheckpointPolicy& policy, const Listener& listener,
+                                 const TrainObserver& observer) {
   State& s = *state_;
   if (s.restored) CheckSameOptions(policy.dir, s.run_options, policy.options);
   s.run_options = policy.options;

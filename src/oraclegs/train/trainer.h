@@ -57,8 +57,9 @@ class Trainer {
   void Restore(const Checkpoint& checkpoint);
 
   /// Runs the remaining iterations. Notes, once, when proposals are to be learnt from without LPIPS. On an interrupt
-  /// saves a checkpoint and throws Interrupted. Throws OutOfMemory that names the last checkpoint when the device's
-  /// memory ends on the way. `observer` may be empty.
+  /// saves a checkpoint and throws Interrupted. Throws OutOfMemory when the device's memory ends on the way, and
+  /// Diverged when a loss or a parameter is no number any more; both name the last checkpoint, which is whole.
+  /// `observer` may be empty.
   TrainResult Run(const CheckpointPolicy& policy, const Listener& listener, const TrainObserver& observer = {});
 
   /// One iteration; returns the loss. For tests and benchmarks.
@@ -79,6 +80,8 @@ class Trainer {
 
  private:
   struct State;
+  TrainResult RunToTheEnd(const CheckpointPolicy& policy, const Listener& listener, const TrainObserver& observer);
+
   std::unique_ptr<State> state_;
 };
 
