@@ -110,6 +110,16 @@ TEST_F(FolderLayoutTest, SkipsDistortedDuplicateAndUnreadable) {
                                                          AllOf(HasSubstr("(d.png)"), HasSubstr("cannot be read"))}));
 }
 
+TEST_F(FolderLayoutTest, SkipsImagesElsewhere) {
+  WriteFrames({"a", "b"});
+  Paint("a.png", {1, 2, 3});
+  const TempDir other;
+  WritePng(other / "b.png", Image8{1, 1, 3, {1, 2, 3}});
+  EditFrame(1, [&](nlohmann::json* frame) { (*frame)["file_path"] = (other / "b.png").string(); });
+  EXPECT_THAT(NamesOf(Read()), ElementsAre("a"));
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("lies outside the folder")));
+}
+
 TEST_F(FolderLayoutTest, RefusesDamagedTransforms) {
   Paint("a.png", {1, 2, 3});
   WriteFrames({"a"});

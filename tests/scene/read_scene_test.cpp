@@ -96,6 +96,35 @@ TEST_F(ReadSceneTest, FindsTransforms) {
   EXPECT_EQ(Read().views.size(), 2u);
 }
 
+TEST_F(ReadSceneTest, RefusesImagesElsewhere) {
+  WriteImages("images");
+  WriteImage(root() / ".." / (root().filename().string() + "_other") / "x.png");
+  const fs::path elsewhere = fs::absolute(root()).parent_path() / (root().filename().string() + "_other");
+  const auto write = [&](const std::string& path) {
+    WriteText(root() / "transforms.json", Transforms({"images/a", path}).dump());
+  };
+  for (const std::string& path : {"../" + elsewhere.filename().string() + "/x.png", (elsewhere / "x.png").string(),
+                                  "images/../../" + elsewhere.filename().string() + "/x"}) {
+    write(path);
+    EXPECT_THAT(ReadError(), testing::AllOf(HasSubstr("x.png, which lies outside"), HasSubstr("--allow-outside")));
+    EXPECT_EQ(Read({.allow_outside = true}).views.size(), 2u) << path;
+  }
+  write((elsewhere / "x.png").string());
+  EXPECT_EQ(Read({.images = elsewhere}).views.size(), 1u) << "the user named it";
+  write("./images/../images/b.png");
+  EXPECT_EQ(Read().views.size(), 2u);
+  write((fs::absolute(root()) / "images/b.png").string());
+  EXPECT_EQ(Read().views.size(), 2u);
+  fs::create_symlink(elsewhere / "x.png", root() / "images" / "linked.png");
+  write("images/linked.png");
+  EXPECT_EQ(Read().views.size(), 2u) << "a link was made on this machine";
+  json with_mask = Transforms({"images/a"});
+  with_mask["frames"][0]["mask_path"] = "../" + elsewhere.filename().string() + "/x.png";
+  WriteText(root() / "transforms.json", with_mask.dump());
+  EXPECT_THAT(ReadError(), HasSubstr("lies outside"));
+  fs::remove_all(elsewhere);
+}
+
 TEST_F(ReadSceneTest, FindsBlender) {
   WriteImages("train");
   WriteImages("test");

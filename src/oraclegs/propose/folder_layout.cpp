@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+constexpr const char* kOutside = "the image lies outside the folder; move it there";
 constexpr const char* kNoFile = "no image file is there; make it, or remove the frame";
 constexpr const char* kNoPose = "transforms.json has no frame for them; add one with the pose";
 constexpr const char* kNoView = "no view of the scene has their name; name each after the view whose pose it has";
@@ -146,8 +147,12 @@ void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* conte
       skip(kNoFile);
       continue;
     }
+    if (!IsBelow(dir, image.file)) {
+      skip(kOutside);
+      continue;
+    }
     used.insert(image.file.lexically_normal());
-    if (IsBelow(dir, image.file)) folders.insert(image.file.parent_path().lexically_normal());
+    folders.insert(image.file.parent_path().lexically_normal());
     try {  // intrinsics without w and h take the image's size; the image is at fault then, not transforms.json
       int width = 0, height = 0;
       ReadImageSize(image.file, &width, &height);

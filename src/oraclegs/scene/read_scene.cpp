@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <system_error>
 
 #include "oraclegs/core/error.h"
@@ -82,6 +83,28 @@ fs::path FindImageFolder(const fs::path& root, const fs::path& model_dir, const 
   return !any_in(usual) && any_in(root) ? root : usual;
 }
 
+bool LiesIn(const fs::path& folder, const fs::path& path) {
+  const fs::path outer = fs::absolute(folder / "").lexically_normal(), inner = fs::absolute(path).lexically_normal();
+  const auto last = std::prev(outer.end());  // the empty name after the slash
+  return std::mismatch(outer.begin(), last, inner.begin(), inner.end()).first == last;
+}
+
+/// What the scene's own files name lies in its folder, or in the one that the user named. Links are followed wherever
+/// they lead: a file's text cannot make one.
+void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOptions& options) {
+  if (options.allow_outside) return;
+  for (const SceneView& view : scene.views) {
+    for (const fs::path& path : {view.image_path, view.mask_path}) {
+      if (path.empty() || LiesIn(root, path)) continue;
+      if (!options.images.empty() && LiesIn(root / options.images, path)) continue;
+      throw InputError(
+          "{}: names {}, which lies outside the scene's folder; move it there, or add --allow-outside if you trust the "
+          "scene",
+          root.string(), OneLine(path.string()));
+    }
+  }
+}
+
 Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
   Scene scene;
   scene.format = SceneFormat::kPhotos;
@@ -113,6 +136,7 @@ Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Lis
   } else {
     scene = ReadPhotoFolder(root, options, listener);
   }
+  if (scene.HasPoses()) RequireInside(scene, root, options);
   scene.root = root;
   RequireUtf8Names(scene);
   AttachMasks(root / "masks", listener, &scene);

@@ -15,7 +15,8 @@ namespace oraclegs {
 ///   photos below the folder (or below its images/)                                -> kPhotos (see photo_folder.h)
 /// Views whose image file is missing go to missing_images and are reported to `listener`. Throws InputError naming the
 /// file and how to fix it: nothing recognised, no image found, a truncated file, a pose that is not finite or not a
-/// rotation, a focal length that is not positive, two views of one name, a name that is not UTF-8.
+/// rotation, a focal length that is not positive, two views of one name, a name that is not UTF-8, an image or mask
+/// outside the folder (SceneReadOptions).
 Scene ReadScene(const std::filesystem::path& root, const SceneReadOptions& options, const Listener& listener);
 
 }  // namespace oraclegs

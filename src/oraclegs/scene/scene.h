@@ -53,7 +53,10 @@ struct Scene {
 };
 
 struct SceneReadOptions {
-  std::filesystem::path images;  ///< image folder, empty = where the format usually has it
+  std::filesystem::path images = {};  ///< image folder, empty = where the format usually has it
+  /// Also read what the scene's files name outside its folder and `images`. A stranger's scene could name any picture
+  /// of this machine, which would then be in the result.
+  bool allow_outside = false;
 };
 
 inline constexpr int kMaxImageSide = 1 << 20;  ///< pixels; more in a scene file is a damaged or mistaken number

@@ -63,11 +63,14 @@ struct EnumWords<LpipsUse> {
 
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
+  bool allow_outside = false;    ///< of the scene's folder
   PoseSource poses = PoseSource::kColmap;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("images", self.images, "Folder of the photos, where it is not the scene's usual one");
+    visit("allow-outside", self.allow_outside,
+          "Also read images and masks that the scene's files name outside its folder; for scenes that you trust");
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
