@@ -246,11 +246,16 @@ class Models(EndToEnd):
         self.env["ORACLEGS_MODELS_URL"] = "nowhere"
         self.fails("seva", 2, "ORACLEGS_MODELS_URL is 'nowhere'")
 
-    def test_a_proxy_is_used(self):
-        with Server(lambda handler, _: send(handler, FILE, etag=SHA256)) as proxy:
+    def test_a_proxy_is_used_and_nothing_secret_goes_over_plain_http(self):
+        with Server(lambda handler, _: begin(handler, 404, 0)) as proxy:
             self.env |= {"http_proxy": proxy.url, "ORACLEGS_MODELS_URL": "http://models.invalid"}
-            self.fetch()
-        self.assertEqual(proxy.requests[0][0], "http://models.invalid" + VGGT)
+            self.fails("seva", 3, "(404)")
+        self.assertTrue(proxy.requests[0][0].startswith("http://models.invalid/stabilityai/"), proxy.requests)
+        self.assertNotIn(TOKEN, str(proxy.requests))
+
+    def test_a_file_without_a_known_checksum_comes_from_no_mirror(self):
+        self.env["ORACLEGS_MODELS_URL"] = "https://models.invalid"
+        self.fails(NAME, 2, "checksum is not known", "ORACLEGS_MODELS_URL")
 
     def test_a_folder_that_cannot_be_written(self):
         self.dir.joinpath("file").write_text("x")

@@ -85,6 +85,11 @@ TEST_F(FetchWeightsTest, KeepsWhatIsHere) {
 TEST_F(FetchWeightsTest, KeepsASafetensorsFile) {
   const std::string bytes = SerializeSafetensors({}, {{"a", "b"}});
   ScriptedServer server({File(bytes)});
+  EXPECT_THAT(
+      [&] {
+        Fetch("vggt-commercial", {"hf_1", "https://mirror.example"});
+      },
+      ThrowsMessage<UsageError>(AllOf(HasSubstr("checksum is not known"), HasSubstr("ORACLEGS_MODELS_URL"))));
   EXPECT_EQ(Fetch("vggt-commercial", {"hf_1", server.Url("")}), dir_ / "vggt-commercial/model.safetensors");
   EXPECT_EQ(ReadFile(RequireWeights("vggt-commercial")), bytes);
   EXPECT_THAT(events_.notes, Contains(LicenceText(WeightsNamed("vggt-commercial"))));

@@ -14,6 +14,14 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
+TEST(PartFile, FollowsNoLink) {
+  const TempDir dir;
+  WriteText(dir / "other", "keep");
+  std::filesystem::create_symlink(dir / "other", dir / "f.part");
+  EXPECT_THAT([&] { PartFile(dir / "f"); }, ThrowsMessage<RunError>(HasSubstr("f.part: cannot write")));
+  EXPECT_EQ(ReadFile(dir / "other"), "keep");
+}
+
 TEST(PartFile, ContinuesWithTheSameChecksum) {
   const TempDir dir;
   {

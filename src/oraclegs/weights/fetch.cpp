@@ -30,6 +30,13 @@ void Convert(const WeightsInfo& model, const std::vector<fs::path>& published, c
   }
 }
 
+bool IsThisMachine(const std::string& url) {
+  return url.starts_with("http://127.0.0.1:") || url.starts_with("http://localhost:");
+}
+
+/// Whether nobody on the way can read what is sent.
+bool KeepsSecrets(const std::string& url) { return url.starts_with("https://") || IsThisMachine(url); }
+
 /// `fix` is what to do about it, beyond what the check says.
 void WarnIfUnexpected(const WeightsInfo& model, const fs::path& weights, const char* fix, const Listener& listener) {
   try {
@@ -82,7 +89,13 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
     DownloadRequest request;
     request.url = AtMirror(file.url, settings.mirror);
     request.to = model.convert ? weights.parent_path() / file.url.substr(file.url.rfind('/') + 1) : weights;
-    if (file.url.starts_with(kHuggingFace)) request.bearer = settings.token;
+    if (file.sha256.empty() && !settings.mirror.empty() && !IsThisMachine(settings.mirror)) {
+      throw UsageError(
+          "{}: its checksum is not known beforehand, so it is taken from {} alone; unset ORACLEGS_MODELS_URL, or give "
+          "a file that you have with `oraclegs models convert`",
+          model.name, kHuggingFace);
+    }
+    if (file.url.starts_with(kHuggingFace) && KeepsSecrets(request.url)) request.bearer = settings.token;
     request.sha256 = file.sha256;
     request.bytes = file.bytes;
     request.stage = "fetch " + request.to.filename().string();

@@ -22,7 +22,7 @@ struct FetchOptions {
 
 /// What the machine adds.
 struct FetchSettings {
-  std::string token = {};   ///< HF_TOKEN: sent to huggingface.co (or the mirror) alone
+  std::string token = {};   ///< HF_TOKEN: sent to huggingface.co or the mirror alone, never unencrypted
   std::string mirror = {};  ///< ORACLEGS_MODELS_URL: takes the place of scheme and host of every address
 };
 /// From the environment. Throws UsageError when a variable cannot be what it should.

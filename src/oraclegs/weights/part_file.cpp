@@ -14,7 +14,7 @@
 namespace oraclegs {
 
 PartFile::PartFile(const std::filesystem::path& to) : to_(to), path_(to.string() + ".part") {
-  fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (fd_ < 0) Fail("cannot write");
   try {
     if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
