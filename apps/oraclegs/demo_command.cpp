@@ -8,6 +8,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 #include "oraclegs/pipeline/workspace/stage_table.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
 

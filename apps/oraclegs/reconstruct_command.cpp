@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 #include "oraclegs/pipeline/workspace/stage_table.h"
 #include "workspace_command.h"
 

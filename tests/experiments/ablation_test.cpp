@@ -3,7 +3,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/workspace/stage_table.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 #include "pipeline/proposing.h"
 #include "support/errors.h"
 #include "support/network_files.h"

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "oraclegs/pipeline/workspace/stage_table.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 #include "pipeline/proposing.h"
 
 namespace oraclegs {

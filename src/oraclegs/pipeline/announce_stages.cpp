@@ -39,8 +39,12 @@ void AnnounceStages(Run* run) {
   const Split split = SplitViews(run->scene, run->options.split);
   const auto train = static_cast<int>(split.train.size()), test = static_cast<int>(split.test.size());
   const auto all = static_cast<int>(run->scene.views.size());
-  const EstimateInput input{run->options, SizeOf(run->scene, train), run->photos.empty() ? 0 : all,
-                            test,         all - train - test,        run->plan.device.is_cpu() ? CpuSlowness() : 0,
+  const EstimateInput input{run->options,
+                            SizeOf(run->scene, train),
+                            run->photos.empty() ? 0 : all,
+                            test,
+                            all - train - test,
+                            run->plan.device.is_cpu() ? CpuSlowness() : 0,
                             run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
   RunPlanned planned;
   for (const Stage& stage : Stages()) {

@@ -84,6 +84,7 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   }
   SceneReadOptions read;
   read.images = options.input.images;
+  read.allow_outside = options.input.allow_outside;
   Scene scene = ReadScene(root, read, listener);
   CheckSmallerCopies(scene, options.image, listener);
   return scene;
@@ -263,9 +264,10 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
     workspace.SaveSize(SizeToJson(*settled));
   }
   Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.workspace.DropDamagedRecords(listener);
   run.start_iterations = ReadSavedRun(request.out).start_iterations;
   run.live = std::make_shared<Live>(run.workspace, listener);
-  run.listener = run.live->AsListener();
+  run.listener = run.workspace.Watching(run.live->AsListener());
   if (run.options.report.report) run.on_training = WriteStartDocument;
   if (request.on_claimed) request.on_claimed();
   Live::Guard(run.live.get(), [&] {

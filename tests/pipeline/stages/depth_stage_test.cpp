@@ -122,7 +122,8 @@ TEST_F(DepthStageTest, FindsDepthAgainAfterDamage) {
   Geometry geometry;
   EXPECT_TRUE(Searched(Request(), &geometry));
   ASSERT_FALSE(recorder.warnings.empty());
-  EXPECT_THAT(recorder.warnings.front(), testing::AllOf(HasSubstr(file.string()), HasSubstr("found again")));
+  EXPECT_THAT(recorder.warnings.front(),
+              testing::AllOf(HasSubstr(file.string()), HasSubstr("; stage depth is made again")));
   ExpectTheSame(geometry, *first);
 }
 

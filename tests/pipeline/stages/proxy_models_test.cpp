@@ -47,6 +47,13 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   EXPECT_GT(steps, 0);
   EXPECT_EQ(fs::last_write_time(kept), written);
   EXPECT_TRUE(Equal(trained_again[1].gaussians.means, first[1].gaussians.means));
+
+  const auto cut = run.workspace.proposals() / "proxies" / "1.ply";
+  fs::resize_file(cut, fs::file_size(cut) / 2);
+  run.results->keys.erase("proxies");
+  const std::vector<ProxyModel> mended = Bring(&run, "proxies").proxies;
+  EXPECT_EQ(fs::last_write_time(kept), written);
+  EXPECT_TRUE(Equal(mended[1].gaussians.means, first[1].gaussians.means));
 }
 
 TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {

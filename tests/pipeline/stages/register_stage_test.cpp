@@ -44,6 +44,15 @@ TEST_F(PoseNetworkTest, IsTheRecordedOneWhereWeightsAreGone) {
   EXPECT_EQ(network->fingerprint, "f");
 }
 
+TEST(RegisterStage, KeepsThePosesThatResultsBelongTo) {
+  const TempDir temp;
+  auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
+  WriteText(run.workspace.point_cloud(), "x");
+  WriteText(run.workspace.sfm() / "inputs.json", "{");
+  EXPECT_THAT(MessageOf<RunError>([&] { RegisterStage().load(&run); }),
+              testing::AllOf(testing::HasSubstr("inputs.json: is damaged"), testing::HasSubstr("bring the file back")));
+}
+
 TEST(RegisterStage, IsWantedForImagesWithoutPoses) {
   const TempDir temp;
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());

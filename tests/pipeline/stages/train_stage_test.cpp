@@ -6,6 +6,7 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/live/curves.h"
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/train/checkpoint.h"
 #include "pipeline/fixtures.h"
 #include "pipeline/proposing.h"
 #include "support/errors.h"
@@ -70,6 +71,35 @@ TEST_F(TrainStageTest, ContinuesAnInterruptedRunToTheSameBits) {
   EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
   EXPECT_EQ(Train(request), expected);
   EXPECT_THAT(recorder.notes, Contains(HasSubstr("continuing from iteration ")));
+}
+
+TEST_F(TrainStageTest, TakesTheCheckpointBeforeADamagedOne) {
+  request.options.train.iterations = 250;
+  request.options.checkpoints.checkpoint_every = 50;
+  RunRequest straight = request;
+  straight.out = temp / "straight";
+  const std::string expected = Train(straight);
+  TrainUntil(request, 100);
+  const std::vector<std::filesystem::path> saved = FindCheckpoints(temp / "out" / "checkpoints");
+  ASSERT_GE(saved.size(), 2u);
+  std::string bytes = ReadFile(saved[0]);
+  bytes[bytes.size() / 2] ^= 1;
+  WriteText(saved[0], bytes);
+  EXPECT_EQ(Train(request), expected);
+  EXPECT_THAT(recorder.warnings, Contains(testing::AllOf(HasSubstr(saved[0].string()), HasSubstr("before it"))));
+  EXPECT_THAT(recorder.notes, Contains(HasSubstr(saved[1].string())));
+}
+
+TEST_F(TrainStageTest, StopsWhenItsFolderIsRemoved) {
+  request.options.train.iterations = 100000;
+  const Listener listener = [&](const Event& event) {
+    const auto* step = std::get_if<StepDone>(&event);
+    if (step && step->stage == "train") std::filesystem::remove_all(temp / "out");
+  };
+  auto run = StartRun(request, listener);
+  EXPECT_THAT(MessageOf<RunError>([&] { RunStage(&run, "train"); }),
+              HasSubstr("out: was removed or replaced while the run was working there"));
+  EXPECT_FALSE(std::filesystem::exists(temp / "out" / "point_cloud.ply"));
 }
 
 TEST_F(TrainStageTest, HasNoTimingsWhenNothingIsLeftToDo) {

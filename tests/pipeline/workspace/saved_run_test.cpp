@@ -38,7 +38,7 @@ TEST(ReadRunJson, NamesADamagedFile) {
   TempDir temp;
   WriteText(temp / "stages.json", "{");
   EXPECT_THAT(MessageOf<InputError>([&] { ReadRunJson(temp / "stages.json"); }),
-              HasSubstr("stages.json: not valid JSON"));
+              HasSubstr("stages.json: is damaged, it is not valid JSON"));
 }
 
 }  // namespace

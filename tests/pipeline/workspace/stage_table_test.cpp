@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/workspace/stage_table.h"
 
 #include "oraclegs/pipeline/reconstruct.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 #include "pipeline/trained.h"
 #include "support/temp_dir.h"
 
@@ -98,13 +99,6 @@ TEST_F(StageTableOfARun, KnowsWhatASecondCallDidNotRepeat) {
   const std::string table = StageTable(before, ReadStageRecords(request->out));
   EXPECT_THAT(table, HasSubstr("30 iterations (unchanged)"));
   EXPECT_THAT(table, HasSubstr(fmt::format("PSNR {:.2f} dB", metrics->at("test").at("psnr").get<double>())));
-}
-
-TEST(ReadStageRecords, IsEmptyWhereThereAreNone) {
-  const TempDir temp;
-  EXPECT_EQ(ReadStageRecords(temp.path()), json::object());
-  WriteText(temp / "stages.json", "{\"train\":");
-  EXPECT_EQ(ReadStageRecords(temp.path()), json::object());
 }
 
 }  // namespace

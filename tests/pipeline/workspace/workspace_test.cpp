@@ -2,6 +2,7 @@
 
 #include "pipeline/fixtures.h"
 #include "support/errors.h"
+#include "support/event_recorder.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -31,6 +32,47 @@ TEST_F(WorkspaceTest, TakesAMissingAndAnEmptyFolderAndSaysWhoseItIs) {
   const SavedRun saved = ReadSavedRun(out);
   EXPECT_EQ(saved.scene, std::filesystem::canonical(scene));
   EXPECT_EQ(saved.options, RunOptionsToJson(options));
+}
+
+TEST_F(WorkspaceTest, RefusesAFolderThatAnotherRunHolds) {
+  const Workspace workspace = Claim();
+  EXPECT_THAT(Refusal(), HasSubstr("another oraclegs is working there"));
+}
+
+TEST_F(WorkspaceTest, NoticesThatItIsGone) {
+  Workspace workspace = Claim();
+  std::vector<std::string> heard;
+  const Listener watching = workspace.Watching(
+      [&](const Event& event) { heard.push_back(std::holds_alternative<StepDone>(event) ? "step" : "other"); });
+  watching(StepDone{"train", 1, 2, "iterations", ""});
+  EXPECT_NO_THROW(workspace.RequireThere());
+  std::filesystem::remove_all(out);
+  watching(Note{"it may still speak"});
+  const auto gone = HasSubstr(out.string() + ": was removed or replaced");
+  EXPECT_THAT(MessageOf<RunError>([&] { watching(StepDone{"train", 2, 2, "iterations", ""}); }), gone);
+  EXPECT_THAT(MessageOf<RunError>([&] { workspace.MarkDone("train", {{"key", "k"}}); }), gone);
+  EXPECT_FALSE(std::filesystem::exists(out)) << "nothing is written there";
+  std::filesystem::create_directories(out);
+  EXPECT_THAT(MessageOf<RunError>([&] { workspace.RequireThere(); }), gone) << "it is another folder";
+  EXPECT_THAT(heard, testing::ElementsAre("step", "other"));
+}
+
+TEST_F(WorkspaceTest, ForgetsRecordsThatAreDamaged) {
+  EventRecorder recorder;
+  Workspace workspace = Claim();
+  workspace.MarkDone("sfm", {{"key", "k"}, {"files", nlohmann::json::array()}});
+  workspace.DropDamagedRecords(recorder.AsListener());
+  EXPECT_THAT(recorder.warnings, testing::IsEmpty());
+  WriteText(out / "stages.json", R"({"sfm": {"key": "k", "files": []}, "train": {"key": 3}, "depth": 5})");
+  EXPECT_TRUE(workspace.Record("train").is_null());
+  workspace.DropDamagedRecords(recorder.AsListener());
+  EXPECT_THAT(recorder.warnings, testing::ElementsAre(AllOf(HasSubstr("stages.json"), HasSubstr("depth, train"))));
+  EXPECT_EQ(ReadRunJson(out / "stages.json").size(), 1u);
+  EXPECT_TRUE(workspace.IsDone("sfm", "k"));
+  WriteText(out / "stages.json", "{");
+  workspace.DropDamagedRecords(recorder.AsListener());
+  EXPECT_THAT(recorder.warnings.back(), HasSubstr("all stages are made again"));
+  EXPECT_EQ(ReadRunJson(out / "stages.json"), nlohmann::json::object());
 }
 
 TEST_F(WorkspaceTest, ContinuesTheSameRunHoweverThePathIsSpelt) {

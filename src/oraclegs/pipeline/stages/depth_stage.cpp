@@ -119,13 +119,8 @@ std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
 }
 
 bool LoadDepth(Run* run) {
-  try {
-    run->results->geometry = ReadGeometry(*run, ViewsOf(run).views);
-    return !run->results->geometry.maps.empty();
-  } catch (const InputError& damage) {
-    run->listener(Warning{fmt::format("{}; the depth is found again", damage.what())});
-    return false;
-  }
+  run->results->geometry = ReadGeometry(*run, ViewsOf(run).views);
+  return !run->results->geometry.maps.empty();
 }
 
 void ReportNetwork(const Run& run) {

@@ -128,6 +128,9 @@ class ProxyTrainer {
 
 int Count(const Run& run) { return ProxyCount(run.options.propose, static_cast<int>(run.split.train.size())); }
 
+/// Of model k, in stages.json.
+std::string PartName(int k) { return fmt::format("proxy {}", k); }
+
 /// Of model k, relative to the workspace: before it was trained with all views, and after.
 std::vector<std::string> FilesOf(int k) {
   return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
@@ -146,8 +149,13 @@ bool LoadProxy(Run* run) {
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   for (int k = 0; k < n; ++k) {
     const std::vector<std::string> files = FilesOf(k);
-    proxies.push_back({ReadGaussianPly(run->workspace.root() / files[0]).gaussians,
-                       ReadGaussianPly(run->workspace.root() / files[1]).gaussians, HeldOutViews(views, n, k)});
+    try {
+      proxies.push_back({ReadGaussianPly(run->workspace.root() / files[0]).gaussians,
+                         ReadGaussianPly(run->workspace.root() / files[1]).gaussians, HeldOutViews(views, n, k)});
+    } catch (const InputError&) {
+      run->workspace.MarkUndone(PartName(k));  // the others are kept
+      throw;
+    }
   }
   run->results->proxies = std::move(proxies);
   return true;
@@ -160,7 +168,7 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
   std::vector<std::string> all;
   for (int k = 0; k < n; ++k) {
-    const std::string part = fmt::format("proxy {}", k);
+    const std::string part = PartName(k);
     const std::vector<std::string> files = FilesOf(k);
     all.insert(all.end(), files.begin(), files.end());
     if (run->workspace.IsDone(part, key)) continue;

@@ -1,5 +1,6 @@
 #include "oraclegs/pipeline/stages/register_stage.h"
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/pipeline/stages/vggt_registration.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/sfm/register_views.h"
@@ -39,8 +40,19 @@ std::optional<nlohmann::json> MakeRegister(Run* run, const std::string&) {
   return record;
 }
 
+/// Poses found anew would be others, and what was trained with the old ones would be lost.
 bool LoadRegister(Run* run) {
-  Register(run);
+  if (!HasResults(run->workspace)) {
+    Register(run);
+    return true;
+  }
+  try {
+    ReadRunJson(run->workspace.sfm() / "inputs.json");  // damaged or missing, it would have them found anew
+    Register(run);
+  } catch (const InputError& damage) {
+    throw RunError("{}; the results were trained with these poses: bring the file back, or start anew with --overwrite",
+                   damage.what());
+  }
   return true;
 }
 

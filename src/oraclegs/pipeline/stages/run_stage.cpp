@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 
@@ -54,7 +55,7 @@ class StageRunner {
     const StageClock clock(stage.name, run_->listener);
     if (!done) {
       Make(stage, key, clock);
-    } else if (stage.work.load(run_)) {
+    } else if (Load(stage)) {
       clock.Finish();
       run_->listener(StageKept{stage.name});
     } else {
@@ -70,6 +71,17 @@ class StageRunner {
     if (needs_ == Needs::kBringUpToDate) return Key(Find(name));
     const nlohmann::json record = run_->workspace.Record(name);
     return record.is_object() ? record.value("key", "") : "";
+  }
+
+  /// False when what the stage wrote is damaged.
+  bool Load(const Stage& stage) {
+    try {
+      return stage.work.load(run_);
+    } catch (const InputError& damage) {
+      const std::string text = damage.what();  // without the mend, of which there is no need
+      run_->listener(Warning{fmt::format("{}; stage {} is made again", text.substr(0, text.find("; ")), stage.name)});
+      return false;
+    }
   }
 
   void Undo(const Stage& stage) {

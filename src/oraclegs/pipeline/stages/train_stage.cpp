@@ -77,16 +77,33 @@ void UndoTrain(Run* run, const nlohmann::json&) {
   fs::remove(run->workspace.metrics(), ignored);
 }
 
+struct FoundCheckpoint {
+  fs::path path;
+  Checkpoint checkpoint;
+};
+
+/// The newest checkpoint that can be read.
+std::optional<FoundCheckpoint> NewestSound(const Run& run) {
+  for (const fs::path& path : FindCheckpoints(run.workspace.checkpoints())) {
+    try {
+      return FoundCheckpoint{path, ReadCheckpoint(path)};
+    } catch (const InputError& damage) {
+      run.listener(Warning{fmt::format("{}; what was saved before it is taken", damage.what())});
+    }
+  }
+  return std::nullopt;
+}
+
 /// The newest checkpoint, when it belongs to these inputs; those of others are removed, with the model.
 std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& saved_options) {
   std::error_code ignored;
-  const auto path = NewestCheckpoint(run.workspace.checkpoints());
-  if (path) {
-    Checkpoint checkpoint = ReadCheckpoint(*path);
+  if (std::optional<FoundCheckpoint> found = NewestSound(run)) {
+    const fs::path& path = found->path;
+    Checkpoint& checkpoint = found->checkpoint;
     if (GoesOnFrom(checkpoint.options, saved_options)) {
       checkpoint.options = saved_options;
-      run.listener(Note{fmt::format("continuing from iteration {} ({})", checkpoint.iteration, path->string())});
-      return checkpoint;
+      run.listener(Note{fmt::format("continuing from iteration {} ({})", checkpoint.iteration, path.string())});
+      return std::move(checkpoint);
     }
     nlohmann::json before = checkpoint.options;  // what --iterations may be was asked when the workspace was claimed
     if (before.is_object()) before["iterations"] = saved_options.at("iterations");
@@ -94,7 +111,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
     if (!difference.empty()) {
       throw InputError(
           "{}: was saved with other options ({}); give the same options to continue, or start anew with --overwrite",
-          path->string(), difference);
+          path.string(), difference);
     }
     run.listener(Warning{
         "the photos, poses, depth, proposals, weights, the oracle or the program have changed since the last run: "

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "oraclegs/pipeline/workspace/stage_table.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 
 namespace oraclegs {
 namespace {

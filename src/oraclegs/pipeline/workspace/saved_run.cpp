@@ -23,7 +23,7 @@ nlohmann::json ReadRunJson(const fs::path& path) {
   try {
     return nlohmann::json::parse(ReadFile(path, kMaxJsonBytes));
   } catch (const nlohmann::json::exception&) {
-    throw InputError("{}: not valid JSON; start anew with another -o, or delete the folder", path.string());
+    throw InputError("{}: is damaged, it is not valid JSON", path.string());
   }
 }
 
@@ -34,7 +34,12 @@ bool IsWorkspace(const fs::path& dir) {
 
 SavedRun ReadSavedRun(const fs::path& dir) {
   const fs::path path = OptionsFile(dir);
-  const nlohmann::json json = ReadRunJson(path);
+  nlohmann::json json;
+  try {
+    json = ReadRunJson(path);
+  } catch (const InputError& damage) {
+    throw InputError("{}; choose another -o, or delete the folder", damage.what());
+  }
   const bool ours = json.is_object() && json.value("program", nlohmann::json()) == "oraclegs" &&
                     json.contains("scene") && json["scene"].is_string() && json.contains("options") &&
                     json["options"].is_object();

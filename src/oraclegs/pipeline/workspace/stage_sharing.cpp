@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "oraclegs/pipeline/workspace/stage_table.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 
 namespace oraclegs {
 namespace {
@@ -51,7 +51,7 @@ void Copy(Workspace* workspace, const fs::path& donor, const Portion& portion) {
     if (!CopyFolder(donor / folder, workspace->root() / folder)) return;
   }
   for (const auto& [stage, record] : records.items()) {
-    if (IsOf(stage, portion) && record.is_object()) workspace->MarkDone(stage, record);
+    if (IsOf(stage, portion)) workspace->MarkDone(stage, record);
   }
 }
 

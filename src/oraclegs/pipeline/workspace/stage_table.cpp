@@ -4,11 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/core/error.h"
-#include "oraclegs/core/files.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {
@@ -69,15 +66,6 @@ constexpr Row kRows[] = {
 };
 
 }  // namespace
-
-json ReadStageRecords(const std::filesystem::path& workspace) {
-  try {
-    json records = json::parse(ReadFile(WorkspacePaths(workspace).stages()), nullptr, false);
-    return records.is_object() ? records : json::object();
-  } catch (const Error&) {
-    return json::object();
-  }
-}
 
 std::string StageTable(const json& before, const json& after) {
   std::vector<std::vector<std::string>> lines = {{"stage", "time", "predicted", "result"}};

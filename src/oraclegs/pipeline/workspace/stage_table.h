@@ -1,14 +1,10 @@
 #pragma once
 // What each stage of a run took and gave, as a block of text.
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace oraclegs {
-
-/// What stages.json of a workspace holds; an empty object where there is none that can be read.
-nlohmann::json ReadStageRecords(const std::filesystem::path& workspace);
 
 /// One line for each finished stage: its time, what it gave, and "unchanged" where its record is the one that stood
 /// there `before` the run (an empty object when there was none, or when it was removed).

@@ -1,16 +1,12 @@
 #include "oraclegs/pipeline/workspace/workspace.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <set>
 #include <utility>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -23,6 +19,9 @@ constexpr const char* kOwnNames[] = {
     "options.json", "split.json", "stages.json",    "metrics.json", "sfm",        "point_cloud.ply",   "checkpoints",
     "renders",      "depth",      "exposures.json", "proposals",    "confidence", "oracle.json",       "live",
     "train.csv",    "curves.csv", "report",         "report.html",  "photos",     "photo_checks.json", "frame.json"};
+
+// The programs of a run that was killed end within moments.
+constexpr std::chrono::milliseconds kPatience(2000);
 
 fs::path Canonical(const fs::path& path) {
   std::error_code ignored;
@@ -62,9 +61,7 @@ std::string JsonText(const fs::path& path) {
 
 /// To its end, and can train on: the last checkpoint is there.
 bool HasTrained(const WorkspacePaths& paths) {
-  std::error_code ignored;
-  return fs::exists(paths.stages(), ignored) && ReadRunJson(paths.stages()).contains("train") &&
-         HoldsAnything(paths.checkpoints());
+  return ReadStageRecords(paths.root()).contains("train") && HoldsAnything(paths.checkpoints());
 }
 
 /// --iterations that the run in `dir` was begun with, when it is continued with more; 0 = it is not.
@@ -129,6 +126,12 @@ void RequireOutside(const fs::path& dir, const fs::path& folder, const char* wha
                    what, folder.string());
 }
 
+void RequireThere(const FolderLock& lock, const fs::path& dir) {
+  if (lock.IsStillThere()) return;
+  throw RunError("{}: was removed or replaced while the run was working there; run the same command again",
+                 dir.string());
+}
+
 }  // namespace
 
 bool HasResults(const WorkspacePaths& paths) {
@@ -166,15 +169,21 @@ void RequireApart(const fs::path& dir, const fs::path& folder) {
                    folder.string(), dir.string());
 }
 
-Workspace Workspace::Lock(const fs::path& dir) {
+Workspace::Workspace(const fs::path& dir) : WorkspacePaths(dir) {
   RequireWritableFolder(dir);
-  const int fd = open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) throw RunError("{}: cannot be opened (error {})", dir.string(), errno);
-  if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {  // a file system without locks is let pass
-    close(fd);
+  lock_ = std::make_shared<const FolderLock>(dir, kPatience);
+  if (lock_->state() == FolderLock::State::kHeldByAnother) {
     throw InputError("{}: another oraclegs is working there; wait for it, or choose another -o", dir.string());
   }
-  return Workspace(dir, fd);
+}
+
+void Workspace::RequireThere() const { oraclegs::RequireThere(*lock_, root()); }
+
+Listener Workspace::Watching(Listener listener) const {
+  return [lock = lock_, dir = root(), listener = std::move(listener)](const Event& event) {
+    if (std::holds_alternative<StepDone>(event)) oraclegs::RequireThere(*lock, dir);
+    listener(event);
+  };
 }
 
 Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, const RunOptions& options, bool overwrite,
@@ -184,7 +193,7 @@ Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, cons
   const std::vector<std::string> inputs = JsonTexts(details.imported);
   const bool start_anew = overwrite && IsWorkspace(dir);
   if (!start_anew) RefuseForeignFolder(dir, scene, inputs, options, details.may_train_on);
-  Workspace workspace = Lock(dir);
+  Workspace workspace(dir);
   if (start_anew) {
     ReadSavedRun(dir);  // throws when the file of that name is somebody else's
     RemoveRun(dir);
@@ -202,6 +211,19 @@ Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, cons
   return workspace;
 }
 
+void Workspace::DropDamagedRecords(const Listener& listener) const {
+  const StageRecords records = InspectStageRecords(root());
+  if (!records.is_readable) {
+    listener(Warning{fmt::format("{}: is damaged; all stages are made again", stages().string())});
+  } else if (!records.damaged.empty()) {
+    listener(Warning{fmt::format("{}: what it says of {} is damaged; that is made again", stages().string(),
+                                 SomeNames(records.damaged))});
+  } else {
+    return;
+  }
+  WriteJson(stages(), records.by_stage);
+}
+
 void Workspace::SaveSize(const nlohmann::json& size) const {
   nlohmann::json json = ReadRunJson(options());
   json["size"] = size;
@@ -210,21 +232,12 @@ void Workspace::SaveSize(const nlohmann::json& size) const {
 
 Workspace Workspace::Open(const fs::path& dir) {
   ReadSavedRun(dir);
-  return Lock(dir);
-}
-
-Workspace::Workspace(Workspace&& other) noexcept
-    : WorkspacePaths(other.root()), lock_(std::exchange(other.lock_, -1)) {}
-
-Workspace::~Workspace() {
-  if (lock_ >= 0) close(lock_);
+  return Workspace(dir);
 }
 
 nlohmann::json Workspace::Record(const std::string& stage) const {
-  std::error_code ignored;
-  if (!fs::exists(stages(), ignored)) return nullptr;
-  const nlohmann::json all = ReadRunJson(stages());
-  return all.is_object() && all.contains(stage) ? all[stage] : nullptr;
+  const nlohmann::json all = ReadStageRecords(root());
+  return all.contains(stage) ? all[stage] : nullptr;
 }
 
 bool Workspace::IsDone(const std::string& stage, const std::string& key) const {
@@ -238,16 +251,13 @@ bool Workspace::IsDone(const std::string& stage, const std::string& key) const {
 }
 
 void Workspace::MarkUndone(const std::string& stage) {
-  if (Record(stage).is_null()) return;
-  nlohmann::json all = ReadRunJson(stages());
-  all.erase(stage);
-  WriteJson(stages(), all);
+  nlohmann::json all = ReadStageRecords(root());
+  if (all.erase(stage) > 0) WriteJson(stages(), all);
 }
 
 void Workspace::MarkDone(const std::string& stage, const nlohmann::json& record) {
-  std::error_code ignored;
-  nlohmann::json all = fs::exists(stages(), ignored) ? ReadRunJson(stages()) : nlohmann::json::object();
-  if (!all.is_object()) all = nlohmann::json::object();
+  RequireThere();
+  nlohmann::json all = ReadStageRecords(root());
   all[stage] = record;
   WriteJson(stages(), all);
 }

@@ -2,10 +2,13 @@
 // The folder of one run: plain files that other tools open, and who may write to it.
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/folder_lock.h"
+#include "oraclegs/core/progress.h"
 #include "oraclegs/pipeline/settings/options.h"
 #include "oraclegs/pipeline/workspace/saved_run.h"
 #include "oraclegs/scene/scene.h"
@@ -66,27 +69,28 @@ class Workspace : public WorkspacePaths {
                          const RunOptions& options, bool overwrite, const RunDetails& details = {});
   /// Says in options.json what "auto" became, of a run whose photos were not known when it was claimed.
   void SaveSize(const nlohmann::json& size) const;
+  /// What stages.json says and cannot be understood is forgotten, with a warning: those stages count as not finished.
+  void DropDamagedRecords(const Listener& listener) const;
   /// Holds an existing workspace as it is. Throws InputError when `dir` is none, RunError when it cannot be written.
   static Workspace Open(const std::filesystem::path& dir);
-
-  Workspace(Workspace&& other) noexcept;
-  Workspace& operator=(Workspace&&) = delete;
-  ~Workspace();
 
   /// True when `stage` was finished from inputs of this key and its files (relative to the root) are still there.
   bool IsDone(const std::string& stage, const std::string& key) const;
   /// What the finished stage left to remember; null when it never finished.
   nlohmann::json Record(const std::string& stage) const;
+  /// Throws RunError when the folder was removed or replaced while it is held.
+  void RequireThere() const;
+  /// The listener, which also checks that at each step.
+  Listener Watching(Listener listener) const;
   /// Remembers that `stage` is finished: record must hold {"key", "seconds", "files": [...]}.
   void MarkDone(const std::string& stage, const nlohmann::json& record);
   /// Forgets that `stage` was finished, before its files are written anew: killed halfway, they are not used.
   void MarkUndone(const std::string& stage);
 
  private:
-  Workspace(std::filesystem::path root, int lock) : WorkspacePaths(std::move(root)), lock_(lock) {}
-  static Workspace Lock(const std::filesystem::path& dir);
+  explicit Workspace(const std::filesystem::path& dir);
 
-  int lock_ = -1;  ///< file descriptor of the locked folder
+  std::shared_ptr<const FolderLock> lock_;
 };
 
 /// Throws InputError when writing to `dir` would write into the user's scene folder.
