@@ -32,8 +32,7 @@ std::vector<std::string> ForParser(int argc, char** argv) {
 }  // namespace
 
 int Fail(const std::string& text, int code) {
-  const std::string line = text.substr(0, text.find('\n'));
-  std::fprintf(stderr, "oraclegs: error: %s\n", line.c_str());
+  std::fprintf(stderr, "oraclegs: error: %s\n", OneLine(text).c_str());
   return code;
 }
 

@@ -32,7 +32,7 @@ class Program {
   std::vector<Group> groups_;
 };
 
-/// Prints the one line of an error on stderr; returns the code.
+/// Prints an error as one line on stderr; returns the code.
 int Fail(const std::string& text, int code);
 
 }  // namespace oraclegs

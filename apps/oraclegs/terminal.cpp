@@ -92,17 +92,17 @@ std::string Terminal::LeftText(const StepDone& event, double stage_left) const {
 
 void Terminal::On(const FileWritten& event) {
   EraseBar();
-  Log().info("wrote {}", event.path.string());
+  Log().info("wrote {}", OneLine(event.path.string()));
 }
 
 void Terminal::On(const Warning& event) {
   EraseBar();
-  Log().warn("{}", event.text);
+  Log().warn("{}", OneLine(event.text));
 }
 
 void Terminal::On(const Note& event) {
   EraseBar();
-  Log().info("{}", event.text);
+  Log().info("{}", OneLine(event.text));
 }
 
 void Terminal::On(const StepDone& event) {
