@@ -1,6 +1,8 @@
 #pragma once
 // A scene small enough to be trained in a test: a few Gaussians, photoed by the rasteriser itself.
 
+#include <algorithm>
+
 #include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/trainer.h"
 #include "train/gaussian_fixtures.h"
@@ -45,7 +47,7 @@ inline Gaussians Start(int64_t n = 60) {
   Flat(start.means) *= 0.5f;
   Flat(start.log_scales).setConstant(-2.5f);
   start.opacity_logits.SetZero();
-  Flat(start.opacity_logits).head(5).setConstant(-7);  // dead, to be relocated
+  Flat(start.opacity_logits).head(std::min<int64_t>(5, n / 2)).setConstant(-7);  // dead, to be relocated
   start.sh.SetZero();
   return start;
 }
