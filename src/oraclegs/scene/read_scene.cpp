@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/scene/photo_folder.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/transforms.h"
