@@ -24,7 +24,9 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::StartsWith;
 
 /// A shell script that stands before the real colmap in PATH. It notes its arguments, one a line, and runs `body`.
