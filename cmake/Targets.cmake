@@ -46,6 +46,7 @@ function(oraclegs_keep_kernels_alone)
       if(ORACLEGS_SANITIZE MATCHES "fuzzer")  # clang would take minutes to count their branches and watch each lane's scope
         set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
                                     "-fno-sanitize=fuzzer-no-link;-fno-sanitize-address-use-after-scope")
+        set_source_files_properties(${source} PROPERTIES COMPILE_DEFINITIONS ORACLEGS_FEW_HWY_TARGETS)
       endif()
     endif()
   endforeach()
