@@ -35,6 +35,10 @@ class EchoServer {
     const int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    // A closed connection keeps its pair of ports for a minute: each comes from another address of this machine.
+    static uint32_t count = 0;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK + count++ % 60000);
+    (void)!bind(client, reinterpret_cast<sockaddr*>(&address), sizeof address);
     address.sin_port = htons(static_cast<uint16_t>(port_));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
