@@ -5,6 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <thread>
 
 #include "fuzz/fuzz.h"
@@ -42,7 +44,10 @@ class EchoServer {
     address.sin_port = htons(static_cast<uint16_t>(port_));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
-      oraclegs::fuzz::Fail("the server is gone");
+      const int error = errno;
+      close(client);
+      if (error == EINTR) return Ask(bytes);  // by the alarm that looks after the time of an input
+      oraclegs::fuzz::Fail(std::string("the server is gone: ") + std::strerror(error));
     }
     (void)!send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     shutdown(client, SHUT_WR);
