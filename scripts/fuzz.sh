@@ -37,8 +37,8 @@ max_len() {
   esac
 }
 
-# Seconds that an input may take. Those that go through sockets, or decoders of others that are not made for speed, may wait
-# for a core.
+# Seconds that an input may take. Those that go through sockets, load certificates, or decode with programs of others that
+# are not made for speed with sanitizers, may wait for a core.
 time_limit() {
   case $1 in
     download | web_server | heif | photo) echo 5 ;;
@@ -81,7 +81,7 @@ confirmed() {
   local file=$1 target=$2 try
   [[ ${file##*/} == "$target-timeout-"* || ${file##*/} == "$target-slow-unit-"* ]] || return 0
   for try in 1 2 3; do
-    if "$bin/${target}_fuzz" -timeout=1 -rss_limit_mb=1024 "$file" >/dev/null 2>&1; then
+    if "$bin/${target}_fuzz" -timeout="$(time_limit "$target")" -rss_limit_mb=1024 "$file" >/dev/null 2>&1; then
       rm "$file"
       return 1
     fi
