@@ -53,7 +53,7 @@ bool NeedsCopy(const SceneView& view) {
 /// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
 bool MayBeTransparent(std::string_view bytes) {
   if (bytes.size() < 26 || bytes.substr(1, 3) != "PNG") return false;
-  const int color_type = bytes[25];
+  const auto color_type = static_cast<unsigned char>(bytes[25]);
   return color_type == 3 || color_type == 4 || color_type == 6;
 }
 

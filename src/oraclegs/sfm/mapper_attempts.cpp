@@ -106,7 +106,7 @@ class AttemptRunner {
   }
 
   fs::path NewModelFolder() {
-    const fs::path dir = folder_ / fmt::format("models{}", num_folders_++);
+    fs::path dir = folder_ / fmt::format("models{}", num_folders_++);
     MakeFolder(dir);
     return dir;
   }

@@ -93,7 +93,7 @@ struct Reader {
   }
 
   nlohmann::json Json(const std::string& key) const {
-    const nlohmann::json value = nlohmann::json::parse(Text(key), nullptr, false);
+    nlohmann::json value = nlohmann::json::parse(Text(key), nullptr, false);
     if (value.is_discarded()) throw InputError("{}: {} is not valid JSON", path.string(), key);
     return value;
   }

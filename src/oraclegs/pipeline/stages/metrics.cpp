@@ -78,7 +78,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
 
 nlohmann::json ReadMetrics(const std::filesystem::path& workspace) {
   const auto path = WorkspacePaths(workspace).metrics();
-  const nlohmann::json json = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  nlohmann::json json = nlohmann::json::parse(ReadFile(path), nullptr, false);
   if (!json.is_object()) {
     throw InputError("{}: not valid JSON; delete it and run `oraclegs evaluate`", path.string());
   }

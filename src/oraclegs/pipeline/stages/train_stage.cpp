@@ -129,8 +129,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   const StageResults& known = *run.results;
   TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
-  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
-  return SettleUnion(std::move(settled), training.views.size(), known.proposals.size()).Settled();
+  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(settled, known.proposals, run.listener);
+  return SettleUnion(settled, training.views.size(), known.proposals.size()).Settled();
 }
 
 Gaussians StartGaussians(Run* run) {
