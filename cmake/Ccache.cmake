@@ -8,5 +8,7 @@ if(CCACHE_PROGRAM)
   # A precompiled header is known by the bytes of what it was made of, never by what the preprocessor makes of them: that
   # reads the old one where there is one, and drops comments, by which GCC does tell whether a header is the one it has.
   set(ORACLEGS_CCACHE_OF_HEADERS ${CMAKE_COMMAND} -E env ${ccache_settings} CCACHE_DEPEND=1 ${CCACHE_PROGRAM})
-  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>)
+  # Clang keeps the times of headers in it instead, by which a second build refuses the one out of the cache.
+  add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>
+                      "$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()

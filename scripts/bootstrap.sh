@@ -20,6 +20,8 @@ packages=(
   pybind11-dev python3-dev python3-numpy
   # tests and benchmarks
   libgtest-dev libgmock-dev libbenchmark-dev libheif-examples
+  # sanitizers and fuzzers
+  clang libclang-rt-14-dev llvm lld
   # run as child processes
   colmap ffmpeg
   # tests of the web pages

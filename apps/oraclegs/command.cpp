@@ -7,6 +7,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/image/image.h"
 #include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/workspace/advice.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
@@ -65,6 +66,7 @@ void Command::BindRun(RunOptions* options) {
   });
   machine_ = &options->machine;
   device_ = &options->device;
+  file_limits_ = &options->file_limits;
   app_->add_option("--preset", preset_)->type_name("NAME")->configurable(false)->take_last();
   options_.push_back(
       {.name = "preset",
@@ -78,6 +80,11 @@ void Command::BindRun(RunOptions* options) {
 void Command::BindMachine(MachineOptions* options) {
   Bind("Machine", options);
   machine_ = options;
+}
+
+void Command::BindFileLimits(FileLimits* options) {
+  Bind("Machine", options, Level::kAdvanced);
+  file_limits_ = options;
 }
 
 void Command::BindInput(const char* name, std::filesystem::path* path, const char* help) {
@@ -105,6 +112,7 @@ void Command::Run(const std::string& command_line) {
   for (const auto& check : checks_) check();
   if (device_) ChooseDevice(device_->device, ProbeDevices());  // what cannot be had is refused before any work
   if (machine_) SetNumThreads(machine_->threads);
+  if (file_limits_) SetMaxMegapixels(file_limits_->max_megapixels);
   Terminal terminal(output_.quiet ? Verbosity::kQuiet : output_.verbose ? Verbosity::kVerbose : Verbosity::kNormal);
   for (const CLI::Option* option : app_->get_options()) {
     if (option->count() > 0) Log().debug("option {} = {}", option->get_name(), fmt::join(option->results(), " "));

@@ -71,6 +71,8 @@ class Command {
   void BindRun(RunOptions* options);
   /// --threads, for commands that are no run.
   void BindMachine(MachineOptions* options);
+  /// --max-megapixels, likewise.
+  void BindFileLimits(FileLimits* options);
   void BindInput(const char* name, std::filesystem::path* path, const char* help);
   /// One path or more.
   void BindInputs(const char* name, std::vector<std::filesystem::path>* paths, const char* help);
@@ -95,6 +97,7 @@ class Command {
   std::vector<OptionInfo> options_;  ///< all that app_ has
   OutputOptions output_;
   const MachineOptions* machine_ = nullptr;  ///< of the derived class
+  const FileLimits* file_limits_ = nullptr;  ///< likewise
   const DeviceOptions* device_ = nullptr;    ///< likewise, where there is a choice
   std::filesystem::path config_;
   std::string preset_;

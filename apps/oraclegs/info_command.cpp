@@ -76,6 +76,7 @@ class InfoCommand : public Command {
       : Command(app, "info", "Show a summary of a scene, a workspace or a splat file", "oraclegs info scene/ --json") {
     BindInput("path", &path_, "Scene folder, workspace or splat file");
     Bind("Output", &options_);
+    BindFileLimits(&limits_);
   }
 
  private:
@@ -88,6 +89,7 @@ class InfoCommand : public Command {
 
   std::filesystem::path path_;
   InfoOptions options_;
+  FileLimits limits_;
 };
 
 }  // namespace

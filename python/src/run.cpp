@@ -14,6 +14,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/image/image.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/settings/named_options.h"
 
@@ -108,6 +109,7 @@ std::string RunReconstruct(const std::vector<std::filesystem::path>& inputs, con
   const RunRequest request = RequestOf(inputs, out, options, overwrite);
   const OnlyRun only;
   SetNumThreads(request.options.machine.threads);
+  SetMaxMegapixels(request.options.file_limits.max_megapixels);
   EventQueue queue;
   std::string metrics;
   std::exception_ptr failure, of_python;

@@ -66,5 +66,23 @@ TEST(LooksLikeVideo, KnowsNamesAndContents) {
   EXPECT_TRUE(LooksLikeVideo("missing.MOV"));
 }
 
+TEST(ParseProbe, ReadsWhatFfprobeSays) {
+  const VideoInfo info = ParseProbe(
+      R"(noise {"streams": [{"avg_frame_rate": "30/1", "nb_read_packets": "90"}], "format": {"duration": "3"}} end)",
+      "f");
+  EXPECT_EQ(info.seconds, 3);
+  EXPECT_EQ(info.frames_per_second, 30);
+}
+
+TEST(ParseProbe, RefusesOddAnswers) {
+  for (const char* answer :
+       {"", "}{", "{", R"({"streams": []})", R"({"streams": [{}], "format": []})", R"({"streams": [{}], "format": 3})",
+        R"({"streams": [{"nb_read_packets": "nan"}], "format": {"duration": "3"}})",
+        R"({"streams": [{"nb_read_packets": "inf"}], "format": {"duration": "3"}})",
+        R"({"streams": [{"nb_read_packets": "9e300"}], "format": {"duration": "1e-300"}})"}) {
+    EXPECT_THAT(MessageOf<InputError>([&] { ParseProbe(answer, "v.mp4"); }), HasSubstr("v.mp4: ")) << answer;
+  }
+}
+
 }  // namespace
 }  // namespace oraclegs

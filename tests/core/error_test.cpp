@@ -21,6 +21,11 @@ TEST(Error, KeepsItsTypeThroughTheBase) {
   }
 }
 
+TEST(Error, IsOneLineWhateverAFileSays) {
+  EXPECT_STREQ(InputError("f: camera '{}' is unknown", "\x1b[2J\n\r\x7f").what(), "f: camera '?[2J???' is unknown");
+  EXPECT_STREQ(OutOfMemory("a\tb").what(), "a?b");
+}
+
 TEST(Error, WrongShapeIsABugAndNotTheUsers) {
   const ShapeError error("Render: means is {}", 4);
   EXPECT_STREQ(error.what(), "Render: means is 4");

@@ -45,5 +45,21 @@ TEST(UniqueJson, NamesFitIntoALine) {
   EXPECT_EQ(QuotedForMessage(std::string(500, 'a')).size(), 122u);
 }
 
+TEST(ParseJson, ReadsAnyJson) {
+  EXPECT_EQ(ParseJson(R"({"a": [1, 2], "a": 3})")["a"], 3);
+  EXPECT_THROW(ParseJson("{"), nlohmann::json::parse_error);
+  EXPECT_EQ(ParseJsonOrDiscard("[1]")[0], 1);
+  EXPECT_TRUE(ParseJsonOrDiscard("[1").is_discarded());
+}
+
+TEST(ParseJson, RefusesWhatIsNestedTooDeep) {
+  const auto arrays = [](size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  EXPECT_NO_THROW(ParseJson(arrays(64)));
+  for (const size_t levels : {size_t{65}, size_t{3000000}}) {
+    EXPECT_THROW(ParseJson(arrays(levels)), nlohmann::json::exception);
+    EXPECT_TRUE(ParseJsonOrDiscard(arrays(levels)).is_discarded());
+  }
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -33,7 +33,7 @@ NOT_SHOWN = {
 }
 
 # Of these headers, what single commands have nevertheless.
-SHOWN_ALONE = {name: {"threads"} for name in ["demo-scene"]} | {name: {"antialiased"} for name in ["evaluate", "render", "figure", "mesh"]} | {
+SHOWN_ALONE = {"demo-scene": {"threads"}, "info": {"max-megapixels"}} | {name: {"antialiased"} for name in ["evaluate", "render", "figure", "mesh"]} | {
     "demo": {"threads", "views", "iterations"}, "cameras": {"images", "poses", "allow-outside"}}
 
 BASIC = ["out", "quality", "max-size", "eval", "frames", "preset", "config", "views", "iterations", "device", "seed", "view", "overwrite", "quiet", "help"]  # of reconstruct

@@ -1,12 +1,7 @@
-// libFuzzer: any bytes as a checkpoint. They are read as a file, as a zip, as a pickle and, around them, as the pickle
-// of a zip, whose frame a fuzzer seldom guesses. The only way out is a result in bounds or an InputError.
+// Any bytes as weights of PyTorch. They are read as a file, as a zip, as a pickle and, around them, as the pickle of a
+// zip, whose frame a fuzzer seldom guesses.
 
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <string_view>
-
-#include "oraclegs/core/error.h"
+#include "fuzz/fuzz.h"
 #include "oraclegs/weights/checkpoint/pickle_machine.h"
 #include "oraclegs/weights/checkpoint/state_dict.h"
 #include "oraclegs/weights/checkpoint/torch_file.h"
@@ -16,20 +11,11 @@
 namespace {
 
 using oraclegs::PickleHeap;
+using oraclegs::fuzz::Try;
 
 constexpr int64_t kMaxElements = 1 << 20;  // of a tensor that is copied: strides of zero make many of few
 
-/// Nothing comes out of `body` but an error about the file.
-template <class Body>
-void Try(const Body& body) {
-  try {
-    body();
-  } catch (const oraclegs::InputError& error) {
-    if (std::string_view(error.what()).find('\n') != std::string_view::npos) __builtin_trap();
-  }
-}
-
-void ReadFile(std::string_view bytes) {
+void ReadWeights(std::string_view bytes) {
   PickleHeap heap;
   heap.file = "f";
   const auto root = oraclegs::ReadTorchFile(bytes, &heap);
@@ -40,14 +26,13 @@ void ReadFile(std::string_view bytes) {
       for (const char c : piece) sum += static_cast<unsigned char>(c);
     });
   }
-  if (sum == ~size_t{0}) __builtin_trap();  // the sum is used
+  if (sum == ~size_t{0}) oraclegs::fuzz::Fail("a sum");  // the sum is used
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  Try([&] { ReadFile(bytes); });
+ORACLEGS_FUZZ_TARGET(checkpoint) {
+  Try([&] { ReadWeights(bytes); });
   Try([&] {
     const oraclegs::ZipDirectory zip(bytes, "f");
     for (const std::string& name : zip.Names()) Try([&] { (void)zip.Content(name); });
@@ -59,6 +44,5 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   });
   const std::string zip = oraclegs::torch_bytes::Zip(
       {{"a/data.pkl", std::string(bytes)}, {"a/data/0", std::string(64, 'x')}, {"a/data/1", std::string(8, 'y')}});
-  Try([&] { ReadFile(zip); });
-  return 0;
+  Try([&] { ReadWeights(zip); });
 }

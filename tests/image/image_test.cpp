@@ -9,6 +9,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/parallel.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -123,6 +124,18 @@ TEST(ResizeArea, GivesTheSameBitsForAnyThreadCount) {
 TEST(ResizeArea, RefusesAnEmptyImage) {
   EXPECT_THROW(ResizeArea(Noise(4, 4, 1), 0, 2), ShapeError);
   EXPECT_THROW(ResizeArea({}, 2, 2), ShapeError);
+}
+
+TEST(CheckImageSize, RefusesMoreThanItIsAllowed) {
+  const auto message = [](int64_t width, int64_t height) {
+    return MessageOf<InputError>([&] { CheckImageSize(width, height, ~uint64_t{0}, "f.png"); });
+  };
+  EXPECT_EQ(message(16000, 16000), "");
+  EXPECT_NE(message(17000, 16000).find("at most 268 million"), std::string::npos);
+  SetMaxMegapixels(1);
+  EXPECT_EQ(message(1000, 1000), "");
+  EXPECT_NE(message(1001, 1000).find("--max-megapixels"), std::string::npos);
+  SetMaxMegapixels(kUsualMaxMegapixels);
 }
 
 }  // namespace

@@ -5,7 +5,14 @@
 #include <libheif/heif.h>
 #include <tiffio.h>
 #include <webp/encode.h>
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__)
+#define ORACLEGS_CHECKS_LEAKS
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ORACLEGS_CHECKS_LEAKS
+#endif
+#endif
+#ifdef ORACLEGS_CHECKS_LEAKS
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -110,7 +117,7 @@ inline std::string WithExif(const std::string& jpeg, const std::string& tiff) {
 
 /// x265 never frees the tables of its first encoder: no leak of ours.
 struct UncheckedForLeaks {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef ORACLEGS_CHECKS_LEAKS
   UncheckedForLeaks() { __lsan_disable(); }
   ~UncheckedForLeaks() { __lsan_enable(); }
 #else

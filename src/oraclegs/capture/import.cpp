@@ -12,6 +12,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/photo_folder.h"
 
@@ -81,7 +82,7 @@ json ManifestOf(const std::vector<fs::path>& inputs, const CaptureOptions& optio
 bool IsImported(const fs::path& dir, const json& manifest) {
   std::error_code error;
   if (!fs::is_regular_file(dir / kManifest, error)) return false;
-  return json::parse(ReadFile(dir / kManifest), nullptr, false) == manifest;
+  return ParseJsonOrDiscard(ReadFile(dir / kManifest)) == manifest;
 }
 
 /// Copies and unpacks into one folder.

@@ -17,6 +17,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/heif.h"
 #include "oraclegs/image/thumbnail.h"
 
@@ -47,7 +48,7 @@ void RequireFfmpeg(const fs::path& video) {
 }
 
 double NumberOf(const nlohmann::json& json, const char* key) {
-  const nlohmann::json value = json.value(key, nlohmann::json());
+  const nlohmann::json value = json.is_object() ? json.value(key, nlohmann::json()) : nlohmann::json();
   return value.is_string() ? std::strtod(value.get<std::string>().c_str(), nullptr) : 0;
 }
 
@@ -92,6 +93,28 @@ bool LooksLikeVideo(const fs::path& path) {
          (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "AVI ");
 }
 
+VideoInfo ParseProbe(std::string_view output, const fs::path& video) {
+  const size_t begin = output.find('{'), end = output.rfind('}');
+  if (begin == std::string::npos || end == std::string::npos || end < begin) RefuseVideo(video, "");
+  const nlohmann::json probed = ParseJsonOrDiscard(output.substr(begin, end - begin + 1));
+  if (!probed.is_object() || !probed.contains("streams") || !probed["streams"].is_array() ||
+      probed["streams"].empty() || !probed["streams"][0].is_object()) {
+    RefuseVideo(video, "no picture track");
+  }
+  const nlohmann::json& stream = probed["streams"][0];
+  VideoInfo info;
+  info.seconds = NumberOf(stream, "duration");
+  if (!(info.seconds > 0)) info.seconds = NumberOf(probed.value("format", nlohmann::json::object()), "duration");
+  const double packets = NumberOf(stream, "nb_read_packets"), rate = RateOf(stream);
+  if (!(info.seconds > 0) && rate > 0) info.seconds = packets / rate;
+  info.frames_per_second = packets / info.seconds;
+  if (!(packets >= kMinFrames) || !(info.seconds > 0) || !std::isfinite(info.frames())) {
+    throw InputError("{}: is too short, with {:.0f} frames; film ten seconds or more while you walk around",
+                     video.string(), packets);
+  }
+  return info;
+}
+
 VideoInfo ProbeVideo(const fs::path& video) {
   RequireFfmpeg(video);
   std::error_code error;
@@ -119,25 +142,7 @@ VideoInfo ProbeVideo(const fs::path& video) {
                      video.string());
   }
   if (result.exit_code != 0) RefuseVideo(video, result.last_error);
-  const size_t begin = result.output.find('{'), end = result.output.rfind('}');
-  if (begin == std::string::npos || end == std::string::npos) RefuseVideo(video, "");
-  const nlohmann::json probed = nlohmann::json::parse(result.output.substr(begin, end - begin + 1), nullptr, false);
-  if (!probed.is_object() || !probed.contains("streams") || !probed["streams"].is_array() ||
-      probed["streams"].empty() || !probed["streams"][0].is_object()) {
-    RefuseVideo(video, "no picture track");
-  }
-  const nlohmann::json& stream = probed["streams"][0];
-  VideoInfo info;
-  info.seconds = NumberOf(stream, "duration");
-  if (!(info.seconds > 0)) info.seconds = NumberOf(probed.value("format", nlohmann::json::object()), "duration");
-  const double packets = NumberOf(stream, "nb_read_packets"), rate = RateOf(stream);
-  if (!(info.seconds > 0) && rate > 0) info.seconds = packets / rate;
-  if (packets < kMinFrames || !(info.seconds > 0) || !std::isfinite(info.seconds)) {
-    throw InputError("{}: is too short, with {:.0f} frames; film ten seconds or more while you walk around",
-                     video.string(), packets);
-  }
-  info.frames_per_second = packets / info.seconds;
-  return info;
+  return ParseProbe(result.output, video);
 }
 
 void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const Listener& listener) {

@@ -2,6 +2,7 @@
 // Photos out of a video, by the programs ffprobe and ffmpeg.
 
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
@@ -21,6 +22,9 @@ bool LooksLikeVideo(const std::filesystem::path& path);
 /// Throws InputError naming the file and the fix: ffmpeg is not installed, the file holds no video that it can read, or
 /// fewer than three frames.
 VideoInfo ProbeVideo(const std::filesystem::path& video);
+
+/// What ffprobe printed of `video`, JSON. Throws InputError as ProbeVideo does.
+VideoInfo ParseProbe(std::string_view output, const std::filesystem::path& video);
 
 /// Writes the sharpest frame of each of `frames` equal parts of the video to dir/frame_0001.jpg ..., upright. `dir` is
 /// made; nothing else stays in it. Reports StepDone{"import"}. Throws InputError when ffmpeg cannot decode the video,

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxUnpacked = uint64_t{1} << 35;  // what 500 photos may have, and no bomb
-constexpr size_t kPieceBytes = size_t{1} << 20;
+constexpr size_t kPieceBytes = size_t{1} << 16;
 constexpr char kHelperReason[] =
     "masks and smaller copies are not taken out of archives; unpack the archive and name its folder";
 

@@ -9,11 +9,11 @@
 
 namespace oraclegs {
 
-/// Base of everything the library throws on purpose. what() is one line: where, what was found, how to fix
-/// it.
+/// Base of everything the library throws on purpose. what() is one line: where, what was found, how to fix it. Texts
+/// out of files come into messages; their control characters become '?'.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& text);
   virtual int exit_code() const { return 4; }
 };
 

@@ -38,6 +38,25 @@ json ParseUniqueJson(std::string_view text, const std::string& file, const std::
   }
 }
 
+json ParseJson(std::string_view text) {
+  const auto check = [](int depth, json::parse_event_t event, json&) {
+    const bool opens = event == json::parse_event_t::object_start || event == json::parse_event_t::array_start;
+    if (opens && depth >= kDeepestJson) {
+      throw json::other_error::create(501, fmt::format("nested more than {} levels deep", kDeepestJson), nullptr);
+    }
+    return true;
+  };
+  return json::parse(text.begin(), text.end(), check);
+}
+
+json ParseJsonOrDiscard(std::string_view text) {
+  try {
+    return ParseJson(text);
+  } catch (const json::exception&) {
+    return json::value_t::discarded;
+  }
+}
+
 std::string QuotedForMessage(const std::string& name) {
   return json(name.substr(0, 120)).dump(-1, ' ', true, json::error_handler_t::replace);
 }

@@ -9,6 +9,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/png.h"
@@ -116,7 +117,7 @@ std::vector<uint16_t> Quantised(const DepthMap& map, float scale) {
 
 nlohmann::json ReadParams(const fs::path& path) {
   try {
-    return nlohmann::json::parse(ReadFile(path, uint64_t{1} << 26));
+    return ParseJson(ReadFile(path, uint64_t{1} << 26));
   } catch (const nlohmann::json::exception& error) {
     throw InputError("{}: is not valid JSON ({}); remove the folder, and it is made again", path.string(),
                      error.what());

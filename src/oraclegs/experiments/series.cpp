@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 
@@ -19,7 +20,7 @@ void RequireSeriesFolder(const std::filesystem::path& out, const SeriesFiles& fi
                      files.what);
   }
   if (!std::filesystem::exists(out / files.report, ignored)) return;
-  const nlohmann::json saved = nlohmann::json::parse(ReadFile(out / files.report), nullptr, false);
+  const nlohmann::json saved = ParseJsonOrDiscard(ReadFile(out / files.report));
   if (saved.is_object() && saved.value("program", nlohmann::json()) == "oraclegs") return;
   throw InputError("{}: was not written by oraclegs; choose a new or empty folder with -o",
                    (out / files.report).string());

@@ -10,6 +10,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/experiments/confidence_check.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/experiments/tampered_views.h"
@@ -220,7 +221,7 @@ class TamperingSuite {
   json ReadRecord(size_t share, uint64_t seed) const {
     std::error_code ignored;
     if (!fs::exists(RecordOf(share, seed), ignored)) return json::object();
-    const json record = json::parse(ReadFile(RecordOf(share, seed)), nullptr, false);
+    const json record = ParseJsonOrDiscard(ReadFile(RecordOf(share, seed)));
     return record.is_object() ? record : json::object();
   }
 

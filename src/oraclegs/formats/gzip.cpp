@@ -67,7 +67,7 @@ Gunzip::~Gunzip() = default;
 
 std::string Gunzip::Next(uint64_t count) {
   z_stream& zlib = stream_->zlib;
-  std::string out, piece(kGzipStep, '\0');
+  std::string out, piece(std::min<uint64_t>(count, kGzipStep), '\0');
   while (out.size() < count && !stream_->ended) {
     if (zlib.avail_in == 0) {
       const size_t step = std::min(stream_->rest.size(), kZlibLimit);

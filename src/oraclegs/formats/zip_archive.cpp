@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint16_t kZipDate = (2020 - 1980) << 9 | 1 << 5 | 1;  // of every file: the bytes must not depend on the clock
 constexpr size_t kMostGrowth = 4, kFreeGrowth = size_t{1} << 22;  // images and short texts shrink by no more
-constexpr size_t kZipStep = size_t{1} << 20;
+constexpr size_t kZipStep = size_t{1} << 16;
 
 struct DiscardZip {
   void operator()(zip_t* zip) const { zip_discard(zip); }

@@ -1,6 +1,7 @@
 #include "oraclegs/image/image.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "oraclegs/core/error.h"
@@ -10,6 +11,9 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kRowsPerTask = 16;
+constexpr int64_t kMega = 1'000'000;
+
+std::atomic<int64_t> g_max_megapixels = kUsualMaxMegapixels;
 
 /// The old pixels that make one new one: weights[i] belongs to pixel first + i.
 struct Taps {
@@ -57,11 +61,14 @@ void ReduceColumns(const float* row, const std::vector<Taps>& taps, int channels
 
 }  // namespace
 
+void SetMaxMegapixels(int64_t megapixels) { g_max_megapixels = megapixels; }
+
 void CheckImageSize(int64_t width, int64_t height, uint64_t possible, const std::string& file) {
   if (width <= 0 || height <= 0) throw InputError("{}: its header says {} x {} pixels", file, width, height);
-  if (width > kMaxImagePixels || height > kMaxImagePixels || width * height > kMaxImagePixels) {
-    throw InputError("{}: its header says {} x {} pixels, at most {} million are possible; make it smaller", file,
-                     width, height, kMaxImagePixels / 1000000);
+  const int64_t most = g_max_megapixels * kMega;
+  if (width > most || height > most || width * height > most) {
+    throw InputError("{}: its header says {} x {} pixels, at most {} million are read; make it smaller, or give {}",
+                     file, width, height, most / kMega, "a larger --max-megapixels");
   }
   if (static_cast<uint64_t>(width * height) > possible) {
     throw InputError(

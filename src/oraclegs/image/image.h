@@ -34,10 +34,15 @@ enum class Orientation {
   kAsStored,  ///< the tag is ignored
 };
 
-inline constexpr int64_t kMaxImagePixels = int64_t{1} << 28;  ///< 268 megapixels: beyond what cameras take
+inline constexpr int64_t kUsualMaxMegapixels = 268;    ///< beyond what cameras take
+inline constexpr int64_t kLargestMaxMegapixels = 500;  ///< a byte of such an image still has a number of 31 bits
 
-/// Throws InputError when an image file's header gives no size, one that is too large, or more than the `possible`
-/// pixels that its bytes can hold: memory is reserved only after this.
+/// Image files of more pixels are refused from now on: a file of some kilobytes can promise them. A setting of the
+/// machine, as SetNumThreads is.
+void SetMaxMegapixels(int64_t megapixels);
+
+/// Throws InputError when an image file's header gives no size, one that is too large (SetMaxMegapixels), or more than
+/// the `possible` pixels that its bytes can hold: memory is reserved only after this.
 void CheckImageSize(int64_t width, int64_t height, uint64_t possible, const std::string& file);
 
 ImageF ToFloat(const Image8& image);

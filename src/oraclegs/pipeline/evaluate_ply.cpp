@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
@@ -17,7 +18,7 @@ void RefuseForeignMetrics(const fs::path& dir) {
   const fs::path path = WorkspacePaths(dir).metrics();
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return;
-  const nlohmann::json json = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  const nlohmann::json json = ParseJsonOrDiscard(ReadFile(path));
   // The first versions did not name the program.
   const bool ours = json.is_object() && (json.value("program", nlohmann::json()) == "oraclegs" ||
                                          (json.contains("test") && json.contains("gaussians")));

@@ -7,6 +7,7 @@
 #include "oraclegs/capture/photo_checks.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -19,7 +20,7 @@ constexpr uint64_t kMaxChecksBytes = 16 << 20;
 /// What is kept of these photos; null when there is nothing, or of others.
 json KeptOf(const Run& run) {
   try {
-    json kept = json::parse(ReadFile(run.workspace.photo_checks(), kMaxChecksBytes), nullptr, false);
+    json kept = ParseJsonOrDiscard(ReadFile(run.workspace.photo_checks(), kMaxChecksBytes));
     if (kept.is_object() && kept.value("photos", json()) == run.photos) return kept;
   } catch (const Error&) {  // not yet written, or damaged: looked at anew
   }

@@ -10,6 +10,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/scene.h"
 
@@ -129,7 +130,7 @@ std::string QuoteNaN(const std::string& text) {
 json ReadTransformsFile(const std::filesystem::path& path) {
   json file;
   try {
-    file = json::parse(QuoteNaN(ReadFile(path)));
+    file = ParseJson(QuoteNaN(ReadFile(path)));
   } catch (const json::exception& error) {
     throw InputError("{}: is not valid JSON: {}", path.string(), error.what());
   }

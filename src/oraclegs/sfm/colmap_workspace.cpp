@@ -7,6 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/scene/scene.h"
@@ -30,7 +31,7 @@ bool IsUnchanged(const fs::path& work_dir, const nlohmann::json& inputs) {
   std::error_code error;
   if (!fs::exists(work_dir / kInputs, error)) return false;
   try {
-    return nlohmann::json::parse(ReadFile(work_dir / kInputs)) == inputs;
+    return ParseJson(ReadFile(work_dir / kInputs)) == inputs;
   } catch (const std::exception&) {
     return false;  // damaged: made anew
   }

@@ -12,6 +12,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/plural.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
@@ -136,7 +137,7 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
 /// The warnings of the run that made a cached result, to be reported again.
 std::vector<std::string> StoredWarnings(const fs::path& work_dir) {
   try {
-    return nlohmann::json::parse(ReadFile(work_dir / kReport)).at("warnings").get<std::vector<std::string>>();
+    return ParseJson(ReadFile(work_dir / kReport)).at("warnings").get<std::vector<std::string>>();
   } catch (const std::exception&) {
     return {};  // written by a version without warnings, or damaged: the model alone is used
   }

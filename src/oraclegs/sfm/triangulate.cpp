@@ -13,6 +13,7 @@
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/point_ply.h"
@@ -85,7 +86,7 @@ std::string RememberedFailure(const fs::path& work_dir, const nlohmann::json& in
   std::error_code ignored;
   if (!fs::exists(work_dir / kFailure, ignored)) return "";
   try {
-    const nlohmann::json failure = nlohmann::json::parse(ReadFile(work_dir / kFailure));
+    const nlohmann::json failure = ParseJson(ReadFile(work_dir / kFailure));
     if (failure.at("inputs") != inputs || failure.at("colmap") != ColmapStamp()) return "";
     return failure.at("warning").get<std::string>();
   } catch (const std::exception&) {

@@ -12,6 +12,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -93,7 +94,7 @@ struct Reader {
   }
 
   nlohmann::json Json(const std::string& key) const {
-    nlohmann::json value = nlohmann::json::parse(Text(key), nullptr, false);
+    nlohmann::json value = ParseJsonOrDiscard(Text(key));
     if (value.is_discarded()) throw InputError("{}: {} is not valid JSON", path.string(), key);
     return value;
   }

@@ -41,5 +41,12 @@ TEST(ReadRunJson, NamesADamagedFile) {
               HasSubstr("stages.json: is damaged, it is not valid JSON"));
 }
 
+TEST(ReadSavedRun, RefusesWhatIsNestedTooDeep) {
+  TempDir temp;
+  WriteText(temp / "options.json", R"({"program": "oraclegs", "format": 1, "scene": "s", "options": {"a": )" +
+                                       std::string(1000000, '[') + std::string(1000000, ']') + "}}");
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadSavedRun(temp.path()); }), HasSubstr("it is not valid JSON"));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -13,7 +13,7 @@ namespace oraclegs::torch_bytes {
 /// Little-endian.
 inline std::string Bytes(uint64_t number, size_t width) {
   std::string bytes;
-  for (size_t i = 0; i < width; ++i) bytes.push_back(static_cast<char>(number >> (8 * i)));
+  for (size_t i = 0; i < width; ++i) bytes.push_back(i < sizeof(number) ? static_cast<char>(number >> (8 * i)) : '\0');
   return bytes;
 }
 

@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -21,7 +22,7 @@ fs::path DocumentOf(const WorkspacePaths& workspace) { return workspace.report()
 bool HasTrainedSplat(const fs::path& document) {
   std::error_code ignored;
   if (!fs::exists(document, ignored)) return false;
-  const nlohmann::json json = nlohmann::json::parse(ReadFile(document), nullptr, false);
+  const nlohmann::json json = ParseJsonOrDiscard(ReadFile(document));
   return json.is_object() && json.value("finished", nlohmann::json()) == true;
 }
 

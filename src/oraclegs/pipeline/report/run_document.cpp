@@ -9,6 +9,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/spz.h"
 #include "oraclegs/formats/values.h"
@@ -52,7 +53,7 @@ json RecordOf(const Run& run, const char* stage) {
 json ReadOptional(const fs::path& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return nullptr;
-  const json read = json::parse(ReadFile(path), nullptr, false);
+  const json read = ParseJsonOrDiscard(ReadFile(path));
   return read.is_discarded() ? json() : read;
 }
 

@@ -9,6 +9,7 @@
 #include "oraclegs/capture/options.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/depth/stereo.h"
+#include "oraclegs/image/image.h"
 #include "oraclegs/networks/seva_options.h"
 #include "oraclegs/propose/options.h"
 #include "oraclegs/propose/trajectory.h"
@@ -181,6 +182,19 @@ struct MachineOptions {
   }
 };
 
+/// Likewise: what files may ask of the machine.
+struct FileLimits {
+  int max_megapixels = kUsualMaxMegapixels;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("max-megapixels", self.max_megapixels,
+          "Largest image file that is read, in million pixels. A file of some kilobytes can promise as many, and each "
+          "pixel takes up to 16 bytes of memory: lower it for files of strangers",
+          Range{1, kLargestMaxMegapixels});
+  }
+};
+
 /// Likewise: what is written while a run trains.
 struct CheckpointSchedule {
   int checkpoint_every = 1000;
@@ -261,6 +275,7 @@ struct RunOptions {
   WeightOptions weights;
   DeviceOptions device;
   MachineOptions machine;
+  FileLimits file_limits;
 
   /// Calls f("Group title", group) for the groups whose options shape the result.
   template <class Self, class F>
@@ -288,6 +303,7 @@ struct RunOptions {
     f("Weights", self.weights);
     f("Machine", self.device);
     f("Machine", self.machine);
+    f("Machine", self.file_limits);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -78,7 +79,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
 
 nlohmann::json ReadMetrics(const std::filesystem::path& workspace) {
   const auto path = WorkspacePaths(workspace).metrics();
-  nlohmann::json json = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  nlohmann::json json = ParseJsonOrDiscard(ReadFile(path));
   if (!json.is_object()) {
     throw InputError("{}: not valid JSON; delete it and run `oraclegs evaluate`", path.string());
   }

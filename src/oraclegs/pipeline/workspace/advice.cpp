@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
 
 namespace oraclegs {
@@ -17,7 +18,7 @@ constexpr uint64_t kMaxBytes = 256 << 20;
 
 json ReadOrNull(const std::filesystem::path& path) {
   try {
-    return json::parse(ReadFile(path, kMaxBytes), nullptr, false);
+    return ParseJsonOrDiscard(ReadFile(path, kMaxBytes));
   } catch (const Error&) {
     return nullptr;
   }

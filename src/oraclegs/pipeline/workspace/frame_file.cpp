@@ -8,6 +8,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/sha256.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -29,7 +30,7 @@ std::string KeyOf(const Scene& scene) {
 
 json ReadJson(const fs::path& file) {
   try {
-    return json::parse(ReadFile(file, kMaxFrameBytes), nullptr, false);
+    return ParseJsonOrDiscard(ReadFile(file, kMaxFrameBytes));
   } catch (const Error&) {
     return nullptr;
   }

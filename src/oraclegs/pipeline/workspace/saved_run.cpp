@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -21,7 +22,7 @@ std::string Shown(const nlohmann::json& value) {
 
 nlohmann::json ReadRunJson(const fs::path& path) {
   try {
-    return nlohmann::json::parse(ReadFile(path, kMaxJsonBytes));
+    return ParseJson(ReadFile(path, kMaxJsonBytes));
   } catch (const nlohmann::json::exception&) {
     throw InputError("{}: is damaged, it is not valid JSON", path.string());
   }

@@ -6,6 +6,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -81,7 +82,7 @@ StageRecords InspectStageRecords(const std::filesystem::path& workspace) {
   if (!std::filesystem::exists(file, ignored)) return records;
   json all;
   try {
-    all = json::parse(ReadFile(file, kMaxRecordBytes), nullptr, false);
+    all = ParseJsonOrDiscard(ReadFile(file, kMaxRecordBytes));
   } catch (const InputError&) {
   }
   records.is_readable = all.is_object();

@@ -1,0 +1,147 @@
+#!/usr/bin/env bash
+# Runs the fuzzers of the parsers from their committed corpus, two at once, and prints a table. Exit code 1, and the name of
+# the file that reproduces it, where one finds something. Needs clang (scripts/bootstrap.sh).
+#   scripts/fuzz.sh                    every target, 20 seconds each
+#   scripts/fuzz.sh png gltf           these targets
+#   scripts/fuzz.sh --seconds 300      longer; --hours 8 divides the time over the targets
+#   scripts/fuzz.sh --coverage         lines of the parsers that the corpus reaches, and the rest
+#   scripts/fuzz.sh --merge            adds to the corpus what was found and reaches new code
+# What is found is kept in build/fuzz/ and is where the next run goes on.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+seconds=20 hours='' mode=run targets=()
+while (($# > 0)); do
+  case $1 in
+    --seconds) seconds=$2; shift ;;
+    --hours) hours=$2; shift ;;
+    --coverage | --merge) mode=${1#--} ;;
+    -*) sed -n '2,9s/^# \?//p' "$0" >&2; exit 2 ;;
+    *) targets+=("$1") ;;
+  esac
+  shift
+done
+
+corpus=tests/fuzz/corpus work=build/fuzz bin=build/asan/bin/fuzz
+jobs=2
+((${#targets[@]} > 0)) || mapfile -t targets < <(ls tests/fuzz | sed -n 's/_fuzz\.cpp$//p')
+for target in "${targets[@]}"; do
+  [[ -f tests/fuzz/${target}_fuzz.cpp ]] || { echo "scripts/fuzz.sh: there is no target $target" >&2; exit 2; }
+done
+
+# Most bytes of an input: parsers of text and headers need few, and small inputs are fast.
+max_len() {
+  case $1 in
+    ply | sog | gltf | heif | photo | config | workspace | train_checkpoint | database) echo 16384 ;;
+    *) echo 4096 ;;
+  esac
+}
+
+# Seconds that an input may take. Those that go through sockets, or decoders of others that are not made for speed, may wait
+# for a core.
+time_limit() {
+  case $1 in
+    download | web_server | heif | photo) echo 5 ;;
+    *) echo 1 ;;
+  esac
+}
+
+# The lines of the parsers that the corpus reaches, by clang's coverage of sources.
+coverage() {
+  local build=build/fuzz-coverage
+  cmake --preset asan -B $build -DORACLEGS_SANITIZE= -DORACLEGS_FUZZ=OFF -DCMAKE_UNITY_BUILD=OFF \
+    -DCMAKE_CXX_FLAGS='-fprofile-instr-generate -fcoverage-mapping' >/dev/null
+  cmake --build $build --parallel $jobs --target fuzz_replay
+  LLVM_PROFILE_FILE=$build/replay.profraw $build/bin/fuzz_replay $corpus
+  local llvm; llvm=$(dirname "$(readlink -f "$(command -v clang++)")")
+  "$llvm/llvm-profdata" merge -sparse $build/replay.profraw -o $build/replay.profdata
+  local sources; mapfile -t sources < <(grep -v '^#' tests/fuzz/parsers.txt)
+  local objects=($build/bin/fuzz_replay -object $build/lib/liboraclegs_core.so)
+  "$llvm/llvm-cov" export -format=lcov -instr-profile $build/replay.profdata "${objects[@]}" "${sources[@]}" >$build/lines.txt
+  python3 tests/fuzz/coverage.py $build/lines.txt tests/fuzz/parsers.txt
+}
+
+build() {
+  cmake --preset asan >/dev/null
+  cmake --build --preset asan --parallel $jobs --target "${targets[@]/%/_fuzz}"
+}
+
+options_of() {
+  options=(-rss_limit_mb=1024 -max_len="$(max_len "$1")" -timeout="$(time_limit "$1")")
+  [[ ! -f tests/fuzz/dictionaries/$1.dict ]] || options+=(-dict="tests/fuzz/dictionaries/$1.dict")
+}
+
+export ASAN_OPTIONS=${ASAN_OPTIONS:-abort_on_error=0:detect_leaks=1}
+TMPDIR=$(mktemp -d -p /dev/shm oraclegs-fuzz-XXXXXX)
+export TMPDIR
+trap 'rm -rf "$TMPDIR"' EXIT
+
+fuzz() {
+  local target=$1
+  options_of "$target"
+  mkdir -p "$work/corpus/$target" "$work/found"
+  # -fork would go on after a finding; one is enough to look at.
+  "$bin/${target}_fuzz" "${options[@]}" -max_total_time="$seconds" -print_final_stats=1 -artifact_prefix="$work/found/$target-" \
+    "$work/corpus/$target" "$corpus/$target" >"$work/$target.log" 2>&1 || true
+}
+
+# A timeout that does not come again was another process that took the core.
+confirmed() {
+  local file=$1 target=$2 try
+  [[ ${file##*/} == "$target-timeout-"* || ${file##*/} == "$target-slow-unit-"* ]] || return 0
+  for try in 1 2 3; do
+    if "$bin/${target}_fuzz" -timeout=1 -rss_limit_mb=1024 "$file" >/dev/null 2>&1; then
+      rm "$file"
+      return 1
+    fi
+  done
+}
+
+case $mode in
+  coverage) coverage; exit ;;
+  merge)
+    build
+    for target in "${targets[@]}"; do
+      options_of "$target"
+      merged=$TMPDIR/$target
+      mkdir -p "$merged" "$work/corpus/$target"
+      "$bin/${target}_fuzz" "${options[@]}" -merge=1 "$merged" "$corpus/$target" "$work/corpus/$target" >/dev/null 2>&1
+      # Seeds keep their names; of what was found the small files alone are committed.
+      find "$merged" -size +4k -delete
+      cp -n "$merged"/* "$corpus/$target/" 2>/dev/null || true
+      echo "$target: $(find "$corpus/$target" -type f | wc -l) files, $(du -sk --apparent-size "$corpus/$target" | cut -f1) kB"
+    done
+    exit
+    ;;
+esac
+
+build
+[[ -z $hours ]] || seconds=$(awk "BEGIN { print int($hours * 3600 * $jobs / ${#targets[@]}) }")
+mkdir -p "$work/found"
+rm -f "$work"/found/*
+running=0
+for target in "${targets[@]}"; do
+  if ((running == jobs)); then
+    wait -n || true
+    running=$((running - 1))
+  fi
+  fuzz "$target" &
+  running=$((running + 1))
+done
+wait
+
+stat() { sed -n "s/^stat::$2: *//p" "$work/$1.log" | tail -n 1; }
+total=0 bad=0
+printf '%-18s %12s %9s %9s  %s\n' target executions exec/s 'peak MB' findings
+for target in "${targets[@]}"; do
+  runs=$(stat "$target" number_of_executed_units) found=()
+  for file in "$work/found/$target"-*; do
+    if [[ -e $file ]] && confirmed "$file" "$target"; then found+=("$file"); fi
+  done
+  if [[ -z $runs ]]; then runs=0 found+=("$work/$target.log"); fi
+  printf '%-18s %12s %9s %9s  %s\n' "$target" "$runs" "$(stat "$target" average_exec_per_sec)" \
+    "$(stat "$target" peak_rss_mb)" "${found[*]:-0}"
+  total=$((total + runs)) bad=$((bad + ${#found[@]}))
+done
+printf '%-18s %12s %19s  %s\n' total "$total" '' "$bad"
+((bad == 0))

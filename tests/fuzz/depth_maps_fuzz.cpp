@@ -1,0 +1,30 @@
+// Depth maps of a workspace: depth_params.json, and the PNG of 16 bits where the bytes have a second part.
+
+#include "fuzz/fuzz.h"
+#include "oraclegs/depth/depth_files.h"
+#include "oraclegs/image/png.h"
+
+namespace {
+
+class DepthFolder : public oraclegs::fuzz::Folder {
+ public:
+  DepthFolder() {
+    oraclegs::WritePng16(path() / "a.png", 4, 3, std::vector<uint16_t>(12, 1000));
+    for (const char* name : {"confidence/a.png", "normals/a.png"}) {
+      Put(name, "");
+      oraclegs::WritePng(path() / name, {4, 3, 3, std::vector<uint8_t>(36, 200)});
+    }
+  }
+};
+
+}  // namespace
+
+ORACLEGS_FUZZ_TARGET(depth_maps) {
+  using namespace oraclegs;
+  static const DepthFolder folder;
+  const auto parts = fuzz::Parts(bytes);
+  folder.Put("depth_params.json", parts[0]);
+  if (parts.size() > 1) folder.Put("b.png", parts[1]);
+  Camera camera{4, 3, 4, 4, 2, 1.5};
+  fuzz::Try([&] { ReadDepthMaps(folder.path(), {parts.size() > 1 ? "b.jpg" : "a.jpg"}, {camera}); });
+}

@@ -1,0 +1,14 @@
+// HEIC and AVIF.
+
+#include "fuzz/fuzz.h"
+#include "fuzz/images.h"
+#include "oraclegs/image/exif_tags.h"
+#include "oraclegs/image/heif.h"
+
+ORACLEGS_FUZZ_TARGET(heif) {
+  using namespace oraclegs;
+  if (!IsHeif(bytes)) return;
+  ReadExif(bytes);
+  if (!fuzz::IsSmall([&](int* width, int* height) { ReadHeifSize(bytes, "f", width, height); })) return;
+  fuzz::Try([&] { DecodeHeif(bytes, "f"); });
+}

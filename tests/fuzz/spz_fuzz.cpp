@@ -1,0 +1,11 @@
+// SPZ: a file as it is, or what gzip has packed in it.
+
+#include "fuzz/fuzz.h"
+#include "oraclegs/formats/spz.h"
+
+ORACLEGS_FUZZ_TARGET(spz) {
+  using namespace oraclegs;
+  const bool packed = bytes.starts_with("\x1f\x8b");
+  const std::string file = packed ? std::string(bytes) : fuzz::StoredGzip(bytes);
+  fuzz::Try([&] { DecodeSpz(file, "f"); });
+}

@@ -1,0 +1,44 @@
+// The files that a run keeps for the next one, each as the whole of the bytes.
+
+#include <nlohmann/json.hpp>
+
+#include "fuzz/fuzz.h"
+#include "oraclegs/pipeline/live/curves.h"
+#include "oraclegs/pipeline/settings/named_options.h"
+#include "oraclegs/pipeline/settings/run_size.h"
+#include "oraclegs/pipeline/stages/metrics.h"
+#include "oraclegs/pipeline/workspace/advice.h"
+#include "oraclegs/pipeline/workspace/frame_file.h"
+#include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/pipeline/workspace/saved_run.h"
+#include "oraclegs/pipeline/workspace/stage_records.h"
+#include "oraclegs/pipeline/workspace/stage_table.h"
+
+ORACLEGS_FUZZ_TARGET(workspace) {
+  using namespace oraclegs;
+  static const fuzz::Folder folder;
+  const auto& dir = folder.path();
+  for (const char* name : {"options.json", "stages.json", "frame.json", "metrics.json", "sfm/registration.json",
+                           "report/run.json", "train.csv"}) {
+    folder.Put(name, bytes);
+  }
+  fuzz::Try([&] {
+    const SavedRun saved = ReadSavedRun(dir);
+    RunOptions options;
+    DescribeDifference(saved.options, options, saved.size);
+    options.train.iterations = 1 << 30;
+    AsksForMoreIterations(saved, options);
+    SetRunOptions(saved.options, UnknownOption::kIgnored, &options);
+    CheckRunOptions(WithSavedSize(options, saved.size));
+  });
+  fuzz::Try([&] {
+    const nlohmann::json records = ReadStageRecords(dir);
+    StageTable(nlohmann::json::object(), records);
+    StageTable(records, records);
+    NonCommercialParts(WorkspacePaths(dir));
+  });
+  fuzz::Try([&] { ReadFrame(dir / "frame.json"); });
+  fuzz::Try([&] { ReadMetrics(dir); });
+  fuzz::Try([&] { PhotoAdvice(dir, 5); });
+  fuzz::Try([&] { CurvesToJson(ReadCurves(dir / "train.csv")); });
+}
