@@ -5,7 +5,9 @@ usage: kill_stages.py [--kills N] [--seed S] [--chain] [--real-colmap] [--genera
 
 Each kill is SIGKILL or SIGTERM, of the program alone or with its whole process group. --chain resumes into the next
 kill, and to the end once all stages had one, which is quicker; without it each kill is resumed to the end. The table
-counts by the stage that was hit: a stage that a kill came too late for is aimed at again.
+counts by the stage that was hit: a stage that a kill came too late for is aimed at again. --real-colmap kills register
+and sfm with the colmap that is installed. It finds other poses each time, so that there the same command must find
+nothing left to do after the resumed run.
 """
 
 import argparse
@@ -21,10 +23,15 @@ from lab import GRACE, STAGES, Broken, Lab, require, results, table
 WAYS = [(signal.SIGKILL, False), (signal.SIGTERM, False), (signal.SIGKILL, True), (signal.SIGKILL, False)]
 GENERATOR = ["--proposers", "command", "--generator", "sleep 0.2 & wait; cp {request}/warps/*.png {answer}/"]
 
+REAL_SCENE = ["--demo-views", 10, "--width", 240, "--height", 180, "--samples", 1]  # which colmap can register
+
 
 class Killer:
-    def __init__(self, lab, numbers, options):
-        self.lab, self.numbers, self.options = lab, numbers, options
+    def __init__(self, lab, numbers, given):
+        self.lab, self.numbers, self.verbose = lab, numbers, given.verbose
+        self.options = GENERATOR if given.generator else ["--max-size", 96] if given.real_colmap else []
+        self.stages = ["register", "sfm"] if given.real_colmap else STAGES
+        self.varies = given.real_colmap
         self.hits = {stage: {"SIGKILL": 0, "SIGTERM": 0, "same bits": 0} for stage in ["start", *STAGES]}
         self.reference, self.lengths = None, {}
 
@@ -59,12 +66,17 @@ class Killer:
         self.lab.check_surroundings()
         self.lab.check_records(out)
         self.hits[run.stage][how.name] += 1
+        if self.verbose:
+            print(f"{how.name} in {run.stage}{', the whole group' if whole_group else ''}", flush=True)
         return run.stage
 
     def resume(self, out, stages):
         self.lab.finish(out, *self.options)
         self.lab.check_no_orphans()
         self.lab.check_surroundings()
+        if self.varies:
+            self.reference = results(out)
+            self.lab.finish(out, *self.options)
         self.lab.check_finished(out, self.reference)
         for stage in stages:
             self.hits[stage]["same bits"] += 1
@@ -73,7 +85,7 @@ class Killer:
     def run_chain(self):
         """A kill in each stage of one run."""
         out, hit = self.lab.dir / "chain", []
-        for stage in STAGES:
+        for stage in self.stages:
             hit.append(self.kill(out, stage))
         self.resume(out, filter(None, hit))
 
@@ -83,7 +95,7 @@ class Killer:
         self.resume(out, filter(None, [hit]))
 
     def missing(self, kills):
-        return [stage for stage in STAGES if sum(list(self.hits[stage].values())[:2]) < kills and stage in self.lengths]
+        return [stage for stage in self.stages if sum(list(self.hits[stage].values())[:2]) < kills]
 
 
 def main():
@@ -91,12 +103,13 @@ def main():
     parser.add_argument("--kills", type=int, default=8, help="of each stage")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--chain", action="store_true")
-    parser.add_argument("--real-colmap", action="store_true", help="with the program that is installed; a posed scene")
+    parser.add_argument("--real-colmap", action="store_true", help="with the program that is installed")
+    parser.add_argument("--verbose", action="store_true", help="print a line for each kill")
     parser.add_argument("--generator", action="store_true", help="with --generator, whose children must end, too")
     given = parser.parse_args()
     begin = time.monotonic()
-    with Lab() as lab:
-        killer = Killer(lab, random.Random(given.seed), GENERATOR if given.generator else [])
+    with Lab(scene=REAL_SCENE if given.real_colmap else None, real_colmap=given.real_colmap) as lab:
+        killer = Killer(lab, random.Random(given.seed), given)
         killer.learn()
         try:
             for _ in range(given.kills if given.chain else 0):

@@ -55,6 +55,11 @@ TEST_F(WorkspaceTest, NoticesThatItIsGone) {
   std::filesystem::create_directories(out);
   EXPECT_THAT(MessageOf<RunError>([&] { workspace.RequireThere(); }), gone) << "it is another folder";
   EXPECT_THAT(heard, testing::ElementsAre("step", "other"));
+
+  std::filesystem::remove_all(out);
+  Workspace emptied = Claim();
+  std::filesystem::remove(emptied.options());
+  EXPECT_THAT(MessageOf<RunError>([&] { emptied.RequireThere(); }), gone) << "its files were removed alone";
 }
 
 TEST_F(WorkspaceTest, ForgetsRecordsThatAreDamaged) {

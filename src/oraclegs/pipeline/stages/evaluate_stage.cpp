@@ -88,6 +88,7 @@ StageWork EvaluateStage() {
           .own = AddEvaluateKey,
           .undo = UndoEvaluate,
           .make = MakeEvaluate,
+          .check = [](const Run& run) { ReadMetrics(run.workspace.root()); },
           .file = "metrics.json"};
 }
 

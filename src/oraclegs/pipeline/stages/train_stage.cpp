@@ -254,6 +254,7 @@ StageWork TrainStage() {
           .own = AddTrainKey,
           .undo = UndoTrain,
           .make = MakeTrain,
+          .check = [](const Run& run) { ReadGaussianPly(run.workspace.point_cloud()); },
           .file = "point_cloud.ply"};
 }
 
