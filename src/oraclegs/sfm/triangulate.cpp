@@ -12,6 +12,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/plural.h"
+#include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
@@ -129,7 +130,7 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
     const std::string warning =
         fmt::format("no points are triangulated, as happens when photos match nowhere or poses are wrong: {}; see {}",
                     failure.Text(), (work_dir / "colmap.log").string());
-    RememberFailure(work_dir, inputs, warning);
+    if (failure.exit_code != kCannotStart) RememberFailure(work_dir, inputs, warning);  // of it the inputs are no cause
     listener(Warning{warning});
     return {};
   }

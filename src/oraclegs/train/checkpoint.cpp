@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/core/unique_json.h"
@@ -176,11 +177,6 @@ int64_t IterationOf(const fs::path& path) {
   return error == std::errc() && stop == end ? iteration : -1;
 }
 
-/// True for the temporary name of WriteFileAtomically.
-bool IsLeftover(const fs::path& path) {
-  return path.filename().string().rfind(".oraclegs-", 0) == 0 && path.extension() == ".tmp";
-}
-
 /// Checkpoints of a folder by iteration.
 std::map<int64_t, fs::path> ListCheckpoints(const fs::path& dir) {
   std::map<int64_t, fs::path> found;
@@ -285,12 +281,7 @@ void RemoveOldCheckpoints(const fs::path& dir, int64_t iteration) {
     if (it->first <= iteration && kept++ < kCheckpointsKept) continue;
     fs::remove(it->second, ignored);
   }
-  // A run that was killed while it wrote leaves a whole checkpoint under a temporary name. No other run writes here.
-  std::vector<fs::path> leftovers;
-  for (const auto& entry : fs::directory_iterator(dir, ignored)) {
-    if (IsLeftover(entry.path())) leftovers.push_back(entry.path());
-  }
-  for (const fs::path& leftover : leftovers) fs::remove(leftover, ignored);
+  RemoveLeftovers(dir);
 }
 
 }  // namespace oraclegs

@@ -55,6 +55,11 @@ TEST_F(WorkspaceTest, NoticesThatItIsGone) {
   std::filesystem::create_directories(out);
   EXPECT_THAT(MessageOf<RunError>([&] { workspace.RequireThere(); }), gone) << "it is another folder";
   EXPECT_THAT(heard, testing::ElementsAre("step", "other"));
+
+  std::filesystem::remove_all(out);
+  Workspace emptied = Claim();
+  std::filesystem::remove(emptied.options());
+  EXPECT_THAT(MessageOf<RunError>([&] { emptied.RequireThere(); }), gone) << "its files were removed alone";
 }
 
 TEST_F(WorkspaceTest, ForgetsRecordsThatAreDamaged) {
@@ -187,8 +192,12 @@ TEST_F(WorkspaceTest, RefusesFilesOfSomebodyElseEvenWithOverwrite) {
 
 TEST_F(WorkspaceTest, ALeftoverOfAKilledRunIsNobodysFile) {
   std::filesystem::create_directories(out);
-  WriteText(out / ".oraclegs-17-0.tmp", "half");
+  WriteText(out / ".oraclegs-999999999-0.tmp", "half");
+  WriteText(out / "depth" / ".oraclegs-999999999-1.tmp", "half");
+  std::filesystem::rename(out / "depth", out / ".oraclegs-photos.tmp");
   EXPECT_EQ(Refusal(), "");
+  EXPECT_FALSE(std::filesystem::exists(out / ".oraclegs-999999999-0.tmp"));
+  EXPECT_FALSE(std::filesystem::exists(out / ".oraclegs-photos.tmp"));
 }
 
 TEST_F(WorkspaceTest, OverwriteRemovesTheRunAndNothingElse) {

@@ -199,6 +199,8 @@ std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rej
 }
 
 bool LoadValidate(Run* run) {
+  std::error_code ignored;
+  if (fs::exists(run->workspace.confidence() / "transforms.json", ignored)) ReadTargets(run->workspace.confidence());
   run->results->rejected.clear();
   run->results->proposals = ReadTrusted(*run, &run->results->rejected);
   return true;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+#include <system_error>
+
+namespace oraclegs {
+
+/// What the system says of an errno, with the mend where there is one: "No space left on device; make room there".
+std::string SystemReason(int error);
+std::string SystemReason(const std::error_code& error);
+
+}  // namespace oraclegs
