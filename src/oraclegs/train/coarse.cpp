@@ -18,7 +18,7 @@ Buffer<float> Resize(const Buffer<float>& image, Size size) {
   full.data.assign(image.data(), image.data() + image.count());
   const ImageF small = ResizeArea(full, size.width, size.height);
   Buffer<float> result = Buffer<float>::Empty(image.dims() == 3 ? Shape{size.height, size.width, channels}
-                                                                      : Shape{size.height, size.width});
+                                                                : Shape{size.height, size.width});
   std::copy(small.data.begin(), small.data.end(), result.data());
   return result;
 }
