@@ -42,3 +42,6 @@ endif()
 # Each kernel file has its own constants, and the emulation its own idea of what a translation unit is.
 set_target_properties(oraclegs_cuda_device_tests PROPERTIES UNITY_BUILD OFF)
 add_test(NAME cuda COMMAND cuda_tests)
+if(ORACLEGS_SANITIZE)  # what does not fit into memory is null, as without the sanitizer
+  set_tests_properties(cuda PROPERTIES ENVIRONMENT "ASAN_OPTIONS=allocator_may_return_null=1")
+endif()
