@@ -43,6 +43,13 @@ function(oraclegs_keep_kernels_alone)
     file(STRINGS ${source} kernels REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
     if(kernels)
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
+      if(ORACLEGS_SANITIZE MATCHES "fuzzer")
+        # Clang takes minutes a file to count their branches, to check each number and to watch the scope of each lane: of the
+        # sanitizers they have the one of addresses.
+        set_source_files_properties(
+          ${source} PROPERTIES COMPILE_DEFINITIONS ORACLEGS_FEW_HWY_TARGETS COMPILE_OPTIONS
+                               "-fno-sanitize=fuzzer-no-link,undefined;-fno-sanitize-address-use-after-scope")
+      endif()
     endif()
   endforeach()
 endfunction()

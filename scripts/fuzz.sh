@@ -103,12 +103,10 @@ case $mode in
     build
     for target in "${targets[@]}"; do
       options_of "$target"
-      merged=$TMPDIR/$target
-      mkdir -p "$merged" "$work/corpus/$target"
-      "$bin/${target}_fuzz" "${options[@]}" -merge=1 "$merged" "$corpus/$target" "$work/corpus/$target" >/dev/null 2>&1
-      # Seeds keep their names; of what was found the small files alone are committed.
-      find "$merged" -size +4k -delete
-      cp -n "$merged"/* "$corpus/$target/" 2>/dev/null || true
+      # What is there stays. Of what was found come small files that reach a branch for the first time, however often.
+      mkdir -p "$TMPDIR/$target" "$work/corpus/$target"
+      find "$work/corpus/$target" -type f -size -5k -exec cp -t "$TMPDIR/$target" {} +
+      "$bin/${target}_fuzz" "${options[@]}" -set_cover_merge=1 -use_counters=0 "$corpus/$target" "$TMPDIR/$target" >/dev/null 2>&1
       echo "$target: $(find "$corpus/$target" -type f | wc -l) files, $(du -sk --apparent-size "$corpus/$target" | cut -f1) kB"
     done
     exit

@@ -22,7 +22,7 @@ TEST(Error, KeepsItsTypeThroughTheBase) {
 }
 
 TEST(Error, IsOneLineWhateverAFileSays) {
-  EXPECT_STREQ(InputError("f: camera '{}' is unknown", "\x1b[2J\n\r\x7f").what(), "f: camera '?[2J???' is unknown");
+  EXPECT_STREQ(InputError("f: camera '{}' is unknown", "\x1b[2J\n.\x7f").what(), "f: camera '?[2J?.?' is unknown");
   EXPECT_STREQ(OutOfMemory("a\tb").what(), "a?b");
 }
 

@@ -8,16 +8,31 @@
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/pipeline/settings/options.h"
 
+namespace {
+
+/// A command with all options of a run.
+struct ConfiguredCommand {
+  ConfiguredCommand() {
+    oraclegs::RunOptions::ForEachGroup(options, [&](const char* name, auto& group) {
+      std::remove_reference_t<decltype(group)>::Visit(group, oraclegs::OptionBinder(&command, name));
+    });
+  }
+
+  CLI::App command{"reconstruct", "reconstruct"};
+  oraclegs::RunOptions options;
+};
+
+}  // namespace
+
 ORACLEGS_FUZZ_TARGET(config) {
   using namespace oraclegs;
   static const fuzz::Folder folder;
-  CLI::App command("reconstruct", "reconstruct");
-  RunOptions options;
-  RunOptions::ForEachGroup(options, [&](const char* name, auto& group) {
-    std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&command, name));
-  });
+  static ConfiguredCommand made;
   const auto file = folder.Put("config", bytes);
-  fuzz::Try([&] { ApplyConfigFile(file, {&command}); });
+  made.command.clear();
+  fuzz::Try([&] { ApplyConfigFile(file, {&made.command}); });
   const nlohmann::json saved = ParseJsonOrDiscard(bytes);
-  if (saved.is_object()) fuzz::Try([&] { ApplySavedOptions(saved, file, {&command}); });
+  if (!saved.is_object()) return;
+  made.command.clear();
+  fuzz::Try([&] { ApplySavedOptions(saved, file, {&made.command}); });
 }

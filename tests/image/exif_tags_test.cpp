@@ -89,5 +89,18 @@ TEST(ParseExif, KnowsTheUnitsOfTheSensor) {
   }
 }
 
+TEST(ParseExif, IgnoresDirectoriesAtNegativePlaces) {
+  for (const unsigned tag : {0x8769u, 0x8825u}) {
+    ExifMaker exif;
+    exif.Text(0x010F, "Maker");
+    exif.Rationals(tag, {{0xFFFFFFFF, 1}});  // -1 where it is signed
+    std::string tiff = exif.Tiff();
+    const size_t type = tiff.find(ExifMaker::Number(tag, 2)) + 2;
+    tiff[type] = 10;
+    EXPECT_EQ(ParseExif(tiff).make, "Maker");
+    EXPECT_FALSE(ParseExif(tiff).gps);
+  }
+}
+
 }  // namespace
 }  // namespace oraclegs

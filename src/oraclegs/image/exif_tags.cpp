@@ -78,6 +78,12 @@ class Directory {
     }
   }
 
+  /// Where the directory begins that a tag names; a number below zero is no place.
+  std::optional<uint64_t> PlaceOf(unsigned tag) const {
+    const auto value = Value(tag);
+    return value && *value >= 0 ? std::optional(static_cast<uint64_t>(*value)) : std::nullopt;
+  }
+
   std::string Text(unsigned tag) const {
     const auto entry = Find(tag);
     if (!entry || entry->type != 2 || entry->at >= tiff_.size()) return "";
@@ -188,8 +194,8 @@ Exif ParseExif(std::string_view tiff) {
   if (orientation >= 1 && orientation <= 8) exif.orientation = static_cast<int>(orientation);
   exif.make = main.Text(kMake);
   exif.model = main.Text(kModel);
-  if (const auto at = main.Value(kExifDirectory)) {
-    const Directory details(tiff, big_endian, static_cast<uint64_t>(*at));
+  if (const auto at = main.PlaceOf(kExifDirectory)) {
+    const Directory details(tiff, big_endian, *at);
     exif.date = details.Text(kDateTaken);
     exif.focal_mm = details.Value(kFocalLength).value_or(0);
     exif.focal_35mm = details.Value(kFocalLength35).value_or(0);
@@ -198,8 +204,8 @@ Exif ParseExif(std::string_view tiff) {
     const double per_unit = details.Value(kPlaneXResolution).value_or(0);
     if (per_unit > 0) exif.pixels_per_mm = per_unit / MillimetersOf(details.Value(kPlaneUnit).value_or(2));
   }
-  if (const auto at = main.Value(kGpsDirectory)) {
-    exif.gps = Position(Directory(tiff, big_endian, static_cast<uint64_t>(*at)));
+  if (const auto at = main.PlaceOf(kGpsDirectory)) {
+    exif.gps = Position(Directory(tiff, big_endian, *at));
   }
   return exif;
 }
