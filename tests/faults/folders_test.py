@@ -11,7 +11,7 @@ import struct
 import unittest
 
 from fill_disk import Disk
-from lab import STAGES, Lab, difference, error_of, results
+from lab import STAGES, Lab, difference, error_of, results, some
 
 
 class Folders(unittest.TestCase):
@@ -49,7 +49,7 @@ class Folders(unittest.TestCase):
         self.lab.check_finished(self.out, self.reference)
 
     def test_a_folder_that_is_removed_in_any_stage(self):
-        for stage in STAGES:
+        for stage in some(STAGES, 3):
             with self.subTest(stage):
                 self.copy_finished(STAGES[STAGES.index(stage) :])
                 run = self.lab.start(self.out)
@@ -105,7 +105,7 @@ class Folders(unittest.TestCase):
 
     def test_little_memory(self):
         numbers, begins = random.Random(4), 100  # MB, which the libraries of the program have
-        for stage in STAGES:
+        for stage in some(STAGES, 4):
             with self.subTest(stage):
                 self.copy_finished(STAGES[STAGES.index(stage) :])
                 limit = numbers.randrange(begins, 2 * begins) << 20
@@ -120,7 +120,7 @@ class Folders(unittest.TestCase):
     def test_records_of_other_types(self):
         edits = [("sfm", "points", "many"), ("train", "gaussians", []), ("depth", "files", 3), ("depth", "key", None),
                  ("evaluate", "test", []), ("report", "seconds", {}), ("validate", "seconds", "abc")]  # fmt: skip
-        for stage, key, value in edits:
+        for stage, key, value in some(edits, 3):
             with self.subTest(f"{stage}.{key}"):
                 self.copy_finished()
                 path = self.out / "stages.json"
@@ -128,7 +128,7 @@ class Folders(unittest.TestCase):
                 records[stage][key] = value
                 path.write_text(json.dumps(records))
                 self.check_mended()
-        for text in ["", "[]", "3", "{\"sfm\":", "{\"sfm\": 3}", "\0" * 100, "[" * 100_000]:
+        for text in some(["[" * 100_000, "[]", "3", "{\"sfm\":", "{\"sfm\": 3}", "\0" * 100, ""], 2):
             with self.subTest(text[:10]):
                 self.copy_finished()
                 (self.out / "stages.json").write_text(text)
@@ -138,24 +138,26 @@ class Folders(unittest.TestCase):
 
     def test_files_of_the_run_that_are_cut_heal(self):
         redone = STAGES[STAGES.index("validate") :]
-        for pattern in ["confidence/coverage_0000.png", "confidence/transforms.json", "depth/001.png", "depth/confidence/001.png",
-                        "depth/depth_params.json", "sfm/dense.ply", "frame.json", "split.json", "metrics.json",
-                        "report/run.json", "sfm/training_views/sparse/0/points3D.txt", "live/state.json", "train.csv",
-                        "proposals/proxies/*.ply",
-                        "point_cloud.ply"]:  # fmt: skip
+        patterns = ["proposals/proxies/*.ply", "depth/001.png", "metrics.json", "depth/depth_params.json", "sfm/dense.ply",
+                    "point_cloud.ply", "frame.json", "split.json", "depth/confidence/001.png", "report/run.json",
+                    "sfm/training_views/sparse/0/points3D.txt", "live/state.json", "train.csv",
+                    "confidence/coverage_0000.png", "confidence/transforms.json"]  # fmt: skip
+        for pattern in some(patterns, 3):
             with self.subTest(pattern):
                 self.copy_finished(["proxies", *redone] if "proxies" in pattern else redone)
                 self.cut(pattern)
                 self.check_mended()
-        for pattern in ["proposals/coverage_0000.png", "confidence/coverage_0000.png", "confidence/transforms.json"]:
+        files = ["confidence/transforms.json", "proposals/coverage_0000.png", "confidence/coverage_0000.png"]
+        for pattern in some(files, 2):
             with self.subTest(f"before training: {pattern}"):
                 self.copy_finished(["train", "evaluate", "report"])
                 self.cut(pattern)
                 self.check_mended()
 
     def test_a_report_of_files_that_are_cut(self):
-        for pattern in ["proposals/*.png", "confidence/*.png", "confidence/transforms.json", "metrics.json", "depth/*.png",
-                        "renders/test/*.png", "report/run.json", "point_cloud.ply", "oracle.json"]:  # fmt: skip
+        patterns = ["point_cloud.ply", "confidence/*.png", "metrics.json", "proposals/*.png", "confidence/transforms.json",
+                    "depth/*.png", "renders/test/*.png", "report/run.json", "oracle.json"]  # fmt: skip
+        for pattern in some(patterns, 3):
             with self.subTest(pattern):
                 self.copy_finished(["report"])
                 self.cut(pattern)
@@ -180,7 +182,7 @@ class Folders(unittest.TestCase):
 
     def test_numbers_that_are_none(self):
         """A NaN in what a run reads ends in one line, not in a splat of NaN."""
-        for value in (math.nan, math.inf, -1e30):
+        for value in some([math.nan, math.inf, -1e30], 1):
             with self.subTest(value):
                 self.copy_finished(["train", "evaluate", "report"])
                 path = self.out / "sfm/dense.ply"

@@ -217,10 +217,11 @@ TEST(ColmapRunner, TellsWhatPassesFromWhatFailsAgain) {
 
 TEST(ColmapRunner, LogsToItsLogAlone) {
   const TempDir dir;
-  const FakeColmap fake("echo \"logtostderr is $GLOG_logtostderr\"");
+  const FakeColmap fake("echo \"logtostderr is $GLOG_logtostderr, files go to $GLOG_log_dir\"");
   const Listener silent = Silent();
   ColmapRunner(dir.path(), silent, "sfm").Run("mapper", {}, "");
-  EXPECT_EQ(ReadFile(dir / "colmap.log"), "logtostderr is 1\n");
+  EXPECT_EQ(ReadFile(dir / "colmap.log"),
+            fmt::format("logtostderr is 1, files go to {}\n", (dir / "attempts").string()));
 }
 
 TEST(ColmapRunner, NamesALogThatCannotBeWritten) {

@@ -9,6 +9,7 @@
 
 #include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
@@ -30,6 +31,7 @@ class FileDescriptor {
 };
 
 void CreateFolders(const fs::path& dir) {
+  RequireHeldFolderOf(dir);
   std::error_code error;
   fs::create_directories(dir, error);
   if (error) throw RunError("{}: cannot create the folder: {}", dir.string(), SystemReason(error));

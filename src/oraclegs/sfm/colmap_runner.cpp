@@ -14,6 +14,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/colmap_workspace.h"
 
 namespace oraclegs {
 namespace {
@@ -138,7 +139,8 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
   ProcessRequest request;
   request.argv = std::move(argv);
   request.log = work_dir_ / "colmap.log";
-  request.variables = {{"GLOG_logtostderr", "1"}};  // else its logging leaves files in the temporary folder
+  // Else its logging leaves files in the temporary folder; some commands do so although they are told to print.
+  request.variables = {{"GLOG_logtostderr", "1"}, {"GLOG_log_dir", AttemptsFolder(work_dir_).string()}};
   request.stall_limit = StallLimit();
   request.on_line = [&](const std::string& line) {
     last_sign = std::chrono::steady_clock::now();

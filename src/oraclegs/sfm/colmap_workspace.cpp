@@ -7,6 +7,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
@@ -70,6 +71,7 @@ void MoveFolder(const fs::path& from, const fs::path& to) {
 }
 
 void MakeFolder(const fs::path& dir) {
+  RequireHeldFolderOf(dir);
   std::error_code error;
   fs::create_directories(dir, error);
   if (error) throw RunError("{}: cannot be made: {}", dir.string(), SystemReason(error));

@@ -51,6 +51,7 @@ size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const 
 void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const fs::path& work_dir, const Listener& listener) {
   const ColmapRunner colmap(work_dir, listener, "sfm");
+  MakeFolder(AttemptsFolder(work_dir));
   const bool has_masks = StageImages(scene, views, plan, work_dir);
   colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
   if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {

@@ -94,7 +94,7 @@ TEST_F(RunStageTest, MakesAgainWhatCannotBeReadBack) {
 TEST_F(RunStageTest, MakesAgainWhatIsDamaged) {
   Stage& last = stages.back();
   last.work.load = nullptr;
-  last.work.check = [](const Run&) { throw InputError("d.txt: is cut short; copy it again"); };
+  last.work.check = [](const oraclegs::Run&) { throw InputError("d.txt: is cut short; copy it again"); };
   RunStage(&run, stages, "d");
   Forget();
   RunStage(&run, stages, "d");
