@@ -49,13 +49,13 @@ time_limit() {
 # The lines of the parsers that the corpus reaches, by clang's coverage of sources.
 coverage() {
   local build=build/fuzz-coverage
-  cmake --preset asan -B $build -DORACLEGS_SANITIZE= -DORACLEGS_FUZZ=OFF -DCMAKE_UNITY_BUILD=OFF \
+  cmake --preset asan -B $build -DORACLEGS_SANITIZE= -DORACLEGS_FUZZ=OFF -DCMAKE_BUILD_TYPE=Debug -DORACLEGS_PYTHON=OFF \
     -DCMAKE_CXX_FLAGS='-fprofile-instr-generate -fcoverage-mapping' >/dev/null
   cmake --build $build --parallel $jobs --target fuzz_replay
   LLVM_PROFILE_FILE=$build/replay.profraw $build/bin/fuzz_replay $corpus
   local llvm; llvm=$(dirname "$(readlink -f "$(command -v clang++)")")
   "$llvm/llvm-profdata" merge -sparse $build/replay.profraw -o $build/replay.profdata
-  local sources; mapfile -t sources < <(grep -v '^#' tests/fuzz/parsers.txt)
+  local sources; mapfile -t sources < <(sed '/^#/d; s/ .*//' tests/fuzz/parsers.txt)
   local objects=($build/bin/fuzz_replay -object $build/lib/liboraclegs_core.so)
   "$llvm/llvm-cov" export -format=lcov -instr-profile $build/replay.profdata "${objects[@]}" "${sources[@]}" >$build/lines.txt
   python3 tests/fuzz/coverage.py $build/lines.txt tests/fuzz/parsers.txt
@@ -76,15 +76,6 @@ TMPDIR=$(mktemp -d -p /dev/shm oraclegs-fuzz-XXXXXX)
 export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
 
-fuzz() {
-  local target=$1
-  options_of "$target"
-  mkdir -p "$work/corpus/$target" "$work/found"
-  # -fork would go on after a finding; one is enough to look at.
-  "$bin/${target}_fuzz" "${options[@]}" -max_total_time="$seconds" -print_final_stats=1 -artifact_prefix="$work/found/$target-" \
-    "$work/corpus/$target" "$corpus/$target" >"$work/$target.log" 2>&1 || true
-}
-
 # A timeout that does not come again was another process that took the core.
 confirmed() {
   local file=$1 target=$2 try
@@ -94,6 +85,21 @@ confirmed() {
       rm "$file"
       return 1
     fi
+  done
+}
+
+# Until the time is over, or something is found: what was only slow because another process took the core is not.
+fuzz() {
+  local target=$1 end=$((SECONDS + seconds)) file
+  options_of "$target"
+  mkdir -p "$work/corpus/$target"
+  : >"$work/$target.log"
+  while ((SECONDS < end)); do
+    "$bin/${target}_fuzz" "${options[@]}" -max_total_time=$((end - SECONDS)) -print_final_stats=1 \
+      -artifact_prefix="$work/found/$target-" "$work/corpus/$target" "$corpus/$target" >>"$work/$target.log" 2>&1 && break
+    for file in "$work/found/$target"-*; do
+      if [[ ! -e $file ]] || confirmed "$file" "$target"; then return; fi
+    done
   done
 }
 
@@ -128,15 +134,19 @@ for target in "${targets[@]}"; do
 done
 wait
 
-stat() { sed -n "s/^stat::$2: *//p" "$work/$1.log" | tail -n 1; }
+# Of all its runs: the sum of what is counted, the largest of what is measured.
+stat() {
+  awk -v of="$2" '$1 == "stat::" of ":" { sum += $2; if ($2 > most) most = $2 }
+                  END { print of == "number_of_executed_units" ? sum + 0 : most + 0 }' "$work/$1.log"
+}
 total=0 bad=0
 printf '%-18s %12s %9s %9s  %s\n' target executions exec/s 'peak MB' findings
 for target in "${targets[@]}"; do
   runs=$(stat "$target" number_of_executed_units) found=()
   for file in "$work/found/$target"-*; do
-    if [[ -e $file ]] && confirmed "$file" "$target"; then found+=("$file"); fi
+    if [[ -e $file ]]; then found+=("$file"); fi
   done
-  if [[ -z $runs ]]; then runs=0 found+=("$work/$target.log"); fi
+  if ((runs == 0)); then found+=("$work/$target.log"); fi
   printf '%-18s %12s %9s %9s  %s\n' "$target" "$runs" "$(stat "$target" average_exec_per_sec)" \
     "$(stat "$target" peak_rss_mb)" "${found[*]:-0}"
   total=$((total + runs)) bad=$((bad + ${#found[@]}))

@@ -20,7 +20,8 @@ void ReadWeights(std::string_view bytes) {
   heap.file = "f";
   const auto root = oraclegs::ReadTorchFile(bytes, &heap);
   size_t sum = 0;
-  for (const auto& [name, tensor] : oraclegs::FindStateDict(root, "", heap)) {
+  Try([&] { (void)oraclegs::FindStateDict(root, "model", heap); });
+  for (const auto& [name, tensor] : oraclegs::WithoutWrapperNames(oraclegs::FindStateDict(root, "", heap))) {
     if (!tensor.shape.empty() && tensor.shape.back() > kMaxElements) continue;
     oraclegs::ForEachPiece(tensor, [&](std::string_view piece) {
       for (const char c : piece) sum += static_cast<unsigned char>(c);

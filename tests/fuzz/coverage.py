@@ -28,7 +28,7 @@ def of_functions(lines, functions, words):
     """The lines of the functions whose mangled names have one of the words as a name; all without words."""
     if not words:
         return lines
-    names = re.compile("|".join(rf"\\d{word}" for word in words))
+    names = re.compile("|".join(rf"\d{word}" for word in words))
     kept = {}
     for number in sorted(lines):
         begun = [line for line in functions if line <= number]

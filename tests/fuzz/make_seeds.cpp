@@ -205,6 +205,36 @@ void AddWeights(const Corpus& corpus) {
   corpus.Add("checkpoint", "wide", Zip({{"x/data.pkl", Pickle(root)}, {"x/data/0", "a"}}, true));
 }
 
+/// What published checkpoints are made of besides tensors in a dict.
+void AddPickles(const Corpus& corpus) {
+  using namespace torch_bytes;  // NOLINT: pieces of pickles
+  const auto add = [&](const std::string& name, const std::string& root) {
+    corpus.Add("checkpoint", name, Pickle(root));
+  };
+  const std::string tensor = Vector("0", 3), ordered = Global("collections", "OrderedDict");
+  add("ordered", Call(ordered, {List({Tuple({Text("module.a"), tensor}), Tuple({Text("module.b"), tensor})})}));
+  add("parameter",
+      Dict({{"model", Dict({{"a", Call(Global("torch._utils", "_rebuild_parameter"), {tensor, "\x88", "}"})}})}}));
+  const std::string rebuild = Global("torch._utils", "_rebuild_tensor_v2"), storage = torch_bytes::Storage("0", 3);
+  const std::string arguments = Tuple({storage, Int(0), Ints({3}), Ints({1}), "\x89", "}"});
+  add("from-type", Dict({{"a", Call(Global("torch._tensor", "_rebuild_from_type_v2"),
+                                    {rebuild, Global("torch.nn.parameter", "Parameter"), arguments, "}"})}}));
+  add("typed", Dict({{"a", Call(Global("torch._utils", "_rebuild_tensor_v3"),
+                                {storage, Int(0), Ints({3}), Ints({1}), "\x89", "}", Global("torch", "float16")})}}));
+  const std::string viewed = Tuple({Text("storage"), Global("torch", "FloatStorage"), Text("0"), Text("cpu"), Int(3),
+                                    Tuple({Text("v"), Int(1), Int(2)})}) +
+                             'Q';
+  add("viewed", Dict({{"a", Tensor(viewed, {{2}, {1}})}}));
+  const std::string layer = Call(Global("torch.nn.modules.linear", "Linear"), {}) +
+                            Dict({{"_parameters", Dict({{"weight", tensor}})}, {"_buffers", "}"}, {"_modules", "}"}}) +
+                            'b';
+  add("module",
+      Call(Global("my.models", "Net"), {}) + Dict({{"_parameters", "}"}, {"_modules", Dict({{"fc", layer}})}}) + 'b');
+  add("script", Call(Global("__torch__", "Net"), {}) + Dict({{"weight", tensor}, {"part", layer}}) + 'b');
+  add("old-tensor",
+      Dict({{"a", Call(Global("torch", "FloatTensor"), {}) + Tuple({storage, Int(0), Ints({3}), Ints({1})}) + 'b'}}));
+}
+
 void AddDatabase(const Corpus& corpus) {
   corpus.Add("database", "file", corpus.Written("d.db", [](const fs::path& path) {
     sqlite3* database = nullptr;
@@ -254,6 +284,7 @@ int main(int argc, char** argv) {
   oraclegs::AddSplats(corpus);
   oraclegs::AddImages(corpus);
   oraclegs::AddWeights(corpus);
+  oraclegs::AddPickles(corpus);
   oraclegs::AddDatabase(corpus);
   oraclegs::AddWorkspace(corpus);
   return 0;

@@ -26,13 +26,15 @@ ORACLEGS_FUZZ_TARGET(transforms) {
   using namespace oraclegs;
   static const TransformsFolder folder;
   const auto parts = fuzz::Parts(bytes);
+  SceneReadOptions options;
   const auto read = [&](const auto& reader) {
     fuzz::Try([&] {
-      Scene scene = reader(folder.path(), SceneReadOptions{}, Silent());
+      Scene scene = reader(folder.path(), options, Silent());
       RequireUtf8Names(scene);
       ApplyFrame(LevelFrame(scene), &scene);
     });
   };
+  if (bytes.starts_with('\n')) options.images = ".";
   if (parts.size() == 1) {
     folder.Put("transforms.json", bytes);
     return read(ReadTransformsScene);

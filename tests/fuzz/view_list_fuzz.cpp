@@ -25,6 +25,9 @@ oraclegs::Scene SceneOfNames() {
   return scene;
 }
 
+/// The header of a splat says the length of a unit.
+std::vector<std::string> FuzzComments(const std::string& text) { return {"a unit is " + text + " m", text}; }
+
 }  // namespace
 
 ORACLEGS_FUZZ_TARGET(view_list) {
@@ -44,4 +47,6 @@ ORACLEGS_FUZZ_TARGET(view_list) {
   fuzz::Try([&] { CheckScale(scale); });
   fuzz::Try([&] { CheckScale(scene, scale); });
   fuzz::Try([&] { UnitMeters(scene, scale, /*arbitrary=*/false); });
+  fuzz::Try([&] { UnitMeters(scene, scale, /*arbitrary=*/true); });
+  fuzz::Try([&] { UnitMetersOf(FuzzComments(scale)); });
 }

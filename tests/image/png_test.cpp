@@ -128,6 +128,21 @@ TEST(DecodePng, RefusesAHeaderThatExceedsItsBytes) {
   EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(with_width(std::string(4, '\0'))); }), HasSubstr("0 x 13"));
 }
 
+TEST(DecodePng, PassesOverChunksThatAreNotOfThePixels) {
+  const Image8 image = SmoothImage(4, 3, 3);
+  const TempDir dir;
+  WritePng(dir / "a.png", image);
+  const std::string plain = ReadFile(dir / "a.png");
+  for (const char* name : {"eXIf", "zTXt", "iCCP", "sPLT", "abCd"}) {
+    const std::string chunk = std::string("\0\0\0\4", 4) + name + "\1\2\3\4crc!";
+    EXPECT_EQ(DecodeUpright(plain.substr(0, 33) + chunk + plain.substr(33)).data, image.data) << name;
+    // libpng would take the memory that its length asks for.
+    const std::string longer = std::string("\x60\x80\0\1", 4) + name + "\1\2\3\4crc!";
+    EXPECT_THAT(MessageOf<InputError>([&] { DecodeUpright(plain.substr(0, 33) + longer + plain.substr(33)); }),
+                HasSubstr("the file ends too early"));
+  }
+}
+
 TEST(WritePng, RoundTrips) {
   const TempDir dir;
   for (const int channels : {1, 3, 4}) {

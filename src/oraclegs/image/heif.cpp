@@ -15,6 +15,7 @@ namespace {
 // A block of 64 x 64 pixels that repeats its neighbor takes less than a bit.
 constexpr uint64_t kHeifPixelsPerByte = uint64_t{1} << 16;
 constexpr int kMaxHeifSide = 1 << 16;
+constexpr int kFreeHeifSide = 4096;  // of pieces of a smaller image
 constexpr size_t kMaxExifBytes = 1 << 20;
 
 struct FreeHeif {
@@ -66,6 +67,11 @@ OpenHeif OpenOrThrow(std::string_view bytes, const std::string& file) {
   const uint64_t possible = bytes.size() * kHeifPixelsPerByte;
   CheckImageSize(heif_image_handle_get_width(image), heif_image_handle_get_height(image), possible, file);
   CheckImageSize(heif_image_handle_get_ispe_width(image), heif_image_handle_get_ispe_height(image), possible, file);
+  // An image made of others has a size of its own, which libheif takes memory for without a look at the one of the
+  // header.
+  const int side = std::max({kFreeHeifSide, heif_image_handle_get_width(image), heif_image_handle_get_height(image),
+                             heif_image_handle_get_ispe_width(image), heif_image_handle_get_ispe_height(image)});
+  heif_context_set_maximum_image_size_limit(open.context.get(), std::min(side, kMaxHeifSide));
   return open;
 }
 

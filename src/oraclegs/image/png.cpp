@@ -59,6 +59,9 @@ void OnRead(png_structp png, png_bytep target, size_t count) {
 void StartRead(ReadState* state) {
   png_set_read_fn(state->png, state, OnRead);
   png_set_user_limits(state->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // CheckImageSize has looked
+  // Chunks that are not of the pixels are passed over: for some of them libpng takes the memory that their length asks
+  // for.
+  png_set_keep_unknown_chunks(state->png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(state->png, state->info);
   if (state->as_stored) return;
   png_set_expand(state->png);
