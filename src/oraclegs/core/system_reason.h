@@ -5,7 +5,8 @@
 
 namespace oraclegs {
 
-/// What the system says of an errno, with the mend where there is one: "No space left on device; make room there".
+/// What the system says of an errno, with how to fix it where that is known: "No space left on device; make room
+/// there".
 std::string SystemReason(int error);
 std::string SystemReason(const std::error_code& error);
 
