@@ -21,7 +21,7 @@ packages=(
   # tests and benchmarks
   libgtest-dev libgmock-dev libbenchmark-dev libheif-examples
   # sanitizers and fuzzers
-  clang libclang-rt-14-dev llvm lld
+  clang clang-tidy libclang-rt-14-dev llvm lld
   # run as child processes
   colmap ffmpeg
   # tests of the web pages

@@ -2,9 +2,9 @@
 # Installs what is missing, builds, checks the format and the house rules, runs every test.
 #   scripts/test.sh                  what a change has to pass
 #   scripts/test.sh -R render        arguments go to ctest
-#   scripts/test.sh --all            what CI runs: then also the floors below the pipeline with sanitizers and without
-#                                    optimisation, and the device code compiled with nvcc where there is one
-# CI=true: plain output, warnings are errors.
+#   scripts/test.sh --all            what CI runs: then also sanitizers, fuzzers, clang-tidy, the device code compiled with
+#                                    nvcc where there is one, and a build without optimisation
+# CI=true: plain output, warnings are errors, and what does not fit into 45 minutes is left out, which is said.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -41,12 +41,14 @@ run() {
   ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "$@"
 }
 
-# check PRESET: the same of the floors alone.
+# check PRESET SUITE...: the same of some test programs alone.
 check() {
-  step "preset $1"
-  cmake --preset "$1" "${configure[@]}" >/dev/null
-  cmake --build --preset "$1" --parallel "$(nproc)" --target "${floors[@]/%/_tests}"
-  ctest --preset "$1" --parallel "$(nproc)" --no-tests=error -R "^($(IFS='|'; echo "${floors[*]}"))\$"
+  local preset=$1
+  shift
+  step "preset $preset"
+  cmake --preset "$preset" "${configure[@]}" >/dev/null
+  cmake --build --preset "$preset" --parallel "$(nproc)" --target "${@/%/_tests}"
+  ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error -R "^($(IFS='|'; echo "$*"))\$"
 }
 
 # Folders with npm packages that tests run; npm writes the list of what it has installed.
@@ -74,12 +76,23 @@ run release "$@"
 
 # The floors below the pipeline, where the parsers and the kernels are.
 floors=(core image camera scene sfm demo depth gaussians formats render loss train propose weights web mesh)
-if within 24 asan; then check asan; fi
-if within 31 debug; then check debug; fi
-if command -v nvcc >/dev/null && within 35 cuda; then  # for a real device; running it needs a GPU
+threaded=(core depth render loss train propose web)
+if within 20 asan; then
+  check asan "${floors[@]}" cuda
+  step "fuzzers"
+  scripts/fuzz.sh
+fi
+if within 32 tsan; then check tsan "${threaded[@]}"; fi
+if within 36 tidy; then
+  step "clang-tidy"
+  scripts/tidy.sh
+fi
+if command -v nvcc >/dev/null && within 39 cuda; then  # for a real device; running it needs a GPU
   step "preset cuda"
   cmake --preset cuda -DORACLEGS_APPS=OFF -DCMAKE_CUDA_ARCHITECTURES=90 "${configure[@]}" >/dev/null
   cmake --build --preset cuda --parallel "$(nproc)" --target cuda_tests gpu_bench
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
+  python3 scripts/device_code.py --check
 fi
+if within 34 debug; then check debug "${floors[@]}"; fi
 step "passed${left_out:+, without $left_out}"

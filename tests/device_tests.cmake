@@ -36,6 +36,12 @@ if(ORACLEGS_CUDA)
 else()
   target_link_libraries(cuda_tests PRIVATE oraclegs_emulated_cuda_flags)
 endif()
+if(ORACLEGS_SANITIZE AND NOT ORACLEGS_CUDA)  # a device does not forgive what a CPU does
+  target_compile_options(oraclegs_cuda_device_tests PRIVATE -fsanitize=alignment)
+endif()
 # Each kernel file has its own constants, and the emulation its own idea of what a translation unit is.
 set_target_properties(oraclegs_cuda_device_tests PROPERTIES UNITY_BUILD OFF)
 add_test(NAME cuda COMMAND cuda_tests)
+if(ORACLEGS_SANITIZE)  # what does not fit into memory is null, as without the sanitizer
+  set_tests_properties(cuda PROPERTIES ENVIRONMENT "ASAN_OPTIONS=allocator_may_return_null=1")
+endif()

@@ -14,6 +14,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/system_reason.h"
 #include "program.h"
 
 namespace oraclegs {
@@ -45,7 +46,7 @@ int Main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return Fail(kMemoryAdvice, kFailed);
   } catch (const std::filesystem::filesystem_error& e) {
-    return Fail(fmt::format("{}: {}", e.path1().string(), e.code().message()), kFailed);
+    return Fail(fmt::format("{}: {}", e.path1().string(), SystemReason(e.code())), kFailed);
   } catch (const std::exception& e) {
     const std::string text = e.what();  // of some libraries, with a backtrace below
     return Fail("internal error, please report it: " + text.substr(0, text.find('\n')), kFailed);

@@ -25,6 +25,23 @@ oraclegs::Run OpenQuietly(const RunRequest& request, const Listener& listener) {
   return run;
 }
 
+/// Throws InputError naming the file when an option there cannot be.
+RunOptions ReadSavedOptions(const std::filesystem::path& workspace) {
+  const std::filesystem::path file = WorkspacePaths(workspace).options();
+  RunOptions options;
+  CLI::App saved_options;
+  RunOptions::ForEachGroup(options, [&](const char* title, auto& group) {
+    std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&saved_options, title));
+  });
+  ApplySavedOptions(ReadSavedRun(workspace).options, file, {&saved_options});
+  try {
+    CheckRunOptions(options);
+  } catch (const UsageError& error) {
+    throw InputError("{}: {}; the file was changed: bring it back, or start anew", file.string(), error.what());
+  }
+  return options;
+}
+
 }  // namespace
 
 oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
@@ -35,11 +52,7 @@ oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const Machi
   RunRequest request;
   request.out = workspace;
   request.version = ORACLEGS_VERSION;
-  CLI::App saved_options;
-  RunOptions::ForEachGroup(request.options, [&](const char* title, auto& group) {
-    std::remove_reference_t<decltype(group)>::Visit(group, OptionBinder(&saved_options, title));
-  });
-  ApplySavedOptions(ReadSavedRun(workspace).options, WorkspacePaths(workspace).options(), {&saved_options});
+  request.options = ReadSavedOptions(workspace);
   request.options.machine = machine, request.options.device = device;
   return OpenQuietly(request, listener);
 }
@@ -52,6 +65,7 @@ bool SourceCommand::InputIsWorkspace() const { return IsWorkspace(input_); }
 
 void SourceCommand::ApplyDefaults() {
   if (InputIsWorkspace()) {
+    ReadSavedOptions(input_);  // the command line and --config are checked later, and named otherwise
     nlohmann::json saved = ReadSavedRun(input_).options;
     for (const char* name : {"threads", "device"}) saved.erase(name);  // belong to the machine, not to the run
     ApplySavedOptions(saved, WorkspacePaths(input_).options(), Targets());

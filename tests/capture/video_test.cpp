@@ -51,6 +51,43 @@ TEST(ProbeVideo, NamesWhatIsWrong) {
   setenv("PATH", path.c_str(), 1);
 }
 
+/// An ffmpeg that goes wrong, with the real ffprobe.
+class FakeFfmpeg {
+ public:
+  explicit FakeFfmpeg(const std::string& body) : path_(std::getenv("PATH")) {
+    WriteText(dir_ / "ffmpeg", "#!/bin/sh\n" + body + "\n");
+    fs::permissions(dir_ / "ffmpeg", fs::perms::owner_all);
+    setenv("PATH", (dir_.path().string() + ":" + path_).c_str(), 1);
+    setenv("ORACLEGS_STALL_LIMIT", "0.3", 1);
+  }
+  ~FakeFfmpeg() {
+    setenv("PATH", path_.c_str(), 1);
+    unsetenv("ORACLEGS_STALL_LIMIT");
+  }
+  FakeFfmpeg(const FakeFfmpeg&) = delete;
+  FakeFfmpeg& operator=(const FakeFfmpeg&) = delete;
+
+ private:
+  TempDir dir_;
+  std::string path_;
+};
+
+TEST(ExtractFrames, WhatDisturbsFfmpegIsNotTheVideosFault) {
+  const TempDir dir;
+  WriteVideo(dir / "a.mp4", 1);
+  const auto message_of = [&](const std::string& body) {
+    const FakeFfmpeg fake(body);
+    return MessageOf<RunError>([&] { ExtractFrames(dir / "a.mp4", 4, dir / "out", Silent()); });
+  };
+  EXPECT_THAT(message_of("sleep 30"), HasSubstr("a.mp4: ffmpeg did nothing for 0.3 s and was ended"));
+  EXPECT_THAT(message_of("kill -KILL $$"), HasSubstr("a.mp4: ffmpeg was killed from outside"));
+  EXPECT_THAT(message_of("echo lib missing >&2; exit 127"), HasSubstr("a.mp4: ffmpeg cannot be run (lib missing)"));
+  EXPECT_THAT(message_of("echo No space left on device >&2; exit 1"), HasSubstr("make room there"));
+  const FakeFfmpeg fake("echo rubbish >&2; exit 1");
+  EXPECT_THAT(MessageOf<InputError>([&] { ExtractFrames(dir / "a.mp4", 4, dir / "out", Silent()); }),
+              HasSubstr("holds no video that ffmpeg can read (rubbish)"));
+}
+
 TEST(LooksLikeVideo, KnowsNamesAndContents) {
   const TempDir dir;
   WriteText(dir / "a", std::string("\0\0\0\x18"

@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -48,6 +52,32 @@ TEST(AtomicFile, NamesTheWantedFileInErrors) {
   AtomicFile file(dir / "folder");
   EXPECT_THAT(MessageOf<RunError>([&] { file.Finish(); }),
               testing::StartsWith((dir / "folder").string() + ": cannot write: "));
+}
+
+TEST(RemoveLeftovers, LeavesOnlyWhatARunningProcessMakes) {
+  const TempDir dir;
+  const pid_t ended = fork();
+  if (ended == 0) _exit(0);
+  waitpid(ended, nullptr, 0);
+  const auto name = [](pid_t pid) { return ".oraclegs-" + std::to_string(pid) + "-3.tmp"; };
+  const std::filesystem::path running = dir / name(getppid());
+  WriteFileAtomically(dir / name(ended), "of one that was killed");
+  WriteFileAtomically(dir / "deep" / name(getpid()), "of one with our number");
+  WriteFileAtomically(dir / ".oraclegs-photos.tmp" / "1.jpg", "a folder");
+  WriteFileAtomically(dir / "kept.tmp", "somebody's");
+  WriteFileAtomically(dir / ".oraclegs-notes", "somebody's");
+  WriteFileAtomically(running, "made now");
+  const TempDir elsewhere;
+  WriteFileAtomically(elsewhere / name(ended), "not below");
+  std::filesystem::create_directory_symlink(elsewhere.path(), dir / "link");
+  RemoveLeftovers(dir.path());
+  EXPECT_EQ(FilesIn(dir.path()), 5u);
+  EXPECT_EQ(FilesIn(dir / "deep"), 0u);
+  EXPECT_TRUE(std::filesystem::exists(running));
+  EXPECT_TRUE(std::filesystem::exists(dir / "kept.tmp"));
+  EXPECT_TRUE(std::filesystem::exists(dir / ".oraclegs-notes"));
+  EXPECT_EQ(FilesIn(elsewhere.path()), 1u);
+  RemoveLeftovers(dir / "none");
 }
 
 }  // namespace

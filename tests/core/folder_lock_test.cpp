@@ -1,11 +1,15 @@
 #include "oraclegs/core/folder_lock.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <optional>
 
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "support/errors.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -81,6 +85,21 @@ TEST(FolderLock, EndsWithTheProcess) {
   waitpid(child, nullptr, 0);
   EXPECT_FALSE(IsFolderLocked(dir.path()));
   close(ready[0]), close(ready[1]);
+}
+
+TEST(FolderLock, NothingIsMadeAnewInAFolderThatIsGone) {
+  const TempDir dir;
+  const std::filesystem::path held = dir / "held", other = dir / "held_not";
+  std::filesystem::create_directory(held);
+  const FolderLock lock(held);
+  WriteFileAtomically(held / "deep" / "file", "x");
+  std::filesystem::remove_all(held);
+  EXPECT_THAT(MessageOf<RunError>([&] { WriteFileAtomically(held / "deep" / "file", "x"); }),
+              testing::StartsWith(held.string() + ": was removed or replaced"));
+  EXPECT_FALSE(std::filesystem::exists(held));
+  WriteFileAtomically(other / "file", "x");
+  std::filesystem::create_directory(held);
+  EXPECT_THROW(WriteFileAtomically(held / "deep" / "file", "x"), RunError) << "it is another folder";
 }
 
 TEST(FolderLock, HoldsNothingOfWhatIsNoFolder) {

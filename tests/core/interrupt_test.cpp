@@ -29,6 +29,7 @@ TEST_P(Interrupt, ASignalAsksForAStop) {
 }
 
 TEST_P(Interrupt, TheSecondSignalEndsTheProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // the thread sanitizer holds back signals of a forked child
   const auto twice = [] {
     InstallInterruptHandlers();
     std::raise(GetParam());

@@ -2,10 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <fstream>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -30,6 +33,24 @@ float BlockedSum() {
     for (int64_t i = begin; i < end; ++i) partial[begin / kGrain] += std::sin(static_cast<float>(i)) * 1e3f;
   });
   return std::accumulate(partial.begin(), partial.end(), 0.f);
+}
+
+/// Ends the process: with 0 when all tasks ran although there is room for the stacks of a few threads alone.
+[[noreturn]] void RunWithLittleRoom() {
+  SetNumThreads(500);
+  std::ifstream status("/proc/self/statm");
+  rlim_t pages = 0;
+  status >> pages;
+  const rlim_t bytes = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (rlim_t{100} << 20);
+  const rlimit limit = {bytes, bytes};
+  setrlimit(RLIMIT_AS, &limit);
+  std::atomic<int> runs{0};
+  ParallelFor(1000, [&](int64_t) { ++runs; });
+  _exit(runs == 1000 ? 0 : 1);
+}
+
+TEST(ParallelFor, GoesOnWithFewerThreadsThanAreAskedFor) {
+  EXPECT_EXIT(RunWithLittleRoom(), testing::ExitedWithCode(0), "");
 }
 
 TEST_P(Parallel, EveryTaskRunsOnce) {

@@ -200,6 +200,14 @@ TEST(ColmapRunner, TellsWhatPassesFromWhatFailsAgain) {
     const FakeColmap fake("echo 'SQLite error: database or disk is full'; kill -ABRT $$");
     EXPECT_THAT(PassingErrorOf(dir), HasSubstr("no space left on the disk; make room"));
   }
+  {
+    const FakeColmap fake("echo 'SQLite error: disk I/O error'; exit 1");
+    EXPECT_THAT(PassingErrorOf(dir), HasSubstr("could not write to the disk; check it, and make room there"));
+  }
+  {
+    const FakeColmap fake("echo \"terminate called after throwing 'std::bad_alloc'\" >&2; kill -ABRT $$");
+    EXPECT_THAT(PassingErrorOf(dir), HasSubstr("ran out of memory; close other programs"));
+  }
   setenv("ORACLEGS_STALL_LIMIT", "0.3", 1);
   const FakeColmap fake("echo 'all is well'; sleep 60");
   EXPECT_THAT(PassingErrorOf(dir),
@@ -209,10 +217,11 @@ TEST(ColmapRunner, TellsWhatPassesFromWhatFailsAgain) {
 
 TEST(ColmapRunner, LogsToItsLogAlone) {
   const TempDir dir;
-  const FakeColmap fake("echo \"logtostderr is $GLOG_logtostderr\"");
+  const FakeColmap fake("echo \"logtostderr is $GLOG_logtostderr, files go to $GLOG_log_dir\"");
   const Listener silent = Silent();
   ColmapRunner(dir.path(), silent, "sfm").Run("mapper", {}, "");
-  EXPECT_EQ(ReadFile(dir / "colmap.log"), "logtostderr is 1\n");
+  EXPECT_EQ(ReadFile(dir / "colmap.log"),
+            fmt::format("logtostderr is 1, files go to {}\n", (dir / "attempts").string()));
 }
 
 TEST(ColmapRunner, NamesALogThatCannotBeWritten) {

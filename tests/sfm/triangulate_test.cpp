@@ -121,6 +121,20 @@ TEST(TriangulatePoints, GoesOnToFailWhenColmapIsKilled) {
   EXPECT_FALSE(fs::exists(dir / "sfm" / "failure.json"));
 }
 
+TEST(TriangulatePoints, TriesAgainWhenColmapCouldNotRun) {
+  const TempDir dir;
+  fs::create_directories(dir / "bin");
+  std::ofstream(dir / "bin" / "colmap") << "#!/bin/sh\necho 'error while loading shared libraries' >&2; exit 127\n";
+  fs::permissions(dir / "bin" / "colmap", fs::perms::owner_all);
+  const Scene scene = WriteTexturedPlanes(dir / "scene", 2);
+  EventRecorder events;
+  const EmptyPath no_programs;
+  setenv("PATH", ((dir / "bin").string() + ":/usr/bin:/bin").c_str(), 1);
+  EXPECT_TRUE(TriangulatePoints(scene, {0, 1}, dir / "sfm", events.AsListener()).empty());
+  EXPECT_THAT(events.warnings, testing::ElementsAre(HasSubstr("error while loading shared libraries")));
+  EXPECT_FALSE(fs::exists(dir / "sfm" / "failure.json"));
+}
+
 TEST(PointsSeenBy, KeepsPointsOfTwoViews) {
   Scene scene;
   scene.points = {{{1, 0, 0}, {}, {0, 1, 2}}, {{2, 0, 0}, {}, {0, 3}}, {{3, 0, 0}, {}, {1, 2}}, {{4, 0, 0}, {}, {}}};

@@ -164,7 +164,7 @@ TEST(CheckpointTest, KeepsTheTwoNewestOfThisRun) {
 
 TEST(CheckpointTest, RemovesWhatAKilledRunWasWriting) {
   TempDir dir;
-  for (const char* name : {".oraclegs-4711-3.tmp", ".oraclegs-12-0.tmp", "mine.tmp", ".oraclegs-notes"}) {
+  for (const char* name : {".oraclegs-999999999-3.tmp", ".oraclegs-999999998-0.tmp", "mine.tmp", ".oraclegs-notes"}) {
     Overwrite(dir / name, "half");
   }
   Overwrite(CheckpointPath(dir.path(), 100), "");

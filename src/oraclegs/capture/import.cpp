@@ -11,6 +11,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
@@ -133,8 +134,9 @@ class Importer {
     if (!error) return;
     std::error_code ignored;  // a full disk is reported in many ways
     const bool is_full = fs::space(dir_, ignored).available < fs::file_size(from, ignored);
-    throw RunError("{}: cannot be copied to {}: {}", OneLine(from.string()), OneLine(to.string()),
-                   is_full ? "no space is left on the disk; choose another -o" : error.message());
+    throw RunError(
+        "{}: cannot be copied to {}: {}", OneLine(from.string()), OneLine(to.string()),
+        is_full ? "no space is left on the disk; make room there, or choose another -o" : SystemReason(error));
   }
 
   fs::path dir_;
@@ -188,7 +190,7 @@ void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& opt
   std::error_code error;
   fs::remove_all(half, error);
   fs::create_directories(half / kImages, error);
-  if (error) throw RunError("{}: cannot be made: {}", half.string(), error.message());
+  if (error) throw RunError("{}: cannot be made: {}", half.string(), SystemReason(error));
   Importer importer(half / kImages, options, listener);
   try {
     for (const fs::path& input : inputs) importer.Add(input, inputs.size() == 1);
@@ -199,7 +201,7 @@ void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& opt
   }
   fs::remove_all(dir, error);
   if (!error) fs::rename(half, dir, error);
-  if (error) throw RunError("{}: cannot be renamed to {}: {}", half.string(), dir.string(), error.message());
+  if (error) throw RunError("{}: cannot be renamed to {}: {}", half.string(), dir.string(), SystemReason(error));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   listener(StageFinished{"import", seconds.count()});
 }

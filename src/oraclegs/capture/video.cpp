@@ -16,6 +16,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/subprocess.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/heif.h"
@@ -45,6 +46,24 @@ void RequireFfmpeg(const fs::path& video) {
 [[noreturn]] void RefuseVideo(const fs::path& video, const std::string& why) {
   throw InputError("{}: holds no video that ffmpeg can read{}; copy it again or convert it to MP4 (H.264)",
                    video.string(), why.empty() ? "" : fmt::format(" ({})", Printable(why)));
+}
+
+/// Throws RunError when the program did not end by itself, which is not the video's fault.
+void RequireUndisturbed(const fs::path& video, const ProcessResult& result) {
+  if (result.stalled) {
+    throw RunError(
+        "{}: ffmpeg did nothing for {:g} s and was ended (more patience: ORACLEGS_STALL_LIMIT=SECONDS); run the same "
+        "command again",
+        video.string(), StallLimit().count());
+  }
+  if (WasKilled(result.exit_code)) {
+    throw RunError("{}: ffmpeg was killed from outside, as happens when memory runs out; run the same command again",
+                   video.string());
+  }
+  if (result.exit_code == kCannotStart) {
+    throw RunError("{}: ffmpeg cannot be run{}; see that ffmpeg works, and run the same command again", video.string(),
+                   result.last_error.empty() ? "" : fmt::format(" ({})", Printable(result.last_error)));
+  }
 }
 
 double NumberOf(const nlohmann::json& json, const char* key) {
@@ -141,6 +160,7 @@ VideoInfo ProbeVideo(const fs::path& video) {
     throw InputError("{}: takes too long to read; copy it to a disk of this machine, or cut a shorter piece",
                      video.string());
   }
+  RequireUndisturbed(video, result);
   if (result.exit_code != 0) RefuseVideo(video, result.last_error);
   return ParseProbe(result.output, video);
 }
@@ -150,7 +170,7 @@ void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const
   const fs::path all = dir / "candidates";
   std::error_code error;
   fs::create_directories(all, error);
-  if (error) throw RunError("{}: cannot be made: {}", all.string(), error.message());
+  if (error) throw RunError("{}: cannot be made: {}", all.string(), SystemReason(error));
 
   const double wanted = std::min(static_cast<double>(frames) * kCandidates, std::floor(info.frames()));
   const auto total = static_cast<int64_t>(wanted);
@@ -182,11 +202,13 @@ void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const
       listener(StepDone{"import", std::min<int64_t>(done, total), total, "frames", "looking for sharp ones"});
     }
   };
+  request.stall_limit = StallLimit();
   const ProcessResult result = RunProcess(request);
+  RequireUndisturbed(video, result);
   const std::vector<fs::path> candidates = Candidates(all);
   if (result.exit_code != 0) {
     if (result.last_error.find("No space left") != std::string::npos) {
-      throw RunError("{}: cannot be written: no space is left on the disk", all.string());
+      throw RunError("{}: cannot be written: {}", all.string(), SystemReason(ENOSPC));
     }
     RefuseVideo(video, result.last_error);
   }
@@ -208,10 +230,10 @@ void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const
     const auto best = std::max_element(first, sharpness.begin() + static_cast<std::ptrdiff_t>(end));
     const auto index = static_cast<size_t>(best - sharpness.begin());
     fs::rename(candidates[index], dir / fmt::format("frame_{:04}.jpg", part + 1), error);
-    if (error) throw RunError("{}: cannot be renamed: {}", candidates[index].string(), error.message());
+    if (error) throw RunError("{}: cannot be renamed: {}", candidates[index].string(), SystemReason(error));
   }
   fs::remove_all(all, error);
-  if (error) throw RunError("{}: cannot be removed: {}", all.string(), error.message());
+  if (error) throw RunError("{}: cannot be removed: {}", all.string(), SystemReason(error));
 }
 
 }  // namespace oraclegs

@@ -12,6 +12,7 @@
 
 #include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/photo_folder.h"
@@ -134,7 +135,7 @@ void UnpackPhotos(const fs::path& path, const fs::path& dir, const Listener& lis
     const fs::path target = dir / name;
     std::error_code error;
     fs::create_directories(target.parent_path(), error);
-    if (error) throw RunError("{}: cannot be made: {}", target.parent_path().string(), error.message());
+    if (error) throw RunError("{}: cannot be made: {}", target.parent_path().string(), SystemReason(error));
     AtomicFile out(target);
     zip_int64_t read = 0;
     while ((read = zip_fread(file.get(), piece.data(), piece.size())) > 0) {

@@ -35,4 +35,11 @@ class AtomicFile {
   int fd_ = -1;
 };
 
+/// True for the name of a file or folder that is not finished: of AtomicFile, and of folders that are made like it.
+bool IsTemporaryName(const std::filesystem::path& path);
+
+/// Removes what processes that were killed left unfinished in `folder` and below. What a process that runs is making
+/// stays, and so does what cannot be removed. Links are not followed.
+void RemoveLeftovers(const std::filesystem::path& folder);
+
 }  // namespace oraclegs

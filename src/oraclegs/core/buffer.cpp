@@ -43,7 +43,8 @@ std::shared_ptr<Storage> Storage::Wrap(void* data, int64_t bytes, Device device,
   storage->data_ = data;
   storage->bytes_ = bytes;
   storage->device_ = device;
-  storage->owner_ = owner ? std::move(owner) : nobody;
+  if (!owner) owner = nobody;
+  storage->owner_ = std::move(owner);
   return storage;
 }
 

@@ -9,6 +9,8 @@
 
 #include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/folder_lock.h"
+#include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;
@@ -29,9 +31,10 @@ class FileDescriptor {
 };
 
 void CreateFolders(const fs::path& dir) {
+  RequireHeldFolderOf(dir);
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw RunError("{}: cannot create the folder: {}", dir.string(), error.message());
+  if (error) throw RunError("{}: cannot create the folder: {}", dir.string(), SystemReason(error));
   if (!fs::is_directory(dir, error)) throw RunError("{}: is in the way, a folder is needed there", dir.string());
 }
 

@@ -6,9 +6,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <map>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
+
+#include "oraclegs/core/error.h"
 
 namespace oraclegs {
 namespace {
@@ -17,29 +21,41 @@ constexpr std::chrono::milliseconds kPause(2);
 
 int OpenFolder(const std::filesystem::path& folder) { return open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }
 
-/// Descriptors of held locks.
+bool IsStillThere(const std::filesystem::path& folder, int fd) {
+  struct stat own {
+  }, now{};
+  return fstat(fd, &own) == 0 && stat(folder.c_str(), &now) == 0 && own.st_ino == now.st_ino &&
+         own.st_dev == now.st_dev;
+}
+
+bool LiesIn(const std::filesystem::path& folder, const std::filesystem::path& path) {
+  const std::string whole = path.string(), start = folder.string();
+  return whole.starts_with(start) && (whole.size() == start.size() || whole[start.size()] == '/');
+}
+
+/// Held locks by their descriptors.
 class Held {
  public:
   static Held& Instance() {
     static Held held;
     return held;
   }
-  void Add(int fd) {
+  void Add(int fd, const std::filesystem::path& folder) {
     const std::lock_guard lock(mutex_);
-    fds_.push_back(fd);
+    folders_[fd] = folder;
   }
   void Remove(int fd) {
     const std::lock_guard lock(mutex_);
-    std::erase(fds_, fd);
+    folders_.erase(fd);
   }
-  std::vector<int> All() {
+  std::map<int, std::filesystem::path> All() {
     const std::lock_guard lock(mutex_);
-    return fds_;
+    return folders_;
   }
 
  private:
   std::mutex mutex_;
-  std::vector<int> fds_;
+  std::map<int, std::filesystem::path> folders_;
 };
 
 }  // namespace
@@ -59,7 +75,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder, std::chrono::millise
     std::this_thread::sleep_for(kPause);
   }
   state_ = State::kHeld;
-  Held::Instance().Add(fd_);
+  Held::Instance().Add(fd_, folder_);
 }
 
 FolderLock::FolderLock(FolderLock&& other) noexcept
@@ -72,11 +88,14 @@ FolderLock::~FolderLock() {
   if (fd_ >= 0) close(fd_);
 }
 
-bool FolderLock::IsStillThere() const {
-  struct stat own {
-  }, now{};
-  return fd_ < 0 || (fstat(fd_, &own) == 0 && stat(folder_.c_str(), &now) == 0 && own.st_ino == now.st_ino &&
-                     own.st_dev == now.st_dev);
+bool FolderLock::IsStillThere() const { return fd_ < 0 || oraclegs::IsStillThere(folder_, fd_); }
+
+void RequireHeldFolderOf(const std::filesystem::path& path) {
+  for (const auto& [fd, folder] : Held::Instance().All()) {
+    if (!LiesIn(folder, path) || IsStillThere(folder, fd)) continue;
+    throw RunError("{}: was removed or replaced while the run was working there; run the same command again",
+                   folder.string());
+  }
 }
 
 bool IsFolderLocked(const std::filesystem::path& folder) {
@@ -87,6 +106,10 @@ bool IsFolderLocked(const std::filesystem::path& folder) {
   return locked;
 }
 
-std::vector<int> HeldFolderLocks() { return Held::Instance().All(); }
+std::vector<int> HeldFolderLocks() {
+  std::vector<int> fds;
+  for (const auto& [fd, folder] : Held::Instance().All()) fds.push_back(fd);
+  return fds;
+}
 
 }  // namespace oraclegs

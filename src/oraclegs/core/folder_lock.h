@@ -35,6 +35,10 @@ class FolderLock {
 /// True when a FolderLock is held on `folder`, by this process or another; false where nobody can know.
 bool IsFolderLocked(const std::filesystem::path& folder);
 
+/// Throws RunError when `path` lies in a folder that this process holds and that was removed or replaced: making it
+/// anew would leave a part of a run behind. Paths are compared as they are written.
+void RequireHeldFolderOf(const std::filesystem::path& path);
+
 /// Descriptors of the locks that this process holds.
 std::vector<int> HeldFolderLocks();
 

@@ -13,6 +13,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -45,14 +46,12 @@ class Pool {
   bool Run(int64_t tasks, int threads, FunctionRef<void(int64_t)> body) {
     const std::unique_lock region(region_mutex_, std::try_to_lock);
     if (!region) return false;
+    threads = WithWorkers(threads);
+    if (threads < 2) return false;
     if (chunks_.size() < static_cast<size_t>(threads)) chunks_ = std::vector<Chunk>(threads);
     for (int worker_index = 0; worker_index < threads; ++worker_index) {
       chunks_[worker_index].next = tasks * worker_index / threads;
       chunks_[worker_index].end = tasks * (worker_index + 1) / threads;
-    }
-    while (static_cast<int>(workers_.size()) < threads - 1) {
-      const int worker_index = static_cast<int>(workers_.size()) + 1;
-      workers_.emplace_back([this, worker_index] { Work(worker_index); });
     }
     body_ = &body;
     threads_ = threads;
@@ -78,6 +77,19 @@ class Pool {
     std::atomic<int64_t> next{0};
     int64_t end = 0;
   };
+
+  /// Starts what lacks of `threads`; returns how many there are, fewer where the system gives no more.
+  int WithWorkers(int threads) {
+    workers_.reserve(threads);
+    try {
+      while (static_cast<int>(workers_.size()) < threads - 1) {
+        const int worker_index = static_cast<int>(workers_.size()) + 1;
+        workers_.emplace_back([this, worker_index] { Work(worker_index); });
+      }
+    } catch (const std::system_error&) {  // limits of threads or memory
+    }
+    return std::min(threads, static_cast<int>(workers_.size()) + 1);
+  }
 
   void TakeTasks(int worker_index) {
     t_in_region = true;

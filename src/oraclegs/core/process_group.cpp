@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{3000};  // between SIGTERM and SIGKILL
-constexpr int kKilledBySignal = 128;                  // the shell's convention
 
 struct ProcessState {
   char state = 0;
@@ -108,7 +107,7 @@ struct Exec {
 [[noreturn]] void GuardGroup(pid_t group, int pipe, const std::vector<int>& kept) {
   setpgid(0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) ::signal(signal, SIG_IGN);
-  prctl(PR_SET_NAME, "oraclegs-guard");
+  prctl(PR_SET_NAME, "guards-children");  // `pkill -9 oraclegs` must spare it
   unsigned first = 0;
   for (const int fd : kept) {
     const auto next = static_cast<unsigned>(fd);

@@ -17,6 +17,8 @@ struct ProgramStart {
   int errors = -1;                                                    ///< becomes stderr
 };
 
+inline constexpr int kKilledBySignal = 128;  ///< exit_code() is this plus the signal: the shell's convention
+
 /// A running program in a process group of its own. The group is ended with the object, and when this process dies,
 /// however it dies; the folder locks that this process had (core/folder_lock.h) stay held until then. A child that
 /// leaves the group (setsid) is let go.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -18,6 +19,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/process_group.h"
+#include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;
@@ -25,7 +27,6 @@ namespace {
 
 constexpr size_t kKeptBytes = 64 * 1024;
 constexpr int kPollMilliseconds = 50;  // how soon an interrupt is noticed
-constexpr int kCannotStart = 127;      // the shell's convention
 
 /// A pipe from a child.
 struct Pipe {
@@ -145,7 +146,7 @@ class OutputSink {
   explicit OutputSink(const ProcessRequest& request) : request_(request) {
     if (request.log.empty()) return;
     log_.open(request.log, std::ios::app | std::ios::binary);
-    if (!log_) throw RunError("{}: cannot write: {}", request.log.string(), std::strerror(errno));
+    if (!log_) throw RunError("{}: cannot write: {}", request.log.string(), SystemReason(errno));
   }
 
   void TakeOutput(std::string_view bytes) { Take(bytes, &line_); }
@@ -163,7 +164,7 @@ class OutputSink {
   void Take(std::string_view bytes, std::string* line) {
     if (log_.is_open()) {
       log_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush();
-      if (!log_) throw RunError("{}: cannot write: {}", request_.log.string(), std::strerror(errno));
+      if (!log_) throw RunError("{}: cannot write: {}", request_.log.string(), SystemReason(errno));
     }
     tail_.append(bytes);
     if (tail_.size() > 2 * kKeptBytes) tail_.erase(0, tail_.size() - kKeptBytes);
@@ -277,6 +278,11 @@ ProcessResult RunProcess(const ProcessRequest& request) {
 ProcessResult RunProcess(const std::vector<std::string>& argv, const fs::path& log,
                          const std::function<void(const std::string& line)>& on_line) {
   return RunProcess({.argv = argv, .log = log, .on_line = on_line});
+}
+
+bool WasKilled(int exit_code) {
+  const int signal = exit_code - kKilledBySignal;
+  return signal == SIGKILL || signal == SIGTERM || signal == SIGINT || signal == SIGHUP;
 }
 
 std::chrono::duration<double> StallLimit() {

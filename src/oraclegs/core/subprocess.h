@@ -41,6 +41,13 @@ ProcessResult RunProcess(const ProcessRequest& request);
 ProcessResult RunProcess(const std::vector<std::string>& argv, const std::filesystem::path& log = {},
                          const std::function<void(const std::string& line)>& on_line = {});
 
+/// ProcessResult::exit_code of a program that could not be started, also by the shell or the loader.
+inline constexpr int kCannotStart = 127;
+
+/// Whether a program with this ProcessResult::exit_code was ended by a signal that does not come from a fault of its
+/// own.
+bool WasKilled(int exit_code);
+
 /// How long a program that we run may do nothing: ORACLEGS_STALL_LIMIT (seconds, above 0), else two minutes.
 std::chrono::duration<double> StallLimit();
 

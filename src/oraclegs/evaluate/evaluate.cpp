@@ -23,7 +23,7 @@ Buffer<float> MaskOf(const LoadedView& view) {
     throw ShapeError("Evaluate: the mask of {} has {} pixels, expected {}", view.name, view.mask.size(),
                      height * width);
   }
-  const Buffer<float> mask = Buffer<float>::Empty({height, width});
+  Buffer<float> mask = Buffer<float>::Empty({height, width});
   std::copy(view.mask.begin(), view.mask.end(), mask.data());
   return mask;
 }

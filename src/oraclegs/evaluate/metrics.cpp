@@ -61,7 +61,7 @@ int64_t Pixels(const Buffer<float>& image) { return image.size(0) * image.size(1
 }  // namespace
 
 Buffer<float> Quantized(const Buffer<float>& image) {
-  const Buffer<float> rounded = Buffer<float>::Empty(image.shape());
+  Buffer<float> rounded = Buffer<float>::Empty(image.shape());
   for (int64_t i = 0; i < image.count(); ++i) {
     rounded[i] = std::floor(std::clamp(image[i], 0.f, 1.f) * 255.f + 0.5f) / 255.f;
   }
@@ -70,7 +70,7 @@ Buffer<float> Quantized(const Buffer<float>& image) {
 
 Buffer<float> WithMaskedFrom(const Buffer<float>& image, const Buffer<float>& other, const Buffer<float>& mask) {
   if (!mask.defined()) return image;
-  const Buffer<float> merged = other.Clone();
+  Buffer<float> merged = other.Clone();
   for (int64_t i = 0; i < mask.count(); ++i) {
     if (mask[i] > 0) std::copy_n(image.data() + 3 * i, 3, merged.data() + 3 * i);
   }

@@ -261,7 +261,7 @@ class TamperingSuite {
   }
 
   /// Also where it stands for a training that would be the same.
-  void Add(const Task& task, TamperingRun run) {
+  void Add(const Task& task, const TamperingRun& run) {
     if (task.trust == TamperingTrust::kNone) report_.none.push_back(run);
     for (size_t s = 0; s < report_.shares.size(); ++s) {
       TamperingShare& share = report_.shares[s];

@@ -66,7 +66,9 @@ std::string PlotText(double x, double y, const char* anchor, const std::string& 
 std::string Axes(const TamperingReport& report, const PlotRange& range) {
   std::string svg;
   const double step = range.high - range.low > 8 ? 2 : 1;
-  for (double psnr = range.low; psnr <= range.high; psnr += step) {
+  const int lines = static_cast<int>((range.high - range.low) / step) + 1;
+  for (int line = 0; line < lines; ++line) {
+    const double psnr = range.low + line * step;
     const double y = Y(psnr, range);
     svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#dddddd\"/>\n", kLeft, y,
                        kWidth - kRight, y);

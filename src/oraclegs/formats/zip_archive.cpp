@@ -51,7 +51,7 @@ std::string WriteZip(const std::vector<std::pair<std::string, std::string>>& fil
     }
   }
   if (zip_close(zip.get()) != 0) FailToWrite();
-  zip.release();
+  (void)zip.release();  // closed
   std::string archive;
   zip_stat_t stat;
   if (zip_source_stat(memory.get(), &stat) != 0 || zip_source_open(memory.get()) != 0) FailToWrite();

@@ -26,8 +26,8 @@ Image8 ToGray(const Image8& image) {
 
 Image8 ReadGrayThumbnail(const std::filesystem::path& path, int max_side) {
   const std::string bytes = ReadFile(path, kMaxThumbnailFile);
-  const Image8 gray = IsJpeg(bytes) ? DecodeReducedJpeg(bytes, path.string(), max_side)
-                                    : ToGray(ReadImage(path, Orientation::kAsStored));
+  Image8 gray = IsJpeg(bytes) ? DecodeReducedJpeg(bytes, path.string(), max_side)
+                              : ToGray(ReadImage(path, Orientation::kAsStored));
   const int longest = std::max(gray.width, gray.height);
   if (longest <= max_side) return gray;
   const double scale = static_cast<double>(max_side) / longest;

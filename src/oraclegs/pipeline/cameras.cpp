@@ -9,6 +9,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/image/jpeg.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/stages.h"
@@ -35,7 +36,7 @@ class FolderInTheMaking {
     path_ = parent / fmt::format(".oraclegs-cameras-{}.tmp", getpid());
     fs::remove_all(path_, error);
     fs::create_directory(path_, error);
-    if (error) throw RunError("{}: cannot be made: {}", path_.string(), error.message());
+    if (error) throw RunError("{}: cannot be made: {}", path_.string(), SystemReason(error));
   }
   ~FolderInTheMaking() {
     std::error_code ignored;
@@ -48,7 +49,7 @@ class FolderInTheMaking {
   void Finish() {
     std::error_code error;
     fs::rename(path_, final_, error);
-    if (error) throw RunError("{}: cannot be written: {}", final_.string(), error.message());
+    if (error) throw RunError("{}: cannot be written: {}", final_.string(), SystemReason(error));
     path_.clear();
   }
 

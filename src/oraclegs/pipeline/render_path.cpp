@@ -4,6 +4,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/image_names.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/report/ffmpeg.h"
@@ -43,7 +44,7 @@ bool WriteVideo(const std::vector<fs::path>& images, const fs::path& video, int 
   std::error_code error;
   fs::remove(list, error);
   if (why.empty()) fs::rename(part, whole, error);
-  if (error) why = error.message();
+  if (error) why = SystemReason(error);
   if (!why.empty()) {
     fs::remove(part, error);
     listener(Warning{fmt::format("{}: {}: no video, the images are there", video.string(), why)});

@@ -125,7 +125,7 @@ fs::path FindConfidence(const fs::path& confidence_dir, const std::string& shown
   fs::path whole = ViewName(shown);
   if (HasImageExtension(whole)) whole.replace_extension();
   for (const fs::path& name : {whole, whole.filename(), fs::path(FileName(shown))}) {
-    const fs::path found = FindFrameImage(confidence_dir, name.string());
+    fs::path found = FindFrameImage(confidence_dir, name.string());
     if (!found.empty()) return found;
   }
   return {};

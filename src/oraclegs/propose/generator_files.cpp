@@ -8,6 +8,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
@@ -68,7 +69,7 @@ void WriteGeneratorRequest(const GeneratorPaths& paths, const std::vector<Target
                            const std::vector<LoadedView>& views, const Warper& warper) {
   std::error_code error;
   fs::remove_all(paths.root, error);
-  if (error) throw RunError("{}: cannot be removed: {}", paths.root.string(), error.message());
+  if (error) throw RunError("{}: cannot be removed: {}", paths.root.string(), SystemReason(error));
   RequireWritableFolder(paths.answer());
   WriteViews(paths.request() / "images", views);
   WriteTargets(paths.request(), targets);

@@ -152,7 +152,7 @@ SheetFiles WriteSheet(const Sheet& sheet, const std::filesystem::path& stem, int
     throw UsageError("the figure would have {:.0f} x {:.0f} pixels; ask for narrower panels or fewer rows",
                      layout.width, layout.height);
   }
-  const SheetFiles files{stem.string() + ".png", stem.string() + ".pdf"};
+  SheetFiles files{stem.string() + ".png", stem.string() + ".pdf"};
   std::string png, pdf;
   {
     const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::ceil(layout.width)),

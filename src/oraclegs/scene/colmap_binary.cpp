@@ -47,7 +47,7 @@ class ByteReader {
   std::string GetName() {
     const size_t end = bytes_.find('\0');
     if (end == std::string_view::npos) ThrowTruncated();
-    const std::string name(bytes_.substr(0, end));
+    std::string name(bytes_.substr(0, end));
     if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; })) {
       throw InputError("{}: an image's name has control characters; the file is damaged, copy it again", file_);
     }

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 /// dir/STEM.bin, or dir/STEM.txt, or empty.
 fs::path FindPart(const fs::path& dir, const char* stem) {
   for (const char* extension : {".bin", ".txt"}) {
-    const fs::path path = dir / (std::string(stem) + extension);
+    fs::path path = dir / (std::string(stem) + extension);
     if (IsFile(path)) return path;
   }
   return {};

@@ -18,7 +18,7 @@ using nlohmann::json;
 fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const std::string& written) {
   if (options.images.empty()) return FindFrameImage(root, written);
   const fs::path folder = root / options.images;
-  const fs::path whole = FindFrameImage(folder, written);
+  fs::path whole = FindFrameImage(folder, written);
   if (!whole.empty()) return whole;
   const std::string name = ViewName(written);
   const size_t slash = name.find('/');

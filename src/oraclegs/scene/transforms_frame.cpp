@@ -155,7 +155,7 @@ NamedTransformsFrame NamedFrame(const json& file, const json& entry, const std::
 std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const std::string& file_path) {
   static constexpr const char* kExtensions[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
   for (const char* extension : kExtensions) {
-    const std::filesystem::path path = folder / (file_path + extension);
+    std::filesystem::path path = folder / (file_path + extension);
     if (IsFile(path)) return path;
   }
   return {};

@@ -38,7 +38,7 @@ class Database {
                    handle_ ? sqlite3_errmsg(handle_.get()) : "cannot be opened",
                    code == SQLITE_FULL ? "make room on the disk, and "
                    : is_damaged        ? "colmap makes it anew: "
-                                       : "check the disk and the rights of the folder, and ");
+                                       : "check the disk, make room there, see the rights of the folder, and ");
   }
 
   void Execute(const char* sql) const {

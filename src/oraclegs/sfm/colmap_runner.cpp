@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <string_view>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/colmap_workspace.h"
 
 namespace oraclegs {
 namespace {
@@ -84,10 +84,8 @@ bool IsDiskFull(const std::string& output) {
   return output.find("disk is full") != std::string::npos || output.find("No space left") != std::string::npos;
 }
 
-/// By a signal that does not come from a fault of its own.
-bool WasKilled(int exit_code) {
-  const int signal = exit_code - 128;
-  return signal == SIGKILL || signal == SIGTERM || signal == SIGINT || signal == SIGHUP;
+bool IsOutOfMemory(const std::string& output) {
+  return output.find("bad_alloc") != std::string::npos || output.find("Cannot allocate memory") != std::string::npos;
 }
 
 }  // namespace
@@ -141,7 +139,8 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
   ProcessRequest request;
   request.argv = std::move(argv);
   request.log = work_dir_ / "colmap.log";
-  request.variables = {{"GLOG_logtostderr", "1"}};  // else its logging leaves files in the temporary folder
+  // Else its logging leaves files in the temporary folder; some commands do so although they are told to print.
+  request.variables = {{"GLOG_logtostderr", "1"}, {"GLOG_log_dir", AttemptsFolder(work_dir_).string()}};
   request.stall_limit = StallLimit();
   request.on_line = [&](const std::string& line) {
     last_sign = std::chrono::steady_clock::now();
@@ -161,6 +160,10 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
   }
   if (result.exit_code == 0) return;
   if (IsDiskFull(result.output)) Stop(command, "found no space left on the disk; make room", progress.last_line());
+  if (result.output.find("disk I/O error") != std::string::npos) {
+    Stop(command, "could not write to the disk; check it, and make room there", progress.last_line());
+  }
+  if (IsOutOfMemory(result.output)) Stop(command, "ran out of memory; close other programs", progress.last_line());
   if (WasKilled(result.exit_code)) {
     Stop(command, "was killed from outside, as happens when memory runs out", progress.last_line());
   }

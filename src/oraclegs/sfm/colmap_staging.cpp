@@ -15,6 +15,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/image/exif.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/image/jpeg.h"
@@ -53,7 +54,7 @@ bool NeedsCopy(const SceneView& view) {
 /// A PNG that may have transparent pixels: of a kind with alpha, or a palette (whose entries may be).
 bool MayBeTransparent(std::string_view bytes) {
   if (bytes.size() < 26 || bytes.substr(1, 3) != "PNG") return false;
-  const int color_type = bytes[25];
+  const auto color_type = static_cast<unsigned char>(bytes[25]);
   return color_type == 3 || color_type == 4 || color_type == 6;
 }
 
@@ -108,7 +109,7 @@ Image8 PlaceImage(const SceneView& view, const StagedView& staged, const fs::pat
   std::error_code error;
   fs::create_symlink(fs::absolute(view.image_path), target, error);
   if (error) fs::copy_file(view.image_path, target, error);
-  if (error) throw RunError("{}: cannot be written: {}", target.string(), error.message());
+  if (error) throw RunError("{}: cannot be written: {}", target.string(), SystemReason(error));
   return MayBeTransparent(ReadHeader(view.image_path)) ? AlphaMask(ReadImage(view.image_path)) : Image8();
 }
 
@@ -166,7 +167,7 @@ bool StageImages(const Scene& scene, const std::vector<int>& views, const std::v
   fs::remove_all(work_dir / "masks", error);
   for (const StagedView& staged : plan) {
     fs::create_directories((work_dir / "images" / staged.name).parent_path(), error);
-    if (error) throw RunError("{}: cannot be made: {}", (work_dir / "images").string(), error.message());
+    if (error) throw RunError("{}: cannot be made: {}", (work_dir / "images").string(), SystemReason(error));
   }
   std::vector<uint8_t> masked(views.size(), 0);
   ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {

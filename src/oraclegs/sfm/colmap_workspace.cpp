@@ -7,6 +7,8 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/folder_lock.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/read_colmap.h"
@@ -22,7 +24,7 @@ constexpr char kInputs[] = "inputs.json";
 void Remove(const fs::path& path) {
   std::error_code error;
   fs::remove_all(path, error);
-  if (error) throw RunError("{}: cannot be removed: {}", path.string(), error.message());
+  if (error) throw RunError("{}: cannot be removed: {}", path.string(), SystemReason(error));
 }
 
 }  // namespace
@@ -65,13 +67,14 @@ void MoveFolder(const fs::path& from, const fs::path& to) {
   fs::create_directories(to.parent_path(), error);
   if (!error) fs::remove_all(to, error);
   if (!error) fs::rename(from, to, error);
-  if (error) throw RunError("{}: cannot be renamed to {}: {}", from.string(), to.string(), error.message());
+  if (error) throw RunError("{}: cannot be renamed to {}: {}", from.string(), to.string(), SystemReason(error));
 }
 
 void MakeFolder(const fs::path& dir) {
+  RequireHeldFolderOf(dir);
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw RunError("{}: cannot be made: {}", dir.string(), error.message());
+  if (error) throw RunError("{}: cannot be made: {}", dir.string(), SystemReason(error));
 }
 
 ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,

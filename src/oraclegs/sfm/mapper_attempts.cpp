@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
@@ -28,13 +29,13 @@ struct Candidate {
 void Rename(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
-  if (error) throw RunError("{}: cannot be renamed: {}", from.string(), error.message());
+  if (error) throw RunError("{}: cannot be renamed: {}", from.string(), SystemReason(error));
 }
 
 void Copy(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) throw RunError("{}: cannot be copied to {}: {}", from.string(), to.string(), error.message());
+  if (error) throw RunError("{}: cannot be copied to {}: {}", from.string(), to.string(), SystemReason(error));
 }
 
 /// All that the attempts write lies in AttemptsFolder(work_dir), a database for each set of features.
@@ -106,7 +107,7 @@ class AttemptRunner {
   }
 
   fs::path NewModelFolder() {
-    const fs::path dir = folder_ / fmt::format("models{}", num_folders_++);
+    fs::path dir = folder_ / fmt::format("models{}", num_folders_++);
     MakeFolder(dir);
     return dir;
   }

@@ -127,7 +127,7 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
     if (found != result.best.images.end()) by_view_name[photos.views[distinct.views[i]].name] = found->second;
   }
   result.best.images = std::move(by_view_name);
-  const RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
+  RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
   WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
   // Of a pure rotation colmap now and then makes a model out of the matches' noise.
   if (report.registered() < 2 || TakenFromOnePoint(report)) FailRegistration(photos, report, work_dir);

@@ -12,6 +12,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/plural.h"
+#include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
@@ -50,6 +51,7 @@ size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const 
 void Triangulate(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const fs::path& work_dir, const Listener& listener) {
   const ColmapRunner colmap(work_dir, listener, "sfm");
+  MakeFolder(AttemptsFolder(work_dir));
   const bool has_masks = StageImages(scene, views, plan, work_dir);
   colmap.ExtractFeatures("SIMPLE_PINHOLE", has_masks);  // the true cameras are set afterwards
   if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {
@@ -129,7 +131,7 @@ std::vector<ScenePoint> TriangulatePoints(const Scene& scene, const std::vector<
     const std::string warning =
         fmt::format("no points are triangulated, as happens when photos match nowhere or poses are wrong: {}; see {}",
                     failure.Text(), (work_dir / "colmap.log").string());
-    RememberFailure(work_dir, inputs, warning);
+    if (failure.exit_code != kCannotStart) RememberFailure(work_dir, inputs, warning);  // of it the inputs are no cause
     listener(Warning{warning});
     return {};
   }

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
 #include "oraclegs/core/unique_json.h"
@@ -94,7 +95,7 @@ struct Reader {
   }
 
   nlohmann::json Json(const std::string& key) const {
-    const nlohmann::json value = ParseJsonOrDiscard(Text(key));
+    nlohmann::json value = ParseJsonOrDiscard(Text(key));
     if (value.is_discarded()) throw InputError("{}: {} is not valid JSON", path.string(), key);
     return value;
   }
@@ -174,11 +175,6 @@ int64_t IterationOf(const fs::path& path) {
   int64_t iteration = -1;
   const auto [stop, error] = std::from_chars(name.data() + kPrefix.size(), end, iteration);
   return error == std::errc() && stop == end ? iteration : -1;
-}
-
-/// True for the temporary name of WriteFileAtomically.
-bool IsLeftover(const fs::path& path) {
-  return path.filename().string().rfind(".oraclegs-", 0) == 0 && path.extension() == ".tmp";
 }
 
 /// Checkpoints of a folder by iteration.
@@ -285,12 +281,7 @@ void RemoveOldCheckpoints(const fs::path& dir, int64_t iteration) {
     if (it->first <= iteration && kept++ < kCheckpointsKept) continue;
     fs::remove(it->second, ignored);
   }
-  // A run that was killed while it wrote leaves a whole checkpoint under a temporary name. No other run writes here.
-  std::vector<fs::path> leftovers;
-  for (const auto& entry : fs::directory_iterator(dir, ignored)) {
-    if (IsLeftover(entry.path())) leftovers.push_back(entry.path());
-  }
-  for (const fs::path& leftover : leftovers) fs::remove(leftover, ignored);
+  RemoveLeftovers(dir);
 }
 
 }  // namespace oraclegs

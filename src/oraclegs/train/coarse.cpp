@@ -17,8 +17,8 @@ Buffer<float> Resize(const Buffer<float>& image, Size size) {
   ImageF full{static_cast<int>(image.size(1)), static_cast<int>(image.size(0)), channels, {}};
   full.data.assign(image.data(), image.data() + image.count());
   const ImageF small = ResizeArea(full, size.width, size.height);
-  const Buffer<float> result = Buffer<float>::Empty(image.dims() == 3 ? Shape{size.height, size.width, channels}
-                                                                      : Shape{size.height, size.width});
+  Buffer<float> result = Buffer<float>::Empty(image.dims() == 3 ? Shape{size.height, size.width, channels}
+                                                                : Shape{size.height, size.width});
   std::copy(small.data.begin(), small.data.end(), result.data());
   return result;
 }
@@ -36,7 +36,7 @@ Buffer<float> ResizeWeighted(const Buffer<float>& image, const Buffer<float>& we
     }
   };
   scale(product, weights, [](float value, float weight) { return weight > 0 ? value * weight : 0; });
-  const Buffer<float> small =
+  Buffer<float> small =
       Resize(product, {static_cast<int>(small_weights.size(1)), static_cast<int>(small_weights.size(0))});
   scale(small, small_weights, [](float value, float weight) { return weight > 0 ? value / weight : 0; });
   return small;

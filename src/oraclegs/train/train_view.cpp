@@ -55,7 +55,7 @@ Buffer<float> Plane(const std::vector<T>& values, const char* what, const Loaded
     throw ShapeError("ToTrainView: the {} of {} has {} pixels, expected {}", what, photo.name, values.size(),
                      height * width);
   }
-  const Buffer<float> plane = Buffer<float>::Empty({height, width});
+  Buffer<float> plane = Buffer<float>::Empty({height, width});
   std::copy(values.begin(), values.end(), plane.data());
   return plane;
 }

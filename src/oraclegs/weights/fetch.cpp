@@ -83,7 +83,7 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
     throw UsageError("{}; if you agree to it, add --accept-license", LicenceText(model));
   }
   listener(Note{LicenceText(model)});
-  const fs::path weights = FetchedFile(model.name);
+  fs::path weights = FetchedFile(model.name);
   std::vector<fs::path> published;
   for (const PublishedFile& file : model.files) {
     DownloadRequest request;

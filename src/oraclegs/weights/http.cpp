@@ -40,7 +40,7 @@ Origin OriginOf(const std::string& address) {
   const auto part = [&](CURLUPart which) {
     char* text = nullptr;
     if (curl_url_get(url.get(), which, &text, CURLU_DEFAULT_PORT) != CURLUE_OK) return std::string();
-    const std::string out = text;
+    std::string out = text;
     curl_free(text);
     return out;
   };

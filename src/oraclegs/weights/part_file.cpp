@@ -10,6 +10,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 
@@ -61,8 +62,6 @@ void PartFile::Finish() {
   if (rename(path_.c_str(), to_.c_str()) != 0) Fail("cannot rename");
 }
 
-void PartFile::Fail(const char* what) const {
-  throw RunError("{}: {}: {}", path_.string(), what, std::strerror(errno));
-}
+void PartFile::Fail(const char* what) const { throw RunError("{}: {}: {}", path_.string(), what, SystemReason(errno)); }
 
 }  // namespace oraclegs

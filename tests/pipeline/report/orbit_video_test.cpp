@@ -60,6 +60,9 @@ TEST_F(OrbitVideoTest, NothingIsWrittenWithoutFrames) {
   EXPECT_FALSE(WriteOrbitVideo(model, cameras, *temp / "no" / "video.mp4", {.frames = 0}, Silent()));
   EXPECT_FALSE(WriteOrbitVideo(model, {}, *temp / "no" / "video.mp4", {.frames = 3}, Silent()));
   EXPECT_FALSE(fs::exists(*temp / "no"));
+  WriteText(*temp / "left" / "video.mp4.tmp", "of a run that was killed");
+  EXPECT_FALSE(WriteOrbitVideo(model, cameras, *temp / "left" / "video.mp4", {.frames = 0}, Silent()));
+  EXPECT_THAT(Files(*temp / "left"), testing::IsEmpty());
 }
 
 TEST_F(OrbitVideoTest, StopsWhenInterrupted) {

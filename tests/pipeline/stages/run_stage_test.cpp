@@ -91,6 +91,17 @@ TEST_F(RunStageTest, MakesAgainWhatCannotBeReadBack) {
   EXPECT_THAT(undone, ElementsAre("b"));
 }
 
+TEST_F(RunStageTest, MakesAgainWhatIsDamaged) {
+  Stage& last = stages.back();
+  last.work.load = nullptr;
+  last.work.check = [](const oraclegs::Run&) { throw InputError("d.txt: is cut short; copy it again"); };
+  RunStage(&run, stages, "d");
+  Forget();
+  RunStage(&run, stages, "d");
+  EXPECT_THAT(made, ElementsAre("d"));
+  EXPECT_THAT(recorder.warnings, testing::Contains("d.txt: is cut short; stage d is made again"));
+}
+
 TEST_F(RunStageTest, PassesOverStagesThatAreNotWanted) {
   RunStage(&run, stages, "d");
   const std::string before = StageKey(&run, stages, "d");

@@ -57,6 +57,14 @@ TEST_F(WorkspaceTest, NoticesThatItIsGone) {
   EXPECT_THAT(heard, testing::ElementsAre("step", "other"));
 }
 
+TEST_F(WorkspaceTest, NoticesThatItsFilesAreGone) {
+  const Workspace workspace = Claim();
+  EXPECT_NO_THROW(workspace.RequireThere());
+  std::filesystem::remove(workspace.options());
+  EXPECT_THAT(MessageOf<RunError>([&] { workspace.RequireThere(); }),
+              HasSubstr(out.string() + ": was removed or replaced"));
+}
+
 TEST_F(WorkspaceTest, ForgetsRecordsThatAreDamaged) {
   EventRecorder recorder;
   Workspace workspace = Claim();
@@ -187,8 +195,12 @@ TEST_F(WorkspaceTest, RefusesFilesOfSomebodyElseEvenWithOverwrite) {
 
 TEST_F(WorkspaceTest, ALeftoverOfAKilledRunIsNobodysFile) {
   std::filesystem::create_directories(out);
-  WriteText(out / ".oraclegs-17-0.tmp", "half");
+  WriteText(out / ".oraclegs-999999999-0.tmp", "half");
+  WriteText(out / "depth" / ".oraclegs-999999999-1.tmp", "half");
+  std::filesystem::rename(out / "depth", out / ".oraclegs-photos.tmp");
   EXPECT_EQ(Refusal(), "");
+  EXPECT_FALSE(std::filesystem::exists(out / ".oraclegs-999999999-0.tmp"));
+  EXPECT_FALSE(std::filesystem::exists(out / ".oraclegs-photos.tmp"));
 }
 
 TEST_F(WorkspaceTest, OverwriteRemovesTheRunAndNothingElse) {

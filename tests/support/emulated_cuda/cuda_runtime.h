@@ -10,11 +10,21 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "support/emulated_cuda/stack_switch.h"
+
 #define __global__
 #define __device__
 #define __host__
 #define __forceinline__ inline
-#define __shared__ static  // blocks run one after another
+// Blocks run one after another. Their shared memory lies in one section, so that threads.cpp can spoil it; the address
+// sanitizer watches its borders instead.
+#if defined(ORACLEGS_EMULATED_ASAN)
+#define __shared__ static
+#else
+#define ORACLEGS_SHARED_SECTION 1
+#define __shared__ static __attribute__((section("emulated_shared")))
+extern "C" char __start_emulated_shared[], __stop_emulated_shared[];  // the linker's
+#endif
 #define __constant__ static
 #define __launch_bounds__(...)
 #define __grid_constant__

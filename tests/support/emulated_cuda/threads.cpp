@@ -3,14 +3,14 @@
 #include <setjmp.h>
 #include <ucontext.h>
 
+#include <cstring>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/asan_interface.h>
-#endif
+#include "support/emulated_cuda/stack_switch.h"
 
 uint3 threadIdx, blockIdx;
 dim3 blockDim, gridDim;
@@ -36,6 +36,7 @@ struct Fibre {
   const Exchange* exchange = nullptr;
   ucontext_t first{};  // makecontext's; later turns are by longjmp, which makes no system call
   jmp_buf turn;
+  StackOfOthers returns_to;  // while it runs: the scheduler's stack
 };
 
 /// Four: an exchange that is being read, the next one, and room for a second group of lanes.
@@ -56,32 +57,48 @@ struct Block {
 Block block;  // one kernel runs at a time
 
 void Yield() {
-  if (_setjmp(block.running->turn) == 0) _longjmp(block.scheduler, 1);
+  Fibre* const fibre = block.running;
+  StackSwitch to_scheduler(&fibre->returns_to);
+  if (_setjmp(fibre->turn) == 0) {
+    to_scheduler.Leave();
+    _longjmp(block.scheduler, 1);
+  }
+  to_scheduler.ComeBack();
+}
+
+/// The end of the running fibre.
+[[noreturn]] void LeaveForGood() {
+  block.running->state = Fibre::State::kDone;
+  StackSwitch::LeaveForGood(block.running->returns_to);
+  _longjmp(block.scheduler, 1);
 }
 
 /// Ends the running fibre; the scheduler throws.
-[[noreturn]] void Fail(const std::string& what) {
+[[noreturn]] void Fail(const char* what) {  // no string: nothing is destroyed on the way out
   block.failure = what;
-  block.running->state = Fibre::State::kDone;
-  _longjmp(block.scheduler, 1);
+  LeaveForGood();
 }
 
 void RunFibre() {
+  StackSwitch::Arrive(&block.running->returns_to);
   (*block.thread)();
-  block.running->state = Fibre::State::kDone;
-  _longjmp(block.scheduler, 1);
+  LeaveForGood();
 }
 
 void Resume(Fibre* fibre) {
   block.running = fibre;
   threadIdx = fibre->index;
   fibre->state = Fibre::State::kReady;
-  if (_setjmp(block.scheduler) != 0) return;
+  StackOfOthers stack{fibre->stack.get(), kStackBytes};
+  StackSwitch to_fibre(&stack);
+  if (_setjmp(block.scheduler) != 0) {
+    to_fibre.ComeBack();
+    return;
+  }
+  to_fibre.Leave();
   if (fibre->started) _longjmp(fibre->turn, 1);
   fibre->started = true;
-#if defined(__SANITIZE_ADDRESS__)
-  __asan_unpoison_memory_region(fibre->stack.get(), kStackBytes);
-#endif
+  ForgetFrames(fibre->stack.get(), kStackBytes);
   getcontext(&fibre->first);
   fibre->first.uc_stack.ss_sp = fibre->stack.get();
   fibre->first.uc_stack.ss_size = kStackBytes;
@@ -95,12 +112,39 @@ bool CanGoOn(const Fibre& fibre) {
   return fibre.state == Fibre::State::kReady;
 }
 
+/// An order of 0 .. count-1 that a device could have taken too; another one each time.
+class AnyOrder {
+ public:
+  explicit AnyOrder(size_t count) : count_(count), first_(Draw() % count), step_(Draw() % count) {
+    while (std::gcd(step_, count_) != 1) step_ = (step_ + 1) % count_;
+  }
+  size_t operator[](size_t i) const { return (first_ + i * step_) % count_; }
+
+ private:
+  static size_t Draw() {
+    static uint64_t state = 1;  // the same from run to run
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<size_t>(state >> 33);
+  }
+
+  size_t count_, first_, step_;
+};
+
+/// Shared memory begins with what others left there.
+void SpoilSharedMemory() {
+#if defined(ORACLEGS_SHARED_SECTION)
+  std::memset(__start_emulated_shared, 0xff, static_cast<size_t>(__stop_emulated_shared - __start_emulated_shared));
+#endif
+}
+
 /// Lets the threads of one warp go on until all of them wait for others. Whether any did.
 bool RunWarp(size_t begin, size_t end) {
   bool any = false;
+  const AnyOrder lanes(end - begin);
   for (bool progress = true; progress;) {
     progress = false;
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t lane = 0; lane < end - begin; ++lane) {
+      const size_t i = begin + lanes[lane];
       if (!CanGoOn(*block.fibres[i])) continue;
       Resume(block.fibres[i].get());
       if (!block.failure.empty()) return true;
@@ -141,10 +185,13 @@ void RunBlock(size_t threads) {
     fibre.state = Fibre::State::kReady;
     fibre.started = false;
   }
+  SpoilSharedMemory();
+  const AnyOrder warps(block.warps.size());
   do {
     for (bool progress = true; progress;) {
       progress = false;
-      for (size_t begin = 0; begin < threads; begin += 32) {
+      for (size_t warp = 0; warp < block.warps.size(); ++warp) {
+        const size_t begin = 32 * warps[warp];
         progress |= RunWarp(begin, std::min(begin + 32, threads));
         if (!block.failure.empty()) throw std::logic_error(block.failure);
       }
@@ -178,10 +225,14 @@ void RunGrid(const char* kernel, dim3 grid, dim3 threads, const std::function<vo
   blockDim = threads;
   block.thread = &thread;
   try {
-    for (blockIdx.z = 0; blockIdx.z < grid.z; ++blockIdx.z) {
-      for (blockIdx.y = 0; blockIdx.y < grid.y; ++blockIdx.y) {
-        for (blockIdx.x = 0; blockIdx.x < grid.x; ++blockIdx.x) RunBlock(size_t{threads.x} * threads.y * threads.z);
-      }
+    const size_t blocks = size_t{grid.x} * grid.y * grid.z;
+    if (blocks == 0) return;
+    const AnyOrder order(blocks);
+    for (size_t i = 0; i < blocks; ++i) {
+      const size_t b = order[i];
+      blockIdx = {static_cast<unsigned>(b % grid.x), static_cast<unsigned>(b / grid.x % grid.y),
+                  static_cast<unsigned>(b / grid.x / grid.y)};
+      RunBlock(size_t{threads.x} * threads.y * threads.z);
     }
   } catch (const std::logic_error& error) {
     throw std::logic_error(std::string(kernel) + ": " + error.what());

@@ -7,6 +7,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/find_program.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/pipeline/report/ffmpeg.h"
 #include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -67,6 +68,9 @@ std::string PixelBytes(const RenderOutput& render) {
 
 bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cameras, const fs::path& video,
                      const OrbitVideo& how, const Listener& listener) {
+  const fs::path part = fs::absolute(video).replace_extension(".mp4.tmp");  // no "a:", a protocol
+  std::error_code error;
+  fs::remove(part, error);  // of a run that was killed
   if (training_cameras.empty() || how.frames <= 0) return false;
   const fs::path ffmpeg = FindProgram("ffmpeg");
   if (ffmpeg.empty()) {
@@ -75,7 +79,6 @@ bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cam
   }
   std::vector<Camera> path = OrbitPath(training_cameras, how.frames);
   for (Camera& camera : path) camera = FilmCamera(camera, how.max_side);
-  const fs::path part = fs::absolute(video).replace_extension(".mp4.tmp");  // no "a:", a protocol
   const auto rasterizer = MakeRasterizer(model.gaussians.device());
   size_t rendered = 0;
   ProcessRequest request;
@@ -86,13 +89,12 @@ bool WriteOrbitVideo(const Model& model, const std::vector<Camera>& training_cam
     const Camera& camera = path[rendered++];
     return PixelBytes(rasterizer->Forward(model.gaussians, camera, model.render, RenderPass::kInference));
   };
-  std::error_code error;
   std::string why;
   try {
     RequireWritableFolder(video.parent_path());
     why = RunFfmpeg(request);
     if (why.empty()) fs::rename(part, video, error);
-    if (error) why = error.message();
+    if (error) why = SystemReason(error);
   } catch (const RunError& failed) {
     why = failed.what();
   } catch (...) {

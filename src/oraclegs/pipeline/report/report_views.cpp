@@ -174,9 +174,14 @@ void ReportViews::AddProposals() {
   const bool has_own_poses = fs::exists(paths.confidence() / "transforms.json", ignored);
   const fs::path poses = has_own_poses ? paths.confidence() : paths.proposals();
   if (!fs::exists(poses / "transforms.json", ignored)) return;
-  std::vector<Target> targets = ReadTargets(poses);
-  std::erase_if(targets, [&](const Target& t) { return !fs::exists(paths.proposals() / (t.name + ".png"), ignored); });
-  for (const Target& target : Evenly(targets, kReportedProposals)) AddProposal(target);
+  try {
+    std::vector<Target> targets = ReadTargets(poses);
+    std::erase_if(targets,
+                  [&](const Target& t) { return !fs::exists(paths.proposals() / (t.name + ".png"), ignored); });
+    for (const Target& target : Evenly(targets, kReportedProposals)) AddProposal(target);
+  } catch (const InputError& damage) {  // a report is no reason to make proposals again
+    run_.listener(Warning{fmt::format("{}; the report lacks proposals", damage.what())});
+  }
 }
 
 void ReportViews::AddProposal(const Target& target) {

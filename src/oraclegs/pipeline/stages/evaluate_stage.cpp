@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/gaussians/transform.h"
@@ -30,7 +31,7 @@ void UndoEvaluate(Run* run, const nlohmann::json&) {
     const fs::path dir = run->workspace.renders(part);
     std::error_code error;
     fs::remove_all(dir, error);
-    if (error) throw RunError("{}: cannot be removed: {}", dir.string(), error.message());
+    if (error) throw RunError("{}: cannot be removed: {}", dir.string(), SystemReason(error));
   }
 }
 
@@ -87,6 +88,7 @@ StageWork EvaluateStage() {
           .own = AddEvaluateKey,
           .undo = UndoEvaluate,
           .make = MakeEvaluate,
+          .check = [](const Run& run) { ReadMetrics(run.workspace.root()); },
           .file = "metrics.json"};
 }
 

@@ -79,7 +79,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
 
 nlohmann::json ReadMetrics(const std::filesystem::path& workspace) {
   const auto path = WorkspacePaths(workspace).metrics();
-  const nlohmann::json json = ParseJsonOrDiscard(ReadFile(path));
+  nlohmann::json json = ParseJsonOrDiscard(ReadFile(path));
   if (!json.is_object()) {
     throw InputError("{}: not valid JSON; delete it and run `oraclegs evaluate`", path.string());
   }

@@ -144,19 +144,28 @@ void AddProxyKey(Run* run, Fingerprint* key) {
   key->Add(OptionsToJson(options.image).dump());
 }
 
+/// Throws InputError when a file is damaged.
+ProxyModel ReadProxy(const Run& run, int k) {
+  const int views = static_cast<int>(run.split.train.size());
+  const std::vector<std::string> files = FilesOf(k);
+  return {ReadGaussianPly(run.workspace.root() / files[0]).gaussians,
+          ReadGaussianPly(run.workspace.root() / files[1]).gaussians, HeldOutViews(views, Count(run), k)};
+}
+
+/// Whether model k was made from inputs of this key, and can be read.
+bool HasProxy(const Run& run, int k, const std::string& key) {
+  if (!run.workspace.IsDone(PartName(k), key)) return false;
+  try {
+    ReadProxy(run, k);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 bool LoadProxy(Run* run) {
   std::vector<ProxyModel> proxies;
-  const int n = Count(*run), views = static_cast<int>(run->split.train.size());
-  for (int k = 0; k < n; ++k) {
-    const std::vector<std::string> files = FilesOf(k);
-    try {
-      proxies.push_back({ReadGaussianPly(run->workspace.root() / files[0]).gaussians,
-                         ReadGaussianPly(run->workspace.root() / files[1]).gaussians, HeldOutViews(views, n, k)});
-    } catch (const InputError&) {
-      run->workspace.MarkUndone(PartName(k));  // the others are kept
-      throw;
-    }
-  }
+  for (int k = 0; k < Count(*run); ++k) proxies.push_back(ReadProxy(*run, k));
   run->results->proxies = std::move(proxies);
   return true;
 }
@@ -171,7 +180,7 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
     const std::string part = PartName(k);
     const std::vector<std::string> files = FilesOf(k);
     all.insert(all.end(), files.begin(), files.end());
-    if (run->workspace.IsDone(part, key)) continue;
+    if (HasProxy(*run, k, key)) continue;
     run->workspace.MarkUndone(part);
     const int64_t each = trainer.iterations();
     if (!trainer.Train(k, HeldOutViews(views, n, k),

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/function_ref.h"
 #include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 
@@ -40,7 +41,7 @@ class StageRunner {
     }
     std::map<std::string, std::string>& held = run_->results->keys;
     if (const auto found = held.find(stage.name); found != held.end() && found->second == Key(stage)) return;
-    const bool done = IsDone(stage);
+    const bool done = IsDone(stage) && IsWhole(stage);
     if (done && !stage.work.load) {
       run_->listener(StageKept{stage.name});
       if (asked) run_->listener(Note{fmt::format("{}: nothing has changed, {} is kept", stage.name, stage.work.file)});
@@ -73,10 +74,19 @@ class StageRunner {
     return record.is_object() ? record.value("key", "") : "";
   }
 
-  /// False when what the stage wrote is damaged.
+  /// False, after a warning, when what the stage wrote is damaged.
   bool Load(const Stage& stage) {
+    return Survives(stage, [&] { return stage.work.load(run_); });
+  }
+
+  bool IsWhole(const Stage& stage) {
+    if (!stage.work.check) return true;
+    return Survives(stage, [&] { return stage.work.check(*run_), true; });
+  }
+
+  bool Survives(const Stage& stage, FunctionRef<bool()> read) {
     try {
-      return stage.work.load(run_);
+      return read();
     } catch (const InputError& damage) {
       const std::string text = damage.what();  // without the mend, of which there is no need
       run_->listener(Warning{fmt::format("{}; stage {} is made again", text.substr(0, text.find("; ")), stage.name)});

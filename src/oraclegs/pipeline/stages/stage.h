@@ -83,6 +83,8 @@ struct StageWork {
   /// Does the work, writes its files, holds its result. Returns the record {"files": [...], ...}, to which key and
   /// seconds are added unless it has seconds of its own; nothing when there is no result to remember.
   std::optional<nlohmann::json> (*make)(Run* run, const std::string& key);
+  /// Throws InputError when a file of the finished stage is damaged: it is made again. Null for a stage with `load`.
+  void (*check)(const Run& run) = nullptr;
   /// Reads back what `make` wrote. False when that cannot be read, after a warning: it is made again. Null for a stage
   /// whose result is its files.
   bool (*load)(Run* run) = nullptr;

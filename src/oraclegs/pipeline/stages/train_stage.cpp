@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/live/live.h"
@@ -118,7 +119,7 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
         "training starts anew"});
     std::error_code error;
     fs::remove_all(run.workspace.checkpoints(), error);
-    if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), error.message());
+    if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), SystemReason(error));
   }
   fs::remove(run.workspace.point_cloud(), ignored);
   fs::remove(run.workspace.exposures(), ignored);
@@ -129,8 +130,8 @@ std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& s
 TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
   const StageResults& known = *run.results;
   TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
-  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(std::move(settled), known.proposals, run.listener);
-  return SettleUnion(std::move(settled), training.views.size(), known.proposals.size()).Settled();
+  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(settled, known.proposals, run.listener);
+  return SettleUnion(settled, training.views.size(), known.proposals.size()).Settled();
 }
 
 Gaussians StartGaussians(Run* run) {
@@ -253,6 +254,7 @@ StageWork TrainStage() {
           .own = AddTrainKey,
           .undo = UndoTrain,
           .make = MakeTrain,
+          .check = [](const Run& run) { ReadGaussianPly(run.workspace.point_cloud()); },
           .file = "point_cloud.ply"};
 }
 

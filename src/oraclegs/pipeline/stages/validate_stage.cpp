@@ -69,7 +69,7 @@ Buffer<float> ReadMap(const fs::path& path, const Camera& camera, int channels) 
   }
   const ImageF values = ToFloat(image);
   if (channels == 3) return Buffer<float>::From({camera.height, camera.width, 3}, std::span<const float>(values.data));
-  const auto map = Buffer<float>::Empty({camera.height, camera.width});
+  auto map = Buffer<float>::Empty({camera.height, camera.width});
   for (int64_t i = 0; i < map.count(); ++i) map[i] = values.data[static_cast<size_t>(3 * i)];
   return map;
 }
@@ -199,6 +199,8 @@ std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rej
 }
 
 bool LoadValidate(Run* run) {
+  std::error_code ignored;
+  if (fs::exists(run->workspace.confidence() / "transforms.json", ignored)) ReadTargets(run->workspace.confidence());
   run->results->rejected.clear();
   run->results->proposals = ReadTrusted(*run, &run->results->rejected);
   return true;

@@ -50,7 +50,7 @@ constexpr Row kRows[] = {
     {"sfm", [](const json& r) { return Counted(Count(r, "points"), "point"); }},
     {"depth",
      [](const json& r) {
-       const std::string points = Counted(Count(r, "points"), "dense point");
+       std::string points = Counted(Count(r, "points"), "dense point");
        if (!r.contains("confident_share")) return points;  // written by an earlier version
        return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
      }},

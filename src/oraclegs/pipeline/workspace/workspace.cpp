@@ -4,7 +4,9 @@
 #include <set>
 #include <utility>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/workspace/stage_records.h"
 #include "oraclegs/scene/scene.h"
@@ -30,14 +32,10 @@ fs::path Canonical(const fs::path& path) {
 }
 
 // A killed run can leave a temporary file before its first real one; it stands in nobody's way.
-bool IsLeftover(const fs::path& path) {
-  return path.filename().string().rfind(".oraclegs-", 0) == 0 && path.extension() == ".tmp";
-}
-
 bool HoldsAnything(const fs::path& dir) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(dir, error)) {
-    if (!IsLeftover(entry.path())) return true;
+    if (!IsTemporaryName(entry.path())) return true;
   }
   return false;
 }
@@ -48,7 +46,7 @@ void RemoveRun(const fs::path& dir) {
     if (std::string_view(name) == "options.json") continue;
     std::error_code error;
     fs::remove_all(dir / name, error);
-    if (error) throw RunError("{}: cannot be removed: {}", (dir / name).string(), error.message());
+    if (error) throw RunError("{}: cannot be removed: {}", (dir / name).string(), SystemReason(error));
   }
   fs::remove(dir / "options.json");
 }
@@ -126,8 +124,10 @@ void RequireOutside(const fs::path& dir, const fs::path& folder, const char* wha
                    what, folder.string());
 }
 
+/// Also after its files were removed alone, as `rm -r` does first.
 void RequireThere(const FolderLock& lock, const fs::path& dir) {
-  if (lock.IsStillThere()) return;
+  std::error_code ignored;
+  if (lock.IsStillThere() && fs::exists(WorkspacePaths(dir).options(), ignored)) return;
   throw RunError("{}: was removed or replaced while the run was working there; run the same command again",
                  dir.string());
 }
@@ -175,6 +175,7 @@ Workspace::Workspace(const fs::path& dir) : WorkspacePaths(dir) {
   if (lock_->state() == FolderLock::State::kHeldByAnother) {
     throw InputError("{}: another oraclegs is working there; wait for it, or choose another -o", dir.string());
   }
+  RemoveLeftovers(dir);
 }
 
 void Workspace::RequireThere() const { oraclegs::RequireThere(*lock_, root()); }

@@ -5,13 +5,25 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr int kWarpsPerBlock = 4;
-constexpr int kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
+constexpr unsigned kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
 
-/// A warp's pixels: those that reach its bucket, and what the lanes read of the ones under way.
+/// A pixel's centre in px, and the first entry that does not contribute to it. One load of 16 bytes.
+struct alignas(16) Place {
+  float x, y;
+  uint32_t end;
+};
+
+/// What the lanes read of a pixel under way. 48 bytes: eight lanes that read 16 bytes of eight neighbours meet no bank
+/// twice.
+struct Pixel {
+  float4 gradient;  // dL/d(rgb), dL/d(inv_depth)
+  Place place;
+  float2 start;  // transmittance, and what the rest of the list adds to the loss, at the bucket's start
+};
+
+/// A warp's pixels: those under way, and the numbers of those that reach its bucket.
 struct Pixels {
-  float4 gradient[kRing];  // dL/d(rgb), dL/d(inv_depth)
-  float2 start[kRing];     // transmittance, and what the rest of the list adds to the loss, at the bucket's start
-  uint2 place[kRing];      // which of the tile's 256; first entry that does not contribute to it
+  Pixel ring[kRing];
   uint8_t list[kTilePixels];
 };
 
@@ -22,10 +34,11 @@ struct Tile {
 };
 
 /// Pixel `i` of the tile as the bucket finds it.
-__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, int i, int slot, Pixels* pixels) {
+__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, int i, Pixel* pixel_of_ring) {
   const float* states = tile.states;
   const SplatCamera<float>& camera = in.forward.camera;
-  const int64_t pixel = int64_t{tile.y + PixelY(i)} * camera.width + tile.x + PixelX(i);
+  const int x = tile.x + PixelX(i), y = tile.y + PixelY(i);
+  const int64_t pixel = int64_t{y} * camera.width + x;
   float4 g = make_float4(0, 0, 0, 0);
   if (in.upstream.image != nullptr) {
     const float* from = in.upstream.image + 3 * pixel;
@@ -41,9 +54,9 @@ __device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile,
   const float rest = g.x * (sums.x - states[kTilePixels + i]) + g.y * (sums.y - states[2 * kTilePixels + i]) +
                      g.z * (sums.z - states[3 * kTilePixels + i]) + g.w * (sums.w - states[4 * kTilePixels + i]) +
                      last * background_share;
-  pixels->gradient[slot] = g;
-  pixels->start[slot] = make_float2(states[i], rest);
-  pixels->place[slot] = make_uint2(static_cast<unsigned>(i), in.kept.ends.end[tile.first + i]);
+  pixel_of_ring->gradient = g;
+  pixel_of_ring->place = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, in.kept.ends.end[tile.first + i]};
+  pixel_of_ring->start = make_float2(states[i], rest);
 }
 
 /// One Gaussian's sums, as BlendBackward's records.
@@ -54,11 +67,11 @@ struct Sums {
   __device__ void Accumulate(const Splat& s, float dx, float dy, const float4& gradient, float2* state) {
     const float e = Log2Alpha(s, dx, dy);
     if (e < kLog2AlphaMin) return;
-    const float full = exp2f(e), alpha = Min(full, kAlphaMax);
+    const float full = Exp2(e), alpha = Min(full, kAlphaMax);
     const float value = gradient.x * s.r + gradient.y * s.g + gradient.z * s.b + gradient.w * s.inv_z;
     const float weight = alpha * state->x;
     state->y = fmaf(-weight, value, state->y);
-    const float d_alpha = state->x * value - state->y / (1.f - alpha);
+    const float d_alpha = fmaf(state->x, value, -state->y * Reciprocal(1.f - alpha));
     const float change = full < kAlphaMax ? alpha * d_alpha : 0.f;
     state->x = NextTransmittance(alpha, state->x);
     const float hx = change * dx, hy = change * dy;
@@ -111,26 +124,26 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
   if (has_entry) splat = in.forward.splats[in.forward.entry_ids[range.begin + mine]];
   Sums sums;
   float2 state = make_float2(0, 0);
+  const uint32_t entry = has_entry ? mine : ~0u;  // none contributes where there is no Gaussian
   const int steps = count > 0 ? count + kWarp - 1 : 0;
-  for (int step = 0; step < steps; ++step) {
-    if (step % kWarp == 0) {
-      __syncwarp();
-      const int ahead = step + lane;
-      if (ahead < count) LoadPixel(in, tile, pixels->list[ahead], ahead % kRing, pixels);
-      __syncwarp();
+  for (int first = 0; first < steps; first += kWarp) {
+    __syncwarp();
+    const int ahead = first + lane;
+    if (ahead < count) LoadPixel(in, tile, pixels->list[ahead], &pixels->ring[static_cast<unsigned>(ahead) % kRing]);
+    __syncwarp();
+    const int end = first + kWarp < steps ? first + kWarp : steps;
+    for (int step = first; step < end; ++step) {
+      // Each lane hands its pixel on to the next Gaussian.
+      state.x = __shfl_up_sync(kAllLanes, state.x, 1);
+      state.y = __shfl_up_sync(kAllLanes, state.y, 1);
+      const unsigned at = static_cast<unsigned>(step - lane);
+      if (at >= static_cast<unsigned>(count)) continue;
+      const Pixel& pixel = pixels->ring[at % kRing];
+      if (lane == 0) state = pixel.start;
+      const Place place = pixel.place;
+      if (entry >= place.end) continue;
+      sums.Accumulate(splat, place.x - splat.mx, place.y - splat.my, pixel.gradient, &state);
     }
-    // Each lane hands its pixel on to the next Gaussian.
-    state.x = __shfl_up_sync(kAllLanes, state.x, 1);
-    state.y = __shfl_up_sync(kAllLanes, state.y, 1);
-    const int at = step - lane;
-    if (at < 0 || at >= count) continue;
-    if (lane == 0) state = pixels->start[at % kRing];
-    const uint2 place = pixels->place[at % kRing];
-    if (!has_entry || mine >= place.y) continue;
-    const int i = static_cast<int>(place.x);
-    const float dx = static_cast<float>(tile.x + PixelX(i)) + 0.5f - splat.mx;
-    const float dy = static_cast<float>(tile.y + PixelY(i)) + 0.5f - splat.my;
-    sums.Accumulate(splat, dx, dy, pixels->gradient[at % kRing], &state);
   }
   if (has_entry) sums.Store(records + int64_t{kRecord} * in.sorted_numbers[range.begin + mine]);
   if (lane == 0 && count > 0) {

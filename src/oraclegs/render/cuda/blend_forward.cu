@@ -16,7 +16,7 @@ struct Ray {
   __device__ void Accumulate(const Splat& s, uint32_t entry) {
     const float e = Log2Alpha(s, x - s.mx, y - s.my);
     if (e < kLog2AlphaMin) return;
-    const float alpha = Min(exp2f(e), kAlphaMax), next = NextTransmittance(alpha, transmittance);
+    const float alpha = Min(Exp2(e), kAlphaMax), next = NextTransmittance(alpha, transmittance);
     if (next < kTransmittanceEnd) {
       open = false;
       return;

@@ -12,6 +12,29 @@ __device__ inline float Log2Alpha(const Splat& s, float dx, float dy) {
   return fmaf(-q, q, fmaf(-p, p, s.log2_opacity));
 }
 
+/// 2^e for e in [-8, 1], to 2 units in the last place: the hardware's own, without the care that exp2f takes of
+/// denormal numbers.
+__device__ inline float Exp2(float e) {
+#if defined(__CUDA_ARCH__)
+  float result;
+  asm("ex2.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(e));
+  return result;
+#else
+  return exp2f(e);
+#endif
+}
+
+/// 1 / x for normal x, to 1 unit in the last place.
+__device__ inline float Reciprocal(float x) {
+#if defined(__CUDA_ARCH__)
+  float result;
+  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
+  return result;
+#else
+  return 1.f / x;
+#endif
+}
+
 /// The transmittance after a Gaussian.
 __device__ inline float NextTransmittance(float alpha, float transmittance) {
   return fmaf(-alpha, transmittance, transmittance);

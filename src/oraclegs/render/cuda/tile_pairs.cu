@@ -8,6 +8,7 @@ namespace {
 /// Gaussians of more tiles than this are worked on by the whole warp.
 constexpr int kMaxTilesPerThread = 8;
 constexpr uint32_t kUnseen = 0xffffffffu;  // as a depth: later than all
+constexpr int kCountBlock = 256;
 
 /// A Gaussian and the tiles it may reach.
 struct Candidate {
@@ -63,12 +64,16 @@ __global__ void CountKernel(const Splat* splats, const TileRect* rects, int64_t 
     out.depth_keys[i] = count > 0 ? __float_as_uint(splats[i].depth) : kUnseen;
     out.ids[i] = static_cast<uint32_t>(i);
   }
-  const unsigned visible = __ballot_sync(kAllLanes, count > 0);
-  const unsigned long long pairs = WarpSum(static_cast<unsigned long long>(count));
-  if (lane == 0 && visible != 0) {
-    atomicAdd(&out.counters->visible, static_cast<unsigned long long>(__popc(visible)));
-    atomicAdd(&out.counters->pairs, pairs);
-  }
+  // Once a block: all blocks add to the same two numbers.
+  __shared__ unsigned long long pairs_of_warps[kCountBlock / kWarp];
+  const unsigned long long of_warp = WarpSum(static_cast<unsigned long long>(count));
+  if (lane == 0) pairs_of_warps[threadIdx.x / kWarp] = of_warp;
+  const int visible = __syncthreads_count(count > 0);
+  if (threadIdx.x != 0 || visible == 0) return;
+  unsigned long long pairs = 0;
+  for (const unsigned long long part : pairs_of_warps) pairs += part;
+  atomicAdd(&out.counters->visible, static_cast<unsigned long long>(visible));
+  atomicAdd(&out.counters->pairs, pairs);
 }
 
 __global__ void GatherKernel(const uint32_t* counts, const uint32_t* ids, int64_t n, uint32_t* in_order) {
@@ -135,7 +140,7 @@ __global__ void RangesKernel(RangeInput in, TileRange* ranges, uint32_t* entry_i
 
 void CountTiles(const Splat* splats, const TileRect* rects, int64_t n, const TileCountOutput& out,
                 cudaStream_t stream) {
-  Launch("tile counting", CountKernel, LaunchShape::For(n), stream, splats, rects, n, out);
+  Launch("tile counting", CountKernel, LaunchShape::For(n, kCountBlock), stream, splats, rects, n, out);
 }
 
 void GatherCounts(const uint32_t* counts, const uint32_t* ids, int64_t n, uint32_t* in_order, cudaStream_t stream) {

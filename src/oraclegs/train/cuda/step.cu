@@ -11,6 +11,8 @@ namespace {
 
 static_assert(kStepBlock == kSumThreads);
 
+constexpr int kColors = 3;  // floats of a row of sh that have a learning rate of their own: the first coefficient's
+
 __global__ void SumRegularizers(RegularizerInput in) {
   __shared__ double shared[kSumThreads];
   const int thread = static_cast<int>(threadIdx.x);
@@ -107,7 +109,9 @@ struct StepConsumer {
     const float gradient[4] = {grad.x, grad.y, grad.z, grad.w};
     for (int k = 0; k < 4; ++k) {
       if (first + k >= step.adam.sh_active) break;
-      StepNumbers<1>(gradient + k, step.adam.sh[first + k], step.adam.correction2_root, {p.x + k, m.x + k, v.x + k});
+      // Of the two rates: an index that differs from lane to lane reads the constants once a lane.
+      const float rate = first + k < kColors ? step.adam.sh[0] : step.adam.sh[kColors];
+      StepNumbers<1>(gradient + k, rate, step.adam.correction2_root, {p.x + k, m.x + k, v.x + k});
     }
     *to_p = p;
     *to_m = m;

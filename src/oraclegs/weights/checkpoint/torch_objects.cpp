@@ -38,10 +38,10 @@ std::optional<std::vector<int64_t>> Counts(const PickleValue& value, const Pickl
 
 /// storage, offset, shape, strides, ...
 PickleTensor TensorOf(const Values& parts, const PickleHeap& heap) {
-  const InputError malformed("{}: a tensor is malformed; get the file again", heap.file);
-  if (parts.size() < 4 || parts[0].kind != PickleKind::kStorage || !IsCount(parts[1])) throw malformed;
+  const auto malformed = [&] { return InputError("{}: a tensor is malformed; get the file again", heap.file); };
+  if (parts.size() < 4 || parts[0].kind != PickleKind::kStorage || !IsCount(parts[1])) throw malformed();
   const auto shape = Counts(parts[2], heap), strides = Counts(parts[3], heap);
-  if (!shape || !strides || shape->size() != strides->size()) throw malformed;
+  if (!shape || !strides || shape->size() != strides->size()) throw malformed();
   PickleTensor tensor;
   tensor.part = parts[0].index();
   tensor.element = heap.storages[heap.parts[tensor.part].storage].element;
