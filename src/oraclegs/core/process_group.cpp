@@ -80,11 +80,14 @@ struct Exec {
   char* const* arguments;
   char* const* environment;
   int input, output, errors;
+  int guard;  // learns the number of the group from this pipe, before the program can start others
   pid_t parent;
 };
 
 [[noreturn]] void BecomeProgram(const Exec& exec, int report) {
   setpgid(0, 0);
+  const pid_t group = getpid();
+  if (write(exec.guard, &group, sizeof(group)) != sizeof(group)) _exit(1);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != exec.parent) _exit(1);  // it died before the line above
   for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ})
@@ -101,10 +104,10 @@ struct Exec {
   _exit(127);
 }
 
-/// The guard: waits until the other end of `pipe` is closed, which this process's death does, and ends the group.
-/// Of the open files only `kept` stay open, ascending, the pipe among them: the locks, until nothing of the group is
-/// left.
-[[noreturn]] void GuardGroup(pid_t group, int pipe, const std::vector<int>& kept) {
+/// The guard, which is there before the program: reads the number of the group from `pipe`, waits until the other end
+/// is closed, which this process's death does, and ends the group. Of the open files only `kept` stay open, ascending,
+/// the pipe among them: the locks, until nothing of the group is left.
+[[noreturn]] void GuardGroup(int pipe, const std::vector<int>& kept) {
   setpgid(0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) ::signal(signal, SIG_IGN);
   prctl(PR_SET_NAME, "guards-children");  // `pkill -9 oraclegs` must spare it
@@ -115,9 +118,12 @@ struct Exec {
     first = next + 1;
   }
   close_range(first, ~0U, 0);
-  char byte = 0;
+  pid_t group = 0, number = 0;
   ssize_t n = 0;
-  while ((n = read(pipe, &byte, 1)) > 0 || (n < 0 && errno == EINTR)) continue;
+  while ((n = read(pipe, &number, sizeof(number))) > 0 || (n < 0 && errno == EINTR)) {
+    if (n == sizeof(number)) group = number;
+  }
+  if (group <= 0) _exit(0);
   constexpr timespec kPause{0, 10'000'000};
   constexpr int kTries = 500;
   for (int i = 0; i < kTries && kill(-group, SIGKILL) == 0; ++i) nanosleep(&kPause, nullptr);
@@ -147,8 +153,8 @@ std::vector<char*> Pointers(std::vector<std::string>* texts) {
   return pointers;
 }
 
-/// Starts the program; its number, or 0 and errno in *error.
-pid_t StartProgram(const ProgramStart& start, int* error) {
+/// Starts the program, whose guard listens to the pipe `guard`; its number, or 0 and errno in *error.
+pid_t StartProgram(const ProgramStart& start, int guard, int* error) {
   const fs::path program = FindProgram(start.argv[0]);
   *error = 0;
   if (program.empty()) {
@@ -158,7 +164,8 @@ pid_t StartProgram(const ProgramStart& start, int* error) {
   std::vector<std::string> argv = start.argv, environment = Environment(start.variables);
   const std::vector<char*> arguments = Pointers(&argv), variables = Pointers(&environment);
   const std::string file = program.string();
-  const Exec exec{file.c_str(), arguments.data(), variables.data(), start.input, start.output, start.errors, getpid()};
+  const Exec exec{file.c_str(), arguments.data(), variables.data(), start.input, start.output, start.errors,
+                  guard,        getpid()};
   int report[2];
   if (pipe2(report, O_CLOEXEC) != 0) {
     *error = errno;
@@ -189,15 +196,16 @@ ProcessGroup::ProcessGroup(const ProgramStart& start) {
     start_error_ = errno;
     return;
   }
-  program_ = StartProgram(start, &start_error_);
-  if (program_ > 0) {
-    setpgid(program_, program_);  // the child does the same: whoever comes first
-    std::vector<int> kept = HeldFolderLocks();
-    kept.push_back(guard_pipe[0]);
-    std::sort(kept.begin(), kept.end());
-    guard_ = fork();
-    if (guard_ == 0) GuardGroup(program_, guard_pipe[0], kept);
-    if (guard_ < 0) start_error_ = errno;
+  std::vector<int> kept = HeldFolderLocks();
+  kept.push_back(guard_pipe[0]);
+  std::sort(kept.begin(), kept.end());
+  guard_ = fork();
+  if (guard_ == 0) GuardGroup(guard_pipe[0], kept);
+  if (guard_ < 0) {
+    start_error_ = errno;
+  } else {
+    program_ = StartProgram(start, guard_pipe[1], &start_error_);
+    if (program_ > 0) setpgid(program_, program_);  // the child does the same: whoever comes first
   }
   close(guard_pipe[0]);
   guard_pipe_ = guard_pipe[1];
