@@ -94,5 +94,5 @@ if command -v nvcc >/dev/null && within 39 cuda; then  # for a real device; runn
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
   python3 scripts/device_code.py --check
 fi
-if within 34 debug; then check debug "${floors[@]}"; fi
+if within 24 debug; then check debug "${floors[@]}"; fi
 step "passed${left_out:+, without $left_out}"
