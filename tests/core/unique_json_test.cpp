@@ -61,5 +61,13 @@ TEST(ParseJson, RefusesWhatIsNestedTooDeep) {
   }
 }
 
+TEST(ParseJson, TakesTimeInProportion) {
+  std::string list = "[";  // hours where each object is compared with all before it
+  for (int i = 0; i < 1000000; ++i) list += "{},";
+  list += "{}]";
+  EXPECT_EQ(ParseJson(list).size(), 1000001u);
+  EXPECT_EQ(ParseUniqueJson(list, "f", "header").size(), 1000001u);
+}
+
 }  // namespace
 }  // namespace oraclegs

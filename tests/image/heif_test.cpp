@@ -1,5 +1,6 @@
 #include "oraclegs/image/heif.h"
 
+#include "image/heif_boxes.h"
 #include "image/jpeg_files.h"
 #include "image/photo_files.h"
 #include "support/errors.h"
@@ -70,39 +71,8 @@ TEST(ReadHeifExif, GivesTheTiffStructure) {
   EXPECT_EQ(ReadHeifExif("nonsense"), "");
 }
 
-/// Big-endian.
-std::string Number(uint64_t value, int bytes) {
-  const std::string little = ExifMaker::Number(value, bytes);
-  return {little.rbegin(), little.rend()};
-}
-
-std::string Box(const std::string& type, const std::string& body) { return Number(8 + body.size(), 4) + type + body; }
-
-/// An image of 16 x 8 that is a grid of one overlay, whose canvas is larger.
-std::string OverlayInGrid(uint64_t width, uint64_t height) {
-  const std::string zero = Number(0, 4), start = Box("ftyp", "heic" + zero + "heic");
-  const auto item = [](int id, const std::string& type) {
-    return Box("infe", Number(0x02000000, 4) + Number(static_cast<uint64_t>(id), 2) + Number(0, 2) + type + '\0');
-  };
-  const auto meta = [&](uint64_t overlay_at) {
-    const std::string places = Number(0x0100000044400002, 8) + Number(1, 2) + zero + Number(overlay_at, 4) +
-                               Number(1, 2) + zero + Number(14, 4) + Number(2, 2) + Number(1, 2) + Number(0, 2) + zero +
-                               Number(1, 2) + zero + Number(8, 4);
-    const std::string properties =
-        Box("ipco", Box("ispe", zero + Number(16, 4) + Number(8, 4)) + Box("pixi", zero + "\3\10\10\10")) +
-        Box("ipma", zero + Number(2, 4) + Number(1, 2) + "\2\1\2" + Number(2, 2) + "\2\1\2");
-    return Box("meta", zero + Box("hdlr", zero + zero + "pict" + std::string(13, '\0')) +
-                           Box("pitm", zero + Number(2, 2)) + Box("idat", zero + Number(16, 2) + Number(8, 2)) +
-                           Box("iloc", places) + Box("iinf", zero + Number(2, 2) + item(1, "iovl") + item(2, "grid")) +
-                           Box("iprp", properties) +
-                           Box("iref", zero + Box("dimg", Number(2, 2) + Number(1, 2) + Number(1, 2))));
-  };
-  const std::string overlay = std::string(10, '\0') + Number(width, 2) + Number(height, 2);
-  return start + meta(start.size() + meta(0).size() + 8) + Box("mdat", overlay);
-}
-
 TEST(DecodeHeif, TakesNoMemoryForPartsLargerThanTheImage) {
-  const std::string bytes = OverlayInGrid(33000, 61000);  // 2 GB a channel
+  const std::string bytes = GridFile(33000, 61000, HeifReference("dimg", 2, {1}));  // 2 GB a channel
   int width = 0, height = 0;
   ReadHeifSize(bytes, "a.heic", &width, &height);
   EXPECT_EQ(width, 16);

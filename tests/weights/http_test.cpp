@@ -30,6 +30,14 @@ class Http : public testing::Test {
   ScopedVariable no_proxy_{"no_proxy", "127.0.0.1"};
 };
 
+TEST_F(Http, JoinsNoHeaderToThoseOfTheAnswerBefore) {
+  ScriptedServer server({Answer("302 Found", {"Location: /b", "X-A: a"}), File("hello", {" folded: b"})});
+  const HttpEnd end = Get({server.Url("/a")});  // libcurl reads what it has freed, as the address sanitizer sees
+  EXPECT_EQ(end.reply.status, 200);
+  EXPECT_EQ(end.reply.headers.at("x-a"), "a");
+  EXPECT_EQ(body_, "hello");
+}
+
 TEST_F(Http, GetsAFileWithItsHeaders) {
   ScriptedServer server({File("hello", {"X-Linked-Size:  5 ", "ETag: \"a\""})});
   const HttpEnd end = Get({server.Url("/a?b=c")});

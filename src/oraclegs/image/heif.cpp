@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/image/heif_references.h"
 
 namespace oraclegs {
 namespace {
@@ -60,6 +61,10 @@ OpenHeif Open(std::string_view bytes, heif_error* error) {
 }
 
 OpenHeif OpenOrThrow(std::string_view bytes, const std::string& file) {
+  if (!HasFinitePieces(bytes)) {
+    throw InputError("{}: is a damaged HEIF image (made of itself, or of too many pieces); copy or export it again",
+                     file);
+  }
   heif_error error{};
   OpenHeif open = Open(bytes, &error);
   if (error.code != heif_error_Ok || !open.image) RefuseHeif(error, bytes, file);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "oraclegs/core/folder_lock.h"
+#include "oraclegs/core/unique_json.h"
 
 namespace oraclegs {
 namespace {
@@ -16,18 +17,12 @@ namespace {
 constexpr const char* kDocument = "report/run.json";
 constexpr const char* kLive = "live/state.json";
 constexpr uint64_t kMaxDocumentBytes = 64 << 20;
-constexpr int kMaxDepth = 64;  // of nested values: who reads a document walks through them by recursion
 
-/// An object, or null for what is none, is no JSON, or is nested too deeply.
+/// An object, or null for what is none, is no JSON, or is nested too deeply: who reads a document walks through it by
+/// recursion.
 nlohmann::json ParseDocument(const std::string& text) {
-  int deepest = 0;
-  const auto watch = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-    deepest = std::max(deepest, depth);
-    return depth < kMaxDepth;  // what lies deeper is dropped
-  };
-  nlohmann::json json = nlohmann::json::parse(text, watch, /*allow_exceptions=*/false);
-  if (json.is_discarded() || !json.is_object() || deepest >= kMaxDepth) return nullptr;
-  return json;
+  nlohmann::json json = ParseJsonOrDiscard(text);
+  return json.is_object() ? std::move(json) : nullptr;
 }
 
 std::string TagOf(const std::string& text) { return fmt::format("{:x}", std::hash<std::string>{}(text)); }

@@ -161,13 +161,15 @@ uint64_t HttpReply::Number(const std::string& header, uint64_t otherwise) const 
 std::string WithoutQuery(const std::string& url) { return url.substr(0, url.find_first_of("?#")); }
 
 HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers) {
-  const Easy easy = MakeEasy();
-  CURL* curl = easy.get();
   const Origin first = OriginOf(request.url);
   HttpEnd end;
   std::string url = request.url;
   for (int hop = 0; hop <= kMaxRedirects; ++hop) {
     ThrowIfInterrupted();
+    // Another one for each: libcurl 7.88 joins a first header that begins with a blank to one of the answer before,
+    // which it has freed.
+    const Easy easy = MakeEasy();
+    CURL* curl = easy.get();
     const Origin origin = OriginOf(url);
     const std::string shown = WithoutQuery(url);
     if (origin.text.empty()) throw RunError("{}: is no address of a server", shown);
