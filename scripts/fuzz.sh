@@ -3,17 +3,18 @@
 # the file that reproduces it, where one finds something. Needs clang (scripts/bootstrap.sh).
 #   scripts/fuzz.sh                    every target, 20 seconds each
 #   scripts/fuzz.sh png gltf           these targets
-#   scripts/fuzz.sh --seconds 300      longer; --hours 8 divides the time over the targets
+#   scripts/fuzz.sh --seconds 300      longer; --hours 8 divides the time over the targets; --seed 1 repeats the inputs
 #   scripts/fuzz.sh --coverage         lines of the parsers that the corpus reaches, and the rest
 #   scripts/fuzz.sh --merge            adds to the corpus what was found and reaches new code
 # What is found is kept in build/fuzz/ and is where the next run goes on.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-seconds=20 hours='' mode=run targets=()
+seconds=20 seed=0 hours='' mode=run targets=()
 while (($# > 0)); do
   case $1 in
     --seconds) seconds=$2; shift ;;
+    --seed) seed=$2; shift ;;
     --hours) hours=$2; shift ;;
     --coverage | --merge) mode=${1#--} ;;
     -*) sed -n '2,9s/^# \?//p' "$0" >&2; exit 2 ;;
@@ -95,7 +96,7 @@ fuzz() {
   mkdir -p "$work/corpus/$target"
   : >"$work/$target.log"
   while ((SECONDS < end)); do
-    "$bin/${target}_fuzz" "${options[@]}" -max_total_time=$((end - SECONDS)) -print_final_stats=1 \
+    "$bin/${target}_fuzz" "${options[@]}" -seed="$seed" -max_total_time=$((end - SECONDS)) -print_final_stats=1 \
       -artifact_prefix="$work/found/$target-" "$work/corpus/$target" "$corpus/$target" >>"$work/$target.log" 2>&1 && break
     for file in "$work/found/$target"-*; do
       if [[ ! -e $file ]] || confirmed "$file" "$target"; then return; fi

@@ -80,7 +80,7 @@ threaded=(core depth render loss train propose web)
 if within 20 asan; then
   check asan "${floors[@]}" cuda
   step "fuzzers"
-  scripts/fuzz.sh
+  scripts/fuzz.sh --seed 1
 fi
 if within 32 tsan; then check tsan "${threaded[@]}"; fi
 if within 36 tidy; then
