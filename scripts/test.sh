@@ -2,8 +2,8 @@
 # Installs what is missing, builds, checks the format and the house rules, runs every test.
 #   scripts/test.sh                  what a change has to pass
 #   scripts/test.sh -R render        arguments go to ctest
-#   scripts/test.sh --all            what CI runs: then also sanitizers, fuzzers, clang-tidy, the device code compiled with
-#                                    nvcc where there is one, and a build without optimisation
+#   scripts/test.sh --all            what CI runs: then also sanitizers, fuzzers, clang-tidy, and the device code compiled
+#                                    with nvcc where there is one
 # CI=true: plain output, warnings are errors, and what does not fit into 45 minutes is left out, which is said.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -94,5 +94,4 @@ if command -v nvcc >/dev/null && within 39 cuda; then  # for a real device; runn
   build/cuda/bin/cuda_tests --gtest_brief=1 | tail -n 3
   python3 scripts/device_code.py --check
 fi
-if within 24 debug; then check debug "${floors[@]}"; fi
 step "passed${left_out:+, without $left_out}"
