@@ -32,7 +32,7 @@ PLENTY = 1 << 60
 
 
 class Disk:
-    """What the library is told, and what it tells."""
+    """What the library is given, and what it reports."""
 
     def __init__(self, lab, folder):
         self.path, self.folder = lab.dir / "disk_state", folder

@@ -139,7 +139,7 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
   ProcessRequest request;
   request.argv = std::move(argv);
   request.log = work_dir_ / "colmap.log";
-  // Else its logging leaves files in the temporary folder; some commands do so although they are told to print.
+  // Else its logging leaves files in the temporary folder; some commands do so although they are set to print.
   request.variables = {{"GLOG_logtostderr", "1"}, {"GLOG_log_dir", AttemptsFolder(work_dir_).string()}};
   request.stall_limit = StallLimit();
   request.on_line = [&](const std::string& line) {

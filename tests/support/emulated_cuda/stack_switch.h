@@ -1,5 +1,5 @@
 #pragma once
-// What the address sanitizer must be told when a thread goes on with another stack. Nothing without it.
+// What the address sanitizer must know when a thread goes on with another stack. Nothing without it.
 
 #include <cstddef>
 
