@@ -18,17 +18,24 @@ function(oraclegs_embed_web target)
       COMMAND ${ORACLEGS_NODE} ${web}/build.mjs ${out}
       DEPENDS ${web}/build.mjs ${web}/package.json ${installed} ${sources}
       COMMENT "Bundling the web pages" VERBATIM)
-    # The linker makes an object of the bytes: a C array of three megabytes takes a compiler minutes.
-    add_custom_command(
-      OUTPUT ${out}/pages.o
-      COMMAND ${CMAKE_LINKER} -r -z noexecstack -b binary -o pages.o ${names}
-      DEPENDS ${pages} WORKING_DIRECTORY ${out} VERBATIM)
-    set_source_files_properties(${out}/pages.o PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
-    target_sources(${target} PRIVATE ${out}/pages.o)
+    # The assembler takes the bytes as they are: a C array of three megabytes takes a compiler minutes.
+    set(assembly "")
     foreach(name ${names})
       string(MAKE_C_IDENTIFIER ${name} symbol)
-      string(APPEND symbols "extern const char _binary_${symbol}_start[], _binary_${symbol}_end[];\n")
-      string(APPEND rows "      {\"${name}\", _binary_${symbol}_start, _binary_${symbol}_end},\n")
+      string(APPEND assembly "  .globl page_${symbol}_begin, page_${symbol}_end\n"
+                             "page_${symbol}_begin:\n  .incbin \"${out}/${name}\"\npage_${symbol}_end:\n")
+    endforeach()
+    file(CONFIGURE OUTPUT ${out}/pages.s @ONLY CONTENT
+"# Made by cmake/EmbedWeb.cmake.
+  .section .rodata
+@assembly@  .section .note.GNU-stack, \"\", %progbits
+")
+    set_source_files_properties(${out}/pages.s PROPERTIES OBJECT_DEPENDS "${pages}")
+    target_sources(${target} PRIVATE ${out}/pages.s)
+    foreach(name ${names})
+      string(MAKE_C_IDENTIFIER ${name} symbol)
+      string(APPEND symbols "extern const char page_${symbol}_begin[], page_${symbol}_end[];\n")
+      string(APPEND rows "      {\"${name}\", page_${symbol}_begin, page_${symbol}_end},\n")
     endforeach()
   else()
     message(STATUS "Without the viewer and the report: run scripts/bootstrap.sh (or: npm ci --prefix web), then build again.")
