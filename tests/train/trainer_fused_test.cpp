@@ -54,7 +54,7 @@ class SlowTrainer {
   double Step(int64_t i) {
     const TrainOptions options = ShortOptions();
     const LearningRates rates{MeansLearningRate(i, options.iterations.value(), extent_)};
-    const int degree = ActiveShDegree(i, options.sh_degree_interval);
+    const int degree = ActiveShDegree(i, options.sh_degree_interval.value());
     const TrainView& view = views_[sampler_.Next(0).index];
     const RenderOutput out = rasterizer_->Forward(gaussians_, view.camera, {{}, degree, false}, RenderPass::kTrain);
     Buffer<float> grad_image = Buffer<float>::Empty(out.image.shape());

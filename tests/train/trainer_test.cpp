@@ -104,6 +104,21 @@ TEST(TrainerTest, KeepsTwoCheckpoints) {
   EXPECT_THAT(left, testing::UnorderedElementsAre("iteration_0000080.safetensors", "iteration_0000100.safetensors"));
 }
 
+TEST(TrainerTest, AFirstStepIsAsLongAsTheRateScale) {
+  TrainOptions slow = Options(), fast = Options();
+  fast.rate_scale = 3.;
+  Trainer a = MakeTrainer(slow), b = MakeTrainer(fast);
+  const Gaussians start = a.gaussians().Clone();
+  a.Step(), b.Step();
+  int moved = 0;
+  for (int64_t i = 0; i < start.opacity_logits.count(); ++i) {
+    const float step = a.gaussians().opacity_logits[i] - start.opacity_logits[i];
+    EXPECT_NEAR(b.gaussians().opacity_logits[i] - start.opacity_logits[i], 3 * step, 1e-5f);
+    moved += std::abs(step) > 0.01f;
+  }
+  EXPECT_GT(moved, 0);
+}
+
 TEST(TrainerTest, TheLastIterationMovesNothing) {
   Trainer trainer = MakeTrainer(Options(35));
   for (int i = 0; i < 34; ++i) trainer.Step();

@@ -37,6 +37,9 @@ struct EnumWords<ExposureMode> {
 /// Of a training that nothing else is known of.
 inline constexpr int kUsualIterations = 7000, kUsualMaxGaussians = 100000;
 
+/// What 3DGS has for its 30000 iterations.
+inline constexpr int kUsualRefineStart = 500, kUsualRefineEvery = 100, kUsualShDegreeInterval = 1000;
+
 /// Everything that decides the numbers of a training run.
 struct TrainOptions {
   Auto<int> iterations = {};
@@ -51,6 +54,7 @@ struct TrainOptions {
   double coarse_share = 0;
   bool prune_floaters = false;
   double largest_scale = 0.7;
+  Auto<double> rate_scale = {};
   Auto<double> last_rates = {};
   double opacity_reg = 0.01;
   double scale_reg = 0.01;
@@ -63,10 +67,10 @@ struct TrainOptions {
   double proposal_lpips = 0.3;
   double confidence_gate = 0;
   double confidence_power = 1;
-  int refine_start = 500;
-  int refine_every = 100;
+  Auto<int> refine_start = {};
+  Auto<int> refine_every = {};
   double refine_stop = 25.0 / 30;
-  int sh_degree_interval = 1000;
+  Auto<int> sh_degree_interval = {};
   int sh_degree = 3;
   bool antialiased = false;
   int random_points = 100000;
@@ -78,7 +82,11 @@ struct TrainOptions {
     settled.max_gaussians = max_gaussians.ValueOr(kUsualMaxGaussians);
     settled.dropout = dropout.ValueOr(0);
     settled.opacity_noise = opacity_noise.ValueOr(0);
+    settled.rate_scale = rate_scale.ValueOr(1);
     settled.last_rates = last_rates.ValueOr(1);
+    settled.refine_start = refine_start.ValueOr(kUsualRefineStart);
+    settled.refine_every = refine_every.ValueOr(kUsualRefineEvery);
+    settled.sh_degree_interval = sh_degree_interval.ValueOr(kUsualShDegreeInterval);
     settled.exposure = exposure.ValueOr(ExposureMode::kOff);
     settled.schedule = schedule.ValueOr(ScheduleKind::kPaper);
     settled.synthetic_floor = synthetic_floor.ValueOr(ProposalSchedule().floor);
@@ -106,7 +114,8 @@ struct TrainOptions {
     visit("max-gaussians", self.max_gaussians,
           "Growth stops at this many Gaussians; auto = by --quality, pixels and number of photos", Range{1, 1e8});
     visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent color", Range{0, 3});
-    visit("sh-degree-interval", self.sh_degree_interval, "Iterations between raises of the active degree",
+    visit("sh-degree-interval", self.sh_degree_interval,
+          "Iterations between raises of the active degree; auto = a fifth of them all, at most 3DGS's 1000",
           Range{1, 1e7});
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
@@ -167,6 +176,10 @@ struct TrainOptions {
           "Maximum standard deviation of a Gaussian, as a fraction of its distance to the nearest camera; larger ones "
           "fog the views between the photos; 0 = unlimited",
           Range{0, 1e3});
+    visit("rate-scale", self.rate_scale,
+          "Factor of the learning rates of 3DGS, all but the exposure's, and of the noise on positions; they are made "
+          "for 30000 iterations, and too low for fewer. auto = sqrt(30000 / iterations), from 1 to 6",
+          Range{1e-3, 100});
     visit("last-rates", self.last_rates,
           "Final factor of the learning rates of color, opacity, scale and rotation, which decay over the second half "
           "of the run; 1 = constant, as in 3DGS; auto = 0.1",
@@ -175,8 +188,11 @@ struct TrainOptions {
     visit("scale-reg", self.scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
     visit("random-points", self.random_points, "Points drawn when there are fewer than 100 to start from",
           Range{100, 1e8});
-    visit("refine-start", self.refine_start, "Relocation and growth begin after this iteration", Range{0, 1e7});
-    visit("refine-every", self.refine_every, "Iterations between relocations", Range{1, 1e7});
+    visit("refine-start", self.refine_start,
+          "Relocation and growth begin after this iteration; auto = a tenth of them all, at most 3DGS's 500",
+          Range{0, 1e7});
+    visit("refine-every", self.refine_every,
+          "Iterations between relocations; auto = a fiftieth of them all, from 10 to 3DGS's 100", Range{1, 1e7});
     visit("refine-stop", self.refine_stop, "Fraction of the iterations after which relocation and growth end",
           Range{0, 1});
   }

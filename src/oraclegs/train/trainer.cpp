@@ -77,9 +77,9 @@ struct Trainer::State {
   bool IsLast(int64_t i) const { return i >= options.iterations.value(); }
   /// Not in the last iteration, whose model is scored: nothing would settle what is moved then.
   bool Refines(int64_t i) const {
-    return !IsLast(i) && i > options.refine_start &&
+    return !IsLast(i) && i > options.refine_start.value() &&
            static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon()) &&
-           i % options.refine_every == 0;
+           i % options.refine_every.value() == 0;
   }
 
   // What a run is.
@@ -109,12 +109,13 @@ Iteration Trainer::State::NextIteration() {
   next.seed = seed;
   next.rates.ScaleAll(RateFactor(i, options.Horizon(), options.last_rates.value()));
   next.rates.means = MeansLearningRate(i, options.Horizon(), extent);
-  next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval), options.sh_degree);
+  next.rates.ScaleAll(options.rate_scale.value());
+  next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval.value()), options.sh_degree);
   next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
   next.refines = Refines(i);
   // Also after the last relocation: what is large grows until the end.
-  next.caps_scales = options.largest_scale > 0 && i % options.refine_every == 0;
+  next.caps_scales = options.largest_scale > 0 && i % options.refine_every.value() == 0;
   return next;
 }
 

@@ -121,6 +121,35 @@ TEST(TrainInputs, SettleWhatIsAutomatic) {
   EXPECT_EQ(given.last_rates, 1.);
 }
 
+TEST(TrainInputs, RaiseTheRatesOfAShortRun) {
+  const auto settle = [](TrainOptions options) { return SettleTrainOptions(options, TrainingViews({}), {}, Silent()); };
+  TrainOptions options;
+  options.iterations = 7500;
+  TrainOptions settled = settle(options);
+  EXPECT_DOUBLE_EQ(settled.rate_scale.value(), 2);
+  EXPECT_EQ(settled.refine_start, kUsualRefineStart);
+  EXPECT_EQ(settled.refine_every, kUsualRefineEvery);
+  EXPECT_EQ(settled.sh_degree_interval, kUsualShDegreeInterval);
+  options.iterations = 2000;
+  settled = settle(options);
+  EXPECT_EQ(settled.refine_start, 200);
+  EXPECT_EQ(settled.refine_every, 40);
+  EXPECT_EQ(settled.sh_degree_interval, 400);
+  options.iterations = 2;
+  settled = settle(options);
+  EXPECT_EQ(settled.rate_scale, 6.);
+  EXPECT_EQ(settled.refine_every, 10);
+  EXPECT_EQ(settled.sh_degree_interval, 1);
+  options.iterations = 60000;
+  EXPECT_EQ(settle(options).rate_scale, 1.);
+  options.iterations = 2000, options.horizon = 30000;  // the course of the paper, stopped early
+  EXPECT_EQ(settle(options).rate_scale, 1.);
+  options.horizon = 0, options.rate_scale = 1.5, options.refine_every = 7;
+  settled = settle(options);
+  EXPECT_EQ(settled.rate_scale, 1.5);
+  EXPECT_EQ(settled.refine_every, 7);
+}
+
 TEST(TrainInputs, TakeProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {
   EventRecorder recorder;
   std::vector<TrainView> proposals(2);

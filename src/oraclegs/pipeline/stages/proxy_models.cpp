@@ -201,8 +201,9 @@ TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
   const auto scaled = [&](int iterations) { return std::max(1, static_cast<int>(share * iterations)); };
   train.iterations = scaled(train.iterations.value());
   train.horizon = 0;
-  train.sh_degree_interval = scaled(train.sh_degree_interval);
-  train.refine_start = scaled(train.refine_start);
+  for (Auto<int>* iterations : {&train.sh_degree_interval, &train.refine_start}) {
+    if (!iterations->is_auto()) *iterations = scaled(iterations->value());
+  }
   const int most = train.max_gaussians.value();
   train.max_gaussians = std::min(most, options.propose.proxy_gaussians.ValueOr(most));
   // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
