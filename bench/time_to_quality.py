@@ -9,7 +9,7 @@ curves are also drawn, in OUT_FOLDER/time_to_quality.svg.
   bench/time_to_quality.py DATA OUT                          # the usual settings on all scenes that are there
   bench/time_to_quality.py DATA OUT --scenes fox --rounds 3 \\
       --setting "half: --iterations 3500" --setting "old@before: --iterations 7000" --program before=OLD/bin/oraclegs
-  bench/time_to_quality.py DATA OUT --scenes fox --opensplat OPENSPLAT --minutes 2,5,10
+  bench/time_to_quality.py DATA OUT --scenes fox --opensplat "opensplat --num-downscales 0" --iterations 200,500,1000
 """
 
 import argparse
@@ -37,7 +37,6 @@ USUAL = [
     "3000: --iterations 3000 --max-gaussians 100000",
     "7000: --iterations 7000 --max-gaussians 100000",
 ]
-SECONDS_OF_OPENSPLAT = 1.5  # an iteration, at most, for its first run
 
 
 def say(*words):
@@ -89,6 +88,13 @@ def parse_setting(text, programs):
     return name.strip(), programs.get(program, BIN), shlex.split(options)
 
 
+def knows(program, option):
+    answer = subprocess.run([program, "reconstruct", "--help-all"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    if answer.returncode:  # older still
+        answer = subprocess.run([program, "reconstruct", "--help"], stdout=subprocess.PIPE, text=True, check=True)
+    return option in answer.stdout.split()
+
+
 def measure(scene, source, setting, number, out):
     name, program, options = setting
     folder = out / f"{scene}-{name}-{number}"
@@ -97,7 +103,7 @@ def measure(scene, source, setting, number, out):
     if "--quality" in options and "--downscale" in scene_options:  # which decides the size
         at = scene_options.index("--downscale")
         del scene_options[at : at + 2]
-    if program != BIN and "--eval" in scene_options:  # of a version that tests without being asked to
+    if "--eval" in scene_options and not knows(program, "--eval"):  # a version that tests without being asked to
         scene_options.remove("--eval")
     command = [program, "reconstruct", source, "-o", folder, "--quiet", *scene_options, "--seed", number, *options]
     seconds = run(command, out / f"{folder.name}.log")
@@ -123,18 +129,16 @@ def opensplat_folder(scene, source, out):
     return dataset
 
 
-def measure_opensplat(scene, source, program, iterations, out):
+def measure_opensplat(scene, source, command, iterations, out):
     dataset = opensplat_folder(scene, source, out)
     ply = out / f"{scene}-opensplat-{iterations}.ply"
-    seconds = run(
-        [program, dataset, "--num-iters", iterations, "--output", ply, "--keep-crs", "--cpu"],
-        out / f"{ply.stem}.log",
-    )
+    words = [*shlex.split(command), dataset, "-n", iterations, "-o", ply, "--keep-crs"]
+    seconds = run(words, out / f"{ply.stem}.log")
     scores = out / f"{ply.stem}-scores"
     run([BIN, "evaluate", source, "--ply", ply, "-o", scores, "--quiet", *SCENES[scene]], out / f"{scores.name}.log")
     test = json.loads((scores / "metrics.json").read_text())["test"]
     return {
-        "scene": scene, "setting": "OpenSplat", "round": iterations, "seconds": seconds, "psnr": test["psnr"],
+        "scene": scene, "setting": "OpenSplat", "round": 0, "seconds": seconds, "psnr": test["psnr"],
         "ssim": test["ssim"], "psnr_color_corrected": test["psnr_color_corrected"], "iterations": iterations,
         "stages": {"train": seconds},
     }  # fmt: skip
@@ -206,8 +210,8 @@ def main():
     parser.add_argument("--setting", action="append", metavar="TEXT", help="NAME: OPTIONS, or NAME@PROGRAM: OPTIONS")
     parser.add_argument("--program", action="append", default=[], metavar="NAME=PATH", help="another build's oraclegs")
     parser.add_argument("--rounds", type=int, default=1, help="runs of each setting, of seeds 0, 1, ...")
-    parser.add_argument("--opensplat", type=Path, metavar="PATH", help="OpenSplat's program, to be measured beside ours")
-    parser.add_argument("--minutes", default="2,5,10", help="how long OpenSplat trains; default: %(default)s")
+    parser.add_argument("--opensplat", metavar="COMMAND", help="OpenSplat's program with options, to be measured beside ours")
+    parser.add_argument("--iterations", default="200,500,1000", help="how long OpenSplat trains; default: %(default)s")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     programs = dict(text.split("=", 1) for text in args.program)
@@ -232,14 +236,9 @@ def main():
                     points.add(measure(scene, source, setting, number, args.out))
     if args.opensplat:
         for scene, source in sources.items():
-            per_iteration = SECONDS_OF_OPENSPLAT
-            for minutes in args.minutes.split(","):
-                if points.has(scene=scene, setting="OpenSplat", minutes=minutes):
-                    continue
-                iterations = max(1, int(60 * float(minutes) / per_iteration))
-                row = measure_opensplat(scene, source, args.opensplat, iterations, args.out)
-                per_iteration = row["seconds"] / iterations
-                points.add(row | {"minutes": minutes})
+            for iterations in map(int, args.iterations.split(",")):
+                if not points.has(scene=scene, setting="OpenSplat", iterations=iterations):
+                    points.add(measure_opensplat(scene, source, args.opensplat, iterations, args.out))
     print_table(points.rows)
     draw(points.rows, args.out / "time_to_quality.svg")
 

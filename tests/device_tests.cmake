@@ -36,8 +36,9 @@ if(ORACLEGS_CUDA)
 else()
   target_link_libraries(cuda_tests PRIVATE oraclegs_emulated_cuda_flags)
 endif()
-if(ORACLEGS_SANITIZE AND NOT ORACLEGS_CUDA)  # a device does not forgive what a CPU does
-  target_compile_options(oraclegs_cuda_device_tests PRIVATE -fsanitize=alignment)
+if(ORACLEGS_SANITIZE MATCHES "undefined" AND NOT ORACLEGS_CUDA)
+  # A device does not forgive what a CPU does. Options of a source come last, after the one that takes the check back.
+  set_property(SOURCE ${device_code} ${cuda_device_tests} APPEND PROPERTY COMPILE_OPTIONS -fsanitize=alignment)
 endif()
 # Each kernel file has its own constants, and the emulation its own idea of what a translation unit is.
 set_target_properties(oraclegs_cuda_device_tests PROPERTIES UNITY_BUILD OFF)

@@ -21,14 +21,14 @@ struct DemoOptions {
   fs::path out = "oraclegs-demo";
   bool overwrite = false;
   int views = 12;
-  int iterations = 2500;
+  int iterations = 1500;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("out", self.out, "Folder for the scene and its reconstruction; a demo that was stopped there is continued");
     visit("overwrite", self.overwrite, "Reconstruct anew");
     visit("views", self.views, "Training views; every eighth of all is kept to compare with", Range{3, 100});
-    visit("iterations", self.iterations, "Training steps; 7000 give a sharper image in three times the time",
+    visit("iterations", self.iterations, "Training steps; 5000 give a sharper image in three times the time",
           Range{1, 1e6});
   }
 };

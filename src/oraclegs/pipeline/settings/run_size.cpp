@@ -13,7 +13,7 @@ struct Level {
 };
 
 constexpr double kUsualViewPixels = 0.75e6, kUsualPixels = 12 * kUsualViewPixels;  // twelve views of 1000 x 750
-constexpr double kMaxIterationFactor = 1.75;
+constexpr double kMaxIterationFactor = 1.25;
 constexpr double kMaxGaussianFactor = 3;
 constexpr int kGaussianStep = 5000;  // a number that is easily read
 constexpr int kFewViews = 8;         // below which long training learns the photos by heart
@@ -22,11 +22,11 @@ constexpr int kMinIterations = 1000, kIterationStep = 100;
 Level LevelOf(Quality quality, bool on_gpu) {
   switch (quality) {
     case Quality::kDraft:
-      return on_gpu ? Level{1000, 7000, 200000} : Level{500, 1500, 30000};
+      return on_gpu ? Level{1000, 7000, 200000} : Level{500, 1000, 30000};
     case Quality::kHigh:
-      return on_gpu ? Level{3200, 30000, 2000000} : Level{1600, 15000, 250000};
+      return on_gpu ? Level{3200, 30000, 2000000} : Level{1600, 10000, 250000};
     default:
-      return on_gpu ? Level{1600, 15000, 800000} : Level{1000, 4000, 100000};
+      return on_gpu ? Level{1600, 15000, 800000} : Level{1000, 2500, 100000};
   }
 }
 
