@@ -50,6 +50,7 @@ TEST(ChooseOracle, TakesWhatIsNamed) {
     EXPECT_THAT(MessageOf<InputError>([&] { ChooseOracle(With(kind)); }),
                 AllOf(HasSubstr("--oracle " + Word(kind) + " needs"), HasSubstr("models fetch vggt")));
   }
+  SKIP_WITHOUT_NETWORKS();
   RunOptions named = With(OracleKind::kVggt);
   named.weights.vggt_weights = WriteTinyVggt(dir / "named.safetensors");
   EXPECT_EQ(ChooseOracle(named).weights->path, dir / "named.safetensors");

@@ -4,6 +4,7 @@
 
 #include "pipeline/fixtures.h"
 #include "support/errors.h"
+#include "support/network_files.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -73,6 +74,7 @@ TEST_F(WeightsTest, AreThoseThatAreNamed) {
 TEST_F(WeightsTest, AutoTakesTheNetworkWhereItIs) {
   EXPECT_EQ(Choose({}).prior, DepthPrior::kStereo);
   EXPECT_FALSE(Choose({}).HasNetwork());
+  SKIP_WITHOUT_NETWORKS();
   const fs::path file = Put("depth-anything-v2-small/model.safetensors");
   const DepthSource source = Choose({});
   EXPECT_EQ(source.prior, DepthPrior::kFused);
