@@ -120,12 +120,18 @@ def measure(scene, source, setting, number, out):
 
 
 def opensplat_folder(scene, source, out):
-    """A COLMAP model of the training views alone, with the points that our sfm found."""
+    """transforms.json of the training views alone, with the points that our sfm found."""
     ours = out / f"{scene}-sfm"
     dataset = out / f"{scene}-for-opensplat"
-    if not (dataset / "sparse").exists():
-        run([BIN, "sfm", source, "-o", ours, "--quiet", "--overwrite", *SCENES[scene]], out / f"{ours.name}.log")
-        run([BIN, "cameras", ours, "-o", dataset, "--quiet"], out / f"{dataset.name}.log")
+    if (dataset / "transforms.json").exists() and not (dataset / "sparse").exists():
+        return dataset
+    run([BIN, "sfm", source, "-o", ours, "--quiet", "--overwrite", *SCENES[scene]], out / f"{ours.name}.log")
+    run([BIN, "cameras", ours, "-o", dataset, "--quiet"], out / f"{dataset.name}.log")
+    transforms = json.loads((dataset / "transforms.json").read_text())
+    train = set(transforms["train_filenames"])
+    transforms["frames"] = [frame for frame in transforms["frames"] if frame["file_path"] in train]
+    (dataset / "transforms.json").write_text(json.dumps(transforms))
+    shutil.rmtree(dataset / "sparse")  # which has the test views, and is read first
     return dataset
 
 
