@@ -28,8 +28,7 @@ struct DemoOptions {
     visit("out", self.out, "Folder for the scene and its reconstruction; a demo that was stopped there is continued");
     visit("overwrite", self.overwrite, "Reconstruct anew");
     visit("views", self.views, "Training views; every eighth of all is kept to compare with", Range{3, 100});
-    visit("iterations", self.iterations, "Training steps; 5000 give a sharper image in three times the time",
-          Range{1, 1e6});
+    visit("iterations", self.iterations, "Training steps; more give a sharper image and take longer", Range{1, 1e6});
   }
 };
 

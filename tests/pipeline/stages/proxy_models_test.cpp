@@ -90,6 +90,17 @@ TEST(ProxyCount, LeavesEachModelThreeViews) {
   EXPECT_EQ(ProxyCount(many, 7), 7);
 }
 
+TEST_F(ProxyModelsTest, DependOnTheHorizonThatTheirRatesFollow) {
+  auto run = StartRun(Request(), Silent());
+  const auto key_of = [&](int horizon) {
+    run.options.train.horizon = horizon;
+    Fingerprint key;
+    ProxyStage().own(&run, &key);
+    return key.Hex();
+  };
+  EXPECT_NE(key_of(0), key_of(30000));
+}
+
 TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {
   RunOptions options = Request().options;
   TrainOptions other = options.train;

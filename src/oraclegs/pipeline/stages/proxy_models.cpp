@@ -140,6 +140,7 @@ void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions options = OptionsOfProxies(*run);
   key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
   key->Add(options.train.iterations.value());  // whose share the finish is
+  key->Add(options.train.horizon);             // which the rates follow
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
   key->Add(OptionsToJson(options.image).dump());
 }
