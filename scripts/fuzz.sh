@@ -73,6 +73,7 @@ options_of() {
 }
 
 export ASAN_OPTIONS=${ASAN_OPTIONS:-abort_on_error=0:detect_leaks=1}
+export LSAN_OPTIONS=${LSAN_OPTIONS:-suppressions=tests/support/leaks_of_others.txt:print_suppressions=0}
 TMPDIR=$(mktemp -d -p /dev/shm oraclegs-fuzz-XXXXXX)
 export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
