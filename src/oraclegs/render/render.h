@@ -64,6 +64,12 @@ class GradientConsumer {
   virtual void ConsumeOnDevice(const cuda::GaussianBackwardInput& in);
 };
 
+/// What adaptive density control [Kerbl 2023] goes by: how hard the photos pull at each Gaussian's place in the image.
+struct ScreenGradients {
+  Buffer<float> sum;    ///< [N] of |dL/d(center)|, the center in units of half the image's width and height
+  Buffer<float> views;  ///< [N] backward passes in which the Gaussian reached a pixel
+};
+
 /// Milliseconds of the last Forward and Backward by stage, for benchmarks and the trainer's report.
 struct RenderTimings {
   double project = 0, bin = 0, blend = 0;  ///< Forward
@@ -96,6 +102,10 @@ class Rasterizer {
 
   /// The same gradients, handed to `consumer` instead of being written.
   virtual void BackwardInto(const Gaussians& gaussians, const RenderGrads& upstream, GradientConsumer* consumer) = 0;
+
+  /// From now on each backward pass adds to these, of as many Gaussians, on the CPU; nullptr ends that. Throws
+  /// UsageError on a GPU.
+  virtual void WatchScreen(const ScreenGradients* watched);
 
   /// Takes the memory for so many Gaussians now, on a GPU. Throws OutOfMemory.
   virtual void ReserveGaussians(int64_t) {}

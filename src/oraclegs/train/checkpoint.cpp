@@ -71,6 +71,13 @@ void AddExposures(const ExposureState& state, std::map<std::string, TensorEntry>
   tensors->emplace("exposure.adam.steps", Entry("I64", {views}, state.steps.data(), views));
 }
 
+/// Nothing where densification goes by nothing of earlier iterations.
+void AddDensify(const ScreenGradients& state, std::map<std::string, TensorEntry>* tensors) {
+  if (!state.sum.defined()) return;
+  tensors->emplace("densify.sum", Entry("F32", {state.sum.count()}, state.sum.data(), state.sum.count()));
+  tensors->emplace("densify.views", Entry("F32", {state.views.count()}, state.views.data(), state.views.count()));
+}
+
 /// An opened checkpoint; every access that fails names the file.
 struct Reader {
   const fs::path& path;
@@ -134,6 +141,17 @@ struct Reader {
     const auto views = static_cast<int64_t>(steps.size());
     return {Maps("exposure.maps", views), Maps("exposure.adam.m", views), Maps("exposure.adam.v", views),
             std::move(steps)};
+  }
+
+  /// Of one number for each of `n` Gaussians.
+  Buffer<float> Rows(const std::string& name, int64_t n) const {
+    const TensorEntry& entry = Typed(name, "F32");
+    if (entry.shape != std::vector<int64_t>{n}) {
+      throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), name, fmt::join(entry.shape, ", "), n);
+    }
+    Buffer<float> rows = Buffer<float>::Empty({n});
+    if (!entry.bytes.empty()) std::memcpy(rows.data(), entry.bytes.data(), entry.bytes.size());
+    return rows;
   }
 
   /// The five tensors of a group, each of `n` Gaussians.
@@ -210,6 +228,7 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
   add_stack("sampler.photos", checkpoint.sampler.photos);
   add_stack("sampler.proposals", checkpoint.sampler.proposals);
   AddExposures(checkpoint.exposures, &tensors);
+  AddDensify(checkpoint.densify, &tensors);
   std::string bytes =
       SerializeSafetensors(tensors, {{"format", kFormat},
                                      {"format_version", std::to_string(kFormatVersion)},
@@ -250,6 +269,8 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
                         reader.Number<uint64_t>("sampler.counter"), reader.Number<int64_t>("sampler.num_photos"),
                         reader.Number<int64_t>("sampler.num_proposals")};
   checkpoint.exposures = reader.Exposures();
+  if (reader.file.Has("densify.sum"))
+    checkpoint.densify = {reader.Rows("densify.sum", n), reader.Rows("densify.views", n)};
   checkpoint.seconds = reader.Number<double>("seconds");
   checkpoint.loss = reader.Number<double>("loss");
   checkpoint.options = reader.Json("options");

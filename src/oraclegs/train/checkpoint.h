@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/view_sampler.h"
@@ -20,6 +21,7 @@ struct Checkpoint {
   Adam adam{0};
   ViewSampler::State sampler;
   ExposureState exposures;  ///< empty, and absent from the file, where they are not trained
+  ScreenGradients densify;  ///< what densification goes by; empty, and absent from the file, where that is nothing
   double seconds = 0;       ///< training time so far
   double loss = 0;          ///< smoothed loss shown to the user
   nlohmann::json options;   ///< what the run was started with; resuming compares

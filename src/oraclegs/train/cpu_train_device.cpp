@@ -4,8 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "oraclegs/train/floaters.h"
-#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/densify.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/scale_cap.h"
@@ -20,6 +19,7 @@ struct StepConsumer final : GradientConsumer {
   Gaussians* gaussians;
   Regularizers* regularizers;
   std::optional<AdamStep> step;  // nothing: Gaussians stay, only the regularisers' value is wanted
+  bool adds_noise = false;
 
   StepConsumer(const Iteration& iteration_in, Gaussians* gaussians_in, Regularizers* regularizers_in)
       : iteration(iteration_in), gaussians(gaussians_in), regularizers(regularizers_in) {}
@@ -28,7 +28,7 @@ struct StepConsumer final : GradientConsumer {
     regularizers->AddTo(begin, end, grads);
     if (!step) return;
     step->Update(begin, end, grads);
-    if (iteration.refines) return;  // the noise comes after relocation and growth
+    if (!adds_noise) return;
     AddNoiseToBlock({iteration.seed, iteration.number, iteration.rates.means}, begin, end, gaussians);
   }
 };
@@ -36,7 +36,9 @@ struct StepConsumer final : GradientConsumer {
 class CpuTrainDevice final : public TrainDevice {
  public:
   explicit CpuTrainDevice(const TrainDeviceSetup& setup)
-      : options_(setup.options), plan_(setup.plan), view_loss_(plan_), rasterizer_(MakeRasterizer(kCpu)) {}
+      : options_(setup.options), plan_(setup.plan), view_loss_(plan_), rasterizer_(MakeRasterizer(kCpu)) {
+    densifier_->Restore({}, setup.start);
+  }
 
   Rasterizer& rasterizer() override { return *rasterizer_; }
   RenderTimings TimingsSoFar() const override { return rasterizer_->timings(); }
@@ -66,6 +68,8 @@ class CpuTrainDevice final : public TrainDevice {
     Gaussians* gaussians = &model->gaussians;
     regularizers_.Begin(*gaussians, {options_.opacity_reg, options_.scale_reg});
     StepConsumer consumer(iteration, gaussians, &regularizers_);
+    // In an iteration that refines the noise comes after relocation and growth.
+    consumer.adds_noise = densifier_->AddsNoise() && !iteration.refines;
     if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
     const double loss = loss_of_view_ + regularizers_.Value();
@@ -79,12 +83,10 @@ class CpuTrainDevice final : public TrainDevice {
     oraclegs::CapScales(camera_centers_, options_.largest_scale, &model->gaussians);
   }
 
-  void Refine(const Iteration& iteration, TrainedModel* model) override {
-    Gaussians* gaussians = &model->gaussians;
-    if (options_.prune_floaters) PruneFloaters(plan_.photos(), gaussians);
-    RelocateDead(iteration.seed, iteration.number, gaussians, &model->adam);
-    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians.value(), gaussians, &model->adam);
-    AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
+  void Refine(const Iteration& iteration, TrainedModel* model) override { densifier_->Refine(iteration, model); }
+  ScreenGradients densify_state() const override { return densifier_->state(); }
+  void RestoreDensify(const ScreenGradients& state, int64_t gaussians) override {
+    densifier_->Restore(state, gaussians);
   }
 
   LossReport Loss() override { return loss_; }
@@ -120,6 +122,7 @@ class CpuTrainDevice final : public TrainDevice {
   const LossPlan& plan_;
   ViewLoss view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
+  std::unique_ptr<Densifier> densifier_ = MakeDensifier({options_, plan_, rasterizer_.get()});
   std::vector<float> camera_centers_ = CameraCenters(plan_.photos());
   Regularizers regularizers_;
   Buffer<float> opacity_factors_;  // [N]

@@ -10,6 +10,9 @@ namespace oraclegs {
 
 std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSetup& setup) {
   if (device.is_cpu()) return MakeCpuTrainDevice(setup);
+  if (setup.options.baseline.densify != Densify::kMcmc) {
+    throw UsageError("--densify {} works on the CPU only; use --device cpu", Word(setup.options.baseline.densify));
+  }
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return cuda::MakeCudaTrainDevice(device, setup);
 #endif

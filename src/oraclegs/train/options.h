@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "oraclegs/core/options.h"
+#include "oraclegs/train/baselines/options.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
@@ -74,6 +75,7 @@ struct TrainOptions {
   int sh_degree = 3;
   bool antialiased = false;
   int random_points = 100000;
+  BaselineOptions baseline;
 
   /// Nothing automatic is left: it becomes what 3DGS has, which is off, and the usual sizes.
   TrainOptions Settled() const {
@@ -195,6 +197,7 @@ struct TrainOptions {
           "Iterations between relocations; auto = a fiftieth of them all, from 10 to 3DGS's 100", Range{1, 1e7});
     visit("refine-stop", self.refine_stop, "Fraction of the iterations after which relocation and growth end",
           Range{0, 1});
+    BaselineOptions::Visit(self.baseline, visit);
   }
 };
 

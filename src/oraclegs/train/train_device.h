@@ -63,8 +63,12 @@ class TrainDevice {
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
   /// scale_cap.h with --largest-scale, in iterations that cap scales, before Refine.
   virtual void CapScales(TrainedModel* model) = 0;
-  /// Floaters pruned where that is asked for, relocation, growth, noise.
+  /// What --densify does now and then: relocation, growth and noise, or clones, splits and removals.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
+  /// What of earlier iterations the next Refine goes by, on the CPU; empty where that is nothing.
+  virtual ScreenGradients densify_state() const { return {}; }
+  /// Of a model of so many Gaussians. Throws InputError when the state is of another number.
+  virtual void RestoreDensify(const ScreenGradients&, int64_t) {}
 
   /// Waits for the device. Throws RunError when the loss of an iteration since the last call was not finite.
   virtual LossReport Loss() = 0;

@@ -195,6 +195,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
   s.sampler.Restore(checkpoint.sampler);
   s.device->RestoreExposures(checkpoint.exposures);
   s.device->RestoreLoss(checkpoint.loss);
+  s.device->RestoreDensify(checkpoint.densify, n);
   s.iteration = checkpoint.iteration;
   s.model = {};  // first, so that two are never held at once
   s.model = s.device->Upload({checkpoint.gaussians, checkpoint.adam});
@@ -298,6 +299,7 @@ Checkpoint Trainer::MakeCheckpoint() const {
   checkpoint.adam = std::move(model.adam);
   checkpoint.sampler = s.sampler.state();
   checkpoint.exposures = s.device->exposures();
+  checkpoint.densify = s.device->densify_state();
   checkpoint.seconds = s.seconds;
   checkpoint.loss = s.device->Loss().smoothed;
   checkpoint.options = s.run_options;

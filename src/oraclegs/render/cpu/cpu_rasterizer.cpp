@@ -105,6 +105,10 @@ class CpuRasterizer final : public Rasterizer {
     timings_.gaussian_backward = clock.Lap();
   }
 
+  void WatchScreen(const ScreenGradients* watched) override {
+    watched_ = watched == nullptr ? ScreenGradients() : *watched;
+  }
+
   RenderTimings timings() const override { return timings_; }
   RenderStats stats() const override { return stats_; }
 
@@ -145,7 +149,13 @@ class CpuRasterizer final : public Rasterizer {
     stats_.pixel_pairs_backward =
         SumOverTiles([&](int64_t tile) { return BlendTileBackward(Work(tile), blend_, up, records_.data()); });
     timings_.blend_backward = clock.Lap();
-    return {lists_.ranges.data(), lists_.pair_tile.data(), records_.data(), splats_.data()};
+    if (watched_.sum.defined()) {
+      for (const Buffer<float>* watched : {&watched_.sum, &watched_.views}) {
+        RequireShape("Rasterizer", "watched screen gradients", *watched, {gaussians.size()});
+      }
+    }
+    return {lists_.ranges.data(), lists_.pair_tile.data(), records_.data(),
+            splats_.data(),       watched_.sum.data(),     watched_.views.data()};
   }
 
   ProjectInput input_{};
@@ -159,6 +169,7 @@ class CpuRasterizer final : public Rasterizer {
   ScratchArray<uint32_t> end_;
   ScratchArray<float> records_;  // one cache line a pair
   int64_t trained_size_ = -1;
+  ScreenGradients watched_;  // undefined = none
   RenderTimings timings_;
   RenderStats stats_;
 };

@@ -99,6 +99,8 @@ struct GradInput {
   const uint32_t* pair_tile;  ///< tile number, for its centre
   const float* records;       ///< one a pair
   const LineSplat* splats;
+  float* screen_sums = nullptr;   ///< [N] ScreenGradients::sum and
+  float* screen_views = nullptr;  ///< views, which are added to; null = nobody wants them
 };
 
 /// Sums the records of Gaussians [begin, end) in a fixed order and carries them back to the raw parameters. `out` holds

@@ -8,6 +8,7 @@
 // clang-format on
 #include <hwy/highway.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "oraclegs/core/simd/lanes-inl.h"
@@ -279,6 +280,26 @@ HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lan
           (gd.z - direction.z * radial) * inv_distance};
 }
 
+/// Where one vector's share of the screen gradients goes.
+struct ScreenLanes {
+  const cpu::GradInput& grads;
+  int64_t first;  ///< Gaussian of lane 0
+  int count;
+};
+HWY_INLINE void AddScreenGradients(const ProjectedGrad<Lanes>& g, const SplatCamera<float>& camera,
+                                   const ScreenLanes& lanes) {
+  const FloatTag d;
+  HWY_ALIGN float x[kLanes], y[kLanes];
+  hn::Store((g.mx * Lanes(0.5f * static_cast<float>(camera.width))).v, d, x);
+  hn::Store((g.my * Lanes(0.5f * static_cast<float>(camera.height))).v, d, y);
+  for (int lane = 0; lane < lanes.count; ++lane) {
+    const int64_t i = lanes.first + lane;
+    if (lanes.grads.ranges[i].count == 0) continue;
+    lanes.grads.screen_sums[i] += std::sqrt(x[lane] * x[lane] + y[lane] * y[lane]);
+    lanes.grads.screen_views[i] += 1;
+  }
+}
+
 HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::GradInput& grads, int64_t begin,
                                         int64_t end, const GaussianRows& out) {
   const FloatTag d;
@@ -317,6 +338,7 @@ HWY_NOINLINE void ProjectSplatsBackward(const cpu::ProjectInput& in, const cpu::
     // under the logarithm, so this is the derivative by the opacity without it.
     g.opacity = m.h / p.opacity;
     g.inv_z = m.inv_z;
+    if (grads.screen_sums) AddScreenGradients(g, camera, {grads, i, count});
     const RawGrad<Lanes> raw_grad = ProjectBackward(chain, camera, g);
     const LaneGroup group{i, count, Lanes(hn::Load(d, seen)) > Lanes(0.f)};
     const Vec3<Lanes> from_color = ColorBackward(in, raw.mean, {m.r, m.g, m.b}, group, rows.sh);

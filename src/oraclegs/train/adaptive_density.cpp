@@ -1,0 +1,197 @@
+#include "oraclegs/train/adaptive_density.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "oraclegs/camera/scene_bounds.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/gaussians/selection.h"
+#include "oraclegs/train/train_math.h"
+
+namespace oraclegs {
+namespace {
+
+double LargestScale(const Gaussians& gaussians, int64_t i) {
+  const float* s = gaussians.log_scales.data() + 3 * i;
+  return std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
+}
+
+/// Three standard normal numbers (Box and Muller's), a function of seed, iteration and number.
+std::array<double, 3> Normals(const DensityControl& control, uint64_t number) {
+  constexpr double kTwoPi = 6.283185307179586;
+  std::array<double, 4> normals{};
+  const auto stream = static_cast<uint64_t>(RandomStream::kSplit);
+  const Philox r = Philox::Draw(control.seed, stream, static_cast<uint64_t>(control.iteration) << 32 | number);
+  for (size_t pair = 0; pair < 2; ++pair) {
+    const double u = static_cast<double>(OpenUniform(r.x[2 * pair]));
+    const double v = static_cast<double>(OpenUniform(r.x[2 * pair + 1]));
+    const double radius = std::sqrt(-2 * std::log(u));
+    normals[2 * pair] = radius * std::cos(kTwoPi * v);
+    normals[2 * pair + 1] = radius * std::sin(kTwoPi * v);
+  }
+  return {normals[0], normals[1], normals[2]};
+}
+
+/// R(q) x.
+std::array<double, 3> Rotate(const float* quat, const std::array<double, 3>& x) {
+  double w = quat[0], a = quat[1], b = quat[2], c = quat[3];
+  const double norm = std::sqrt(w * w + a * a + b * b + c * c);
+  if (norm > 0) w /= norm, a /= norm, b /= norm, c /= norm;
+  return {(1 - 2 * (b * b + c * c)) * x[0] + 2 * (a * b - w * c) * x[1] + 2 * (a * c + w * b) * x[2],
+          2 * (a * b + w * c) * x[0] + (1 - 2 * (a * a + c * c)) * x[1] + 2 * (b * c - w * a) * x[2],
+          2 * (a * c - w * b) * x[0] + 2 * (b * c + w * a) * x[1] + (1 - 2 * (a * a + b * b)) * x[2]};
+}
+
+/// Which Gaussians become two: each clone and each split is one more in the end.
+std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<float>& gradients) {
+  std::vector<int64_t> pulled;
+  for (size_t i = 0; i < gradients.size(); ++i) {
+    if (static_cast<double>(gradients[i]) >= control.gradient) pulled.push_back(static_cast<int64_t>(i));
+  }
+  const auto room =
+      static_cast<size_t>(std::max<int64_t>(0, control.max_gaussians - static_cast<int64_t>(gradients.size())));
+  if (pulled.size() <= room) return pulled;
+  const auto harder = [&](int64_t a, int64_t b) {
+    const float ga = gradients[static_cast<size_t>(a)], gb = gradients[static_cast<size_t>(b)];
+    return ga != gb ? ga > gb : a < b;
+  };
+  std::sort(pulled.begin(), pulled.end(), harder);
+  pulled.resize(room);
+  std::sort(pulled.begin(), pulled.end());
+  return pulled;
+}
+
+void ZeroMoments(int64_t begin, int64_t end, Adam* adam) {
+  for (Gaussians* moments : {&adam->m, &adam->v}) {
+    moments->ForEach([&](const char*, Buffer<float>& t) { t.Rows(begin, end).SetZero(); });
+  }
+}
+
+/// One half of a Gaussian that is split, in its place.
+void MoveToHalf(const DensityControl& control, uint64_t number, int64_t row, Gaussians* gaussians) {
+  float* mean = gaussians->means.data() + 3 * row;
+  float* log_scales = gaussians->log_scales.data() + 3 * row;
+  std::array<double, 3> offset = Normals(control, number);
+  for (size_t axis = 0; axis < 3; ++axis) offset[axis] *= std::exp(static_cast<double>(log_scales[axis]));
+  offset = Rotate(gaussians->quats.data() + 4 * row, offset);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    mean[axis] = static_cast<float>(static_cast<double>(mean[axis]) + offset[axis]);
+    log_scales[axis] = static_cast<float>(static_cast<double>(log_scales[axis]) - std::log(kSplitShrink));
+  }
+}
+
+/// The rows that stay: no whole that was split, nothing transparent, nothing too large.
+std::vector<int64_t> RowsThatStay(const DensityControl& control, const std::vector<bool>& is_split,
+                                  const Gaussians& gaussians) {
+  std::vector<int64_t> rows;
+  int64_t most_opaque = 0;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    const float logit = gaussians.opacity_logits[i];
+    if (logit > gaussians.opacity_logits[most_opaque]) most_opaque = i;
+    if (static_cast<size_t>(i) < is_split.size() && is_split[static_cast<size_t>(i)]) continue;
+    if (OpacityOf(logit) < kPrunedOpacity) continue;
+    if (control.removes_large && LargestScale(gaussians, i) > kLargeShare * control.extent) continue;
+    rows.push_back(i);
+  }
+  if (rows.empty()) rows.push_back(most_opaque);
+  return rows;
+}
+
+class AdaptiveDensifier final : public Densifier {
+ public:
+  explicit AdaptiveDensifier(const DensifierSetup& setup)
+      : options_(setup.options),
+        rasterizer_(setup.rasterizer),
+        extent_(kCameraExtentShare * SpatialExtent(Cameras(setup.plan.photos()))) {}
+  ~AdaptiveDensifier() override { rasterizer_->WatchScreen(nullptr); }
+
+  bool AddsNoise() const override { return false; }
+
+  void Refine(const Iteration& iteration, TrainedModel* model) override {
+    const int64_t n = model->gaussians.size();
+    std::vector<float> gradients(static_cast<size_t>(n), 0);
+    for (int64_t i = 0; i < n; ++i) {
+      if (screen_.views[i] > 0) gradients[static_cast<size_t>(i)] = screen_.sum[i] / screen_.views[i];
+    }
+    const int64_t reset = options_.baseline.opacity_reset;
+    DensityControl control{iteration.seed, iteration.number, options_.baseline.densify_gradient, extent_,
+                           options_.max_gaussians.value()};
+    control.removes_large = reset > 0 && iteration.number > reset;
+    ControlDensity(control, gradients, &model->gaussians, &model->adam);
+    if (reset > 0 && iteration.number % reset == 0) ResetOpacities(&model->gaussians, &model->adam);
+    Restore({}, model->gaussians.size());
+  }
+
+  ScreenGradients state() const override { return {screen_.sum.Clone(), screen_.views.Clone()}; }
+
+  void Restore(const ScreenGradients& state, int64_t gaussians) override {
+    const bool is_new = !state.sum.defined();
+    if (!is_new && (state.sum.count() != gaussians || state.views.count() != gaussians)) {
+      throw InputError("the checkpoint holds screen gradients of {} of {} Gaussians; start anew with --overwrite",
+                       state.sum.count(), gaussians);
+    }
+    screen_ = is_new ? ScreenGradients{Buffer<float>::Zeros({gaussians}), Buffer<float>::Zeros({gaussians})}
+                     : ScreenGradients{state.sum.Clone(), state.views.Clone()};
+    rasterizer_->WatchScreen(&screen_);
+  }
+
+ private:
+  const TrainOptions& options_;
+  Rasterizer* rasterizer_;
+  double extent_;
+  ScreenGradients screen_;
+};
+
+}  // namespace
+
+DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
+                             Adam* adam) {
+  gaussians->Check("ControlDensity");
+  const int64_t n = gaussians->size();
+  if (static_cast<int64_t>(gradients.size()) != n || adam->m.size() != n || adam->v.size() != n) {
+    throw ShapeError("ControlDensity: {} gradients and moments of {} and {}, expected {}", gradients.size(),
+                     adam->m.size(), adam->v.size(), n);
+  }
+  std::vector<int64_t> clones, splits;
+  for (const int64_t i : Pulled(control, gradients)) {
+    (LargestScale(*gaussians, i) <= kDenseShare * control.extent ? clones : splits).push_back(i);
+  }
+  DensityChange change{static_cast<int64_t>(clones.size()), static_cast<int64_t>(splits.size())};
+
+  std::vector<int64_t> rows(static_cast<size_t>(n));
+  for (int64_t i = 0; i < n; ++i) rows[static_cast<size_t>(i)] = i;
+  rows.insert(rows.end(), clones.begin(), clones.end());
+  for (int copy = 0; copy < 2; ++copy) rows.insert(rows.end(), splits.begin(), splits.end());
+  KeepRows(rows, gaussians, adam);
+  const auto all = static_cast<int64_t>(rows.size());
+  ZeroMoments(n, all, adam);
+  const int64_t halves = n + change.cloned;
+  for (int64_t row = halves; row < all; ++row) {
+    MoveToHalf(control, static_cast<uint64_t>(row - halves), row, gaussians);
+  }
+
+  std::vector<bool> is_split(static_cast<size_t>(n), false);
+  for (const int64_t i : splits) is_split[static_cast<size_t>(i)] = true;
+  const std::vector<int64_t> left = RowsThatStay(control, is_split, *gaussians);
+  change.removed = all - change.split - static_cast<int64_t>(left.size());
+  KeepRows(left, gaussians, adam);
+  return change;
+}
+
+void ResetOpacities(Gaussians* gaussians, Adam* adam) {
+  const auto most = static_cast<float>(LogitOf(kResetOpacity));
+  for (float& logit : gaussians->opacity_logits.span()) logit = std::min(logit, most);
+  adam->m.opacity_logits.SetZero();
+  adam->v.opacity_logits.SetZero();
+}
+
+void KeepRows(const std::vector<int64_t>& rows, Gaussians* gaussians, Adam* adam) {
+  for (Gaussians* group : {gaussians, &adam->m, &adam->v}) *group = Picked(*group, rows);
+}
+
+std::unique_ptr<Densifier> MakeAdaptiveDensifier(const DensifierSetup& setup) {
+  return std::make_unique<AdaptiveDensifier>(setup);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,51 @@
+#pragma once
+// Adaptive density control [Kerbl 2023, section 5.2]: Gaussians that the photos pull at are cloned where they are small
+// and split where they are large, the transparent ones are removed, and opacities are reset now and then. Constants and
+// order are those of the authors' program.
+
+#include <memory>
+#include <vector>
+
+#include "oraclegs/train/densify.h"
+
+namespace oraclegs {
+
+inline constexpr double kDenseShare = 0.01;        ///< of the extent; larger Gaussians are split, others are cloned
+inline constexpr double kSplitShrink = 1.6;        ///< scales of the two halves are divided by it
+inline constexpr double kPrunedOpacity = 0.005;    ///< below: removed
+inline constexpr double kLargeShare = 0.1;         ///< of the extent; larger ones are removed after the first reset
+inline constexpr double kResetOpacity = 0.01;      ///< most opacity that a reset leaves
+inline constexpr double kCameraExtentShare = 1.1;  ///< the authors' extent, in units of SpatialExtent
+
+/// What one refinement goes by.
+struct DensityControl {
+  uint64_t seed = 0;
+  int64_t iteration = 0;
+  double gradient = 0.0002;  ///< from which a Gaussian is cloned or split
+  double extent = 1;         ///< of the scene, world units
+  int64_t max_gaussians = 0;
+  bool removes_large = false;  ///< those of more than kLargeShare
+};
+
+struct DensityChange {
+  int64_t cloned = 0, split = 0, removed = 0;
+};
+
+/// Clones, splits and removes. gradients: [N] mean ScreenGradients. A clone stands behind the others with zero moments;
+/// the original keeps its own. A Gaussian that is split gives way to two, drawn from its own density, of scales
+/// 1 / kSplitShrink, with zero moments. Where `max_gaussians` leaves no room for all, those of the largest gradients
+/// come first. Removed is what is below kPrunedOpacity, and what is too large; never all of them. Both structs get new
+/// memory. Throws ShapeError.
+DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
+                             Adam* adam);
+
+/// Opacities above kResetOpacity fall to it; the moments of all opacities become zero.
+void ResetOpacities(Gaussians* gaussians, Adam* adam);
+
+/// Keeps the Gaussians of these rows, with their moments, in this order.
+void KeepRows(const std::vector<int64_t>& rows, Gaussians* gaussians, Adam* adam);
+
+/// The densifier of --densify adaptive: watches the screen gradients, then refines by them.
+std::unique_ptr<Densifier> MakeAdaptiveDensifier(const DensifierSetup& setup);
+
+}  // namespace oraclegs

@@ -1,0 +1,45 @@
+#pragma once
+// What published methods for few photos do that this program's own training does not (docs/baselines.md).
+
+#include "oraclegs/core/options.h"
+
+namespace oraclegs {
+
+/// How Gaussians become more and find their places.
+enum class Densify {
+  kMcmc,      ///< relocation and growth by opacity, noise on positions [Kheradmand 2024]
+  kAdaptive,  ///< clone, split, prune and reset of opacities [Kerbl 2023]
+};
+template <>
+struct EnumWords<Densify> {
+  static constexpr EnumWord<Densify> kWords[] = {{Densify::kMcmc, "mcmc"}, {Densify::kAdaptive, "adaptive"}};
+};
+
+/// Parts of other methods, all off; on a CPU only.
+struct BaselineOptions {
+  Densify densify = Densify::kMcmc;
+  double densify_gradient = 0.0002;
+  int opacity_reset = 3000;
+  int unpool_until = 0;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("densify", self.densify,
+          "How Gaussians become more: mcmc = dead ones move to living ones, all move at random (3DGS-MCMC, Kheradmand "
+          "et al. 2024); adaptive = those that the photos pull at are cloned or split, the transparent ones are "
+          "removed, opacities are reset (3DGS, Kerbl et al. 2023), on the CPU only");
+    visit("densify-gradient", self.densify_gradient,
+          "Of --densify adaptive: mean gradient of a Gaussian's place in the image, in units of half the image, from "
+          "which it is cloned or split",
+          Range{1e-9, 1});
+    visit("opacity-reset", self.opacity_reset,
+          "Of --densify adaptive: iterations between resets of all opacities to at most 0.01; 0 = never",
+          Range{0, 1e7});
+    visit("unpool-until", self.unpool_until,
+          "Of --densify adaptive: up to this iteration Gaussians that stand alone grow new ones halfway to their three "
+          "neighbors (FSGS, Zhu et al., ECCV 2024, uses 2000); 0 = never",
+          Range{0, 1e7});
+  }
+};
+
+}  // namespace oraclegs

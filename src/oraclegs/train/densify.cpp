@@ -1,0 +1,39 @@
+#include "oraclegs/train/densify.h"
+
+#include "oraclegs/train/adaptive_density.h"
+#include "oraclegs/train/floaters.h"
+#include "oraclegs/train/mcmc.h"
+#include "oraclegs/train/noise.h"
+
+namespace oraclegs {
+namespace {
+
+class McmcDensifier final : public Densifier {
+ public:
+  explicit McmcDensifier(const DensifierSetup& setup) : options_(setup.options), plan_(setup.plan) {}
+
+  bool AddsNoise() const override { return true; }
+
+  void Refine(const Iteration& iteration, TrainedModel* model) override {
+    Gaussians* gaussians = &model->gaussians;
+    if (options_.prune_floaters) PruneFloaters(plan_.photos(), gaussians);
+    RelocateDead(iteration.seed, iteration.number, gaussians, &model->adam);
+    AddGaussians(iteration.seed, iteration.number, options_.max_gaussians.value(), gaussians, &model->adam);
+    AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
+  }
+
+  void Restore(const ScreenGradients&, int64_t) override {}
+
+ private:
+  const TrainOptions& options_;
+  const LossPlan& plan_;
+};
+
+}  // namespace
+
+std::unique_ptr<Densifier> MakeDensifier(const DensifierSetup& setup) {
+  if (setup.options.baseline.densify == Densify::kAdaptive) return MakeAdaptiveDensifier(setup);
+  return std::make_unique<McmcDensifier>(setup);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,38 @@
+#pragma once
+// How the number and the places of the Gaussians change on a CPU. (A GPU has 3DGS-MCMC alone, train/cuda/refine.h.)
+
+#include <memory>
+
+#include "oraclegs/render/render.h"
+#include "oraclegs/train/loss_terms.h"
+#include "oraclegs/train/train_device.h"
+
+namespace oraclegs {
+
+class Densifier {
+ public:
+  virtual ~Densifier() = default;
+
+  /// Whether positions get the noise of 3DGS-MCMC in every iteration.
+  virtual bool AddsNoise() const = 0;
+
+  /// After the step of an iteration that refines.
+  virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
+
+  /// What of earlier iterations the next refinement goes by; empty where that is nothing.
+  virtual ScreenGradients state() const { return {}; }
+  /// Of a model of so many Gaussians; an empty state begins anew. Throws InputError when it is of another number.
+  virtual void Restore(const ScreenGradients& state, int64_t gaussians) = 0;
+};
+
+/// What a densifier works on, which outlives it.
+struct DensifierSetup {
+  const TrainOptions& options;  ///< settled
+  const LossPlan& plan;
+  Rasterizer* rasterizer;
+};
+
+/// Of --densify.
+std::unique_ptr<Densifier> MakeDensifier(const DensifierSetup& setup);
+
+}  // namespace oraclegs

@@ -1,0 +1,181 @@
+#include "oraclegs/train/adaptive_density.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/buffers.h"
+#include "support/temp_dir.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+/// Of one size, opaque, apart from each other.
+Gaussians Row(int64_t n, double scale) {
+  Gaussians g = RandomGaussians(n, 5);
+  for (int64_t i = 0; i < n; ++i) g.means[3 * i] = static_cast<float>(10 * i);
+  Flat(g.log_scales).setConstant(static_cast<float>(std::log(scale)));
+  g.opacity_logits.SetZero();
+  return g;
+}
+
+Adam Moments(int64_t n) {
+  Adam adam(n);
+  adam.m = RandomGaussians(n, 91);
+  adam.v = RandomGaussians(n, 92);
+  return adam;
+}
+
+DensityControl Control(double extent = 1) {
+  DensityControl control{3, 600, 0.0002, extent, 1000};
+  return control;
+}
+
+TEST(ControlDensity, ClonesWhatIsSmallAndPulledAt) {
+  Gaussians g = Row(3, 0.005);
+  Adam adam = Moments(3);
+  const Gaussians before = g.Clone();
+  const Gaussians m = adam.m.Clone();
+  const DensityChange change = ControlDensity(Control(), {0.0001f, 0.0003f, 0}, &g, &adam);
+  EXPECT_EQ(change.cloned, 1);
+  EXPECT_EQ(change.split, 0);
+  EXPECT_EQ(change.removed, 0);
+  ASSERT_EQ(g.size(), 4);
+  EXPECT_TRUE(Equal(g.means.Rows(0, 3), before.means));
+  EXPECT_TRUE(Equal(g.means.Rows(3, 4), before.means.Rows(1, 2)));
+  EXPECT_TRUE(Equal(g.sh.Rows(3, 4), before.sh.Rows(1, 2)));
+  EXPECT_TRUE(Equal(g.log_scales.Rows(3, 4), before.log_scales.Rows(1, 2)));
+  EXPECT_TRUE(Equal(adam.m.sh.Rows(0, 3), m.sh)) << "the original keeps its moments";
+  EXPECT_EQ(Flat(adam.m.sh.Rows(3, 4)).abs().maxCoeff(), 0);
+  EXPECT_EQ(Flat(adam.v.means.Rows(3, 4)).abs().maxCoeff(), 0);
+}
+
+TEST(ControlDensity, SplitsWhatIsLargeIntoTwoOfItsOwnDensity) {
+  Gaussians g = Row(2, 0.5);
+  Adam adam = Moments(2);
+  const Gaussians before = g.Clone();
+  const DensityChange change = ControlDensity(Control(), {0, 0.0003f}, &g, &adam);
+  EXPECT_EQ(change.split, 1);
+  ASSERT_EQ(g.size(), 3);
+  EXPECT_TRUE(Equal(g.means.Rows(0, 1), before.means.Rows(0, 1)));
+  for (int64_t half : {1, 2}) {
+    EXPECT_NEAR(g.log_scales[3 * half], std::log(0.5 / 1.6), 1e-6);
+    EXPECT_TRUE(Equal(g.quats.Rows(half, half + 1), before.quats.Rows(1, 2)));
+    EXPECT_EQ(g.opacity_logits[half], 0);
+  }
+  EXPECT_FALSE(Equal(g.means.Rows(1, 2), g.means.Rows(2, 3)));
+}
+
+TEST(ControlDensity, HalvesAreDrawnFromTheGaussian) {
+  constexpr int64_t kMany = 4000;
+  Gaussians g = Row(kMany, 1);
+  for (int64_t i = 0; i < kMany; ++i) {  // along y after a quarter turn about z
+    g.log_scales[3 * i] = std::log(2.f), g.log_scales[3 * i + 1] = std::log(0.5f);
+    g.quats[4 * i] = g.quats[4 * i + 3] = 1, g.quats[4 * i + 1] = g.quats[4 * i + 2] = 0;
+  }
+  g.means.SetZero();
+  Adam adam(kMany);
+  DensityControl control = Control();
+  control.max_gaussians = 2 * kMany;
+  ControlDensity(control, std::vector<float>(kMany, 1.f), &g, &adam);
+  ASSERT_EQ(g.size(), 2 * kMany);
+  double squares[3] = {};
+  for (int64_t i = 0; i < g.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) squares[axis] += std::pow(static_cast<double>(g.means[3 * i + axis]), 2);
+  }
+  EXPECT_NEAR(std::sqrt(squares[0] / (2 * kMany)), 0.5, 0.02);  // 3 sigma
+  EXPECT_NEAR(std::sqrt(squares[1] / (2 * kMany)), 2, 0.06);
+  EXPECT_NEAR(std::sqrt(squares[2] / (2 * kMany)), 1, 0.03);
+}
+
+TEST(ControlDensity, RemovesTheTransparentAndLaterTheLarge) {
+  Gaussians g = Row(3, 0.005);
+  g.opacity_logits[0] = static_cast<float>(std::log(0.004 / 0.996));
+  Flat(g.log_scales.Rows(2, 3)).setConstant(std::log(0.2f));
+  Gaussians late = g.Clone();
+  Adam adam = Moments(3), late_adam = Moments(3);
+  EXPECT_EQ(ControlDensity(Control(), {0, 0, 0}, &g, &adam).removed, 1);
+  EXPECT_EQ(g.size(), 2);
+  DensityControl control = Control();
+  control.removes_large = true;
+  EXPECT_EQ(ControlDensity(control, {0, 0, 0}, &late, &late_adam).removed, 2);
+  ASSERT_EQ(late.size(), 1);
+  EXPECT_EQ(late.means[0], 10);
+  EXPECT_EQ(late_adam.m.size(), 1);
+}
+
+TEST(ControlDensity, NeverRemovesAllAndNeverExceedsTheMost) {
+  Gaussians none = Row(2, 0.005);
+  Flat(none.opacity_logits).setConstant(-9);
+  none.opacity_logits[1] = -8;
+  Adam adam = Moments(2);
+  ControlDensity(Control(), {0, 0}, &none, &adam);
+  ASSERT_EQ(none.size(), 1);
+  EXPECT_EQ(none.opacity_logits[0], -8);
+
+  Gaussians g = Row(4, 0.005);
+  adam = Moments(4);
+  DensityControl control = Control();
+  control.max_gaussians = 5;
+  EXPECT_EQ(ControlDensity(control, {1, 3, 2, 3}, &g, &adam).cloned, 1);
+  ASSERT_EQ(g.size(), 5);
+  EXPECT_EQ(g.means[12], 10) << "the first of those pulled at hardest";
+}
+
+TEST(ControlDensity, RefusesGradientsOfOthers) {
+  Gaussians g = Row(3, 0.005);
+  Adam adam = Moments(3);
+  EXPECT_THROW(ControlDensity(Control(), {0, 0}, &g, &adam), ShapeError);
+}
+
+TEST(ResetOpacities, LowersThemAndForgetsTheirMoments) {
+  Gaussians g = Row(2, 1);
+  g.opacity_logits[1] = -7;
+  Adam adam = Moments(2);
+  const Buffer<float> means = adam.m.means.Clone();
+  ResetOpacities(&g, &adam);
+  EXPECT_NEAR(1 / (1 + std::exp(-g.opacity_logits[0])), 0.01, 1e-6);
+  EXPECT_EQ(g.opacity_logits[1], -7);
+  EXPECT_EQ(Flat(adam.m.opacity_logits).abs().maxCoeff() + Flat(adam.v.opacity_logits).abs().maxCoeff(), 0);
+  EXPECT_TRUE(Equal(adam.m.means, means));
+}
+
+TrainOptions Adaptive(int iterations) {
+  TrainOptions options = Options(iterations);
+  options.baseline.densify = Densify::kAdaptive;
+  options.baseline.opacity_reset = 60;
+  options.opacity_reg = options.scale_reg = 0;
+  options.largest_scale = 0;
+  options.max_gaussians = 500;
+  return options;
+}
+
+TEST(TrainerAdaptiveTest, GrowsWherePhotosPullAndTheSameForAnyThreads) {
+  const auto train = [] {
+    Trainer trainer(Adaptive(100), kSeed, {0, 0, 0}, Photos(3), Start());
+    trainer.Run({}, Silent());
+    return trainer.gaussians().Clone();
+  };
+  const Gaussians trained = train();
+  EXPECT_GT(trained.size(), 80);
+  EXPECT_LE(trained.size(), 500);
+  const Threads scope(3);
+  EXPECT_TRUE(SameBits(train(), trained));
+}
+
+TEST(TrainerAdaptiveTest, ResumingBetweenRefinementsGivesTheBitsOfAnUninterruptedRun) {
+  TempDir dir;
+  Trainer whole(Adaptive(90), kSeed, {0, 0, 0}, Photos(3), Start());
+  whole.Run({dir.path(), 45, {}}, Silent());
+  Trainer resumed(Adaptive(90), kSeed, {0, 0, 0}, Photos(3), Start());
+  const Checkpoint checkpoint = ReadCheckpoint(CheckpointPath(dir.path(), 45));
+  EXPECT_GT(Flat(checkpoint.densify.views).maxCoeff(), 0);
+  resumed.Restore(checkpoint);
+  resumed.Run({}, Silent());
+  EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));
+}
+
+}  // namespace
+}  // namespace oraclegs
