@@ -82,14 +82,13 @@ void MoveToHalf(const DensityControl& control, uint64_t number, int64_t row, Gau
 }
 
 /// The rows that stay: no whole that was split, nothing transparent, nothing too large.
-std::vector<int64_t> RowsThatStay(const DensityControl& control, const std::vector<bool>& is_split,
-                                  const Gaussians& gaussians) {
+std::vector<int64_t> RowsThatStay(const DensityControl& control, std::vector<bool> keep, const Gaussians& gaussians) {
   std::vector<int64_t> rows;
   int64_t most_opaque = 0;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
     const float logit = gaussians.opacity_logits[i];
     if (logit > gaussians.opacity_logits[most_opaque]) most_opaque = i;
-    if (static_cast<size_t>(i) < is_split.size() && is_split[static_cast<size_t>(i)]) continue;
+    if (!keep[static_cast<size_t>(i)]) continue;
     if (OpacityOf(logit) < kPrunedOpacity) continue;
     if (control.removes_large && LargestScale(gaussians, i) > kLargeShare * control.extent) continue;
     rows.push_back(i);
@@ -103,12 +102,18 @@ class AdaptiveDensifier final : public Densifier {
   explicit AdaptiveDensifier(const DensifierSetup& setup)
       : options_(setup.options),
         rasterizer_(setup.rasterizer),
+        parts_(setup.parts),
         extent_(kCameraExtentShare * SpatialExtent(Cameras(setup.plan.photos()))) {}
   ~AdaptiveDensifier() override { rasterizer_->WatchScreen(nullptr); }
 
   bool AddsNoise() const override { return false; }
 
   void Refine(const Iteration& iteration, TrainedModel* model) override {
+    if (iteration.refines) Control(iteration, model);
+    if (iteration.resets_opacities) ResetOpacities(&model->gaussians, &model->adam);
+  }
+
+  void Control(const Iteration& iteration, TrainedModel* model) {
     const int64_t n = model->gaussians.size();
     std::vector<float> gradients(static_cast<size_t>(n), 0);
     for (int64_t i = 0; i < n; ++i) {
@@ -117,9 +122,11 @@ class AdaptiveDensifier final : public Densifier {
     const int64_t reset = options_.baseline.opacity_reset;
     DensityControl control{iteration.seed, iteration.number, options_.baseline.densify_gradient, extent_,
                            options_.max_gaussians.value()};
-    control.removes_large = reset > 0 && iteration.number > reset;
-    ControlDensity(control, gradients, &model->gaussians, &model->adam);
-    if (reset > 0 && iteration.number % reset == 0) ResetOpacities(&model->gaussians, &model->adam);
+    control.removes_large = !options_.baseline.keep_large && reset > 0 && iteration.number > reset;
+    const auto also = [&](const Gaussians& gaussians, std::vector<bool>* keep) {
+      for (const std::shared_ptr<MethodPart>& part : parts_) part->Prune(iteration, gaussians, keep);
+    };
+    ControlDensity(control, gradients, &model->gaussians, &model->adam, also);
     Restore({}, model->gaussians.size());
   }
 
@@ -139,6 +146,7 @@ class AdaptiveDensifier final : public Densifier {
  private:
   const TrainOptions& options_;
   Rasterizer* rasterizer_;
+  const MethodParts& parts_;
   double extent_;
   ScreenGradients screen_;
 };
@@ -146,7 +154,7 @@ class AdaptiveDensifier final : public Densifier {
 }  // namespace
 
 DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
-                             Adam* adam) {
+                             Adam* adam, const AlsoRemove& also) {
   gaussians->Check("ControlDensity");
   const int64_t n = gaussians->size();
   if (static_cast<int64_t>(gradients.size()) != n || adam->m.size() != n || adam->v.size() != n) {
@@ -171,9 +179,10 @@ DensityChange ControlDensity(const DensityControl& control, const std::vector<fl
     MoveToHalf(control, static_cast<uint64_t>(row - halves), row, gaussians);
   }
 
-  std::vector<bool> is_split(static_cast<size_t>(n), false);
-  for (const int64_t i : splits) is_split[static_cast<size_t>(i)] = true;
-  const std::vector<int64_t> left = RowsThatStay(control, is_split, *gaussians);
+  std::vector<bool> keep(static_cast<size_t>(all), true);
+  if (also) also(*gaussians, &keep);
+  for (const int64_t i : splits) keep[static_cast<size_t>(i)] = false;
+  const std::vector<int64_t> left = RowsThatStay(control, keep, *gaussians);
   change.removed = all - change.split - static_cast<int64_t>(left.size());
   KeepRows(left, gaussians, adam);
   return change;

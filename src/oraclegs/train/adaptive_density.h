@@ -3,6 +3,7 @@
 // and split where they are large, the transparent ones are removed, and opacities are reset now and then. Constants and
 // order are those of the authors' program.
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct DensityControl {
   bool removes_large = false;  ///< those of more than kLargeShare
 };
 
+/// Which Gaussians are removed beside those that ControlDensity finds: keep[i] becomes false.
+using AlsoRemove = std::function<void(const Gaussians& gaussians, std::vector<bool>* keep)>;
+
 struct DensityChange {
   int64_t cloned = 0, split = 0, removed = 0;
 };
@@ -34,10 +38,10 @@ struct DensityChange {
 /// Clones, splits and removes. gradients: [N] mean ScreenGradients. A clone stands behind the others with zero moments;
 /// the original keeps its own. A Gaussian that is split gives way to two, drawn from its own density, of scales
 /// 1 / kSplitShrink, with zero moments. Where `max_gaussians` leaves no room for all, those of the largest gradients
-/// come first. Removed is what is below kPrunedOpacity, and what is too large; never all of them. Both structs get new
-/// memory. Throws ShapeError.
+/// come first. Removed is what is below kPrunedOpacity, what is too large, and what `also` says of the Gaussians with
+/// clones and halves; never all of them. Both structs get new memory. Throws ShapeError.
 DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
-                             Adam* adam);
+                             Adam* adam, const AlsoRemove& also = {});
 
 /// Opacities above kResetOpacity fall to it; the moments of all opacities become zero.
 void ResetOpacities(Gaussians* gaussians, Adam* adam);

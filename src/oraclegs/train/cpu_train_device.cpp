@@ -13,12 +13,26 @@
 namespace oraclegs {
 namespace {
 
+/// grads += the rows [begin, end) of `more`.
+void AddRows(const Gaussians& more, int64_t begin, int64_t end, const GaussianRows& grads) {
+  const GaussianRows rows = more.Rows().From(begin);
+  const auto add = [&](const float* from, float* to, int64_t row) {
+    for (int64_t i = 0; i < row * (end - begin); ++i) to[i] += from[i];
+  };
+  add(rows.means, grads.means, 3);
+  add(rows.log_scales, grads.log_scales, 3);
+  add(rows.quats, grads.quats, 4);
+  add(rows.opacity_logits, grads.opacity_logits, 1);
+  add(rows.sh, grads.sh, kShFloats);
+}
+
 /// Moves a block of Gaussians while its gradients are in the cache.
 struct StepConsumer final : GradientConsumer {
   const Iteration& iteration;
   Gaussians* gaussians;
   Regularizers* regularizers;
-  std::optional<AdamStep> step;  // nothing: Gaussians stay, only the regularisers' value is wanted
+  const Gaussians* beside = nullptr;  // gradients of parts of other methods; null = there are none
+  std::optional<AdamStep> step;       // nothing: Gaussians stay, only the regularisers' value is wanted
   bool adds_noise = false;
 
   StepConsumer(const Iteration& iteration_in, Gaussians* gaussians_in, Regularizers* regularizers_in)
@@ -26,6 +40,7 @@ struct StepConsumer final : GradientConsumer {
 
   void ConsumeBlock(int64_t begin, int64_t end, const GaussianRows& grads) override {
     regularizers->AddTo(begin, end, grads);
+    if (beside != nullptr) AddRows(*beside, begin, end, grads);
     if (!step) return;
     step->Update(begin, end, grads);
     if (!adds_noise) return;
@@ -36,7 +51,11 @@ struct StepConsumer final : GradientConsumer {
 class CpuTrainDevice final : public TrainDevice {
  public:
   explicit CpuTrainDevice(const TrainDeviceSetup& setup)
-      : options_(setup.options), plan_(setup.plan), view_loss_(plan_), rasterizer_(MakeRasterizer(kCpu)) {
+      : options_(setup.options),
+        plan_(setup.plan),
+        parts_(setup.parts),
+        view_loss_(plan_),
+        rasterizer_(MakeRasterizer(kCpu)) {
     densifier_->Restore({}, setup.start);
   }
 
@@ -48,6 +67,15 @@ class CpuTrainDevice final : public TrainDevice {
     return {host.gaussians.Clone(), Adam(host.gaussians.size())};
   }
   TrainedModel Download(const TrainedModel& model) const override { return Copy(model); }
+
+  void RunParts(const Iteration& iteration, TrainedModel* model) override {
+    loss_of_parts_ = 0;
+    if (parts_.empty()) return;
+    beside_ = Gaussians::Zeros(model->gaussians.size());
+    for (const std::shared_ptr<MethodPart>& part : parts_) {
+      loss_of_parts_ += part->BeforeView(iteration, model, &beside_);
+    }
+  }
 
   Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) override {
     if (!opacity_factors_.defined() || opacity_factors_.count() != n) {
@@ -69,10 +97,11 @@ class CpuTrainDevice final : public TrainDevice {
     regularizers_.Begin(*gaussians, {options_.opacity_reg, options_.scale_reg});
     StepConsumer consumer(iteration, gaussians, &regularizers_);
     // In an iteration that refines the noise comes after relocation and growth.
+    if (!parts_.empty()) consumer.beside = &beside_;
     consumer.adds_noise = densifier_->AddsNoise() && !iteration.refines;
     if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
-    const double loss = loss_of_view_ + regularizers_.Value();
+    const double loss = loss_of_view_ + loss_of_parts_ + regularizers_.Value();
     terms_.regularization += regularizers_.Value();
     RequireFinite(loss, iteration.number, plan_.View(iteration.view, iteration.number));
     loss_.last = loss;
@@ -120,13 +149,15 @@ class CpuTrainDevice final : public TrainDevice {
 
   TrainOptions options_;
   const LossPlan& plan_;
+  MethodParts parts_;
   ViewLoss view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  std::unique_ptr<Densifier> densifier_ = MakeDensifier({options_, plan_, rasterizer_.get()});
+  std::unique_ptr<Densifier> densifier_ = MakeDensifier({options_, plan_, rasterizer_.get(), parts_});
   std::vector<float> camera_centers_ = CameraCenters(plan_.photos());
   Regularizers regularizers_;
   Buffer<float> opacity_factors_;  // [N]
-  double loss_of_view_ = 0;
+  Gaussians beside_;               // gradients of the parts, for one iteration
+  double loss_of_view_ = 0, loss_of_parts_ = 0;
   LossReport loss_;
   TermSums terms_;
 };

@@ -5,7 +5,7 @@
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/loss_terms.h"
-#include "oraclegs/train/train_device.h"
+#include "oraclegs/train/method_part.h"
 
 namespace oraclegs {
 
@@ -16,7 +16,7 @@ class Densifier {
   /// Whether positions get the noise of 3DGS-MCMC in every iteration.
   virtual bool AddsNoise() const = 0;
 
-  /// After the step of an iteration that refines.
+  /// After the step of an iteration that refines or resets opacities.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
 
   /// What of earlier iterations the next refinement goes by; empty where that is nothing.
@@ -30,6 +30,7 @@ struct DensifierSetup {
   const TrainOptions& options;  ///< settled
   const LossPlan& plan;
   Rasterizer* rasterizer;
+  const MethodParts& parts;
 };
 
 /// Of --densify.

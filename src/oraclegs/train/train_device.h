@@ -13,6 +13,8 @@
 
 namespace oraclegs {
 
+class MethodPart;  // train/method_part.h
+
 /// What training moves.
 struct TrainedModel {
   Gaussians gaussians;
@@ -26,8 +28,9 @@ struct Iteration {
   SampledView view{};
   LearningRates rates;
   int sh_degree = 0;
-  bool moves = true;     ///< false in the last iteration
-  bool refines = false;  ///< relocates and grows
+  bool moves = true;              ///< false in the last iteration
+  bool refines = false;           ///< relocates and grows
+  bool resets_opacities = false;  ///< of --densify adaptive
   bool caps_scales = false;
 };
 
@@ -54,6 +57,9 @@ class TrainDevice {
   /// A copy in the host's memory.
   virtual TrainedModel Download(const TrainedModel& model) const = 0;
 
+  /// What parts of other methods do before the iteration's view (MethodPart::BeforeView).
+  virtual void RunParts(const Iteration&, TrainedModel*) {}
+
   /// [n]; valid until the next call.
   virtual Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) = 0;
   /// dL/d(render) of the iteration's view; valid until the next call.
@@ -63,7 +69,8 @@ class TrainDevice {
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
   /// scale_cap.h with --largest-scale, in iterations that cap scales, before Refine.
   virtual void CapScales(TrainedModel* model) = 0;
-  /// What --densify does now and then: relocation, growth and noise, or clones, splits and removals.
+  /// What --densify does in iterations that refine or reset opacities: relocation, growth and noise, or clones, splits,
+  /// removals and resets.
   virtual void Refine(const Iteration& iteration, TrainedModel* model) = 0;
   /// What of earlier iterations the next Refine goes by, on the CPU; empty where that is nothing.
   virtual ScreenGradients densify_state() const { return {}; }
@@ -87,6 +94,7 @@ struct TrainDeviceSetup {
   const TrainOptions& options;
   const LossPlan& plan;
   int64_t start = 0;
+  std::vector<std::shared_ptr<MethodPart>> parts = {};
 };
 /// Makes the device of a run.
 using TrainDeviceMaker = std::function<std::unique_ptr<TrainDevice>(const TrainDeviceSetup& setup)>;

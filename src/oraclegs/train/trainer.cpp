@@ -66,9 +66,10 @@ struct Trainer::State {
         background(setup.background),
         plan(options, std::move(setup.data)),
         extent(SpatialExtent(Cameras(plan.photos()))),
-        device(make_device({options, plan, setup.start.size()})),
+        parts(std::move(setup.parts)),
+        device(make_device({options, plan, setup.start.size(), parts})),
         model(device->Upload({setup.start})),
-        sampler(seed, plan.num_photos(), plan.num_proposals()) {}
+        sampler(setup.view_seed.value_or(seed), plan.num_photos(), plan.num_proposals()) {}
 
   Iteration NextIteration();
   Buffer<float> OpacityFactors();
@@ -81,6 +82,7 @@ struct Trainer::State {
            static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon()) &&
            i % options.refine_every.value() == 0;
   }
+  bool ResetsOpacities(int64_t i) const;
 
   // What a run is.
   TrainOptions options;
@@ -88,6 +90,7 @@ struct Trainer::State {
   std::array<float, 3> background;
   LossPlan plan;
   double extent;
+  MethodParts parts;
   std::unique_ptr<TrainDevice> device;
 
   // What a checkpoint holds, with the exposure maps and the smoothed loss, which the device has.
@@ -103,6 +106,18 @@ struct Trainer::State {
   int64_t timed_since = 0;             // iteration
 };
 
+/// At --opacity-reset-first and every --opacity-reset after it. Before a white background 3DGS does so once more, when
+/// densification begins.
+bool Trainer::State::ResetsOpacities(int64_t i) const {
+  const BaselineOptions& baseline = options.baseline;
+  const int64_t every = baseline.opacity_reset, first = baseline.opacity_reset_first.ValueOr(baseline.opacity_reset);
+  const bool densifies = static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon());
+  if (baseline.densify != Densify::kAdaptive || every == 0 || IsLast(i) || !densifies) return false;
+  const bool is_white = background == std::array<float, 3>{1, 1, 1};
+  const bool is_start = is_white && baseline.opacity_reset_first.is_auto() && i == options.refine_start.value();
+  return is_start || (i >= first && (i - first) % every == 0);
+}
+
 Iteration Trainer::State::NextIteration() {
   Iteration next;
   const int64_t i = next.number = iteration + 1;
@@ -114,6 +129,7 @@ Iteration Trainer::State::NextIteration() {
   next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
   next.refines = Refines(i);
+  next.resets_opacities = ResetsOpacities(i);
   // Also after the last relocation: what is large grows until the end.
   next.caps_scales = options.largest_scale > 0 && i % options.refine_every.value() == 0;
   return next;
@@ -132,6 +148,7 @@ Buffer<float> Trainer::State::OpacityFactors() {
 void Trainer::State::Step() {
   Lap lap;
   const Iteration next = NextIteration();
+  device->RunParts(next, &model);
   const TrainView& view = plan.View(next.view, next.number);
   const RenderOptions render{background, next.sh_degree, options.antialiased, OpacityFactors()};
   Rasterizer& rasterizer = device->rasterizer();
@@ -145,7 +162,7 @@ void Trainer::State::Step() {
   last_timings.render = device->TimingsSoFar();
   lap.To(&rendering);
   if (next.caps_scales) device->CapScales(&model);
-  if (next.refines) device->Refine(next, &model);
+  if (next.refines || next.resets_opacities) device->Refine(next, &model);
   lap.To(&last_timings.refine);
   timings.Add(last_timings);
   iteration = next.number;

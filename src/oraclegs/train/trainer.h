@@ -8,6 +8,7 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/train/method_part.h"
 #include "oraclegs/train/observer.h"
 #include "oraclegs/train/options.h"
 #include "oraclegs/train/timings.h"
@@ -36,7 +37,9 @@ struct TrainSetup {
   uint64_t seed = 0;
   std::array<float, 3> background{};
   TrainingData data;
-  Gaussians start;  ///< on the CPU
+  Gaussians start;                         ///< on the CPU
+  MethodParts parts = {};                  ///< of other methods
+  std::optional<uint64_t> view_seed = {};  ///< of the order of the views; `seed` unless given
 };
 
 /// 3DGS-MCMC on photos, on proposals as often as the schedule says, and on depth where a view has it. One

@@ -20,6 +20,8 @@ struct BaselineOptions {
   Densify densify = Densify::kMcmc;
   double densify_gradient = 0.0002;
   int opacity_reset = 3000;
+  Auto<int> opacity_reset_first = {};
+  bool keep_large = false;
   int unpool_until = 0;
 
   template <class Self, class V>
@@ -35,6 +37,13 @@ struct BaselineOptions {
     visit("opacity-reset", self.opacity_reset,
           "Of --densify adaptive: iterations between resets of all opacities to at most 0.01; 0 = never",
           Range{0, 1e7});
+    visit("opacity-reset-first", self.opacity_reset_first,
+          "Iteration of the first of these resets; auto = --opacity-reset, and before a white background also "
+          "--refine-start",
+          Range{1, 1e7});
+    visit("keep-large", self.keep_large,
+          "Of --densify adaptive: do not remove Gaussians larger than a tenth of the cameras' extent, which 3DGS does "
+          "after the first reset and methods for few photos do not");
     visit("unpool-until", self.unpool_until,
           "Of --densify adaptive: up to this iteration Gaussians that stand alone grow new ones halfway to their three "
           "neighbors (FSGS, Zhu et al., ECCV 2024, uses 2000); 0 = never",
