@@ -49,6 +49,8 @@ enum class RandomStream : uint64_t {
   kSeva = 20,            // of the generated views
   kTampering = 21,       // of the pictures that the oracle learns disagreement from
   kGaussianTampering = 22,
+  kDepthPatches = 23,  // of depth losses by patches
+  kPseudoViews = 24,
 };
 
 /// Sequential reader of one stream; its whole state is the counter.
