@@ -1,5 +1,5 @@
 #pragma once
-// Co-pruning of CoR-GS [Zhang 2024] (section 4.1, eq. 5 and 6): of two models of one scene, what only one of them has
+// Co-pruning of CoR-GS [Zhang 2024] (section 4.1): of two models of one scene, what only one of them has
 // is taken to be wrong.
 
 #include <cstdint>
