@@ -71,6 +71,50 @@ TEST(KdTree, GridHasUnitNeighbours) {
   for (const double d : KdTree(grid).MeanSquaredDistanceToThree()) EXPECT_EQ(d, 1);
 }
 
+TEST(KdTree, NamesTheThreeNearest) {
+  for (const int n : {1, 2, 3, 4, 30, 1000}) {
+    const Points points = Cluster(n, n, 1.f);
+    const auto nearest = KdTree(points).ThreeNearest();
+    const std::vector<double> expected = BruteForce(points);
+    ASSERT_EQ(nearest.size(), points.size());
+    for (size_t i = 0; i < nearest.size(); ++i) {
+      double sum = 0;
+      int64_t found = 0;
+      for (const NearPoint& near : nearest[i]) {
+        if (near.index < 0) continue;
+        ++found;
+        sum += near.squared_distance;
+        EXPECT_NE(near.index, static_cast<int64_t>(i));
+        EXPECT_DOUBLE_EQ(near.squared_distance,
+                         (points[near.index].cast<double>() - points[i].cast<double>()).squaredNorm());
+      }
+      EXPECT_EQ(found, std::min(3, n - 1));
+      EXPECT_NEAR(found == 0 ? 0 : sum / static_cast<double>(found), expected[i], 1e-14 * expected[i]);
+      EXPECT_TRUE(std::is_sorted(nearest[i].begin(), nearest[i].end(), [](const NearPoint& a, const NearPoint& b) {
+        return a.squared_distance < b.squared_distance;
+      }));
+    }
+  }
+}
+
+TEST(KdTree, HasWithinIncludesTheRadius) {
+  const KdTree tree({{1, 2, 3}, {4, 2, 3}});
+  EXPECT_TRUE(tree.HasWithin({1, 2, 3}, 0));
+  EXPECT_TRUE(tree.HasWithin({1, 0, 3}, 2));
+  EXPECT_FALSE(tree.HasWithin({1, 0, 3}, 1.9999));
+  EXPECT_FALSE(KdTree({}).HasWithin({1, 0, 3}, 100));
+  const Points points = Cluster(2000, 3, 1.f), queries = Cluster(500, 4, 1.f);
+  const KdTree many(points);
+  for (const Eigen::Vector3f& query : queries) {
+    double nearest = 1e30;
+    for (const Eigen::Vector3f& p : points) {
+      nearest = std::min(nearest, (p.cast<double>() - query.cast<double>()).norm());
+    }
+    EXPECT_TRUE(many.HasWithin(query, nearest * 1.000001));
+    EXPECT_FALSE(many.HasWithin(query, nearest * 0.999999));
+  }
+}
+
 TEST(KdTree, SameBitsForAnyNumberOfThreads) {
   const Points points = Cluster(20000, 9, 1.f);
   SetNumThreads(1);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "oraclegs/train/train_math.h"
 #include "support/buffers.h"
 #include "support/temp_dir.h"
 #include "train/small_scene.h"
@@ -124,6 +125,18 @@ TEST(ControlDensity, NeverRemovesAllAndNeverExceedsTheMost) {
   EXPECT_EQ(g.means[12], 10) << "the first of those pulled at hardest";
 }
 
+TEST(ControlDensity, RemovesWhatAMethodNames) {
+  Gaussians g = Row(3, 0.005);
+  Adam adam = Moments(3);
+  const DensityChange change = ControlDensity(Control(), {1, 0, 0}, &g, &adam, [](const Gaussians& all, auto* keep) {
+    ASSERT_EQ(all.size(), 4) << "with the clone";
+    (*keep)[1] = false;
+  });
+  EXPECT_EQ(change.removed, 1);
+  ASSERT_EQ(g.size(), 3);
+  EXPECT_EQ(g.means[3], 20);
+}
+
 TEST(ControlDensity, RefusesGradientsOfOthers) {
   Gaussians g = Row(3, 0.005);
   Adam adam = Moments(3);
@@ -163,6 +176,31 @@ TEST(TrainerAdaptiveTest, GrowsWherePhotosPullAndTheSameForAnyThreads) {
   EXPECT_LE(trained.size(), 500);
   const Threads scope(3);
   EXPECT_TRUE(SameBits(train(), trained));
+}
+
+/// The most opacity after each of the first iterations.
+std::vector<float> MostOpacity(const TrainOptions& options, std::array<float, 3> background, int iterations) {
+  Trainer trainer(options, kSeed, background, Photos(1), Start());
+  std::vector<float> most{0};
+  for (int i = 1; i <= iterations; ++i) {
+    trainer.Step();
+    most.push_back(Flat(trainer.gaussians().opacity_logits).maxCoeff());
+  }
+  return most;
+}
+
+TEST(TrainerAdaptiveTest, OpacitiesAreResetWhenItIsTime) {
+  const auto reset = static_cast<float>(LogitOf(kResetOpacity));
+  TrainOptions options = Adaptive(100);
+  options.baseline.opacity_reset = 20;
+  std::vector<float> most = MostOpacity(options, {0, 0, 0}, 45);
+  for (int i = 1; i <= 45; ++i) EXPECT_EQ(most[static_cast<size_t>(i)] == reset, i == 20 || i == 40) << i;
+  options.baseline.opacity_reset_first = 7;
+  most = MostOpacity(options, {1, 1, 1}, 35);
+  for (int i = 1; i <= 35; ++i) EXPECT_EQ(most[static_cast<size_t>(i)] == reset, i == 7 || i == 27) << i;
+  options.baseline.opacity_reset_first = {};
+  most = MostOpacity(options, {1, 1, 1}, 35);
+  for (int i = 1; i <= 35; ++i) EXPECT_EQ(most[static_cast<size_t>(i)] == reset, i == 20 || i == 30) << i;
 }
 
 TEST(TrainerAdaptiveTest, ResumingBetweenRefinementsGivesTheBitsOfAnUninterruptedRun) {

@@ -49,7 +49,9 @@ enum class RandomStream : uint64_t {
   kSeva = 20,            // of the generated views
   kTampering = 21,       // of the pictures that the oracle learns disagreement from
   kGaussianTampering = 22,
-  kSplit = 23,  // of Gaussians in two
+  kDepthPatches = 23,  // of depth losses by patches
+  kPseudoViews = 24,
+  kSplit = 25,  // of Gaussians in two
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

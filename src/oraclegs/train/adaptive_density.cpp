@@ -7,6 +7,7 @@
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/selection.h"
+#include "oraclegs/train/baselines/unpool.h"
 #include "oraclegs/train/train_math.h"
 
 namespace oraclegs {
@@ -127,6 +128,10 @@ class AdaptiveDensifier final : public Densifier {
       for (const std::shared_ptr<MethodPart>& part : parts_) part->Prune(iteration, gaussians, keep);
     };
     ControlDensity(control, gradients, &model->gaussians, &model->adam, also);
+    if (iteration.number < options_.baseline.unpool_until) {
+      UnpoolGaussians(UnpoolOptions::PublicCode(extent_), options_.max_gaussians.value(),
+                      {&model->gaussians, &model->adam.m, &model->adam.v});
+    }
     Restore({}, model->gaussians.size());
   }
 

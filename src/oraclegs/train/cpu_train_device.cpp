@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "oraclegs/train/densify.h"
+#include "oraclegs/train/make_densifier.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/scale_cap.h"

@@ -1,5 +1,6 @@
 #pragma once
 // How the number and the places of the Gaussians change on a CPU. (A GPU has 3DGS-MCMC alone, train/cuda/refine.h.)
+// make_densifier.h makes the one of --densify.
 
 #include <memory>
 
@@ -32,8 +33,5 @@ struct DensifierSetup {
   Rasterizer* rasterizer;
   const MethodParts& parts;
 };
-
-/// Of --densify.
-std::unique_ptr<Densifier> MakeDensifier(const DensifierSetup& setup);
 
 }  // namespace oraclegs

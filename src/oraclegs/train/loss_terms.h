@@ -27,11 +27,13 @@ struct TrainingData {
 };
 
 enum class TermKind {
-  kPhotometric,  ///< PhotometricLoss of the image, seen through the exposure map where there is one
-  kExposure,     ///< weight / 2 |map - identity|^2 of the exposure map
-  kPerceptual,   ///< weight * LPIPS(image, target)
-  kInvDepth,     ///< weight * mean(|inverse depth - target| * mask)
-  kAlpha,        ///< weight * mean(|alpha - target| * mask)
+  kPhotometric,              ///< PhotometricLoss of the image, seen through the exposure map where there is one
+  kExposure,                 ///< weight / 2 |map - identity|^2 of the exposure map
+  kPerceptual,               ///< weight * LPIPS(image, target)
+  kInvDepth,                 ///< weight * mean(|inverse depth - target| * mask)
+  kDepthCorrelation,         ///< weight * PearsonDepthLoss of the inverse depth (loss/pearson_depth.h)
+  kPatchedDepthCorrelation,  ///< weight * PatchPearsonDepthLoss of random patches
+  kAlpha,                    ///< weight * mean(|alpha - target| * mask)
 };
 
 /// A plane of a TrainView, wherever a device keeps it.
@@ -49,7 +51,7 @@ struct LossTerm {
 /// The loss of one iteration is the sum of its terms, added up in their order.
 class LossTerms {
  public:
-  static constexpr int kMaxTerms = 5;
+  static constexpr int kMaxTerms = 6;
 
   void Add(const LossTerm& term) { terms_[static_cast<size_t>(count_++)] = term; }
   const LossTerm* begin() const { return terms_.data(); }

@@ -19,7 +19,7 @@ class MethodPart {
 
   /// After clones and splits of an iteration that refines with --densify adaptive: keep[i] becomes false for those that
   /// are to be removed as well.
-  virtual void Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep);
+  virtual void Prune(const Iteration&, const Gaussians&, std::vector<bool>* /*keep*/) {}
 };
 
 using MethodParts = std::vector<std::shared_ptr<MethodPart>>;

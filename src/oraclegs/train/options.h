@@ -20,12 +20,17 @@ struct EnumWords<ScheduleKind> {
 
 /// What the depth term compares.
 enum class DepthLoss {
-  kRelative,  ///< inverse depths in units of the scene's typical distance, weighted by their confidence
-  kPaper,     ///< inverse depths in scene units under a mask of 0 and 1 (equation 5 of the OracleGS paper)
+  kRelative,            ///< inverse depths in units of the scene's typical distance, weighted by their confidence
+  kPaper,               ///< inverse depths in scene units under a mask of 0 and 1 (equation 5 of the OracleGS paper)
+  kCorrelation,         ///< 1 - the correlation of inverse depths (FSGS); on a CPU
+  kPatchedCorrelation,  ///< the same, and of random patches (SparseGS); on a CPU
 };
 template <>
 struct EnumWords<DepthLoss> {
-  static constexpr EnumWord<DepthLoss> kWords[] = {{DepthLoss::kRelative, "relative"}, {DepthLoss::kPaper, "paper"}};
+  static constexpr EnumWord<DepthLoss> kWords[] = {{DepthLoss::kRelative, "relative"},
+                                                   {DepthLoss::kPaper, "paper"},
+                                                   {DepthLoss::kCorrelation, "correlation"},
+                                                   {DepthLoss::kPatchedCorrelation, "patched-correlation"}};
 };
 
 /// Whether exposure maps are trained.
@@ -148,7 +153,10 @@ struct TrainOptions {
           Range{0, 1e3});
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
-          "paper = |1/z - target| in scene units, all pixels of known depth alike (equation 5 of the OracleGS paper)");
+          "paper = |1/z - target| in scene units, all pixels of known depth alike (equation 5 of the OracleGS paper); "
+          "correlation = 1 - their correlation, of constant weight (FSGS, Zhu et al., ECCV 2024, uses 0.05); "
+          "patched-correlation = that and three times as much of the mean over random patches (SparseGS, Xiong et al. "
+          "2023); the last two on the CPU only");
     visit("alpha-weight", self.alpha_weight,
           "Weight of the alpha (silhouette) loss where images have an alpha channel: mean |alpha - rendered|; 0 = off",
           Range{0, 1e3});

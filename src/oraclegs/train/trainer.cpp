@@ -8,6 +8,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/refine_schedule.h"
 #include "oraclegs/train/schedule.h"
 
 namespace oraclegs {
@@ -76,13 +77,6 @@ struct Trainer::State {
   void Step();
   void ReportLimitations(const Listener& listener) const;
   bool IsLast(int64_t i) const { return i >= options.iterations.value(); }
-  /// Not in the last iteration, whose model is scored: nothing would settle what is moved then.
-  bool Refines(int64_t i) const {
-    return !IsLast(i) && i > options.refine_start.value() &&
-           static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon()) &&
-           i % options.refine_every.value() == 0;
-  }
-  bool ResetsOpacities(int64_t i) const;
 
   // What a run is.
   TrainOptions options;
@@ -106,18 +100,6 @@ struct Trainer::State {
   int64_t timed_since = 0;             // iteration
 };
 
-/// At --opacity-reset-first and every --opacity-reset after it. Before a white background 3DGS does so once more, when
-/// densification begins.
-bool Trainer::State::ResetsOpacities(int64_t i) const {
-  const BaselineOptions& baseline = options.baseline;
-  const int64_t every = baseline.opacity_reset, first = baseline.opacity_reset_first.ValueOr(baseline.opacity_reset);
-  const bool densifies = static_cast<double>(i) < options.refine_stop * static_cast<double>(options.Horizon());
-  if (baseline.densify != Densify::kAdaptive || every == 0 || IsLast(i) || !densifies) return false;
-  const bool is_white = background == std::array<float, 3>{1, 1, 1};
-  const bool is_start = is_white && baseline.opacity_reset_first.is_auto() && i == options.refine_start.value();
-  return is_start || (i >= first && (i - first) % every == 0);
-}
-
 Iteration Trainer::State::NextIteration() {
   Iteration next;
   const int64_t i = next.number = iteration + 1;
@@ -128,8 +110,8 @@ Iteration Trainer::State::NextIteration() {
   next.sh_degree = std::min(ActiveShDegree(i, options.sh_degree_interval.value()), options.sh_degree);
   next.view = sampler.Next(SyntheticProbability(i, options.Horizon(), options.Proposals()));
   next.moves = !IsLast(i);
-  next.refines = Refines(i);
-  next.resets_opacities = ResetsOpacities(i);
+  next.refines = Refines(options, i);
+  next.resets_opacities = ResetsOpacities(options, background == std::array<float, 3>{1, 1, 1}, i);
   // Also after the last relocation: what is large grows until the end.
   next.caps_scales = options.largest_scale > 0 && i % options.refine_every.value() == 0;
   return next;

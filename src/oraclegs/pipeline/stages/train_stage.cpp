@@ -17,6 +17,7 @@
 #include "oraclegs/pipeline/stages/train_inputs.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/methods/make_parts.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -182,12 +183,14 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   ready.lpips = network.convention;
   std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
   ready.views = SupportViewsOf(images, known.proposals);
+  TrainSetup setup{SettledOptions(*run, training),
+                   run->options.start.seed,
+                   BackgroundColor(run->options.image.background),
+                   {std::move(images), std::move(known.proposals), std::move(network.distance)},
+                   std::move(start)};
+  setup.parts = MakeMethodParts(setup);
   ready.trainer = std::make_unique<Trainer>(
-      TrainSetup{SettledOptions(*run, training),
-                 run->options.start.seed,
-                 BackgroundColor(run->options.image.background),
-                 {std::move(images), std::move(known.proposals), std::move(network.distance)},
-                 std::move(start)},
+      std::move(setup),
       [device = run->plan.device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
   if (checkpoint) ready.trainer->Restore(*checkpoint);
   run->results = std::make_unique<StageResults>();
@@ -231,11 +234,15 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
   if (run->on_training) run->on_training(run);
   const ReadyTrainer ready = MakeTrainer(run, checkpoint);
   const double loading = watch.Seconds();
+  // The state of a second model is in no checkpoint.
+  const bool keeps_checkpoints = !run->options.train.baseline.two_fields;
   const TrainResult result = ready.trainer->Run(
-      {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
+      keeps_checkpoints ? CheckpointPolicy{run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every,
+                                           std::move(saved_options)}
+                        : CheckpointPolicy(),
       run->listener, run->live ? run->live->AsObserver(TestScoreOf(*run)) : TrainObserver());
   WriteModel(*run, ready);
-  KeepLastCheckpoint(*run, *ready.trainer);
+  if (keeps_checkpoints) KeepLastCheckpoint(*run, *ready.trainer);
   return nlohmann::json{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},
                         {"iterations", result.iterations},

@@ -23,6 +23,9 @@ struct BaselineOptions {
   Auto<int> opacity_reset_first = {};
   bool keep_large = false;
   int unpool_until = 0;
+  bool two_fields = false;
+  double co_prune_distance = 5;
+  int co_start = 500;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -48,6 +51,16 @@ struct BaselineOptions {
           "Of --densify adaptive: up to this iteration Gaussians that stand alone grow new ones halfway to their three "
           "neighbors (FSGS, Zhu et al., ECCV 2024, uses 2000); 0 = never",
           Range{0, 1e7});
+    visit("two-fields", self.two_fields,
+          "Of --densify adaptive: train two models beside each other, pull their renders from between the photos "
+          "together, and remove what only one of them has (CoR-GS, Zhang et al., ECCV 2024); the first one is the "
+          "result. Such a training keeps no checkpoints");
+    visit("co-prune-distance", self.co_prune_distance,
+          "Of --two-fields: a Gaussian farther than this (scene units) from all of the other model is removed, every "
+          "500 iterations; CoR-GS uses 5, 10 or 20 by dataset",
+          Range{1e-9, 1e9});
+    visit("co-start", self.co_start, "Of --two-fields: iteration from which renders are pulled together",
+          Range{1, 1e7});
   }
 };
 

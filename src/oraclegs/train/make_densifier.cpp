@@ -1,4 +1,4 @@
-#include "oraclegs/train/densify.h"
+#include "oraclegs/train/make_densifier.h"
 
 #include "oraclegs/train/adaptive_density.h"
 #include "oraclegs/train/floaters.h"

@@ -1,0 +1,25 @@
+#pragma once
+// Co-pruning of CoR-GS [Zhang 2024] (section 4.1): of two models of one scene, what only one of them has
+// is taken to be wrong.
+
+#include <cstdint>
+#include <vector>
+
+#include "oraclegs/gaussians/gaussians.h"
+
+namespace oraclegs {
+
+/// The farthest apart that matching centers are, world units: 5 in the paper; the public code takes 5 on LLFF, 10 on
+/// DTU and 20 on Mip-NeRF 360. It is not scaled by the scene: poses of another unit need another number.
+inline constexpr double kCoPruneDistance = 5;
+
+/// The public code prunes after every 500th iteration beyond the first 500: every 5th densification, as in the paper.
+inline constexpr int64_t kCoPruneInterval = 500;
+
+/// 1 for each Gaussian of `model` that has a center of `other` at most max_distance away, 0 for those to prune. Both
+/// models' masks are found before either is pruned. Exact; on all threads, the same for any number. Centers must be
+/// finite. Throws ShapeError for buffers that do not fit.
+std::vector<uint8_t> CoPruneKeep(const Gaussians& model, const Gaussians& other,
+                                 double max_distance = kCoPruneDistance);
+
+}  // namespace oraclegs

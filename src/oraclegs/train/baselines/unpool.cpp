@@ -1,0 +1,101 @@
+#include "oraclegs/train/baselines/unpool.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "oraclegs/gaussians/neighbors.h"
+
+namespace oraclegs {
+namespace {
+
+struct UnpoolSource {
+  double score;
+  int64_t index;
+};
+
+struct UnpoolEdge {
+  int64_t source, destination;
+};
+
+void CheckUnpoolTarget(const UnpoolTarget& target) {
+  constexpr const char* kWho = "UnpoolGaussians";
+  for (const Gaussians* part : {target.gaussians, target.first_moments, target.second_moments}) {
+    part->Check(kWho);
+    if (part->size() != target.gaussians->size()) {
+      throw ShapeError("{}: moments of {} Gaussians, expected {}", kWho, part->size(), target.gaussians->size());
+    }
+  }
+}
+
+std::vector<Eigen::Vector3f> CentersOf(const Gaussians& gaussians) {
+  std::vector<Eigen::Vector3f> centers(static_cast<size_t>(gaussians.size()));
+  for (int64_t i = 0; i < gaussians.size(); ++i) centers[i] = Eigen::Vector3f::Map(gaussians.means.data() + 3 * i);
+  return centers;
+}
+
+double ProximityScore(const std::array<NearPoint, 3>& nearest, UnpoolOptions::Score score) {
+  double sum = 0;
+  for (const NearPoint& near : nearest) {
+    sum += score == UnpoolOptions::Score::kDistance ? std::sqrt(near.squared_distance) : near.squared_distance;
+  }
+  return sum / static_cast<double>(nearest.size());
+}
+
+/// By score, the largest first; of equal ones the first in order.
+std::vector<UnpoolSource> FindSources(const UnpoolOptions& options, const Gaussians& gaussians,
+                                      const std::vector<std::array<NearPoint, 3>>& nearest) {
+  std::vector<UnpoolSource> sources;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    const double score = ProximityScore(nearest[i], options.score);
+    const float* scales = gaussians.log_scales.data() + 3 * i;
+    const double scale = std::exp(static_cast<double>(*std::max_element(scales, scales + 3)));
+    if (score > options.threshold && scale > options.min_scale) sources.push_back({score, i});
+  }
+  std::stable_sort(sources.begin(), sources.end(),
+                   [](const UnpoolSource& a, const UnpoolSource& b) { return a.score > b.score; });
+  return sources;
+}
+
+void FillMiddle(const UnpoolEdge& edge, UnpoolOptions::Color color, int64_t to, Gaussians* gaussians) {
+  const Buffer<float>&means = gaussians->means, &scales = gaussians->log_scales;
+  for (int axis = 0; axis < 3; ++axis) {
+    means[3 * to + axis] = 0.5f * (means[3 * edge.source + axis] + means[3 * edge.destination + axis]);
+    scales[3 * to + axis] = scales[3 * edge.destination + axis];
+  }
+  constexpr std::array<float, 4> kNoRotation = {1, 0, 0, 0};
+  std::copy(kNoRotation.begin(), kNoRotation.end(), gaussians->quats.data() + 4 * to);
+  gaussians->opacity_logits[to] = gaussians->opacity_logits[edge.destination];
+  float* sh = gaussians->sh.data();
+  if (color == UnpoolOptions::Color::kDestination) {
+    std::copy_n(sh + kShFloats * edge.destination, kShFloats, sh + kShFloats * to);
+  } else {
+    std::fill_n(sh + kShFloats * to, kShFloats, 0.f);
+  }
+}
+
+}  // namespace
+
+int64_t UnpoolGaussians(const UnpoolOptions& options, int64_t max_gaussians, const UnpoolTarget& target) {
+  CheckUnpoolTarget(target);
+  const int64_t n = target.gaussians->size();
+  if (n < 4 || n >= max_gaussians) return 0;
+  const auto nearest = KdTree(CentersOf(*target.gaussians)).ThreeNearest();
+  std::vector<UnpoolEdge> edges;
+  for (const UnpoolSource& source : FindSources(options, *target.gaussians, nearest)) {
+    for (const NearPoint& near : nearest[source.index]) edges.push_back({source.index, near.index});
+  }
+  const int64_t added = std::min<int64_t>(static_cast<int64_t>(edges.size()), max_gaussians - n);
+  if (added == 0) return 0;
+  for (Gaussians* part : {target.gaussians, target.first_moments, target.second_moments}) {
+    part->ForEach([&](const char*, Buffer<float>& t) {
+      t = t.GrownTo(n + added);
+      if (part != target.gaussians) t.Rows(n, n + added).SetZero();
+    });
+  }
+  for (int64_t k = 0; k < added; ++k) FillMiddle(edges[k], options.color, n + k, target.gaussians);
+  return added;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,17 @@
+#include "oraclegs/train/methods/make_parts.h"
+
+#include "oraclegs/train/methods/two_fields.h"
+
+namespace oraclegs {
+
+MethodParts MakeMethodParts(const TrainSetup& setup) {
+  const BaselineOptions& options = setup.options.baseline;
+  MethodParts parts;
+  if (options.two_fields) {
+    if (options.densify != Densify::kAdaptive) throw UsageError("--two-fields goes with --densify adaptive; add it");
+    parts.push_back(std::make_shared<TwoFields>(setup));
+  }
+  return parts;
+}
+
+}  // namespace oraclegs

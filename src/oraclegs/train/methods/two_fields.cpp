@@ -1,0 +1,143 @@
+#include "oraclegs/train/methods/two_fields.h"
+
+#include <utility>
+
+#include "oraclegs/core/rng.h"
+#include "oraclegs/loss/photometric.h"
+#include "oraclegs/render/image_buffer.h"
+#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/train/baselines/co_prune.h"
+#include "oraclegs/train/baselines/pseudo_views.h"
+#include "oraclegs/train/make_train_device.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr uint64_t kSecondSeed = 0x9E3779B97F4A7C15;  // added to the first one's
+
+void AddAll(const Gaussians& from, Gaussians* to) {
+  std::vector<Buffer<float>> sources;
+  from.ForEach([&](const char*, const Buffer<float>& t) { sources.push_back(t); });
+  size_t k = 0;
+  to->ForEach([&](const char*, Buffer<float>& t) {
+    const Buffer<float>& source = sources[k++];
+    for (int64_t i = 0; i < t.count(); ++i) t[i] += source[i];
+  });
+}
+
+void PruneAgainst(const Gaussians& other, const TrainOptions& options, const Iteration& iteration,
+                  const Gaussians& gaussians, std::vector<bool>* keep) {
+  if (iteration.number <= options.refine_start.value() || iteration.number % kCoPruneInterval != 0) return;
+  const std::vector<uint8_t> both = CoPruneKeep(gaussians, other, options.baseline.co_prune_distance);
+  for (size_t i = 0; i < both.size(); ++i) {
+    if (both[i] == 0) (*keep)[i] = false;
+  }
+}
+
+constexpr uint64_t kDraws = uint64_t{1} << 63;  // counters that the pseudo views themselves were not made with
+
+}  // namespace
+
+struct TwoFields::State {
+  /// A model and its render from a pseudo view.
+  struct Field {
+    std::unique_ptr<Rasterizer> rasterizer = MakeRasterizer(kCpu);
+    PhotometricLoss photometric;
+    ImageBuffer gradient;
+    Gaussians grads;
+
+    /// Pulls `out`, the last render of `gaussians`, towards the target; fills grads.
+    double Pull(const Gaussians& gaussians, const RenderOutput& out, const Buffer<float>& target,
+                const PhotometricWeights& weights) {
+      RenderGrads upstream{gradient.Get(out.image.shape()), {}, {}};
+      const double loss = photometric(out.image, target, {}, weights, &upstream.image).loss;
+      grads = Gaussians::Zeros(gaussians.size());
+      rasterizer->Backward(gaussians, upstream, &grads);
+      return loss;
+    }
+  };
+
+  /// Of the second model: gradients that the first one's part has found, and removal by the first model.
+  class SecondPart final : public MethodPart {
+   public:
+    explicit SecondPart(TrainOptions options) : options_(std::move(options)) {}
+
+    double BeforeView(const Iteration&, TrainedModel*, Gaussians* grads) override {
+      if (pending.size() > 0) AddAll(std::exchange(pending, {}), grads);
+      return 0;
+    }
+    void Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) override {
+      if (first != nullptr) PruneAgainst(*first, options_, iteration, gaussians, keep);
+    }
+
+    Gaussians pending;
+    const Gaussians* first = nullptr;
+
+   private:
+    TrainOptions options_;
+  };
+
+  explicit State(const TrainSetup& setup)
+      : options(setup.options.Settled()),
+        seed(setup.seed),
+        background(setup.background),
+        views(PseudoViewsBetween(Cameras(setup.data.photos), kPseudoViews, setup.seed)),
+        second_part(std::make_shared<SecondPart>(options)) {
+    TrainSetup other = setup;
+    other.seed = setup.seed + kSecondSeed;
+    other.view_seed = setup.view_seed.value_or(setup.seed);
+    other.start = setup.start.Clone();
+    other.parts = {second_part};
+    second =
+        std::make_unique<Trainer>(std::move(other), [](const TrainDeviceSetup& s) { return MakeTrainDevice(kCpu, s); });
+  }
+
+  double Agree(const Iteration& iteration, const TrainedModel& model, Gaussians* grads);
+
+  TrainOptions options;
+  uint64_t seed;
+  std::array<float, 3> background;
+  std::vector<Camera> views;
+  std::shared_ptr<SecondPart> second_part;
+  std::unique_ptr<Trainer> second;
+  Field one, two;
+};
+
+/// Both models' gradients of how far their renders from a pseudo view differ, each taking the other's as given.
+double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& model, Gaussians* grads) {
+  const Philox draw = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kPseudoViews),
+                                   kDraws | static_cast<uint64_t>(iteration.number));
+  const Camera& camera = views[static_cast<size_t>(draw.Uniform() * static_cast<double>(views.size()))];
+  const RenderOptions render{background, iteration.sh_degree, options.antialiased};
+  const Gaussians& other = second->gaussians();
+  const RenderOutput a = one.rasterizer->Forward(model.gaussians, camera, render, RenderPass::kTrain);
+  const RenderOutput b = two.rasterizer->Forward(other, camera, render, RenderPass::kTrain);
+  const PhotometricWeights weights{static_cast<float>(1 - options.ssim_weight),
+                                   static_cast<float>(options.ssim_weight)};
+  const double loss = one.Pull(model.gaussians, a, b.image, weights);
+  two.Pull(other, b, a.image, weights);
+  AddAll(one.grads, grads);
+  second_part->pending = std::exchange(two.grads, {});
+  return loss;
+}
+
+TwoFields::TwoFields(const TrainSetup& first) : state_(std::make_unique<State>(first)) {}
+
+TwoFields::~TwoFields() = default;
+
+double TwoFields::BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) {
+  State& s = *state_;
+  s.second_part->first = &model->gaussians;
+  double loss = 0;
+  if (iteration.number >= s.options.baseline.co_start && iteration.moves) loss = s.Agree(iteration, *model, grads);
+  s.second->Step();
+  return loss;
+}
+
+void TwoFields::Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) {
+  PruneAgainst(second(), state_->options, iteration, gaussians, keep);
+}
+
+const Gaussians& TwoFields::second() const { return state_->second->gaussians(); }
+
+}  // namespace oraclegs

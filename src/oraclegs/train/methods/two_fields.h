@@ -1,0 +1,35 @@
+#pragma once
+// Co-regularisation of CoR-GS [Zhang 2024]: two models of one scene are trained on the same photos. Where they disagree
+// they are likely wrong: Gaussians that only one has are removed (section 4.1), and renders of both from views where no
+// photo was taken are pulled together (section 4.2). Order and constants are those of the authors' program.
+
+#include <memory>
+
+#include "oraclegs/train/trainer.h"
+
+namespace oraclegs {
+
+/// How many pseudo views are drawn from. The authors draw 10000 in advance, of which a run of as many iterations sees
+/// each once.
+inline constexpr int64_t kPseudoViews = 2000;
+
+/// The part that trains the second model beside the first one, whose setup this is: same photos in the same order, same
+/// start, other random numbers. The second model makes its steps in BeforeView of the first one's.
+class TwoFields final : public MethodPart {
+ public:
+  /// Throws what the Trainer throws.
+  explicit TwoFields(const TrainSetup& first);
+  ~TwoFields() override;
+
+  double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
+  void Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) override;
+
+  /// The second model.
+  const Gaussians& second() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace oraclegs

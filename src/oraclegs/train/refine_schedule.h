@@ -1,0 +1,19 @@
+#pragma once
+// In which iterations Gaussians become more or fewer. Iterations count from 1.
+
+#include "oraclegs/train/options.h"
+
+namespace oraclegs {
+
+/// Whether Densifier::Refine changes the Gaussians after this iteration: every --refine-every between --refine-start
+/// and
+/// --refine-stop, of settled options. Never after the last one, whose model is scored: nothing would settle what is
+/// moved then.
+bool Refines(const TrainOptions& options, int64_t iteration);
+
+/// Whether --densify adaptive resets all opacities after this iteration: at --opacity-reset-first and every
+/// --opacity-reset after it, before --refine-stop. Before a white background 3DGS does so once more, when densification
+/// begins.
+bool ResetsOpacities(const TrainOptions& options, bool is_background_white, int64_t iteration);
+
+}  // namespace oraclegs

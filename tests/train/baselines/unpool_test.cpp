@@ -1,0 +1,125 @@
+#include "oraclegs/train/baselines/unpool.h"
+
+#include <cmath>
+
+#include "train/gaussian_fixtures.h"
+
+namespace oraclegs {
+namespace {
+
+/// A tight group of four at the origin, and one at (x, 0, 0) whose three nearest are of the group.
+struct Lonely {
+  Gaussians gaussians, first, second;
+
+  explicit Lonely(float x) : gaussians(RandomGaussians(5, 1)), first(RandomGaussians(5, 2)), second(first.Clone()) {
+    const std::vector<float> means = {0, 0, 0, 1, 0, 0, 0.5f, 0.25f, 0, -9, 0, 0, x, 0, 0};
+    std::copy(means.begin(), means.end(), gaussians.means.data());
+  }
+  int64_t Unpool(const UnpoolOptions& options, int64_t limit = 100) {
+    return UnpoolGaussians(options, limit, {&gaussians, &first, &second});
+  }
+};
+
+/// Only the Gaussian at x = 16 exceeds a mean distance of (16 + 15.5 + 15) / 3, about 15.5.
+UnpoolOptions MeanAbove(double threshold) {
+  UnpoolOptions options = UnpoolOptions::Paper();
+  options.threshold = threshold;
+  return options;
+}
+
+TEST(UnpoolGaussians, AddsTheMiddleOfEachEdge) {
+  Lonely scene(16);
+  const Gaussians before = scene.gaussians.Clone();
+  ASSERT_EQ(scene.Unpool(MeanAbove(12)), 3);
+  const Gaussians& g = scene.gaussians;
+  ASSERT_EQ(g.size(), 8);
+  const std::vector<int64_t> destinations = {1, 2, 0};  // the nearest first
+  const std::vector<std::array<float, 3>> middles = {{8.5f, 0, 0}, {8.25f, 0.125f, 0}, {8, 0, 0}};
+  for (int64_t k = 0; k < 3; ++k) {
+    for (int64_t axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(g.means[3 * (5 + k) + axis], middles[k][axis]);
+      EXPECT_EQ(g.log_scales[3 * (5 + k) + axis], before.log_scales[3 * destinations[k] + axis]);
+    }
+    EXPECT_EQ(g.opacity_logits[5 + k], before.opacity_logits[destinations[k]]);
+    EXPECT_TRUE(Equal(g.quats.Rows(5 + k, 6 + k), Buffer<float>::From({1, 4}, {1, 0, 0, 0})));
+    EXPECT_EQ(MaxAbs(g.sh.Rows(5 + k, 6 + k)), 0);
+  }
+}
+
+TEST(UnpoolGaussians, LeavesTheOthersAndGivesZeroMoments) {
+  Lonely scene(16);
+  const Lonely before(16);
+  scene.Unpool(MeanAbove(12));
+  for (const auto& [now, then] : {std::pair{scene.gaussians, before.gaussians}, std::pair{scene.first, before.first},
+                                  std::pair{scene.second, before.second}}) {
+    const auto a = Tensors(now), b = Tensors(then);
+    for (size_t t = 0; t < a.size(); ++t) EXPECT_TRUE(SameBytes(a[t].Rows(0, 5), b[t]));
+  }
+  for (const Gaussians& moments : {scene.first, scene.second}) {
+    for (const Buffer<float>& t : Tensors(moments)) {
+      ASSERT_EQ(t.size(0), 8);
+      EXPECT_EQ(MaxAbs(t.Rows(5, 8)), 0);
+    }
+  }
+}
+
+TEST(UnpoolGaussians, TakesTheColorOfTheDestinationWhereAsked) {
+  Lonely scene(16);
+  UnpoolOptions options = MeanAbove(12);
+  options.color = UnpoolOptions::Color::kDestination;
+  scene.Unpool(options);
+  EXPECT_TRUE(Equal(scene.gaussians.sh.Rows(5, 6), scene.gaussians.sh.Rows(1, 2)));
+}
+
+TEST(UnpoolGaussians, ComparesTheScoreOfThePaper) {
+  // (16 + 15 + sqrt(15.5^2 + 0.25^2)) / 3 = 15.50067
+  EXPECT_EQ(Lonely(16).Unpool(MeanAbove(15.5006)), 3);
+  EXPECT_EQ(Lonely(16).Unpool(MeanAbove(15.5007)), 0);
+  EXPECT_EQ(Lonely(16).Unpool(UnpoolOptions::Paper()), 3);     // t_prox = 10
+  EXPECT_EQ(Lonely(10.4f).Unpool(UnpoolOptions::Paper()), 0);  // (10.4 + 9.9 + 9.4) / 3
+}
+
+TEST(UnpoolGaussians, ComparesTheScoreAndSizeOfThePublicCode) {
+  // Mean squared distances: 240.4 of the one at 16, 90.4 of the one at -9.
+  const auto added = [](double extent, float log_scale) {
+    Lonely scene(16);
+    Flat(scene.gaussians.log_scales).setConstant(-20);
+    scene.gaussians.log_scales[3 * 4 + 1] = log_scale;
+    return scene.Unpool(UnpoolOptions::PublicCode(extent));
+  };
+  const float just_above = std::log(48.0f * 1.001f), below = std::log(47.0f);
+  EXPECT_EQ(added(48.0, just_above), 3);
+  EXPECT_EQ(added(48.0, below), 0);  // too small
+  EXPECT_EQ(added(48.1, 10.f), 0);   // too near: 5 * 48.1 = 240.5
+}
+
+TEST(UnpoolGaussians, StopsAtTheLimit) {
+  Lonely scene(16);
+  EXPECT_EQ(scene.Unpool(MeanAbove(5), 9), 4);  // of 6: those of the largest score first
+  EXPECT_EQ(scene.gaussians.means[3 * 5], 8.5f);
+  EXPECT_EQ(scene.gaussians.means[3 * 8], -4.5f);  // between -9 and its nearest, 0
+  EXPECT_EQ(scene.Unpool(MeanAbove(0), 9), 0);
+}
+
+TEST(UnpoolGaussians, NeedsThreeNeighbors) {
+  Gaussians three = RandomGaussians(3, 1), first = three.Clone(), second = three.Clone();
+  EXPECT_EQ(UnpoolGaussians(MeanAbove(0), 100, {&three, &first, &second}), 0);
+}
+
+TEST(UnpoolGaussians, RefusesMomentsThatDoNotFit) {
+  Gaussians g = RandomGaussians(5, 1), first = g.Clone(), second = RandomGaussians(4, 1);
+  EXPECT_THROW(UnpoolGaussians({}, 100, {&g, &first, &second}), ShapeError);
+}
+
+TEST(UnpoolGaussians, SameForAnyNumberOfThreads) {
+  const auto run = [](int threads) {
+    const Threads scope(threads);
+    Gaussians g = RandomGaussians(4000, 4), first = g.Clone(), second = g.Clone();
+    EXPECT_GT(UnpoolGaussians(MeanAbove(0.3), 5000, {&g, &first, &second}), 100);
+    return g;
+  };
+  EXPECT_TRUE(SameBits(run(1), run(3)));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,45 @@
+#include "oraclegs/train/make_densifier.h"
+
+#include <gtest/gtest.h>
+
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+/// What one refinement leaves of a start with dead Gaussians.
+Gaussians Refined(TrainOptions options, bool* adds_noise) {
+  options = options.Settled();
+  const LossPlan plan(options, Photos(2));
+  auto rasterizer = MakeRasterizer(kCpu);
+  const MethodParts none;
+  const std::unique_ptr<Densifier> densifier = MakeDensifier({options, plan, rasterizer.get(), none});
+  TrainedModel model{Start(), Adam(Start().size())};
+  densifier->Restore({}, model.gaussians.size());
+  *adds_noise = densifier->AddsNoise();
+  Iteration iteration;
+  iteration.seed = kSeed, iteration.number = 40, iteration.refines = true;
+  densifier->Refine(iteration, &model);
+  return model.gaussians;
+}
+
+TEST(MakeDensifier, McmcMovesTheDeadAndGrows) {
+  bool adds_noise = false;
+  const Gaussians refined = Refined(Options(), &adds_noise);
+  EXPECT_TRUE(adds_noise);
+  EXPECT_EQ(refined.size(), 63) << "5 % more";
+  EXPECT_GT(Flat(refined.opacity_logits).minCoeff(), -6);
+}
+
+TEST(MakeDensifier, AdaptiveRemovesTheDead) {
+  TrainOptions options = Options();
+  options.baseline.densify = Densify::kAdaptive;
+  bool adds_noise = true;
+  const Gaussians refined = Refined(options, &adds_noise);
+  EXPECT_FALSE(adds_noise);
+  EXPECT_EQ(refined.size(), 55);
+  EXPECT_GT(Flat(refined.opacity_logits).minCoeff(), -6);
+}
+
+}  // namespace
+}  // namespace oraclegs
