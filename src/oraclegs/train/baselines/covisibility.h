@@ -1,0 +1,40 @@
+#pragma once
+// Covisibility maps of CoMapGS [Jang 2025] (section 3.1, eq. 1) and its weights (section 3.3, eq. 10 and 11): what few
+// views show counts more.
+//
+// Two things differ from the paper. It counts the views in which a network finds a match of the pixel, and cleans the
+// map with erosion and dilation; here a view counts where depth maps agree. And its weight is that of a loss of
+// Gaussians, looked up where their centers project (their distance from a point cloud, by a classifier that is trained
+// for it); the paper weights no image loss by pixels. CovisibilityWeights is the same number for each pixel, the
+// closest thing for a loss that has pixels.
+
+#include <vector>
+
+#include "oraclegs/camera/camera.h"
+#include "oraclegs/core/buffer.h"
+
+namespace oraclegs {
+
+/// A training view with depth.
+struct CovisibilityView {
+  Camera camera;
+  Buffer<float> inv_depth;  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = unknown everywhere
+  Buffer<float> mask;       ///< [H,W] in [0,1], the depth is known above 0.5; undefined = known everywhere
+};
+
+/// M of eq. 1 for views[index], [H,W]: of each pixel the number of other views that see the same point of the surface.
+/// That is, the point lies in their image, before the camera, and z there times their inverse depth at the pixel is 1
+/// within `tolerance`. 0 where the view's own depth is not known. From 0 to the number of views less one. On all
+/// threads, the same for any number. Throws ShapeError where buffers do not fit the camera or there is no such view.
+Buffer<float> CovisibilityMap(const std::vector<CovisibilityView>& views, size_t index, double tolerance = 0.05);
+
+/// 1 / (M + 1) of each pixel, eq. 10: 1 where one view alone sees the point.
+Buffer<float> CovisibilityWeights(const Buffer<float>& map);
+
+/// The mean of M / (number of views - 1) over all pixels of all maps, in [0, 1]; 0 where there are fewer than 2.
+double MeanCovisibility(const std::vector<Buffer<float>>& maps);
+
+/// max(0, (S - 0.7) / 0.3), eq. 11, S the mean covisibility: the weight of Gaussians outside of a view's image.
+double OutsideWeight(double mean_covisibility);
+
+}  // namespace oraclegs
