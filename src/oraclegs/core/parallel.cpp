@@ -66,7 +66,7 @@ class Pool {
     TakeTasks(0);
     // A helper raises busy_ before it looks at open_, we close before we look at busy_: one of us sees the other.
     open_ = false;
-    while (busy_ != 0) Pause();
+    WaitForHelpers();
     if (error_) std::rethrow_exception(error_);
     return true;
   }
@@ -77,6 +77,16 @@ class Pool {
     std::atomic<int64_t> next{0};
     int64_t end = 0;
   };
+
+  /// A helper that is about to finish is worth spinning for. One that has lost its core in the middle of a task gets it
+  /// back sooner when ours is free.
+  void WaitForHelpers() {
+    for (int spin = 0; spin < kSpins; ++spin) {
+      if (busy_ == 0) return;
+      Pause();
+    }
+    for (int busy = busy_; busy != 0; busy = busy_) busy_.wait(busy);
+  }
 
   /// Starts what lacks of `threads`; returns how many there are, fewer where the system gives no more.
   int WithWorkers(int threads) {
@@ -121,7 +131,7 @@ class Pool {
       if (stop_) return;
       ++busy_;
       if (open_ && worker_index < threads_) TakeTasks(worker_index);
-      --busy_;
+      if (--busy_ == 0) busy_.notify_one();
     }
   }
 
