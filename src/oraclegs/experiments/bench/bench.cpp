@@ -1,6 +1,7 @@
 #include "oraclegs/experiments/bench/bench.h"
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -26,6 +27,8 @@ using nlohmann::json;
 
 constexpr char kBenchJson[] = "bench.json", kBenchMarkdown[] = "bench.md", kBenchLatex[] = "bench.tex",
                kBenchCsv[] = "bench.csv";
+// Children of a call that was killed may take seconds to end, and hold its lock until then.
+constexpr std::chrono::seconds kLockPatience{15};
 constexpr char kViewsPlot[] = "bench-views.svg", kTimePlot[] = "bench-time.svg", kBenchRuns[] = "runs";
 
 /// "... error: what happened" of the program's last line is "what happened".
@@ -37,7 +40,11 @@ std::string Reason(const std::string& why) {
 class Bench {
  public:
   Bench(const BenchRequest& request, const BenchPlan& plan, Launcher* launcher, const Listener& listener)
-      : request_(request), plan_(plan), launcher_(launcher), listener_(listener), lock_(Claim(request, plan)) {
+      : request_(request),
+        plan_(plan),
+        launcher_(launcher),
+        listener_(listener),
+        lock_(Claim(request, plan), kLockPatience) {
     if (lock_.state() == FolderLock::State::kHeldByAnother) {
       throw RunError("{}: another `oraclegs bench` works there; wait for it, or choose another folder with -o",
                      request.out.string());

@@ -21,7 +21,8 @@ std::vector<ChartLine> LinesOf(const BenchReport& report, const PlaceOf& place) 
   for (const BenchMethod& method : report.methods) {
     ChartLine line{method.label, ChartColor(lines.size()), {}};
     for (const BenchRow& row : rows) {
-      if (!row.is_mean() || !row.source.empty() || row.method != method.name) continue;
+      const bool is_of_all = row.is_mean() && row.source.empty() && row.scored == row.of;
+      if (!is_of_all || row.method != method.name) continue;
       const auto& psnr = row.value[static_cast<size_t>(BenchValue::kPsnr)];
       const std::optional<double> x = place(row);
       if (psnr && x) line.points.push_back({*x, psnr->mean});

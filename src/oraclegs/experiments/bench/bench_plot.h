@@ -1,5 +1,5 @@
 #pragma once
-// The plots of a benchmark: means over the scenes, a line for each method.
+// The plots of a benchmark: means over all scenes, a line for each method; means over some of them would not compare.
 
 #include <string>
 

@@ -31,6 +31,13 @@ std::string GaussiansCell(const BenchRow& row) {
   return count ? fmt::format("{:.0f}", count->mean) : "-";
 }
 
+/// What is quoted has the digits that are printed there.
+std::string CellOf(const BenchRow& row, BenchValue value) {
+  const auto& spread = row.value[IndexOf(value)];
+  if (row.source.empty() || !spread || value == BenchValue::kPsnr) return ScoreCell(spread, value);
+  return fmt::format("{:.3f}", spread->mean);
+}
+
 /// "20.32 / 0.596 / 0.350"
 std::string PublishedCell(const BenchRow& row) {
   if (!row.published) return "";
@@ -55,6 +62,7 @@ std::string DifferenceCell(const BenchRow& row) {
 std::string SceneOf(const BenchRow& row) {
   if (!row.source.empty()) return "quoted";
   if (!row.is_mean()) return row.scene;
+  if (row.scored == 0) return "mean";
   return row.scored == row.of ? "mean" : fmt::format("mean of {} of {}", row.scored, row.of);
 }
 
@@ -142,7 +150,7 @@ std::string MarkdownRow(const BenchRow& row, bool with_published) {
   if (!row.failure.empty())
     return text + fmt::format(" {} | | | | | |{}\n", InMarkdown(row.failure), with_published ? " | |" : "");
   for (const BenchValue value : kScoreValues) {
-    const std::string cell = ScoreCell(row.value[IndexOf(value)], value);
+    const std::string cell = CellOf(row, value);
     text += row.best[IndexOf(value)] ? fmt::format(" **{}** |", cell) : fmt::format(" {} |", cell);
   }
   text += fmt::format(" {} | {} | {} |", TimeCell(row), MemoryCell(row), GaussiansCell(row));
@@ -156,7 +164,7 @@ std::string LatexRow(const BenchRow& row) {
     return text + fmt::format(" & \\multicolumn{{6}}{{l}}{{{}}} \\\\\n", InLatex(row.failure));
   }
   for (const BenchValue value : kScoreValues) {
-    const std::string cell = InLatex(ScoreCell(row.value[IndexOf(value)], value));
+    const std::string cell = InLatex(CellOf(row, value));
     text += row.best[IndexOf(value)] ? fmt::format(" & \\textbf{{{}}}", cell) : " & " + cell;
   }
   return text + fmt::format(" & {} & {} & {} \\\\\n", TimeCell(row), MemoryCell(row), GaussiansCell(row));
@@ -226,7 +234,7 @@ std::string BenchText(const BenchReport& report) {
         lines.back().push_back(row.failure);
         continue;
       }
-      for (const BenchValue value : kScoreValues) lines.back().push_back(ScoreCell(row.value[IndexOf(value)], value));
+      for (const BenchValue value : kScoreValues) lines.back().push_back(CellOf(row, value));
       lines.back().insert(lines.back().end(), {TimeCell(row), MemoryCell(row), GaussiansCell(row)});
       if (with_published) lines.back().insert(lines.back().end(), {PublishedCell(row), DifferenceCell(row)});
     }

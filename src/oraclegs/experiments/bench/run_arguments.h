@@ -15,6 +15,7 @@ using RunArguments = std::vector<std::pair<std::string, std::string>>;
 
 /// Null when it is not there.
 const std::string* FindArgument(const RunArguments& arguments, const std::string& name);
+const std::string* FindArgument(RunArguments&& arguments, const std::string& name) = delete;
 
 /// `below` with the values of `above` in place of its own.
 RunArguments Overlaid(RunArguments below, const RunArguments& above);
