@@ -45,7 +45,7 @@ std::map<std::string_view, RunScope> AllScopes() {
   // --views is a list of the command's own.
   scopes["bench"] = {{"Split", "Checkpoints", "Report"},
                      {"eval", "test-every", "view-steps", "train-views", "test-views"},
-                     {"quality", "preset", "iterations", "device", "seed"},
+                     {"preset", "iterations", "device", "seed"},
                      OtherOptions::kNone};
   scopes["sfm"] = {GroupsFrom("Stereo"), {}, And(kEveryStage, {"frames"})};
   scopes["depth"] = {GroupsFrom("Proposed poses"), {}, And(kEveryStage, {"depth-prior", "init"})};
