@@ -114,6 +114,7 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
 // One per file of this folder.
 std::unique_ptr<Command> MakeReconstruct(CLI::App* app);
 std::unique_ptr<Command> MakeAblate(CLI::App* app);
+std::unique_ptr<Command> MakeBench(CLI::App* app);
 std::unique_ptr<Command> MakeSfm(CLI::App* app);
 std::unique_ptr<Command> MakeDepth(CLI::App* app);
 std::unique_ptr<Command> MakePropose(CLI::App* app);

@@ -51,7 +51,7 @@ Program::Program() {
   add("Photos to splat", MakeReconstruct, MakeDemo, MakeDemoScene);
   add("Look and share", MakeView, MakeRender, MakeExport, MakeMesh, MakeCameras, MakeInfo);
   add("Single stages", MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain);
-  add("Measure", MakeEvaluate, MakeAblate, MakeFigure);
+  add("Measure", MakeEvaluate, MakeBench, MakeAblate, MakeFigure);
   add("Set up", MakeModels, of_all(MakeHelp), of_all(MakeCompletion), of_all(MakeMan));
 }
 

@@ -42,6 +42,11 @@ std::map<std::string_view, RunScope> AllScopes() {
   scopes["train"].without_groups = {"Report"};
   scopes["ablate"].without_groups = {"Report", "Checkpoints"};
   scopes["ablate"].basic = {"quality", "preset", "views", "iterations", "device", "seed"};  // beside its own
+  // --views is a list of the command's own.
+  scopes["bench"] = {{"Split", "Checkpoints", "Report"},
+                     {"eval", "test-every", "view-steps", "train-views", "test-views"},
+                     {"preset", "iterations", "device", "seed"},
+                     OtherOptions::kNone};
   scopes["sfm"] = {GroupsFrom("Stereo"), {}, And(kEveryStage, {"frames"})};
   scopes["depth"] = {GroupsFrom("Proposed poses"), {}, And(kEveryStage, {"depth-prior", "init"})};
   // Proxy models are trained, too.

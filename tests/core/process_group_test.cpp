@@ -131,6 +131,15 @@ TEST(ProcessGroup, DiesWithAParentThatIsKilled) {
   EXPECT_TRUE(Within5Seconds([&] { return !IsFolderLocked(dir.path()); }));
 }
 
+TEST(ProcessGroup, KnowsTheLargestMemoryOfItsProgram) {
+  const std::vector<std::string> argv = {"/bin/sh", "-c", "head -c 60000000 /dev/zero | tail -c 50000000 > /dev/null"};
+  ProcessGroup group({argv, {}});
+  ASSERT_EQ(group.start_error(), 0);
+  EXPECT_TRUE(Within5Seconds([&] { return group.HasEnded(); }));
+  group.End();
+  EXPECT_GT(group.peak_bytes(), 50'000'000) << "tail keeps that much";
+}
+
 TEST(ProcessGroup, KeepsTheLockUntilTheGroupIsGone) {
   const TempDir dir;
   int alive[2];

@@ -12,17 +12,18 @@ from pathlib import Path
 
 from harness import ROOT, SMALL_RUN, EndToEnd, command, files_below, main
 
-COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "evaluate", "ablate", "render", "figure", "export", "mesh", "cameras",
+COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "evaluate", "bench", "ablate", "render", "figure", "export", "mesh", "cameras",
             "view", "info", "models", "demo", "demo-scene", "help", "completion", "man"]  # fmt: skip
 
 # Headers below src/oraclegs that declare options: all of a run, and those of single commands.
 RUN_OPTIONS = ["pipeline/settings/options.h", "capture/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
                "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
-OWN_OPTIONS = {"ablate": "experiments/ablation.h", "render": "pipeline/render_path.h", "figure": "report/figure.h", "export": "pipeline/export.h",
+OWN_OPTIONS = {"ablate": "experiments/ablation.h", "bench": "experiments/bench/bench_plan.h", "render": "pipeline/render_path.h", "figure": "report/figure.h", "export": "pipeline/export.h",
                "mesh": "mesh/fuse_model.h", "demo": "demo/demo_scene.h", "demo-scene": "demo/demo_scene.h", "view": "web/viewer_options.h", "models": "weights/fetch.h"}  # fmt: skip
 
 # Headers of run options that a command has no use for.
 NOT_SHOWN = {
+    "bench": ["capture/options.h"],
     "cameras": [header for header in RUN_OPTIONS if header not in ("scene/split.h", "scene/loaded_view.h")],
     "sfm": ["depth/stereo.h", "train/options.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"],
     "depth": ["train/options.h", "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"],

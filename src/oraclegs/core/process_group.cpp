@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -236,7 +237,9 @@ void ProcessGroup::End() {
   }
   if (guard_pipe_ >= 0) close(guard_pipe_);
   if (program_ > 0) {
-    while (waitpid(program_, &status_, 0) < 0 && errno == EINTR) continue;
+    rusage usage{};
+    while (wait4(program_, &status_, 0, &usage) < 0 && errno == EINTR) continue;
+    peak_bytes_ = int64_t{usage.ru_maxrss} * 1024;
   }
   program_ = guard_ = 0;
   guard_pipe_ = -1;

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,10 @@ class ProcessGroup {
   /// After End(): of the program, 128 + n when signal n ended it.
   int exit_code() const;
 
+  /// After End(): the largest memory that the program, or one of its children that it waited for, held at once; at
+  /// least what this process held when it started the program. 0 = nothing was started.
+  int64_t peak_bytes() const { return peak_bytes_; }
+
   /// Seconds that the processes of the group have computed so far.
   double CpuSeconds() const;
 
@@ -51,6 +56,7 @@ class ProcessGroup {
   int guard_pipe_ = -1;
   int status_ = 0;
   int start_error_ = 0;
+  int64_t peak_bytes_ = 0;
 };
 
 }  // namespace oraclegs

@@ -205,7 +205,8 @@ std::string TamperingText(const TamperingReport& report) {
                      (worst.empty() ? "" : worst + "\n");
   const std::vector<std::vector<std::string>> kinds = KindTable(report);
   if (kinds.empty()) return text;
-  return text + "AUROC by kind of lie\n" + AlignColumns(kinds, "l" + std::string(kinds[0].size() - 1, 'r'));
+  return text +
+         fmt::format("AUROC by kind of lie\n{}", AlignColumns(kinds, 'l' + std::string(kinds[0].size() - 1, 'r')));
 }
 
 std::string TamperingMarkdown(const TamperingReport& report) {

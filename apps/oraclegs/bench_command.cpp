@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "command.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/experiments/bench/bench.h"
+#include "oraclegs/experiments/bench/bench_report.h"
+#include "version.h"
+
+namespace oraclegs {
+namespace {
+
+struct BenchOutput {
+  std::filesystem::path out;
+  bool overwrite = false;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("out", self.out,
+          "Folder for tables, plots and a workspace of each run; the same command goes on there where it was stopped");
+    visit("overwrite", self.overwrite, "Start anew: remove what earlier runs of this command left there");
+  }
+};
+
+class BenchCommand : public Command {
+ public:
+  explicit BenchCommand(CLI::App* app)
+      : Command(app, "bench", "Benchmark suite: methods on scenes, numbers of views and seeds, as tables and plots",
+                "oraclegs bench --suite blender --data datasets/ -o out/ --methods ours,3dgs-mcmc --dry-run\n"
+                "  oraclegs bench --suite my-scenes/ -o out/ --views 6,12 --seeds 1 --iterations 3000") {
+    Bind("Benchmark", &options_);
+    Bind("Output", &output_);
+    BindRun(&run_);
+  }
+
+ private:
+  void Body(const Listener& listener) override {
+    BenchRequest request;
+    request.options = options_, request.first_seed = run_.start.seed;
+    request.asked = Asked();
+    request.out = output_.out, request.overwrite = output_.overwrite;
+    request.command = CommandLine(), request.version = fmt::format("{} ({})", ORACLEGS_VERSION, CommitText());
+    request.program = std::filesystem::read_symlink("/proc/self/exe");
+    if (options_.dry_run && request.out.empty()) request.out = "out";
+    RequireOut(request.out);
+    ShareThreads(&request);
+    const BenchPlan plan = PlanBench(request);
+    if (options_.dry_run) return Print(PlanText(request, plan));
+    for (const SceneCheck& check : plan.checks) {
+      if (!check.problem.empty()) listener(Warning{check.problem});
+    }
+    const auto launcher = MakeLauncher(options_.launcher, {options_.workers, run_.device.device});
+    Print(BenchText(RunBench(request, plan, launcher.get(), listener)) +
+          fmt::format("table      {}", (request.out / "bench.md").string()));
+  }
+
+  /// The options of runs that the command line or a file has set, whose seeds are the benchmark's own.
+  RunArguments Asked() {
+    RunArguments asked;
+    const nlohmann::json own = OptionsToJson(options_);  // --views is a list there
+    const nlohmann::json options = RunOptionsToJson(run_);
+    for (const auto& [name, value] : options.items()) {
+      const CLI::Option* option = app()->get_option_no_throw("--" + name);
+      if (!option || option->count() == 0 || name == "seed" || own.contains(name)) continue;
+      asked.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    return asked;
+  }
+
+  /// Runs at once must not each take all cores; how many they take changes no result.
+  void ShareThreads(BenchRequest* request) const {
+    const int workers = options_.workers.ValueOr(1);
+    if (workers < 2 || options_.launcher != LauncherKind::kLocal || FindArgument(request->asked, "threads")) return;
+    const int cores = static_cast<int>(std::thread::hardware_concurrency());
+    request->asked.emplace_back("threads", std::to_string(std::max(1, cores / workers)));
+  }
+
+  BenchOptions options_;
+  BenchOutput output_;
+  RunOptions run_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> MakeBench(CLI::App* app) { return std::make_unique<BenchCommand>(app); }
+
+}  // namespace oraclegs

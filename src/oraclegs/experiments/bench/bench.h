@@ -1,0 +1,19 @@
+#pragma once
+// Whole suites: scenes x numbers of views x seeds x methods, each a run of its own that is never done twice.
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/experiments/bench/bench_plan.h"
+#include "oraclegs/experiments/bench/bench_table.h"
+
+namespace oraclegs {
+
+/// Does the runs of the plan through the launcher, those of request.out/runs that are done excepted, and writes
+/// bench.json, .md, .tex, .csv, bench-views.svg and bench-time.svg there anew after each. Runs of one scene, number of
+/// views and seed share structure from motion and depth: the first of them runs before the others. A run that fails is
+/// a row with its reason, and is tried again in the next call; so is whatever a kill left unfinished. Tells "run 4 of
+/// 36 ..." and the time that is left. Throws InputError when `out` holds something else or runs of other options,
+/// RunError when nothing was scored, another call works in `out`, or files cannot be written, and what the launcher
+/// throws.
+BenchReport RunBench(const BenchRequest& request, const BenchPlan& plan, Launcher* launcher, const Listener& listener);
+
+}  // namespace oraclegs

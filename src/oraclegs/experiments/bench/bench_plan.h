@@ -1,0 +1,85 @@
+#pragma once
+// All runs of a benchmark, before any is started.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/experiments/bench/methods.h"
+#include "oraclegs/experiments/bench/scene_check.h"
+#include "oraclegs/experiments/launch/make_launcher.h"
+
+namespace oraclegs {
+
+struct BenchOptions {
+  std::string suite;
+  std::filesystem::path data;
+  std::string methods = "ours,3dgs-mcmc";
+  std::string views;
+  int seeds = 3;
+  bool dry_run = false;
+  LauncherKind launcher = LauncherKind::kLocal;
+  Auto<int> workers;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("suite", self.suite,
+          "What is measured: mipnerf360, blender, llff or dtu, each with the images, sizes and test views that papers "
+          "score; or a folder, each subfolder of which is a scene, or which is a scene itself");
+    visit("data", self.data, "Folder with the scenes of a named suite, or with the folder that holds them");
+    visit("methods", self.methods,
+          "What is compared, separated by commas: ours, ours-no-proposals (trained on the photos alone), 3dgs-mcmc");
+    visit("views", self.views,
+          "Numbers of training views, separated by commas; unless given, those that papers report: 12,24 for "
+          "mipnerf360, 8 for blender, 3,6,9 for llff and dtu, all but every 8th for a folder");
+    visit("seeds", self.seeds, "Runs of each scene, number of views and method, of seeds --seed, --seed + 1, ...",
+          Range{1, 1000});
+    visit("dry-run", self.dry_run, "Print which images train and test, their size, and each command; run nothing");
+    visit("launcher", self.launcher, "Where the runs happen: local = this machine; slurm = a cluster's queue");
+    visit("workers", self.workers, "Runs at once on this machine; auto = one for each GPU, else 1", Range{1, 1024});
+  }
+};
+
+struct BenchRequest {
+  BenchOptions options;
+  RunArguments asked;  ///< options of all runs, as the user gave them; those of a method win
+  uint64_t first_seed = 0;
+  std::filesystem::path out;
+  bool overwrite = false;
+  std::string command;            ///< as it was typed, for the report
+  std::string version;            ///< of the program, with its commit
+  std::filesystem::path program;  ///< what runs `reconstruct`
+};
+
+struct BenchRun {
+  size_t check = 0, method = 0;  ///< indices into the plan's
+  uint64_t seed = 0;
+  std::string name = {};        ///< SUITE-SCENE-VIEWS-METHOD-seedS: of its workspace, too
+  RunArguments arguments = {};  ///< with --seed
+};
+
+struct BenchPlan {
+  Suite suite;
+  std::vector<Method> methods;
+  std::vector<uint64_t> seeds;
+  std::vector<int> views;
+  std::vector<SceneCheck> checks;  ///< scene by scene, for each number of views
+  std::vector<BenchRun> runs;      ///< also of scenes that cannot be run
+  bool keeps_protocol = false;     ///< of a named suite
+};
+
+/// Reads all scenes. Throws UsageError for an unknown suite, method or number of views, InputError when no scene is
+/// there or none can be run (the first problem).
+BenchPlan PlanBench(const BenchRequest& request);
+
+std::filesystem::path WorkspaceOf(const BenchRequest& request, const BenchRun& run);
+
+/// argv of a run.
+std::vector<std::string> CommandOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run);
+
+/// What --dry-run prints: protocol, images and sizes, LPIPS, and the commands as a shell reads them.
+std::string PlanText(const BenchRequest& request, const BenchPlan& plan);
+
+}  // namespace oraclegs

@@ -1,0 +1,39 @@
+#include "oraclegs/experiments/launch/make_launcher.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "oraclegs/core/text.h"
+// Where the program has the launcher of clusters.
+#if __has_include("oraclegs/experiments/launch/slurm_launcher.h")
+#include "oraclegs/experiments/launch/slurm_launcher.h"
+#define ORACLEGS_HAS_SLURM_LAUNCHER
+#endif
+
+namespace oraclegs {
+
+LocalWorkers WorkersFor(const LaunchOptions& options, const DeviceSupport& support, const std::string& visible) {
+  LocalWorkers workers;
+  const bool on_any_gpu =
+      ChooseDevice(options.device, support).is_cuda() && options.device.find(':') == std::string::npos;
+  if (on_any_gpu) {
+    workers.gpus = SplitTrimmed(visible, ',');
+    for (int gpu = 0; visible.empty() && gpu < support.devices; ++gpu) workers.gpus.push_back(std::to_string(gpu));
+  }
+  workers.count = options.workers.ValueOr(std::max(1, static_cast<int>(workers.gpus.size())));
+  return workers;
+}
+
+std::unique_ptr<Launcher> MakeLauncher(LauncherKind kind, const LaunchOptions& options) {
+  if (kind == LauncherKind::kSlurm) {
+#ifdef ORACLEGS_HAS_SLURM_LAUNCHER
+    return MakeSlurmLauncher(options);
+#else
+    throw UsageError("--launcher slurm: this program was built without it; use --launcher local");
+#endif
+  }
+  const char* visible = std::getenv("CUDA_VISIBLE_DEVICES");
+  return std::make_unique<LocalLauncher>(WorkersFor(options, ProbeDevices(), visible ? visible : ""));
+}
+
+}  // namespace oraclegs

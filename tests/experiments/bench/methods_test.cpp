@@ -1,0 +1,56 @@
+#include "oraclegs/experiments/bench/methods.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "oraclegs/pipeline/settings/plan.h"
+#include "support/errors.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(Methods, AreValidAndHaveNamesOfTheirOwn) {
+  std::set<std::string> names, labels;
+  for (const Method& method : Methods()) {
+    EXPECT_TRUE(names.insert(method.name).second) << method.name;
+    EXPECT_TRUE(labels.insert(method.label).second) << method.label;
+    EXPECT_NO_THROW(OptionsOf(Overlaid(method.usual, method.options))) << method.name;
+  }
+}
+
+TEST(Methods, OursIsWhatReconstructDoes) {
+  EXPECT_TRUE(FindMethods("ours")[0].options.empty());
+  EXPECT_FALSE(HasProposals(OptionsOf(FindMethods("ours-no-proposals")[0].options)));
+}
+
+TEST(Methods, McmcIsThePublishedTraining) {
+  const Method mcmc = FindMethods("3dgs-mcmc")[0];
+  const RunOptions options = OptionsOf(Overlaid(mcmc.usual, mcmc.options));
+  EXPECT_FALSE(HasProposals(options));
+  EXPECT_FALSE(NeedsDepth(options));
+  EXPECT_EQ(options.start.init, Auto<StartKind>(StartKind::kSfm));
+  EXPECT_EQ(options.train.depth_weight, 0);
+  EXPECT_EQ(options.train.rate_scale, Auto<double>(1));
+  EXPECT_EQ(options.train.iterations, Auto<int>(10000));
+  EXPECT_EQ(options.train.exposure, ExposureMode::kOff);
+}
+
+TEST(FindMethods, TakesEachOnceInTheOrderOfTheList) {
+  const auto methods = FindMethods("3dgs-mcmc, ours,3dgs-mcmc");
+  ASSERT_EQ(methods.size(), 2u);
+  EXPECT_EQ(methods[0].name, "3dgs-mcmc");
+  EXPECT_EQ(methods[1].name, "ours");
+}
+
+TEST(FindMethods, ListsThoseThereAre) {
+  EXPECT_THAT(MessageOf<UsageError>([] { FindMethods("ours,3dgs-mcm"); }),
+              AllOf(HasSubstr("'3dgs-mcm'"), HasSubstr("ours-no-proposals"), HasSubstr("did you mean '3dgs-mcmc'?")));
+  EXPECT_THAT(MessageOf<UsageError>([] { FindMethods(" ,"); }), HasSubstr("names none"));
+}
+
+}  // namespace
+}  // namespace oraclegs

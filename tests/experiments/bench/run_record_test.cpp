@@ -1,0 +1,63 @@
+#include "oraclegs/experiments/bench/run_record.h"
+
+#include <gmock/gmock.h>
+
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(RunRecord, ReadsWhatItWrote) {
+  const TempDir dir;
+  const auto workspace = dir / "suite-v1.5-12-ours-seed0";
+  EXPECT_FALSE(ReadRunRecord(workspace));
+  RunRecord record{"/data/v1.5", {{"views", "12"}}, "1.0", true, {}};
+  record.result.seconds = 2.5, record.result.peak_bytes = 12345, record.result.why = "no";
+  WriteRunRecord(workspace, record);
+  EXPECT_TRUE(std::filesystem::exists(dir / "suite-v1.5-12-ours-seed0.json"));
+  const auto read = ReadRunRecord(workspace);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->scene, record.scene);
+  EXPECT_EQ(read->arguments, record.arguments);
+  EXPECT_TRUE(read->ended);
+  EXPECT_EQ(read->result.seconds, 2.5);
+  EXPECT_EQ(read->result.peak_bytes, 12345);
+  EXPECT_EQ(read->result.why, "no");
+}
+
+TEST(RunRecord, DamagedFilesAreNone) {
+  const TempDir dir;
+  for (const char* text : {"", "{", "[]", R"({"program": "other"})", R"({"program": "oraclegs", "options": 3})"}) {
+    WriteText(RecordFile(dir / "run"), text);
+    EXPECT_FALSE(ReadRunRecord(dir / "run")) << text;
+  }
+}
+
+TEST(ReadScore, TakesWhatTheRunMeasured) {
+  const TempDir dir;
+  WriteText(dir / "run/metrics.json",
+            R"({"test": {"psnr": 20.5, "ssim": 0.5, "lpips": 0.3, "conventions": {"lpips": "VGG16, as is"}},
+                "gaussians": 100, "peak_memory_bytes": 2000, "views": {"train": 12}, "train": {"seconds": 3},
+                "stages": {"sfm": {"seconds": 1}, "train": {"seconds": 4}, "evaluate": {"seconds": 10}}})");
+  BenchScore score;
+  ASSERT_TRUE(ReadScore(dir / "run", &score));
+  EXPECT_TRUE(score.is_scored());
+  EXPECT_THAT(score.value, testing::ElementsAre(20.5, 0.5, 0.3, 5.0, 2000.0, 100.0)) << "seconds without scoring";
+  EXPECT_EQ(score.training_seconds, 3);
+  EXPECT_EQ(score.train_views, 12u);
+  EXPECT_EQ(score.lpips, "VGG16, as is");
+}
+
+TEST(ReadScore, IncompleteIsNotDone) {
+  const TempDir dir;
+  BenchScore score;
+  EXPECT_FALSE(ReadScore(dir / "run", &score));
+  for (const char* text : {"", "{}", R"({"test": {"psnr": 3)", R"({"test": 3, "gaussians": 1})", R"({"test": {}})"}) {
+    WriteText(dir / "run/metrics.json", text);
+    EXPECT_FALSE(ReadScore(dir / "run", &score)) << text;
+    EXPECT_FALSE(score.ended);
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs
