@@ -29,8 +29,10 @@ struct BenchOptions {
           "What is measured: mipnerf360, blender, llff or dtu, each with the images, sizes and test views that papers "
           "score; or a folder, each subfolder of which is a scene, or which is a scene itself");
     visit("data", self.data, "Folder with the scenes of a named suite, or with the folder that holds them");
-    visit("methods", self.methods,
-          "What is compared, separated by commas: ours, ours-no-proposals (trained on the photos alone), 3dgs-mcmc");
+    visit(
+        "methods", self.methods,
+        "What is compared, separated by commas: ours, ours-no-proposals (trained on the photos alone), and methods of "
+        "others (docs/baselines.md): 3dgs, 3dgs-mcmc, dropgaussian, fsgs, cor-gs");
     visit("views", self.views,
           "Numbers of training views, separated by commas; unless given, those that papers report: 12,24 for "
           "mipnerf360, 8 for blender, 3,6,9 for llff and dtu, all but every 8th for a folder");

@@ -8,6 +8,18 @@
 namespace oraclegs {
 namespace {
 
+RunArguments With(RunArguments all, const RunArguments& more) {
+  for (const auto& [name, value] : more) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.first == name; });
+    if (same != all.end()) {
+      same->second = value;
+    } else {
+      all.push_back({name, value});
+    }
+  }
+  return all;
+}
+
 /// Rates and terms of 3DGS and of the programs built on it, where this program's own differ.
 RunArguments Plain3dgs() {
   return {{"proposers", "none"},          {"depth-prior", "none"}, {"depth-weight", "0"},   {"alpha-weight", "0"},
@@ -17,13 +29,57 @@ RunArguments Plain3dgs() {
           {"init-scale", "0.1"}};
 }
 
+/// With adaptive density control, from the dense points that the methods for few photos start from as well: theirs are
+/// COLMAP's, these are stereo's, of the training views alone in both cases.
+RunArguments Adaptive() {
+  return With(Plain3dgs(), {{"densify", "adaptive"},
+                            {"opacity-reg", "0"},
+                            {"scale-reg", "0"},
+                            {"refine-stop", "0.5"},
+                            {"max-gaussians", "500000"},
+                            {"depth-prior", "stereo"},
+                            {"init", "dense"},
+                            {"init-scale", "1"},
+                            {"init-opacity", "0.1"},
+                            {"init-planes", "false"}});
+}
+
+/// What the programs of FSGS, CoR-GS and DropGaussian have in common for few photos: fewer clones, until the end, and
+/// nothing is too large.
+RunArguments ForFewPhotos() {
+  return With(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
+}
+
 }  // namespace
 
 const std::vector<Method>& Methods() {
   static const std::vector<Method> methods = {
       {"ours", "OracleGS (this program)", "", {}, {}, ""},
       {"ours-no-proposals", "OracleGS without proposals", "", {{"proposers", "none"}}, {}, ""},
+      {"3dgs", "3DGS", "Kerbl 2023", Adaptive(), {{"iterations", "10000"}}, ""},
       {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Plain3dgs(), {{"iterations", "10000"}}, ""},
+      {"dropgaussian",
+       "DropGaussian",
+       "Park 2025",
+       With(ForFewPhotos(), {{"dropout", "0.2"}}),
+       {{"iterations", "10000"}},
+       ""},
+      {"fsgs",
+       "FSGS",
+       "Zhu 2024",
+       With(ForFewPhotos(), {{"depth-loss", "correlation"},
+                             {"depth-weight", "0.05"},
+                             {"sh-degree-interval", "500"},
+                             {"opacity-reset-first", "2001"},
+                             {"unpool-until", "2000"}}),
+       {{"iterations", "10000"}},
+       "monocular depth; stereo's stands in for it, and pseudo views have none"},
+      {"cor-gs",
+       "CoR-GS",
+       "Zhang 2024",
+       With(ForFewPhotos(), {{"two-fields", "true"}, {"sh-degree-interval", "500"}, {"opacity-reset-first", "501"}}),
+       {{"iterations", "10000"}},
+       ""},
   };
   return methods;
 }
