@@ -103,11 +103,13 @@ case ${0##*/} in
     echo "$id" >next
     export -f run_task set_state
     setsid bash -c '
+      touch "$id.up"
       for ((task = first; task <= last; ++task)); do
         if ((task - first >= limit)); then wait -n; fi
         setsid bash -c "run_task $id $task $FAKE_SLURM/$id.script" &
       done
       wait' </dev/null >/dev/null 2>&1 &
+    until [[ -e $id.up ]]; do sleep 0.01; done  # or it ends with the group of this process
     if [[ -e killer ]]; then
       rm killer
       kill -KILL $PPID
