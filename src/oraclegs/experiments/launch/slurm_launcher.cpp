@@ -240,7 +240,8 @@ class SlurmRun {
                                                  "Prolog",          "Cleaning",    "Dependency",        "Licenses",
                                                  "NonZeroExitCode", "RaisedSignal"};
     if (kUsual.count(reason) == 0 && reported_.insert(reason).second) {
-      listener_(Warning{fmt::format("jobs wait in Slurm's queue: {}", reason)});
+      listener_(
+          Warning{fmt::format("jobs wait in Slurm's queue: {}; the cluster may not have what they ask for", reason)});
     }
   }
 
