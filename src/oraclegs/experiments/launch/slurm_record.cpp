@@ -1,0 +1,81 @@
+#include "oraclegs/experiments/launch/slurm_record.h"
+
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/sha256.h"
+#include "oraclegs/core/unique_json.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kFile[] = "slurm.json";
+
+SlurmRecord FromJson(const nlohmann::json& json) {
+  SlurmRecord record;
+  record.name = json.at("name").get<std::string>();
+  record.cluster = json.at("cluster").get<std::string>();
+  for (const nlohmann::json& from : json.at("submissions")) {
+    SlurmRecord::Submission submission;
+    submission.array = from.at("array").get<std::string>();
+    submission.folder = from.at("folder").get<std::string>();
+    for (const nlohmann::json& task : from.at("tasks")) {
+      submission.tasks.push_back({task.at("job").get<std::string>(), task.at("command").get<std::string>(),
+                                  task.at("attempt").get<int>(), task.at("open").get<bool>(),
+                                  task.at("cancelled").get<bool>()});
+    }
+    record.submissions.push_back(std::move(submission));
+  }
+  return record;
+}
+
+}  // namespace
+
+std::string SlurmCommandDigest(const Job& job) {
+  Sha256 digest;
+  for (const std::string& word : job.command) digest.Add(word).Add(std::string_view("\0", 1));
+  return digest.Hex();
+}
+
+SlurmRecord ReadSlurmRecord(const fs::path& folder) {
+  const fs::path path = folder / kFile;
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) {
+    std::random_device random;
+    SlurmRecord record;
+    record.name = fmt::format("oraclegs-{:08x}{:08x}", random() & 0xFFFFFFFFU, random() & 0xFFFFFFFFU);
+    return record;
+  }
+  try {
+    return FromJson(ParseUniqueJson(ReadFile(path), path.string(), "file"));
+  } catch (const nlohmann::json::exception&) {
+    throw InputError("{}: is damaged; end its jobs with scancel, if there are any, and remove the folder",
+                     path.string());
+  }
+}
+
+void WriteSlurmRecord(const fs::path& folder, const SlurmRecord& record) {
+  nlohmann::json json = {{"program", "oraclegs"},
+                         {"name", record.name},
+                         {"cluster", record.cluster},
+                         {"submissions", nlohmann::json::array()}};
+  for (const SlurmRecord::Submission& submission : record.submissions) {
+    nlohmann::json tasks = nlohmann::json::array();
+    for (const SlurmRecord::Task& task : submission.tasks) {
+      tasks.push_back({{"job", task.job},
+                       {"command", task.command},
+                       {"attempt", task.attempt},
+                       {"open", task.open},
+                       {"cancelled", task.cancelled}});
+    }
+    json["submissions"].push_back(
+        {{"array", submission.array}, {"folder", submission.folder}, {"tasks", std::move(tasks)}});
+  }
+  WriteFileAtomically(folder / kFile, json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace oraclegs
