@@ -142,6 +142,38 @@ TEST(AdamTest, MomentsOfTheForgottenEndAtZero) {
   EXPECT_EQ(MaxAbs(adam.m.means), 0);
 }
 
+TEST(AdamTest, AStepOfOneGroupIsThatOfTheWholeStepAndLeavesTheOthers) {
+  constexpr int64_t kCount = 6001;
+  LearningRates rates;
+  rates.means = 3e-3;
+  for (Buffer<float> Gaussians::*group : {&Gaussians::means, &Gaussians::opacity_logits}) {
+    const Gaussians start = RandomGaussians(kCount, 1), first = RandomGaussians(kCount, 2);
+    Gaussians params = start.Clone(), whole_params = start.Clone();
+    Adam adam(kCount), whole(kCount);
+    adam.Step(first, rates, 3, &params);
+    whole.Step(first, rates, 3, &whole_params);
+    const Gaussians before = params.Clone(), m = adam.m.Clone(), v = adam.v.Clone();
+    const Gaussians grads = RandomGaussians(kCount, 3);
+    whole.Step(grads, rates, 3, &whole_params);
+    {
+      const Threads scope(3);
+      adam.StepGroup(group, grads, group == &Gaussians::means ? rates.means : rates.opacity_logits, &params);
+    }
+    EXPECT_EQ(adam.step, 1);
+    const std::pair<const Gaussians&, const Gaussians&> moved[] = {
+        {params, whole_params}, {adam.m, whole.m}, {adam.v, whole.v}};
+    const Gaussians* unmoved[] = {&before, &m, &v};
+    for (int k = 0; k < 3; ++k) {
+      const auto now = Tensors(moved[k].first), then = Tensors(*unmoved[k]);
+      const Buffer<float> wanted = moved[k].second.*group, got = moved[k].first.*group;
+      EXPECT_TRUE(SameBytes(got, wanted)) << k;
+      for (size_t t = 0; t < now.size(); ++t) {
+        EXPECT_EQ(SameBytes(now[t], then[t]), now[t].data() != got.data()) << k << " " << t;
+      }
+    }
+  }
+}
+
 TEST(AdamTest, RefusesWhatDoesNotFit) {
   Gaussians params = Gaussians::Zeros(4);
   Adam adam(4);
@@ -149,6 +181,8 @@ TEST(AdamTest, RefusesWhatDoesNotFit) {
   EXPECT_THROW(adam.Step(Gaussians::Zeros(4), {}, 4, &params), ShapeError);
   Adam other(5);
   EXPECT_THROW(other.Step(Gaussians::Zeros(4), {}, 3, &params), ShapeError);
+  EXPECT_THROW(adam.StepGroup(&Gaussians::means, Gaussians::Zeros(3), 1, &params), ShapeError);
+  EXPECT_THROW(other.StepGroup(&Gaussians::means, Gaussians::Zeros(4), 1, &params), ShapeError);
   EXPECT_EQ(adam.step, 0);
 }
 

@@ -99,6 +99,11 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
   }
 }
 
+/// One group of `count` floats.
+void UpdateGroup(const AdamArrays& arrays, int64_t count, float scaled_rate, float correction2_root) {
+  UpdateFlat(arrays, count, scaled_rate, Lanes(correction2_root));
+}
+
 /// `count` Gaussians.
 void UpdateRows(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
   const auto& [g, p, m, v] = rows;
@@ -119,8 +124,10 @@ namespace oraclegs {
 namespace {
 
 HWY_EXPORT(UpdateRows);
+HWY_EXPORT(UpdateGroup);
 
-constexpr int64_t kAdamGrain = 4096;  // Gaussians; whole vectors of every tensor
+constexpr int64_t kAdamGrain = 4096;   // Gaussians; whole vectors of every tensor
+constexpr int64_t kGroupGrain = 8192;  // floats
 
 void RequireSameSize(const char* name, const Gaussians& other, const Gaussians& params) {
   other.Check(name);
@@ -173,6 +180,23 @@ void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degre
   const GaussianRows rows = grads.Rows();
   ParallelBlocks(params->size(), kAdamGrain,
                  [&](int64_t begin, int64_t end) { begun.Update(begin, end, rows.From(begin)); });
+}
+
+void Adam::StepGroup(Buffer<float> Gaussians::*group, const Gaussians& grads, double rate, Gaussians* params) {
+  params->Check("Adam::StepGroup params");
+  RequireSameSize("Adam::StepGroup grads", grads, *params);
+  RequireSameSize("Adam::StepGroup first moments", m, *params);
+  RequireSameSize("Adam::StepGroup second moments", v, *params);
+  LearningRates rates;
+  rates.means = rate;
+  const AdamConstants constants = Constants(step + 1, rates, 0);
+  const Buffer<float>& values = params->*group;
+  const AdamArrays all{(grads.*group).data(), values.data(), (m.*group).data(), (v.*group).data()};
+  ParallelBlocks(values.count(), kGroupGrain, [&](int64_t begin, int64_t end) {
+    HWY_DYNAMIC_DISPATCH(UpdateGroup)
+    ({all.g + begin, all.p + begin, all.m + begin, all.v + begin}, end - begin, constants.means,
+     constants.correction2_root);
+  });
 }
 
 }  // namespace oraclegs

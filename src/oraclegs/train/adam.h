@@ -39,6 +39,15 @@ struct Adam {
 
   /// A whole step, on all threads.
   void Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params);
+
+  /// A step of one group alone, say &Gaussians::means: of the others neither values nor moments change, as in PyTorch,
+  /// which leaves parameters without gradient alone. On all threads. Throws ShapeError.
+  ///
+  /// PyTorch counts the steps of each parameter. Here `step` stays as it is and counts the whole steps: the other
+  /// groups move to the bit as if this step had not been. This group's moments are corrected by that count, too, which
+  /// is below its own. With one step more for every ten whole ones its steps differ by 5 % at most from PyTorch's, with
+  /// one for each whole one by a third at first and less than 3 % after 3000.
+  void StepGroup(Buffer<float> Gaussians::*group, const Gaussians& grads, double rate, Gaussians* params);
 };
 
 }  // namespace oraclegs

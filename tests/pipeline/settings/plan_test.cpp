@@ -79,6 +79,12 @@ TEST(NeedsDepth, FollowsStartLossAndPruning) {
   EXPECT_FALSE(needs(StartKind::kSfm) || needs(StartKind::kRandom));
   options.train.prune_floaters = true;
   EXPECT_TRUE(needs(StartKind::kSfm));
+  options.train.prune_floaters = false;
+  options.train.baseline.hard_depth = true;
+  EXPECT_TRUE(needs(StartKind::kSfm));
+  options.train.baseline = {};
+  options.train.baseline.covisibility_weights = true;
+  EXPECT_TRUE(needs(StartKind::kSfm));
   options.train = {};
   EXPECT_GT(options.train.depth_weight, 0);
   EXPECT_TRUE(needs(StartKind::kRandom));

@@ -15,7 +15,7 @@ struct EnumWords<Densify> {
   static constexpr EnumWord<Densify> kWords[] = {{Densify::kMcmc, "mcmc"}, {Densify::kAdaptive, "adaptive"}};
 };
 
-/// Parts of other methods, all off; on a CPU only.
+/// Parts of other methods, all off; on a CPU only, but for covisibility_weights.
 struct BaselineOptions {
   Densify densify = Densify::kMcmc;
   double densify_gradient = 0.0002;
@@ -26,6 +26,15 @@ struct BaselineOptions {
   bool two_fields = false;
   double co_prune_distance = 5;
   int co_start = 500;
+  bool hard_depth = false;
+  int soft_depth_start = 0;
+  int depth_step_every = 10;
+  double depth_tolerance = 0.001;
+  int prune_modes_at = 0;
+  bool covisibility_weights = false;
+
+  bool StepsByDepth() const { return hard_depth || soft_depth_start > 0; }
+  bool UsesDepth() const { return StepsByDepth() || covisibility_weights; }
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -61,6 +70,30 @@ struct BaselineOptions {
           Range{1e-9, 1e9});
     visit("co-start", self.co_start, "Of --two-fields: iteration from which renders are pulled together",
           Range{1, 1e7});
+    visit("hard-depth", self.hard_depth,
+          "While Gaussians become more, let steps of the positions alone fit the depth of a render whose Gaussians all "
+          "have opacity 0.95 to that of the photo, by patches that are normalized first (DNGaussian, Li et al., CVPR "
+          "2024); on the CPU only");
+    visit("soft-depth-start", self.soft_depth_start,
+          "After this iteration do the same with steps of the opacities alone (DNGaussian uses 1000 on LLFF and DTU, "
+          "never on Blender scenes); 0 = never; on the CPU only",
+          Range{0, 1e7});
+    visit("depth-step-every", self.depth_step_every,
+          "Of --hard-depth and --soft-depth-start: iterations between these steps; DNGaussian uses 10 on Blender "
+          "scenes, 1 on LLFF and DTU",
+          Range{1, 1e7});
+    visit("depth-tolerance", self.depth_tolerance,
+          "Of the same: normalized depths that differ by less are left alone; DNGaussian uses 0.001 on Blender scenes, "
+          "0.00025 on LLFF, 0.01 on DTU",
+          Range{0, 1e3});
+    visit("prune-modes-at", self.prune_modes_at,
+          "At this iteration remove what hangs far before the surface that it hides: Gaussians up to the one that a "
+          "pixel shows most of, where that lies far before its mean depth (SparseGS, Xiong et al. 2023, uses 20000 of "
+          "30000); 0 = never; on the CPU only",
+          Range{0, 1e7});
+    visit("covisibility-weights", self.covisibility_weights,
+          "Weigh each pixel of a photo by 1 / (1 + number of other photos whose depth shows the same point), in units "
+          "of the mean weight: what few photos show counts more (CoMapGS, Jang and Perez-Pellitero, CVPR 2025)");
   }
 };
 

@@ -1,0 +1,49 @@
+#pragma once
+// Hard and soft depth of DNGaussian [Li 2024] (section 3.2): depth moves positions and opacities, each in a step of its
+// own, and nothing else. Order and constants are those of the authors' program.
+//
+// What is compared are inverse depths, rendered and of the photo. A network's depth is an inverse depth up to a factor
+// and an offset, which the normalization of the loss takes away (loss/normalized_depth.h); DNGaussian renders a depth
+// and turns the network's round. Not here: its learning rate of positions, which begins to fall late, and its colors
+// from a grid of features and a network.
+
+#include <memory>
+
+#include "oraclegs/loss/normalized_depth.h"
+#include "oraclegs/train/trainer.h"
+
+namespace oraclegs {
+
+inline constexpr double kHardOpacity = 0.95;  ///< of all Gaussians in the render of hard depth
+/// Added to the run's seed: soft depth draws sides of patches other than those of hard depth.
+inline constexpr uint64_t kSoftPatchSeed = 0xD1B54A32D192ED03;
+
+/// Before the view of every --depth-step-every-th iteration that takes a photo of known depth, while densification
+/// lasts and never in the last iteration:
+/// - --hard-depth: a render in which all Gaussians have kHardOpacity; a step of the positions alone;
+/// - after iteration --soft-depth-start: a render as always; a step of the opacities alone.
+/// The loss is kLocalDepthWeight times the local and kGlobalDepthWeight times the global NormalizedDepthLoss, of
+/// patches whose sides are drawn anew each time. Learning rates are the iteration's. Renders have the photo's full size
+/// also while --coarse-share lasts. Keeps nothing from one iteration to the next.
+class DepthSteps final : public MethodPart {
+ public:
+  /// Throws UsageError where no photo has depth, and what CheckViews throws.
+  explicit DepthSteps(const TrainSetup& setup);
+
+  /// Adds nothing to the gradients of the view, returns 0. Throws Diverged where the depth loss is not finite.
+  double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
+
+ private:
+  bool IsDue(const Iteration& iteration) const;
+  /// The gradient of the depth loss of a render of `gaussians` from the photo.
+  const Gaussians& Gradient(const Gaussians& gaussians, const TrainView& photo, const Iteration& iteration,
+                            uint64_t patch_seed);
+
+  TrainOptions options_;           // settled
+  std::vector<TrainView> photos_;  // cameras and depth alone
+  std::unique_ptr<Rasterizer> rasterizer_;
+  Buffer<float> grad_inv_depth_;  // [H,W]
+  Gaussians grads_;
+};
+
+}  // namespace oraclegs
