@@ -31,6 +31,7 @@ class BenchCommand : public Command {
                 "oraclegs bench --suite blender --data datasets/ -o out/ --methods ours,3dgs-mcmc --dry-run\n"
                 "  oraclegs bench --suite my-scenes/ -o out/ --views 6,12 --seeds 1 --iterations 3000") {
     Bind("Benchmark", &options_);
+    Bind("Slurm", &slurm_);
     Bind("Output", &output_);
     BindRun(&run_);
   }
@@ -51,7 +52,8 @@ class BenchCommand : public Command {
     for (const SceneCheck& check : plan.checks) {
       if (!check.problem.empty()) listener(Warning{check.problem});
     }
-    const auto launcher = MakeLauncher(options_.launcher, {options_.workers, run_.device.device});
+    const auto launcher = MakeLauncher(options_.launcher, {options_.workers, run_.device.device, slurm_,
+                                                           std::filesystem::absolute(request.out) / kSlurmFolder});
     Print(BenchText(RunBench(request, plan, launcher.get(), listener)) +
           fmt::format("table      {}", (request.out / "bench.md").string()));
   }
@@ -78,6 +80,7 @@ class BenchCommand : public Command {
   }
 
   BenchOptions options_;
+  SlurmOptions slurm_;
   BenchOutput output_;
   RunOptions run_;
 };

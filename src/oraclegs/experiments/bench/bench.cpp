@@ -75,10 +75,10 @@ class Bench {
   /// Refuses what is somebody else's, then makes the folder.
   static fs::path Claim(const BenchRequest& request, const BenchPlan& plan) {
     for (const SceneCheck& check : plan.checks) RequireOutsideScene(request.out, check.scene.path);
-    RequireSeriesFolder(request.out,
-                        {"benchmark",
-                         kBenchJson,
-                         {kBenchRuns, kBenchJson, kBenchMarkdown, kBenchLatex, kBenchCsv, kViewsPlot, kTimePlot}});
+    RequireSeriesFolder(request.out, {"benchmark",
+                                      kBenchJson,
+                                      {kBenchRuns, kSlurmFolder, kBenchJson, kBenchMarkdown, kBenchLatex, kBenchCsv,
+                                       kViewsPlot, kTimePlot}});
     RequireWritableFolder(request.out);
     return request.out;
   }

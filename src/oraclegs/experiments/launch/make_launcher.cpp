@@ -4,11 +4,7 @@
 #include <cstdlib>
 
 #include "oraclegs/core/text.h"
-// Where the program has the launcher of clusters.
-#if __has_include("oraclegs/experiments/launch/slurm_launcher.h")
 #include "oraclegs/experiments/launch/slurm_launcher.h"
-#define ORACLEGS_HAS_SLURM_LAUNCHER
-#endif
 
 namespace oraclegs {
 
@@ -25,13 +21,7 @@ LocalWorkers WorkersFor(const LaunchOptions& options, const DeviceSupport& suppo
 }
 
 std::unique_ptr<Launcher> MakeLauncher(LauncherKind kind, const LaunchOptions& options) {
-  if (kind == LauncherKind::kSlurm) {
-#ifdef ORACLEGS_HAS_SLURM_LAUNCHER
-    return MakeSlurmLauncher(options);
-#else
-    throw UsageError("--launcher slurm: this program was built without it; use --launcher local");
-#endif
-  }
+  if (kind == LauncherKind::kSlurm) return MakeSlurmLauncher(options.slurm, options.slurm_folder);
   const char* visible = std::getenv("CUDA_VISIBLE_DEVICES");
   return std::make_unique<LocalLauncher>(WorkersFor(options, ProbeDevices(), visible ? visible : ""));
 }

@@ -7,6 +7,7 @@
 #include "oraclegs/core/options.h"
 #include "oraclegs/experiments/launch/launcher.h"
 #include "oraclegs/experiments/launch/local_launcher.h"
+#include "oraclegs/experiments/launch/slurm_options.h"
 #include "oraclegs/pipeline/settings/device.h"
 
 namespace oraclegs {
@@ -20,9 +21,11 @@ struct EnumWords<LauncherKind> {
 struct LaunchOptions {
   Auto<int> workers = {};       ///< jobs at once; auto = one for each GPU, else one
   std::string device = "auto";  ///< of the jobs, as ChooseDevice reads it
+  SlurmOptions slurm = {};
+  std::filesystem::path slurm_folder = {};  ///< what MakeSlurmLauncher keeps
 };
 
-/// Throws UsageError for a device that cannot be had, and for a launcher that this program does not have.
+/// Throws UsageError for a device that cannot be had.
 std::unique_ptr<Launcher> MakeLauncher(LauncherKind kind, const LaunchOptions& options);
 
 /// Workers for jobs on such a device, of a machine with these GPUs: each has one GPU where any will do. `visible` is
