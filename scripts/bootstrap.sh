@@ -61,6 +61,15 @@ if ((${#missing[@]} > 0)); then
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null
 fi
 
+# Where everything is tested, also a Slurm of one machine; its services are nothing for a laptop, and its test is skipped
+# without it.
+if [[ -n ${CI:-} ]] && ! command -v sbatch >/dev/null; then
+  as_root=()
+  ((EUID == 0)) || as_root=(sudo)
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends slurm-wlm munge </dev/null ||
+    echo "scripts/bootstrap.sh: no Slurm; the test of its launcher will be skipped" >&2
+fi
+
 # The packages that the viewer and the report are bundled from; npm writes the list of what it has installed.
 if ! [[ web/node_modules/.package-lock.json -nt web/package-lock.json ]]; then
   echo "Installing the npm packages of web/"

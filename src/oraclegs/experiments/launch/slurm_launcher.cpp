@@ -187,6 +187,8 @@ class SlurmRun {
       evidence[j].looks = tracked_[j].looks;
       const auto found = queue.find(IdOf(tracked_[j]));
       if (found != queue.end()) evidence[j].queue = found->second;
+      // Nothing more is to be expected of what an earlier process gave up.
+      if (found == queue.end() && TaskOf(tracked_[j]).cancelled) evidence[j].looks = kSlurmFileLooks;
       if (found != queue.end() && !found->second.reason.empty()) ReportReason(found->second.reason);
       if (HasEndedInSlurm(evidence[j])) arrays.insert(record_.submissions[s].array);
     }
