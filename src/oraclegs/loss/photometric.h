@@ -15,7 +15,7 @@ struct PhotometricWeights {
   float dssim = 0.2f;
 };
 
-/// How much each pixel of an image contributes: [H,W] in [0,1]; undefined = 1 everywhere.
+/// How much each pixel of an image contributes: [H,W], 0 or more; undefined = 1 everywhere.
 struct PixelWeights {
   // Not explicit: plain weights are a confidence.
   PixelWeights(Buffer<float> values_in = {}, MaskMeaning meaning_in = MaskMeaning::kConfidence)

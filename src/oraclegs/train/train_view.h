@@ -15,8 +15,10 @@ namespace oraclegs {
 struct TrainView {
   std::string name;
   Camera camera;
-  Buffer<float> image;       ///< [H,W,3]
-  Buffer<float> confidence;  ///< [H,W] in [0,1], undefined = 1 everywhere; a mask for photos, U for proposals
+  Buffer<float> image;  ///< [H,W,3]
+  /// [H,W] in [0,1], undefined = 1 everywhere; a mask for photos, U for proposals. WeightByCovisibility makes it a
+  /// weight of photos, which may exceed 1.
+  Buffer<float> confidence;
   Buffer<float> inv_depth =
       {};  ///< [H,W] 1/z, 1/world unit, 0 = nothing is there; undefined = no depth of this view is known
   Buffer<float> depth_mask =

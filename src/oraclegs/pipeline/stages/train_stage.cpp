@@ -18,6 +18,7 @@
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/methods/make_parts.h"
+#include "oraclegs/train/methods/weight_photos.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -183,6 +184,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   ready.lpips = network.convention;
   std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
   ready.views = SupportViewsOf(images, known.proposals);
+  if (run->options.train.baseline.covisibility_weights) images = WeightByCovisibility(std::move(images));
   TrainSetup setup{SettledOptions(*run, training),
                    run->options.start.seed,
                    BackgroundColor(run->options.image.background),
