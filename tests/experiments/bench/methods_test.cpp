@@ -44,14 +44,16 @@ TEST(Methods, BaselinesHaveTheirMechanisms) {
     const Method method = FindMethods(name)[0];
     return OptionsOf(Overlaid(method.usual, method.options)).train;
   };
-  for (const char* name : {"3dgs", "dropgaussian", "fsgs", "cor-gs"}) {
+  for (const char* name : {"3dgs", "dropgaussian", "fsgs", "cor-gs", "dngaussian", "sparsegs", "comapgs"}) {
     const TrainOptions options = train(name);
     EXPECT_EQ(options.baseline.densify, Densify::kAdaptive) << name;
     EXPECT_EQ(options.opacity_reg + options.scale_reg + options.largest_scale, 0) << name;
     EXPECT_EQ(options.baseline.two_fields, name == std::string("cor-gs")) << name;
     EXPECT_EQ(options.baseline.unpool_until > 0, name == std::string("fsgs")) << name;
     EXPECT_EQ(options.dropout.value() > 0, name == std::string("dropgaussian")) << name;
-    EXPECT_EQ(options.baseline.densify_gradient, name == std::string("3dgs") ? 0.0002 : 0.0005) << name;
+    EXPECT_EQ(options.baseline.hard_depth, name == std::string("dngaussian")) << name;
+    EXPECT_EQ(options.baseline.prune_modes_at > 0, name == std::string("sparsegs")) << name;
+    EXPECT_EQ(options.baseline.covisibility_weights, name == std::string("comapgs")) << name;
   }
   EXPECT_EQ(train("fsgs").depth_loss, DepthLoss::kCorrelation);
 }
