@@ -25,5 +25,15 @@ TEST(MakeTrainDevice, RefusesDevicesThatTheBuildLacks) {
               testing::HasSubstr("--device cpu"));
 }
 
+TEST(MakeTrainDevice, RunsPartsOfOtherMethodsOnTheCpuAlone) {
+  const TrainOptions options = Options().Settled();
+  const LossPlan plan(options, Photos(1));
+  const Device gpu{static_cast<DeviceKind>(7), 0};
+  EXPECT_THAT(MessageOf<UsageError>([&] {
+                MakeTrainDevice(gpu, {options, plan, 60, {nullptr}});
+              }),
+              testing::HasSubstr("--prune-modes-at work on the CPU only; use --device cpu"));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -90,6 +90,13 @@ TEST_F(TrainStageTest, TakesTheCheckpointBeforeADamagedOne) {
   EXPECT_THAT(recorder.notes, Contains(HasSubstr(saved[1].string())));
 }
 
+TEST_F(TrainStageTest, WeighsPhotosByCovisibilityWhichNeedsDepth) {
+  request.options.train.baseline.covisibility_weights = true;
+  request.options.depth.depth_prior = DepthPrior::kNone;
+  EXPECT_THAT(MessageOf<UsageError>([&] { Train(request); }),
+              HasSubstr("--covisibility-weights needs the depth of the photos"));
+}
+
 TEST_F(TrainStageTest, StopsWhenItsFolderIsRemoved) {
   request.options.train.iterations = 100000;
   const Listener listener = [&](const Event& event) {
