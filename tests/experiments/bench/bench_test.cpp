@@ -96,7 +96,8 @@ TEST_F(BenchTest, RunsAllAndWritesItsFiles) {
 
 TEST_F(BenchTest, FirstOfEachSceneViewsAndSeedRunsBeforeTheOthers) {
   BenchRequest request = Request();
-  request.options.methods = "3dgs-mcmc,ours,ours-no-proposals", request.options.views = "3", request.options.seeds = 1;
+  request.options.methods = "3dgs-mcmc-random,ours,ours-no-proposals", request.options.views = "3",
+  request.options.seeds = 1;
   Run(request);
   ASSERT_EQ(launcher.waves.size(), 2u);
   const std::string suite = PlanBench(request).suite.name;

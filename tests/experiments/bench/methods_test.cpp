@@ -31,8 +31,9 @@ TEST(Methods, McmcIsThePublishedTraining) {
   const Method mcmc = FindMethods("3dgs-mcmc")[0];
   const RunOptions options = OptionsOf(Overlaid(mcmc.usual, mcmc.options));
   EXPECT_FALSE(HasProposals(options));
-  EXPECT_FALSE(NeedsDepth(options));
-  EXPECT_EQ(options.start.init, Auto<StartKind>(StartKind::kSfm));
+  EXPECT_EQ(options.start.init, Auto<StartKind>(StartKind::kDense));
+  EXPECT_EQ(options.start.init_scale, Auto<double>(0.1));
+  EXPECT_EQ(options.train.baseline.densify, Densify::kMcmc);
   EXPECT_EQ(options.train.depth_weight, 0);
   EXPECT_EQ(options.train.rate_scale, Auto<double>(1));
   EXPECT_EQ(options.train.iterations, Auto<int>(10000));

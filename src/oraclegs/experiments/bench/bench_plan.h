@@ -32,7 +32,8 @@ struct BenchOptions {
     visit(
         "methods", self.methods,
         "What is compared, separated by commas: ours, ours-no-proposals (trained on the photos alone), and methods of "
-        "others (docs/baselines.md): 3dgs, 3dgs-mcmc, dropgaussian, fsgs, cor-gs, dngaussian, sparsegs, comapgs");
+        "others (docs/baselines.md): 3dgs, 3dgs-mcmc, 3dgs-mcmc-random, dropgaussian, fsgs, cor-gs, dngaussian, "
+        "sparsegs, comapgs");
     visit("views", self.views,
           "Numbers of training views, separated by commas; unless given, those that papers report: 12,24 for "
           "mipnerf360, 8 for blender, 3,6,9 for llff and dtu, all but every 8th for a folder");

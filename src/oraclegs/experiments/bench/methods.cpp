@@ -20,28 +20,26 @@ RunArguments With(RunArguments all, const RunArguments& more) {
   return all;
 }
 
-/// Rates and terms of 3DGS and of the programs built on it, where this program's own differ.
+/// Rates and terms of 3DGS and of the programs built on it, where this program's own differ. The start is that of the
+/// methods for few photos, dense points: theirs are COLMAP's, these are stereo's, of the training views alone in both
+/// cases.
 RunArguments Plain3dgs() {
-  return {{"proposers", "none"},          {"depth-prior", "none"}, {"depth-weight", "0"},   {"alpha-weight", "0"},
-          {"opacity-noise", "0"},         {"dropout", "0"},        {"largest-scale", "0"},  {"exposure", "off"},
-          {"prune-floaters", "false"},    {"coarse-share", "0"},   {"last-rates", "1"},     {"rate-scale", "1"},
-          {"sh-degree-interval", "1000"}, {"refine-start", "500"}, {"refine-every", "100"}, {"init", "sfm"},
-          {"init-scale", "0.1"}};
+  return {{"proposers", "none"},          {"depth-prior", "stereo"}, {"depth-weight", "0"},   {"alpha-weight", "0"},
+          {"opacity-noise", "0"},         {"dropout", "0"},          {"largest-scale", "0"},  {"exposure", "off"},
+          {"prune-floaters", "false"},    {"coarse-share", "0"},     {"last-rates", "1"},     {"rate-scale", "1"},
+          {"sh-degree-interval", "1000"}, {"refine-start", "500"},   {"refine-every", "100"}, {"init", "dense"},
+          {"init-scale", "0.1"},          {"init-planes", "false"}};
 }
 
-/// With adaptive density control, from the dense points that the methods for few photos start from as well: theirs are
-/// COLMAP's, these are stereo's, of the training views alone in both cases.
+/// With adaptive density control.
 RunArguments Adaptive() {
   return With(Plain3dgs(), {{"densify", "adaptive"},
                             {"opacity-reg", "0"},
                             {"scale-reg", "0"},
                             {"refine-stop", "0.5"},
                             {"max-gaussians", "500000"},
-                            {"depth-prior", "stereo"},
-                            {"init", "dense"},
                             {"init-scale", "1"},
-                            {"init-opacity", "0.1"},
-                            {"init-planes", "false"}});
+                            {"init-opacity", "0.1"}});
 }
 
 /// What the programs of FSGS, CoR-GS and DropGaussian have in common for few photos: fewer clones, until the end, and
@@ -58,6 +56,13 @@ const std::vector<Method>& Methods() {
       {"ours-no-proposals", "OracleGS without proposals", "", {{"proposers", "none"}}, {}, ""},
       {"3dgs", "3DGS", "Kerbl 2023", Adaptive(), {{"iterations", "10000"}}, ""},
       {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Plain3dgs(), {{"iterations", "10000"}}, ""},
+      // As its authors train without points, and as the OracleGS paper's ablation begins.
+      {"3dgs-mcmc-random",
+       "3DGS-MCMC, random start",
+       "Kheradmand 2024",
+       With(Plain3dgs(), {{"depth-prior", "none"}, {"init", "random-cube"}}),
+       {{"iterations", "10000"}},
+       ""},
       {"dropgaussian",
        "DropGaussian",
        "Park 2025",
