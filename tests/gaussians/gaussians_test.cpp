@@ -45,5 +45,19 @@ TEST(Gaussians, CheckNamesTheBuffer) {
   EXPECT_NE(message(Gaussians()).find("undefined"), std::string::npos);
 }
 
+TEST(AddRows, AddsTheRowsThatItIsToldTo) {
+  const Gaussians from = Gaussians::Zeros(5), to = Gaussians::Zeros(2);
+  from.ForEach([](const char*, const Buffer<float>& t) {
+    for (int64_t i = 0; i < t.count(); ++i) t[i] = static_cast<float>(i / t.shape().row());  // the number of the row
+  });
+  to.ForEach([](const char*, const Buffer<float>& t) { std::fill_n(t.data(), t.count(), 0.5f); });
+  AddRows(from, 3, 5, to.Rows());
+  to.ForEach([](const char* name, const Buffer<float>& t) {
+    for (int64_t i = 0; i < t.count(); ++i) {
+      EXPECT_EQ(t[i], 3.5f + static_cast<float>(i / t.shape().row())) << name << " " << i;
+    }
+  });
+}
+
 }  // namespace
 }  // namespace oraclegs

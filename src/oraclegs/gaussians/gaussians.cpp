@@ -42,4 +42,16 @@ Gaussians Gaussians::To(Device device) const {
   return moved;
 }
 
+void AddRows(const Gaussians& from, int64_t begin, int64_t end, const GaussianRows& to) {
+  const GaussianRows rows = from.Rows().From(begin);
+  const auto add = [&](const float* source, float* sum, int64_t row) {
+    for (int64_t i = 0; i < row * (end - begin); ++i) sum[i] += source[i];
+  };
+  add(rows.means, to.means, 3);
+  add(rows.log_scales, to.log_scales, 3);
+  add(rows.quats, to.quats, 4);
+  add(rows.opacity_logits, to.opacity_logits, 1);
+  add(rows.sh, to.sh, kShFloats);
+}
+
 }  // namespace oraclegs

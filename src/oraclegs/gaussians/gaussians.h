@@ -57,4 +57,7 @@ struct Gaussians {
   }
 };
 
+/// to += the rows [begin, end) of `from`, where row 0 of `to` belongs to `begin`.
+void AddRows(const Gaussians& from, int64_t begin, int64_t end, const GaussianRows& to);
+
 }  // namespace oraclegs

@@ -13,19 +13,6 @@
 namespace oraclegs {
 namespace {
 
-/// grads += the rows [begin, end) of `more`.
-void AddRows(const Gaussians& more, int64_t begin, int64_t end, const GaussianRows& grads) {
-  const GaussianRows rows = more.Rows().From(begin);
-  const auto add = [&](const float* from, float* to, int64_t row) {
-    for (int64_t i = 0; i < row * (end - begin); ++i) to[i] += from[i];
-  };
-  add(rows.means, grads.means, 3);
-  add(rows.log_scales, grads.log_scales, 3);
-  add(rows.quats, grads.quats, 4);
-  add(rows.opacity_logits, grads.opacity_logits, 1);
-  add(rows.sh, grads.sh, kShFloats);
-}
-
 /// Moves a block of Gaussians while its gradients are in the cache.
 struct StepConsumer final : GradientConsumer {
   const Iteration& iteration;
@@ -71,7 +58,11 @@ class CpuTrainDevice final : public TrainDevice {
   void RunParts(const Iteration& iteration, TrainedModel* model) override {
     loss_of_parts_ = 0;
     if (parts_.empty()) return;
-    beside_ = Gaussians::Zeros(model->gaussians.size());
+    if (beside_.size() == model->gaussians.size()) {
+      beside_.ForEach([](const char*, Buffer<float>& t) { t.SetZero(); });
+    } else {
+      beside_ = Gaussians::Zeros(model->gaussians.size());
+    }
     for (const std::shared_ptr<MethodPart>& part : parts_) {
       loss_of_parts_ += part->BeforeView(iteration, model, &beside_);
     }

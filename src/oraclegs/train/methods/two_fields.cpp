@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/rng.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
@@ -15,14 +16,11 @@ namespace {
 
 constexpr uint64_t kSecondSeed = 0x9E3779B97F4A7C15;  // added to the first one's
 
+constexpr int64_t kAddGrain = 4096;  // Gaussians
+
 void AddAll(const Gaussians& from, Gaussians* to) {
-  std::vector<Buffer<float>> sources;
-  from.ForEach([&](const char*, const Buffer<float>& t) { sources.push_back(t); });
-  size_t k = 0;
-  to->ForEach([&](const char*, Buffer<float>& t) {
-    const Buffer<float>& source = sources[k++];
-    for (int64_t i = 0; i < t.count(); ++i) t[i] += source[i];
-  });
+  ParallelBlocks(from.size(), kAddGrain,
+                 [&](int64_t begin, int64_t end) { AddRows(from, begin, end, to->Rows().From(begin)); });
 }
 
 void PruneAgainst(const Gaussians& other, const TrainOptions& options, const Iteration& iteration,
@@ -51,7 +49,7 @@ struct TwoFields::State {
                 const PhotometricWeights& weights) {
       RenderGrads upstream{gradient.Get(out.image.shape()), {}, {}};
       const double loss = photometric(out.image, target, {}, weights, &upstream.image).loss;
-      grads = Gaussians::Zeros(gaussians.size());
+      if (grads.size() != gaussians.size()) grads = Gaussians::Zeros(gaussians.size());
       rasterizer->Backward(gaussians, upstream, &grads);
       return loss;
     }
@@ -63,14 +61,14 @@ struct TwoFields::State {
     explicit SecondPart(TrainOptions options) : options_(std::move(options)) {}
 
     double BeforeView(const Iteration&, TrainedModel*, Gaussians* grads) override {
-      if (pending.size() > 0) AddAll(std::exchange(pending, {}), grads);
+      if (pending != nullptr) AddAll(*std::exchange(pending, nullptr), grads);
       return 0;
     }
     void Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) override {
       if (first != nullptr) PruneAgainst(*first, options_, iteration, gaussians, keep);
     }
 
-    Gaussians pending;
+    const Gaussians* pending = nullptr;  // gradients that its next step takes as well
     const Gaussians* first = nullptr;
 
    private:
@@ -117,7 +115,7 @@ double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& m
   const double loss = one.Pull(model.gaussians, a, b.image, weights);
   two.Pull(other, b, a.image, weights);
   AddAll(one.grads, grads);
-  second_part->pending = std::exchange(two.grads, {});
+  second_part->pending = &two.grads;
   return loss;
 }
 
