@@ -51,10 +51,12 @@ TEST(AddRows, AddsTheRowsThatItIsToldTo) {
     for (int64_t i = 0; i < t.count(); ++i) t[i] = static_cast<float>(i / t.shape().row());  // the number of the row
   });
   to.ForEach([](const char*, const Buffer<float>& t) { std::fill_n(t.data(), t.count(), 0.5f); });
-  AddRows(from, 3, 5, to.Rows());
+  AddRows(from, 3, 5, 12, to.Rows());
   to.ForEach([](const char* name, const Buffer<float>& t) {
+    const int64_t row = t.shape().row();
     for (int64_t i = 0; i < t.count(); ++i) {
-      EXPECT_EQ(t[i], 3.5f + static_cast<float>(i / t.shape().row())) << name << " " << i;
+      const float added = i % row < 12 ? 3 + static_cast<float>(i / row) : 0;
+      EXPECT_EQ(t[i], 0.5f + added) << name << " " << i;
     }
   });
 }

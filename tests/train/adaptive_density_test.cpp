@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/train/train_math.h"
 #include "support/buffers.h"
 #include "support/temp_dir.h"
@@ -125,16 +126,19 @@ TEST(ControlDensity, NeverRemovesAllAndNeverExceedsTheMost) {
   EXPECT_EQ(g.means[12], 10) << "the first of those pulled at hardest";
 }
 
-TEST(ControlDensity, RemovesWhatAMethodNames) {
-  Gaussians g = Row(3, 0.005);
+TEST(ControlDensity, GrowsAsToldBeforeTheTransparentAreRemoved) {
+  Gaussians g = Row(3, 0.5);
   Adam adam = Moments(3);
-  const DensityChange change = ControlDensity(Control(), {1, 0, 0}, &g, &adam, [](const Gaussians& all, auto* keep) {
-    ASSERT_EQ(all.size(), 4) << "with the clone";
-    (*keep)[1] = false;
+  const DensityChange change = ControlDensity(Control(), {1, 0, 0}, &g, &adam, [](Gaussians* all, Adam* moments) {
+    ASSERT_EQ(all->size(), 4) << "the halves are there, their whole is not";
+    KeepRows({0, 1, 2, 3, 3}, all, moments);
+    all->opacity_logits[0] = -9;
   });
+  EXPECT_EQ(change.split, 1);
   EXPECT_EQ(change.removed, 1);
-  ASSERT_EQ(g.size(), 3);
-  EXPECT_EQ(g.means[3], 20);
+  ASSERT_EQ(g.size(), 4);
+  EXPECT_TRUE(Equal(g.means.Rows(2, 3), g.means.Rows(3, 4)));
+  EXPECT_EQ(adam.m.size(), 4);
 }
 
 TEST(ControlDensity, RefusesGradientsOfOthers) {
@@ -148,8 +152,8 @@ TEST(ResetOpacities, LowersThemAndForgetsTheirMoments) {
   g.opacity_logits[1] = -7;
   Adam adam = Moments(2);
   const Buffer<float> means = adam.m.means.Clone();
-  ResetOpacities(&g, &adam);
-  EXPECT_NEAR(1 / (1 + std::exp(-g.opacity_logits[0])), 0.01, 1e-6);
+  ResetOpacities(0.05, &g, &adam);
+  EXPECT_NEAR(1 / (1 + std::exp(-g.opacity_logits[0])), 0.05, 1e-6);
   EXPECT_EQ(g.opacity_logits[1], -7);
   EXPECT_EQ(Flat(adam.m.opacity_logits).abs().maxCoeff() + Flat(adam.v.opacity_logits).abs().maxCoeff(), 0);
   EXPECT_TRUE(Equal(adam.m.means, means));
@@ -178,6 +182,40 @@ TEST(TrainerAdaptiveTest, GrowsWherePhotosPullAndTheSameForAnyThreads) {
   EXPECT_TRUE(SameBits(train(), trained));
 }
 
+TEST(TrainerAdaptiveTest, LargeIsATenthOfTheCamerasExtent) {
+  const auto left = [](double share, bool keep_large) {
+    TrainOptions options = Adaptive(60);
+    options.baseline.opacity_reset = 30, options.baseline.opacity_reset_first = 1000;
+    options.baseline.densify_gradient = 1, options.baseline.keep_large = keep_large;
+    Gaussians start = Start();
+    Flat(start.opacity_logits).setConstant(1);
+    const double extent = SpatialExtent({CameraOnCircle(0), CameraOnCircle(0.3), CameraOnCircle(0.6)});
+    Flat(start.log_scales).setConstant(-5);
+    Flat(start.log_scales.Rows(0, 1)).setConstant(static_cast<float>(std::log(share * extent)));
+    start.means[0] = 50;  // nobody sees it, and nothing moves it
+    Trainer trainer(options, kSeed, {0, 0, 0}, Photos(3), start);
+    for (int i = 0; i < 40; ++i) trainer.Step();
+    return trainer.gaussians().size();
+  };
+  EXPECT_EQ(left(0.095, false), 60);
+  EXPECT_EQ(left(0.105, false), 59);
+  EXPECT_EQ(left(0.105, true), 60);
+}
+
+TEST(TrainerAdaptiveTest, AnIterationThatRefinesTakesNoStep) {
+  TrainOptions options = Adaptive(60);
+  options.baseline.densify_gradient = 1, options.baseline.keep_large = true, options.baseline.opacity_reset = 0;
+  Gaussians start = Start();
+  Flat(start.opacity_logits).setConstant(1);
+  Trainer trainer(options, kSeed, {0, 0, 0}, Photos(3), start);
+  for (int i = 0; i < 39; ++i) trainer.Step();
+  const Gaussians before = trainer.gaussians().Clone();
+  trainer.Step();
+  EXPECT_TRUE(SameBits(trainer.gaussians(), before));
+  trainer.Step();
+  EXPECT_FALSE(SameBits(trainer.gaussians(), before));
+}
+
 /// The most opacity after each of the first iterations.
 std::vector<float> MostOpacity(const TrainOptions& options, std::array<float, 3> background, int iterations) {
   Trainer trainer(options, kSeed, background, Photos(1), Start());
@@ -190,7 +228,7 @@ std::vector<float> MostOpacity(const TrainOptions& options, std::array<float, 3>
 }
 
 TEST(TrainerAdaptiveTest, OpacitiesAreResetWhenItIsTime) {
-  const auto reset = static_cast<float>(LogitOf(kResetOpacity));
+  const auto reset = static_cast<float>(LogitOf(0.01));
   TrainOptions options = Adaptive(100);
   options.baseline.opacity_reset = 20;
   std::vector<float> most = MostOpacity(options, {0, 0, 0}, 45);

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "oraclegs/core/files.h"
+#include "support/errors.h"
 #include "support/golden.h"
 #include "support/temp_dir.h"
 #include "train/gaussian_fixtures.h"
@@ -100,6 +101,14 @@ TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {
   EXPECT_THAT(file.Get("adam.v.quats").shape, testing::ElementsAre(3, 4));
   EXPECT_EQ(file.metadata().at("iteration"), "1234");
   EXPECT_EQ(file.metadata().at("format_version"), "3");
+}
+
+TEST(CheckSameOptions, NamesTheFirstThatDiffers) {
+  EXPECT_NO_THROW(CheckSameOptions("runs/a", {{"seed", 1}}, {{"seed", 1}}));
+  EXPECT_THAT(MessageOf<InputError>([] {
+                CheckSameOptions("runs/a", {{"a", 1}, {"b", 2}}, {{"a", 1}, {"b", 3}});
+              }),
+              testing::AllOf(testing::HasSubstr("runs/a"), testing::HasSubstr("b 2, not 3")));
 }
 
 TEST(CheckpointTest, EveryFlippedByteIsFound) {

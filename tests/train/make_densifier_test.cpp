@@ -12,10 +12,9 @@ Gaussians Refined(TrainOptions options, bool* adds_noise) {
   options = options.Settled();
   const LossPlan plan(options, Photos(2));
   auto rasterizer = MakeRasterizer(kCpu);
-  const MethodParts none;
-  const std::unique_ptr<Densifier> densifier = MakeDensifier({options, plan, rasterizer.get(), none});
+  const std::unique_ptr<Densifier> densifier = MakeDensifier({options, plan, rasterizer.get()});
   TrainedModel model{Start(), Adam(Start().size())};
-  densifier->Restore({}, model.gaussians.size());
+  densifier->Begin(model.gaussians.size());
   *adds_noise = densifier->AddsNoise();
   Iteration iteration;
   iteration.seed = kSeed, iteration.number = 40, iteration.refines = true;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "oraclegs/train/baselines/co_prune.h"
 #include "oraclegs/train/make_train_device.h"
 #include "support/buffers.h"
 #include "train/small_scene.h"
@@ -68,22 +69,30 @@ TEST(TwoFields, AreTheSameForAnyNumberOfThreads) {
 
 TEST(TwoFields, RemoveWhatOnlyOneHas) {
   TrainSetup setup = SetupOf(600, 1000);
-  setup.options.baseline.co_prune_distance = 0.5;
+  setup.options.baseline.co_prune_distance = 0.02;
   TwoFields fields(setup);
-  TrainedModel model{setup.start.Clone(), Adam(setup.start.size())};
-  Gaussians grads = Gaussians::Zeros(setup.start.size());
-  fields.BeforeView({}, &model, &grads);  // the second model stands near the start
-  model.gaussians.means[3 * 7] += 100;
+  const int64_t n = setup.start.size();
+  TrainedModel model{setup.start.Clone(), Adam(n)};
+  Gaussians grads = Gaussians::Zeros(n);
+  fields.BeforeView({}, &model, &grads);                                      // the second model stands near the start
+  for (int64_t i = 0; i < 3; ++i) model.gaussians.means[3 * (7 + i)] += 100;  // which leaves three of it alone
+  const Buffer<float> next = model.gaussians.means.Rows(10, 11).Clone();
+  int64_t lonely = 0;
+  for (const uint8_t keep : CoPruneKeep(fields.second(), model.gaussians, 0.02)) lonely += keep == 0 ? 1 : 0;
+  EXPECT_GT(lonely, 0);
   Iteration iteration;
-  iteration.number = 500;
-  std::vector<bool> keep(static_cast<size_t>(setup.start.size()), true);
-  fields.Prune(iteration, model.gaussians, &keep);
-  EXPECT_EQ(std::count(keep.begin(), keep.end(), false), 1);
-  EXPECT_FALSE(keep[7]);
-  std::fill(keep.begin(), keep.end(), true);
-  iteration.number = 510;
-  fields.Prune(iteration, model.gaussians, &keep);
-  EXPECT_EQ(std::count(keep.begin(), keep.end(), false), 0) << "only every 500 iterations";
+  for (const int64_t other : {500, 511}) {
+    iteration.number = other;
+    fields.Remove(iteration, &model);
+    EXPECT_EQ(model.gaussians.size(), n) << "only after every 500 iterations";
+  }
+  iteration.number = 501;
+  fields.Remove(iteration, &model);
+  EXPECT_EQ(model.gaussians.size(), n - 3);
+  EXPECT_EQ(model.adam.m.size(), n - 3);
+  EXPECT_TRUE(Equal(model.gaussians.means.Rows(7, 8), next));
+  EXPECT_EQ(fields.second().size(), n - lonely) << "both are compared before either loses anything";
+  EXPECT_NO_THROW(fields.BeforeView(iteration, &model, &grads)) << "the second model goes on";
 }
 
 }  // namespace

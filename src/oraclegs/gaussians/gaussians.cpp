@@ -42,7 +42,7 @@ Gaussians Gaussians::To(Device device) const {
   return moved;
 }
 
-void AddRows(const Gaussians& from, int64_t begin, int64_t end, const GaussianRows& to) {
+void AddRows(const Gaussians& from, int64_t begin, int64_t end, int sh_floats, const GaussianRows& to) {
   const GaussianRows rows = from.Rows().From(begin);
   const auto add = [&](const float* source, float* sum, int64_t row) {
     for (int64_t i = 0; i < row * (end - begin); ++i) sum[i] += source[i];
@@ -51,7 +51,9 @@ void AddRows(const Gaussians& from, int64_t begin, int64_t end, const GaussianRo
   add(rows.log_scales, to.log_scales, 3);
   add(rows.quats, to.quats, 4);
   add(rows.opacity_logits, to.opacity_logits, 1);
-  add(rows.sh, to.sh, kShFloats);
+  for (int64_t i = 0; i < end - begin; ++i) {
+    for (int k = 0; k < sh_floats; ++k) to.sh[kShFloats * i + k] += rows.sh[kShFloats * i + k];
+  }
 }
 
 }  // namespace oraclegs

@@ -57,7 +57,7 @@ struct Gaussians {
   }
 };
 
-/// to += the rows [begin, end) of `from`, where row 0 of `to` belongs to `begin`.
-void AddRows(const Gaussians& from, int64_t begin, int64_t end, const GaussianRows& to);
+/// to += the rows [begin, end) of `from`, where row 0 of `to` belongs to `begin`; of sh the first `sh_floats` of each.
+void AddRows(const Gaussians& from, int64_t begin, int64_t end, int sh_floats, const GaussianRows& to);
 
 }  // namespace oraclegs

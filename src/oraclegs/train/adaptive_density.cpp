@@ -8,6 +8,7 @@
 #include "oraclegs/core/rng.h"
 #include "oraclegs/gaussians/selection.h"
 #include "oraclegs/train/baselines/unpool.h"
+#include "oraclegs/train/opacity_factors.h"
 #include "oraclegs/train/train_math.h"
 
 namespace oraclegs {
@@ -82,14 +83,13 @@ void MoveToHalf(const DensityControl& control, uint64_t number, int64_t row, Gau
   }
 }
 
-/// The rows that stay: no whole that was split, nothing transparent, nothing too large.
-std::vector<int64_t> RowsThatStay(const DensityControl& control, std::vector<bool> keep, const Gaussians& gaussians) {
+/// The rows that stay: nothing transparent, nothing too large.
+std::vector<int64_t> RowsThatStay(const DensityControl& control, const Gaussians& gaussians) {
   std::vector<int64_t> rows;
   int64_t most_opaque = 0;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
     const float logit = gaussians.opacity_logits[i];
     if (logit > gaussians.opacity_logits[most_opaque]) most_opaque = i;
-    if (!keep[static_cast<size_t>(i)]) continue;
     if (OpacityOf(logit) < kPrunedOpacity) continue;
     if (control.removes_large && LargestScale(gaussians, i) > kLargeShare * control.extent) continue;
     rows.push_back(i);
@@ -101,57 +101,63 @@ std::vector<int64_t> RowsThatStay(const DensityControl& control, std::vector<boo
 class AdaptiveDensifier final : public Densifier {
  public:
   explicit AdaptiveDensifier(const DensifierSetup& setup)
-      : options_(setup.options),
-        rasterizer_(setup.rasterizer),
-        parts_(setup.parts),
-        extent_(kCameraExtentShare * SpatialExtent(Cameras(setup.plan.photos()))) {}
+      : options_(setup.options), rasterizer_(setup.rasterizer), extent_(SpatialExtent(Cameras(setup.plan.photos()))) {}
   ~AdaptiveDensifier() override { rasterizer_->WatchScreen(nullptr); }
 
   bool AddsNoise() const override { return false; }
 
   void Refine(const Iteration& iteration, TrainedModel* model) override {
     if (iteration.refines) Control(iteration, model);
-    if (iteration.resets_opacities) ResetOpacities(&model->gaussians, &model->adam);
+    if (iteration.resets_opacities) {
+      ResetOpacities(options_.baseline.opacity_reset_to, &model->gaussians, &model->adam);
+    }
   }
 
-  void Control(const Iteration& iteration, TrainedModel* model) {
-    const int64_t n = model->gaussians.size();
-    std::vector<float> gradients(static_cast<size_t>(n), 0);
-    for (int64_t i = 0; i < n; ++i) {
-      if (screen_.views[i] > 0) gradients[static_cast<size_t>(i)] = screen_.sum[i] / screen_.views[i];
-    }
-    const int64_t reset = options_.baseline.opacity_reset;
-    DensityControl control{iteration.seed, iteration.number, options_.baseline.densify_gradient, extent_,
-                           options_.max_gaussians.value()};
-    control.removes_large = !options_.baseline.keep_large && reset > 0 && iteration.number > reset;
-    const auto also = [&](const Gaussians& gaussians, std::vector<bool>* keep) {
-      for (const std::shared_ptr<MethodPart>& part : parts_) part->Prune(iteration, gaussians, keep);
-    };
-    ControlDensity(control, gradients, &model->gaussians, &model->adam, also);
-    if (iteration.number < options_.baseline.unpool_until) {
-      UnpoolGaussians(UnpoolOptions::PublicCode(extent_), options_.max_gaussians.value(),
-                      {&model->gaussians, &model->adam.m, &model->adam.v});
-    }
-    Restore({}, model->gaussians.size());
+  void Begin(int64_t gaussians) override {
+    screen_ = {Buffer<float>::Zeros({gaussians}), Buffer<float>::Zeros({gaussians})};
+    rasterizer_->WatchScreen(&screen_);
   }
 
   ScreenGradients state() const override { return {screen_.sum.Clone(), screen_.views.Clone()}; }
 
   void Restore(const ScreenGradients& state, int64_t gaussians) override {
-    const bool is_new = !state.sum.defined();
-    if (!is_new && (state.sum.count() != gaussians || state.views.count() != gaussians)) {
+    if (state.sum.count() != gaussians || state.views.count() != gaussians) {
       throw InputError("the checkpoint holds screen gradients of {} of {} Gaussians; start anew with --overwrite",
                        state.sum.count(), gaussians);
     }
-    screen_ = is_new ? ScreenGradients{Buffer<float>::Zeros({gaussians}), Buffer<float>::Zeros({gaussians})}
-                     : ScreenGradients{state.sum.Clone(), state.views.Clone()};
+    screen_ = {state.sum.Clone(), state.views.Clone()};
     rasterizer_->WatchScreen(&screen_);
   }
 
  private:
+  void Control(const Iteration& iteration, TrainedModel* model) {
+    const BaselineOptions& baseline = options_.baseline;
+    const int64_t reset = baseline.opacity_reset;
+    DensityControl control{iteration.seed, iteration.number, baseline.densify_gradient, extent_,
+                           options_.max_gaussians.value()};
+    control.removes_large = !baseline.keep_large && reset > 0 && extent_ > 0 && iteration.number > reset;
+    const auto unpool = [&](Gaussians* gaussians, Adam* adam) {
+      if (iteration.number >= baseline.unpool_until) return;
+      UnpoolGaussians(UnpoolOptions::PublicCode(extent_), options_.max_gaussians.value(),
+                      {gaussians, &adam->m, &adam->v});
+    };
+    ControlDensity(control, MeanGradients(iteration), &model->gaussians, &model->adam, unpool);
+    Begin(model->gaussians.size());
+  }
+
+  /// A Gaussian that dropout leaves out counts as seen without gradient in the programs; here it is not seen.
+  std::vector<float> MeanGradients(const Iteration& iteration) const {
+    const double kept = 1 - DropProbability(options_.dropout.value(), iteration.number, options_.iterations.value());
+    std::vector<float> gradients(static_cast<size_t>(screen_.sum.count()), 0);
+    for (int64_t i = 0; i < screen_.sum.count(); ++i) {
+      if (screen_.views[i] == 0) continue;
+      gradients[static_cast<size_t>(i)] = static_cast<float>(kept) * screen_.sum[i] / screen_.views[i];
+    }
+    return gradients;
+  }
+
   const TrainOptions& options_;
   Rasterizer* rasterizer_;
-  const MethodParts& parts_;
   double extent_;
   ScreenGradients screen_;
 };
@@ -159,7 +165,7 @@ class AdaptiveDensifier final : public Densifier {
 }  // namespace
 
 DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
-                             Adam* adam, const AlsoRemove& also) {
+                             Adam* adam, const AlsoGrow& also) {
   gaussians->Check("ControlDensity");
   const int64_t n = gaussians->size();
   if (static_cast<int64_t>(gradients.size()) != n || adam->m.size() != n || adam->v.size() != n) {
@@ -184,18 +190,23 @@ DensityChange ControlDensity(const DensityControl& control, const std::vector<fl
     MoveToHalf(control, static_cast<uint64_t>(row - halves), row, gaussians);
   }
 
-  std::vector<bool> keep(static_cast<size_t>(all), true);
-  if (also) also(*gaussians, &keep);
-  for (const int64_t i : splits) keep[static_cast<size_t>(i)] = false;
-  const std::vector<int64_t> left = RowsThatStay(control, keep, *gaussians);
-  change.removed = all - change.split - static_cast<int64_t>(left.size());
-  KeepRows(left, gaussians, adam);
+  std::vector<bool> is_split(static_cast<size_t>(n), false);
+  for (const int64_t i : splits) is_split[static_cast<size_t>(i)] = true;
+  rows.clear();
+  for (int64_t i = 0; i < all; ++i) {
+    if (i >= n || !is_split[static_cast<size_t>(i)]) rows.push_back(i);
+  }
+  if (!splits.empty()) KeepRows(rows, gaussians, adam);
+  if (also) also(gaussians, adam);
+  const std::vector<int64_t> left = RowsThatStay(control, *gaussians);
+  change.removed = gaussians->size() - static_cast<int64_t>(left.size());
+  if (change.removed > 0) KeepRows(left, gaussians, adam);
   return change;
 }
 
-void ResetOpacities(Gaussians* gaussians, Adam* adam) {
-  const auto most = static_cast<float>(LogitOf(kResetOpacity));
-  for (float& logit : gaussians->opacity_logits.span()) logit = std::min(logit, most);
+void ResetOpacities(double most, Gaussians* gaussians, Adam* adam) {
+  const auto highest = static_cast<float>(LogitOf(most));
+  for (float& logit : gaussians->opacity_logits.span()) logit = std::min(logit, highest);
   adam->m.opacity_logits.SetZero();
   adam->v.opacity_logits.SetZero();
 }

@@ -11,12 +11,10 @@
 
 namespace oraclegs {
 
-inline constexpr double kDenseShare = 0.01;        ///< of the extent; larger Gaussians are split, others are cloned
-inline constexpr double kSplitShrink = 1.6;        ///< scales of the two halves are divided by it
-inline constexpr double kPrunedOpacity = 0.005;    ///< below: removed
-inline constexpr double kLargeShare = 0.1;         ///< of the extent; larger ones are removed after the first reset
-inline constexpr double kResetOpacity = 0.01;      ///< most opacity that a reset leaves
-inline constexpr double kCameraExtentShare = 1.1;  ///< the authors' extent, in units of SpatialExtent
+inline constexpr double kDenseShare = 0.01;      ///< of the extent; larger Gaussians are split, others are cloned
+inline constexpr double kSplitShrink = 1.6;      ///< scales of the two halves are divided by it
+inline constexpr double kPrunedOpacity = 0.005;  ///< below: removed
+inline constexpr double kLargeShare = 0.1;       ///< of the extent; larger ones are removed after the first reset
 
 /// What one refinement goes by.
 struct DensityControl {
@@ -28,8 +26,8 @@ struct DensityControl {
   bool removes_large = false;  ///< those of more than kLargeShare
 };
 
-/// Which Gaussians are removed beside those that ControlDensity finds: keep[i] becomes false.
-using AlsoRemove = std::function<void(const Gaussians& gaussians, std::vector<bool>* keep)>;
+/// Adds Gaussians of its own, with their moments, after clones and splits and before the transparent are removed.
+using AlsoGrow = std::function<void(Gaussians* gaussians, Adam* adam)>;
 
 struct DensityChange {
   int64_t cloned = 0, split = 0, removed = 0;
@@ -38,13 +36,13 @@ struct DensityChange {
 /// Clones, splits and removes. gradients: [N] mean ScreenGradients. A clone stands behind the others with zero moments;
 /// the original keeps its own. A Gaussian that is split gives way to two, drawn from its own density, of scales
 /// 1 / kSplitShrink, with zero moments. Where `max_gaussians` leaves no room for all, those of the largest gradients
-/// come first. Removed is what is below kPrunedOpacity, what is too large, and what `also` says of the Gaussians with
-/// clones and halves; never all of them. Both structs get new memory. Throws ShapeError.
+/// come first. Removed is what is below kPrunedOpacity and what is too large; never all of them. Both structs get new
+/// memory. Throws ShapeError.
 DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
-                             Adam* adam, const AlsoRemove& also = {});
+                             Adam* adam, const AlsoGrow& also = {});
 
-/// Opacities above kResetOpacity fall to it; the moments of all opacities become zero.
-void ResetOpacities(Gaussians* gaussians, Adam* adam);
+/// Opacities above `most` fall to it; the moments of all opacities become zero.
+void ResetOpacities(double most, Gaussians* gaussians, Adam* adam);
 
 /// Keeps the Gaussians of these rows, with their moments, in this order.
 void KeepRows(const std::vector<int64_t>& rows, Gaussians* gaussians, Adam* adam);

@@ -212,6 +212,18 @@ std::string DumpOptions(const nlohmann::json& options) {
   return options.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+void CheckSameOptions(const fs::path& dir, const nlohmann::json& saved, const nlohmann::json& now) {
+  if (DumpOptions(saved) == DumpOptions(now)) return;
+  std::string difference = "other options";
+  for (const auto& [name, value] : saved.items()) {
+    if (!now.is_object() || !now.contains(name) || DumpOptions(now[name]) == DumpOptions(value)) continue;
+    difference = fmt::format("{} {}, not {}", name, DumpOptions(value), DumpOptions(now[name]));
+    break;
+  }
+  throw InputError("{}: the checkpoint was made with {}; continue with those options or choose another folder",
+                   dir.string(), difference);
+}
+
 fs::path CheckpointPath(const fs::path& dir, int64_t iteration) {
   return dir / fmt::format("{}{:07}{}", kPrefix, iteration, kSuffix);
 }

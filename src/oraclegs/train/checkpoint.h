@@ -31,6 +31,10 @@ struct Checkpoint {
 /// path that are not UTF-8 are replaced.
 std::string DumpOptions(const nlohmann::json& options);
 
+/// Throws InputError that names the first option that differs unless those a checkpoint in `dir` was saved with are
+/// these.
+void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now);
+
 /// DIR/iteration_0003000.safetensors
 std::filesystem::path CheckpointPath(const std::filesystem::path& dir, int64_t iteration);
 

@@ -1,10 +1,12 @@
 #include "oraclegs/train/cpu_train_device.h"
 #include "oraclegs/render/make_rasterizer.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "oraclegs/train/make_densifier.h"
+#include "oraclegs/train/method_part.h"
 #include "oraclegs/train/noise.h"
 #include "oraclegs/train/regularizers.h"
 #include "oraclegs/train/scale_cap.h"
@@ -27,7 +29,7 @@ struct StepConsumer final : GradientConsumer {
 
   void ConsumeBlock(int64_t begin, int64_t end, const GaussianRows& grads) override {
     regularizers->AddTo(begin, end, grads);
-    if (beside != nullptr) AddRows(*beside, begin, end, grads);
+    if (beside != nullptr) AddRows(*beside, begin, end, 3 * ShCount(iteration.sh_degree), grads);
     if (!step) return;
     step->Update(begin, end, grads);
     if (!adds_noise) return;
@@ -43,7 +45,7 @@ class CpuTrainDevice final : public TrainDevice {
         parts_(setup.parts),
         view_loss_(plan_),
         rasterizer_(MakeRasterizer(kCpu)) {
-    densifier_->Restore({}, setup.start);
+    densifier_->Begin(setup.start);
   }
 
   Rasterizer& rasterizer() override { return *rasterizer_; }
@@ -57,11 +59,14 @@ class CpuTrainDevice final : public TrainDevice {
 
   void RunParts(const Iteration& iteration, TrainedModel* model) override {
     loss_of_parts_ = 0;
-    if (parts_.empty()) return;
-    if (beside_.size() == model->gaussians.size()) {
+    const int64_t before = model->gaussians.size();
+    for (const std::shared_ptr<MethodPart>& part : parts_) part->Remove(iteration, model);
+    const int64_t n = model->gaussians.size();
+    if (n != before) densifier_->Begin(n);
+    if (adds_gradients_ && beside_.size() != n) {
+      beside_ = Gaussians::Zeros(n);
+    } else if (adds_gradients_) {
       beside_.ForEach([](const char*, Buffer<float>& t) { t.SetZero(); });
-    } else {
-      beside_ = Gaussians::Zeros(model->gaussians.size());
     }
     for (const std::shared_ptr<MethodPart>& part : parts_) {
       loss_of_parts_ += part->BeforeView(iteration, model, &beside_);
@@ -77,7 +82,7 @@ class CpuTrainDevice final : public TrainDevice {
   }
 
   RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) override {
-    const ViewLossResult result = view_loss_(iteration.view, iteration.number, out);
+    const ViewLossResult result = view_loss_(iteration.view, iteration.number, out, iteration.seed);
     loss_of_view_ = result.loss;
     AddTerms(iteration.view.kind, result);
     return result.grads;
@@ -87,10 +92,15 @@ class CpuTrainDevice final : public TrainDevice {
     Gaussians* gaussians = &model->gaussians;
     regularizers_.Begin(*gaussians, {options_.opacity_reg, options_.scale_reg});
     StepConsumer consumer(iteration, gaussians, &regularizers_);
+    const bool adds_noise = densifier_->AddsNoise();
     // In an iteration that refines the noise comes after relocation and growth.
-    if (!parts_.empty()) consumer.beside = &beside_;
-    consumer.adds_noise = densifier_->AddsNoise() && !iteration.refines;
-    if (iteration.moves) consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
+    consumer.adds_noise = adds_noise && !iteration.refines;
+    if (adds_gradients_) consumer.beside = &beside_;
+    // Programs with adaptive density control take no step in an iteration that refines: the parameters that they put
+    // in the place of the old ones have no gradient yet.
+    if (iteration.moves && (adds_noise || !iteration.refines)) {
+      consumer.step = model->adam.BeginStep(iteration.rates, iteration.sh_degree, gaussians);
+    }
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
     const double loss = loss_of_view_ + loss_of_parts_ + regularizers_.Value();
     terms_.regularization += regularizers_.Value();
@@ -108,6 +118,8 @@ class CpuTrainDevice final : public TrainDevice {
   void RestoreDensify(const ScreenGradients& state, int64_t gaussians) override {
     densifier_->Restore(state, gaussians);
   }
+
+  void BeginDensify(int64_t gaussians) override { densifier_->Begin(gaussians); }
 
   LossReport Loss() override { return loss_; }
   void RestoreLoss(double smoothed) override { loss_ = {0, smoothed}; }
@@ -143,11 +155,13 @@ class CpuTrainDevice final : public TrainDevice {
   MethodParts parts_;
   ViewLoss view_loss_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  std::unique_ptr<Densifier> densifier_ = MakeDensifier({options_, plan_, rasterizer_.get(), parts_});
+  std::unique_ptr<Densifier> densifier_ = MakeDensifier({options_, plan_, rasterizer_.get()});
   std::vector<float> camera_centers_ = CameraCenters(plan_.photos());
   Regularizers regularizers_;
   Buffer<float> opacity_factors_;  // [N]
   Gaussians beside_;               // gradients of the parts, for one iteration
+  bool adds_gradients_ =
+      std::any_of(parts_.begin(), parts_.end(), [](const auto& part) { return part->AddsGradients(); });
   double loss_of_view_ = 0, loss_of_parts_ = 0;
   LossReport loss_;
   TermSums terms_;

@@ -6,7 +6,7 @@
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/loss_terms.h"
-#include "oraclegs/train/method_part.h"
+#include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
 
@@ -22,7 +22,10 @@ class Densifier {
 
   /// What of earlier iterations the next refinement goes by; empty where that is nothing.
   virtual ScreenGradients state() const { return {}; }
-  /// Of a model of so many Gaussians; an empty state begins anew. Throws InputError when it is of another number.
+  /// Begins anew, for a model of so many Gaussians.
+  virtual void Begin(int64_t gaussians) = 0;
+  /// Goes on from the state of a model of so many Gaussians. Throws InputError when it is of another number, or empty
+  /// where this kind has one.
   virtual void Restore(const ScreenGradients& state, int64_t gaussians) = 0;
 };
 
@@ -31,7 +34,6 @@ struct DensifierSetup {
   const TrainOptions& options;  ///< settled
   const LossPlan& plan;
   Rasterizer* rasterizer;
-  const MethodParts& parts;
 };
 
 }  // namespace oraclegs

@@ -22,6 +22,7 @@ class McmcDensifier final : public Densifier {
     AddNoise({iteration.seed, iteration.number, iteration.rates.means}, gaussians);
   }
 
+  void Begin(int64_t) override {}
   void Restore(const ScreenGradients&, int64_t) override {}
 
  private:

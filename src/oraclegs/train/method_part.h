@@ -12,14 +12,18 @@ class MethodPart {
  public:
   virtual ~MethodPart() = default;
 
+  /// Before everything else of an iteration: may remove Gaussians with their moments (KeepRows). What densification
+  /// goes by begins anew where it does.
+  virtual void Remove(const Iteration&, TrainedModel*) {}
+
   /// Before the view of the iteration is rendered. Adds dL/d(raw parameters) of a loss of its own to `grads`, which the
   /// iteration's step takes with those of the view, and returns that loss. May also take steps of its own on `model`,
-  /// but not change the number of its Gaussians. Renders with a rasteriser of its own.
+  /// but not change the number of its Gaussians. Renders with a rasteriser of its own. `grads` has no Gaussians where
+  /// AddsGradients of all parts is false.
   virtual double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) = 0;
 
-  /// After clones and splits of an iteration that refines with --densify adaptive: keep[i] becomes false for those that
-  /// are to be removed as well.
-  virtual void Prune(const Iteration&, const Gaussians&, std::vector<bool>* /*keep*/) {}
+  /// Whether BeforeView writes to `grads`.
+  virtual bool AddsGradients() const { return true; }
 };
 
 using MethodParts = std::vector<std::shared_ptr<MethodPart>>;

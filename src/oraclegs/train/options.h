@@ -154,7 +154,8 @@ struct TrainOptions {
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
           "paper = |1/z - target| in scene units, all pixels of known depth alike (equation 5 of the OracleGS paper); "
-          "correlation = 1 - their correlation, of constant weight (FSGS, Zhu et al., ECCV 2024, uses 0.05); "
+          "correlation = 1 - their correlation, of a weight that is constant until 95 % of the run and a fiftieth of "
+          "it then (FSGS, Zhu et al., ECCV 2024, uses 0.05); "
           "patched-correlation = that and three times as much of the mean over random patches (SparseGS, Xiong et al. "
           "2023); the last two on the CPU only");
     visit("alpha-weight", self.alpha_weight,

@@ -13,14 +13,15 @@ namespace oraclegs {
 /// Milliseconds of an iteration, or means over several, by stage.
 struct TrainTimings {
   RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
+  double parts = 0;      ///< of other methods, beside the view
   double loss = 0;       ///< photometric, with exposure, and depth
   double refine = 0;     ///< relocation and growth, with the noise of iterations that do so
   double total = 0;
 
   /// The stages, in the order of the declaration; Trainer::Run measures the total apart.
-  std::array<double*, 8> Stages() {
-    return {&render.project,           &render.bin, &render.blend, &render.blend_backward,
-            &render.gaussian_backward, &loss,       &refine,       &total};
+  std::array<double*, 9> Stages() {
+    return {&render.project, &render.bin, &render.blend, &render.blend_backward, &render.gaussian_backward, &parts,
+            &loss,           &refine,     &total};
   }
 
   void Add(TrainTimings other) {

@@ -41,9 +41,9 @@ struct LossReport {
   double smoothed = 0;  ///< over the iterations
 };
 
-/// A device. An iteration is OpacityFactors, the rasteriser's Forward, LossOfView, BackwardAndStep and, where it
-/// has them, CapScales and Refine, on a model that Upload made. Errors of training that diverges (RunError) may come as
-/// late as Loss.
+/// A device. An iteration is RunParts, OpacityFactors, the rasteriser's Forward, LossOfView, BackwardAndStep and, where
+/// it has them, CapScales and Refine, on a model that Upload made. Errors of training that diverges (RunError) may come
+/// as late as Loss.
 class TrainDevice {
  public:
   virtual ~TrainDevice() = default;
@@ -76,6 +76,8 @@ class TrainDevice {
   virtual ScreenGradients densify_state() const { return {}; }
   /// Of a model of so many Gaussians. Throws InputError when the state is of another number.
   virtual void RestoreDensify(const ScreenGradients&, int64_t) {}
+  /// The same anew.
+  virtual void BeginDensify(int64_t) {}
 
   /// Waits for the device. Throws RunError when the loss of an iteration since the last call was not finite.
   virtual LossReport Loss() = 0;

@@ -6,6 +6,7 @@
 
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/train/adaptive_density.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/refine_schedule.h"
@@ -32,19 +33,6 @@ std::string WhereToContinue(const CheckpointPolicy& policy) {
 std::string WhatIsSaved(const CheckpointPolicy& policy) {
   const auto newest = policy.dir.empty() ? std::nullopt : NewestCheckpoint(policy.dir);
   return newest ? fmt::format("{} was saved before that", newest->string()) : "nothing had been saved";
-}
-
-/// Throws unless the options a checkpoint was saved with are these; names the first that differs.
-void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now) {
-  if (DumpOptions(saved) == DumpOptions(now)) return;
-  std::string difference = "other options";
-  for (const auto& [name, value] : saved.items()) {
-    if (!now.is_object() || !now.contains(name) || DumpOptions(now[name]) == DumpOptions(value)) continue;
-    difference = fmt::format("{} {}, not {}", name, DumpOptions(value), DumpOptions(now[name]));
-    break;
-  }
-  throw InputError("{}: the checkpoint was made with {}; continue with those options or choose another folder",
-                   dir.string(), difference);
 }
 
 void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
@@ -130,12 +118,13 @@ Buffer<float> Trainer::State::OpacityFactors() {
 void Trainer::State::Step() {
   Lap lap;
   const Iteration next = NextIteration();
+  last_timings = {};
   device->RunParts(next, &model);
+  lap.To(&last_timings.parts);
   const TrainView& view = plan.View(next.view, next.number);
   const RenderOptions render{background, next.sh_degree, options.antialiased, OpacityFactors()};
   Rasterizer& rasterizer = device->rasterizer();
   const RenderOutput out = rasterizer.Forward(model.gaussians, view.camera, render, RenderPass::kTrain);
-  last_timings = {};
   double rendering = 0;  // the rasteriser times its own stages
   lap.To(&rendering);
   const RenderGrads upstream = device->LossOfView(next, out);
@@ -203,6 +192,12 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
   s.restored = true;
   s.timings = {};
   s.timed_since = s.iteration;
+}
+
+void Trainer::Keep(const std::vector<int64_t>& rows) {
+  State& s = *state_;
+  KeepRows(rows, &s.model.gaussians, &s.model.adam);
+  s.device->BeginDensify(s.model.gaussians.size());
 }
 
 double Trainer::Step() {

@@ -68,6 +68,9 @@ class Trainer {
   /// One iteration; returns the loss. For tests and benchmarks.
   double Step();
 
+  /// Between iterations: keeps the Gaussians of these rows, with their moments. On the CPU only.
+  void Keep(const std::vector<int64_t>& rows);
+
   /// On the device of the training.
   const Gaussians& gaussians() const;
   int64_t iteration() const;

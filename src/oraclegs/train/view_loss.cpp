@@ -41,7 +41,8 @@ ViewLoss::ViewLoss(const LossPlan& plan) : plan_(plan) {
   if (const auto start = plan.StartExposures(); !start.empty()) exposures_.emplace(start);
 }
 
-ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out) {
+ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out,
+                                    uint64_t seed) {
   const TrainView& view = plan_.View(sampled, iteration);
   const LossTerms terms = plan_.Terms(sampled, iteration);
   ViewLossResult result;
@@ -51,8 +52,7 @@ ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteratio
     shown = exposed_image_.Get({view.camera.height, view.camera.width, 3});
     exposures_->Apply(*terms.exposure, out.image, shown);
   }
-  // Patches are the run's whatever its seed: the view's number and the iteration make them differ.
-  const Rendered rendered{view, out, shown, terms.exposure, static_cast<uint64_t>(sampled.index), iteration};
+  const Rendered rendered{view, out, shown, terms.exposure, seed, iteration};
   for (const LossTerm& term : terms) result.loss += Evaluate(term, rendered, &result);
   RequireFinite(result.loss, iteration, view);
   if (terms.exposure_rate > 0) exposures_->Step(*terms.exposure, exposure_gradient_, terms.exposure_rate);

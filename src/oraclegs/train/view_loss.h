@@ -23,10 +23,10 @@ class ViewLoss {
   /// `plan` outlives this.
   explicit ViewLoss(const LossPlan& plan);
 
-  /// out: the render of plan.View(sampled, iteration). Throws RunError when the loss is not finite, before an exposure
-  /// map learns from it. The last iteration moves no map. Depth and alpha of grads stay undefined, which the rasteriser
-  /// takes for zero at no cost, where the loss has no such term.
-  ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out);
+  /// out: the render of plan.View(sampled, iteration). seed: of patches that are drawn. Throws RunError when the loss
+  /// is not finite, before an exposure map learns from it. The last iteration moves no map. Depth and alpha of grads
+  /// stay undefined, which the rasteriser takes for zero at no cost, where the loss has no such term.
+  ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out, uint64_t seed = 0);
 
   /// nullptr where they are not trained.
   Exposures* exposures() { return exposures_ ? &*exposures_ : nullptr; }

@@ -8,18 +8,6 @@
 namespace oraclegs {
 namespace {
 
-RunArguments With(RunArguments all, const RunArguments& more) {
-  for (const auto& [name, value] : more) {
-    const auto same = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.first == name; });
-    if (same != all.end()) {
-      same->second = value;
-    } else {
-      all.push_back({name, value});
-    }
-  }
-  return all;
-}
-
 /// Rates and terms of 3DGS and of the programs built on it, where this program's own differ. The start is that of the
 /// methods for few photos, dense points: theirs are COLMAP's, these are stereo's, of the training views alone in both
 /// cases.
@@ -31,21 +19,22 @@ RunArguments Plain3dgs() {
           {"init-scale", "0.1"},          {"init-planes", "false"}};
 }
 
-/// With adaptive density control.
+/// With adaptive density control, which works on a CPU alone.
 RunArguments Adaptive() {
-  return With(Plain3dgs(), {{"densify", "adaptive"},
-                            {"opacity-reg", "0"},
-                            {"scale-reg", "0"},
-                            {"refine-stop", "0.5"},
-                            {"max-gaussians", "500000"},
-                            {"init-scale", "1"},
-                            {"init-opacity", "0.1"}});
+  return Overlaid(Plain3dgs(), {{"device", "cpu"},
+                                {"densify", "adaptive"},
+                                {"opacity-reg", "0"},
+                                {"scale-reg", "0"},
+                                {"refine-stop", "0.5"},
+                                {"max-gaussians", "500000"},
+                                {"init-scale", "1"},
+                                {"init-opacity", "0.1"}});
 }
 
 /// What the programs of FSGS, CoR-GS and DropGaussian have in common for few photos: fewer clones, until the end, and
 /// nothing is too large.
 RunArguments ForFewPhotos() {
-  return With(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
+  return Overlaid(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
 }
 
 }  // namespace
@@ -60,56 +49,60 @@ const std::vector<Method>& Methods() {
       {"3dgs-mcmc-random",
        "3DGS-MCMC, random start",
        "Kheradmand 2024",
-       With(Plain3dgs(), {{"depth-prior", "none"}, {"init", "random-cube"}}),
+       Overlaid(Plain3dgs(), {{"depth-prior", "none"}, {"init", "random-cube"}}),
        {{"iterations", "10000"}},
        ""},
       {"dropgaussian",
        "DropGaussian",
        "Park 2025",
-       With(ForFewPhotos(), {{"dropout", "0.2"}}),
+       Overlaid(ForFewPhotos(), {{"dropout", "0.2"}}),
        {{"iterations", "10000"}},
        ""},
       {"fsgs",
        "FSGS",
        "Zhu 2024",
-       With(ForFewPhotos(), {{"depth-loss", "correlation"},
-                             {"depth-weight", "0.05"},
-                             {"sh-degree-interval", "500"},
-                             {"opacity-reset-first", "2001"},
-                             {"unpool-until", "2000"}}),
+       Overlaid(ForFewPhotos(), {{"depth-loss", "correlation"},
+                                 {"depth-weight", "0.05"},
+                                 {"sh-degree-interval", "500"},
+                                 {"opacity-reset-first", "2001"},
+                                 {"opacity-reset-to", "0.05"},
+                                 {"unpool-until", "2000"}}),
        {{"iterations", "10000"}},
        "monocular depth; stereo's stands in for it, and pseudo views have none"},
       {"cor-gs",
        "CoR-GS",
        "Zhang 2024",
-       With(ForFewPhotos(), {{"two-fields", "true"}, {"sh-degree-interval", "500"}, {"opacity-reset-first", "501"}}),
+       Overlaid(ForFewPhotos(), {{"two-fields", "true"},
+                                 {"sh-degree-interval", "500"},
+                                 {"opacity-reset-first", "501"},
+                                 {"opacity-reset-to", "0.05"}}),
        {{"iterations", "10000"}},
        ""},
       {"dngaussian",
        "DNGaussian",
        "Li 2024",
-       With(Adaptive(), {{"densify-gradient", "0.0005"},
-                         {"refine-stop", "1"},
-                         {"hard-depth", "true"},
-                         {"soft-depth-start", "1000"},
-                         {"depth-step-every", "10"},
-                         {"depth-tolerance", "0.01"}}),
+       Overlaid(Adaptive(), {{"densify-gradient", "0.0005"},
+                             {"refine-stop", "1"},
+                             {"hard-depth", "true"},
+                             {"soft-depth-start", "1000"},
+                             {"depth-step-every", "10"},
+                             {"depth-tolerance", "0.01"}}),
        {{"iterations", "6000"}},
        "monocular depth; stereo's stands in for it"},
       // The published run has 30000 iterations, prunes at 20000 and densifies until 18000.
       {"sparsegs",
        "SparseGS",
        "Xiong 2023",
-       With(Adaptive(), {{"depth-loss", "patched-correlation"},
-                         {"depth-weight", "0.05"},
-                         {"refine-stop", "0.6"},
-                         {"prune-modes-at", "6667"}}),
+       Overlaid(Adaptive(), {{"depth-loss", "patched-correlation"},
+                             {"depth-weight", "0.05"},
+                             {"refine-stop", "0.6"},
+                             {"prune-modes-at", "6667"}}),
        {{"iterations", "10000"}},
        "monocular depth; stereo's stands in for it, and there is no diffusion model"},
       {"comapgs",
        "CoMapGS",
        "Jang 2025",
-       With(ForFewPhotos(), {{"covisibility-weights", "true"}}),
+       Overlaid(ForFewPhotos(), {{"covisibility-weights", "true"}}),
        {{"iterations", "10000"}},
        "matches of a network; the depth of stereo stands in for them"},
   };

@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/frame.h"
+#include "oraclegs/train/methods/make_parts.h"
 #include "oraclegs/validate/attention_layers.h"
 
 namespace oraclegs {
@@ -30,6 +31,7 @@ void CheckRunOptions(const RunOptions& options) {
     throw UsageError("--horizon {} is below --iterations {}; rates and weights would end before training does",
                      options.train.horizon, options.train.iterations.value());
   }
+  CheckMethodOptions(options.train);
   const ProposerChoice proposers = options.propose.Choice();
   const std::string& generator = options.propose.generator;
   if (proposers == ProposerChoice::kCommand && generator.empty()) {

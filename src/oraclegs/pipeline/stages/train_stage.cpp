@@ -151,6 +151,7 @@ nlohmann::json TimingsToJson(const TrainResult& result) {
           {"blend", t.render.blend},
           {"blend_backward", t.render.blend_backward},
           {"gaussian_backward", t.render.gaussian_backward},
+          {"parts", t.parts},
           {"loss", t.loss},
           {"refine", t.refine},
           {"total", t.total}};
@@ -199,6 +200,9 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   return ready;
 }
 
+/// The state of a second model is in no checkpoint.
+bool KeepsNoCheckpoints(const Run& run) { return run.options.train.baseline.two_fields; }
+
 /// Empty, after a warning, where memory does not suffice. What was trained is not lost when the user stops it here.
 std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
@@ -207,6 +211,7 @@ std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   try {
     return Support(trainer.gaussians(), ready.views, render);
   } catch (const Interrupted&) {
+    if (KeepsNoCheckpoints(run)) throw;
     WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
     throw;
   } catch (const OutOfMemory& error) {
@@ -236,8 +241,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
   if (run->on_training) run->on_training(run);
   const ReadyTrainer ready = MakeTrainer(run, checkpoint);
   const double loading = watch.Seconds();
-  // The state of a second model is in no checkpoint.
-  const bool keeps_checkpoints = !run->options.train.baseline.two_fields;
+  const bool keeps_checkpoints = !KeepsNoCheckpoints(*run);
   const TrainResult result = ready.trainer->Run(
       keeps_checkpoints ? CheckpointPolicy{run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every,
                                            std::move(saved_options)}

@@ -21,6 +21,7 @@ struct BaselineOptions {
   double densify_gradient = 0.0002;
   int opacity_reset = 3000;
   Auto<int> opacity_reset_first = {};
+  double opacity_reset_to = 0.01;
   bool keep_large = false;
   int unpool_until = 0;
   bool two_fields = false;
@@ -47,19 +48,22 @@ struct BaselineOptions {
           "which it is cloned or split",
           Range{1e-9, 1});
     visit("opacity-reset", self.opacity_reset,
-          "Of --densify adaptive: iterations between resets of all opacities to at most 0.01; 0 = never",
+          "Of --densify adaptive: iterations between resets of all opacities to at most --opacity-reset-to; 0 = never",
           Range{0, 1e7});
     visit("opacity-reset-first", self.opacity_reset_first,
           "Iteration of the first of these resets; auto = --opacity-reset, and before a white background also "
           "--refine-start",
           Range{1, 1e7});
+    visit("opacity-reset-to", self.opacity_reset_to,
+          "What these resets leave; FSGS and CoR-GS have 0.05 in place of 3DGS's 0.01", Range{0.006, 1});
     visit("keep-large", self.keep_large,
           "Of --densify adaptive: do not remove Gaussians larger than a tenth of the cameras' extent, which 3DGS does "
-          "after the first reset and methods for few photos do not");
-    visit("unpool-until", self.unpool_until,
-          "Of --densify adaptive: up to this iteration Gaussians that stand alone grow new ones halfway to their three "
-          "neighbors (FSGS, Zhu et al., ECCV 2024, uses 2000); 0 = never",
-          Range{0, 1e7});
+          "after --opacity-reset iterations and methods for few photos do not");
+    visit(
+        "unpool-until", self.unpool_until,
+        "Of --densify adaptive: before this iteration Gaussians that stand alone grow new ones halfway to their three "
+        "neighbors (FSGS, Zhu et al., ECCV 2024, uses 2000); 0 = never",
+        Range{0, 1e7});
     visit("two-fields", self.two_fields,
           "Of --densify adaptive: train two models beside each other, pull their renders from between the photos "
           "together, and remove what only one of them has (CoR-GS, Zhang et al., ECCV 2024); the first one is the "

@@ -32,6 +32,7 @@ class DepthSteps final : public MethodPart {
 
   /// Adds nothing to the gradients of the view, returns 0. Throws Diverged where the depth loss is not finite.
   double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
+  bool AddsGradients() const override { return false; }
 
  private:
   bool IsDue(const Iteration& iteration) const;

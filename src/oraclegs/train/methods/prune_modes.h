@@ -22,6 +22,7 @@ class PruneModes final : public MethodPart {
 
   /// Adds no gradient, returns 0.
   double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
+  bool AddsGradients() const override { return false; }
 
  private:
   TrainOptions options_;  // settled

@@ -7,6 +7,7 @@
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/train/adaptive_density.h"
 #include "oraclegs/train/baselines/co_prune.h"
 #include "oraclegs/train/baselines/pseudo_views.h"
 #include "oraclegs/train/make_train_device.h"
@@ -20,16 +21,15 @@ constexpr int64_t kAddGrain = 4096;  // Gaussians
 
 void AddAll(const Gaussians& from, Gaussians* to) {
   ParallelBlocks(from.size(), kAddGrain,
-                 [&](int64_t begin, int64_t end) { AddRows(from, begin, end, to->Rows().From(begin)); });
+                 [&](int64_t begin, int64_t end) { AddRows(from, begin, end, kShFloats, to->Rows().From(begin)); });
 }
 
-void PruneAgainst(const Gaussians& other, const TrainOptions& options, const Iteration& iteration,
-                  const Gaussians& gaussians, std::vector<bool>* keep) {
-  if (iteration.number <= options.refine_start.value() || iteration.number % kCoPruneInterval != 0) return;
-  const std::vector<uint8_t> both = CoPruneKeep(gaussians, other, options.baseline.co_prune_distance);
-  for (size_t i = 0; i < both.size(); ++i) {
-    if (both[i] == 0) (*keep)[i] = false;
+std::vector<int64_t> RowsOf(const std::vector<uint8_t>& keep) {
+  std::vector<int64_t> rows;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] != 0) rows.push_back(static_cast<int64_t>(i));
   }
+  return rows;
 }
 
 constexpr uint64_t kDraws = uint64_t{1} << 63;  // counters that the pseudo views themselves were not made with
@@ -55,24 +55,15 @@ struct TwoFields::State {
     }
   };
 
-  /// Of the second model: gradients that the first one's part has found, and removal by the first model.
+  /// Of the second model: gradients that the first one's part has found.
   class SecondPart final : public MethodPart {
    public:
-    explicit SecondPart(TrainOptions options) : options_(std::move(options)) {}
-
     double BeforeView(const Iteration&, TrainedModel*, Gaussians* grads) override {
       if (pending != nullptr) AddAll(*std::exchange(pending, nullptr), grads);
       return 0;
     }
-    void Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) override {
-      if (first != nullptr) PruneAgainst(*first, options_, iteration, gaussians, keep);
-    }
 
     const Gaussians* pending = nullptr;  // gradients that its next step takes as well
-    const Gaussians* first = nullptr;
-
-   private:
-    TrainOptions options_;
   };
 
   explicit State(const TrainSetup& setup)
@@ -80,7 +71,7 @@ struct TwoFields::State {
         seed(setup.seed),
         background(setup.background),
         views(PseudoViewsBetween(Cameras(setup.data.photos), kPseudoViews, setup.seed)),
-        second_part(std::make_shared<SecondPart>(options)) {
+        second_part(std::make_shared<SecondPart>()) {
     TrainSetup other = setup;
     other.seed = setup.seed + kSecondSeed;
     other.view_seed = setup.view_seed.value_or(setup.seed);
@@ -123,17 +114,25 @@ TwoFields::TwoFields(const TrainSetup& first) : state_(std::make_unique<State>(f
 
 TwoFields::~TwoFields() = default;
 
+/// After every kCoPruneInterval-th iteration once densification has begun: of both models what the other has not. Both
+/// are compared before either loses anything. A model that would lose everything keeps it.
+void TwoFields::Remove(const Iteration& iteration, TrainedModel* model) {
+  State& s = *state_;
+  const int64_t done = iteration.number - 1;
+  if (done <= s.options.refine_start.value() || done % kCoPruneInterval != 0) return;
+  const double distance = s.options.baseline.co_prune_distance;
+  const std::vector<int64_t> first = RowsOf(CoPruneKeep(model->gaussians, second(), distance));
+  const std::vector<int64_t> other = RowsOf(CoPruneKeep(second(), model->gaussians, distance));
+  if (!first.empty()) KeepRows(first, &model->gaussians, &model->adam);
+  if (!other.empty()) s.second->Keep(other);
+}
+
 double TwoFields::BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) {
   State& s = *state_;
-  s.second_part->first = &model->gaussians;
   double loss = 0;
   if (iteration.number >= s.options.baseline.co_start && iteration.moves) loss = s.Agree(iteration, *model, grads);
   s.second->Step();
   return loss;
-}
-
-void TwoFields::Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) {
-  PruneAgainst(second(), state_->options, iteration, gaussians, keep);
 }
 
 const Gaussians& TwoFields::second() const { return state_->second->gaussians(); }

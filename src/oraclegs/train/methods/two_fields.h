@@ -21,8 +21,8 @@ class TwoFields final : public MethodPart {
   explicit TwoFields(const TrainSetup& first);
   ~TwoFields() override;
 
+  void Remove(const Iteration& iteration, TrainedModel* model) override;
   double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
-  void Prune(const Iteration& iteration, const Gaussians& gaussians, std::vector<bool>* keep) override;
 
   /// The second model.
   const Gaussians& second() const;
