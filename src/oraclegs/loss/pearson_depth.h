@@ -9,9 +9,9 @@
 
 namespace oraclegs {
 
-// As published. FSGS: 0.05 on training views until iteration 9500, 0.001 after; 0.5 on pseudo views in every 10th
-// iteration from 2000 to 9500, ramped up over the first 500 of them. SparseGS: 0.05 on the image, 0.15 on patches.
-inline constexpr double kFsgsDepthWeight = 0.05, kFsgsLateDepthWeight = 0.001, kFsgsPseudoDepthWeight = 0.5;
+// As published. FSGS: 0.05 on training views until iteration 9500, 0.001 after. SparseGS: 0.05 on the image, 0.15 on
+// patches.
+inline constexpr double kFsgsDepthWeight = 0.05, kFsgsLateDepthWeight = 0.001;
 inline constexpr double kSparseGsDepthWeight = 0.05, kSparseGsPatchDepthWeight = 0.15;
 
 /// weight * (1 - r), r the Pearson correlation of the rendered image with the target in which a pixel counts as often

@@ -14,10 +14,10 @@ Gaussians WithCenters(const std::vector<std::array<float, 3>>& centers) {
 TEST(CoPruneKeep, KeepsWhatTheOtherModelHas) {
   const Gaussians model = WithCenters({{0, 0, 0}, {5, 0, 0}, {5.001f, 0, 0}, {100, 103, 104}, {100, 103, 105}});
   const Gaussians other = WithCenters({{0, 0, 0}, {100, 100, 100}});
-  EXPECT_EQ(CoPruneKeep(model, other), (std::vector<uint8_t>{1, 1, 0, 1, 0}));
+  EXPECT_EQ(CoPruneKeep(model, other, 5), (std::vector<uint8_t>{1, 1, 0, 1, 0}));
   EXPECT_EQ(CoPruneKeep(model, other, 6), (std::vector<uint8_t>{1, 1, 1, 1, 1}));
   EXPECT_EQ(CoPruneKeep(model, other, 0), (std::vector<uint8_t>{1, 0, 0, 0, 0}));
-  EXPECT_EQ(CoPruneKeep(other, model), (std::vector<uint8_t>{1, 1}));
+  EXPECT_EQ(CoPruneKeep(other, model, 5), (std::vector<uint8_t>{1, 1}));
 }
 
 TEST(CoPruneKeep, AgreesWithEveryPairForAnyNumberOfThreads) {
@@ -38,8 +38,8 @@ TEST(CoPruneKeep, AgreesWithEveryPairForAnyNumberOfThreads) {
 
 TEST(CoPruneKeep, TakesEmptyModels) {
   const Gaussians none = Gaussians::Empty(0), some = RandomGaussians(3, 1);
-  EXPECT_TRUE(CoPruneKeep(none, some).empty());
-  EXPECT_EQ(CoPruneKeep(some, none), (std::vector<uint8_t>{0, 0, 0}));
+  EXPECT_TRUE(CoPruneKeep(none, some, 5).empty());
+  EXPECT_EQ(CoPruneKeep(some, none, 5), (std::vector<uint8_t>{0, 0, 0}));
 }
 
 }  // namespace

@@ -69,16 +69,6 @@ TEST(CovisibilityWeights, AreLargestWhereOneViewIsAlone) {
   EXPECT_TRUE(Equal(CovisibilityWeights(map), Buffer<float>::From({1, 3}, {1, 0.5f, 0.25f})));
 }
 
-TEST(MeanCovisibility, IsOneWhereAllSeeAll) {
-  const Buffer<float> all = Buffer<float>::Full({4, 4}, 2.f), half = Buffer<float>::Full({4, 4}, 1.f);
-  EXPECT_EQ(MeanCovisibility({all, all, all}), 1);
-  EXPECT_EQ(MeanCovisibility({all, all, half}), 2.5 / 3);
-  EXPECT_EQ(MeanCovisibility({Buffer<float>::Zeros({4, 4})}), 0);
-  EXPECT_EQ(OutsideWeight(0.5), 0);
-  EXPECT_NEAR(OutsideWeight(0.85), 0.5, 1e-12);
-  EXPECT_NEAR(OutsideWeight(1), 1, 1e-12);
-}
-
 TEST(CovisibilityMap, SameForAnyNumberOfThreads) {
   std::vector<CovisibilityView> views = {WallFrom(0), WallFrom(1), WallFrom(0.3)};
   views[2].inv_depth = RandomUniform({16, 20}, 1);

@@ -1,6 +1,5 @@
 #include "oraclegs/train/baselines/covisibility.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
@@ -67,17 +66,5 @@ Buffer<float> CovisibilityWeights(const Buffer<float>& map) {
   for (int64_t i = 0; i < map.count(); ++i) weights[i] = 1 / (map[i] + 1);
   return weights;
 }
-
-double MeanCovisibility(const std::vector<Buffer<float>>& maps) {
-  double sum = 0;
-  int64_t pixels = 0;
-  for (const Buffer<float>& map : maps) {
-    for (const float count : map.span()) sum += static_cast<double>(count);
-    pixels += map.count();
-  }
-  return maps.size() < 2 || pixels == 0 ? 0 : sum / static_cast<double>(pixels) / static_cast<double>(maps.size() - 1);
-}
-
-double OutsideWeight(double mean_covisibility) { return std::max(0.0, (mean_covisibility - 0.7) / 0.3); }
 
 }  // namespace oraclegs

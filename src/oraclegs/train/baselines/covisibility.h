@@ -1,6 +1,6 @@
 #pragma once
-// Covisibility maps of CoMapGS [Jang 2025] (section 3.1, eq. 1) and its weights (section 3.3, eq. 10 and 11): what few
-// views show counts more.
+// Covisibility maps of CoMapGS [Jang 2025] (section 3.1, eq. 1) and its weights (section 3.3, eq. 10): what few views
+// show counts more.
 //
 // Two things differ from the paper. It counts the views in which a network finds a match of the pixel, and cleans the
 // map with erosion and dilation; here a view counts where depth maps agree. And its weight is that of a loss of
@@ -30,11 +30,5 @@ Buffer<float> CovisibilityMap(const std::vector<CovisibilityView>& views, size_t
 
 /// 1 / (M + 1) of each pixel, eq. 10: 1 where one view alone sees the point.
 Buffer<float> CovisibilityWeights(const Buffer<float>& map);
-
-/// The mean of M / (number of views - 1) over all pixels of all maps, in [0, 1]; 0 where there are fewer than 2.
-double MeanCovisibility(const std::vector<Buffer<float>>& maps);
-
-/// max(0, (S - 0.7) / 0.3), eq. 11, S the mean covisibility: the weight of Gaussians outside of a view's image.
-double OutsideWeight(double mean_covisibility);
 
 }  // namespace oraclegs

@@ -35,11 +35,9 @@ std::vector<Eigen::Vector3f> CentersOf(const Gaussians& gaussians) {
   return centers;
 }
 
-double ProximityScore(const std::array<NearPoint, 3>& nearest, UnpoolOptions::Score score) {
+double ProximityScore(const std::array<NearPoint, 3>& nearest) {
   double sum = 0;
-  for (const NearPoint& near : nearest) {
-    sum += score == UnpoolOptions::Score::kDistance ? std::sqrt(near.squared_distance) : near.squared_distance;
-  }
+  for (const NearPoint& near : nearest) sum += near.squared_distance;
   return sum / static_cast<double>(nearest.size());
 }
 
@@ -48,7 +46,7 @@ std::vector<UnpoolSource> FindSources(const UnpoolOptions& options, const Gaussi
                                       const std::vector<std::array<NearPoint, 3>>& nearest) {
   std::vector<UnpoolSource> sources;
   for (int64_t i = 0; i < gaussians.size(); ++i) {
-    const double score = ProximityScore(nearest[i], options.score);
+    const double score = ProximityScore(nearest[i]);
     const float* scales = gaussians.log_scales.data() + 3 * i;
     const double scale = std::exp(static_cast<double>(*std::max_element(scales, scales + 3)));
     if (score > options.threshold && scale > options.min_scale) sources.push_back({score, i});
@@ -58,7 +56,7 @@ std::vector<UnpoolSource> FindSources(const UnpoolOptions& options, const Gaussi
   return sources;
 }
 
-void FillMiddle(const UnpoolEdge& edge, UnpoolOptions::Color color, int64_t to, Gaussians* gaussians) {
+void FillMiddle(const UnpoolEdge& edge, int64_t to, Gaussians* gaussians) {
   const Buffer<float>&means = gaussians->means, &scales = gaussians->log_scales;
   for (int axis = 0; axis < 3; ++axis) {
     means[3 * to + axis] = 0.5f * (means[3 * edge.source + axis] + means[3 * edge.destination + axis]);
@@ -67,12 +65,7 @@ void FillMiddle(const UnpoolEdge& edge, UnpoolOptions::Color color, int64_t to, 
   constexpr std::array<float, 4> kNoRotation = {1, 0, 0, 0};
   std::copy(kNoRotation.begin(), kNoRotation.end(), gaussians->quats.data() + 4 * to);
   gaussians->opacity_logits[to] = gaussians->opacity_logits[edge.destination];
-  float* sh = gaussians->sh.data();
-  if (color == UnpoolOptions::Color::kDestination) {
-    std::copy_n(sh + kShFloats * edge.destination, kShFloats, sh + kShFloats * to);
-  } else {
-    std::fill_n(sh + kShFloats * to, kShFloats, 0.f);
-  }
+  std::fill_n(gaussians->sh.data() + kShFloats * to, kShFloats, 0.f);
 }
 
 }  // namespace
@@ -94,7 +87,7 @@ int64_t UnpoolGaussians(const UnpoolOptions& options, int64_t max_gaussians, con
       if (part != target.gaussians) t.Rows(n, n + added).SetZero();
     });
   }
-  for (int64_t k = 0; k < added; ++k) FillMiddle(edges[k], options.color, n + k, target.gaussians);
+  for (int64_t k = 0; k < added; ++k) FillMiddle(edges[k], n + k, target.gaussians);
   return added;
 }
 
