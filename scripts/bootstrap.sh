@@ -66,7 +66,8 @@ fi
 if [[ -n ${CI:-} ]] && ! command -v sbatch >/dev/null; then
   as_root=()
   ((EUID == 0)) || as_root=(sudo)
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends slurm-wlm munge </dev/null ||
+  apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q)
+  { "${apt[@]}" update && "${apt[@]}" install -y --no-install-recommends slurm-wlm munge; } </dev/null ||
     echo "scripts/bootstrap.sh: no Slurm; the test of its launcher will be skipped" >&2
 fi
 

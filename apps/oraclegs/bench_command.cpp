@@ -37,6 +37,8 @@ class BenchCommand : public Command {
   }
 
  private:
+  bool ComputesHere() const override { return options_.launcher == LauncherKind::kLocal; }
+
   void Body(const Listener& listener) override {
     BenchRequest request;
     request.options = options_, request.first_seed = run_.start.seed;

@@ -110,7 +110,7 @@ void Command::Run(const std::string& command_line) {
   if (!preset_.empty()) ApplyPreset(preset_, Targets());
   ApplyDefaults();
   for (const auto& check : checks_) check();
-  if (device_) ChooseDevice(device_->device, ProbeDevices());  // what cannot be had is refused before any work
+  if (device_ && ComputesHere()) ChooseDevice(device_->device, ProbeDevices());
   if (machine_) SetNumThreads(machine_->threads);
   if (file_limits_) SetMaxMegapixels(file_limits_->max_megapixels);
   Terminal terminal(output_.quiet ? Verbosity::kQuiet : output_.verbose ? Verbosity::kVerbose : Verbosity::kNormal);

@@ -79,6 +79,8 @@ class Command {
 
   /// May set options that no file and no flag has set, from what the command works on.
   virtual void ApplyDefaults() {}
+  /// Whether this process computes, so that a device that this machine lacks is refused before any work.
+  virtual bool ComputesHere() const { return true; }
   virtual void Body(const Listener& listener) = 0;
 
   /// Where options of files and of saved runs go: the command's own, and what RunScope keeps from the command line.

@@ -35,5 +35,20 @@ TEST(MakeTrainDevice, RunsPartsOfOtherMethodsOnTheCpuAlone) {
               testing::HasSubstr("--prune-modes-at work on the CPU only; use --device cpu"));
 }
 
+TEST(MakeTrainDevice, KnowsTheDensificationAndDepthOfOtherMethodsOnTheCpuAlone) {
+  const Device gpu{static_cast<DeviceKind>(7), 0};
+  const auto refusal = [&](const TrainOptions& options) {
+    const LossPlan plan(options.Settled(), Photos(1));
+    const TrainOptions settled = options.Settled();
+    return MessageOf<UsageError>([&] { MakeTrainDevice(gpu, {settled, plan, 60}); });
+  };
+  TrainOptions options = Options();
+  options.baseline.densify = Densify::kAdaptive;
+  EXPECT_THAT(refusal(options), testing::HasSubstr("--densify adaptive works on the CPU only"));
+  options = Options();
+  options.depth_loss = DepthLoss::kCorrelation;
+  EXPECT_THAT(refusal(options), testing::HasSubstr("--depth-loss correlation works on the CPU only"));
+}
+
 }  // namespace
 }  // namespace oraclegs
