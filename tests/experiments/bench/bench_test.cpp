@@ -10,6 +10,7 @@
 #include "experiments/bench/small_bench.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/folder_lock.h"
+#include "oraclegs/experiments/bench/run_record.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 
@@ -129,6 +130,72 @@ TEST_F(BenchTest, KilledAnywhereItLosesNothingAndRepeatsNothing) {
   Run(Request());
   EXPECT_EQ(launcher.waves.size(), waves) << "nothing is left to run";
   EXPECT_EQ(Saved(), before);
+}
+
+/// Two runs of scene "one", the first of which has scores and geometry.
+class SecondWaveTest : public BenchTest {
+ protected:
+  SecondWaveTest() {
+    request_ = Request();
+    request_.options.suite = (*scenes / "one").string(), request_.options.views = "3", request_.options.seeds = 1;
+    const BenchPlan plan = PlanBench(request_);
+    leader_ = plan.runs[0].name, follower_ = plan.runs[1].name;
+    WriteText(dir / "out/bench.json", R"({"program": "oraclegs"})");
+    WriteText(RunFile(leader_, "options.json"), Said(R"({})"));
+    WriteText(RunFile(leader_, "sfm/points.bin"), "points");
+    WriteText(RunFile(leader_, "stages.json"),
+              R"({"sfm": {"key": "1", "files": ["sfm/points.bin"]}, "depth": {"key": "2", "files": []}})");
+    WriteText(RunFile(leader_, "metrics.json"), R"({"test": {"psnr": 20}, "gaussians": 10})");
+    WriteRunRecord(dir / "out/runs" / leader_,
+                   {(*scenes / "one").string(), ResultArguments(plan.runs[0].arguments), "test", true, {}});
+  }
+  /// options.json of a run of the scene.
+  static std::string Said(const char* options) {
+    return fmt::format(R"({{"program": "oraclegs", "format": 1, "scene": "{}", "options": {}, "size": {{"a": 1}}}})",
+                       (*scenes / "one").string(), options);
+  }
+  fs::path RunFile(const std::string& run, const char* file) const { return dir / "out/runs" / run / file; }
+
+  BenchRequest request_;
+  std::string leader_, follower_;
+};
+
+TEST_F(SecondWaveTest, TakesTheGeometryOfTheFirst) {
+  launcher.before_each = [&] { EXPECT_EQ(ReadFile(RunFile(follower_, "sfm/points.bin")), "points"); };
+  Run(request_);
+  EXPECT_EQ(launcher.waves, (std::vector<std::vector<std::string>>{{follower_}}));
+}
+
+TEST_F(SecondWaveTest, ARunThatStillWorksIsLeftToTheLauncher) {
+  fs::create_directories(dir / "out/runs" / follower_);
+  const FolderLock at_work(dir / "out/runs" / follower_);
+  const BenchReport report = Run(request_);
+  EXPECT_EQ(launcher.waves, (std::vector<std::vector<std::string>>{{follower_}}));
+  EXPECT_TRUE(report.runs[1].is_scored()) << report.runs[1].failure;
+  EXPECT_FALSE(fs::exists(RunFile(follower_, "sfm"))) << "nothing is written where another works";
+}
+
+TEST_F(SecondWaveTest, WhatAnInterruptedRunSaidOfItselfStands) {
+  // As --allow-fallback leaves it: options that are not those asked for, and what auto became.
+  const std::string said = Said(R"({"proposers": "warp"})");
+  WriteText(RunFile(follower_, "options.json"), said);
+  WriteText(RunFile(follower_, "checkpoints/000010.bin"), "half");
+  launcher.before_each = [&] { EXPECT_EQ(ReadFile(RunFile(follower_, "options.json")), said); };
+  const BenchReport report = Run(request_);
+  EXPECT_TRUE(report.runs[1].is_scored()) << report.runs[1].failure;
+  EXPECT_EQ(launcher.scored[follower_], 1);
+}
+
+TEST_F(SecondWaveTest, WhatHasGeometryOfItsOwnIsNotClaimed) {
+  const std::string said = Said(R"({})");
+  WriteText(RunFile(follower_, "options.json"), said);
+  WriteText(RunFile(follower_, "sfm/points.bin"), "own");
+  launcher.before_each = [&] {
+    EXPECT_EQ(ReadFile(RunFile(follower_, "options.json")), said);
+    EXPECT_EQ(ReadFile(RunFile(follower_, "sfm/points.bin")), "own");
+  };
+  Run(request_);
+  EXPECT_EQ(launcher.scored[follower_], 1);
 }
 
 TEST_F(BenchTest, FailuresAreRowsAndAreTriedAgain) {

@@ -223,6 +223,8 @@ class Bench {
     const BenchRun& run = plan_.runs[r];
     WriteRunRecord(Workspace(r), {SceneOf(r), ResultArguments(run.arguments), request_.version, false, {}});
     try {
+      // A task of an earlier call may still be at it; the launcher finds it, and its workspace is its own.
+      if (IsFolderLocked(Workspace(r)) || HasBegun(WorkspacePaths(Workspace(r)))) return true;
       const std::vector<fs::path> donors = Donors(r);
       if (donors.empty()) return true;
       RunOptions options = OptionsOf(run.arguments);
@@ -232,15 +234,22 @@ class Bench {
       return true;
     } catch (const InputError& error) {
       Fail(r, error.what());
+      Write();
       return false;
     }
+  }
+
+  /// Geometry is not taken over then, and what the run itself said of its options and size stands: it knows better,
+  /// with the networks it found and the photos it read.
+  static bool HasBegun(const WorkspacePaths& paths) {
+    std::error_code ignored;
+    return fs::exists(paths.sfm(), ignored) || fs::exists(paths.depth(), ignored) || HasResults(paths);
   }
 
   void Fail(size_t r, const std::string& why) {
     report_.runs[r].ended = true;
     report_.runs[r].failure = why;
     listener_(Warning{fmt::format("{} failed: {}", plan_.runs[r].name, why)});
-    Write();
   }
 
   /// A job of the launcher has ended.
