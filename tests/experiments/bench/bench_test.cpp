@@ -198,6 +198,53 @@ TEST_F(SecondWaveTest, WhatHasGeometryOfItsOwnIsNotClaimed) {
   EXPECT_EQ(launcher.scored[follower_], 1);
 }
 
+TEST_F(SecondWaveTest, WhoNeedsDepthWaitsForIt) {
+  request_.options.methods = "3dgs-mcmc-random,ours,ours-no-proposals";
+  const std::string random = PlanBench(request_).runs[0].name;
+  fs::rename(dir / "out/runs" / leader_, dir / "out/runs" / random);
+  fs::remove(RecordFile(dir / "out/runs" / leader_));
+  WriteRunRecord(
+      dir / "out/runs" / random,
+      {(*scenes / "one").string(), ResultArguments(PlanBench(request_).runs[0].arguments), "test", true, {}});
+  WriteText(RunFile(random, "stages.json"), R"({"sfm": {"key": "1", "files": ["sfm/points.bin"]}})");
+  Run(request_);
+  ASSERT_EQ(launcher.waves.size(), 2u) << "structure from motion alone is not what they wait for";
+  EXPECT_EQ(launcher.waves[0], std::vector<std::string>{leader_});
+}
+
+TEST_F(SecondWaveTest, TellsOfRunsOfAnotherVersion) {
+  request_.version = "newer";
+  const BenchReport report = Run(request_);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("different versions")));
+  EXPECT_EQ(report.runs[0].version, "test");
+  EXPECT_EQ(report.runs[1].version, "newer");
+}
+
+TEST_F(BenchTest, TheTimeLeftIsThatOfAllWorkers) {
+  BenchRequest request = Request();
+  request.workers = 4;
+  Run(request);
+  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("run 4 of 16 ("), HasSubstr("about 0:06 left"))));
+  fs::remove_all(dir / "out");
+  recorder.notes.clear();
+  request.workers = 0;
+  Run(request);
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr(" left")))) << "nobody knows of a queue";
+}
+
+TEST_F(BenchTest, ScenesWithNamesThatAreNotUtf8AreFoundAgain) {
+  const std::string name = "caf\xe9";
+  fs::create_directories(dir / "odd");
+  fs::copy(*scenes / "one", dir / "odd" / name, fs::copy_options::recursive);
+  BenchRequest request = Request();
+  request.options.suite = (dir / "odd").string(), request.options.views = "3";
+  Run(request);
+  const size_t waves = launcher.waves.size();
+  Run(request);
+  EXPECT_EQ(launcher.waves.size(), waves) << "all are done";
+  EXPECT_EQ(launcher.scored.size(), 4u);
+}
+
 TEST_F(BenchTest, FailuresAreRowsAndAreTriedAgain) {
   const std::string name = PlanBench(Request()).suite.name + "-two-5-ours-seed1";
   launcher.failing = {name};

@@ -133,8 +133,9 @@ class Bench {
   }
 
   void RequireSameRun(size_t r, const RunRecord& record) const {
-    std::string difference = DifferenceOf(record.arguments, ResultArguments(plan_.runs[r].arguments));
-    if (record.scene != SceneOf(r)) difference = fmt::format("its scene was {}, now is {}", record.scene, SceneOf(r));
+    std::string difference = DifferenceOf(record.arguments, AsRecorded(ResultArguments(plan_.runs[r].arguments)));
+    const std::string scene = AsRecorded(SceneOf(r));
+    if (record.scene != scene) difference = fmt::format("its scene was {}, now is {}", record.scene, scene);
     if (difference.empty()) return;
     throw InputError(
         "{}: was run with other options: {}; choose another folder with -o, or replace its runs with "
@@ -175,14 +176,15 @@ class Bench {
 
   bool HasDonor(size_t r) const {
     const std::vector<fs::path> donors = Donors(r);
-    return std::any_of(donors.begin(), donors.end(), [](const fs::path& donor) {
+    const bool needs_depth = NeedsDepthOf(r);
+    return std::any_of(donors.begin(), donors.end(), [&](const fs::path& donor) {
       const json records = ReadStageRecords(donor);
-      return records.contains("sfm") || records.contains("depth");
+      return records.contains("depth") || (!needs_depth && records.contains("sfm"));
     });
   }
 
-  /// Of the runs that share geometry the first, or the first that computes all of it, where none of them has any yet;
-  /// runs that wait for nobody; not those that do.
+  /// Of the runs that share geometry the first, or the first that computes all of it, where none of them has what they
+  /// need yet; runs that wait for nobody; not those that do.
   std::vector<size_t> Leaders(const std::vector<size_t>& pending) const {
     std::vector<size_t> leaders;
     for (const size_t r : pending) {
@@ -286,26 +288,42 @@ class Bench {
                                 : !score.failure.empty() ? "failed"
                                 : psnr                   ? fmt::format("{:.2f} dB", *psnr)
                                                          : "no test pixels";
-    const int workers = std::max(1, request_.options.workers.ValueOr(1));
-    const double seconds = SecondsLeft(known_seconds_, left) / workers;
+    const int workers = request_.workers;
+    const double seconds = workers > 0 ? SecondsLeft(known_seconds_, left) / workers : 0;
     const auto ended =
         std::count_if(report_.runs.begin(), report_.runs.end(), [](const auto& run) { return run.ended; });
     listener_(Note{fmt::format("run {} of {} ({}): {}{}", ended, plan_.runs.size(), plan_.runs[r].name, outcome,
                                seconds > 0 ? fmt::format(", about {} left", FormatSeconds(seconds)) : "")});
   }
 
+  void AddNote(std::string note) {
+    auto& notes = report_.notes;
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+  }
+
+  /// Where runs of an earlier call were made by another version of this program.
+  void NoteVersions() {
+    const std::string* first = nullptr;
+    for (const BenchScore& run : report_.runs) {
+      if (!run.is_scored() || run.version.empty()) continue;
+      if (!first) first = &run.version;
+      if (run.version == *first) continue;
+      AddNote("Runs were made by different versions of this program; bench.json and bench.csv have that of each.");
+      return;
+    }
+  }
+
   /// Where LPIPS is not what the papers of a suite score.
   void NoteLpips() {
     for (const BenchScore& run : report_.runs) {
       if (run.lpips.empty() || run.lpips.starts_with(kSuiteLpips)) continue;
-      std::string note = fmt::format("LPIPS here is {}; papers score with {}.", run.lpips, kSuiteLpips);
-      auto& notes = report_.notes;
-      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+      AddNote(fmt::format("LPIPS here is {}; papers score with {}.", run.lpips, kSuiteLpips));
     }
   }
 
   void Write() {
     NoteLpips();
+    NoteVersions();
     const auto replace = json::error_handler_t::replace;
     WriteFileAtomically(request_.out / kBenchJson, BenchToJson(report_).dump(2, ' ', false, replace) + "\n");
     WriteFileAtomically(request_.out / kBenchMarkdown, BenchMarkdown(report_));
