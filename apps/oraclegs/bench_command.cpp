@@ -48,14 +48,16 @@ class BenchCommand : public Command {
     request.program = std::filesystem::read_symlink("/proc/self/exe");
     if (options_.dry_run && request.out.empty()) request.out = "out";
     RequireOut(request.out);
+    const LaunchOptions launch = {options_.workers, run_.device.device, slurm_,
+                                  std::filesystem::absolute(request.out) / kSlurmFolder};
+    request.workers = options_.launcher == LauncherKind::kLocal ? LocalWorkerCount(launch) : 0;
     ShareThreads(&request);
     const BenchPlan plan = PlanBench(request);
     if (options_.dry_run) return Print(PlanText(request, plan));
     for (const SceneCheck& check : plan.checks) {
       if (!check.problem.empty()) listener(Warning{check.problem});
     }
-    const auto launcher = MakeLauncher(options_.launcher, {options_.workers, run_.device.device, slurm_,
-                                                           std::filesystem::absolute(request.out) / kSlurmFolder});
+    const auto launcher = MakeLauncher(options_.launcher, launch);
     Print(BenchText(RunBench(request, plan, launcher.get(), listener)) +
           fmt::format("table      {}", (request.out / "bench.md").string()));
   }
@@ -74,11 +76,10 @@ class BenchCommand : public Command {
   }
 
   /// Runs at once must not each take all cores; how many they take changes no result.
-  void ShareThreads(BenchRequest* request) const {
-    const int workers = options_.workers.ValueOr(1);
-    if (workers < 2 || options_.launcher != LauncherKind::kLocal || FindArgument(request->asked, "threads")) return;
+  static void ShareThreads(BenchRequest* request) {
+    if (request->workers < 2 || FindArgument(request->asked, "threads")) return;
     const int cores = static_cast<int>(std::thread::hardware_concurrency());
-    request->asked.emplace_back("threads", std::to_string(std::max(1, cores / workers)));
+    request->asked.emplace_back("threads", std::to_string(std::max(1, cores / request->workers)));
   }
 
   BenchOptions options_;

@@ -70,6 +70,8 @@ TEST_F(BenchPlanTest, NamedSuitesSayWhetherTheirProtocolIsKept) {
   EXPECT_EQ(plan.checks[0].problem, "");
   EXPECT_THAT(plan.checks[1].problem, HasSubstr("scan21: is missing"));
   EXPECT_THAT(PlanText(request, plan), HasSubstr("not the suite's protocol"));
+  request.options.views.clear();
+  EXPECT_THAT(MessageOf<UsageError>([&] { PlanBench(request); }), HasSubstr("runs of 3, 6, 9 views"));
 }
 
 TEST_F(BenchPlanTest, RefusesOptionsThatDoNotFit) {

@@ -87,11 +87,14 @@ TEST(BenchToJson, HasRunsAndRows) {
 TEST(BenchCsv, HasALineForEachRow) {
   BenchReport report = ExampleBench();
   report.runs[6].failure = "a \"b\", c";
+  report.runs[0].version = report.runs[1].version = "1.0 (abc)", report.runs[2].version = "0.9 (old)";
   const std::string text = BenchCsv(report);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 12);
   EXPECT_THAT(text, HasSubstr("suite,views,scene,method,scored,of,psnr,psnr_deviation,ssim,"));
   EXPECT_THAT(text, HasSubstr("\nmipnerf360,12,garden,ours,2,2,20.5,0.707106781,0.41,0.0141421356,,,205,7.07106781,"
                               "2e+09,0,1000,0,,,,,,,,1.0 (abc),\n"));
+  EXPECT_THAT(text, HasSubstr(",0.9 (old); test,\n")) << "of runs of an earlier call";
+  EXPECT_THAT(text, HasSubstr(",1.0 (abc); test,\n")) << "a mean of both scenes";
   EXPECT_THAT(text, HasSubstr(",\"failed: a \"\"b\"\", c\"\n"));
 }
 

@@ -1,15 +1,23 @@
 #include "oraclegs/experiments/bench/bench.h"
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
+#include <thread>
 
 #include "experiments/bench/small_bench.h"
+#include "experiments/launch/fake_slurm.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/folder_lock.h"
+#include "oraclegs/experiments/bench/run_record.h"
+#include "oraclegs/experiments/launch/slurm_launcher.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 
@@ -131,6 +139,119 @@ TEST_F(BenchTest, KilledAnywhereItLosesNothingAndRepeatsNothing) {
   EXPECT_EQ(Saved(), before);
 }
 
+/// Two runs of scene "one", the first of which has scores and geometry.
+class SecondWaveTest : public BenchTest {
+ protected:
+  SecondWaveTest() {
+    request_ = Request();
+    request_.options.suite = (*scenes / "one").string(), request_.options.views = "3", request_.options.seeds = 1;
+    const BenchPlan plan = PlanBench(request_);
+    leader_ = plan.runs[0].name, follower_ = plan.runs[1].name;
+    WriteText(dir / "out/bench.json", R"({"program": "oraclegs"})");
+    WriteText(RunFile(leader_, "options.json"), Said(R"({})"));
+    WriteText(RunFile(leader_, "sfm/points.bin"), "points");
+    WriteText(RunFile(leader_, "stages.json"),
+              R"({"sfm": {"key": "1", "files": ["sfm/points.bin"]}, "depth": {"key": "2", "files": []}})");
+    WriteText(RunFile(leader_, "metrics.json"), R"({"test": {"psnr": 20}, "gaussians": 10})");
+    WriteRunRecord(dir / "out/runs" / leader_,
+                   {(*scenes / "one").string(), ResultArguments(plan.runs[0].arguments), "test", true, {}});
+  }
+  /// options.json of a run of the scene.
+  static std::string Said(const char* options) {
+    return fmt::format(R"({{"program": "oraclegs", "format": 1, "scene": "{}", "options": {}, "size": {{"a": 1}}}})",
+                       (*scenes / "one").string(), options);
+  }
+  fs::path RunFile(const std::string& run, const char* file) const { return dir / "out/runs" / run / file; }
+
+  BenchRequest request_;
+  std::string leader_, follower_;
+};
+
+TEST_F(SecondWaveTest, TakesTheGeometryOfTheFirst) {
+  launcher.before_each = [&] { EXPECT_EQ(ReadFile(RunFile(follower_, "sfm/points.bin")), "points"); };
+  Run(request_);
+  EXPECT_EQ(launcher.waves, (std::vector<std::vector<std::string>>{{follower_}}));
+}
+
+TEST_F(SecondWaveTest, ARunThatStillWorksIsLeftToTheLauncher) {
+  fs::create_directories(dir / "out/runs" / follower_);
+  const FolderLock at_work(dir / "out/runs" / follower_);
+  const BenchReport report = Run(request_);
+  EXPECT_EQ(launcher.waves, (std::vector<std::vector<std::string>>{{follower_}}));
+  EXPECT_TRUE(report.runs[1].is_scored()) << report.runs[1].failure;
+  EXPECT_FALSE(fs::exists(RunFile(follower_, "sfm"))) << "nothing is written where another works";
+}
+
+TEST_F(SecondWaveTest, WhatAnInterruptedRunSaidOfItselfStands) {
+  // As --allow-fallback leaves it: options that are not those asked for, and what auto became.
+  const std::string said = Said(R"({"proposers": "warp"})");
+  WriteText(RunFile(follower_, "options.json"), said);
+  WriteText(RunFile(follower_, "checkpoints/000010.bin"), "half");
+  launcher.before_each = [&] { EXPECT_EQ(ReadFile(RunFile(follower_, "options.json")), said); };
+  const BenchReport report = Run(request_);
+  EXPECT_TRUE(report.runs[1].is_scored()) << report.runs[1].failure;
+  EXPECT_EQ(launcher.scored[follower_], 1);
+}
+
+TEST_F(SecondWaveTest, WhatHasGeometryOfItsOwnIsNotClaimed) {
+  const std::string said = Said(R"({})");
+  WriteText(RunFile(follower_, "options.json"), said);
+  WriteText(RunFile(follower_, "sfm/points.bin"), "own");
+  launcher.before_each = [&] {
+    EXPECT_EQ(ReadFile(RunFile(follower_, "options.json")), said);
+    EXPECT_EQ(ReadFile(RunFile(follower_, "sfm/points.bin")), "own");
+  };
+  Run(request_);
+  EXPECT_EQ(launcher.scored[follower_], 1);
+}
+
+TEST_F(SecondWaveTest, WhoNeedsDepthWaitsForIt) {
+  request_.options.methods = "3dgs-mcmc-random,ours,ours-no-proposals";
+  const std::string random = PlanBench(request_).runs[0].name;
+  fs::rename(dir / "out/runs" / leader_, dir / "out/runs" / random);
+  fs::remove(RecordFile(dir / "out/runs" / leader_));
+  WriteRunRecord(
+      dir / "out/runs" / random,
+      {(*scenes / "one").string(), ResultArguments(PlanBench(request_).runs[0].arguments), "test", true, {}});
+  WriteText(RunFile(random, "stages.json"), R"({"sfm": {"key": "1", "files": ["sfm/points.bin"]}})");
+  Run(request_);
+  ASSERT_EQ(launcher.waves.size(), 2u) << "structure from motion alone is not what they wait for";
+  EXPECT_EQ(launcher.waves[0], std::vector<std::string>{leader_});
+}
+
+TEST_F(SecondWaveTest, TellsOfRunsOfAnotherVersion) {
+  request_.version = "newer";
+  const BenchReport report = Run(request_);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("different versions")));
+  EXPECT_EQ(report.runs[0].version, "test");
+  EXPECT_EQ(report.runs[1].version, "newer");
+}
+
+TEST_F(BenchTest, TheTimeLeftIsThatOfAllWorkers) {
+  BenchRequest request = Request();
+  request.workers = 4;
+  Run(request);
+  EXPECT_THAT(recorder.notes, Contains(AllOf(HasSubstr("run 4 of 16 ("), HasSubstr("about 0:06 left"))));
+  fs::remove_all(dir / "out");
+  recorder.notes.clear();
+  request.workers = 0;
+  Run(request);
+  EXPECT_THAT(recorder.notes, testing::Not(Contains(HasSubstr(" left")))) << "nobody knows of a queue";
+}
+
+TEST_F(BenchTest, ScenesWithNamesThatAreNotUtf8AreFoundAgain) {
+  const std::string name = "caf\xe9";
+  fs::create_directories(dir / "odd");
+  fs::copy(*scenes / "one", dir / "odd" / name, fs::copy_options::recursive);
+  BenchRequest request = Request();
+  request.options.suite = (dir / "odd").string(), request.options.views = "3";
+  Run(request);
+  const size_t waves = launcher.waves.size();
+  Run(request);
+  EXPECT_EQ(launcher.waves.size(), waves) << "all are done";
+  EXPECT_EQ(launcher.scored.size(), 4u);
+}
+
 TEST_F(BenchTest, FailuresAreRowsAndAreTriedAgain) {
   const std::string name = PlanBench(Request()).suite.name + "-two-5-ours-seed1";
   launcher.failing = {name};
@@ -184,6 +305,55 @@ TEST_F(BenchTest, RunsOfOtherOptionsAreRefused) {
   }
   Run(request);
   EXPECT_EQ(launcher.scored.begin()->second, 2);
+}
+
+TEST_F(BenchTest, OverwriteEndsWhatTheQueueStillHas) {
+  const FakeSlurm slurm;
+  const std::string name = PlanBench(Request()).runs[0].name;
+  const pid_t head = fork();
+  if (head == 0) {  // a call that dies while its task runs
+    try {
+      SlurmOptions options;
+      options.poll_seconds = 0.05;
+      const std::string began = (dir / "began").string();
+      const Job job{.name = name, .command = {"bash", "-c", "touch " + began + "; sleep 100"}, .log = dir / "log"};
+      MakeSlurmLauncher(options, dir / "out/slurm")
+          ->Run(
+              {job}, [](size_t, const JobResult&) {}, Silent());
+    } catch (...) {
+    }
+    _exit(0);
+  }
+  for (int i = 0; i < 6000 && !fs::exists(dir / "began"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(head, SIGKILL);
+  waitpid(head, nullptr, 0);
+  WriteText(dir / "out/bench.json", R"({"program": "oraclegs"})");
+  BenchRequest request = Request();
+  request.overwrite = true;
+  launcher.before_each = [&] {
+    EXPECT_EQ(slurm.Get("1_0.state"), "CANCELLED\n");
+    EXPECT_FALSE(fs::exists(dir / "out/slurm")) << "or the next one takes the task's end for its own";
+  };
+  Run(request);
+  EXPECT_EQ(launcher.scored.size(), 16u);
+  EXPECT_EQ(slurm.Get("cancelled"), "1_0\n");
+}
+
+TEST_F(SecondWaveTest, OverwriteRemovesNothingWhereARunStillWorks) {
+  const FolderLock at_work(dir / "out/runs" / leader_);
+  request_.overwrite = true;
+  EXPECT_THAT(MessageOf<RunError>([&] { Run(request_); }), AllOf(HasSubstr(leader_), HasSubstr("still works there")));
+  EXPECT_TRUE(fs::exists(RunFile(leader_, "metrics.json")));
+  EXPECT_TRUE(launcher.waves.empty());
+}
+
+TEST_F(SecondWaveTest, OverwriteSaysWhatItCannotRemove) {
+  if (geteuid() == 0) GTEST_SKIP() << "nothing is closed to root";
+  fs::permissions(dir / "out/runs" / leader_ / "sfm", fs::perms::owner_read | fs::perms::owner_exec);
+  request_.overwrite = true;
+  EXPECT_THAT(MessageOf<RunError>([&] { Run(request_); }), AllOf(HasSubstr(leader_), HasSubstr("cannot be removed")));
+  fs::permissions(dir / "out/runs" / leader_ / "sfm", fs::perms::owner_all);
 }
 
 TEST_F(BenchTest, AFolderOfOthersIsRefused) {

@@ -25,6 +25,17 @@ TEST(RunRecord, ReadsWhatItWrote) {
   EXPECT_EQ(read->result.why, "no");
 }
 
+TEST(RunRecord, TextsThatAreNotUtf8AreReadBackAsRecorded) {
+  const TempDir dir;
+  const std::string scene = "/data/caf\xe9";
+  WriteRunRecord(dir / "run", {scene, {{"images", "\xff"}}, "1.0", true, {}});
+  const auto read = ReadRunRecord(dir / "run");
+  ASSERT_TRUE(read);
+  EXPECT_NE(read->scene, scene);
+  EXPECT_EQ(read->scene, AsRecorded(scene).get<std::string>());
+  EXPECT_EQ(read->arguments, AsRecorded({{"images", "\xff"}}));
+}
+
 TEST(RunRecord, DamagedFilesAreNone) {
   const TempDir dir;
   for (const char* text : {"", "{", "[]", R"({"program": "other"})", R"({"program": "oraclegs", "options": 3})"}) {

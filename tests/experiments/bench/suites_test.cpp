@@ -95,10 +95,30 @@ TEST(ViewsOf, AreThoseOfTheProtocol) {
 
 TEST(KeepsProtocol, LooksAtImagesAndTheirSizeAlone) {
   const Suite llff = FindSuite("llff");
-  EXPECT_TRUE(KeepsProtocol(llff, {{"iterations", "10"}, {"init", "random"}, {"downscale", "8"}}));
-  EXPECT_FALSE(KeepsProtocol(llff, {{"downscale", "4"}}));
-  EXPECT_FALSE(KeepsProtocol(llff, {{"test-views", ":0"}}));
-  EXPECT_FALSE(KeepsProtocol(llff, {{"max-size", "200"}}));
+  EXPECT_TRUE(KeepsProtocol(llff, {3, 6}, {{"iterations", "10"}, {"init", "random"}, {"downscale", "8"}}));
+  EXPECT_FALSE(KeepsProtocol(llff, {3}, {{"downscale", "4"}}));
+  EXPECT_FALSE(KeepsProtocol(llff, {3}, {{"test-views", ":0"}}));
+  EXPECT_FALSE(KeepsProtocol(llff, {3}, {{"max-size", "200"}}));
+}
+
+TEST(KeepsProtocol, LooksAtTheImagesOfEachNumberOfViews) {
+  const Suite dtu = FindSuite("dtu");
+  const RunArguments three = dtu.protocol(3), six = dtu.protocol(6);
+  EXPECT_TRUE(KeepsProtocol(dtu, {3}, three));
+  EXPECT_TRUE(KeepsProtocol(dtu, {6}, six));
+  EXPECT_FALSE(KeepsProtocol(dtu, {6}, three));
+  EXPECT_FALSE(KeepsProtocol(dtu, {3, 6, 9}, three)) << "two of them train on other images";
+}
+
+TEST(RequireOneList, RefusesOneListForSeveralNumbersOfViews) {
+  const Suite dtu = FindSuite("dtu");
+  EXPECT_THAT(MessageOf<UsageError>([&] {
+                RequireOneList(dtu, {3, 6, 9}, dtu.protocol(3));
+              }),
+              AllOf(HasSubstr("--train-views"), HasSubstr("3, 6, 9 views"), HasSubstr("--views")));
+  RequireOneList(dtu, {6}, dtu.protocol(6));
+  RequireOneList(dtu, {3, 6, 9}, {{"downscale", "8"}});
+  RequireOneList(FindSuite("llff"), {3, 6}, {{"train-views", ":0,:2,:4,:6,:8,:10"}});  // --views picks of the list
 }
 
 }  // namespace

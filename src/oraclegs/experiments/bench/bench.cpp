@@ -13,6 +13,8 @@
 #include "oraclegs/experiments/bench/bench_plot.h"
 #include "oraclegs/experiments/bench/bench_report.h"
 #include "oraclegs/experiments/bench/run_record.h"
+#include "oraclegs/experiments/launch/slurm_cancel.h"
+#include "oraclegs/experiments/launch/slurm_record.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/workspace/stage_records.h"
@@ -28,7 +30,7 @@ using nlohmann::json;
 constexpr char kBenchJson[] = "bench.json", kBenchMarkdown[] = "bench.md", kBenchLatex[] = "bench.tex",
                kBenchCsv[] = "bench.csv";
 // Children of a call that was killed may take seconds to end, and hold its lock until then.
-constexpr std::chrono::seconds kLockPatience{15};
+constexpr std::chrono::seconds kLockPatience{15}, kWorkspacePatience{2};
 constexpr char kViewsPlot[] = "bench-views.svg", kTimePlot[] = "bench-time.svg", kBenchRuns[] = "runs";
 
 /// "... error: what happened" of the program's last line is "what happened".
@@ -114,13 +116,33 @@ class Bench {
     return fs::absolute(plan_.checks[plan_.runs[r].check].scene.path).lexically_normal().string();
   }
 
+  /// Also in a cluster's queue: what an earlier call left there would be taken for a run of this one.
   void RemoveRuns() const {
-    std::error_code ignored;
+    const fs::path slurm = request_.out / kSlurmFolder;
+    CancelOpenSlurmTasks(slurm, listener_);
+    for (size_t r = 0; r < plan_.runs.size(); ++r) RequireIdle(Workspace(r));
+    if (HasSlurmRecord(slurm)) Remove(slurm);
     for (size_t r = 0; r < plan_.runs.size(); ++r) {
-      if (IsWorkspace(Workspace(r))) fs::remove_all(Workspace(r), ignored);
-      fs::remove(RecordFile(Workspace(r)), ignored);
-      fs::remove(LogFile(Workspace(r)), ignored);
+      if (IsWorkspace(Workspace(r))) Remove(Workspace(r));
+      Remove(RecordFile(Workspace(r)));
+      Remove(LogFile(Workspace(r)));
     }
+  }
+
+  static void RequireIdle(const fs::path& workspace) {
+    const FolderLock lock(workspace, kWorkspacePatience);
+    if (lock.state() != FolderLock::State::kHeldByAnother) return;
+    throw RunError("{}: another oraclegs still works there; wait for it or end it, then run the same command again",
+                   workspace.string());
+  }
+
+  /// A file or a whole folder; or neither is there.
+  static void Remove(const fs::path& path) {
+    std::error_code error;
+    fs::remove_all(path, error);
+    if (!error) return;
+    throw RunError("{}: cannot be removed: {}; remove it, then run the same command again", path.string(),
+                   error.message());
   }
 
   /// Of a run that an earlier call did or began.
@@ -133,8 +155,9 @@ class Bench {
   }
 
   void RequireSameRun(size_t r, const RunRecord& record) const {
-    std::string difference = DifferenceOf(record.arguments, ResultArguments(plan_.runs[r].arguments));
-    if (record.scene != SceneOf(r)) difference = fmt::format("its scene was {}, now is {}", record.scene, SceneOf(r));
+    std::string difference = DifferenceOf(record.arguments, AsRecorded(ResultArguments(plan_.runs[r].arguments)));
+    const std::string scene = AsRecorded(SceneOf(r));
+    if (record.scene != scene) difference = fmt::format("its scene was {}, now is {}", record.scene, scene);
     if (difference.empty()) return;
     throw InputError(
         "{}: was run with other options: {}; choose another folder with -o, or replace its runs with "
@@ -175,14 +198,15 @@ class Bench {
 
   bool HasDonor(size_t r) const {
     const std::vector<fs::path> donors = Donors(r);
-    return std::any_of(donors.begin(), donors.end(), [](const fs::path& donor) {
+    const bool needs_depth = NeedsDepthOf(r);
+    return std::any_of(donors.begin(), donors.end(), [&](const fs::path& donor) {
       const json records = ReadStageRecords(donor);
-      return records.contains("sfm") || records.contains("depth");
+      return records.contains("depth") || (!needs_depth && records.contains("sfm"));
     });
   }
 
-  /// Of the runs that share geometry the first, or the first that computes all of it, where none of them has any yet;
-  /// runs that wait for nobody; not those that do.
+  /// Of the runs that share geometry the first, or the first that computes all of it, where none of them has what they
+  /// need yet; runs that wait for nobody; not those that do.
   std::vector<size_t> Leaders(const std::vector<size_t>& pending) const {
     std::vector<size_t> leaders;
     for (const size_t r : pending) {
@@ -223,6 +247,8 @@ class Bench {
     const BenchRun& run = plan_.runs[r];
     WriteRunRecord(Workspace(r), {SceneOf(r), ResultArguments(run.arguments), request_.version, false, {}});
     try {
+      // A task of an earlier call may still be at it; the launcher finds it, and its workspace is its own.
+      if (IsFolderLocked(Workspace(r)) || HasBegun(WorkspacePaths(Workspace(r)))) return true;
       const std::vector<fs::path> donors = Donors(r);
       if (donors.empty()) return true;
       RunOptions options = OptionsOf(run.arguments);
@@ -232,15 +258,22 @@ class Bench {
       return true;
     } catch (const InputError& error) {
       Fail(r, error.what());
+      Write();
       return false;
     }
+  }
+
+  /// Geometry is not taken over then, and what the run itself said of its options and size stands: it knows better,
+  /// with the networks it found and the photos it read.
+  static bool HasBegun(const WorkspacePaths& paths) {
+    std::error_code ignored;
+    return fs::exists(paths.sfm(), ignored) || fs::exists(paths.depth(), ignored) || HasResults(paths);
   }
 
   void Fail(size_t r, const std::string& why) {
     report_.runs[r].ended = true;
     report_.runs[r].failure = why;
     listener_(Warning{fmt::format("{} failed: {}", plan_.runs[r].name, why)});
-    Write();
   }
 
   /// A job of the launcher has ended.
@@ -277,26 +310,42 @@ class Bench {
                                 : !score.failure.empty() ? "failed"
                                 : psnr                   ? fmt::format("{:.2f} dB", *psnr)
                                                          : "no test pixels";
-    const int workers = std::max(1, request_.options.workers.ValueOr(1));
-    const double seconds = SecondsLeft(known_seconds_, left) / workers;
+    const int workers = request_.workers;
+    const double seconds = workers > 0 ? SecondsLeft(known_seconds_, left) / workers : 0;
     const auto ended =
         std::count_if(report_.runs.begin(), report_.runs.end(), [](const auto& run) { return run.ended; });
     listener_(Note{fmt::format("run {} of {} ({}): {}{}", ended, plan_.runs.size(), plan_.runs[r].name, outcome,
                                seconds > 0 ? fmt::format(", about {} left", FormatSeconds(seconds)) : "")});
   }
 
+  void AddNote(std::string note) {
+    auto& notes = report_.notes;
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+  }
+
+  /// Where runs of an earlier call were made by another version of this program.
+  void NoteVersions() {
+    const std::string* first = nullptr;
+    for (const BenchScore& run : report_.runs) {
+      if (!run.is_scored() || run.version.empty()) continue;
+      if (!first) first = &run.version;
+      if (run.version == *first) continue;
+      AddNote("Runs were made by different versions of this program; bench.json and bench.csv have that of each.");
+      return;
+    }
+  }
+
   /// Where LPIPS is not what the papers of a suite score.
   void NoteLpips() {
     for (const BenchScore& run : report_.runs) {
       if (run.lpips.empty() || run.lpips.starts_with(kSuiteLpips)) continue;
-      std::string note = fmt::format("LPIPS here is {}; papers score with {}.", run.lpips, kSuiteLpips);
-      auto& notes = report_.notes;
-      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+      AddNote(fmt::format("LPIPS here is {}; papers score with {}.", run.lpips, kSuiteLpips));
     }
   }
 
   void Write() {
     NoteLpips();
+    NoteVersions();
     const auto replace = json::error_handler_t::replace;
     WriteFileAtomically(request_.out / kBenchJson, BenchToJson(report_).dump(2, ' ', false, replace) + "\n");
     WriteFileAtomically(request_.out / kBenchMarkdown, BenchMarkdown(report_));

@@ -25,9 +25,9 @@ RunArguments ArgumentsOf(const BenchRequest& request, const BenchPlan& plan, con
 }
 
 std::string QuotedWords(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + ShellQuoted(word);
-  return text;
+  std::vector<std::string> quoted;
+  for (const std::string& word : words) quoted.push_back(ShellQuoted(word));
+  return fmt::format("{}", fmt::join(quoted, " "));
 }
 
 /// "paper-blender-8"; "" where there is none.
@@ -46,7 +46,8 @@ BenchPlan PlanBench(const BenchRequest& request) {
   plan.suite = FindSuite(options.suite);
   plan.methods = FindMethods(options.methods);
   plan.views = ViewsOf(plan.suite, options.views);
-  plan.keeps_protocol = !plan.suite.is_folder() && KeepsProtocol(plan.suite, request.asked);
+  plan.keeps_protocol = !plan.suite.is_folder() && KeepsProtocol(plan.suite, plan.views, request.asked);
+  RequireOneList(plan.suite, plan.views, request.asked);
   for (int s = 0; s < options.seeds; ++s) plan.seeds.push_back(request.first_seed + static_cast<uint64_t>(s));
   for (const SuiteScene& scene : ScenesOf(plan.suite, options.suite, options.data)) {
     for (SceneCheck& check : CheckScene(plan.suite, scene, plan.views, request.asked)) {

@@ -54,6 +54,7 @@ struct BenchRequest {
   std::string command;            ///< as it was typed, for the report
   std::string version;            ///< of the program, with its commit
   std::filesystem::path program;  ///< what runs `reconstruct`
+  int workers = 1;                ///< runs at once; 0 = not known, as in a cluster's queue
 };
 
 struct BenchRun {
@@ -73,8 +74,8 @@ struct BenchPlan {
   bool keeps_protocol = false;     ///< of a named suite
 };
 
-/// Reads all scenes. Throws UsageError for an unknown suite, method or number of views, InputError when no scene is
-/// there or none can be run (the first problem).
+/// Reads all scenes. Throws UsageError for an unknown suite, method or number of views, or a list of training images
+/// for several numbers of views, InputError when no scene is there or none can be run (the first problem).
 BenchPlan PlanBench(const BenchRequest& request);
 
 std::filesystem::path WorkspaceOf(const BenchRequest& request, const BenchRun& run);

@@ -343,8 +343,7 @@ std::string BenchCsv(const BenchReport& report) {
     }
     for (const BenchValue value : kScoreValues) text += fmt::format(",{}", number(DifferenceToPublished(row, value)));
     const std::string source = row.published ? row.published->source : row.source;
-    text +=
-        fmt::format(",{},{},{}\n", InCsv(source), row.source.empty() ? InCsv(report.version) : "", InCsv(row.failure));
+    text += fmt::format(",{},{},{}\n", InCsv(source), InCsv(row.version), InCsv(row.failure));
   }
   return text;
 }

@@ -20,6 +20,14 @@ std::vector<const BenchScore*> ScoredRuns(const BenchReport& report, const Bench
   return runs;
 }
 
+/// Each version of the program once.
+void AddVersions(const std::vector<const BenchScore*>& runs, std::vector<std::string>* versions) {
+  for (const BenchScore* run : runs) {
+    const bool is_new = std::find(versions->begin(), versions->end(), run->version) == versions->end();
+    if (is_new && !run->version.empty()) versions->push_back(run->version);
+  }
+}
+
 /// None where one has none.
 std::optional<double> MeanValue(const std::vector<const BenchScore*>& runs, size_t v) {
   double sum = 0;
@@ -35,6 +43,9 @@ BenchRow SceneRow(const BenchReport& report, int views, const std::string& scene
   row.of = report.seeds.size();
   const auto runs = ScoredRuns(report, row);
   row.scored = runs.size();
+  std::vector<std::string> versions;
+  AddVersions(runs, &versions);
+  row.version = fmt::format("{}", fmt::join(versions, "; "));
   for (size_t v = 0; v < kBenchValues; ++v) {
     std::vector<double> values;
     for (const BenchScore* run : runs) {
@@ -59,12 +70,15 @@ BenchRow MeanRow(const BenchReport& report, int views, const BenchMethod& method
   BenchRow row{.views = views, .method = method.name, .label = method.label};
   row.of = report.scenes.size();
   std::vector<std::vector<const BenchScore*>> by_scene;
+  std::vector<std::string> versions;
   for (const std::string& scene : report.scenes) {
     BenchRow key{.views = views, .scene = scene, .method = method.name};
     auto runs = ScoredRuns(report, key);
+    AddVersions(runs, &versions);
     if (!runs.empty()) by_scene.push_back(std::move(runs));
   }
   row.scored = by_scene.size();
+  row.version = fmt::format("{}", fmt::join(versions, "; "));
   if (by_scene.empty()) {
     row.failure = "no scores";
     return row;

@@ -58,6 +58,7 @@ struct BenchRow {
   std::string scene = {};               ///< "" = mean over the scenes
   std::string method = {}, label = {};  ///< of the method
   std::string source = {};              ///< not "": quoted from there
+  std::string version = {};             ///< of the program that made the runs, "; " between several
   std::string failure = {};             ///< in place of numbers where there are none
   size_t scored = 0, of = 0;            ///< runs of a scene; scenes of a mean
   std::array<std::optional<Spread>, kBenchValues> value{};

@@ -79,6 +79,8 @@ void WriteRunRecord(const fs::path& workspace, const RunRecord& record) {
   WriteFileAtomically(RecordFile(workspace), file.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
+json AsRecorded(const json& value) { return json::parse(value.dump(-1, ' ', false, json::error_handler_t::replace)); }
+
 bool ReadScore(const fs::path& workspace, BenchScore* score) {
   const json metrics = ReadJsonFile(WorkspacePaths(workspace).metrics());
   if (!metrics.is_object() || !metrics.contains("gaussians")) return false;

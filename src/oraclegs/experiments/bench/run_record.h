@@ -28,6 +28,9 @@ std::optional<RunRecord> ReadRunRecord(const std::filesystem::path& workspace);
 /// Throws RunError.
 void WriteRunRecord(const std::filesystem::path& workspace, const RunRecord& record);
 
+/// A text or options as they are read back: JSON holds no bytes that are not UTF-8, they are replaced.
+nlohmann::json AsRecorded(const nlohmann::json& value);
+
 /// Fills in what metrics.json of the workspace says. False, and nothing is changed, where it is missing or damaged: the
 /// run is not done.
 bool ReadScore(const std::filesystem::path& workspace, BenchScore* score);

@@ -73,7 +73,7 @@ void Take(const Suite& suite, const Scene& scene, const RunArguments& asked, Sce
   RequireCopies(scene, both, options.image);
   const Camera camera = WorkingCamera(scene.views[static_cast<size_t>(split.train.front())], options.image);
   check->width = camera.width, check->height = camera.height;
-  if (KeepsProtocol(suite, asked)) RequireSize(suite, *check);
+  if (KeepsProtocol(suite, {check->views}, asked)) RequireSize(suite, *check);
 }
 
 std::string Names(const std::vector<std::string>& names) {

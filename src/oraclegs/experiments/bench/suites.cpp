@@ -208,13 +208,25 @@ std::vector<int> ViewsOf(const Suite& suite, const std::string& list) {
   return {views.begin(), views.end()};
 }
 
-bool KeepsProtocol(const Suite& suite, const RunArguments& asked) {
-  const RunArguments protocol = suite.protocol(suite.views.front());
-  return std::all_of(std::begin(kProtocolOptions), std::end(kProtocolOptions), [&](const char* name) {
-    const std::string* value = FindArgument(asked, name);
-    const std::string* fixed = FindArgument(protocol, name);
-    return !value || (fixed && *fixed == *value);
+bool KeepsProtocol(const Suite& suite, const std::vector<int>& views, const RunArguments& asked) {
+  return std::all_of(views.begin(), views.end(), [&](int count) {
+    const RunArguments protocol = suite.protocol(count);
+    return std::all_of(std::begin(kProtocolOptions), std::end(kProtocolOptions), [&](const char* name) {
+      const std::string* value = FindArgument(asked, name);
+      const std::string* fixed = FindArgument(protocol, name);
+      return !value || (fixed && *fixed == *value);
+    });
   });
+}
+
+void RequireOneList(const Suite& suite, const std::vector<int>& views, const RunArguments& asked) {
+  if (views.size() < 2 || !FindArgument(asked, "train-views")) return;
+  const RunArguments protocol = suite.protocol(views.front());
+  if (FindArgument(protocol, "views")) return;  // which picks that many of the list
+  throw UsageError(
+      "--train-views (a --preset may set it) fixes the images that train, so runs of {} views would be the same; name "
+      "one number with --views, or leave the list or the preset out",
+      fmt::join(views, ", "));
 }
 
 }  // namespace oraclegs

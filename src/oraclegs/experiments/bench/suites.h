@@ -48,7 +48,12 @@ std::vector<SuiteScene> ScenesOf(const Suite& suite, const std::string& word, co
 /// number, and for one that the protocol does not say.
 std::vector<int> ViewsOf(const Suite& suite, const std::string& list);
 
-/// Whether runs with these options of the user's still see what the protocol says: the same images in the same size.
-bool KeepsProtocol(const Suite& suite, const RunArguments& asked);
+/// Whether runs with these options of the user's still see what the protocol says of each of these numbers of views:
+/// the same images in the same size.
+bool KeepsProtocol(const Suite& suite, const std::vector<int>& views, const RunArguments& asked);
+
+/// Throws UsageError where a list of training images of the user's would take the place of those that the protocol
+/// names for several numbers of views, which would all train on the same.
+void RequireOneList(const Suite& suite, const std::vector<int>& views, const RunArguments& asked);
 
 }  // namespace oraclegs

@@ -7,6 +7,14 @@
 #include "oraclegs/experiments/launch/slurm_launcher.h"
 
 namespace oraclegs {
+namespace {
+
+LocalWorkers WorkersHere(const LaunchOptions& options) {
+  const char* visible = std::getenv("CUDA_VISIBLE_DEVICES");
+  return WorkersFor(options, ProbeDevices(), visible ? visible : "");
+}
+
+}  // namespace
 
 LocalWorkers WorkersFor(const LaunchOptions& options, const DeviceSupport& support, const std::string& visible) {
   LocalWorkers workers;
@@ -20,10 +28,13 @@ LocalWorkers WorkersFor(const LaunchOptions& options, const DeviceSupport& suppo
   return workers;
 }
 
+int LocalWorkerCount(const LaunchOptions& options) {
+  return options.workers.is_auto() ? WorkersHere(options).count : options.workers.value();
+}
+
 std::unique_ptr<Launcher> MakeLauncher(LauncherKind kind, const LaunchOptions& options) {
   if (kind == LauncherKind::kSlurm) return MakeSlurmLauncher(options.slurm, options.slurm_folder);
-  const char* visible = std::getenv("CUDA_VISIBLE_DEVICES");
-  return std::make_unique<LocalLauncher>(WorkersFor(options, ProbeDevices(), visible ? visible : ""));
+  return std::make_unique<LocalLauncher>(WorkersHere(options));
 }
 
 }  // namespace oraclegs

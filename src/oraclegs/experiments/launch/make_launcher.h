@@ -28,6 +28,10 @@ struct LaunchOptions {
 /// Throws UsageError for a device that cannot be had.
 std::unique_ptr<Launcher> MakeLauncher(LauncherKind kind, const LaunchOptions& options);
 
+/// Jobs at once of MakeLauncher's local launcher. Throws UsageError for a device that cannot be had, where the number
+/// depends on it.
+int LocalWorkerCount(const LaunchOptions& options);
+
 /// Workers for jobs on such a device, of a machine with these GPUs: each has one GPU where any will do. `visible` is
 /// the value of CUDA_VISIBLE_DEVICES, "" = not set.
 LocalWorkers WorkersFor(const LaunchOptions& options, const DeviceSupport& support, const std::string& visible);

@@ -41,10 +41,14 @@ std::string SlurmCommandDigest(const Job& job) {
   return digest.Hex();
 }
 
+bool HasSlurmRecord(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / kFile, ignored);
+}
+
 SlurmRecord ReadSlurmRecord(const fs::path& folder) {
   const fs::path path = folder / kFile;
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) {
+  if (!HasSlurmRecord(folder)) {
     std::random_device random;
     SlurmRecord record;
     record.name = fmt::format("oraclegs-{:08x}{:08x}", random() & 0xFFFFFFFFU, random() & 0xFFFFFFFFU);

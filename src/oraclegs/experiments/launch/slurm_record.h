@@ -37,6 +37,9 @@ struct SlurmRecord {
 /// Of a command: the same for the same words.
 std::string SlurmCommandDigest(const Job& job);
 
+/// Whether folder/slurm.json is there.
+bool HasSlurmRecord(const std::filesystem::path& folder);
+
 /// That of folder/slurm.json, or a new one with a name of its own. Throws InputError when the file is damaged.
 SlurmRecord ReadSlurmRecord(const std::filesystem::path& folder);
 
