@@ -216,6 +216,32 @@ TEST_F(SlurmLauncherTest, WaitsForAControllerThatIsAway) {
   EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("squeue does not answer: Unable to contact slurm controller")));
 }
 
+TEST_F(SlurmLauncherTest, GivesUpWhenSbatchRefusesForLongAndTheQueueAnswers) {
+  // sbatch takes no more once the first array runs.
+  const std::vector<Job> jobs = {Shell("bad", "echo 'the quota is used up' >$FAKE_SLURM/refuse; exit 4"),
+                                 Shell("other", until_go_)};
+  const std::string message = MessageOf<RunError>([&] {
+    MakeSlurmLauncher(options_, folder_, std::chrono::milliseconds(500))
+        ->Run(
+            jobs, [](size_t, const JobResult&) { FAIL(); }, events_.AsListener());
+  });
+  EXPECT_EQ(
+      message,
+      "sbatch does not take the jobs: the quota is used up; what was submitted goes on, the same command finds it "
+      "again");
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("the quota is used up; what was submitted goes on")));
+  Go();
+  EXPECT_EQ(Run({jobs[1]}).at("other").end, JobEnd::kDone);
+  EXPECT_EQ(Starts("other"), 1);
+}
+
+TEST_F(SlurmLauncherTest, NamesWhatTheBatchScriptSaysWhereThereIsNoLog) {
+  options_.retries = 0;
+  std::vector<Job> jobs = {Shell("a", "true")};
+  jobs[0].log = dir_.path();
+  EXPECT_THAT(Run(jobs).at("a").why, HasSubstr("0000/slurm-0.out has its output"));
+}
+
 TEST_F(SlurmLauncherTest, SaysHowToGoOnWithoutSlurm) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", dir_.path().c_str(), 1);
