@@ -29,7 +29,7 @@ class FakeSlurm {
   }
   ~FakeSlurm() {
     // What still runs would write to the folder while it is removed.
-    if (std::system("for f in \"$FAKE_SLURM\"/*.pid; do kill -KILL -- -$(cat \"$f\"); done >/dev/null 2>&1") != 0) {
+    if (std::system("for f in \"$FAKE_SLURM\"/*.pid; do kill -s KILL -- -$(cat \"$f\"); done >/dev/null 2>&1") != 0) {
       // Nothing ran any more.
     }
     setenv("PATH", old_path_.c_str(), 1);
