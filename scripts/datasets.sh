@@ -132,17 +132,19 @@ download() {
   mv "$file.part" "$file"
 }
 
+# FILE SUM RECORDED: what nobody has published is recorded once the archive was unpacked (to_record).
 check_sum() {
   local file=$1 sum=$2 recorded=$3 found
   found=$(sha256sum "$file")
   found=${found%% *}
   if [[ $sum == - && -e $recorded ]]; then read -r sum _ <"$recorded"; fi
   if [[ $sum == - ]]; then
-    echo "$found  ${file##*/}" >"$recorded"
-    echo "${file##*/}: sha256 $found, written to $recorded; nobody has published it"
+    to_record+=("$recorded" "$found  ${file##*/}")
   elif [[ $sum != "$found" ]]; then
     mv "$file" "$file.wrong"
-    fail "${file##*/}: has sha256 $found, expected $sum; it is now $file.wrong, run the same command to fetch it again"
+    local says=
+    if [[ -e $recorded ]]; then says=" ($recorded)"; fi
+    fail "${file##*/}: has sha256 $found, expected $sum$says; it is now $file.wrong, run the same command to fetch it again"
   fi
 }
 
@@ -155,6 +157,7 @@ import re
 import shutil
 import sys
 import zipfile
+import zlib
 from pathlib import Path
 
 
@@ -238,10 +241,12 @@ def dtu_scene(archives, scene, folder):
 def main():
     name, *paths = sys.argv[1:]
     to = Path(os.environ["DATASETS_TO"]) / name
-    try:
-        archives = [zipfile.ZipFile(path) for path in paths]
-    except zipfile.BadZipFile:
-        fail(f"{paths[0]}: is no zip archive; remove it and run the same command again")
+    archives = []
+    for path in paths:
+        try:
+            archives.append(zipfile.ZipFile(path))
+        except zipfile.BadZipFile:
+            fail(f"{path}: is no zip archive; remove it and run the same command again")
     for scene in os.environ["DATASETS_SCENES"].split():
         part = to / f".{scene}.part"
         shutil.rmtree(part, ignore_errors=True)
@@ -256,6 +261,8 @@ def main():
                 need_room(to, sum(member.file_size for member in files.values()), scene)
                 for path, member in files.items():
                     copy(archives[0], member, part / path)
+        except (zipfile.BadZipFile, zlib.error, EOFError) as error:
+            fail(f"{' or '.join(paths)}: is damaged ({error}); remove it and run the same command again")
         except OSError as error:
             fail(f"{part}: {error.strerror or error}; make room or use --to")
         part.rename(to / scene)
@@ -278,7 +285,7 @@ for name in "${names[@]}"; do
     continue
   fi
   mkdir -p "$to/$name"
-  files=()
+  files=() to_record=()
   while read -r archive url sum; do
     if [[ -n $from ]]; then url=${from%/}/$archive; fi
     file=$to/.archives/$archive
@@ -290,6 +297,10 @@ for name in "${names[@]}"; do
     files+=("$file")
   done < <(archives_of "$name")
   DATASETS_TO=$to DATASETS_SCENES=$scenes unpack "$name" "${files[@]}" || exit 4
+  for ((i = 0; i < ${#to_record[@]}; i += 2)); do
+    echo "${to_record[i + 1]}" >"${to_record[i]}"
+    echo "sha256 ${to_record[i + 1]}: written to ${to_record[i]}; nobody has published it"
+  done
   if ((!keep)); then rm -f "${files[@]}"; fi
 done
 rmdir "$to/.archives" 2>/dev/null || true

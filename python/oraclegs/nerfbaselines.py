@@ -17,7 +17,7 @@ import tempfile
 import weakref
 import zlib
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 from nerfbaselines import Method
@@ -41,6 +41,12 @@ def _write_png(path: Path, image: np.ndarray) -> None:
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 1)) + chunk(b"IEND", b""))
 
 
+def _background(name: str) -> Tuple[float, float, float]:
+    if name not in _BACKGROUNDS:
+        raise ValueError(f"background is {name!r}, must be one of {', '.join(_BACKGROUNDS)}")
+    return _BACKGROUNDS[name]
+
+
 def _rgb(image: np.ndarray, background: str) -> np.ndarray:
     """uint8 RGB of uint8 or float images with an alpha channel or without."""
     if image.dtype != np.uint8:
@@ -48,7 +54,7 @@ def _rgb(image: np.ndarray, background: str) -> np.ndarray:
     if image.shape[-1] == 3:
         return np.ascontiguousarray(image)
     alpha = image[..., 3:4].astype(np.float32) / 255
-    behind = 255 * np.asarray(_BACKGROUNDS[background], np.float32)
+    behind = 255 * np.asarray(_background(background), np.float32)
     return np.rint(image[..., :3] * alpha + behind * (1 - alpha)).astype(np.uint8)
 
 
@@ -138,7 +144,7 @@ class OracleGS(Method):
         k = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
         world_to_camera = np.linalg.inv(np.vstack([np.asarray(camera.poses, np.float64)[:3, :4], [0, 0, 0, 1]]))
         width, height = (int(n) for n in camera.image_sizes)
-        background = _BACKGROUNDS[self._options.get("background", "black")]
+        background = _background(self._options.get("background", "black"))
         color = render(self._trained(), (k, world_to_camera, width, height), background=background, antialiased=self._antialiased)
         return {"color": np.clip(color, 0, 1)}
 

@@ -8,12 +8,12 @@
 #include <cerrno>
 #include <csignal>
 #include <fstream>
-#include <functional>
 #include <optional>
 #include <string>
 
 #include "oraclegs/core/folder_lock.h"
 #include "support/temp_dir.h"
+#include "support/wait_until.h"
 
 namespace oraclegs {
 namespace {
@@ -39,11 +39,6 @@ class Script {
   std::optional<ProcessGroup> group_;
 };
 
-bool Within5Seconds(const std::function<bool()>& is_true) {
-  for (int i = 0; i < 500 && !is_true(); ++i) usleep(10'000);
-  return is_true();
-}
-
 /// True when the process is gone, or a zombie that nobody has waited for.
 bool IsGone(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
@@ -54,14 +49,14 @@ bool IsGone(pid_t pid) {
 /// The number that a script wrote.
 pid_t PidIn(const std::filesystem::path& file) {
   pid_t pid = 0;
-  Within5Seconds([&] { return static_cast<bool>(std::ifstream(file) >> pid); });
+  WaitUntil([&] { return static_cast<bool>(std::ifstream(file) >> pid); });
   return pid;
 }
 
 TEST(ProcessGroup, TellsTheExitCode) {
   Script script("exit 7");
   EXPECT_EQ(script->start_error(), 0);
-  EXPECT_TRUE(Within5Seconds([&] { return script->HasEnded(); }));
+  EXPECT_TRUE(WaitUntil([&] { return script->HasEnded(); }));
   script->End();
   EXPECT_EQ(script->exit_code(), 7);
 }
@@ -82,7 +77,7 @@ TEST(ProcessGroup, VariablesReplaceThoseOfTheEnvironment) {
   setenv("ORACLEGS_TEST_VARIABLE", "ours", 1);
   Script script("test \"$ORACLEGS_TEST_VARIABLE\" = theirs", {{"ORACLEGS_TEST_VARIABLE", "theirs"}});
   unsetenv("ORACLEGS_TEST_VARIABLE");
-  EXPECT_TRUE(Within5Seconds([&] { return script->HasEnded(); }));
+  EXPECT_TRUE(WaitUntil([&] { return script->HasEnded(); }));
   script->End();
   EXPECT_EQ(script->exit_code(), 0);
 }
@@ -91,20 +86,20 @@ TEST(ProcessGroup, EndsChildrenThatAreLeftBehind) {
   const TempDir dir;
   pid_t grandchild = 0;
   {
-    Script script("sleep 60 & echo $! > '" + (dir / "pid").string() + "'");
-    EXPECT_TRUE(Within5Seconds([&] { return script->HasEnded(); }));
+    Script script("sleep 600 & echo $! > '" + (dir / "pid").string() + "'");
+    EXPECT_TRUE(WaitUntil([&] { return script->HasEnded(); }));
     grandchild = PidIn(dir / "pid");
     ASSERT_GT(grandchild, 0);
     EXPECT_FALSE(IsGone(grandchild));
     script->End();
     EXPECT_EQ(script->exit_code(), 0);
   }
-  EXPECT_TRUE(Within5Seconds([&] { return IsGone(grandchild); }));
+  EXPECT_TRUE(WaitUntil([&] { return IsGone(grandchild); }));
 }
 
 TEST(ProcessGroup, CountsComputingOnly) {
-  Script waits("sleep 60"), computes("while true; do :; done");
-  EXPECT_TRUE(Within5Seconds([&] { return computes->CpuSeconds() > 0.1; }));
+  Script waits("sleep 600"), computes("while true; do :; done");
+  EXPECT_TRUE(WaitUntil([&] { return computes->CpuSeconds() > 0.1; }));
   EXPECT_LT(waits->CpuSeconds(), 0.1);
 }
 
@@ -119,7 +114,7 @@ pid_t StartParent(const TempDir& dir, const std::string& text) {
 
 TEST(ProcessGroup, DiesWithAParentThatIsKilled) {
   const TempDir dir;
-  const pid_t parent = StartParent(dir, "sleep 60 & echo $! > '" + (dir / "child").string() + "'; echo $$ > '" +
+  const pid_t parent = StartParent(dir, "sleep 600 & echo $! > '" + (dir / "child").string() + "'; echo $$ > '" +
                                             (dir / "shell").string() + "'; wait");
   const pid_t shell = PidIn(dir / "shell"), child = PidIn(dir / "child");
   ASSERT_GT(shell, 0);
@@ -127,15 +122,15 @@ TEST(ProcessGroup, DiesWithAParentThatIsKilled) {
   EXPECT_TRUE(IsFolderLocked(dir.path()));
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
-  EXPECT_TRUE(Within5Seconds([&] { return IsGone(shell) && IsGone(child); }));
-  EXPECT_TRUE(Within5Seconds([&] { return !IsFolderLocked(dir.path()); }));
+  EXPECT_TRUE(WaitUntil([&] { return IsGone(shell) && IsGone(child); }));
+  EXPECT_TRUE(WaitUntil([&] { return !IsFolderLocked(dir.path()); }));
 }
 
 TEST(ProcessGroup, KnowsTheLargestMemoryOfItsProgram) {
   const std::vector<std::string> argv = {"/bin/sh", "-c", "head -c 60000000 /dev/zero | tail -c 50000000 > /dev/null"};
   ProcessGroup group({argv, {}});
   ASSERT_EQ(group.start_error(), 0);
-  EXPECT_TRUE(Within5Seconds([&] { return group.HasEnded(); }));
+  EXPECT_TRUE(WaitUntil([&] { return group.HasEnded(); }));
   group.End();
   EXPECT_GT(group.peak_bytes(), 50'000'000) << "tail keeps that much";
 }
@@ -144,12 +139,12 @@ TEST(ProcessGroup, KeepsTheLockUntilTheGroupIsGone) {
   const TempDir dir;
   int alive[2];
   ASSERT_EQ(pipe(alive), 0);  // the script's children keep its end open
-  const pid_t parent = StartParent(dir, "echo $$ > '" + (dir / "shell").string() + "'; sleep 60 & sleep 60 & wait");
+  const pid_t parent = StartParent(dir, "echo $$ > '" + (dir / "shell").string() + "'; sleep 600 & sleep 600 & wait");
   close(alive[1]);
   ASSERT_GT(PidIn(dir / "shell"), 0);
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
-  Within5Seconds([&] { return !IsFolderLocked(dir.path()); });
+  WaitUntil([&] { return !IsFolderLocked(dir.path()); });
   EXPECT_FALSE(IsFolderLocked(dir.path()));
   const int flags = fcntl(alive[0], F_GETFL);
   fcntl(alive[0], F_SETFL, flags | O_NONBLOCK);

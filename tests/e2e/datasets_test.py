@@ -1,12 +1,14 @@
 """scripts/datasets.sh on archives of a folder."""
 
 import hashlib
+import http.server
 import json
 import math
 import os
 import re
 import subprocess
 import tempfile
+import threading
 import unittest
 import zipfile
 from pathlib import Path
@@ -70,6 +72,20 @@ class Datasets(unittest.TestCase):
         self.assertIn("expected", self.run_script("mipnerf360", code=4))
         self.assertFalse((self.to / "mipnerf360/stump").exists())
 
+    def test_a_damaged_first_download_is_not_the_one_to_compare_with(self):
+        self.mipnerf360("photo" * 1000)
+        whole = (self.archives / "360_v2.zip").read_bytes()
+        for damaged in (whole[:500], whole[:1000] + b"damage" + whole[1006:]):
+            (self.archives / "360_v2.zip").write_bytes(damaged)
+            said = self.run_script("mipnerf360", code=4)
+            self.assertRegex(said, "360_v2.zip: is (no zip archive|damaged .*); remove it")
+            self.assertFalse((self.to / "mipnerf360/360_v2.zip.sha256").exists())
+            (self.to / ".archives/360_v2.zip").unlink()
+        (self.archives / "360_v2.zip").write_bytes(whole)
+        self.assertIn("nobody has published it", self.run_script("mipnerf360", "--scenes", "room"))
+        self.mipnerf360("another photo")
+        self.assertIn("mipnerf360/360_v2.zip.sha256); it is now", self.run_script("mipnerf360", code=4))
+
     def test_refuses_what_has_another_checksum_than_the_published_one(self):
         self.archive("nerf_synthetic.zip", {"nerf_synthetic/lego/transforms_train.json": "{}"})
         found = hashlib.sha256((self.archives / "nerf_synthetic.zip").read_bytes()).hexdigest()
@@ -82,6 +98,34 @@ class Datasets(unittest.TestCase):
         (self.to / ".archives/360_v2.zip.part").write_bytes(whole[:500])
         self.run_script("mipnerf360", "--keep")
         self.assertEqual((self.to / ".archives/360_v2.zip").read_bytes(), whole)
+
+    def test_takes_a_whole_download_of_a_server_that_tells_no_length(self):
+        self.mipnerf360()
+        whole = (self.archives / "360_v2.zip").read_bytes()
+
+        class NoLength(http.server.BaseHTTPRequestHandler):
+            def do_HEAD(self):
+                self.send_response(405)
+                self.end_headers()
+
+            def do_GET(self):
+                self.send_response(416 if "Range" in self.headers else 200)
+                self.end_headers()
+                if "Range" not in self.headers:
+                    self.wfile.write(whole)
+
+            def log_message(self, *_):
+                pass
+
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), NoLength)
+        self.addCleanup(server.server_close)
+        self.addCleanup(server.shutdown)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        source = f"http://127.0.0.1:{server.server_port}"
+        (self.to / ".archives").mkdir(parents=True)
+        (self.to / ".archives/360_v2.zip.part").write_bytes(whole)
+        self.run_script("mipnerf360", source=source)
+        self.assertTrue((self.to / "mipnerf360/room").exists())
 
     def test_makes_scenes_of_dtu(self):
         self.archive("SampleSet.zip", {f"SampleSet/MVS Data/Calibration/cal18/pos_{n:03d}.txt":

@@ -145,6 +145,11 @@ class NerfBaselines(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "pinhole"):
             self.method.render(bent)
 
+    def test_names_an_unknown_background(self):
+        data = dataset(slice(0, 1), images=[np.zeros((40, 60, 4), np.uint8)])
+        with self.assertRaisesRegex(ValueError, "background is 'pink', must be one of black, gray, white"):
+            OracleGS(train_dataset=data, config_overrides={"background": "pink"})
+
     def test_the_spec_names_the_class(self):
         path = Path(oraclegs.__file__).parent / "nerfbaselines_spec.py"
         spec = importlib.util.spec_from_file_location("spec", path)

@@ -91,8 +91,10 @@ munged --foreground --force --key-file="$folder/munge/key" --socket="$folder/mun
   --pid-file="$folder/munge/pid" --log-file="$folder/log/munged" --seed-file="$folder/munge/seed" \
   >"$folder/log/munged.out" 2>&1 &
 daemons+=($!)
-for ((i = 0; i < 100; ++i)); do
+# A loaded machine takes its time.
+for ((i = 0; i < 1200; ++i)); do
   [[ -S $folder/munge/socket ]] && break
+  kill -0 "${daemons[0]}" 2>/dev/null || break
   sleep 0.1
 done
 [[ -S $folder/munge/socket ]] || skip "munged does not start" "$folder/log/munged.out"
@@ -103,12 +105,12 @@ slurmctld -D -f "$SLURM_CONF" >"$folder/log/slurmctld.out" 2>&1 &
 daemons+=($!)
 slurmd -D -f "$SLURM_CONF" -N "$host" >"$folder/log/slurmd.out" 2>&1 &
 daemons+=($!)
-for ((i = 0; i < 300; ++i)); do
+for ((i = 0; i < 1200; ++i)); do
   state=$(sinfo --noheader --format=%T 2>/dev/null || true)
   [[ $state == idle ]] && break
   sleep 0.1
 done
-[[ $state == idle ]] || skip "the machine is '$state' in Slurm after 30 s" "$folder/log/slurmd.out"
+[[ $state == idle ]] || skip "the machine is '$state' in Slurm after two minutes" "$folder/log/slurmd.out"
 
 code=0
 ORACLEGS_TEST_SLURM=${ORACLEGS_TEST_SLURM:-1} "$@" || code=$?

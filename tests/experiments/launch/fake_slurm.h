@@ -15,6 +15,7 @@ namespace oraclegs {
 ///   ID_TASK.state     PENDING, RUNNING, ...; a task may write its own last one to $FAKE_STATE_FILE
 ///   refuse, silent, killer, no_accounts   when they exist: what sbatch says; squeue fails; sbatch kills its parent
 ///                     once it has submitted; sacct keeps no accounts
+///   asked             gets a line of each squeue that is silent
 class FakeSlurm {
  public:
   FakeSlurm() : old_path_(std::getenv("PATH")) {
@@ -28,7 +29,7 @@ class FakeSlurm {
   }
   ~FakeSlurm() {
     // What still runs would write to the folder while it is removed.
-    if (std::system("for f in \"$FAKE_SLURM\"/*.pid; do kill -KILL -- -$(cat \"$f\"); done >/dev/null 2>&1") != 0) {
+    if (std::system("for f in \"$FAKE_SLURM\"/*.pid; do kill -s KILL -- -$(cat \"$f\"); done >/dev/null 2>&1") != 0) {
       // Nothing ran any more.
     }
     setenv("PATH", old_path_.c_str(), 1);
@@ -120,6 +121,7 @@ case ${0##*/} in
     ;;
   squeue)
     if [[ -e silent ]]; then
+      echo >>asked
       echo "slurm_load_jobs error: Unable to contact slurm controller (connect failure)" >&2
       exit 1
     fi

@@ -72,7 +72,7 @@ TEST_F(LocalLauncherTest, RunsAsManyAtOnceAsThereAreWorkers) {
   // Each waits for the other: alone, it would give up.
   const std::string a = (dir / "a").string(), b = (dir / "b").string();
   const auto meet = [](const std::string& mine, const std::string& other) {
-    return "touch " + mine + "; for i in $(seq 500); do [ -e " + other + " ] && exit 0; sleep 0.02; done; exit 1";
+    return "touch " + mine + "; for i in $(seq 3000); do [ -e " + other + " ] && exit 0; sleep 0.02; done; exit 1";
   };
   const auto results = Run({Shell("a", meet(a, b)), Shell("b", meet(b, a))}, {2, {}});
   EXPECT_EQ(results[0].end, JobEnd::kDone);
@@ -88,7 +88,9 @@ TEST_F(LocalLauncherTest, WorkersTakeGpusInTurn) {
 
 TEST_F(LocalLauncherTest, AnInterruptEndsWhatRuns) {
   const std::string pid_file = (dir / "pid").string();
-  const std::vector<Job> jobs = {Shell("first", "exit 0"), Shell("long", "echo $$ > " + pid_file + "; exec sleep 100")};
+  const std::vector<Job> jobs = {
+      Shell("first", "exit 0"),
+      Shell("long", "echo $$ > " + pid_file + ".part; mv " + pid_file + ".part " + pid_file + "; exec sleep 600")};
   const auto run = [&] {
     LocalLauncher(LocalWorkers{2, {}})
         .Run(

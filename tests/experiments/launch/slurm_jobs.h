@@ -1,22 +1,23 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/experiments/launch/slurm_launcher.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
+#include "support/wait_until.h"
 
 namespace oraclegs {
 
@@ -53,8 +54,7 @@ class SlurmJobs : public testing::Test {
     return starts;
   }
   void WaitForStart(const std::string& name) const {
-    for (int i = 0; i < 2000 && Starts(name) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    ASSERT_GT(Starts(name), 0);
+    ASSERT_TRUE(WaitUntil([&] { return Starts(name) > 0; }));
   }
 
   TempDir dir_;
@@ -62,6 +62,15 @@ class SlurmJobs : public testing::Test {
   SlurmOptions options_;
   EventRecorder events_;
 };
+
+/// bash that holds so many megabytes until the batch script has noted them in its file N.memory; two minutes at most.
+inline std::string HoldMemory(int megabytes, const std::filesystem::path& noted) {
+  const std::string file = ShellQuoted(noted.string());
+  return fmt::format(
+      "x=$(head -c {0}000000 /dev/zero | tr '\\0' a); for i in {{1..1200}}; do "
+      "[[ -e {1} ]] && (($(<{1}) > {0}000)) && break; sleep 0.1; done; echo ${{#x}}",
+      megabytes, file);
+}
 
 /// Starts the launcher in a process of its own. Returns its number.
 template <class Body>

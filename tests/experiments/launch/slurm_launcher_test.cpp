@@ -25,7 +25,10 @@ using testing::StartsWith;
 
 class SlurmLauncherTest : public SlurmJobs {
  protected:
+  void Go() const { WriteText(dir_ / "go", "now"); }
+
   FakeSlurm slurm_;
+  const std::string until_go_ = "until [[ -e " + (dir_ / "go").string() + " ]]; do sleep 0.05; done";
 };
 
 TEST_F(SlurmLauncherTest, RunsEachJobOnceInOneArray) {
@@ -80,7 +83,7 @@ TEST_F(SlurmLauncherTest, TellsMemoryAndTimeApartFromFailures) {
 
 TEST_F(SlurmLauncherTest, SubmitsACancelledJobAgain) {
   const std::string body = "[[ -e " + (dir_ / "second").string() + " ]] && exit 0; touch " +
-                           (dir_ / "second").string() + "; scancel $FAKE_TASK; sleep 30";
+                           (dir_ / "second").string() + "; scancel $FAKE_TASK; sleep 300";
   const auto ends = Run({Shell("twice", body), Shell("other", "true")});
   EXPECT_EQ(ends.at("twice").end, JobEnd::kDone);
   EXPECT_EQ(Starts("twice"), 2);
@@ -90,14 +93,16 @@ TEST_F(SlurmLauncherTest, SubmitsACancelledJobAgain) {
 
 TEST_F(SlurmLauncherTest, EndsAsCancelledWhenItHappensTooOften) {
   options_.retries = 1;
-  const auto ends = Run({Shell("always", "scancel $FAKE_TASK; sleep 30")});
+  const auto ends = Run({Shell("always", "scancel $FAKE_TASK; sleep 300")});
   EXPECT_EQ(ends.at("always").end, JobEnd::kCancelled);
   EXPECT_EQ(Starts("always"), 2);
 }
 
 TEST_F(SlurmLauncherTest, NeedsNoAccounts) {
   slurm_.Set("no_accounts");
-  const auto ends = Run({Shell("good", "sleep 1.5"), Shell("bad", "exit 2")});
+  const auto ends = Run({Shell("good", "until [[ -e " + ShellQuoted((folder_ / "0000/0.memory").string()) +
+                                           " ]]; do sleep 0.05; done; sleep 1.5"),
+                         Shell("bad", "exit 2")});
   EXPECT_EQ(ends.at("good").end, JobEnd::kDone);
   EXPECT_GT(ends.at("good").seconds, 1.4);
   EXPECT_GT(ends.at("good").peak_bytes, 0) << "as the script has seen it";
@@ -105,13 +110,12 @@ TEST_F(SlurmLauncherTest, NeedsNoAccounts) {
 }
 
 TEST_F(SlurmLauncherTest, AKilledHeadFindsItsArrayAgain) {
-  const std::vector<Job> jobs = {Shell("fast", "true"),
-                                 Shell("slow", "while [[ ! -e " + (dir_ / "go").string() + " ]]; do sleep 0.05; done")};
+  const std::vector<Job> jobs = {Shell("fast", "true"), Shell("slow", until_go_)};
   const pid_t head = Fork([&] { Run(jobs); });
   WaitForStart("slow");
   kill(head, SIGKILL);
   waitpid(head, nullptr, 0);
-  std::ofstream(dir_ / "go") << "now";
+  Go();
   const std::vector<Job> left = {jobs[1]};  // the caller has the first one's result
   const auto ends = Run(left);
   EXPECT_EQ(ends.at("slow").end, JobEnd::kDone);
@@ -140,7 +144,7 @@ TEST_F(SlurmLauncherTest, AJobWhoseEndWasReportedRunsAgainWhenItIsGivenAgain) {
 }
 
 TEST_F(SlurmLauncherTest, CancelsTheOldCommandOfAName) {
-  const pid_t head = Fork([&] { Run({Shell("a", "sleep 30")}); });
+  const pid_t head = Fork([&] { Run({Shell("a", "sleep 300")}); });
   WaitForStart("a");
   kill(head, SIGKILL);
   waitpid(head, nullptr, 0);
@@ -152,8 +156,8 @@ TEST_F(SlurmLauncherTest, CancelsTheOldCommandOfAName) {
 
 TEST_F(SlurmLauncherTest, AnInterruptCancelsWhatRunsAndTheNextStartGoesOn) {
   const std::string go = (dir_ / "go").string();
-  const std::vector<Job> jobs = {Shell("a", "[[ -e " + go + " ]] || sleep 30"),
-                                 Shell("b", "[[ -e " + go + " ]] || sleep 30")};
+  const std::vector<Job> jobs = {Shell("a", "[[ -e " + go + " ]] || sleep 300"),
+                                 Shell("b", "[[ -e " + go + " ]] || sleep 300")};
   std::jthread user([&] {
     WaitForStart("a");
     WaitForStart("b");
@@ -178,7 +182,7 @@ TEST_F(SlurmLauncherTest, AnInterruptCancelsWhatRunsAndTheNextStartGoesOn) {
 }
 
 TEST_F(SlurmLauncherTest, AnExceptionOfTheCallerEndsWhatRuns) {
-  const std::vector<Job> jobs = {Shell("a", "true"), Shell("b", "sleep 30")};
+  const std::vector<Job> jobs = {Shell("a", "true"), Shell("b", "sleep 300")};
   const std::string message = MessageOf<RunError>([&] {
     MakeSlurmLauncher(options_, folder_)
         ->Run(
@@ -202,13 +206,40 @@ TEST_F(SlurmLauncherTest, WaitsForAControllerThatIsAway) {
   std::jthread admin([&] {
     WaitForStart("a");
     slurm_.Set("silent");
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_TRUE(WaitUntil([&] { return slurm_.Get("asked").size() >= 2; }));
     slurm_.Unset("silent");
+    Go();
   });
-  const auto ends = Run({Shell("a", "sleep 0.2")});
+  const auto ends = Run({Shell("a", until_go_)});
   admin.join();
   EXPECT_EQ(ends.at("a").end, JobEnd::kDone);
   EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("squeue does not answer: Unable to contact slurm controller")));
+}
+
+TEST_F(SlurmLauncherTest, GivesUpWhenSbatchRefusesForLongAndTheQueueAnswers) {
+  // sbatch takes no more once the first array runs.
+  const std::vector<Job> jobs = {Shell("bad", "echo 'the quota is used up' >$FAKE_SLURM/refuse; exit 4"),
+                                 Shell("other", until_go_)};
+  const std::string message = MessageOf<RunError>([&] {
+    MakeSlurmLauncher(options_, folder_, std::chrono::milliseconds(500))
+        ->Run(
+            jobs, [](size_t, const JobResult&) { FAIL(); }, events_.AsListener());
+  });
+  EXPECT_EQ(
+      message,
+      "sbatch does not take the jobs: the quota is used up; what was submitted goes on, the same command finds it "
+      "again");
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("the quota is used up; what was submitted goes on")));
+  Go();
+  EXPECT_EQ(Run({jobs[1]}).at("other").end, JobEnd::kDone);
+  EXPECT_EQ(Starts("other"), 1);
+}
+
+TEST_F(SlurmLauncherTest, NamesWhatTheBatchScriptSaysWhereThereIsNoLog) {
+  options_.retries = 0;
+  std::vector<Job> jobs = {Shell("a", "true")};
+  jobs[0].log = dir_.path();
+  EXPECT_THAT(Run(jobs).at("a").why, HasSubstr("0000/slurm-0.out has its output"));
 }
 
 TEST_F(SlurmLauncherTest, SaysHowToGoOnWithoutSlurm) {
@@ -220,9 +251,9 @@ TEST_F(SlurmLauncherTest, SaysHowToGoOnWithoutSlurm) {
 }
 
 TEST_F(SlurmLauncherTest, RefusesAFolderThatAnotherProcessFollows) {
-  const pid_t head = Fork([&] { Run({Shell("a", "sleep 30")}); });
+  const pid_t head = Fork([&] { Run({Shell("a", "sleep 300")}); });
   WaitForStart("a");
-  EXPECT_THAT(MessageOf<RunError>([&] { Run({Shell("a", "sleep 30")}); }), HasSubstr("another process follows"));
+  EXPECT_THAT(MessageOf<RunError>([&] { Run({Shell("a", "sleep 300")}); }), HasSubstr("another process follows"));
   kill(head, SIGKILL);
   waitpid(head, nullptr, 0);
 }

@@ -25,12 +25,17 @@ class RealSlurm : public SlurmJobs {
     options_.poll_seconds = 0.5;
     options_.cpus = 1;
   }
-  /// "array_index" of the task that runs `name`, as the job has noted it.
-  std::string TaskOf(const std::string& name) const { return ReadFile(dir_ / (name + ".task")); }
+  /// "array_index" of the task that runs `name`, as the job has noted it; "" before.
+  std::string TaskOf(const std::string& name) const {
+    std::string task;
+    std::ifstream(dir_ / (name + ".task")) >> task;
+    return task;
+  }
   /// One that notes its task, and then waits until the file `go` is there.
   Job Waiting(const std::string& name) const {
-    return Shell(name, "printf %s_%s $SLURM_ARRAY_JOB_ID $SLURM_ARRAY_TASK_ID >" + (dir_ / (name + ".task")).string() +
-                           "; until [[ -e " + (dir_ / "go").string() + " ]]; do sleep 0.1; done");
+    return Shell(name, "printf '%s_%s\\n' $SLURM_ARRAY_JOB_ID $SLURM_ARRAY_TASK_ID >" +
+                           (dir_ / (name + ".task")).string() + "; until [[ -e " + (dir_ / "go").string() +
+                           " ]]; do sleep 0.1; done");
   }
   void Go() const { WriteText(dir_ / "go", "now"); }
 };
@@ -40,7 +45,7 @@ TEST_F(RealSlurm, RunsTheJobsOfASuite) {
   for (int i = 0; i < 6; ++i) jobs.push_back(Shell("job" + std::to_string(i), "sleep 0.5"));
   jobs.push_back(Shell("input", "exit 3"));
   jobs.push_back(Shell("killed", "kill -KILL $$"));
-  jobs.push_back(Shell("large", "x=$(head -c 30000000 /dev/zero | tr '\\0' a); sleep 2; echo ${#x}"));
+  jobs.push_back(Shell("large", HoldMemory(30, folder_ / "0000/8.memory")));
   jobs.push_back({"odd", {"printf", "<%s>", "it's", "$HOME", "a\nb", "%j"}, dir_ / "logs" / "odd.log"});
   options_.max_running = 3;
   const auto ends = Run(jobs);
@@ -60,7 +65,7 @@ TEST_F(RealSlurm, RunsTheJobsOfASuite) {
 TEST_F(RealSlurm, SubmitsAgainWhatSomebodyCancels) {
   std::jthread somebody([&] {
     WaitForStart("a");
-    for (int i = 0; i < 100 && TaskOf("a").empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_TRUE(WaitUntil([&] { return !TaskOf("a").empty(); }));
     RunProcess({"scancel", TaskOf("a")});
     Go();
   });
@@ -77,14 +82,15 @@ TEST_F(RealSlurm, ACancelledCommandGetsTheSignalOnce) {
   const std::string file = (dir_ / "signals").string();
   std::jthread somebody([&] {
     WaitForStart("a");
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    EXPECT_TRUE(WaitUntil([&] { return std::filesystem::exists(dir_ / "listens"); }));
     RunProcess({"squeue", "--noheader", "--array", "--format=%i"}, {}, [](const std::string& task) {
       RunProcess({"scancel", SplitTrimmed(task, ' ').front()});
     });
   });
-  const auto ends = Run({Shell("a", "trap 'echo signal >>" + file +
-                                        "; n=1' TERM; n=0; for i in {1..100}; do sleep 0.1; "
-                                        "if ((n)) && ((++n > 20)); then exit 130; fi; done")});
+  const auto ends =
+      Run({Shell("a", "trap 'echo signal >>" + file + "; n=1' TERM; n=0; touch " + (dir_ / "listens").string() +
+                          "; for i in {1..3000}; do sleep 0.1; "
+                          "if ((n)) && ((++n > 20)); then exit 130; fi; done")});
   EXPECT_EQ(ends.at("a").end, JobEnd::kCancelled);
   EXPECT_EQ(ReadFile(file), "signal\n") << "a second one would end a run without a clean stop";
 }
@@ -106,13 +112,14 @@ TEST_F(RealSlurm, AKilledHeadFindsItsArrayAgain) {
 
 TEST_F(RealSlurm, AHeadKilledAtAnyMomentLosesNothingAndRunsNothingTwice) {
   std::vector<Job> jobs;
-  for (int i = 0; i < 8; ++i) jobs.push_back(Shell("job" + std::to_string(i), "sleep 1"));
+  for (int i = 0; i < 8; ++i) jobs.push_back(Waiting("job" + std::to_string(i)));
   for (int moment = 0; moment < 12; ++moment) {  // sbatch takes about 20 ms; half of the moments lie within it
     const pid_t head = Fork([&] { Run(jobs); });
     std::this_thread::sleep_for(std::chrono::milliseconds(5 + 8 * moment));
     kill(head, SIGKILL);
     waitpid(head, nullptr, 0);
   }
+  Go();
   const auto ends = Run(jobs);
   for (const Job& job : jobs) {
     EXPECT_EQ(ends.at(job.name).end, JobEnd::kDone) << ends.at(job.name).why;
@@ -130,11 +137,8 @@ TEST_F(RealSlurm, AnInterruptEmptiesTheQueue) {
   EXPECT_THAT(message,
               AllOf(StartsWith("interrupted; what was left of array "), HasSubstr("the same command goes on")));
   RequestInterrupt(false);
-  std::string queue = "?";
-  for (int i = 0; i < 200 && !queue.empty(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    queue = RunProcess({"squeue", "--noheader"}).output;
-  }
+  std::string queue;
+  WaitUntil([&] { return (queue = RunProcess({"squeue", "--noheader"}).output).empty(); });
   EXPECT_EQ(queue, "");
   Go();
   options_.retries = 0;

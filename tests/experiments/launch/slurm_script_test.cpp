@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "experiments/launch/slurm_jobs.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/subprocess.h"
+#include "oraclegs/core/text.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -40,8 +42,8 @@ TEST(SlurmScript, AppendsToTheLog) {
 
 TEST(SlurmScript, MeasuresTheLargestOfTheProcesses) {
   const TempDir dir;
-  // The array of 40 MB lives in a grandchild, for longer than the second between two looks.
-  const std::string body = "bash -c 'x=$(head -c 40000000 /dev/zero | tr \"\\0\" a); sleep 1.5; echo ${#x}'; true";
+  // The array of 40 MB lives in a grandchild.
+  const std::string body = "sleep 1.5; bash -c " + ShellQuoted(HoldMemory(40, dir / "array/0.memory")) + "; true";
   WriteSlurmTasks(dir / "array", {{"a", {"bash", "-c", body}, dir / "log"}});
   RunTask(dir / "array", 0);
   const auto end = ReadSlurmTaskEnd(dir / "array", 0);
@@ -54,13 +56,43 @@ TEST(SlurmScript, MeasuresTheLargestOfTheProcesses) {
 TEST(SlurmScript, NotesASignalAndHowTheCommandTookIt) {
   const TempDir dir;
   // Slurm sends SIGTERM to all processes of a job; the command stops cleanly with a code of its own.
-  const std::string body = "trap 'exit 130' TERM; kill -TERM $PPID $$; sleep 5";
+  const std::string body = "trap 'sleep 1; exit 130' TERM; kill -TERM $PPID $$; sleep 60";
   WriteSlurmTasks(dir / "array", {{"a", {"bash", "-c", body}, dir / "log"}});
   EXPECT_EQ(RunTask(dir / "array", 0).exit_code, 130);
   const auto end = ReadSlurmTaskEnd(dir / "array", 0);
   ASSERT_TRUE(end);
   EXPECT_TRUE(end->told_to_end);
   EXPECT_EQ(end->exit_code, 130);
+}
+
+TEST(SlurmScript, EndsWhenTheCommandEndsWithTheSignal) {
+  const TempDir dir;
+  const std::string body = "trap 'exit 130' TERM; kill -TERM $PPID $$; sleep 60";
+  WriteSlurmTasks(dir / "array", {{"a", {"bash", "-c", body}, dir / "log"}});
+  for (int i = 0; i < 20; ++i) {
+    fs::remove(dir / "array/0.end");
+    RunTask(dir / "array", 0);
+    const auto end = ReadSlurmTaskEnd(dir / "array", 0);
+    ASSERT_TRUE(end);
+    EXPECT_TRUE(end->told_to_end);
+    EXPECT_TRUE(end->exit_code == 130 || end->exit_code == 143) << end->exit_code << ": bash may have lost the code";
+  }
+}
+
+TEST(SlurmScript, SaysWhereItIsWhenItCannotStart) {
+  const TempDir dir;
+  WriteSlurmTasks(dir / "array", {{"a", {"true"}, dir / "log"}, {"b", {"true"}, dir.path()}});
+  const std::string task = ReadFile(dir / "array/0.sh");
+  const std::string here = "directory=" + ShellQuoted(fs::current_path().string());
+  ASSERT_NE(task.find(here), std::string::npos);
+  WriteText(dir / "array/0.sh", std::string(task).replace(task.find(here), here.size(), "directory=/nowhere"));
+  EXPECT_EQ(RunTask(dir / "array", 0).exit_code, 1);
+  ASSERT_TRUE(ReadSlurmTaskEnd(dir / "array", 0));
+  EXPECT_EQ(ReadSlurmTaskEnd(dir / "array", 0)->exit_code, 1);
+  EXPECT_NE(ReadFile(dir / "log").find("/nowhere"), std::string::npos);
+  EXPECT_EQ(RunTask(dir / "array", 1).exit_code, 1) << "its log is a folder";
+  EXPECT_EQ(ReadSlurmTaskEnd(dir / "array", 1)->exit_code, 1);
+  EXPECT_EQ(SlurmOutput("/a", 7), "/a/slurm-7.out");
 }
 
 TEST(SlurmScript, ADamagedEndIsNone) {

@@ -16,6 +16,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/memory.h"
 #include "oraclegs/core/process_group.h"
+#include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/text.h"
 
@@ -99,7 +100,6 @@ class RunningJob {
 
   /// Of one that has ended.
   JobResult Result() {
-    constexpr int kCannotStart = 127;
     JobResult result;
     result.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     if (!group_) {

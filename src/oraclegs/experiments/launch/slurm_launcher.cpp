@@ -12,6 +12,7 @@
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/plural.h"
+#include "oraclegs/experiments/launch/slurm_arrays.h"
 #include "oraclegs/experiments/launch/slurm_record.h"
 #include "oraclegs/experiments/launch/slurm_verdict.h"
 
@@ -21,9 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Ended = std::function<void(size_t job, const JobResult& result)>;
-
-constexpr size_t kMaxArraySize = 1000;         // Slurm's own limit, unless the cluster's is another
-constexpr std::chrono::minutes kPatience(30);  // with a controller that is down or being updated
 
 /// What this process knows of a job.
 struct Tracked {
@@ -37,8 +35,14 @@ struct Tracked {
 /// One call of Run.
 class SlurmRun {
  public:
-  SlurmRun(const SlurmOptions& options, const fs::path& folder, const std::vector<Job>& jobs, const Listener& listener)
-      : options_(options), folder_(folder), jobs_(jobs), listener_(listener), tracked_(jobs.size()) {}
+  SlurmRun(const SlurmOptions& options, const fs::path& folder, const std::vector<Job>& jobs, SlurmPatience patience,
+           const Listener& listener)
+      : options_(options),
+        folder_(folder),
+        jobs_(jobs),
+        patience_(patience),
+        listener_(listener),
+        tracked_(jobs.size()) {}
 
   void Run(const Ended& ended) {
     record_ = ReadSlurmRecord(folder_);
@@ -124,22 +128,19 @@ class SlurmRun {
         std::count_if(tracked_.begin(), tracked_.end(), [](const Tracked& t) { return t.task.has_value(); }));
   }
 
-  /// No more than the user wants run at a time: %N holds within one array only, so what comes later waits for room.
   void SubmitWaiting() {
-    if (!Try([&] { FindLostArray(); })) return;
+    if (!Try(queue_fails_since_, [&] { FindLostArray(); })) return;
     Adopt();
     std::vector<size_t> waiting;
     for (size_t j = 0; j < jobs_.size(); ++j) {
       if (!tracked_[j].ended && !tracked_[j].task) waiting.push_back(j);
     }
-    const size_t running = Running(), limit = static_cast<size_t>(options_.max_running);
-    if (limit > 0 && running > 0) waiting.resize(std::min(waiting.size(), limit - std::min(limit, running)));
-    const size_t arrays = (waiting.size() + kMaxArraySize - 1) / kMaxArraySize;
-    const size_t throttle = limit > 0 && arrays > 0 ? std::max<size_t>(1, limit / arrays) : 0;
-    for (size_t first = 0; first < waiting.size(); first += kMaxArraySize) {
-      const auto begin = waiting.begin() + static_cast<std::ptrdiff_t>(first);
-      const size_t size = std::min(kMaxArraySize, waiting.size() - first);
-      if (!Submit({begin, begin + static_cast<std::ptrdiff_t>(size)}, throttle)) return;
+    const SlurmArrays arrays = PlanSlurmArrays(waiting.size(), Running(), static_cast<size_t>(options_.max_running));
+    auto begin = waiting.begin();
+    for (const size_t size : arrays.sizes) {
+      const auto end = begin + static_cast<std::ptrdiff_t>(size);
+      if (!Submit({begin, end}, arrays.throttle)) return;
+      begin = end;
     }
   }
 
@@ -165,7 +166,8 @@ class SlurmRun {
     for (const std::string& argument : SbatchArguments(options_)) arguments.push_back(argument);
     arguments.push_back((folder / "batch.sh").string());
     SlurmArray submitted;
-    if (!Try([&] { submitted = SubmitToSlurm(arguments); })) return false;
+    if (!Try(sbatch_fails_since_, [&] { submitted = SubmitToSlurm(arguments); })) return false;
+    sbatch_fails_since_.reset();
     record_.submissions[s].array = submitted.id;
     record_.cluster = submitted.cluster;
     Save();
@@ -176,8 +178,8 @@ class SlurmRun {
 
   void Look(const Ended& ended) {
     SlurmTaskStates queue;
-    if (!Try([&] { queue = QueueOfSlurm(record_.name, record_.cluster); })) return;
-    failing_since_.reset();
+    if (!Try(queue_fails_since_, [&] { queue = QueueOfSlurm(record_.name, record_.cluster); })) return;
+    queue_fails_since_.reset();
     std::vector<SlurmEvidence> evidence(jobs_.size());
     std::set<std::string> arrays;
     for (size_t j = 0; j < jobs_.size(); ++j) {
@@ -199,13 +201,22 @@ class SlurmRun {
         const auto found = accounts->find(IdOf(tracked_[j]));
         if (found != accounts->end()) evidence[j].accounts = found->second;
       }
-      const std::optional<JobResult> result = SlurmVerdict(evidence[j], fs::absolute(jobs_[j].log));
+      const std::optional<JobResult> result = SlurmVerdict(evidence[j], OutputOf(j));
       if (result) {
         TakeEnd(j, *result, ended);
       } else if (HasEndedInSlurm(evidence[j]) || evidence[j].file) {
         ++tracked_[j].looks;
       }
     }
+  }
+
+  /// Of a job with a task: its log, or where the batch script says why there is none.
+  fs::path OutputOf(size_t j) const {
+    const auto& [s, t] = *tracked_[j].task;
+    std::error_code ignored;
+    const fs::path log = fs::absolute(jobs_[j].log);
+    if (fs::is_regular_file(log, ignored)) return log;
+    return SlurmOutput(folder_ / record_.submissions[s].folder, static_cast<int>(t));
   }
 
   void TakeEnd(size_t j, const JobResult& result, const Ended& ended) {
@@ -274,9 +285,10 @@ class SlurmRun {
     return fmt::format("array{} {}", arrays.size() == 1 ? "" : "s", fmt::join(arrays, ", "));
   }
 
-  /// False when the Slurm programs fail, which is waited for where jobs run already.
+  /// False when a Slurm program fails, which is waited for where jobs run already. failing_since: of this program; an
+  /// answer of another one does not mend it.
   template <class Step>
-  bool Try(Step&& step) {
+  bool Try(std::optional<Clock::time_point>& failing_since, Step&& step) {
     try {
       step();
       return true;
@@ -284,11 +296,11 @@ class SlurmRun {
       throw;
     } catch (const RunError& error) {
       if (Running() == 0) throw;
-      if (!failing_since_) {
-        failing_since_ = Clock::now();
+      if (!failing_since) {
+        failing_since = Clock::now();
         listener_(Warning{fmt::format("{}; what was submitted goes on, and it is asked again", error.what())});
       }
-      if (Clock::now() - *failing_since_ < kPatience) return false;
+      if (Clock::now() - *failing_since < patience_) return false;
       throw RunError("{}; what was submitted goes on, the same command finds it again", error.what());
     }
   }
@@ -304,17 +316,18 @@ class SlurmRun {
   const SlurmOptions& options_;
   const fs::path& folder_;
   const std::vector<Job>& jobs_;
+  const SlurmPatience patience_;
   const Listener& listener_;
   SlurmRecord record_;
   std::vector<Tracked> tracked_;
   std::set<std::string> reported_;
-  std::optional<Clock::time_point> failing_since_;
+  std::optional<Clock::time_point> sbatch_fails_since_, queue_fails_since_;
 };
 
 class SlurmLauncher : public Launcher {
  public:
-  SlurmLauncher(const SlurmOptions& options, const fs::path& folder)
-      : options_(options), folder_(fs::absolute(folder).lexically_normal()) {
+  SlurmLauncher(const SlurmOptions& options, const fs::path& folder, SlurmPatience patience)
+      : options_(options), folder_(fs::absolute(folder).lexically_normal()), patience_(patience) {
     CheckOptions(options_);
   }
 
@@ -326,18 +339,20 @@ class SlurmLauncher : public Launcher {
     if (lock.state() == FolderLock::State::kHeldByAnother) {
       throw RunError("{}: another process follows these jobs; wait for it or end it", folder_.string());
     }
-    SlurmRun(options_, folder_, jobs, listener).Run(ended);
+    SlurmRun(options_, folder_, jobs, patience_, listener).Run(ended);
   }
 
  private:
   SlurmOptions options_;
   fs::path folder_;
+  SlurmPatience patience_;
 };
 
 }  // namespace
 
-std::unique_ptr<Launcher> MakeSlurmLauncher(const SlurmOptions& options, const fs::path& folder) {
-  return std::make_unique<SlurmLauncher>(options, folder);
+std::unique_ptr<Launcher> MakeSlurmLauncher(const SlurmOptions& options, const fs::path& folder,
+                                            SlurmPatience patience) {
+  return std::make_unique<SlurmLauncher>(options, folder, patience);
 }
 
 }  // namespace oraclegs

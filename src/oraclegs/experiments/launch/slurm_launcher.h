@@ -1,6 +1,7 @@
 #pragma once
 // Runs the jobs of a suite on a cluster, as tasks of a job array of Slurm.
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -8,6 +9,9 @@
 #include "oraclegs/experiments/launch/slurm_options.h"
 
 namespace oraclegs {
+
+/// With a Slurm program that fails while jobs run: the controller may be down or being updated.
+using SlurmPatience = std::chrono::duration<double>;
 
 /// A launcher that submits the jobs with sbatch and follows them with squeue and, where the cluster has it, sacct.
 /// `folder` must be seen by all machines of the cluster under the same path; it gets slurm.json, which has the numbers
@@ -20,9 +24,10 @@ namespace oraclegs {
 ///
 /// Submitted again, up to `retries` times: what was cancelled or preempted, lost its machine, or failed, but for exit
 /// codes of a wrong command or input (2, 3, 126, 127). An interrupt, and an exception of `ended`, cancels what runs.
-/// Where the Slurm programs fail for long, what runs goes on and RunError is thrown. Run throws RunError in one line
-/// when there is no sbatch, it refuses the jobs, or another process uses `folder`; InputError when slurm.json is
-/// damaged.
-std::unique_ptr<Launcher> MakeSlurmLauncher(const SlurmOptions& options, const std::filesystem::path& folder);
+/// Where one of the Slurm programs fails for longer than `patience`, what runs goes on and RunError is thrown. Run
+/// throws RunError in one line when there is no sbatch, it refuses the jobs, or another process uses `folder`;
+/// InputError when slurm.json is damaged.
+std::unique_ptr<Launcher> MakeSlurmLauncher(const SlurmOptions& options, const std::filesystem::path& folder,
+                                            SlurmPatience patience = std::chrono::minutes(30));
 
 }  // namespace oraclegs

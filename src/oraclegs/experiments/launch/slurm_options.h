@@ -28,7 +28,7 @@ struct SlurmOptions {
         "it goes on when the same command is given again");
     visit("slurm-cpus", self.cpus, "Of --launcher slurm: processor cores of a job, 0 = as the cluster has it",
           Range{0, 4096});
-    visit("slurm-gpus", self.gpus, "Of --launcher slurm: GPUs of a job", Range{0, 64});
+    visit("slurm-gpus", self.gpus, "Of --launcher slurm: GPUs of a job, 0 = none is asked for", Range{0, 64});
     visit("slurm-memory", self.memory, "Of --launcher slurm: memory of a job, as sbatch reads it (32G)");
     visit("slurm-max-running", self.max_running,
           "Of --launcher slurm: jobs that run at a time, 0 = as many as the cluster starts", Range{0, 100000});
@@ -39,7 +39,8 @@ struct SlurmOptions {
         Range{0, 100});
     visit("slurm-poll", self.poll_seconds, "Of --launcher slurm: seconds between two looks at the queue",
           Range{0.01, 3600});
-    visit("slurm-arguments", self.arguments, "Of --launcher slurm: more arguments of sbatch, such as --account=NAME");
+    visit("slurm-arguments", self.arguments,
+          "Of --launcher slurm: more arguments of sbatch, in the form --slurm-arguments=--account=NAME");
   }
 };
 

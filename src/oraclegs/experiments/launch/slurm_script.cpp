@@ -1,5 +1,7 @@
 #include "oraclegs/experiments/launch/slurm_script.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <sstream>
 
@@ -65,7 +67,10 @@ trap 'told_to_end=1' TERM
 write start "$SLURM_ARRAY_JOB_ID"
 microseconds
 began=$now
-cd -- "$directory" || exit 1
+cd -- "$directory" 2>>"$log" || {
+  write end "1 0 0 0"
+  exit 1
+}
 (
   trap - TERM
   exec "$@"
@@ -80,10 +85,12 @@ while :; do
   code=$?
   kill -0 "$program" 2>/dev/null || break
 done
+# bash may lose an end that comes together with the signal: it would wait for as long as it has another child, and
+# says 127 or -1 then.
+kill "$watch" 2>/dev/null
 wait "$program" 2>/dev/null
 again=$?
-if ((again != 127)); then code=$again; fi
-kill "$watch" 2>/dev/null
+if ((again >= 0 && again != 127)); then code=$again; fi
 kilobytes=0
 if [[ -r $folder/$task.memory ]]; then read -r kilobytes <"$folder/$task.memory"; fi
 microseconds
@@ -147,6 +154,8 @@ std::string ArrayOfStartedTasks(const fs::path& folder) {
   }
   return "";
 }
+
+fs::path SlurmOutput(const fs::path& folder, int task) { return folder / fmt::format("slurm-{}.out", task); }
 
 std::string SlurmOutputPattern(const fs::path& folder) {
   std::string pattern;

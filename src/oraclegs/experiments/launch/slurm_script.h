@@ -35,7 +35,10 @@ std::optional<SlurmTaskEnd> ReadSlurmTaskEnd(const std::filesystem::path& folder
 /// The number of the array by which a task of `folder` was started; "" when none was.
 std::string ArrayOfStartedTasks(const std::filesystem::path& folder);
 
-/// The pattern for sbatch's --output.
+/// What the batch script itself has to say of a task, such as that its log cannot be opened.
+std::filesystem::path SlurmOutput(const std::filesystem::path& folder, int task);
+
+/// The pattern for sbatch's --output, which names the same files.
 std::string SlurmOutputPattern(const std::filesystem::path& folder);
 
 }  // namespace oraclegs

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 
+#include "oraclegs/core/process_group.h"
+#include "oraclegs/core/subprocess.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr int kKilled = 128 + 9, kToldToEnd = 128 + 15;
+constexpr int kKilled = kKilledBySignal + SIGKILL, kToldToEnd = kKilledBySignal + SIGTERM;
 
 /// The queue is never behind; the accounts are written later, and remember longer.
 std::optional<SlurmState> StateOf(const SlurmEvidence& evidence) {
@@ -24,9 +27,9 @@ JobResult Failure(int exit_code, const std::filesystem::path& log) {
   if (exit_code == kKilled) {
     result.end = JobEnd::kOutOfMemory;
     result.why = "was killed by signal 9, as the kernel does where memory ends; ask for more with --slurm-memory";
-  } else if (exit_code > 128) {
-    result.why = fmt::format("was killed by signal {}; {} has its output", exit_code - 128, place);
-  } else if (exit_code == 127) {
+  } else if (exit_code > kKilledBySignal) {
+    result.why = fmt::format("was killed by signal {}; {} has its output", exit_code - kKilledBySignal, place);
+  } else if (exit_code == kCannotStart) {
     result.why = fmt::format("the program was not found on the cluster's machine; {} has its output", place);
   } else {
     result.why = fmt::format("ended with exit code {}; {} has its output", exit_code, place);
