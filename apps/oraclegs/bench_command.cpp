@@ -6,6 +6,7 @@
 #include "command.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/bench/bench.h"
+#include "oraclegs/experiments/bench/bench_overwrite.h"
 #include "oraclegs/experiments/bench/bench_report.h"
 #include "version.h"
 

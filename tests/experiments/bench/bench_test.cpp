@@ -1,23 +1,16 @@
 #include "oraclegs/experiments/bench/bench.h"
 
 #include <gmock/gmock.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <chrono>
-#include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
-#include <thread>
 
 #include "experiments/bench/small_bench.h"
-#include "experiments/launch/fake_slurm.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/experiments/bench/run_record.h"
-#include "oraclegs/experiments/launch/slurm_launcher.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 
@@ -305,55 +298,6 @@ TEST_F(BenchTest, RunsOfOtherOptionsAreRefused) {
   }
   Run(request);
   EXPECT_EQ(launcher.scored.begin()->second, 2);
-}
-
-TEST_F(BenchTest, OverwriteEndsWhatTheQueueStillHas) {
-  const FakeSlurm slurm;
-  const std::string name = PlanBench(Request()).runs[0].name;
-  const pid_t head = fork();
-  if (head == 0) {  // a call that dies while its task runs
-    try {
-      SlurmOptions options;
-      options.poll_seconds = 0.05;
-      const std::string began = (dir / "began").string();
-      const Job job{.name = name, .command = {"bash", "-c", "touch " + began + "; sleep 100"}, .log = dir / "log"};
-      MakeSlurmLauncher(options, dir / "out/slurm")
-          ->Run(
-              {job}, [](size_t, const JobResult&) {}, Silent());
-    } catch (...) {
-    }
-    _exit(0);
-  }
-  for (int i = 0; i < 6000 && !fs::exists(dir / "began"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  kill(head, SIGKILL);
-  waitpid(head, nullptr, 0);
-  WriteText(dir / "out/bench.json", R"({"program": "oraclegs"})");
-  BenchRequest request = Request();
-  request.overwrite = true;
-  launcher.before_each = [&] {
-    EXPECT_EQ(slurm.Get("1_0.state"), "CANCELLED\n");
-    EXPECT_FALSE(fs::exists(dir / "out/slurm")) << "or the next one takes the task's end for its own";
-  };
-  Run(request);
-  EXPECT_EQ(launcher.scored.size(), 16u);
-  EXPECT_EQ(slurm.Get("cancelled"), "1_0\n");
-}
-
-TEST_F(SecondWaveTest, OverwriteRemovesNothingWhereARunStillWorks) {
-  const FolderLock at_work(dir / "out/runs" / leader_);
-  request_.overwrite = true;
-  EXPECT_THAT(MessageOf<RunError>([&] { Run(request_); }), AllOf(HasSubstr(leader_), HasSubstr("still works there")));
-  EXPECT_TRUE(fs::exists(RunFile(leader_, "metrics.json")));
-  EXPECT_TRUE(launcher.waves.empty());
-}
-
-TEST_F(SecondWaveTest, OverwriteSaysWhatItCannotRemove) {
-  if (geteuid() == 0) GTEST_SKIP() << "nothing is closed to root";
-  fs::permissions(dir / "out/runs" / leader_ / "sfm", fs::perms::owner_read | fs::perms::owner_exec);
-  request_.overwrite = true;
-  EXPECT_THAT(MessageOf<RunError>([&] { Run(request_); }), AllOf(HasSubstr(leader_), HasSubstr("cannot be removed")));
-  fs::permissions(dir / "out/runs" / leader_ / "sfm", fs::perms::owner_all);
 }
 
 TEST_F(BenchTest, AFolderOfOthersIsRefused) {

@@ -10,11 +10,10 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation.h"
+#include "oraclegs/experiments/bench/bench_overwrite.h"
 #include "oraclegs/experiments/bench/bench_plot.h"
 #include "oraclegs/experiments/bench/bench_report.h"
 #include "oraclegs/experiments/bench/run_record.h"
-#include "oraclegs/experiments/launch/slurm_cancel.h"
-#include "oraclegs/experiments/launch/slurm_record.h"
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/workspace/stage_records.h"
@@ -30,7 +29,7 @@ using nlohmann::json;
 constexpr char kBenchJson[] = "bench.json", kBenchMarkdown[] = "bench.md", kBenchLatex[] = "bench.tex",
                kBenchCsv[] = "bench.csv";
 // Children of a call that was killed may take seconds to end, and hold its lock until then.
-constexpr std::chrono::seconds kLockPatience{15}, kWorkspacePatience{2};
+constexpr std::chrono::seconds kLockPatience{15};
 constexpr char kViewsPlot[] = "bench-views.svg", kTimePlot[] = "bench-time.svg", kBenchRuns[] = "runs";
 
 /// "... error: what happened" of the program's last line is "what happened".
@@ -53,7 +52,7 @@ class Bench {
     }
     report_ = NewReport();
     known_seconds_.resize(plan.methods.size());
-    if (request.overwrite) RemoveRuns();
+    if (request.overwrite) RemoveRuns(request, plan, listener);
     for (size_t r = 0; r < plan.runs.size(); ++r) FindState(r);
   }
 
@@ -114,35 +113,6 @@ class Bench {
   fs::path Workspace(size_t r) const { return WorkspaceOf(request_, plan_.runs[r]); }
   std::string SceneOf(size_t r) const {
     return fs::absolute(plan_.checks[plan_.runs[r].check].scene.path).lexically_normal().string();
-  }
-
-  /// Also in a cluster's queue: what an earlier call left there would be taken for a run of this one.
-  void RemoveRuns() const {
-    const fs::path slurm = request_.out / kSlurmFolder;
-    CancelOpenSlurmTasks(slurm, listener_);
-    for (size_t r = 0; r < plan_.runs.size(); ++r) RequireIdle(Workspace(r));
-    if (HasSlurmRecord(slurm)) Remove(slurm);
-    for (size_t r = 0; r < plan_.runs.size(); ++r) {
-      if (IsWorkspace(Workspace(r))) Remove(Workspace(r));
-      Remove(RecordFile(Workspace(r)));
-      Remove(LogFile(Workspace(r)));
-    }
-  }
-
-  static void RequireIdle(const fs::path& workspace) {
-    const FolderLock lock(workspace, kWorkspacePatience);
-    if (lock.state() != FolderLock::State::kHeldByAnother) return;
-    throw RunError("{}: another oraclegs still works there; wait for it or end it, then run the same command again",
-                   workspace.string());
-  }
-
-  /// A file or a whole folder; or neither is there.
-  static void Remove(const fs::path& path) {
-    std::error_code error;
-    fs::remove_all(path, error);
-    if (!error) return;
-    throw RunError("{}: cannot be removed: {}; remove it, then run the same command again", path.string(),
-                   error.message());
   }
 
   /// Of a run that an earlier call did or began.

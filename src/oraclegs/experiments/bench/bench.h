@@ -7,8 +7,6 @@
 
 namespace oraclegs {
 
-inline constexpr char kSlurmFolder[] = "slurm";  ///< in a benchmark's folder: what --launcher slurm keeps
-
 /// Does the runs of the plan through the launcher, those of request.out/runs that are done excepted, and writes
 /// bench.json, .md, .tex, .csv, bench-views.svg and bench-time.svg there anew after each. Runs of one scene, number of
 /// views and seed share structure from motion and depth: the first of them runs before the others. A run that fails is
