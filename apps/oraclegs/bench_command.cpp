@@ -32,7 +32,7 @@ class BenchCommand : public Command {
                 "oraclegs bench --suite blender --data datasets/ -o out/ --methods ours,3dgs-mcmc --dry-run\n"
                 "  oraclegs bench --suite my-scenes/ -o out/ --views 6,12 --seeds 1 --iterations 3000") {
     Bind("Benchmark", &options_);
-    Bind("Slurm", &slurm_);
+    Bind("Slurm", &slurm_, Level::kAdvanced);
     Bind("Output", &output_);
     BindRun(&run_);
   }
