@@ -214,7 +214,7 @@ class SlurmRun {
   fs::path OutputOf(size_t j) const {
     const auto& [s, t] = *tracked_[j].task;
     std::error_code ignored;
-    const fs::path log = fs::absolute(jobs_[j].log);
+    fs::path log = fs::absolute(jobs_[j].log);
     if (fs::is_regular_file(log, ignored)) return log;
     return SlurmOutput(folder_ / record_.submissions[s].folder, static_cast<int>(t));
   }
