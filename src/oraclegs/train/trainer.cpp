@@ -55,8 +55,7 @@ struct Trainer::State {
         background(setup.background),
         plan(options, std::move(setup.data)),
         extent(SpatialExtent(Cameras(plan.photos()))),
-        parts(std::move(setup.parts)),
-        device(make_device({options, plan, setup.start.size(), parts})),
+        device(make_device({options, plan, setup.start.size(), std::move(setup.parts)})),
         model(device->Upload({setup.start})),
         sampler(setup.view_seed.value_or(seed), plan.num_photos(), plan.num_proposals()) {}
 
@@ -72,7 +71,6 @@ struct Trainer::State {
   std::array<float, 3> background;
   LossPlan plan;
   double extent;
-  MethodParts parts;
   std::unique_ptr<TrainDevice> device;
 
   // What a checkpoint holds, with the exposure maps and the smoothed loss, which the device has.

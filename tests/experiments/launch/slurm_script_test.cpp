@@ -50,7 +50,7 @@ TEST(SlurmScript, MeasuresTheLargestOfTheProcesses) {
   ASSERT_TRUE(end);
   EXPECT_GT(end->peak_bytes, 40'000'000);
   EXPECT_GT(end->seconds, 1.4);
-  EXPECT_FALSE(end->told_to_end);
+  EXPECT_FALSE(end->asked_to_end);
 }
 
 TEST(SlurmScript, NotesASignalAndHowTheCommandTookIt) {
@@ -61,7 +61,7 @@ TEST(SlurmScript, NotesASignalAndHowTheCommandTookIt) {
   EXPECT_EQ(RunTask(dir / "array", 0).exit_code, 130);
   const auto end = ReadSlurmTaskEnd(dir / "array", 0);
   ASSERT_TRUE(end);
-  EXPECT_TRUE(end->told_to_end);
+  EXPECT_TRUE(end->asked_to_end);
   EXPECT_EQ(end->exit_code, 130);
 }
 
@@ -74,7 +74,7 @@ TEST(SlurmScript, EndsWhenTheCommandEndsWithTheSignal) {
     RunTask(dir / "array", 0);
     const auto end = ReadSlurmTaskEnd(dir / "array", 0);
     ASSERT_TRUE(end);
-    EXPECT_TRUE(end->told_to_end);
+    EXPECT_TRUE(end->asked_to_end);
     EXPECT_TRUE(end->exit_code == 130 || end->exit_code == 143) << end->exit_code << ": bash may have lost the code";
   }
 }

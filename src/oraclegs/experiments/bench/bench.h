@@ -10,7 +10,7 @@ namespace oraclegs {
 /// Does the runs of the plan through the launcher, those of request.out/runs that are done excepted, and writes
 /// bench.json, .md, .tex, .csv, bench-views.svg and bench-time.svg there anew after each. Runs of one scene, number of
 /// views and seed share structure from motion and depth: the first of them runs before the others. A run that fails is
-/// a row with its reason, and is tried again in the next call; so is whatever a kill left unfinished. Tells "run 4 of
+/// a row with its reason, and is tried again in the next call; so is whatever a kill left unfinished. Reports "run 4 of
 /// 36 ..." and the time that is left. With request.overwrite the plan's runs are removed first, and all that the
 /// folder's earlier calls still have in Slurm's queue is cancelled. Throws InputError when `out` holds something else
 /// or runs of other options, RunError when nothing was scored, another call works in `out`, or files cannot be written,

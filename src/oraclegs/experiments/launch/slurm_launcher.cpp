@@ -286,7 +286,7 @@ class SlurmRun {
   }
 
   /// False when a Slurm program fails, which is waited for where jobs run already. failing_since: of this program; an
-  /// answer of another one does not mend it.
+  /// answer of another one does not fix it.
   template <class Step>
   bool Try(std::optional<Clock::time_point>& failing_since, Step&& step) {
     try {

@@ -44,7 +44,7 @@ struct SlurmOptions {
   }
 };
 
-/// What sbatch is told of them.
+/// The arguments of sbatch that ask for them.
 std::vector<std::string> SbatchArguments(const SlurmOptions& options);
 
 }  // namespace oraclegs

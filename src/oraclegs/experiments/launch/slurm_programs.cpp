@@ -204,7 +204,7 @@ void CancelInSlurm(const std::vector<SlurmTaskId>& tasks, const std::string& clu
       argv.push_back(fmt::format("{}_{}", tasks[t].array, tasks[t].index));
     }
     const ProcessResult result = RunSlurm(std::move(argv), cluster);
-    // It fails also where a task has ended meanwhile; that is told from the queue, which the caller looks at anyway.
+    // It fails also where a task has ended meanwhile; that shows in the queue, which the caller looks at anyway.
     const bool ended = result.output.find("Invalid job id") != std::string::npos ||
                        result.output.find("already completing or completed") != std::string::npos;
     if (result.exit_code != 0 && !ended) throw RunError("scancel does not work: {}", ReasonOf(result));

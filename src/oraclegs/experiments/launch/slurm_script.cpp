@@ -49,11 +49,11 @@ see() {
   done
 }
 watch_memory() {
-  local told=0
+  local largest=0
   while :; do
     see "$1"
-    if ((peak > told)); then
-      told=$peak
+    if ((peak > largest)); then
+      largest=$peak
       write memory "$peak"
     fi
     sleep 1
@@ -61,8 +61,8 @@ watch_memory() {
 }
 
 # Slurm sends it to the command, too: a second one would end that without a clean stop.
-told_to_end=0
-trap 'told_to_end=1' TERM
+asked_to_end=0
+trap 'asked_to_end=1' TERM
 
 write start "$SLURM_ARRAY_JOB_ID"
 microseconds
@@ -94,7 +94,7 @@ if ((again >= 0 && again != 127)); then code=$again; fi
 kilobytes=0
 if [[ -r $folder/$task.memory ]]; then read -r kilobytes <"$folder/$task.memory"; fi
 microseconds
-write end "$code $((now - began)) $kilobytes $told_to_end"
+write end "$code $((now - began)) $kilobytes $asked_to_end"
 exit "$code"
 )";
 
@@ -132,7 +132,7 @@ std::optional<SlurmTaskEnd> ReadSlurmTaskEnd(const fs::path& folder, int task) {
     double microseconds = 0;
     int64_t kilobytes = 0;
     SlurmTaskEnd end;
-    if (!(text >> end.exit_code >> microseconds >> kilobytes >> end.told_to_end)) return std::nullopt;
+    if (!(text >> end.exit_code >> microseconds >> kilobytes >> end.asked_to_end)) return std::nullopt;
     end.seconds = std::max(0.0, microseconds * 1e-6);
     end.peak_bytes = std::max(int64_t{0}, kilobytes) * 1024;
     return end;

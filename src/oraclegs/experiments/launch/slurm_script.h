@@ -19,10 +19,10 @@ namespace oraclegs {
 
 /// How the command of a task ended, by the script that ran it.
 struct SlurmTaskEnd {
-  int exit_code = 0;         ///< 128 + n when killed by signal n
-  double seconds = 0;        ///< of wall time
-  int64_t peak_bytes = 0;    ///< resident, of the largest of its processes, once a second; 0 = not known
-  bool told_to_end = false;  ///< Slurm has sent SIGTERM before: cancelled, preempted or at its time limit
+  int exit_code = 0;          ///< 128 + n when killed by signal n
+  double seconds = 0;         ///< of wall time
+  int64_t peak_bytes = 0;     ///< resident, of the largest of its processes, once a second; 0 = not known
+  bool asked_to_end = false;  ///< Slurm has sent SIGTERM before: cancelled, preempted or at its time limit
 };
 
 /// Writes batch.sh and the files of the tasks, `jobs` in their order from 0, to `folder`, whose path all machines have.

@@ -86,7 +86,7 @@ std::optional<JobResult> SlurmVerdict(const SlurmEvidence& evidence, const std::
     result.why = "";
   } else if (state) {
     result = ResultOf(*state, exit_code, log);
-  } else if (file && !(file->told_to_end && exit_code != 0)) {
+  } else if (file && !(file->asked_to_end && exit_code != 0)) {
     result = Failure(exit_code, log);
   } else {  // squeue has forgotten it, and nobody keeps accounts
     result = {.end = JobEnd::kCancelled,
