@@ -108,6 +108,26 @@ TEST(ControlDensity, RemovesTheTransparentAndLaterTheLarge) {
   EXPECT_EQ(late_adam.m.size(), 1);
 }
 
+TEST(ControlDensity, LeavesTheFaintAndSplitsTheLonelyWhereAsked) {
+  const std::vector<float> pulled = {0.0003f, 0.0003f, 0, 0};
+  const auto grow = [&](const DensityControl& control) {
+    Gaussians g = Row(4, 2);  // 10 apart: mean squared distances from 133 on, 467 at the ends
+    Flat(g.opacity_logits.Rows(0, 1)).setConstant(static_cast<float>(LogitOf(0.05)));
+    Adam adam = Moments(4);
+    return ControlDensity(control, pulled, &g, &adam);
+  };
+  DensityControl control = Control();
+  EXPECT_EQ(grow(control).split, 2);
+  control.opacity_to_grow = 0.1;
+  EXPECT_EQ(grow(control).split, 1);
+  control.splits_lonely = true;
+  EXPECT_EQ(grow(control).split, 4) << "all are lonely in a scene of extent 1, the faint one as well";
+  control.extent = 2.5;
+  EXPECT_EQ(grow(control).split, 1) << "none is larger than the extent";
+  control.least_opacity = 0.06;
+  EXPECT_EQ(grow(control).removed, 1);
+}
+
 TEST(ControlDensity, NeverRemovesAllAndNeverExceedsTheMost) {
   Gaussians none = Row(2, 0.005);
   Flat(none.opacity_logits).setConstant(-9);

@@ -93,6 +93,20 @@ TEST(CheckpointTest, ExposuresAreThereWhereTheyAreTrained) {
   EXPECT_THAT(Refusal(dir / "uneven"), HasSubstr("exposure.maps has shape [2, 3, 4], expected [3, 3, 4]"));
 }
 
+TEST(CheckpointTest, ASecondModelIsThereWhereItIsTrained) {
+  const TempDir dir;
+  Checkpoint before = Example(3);
+  const Checkpoint second = Example(2);
+  before.second = std::make_shared<const Checkpoint>(second);
+  WriteCheckpoint(dir / "two", before);
+  const Checkpoint after = ReadCheckpoint(dir / "two");
+  ExpectSame(after, before);
+  ASSERT_NE(after.second, nullptr);
+  ExpectSame(*after.second, second);
+  WriteCheckpoint(dir / "one", second);
+  EXPECT_EQ(ReadCheckpoint(dir / "one").second, nullptr);
+}
+
 TEST(CheckpointTest, IsASafetensorsFileWithPlainNames) {
   TempDir dir;
   WriteCheckpoint(dir / "c.safetensors", Example(3));

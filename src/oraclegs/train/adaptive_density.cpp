@@ -46,10 +46,20 @@ std::array<double, 3> Rotate(const float* quat, const std::array<double, 3>& x) 
 }
 
 /// Which Gaussians become two: each clone and each split is one more in the end.
-std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<float>& gradients) {
+std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<float>& gradients,
+                            const Gaussians& gaussians) {
+  std::vector<bool> lonely(gradients.size(), false);
+  if (control.splits_lonely) {
+    for (const int64_t i : LonelyGaussians(ProximityLimits::Split(control.extent), gaussians)) {
+      lonely[static_cast<size_t>(i)] = true;
+    }
+  }
   std::vector<int64_t> pulled;
   for (size_t i = 0; i < gradients.size(); ++i) {
-    if (static_cast<double>(gradients[i]) >= control.gradient) pulled.push_back(static_cast<int64_t>(i));
+    const auto row = static_cast<int64_t>(i);
+    const bool grows = static_cast<double>(gradients[i]) >= control.gradient &&
+                       OpacityOf(gaussians.opacity_logits[row]) > control.opacity_to_grow;
+    if (grows || lonely[i]) pulled.push_back(row);
   }
   const auto room =
       static_cast<size_t>(std::max<int64_t>(0, control.max_gaussians - static_cast<int64_t>(gradients.size())));
@@ -90,7 +100,7 @@ std::vector<int64_t> RowsThatStay(const DensityControl& control, const Gaussians
   for (int64_t i = 0; i < gaussians.size(); ++i) {
     const float logit = gaussians.opacity_logits[i];
     if (logit > gaussians.opacity_logits[most_opaque]) most_opaque = i;
-    if (OpacityOf(logit) < kPrunedOpacity) continue;
+    if (OpacityOf(logit) < control.least_opacity) continue;
     if (control.removes_large && LargestScale(gaussians, i) > kLargeShare * control.extent) continue;
     rows.push_back(i);
   }
@@ -135,10 +145,13 @@ class AdaptiveDensifier final : public Densifier {
     const int64_t reset = baseline.opacity_reset;
     DensityControl control{iteration.seed, iteration.number, baseline.densify_gradient, extent_,
                            options_.max_gaussians.value()};
+    control.least_opacity = baseline.prune_opacity;
+    control.opacity_to_grow = baseline.densify_opacity;
+    control.splits_lonely = baseline.split_lonely;
     control.removes_large = !baseline.keep_large && reset > 0 && extent_ > 0 && iteration.number > reset;
     const auto unpool = [&](Gaussians* gaussians, Adam* adam) {
       if (iteration.number >= baseline.unpool_until) return;
-      UnpoolGaussians(UnpoolOptions::PublicCode(extent_), options_.max_gaussians.value(),
+      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians.value(),
                       {gaussians, &adam->m, &adam->v});
     };
     ControlDensity(control, MeanGradients(iteration), &model->gaussians, &model->adam, unpool);
@@ -173,7 +186,7 @@ DensityChange ControlDensity(const DensityControl& control, const std::vector<fl
                      adam->m.size(), adam->v.size(), n);
   }
   std::vector<int64_t> clones, splits;
-  for (const int64_t i : Pulled(control, gradients)) {
+  for (const int64_t i : Pulled(control, gradients, *gaussians)) {
     (LargestScale(*gaussians, i) <= kDenseShare * control.extent ? clones : splits).push_back(i);
   }
   DensityChange change{static_cast<int64_t>(clones.size()), static_cast<int64_t>(splits.size())};

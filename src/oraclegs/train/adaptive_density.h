@@ -11,10 +11,9 @@
 
 namespace oraclegs {
 
-inline constexpr double kDenseShare = 0.01;      ///< of the extent; larger Gaussians are split, others are cloned
-inline constexpr double kSplitShrink = 1.6;      ///< scales of the two halves are divided by it
-inline constexpr double kPrunedOpacity = 0.005;  ///< below: removed
-inline constexpr double kLargeShare = 0.1;       ///< of the extent; larger ones are removed after the first reset
+inline constexpr double kDenseShare = 0.01;  ///< of the extent; larger Gaussians are split, others are cloned
+inline constexpr double kSplitShrink = 1.6;  ///< scales of the two halves are divided by it
+inline constexpr double kLargeShare = 0.1;   ///< of the extent; larger ones are removed after the first reset
 
 /// What one refinement goes by.
 struct DensityControl {
@@ -23,7 +22,10 @@ struct DensityControl {
   double gradient = 0.0002;  ///< from which a Gaussian is cloned or split
   double extent = 1;         ///< of the scene, world units
   int64_t max_gaussians = 0;
-  bool removes_large = false;  ///< those of more than kLargeShare
+  double least_opacity = 0.005;  ///< below: removed
+  double opacity_to_grow = 0;    ///< only above: cloned or split
+  bool removes_large = false;    ///< those of more than kLargeShare
+  bool splits_lonely = false;    ///< also, whatever their gradient, the lonely of baselines/unpool.h
 };
 
 /// Adds Gaussians of its own, with their moments, after clones and splits and before the transparent are removed.
@@ -36,8 +38,8 @@ struct DensityChange {
 /// Clones, splits and removes. gradients: [N] mean ScreenGradients. A clone stands behind the others with zero moments;
 /// the original keeps its own. A Gaussian that is split gives way to two, drawn from its own density, of scales
 /// 1 / kSplitShrink, with zero moments. Where `max_gaussians` leaves no room for all, those of the largest gradients
-/// come first. Removed is what is below kPrunedOpacity and what is too large; never all of them. Both structs get new
-/// memory. Throws ShapeError.
+/// come first. Removed is what is below the least opacity and what is too large; never all of them. Both structs get
+/// new memory. Throws ShapeError.
 DensityChange ControlDensity(const DensityControl& control, const std::vector<float>& gradients, Gaussians* gaussians,
                              Adam* adam, const AlsoGrow& also = {});
 

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "oraclegs-checkpoint";
 constexpr int64_t kFormatVersion = 3;
+constexpr const char* kSecond = "second.";  // before the names of all that is of the second model
 constexpr std::string_view kPrefix = "iteration_", kSuffix = ".safetensors";
 constexpr size_t kCheckpointsKept = 2;
 // The checksum is that of the whole file with these digits at zero, so that no byte of it is left unguarded.
@@ -58,36 +59,72 @@ void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std
 }
 
 /// Nothing without photos.
-void AddExposures(const ExposureState& state, std::map<std::string, TensorEntry>* tensors) {
+void AddExposures(const std::string& prefix, const ExposureState& state, std::map<std::string, TensorEntry>* tensors) {
   if (state.maps.empty()) return;
   const auto add = [&](const char* name, const std::vector<ExposureMap>& maps) {
     const auto views = static_cast<int64_t>(maps.size());
-    tensors->emplace(name, Entry("F32", {views, 3, 4}, maps.data(), views));
+    tensors->emplace(prefix + name, Entry("F32", {views, 3, 4}, maps.data(), views));
   };
   add("exposure.maps", state.maps);
   add("exposure.adam.m", state.m);
   add("exposure.adam.v", state.v);
   const auto views = static_cast<int64_t>(state.steps.size());
-  tensors->emplace("exposure.adam.steps", Entry("I64", {views}, state.steps.data(), views));
+  tensors->emplace(prefix + "exposure.adam.steps", Entry("I64", {views}, state.steps.data(), views));
 }
 
 /// Nothing where densification goes by nothing of earlier iterations.
-void AddDensify(const ScreenGradients& state, std::map<std::string, TensorEntry>* tensors) {
+void AddDensify(const std::string& prefix, const ScreenGradients& state, std::map<std::string, TensorEntry>* tensors) {
   if (!state.sum.defined()) return;
-  tensors->emplace("densify.sum", Entry("F32", {state.sum.count()}, state.sum.data(), state.sum.count()));
-  tensors->emplace("densify.views", Entry("F32", {state.views.count()}, state.views.data(), state.views.count()));
+  const auto add = [&](const char* name, const Buffer<float>& t) {
+    tensors->emplace(prefix + name, Entry("F32", {t.count()}, t.data(), t.count()));
+  };
+  add("densify.sum", state.sum);
+  add("densify.views", state.views);
 }
 
-/// An opened checkpoint; every access that fails names the file.
+/// What a file holds, before it is written.
+struct Contents {
+  std::map<std::string, TensorEntry> tensors;
+  std::map<std::string, std::string> metadata;
+
+  /// One model with its state, under names that begin with `prefix`.
+  void Add(const std::string& prefix, const Checkpoint& checkpoint) {
+    AddGroup(prefix, checkpoint.gaussians, &tensors);
+    AddGroup(prefix + "adam.m.", checkpoint.adam.m, &tensors);
+    AddGroup(prefix + "adam.v.", checkpoint.adam.v, &tensors);
+    const auto add_stack = [&](const char* name, const std::vector<int64_t>& stack) {
+      const auto size = static_cast<int64_t>(stack.size());
+      tensors.emplace(prefix + name, Entry("I64", {size}, stack.data(), size));
+    };
+    add_stack("sampler.photos", checkpoint.sampler.photos);
+    add_stack("sampler.proposals", checkpoint.sampler.proposals);
+    AddExposures(prefix, checkpoint.exposures, &tensors);
+    AddDensify(prefix, checkpoint.densify, &tensors);
+    const auto set = [&](const char* key, std::string value) { metadata[prefix + key] = std::move(value); };
+    set("iteration", std::to_string(checkpoint.iteration));
+    set("adam.step", std::to_string(checkpoint.adam.step));
+    set("sampler.counter", std::to_string(checkpoint.sampler.counter));
+    set("sampler.num_photos", std::to_string(checkpoint.sampler.num_photos));
+    set("sampler.num_proposals", std::to_string(checkpoint.sampler.num_proposals));
+    set("seconds", fmt::format("{}", checkpoint.seconds));
+    set("loss", fmt::format("{}", checkpoint.loss));
+    set("options", DumpOptions(checkpoint.options));
+  }
+};
+
+/// A model of an opened checkpoint, whose names begin with `prefix`; every access that fails names the file.
 struct Reader {
   const fs::path& path;
-  SafetensorsFile file;
+  const SafetensorsFile& file;
+  std::string prefix;
 
   const std::string& Text(const std::string& key) const {
-    const auto found = file.metadata().find(key);
-    if (found == file.metadata().end()) throw InputError("{}: the metadata has no '{}'", path.string(), key);
+    const auto found = file.metadata().find(prefix + key);
+    if (found == file.metadata().end()) throw InputError("{}: the metadata has no '{}'", path.string(), prefix + key);
     return found->second;
   }
+
+  bool Has(const std::string& name) const { return file.Has(prefix + name); }
 
   template <class T>
   T Number(const std::string& key) const {
@@ -95,7 +132,7 @@ struct Reader {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
-      throw InputError("{}: {} is '{}', must be a {}number", path.string(), key, text,
+      throw InputError("{}: {} is '{}', must be a {}number", path.string(), prefix + key, text,
                        std::is_integral_v<T> ? "whole " : "");
     }
     return value;
@@ -103,21 +140,21 @@ struct Reader {
 
   nlohmann::json Json(const std::string& key) const {
     nlohmann::json value = ParseJsonOrDiscard(Text(key));
-    if (value.is_discarded()) throw InputError("{}: {} is not valid JSON", path.string(), key);
+    if (value.is_discarded()) throw InputError("{}: {} is not valid JSON", path.string(), prefix + key);
     return value;
   }
 
   const TensorEntry& Typed(const std::string& name, const char* dtype) const {
-    const TensorEntry& entry = file.Get(name);
+    const TensorEntry& entry = file.Get(prefix + name);
     if (entry.dtype != dtype) {
-      throw InputError("{}: {} is of type {}, expected {}", path.string(), name, entry.dtype, dtype);
+      throw InputError("{}: {} is of type {}, expected {}", path.string(), prefix + name, entry.dtype, dtype);
     }
     return entry;
   }
 
   std::vector<int64_t> Integers(const std::string& name) const {
     const TensorEntry& entry = Typed(name, "I64");
-    if (entry.shape.size() != 1) throw InputError("{}: {} must have one axis", path.string(), name);
+    if (entry.shape.size() != 1) throw InputError("{}: {} must have one axis", path.string(), prefix + name);
     std::vector<int64_t> values(entry.bytes.size() / sizeof(int64_t));
     if (!values.empty()) std::memcpy(values.data(), entry.bytes.data(), entry.bytes.size());
     return values;
@@ -126,8 +163,8 @@ struct Reader {
   std::vector<ExposureMap> Maps(const std::string& name, int64_t views) const {
     const TensorEntry& entry = Typed(name, "F32");
     if (entry.shape != std::vector<int64_t>{views, 3, 4}) {
-      throw InputError("{}: {} has shape [{}], expected [{}, 3, 4]", path.string(), name, fmt::join(entry.shape, ", "),
-                       views);
+      throw InputError("{}: {} has shape [{}], expected [{}, 3, 4]", path.string(), prefix + name,
+                       fmt::join(entry.shape, ", "), views);
     }
     std::vector<ExposureMap> maps(views);
     if (!entry.bytes.empty()) std::memcpy(maps.data(), entry.bytes.data(), entry.bytes.size());
@@ -136,7 +173,7 @@ struct Reader {
 
   /// Empty where the run did not train them.
   ExposureState Exposures() const {
-    if (!file.Has("exposure.maps")) return {};
+    if (!Has("exposure.maps")) return {};
     std::vector<int64_t> steps = Integers("exposure.adam.steps");
     const auto views = static_cast<int64_t>(steps.size());
     return {Maps("exposure.maps", views), Maps("exposure.adam.m", views), Maps("exposure.adam.v", views),
@@ -147,7 +184,8 @@ struct Reader {
   Buffer<float> Rows(const std::string& name, int64_t n) const {
     const TensorEntry& entry = Typed(name, "F32");
     if (entry.shape != std::vector<int64_t>{n}) {
-      throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), name, fmt::join(entry.shape, ", "), n);
+      throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), prefix + name,
+                       fmt::join(entry.shape, ", "), n);
     }
     Buffer<float> rows = Buffer<float>::Empty({n});
     if (!entry.bytes.empty()) std::memcpy(rows.data(), entry.bytes.data(), entry.bytes.size());
@@ -161,13 +199,38 @@ struct Reader {
       const TensorEntry& entry = Typed(group + name, "F32");
       const Shape shape = t.shape().WithRows(n);
       if (!std::equal(entry.shape.begin(), entry.shape.end(), shape.begin(), shape.end())) {
-        throw InputError("{}: {} has shape [{}], expected {}", path.string(), group + name,
+        throw InputError("{}: {} has shape [{}], expected {}", path.string(), prefix + group + name,
                          fmt::join(entry.shape, ", "), shape.Text());
       }
       t = Buffer<float>::Empty(shape);
       if (!entry.bytes.empty()) std::memcpy(t.data(), entry.bytes.data(), entry.bytes.size());
     });
     return result;
+  }
+
+  /// The model with its state.
+  Checkpoint Model() const {
+    const TensorEntry& means = Typed("means", "F32");
+    const int64_t n = means.shape.empty() ? 0 : means.shape[0];
+    Checkpoint checkpoint;
+    checkpoint.iteration = Number<int64_t>("iteration");
+    checkpoint.gaussians = Group("", n);
+    checkpoint.adam.m = Group("adam.m.", n);
+    checkpoint.adam.v = Group("adam.v.", n);
+    checkpoint.adam.step = Number<int64_t>("adam.step");
+    checkpoint.sampler = {Integers("sampler.photos"), Integers("sampler.proposals"),
+                          Number<uint64_t>("sampler.counter"), Number<int64_t>("sampler.num_photos"),
+                          Number<int64_t>("sampler.num_proposals")};
+    checkpoint.exposures = Exposures();
+    if (Has("densify.sum")) checkpoint.densify = {Rows("densify.sum", n), Rows("densify.views", n)};
+    checkpoint.seconds = Number<double>("seconds");
+    checkpoint.loss = Number<double>("loss");
+    checkpoint.options = Json("options");
+    if (checkpoint.iteration < 0 || checkpoint.adam.step < 0) {
+      throw InputError("{}: iteration {} and step {} must not be negative", path.string(), checkpoint.iteration,
+                       checkpoint.adam.step);
+    }
+    return checkpoint;
   }
 };
 
@@ -229,30 +292,13 @@ fs::path CheckpointPath(const fs::path& dir, int64_t iteration) {
 }
 
 void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
-  std::map<std::string, TensorEntry> tensors;
-  AddGroup("", checkpoint.gaussians, &tensors);
-  AddGroup("adam.m.", checkpoint.adam.m, &tensors);
-  AddGroup("adam.v.", checkpoint.adam.v, &tensors);
-  const auto add_stack = [&](const char* name, const std::vector<int64_t>& stack) {
-    const auto size = static_cast<int64_t>(stack.size());
-    tensors.emplace(name, Entry("I64", {size}, stack.data(), size));
-  };
-  add_stack("sampler.photos", checkpoint.sampler.photos);
-  add_stack("sampler.proposals", checkpoint.sampler.proposals);
-  AddExposures(checkpoint.exposures, &tensors);
-  AddDensify(checkpoint.densify, &tensors);
-  std::string bytes =
-      SerializeSafetensors(tensors, {{"format", kFormat},
-                                     {"format_version", std::to_string(kFormatVersion)},
-                                     {"iteration", std::to_string(checkpoint.iteration)},
-                                     {"adam.step", std::to_string(checkpoint.adam.step)},
-                                     {"sampler.counter", std::to_string(checkpoint.sampler.counter)},
-                                     {"sampler.num_photos", std::to_string(checkpoint.sampler.num_photos)},
-                                     {"sampler.num_proposals", std::to_string(checkpoint.sampler.num_proposals)},
-                                     {"seconds", fmt::format("{}", checkpoint.seconds)},
-                                     {"loss", fmt::format("{}", checkpoint.loss)},
-                                     {"options", DumpOptions(checkpoint.options)},
-                                     {"checksum", std::string(kChecksumMark) + std::string(kNoChecksum)}});
+  Contents contents;
+  contents.metadata = {{"format", kFormat},
+                       {"format_version", std::to_string(kFormatVersion)},
+                       {"checksum", std::string(kChecksumMark) + std::string(kNoChecksum)}};
+  contents.Add("", checkpoint);
+  if (checkpoint.second) contents.Add(kSecond, *checkpoint.second);
+  std::string bytes = SerializeSafetensors(contents.tensors, contents.metadata);
   const size_t at = FindChecksum(bytes);
   if (at == std::string::npos) throw std::logic_error("WriteCheckpoint: the header lost the checksum");
   bytes.replace(at, kNoChecksum.size(), Checksum(bytes));
@@ -262,34 +308,17 @@ void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
 Checkpoint ReadCheckpoint(const fs::path& path) {
   std::string bytes = ReadFile(path);
   VerifyChecksum(path, &bytes);
-  const Reader reader{path, SafetensorsFile::Parse(std::move(bytes), path.string())};
+  const SafetensorsFile file = SafetensorsFile::Parse(std::move(bytes), path.string());
+  const Reader reader{path, file, ""};
   if (reader.Text("format") != kFormat) throw InputError("{}: is not a checkpoint of oraclegs", path.string());
   const auto version = reader.Number<int64_t>("format_version");
   if (version != kFormatVersion) {
     throw InputError("{}: has format version {}, this program reads {}; continue with the program that wrote it",
                      path.string(), version, kFormatVersion);
   }
-  const TensorEntry& means = reader.Typed("means", "F32");
-  const int64_t n = means.shape.empty() ? 0 : means.shape[0];
-  Checkpoint checkpoint;
-  checkpoint.iteration = reader.Number<int64_t>("iteration");
-  checkpoint.gaussians = reader.Group("", n);
-  checkpoint.adam.m = reader.Group("adam.m.", n);
-  checkpoint.adam.v = reader.Group("adam.v.", n);
-  checkpoint.adam.step = reader.Number<int64_t>("adam.step");
-  checkpoint.sampler = {reader.Integers("sampler.photos"), reader.Integers("sampler.proposals"),
-                        reader.Number<uint64_t>("sampler.counter"), reader.Number<int64_t>("sampler.num_photos"),
-                        reader.Number<int64_t>("sampler.num_proposals")};
-  checkpoint.exposures = reader.Exposures();
-  if (reader.file.Has("densify.sum"))
-    checkpoint.densify = {reader.Rows("densify.sum", n), reader.Rows("densify.views", n)};
-  checkpoint.seconds = reader.Number<double>("seconds");
-  checkpoint.loss = reader.Number<double>("loss");
-  checkpoint.options = reader.Json("options");
-  if (checkpoint.iteration < 0 || checkpoint.adam.step < 0) {
-    throw InputError("{}: iteration {} and step {} must not be negative", path.string(), checkpoint.iteration,
-                     checkpoint.adam.step);
-  }
+  Checkpoint checkpoint = reader.Model();
+  const Reader second{path, file, kSecond};
+  if (second.Has("means")) checkpoint.second = std::make_shared<const Checkpoint>(second.Model());
   return checkpoint;
 }
 

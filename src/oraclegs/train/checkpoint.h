@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -25,6 +26,8 @@ struct Checkpoint {
   double seconds = 0;       ///< training time so far
   double loss = 0;          ///< smoothed loss shown to the user
   nlohmann::json options;   ///< what the run was started with; resuming compares
+  /// Of the model that a method trains beside this one; null, and absent from the file, where it has none.
+  std::shared_ptr<const Checkpoint> second = {};
 };
 
 /// The text that stands for the options in the file; two runs with the same text may continue each other. Bytes of a

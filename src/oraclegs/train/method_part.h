@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "oraclegs/train/checkpoint.h"
 #include "oraclegs/train/train_device.h"
 
 namespace oraclegs {
@@ -24,6 +25,11 @@ class MethodPart {
 
   /// Whether BeforeView writes to `grads`.
   virtual bool AddsGradients() const { return true; }
+
+  /// The state of a model of its own after an iteration; null where it has none.
+  virtual std::shared_ptr<const Checkpoint> Save() const { return {}; }
+  /// Goes on from there; null = from a checkpoint that holds none. Throws InputError where that does not fit.
+  virtual void Restore(const Checkpoint*) {}
 };
 
 using MethodParts = std::vector<std::shared_ptr<MethodPart>>;

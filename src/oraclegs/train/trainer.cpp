@@ -55,7 +55,8 @@ struct Trainer::State {
         background(setup.background),
         plan(options, std::move(setup.data)),
         extent(SpatialExtent(Cameras(plan.photos()))),
-        device(make_device({options, plan, setup.start.size(), std::move(setup.parts)})),
+        parts(std::move(setup.parts)),
+        device(make_device({options, plan, setup.start.size(), parts})),
         model(device->Upload({setup.start})),
         sampler(setup.view_seed.value_or(seed), plan.num_photos(), plan.num_proposals()) {}
 
@@ -71,6 +72,7 @@ struct Trainer::State {
   std::array<float, 3> background;
   LossPlan plan;
   double extent;
+  MethodParts parts;
   std::unique_ptr<TrainDevice> device;
 
   // What a checkpoint holds, with the exposure maps and the smoothed loss, which the device has.
@@ -182,6 +184,7 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
   s.device->RestoreExposures(checkpoint.exposures);
   s.device->RestoreLoss(checkpoint.loss);
   s.device->RestoreDensify(checkpoint.densify, n);
+  for (const std::shared_ptr<MethodPart>& part : s.parts) part->Restore(checkpoint.second.get());
   s.iteration = checkpoint.iteration;
   s.model = {};  // first, so that two are never held at once
   s.model = s.device->Upload({checkpoint.gaussians, checkpoint.adam});
@@ -295,6 +298,9 @@ Checkpoint Trainer::MakeCheckpoint() const {
   checkpoint.seconds = s.seconds;
   checkpoint.loss = s.device->Loss().smoothed;
   checkpoint.options = s.run_options;
+  for (const std::shared_ptr<MethodPart>& part : s.parts) {
+    if (auto second = part->Save()) checkpoint.second = std::move(second);
+  }
   return checkpoint;
 }
 

@@ -59,6 +59,22 @@ TEST(Methods, BaselinesHaveTheirMechanisms) {
   EXPECT_EQ(train("fsgs").depth_loss, DepthLoss::kCorrelation);
 }
 
+TEST(Methods, HaveTheSettingsOfADatasetWhereTheirAuthorsDo) {
+  const auto baseline = [](const char* name, const char* suite) {
+    const Method method = FindMethods(name)[0];
+    return OptionsOf(Overlaid(method.usual, method.OptionsFor(suite))).train;
+  };
+  EXPECT_EQ(baseline("cor-gs", "llff").baseline.co_prune_distance, 5);
+  EXPECT_EQ(baseline("cor-gs", "dtu").baseline.co_prune_distance, 10);
+  EXPECT_EQ(baseline("cor-gs", "dtu").baseline.co_start, 2000);
+  EXPECT_EQ(baseline("cor-gs", "mipnerf360").baseline.co_prune_distance, 20);
+  EXPECT_EQ(baseline("cor-gs", "mipnerf360").iterations, Auto<int>(30000));
+  EXPECT_EQ(baseline("dngaussian", "llff").baseline.depth_tolerance, 0.00025);
+  EXPECT_EQ(baseline("dngaussian", "dtu").baseline.densify_opacity, 0.1);
+  EXPECT_EQ(baseline("dngaussian", "blender").baseline.soft_depth_start, 0);
+  EXPECT_EQ(baseline("dngaussian", "folder").baseline.soft_depth_start, 1000);
+}
+
 TEST(FindMethods, TakesEachOnceInTheOrderOfTheList) {
   const auto methods = FindMethods("3dgs-mcmc, ours,3dgs-mcmc");
   ASSERT_EQ(methods.size(), 2u);

@@ -15,13 +15,26 @@ struct Lonely {
     const std::vector<float> means = {0, 0, 0, 1, 0, 0, 0.5f, 0.25f, 0, -9, 0, 0, x, 0, 0};
     std::copy(means.begin(), means.end(), gaussians.means.data());
   }
-  int64_t Unpool(const UnpoolOptions& options, int64_t limit = 100) {
+  int64_t Unpool(const ProximityLimits& options, int64_t limit = 100) {
     return UnpoolGaussians(options, limit, {&gaussians, &first, &second});
   }
 };
 
 /// Mean squared distances: 240.4 of the one at x = 16, 90.4 of the one at -9, less than 34 of the others.
-UnpoolOptions Above(double threshold) { return {threshold, 0}; }
+ProximityLimits Above(double threshold) { return {threshold, 0}; }
+
+TEST(LonelyGaussians, AreLargeAndFarFromTheOthers) {
+  Lonely scene(16);
+  const auto set_scale = [&](int64_t row, float scale) {
+    std::fill_n(scene.gaussians.log_scales.data() + 3 * row, 3, std::log(scale));
+  };
+  for (int64_t row = 0; row < 5; ++row) set_scale(row, 2);
+  EXPECT_EQ(LonelyGaussians({80, 1}, scene.gaussians), (std::vector<int64_t>{4, 3})) << "the loneliest first";
+  EXPECT_EQ(LonelyGaussians({100, 1}, scene.gaussians), (std::vector<int64_t>{4}));
+  set_scale(4, 0.5f);
+  EXPECT_EQ(LonelyGaussians({80, 1}, scene.gaussians), (std::vector<int64_t>{3}));
+  EXPECT_TRUE(LonelyGaussians({80, 3}, scene.gaussians).empty());
+}
 
 TEST(UnpoolGaussians, AddsTheMiddleOfEachEdge) {
   Lonely scene(16);
@@ -64,7 +77,7 @@ TEST(UnpoolGaussians, ComparesTheScoreAndSize) {
     Lonely scene(16);
     Flat(scene.gaussians.log_scales).setConstant(-20);
     scene.gaussians.log_scales[3 * 4 + 1] = log_scale;
-    return scene.Unpool(UnpoolOptions::PublicCode(extent));
+    return scene.Unpool(ProximityLimits::Unpool(extent));
   };
   const float just_above = std::log(48.0f * 1.001f), below = std::log(47.0f);
   EXPECT_EQ(added(48.0, just_above), 3);

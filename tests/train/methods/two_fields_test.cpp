@@ -6,6 +6,8 @@
 #include "oraclegs/train/baselines/co_prune.h"
 #include "oraclegs/train/make_train_device.h"
 #include "support/buffers.h"
+#include "support/errors.h"
+#include "support/temp_dir.h"
 #include "train/small_scene.h"
 
 namespace oraclegs {
@@ -65,6 +67,31 @@ TEST(TwoFields, AreTheSameForAnyNumberOfThreads) {
   const Pair again = Train(SetupOf(80, 40));
   EXPECT_TRUE(SameBits(pair.first, again.first));
   EXPECT_TRUE(SameBits(pair.second, again.second));
+}
+
+TEST(TwoFields, GoOnFromACheckpointToTheSameBits) {
+  const Pair whole = Train(SetupOf(90, 40));
+  const auto begin = [](std::shared_ptr<TwoFields>* fields) {
+    TrainSetup setup = SetupOf(90, 40);
+    *fields = std::make_shared<TwoFields>(setup);
+    setup.parts = {*fields};
+    return std::make_unique<Trainer>(std::move(setup),
+                                     [](const TrainDeviceSetup& s) { return MakeTrainDevice(kCpu, s); });
+  };
+  std::shared_ptr<TwoFields> first_fields, fields;
+  const TempDir dir;
+  const auto stopped = begin(&first_fields);
+  for (int i = 0; i < 45; ++i) stopped->Step();
+  WriteCheckpoint(dir / "c", stopped->MakeCheckpoint());
+  const auto resumed = begin(&fields);
+  resumed->Restore(ReadCheckpoint(dir / "c"));
+  resumed->Run({}, Silent());
+  EXPECT_TRUE(SameBits(resumed->gaussians(), whole.first));
+  EXPECT_TRUE(SameBits(fields->second(), whole.second));
+
+  Checkpoint of_one = stopped->MakeCheckpoint();
+  of_one.second = nullptr;
+  EXPECT_THAT(MessageOf<InputError>([&] { resumed->Restore(of_one); }), testing::HasSubstr("goes on from two"));
 }
 
 TEST(TwoFields, RemoveWhatOnlyOneHas) {

@@ -20,7 +20,7 @@ std::string RunName(const BenchPlan& plan, const BenchRun& run) {
 RunArguments ArgumentsOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run) {
   const Method& method = plan.methods[run.method];
   RunArguments arguments = Overlaid(plan.suite.protocol(plan.checks[run.check].views), method.usual);
-  arguments = Overlaid(Overlaid(std::move(arguments), request.asked), method.options);
+  arguments = Overlaid(Overlaid(std::move(arguments), request.asked), method.OptionsFor(plan.suite.name));
   return Overlaid(std::move(arguments), {{"seed", std::to_string(run.seed)}, {"report", "false"}});
 }
 

@@ -37,7 +37,17 @@ RunArguments ForFewPhotos() {
   return Overlaid(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
 }
 
+/// What DNGaussian has on LLFF and DTU.
+RunArguments DnGaussianOfPhotos() {
+  return {{"depth-step-every", "1"}, {"densify-opacity", "0.1"}, {"prune-opacity", "0.01"}};
+}
+
 }  // namespace
+
+RunArguments Method::OptionsFor(const std::string& suite) const {
+  const auto own = of_suites.find(suite);
+  return own == of_suites.end() ? options : Overlaid(options, own->second);
+}
 
 const std::vector<Method>& Methods() {
   static const std::vector<Method> methods = {
@@ -66,6 +76,7 @@ const std::vector<Method>& Methods() {
                                  {"sh-degree-interval", "500"},
                                  {"opacity-reset-first", "2001"},
                                  {"opacity-reset-to", "0.05"},
+                                 {"split-lonely", "true"},
                                  {"unpool-until", "2000"}}),
        {{"iterations", "10000"}},
        "monocular depth; stereo's stands in for it, and pseudo views have none"},
@@ -75,9 +86,12 @@ const std::vector<Method>& Methods() {
        Overlaid(ForFewPhotos(), {{"two-fields", "true"},
                                  {"sh-degree-interval", "500"},
                                  {"opacity-reset-first", "501"},
-                                 {"opacity-reset-to", "0.05"}}),
+                                 {"opacity-reset-to", "0.05"},
+                                 {"split-lonely", "true"}}),
        {{"iterations", "10000"}},
-       ""},
+       "",
+       {{"dtu", {{"co-prune-distance", "10"}, {"co-start", "2000"}}},
+        {"mipnerf360", {{"co-prune-distance", "20"}, {"iterations", "30000"}, {"refine-stop", "0.5"}}}}},
       {"dngaussian",
        "DNGaussian",
        "Li 2024",
@@ -88,7 +102,10 @@ const std::vector<Method>& Methods() {
                              {"depth-step-every", "10"},
                              {"depth-tolerance", "0.01"}}),
        {{"iterations", "6000"}},
-       "monocular depth; stereo's stands in for it"},
+       "monocular depth; stereo's stands in for it",
+       {{"llff", Overlaid(DnGaussianOfPhotos(), {{"depth-tolerance", "0.00025"}, {"densify-gradient", "0.0013"}})},
+        {"dtu", Overlaid(DnGaussianOfPhotos(), {{"densify-gradient", "0.001"}})},
+        {"blender", {{"soft-depth-start", "0"}}}}},
       // The published run has 30000 iterations, prunes at 20000 and densifies until 18000.
       {"sparsegs",
        "SparseGS",
@@ -96,6 +113,7 @@ const std::vector<Method>& Methods() {
        Overlaid(Adaptive(), {{"depth-loss", "patched-correlation"},
                              {"depth-weight", "0.05"},
                              {"refine-stop", "0.6"},
+                             {"prune-opacity", "0.05"},
                              {"prune-modes-at", "6667"}}),
        {{"iterations", "10000"}},
        "monocular depth; stereo's stands in for it, and there is no diffusion model"},

@@ -1,6 +1,7 @@
 #pragma once
 // What a benchmark compares: settings of `oraclegs reconstruct` with names.
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct Method {
   RunArguments options;  ///< make the method what it is: win over the suite's and the user's
   RunArguments usual;    ///< win over the suite's, but not over the user's
   std::string needs;     ///< what must be there for it, for people; "" = nothing
+  /// By the names of suites: what its authors set otherwise on these datasets.
+  std::map<std::string, RunArguments> of_suites = {};
+
+  /// `options`, with those of a suite where it has such.
+  RunArguments OptionsFor(const std::string& suite) const;
 };
 
 /// To add one, add a row.

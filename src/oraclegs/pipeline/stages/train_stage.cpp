@@ -200,9 +200,6 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   return ready;
 }
 
-/// The state of a second model is in no checkpoint.
-bool KeepsNoCheckpoints(const Run& run) { return run.options.train.baseline.two_fields; }
-
 /// Empty, after a warning, where memory does not suffice. What was trained is not lost when the user stops it here.
 std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
@@ -211,7 +208,6 @@ std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
   try {
     return Support(trainer.gaussians(), ready.views, render);
   } catch (const Interrupted&) {
-    if (KeepsNoCheckpoints(run)) throw;
     WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
     throw;
   } catch (const OutOfMemory& error) {
@@ -241,14 +237,11 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
   if (run->on_training) run->on_training(run);
   const ReadyTrainer ready = MakeTrainer(run, checkpoint);
   const double loading = watch.Seconds();
-  const bool keeps_checkpoints = !KeepsNoCheckpoints(*run);
   const TrainResult result = ready.trainer->Run(
-      keeps_checkpoints ? CheckpointPolicy{run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every,
-                                           std::move(saved_options)}
-                        : CheckpointPolicy(),
+      {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
       run->listener, run->live ? run->live->AsObserver(TestScoreOf(*run)) : TrainObserver());
   WriteModel(*run, ready);
-  if (keeps_checkpoints) KeepLastCheckpoint(*run, *ready.trainer);
+  KeepLastCheckpoint(*run, *ready.trainer);
   return nlohmann::json{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},
                         {"iterations", result.iterations},

@@ -19,6 +19,9 @@ struct EnumWords<Densify> {
 struct BaselineOptions {
   Densify densify = Densify::kMcmc;
   double densify_gradient = 0.0002;
+  double densify_opacity = 0;
+  double prune_opacity = 0.005;
+  bool split_lonely = false;
   int opacity_reset = 3000;
   Auto<int> opacity_reset_first = {};
   double opacity_reset_to = 0.01;
@@ -47,6 +50,15 @@ struct BaselineOptions {
           "Of --densify adaptive: mean gradient of a Gaussian's place in the image, in units of half the image, from "
           "which it is cloned or split",
           Range{1e-9, 1});
+    visit("densify-opacity", self.densify_opacity,
+          "Of --densify adaptive: only Gaussians of more than this opacity are cloned or split; DNGaussian uses 0.1",
+          Range{0, 1});
+    visit("prune-opacity", self.prune_opacity,
+          "Of --densify adaptive: Gaussians of less than this opacity are removed; DNGaussian uses 0.01, SparseGS 0.05",
+          Range{0, 0.5});
+    visit("split-lonely", self.split_lonely,
+          "Of --densify adaptive: also split Gaussians that are larger than the cameras' extent and stand far from "
+          "their three neighbors, whatever their gradient (FSGS and CoR-GS)");
     visit("opacity-reset", self.opacity_reset,
           "Of --densify adaptive: iterations between resets of all opacities to at most --opacity-reset-to; 0 = never",
           Range{0, 1e7});
@@ -67,7 +79,7 @@ struct BaselineOptions {
     visit("two-fields", self.two_fields,
           "Of --densify adaptive: train two models beside each other, pull their renders from between the photos "
           "together, and remove what only one of them has (CoR-GS, Zhang et al., ECCV 2024); the first one is the "
-          "result. Such a training keeps no checkpoints");
+          "result");
     visit("co-prune-distance", self.co_prune_distance,
           "Of --two-fields: a Gaussian farther than this (scene units) from all of the other model is removed, every "
           "500 iterations; CoR-GS uses 5, 10 or 20 by dataset",

@@ -10,9 +10,9 @@
 namespace oraclegs {
 namespace {
 
-struct UnpoolSource {
+struct Scored {
   double score;
-  int64_t index;
+  int64_t row;
 };
 
 struct UnpoolEdge {
@@ -41,19 +41,33 @@ double ProximityScore(const std::array<NearPoint, 3>& nearest) {
   return sum / static_cast<double>(nearest.size());
 }
 
-/// By score, the largest first; of equal ones the first in order.
-std::vector<UnpoolSource> FindSources(const UnpoolOptions& options, const Gaussians& gaussians,
-                                      const std::vector<std::array<NearPoint, 3>>& nearest) {
-  std::vector<UnpoolSource> sources;
-  for (int64_t i = 0; i < gaussians.size(); ++i) {
+bool IsLarge(const ProximityLimits& limits, const Gaussians& gaussians, int64_t i) {
+  const float* scales = gaussians.log_scales.data() + 3 * i;
+  return std::exp(static_cast<double>(*std::max_element(scales, scales + 3))) > limits.scale;
+}
+
+using Neighbors = std::vector<std::array<NearPoint, 3>>;
+
+/// Empty where no Gaussian can be lonely.
+Neighbors NeighborsOf(const ProximityLimits& limits, const Gaussians& gaussians) {
+  const int64_t n = gaussians.size();
+  bool any = false;
+  for (int64_t i = 0; i < n && !any; ++i) any = IsLarge(limits, gaussians, i);
+  if (!any || n < 4) return {};
+  return KdTree(CentersOf(gaussians)).ThreeNearest();
+}
+
+std::vector<int64_t> Lonely(const ProximityLimits& limits, const Gaussians& gaussians, const Neighbors& nearest) {
+  std::vector<Scored> lonely;
+  for (size_t i = 0; i < nearest.size(); ++i) {
     const double score = ProximityScore(nearest[i]);
-    const float* scales = gaussians.log_scales.data() + 3 * i;
-    const double scale = std::exp(static_cast<double>(*std::max_element(scales, scales + 3)));
-    if (score > options.threshold && scale > options.min_scale) sources.push_back({score, i});
+    const auto row = static_cast<int64_t>(i);
+    if (score > limits.score && IsLarge(limits, gaussians, row)) lonely.push_back({score, row});
   }
-  std::stable_sort(sources.begin(), sources.end(),
-                   [](const UnpoolSource& a, const UnpoolSource& b) { return a.score > b.score; });
-  return sources;
+  std::stable_sort(lonely.begin(), lonely.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  std::vector<int64_t> rows;
+  for (const Scored& one : lonely) rows.push_back(one.row);
+  return rows;
 }
 
 void FillMiddle(const UnpoolEdge& edge, int64_t to, Gaussians* gaussians) {
@@ -70,14 +84,18 @@ void FillMiddle(const UnpoolEdge& edge, int64_t to, Gaussians* gaussians) {
 
 }  // namespace
 
-int64_t UnpoolGaussians(const UnpoolOptions& options, int64_t max_gaussians, const UnpoolTarget& target) {
+std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussians& gaussians) {
+  return Lonely(limits, gaussians, NeighborsOf(limits, gaussians));
+}
+
+int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, const UnpoolTarget& target) {
   CheckUnpoolTarget(target);
   const int64_t n = target.gaussians->size();
-  if (n < 4 || n >= max_gaussians) return 0;
-  const auto nearest = KdTree(CentersOf(*target.gaussians)).ThreeNearest();
+  if (n >= max_gaussians) return 0;
+  const Neighbors nearest = NeighborsOf(limits, *target.gaussians);
   std::vector<UnpoolEdge> edges;
-  for (const UnpoolSource& source : FindSources(options, *target.gaussians, nearest)) {
-    for (const NearPoint& near : nearest[source.index]) edges.push_back({source.index, near.index});
+  for (const int64_t source : Lonely(limits, *target.gaussians, nearest)) {
+    for (const NearPoint& near : nearest[source]) edges.push_back({source, near.index});
   }
   const int64_t added = std::min<int64_t>(static_cast<int64_t>(edges.size()), max_gaussians - n);
   if (added == 0) return 0;

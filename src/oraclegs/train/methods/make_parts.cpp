@@ -17,6 +17,7 @@ void CheckMethodOptions(const TrainOptions& options) {
     return;
   }
   if (baseline.two_fields) throw UsageError("--two-fields goes with --densify adaptive; add it");
+  if (baseline.split_lonely) throw UsageError("--split-lonely goes with --densify adaptive; add it");
   if (baseline.keep_large) throw UsageError("--keep-large goes with --densify adaptive; add it");
   if (baseline.unpool_until > 0) throw UsageError("--unpool-until goes with --densify adaptive; add it");
 }

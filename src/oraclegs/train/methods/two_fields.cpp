@@ -135,6 +135,15 @@ double TwoFields::BeforeView(const Iteration& iteration, TrainedModel* model, Ga
   return loss;
 }
 
+std::shared_ptr<const Checkpoint> TwoFields::Save() const {
+  return std::make_shared<const Checkpoint>(state_->second->MakeCheckpoint());
+}
+
+void TwoFields::Restore(const Checkpoint* second) {
+  if (second == nullptr) throw InputError("the checkpoint holds one model, --two-fields goes on from two");
+  state_->second->Restore(*second);
+}
+
 const Gaussians& TwoFields::second() const { return state_->second->gaussians(); }
 
 }  // namespace oraclegs

@@ -24,6 +24,9 @@ class TwoFields final : public MethodPart {
   void Remove(const Iteration& iteration, TrainedModel* model) override;
   double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
 
+  std::shared_ptr<const Checkpoint> Save() const override;
+  void Restore(const Checkpoint* second) override;
+
   /// The second model.
   const Gaussians& second() const;
 
