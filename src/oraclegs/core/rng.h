@@ -52,6 +52,7 @@ enum class RandomStream : uint64_t {
   kDepthPatches = 23,  // of depth losses by patches
   kPseudoViews = 24,
   kSplit = 25,  // of Gaussians in two
+  kBackground = 26,
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

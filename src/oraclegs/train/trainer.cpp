@@ -7,6 +7,7 @@
 #include "oraclegs/camera/scene_bounds.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/train/adaptive_density.h"
+#include "oraclegs/train/baselines/random_background.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/refine_schedule.h"
@@ -61,6 +62,7 @@ struct Trainer::State {
         sampler(setup.view_seed.value_or(seed), plan.num_photos(), plan.num_proposals()) {}
 
   Iteration NextIteration();
+  std::array<float, 3> BackgroundOf(const Iteration& next, const TrainView& view) const;
   Buffer<float> OpacityFactors();
   void Step();
   void ReportLimitations(const Listener& listener) const;
@@ -115,6 +117,11 @@ Buffer<float> Trainer::State::OpacityFactors() {
   return perturbation.IsActive() ? device->OpacityFactors(perturbation, model.gaussians.size()) : Buffer<float>();
 }
 
+std::array<float, 3> Trainer::State::BackgroundOf(const Iteration& next, const TrainView& view) const {
+  const bool is_whole_photo = next.view.kind == ViewKind::kPhoto && !view.alpha.defined();
+  return options.baseline.random_background && is_whole_photo ? RandomBackground(seed, next.number) : background;
+}
+
 void Trainer::State::Step() {
   Lap lap;
   const Iteration next = NextIteration();
@@ -122,7 +129,7 @@ void Trainer::State::Step() {
   device->RunParts(next, &model);
   lap.To(&last_timings.parts);
   const TrainView& view = plan.View(next.view, next.number);
-  const RenderOptions render{background, next.sh_degree, options.antialiased, OpacityFactors()};
+  const RenderOptions render{BackgroundOf(next, view), next.sh_degree, options.antialiased, OpacityFactors()};
   Rasterizer& rasterizer = device->rasterizer();
   const RenderOutput out = rasterizer.Forward(model.gaussians, view.camera, render, RenderPass::kTrain);
   double rendering = 0;  // the rasteriser times its own stages

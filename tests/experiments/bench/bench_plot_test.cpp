@@ -44,9 +44,19 @@ TEST(PsnrOverViews, CountsTheViewsOfRunsWithAll) {
 
 TEST(PsnrOverTime, HasALogarithmicAxis) {
   const std::string svg = PsnrOverTime(TwoNumbersOfViews());
-  // 180 s on an axis from 205/1.5 to 245*1.5 s.
-  EXPECT_THAT(svg, AllOf(HasSubstr(">3:00</text>"), HasSubstr("<text x=\"197.6\""), Not(HasSubstr("nan"))));
+  // 180 and 300 s on an axis from 205/1.5 to 245*1.5 s.
+  EXPECT_THAT(svg, AllOf(HasSubstr(">3:00</text>"), HasSubstr("<text x=\"197.6\""), HasSubstr(">5:00</text>"),
+                         Not(HasSubstr("nan"))));
   EXPECT_THAT(PsnrOverTime({}), AllOf(HasSubstr("</svg>"), Not(HasSubstr("polyline"))));
+}
+
+TEST(PsnrOverTime, HasAsManyTimesAsThereIsRoomFor) {
+  BenchReport report = TwoNumbersOfViews();
+  for (BenchScore& run : report.runs) {
+    run.value[static_cast<size_t>(BenchValue::kSeconds)] = run.views == 24 ? 40000 : 4;
+  }
+  const std::string svg = PsnrOverTime(report);
+  EXPECT_THAT(svg, AllOf(HasSubstr(">1:00</text>"), HasSubstr(">1:00:00</text>"), Not(HasSubstr(">3:00</text>"))));
 }
 
 }  // namespace

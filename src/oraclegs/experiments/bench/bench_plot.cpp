@@ -61,11 +61,21 @@ PlaceRange RangeOf(const std::vector<ChartLine>& lines) {
   return range;
 }
 
-/// Times that people count in.
+/// Times that people count in, as many as their texts have room for.
 std::vector<ChartTick> TimeTicks(double low, double high) {
+  constexpr size_t kMost = 7;
+  constexpr double kSeconds = 1, kMinutes = 60, kHours = 3600;
+  const std::vector<double> fine = {1, 2, 3, 5, 10, 20, 30}, coarse = {1, 3, 10, 30}, rough = {1, 10};
   std::vector<ChartTick> ticks;
-  for (const double seconds : {1, 3, 10, 30, 60, 180, 600, 1800, 3600, 10800, 36000, 108000}) {
-    if (seconds >= low && seconds <= high) ticks.push_back({seconds, FormatSeconds(seconds)});
+  for (const std::vector<double>& counts : {fine, coarse, rough}) {
+    ticks.clear();
+    for (const double unit : {kSeconds, kMinutes, kHours}) {
+      for (const double count : counts) {
+        const double seconds = unit * count;
+        if (seconds >= low && seconds <= high) ticks.push_back({seconds, FormatSeconds(seconds)});
+      }
+    }
+    if (ticks.size() <= kMost) break;
   }
   return ticks;
 }

@@ -30,6 +30,7 @@ struct BaselineOptions {
   bool two_fields = false;
   double co_prune_distance = 5;
   int co_start = 500;
+  bool random_background = false;
   bool hard_depth = false;
   int soft_depth_start = 0;
   int depth_step_every = 10;
@@ -86,6 +87,9 @@ struct BaselineOptions {
           Range{1e-9, 1e9});
     visit("co-start", self.co_start, "Of --two-fields: iteration from which renders are pulled together",
           Range{1, 1e7});
+    visit("random-background", self.random_background,
+          "Render photos without transparency before another color in each iteration, so that the scene becomes opaque "
+          "where they show it (CoR-GS)");
     visit("hard-depth", self.hard_depth,
           "While Gaussians become more, let steps of the positions alone fit the depth of a render whose Gaussians all "
           "have opacity 0.95 to that of the photo, by patches that are normalized first (DNGaussian, Li et al., CVPR "

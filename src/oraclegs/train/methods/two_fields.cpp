@@ -1,5 +1,6 @@
 #include "oraclegs/train/methods/two_fields.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "oraclegs/core/parallel.h"
@@ -10,6 +11,7 @@
 #include "oraclegs/train/adaptive_density.h"
 #include "oraclegs/train/baselines/co_prune.h"
 #include "oraclegs/train/baselines/pseudo_views.h"
+#include "oraclegs/train/baselines/random_background.h"
 #include "oraclegs/train/make_train_device.h"
 
 namespace oraclegs {
@@ -70,6 +72,9 @@ struct TwoFields::State {
       : options(setup.options.Settled()),
         seed(setup.seed),
         background(setup.background),
+        random_background(options.baseline.random_background &&
+                          std::none_of(setup.data.photos.begin(), setup.data.photos.end(),
+                                       [](const TrainView& photo) { return photo.alpha.defined(); })),
         views(PseudoViewsBetween(Cameras(setup.data.photos), kPseudoViews, setup.seed)),
         second_part(std::make_shared<SecondPart>()) {
     TrainSetup other = setup;
@@ -86,6 +91,7 @@ struct TwoFields::State {
   TrainOptions options;
   uint64_t seed;
   std::array<float, 3> background;
+  bool random_background;
   std::vector<Camera> views;
   std::shared_ptr<SecondPart> second_part;
   std::unique_ptr<Trainer> second;
@@ -97,7 +103,8 @@ double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& m
   const Philox draw = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kPseudoViews),
                                    kDraws | static_cast<uint64_t>(iteration.number));
   const Camera& camera = views[static_cast<size_t>(draw.Uniform() * static_cast<double>(views.size()))];
-  const RenderOptions render{background, iteration.sh_degree, options.antialiased};
+  const RenderOptions render{random_background ? RandomBackground(seed, iteration.number) : background,
+                             iteration.sh_degree, options.antialiased};
   const Gaussians& other = second->gaussians();
   const RenderOutput a = one.rasterizer->Forward(model.gaussians, camera, render, RenderPass::kTrain);
   const RenderOutput b = two.rasterizer->Forward(other, camera, render, RenderPass::kTrain);

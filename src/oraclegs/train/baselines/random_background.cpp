@@ -1,0 +1,14 @@
+#include "oraclegs/train/baselines/random_background.h"
+
+#include "oraclegs/core/rng.h"
+
+namespace oraclegs {
+
+std::array<float, 3> RandomBackground(uint64_t seed, int64_t iteration) {
+  Rng rng(seed, RandomStream::kBackground, 3 * static_cast<uint64_t>(iteration));
+  std::array<float, 3> color{};
+  for (float& channel : color) channel = static_cast<float>(rng.Uniform());
+  return color;
+}
+
+}  // namespace oraclegs

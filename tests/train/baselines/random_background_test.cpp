@@ -1,0 +1,58 @@
+#include "oraclegs/train/baselines/random_background.h"
+
+#include <gtest/gtest.h>
+
+#include "support/buffers.h"
+#include "train/small_scene.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(RandomBackground, IsUniformAndAnotherInEachIteration) {
+  std::array<double, 3> sum{}, squares{};
+  constexpr int kDraws = 3000;
+  for (int i = 1; i <= kDraws; ++i) {
+    const std::array<float, 3> color = RandomBackground(7, i);
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_TRUE(color[c] >= 0 && color[c] < 1);
+      sum[c] += static_cast<double>(color[c]) / kDraws;
+      squares[c] += static_cast<double>(color[c] * color[c]) / kDraws;
+    }
+  }
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(sum[c], 0.5, 0.02);
+    EXPECT_NEAR(squares[c], 1.0 / 3, 0.02);
+  }
+  EXPECT_EQ(RandomBackground(7, 5), RandomBackground(7, 5));
+  EXPECT_NE(RandomBackground(7, 5), RandomBackground(8, 5));
+}
+
+/// The mean alpha of a render where a gray photo is all there is to learn from, before a background as gray.
+double CoverAfterTraining(bool random, bool has_alpha) {
+  TrainOptions options = Options(150);
+  options.baseline.random_background = random;
+  options.opacity_reg = options.scale_reg = 0;
+  options.alpha_weight = 0;
+  std::vector<TrainView> photos = Photos(1);
+  std::fill(photos[0].image.span().begin(), photos[0].image.span().end(), 0.5f);
+  if (has_alpha) {
+    photos[0].alpha = Buffer<float>::Zeros({photos[0].image.size(0), photos[0].image.size(1)});
+    std::fill(photos[0].alpha.span().begin(), photos[0].alpha.span().end(), 1.f);
+  }
+  const Camera camera = photos[0].camera;
+  Gaussians start = Start();
+  Flat(start.log_scales).setConstant(-1);
+  Trainer trainer(options, kSeed, {0.5f, 0.5f, 0.5f}, std::move(photos), start);
+  trainer.Run({}, Silent());
+  auto rasterizer = MakeRasterizer(kCpu);
+  return Wide(rasterizer->Forward(trainer.gaussians(), camera, {}, RenderPass::kInference).alpha).mean();
+}
+
+TEST(RandomBackground, MakesAPhotoOpaqueUnlessItHasTransparency) {
+  const double fixed = CoverAfterTraining(false, false);
+  EXPECT_GT(CoverAfterTraining(true, false), fixed + 0.05);
+  EXPECT_EQ(CoverAfterTraining(true, true), CoverAfterTraining(false, true));
+}
+
+}  // namespace
+}  // namespace oraclegs
