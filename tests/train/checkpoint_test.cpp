@@ -161,42 +161,6 @@ TEST(CheckpointTest, RefusesForeignFiles) {
   EXPECT_THAT(Refusal(dir / "huge"), HasSubstr("huge"));
 }
 
-TEST(CheckpointTest, NewestIsByNumberAndStrangersAreIgnored) {
-  TempDir dir;
-  EXPECT_FALSE(NewestCheckpoint(dir / "none").has_value());
-  EXPECT_FALSE(NewestCheckpoint(dir.path()).has_value());
-  for (const char* name :
-       {"iteration_0000900.safetensors", "iteration_10000000.safetensors", "iteration_0009000.safetensors",
-        "iteration_99999999.safetensors.tmp", "iteration_.safetensors", "iteration_9999999x.safetensors",
-        "iteration_-1.safetensors", "zzz.safetensors"}) {
-    Overwrite(dir / name, "");
-  }
-  EXPECT_EQ(NewestCheckpoint(dir.path()), dir / "iteration_10000000.safetensors");
-}
-
-TEST(CheckpointTest, KeepsTheTwoNewestOfThisRun) {
-  TempDir dir;
-  for (const int64_t i : {100, 200, 300, 400, 9000}) Overwrite(CheckpointPath(dir.path(), i), "");
-  Overwrite(dir / "notes.txt", "");
-  RemoveOldCheckpoints(dir.path(), 400);
-  std::vector<std::string> left;
-  for (const auto& entry : std::filesystem::directory_iterator(dir.path())) left.push_back(entry.path().filename());
-  EXPECT_THAT(left, testing::UnorderedElementsAre("iteration_0000300.safetensors", "iteration_0000400.safetensors",
-                                                  "notes.txt"));
-}
-
-TEST(CheckpointTest, RemovesWhatAKilledRunWasWriting) {
-  TempDir dir;
-  for (const char* name : {".oraclegs-999999999-3.tmp", ".oraclegs-999999998-0.tmp", "mine.tmp", ".oraclegs-notes"}) {
-    Overwrite(dir / name, "half");
-  }
-  Overwrite(CheckpointPath(dir.path(), 100), "");
-  RemoveOldCheckpoints(dir.path(), 100);
-  std::vector<std::string> left;
-  for (const auto& entry : std::filesystem::directory_iterator(dir.path())) left.push_back(entry.path().filename());
-  EXPECT_THAT(left, testing::UnorderedElementsAre("iteration_0000100.safetensors", "mine.tmp", ".oraclegs-notes"));
-}
-
 TEST(CheckpointTest, UnwritableFolderIsARunError) {
   TempDir dir;
   Overwrite(dir / "file", "");

@@ -16,6 +16,7 @@
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/train/checkpoint_folder.h"
 
 namespace oraclegs {
 namespace {

@@ -23,8 +23,6 @@ namespace fs = std::filesystem;
 constexpr const char* kFormat = "oraclegs-checkpoint";
 constexpr int64_t kFormatVersion = 3;
 constexpr const char* kSecond = "second.";  // before the names of all that is of the second model
-constexpr std::string_view kPrefix = "iteration_", kSuffix = ".safetensors";
-constexpr size_t kCheckpointsKept = 2;
 // The checksum is that of the whole file with these digits at zero, so that no byte of it is left unguarded.
 constexpr std::string_view kChecksumMark = "crc32=", kNoChecksum = "00000000";
 
@@ -247,28 +245,6 @@ void VerifyChecksum(const fs::path& path, std::string* bytes) {
   }
 }
 
-/// The iteration in a checkpoint's name, -1 for any other file.
-int64_t IterationOf(const fs::path& path) {
-  const std::string name = path.filename().string();
-  if (name.size() <= kPrefix.size() + kSuffix.size() || name.rfind(kPrefix, 0) != 0) return -1;
-  const char* const end = name.data() + name.size() - kSuffix.size();
-  if (std::string_view(end, kSuffix.size()) != kSuffix) return -1;
-  int64_t iteration = -1;
-  const auto [stop, error] = std::from_chars(name.data() + kPrefix.size(), end, iteration);
-  return error == std::errc() && stop == end ? iteration : -1;
-}
-
-/// Checkpoints of a folder by iteration.
-std::map<int64_t, fs::path> ListCheckpoints(const fs::path& dir) {
-  std::map<int64_t, fs::path> found;
-  std::error_code ignored;  // a folder that is not there has none
-  for (const auto& entry : fs::directory_iterator(dir, ignored)) {
-    const int64_t iteration = IterationOf(entry.path());
-    if (iteration >= 0) found[iteration] = entry.path();
-  }
-  return found;
-}
-
 }  // namespace
 
 std::string DumpOptions(const nlohmann::json& options) {
@@ -285,10 +261,6 @@ void CheckSameOptions(const fs::path& dir, const nlohmann::json& saved, const nl
   }
   throw InputError("{}: the checkpoint was made with {}; continue with those options or choose another folder",
                    dir.string(), difference);
-}
-
-fs::path CheckpointPath(const fs::path& dir, int64_t iteration) {
-  return dir / fmt::format("{}{:07}{}", kPrefix, iteration, kSuffix);
 }
 
 void WriteCheckpoint(const fs::path& path, const Checkpoint& checkpoint) {
@@ -320,30 +292,6 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
   const Reader second{path, file, kSecond};
   if (second.Has("means")) checkpoint.second = std::make_shared<const Checkpoint>(second.Model());
   return checkpoint;
-}
-
-std::vector<fs::path> FindCheckpoints(const fs::path& dir) {
-  std::vector<fs::path> paths;
-  for (const auto& [iteration, path] : ListCheckpoints(dir)) paths.push_back(path);
-  std::reverse(paths.begin(), paths.end());
-  return paths;
-}
-
-std::optional<fs::path> NewestCheckpoint(const fs::path& dir) {
-  const std::vector<fs::path> found = FindCheckpoints(dir);
-  if (found.empty()) return std::nullopt;
-  return found.front();
-}
-
-void RemoveOldCheckpoints(const fs::path& dir, int64_t iteration) {
-  std::error_code ignored;  // what cannot be removed does no harm
-  size_t kept = 0;
-  const auto found = ListCheckpoints(dir);
-  for (auto it = found.rbegin(); it != found.rend(); ++it) {
-    if (it->first <= iteration && kept++ < kCheckpointsKept) continue;
-    fs::remove(it->second, ignored);
-  }
-  RemoveLeftovers(dir);
 }
 
 }  // namespace oraclegs

@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "oraclegs/render/render.h"
 #include "oraclegs/train/adam.h"
@@ -38,24 +36,10 @@ std::string DumpOptions(const nlohmann::json& options);
 /// these.
 void CheckSameOptions(const std::filesystem::path& dir, const nlohmann::json& saved, const nlohmann::json& now);
 
-/// DIR/iteration_0003000.safetensors
-std::filesystem::path CheckpointPath(const std::filesystem::path& dir, int64_t iteration);
-
 /// Writes, flushes, renames. Throws RunError.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
 /// Throws InputError naming the file: wrong format version, checksum, shapes or keys.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
-
-/// The checkpoints of a folder ("iteration_0003000.safetensors"), the newest first.
-std::vector<std::filesystem::path> FindCheckpoints(const std::filesystem::path& dir);
-
-/// The newest of them, nullopt when there is none.
-std::optional<std::filesystem::path> NewestCheckpoint(const std::filesystem::path& dir);
-
-/// Removes what a run that has just saved `iteration` needs no more: all but the two newest up to there, those of
-/// later iterations, which an abandoned run has left and NewestCheckpoint would mistake for this one's, and temporary
-/// files of runs that were killed. No other run may be writing to the folder.
-void RemoveOldCheckpoints(const std::filesystem::path& dir, int64_t iteration);
 
 }  // namespace oraclegs

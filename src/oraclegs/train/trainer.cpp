@@ -8,6 +8,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/train/adaptive_density.h"
 #include "oraclegs/train/baselines/random_background.h"
+#include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/refine_schedule.h"
@@ -18,23 +19,6 @@ namespace {
 
 constexpr int64_t kReportEvery = 100;  // iterations
 constexpr double kReportSeconds = 0.5;
-
-/// What is left of a run that memory ended.
-std::string WhereToContinue(const CheckpointPolicy& policy) {
-  if (policy.dir.empty()) return "nothing was saved";
-  const auto newest = NewestCheckpoint(policy.dir);
-  if (!newest) return "no checkpoint had been saved yet (--checkpoint-every)";
-  return fmt::format(
-      "the last checkpoint, {}, is whole: the same command continues from it where more memory is free, or with "
-      "--device cpu; with lower settings training starts anew (--overwrite)",
-      newest->string());
-}
-
-/// What is left of a run that diverged, which it would do again from there with the same options.
-std::string WhatIsSaved(const CheckpointPolicy& policy) {
-  const auto newest = policy.dir.empty() ? std::nullopt : NewestCheckpoint(policy.dir);
-  return newest ? fmt::format("{} was saved before that", newest->string()) : "nothing had been saved";
-}
 
 void CheckFinite(const Gaussians& gaussians, int64_t iteration) {
   gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
@@ -217,7 +201,7 @@ TrainResult Trainer::Run(const CheckpointPolicy& policy, const Listener& listene
   try {
     return RunToTheEnd(policy, listener, observer);
   } catch (const Diverged& error) {
-    throw Diverged("{}; {}", error.what(), WhatIsSaved(policy));
+    throw Diverged("{}; {}", error.what(), WhatIsSaved(policy.dir));
   }
 }
 
@@ -258,7 +242,8 @@ TrainResult Trainer::RunToTheEnd(const CheckpointPolicy& policy, const Listener&
     try {
       s.Step();
     } catch (const OutOfMemory& error) {
-      throw OutOfMemory("iteration {} of {}: {}; {}", s.iteration + 1, total, error.what(), WhereToContinue(policy));
+      throw OutOfMemory("iteration {} of {}: {}; {}", s.iteration + 1, total, error.what(),
+                        WhereToContinue(policy.dir));
     }
     s.seconds = seconds_before + watch.Seconds();
     if (!policy.dir.empty() && policy.every > 0 && s.iteration % policy.every == 0) save();

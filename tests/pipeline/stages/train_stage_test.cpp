@@ -7,6 +7,7 @@
 #include "oraclegs/pipeline/live/curves.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/train/checkpoint.h"
+#include "oraclegs/train/checkpoint_folder.h"
 #include "pipeline/fixtures.h"
 #include "pipeline/proposing.h"
 #include "support/errors.h"

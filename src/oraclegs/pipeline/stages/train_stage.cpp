@@ -16,6 +16,7 @@
 #include "oraclegs/pipeline/stages/test_score.h"
 #include "oraclegs/pipeline/stages/train_inputs.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/methods/make_parts.h"
 #include "oraclegs/train/methods/weight_photos.h"
