@@ -111,7 +111,7 @@ TEST(ControlDensity, RemovesTheTransparentAndLaterTheLarge) {
 TEST(ControlDensity, LeavesTheFaintAndSplitsTheLonelyWhereAsked) {
   const std::vector<float> pulled = {0.0003f, 0.0003f, 0, 0};
   const auto grow = [&](const DensityControl& control) {
-    Gaussians g = Row(4, 2);  // 10 apart: mean squared distances from 133 on, 467 at the ends
+    Gaussians g = Row(4, 2);  // 10 apart: mean squared distances from 200 on
     Flat(g.opacity_logits.Rows(0, 1)).setConstant(static_cast<float>(LogitOf(0.05)));
     Adam adam = Moments(4);
     return ControlDensity(control, pulled, &g, &adam);

@@ -44,6 +44,14 @@ TEST_F(BenchPlanTest, MethodsWinOverTheUserWhoWinsOverWhatIsUsual) {
   EXPECT_EQ(ValueAfter(CommandOf(request, PlanBench(request), PlanBench(request).runs[1]), "--iterations"), "10000");
 }
 
+TEST_F(BenchPlanTest, AnotherStartCanBeAskedFor) {
+  BenchRequest request = Request();
+  request.options.methods = "3dgs,3dgs-mcmc-random", request.asked = {{"init", "sfm"}};
+  const BenchPlan plan = PlanBench(request);
+  EXPECT_EQ(ValueAfter(CommandOf(request, plan, plan.runs[0]), "--init"), "sfm");
+  EXPECT_EQ(ValueAfter(CommandOf(request, plan, plan.runs[1]), "--init"), "random-cube") << "it is what the method is";
+}
+
 TEST_F(BenchPlanTest, CommandsNameSceneWorkspaceAndSeed) {
   BenchRequest request = Request();
   request.options.methods = "ours", request.first_seed = 7;
@@ -68,6 +76,9 @@ TEST_F(BenchPlanTest, NamedSuitesSayWhetherTheirProtocolIsKept) {
   const BenchPlan plan = PlanBench(request);
   EXPECT_EQ(plan.runs.size(), 15u * 4);
   EXPECT_EQ(plan.checks[0].problem, "");
+  request.options.methods = "cor-gs";
+  const BenchPlan of_cor_gs = PlanBench(request);
+  EXPECT_EQ(ValueAfter(CommandOf(request, of_cor_gs, of_cor_gs.runs[0]), "--co-start"), "2000") << "as on DTU";
   EXPECT_THAT(plan.checks[1].problem, HasSubstr("scan21: is missing"));
   EXPECT_THAT(PlanText(request, plan), HasSubstr("not the suite's protocol"));
   request.options.views.clear();

@@ -62,7 +62,8 @@ TEST(Methods, BaselinesHaveTheirMechanisms) {
 TEST(Methods, HaveTheSettingsOfADatasetWhereTheirAuthorsDo) {
   const auto baseline = [](const char* name, const char* suite) {
     const Method method = FindMethods(name)[0];
-    return OptionsOf(Overlaid(method.usual, method.OptionsFor(suite))).train;
+    const SuiteSettings settings = method.For(suite);
+    return OptionsOf(Overlaid(settings.usual, settings.options)).train;
   };
   EXPECT_EQ(baseline("cor-gs", "llff").baseline.co_prune_distance, 5);
   EXPECT_EQ(baseline("cor-gs", "dtu").baseline.co_prune_distance, 10);

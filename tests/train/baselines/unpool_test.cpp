@@ -15,8 +15,8 @@ struct Lonely {
     const std::vector<float> means = {0, 0, 0, 1, 0, 0, 0.5f, 0.25f, 0, -9, 0, 0, x, 0, 0};
     std::copy(means.begin(), means.end(), gaussians.means.data());
   }
-  int64_t Unpool(const ProximityLimits& options, int64_t limit = 100) {
-    return UnpoolGaussians(options, limit, {&gaussians, &first, &second});
+  int64_t Unpool(const ProximityLimits& limits, int64_t most = 100) {
+    return UnpoolGaussians(limits, most, {&gaussians, &first, &second});
   }
 };
 

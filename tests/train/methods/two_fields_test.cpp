@@ -94,6 +94,21 @@ TEST(TwoFields, GoOnFromACheckpointToTheSameBits) {
   EXPECT_THAT(MessageOf<InputError>([&] { resumed->Restore(of_one); }), testing::HasSubstr("goes on from two"));
 }
 
+TEST(TwoFields, KeepTheBackgroundOfPhotosWithTransparency) {
+  const auto train = [](bool random, bool has_alpha) {
+    TrainSetup setup = SetupOf(60, 20);
+    setup.options.baseline.random_background = random;
+    for (TrainView& photo : setup.data.photos) {
+      if (!has_alpha) continue;
+      photo.alpha = Buffer<float>::Zeros({photo.image.size(0), photo.image.size(1)});
+      std::fill(photo.alpha.span().begin(), photo.alpha.span().end(), 1.f);
+    }
+    return Train(std::move(setup)).first;
+  };
+  EXPECT_TRUE(SameBits(train(true, true), train(false, true)));
+  EXPECT_FALSE(SameBits(train(true, false), train(false, false)));
+}
+
 TEST(TwoFields, RemoveWhatOnlyOneHas) {
   TrainSetup setup = SetupOf(600, 1000);
   setup.options.baseline.co_prune_distance = 0.02;

@@ -18,9 +18,9 @@ std::string RunName(const BenchPlan& plan, const BenchRun& run) {
 
 /// Suite, then the method's usual, then the user's, then what makes the method.
 RunArguments ArgumentsOf(const BenchRequest& request, const BenchPlan& plan, const BenchRun& run) {
-  const Method& method = plan.methods[run.method];
+  const SuiteSettings method = plan.methods[run.method].For(plan.suite.name);
   RunArguments arguments = Overlaid(plan.suite.protocol(plan.checks[run.check].views), method.usual);
-  arguments = Overlaid(Overlaid(std::move(arguments), request.asked), method.OptionsFor(plan.suite.name));
+  arguments = Overlaid(Overlaid(std::move(arguments), request.asked), method.options);
   return Overlaid(std::move(arguments), {{"seed", std::to_string(run.seed)}, {"report", "false"}});
 }
 

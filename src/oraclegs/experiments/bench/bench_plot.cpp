@@ -63,7 +63,7 @@ PlaceRange RangeOf(const std::vector<ChartLine>& lines) {
 
 /// Times that people count in, as many as their texts have room for.
 std::vector<ChartTick> TimeTicks(double low, double high) {
-  constexpr size_t kMost = 7;
+  constexpr size_t kMaxTicks = 7;
   constexpr double kSeconds = 1, kMinutes = 60, kHours = 3600;
   const std::vector<double> fine = {1, 2, 3, 5, 10, 20, 30}, coarse = {1, 3, 10, 30}, rough = {1, 10};
   std::vector<ChartTick> ticks;
@@ -75,7 +75,7 @@ std::vector<ChartTick> TimeTicks(double low, double high) {
         if (seconds >= low && seconds <= high) ticks.push_back({seconds, FormatSeconds(seconds)});
       }
     }
-    if (ticks.size() <= kMost) break;
+    if (ticks.size() <= kMaxTicks) break;
   }
   return ticks;
 }

@@ -8,15 +8,13 @@
 namespace oraclegs {
 namespace {
 
-/// Rates and terms of 3DGS and of the programs built on it, where this program's own differ. The start is that of the
-/// methods for few photos, dense points: theirs are COLMAP's, these are stereo's, of the training views alone in both
-/// cases.
+/// Rates and terms of 3DGS and of the programs built on it, where this program's own differ.
 RunArguments Plain3dgs() {
   return {{"proposers", "none"},          {"depth-prior", "stereo"}, {"depth-weight", "0"},   {"alpha-weight", "0"},
           {"opacity-noise", "0"},         {"dropout", "0"},          {"largest-scale", "0"},  {"exposure", "off"},
           {"prune-floaters", "false"},    {"coarse-share", "0"},     {"last-rates", "1"},     {"rate-scale", "1"},
-          {"sh-degree-interval", "1000"}, {"refine-start", "500"},   {"refine-every", "100"}, {"init", "dense"},
-          {"init-scale", "0.1"},          {"init-planes", "false"}};
+          {"sh-degree-interval", "1000"}, {"refine-start", "500"},   {"refine-every", "100"}, {"init-scale", "0.1"},
+          {"init-planes", "false"}};
 }
 
 /// With adaptive density control, which works on a CPU alone.
@@ -37,6 +35,10 @@ RunArguments ForFewPhotos() {
   return Overlaid(Adaptive(), {{"densify-gradient", "0.0005"}, {"refine-stop", "1"}, {"keep-large", "true"}});
 }
 
+/// The start of the methods for few photos: theirs are COLMAP's dense points, these are stereo's, of the training views
+/// alone in both cases.
+RunArguments FromDensePoints(const std::string& iterations) { return {{"iterations", iterations}, {"init", "dense"}}; }
+
 /// What DNGaussian has on LLFF and DTU.
 RunArguments DnGaussianOfPhotos() {
   return {{"depth-step-every", "1"}, {"densify-opacity", "0.1"}, {"prune-opacity", "0.01"}};
@@ -44,17 +46,18 @@ RunArguments DnGaussianOfPhotos() {
 
 }  // namespace
 
-RunArguments Method::OptionsFor(const std::string& suite) const {
+SuiteSettings Method::For(const std::string& suite) const {
   const auto own = of_suites.find(suite);
-  return own == of_suites.end() ? options : Overlaid(options, own->second);
+  if (own == of_suites.end()) return {options, usual};
+  return {Overlaid(options, own->second.options), Overlaid(usual, own->second.usual)};
 }
 
 const std::vector<Method>& Methods() {
   static const std::vector<Method> methods = {
       {"ours", "OracleGS (this program)", "", {}, {}, ""},
       {"ours-no-proposals", "OracleGS without proposals", "", {{"proposers", "none"}}, {}, ""},
-      {"3dgs", "3DGS", "Kerbl 2023", Adaptive(), {{"iterations", "10000"}}, ""},
-      {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Plain3dgs(), {{"iterations", "10000"}}, ""},
+      {"3dgs", "3DGS", "Kerbl 2023", Adaptive(), FromDensePoints("10000"), ""},
+      {"3dgs-mcmc", "3DGS-MCMC", "Kheradmand 2024", Plain3dgs(), FromDensePoints("10000"), ""},
       // As its authors train without points, and as the OracleGS paper's ablation begins.
       {"3dgs-mcmc-random",
        "3DGS-MCMC, random start",
@@ -62,15 +65,9 @@ const std::vector<Method>& Methods() {
        Overlaid(Plain3dgs(), {{"depth-prior", "none"}, {"init", "random-cube"}}),
        {{"iterations", "10000"}},
        ""},
-      {"dropgaussian",
-       "DropGaussian",
-       "Park 2025",
-       Overlaid(ForFewPhotos(), {{"dropout", "0.2"}}),
-       {{"iterations", "10000"}},
-       ""},
-      {"fsgs",
-       "FSGS",
-       "Zhu 2024",
+      {"dropgaussian", "DropGaussian", "Park 2025", Overlaid(ForFewPhotos(), {{"dropout", "0.2"}}),
+       FromDensePoints("10000"), ""},
+      {"fsgs", "FSGS", "Zhu 2024",
        Overlaid(ForFewPhotos(), {{"depth-loss", "correlation"},
                                  {"depth-weight", "0.05"},
                                  {"sh-degree-interval", "500"},
@@ -78,8 +75,7 @@ const std::vector<Method>& Methods() {
                                  {"opacity-reset-to", "0.05"},
                                  {"split-lonely", "true"},
                                  {"unpool-until", "2000"}}),
-       {{"iterations", "10000"}},
-       "monocular depth; stereo's stands in for it, and pseudo views have none"},
+       FromDensePoints("10000"), "monocular depth; stereo's stands in for it, and pseudo views have none"},
       {"cor-gs",
        "CoR-GS",
        "Zhang 2024",
@@ -89,11 +85,11 @@ const std::vector<Method>& Methods() {
                                  {"opacity-reset-to", "0.05"},
                                  {"random-background", "true"},
                                  {"split-lonely", "true"}}),
-       {{"iterations", "10000"}},
+       FromDensePoints("10000"),
        "",
-       {{"dtu", {{"co-prune-distance", "10"}, {"co-start", "2000"}}},
-        {"blender", {{"random-background", "false"}}},
-        {"mipnerf360", {{"co-prune-distance", "20"}, {"iterations", "30000"}, {"refine-stop", "0.5"}}}}},
+       {{"dtu", {{{"co-prune-distance", "10"}, {"co-start", "2000"}}}},
+        {"blender", {{{"random-background", "false"}}}},
+        {"mipnerf360", {{{"co-prune-distance", "20"}, {"refine-stop", "0.5"}}, {{"iterations", "30000"}}}}}},
       {"dngaussian",
        "DNGaussian",
        "Li 2024",
@@ -103,28 +99,21 @@ const std::vector<Method>& Methods() {
                              {"soft-depth-start", "1000"},
                              {"depth-step-every", "10"},
                              {"depth-tolerance", "0.01"}}),
-       {{"iterations", "6000"}},
+       FromDensePoints("6000"),
        "monocular depth; stereo's stands in for it",
-       {{"llff", Overlaid(DnGaussianOfPhotos(), {{"depth-tolerance", "0.00025"}, {"densify-gradient", "0.0013"}})},
-        {"dtu", Overlaid(DnGaussianOfPhotos(), {{"densify-gradient", "0.001"}})},
-        {"blender", {{"soft-depth-start", "0"}}}}},
+       {{"llff", {Overlaid(DnGaussianOfPhotos(), {{"depth-tolerance", "0.00025"}, {"densify-gradient", "0.0013"}})}},
+        {"dtu", {Overlaid(DnGaussianOfPhotos(), {{"densify-gradient", "0.001"}})}},
+        {"blender", {{{"soft-depth-start", "0"}}}}}},
       // The published run has 30000 iterations, prunes at 20000 and densifies until 18000.
-      {"sparsegs",
-       "SparseGS",
-       "Xiong 2023",
+      {"sparsegs", "SparseGS", "Xiong 2023",
        Overlaid(Adaptive(), {{"depth-loss", "patched-correlation"},
                              {"depth-weight", "0.05"},
                              {"refine-stop", "0.6"},
                              {"prune-opacity", "0.05"},
                              {"prune-modes-at", "6667"}}),
-       {{"iterations", "10000"}},
-       "monocular depth; stereo's stands in for it, and there is no diffusion model"},
-      {"comapgs",
-       "CoMapGS",
-       "Jang 2025",
-       Overlaid(ForFewPhotos(), {{"covisibility-weights", "true"}}),
-       {{"iterations", "10000"}},
-       "matches of a network; the depth of stereo stands in for them"},
+       FromDensePoints("10000"), "monocular depth; stereo's stands in for it, and there is no diffusion model"},
+      {"comapgs", "CoMapGS", "Jang 2025", Overlaid(ForFewPhotos(), {{"covisibility-weights", "true"}}),
+       FromDensePoints("10000"), "matches of a network; the depth of stereo stands in for them"},
   };
   return methods;
 }

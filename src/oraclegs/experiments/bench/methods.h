@@ -9,6 +9,12 @@
 
 namespace oraclegs {
 
+/// Over a method's own.
+struct SuiteSettings {
+  RunArguments options;
+  RunArguments usual = {};
+};
+
 struct Method {
   std::string name;      ///< for --methods and folders
   std::string label;     ///< for tables
@@ -17,10 +23,10 @@ struct Method {
   RunArguments usual;    ///< win over the suite's, but not over the user's
   std::string needs;     ///< what must be there for it, for people; "" = nothing
   /// By the names of suites: what its authors set otherwise on these datasets.
-  std::map<std::string, RunArguments> of_suites = {};
+  std::map<std::string, SuiteSettings> of_suites = {};
 
-  /// `options`, with those of a suite where it has such.
-  RunArguments OptionsFor(const std::string& suite) const;
+  /// `options` and `usual`, with those of a suite over them where it has such.
+  SuiteSettings For(const std::string& suite) const;
 };
 
 /// To add one, add a row.

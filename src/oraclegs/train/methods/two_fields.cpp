@@ -147,7 +147,8 @@ std::shared_ptr<const Checkpoint> TwoFields::Save() const {
 }
 
 void TwoFields::Restore(const Checkpoint* second) {
-  if (second == nullptr) throw InputError("the checkpoint holds one model, --two-fields goes on from two");
+  if (second == nullptr)
+    throw InputError("the checkpoint holds one model, --two-fields goes on from two; start anew with --overwrite");
   state_->second->Restore(*second);
 }
 
