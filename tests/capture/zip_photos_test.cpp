@@ -2,7 +2,10 @@
 
 #include <zip.h>
 
+#include <map>
+
 #include "image/jpeg_files.h"
+#include "oraclegs/core/files.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -46,6 +49,24 @@ TEST(UnpackPhotos, TakesPhotosOnlyAndStaysInside) {
   EXPECT_THAT(events.warnings,
               ::testing::UnorderedElementsAre(HasSubstr("trip/2.NEF: raw photos are not read"),
                                               HasSubstr("trip/masks/1.jpg: masks and smaller copies are not taken")));
+}
+
+TEST(UnpackPhotos, GivesPlacesOfTheirOwn) {
+  const TempDir dir;
+  WriteArchive(dir / "a.zip",
+               {{"a.jpg", "file"}, {"a.jpg/1.jpg", "below"}, {"/a-2.jpg", "taken"}, {"b.jpg", "1"}, {"../b.jpg", "2"}});
+  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 5);
+  UnpackPhotos(dir / "a.zip", dir / "out", [](const Event&) {});
+  std::map<std::string, std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(dir / "out")) {
+    if (!entry.is_regular_file()) continue;
+    found[entry.path().lexically_relative(dir / "out").string()] = ReadFile(entry.path());
+  }
+  EXPECT_THAT(found, ::testing::UnorderedElementsAre(::testing::Pair("a-2.jpg", "file"),
+                                                     ::testing::Pair("a.jpg/1.jpg", "below"),
+                                                     ::testing::Pair("a-2-2.jpg", "taken"),
+                                                     ::testing::Pair("b.jpg", "1"), ::testing::Pair("b-2.jpg", "2")))
+      << "a folder keeps its name, a file gets another one";
 }
 
 TEST(CountZipPhotos, NamesWhatIsWrong) {

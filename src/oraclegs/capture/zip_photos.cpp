@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,9 +62,30 @@ fs::path SafePath(const std::string& name) {
   return safe;
 }
 
+struct Entry {
+  fs::path path;
+  zip_uint64_t index;
+};
+
+/// By where they go, each to a place of its own: another name where two have the same, or a folder has it.
+std::map<fs::path, zip_uint64_t> WithFreeNames(const std::vector<Entry>& entries) {
+  std::set<fs::path> folders;
+  for (const Entry& entry : entries) {
+    for (fs::path at = entry.path.parent_path(); !at.empty(); at = at.parent_path()) folders.insert(at);
+  }
+  std::map<fs::path, zip_uint64_t> photos;
+  for (const auto& [path, index] : entries) {
+    fs::path free = path;
+    for (int n = 2; folders.count(free) > 0 || !photos.emplace(free, index).second; ++n) {
+      free = path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), n, path.extension().string());
+    }
+  }
+  return photos;
+}
+
 /// Indices of the archive's photos by where they go. What is not read is noted by reason.
 std::map<fs::path, zip_uint64_t> ListPhotos(zip_t* zip, std::map<std::string, std::vector<std::string>>* skipped) {
-  std::map<fs::path, zip_uint64_t> photos;
+  std::vector<Entry> photos;
   const zip_int64_t count = zip_get_num_entries(zip, 0);
   for (zip_int64_t i = 0; i < count; ++i) {
     const auto index = static_cast<zip_uint64_t>(i);
@@ -77,15 +99,12 @@ std::map<fs::path, zip_uint64_t> ListPhotos(zip_t* zip, std::map<std::string, st
       continue;
     }
     if (HasImageExtension(path)) {
-      fs::path free = path;
-      for (int n = 2; !photos.emplace(free, index).second; ++n) {
-        free = path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), n, path.extension().string());
-      }
+      photos.push_back({path, index});
     } else if (const std::string why = WhyNotRead(path); !why.empty()) {
       (*skipped)[why].push_back(OneLine(path.generic_string()));
     }
   }
-  return photos;
+  return WithFreeNames(photos);
 }
 
 }  // namespace
