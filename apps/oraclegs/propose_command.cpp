@@ -9,7 +9,8 @@ class ProposeCommand : public WorkspaceCommand {
  public:
   explicit ProposeCommand(CLI::App* app)
       : WorkspaceCommand(app, "propose", "Synthesize new views (proposals) as extra training data",
-                         "oraclegs propose scene/ -o out/ --views 12 --trajectory interpolate --proposals 16") {}
+                         "oraclegs propose scene/ -o out/ --views 12 --trajectory interpolate --proposals 16",
+                         {.spread = true}) {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {

@@ -44,8 +44,8 @@ RunOptions ReadSavedOptions(const std::filesystem::path& workspace) {
 
 }  // namespace
 
-oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
-                             const DeviceOptions& device, const Listener& listener) {
+RunRequest RequestAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
+                          const DeviceOptions& device) {
   if (!IsWorkspace(workspace)) {
     throw InputError("{}: holds no run of oraclegs; name a workspace", workspace.string());
   }
@@ -54,7 +54,12 @@ oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const Machi
   request.version = ORACLEGS_VERSION;
   request.options = ReadSavedOptions(workspace);
   request.options.machine = machine, request.options.device = device;
-  return OpenQuietly(request, listener);
+  return request;
+}
+
+oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
+                             const DeviceOptions& device, const Listener& listener) {
+  return OpenQuietly(RequestAsSaved(workspace, machine, device), listener);
 }
 
 oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const {

@@ -27,8 +27,12 @@ struct OutOptions {
   }
 };
 
-/// A run with the options that it was saved with, but for the machine's. Throws InputError when the folder is no
-/// workspace.
+/// Asks for a run with the options that it was saved with, but for the machine's. Throws InputError when the folder is
+/// no workspace.
+RunRequest RequestAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
+                          const DeviceOptions& device);
+
+/// Opens such a run.
 oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
                              const DeviceOptions& device, const Listener& listener);
 

@@ -3,11 +3,13 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "command.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/experiments/spread.h"
 #include "oraclegs/pipeline/run.h"
 #include "viewing.h"
 
@@ -23,13 +25,16 @@ struct LiveViewOptions {
   }
 };
 
-/// Whether a command can show its run (--view).
-enum class LiveView { kNone, kOffered };
+/// What a command offers beside filling the workspace.
+struct WorkspaceOffers {
+  bool view = false;    ///< --view: to show the run
+  bool spread = false;  ///< --spread: to divide its stages
+};
 
 class WorkspaceCommand : public Command {
  protected:
   WorkspaceCommand(CLI::App* app, const std::string& name, const std::string& help, const std::string& example,
-                   LiveView live = LiveView::kNone)
+                   WorkspaceOffers offers = {})
       : Command(app, name, help, example) {
     BindInputs(
         "input", &request_.inputs,
@@ -37,9 +42,13 @@ class WorkspaceCommand : public Command {
         "Blender), or any number of photos, videos, zip archives and folders of photos");
     Bind("Input", &request_.options.capture);
     Bind("Output", &workspace_);
-    if (live == LiveView::kOffered) {
+    if (offers.view) {
       Bind("Viewer", &live_);
       Bind("Viewer", &viewer_, Level::kAdvanced);
+    }
+    if (offers.spread) {
+      Bind("Many devices", &spread_, Level::kAdvanced);
+      Bind("Slurm", &slurm_, Level::kAdvanced);
     }
     BindRun(&request_.options);
   }
@@ -53,6 +62,13 @@ class WorkspaceCommand : public Command {
     request_.out = workspace_.out;
     request_.overwrite = workspace_.overwrite;
     request_.version = ORACLEGS_VERSION;
+    if (spread_.spread < 2 && spread_.launcher != LauncherKind::kLocal) {
+      throw UsageError("--launcher {}: there is nothing to divide; say among how many processes with --spread",
+                       Word(spread_.launcher));
+    }
+    request_.spread = SpreadBy({spread_, request_.options.device.device, request_.options.machine.threads,
+                                std::filesystem::read_symlink("/proc/self/exe")},
+                               slurm_);
     std::optional<Viewing> viewing;
     if (live_.view) request_.on_claimed = [&] { StartViewing(listener, &viewing); };
     Fill(request_, listener);
@@ -79,6 +95,8 @@ class WorkspaceCommand : public Command {
   WorkspaceOptions workspace_;
   LiveViewOptions live_;
   ViewerOptions viewer_;
+  SpreadOptions spread_;
+  SlurmOptions slurm_;
 };
 
 }  // namespace oraclegs

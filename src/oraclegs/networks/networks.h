@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "oraclegs/core/enum_words.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/core/share.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/networks/seva_options.h"
 
@@ -153,17 +155,21 @@ struct ViewRequest {
   std::vector<Camera> targets;
   std::filesystem::path workspace = {};  ///< finished chunks are kept here; empty: nowhere
   std::string key = {};  ///< stands for views, targets and weights: chunks of another key are not used again
+  /// Of chunks that several processes make in one workspace: only those of this share whose inputs are there, and no
+  /// views. Nothing = all of them.
+  std::optional<Share> share = {};
 };
 
 /// Stable Virtual Camera: images and target cameras to new views.
 class ViewGenerator {
  public:
   virtual ~ViewGenerator() = default;
-  /// Of each target options.candidates images of its camera's size, RGB in [0, 1]; the whole frame of the camera is
-  /// generated, so its pose and intrinsics are exact. The same for a seed, whether the work was interrupted or not;
-  /// only decoding in tiles, where memory is short, gives others, with a warning. Polls for interrupts between steps;
-  /// reports StepDone{"propose"} after each. Throws RunError when memory does not suffice (before the first step),
-  /// UsageError for options that do not fit the views, InputError for views of different working sizes, Interrupted.
+  /// Of each target, but with a share, options.candidates images of its camera's size, RGB in [0, 1]; the whole frame
+  /// of the camera is generated, so its pose and intrinsics are exact. The same for a seed, whether the work was
+  /// interrupted or not; only decoding in tiles, where memory is short, gives others, with a warning. Polls for
+  /// interrupts between steps; reports StepDone{"propose"} after each. Throws RunError when memory does not suffice
+  /// (before the first step), UsageError for options that do not fit the views, InputError for views of different
+  /// working sizes, Interrupted.
   virtual std::vector<std::vector<ImageF>> Generate(const ViewRequest& request, const Listener& listener) const = 0;
 };
 

@@ -190,9 +190,37 @@ void FindPosesAndSplit(Run* run, bool opened) {
   if (!run->photos.empty()) RunStage(run, "register");
   EnterFrame(run, opened);
   run->split = SplitViews(run->scene, run->options.split);
-  const nlohmann::json json = SplitToJson(run->scene, run->split);
-  ReportSplit(json, run->listener);
-  WriteFileAtomically(run->workspace.split(), json.dump(2) + "\n");
+}
+
+void SaveSplit(const Run& run) {
+  const nlohmann::json json = SplitToJson(run.scene, run.split);
+  ReportSplit(json, run.listener);
+  WriteFileAtomically(run.workspace.split(), json.dump(2) + "\n");
+}
+
+using PlanMaker = Plan (*)(const RunOptions& options, bool has_poses);
+
+/// The run of a workspace, which is held, or joined.
+Run ReadRun(const RunRequest& asked, PlanMaker make_plan, Workspace (*open)(const fs::path& dir),
+            const Listener& listener) {
+  CheckRunOptions(asked.options);
+  const RunRequest request = WithListsRead(asked);
+  const SavedRun saved = ReadSavedRun(request.out);
+  const std::string difference = DescribeDifference(saved.options, request.options, saved.size);
+  if (!difference.empty()) {
+    throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
+  }
+  Scene scene = Read(saved.scene, request.options, listener);
+  Workspace workspace = open(request.out);
+  Plan plan = make_plan(request.options, scene.HasPoses());
+  if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
+  const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
+  Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.start_iterations = saved.start_iterations;
+  run.photos = PhotosFingerprint(run.scene, &run.files);
+  LeaveOutUnreadablePhotos(&run);
+  FindPosesAndSplit(&run, true);
+  return run;
 }
 
 }  // namespace
@@ -269,35 +297,27 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   run.live = std::make_shared<Live>(run.workspace, listener);
   run.listener = run.workspace.Watching(run.live->AsListener());
   if (run.options.report.report) run.on_training = WriteStartDocument;
+  run.spread = request.spread;
   if (request.on_claimed) request.on_claimed();
   Live::Guard(run.live.get(), [&] {
     run.photos = PhotosFingerprint(run.scene, &run.files);
     CheckRunPhotos(&run);
     if (request.estimates) AnnounceStages(&run);
     FindPosesAndSplit(&run, false);
+    SaveSplit(run);
   });
   return run;
 }
 
-Run OpenRun(const RunRequest& asked, const Listener& listener) {
-  CheckRunOptions(asked.options);
-  const RunRequest request = WithListsRead(asked);
-  const SavedRun saved = ReadSavedRun(request.out);
-  const std::string difference = DescribeDifference(saved.options, request.options, saved.size);
-  if (!difference.empty()) {
-    throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
-  }
-  Scene scene = Read(saved.scene, request.options, listener);
-  Workspace workspace = Workspace::Open(request.out);
-  Plan plan = MakePlanToEvaluate(request.options);
-  if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
-  const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
-  Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
-  run.start_iterations = saved.start_iterations;
-  run.photos = PhotosFingerprint(run.scene, &run.files);
-  LeaveOutUnreadablePhotos(&run);
-  FindPosesAndSplit(&run, true);
+Run OpenRun(const RunRequest& request, const Listener& listener) {
+  const auto plan = [](const RunOptions& options, bool) { return MakePlanToEvaluate(options); };
+  Run run = ReadRun(request, plan, Workspace::Open, listener);
+  SaveSplit(run);
   return run;
+}
+
+Run JoinRun(const RunRequest& request, const Listener& listener) {
+  return ReadRun(request, MakePlan, Workspace::Join, listener);
 }
 
 }  // namespace oraclegs

@@ -10,4 +10,8 @@ const TrainingViews& ViewsOf(Run* run) {
   return *views;
 }
 
+void SpreadParts(Run* run, const StageParts& parts) {
+  if (run->spread && parts.count > 1) run->spread(run, parts);
+}
+
 }  // namespace oraclegs

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <span>
+#include <utility>
 
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
@@ -13,6 +16,7 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/stages/calibrated_oracle.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/pipeline/workspace/part_store.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/validate/view_chunks.h"
 
@@ -46,14 +50,18 @@ Image8 Preview(const Validated& validated) {
   return image;
 }
 
-/// Paths relative to the workspace.
-std::vector<std::string> Write(const Workspace& workspace, const Validated& validated) {
+/// Paths relative to the workspace: the image and its confidence.
+std::vector<std::string> FilesOf(const std::string& name) {
+  return {fmt::format("proposals/{}.png", name), fmt::format("confidence/{}.png", name)};
+}
+
+/// To the workspace, or a folder of the same layout.
+void Write(const WorkspacePaths& paths, const Validated& validated) {
   const std::string& name = validated.proposal.name;
-  std::vector<std::string> files = {fmt::format("proposals/{}.png", name), fmt::format("confidence/{}.png", name)};
-  WritePng(workspace.root() / files[0], ToImage8(validated.proposal.rgb));
-  WritePng(workspace.root() / files[1], Grey(validated.confidence, validated.proposal.camera));
-  WritePng(workspace.confidence() / "preview" / (name + ".png"), Preview(validated));
-  return files;
+  const std::vector<std::string> files = FilesOf(name);
+  WritePng(paths.root() / files[0], ToImage8(validated.proposal.rgb));
+  WritePng(paths.root() / files[1], Grey(validated.confidence, validated.proposal.camera));
+  WritePng(paths.confidence() / "preview" / (name + ".png"), Preview(validated));
 }
 
 double Mean(std::span<const float> values) {
@@ -108,21 +116,50 @@ std::vector<std::vector<Proposal>> CandidatesOf(Run* run, const std::vector<Targ
   return candidates;
 }
 
+using TargetRange = std::pair<size_t, size_t>;  // [begin, end) of targets that are classified together
+
 /// Classifies the proposals of one run, writes them, and counts.
 class Validation {
  public:
-  explicit Validation(Run* run) : run_(run), known_(*run->results) {
-    const auto& ready_made = known_.folder.confidence;
-    const bool asked = !known_.targets.empty() ||
-                       std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
-    if (asked) oracle_.emplace(*run, ViewsOf(run), ProposersOf(run), known_.targets.size());
+  explicit Validation(Run* run) : run_(run), known_(*run->results) {}
+
+  /// What other processes have classified is taken from `parts`, one for each target.
+  void ClassifyTargets(const PartStore& parts) {
+    std::set<size_t> missing;
+    for (size_t t = 0; t < known_.targets.size(); ++t) {
+      const auto part = parts.Take(t);
+      if (!part) {
+        missing.insert(t);
+        continue;
+      }
+      chunk_ = part->at("chunk").get<size_t>();
+      if (part->contains("mean")) Count(known_.targets[t].name, part->at("mean").get<double>());
+    }
+    if (missing.empty()) return;
+    for (const auto& [begin, end] : TargetRanges()) {
+      if (missing.lower_bound(begin) == missing.lower_bound(end)) continue;
+      for (const Validated& validated : ClassifyRange({begin, end})) Take(validated);
+    }
   }
 
-  void ClassifyTargets() {
-    for (const auto& [begin, end] : EvenRuns(known_.targets.size(), Together())) {
-      const std::vector<Target> chunk(known_.targets.begin() + static_cast<int64_t>(begin),
-                                      known_.targets.begin() + static_cast<int64_t>(end));
-      Classify(CandidatesOf(run_, chunk));
+  /// For another process: a share of the targets, those that are classified together together.
+  void ClassifyShare(const PartStore& parts, const Share& share) {
+    const std::vector<TargetRange> ranges = TargetRanges();
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      if (!share.Has(r)) continue;
+      std::map<std::string, Validated> by_name;
+      for (Validated& validated : ClassifyRange(ranges[r])) by_name[validated.proposal.name] = std::move(validated);
+      for (size_t t = ranges[r].first; t < ranges[r].second; ++t) {
+        parts.Make(t, [&](const fs::path& folder) {
+          nlohmann::json record = {{"chunk", Together()}};
+          const auto found = by_name.find(known_.targets[t].name);
+          if (found == by_name.end()) return record;  // no proposer answered
+          Write(WorkspacePaths(folder), found->second);
+          record["mean"] = Mean(found->second.confidence);
+          return record;
+        });
+      }
+      if (!oracle_->reports_progress()) Report(r + 1, ranges.size());
     }
   }
 
@@ -137,39 +174,61 @@ class Validation {
         Take({folder.proposals[p], folder.confidence[p]});
       }
     }
+    if (open.empty()) return;
     for (const auto& [begin, end] : EvenRuns(open.size(), Together())) {
       std::vector<std::vector<Proposal>> chunk;
       for (size_t i = begin; i < end; ++i) chunk.push_back({folder.proposals[open[i]]});
-      Classify(std::move(chunk));
+      for (const Validated& validated : TheOracle().Classify(std::move(chunk))) Take(validated);
     }
   }
 
   nlohmann::json Record() const {
     const OracleChoice& choice = run_->plan.oracle;
     nlohmann::json record = {{"oracle", Word(choice.kind)}, {"mean_confidence", means_}, {"files", files_}};
-    if (choice.weights) record["chunk"] = oracle_ ? oracle_->together() : 0;
-    if (oracle_ && choice.weights) NoteNetwork(*choice.weights, &record);
+    if (choice.weights) record["chunk"] = chunk_;
+    if (chunk_ > 0 && choice.weights) NoteNetwork(*choice.weights, &record);
     return record;
   }
 
  private:
-  size_t Together() const { return oracle_ ? oracle_->together() : 1; }
+  /// Learns when it is first asked for.
+  const CalibratedOracle& TheOracle() {
+    if (!oracle_) {
+      oracle_.emplace(*run_, ViewsOf(run_), ProposersOf(run_), known_.targets.size());
+      chunk_ = oracle_->together();
+    }
+    return *oracle_;
+  }
 
-  void Classify(std::vector<std::vector<Proposal>> candidates) {
-    for (const Validated& validated : oracle_->Classify(std::move(candidates))) Take(validated);
+  size_t Together() { return TheOracle().together(); }
+  std::vector<TargetRange> TargetRanges() { return EvenRuns(known_.targets.size(), Together()); }
+
+  std::vector<Validated> ClassifyRange(const TargetRange& range) {
+    const std::vector<Target> targets(known_.targets.begin() + static_cast<int64_t>(range.first),
+                                      known_.targets.begin() + static_cast<int64_t>(range.second));
+    return TheOracle().Classify(CandidatesOf(run_, targets));
   }
 
   void Take(const Validated& validated) {
-    means_[validated.proposal.name] = Mean(validated.confidence);
-    for (std::string& file : Write(run_->workspace, validated)) files_.push_back(std::move(file));
+    Write(run_->workspace, validated);
+    Count(validated.proposal.name, Mean(validated.confidence));
+  }
+
+  void Count(const std::string& name, double mean) {
+    means_[name] = mean;
+    for (std::string& file : FilesOf(name)) files_.push_back(std::move(file));
     if (oracle_ && oracle_->reports_progress()) return;
-    const size_t total = known_.targets.size() + known_.folder.proposals.size();
-    run_->listener(StepDone{"validate", static_cast<int64_t>(means_.size()), static_cast<int64_t>(total), "views", ""});
+    Report(means_.size(), known_.targets.size() + known_.folder.proposals.size());
+  }
+
+  void Report(size_t done, size_t total) const {
+    run_->listener(StepDone{"validate", static_cast<int64_t>(done), static_cast<int64_t>(total), "views", ""});
   }
 
   Run* run_;
   const StageResults& known_;
   std::optional<CalibratedOracle> oracle_;
+  size_t chunk_ = 0;  ///< targets that were classified together; 0 = none were
   std::vector<std::string> files_;
   nlohmann::json means_ = nlohmann::json::object();
 };
@@ -233,15 +292,21 @@ void ReportConfidence(Run* run) {
                                  sum / static_cast<double>(proposals.size()), previews)});
 }
 
-std::optional<nlohmann::json> MakeValidate(Run* run, const std::string&) {
+void MakeValidateShare(Run* run, const StageShare& share) {
+  if (run->results->targets.empty()) return;
+  Validation(run).ClassifyShare(PartStore(run->workspace, "validate", share.key), share.share);
+}
+
+std::optional<nlohmann::json> MakeValidate(Run* run, const std::string& key) {
   StageResults& known = *run->results;
   known.proposals.clear(), known.rejected.clear();
   if (known.targets.empty() && known.folder.proposals.empty()) return std::nullopt;
   ReportOracleChoice(run->options, run->plan.oracle, run->listener);
   nlohmann::json record;
   {  // The oracle's memory is not kept beside what is read back.
+    SpreadParts(run, {"validate", key, 0, known.targets.size()});
     Validation validation(run);
-    validation.ClassifyTargets();
+    validation.ClassifyTargets(PartStore(run->workspace, "validate", key));
     validation.ClassifyFolder();
     record = validation.Record();
   }
@@ -259,6 +324,7 @@ StageWork ValidateStage() {
           .own = AddValidateKey,
           .undo = UndoValidate,
           .make = MakeValidate,
+          .make_share = MakeValidateShare,
           .load = LoadValidate,
           .report = ReportConfidence};
 }

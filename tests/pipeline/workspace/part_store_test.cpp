@@ -1,0 +1,96 @@
+#include "oraclegs/pipeline/workspace/part_store.h"
+
+#include <gtest/gtest.h>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PartStoreTest : public testing::Test {
+ protected:
+  PartStore Store(const std::string& key = "key") { return {WorkspacePaths(temp.path()), "stage", key}; }
+
+  void Make(size_t number, const std::string& text) {
+    Store().Make(number, [&](const fs::path& folder) {
+      WriteFileAtomically(folder / "images" / "b.txt", text);
+      WriteFileAtomically(folder / "a.txt", text);
+      return nlohmann::json{{"text", text}};
+    });
+  }
+
+  TempDir temp;
+};
+
+TEST_F(PartStoreTest, MovesThePartIntoTheWorkspaceOnce) {
+  Make(3, "one");
+  EXPECT_TRUE(Store().Has(3));
+  EXPECT_FALSE(Store().Has(2));
+  const auto record = Store().Take(3);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->at("text"), "one");
+  EXPECT_EQ(ReadFile(temp / "a.txt"), "one");
+  EXPECT_EQ(ReadFile(temp / "images" / "b.txt"), "one");
+  EXPECT_FALSE(Store().Take(3));
+  EXPECT_FALSE(fs::exists(temp / "parts" / "stage" / "3"));
+}
+
+TEST_F(PartStoreTest, ReplacesAnEarlierPartAndWhatLiesInTheWorkspace) {
+  Make(0, "old");
+  Make(0, "new");
+  WriteFileAtomically(temp / "a.txt", "older");
+  ASSERT_TRUE(Store().Take(0));
+  EXPECT_EQ(ReadFile(temp / "a.txt"), "new");
+}
+
+TEST_F(PartStoreTest, HasNoPartsOfOtherInputs) {
+  Make(0, "one");
+  EXPECT_FALSE(Store("other").Has(0));
+  EXPECT_FALSE(Store("other").Take(0));
+  EXPECT_FALSE(fs::exists(temp / "a.txt"));
+}
+
+TEST_F(PartStoreTest, HasNoPartsThatWereNotFinished) {
+  EXPECT_THROW(Store().Make(0,
+                            [](const fs::path& folder) -> nlohmann::json {
+                              WriteFileAtomically(folder / "a.txt", "half");
+                              throw RunError("stopped");
+                            }),
+               RunError);
+  EXPECT_FALSE(Store().Has(0));
+  EXPECT_FALSE(Store().Take(0));
+  Make(1, "one");
+  for (const char* damage : {"{", "[]", "{\"key\": 3}"}) {
+    WriteFileAtomically(temp / "parts" / "stage" / "1" / "part.json", damage);
+    EXPECT_FALSE(Store().Take(1)) << damage;
+  }
+}
+
+TEST_F(PartStoreTest, LeavesLinksBehind) {
+  Make(0, "one");
+  fs::create_symlink("/etc/passwd", temp / "parts" / "stage" / "0" / "link");
+  ASSERT_TRUE(Store().Take(0));
+  EXPECT_FALSE(fs::exists(temp / "link"));
+}
+
+TEST_F(PartStoreTest, IsNoPartWhereAFileIsInTheWay) {
+  Make(0, "one");
+  fs::create_directories(temp / "a.txt" / "folder");
+  EXPECT_FALSE(Store().Take(0));
+  EXPECT_FALSE(Store().Has(0));
+}
+
+TEST_F(PartStoreTest, CanBeCleared) {
+  Make(0, "one");
+  Make(1, "one");
+  Store("other").Clear();
+  EXPECT_FALSE(Store().Has(0));
+  EXPECT_FALSE(fs::exists(temp / "parts" / "stage"));
+}
+
+}  // namespace
+}  // namespace oraclegs
