@@ -11,8 +11,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kChunk = 8;  // targets whose images are held at once, and that VGGT looks at together
-
 double GiB(double bytes) { return bytes / (1024.0 * 1024 * 1024); }
 
 /// Whether proposals come from a generator that cannot hold a view out.
@@ -50,7 +48,7 @@ size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>
     return static_cast<size_t>(asked.value());
   }
   const bool together = !asked.is_auto();
-  const int64_t most = static_cast<int64_t>(together ? std::max<size_t>(all, 1) : kChunk);
+  const int64_t most = static_cast<int64_t>(together ? std::max<size_t>(all, 1) : kOracleChunk);
   int64_t chunk = most;
   while (chunk > 1 && !fits(chunk)) --chunk;
   if (!fits(chunk)) {
@@ -83,7 +81,7 @@ struct CalibratedOracle::Progress {
 
 CalibratedOracle::CalibratedOracle(const Run& run, const TrainingViews& training, const Proposers& proposers,
                                    size_t targets)
-    : rule_(run.options.validate.pick), together_(kChunk) {
+    : rule_(run.options.validate.pick), together_(kOracleChunk) {
   const OracleChoice& choice = run.plan.oracle;
   if (choice.kind == OracleKind::kUniform) {
     uniform_ = MakeUniformOracle();

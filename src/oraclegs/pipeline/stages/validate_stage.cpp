@@ -297,6 +297,14 @@ void MakeValidateShare(Run* run, const StageShare& share) {
   Validation(run).ClassifyShare(PartStore(run->workspace, "validate", share.key), share.share);
 }
 
+/// Ranges of targets, as far as they are known before the oracle is asked.
+size_t RangeCount(const Run& run) {
+  const Auto<int>& asked = run.options.validate.oracle_chunk;
+  const size_t chunk =
+      run.plan.oracle.weights ? static_cast<size_t>(asked.ValueOr(static_cast<int>(kOracleChunk))) : kOracleChunk;
+  return chunk == 0 ? 1 : EvenRuns(run.results->targets.size(), chunk).size();  // 0 asks for all of them together
+}
+
 std::optional<nlohmann::json> MakeValidate(Run* run, const std::string& key) {
   StageResults& known = *run->results;
   known.proposals.clear(), known.rejected.clear();
@@ -304,7 +312,7 @@ std::optional<nlohmann::json> MakeValidate(Run* run, const std::string& key) {
   ReportOracleChoice(run->options, run->plan.oracle, run->listener);
   nlohmann::json record;
   {  // The oracle's memory is not kept beside what is read back.
-    SpreadParts(run, {"validate", key, 0, known.targets.size()});
+    SpreadParts(run, {"validate", key, 0, RangeCount(*run)});
     Validation validation(run);
     validation.ClassifyTargets(PartStore(run->workspace, "validate", key));
     validation.ClassifyFolder();
