@@ -1,3 +1,4 @@
+#include "oraclegs/image/image.h"
 #include "oraclegs/pipeline/stages.h"
 #include "source_command.h"
 
@@ -36,7 +37,9 @@ class ShareCommand : public Command {
   void Body(const Listener& listener) override {
     const auto share = ParseShare(options_.part);
     if (!share) throw UsageError("--part {}: is no part; say which of how many, such as 2/3", options_.part);
-    oraclegs::Run run = JoinRun(RequestAsSaved(input_, machine_, device_), listener);
+    const RunRequest request = RequestAsSaved(input_, machine_, device_);
+    SetMaxMegapixels(request.options.file_limits.max_megapixels);
+    oraclegs::Run run = JoinRun(request, listener);
     MakeShare(&run, Stages(), options_.stage, {options_.key, options_.round, *share});
   }
 
