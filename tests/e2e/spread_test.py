@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import unittest
 
 from harness import ManyViews, main
 
@@ -43,6 +44,17 @@ class Spread(ManyViews):
         nowhere = {**os.environ, "PATH": "/nonexistent"}
         self.error_of("train", self.scene, "-o", out, *RUN, "--spread", 2, "--launcher", "slurm",
                       code=4, names=["Slurm"], env=nowhere)  # fmt: skip
+
+    @unittest.skipUnless("ORACLEGS_TEST_SLURM" in os.environ, "needs a Slurm: tests/slurm/run.sh starts one")
+    def test_slurm_gives_the_same_results(self):
+        alone, divided = self.begun("not_slurm"), self.begun("slurm")
+        self.run_program("train", self.scene, "-o", alone, *RUN)
+        slurm = ["--spread", 3, "--launcher", "slurm", "--slurm-cpus", 1, "--slurm-poll", 0.5]
+        said = self.run_program("train", self.scene, "-o", divided, *RUN, *slurm).stderr
+        self.assertEqual(said.count("jobs to Slurm as array"), 3, said)
+        self.assertNotIn("this process does its work", said)
+        self.assertEqual(contents(divided / "confidence"), contents(alone / "confidence"))
+        self.assertEqual((divided / "point_cloud.ply").read_bytes(), (alone / "point_cloud.ply").read_bytes())
 
     def test_bad_requests(self):
         out = self.begun("refused")
