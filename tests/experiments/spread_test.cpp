@@ -96,9 +96,14 @@ TEST_F(SpreadTest, GivesTheSameFilesAsOneProcess) {
   const auto alone = Validate("alone", 1);
   EXPECT_THAT(jobs, IsEmpty());
   const nlohmann::json record_alone = record;
+  recorder.steps.clear();
   const auto divided = Validate("divided", 2);
   EXPECT_THAT(jobs, SizeIs(6)) << "two processes for proxy models, proposals and confidence each";
   EXPECT_THAT(recorder.warnings, testing::Each(HasSubstr("triangulated"))) << "what COLMAP says of so small a scene";
+  for (const StepDone& step : recorder.steps) {
+    if (step.stage != "proxies" && step.stage != "propose") continue;
+    EXPECT_EQ(step.unit, "processes") << "the run's own process takes what the others have made";
+  }
   EXPECT_FALSE(alone.empty());
   EXPECT_TRUE(divided == alone);
   EXPECT_EQ(record.at("files"), record_alone.at("files"));

@@ -164,8 +164,8 @@ struct ViewRequest {
 class ViewGenerator {
  public:
   virtual ~ViewGenerator() = default;
-  /// Of each target, but with a share, options.candidates images of its camera's size, RGB in [0, 1]; the whole frame
-  /// of the camera is generated, so its pose and intrinsics are exact. The same for a seed, whether the work was
+  /// Of each target options.candidates images of its camera's size, RGB in [0, 1], or none with a share; the whole
+  /// frame of the camera is generated, so its pose and intrinsics are exact. The same for a seed, whether the work was
   /// interrupted or not; only decoding in tiles, where memory is short, gives others, with a warning. Polls for
   /// interrupts between steps; reports StepDone{"propose"} after each. Throws RunError when memory does not suffice
   /// (before the first step), UsageError for options that do not fit the views, InputError for views of different

@@ -142,11 +142,11 @@ class Validation {
     }
   }
 
-  /// For another process: a share of the targets, those that are classified together together.
+  /// For another process: a share of the targets, whole ranges, but those that are there.
   void ClassifyShare(const PartStore& parts, const Share& share) {
     const std::vector<TargetRange> ranges = TargetRanges();
     for (size_t r = 0; r < ranges.size(); ++r) {
-      if (!share.Has(r)) continue;
+      if (!share.Has(r) || HasAll(parts, ranges[r])) continue;
       std::map<std::string, Validated> by_name;
       for (Validated& validated : ClassifyRange(ranges[r])) by_name[validated.proposal.name] = std::move(validated);
       for (size_t t = ranges[r].first; t < ranges[r].second; ++t) {
@@ -198,6 +198,12 @@ class Validation {
       chunk_ = oracle_->together();
     }
     return *oracle_;
+  }
+
+  static bool HasAll(const PartStore& parts, const TargetRange& range) {
+    size_t t = range.first;
+    while (t < range.second && parts.Has(t)) ++t;
+    return t == range.second;
   }
 
   size_t Together() { return TheOracle().together(); }
