@@ -37,13 +37,14 @@ struct Trainer::State {
   State(TrainSetup setup, const TrainDeviceMaker& make_device)
       : options(setup.options.Settled()),
         seed(setup.seed),
+        view_seed(setup.view_seed.value_or(seed)),
         background(setup.background),
         plan(options, std::move(setup.data)),
         extent(SpatialExtent(Cameras(plan.photos()))),
         parts(std::move(setup.parts)),
         device(make_device({options, plan, setup.start.size(), parts})),
         model(device->Upload({setup.start})),
-        sampler(setup.view_seed.value_or(seed), plan.num_photos(), plan.num_proposals()) {}
+        sampler(view_seed, plan.num_photos(), plan.num_proposals()) {}
 
   Iteration NextIteration();
   std::array<float, 3> BackgroundOf(const Iteration& next, const TrainView& view) const;
@@ -54,7 +55,7 @@ struct Trainer::State {
 
   // What a run is.
   TrainOptions options;
-  uint64_t seed;
+  uint64_t seed, view_seed;
   std::array<float, 3> background;
   LossPlan plan;
   double extent;
@@ -103,7 +104,7 @@ Buffer<float> Trainer::State::OpacityFactors() {
 
 std::array<float, 3> Trainer::State::BackgroundOf(const Iteration& next, const TrainView& view) const {
   const bool is_whole_photo = next.view.kind == ViewKind::kPhoto && !view.alpha.defined();
-  return options.baseline.random_background && is_whole_photo ? RandomBackground(seed, next.number) : background;
+  return options.baseline.random_background && is_whole_photo ? RandomBackground(view_seed, next.number) : background;
 }
 
 void Trainer::State::Step() {

@@ -37,9 +37,10 @@ struct TrainSetup {
   uint64_t seed = 0;
   std::array<float, 3> background{};
   TrainingData data;
-  Gaussians start;                         ///< on the CPU
-  MethodParts parts = {};                  ///< of other methods
-  std::optional<uint64_t> view_seed = {};  ///< of the order of the views; `seed` unless given
+  Gaussians start;         ///< on the CPU
+  MethodParts parts = {};  ///< of other methods
+  /// Of the order of the views and of random backgrounds; `seed` unless given.
+  std::optional<uint64_t> view_seed = {};
 };
 
 /// 3DGS-MCMC on photos, on proposals as often as the schedule says, and on depth where a view has it. One

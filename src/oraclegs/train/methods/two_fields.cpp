@@ -71,6 +71,7 @@ struct TwoFields::State {
   explicit State(const TrainSetup& setup)
       : options(setup.options.Settled()),
         seed(setup.seed),
+        view_seed(setup.view_seed.value_or(seed)),
         background(setup.background),
         random_background(options.baseline.random_background &&
                           std::none_of(setup.data.photos.begin(), setup.data.photos.end(),
@@ -79,7 +80,7 @@ struct TwoFields::State {
         second_part(std::make_shared<SecondPart>()) {
     TrainSetup other = setup;
     other.seed = setup.seed + kSecondSeed;
-    other.view_seed = setup.view_seed.value_or(setup.seed);
+    other.view_seed = view_seed;
     other.start = setup.start.Clone();
     other.parts = {second_part};
     second =
@@ -89,7 +90,7 @@ struct TwoFields::State {
   double Agree(const Iteration& iteration, const TrainedModel& model, Gaussians* grads);
 
   TrainOptions options;
-  uint64_t seed;
+  uint64_t seed, view_seed;
   std::array<float, 3> background;
   bool random_background;
   std::vector<Camera> views;
@@ -103,7 +104,7 @@ double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& m
   const Philox draw = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kPseudoViews),
                                    kDraws | static_cast<uint64_t>(iteration.number));
   const Camera& camera = views[static_cast<size_t>(draw.Uniform() * static_cast<double>(views.size()))];
-  const RenderOptions render{random_background ? RandomBackground(seed, iteration.number) : background,
+  const RenderOptions render{random_background ? RandomBackground(view_seed, iteration.number) : background,
                              iteration.sh_degree, options.antialiased};
   const Gaussians& other = second->gaussians();
   const RenderOutput a = one.rasterizer->Forward(model.gaussians, camera, render, RenderPass::kTrain);

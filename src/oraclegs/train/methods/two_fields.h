@@ -13,8 +13,9 @@ namespace oraclegs {
 /// each once.
 inline constexpr int64_t kPseudoViews = 2000;
 
-/// The part that trains the second model beside the first one, whose setup this is: same photos in the same order, same
-/// start, other random numbers. The second model makes its steps in BeforeView of the first one's.
+/// The part that trains the second model beside the first one, whose setup this is: same photos in the same order
+/// before the same backgrounds, same start, other random numbers. The second model makes its steps in BeforeView of the
+/// first one's.
 class TwoFields final : public MethodPart {
  public:
   /// Throws what the Trainer throws.
