@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,10 @@ class DepthNetwork {
   virtual ~DepthNetwork() = default;
   /// [height, width] on the host; larger is nearer, unit and zero point are unknown.
   virtual Buffer<float> InverseDepth(const ImageF& rgb) const = 0;
+  /// dL/d(rgb) [height, width, 3] of a loss of the inverse depth of rgb [height, width, 3], both on the host.
+  /// `gradient` is given that depth and returns dL/d(depth).
+  virtual Buffer<float> ImageGradient(const Buffer<float>& rgb,
+                                      const std::function<Buffer<float>(const Buffer<float>&)>& gradient) const = 0;
 };
 
 /// What LPIPS is fed. The two give different numbers, and both are in use.

@@ -11,6 +11,7 @@
 #include "oraclegs/train/method_part.h"
 #include "oraclegs/train/observer.h"
 #include "oraclegs/train/options.h"
+#include "oraclegs/train/pseudo_depth.h"
 #include "oraclegs/train/timings.h"
 #include "oraclegs/train/train_device.h"
 #include "oraclegs/train/train_view.h"
@@ -37,8 +38,9 @@ struct TrainSetup {
   uint64_t seed = 0;
   std::array<float, 3> background{};
   TrainingData data;
-  Gaussians start;         ///< on the CPU
-  MethodParts parts = {};  ///< of other methods
+  Gaussians start;                ///< on the CPU
+  MethodParts parts = {};         ///< of other methods
+  PseudoDepth pseudo_depth = {};  ///< of --pseudo-depth-weight
   /// Of the order of the views and of random backgrounds; `seed` unless given.
   std::optional<uint64_t> view_seed = {};
 };

@@ -79,6 +79,26 @@ TEST(LoadDepthNetwork, GivesTheMapOfTheNetwork) {
   EXPECT_TRUE(std::equal(map.span().begin(), map.span().end(), expected.data_ptr<float>()));
 }
 
+TEST(LoadDepthNetwork, KnowsHowTheDepthFollowsFromTheImage) {
+  const TempDir dir;
+  const auto network = LoadDepthNetwork(MakeTinyDepthAnything(dir / "tiny.safetensors"));
+  torch::manual_seed(4);
+  const Tensor rgb = torch::rand({36, 48, 3}), weights = torch::randn({36, 48}), way = torch::randn({36, 48, 3});
+  const auto depth = [&](const Tensor& t) {
+    return TensorOf(network->InverseDepth({48, 36, 3, {t.data_ptr<float>(), t.data_ptr<float>() + t.numel()}}));
+  };
+  const Tensor gradient = TensorOf(network->ImageGradient(BufferOf(rgb), [&](const Buffer<float>& seen) {
+    EXPECT_TRUE(torch::equal(TensorOf(seen), depth(rgb)));
+    return BufferOf(weights);
+  }));
+  const auto loss = [&](double step) {
+    return (depth((rgb + step * way).contiguous()).to(torch::kDouble) * weights).sum().item<double>();
+  };
+  constexpr double kStep = 1e-3;
+  const double expected = (loss(kStep) - loss(-kStep)) / (2 * kStep);
+  EXPECT_NEAR((gradient.to(torch::kDouble) * way).sum().item<double>(), expected, 0.02 * std::abs(expected));
+}
+
 TEST(DepthNetworkName, AgreesWithThePublishedSizes) {
   const TempDir dir;
   for (const auto& [size, name] : {std::pair{DepthAnythingSize::kSmall, "Depth Anything V2 small"},

@@ -71,5 +71,17 @@ TEST(PseudoViewsBetween, FollowsTheSeedAlone) {
 
 TEST(PseudoViewsBetween, NeedsCameras) { EXPECT_THROW(PseudoViewsBetween({}, 3, 1), UsageError); }
 
+TEST(DrawPseudoView, DrawsAllOfThemAlike) {
+  std::vector<Camera> views;
+  for (int i = 0; i < 4; ++i) views.push_back(Turned(10 + i, {0, 0, 0}, 0));
+  std::vector<int> drawn(4);
+  for (int64_t iteration = 1; iteration <= 400; ++iteration) {
+    const Camera& view = DrawPseudoView(views, 7, iteration);
+    EXPECT_EQ(&view, &DrawPseudoView(views, 7, iteration));
+    ++drawn[static_cast<size_t>(view.width - 10)];
+  }
+  for (const int count : drawn) EXPECT_NEAR(count, 100, 40);
+}
+
 }  // namespace
 }  // namespace oraclegs

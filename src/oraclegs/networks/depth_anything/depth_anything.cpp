@@ -1,5 +1,7 @@
 #include "oraclegs/networks/depth_anything/depth_anything.h"
 
+#include <torch/csrc/autograd/autograd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -40,6 +42,13 @@ class LoadedDepthAnything : public DepthNetwork {
   Buffer<float> InverseDepth(const ImageF& rgb) const override {
     const auto pixels = Buffer<float>::From({rgb.height, rgb.width, rgb.channels}, std::span<const float>(rgb.data));
     return BufferOf(RelativeInverseDepth(model_, TensorOf(pixels)));
+  }
+  Buffer<float> ImageGradient(const Buffer<float>& rgb,
+                              const std::function<Buffer<float>(const Buffer<float>&)>& gradient) const override {
+    const Tensor image = TensorOf(rgb).detach().requires_grad_(true);
+    const Tensor depth = RelativeInverseDepth(model_, image);
+    const Tensor of_depth = TensorOf(gradient(BufferOf(depth.detach())));
+    return BufferOf(torch::autograd::grad({depth}, {image}, {of_depth})[0].contiguous());
   }
 
  private:

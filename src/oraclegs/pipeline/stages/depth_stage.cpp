@@ -11,7 +11,7 @@
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/networks/networks.h"
-#include "oraclegs/pipeline/stages/monocular_stage.h"
+#include "oraclegs/pipeline/networks/monocular_depth.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 
 namespace oraclegs {

@@ -8,8 +8,9 @@
 #include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/live/live.h"
+#include "oraclegs/pipeline/networks/perceptual.h"
+#include "oraclegs/pipeline/networks/pseudo_depth.h"
 #include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/stages/perceptual.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/stages/start_points.h"
@@ -158,6 +159,15 @@ nlohmann::json TimingsToJson(const TrainResult& result) {
           {"total", t.total}};
 }
 
+/// Empty where nothing asks for it, or no depth is known.
+PseudoDepth PseudoDepthOf(const Run& run, const TrainingViews& training) {
+  if (!(run.options.train.baseline.pseudo_depth_weight > 0)) return {};
+  const DepthSource& source = run.plan.depth;
+  if (!source.weights.empty()) return NetworkPseudoDepth(source.weights, run.plan.device, run.listener);
+  const std::vector<DepthMap>& maps = run.results->geometry.maps;
+  return maps.empty() ? PseudoDepth() : StereoPseudoDepth(training.views, maps);
+}
+
 /// A trainer of the run's views and proposals, from the start or from a checkpoint, and how it uses LPIPS.
 struct ReadyTrainer {
   std::unique_ptr<Trainer> trainer;
@@ -192,6 +202,7 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
                    BackgroundColor(run->options.image.background),
                    {std::move(images), std::move(known.proposals), std::move(network.distance)},
                    std::move(start)};
+  setup.pseudo_depth = PseudoDepthOf(*run, training);
   setup.parts = MakeMethodParts(setup);
   ready.trainer = std::make_unique<Trainer>(
       std::move(setup),

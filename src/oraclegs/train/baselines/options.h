@@ -31,6 +31,9 @@ struct BaselineOptions {
   double co_prune_distance = 5;
   int co_start = 500;
   bool random_background = false;
+  double pseudo_depth_weight = 0;
+  int pseudo_depth_start = 2000;
+  int pseudo_depth_every = 10;
   bool hard_depth = false;
   int soft_depth_start = 0;
   int depth_step_every = 10;
@@ -39,7 +42,7 @@ struct BaselineOptions {
   bool covisibility_weights = false;
 
   bool StepsByDepth() const { return hard_depth || soft_depth_start > 0; }
-  bool UsesDepth() const { return StepsByDepth() || covisibility_weights; }
+  bool UsesDepth() const { return StepsByDepth() || covisibility_weights || pseudo_depth_weight > 0; }
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -90,6 +93,16 @@ struct BaselineOptions {
     visit("random-background", self.random_background,
           "Render photos without transparency before another color in each iteration, so that the scene becomes opaque "
           "where they show it (CoR-GS)");
+    visit(
+        "pseudo-depth-weight", self.pseudo_depth_weight,
+        "Weight of the correlation between the depth of renders from between the photos and the depth that the network "
+        "of --depth-prior sees in them, or, where that is stereo alone, what stereo knows there (FSGS, Zhu et al., "
+        "ECCV 2024, uses 0.5, and 0.03 on Mip-NeRF 360); 0 = off; on the CPU only",
+        Range{0, 1e3});
+    visit("pseudo-depth-start", self.pseudo_depth_start,
+          "Of --pseudo-depth-weight: iteration after which it begins, growing over 500 iterations", Range{0, 1e7});
+    visit("pseudo-depth-every", self.pseudo_depth_every,
+          "Of --pseudo-depth-weight: iterations between these renders; FSGS uses 10, and 1 on LLFF", Range{1, 1e7});
     visit("hard-depth", self.hard_depth,
           "While Gaussians become more, let steps of the positions alone fit the depth of a render whose Gaussians all "
           "have opacity 0.95 to that of the photo, by patches that are normalized first (DNGaussian, Li et al., CVPR "

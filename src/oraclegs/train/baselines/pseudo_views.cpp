@@ -12,6 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFullTurn = 6.283185307179586;
+constexpr uint64_t kDraws = uint64_t{1} << 63;  // counters that the views themselves were not made with
 
 void RequireCameras(const std::vector<Camera>& cameras) {
   if (cameras.empty()) throw UsageError("pseudo views need training views, and there are none; add photos with poses");
@@ -65,6 +66,12 @@ std::vector<Camera> PseudoViewsBetween(const std::vector<Camera>& cameras, int64
     views.push_back(CameraAt(cameras, pose));
   }
   return views;
+}
+
+const Camera& DrawPseudoView(const std::vector<Camera>& views, uint64_t seed, int64_t iteration) {
+  const Philox draw =
+      Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kPseudoViews), kDraws | static_cast<uint64_t>(iteration));
+  return views[static_cast<size_t>(draw.Uniform() * static_cast<double>(views.size()))];
 }
 
 }  // namespace oraclegs

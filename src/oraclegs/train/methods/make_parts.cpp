@@ -2,6 +2,7 @@
 
 #include "oraclegs/train/methods/depth_steps.h"
 #include "oraclegs/train/methods/prune_modes.h"
+#include "oraclegs/train/methods/pseudo_depths.h"
 #include "oraclegs/train/methods/two_fields.h"
 
 namespace oraclegs {
@@ -30,6 +31,7 @@ MethodParts MakeMethodParts(const TrainSetup& setup) {
     parts.push_back(std::make_shared<TwoFields>(setup));
   }
   if (options.StepsByDepth()) parts.push_back(std::make_shared<DepthSteps>(setup));
+  if (options.pseudo_depth_weight > 0) parts.push_back(std::make_shared<PseudoDepths>(setup));
   if (options.prune_modes_at > 0) parts.push_back(std::make_shared<PruneModes>(setup));
   return parts;
 }

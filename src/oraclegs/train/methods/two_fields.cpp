@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "oraclegs/core/parallel.h"
-#include "oraclegs/core/rng.h"
 #include "oraclegs/loss/photometric.h"
 #include "oraclegs/render/image_buffer.h"
 #include "oraclegs/render/make_rasterizer.h"
@@ -19,13 +17,6 @@ namespace {
 
 constexpr uint64_t kSecondSeed = 0x9E3779B97F4A7C15;  // added to the first one's
 
-constexpr int64_t kAddGrain = 4096;  // Gaussians
-
-void AddAll(const Gaussians& from, Gaussians* to) {
-  ParallelBlocks(from.size(), kAddGrain,
-                 [&](int64_t begin, int64_t end) { AddRows(from, begin, end, kShFloats, to->Rows().From(begin)); });
-}
-
 std::vector<int64_t> RowsOf(const std::vector<uint8_t>& keep) {
   std::vector<int64_t> rows;
   for (size_t i = 0; i < keep.size(); ++i) {
@@ -33,8 +24,6 @@ std::vector<int64_t> RowsOf(const std::vector<uint8_t>& keep) {
   }
   return rows;
 }
-
-constexpr uint64_t kDraws = uint64_t{1} << 63;  // counters that the pseudo views themselves were not made with
 
 }  // namespace
 
@@ -61,7 +50,7 @@ struct TwoFields::State {
   class SecondPart final : public MethodPart {
    public:
     double BeforeView(const Iteration&, TrainedModel*, Gaussians* grads) override {
-      if (pending != nullptr) AddAll(*std::exchange(pending, nullptr), grads);
+      if (pending != nullptr) AddGaussians(*std::exchange(pending, nullptr), grads);
       return 0;
     }
 
@@ -101,9 +90,7 @@ struct TwoFields::State {
 
 /// Both models' gradients of how far their renders from a pseudo view differ, each taking the other's as given.
 double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& model, Gaussians* grads) {
-  const Philox draw = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kPseudoViews),
-                                   kDraws | static_cast<uint64_t>(iteration.number));
-  const Camera& camera = views[static_cast<size_t>(draw.Uniform() * static_cast<double>(views.size()))];
+  const Camera& camera = DrawPseudoView(views, seed, iteration.number);
   const RenderOptions render{random_background ? RandomBackground(view_seed, iteration.number) : background,
                              iteration.sh_degree, options.antialiased};
   const Gaussians& other = second->gaussians();
@@ -113,7 +100,7 @@ double TwoFields::State::Agree(const Iteration& iteration, const TrainedModel& m
                                    static_cast<float>(options.ssim_weight)};
   const double loss = one.Pull(model.gaussians, a, b.image, weights);
   two.Pull(other, b, a.image, weights);
-  AddAll(one.grads, grads);
+  AddGaussians(one.grads, grads);
   second_part->pending = &two.grads;
   return loss;
 }

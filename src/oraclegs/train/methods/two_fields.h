@@ -9,10 +9,6 @@
 
 namespace oraclegs {
 
-/// How many pseudo views are drawn from. The authors draw 10000 in advance, of which a run of as many iterations sees
-/// each once.
-inline constexpr int64_t kPseudoViews = 2000;
-
 /// The part that trains the second model beside the first one, whose setup this is: same photos in the same order
 /// before the same backgrounds, same start, other random numbers. The second model makes its steps in BeforeView of the
 /// first one's.

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/perceptual.h"
+#include "oraclegs/pipeline/networks/perceptual.h"
 
 #include "oraclegs/networks/loader.h"
 #include "pipeline/fixtures.h"

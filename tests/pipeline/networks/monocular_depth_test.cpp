@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/monocular_stage.h"
+#include "oraclegs/pipeline/networks/monocular_depth.h"
 
 #include "oraclegs/core/interrupt.h"
 #include "pipeline/fixtures.h"
@@ -19,7 +19,7 @@ float InvDepth(int x, int y) { return 0.25f + 0.005f * static_cast<float>(x) + 0
 
 /// Views from one place, of a surface whose inverse depth is a slope; the network predicted it in units of its
 /// own.
-class MonocularStageTest : public testing::Test {
+class MonocularDepthTest : public testing::Test {
  protected:
   void SetUp() override {
     for (int v = 0; v < 3; ++v) {
@@ -58,7 +58,7 @@ class MonocularStageTest : public testing::Test {
   EventRecorder recorder;
 };
 
-TEST_F(MonocularStageTest, AlignsEachViewToThePoints) {
+TEST_F(MonocularDepthTest, AlignsEachViewToThePoints) {
   const MonocularMaps alone = Combine(false);
   EXPECT_NEAR(alone.right, 1, 1e-9);
   ASSERT_EQ(alone.maps.size(), 3u);
@@ -71,7 +71,7 @@ TEST_F(MonocularStageTest, AlignsEachViewToThePoints) {
   EXPECT_TRUE(recorder.warnings.empty());
 }
 
-TEST_F(MonocularStageTest, FillsWhereStereoIsNotConfident) {
+TEST_F(MonocularDepthTest, FillsWhereStereoIsNotConfident) {
   const MonocularMaps fused = Combine(true);
   for (size_t v = 0; v < 3; ++v) {
     const DepthMap& map = fused.maps[v];
@@ -81,7 +81,7 @@ TEST_F(MonocularStageTest, FillsWhereStereoIsNotConfident) {
   }
 }
 
-TEST_F(MonocularStageTest, AMaskKeepsItsPixelsEmpty) {
+TEST_F(MonocularDepthTest, AMaskKeepsItsPixelsEmpty) {
   views[1].mask.assign(kWidth * kHeight, 1);
   views[1].mask[30] = 0;
   const MonocularMaps fused = Combine(true);
@@ -89,7 +89,7 @@ TEST_F(MonocularStageTest, AMaskKeepsItsPixelsEmpty) {
   EXPECT_GT(fused.maps[1].confidence[31], 0);
 }
 
-TEST_F(MonocularStageTest, WithTooFewPointsStereoAligns) {
+TEST_F(MonocularDepthTest, WithTooFewPointsStereoAligns) {
   points.resize(3);
   const MonocularMaps fused = Combine(true);
   EXPECT_NEAR(fused.maps[0].inv_depth[30], InvDepth(30, 0), 0.01);
@@ -101,7 +101,7 @@ TEST_F(MonocularStageTest, WithTooFewPointsStereoAligns) {
                                                    HasSubstr("they have no depth (--depth-prior fused)")));
 }
 
-TEST_F(MonocularStageTest, AScaleUnlikeTheOthersIsNotBelieved) {
+TEST_F(MonocularDepthTest, AScaleUnlikeTheOthersIsNotBelieved) {
   for (float& value : predicted[2].values) value /= 100;
   const MonocularMaps fused = Combine(true);
   EXPECT_FALSE(fused.maps[2].monocular);
@@ -111,7 +111,7 @@ TEST_F(MonocularStageTest, AScaleUnlikeTheOthersIsNotBelieved) {
               testing::AllOf(HasSubstr("depth of p2.png cannot"), HasSubstr("only stereo is used there")));
 }
 
-TEST_F(MonocularStageTest, ASmallSceneIsAlignedAsALargeOneIs) {
+TEST_F(MonocularDepthTest, ASmallSceneIsAlignedAsALargeOneIs) {
   for (ScenePoint& point : points) point.xyz *= 1e5;
   EXPECT_NEAR(Combine(false).maps[0].inv_depth[30] * 1e5, InvDepth(30, 0), 1e-3);
 }
@@ -122,7 +122,7 @@ TEST(DepthNetworkLicence, OnlyTheSmallNetworkIsForAnyUse) {
   EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 large"));
 }
 
-TEST_F(MonocularStageTest, TheNetworkPredictsEachViewAtItsSize) {
+TEST_F(MonocularDepthTest, TheNetworkPredictsEachViewAtItsSize) {
   SKIP_WITHOUT_NETWORKS();
   const TempDir temp;
   const auto weights = WriteTinyDepthAnything(temp / "tiny.safetensors");

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages/monocular_stage.h"
+#include "oraclegs/pipeline/networks/monocular_depth.h"
 
 #include <utility>
 

@@ -1,0 +1,42 @@
+#pragma once
+// Depth of pseudo views, of FSGS [Zhu 2024] (section 3.3): renders from places between the photos should have the depth
+// that a network sees in them. Order and constants are those of the authors' program, but for the views
+// (train/baselines/pseudo_views.h) and what is compared: inverse depths (loss/pearson_depth.h).
+
+#include <memory>
+#include <vector>
+
+#include "oraclegs/train/trainer.h"
+
+namespace oraclegs {
+
+/// Iterations over which the weight grows from 0 to --pseudo-depth-weight.
+inline constexpr int kPseudoDepthRamp = 500;
+/// The last iteration that looks at a pseudo view, as a share of the run's: 9500 of 10000.
+inline constexpr double kPseudoDepthEnd = 0.95;
+
+/// In every --pseudo-depth-every-th iteration after --pseudo-depth-start: the gradient of
+/// weight * min(1, (iteration - start) / kPseudoDepthRamp) * (1 - r), r the correlation of the rendered depth and that
+/// of TrainSetup::pseudo_depth. Where that depth follows from the render, as a network's does, colors are moved too.
+/// Keeps nothing from one iteration to the next.
+class PseudoDepths final : public MethodPart {
+ public:
+  /// Throws UsageError where the setup has no pseudo depth.
+  explicit PseudoDepths(const TrainSetup& setup);
+  ~PseudoDepths() override;
+
+  double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
+
+ private:
+  bool IsDue(const Iteration& iteration) const;
+
+  TrainOptions options_;  // settled
+  uint64_t seed_;
+  std::array<float, 3> background_;
+  PseudoDepth depth_;
+  std::vector<Camera> views_;
+  std::unique_ptr<Rasterizer> rasterizer_;
+  Gaussians grads_;
+};
+
+}  // namespace oraclegs
