@@ -64,6 +64,20 @@ TEST_F(WarpTest, MatchesTruthInNewView) {
   EXPECT_GT(right, truth.size() * 95 / 100);
 }
 
+TEST_F(WarpTest, SurfacesAreTheDepthsThatAreNotFilled) {
+  const Camera aside = CameraAt({2.6, 0, -3}, {0, 0, 0}, 96, 72);
+  const Warper warper({views, maps});
+  const WarpedView view = warper.Warp(aside);
+  const WarpDepth surfaces = warper.Surfaces(aside);
+  size_t filled = 0;
+  for (size_t i = 0; i < view.inv_depth.size(); ++i) {
+    EXPECT_EQ(surfaces.inv_depth[i], view.evidence[i].ring == 0 ? view.inv_depth[i] : 0);
+    filled += view.evidence[i].ring > 0 ? 1 : 0;
+  }
+  EXPECT_GT(filled, 0u);
+  EXPECT_LT(filled, view.inv_depth.size());
+}
+
 TEST_F(WarpTest, SupportIsHigherForSeenThanFilled) {
   const Camera aside = CameraAt({2.6, 0, -3}, {0, 0, 0}, 96, 72);
   const WarpedView view = Warper({views, maps}).Warp(aside);

@@ -83,7 +83,7 @@ void Warper::FindRange() {
   nearest_ = 0.8f * at(0.005), farthest_ = 1.25f * at(0.995);
 }
 
-WarpedView Warper::Warp(const Camera& camera, std::optional<int> held_out) const {
+WarpTask Warper::TaskOf(const Camera& camera, std::optional<int> held_out) const {
   WarpTask task;
   WarpScene& scene = task.scene;
   scene.width = camera.width, scene.height = camera.height;
@@ -95,7 +95,14 @@ WarpedView Warper::Warp(const Camera& camera, std::optional<int> held_out) const
   for (size_t v = 0; v < sources_.maps.size(); ++v) {
     if (held_out != static_cast<int>(v)) task.sources.push_back(SourceOf(sources_, v, camera));
   }
-  const size_t pixels = scene.pixels();
+  return task;
+}
+
+WarpDepth Warper::Surfaces(const Camera& camera) const { return device_->FindSurfaces(TaskOf(camera, std::nullopt)); }
+
+WarpedView Warper::Warp(const Camera& camera, std::optional<int> held_out) const {
+  const WarpTask task = TaskOf(camera, held_out);
+  const size_t pixels = task.scene.pixels();
   WarpDepth depth = device_->FindSurfaces(task);
   std::vector<uint8_t> to_fill(pixels);
   for (size_t i = 0; i < pixels; ++i) to_fill[i] = !(depth.inv_depth[i] > 0) && depth.beside[i] == 0;

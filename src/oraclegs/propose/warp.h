@@ -28,6 +28,9 @@ class Warper {
   /// view the image has the background's colour, and a ring of width + height everywhere.
   WarpedView Warp(const Camera& camera, std::optional<int> held_out = std::nullopt) const;
 
+  /// What Warp knows of the depth before it fills holes and looks for colours.
+  WarpDepth Surfaces(const Camera& camera) const;
+
   /// The exposure that colours of a view are divided by, per channel.
   Eigen::Vector3f Gain(size_t view) const {
     return sources_.gains.empty() ? Eigen::Vector3f::Ones() : sources_.gains[view];
@@ -35,6 +38,7 @@ class Warper {
 
  private:
   void FindRange();
+  WarpTask TaskOf(const Camera& camera, std::optional<int> held_out) const;
 
   WarpSources sources_;
   std::unique_ptr<WarpDevice> device_;

@@ -38,11 +38,12 @@ PseudoDepth NetworkPseudoDepth(const std::filesystem::path& weights, Device devi
 PseudoDepth StereoPseudoDepth(std::vector<LoadedView> views, std::vector<DepthMap> maps) {
   const auto own = std::make_shared<const OwnWarper>(std::move(views), std::move(maps));
   return [own](const Camera& camera, const Buffer<float>&, const CompareDepth& compare) {
-    const WarpedView seen = own->warper.Warp(camera);
+    const WarpDepth seen = own->warper.Surfaces(camera);
     const Shape shape{camera.height, camera.width};
     DepthTarget target{Buffer<float>::From(shape, std::span<const float>(seen.inv_depth)), Buffer<float>::Zeros(shape)};
     for (int64_t i = 0; i < target.mask.count(); ++i) {
-      if (seen.evidence[static_cast<size_t>(i)].ring == 0) target.mask[i] = 1;
+      const auto pixel = static_cast<size_t>(i);
+      if (seen.inv_depth[pixel] > 0 || seen.beside[pixel] != 0) target.mask[i] = 1;
     }
     compare(target);
     return Buffer<float>();
