@@ -7,26 +7,51 @@
 namespace oraclegs {
 namespace {
 
-using testing::HasSubstr;
-
 TEST(PublishedFor, HasEachMethodOnceWithItsSource) {
-  for (const auto& [suite, views, count] :
-       {std::tuple{"mipnerf360", 12, 7u}, {"mipnerf360", 24, 7u}, {"blender", 8, 2u}}) {
+  for (const auto& [suite, views, count] : {std::tuple{"mipnerf360", 12, 7u},
+                                            {"mipnerf360", 24, 12u},
+                                            {"blender", 8, 11u},
+                                            {"llff", 3, 10u},
+                                            {"llff", 6, 9u},
+                                            {"llff", 9, 9u},
+                                            {"dtu", 3, 7u},
+                                            {"dtu", 9, 6u}}) {
     std::set<std::string> methods;
-    for (const PublishedScore& score : PublishedFor(suite, views)) {
+    const std::vector<PublishedScore> scores = PublishedFor(suite, views);
+    for (const PublishedScore& score : scores) {
       methods.insert(score.method);
-      EXPECT_THAT(score.source, HasSubstr("[Topaloglu 2026]"));
+      EXPECT_THAT(score.source, testing::ContainsRegex("^\\[[A-Z][a-z]+ 20[0-9]+\\], table"));
       ASSERT_TRUE(score.psnr);
-      EXPECT_TRUE(*score.psnr > 18 && *score.psnr < 26) << score.label;
-      EXPECT_EQ(score.ssim.has_value(), score.lpips.has_value());
+      EXPECT_TRUE(*score.psnr > 9 && *score.psnr < 28) << score.label;
+      ASSERT_EQ(score.ssim.has_value(), score.lpips.has_value());
+      if (!score.ssim) continue;
+      EXPECT_TRUE(*score.ssim > 0.3 && *score.ssim < 1 && *score.lpips > 0 && *score.lpips < 0.6) << score.label;
     }
     EXPECT_EQ(methods.size(), count) << suite << views;
+    EXPECT_EQ(scores.size(), count) << suite << views;
+  }
+}
+
+TEST(PublishedFor, HasTheMethodsForRadianceFields) {
+  for (const auto& [suite, views] : {std::pair{"mipnerf360", 24}, {"blender", 8}, {"llff", 3}, {"dtu", 3}}) {
+    std::vector<std::string> labels;
+    for (const PublishedScore& score : PublishedFor(suite, views)) labels.push_back(score.label);
+    EXPECT_THAT(labels, testing::IsSupersetOf({"RegNeRF", "FreeNeRF", "SparseNeRF"})) << suite;
+  }
+}
+
+TEST(PublishedFor, TakesTheColumnOfTheViews) {
+  for (const PublishedScore& score : PublishedFor("llff", 6)) {
+    if (score.method != "cor-gs") continue;
+    EXPECT_EQ(score.psnr, 24.49);
+    EXPECT_EQ(score.ssim, 0.837);
+    EXPECT_EQ(score.lpips, 0.115);
   }
 }
 
 TEST(PublishedFor, HasNoneOfOtherProtocols) {
   EXPECT_TRUE(PublishedFor("mipnerf360", 6).empty());
-  EXPECT_TRUE(PublishedFor("llff", 3).empty());
+  EXPECT_TRUE(PublishedFor("llff", 12).empty());
 }
 
 }  // namespace

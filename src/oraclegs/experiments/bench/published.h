@@ -17,7 +17,7 @@ struct PublishedScore {
   std::string source;                       ///< where it is printed, with a key of docs/references.md
 };
 
-/// Those of a suite and a number of training views, in the order of their source; none where none is known.
+/// Those of a suite and a number of training views; none where none is known.
 std::vector<PublishedScore> PublishedFor(const std::string& suite, int views);
 
 }  // namespace oraclegs
