@@ -17,7 +17,9 @@ std::unique_ptr<TrainDevice> MakeTrainDevice(Device device, const TrainDeviceSet
     throw UsageError("--depth-loss {} works on the CPU only; use --device cpu", Word(loss));
   }
   if (!setup.parts.empty()) {
-    throw UsageError("--hard-depth, --soft-depth-start and --prune-modes-at work on the CPU only; use --device cpu");
+    throw UsageError(
+        "--hard-depth, --soft-depth-start, --pseudo-depth-weight and --prune-modes-at work on the CPU only; "
+        "use --device cpu");
   }
 #if defined(ORACLEGS_CUDA)
   if (device.is_cuda()) return cuda::MakeCudaTrainDevice(device, setup);

@@ -19,7 +19,8 @@ TEST(BenchText, HasARowForEachSceneAndMethod) {
   EXPECT_THAT(text, HasSubstr("Mip-NeRF 360, 12 training views, seeds 0, 1\n"));
   EXPECT_THAT(
       text,
-      HasSubstr("\ngarden          OracleGS      20.50 ± 0.71  0.4100 ± 0.0141      -  3:25  2.0 GB       1000\n"));
+      HasSubstr(
+          "\ngarden          OracleGS      20.50 ± 0.71  0.4100 ± 0.0141      -  3:25      6:50  2.0 GB       1000\n"));
   EXPECT_THAT(text, HasSubstr("\nroom            3DGS-MCMC     failed: no|points\n"));
   EXPECT_THAT(text, HasSubstr("20.32 / 0.596 / 0.350  +1.68 / -0.156 / -"));
   EXPECT_THAT(text, HasSubstr("mean of 1 of 2  3DGS-MCMC"));
@@ -31,13 +32,15 @@ TEST(BenchMarkdown, HasExactCells) {
   const std::string text = BenchMarkdown(ExampleBench());
   EXPECT_THAT(
       text, HasSubstr("# Benchmark on Mip-NeRF 360\n\nseeds 0, 1; oraclegs 1.0 (abc).\n\n    oraclegs bench -o a_b\n"));
-  EXPECT_THAT(text,
-              HasSubstr("| garden | OracleGS | **20.50 ± 0.71** | **0.4100 ± 0.0141** | - | 3:25 | 2.0 GB | 1000 | "
-                        " |  |\n"));
-  EXPECT_THAT(text, HasSubstr("| room | 3DGS-MCMC | failed: no\\|points | | | | | | | |\n"));
-  EXPECT_THAT(text, HasSubstr("| mean | OracleGS | 22.00 ± 1.41 | 0.4400 ± 0.0283 | - | 3:40 | 2.0 GB | 1000 | 20.32 / "
-                              "0.596 / 0.350 | +1.68 / -0.156 / - |\n"));
-  EXPECT_THAT(text, HasSubstr("| quoted | 3DGS | 18.52 | 0.523 | 0.415 | - | - | - |  |  |\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("| garden | OracleGS | **20.50 ± 0.71** | **0.4100 ± 0.0141** | - | 3:25 | 6:50 | 2.0 GB | 1000 | "
+                " |  |\n"));
+  EXPECT_THAT(text, HasSubstr("| room | 3DGS-MCMC | failed: no\\|points | | | | | | | | |\n"));
+  EXPECT_THAT(
+      text, HasSubstr("| mean | OracleGS | 22.00 ± 1.41 | 0.4400 ± 0.0283 | - | 3:40 | 7:20 | 2.0 GB | 1000 | 20.32 / "
+                      "0.596 / 0.350 | +1.68 / -0.156 / - |\n"));
+  EXPECT_THAT(text, HasSubstr("| quoted | 3DGS | 18.52 | 0.523 | 0.415 | - | - | - | - |  |  |\n"));
   EXPECT_THAT(text, HasSubstr("![Test PSNR over the number of training views](bench-views.svg)"));
   EXPECT_THAT(text, HasSubstr("- 3DGS-MCMC: [Kheradmand 2024], run here.\n"));
 }
@@ -61,10 +64,10 @@ TEST(BenchLatex, EscapesAndMarksTheBest) {
   }
   const std::string text = BenchLatex(report);
   EXPECT_THAT(text, HasSubstr("\\midrule\nmy\\_garden & a \\& b & \\textbf{20.50 $\\pm$ 0.71} & \\textbf{0.4100 $\\pm$ "
-                              "0.0141} & - & 3:25 & 2.0 GB & 1000 \\\\\n"));
-  EXPECT_THAT(text, HasSubstr("room & 3DGS-MCMC & \\multicolumn{6}{l}{failed: no|points} \\\\\n"));
+                              "0.0141} & - & 3:25 & 6:50 & 2.0 GB & 1000 \\\\\n"));
+  EXPECT_THAT(text, HasSubstr("room & 3DGS-MCMC & \\multicolumn{7}{l}{failed: no|points} \\\\\n"));
   EXPECT_THAT(text,
-              HasSubstr("& published & \\multicolumn{6}{l}{20.32 / 0.596 / 0.350; difference +1.68 / -0.156 / -}"));
+              HasSubstr("& published & \\multicolumn{7}{l}{20.32 / 0.596 / 0.350; difference +1.68 / -0.156 / -}"));
   EXPECT_THAT(text, HasSubstr("\\bottomrule\n\\end{tabular}\n"));
 }
 
@@ -91,8 +94,10 @@ TEST(BenchCsv, HasALineForEachRow) {
   const std::string text = BenchCsv(report);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 12);
   EXPECT_THAT(text, HasSubstr("suite,views,scene,method,scored,of,psnr,psnr_deviation,ssim,"));
-  EXPECT_THAT(text, HasSubstr("\nmipnerf360,12,garden,ours,2,2,20.5,0.707106781,0.41,0.0141421356,,,205,7.07106781,"
-                              "2e+09,0,1000,0,,,,,,,,1.0 (abc),\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("\nmipnerf360,12,garden,ours,2,2,20.5,0.707106781,0.41,0.0141421356,,,205,7.07106781,410,14.1421356,"
+                "2e+09,0,1000,0,,,,,,,,1.0 (abc),\n"));
   EXPECT_THAT(text, HasSubstr(",0.9 (old); test,\n")) << "of runs of an earlier call";
   EXPECT_THAT(text, HasSubstr(",1.0 (abc); test,\n")) << "a mean of both scenes";
   EXPECT_THAT(text, HasSubstr(",\"failed: a \"\"b\"\", c\"\n"));

@@ -71,10 +71,11 @@ TEST(Methods, HaveTheSettingsOfADatasetWhereTheirAuthorsDo) {
   EXPECT_EQ(baseline("cor-gs", "dtu").baseline.co_start, 2000);
   EXPECT_EQ(baseline("cor-gs", "mipnerf360").baseline.co_prune_distance, 20);
   EXPECT_EQ(baseline("cor-gs", "mipnerf360").iterations, Auto<int>(30000));
-  EXPECT_EQ(baseline("fsgs", "folder").baseline.pseudo_depth_weight, 0.5);
+  EXPECT_EQ(baseline("fsgs", "folder").baseline.pseudo_depth_weight, 0.05);
   EXPECT_EQ(baseline("fsgs", "folder").baseline.pseudo_depth_every, 10);
   EXPECT_EQ(baseline("fsgs", "mipnerf360").baseline.pseudo_depth_weight, 0.03);
   EXPECT_EQ(baseline("fsgs", "llff").baseline.pseudo_depth_every, 1);
+  EXPECT_EQ(baseline("fsgs", "llff").baseline.pseudo_depth_weight, 0.5);
   EXPECT_EQ(baseline("dngaussian", "llff").baseline.depth_tolerance, 0.00025);
   EXPECT_EQ(baseline("dngaussian", "dtu").baseline.densify_opacity, 0.1);
   EXPECT_EQ(baseline("dngaussian", "blender").baseline.soft_depth_start, 0);

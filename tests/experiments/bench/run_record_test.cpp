@@ -49,14 +49,30 @@ TEST(ReadScore, TakesWhatTheRunMeasured) {
   WriteText(dir / "run/metrics.json",
             R"({"test": {"psnr": 20.5, "ssim": 0.5, "lpips": 0.3, "conventions": {"lpips": "VGG16, as is"}},
                 "gaussians": 100, "peak_memory_bytes": 2000, "views": {"train": 12}, "train": {"seconds": 3},
-                "stages": {"sfm": {"seconds": 1}, "train": {"seconds": 4}, "evaluate": {"seconds": 10}}})");
+                "stages": {"sfm": {"seconds": 1, "cpu_seconds": 2}, "train": {"seconds": 4, "cpu_seconds": 7},
+                           "evaluate": {"seconds": 10}}})");
   BenchScore score;
   ASSERT_TRUE(ReadScore(dir / "run", &score));
   EXPECT_TRUE(score.is_scored());
-  EXPECT_THAT(score.value, testing::ElementsAre(20.5, 0.5, 0.3, 5.0, 2000.0, 100.0)) << "seconds without scoring";
+  EXPECT_THAT(score.value, testing::ElementsAre(20.5, 0.5, 0.3, 5.0, 9.0, 2000.0, 100.0)) << "seconds without scoring";
   EXPECT_EQ(score.training_seconds, 3);
   EXPECT_EQ(score.train_views, 12u);
   EXPECT_EQ(score.lpips, "VGG16, as is");
+}
+
+TEST(ReadScore, CpuTimeIsUnknownWhereAStageHasNone) {
+  const TempDir dir;
+  const auto cpu_seconds = [&](const char* train) {
+    WriteText(dir / "run/metrics.json", fmt::format(R"({{"test": {{"psnr": 20}}, "gaussians": 1,
+                              "stages": {{"sfm": {{"seconds": 1, "cpu_seconds": 2}}, "train": {}}}}})",
+                                                    train));
+    BenchScore score;
+    EXPECT_TRUE(ReadScore(dir / "run", &score));
+    return score.value[static_cast<size_t>(BenchValue::kCpuSeconds)];
+  };
+  EXPECT_EQ(cpu_seconds(R"({"seconds": 4, "cpu_seconds": 3})"), 5);
+  EXPECT_EQ(cpu_seconds(R"({"seconds": 4, "cpu_seconds": null})"), std::nullopt);
+  EXPECT_EQ(cpu_seconds(R"({"seconds": 4})"), std::nullopt);
 }
 
 TEST(ReadScore, IncompleteIsNotDone) {

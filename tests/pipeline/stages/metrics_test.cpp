@@ -10,7 +10,7 @@ namespace {
 TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   const TempDir temp;
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
-  run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"points", 400}});
+  run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"cpu_seconds", 5}, {"points", 400}});
   run.workspace.MarkDone("validate", {{"key", "v"},
                                       {"seconds", 1},
                                       {"oracle", "vggt"},
@@ -31,6 +31,8 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("test"), test);
   EXPECT_EQ(metrics.at("gaussians"), 500);
   EXPECT_EQ(metrics.at("stages").at("sfm").at("seconds"), 3);
+  EXPECT_EQ(metrics.at("stages").at("sfm").at("cpu_seconds"), 5);
+  EXPECT_FALSE(metrics.at("stages").at("depth").contains("cpu_seconds"));
   EXPECT_EQ(metrics.at("stages").at("depth").at("seconds"), 4);
   EXPECT_EQ(metrics.at("stages").at("train").at("seconds"), 12);
   EXPECT_EQ(metrics.at("stages").at("evaluate").at("seconds"), 1.5);
@@ -53,6 +55,14 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("start").at("source"), "dense");
   EXPECT_EQ(metrics.at("start").at("points"), 500);
   EXPECT_EQ(metrics.at("views").at("train"), 4);
+}
+
+TEST(CpuSeconds, GrowWithWork) {
+  const double before = CpuSeconds();
+  EXPECT_GT(before, 0);
+  volatile double sum = 0;
+  while (CpuSeconds() < before + 0.05) sum = sum + 1;
+  EXPECT_GE(CpuSeconds(), before + 0.05);
 }
 
 TEST(ReadMetrics, NamesADamagedFile) {

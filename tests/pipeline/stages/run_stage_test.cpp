@@ -62,6 +62,7 @@ TEST_F(RunStageTest, MakesWhatIsNeededOnceAndReadsItBack) {
   EXPECT_THAT(recorder.started, ElementsAre("a", "b", "c", "d"));
   EXPECT_EQ(run.workspace.Record("c").at("key"), StageKey(&run, stages, "c"));
   EXPECT_GE(run.workspace.Record("c").at("seconds"), 0);
+  EXPECT_GE(run.workspace.Record("c").at("cpu_seconds"), 0);
   EXPECT_TRUE(IsUpToDate(&run, stages, "d"));
   RunStage(&run, stages, "d");
   EXPECT_THAT(loaded, IsEmpty()) << "held in memory";

@@ -113,14 +113,15 @@ TEST_F(TrainStageTest, StopsWhenItsFolderIsRemoved) {
 TEST_F(TrainStageTest, HasNoTimingsWhenNothingIsLeftToDo) {
   request.options.checkpoints.checkpoint_every = request.options.train.iterations.value();
   const std::string ply = Train(request);
-  const auto timings = [&] {
-    return nlohmann::json::parse(ReadFile(temp / "out" / "stages.json")).at("train").at("milliseconds_per_iteration");
-  };
+  const auto train = [&] { return nlohmann::json::parse(ReadFile(temp / "out" / "stages.json")).at("train"); };
+  const auto timings = [&] { return train().at("milliseconds_per_iteration"); };
   EXPECT_GT(timings().at("total"), 0);
   EXPECT_GT(timings().at("gaussian_backward"), 0);
+  EXPECT_GT(train().at("cpu_seconds"), 0);
   std::filesystem::remove(temp / "out" / "point_cloud.ply");
   EXPECT_EQ(Train(request), ply);  // from the checkpoint of the last iteration
   EXPECT_TRUE(timings().is_null());
+  EXPECT_TRUE(train().at("cpu_seconds").is_null()) << "the process that trained is gone";
 }
 
 TEST_F(TrainStageTest, AFinishedRunGoesOnWithMoreIterations) {

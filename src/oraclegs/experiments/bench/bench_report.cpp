@@ -16,8 +16,8 @@ constexpr std::array kScoreValues = {BenchValue::kPsnr, BenchValue::kSsim, Bench
 
 size_t IndexOf(BenchValue value) { return static_cast<size_t>(value); }
 
-std::string TimeCell(const BenchRow& row) {
-  const auto& seconds = row.value[IndexOf(BenchValue::kSeconds)];
+std::string TimeCell(const BenchRow& row, BenchValue value) {
+  const auto& seconds = row.value[IndexOf(value)];
   return seconds ? FormatSeconds(seconds->mean) : "-";
 }
 
@@ -29,6 +29,12 @@ std::string MemoryCell(const BenchRow& row) {
 std::string GaussiansCell(const BenchRow& row) {
   const auto& count = row.value[IndexOf(BenchValue::kGaussians)];
   return count ? fmt::format("{:.0f}", count->mean) : "-";
+}
+
+/// Of the columns after the scores.
+std::vector<std::string> CostCells(const BenchRow& row) {
+  return {TimeCell(row, BenchValue::kSeconds), TimeCell(row, BenchValue::kCpuSeconds), MemoryCell(row),
+          GaussiansCell(row)};
 }
 
 /// What is quoted has the digits that are printed there.
@@ -148,12 +154,12 @@ std::string InCsv(const std::string& text) {
 std::string MarkdownRow(const BenchRow& row, bool with_published) {
   std::string text = fmt::format("| {} | {} |", InMarkdown(SceneOf(row)), InMarkdown(row.label));
   if (!row.failure.empty())
-    return text + fmt::format(" {} | | | | | |{}\n", InMarkdown(row.failure), with_published ? " | |" : "");
+    return text + fmt::format(" {} | | | | | | |{}\n", InMarkdown(row.failure), with_published ? " | |" : "");
   for (const BenchValue value : kScoreValues) {
     const std::string cell = CellOf(row, value);
     text += row.best[IndexOf(value)] ? fmt::format(" **{}** |", cell) : fmt::format(" {} |", cell);
   }
-  text += fmt::format(" {} | {} | {} |", TimeCell(row), MemoryCell(row), GaussiansCell(row));
+  for (const std::string& cell : CostCells(row)) text += fmt::format(" {} |", cell);
   if (with_published) text += fmt::format(" {} | {} |", PublishedCell(row), DifferenceCell(row));
   return text + "\n";
 }
@@ -161,13 +167,14 @@ std::string MarkdownRow(const BenchRow& row, bool with_published) {
 std::string LatexRow(const BenchRow& row) {
   std::string text = fmt::format("{} & {}", InLatex(SceneOf(row)), InLatex(row.label));
   if (!row.failure.empty()) {
-    return text + fmt::format(" & \\multicolumn{{6}}{{l}}{{{}}} \\\\\n", InLatex(row.failure));
+    return text + fmt::format(" & \\multicolumn{{7}}{{l}}{{{}}} \\\\\n", InLatex(row.failure));
   }
   for (const BenchValue value : kScoreValues) {
     const std::string cell = InLatex(CellOf(row, value));
     text += row.best[IndexOf(value)] ? fmt::format(" & \\textbf{{{}}}", cell) : " & " + cell;
   }
-  return text + fmt::format(" & {} & {} & {} \\\\\n", TimeCell(row), MemoryCell(row), GaussiansCell(row));
+  for (const std::string& cell : CostCells(row)) text += " & " + cell;
+  return text + " \\\\\n";
 }
 
 /// What the published numbers are, once for each source.
@@ -226,7 +233,7 @@ std::string BenchText(const BenchReport& report) {
     const std::vector<BenchRow> rows = RowsOf(all, views);
     const bool with_published = HasPublished(rows);
     std::vector<std::vector<std::string>> lines = {
-        {"scene", "method", "PSNR", "SSIM", "LPIPS", "time", "memory", "Gaussians"}};
+        {"scene", "method", "PSNR", "SSIM", "LPIPS", "time", "CPU time", "memory", "Gaussians"}};
     if (with_published) lines[0].insert(lines[0].end(), {"published", "difference"});
     for (const BenchRow& row : rows) {
       lines.push_back({SceneOf(row), row.label});
@@ -235,11 +242,11 @@ std::string BenchText(const BenchReport& report) {
         continue;
       }
       for (const BenchValue value : kScoreValues) lines.back().push_back(CellOf(row, value));
-      lines.back().insert(lines.back().end(), {TimeCell(row), MemoryCell(row), GaussiansCell(row)});
+      for (std::string& cell : CostCells(row)) lines.back().push_back(std::move(cell));
       if (with_published) lines.back().insert(lines.back().end(), {PublishedCell(row), DifferenceCell(row)});
     }
     text += fmt::format("{}, {}, {}\n{}", report.label, ViewsText(views), SeedsText(report),
-                        AlignColumns(lines, with_published ? "llrrrrrrrr" : "llrrrrrr"));
+                        AlignColumns(lines, with_published ? "llrrrrrrrrr" : "llrrrrrrr"));
     const std::string wins = WinsLine(report, views);
     if (!wins.empty()) text += wins + "\n";
     for (const std::string& line : SourceLines(rows)) text += line + "\n";
@@ -259,9 +266,11 @@ std::string BenchMarkdown(const BenchReport& report) {
   for (const int views : report.views) {
     const std::vector<BenchRow> rows = RowsOf(all, views);
     const bool with_published = HasPublished(rows);
-    text += fmt::format("## {}\n\n| scene | method | PSNR, dB | SSIM | LPIPS | time | memory | Gaussians |{}\n",
-                        ViewsText(views), with_published ? " published | difference |" : "");
-    text += fmt::format("| --- | --- | --- | --- | --- | --- | --- | --- |{}\n", with_published ? " --- | --- |" : "");
+    text +=
+        fmt::format("## {}\n\n| scene | method | PSNR, dB | SSIM | LPIPS | time | CPU time | memory | Gaussians |{}\n",
+                    ViewsText(views), with_published ? " published | difference |" : "");
+    text += fmt::format("| --- | --- | --- | --- | --- | --- | --- | --- | --- |{}\n",
+                        with_published ? " --- | --- |" : "");
     for (const BenchRow& row : rows) text += MarkdownRow(row, with_published);
     const std::string wins = WinsLine(report, views);
     text += wins.empty() ? "\n" : fmt::format("\n{}.\n\n", InMarkdown(wins));
@@ -271,8 +280,9 @@ std::string BenchMarkdown(const BenchReport& report) {
   text +=
       "- ± is the sample standard deviation over the seeds; that of a mean is the deviation of the mean over scenes. "
       "The best score of a scene, and of the means over all scenes, is bold.\n"
-      "- time: from photos to the trained model, without scoring; stages that runs share count in each. memory: of the "
-      "largest process.\n";
+      "- time: from photos to the trained model, without scoring; stages that runs share count in each. CPU time: the "
+      "same, of all threads and programs together; not known where training was continued. memory: of the largest "
+      "process.\n";
   for (const BenchMethod& method : report.methods) {
     if (!method.citation.empty()) text += fmt::format("- {}: [{}], run here.\n", method.label, method.citation);
   }
@@ -287,11 +297,12 @@ std::string BenchLatex(const BenchReport& report) {
   const std::vector<BenchRow> all = BenchRows(report);
   for (const int views : report.views) {
     const std::vector<BenchRow> rows = RowsOf(all, views);
-    text += "\\begin{tabular}{llrrrrrr}\n\\toprule\n";
-    text += fmt::format("\\multicolumn{{8}}{{l}}{{{}, {}, {}}} \\\\\n", InLatex(report.label), ViewsText(views),
+    text += "\\begin{tabular}{llrrrrrrr}\n\\toprule\n";
+    text += fmt::format("\\multicolumn{{9}}{{l}}{{{}, {}, {}}} \\\\\n", InLatex(report.label), ViewsText(views),
                         SeedsText(report));
     text +=
-        "scene & method & PSNR $\\uparrow$ & SSIM $\\uparrow$ & LPIPS $\\downarrow$ & time & memory & Gaussians \\\\\n";
+        "scene & method & PSNR $\\uparrow$ & SSIM $\\uparrow$ & LPIPS $\\downarrow$ & time & CPU time & memory & "
+        "Gaussians \\\\\n";
     std::string scene;
     for (size_t r = 0; r < rows.size(); ++r) {
       const std::string group = rows[r].is_mean() ? (rows[r].source.empty() ? "mean" : "quoted") : rows[r].scene;
@@ -299,7 +310,7 @@ std::string BenchLatex(const BenchReport& report) {
       scene = group;
       text += LatexRow(rows[r]);
       if (!rows[r].published) continue;
-      text += fmt::format("& published & \\multicolumn{{6}}{{l}}{{{}; difference {}}} \\\\\n", PublishedCell(rows[r]),
+      text += fmt::format("& published & \\multicolumn{{7}}{{l}}{{{}; difference {}}} \\\\\n", PublishedCell(rows[r]),
                           DifferenceCell(rows[r]));
     }
     text += "\\bottomrule\n\\end{tabular}\n";

@@ -39,6 +39,19 @@ double SecondsOf(const json& metrics) {
   return seconds;
 }
 
+/// The same of processor time; nothing where a stage has none.
+std::optional<double> CpuSecondsOf(const json& metrics) {
+  double seconds = 0;
+  const json stages = metrics.value("stages", json::object());
+  for (const auto& [stage, record] : stages.items()) {
+    if (stage == "evaluate") continue;
+    const auto own = record.is_object() ? NumberIn(record, "cpu_seconds") : std::nullopt;
+    if (!own) return std::nullopt;
+    seconds += *own;
+  }
+  return stages.empty() ? std::nullopt : std::optional(seconds);
+}
+
 fs::path Beside(const fs::path& workspace, const char* extension) {
   fs::path file = workspace;
   return file += extension;  // the name of a scene may hold dots
@@ -91,6 +104,7 @@ bool ReadScore(const fs::path& workspace, BenchScore* score) {
   };
   set(BenchValue::kPsnr, NumberIn(test, "psnr")), set(BenchValue::kSsim, NumberIn(test, "ssim"));
   set(BenchValue::kLpips, NumberIn(test, "lpips")), set(BenchValue::kSeconds, SecondsOf(metrics));
+  set(BenchValue::kCpuSeconds, CpuSecondsOf(metrics));
   set(BenchValue::kPeakBytes, NumberIn(metrics, "peak_memory_bytes"));
   set(BenchValue::kGaussians, NumberIn(metrics, "gaussians"));
   const json train = metrics.value("train", json::object()), views = metrics.value("views", json::object());

@@ -24,6 +24,19 @@ int64_t PeakMemoryBytes() {
   return int64_t{usage.ru_maxrss} * 1024;
 }
 
+double CpuSeconds() {
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  double sum = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    sum += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  }
+  return sum;
+}
+
 nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record) {
   nlohmann::json metrics;
   metrics["test"] = evaluate_record.at("test");
@@ -33,7 +46,9 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
   for (const char* stage : kTimedStages) {
     const nlohmann::json record = run.workspace.Record(stage);
-    if (record.is_object()) metrics["stages"][stage]["seconds"] = record.value("seconds", 0.0);
+    if (!record.is_object()) continue;
+    metrics["stages"][stage]["seconds"] = record.value("seconds", 0.0);
+    if (record.contains("cpu_seconds")) metrics["stages"][stage]["cpu_seconds"] = record.at("cpu_seconds");
   }
   const nlohmann::json train = run.workspace.Record("train"), start = run.workspace.Record("start");
   int64_t peak = evaluate_record.at("peak_memory_bytes").get<int64_t>();

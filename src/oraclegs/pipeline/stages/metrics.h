@@ -21,4 +21,7 @@ nlohmann::json ReadMetrics(const std::filesystem::path& workspace);
 /// Largest memory the process has held so far, bytes.
 int64_t PeakMemoryBytes();
 
+/// Processor time of the process and of the programs it has waited for, all threads together, seconds.
+double CpuSeconds();
+
 }  // namespace oraclegs

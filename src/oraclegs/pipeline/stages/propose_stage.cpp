@@ -150,6 +150,13 @@ void AskFor(Run* run, const std::vector<size_t>& numbers,
   }
 }
 
+/// Of a part: what another process writes of its images. Another program's, or a damaged one, is none.
+bool IsRecord(const nlohmann::json& part) {
+  const nlohmann::json images = part.value("images", nlohmann::json());
+  return images.is_array() &&
+         std::all_of(images.begin(), images.end(), [](const nlohmann::json& name) { return name.is_string(); });
+}
+
 /// Images of all candidates, for the user to look at; the candidates are kept, but those that other processes made.
 std::vector<std::string> WriteCandidates(Run* run, const PartStore& parts) {
   StageResults& known = *run->results;
@@ -157,7 +164,8 @@ std::vector<std::string> WriteCandidates(Run* run, const PartStore& parts) {
   std::vector<std::vector<std::string>> files(known.targets.size());
   std::vector<size_t> missing;
   for (size_t t = 0; t < known.targets.size(); ++t) {
-    if (const auto part = parts.Take(t)) {
+    const auto part = parts.Take(t);
+    if (part && IsRecord(*part)) {
       files[t] = part->at("images").get<std::vector<std::string>>();
     } else {
       missing.push_back(t);

@@ -6,6 +6,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/function_ref.h"
 #include "oraclegs/pipeline/live/live.h"
+#include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/workspace/part_store.h"
 
@@ -114,6 +115,7 @@ class StageRunner {
   }
 
   void Make(const Stage& stage, const std::string& key, const StageClock& clock) {
+    const double cpu_before = CpuSeconds();
     std::optional<nlohmann::json> record = stage.work.make(run_, key);
     PartStore(run_->workspace, stage.name, key).Clear();
     if (!record) {
@@ -121,6 +123,7 @@ class StageRunner {
       return;
     }
     if (!record->contains("seconds")) (*record)["seconds"] = clock.Seconds();
+    if (!record->contains("cpu_seconds")) (*record)["cpu_seconds"] = CpuSeconds() - cpu_before;
     (*record)["key"] = key;
     if (const auto predicted = run_->predicted.find(stage.name); predicted != run_->predicted.end()) {
       (*record)["predicted_seconds"] = predicted->second;

@@ -254,7 +254,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
       run->listener, run->live ? run->live->AsObserver(TestScoreOf(*run)) : TrainObserver());
   WriteModel(*run, ready);
   KeepLastCheckpoint(*run, *ready.trainer);
-  return nlohmann::json{{"seconds", loading + result.seconds},
+  nlohmann::json record{{"seconds", loading + result.seconds},
                         {"training_seconds", result.seconds},
                         {"iterations", result.iterations},
                         {"device", run->plan.device.Name()},
@@ -263,6 +263,8 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
                         {"lpips", ready.lpips.empty() ? nlohmann::json() : nlohmann::json(ready.lpips)},
                         {"peak_memory_bytes", PeakMemoryBytes()},
                         {"files", {"point_cloud.ply"}}};
+  if (checkpoint) record["cpu_seconds"] = nullptr;  // that of the processes before is not known
+  return record;
 }
 
 }  // namespace

@@ -116,6 +116,12 @@ std::vector<std::vector<Proposal>> CandidatesOf(Run* run, const std::vector<Targ
   return candidates;
 }
 
+/// Of a part: what ClassifyShare writes. Another program's, or a damaged one, is none.
+bool IsRecord(const nlohmann::json& part) {
+  return part.value("chunk", nlohmann::json()).is_number_unsigned() &&
+         (!part.contains("mean") || part.at("mean").is_number());
+}
+
 using TargetRange = std::pair<size_t, size_t>;  // [begin, end) of targets that are classified together
 
 /// Classifies the proposals of one run, writes them, and counts.
@@ -128,7 +134,7 @@ class Validation {
     std::set<size_t> missing;
     for (size_t t = 0; t < known_.targets.size(); ++t) {
       const auto part = parts.Take(t);
-      if (!part) {
+      if (!part || !IsRecord(*part)) {
         missing.insert(t);
         continue;
       }

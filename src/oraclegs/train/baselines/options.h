@@ -97,7 +97,7 @@ struct BaselineOptions {
         "pseudo-depth-weight", self.pseudo_depth_weight,
         "Weight of the correlation between the depth of renders from between the photos and the depth that the network "
         "of --depth-prior sees in them, or, where that is stereo alone, what stereo knows there (FSGS, Zhu et al., "
-        "ECCV 2024, uses 0.5, and 0.03 on Mip-NeRF 360); 0 = off; on the CPU only",
+        "ECCV 2024, uses 0.05; 0.5 on LLFF, 0.03 on Mip-NeRF 360); 0 = off; on the CPU only",
         Range{0, 1e3});
     visit("pseudo-depth-start", self.pseudo_depth_start,
           "Of --pseudo-depth-weight: iteration after which it begins, growing over 500 iterations", Range{0, 1e7});
