@@ -13,7 +13,7 @@ struct DepthTarget {
   Buffer<float> mask;       ///< [H,W] in [0,1], how much a pixel counts; undefined = 1 everywhere
 };
 
-/// Is told the depth that a render should have; returns dL/d(inv_depth) of the loss between the two.
+/// Takes the depth that a render should have; returns dL/d(inv_depth) of the loss between the two.
 using CompareDepth = std::function<Buffer<float>(const DepthTarget&)>;
 
 /// Where the depth comes from that a render from a place without a photo should have: calls `compare` once with that of

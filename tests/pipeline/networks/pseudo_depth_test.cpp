@@ -38,7 +38,7 @@ TEST(NetworkPseudoDepth, RefusesAFileThatIsNone) {
   EXPECT_THROW(NetworkPseudoDepth("/nowhere/depth.safetensors", kCpu, Silent()), InputError);
 }
 
-/// Photos of a textured wall, whose depth is known but for the right half.
+/// Photos of a textured wall, whose depth is known.
 class StereoPseudoDepthTest : public testing::Test {
  protected:
   StereoPseudoDepthTest() {

@@ -22,8 +22,6 @@ PseudoDepths::PseudoDepths(const TrainSetup& setup)
       "--pseudo-depth-weight needs depth, and none is known; use another --depth-prior or leave the weight out");
 }
 
-PseudoDepths::~PseudoDepths() = default;
-
 bool PseudoDepths::IsDue(const Iteration& iteration) const {
   const BaselineOptions& baseline = options_.baseline;
   const auto end = static_cast<int64_t>(kPseudoDepthEnd * options_.Horizon());
@@ -39,11 +37,11 @@ double PseudoDepths::BeforeView(const Iteration& iteration, TrainedModel* model,
   const Camera& camera = DrawPseudoView(views_, seed_, iteration.number);
   const RenderOptions render{background_, iteration.sh_degree, options_.antialiased};
   const RenderOutput out = rasterizer_->Forward(model->gaussians, camera, render, RenderPass::kTrain);
-  RenderGrads upstream{{}, {}, Buffer<float>::Empty(out.inv_depth.shape())};
+  RenderGrads upstream{{}, {}, of_rendered_.Get(out.inv_depth.shape())};
   double loss = 0;
   upstream.image = depth_(camera, out.image, [&](const DepthTarget& target) {
     loss = PearsonDepthLoss({out.inv_depth, target.inv_depth, target.mask}, weight, &upstream.inv_depth);
-    Buffer<float> of_target = Buffer<float>::Empty(out.inv_depth.shape());
+    Buffer<float> of_target = of_target_.Get(out.inv_depth.shape());
     PearsonDepthLoss({target.inv_depth, out.inv_depth, target.mask}, weight, &of_target);
     return of_target;
   });

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "oraclegs/render/image_buffer.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -23,7 +24,6 @@ class PseudoDepths final : public MethodPart {
  public:
   /// Throws UsageError where the setup has no pseudo depth.
   explicit PseudoDepths(const TrainSetup& setup);
-  ~PseudoDepths() override;
 
   double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) override;
 
@@ -36,6 +36,7 @@ class PseudoDepths final : public MethodPart {
   PseudoDepth depth_;
   std::vector<Camera> views_;
   std::unique_ptr<Rasterizer> rasterizer_;
+  ImageBuffer of_rendered_, of_target_;  // dL/d(inverse depth)
   Gaussians grads_;
 };
 
