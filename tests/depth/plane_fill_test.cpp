@@ -8,45 +8,6 @@
 namespace oraclegs {
 namespace {
 
-DensePoint PointAt(const Eigen::Vector3f& xyz, const Eigen::Vector3f& normal) {
-  DensePoint point;
-  point.xyz = xyz, point.normal = normal, point.pixel_size = 0.01f;
-  return point;
-}
-
-/// A grid on z = depth, facing -z.
-void AddWall(float depth, int side, std::vector<DensePoint>* points) {
-  for (int y = 0; y < side; ++y) {
-    for (int x = 0; x < side; ++x) {
-      points->push_back(PointAt({0.1f * static_cast<float>(x), 0.1f * static_cast<float>(y), depth}, {0, 0, -1}));
-    }
-  }
-}
-
-TEST(FindPlanes, FindsLargestFirstAndIgnoresScatter) {
-  std::vector<DensePoint> points;
-  AddWall(3, 30, &points);
-  AddWall(5, 40, &points);
-  for (int i = 0; i < 40; ++i) {  // off every plane by more than five pixels, or turned away from it
-    points.push_back(PointAt({0.07f * static_cast<float>(i), 0.3f, 6 + 0.2f * static_cast<float>(i)}, {0, 0, -1}));
-    points.push_back(PointAt({0.07f * static_cast<float>(i), 0.5f, 3}, {1, 0, 0}));
-  }
-  const std::vector<ScenePlane> planes = FindPlanes(points);
-  ASSERT_GE(planes.size(), 2u);
-  EXPECT_NEAR(planes[0].Distance({1, 2, 5}), 0, 1e-4);
-  EXPECT_NEAR(planes[1].Distance({1, 2, 3}), 0, 1e-4);
-  EXPECT_NEAR(planes[0].normal.z(), -1, 1e-4);
-  for (size_t p = 2; p < planes.size(); ++p) {
-    EXPECT_LT(std::abs(planes[p].normal.z()), 0.9) << "no wall is found twice";
-  }
-}
-
-TEST(FindPlanes, NeedsEnoughPoints) {
-  std::vector<DensePoint> points;
-  AddWall(3, 20, &points);
-  EXPECT_TRUE(FindPlanes(points).empty());
-}
-
 /// Views of one plane, whose depth is known but for a square in the middle of each.
 class FillPlanesTest : public testing::Test {
  protected:
@@ -58,17 +19,15 @@ class FillPlanesTest : public testing::Test {
         for (int x = 36; x < 60; ++x) Forget(&maps.back(), static_cast<size_t>(y) * 96 + static_cast<size_t>(x));
       }
     }
-    points = FuseDepth(maps, views, {});
   }
   static void Forget(DepthMap* map, size_t i) {
     map->inv_depth[i] = map->confidence[i] = 0;
     map->normals[i].setZero();
   }
-  std::vector<DensePoint> Fill() const { return FillPlanes(maps, views, points, {}); }
+  std::vector<DensePoint> Fill() const { return FillPlanes(maps, views, {}); }
 
   std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
-  std::vector<DensePoint> points;
 };
 
 TEST_F(FillPlanesTest, FillsHoleOnPlaneOnce) {
@@ -97,7 +56,7 @@ TEST_F(FillPlanesTest, SkipsWhereSeenThrough) {
     for (size_t i = 0; i < maps[1].size(); ++i) {
       if (maps[1].confidence[i] == 0) maps[1].confidence[i] = 0.9f, maps[1].inv_depth[i] = 0.1f;
     }
-    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {views[v], views[1]}, points, {})) {
+    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {views[v], views[1]}, {})) {
       const Eigen::Vector3d there = views[1].camera.cam_from_world * p.xyz.cast<double>();
       const double x = views[1].camera.fx * there.x() / there.z() + views[1].camera.cx;
       const double y = views[1].camera.fy * there.y() / there.z() + views[1].camera.cy;
@@ -129,9 +88,12 @@ TEST_F(FillPlanesTest, GivesSameBitsForAnyThreads) {
   for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(before[i].xyz, after[i].xyz);
 }
 
-TEST_F(FillPlanesTest, IsEmptyWithoutMapsOrPlanes) {
-  EXPECT_TRUE(FillPlanes({}, {}, points, {}).empty());
-  EXPECT_TRUE(FillPlanes(maps, views, {}, {}).empty());
+TEST_F(FillPlanesTest, IsEmptyWithoutMapsOrDepth) {
+  EXPECT_TRUE(FillPlanes({}, {}, {}).empty());
+  for (DepthMap& map : maps) {
+    for (size_t i = 0; i < map.size(); ++i) Forget(&map, i);
+  }
+  EXPECT_TRUE(Fill().empty());
 }
 
 }  // namespace

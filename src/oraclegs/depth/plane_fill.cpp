@@ -1,91 +1,29 @@
 #include "oraclegs/depth/plane_fill.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
-#include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/depth/continued_planes.h"
 #include "oraclegs/depth/plane.h"
 #include "oraclegs/depth/silhouettes.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMaxPlanes = 24, kMaxSamples = 20000, kMaxDraws = 200;
-constexpr float kMinShare = 0.005f;  // of the points, for a plane
-constexpr float kMaxPixelsOff = 5;
-constexpr float kSameNormal = 0.8f;  // cosine
-constexpr int kPlaneRefinements = 2;
-constexpr float kUpright = 0.3f;  // cosine between planes that may stand upright on a third
-constexpr size_t kMaxUprights = 6;
-constexpr size_t kMinPoints = 500;
-
 constexpr int kFillStep = 2;               // pixels between filled points
-constexpr int kCells = 90;                 // along the image's larger side
-constexpr int kMaxWindow = 16;             // cells to each side
-constexpr float kMinWindowShare = 0.01f;   // of a window's pixels on one plane
-constexpr float kOnPlane = 0.02f;          // relative distance of a pixel's depth from its plane
-constexpr float kFacing = 0.3f;            // cosine; seen at a grazing angle, normals are the least exact
-constexpr float kBeyondRange = 2;          // times as near or far as any confident depth
+constexpr float kMinFacing = 0.05f;        // cosine; what is seen at a more grazing angle is not continued
 constexpr float kSeenThroughFill = 0.97f;  // of the confident depth of another view
 constexpr float kOccluded = 1.03f;
 constexpr int kColorRadius = 2;
 constexpr float kSameSurfaceColor = 0.06f;  // RMS over the channels, of means over patches
-constexpr int kNoPlane = -1;
-
-bool LiesOn(const ScenePlane& plane, const DensePoint& p) {
-  return std::abs(plane.Distance(p.xyz)) < kMaxPixelsOff * p.pixel_size &&
-         std::abs(plane.normal.dot(p.normal)) > kSameNormal;
-}
-
-size_t Support(const ScenePlane& plane, const std::vector<const DensePoint*>& points) {
-  return static_cast<size_t>(
-      std::count_if(points.begin(), points.end(), [&](const DensePoint* p) { return LiesOn(plane, *p); }));
-}
-
-/// Least squares over the points on it, each as exact as its pixels are small.
-ScenePlane Refined(const ScenePlane& plane, const std::vector<const DensePoint*>& points) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  double total = 0;
-  const auto weight = [](const DensePoint& p) { return 1.0 / (static_cast<double>(p.pixel_size) * p.pixel_size); };
-  for (const DensePoint* p : points) {
-    if (!LiesOn(plane, *p)) continue;
-    mean += weight(*p) * p->xyz.cast<double>();
-    total += weight(*p);
-  }
-  if (!(total > 0)) return plane;
-  mean /= total;
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const DensePoint* p : points) {
-    if (!LiesOn(plane, *p)) continue;
-    const Eigen::Vector3d d = p->xyz.cast<double>() - mean;
-    spread += weight(*p) * d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  Eigen::Vector3d normal = axes.eigenvectors().col(0);
-  if (normal.dot(plane.normal.cast<double>()) < 0) normal = -normal;
-  return {normal.cast<float>(), static_cast<float>(-normal.dot(mean))};
-}
-
-/// Directions at right angles to two planes each.
-std::vector<Eigen::Vector3f> Uprights(const std::vector<ScenePlane>& planes) {
-  std::vector<Eigen::Vector3f> directions;
-  for (size_t a = 0; a < planes.size(); ++a) {
-    for (size_t b = 0; b < a && directions.size() < kMaxUprights; ++b) {
-      if (std::abs(planes[a].normal.dot(planes[b].normal)) > kUpright) continue;
-      directions.push_back(planes[a].normal.cross(planes[b].normal).normalized());
-    }
-  }
-  return directions;
-}
 
 class PlaneFill {
  public:
-  PlaneFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, std::vector<ScenePlane> planes,
-            const FusionOptions& options)
-      : maps_(maps), views_(views), planes_(std::move(planes)), options_(options), silhouettes_(views) {
+  PlaneFill(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views, const FusionOptions& options)
+      : maps_(maps), views_(views), options_(options), silhouettes_(views) {
     for (const DepthMap& map : maps) filled_.emplace_back(map.size(), 0);
   }
 
@@ -94,94 +32,9 @@ class PlaneFill {
   }
 
  private:
-  /// Which plane each cell of an image continues.
-  struct CellPlanes {
-    int size = 1, across = 0;         ///< pixels; cells
-    std::vector<int> plane;           ///< of each cell, kNoPlane = none
-    float nearest = 0, farthest = 0;  ///< inverse depth between which planes are continued
-
-    int At(int x, int y) const { return plane[static_cast<size_t>(y / size) * across + x / size]; }
-  };
-
   bool MayFill(size_t v, size_t i) const {
     return (views_[v].mask.empty() || views_[v].mask[i] != 0) &&
            (silhouettes_.empty() || silhouettes_.Object(v)[i] != 0);
-  }
-
-  /// Inverse depth at which the ray of a pixel meets the plane; not positive where it does not.
-  float Meet(const Eigen::Vector4f& in_camera, const Camera& camera, size_t i) const {
-    const auto width = static_cast<size_t>(camera.width);
-    const Eigen::Vector3f ray =
-        RayOf(camera, static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f);
-    return -in_camera.head<3>().dot(ray) / in_camera.w();
-  }
-
-  static Eigen::Vector4f InCamera(const ScenePlane& plane, const Camera& camera) {
-    const Eigen::Vector3f normal = camera.cam_from_world.linear().cast<float>() * plane.normal;
-    return {normal.x(), normal.y(), normal.z(),
-            plane.offset - normal.dot(camera.cam_from_world.translation().cast<float>())};
-  }
-
-  int PlaneOf(const DepthMap& map, size_t i, const std::vector<Eigen::Vector4f>& planes) const {
-    int best = kNoPlane;
-    float nearest = kOnPlane;
-    for (size_t p = 0; p < planes.size(); ++p) {
-      const float off = std::abs(Meet(planes[p], map.camera, i) / map.inv_depth[i] - 1);
-      if (off < nearest && std::abs(map.normals[i].dot(planes[p].head<3>())) > kFacing) {
-        nearest = off, best = static_cast<int>(p);
-      }
-    }
-    return best;
-  }
-
-  /// The plane that most confident pixels around a cell lie on, in the smallest window where there are enough.
-  CellPlanes Continue(size_t v, const std::vector<Eigen::Vector4f>& planes) const {
-    const DepthMap& map = maps_[v];
-    const int width = map.camera.width, height = map.camera.height;
-    CellPlanes cells;
-    cells.size = std::max(2, std::max(width, height) / kCells);
-    cells.across = (width + cells.size - 1) / cells.size;
-    const int down = (height + cells.size - 1) / cells.size, stride = cells.across + 1;
-    const auto at = [&](int x, int y) {
-      return static_cast<size_t>(y) * static_cast<size_t>(stride) + static_cast<size_t>(x);
-    };
-    // Sums over all cells above and to the left, one table for each plane.
-    std::vector<std::vector<int>> sums(planes.size(), std::vector<int>(at(0, down + 1), 0));
-    for (size_t i = 0; i < map.size(); ++i) {
-      if (map.confidence[i] < options_.min_confidence) continue;
-      const float w = map.inv_depth[i];
-      cells.nearest = std::max(cells.nearest, kBeyondRange * w);
-      cells.farthest = cells.farthest == 0 ? w / kBeyondRange : std::min(cells.farthest, w / kBeyondRange);
-      const int plane = PlaneOf(map, i, planes);
-      if (plane == kNoPlane) continue;
-      const int x = static_cast<int>(i) % width / cells.size, y = static_cast<int>(i) / width / cells.size;
-      ++sums[static_cast<size_t>(plane)][at(x + 1, y + 1)];
-    }
-    for (std::vector<int>& sum : sums) {
-      for (int y = 1; y <= down; ++y) {
-        for (int x = 1; x <= cells.across; ++x) {
-          sum[at(x, y)] += sum[at(x - 1, y)] + sum[at(x, y - 1)] - sum[at(x - 1, y - 1)];
-        }
-      }
-    }
-    for (int y = 0; y < down; ++y) {
-      for (int x = 0; x < cells.across; ++x) {
-        int plane = kNoPlane;
-        for (int r = 1; r <= kMaxWindow && plane == kNoPlane; r *= 2) {
-          const int x0 = std::max(0, x - r), x1 = std::min(cells.across, x + r + 1);
-          const int y0 = std::max(0, y - r), y1 = std::min(down, y + r + 1);
-          const int pixels = (x1 - x0) * (y1 - y0) * cells.size * cells.size;
-          int most = static_cast<int>(kMinWindowShare * static_cast<float>(pixels));
-          for (size_t p = 0; p < sums.size(); ++p) {
-            const std::vector<int>& sum = sums[p];
-            const int count = sum[at(x1, y1)] - sum[at(x0, y1)] - sum[at(x1, y0)] + sum[at(x0, y0)];
-            if (count > most) most = count, plane = static_cast<int>(p);
-          }
-        }
-        cells.plane.push_back(plane);
-      }
-    }
-    return cells;
   }
 
   Eigen::Vector3f PatchColor(size_t v, int x, int y) const {
@@ -233,9 +86,7 @@ class PlaneFill {
   void AddPointsOf(size_t v, std::vector<DensePoint>* points) {
     const DepthMap& map = maps_[v];
     const Camera& camera = map.camera;
-    std::vector<Eigen::Vector4f> planes;
-    for (const ScenePlane& plane : planes_) planes.push_back(InCamera(plane, camera));
-    const CellPlanes cells = Continue(v, planes);
+    const ContinuedPlanes planes(map, views_[v].rgb, options_.min_confidence, [&](size_t i) { return MayFill(v, i); });
     const Eigen::Isometry3f world_from_cam = camera.cam_from_world.inverse().cast<float>();
     std::vector<std::vector<std::pair<size_t, DensePoint>>> rows(
         static_cast<size_t>((camera.height + kFillStep - 1) / kFillStep));
@@ -243,16 +94,16 @@ class PlaneFill {
       const int y = static_cast<int>(row) * kFillStep;
       for (int x = 0; x < camera.width; x += kFillStep) {
         const size_t i = static_cast<size_t>(y) * camera.width + x;
-        const int plane = cells.At(x, y);
-        if (plane == kNoPlane || map.confidence[i] >= options_.min_confidence || !MayFill(v, i)) continue;
-        const float w = Meet(planes[static_cast<size_t>(plane)], camera, i);
-        if (!(w > cells.farthest && w < cells.nearest)) continue;
-        const Eigen::Vector3f xyz =
-            world_from_cam * (RayOf(camera, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) / w).eval();
+        if (map.confidence[i] >= options_.min_confidence || !MayFill(v, i)) continue;
+        const std::optional<Plane> plane = planes.At(x, y);
+        if (!plane) continue;
+        const float u = static_cast<float>(x) + 0.5f, t = static_cast<float>(y) + 0.5f, w = plane->inv_depth;
+        const Eigen::Vector3f ray = RayOf(camera, u, t), facing = NormalOf(camera, *plane, u, t);
+        if (std::abs(facing.dot(ray.normalized())) < kMinFacing) continue;
+        const Eigen::Vector3f xyz = world_from_cam * (ray / w).eval();
         const Eigen::Vector3f color = PatchColor(v, x, y);
         if (!IsConsistent(v, xyz, color)) continue;
-        Eigen::Vector3f normal = planes_[static_cast<size_t>(plane)].normal;
-        if (normal.dot(xyz - camera.Center().cast<float>()) > 0) normal = -normal;
+        const Eigen::Vector3f normal = world_from_cam.linear() * facing;
         rows[static_cast<size_t>(row)].push_back(
             {i, {xyz, normal, color, 0, kFillStep / (w * static_cast<float>(camera.fx)), 0, 1}});
       }
@@ -272,7 +123,6 @@ class PlaneFill {
 
   const std::vector<DepthMap>& maps_;
   const std::vector<LoadedView>& views_;
-  std::vector<ScenePlane> planes_;
   const FusionOptions& options_;
   Silhouettes silhouettes_;
   std::vector<std::vector<uint8_t>> filled_;
@@ -280,45 +130,9 @@ class PlaneFill {
 
 }  // namespace
 
-std::vector<ScenePlane> FindPlanes(const std::vector<DensePoint>& points) {
-  std::vector<ScenePlane> planes;
-  if (points.size() < kMinPoints) return planes;
-  std::vector<const DensePoint*> left;
-  const size_t stride = (points.size() + kMaxSamples - 1) / kMaxSamples;
-  for (size_t i = 0; i < points.size(); i += stride) left.push_back(&points[i]);
-  const auto min_support = static_cast<size_t>(kMinShare * static_cast<float>(left.size()));
-  while (planes.size() < kMaxPlanes && left.size() > min_support) {
-    ThrowIfInterrupted();
-    // The normals of ground and tables, seen at a grazing angle, are too noisy to draw; those of walls define them.
-    const std::vector<Eigen::Vector3f> uprights = Uprights(planes);
-    const size_t draws = std::min(kMaxDraws, left.size()), kinds = uprights.size() + 1;
-    std::vector<size_t> support(draws * kinds);
-    const auto plane_of = [&](size_t draw) {
-      const DensePoint& p = *left[draw / kinds * left.size() / draws];
-      const size_t kind = draw % kinds;
-      const Eigen::Vector3f& normal = kind == 0 ? p.normal : uprights[kind - 1];
-      return ScenePlane{normal, -normal.dot(p.xyz)};
-    };
-    ParallelFor(static_cast<int64_t>(support.size()), [&](int64_t d) {
-      const auto draw = static_cast<size_t>(d);
-      support[draw] = Support(plane_of(draw), left);
-    });
-    const auto best = std::max_element(support.begin(), support.end());
-    ScenePlane plane = plane_of(static_cast<size_t>(best - support.begin()));
-    for (int i = 0; i < kPlaneRefinements; ++i) plane = Refined(plane, left);
-    if (Support(plane, left) < min_support) break;
-    planes.push_back(plane);
-    std::erase_if(left, [&](const DensePoint* p) { return LiesOn(plane, *p); });
-  }
-  return planes;
-}
-
 std::vector<DensePoint> FillPlanes(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views,
-                                   const std::vector<DensePoint>& points, const FusionOptions& options) {
-  std::vector<ScenePlane> planes;
-  if (!maps.empty()) planes = FindPlanes(points);
-  if (planes.empty()) return {};
-  return PlaneFill(maps, views, std::move(planes), options).Run();
+                                   const FusionOptions& options) {
+  return PlaneFill(maps, views, options).Run();
 }
 
 }  // namespace oraclegs
