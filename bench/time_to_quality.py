@@ -10,6 +10,7 @@ curves are also drawn, in OUT_FOLDER/time_to_quality.svg.
   bench/time_to_quality.py DATA OUT --scenes fox --rounds 3 \\
       --setting "half: --iterations 3500" --setting "old@before: --iterations 7000" --program before=OLD/bin/oraclegs
   bench/time_to_quality.py DATA OUT --scenes fox --opensplat "opensplat --num-downscales 0" --iterations 200,500,1000
+  bench/time_to_quality.py DATA OUT --scenes fox --opensplat "opensplat --num-downscales 0" --iterations 2500 --minutes 2,5,10
 """
 
 import argparse
@@ -67,8 +68,8 @@ class Points:
     def has(self, **key):
         return any(all(row.get(name) == value for name, value in key.items()) for row in self.rows)
 
-    def add(self, row):
-        self.rows.append(row)
+    def add(self, *rows):
+        self.rows += rows
         temporary = self.path.with_suffix(".tmp")
         temporary.write_text(json.dumps(self.rows, indent=1) + "\n")
         os.replace(temporary, self.path)
@@ -135,11 +136,7 @@ def opensplat_folder(scene, source, out):
     return dataset
 
 
-def measure_opensplat(scene, source, command, iterations, out):
-    dataset = opensplat_folder(scene, source, out)
-    ply = out / f"{scene}-opensplat-{iterations}.ply"
-    words = [*shlex.split(command), dataset, "-n", iterations, "-o", ply, "--keep-crs"]
-    seconds = run(words, out / f"{ply.stem}.log")
+def score_opensplat(scene, source, ply, seconds, iterations, out):
     scores = out / f"{ply.stem}-scores"
     run([BIN, "evaluate", source, "--ply", ply, "-o", scores, "--quiet", *SCENES[scene]], out / f"{scores.name}.log")
     test = json.loads((scores / "metrics.json").read_text())["test"]
@@ -148,6 +145,55 @@ def measure_opensplat(scene, source, command, iterations, out):
         "ssim": test["ssim"], "psnr_color_corrected": test["psnr_color_corrected"], "iterations": iterations,
         "stages": {"train": seconds},
     }  # fmt: skip
+
+
+def measure_opensplat(scene, source, command, iterations, out):
+    """A run of its own for a number of iterations."""
+    dataset = opensplat_folder(scene, source, out)
+    ply = out / f"{scene}-opensplat-{iterations}.ply"
+    words = [*shlex.split(command), dataset, "-n", iterations, "-o", ply, "--keep-crs"]
+    seconds = run(words, out / f"{ply.stem}.log")
+    return [score_opensplat(scene, source, ply, seconds, iterations, out)]
+
+
+SNAPSHOT_EVERY = 25  # iterations
+
+
+def snapshots(folder):
+    """The models that OpenSplat has written, as (iteration, path), but the last one, which may be half written."""
+    found = [(int(path.stem.rsplit("_", 1)[1]), path) for path in folder.glob("splat_*.ply")]
+    return sorted(found)[:-1]
+
+
+def measure_opensplat_course(scene, source, command, iterations, minutes, out):
+    """One run, whose models after each of `minutes` are scored; it ends with the last of them."""
+    dataset = opensplat_folder(scene, source, out)
+    folder = out / f"{scene}-opensplat-course"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    words = [*shlex.split(command), dataset, "-n", iterations, "-o", folder / "splat.ply", "--keep-crs", "-s", SNAPSHOT_EVERY]
+    say(*words)
+    taken = []
+    begin = time.monotonic()
+    with open(out / f"{folder.name}.log", "w") as log:
+        process = subprocess.Popen([str(word) for word in words], stdout=log, stderr=subprocess.STDOUT)
+        for minute in sorted(minutes):
+            while process.poll() is None and time.monotonic() - begin < 60 * minute:
+                time.sleep(0.5)
+                for _, old in snapshots(folder)[:-1]:
+                    old.unlink()
+            found = snapshots(folder)
+            if found:
+                iteration, path = found[-1]
+                taken.append((iteration, time.monotonic() - begin, path.rename(out / f"{scene}-opensplat-{minute}min.ply")))
+            if process.poll() is not None:
+                break
+        ended_by_itself = process.poll() is not None
+        process.kill()
+        if process.wait() and ended_by_itself:
+            sys.exit(f"{log.name}: OpenSplat failed; its last words:\n{tail(Path(log.name))}")
+    shutil.rmtree(folder)
+    return [score_opensplat(scene, source, ply, seconds, iteration, out) for iteration, seconds, ply in taken]
 
 
 # ---- What is shown
@@ -218,6 +264,9 @@ def main():
     parser.add_argument("--rounds", type=int, default=1, help="runs of each setting, of seeds 0, 1, ...")
     parser.add_argument("--opensplat", metavar="COMMAND", help="OpenSplat's program with options, to be measured beside ours")
     parser.add_argument("--iterations", default="200,500,1000", help="how long OpenSplat trains; default: %(default)s")
+    parser.add_argument(
+        "--minutes", metavar="LIST", help="score one run of OpenSplat, of the largest of --iterations, at these times, say 2,5,10"
+    )
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     programs = dict(text.split("=", 1) for text in args.program)
@@ -242,9 +291,16 @@ def main():
                     points.add(measure(scene, source, setting, number, args.out))
     if args.opensplat:
         for scene, source in sources.items():
-            for iterations in map(int, args.iterations.split(",")):
+            lengths = [int(word) for word in args.iterations.split(",")]
+            if args.minutes:
+                if not points.has(scene=scene, setting="OpenSplat"):
+                    minutes = [float(word) for word in args.minutes.split(",")]
+                    new = measure_opensplat_course(scene, source, args.opensplat, max(lengths), minutes, args.out)
+                    points.add(*new)
+                continue
+            for iterations in lengths:
                 if not points.has(scene=scene, setting="OpenSplat", iterations=iterations):
-                    points.add(measure_opensplat(scene, source, args.opensplat, iterations, args.out))
+                    points.add(*measure_opensplat(scene, source, args.opensplat, iterations, args.out))
     print_table(points.rows)
     draw(points.rows, args.out / "time_to_quality.svg")
 
