@@ -45,6 +45,26 @@ TEST(RunOptions, AreCheckedInEveryGroup) {
   EXPECT_THAT(MessageOf<UsageError>([&] { CheckRunOptions(options); }), testing::HasSubstr("--init-scale is 0"));
 }
 
+TEST(RunOptions, RefuseWhatNeedsDepthWithoutDepth) {
+  RunOptions options;
+  options.depth.depth_prior = DepthPrior::kNone;
+  CheckRunOptions(options);
+  const auto refused = [&](auto&& ask) {
+    RunOptions asked = options;
+    ask(&asked.train.baseline);
+    asked.depth.depth_prior = {};
+    CheckRunOptions(asked);
+    asked.depth.depth_prior = DepthPrior::kNone;
+    return MessageOf<UsageError>([&] { CheckRunOptions(asked); });
+  };
+  using testing::StartsWith;
+  EXPECT_THAT(refused([](BaselineOptions* o) { o->pseudo_depth_weight = 0.05; }), StartsWith("--pseudo-depth-weight "));
+  EXPECT_THAT(refused([](BaselineOptions* o) { o->hard_depth = true; }), StartsWith("--hard-depth "));
+  EXPECT_THAT(refused([](BaselineOptions* o) { o->soft_depth_start = 9; }), StartsWith("--soft-depth-start "));
+  EXPECT_THAT(refused([](BaselineOptions* o) { o->covisibility_weights = true; }),
+              StartsWith("--covisibility-weights needs depth, and --depth-prior none finds none"));
+}
+
 TEST(RunOptions, NameLayersAndWeightsOfVggt) {
   RunOptions options;
   options.validate.vggt_layers = "0,22", options.validate.vggt_layer_weights = "1,3";

@@ -23,6 +23,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
                                    {"seconds", 12},
                                    {"training_seconds", 10},
                                    {"iterations", 50},
+                                   {"chosen", {{"rate-scale", 3.5}}},
                                    {"lpips", "VGG16"},
                                    {"peak_memory_bytes", int64_t{1} << 60}});
   const nlohmann::json test = {{"psnr", 20.5}, {"ssim", 0.7}, {"views", nlohmann::json::array()}};
@@ -40,6 +41,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("train").at("iterations"), 50);
   EXPECT_EQ(metrics.at("train").at("iterations_per_second"), 5);
   EXPECT_EQ(metrics.at("train").at("lpips"), "VGG16");
+  EXPECT_EQ(metrics.at("train").at("chosen").at("rate-scale"), 3.5);
   EXPECT_EQ(metrics.at("depth").at("prior"), "fused");
   EXPECT_EQ(metrics.at("depth").at("right"), 0.7);
   EXPECT_EQ(metrics.at("depth").at("network"), "a");

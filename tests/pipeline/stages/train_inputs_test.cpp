@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/stages/train_inputs.h"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/fixtures.h"
 #include "support/event_recorder.h"
@@ -148,6 +149,14 @@ TEST(TrainInputs, RaiseTheRatesOfAShortRun) {
   settled = settle(options);
   EXPECT_EQ(settled.rate_scale, 1.5);
   EXPECT_EQ(settled.refine_every, 7);
+}
+
+TEST(ChosenOptions, AreThoseThatWereAutomatic) {
+  TrainOptions asked, settled;
+  asked.iterations = 7500, asked.dropout = 0.1;
+  settled = asked;
+  settled.rate_scale = 2., settled.dropout = 0.2, settled.exposure = ExposureMode::kOff;
+  EXPECT_EQ(ChosenOptions(asked, settled), nlohmann::json({{"rate-scale", 2.0}, {"exposure", "off"}}));
 }
 
 TEST(TrainInputs, TakeProposalsOfProxyModelsAsOftenAsTheyAreTrusted) {

@@ -9,6 +9,18 @@
 
 namespace oraclegs {
 
+namespace {
+
+/// The first option that is given and makes no sense without depth; "" = none is.
+std::string OptionThatNeedsDepth(const BaselineOptions& options) {
+  if (options.hard_depth) return "--hard-depth";
+  if (options.soft_depth_start > 0) return "--soft-depth-start";
+  if (options.covisibility_weights) return "--covisibility-weights";
+  return options.pseudo_depth_weight > 0 ? "--pseudo-depth-weight" : "";
+}
+
+}  // namespace
+
 nlohmann::json ShapingOptionsToJson(const RunOptions& options) {
   nlohmann::json json = nlohmann::json::object();
   RunOptions::ForEachShapingGroup(options, [&](const char*, const auto& group) { json.update(OptionsToJson(group)); });
@@ -32,6 +44,10 @@ void CheckRunOptions(const RunOptions& options) {
                      options.train.horizon, options.train.iterations.value());
   }
   CheckMethodOptions(options.train);
+  const std::string needs_depth = OptionThatNeedsDepth(options.train.baseline);
+  if (options.depth.depth_prior == DepthPrior::kNone && !needs_depth.empty()) {
+    throw UsageError("{} needs depth, and --depth-prior none finds none; leave one of them out", needs_depth);
+  }
   const ProposerChoice proposers = options.propose.Choice();
   const std::string& generator = options.propose.generator;
   if (proposers == ProposerChoice::kCommand && generator.empty()) {

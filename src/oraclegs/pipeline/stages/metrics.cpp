@@ -57,6 +57,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
                         {"iterations_per_second", PerSecond(train)},
                         {"seconds", train.value("training_seconds", 0.0)},
                         {"lpips", train.value("lpips", nlohmann::json())},
+                        {"chosen", train.value("chosen", nlohmann::json::object())},
                         {"milliseconds_per_iteration", train.value("milliseconds_per_iteration", nlohmann::json())}};
     peak = std::max(peak, train.value("peak_memory_bytes", int64_t{0}));
   }

@@ -109,6 +109,15 @@ TrainOptions SettleUnion(TrainOptions options, size_t photos, size_t proposals) 
   return options;
 }
 
+nlohmann::json ChosenOptions(const TrainOptions& asked, const TrainOptions& settled) {
+  const nlohmann::json before = OptionsToJson(asked), after = OptionsToJson(settled);
+  nlohmann::json chosen = nlohmann::json::object();
+  for (const auto& [name, value] : before.items()) {
+    if (value == "auto" && after.at(name) != "auto") chosen[name] = after.at(name);
+  }
+  return chosen;
+}
+
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss) {
   const Silhouettes& silhouettes = training.silhouettes;
   std::vector<TrainView> views;

@@ -24,6 +24,9 @@ TrainOptions SettleProxyDose(TrainOptions options, const std::vector<TrainView>&
 /// --schedule union as a constant share: that of the proposals among all views. Other schedules stay as they are.
 TrainOptions SettleUnion(TrainOptions options, size_t photos, size_t proposals);
 
+/// {"rate-scale": 3.46, ...}: what `settled` has for the options that were automatic when the user asked.
+nlohmann::json ChosenOptions(const TrainOptions& asked, const TrainOptions& settled);
+
 /// The views as the trainer takes them: with depth where it is confident or a network's, with emptiness (inverse depth
 /// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss);

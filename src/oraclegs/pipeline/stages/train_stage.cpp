@@ -174,6 +174,7 @@ struct ReadyTrainer {
   std::vector<std::string> names;  ///< of the training views
   std::vector<SupportView> views;  ///< what the Gaussians are supported by
   std::string lpips;               ///< convention; "" = not used
+  nlohmann::json chosen;           ///< for the training options that were automatic
 };
 
 /// The images and the proposals, with what each of their pixels counts.
@@ -197,7 +198,9 @@ ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) 
   std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
   ready.views = SupportViewsOf(images, known.proposals);
   if (run->options.train.baseline.covisibility_weights) images = WeightByCovisibility(std::move(images));
-  TrainSetup setup{SettledOptions(*run, training),
+  const TrainOptions settled = SettledOptions(*run, training);
+  ready.chosen = ChosenOptions(run->options.train, settled);
+  TrainSetup setup{settled,
                    run->options.start.seed,
                    BackgroundColor(run->options.image.background),
                    {std::move(images), std::move(known.proposals), std::move(network.distance)},
@@ -260,6 +263,7 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
                         {"device", run->plan.device.Name()},
                         {"milliseconds_per_iteration", TimingsToJson(result)},
                         {"gaussians", ready.trainer->gaussians().size()},
+                        {"chosen", ready.chosen},
                         {"lpips", ready.lpips.empty() ? nlohmann::json() : nlohmann::json(ready.lpips)},
                         {"peak_memory_bytes", PeakMemoryBytes()},
                         {"files", {"point_cloud.ply"}}};

@@ -53,6 +53,7 @@ constexpr std::array kFields = {Field{"key", IsText},
                                 Field{"iterations", IsNumber},
                                 Field{"gaussians", IsNumber},
                                 Field{"peak_memory_bytes", IsNumber},
+                                Field{"chosen", IsObject},
                                 Field{"milliseconds_per_iteration", IsObjectOrNull},
                                 Field{"test", IsObject}};
 
