@@ -19,15 +19,17 @@ class FillPlanesTest : public testing::Test {
         for (int x = 36; x < 60; ++x) Forget(&maps.back(), static_cast<size_t>(y) * 96 + static_cast<size_t>(x));
       }
     }
+    points = FuseDepth(maps, views, {});
   }
   static void Forget(DepthMap* map, size_t i) {
     map->inv_depth[i] = map->confidence[i] = 0;
     map->normals[i].setZero();
   }
-  std::vector<DensePoint> Fill() const { return FillPlanes(maps, views, {}); }
+  std::vector<DensePoint> Fill() const { return FillPlanes(maps, views, points, {}); }
 
   std::vector<LoadedView> views;
   std::vector<DepthMap> maps;
+  std::vector<DensePoint> points;
 };
 
 TEST_F(FillPlanesTest, FillsHoleOnPlaneOnce) {
@@ -50,13 +52,33 @@ TEST_F(FillPlanesTest, SkipsWhereColoursDiffer) {
   EXPECT_TRUE(Fill().empty());
 }
 
+TEST_F(FillPlanesTest, SkipsWhatHasTheColorOfNoKnownPixel) {
+  // The hole is painted alike in all views, so that it looks consistent; but nothing around says where it lies.
+  for (size_t v = 0; v < views.size(); ++v) {
+    for (size_t i = 0; i < maps[v].size(); ++i) {
+      if (maps[v].confidence[i] > 0) continue;
+      float* rgb = views[v].rgb.data.data() + 3 * i;
+      rgb[0] = 0, rgb[1] = 1, rgb[2] = 0;
+    }
+  }
+  EXPECT_TRUE(Fill().empty());
+}
+
+TEST_F(FillPlanesTest, SkipsWhereKnownPixelsOfTheColorLieOnNoPlane) {
+  // Leaves: of one color, each at a distance of its own; the plane's points are those of the depth before.
+  for (DepthMap& map : maps) {
+    for (size_t i = 0; i < map.size(); ++i) map.inv_depth[i] *= 0.5f + 0.01f * static_cast<float>(i * 2654435761u % 97);
+  }
+  EXPECT_TRUE(Fill().empty());
+}
+
 TEST_F(FillPlanesTest, SkipsWhereSeenThrough) {
   for (float& w : maps[1].inv_depth) w *= 0.5f;  // it saw a surface twice as far
   for (size_t v : {0u, 2u}) {
     for (size_t i = 0; i < maps[1].size(); ++i) {
       if (maps[1].confidence[i] == 0) maps[1].confidence[i] = 0.9f, maps[1].inv_depth[i] = 0.1f;
     }
-    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {views[v], views[1]}, {})) {
+    for (const DensePoint& p : FillPlanes({maps[v], maps[1]}, {views[v], views[1]}, points, {})) {
       const Eigen::Vector3d there = views[1].camera.cam_from_world * p.xyz.cast<double>();
       const double x = views[1].camera.fx * there.x() / there.z() + views[1].camera.cx;
       const double y = views[1].camera.fy * there.y() / there.z() + views[1].camera.cy;
@@ -88,12 +110,9 @@ TEST_F(FillPlanesTest, GivesSameBitsForAnyThreads) {
   for (size_t i = 0; i < before.size(); ++i) EXPECT_EQ(before[i].xyz, after[i].xyz);
 }
 
-TEST_F(FillPlanesTest, IsEmptyWithoutMapsOrDepth) {
-  EXPECT_TRUE(FillPlanes({}, {}, {}).empty());
-  for (DepthMap& map : maps) {
-    for (size_t i = 0; i < map.size(); ++i) Forget(&map, i);
-  }
-  EXPECT_TRUE(Fill().empty());
+TEST_F(FillPlanesTest, IsEmptyWithoutMapsOrPlanes) {
+  EXPECT_TRUE(FillPlanes({}, {}, points, {}).empty());
+  EXPECT_TRUE(FillPlanes(maps, views, {}, {}).empty());
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ PointCloud DenseStart(const StartOptions& options, const std::vector<LoadedView>
   if (budget == 0) return {};
   std::vector<DensePoint> points = geometry.points;
   if (options.init_planes) {
-    const std::vector<DensePoint> more = FillPlanes(geometry.maps, views, FusionOf(geometry.gains));
+    const std::vector<DensePoint> more = FillPlanes(geometry.maps, views, points, FusionOf(geometry.gains));
     points.insert(points.end(), more.begin(), more.end());
   }
   const std::vector<DensePoint> predicted = PriorPoints(geometry.maps, views, points, FusionOf(geometry.gains));
