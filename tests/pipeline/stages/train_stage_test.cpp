@@ -95,7 +95,7 @@ TEST_F(TrainStageTest, WeighsPhotosByCovisibilityWhichNeedsDepth) {
   request.options.train.baseline.covisibility_weights = true;
   request.options.depth.depth_prior = DepthPrior::kNone;
   EXPECT_THAT(MessageOf<UsageError>([&] { Train(request); }),
-              HasSubstr("--covisibility-weights needs the depth of the photos"));
+              HasSubstr("--covisibility-weights needs depth, and --depth-prior none finds none"));
 }
 
 TEST_F(TrainStageTest, StopsWhenItsFolderIsRemoved) {
