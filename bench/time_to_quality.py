@@ -193,6 +193,8 @@ def measure_opensplat_course(scene, source, command, iterations, minutes, out):
         if process.wait() and ended_by_itself:
             sys.exit(f"{log.name}: OpenSplat failed; its last words:\n{tail(Path(log.name))}")
     shutil.rmtree(folder)
+    if len(taken) < len(minutes):
+        say(f"{scene}: OpenSplat has a model at {len(taken)} of {len(minutes)} times; --iterations {iterations} ended it, or it is slow")
     return [score_opensplat(scene, source, ply, seconds, iteration, out) for iteration, seconds, ply in taken]
 
 

@@ -72,6 +72,31 @@ TEST_F(FillPlanesTest, SkipsWhereKnownPixelsOfTheColorLieOnNoPlane) {
   EXPECT_TRUE(Fill().empty());
 }
 
+/// One view of a white wall at z = 3, and of a green lawn at z = 5 in the right third, part of which has no depth.
+TEST(FillPlanes, ContinuesThePlaneOfTheColorAndNotThatOfTheMost) {
+  LoadedView view;
+  view.camera = CameraAt({0, 0, 0}, {0, 0, 1}, 96, 72);
+  view.rgb = ImageF{96, 72, 3, {}};
+  DepthMap map{"a.png", view.camera, {}, {}, {}};
+  std::vector<DensePoint> points;
+  for (int y = 0; y < 72; ++y) {
+    for (int x = 0; x < 96; ++x) {
+      const bool is_lawn = x >= 64, is_known = !is_lawn || y < 24;
+      const float z = is_lawn ? 5 : 3;
+      const Eigen::Vector3f color = is_lawn ? Eigen::Vector3f(0.3f, 0.6f, 0.1f) : Eigen::Vector3f(0.9f, 0.9f, 0.9f);
+      view.rgb.data.insert(view.rgb.data.end(), color.begin(), color.end());
+      map.inv_depth.push_back(is_known ? 1 / z : 0), map.confidence.push_back(is_known ? 0.9f : 0);
+      map.normals.emplace_back(0, 0, is_known ? -1 : 0);
+      if (!is_known) continue;
+      const Eigen::Vector3f xyz = z * RayOf(view.camera, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      points.push_back({xyz, {0, 0, -1}, color, 0.9f, z / static_cast<float>(view.camera.fx), 0, 1});
+    }
+  }
+  const std::vector<DensePoint> filled = FillPlanes({map}, {view}, points, {});
+  EXPECT_GT(filled.size(), 150u) << "the lattice has 384 points there";
+  for (const DensePoint& p : filled) EXPECT_NEAR(p.xyz.z(), 5, 0.01);
+}
+
 TEST_F(FillPlanesTest, SkipsWhereSeenThrough) {
   for (float& w : maps[1].inv_depth) w *= 0.5f;  // it saw a surface twice as far
   for (size_t v : {0u, 2u}) {
