@@ -40,6 +40,41 @@ HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
 #endif
 }
 
+#if HWY_TARGET > HWY_AVX3
+/// For each set of lanes, as bits, their numbers in order.
+struct LaneSets {
+  alignas(8) uint8_t numbers[1 << kLanes][kLanes];
+};
+constexpr LaneSets MakeLaneSets() {
+  LaneSets sets{};
+  for (int bits = 0; bits < 1 << kLanes; ++bits) {
+    int n = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (bits >> lane & 1) sets.numbers[bits][n++] = static_cast<uint8_t>(lane);
+    }
+  }
+  return sets;
+}
+inline constexpr LaneSets kLaneSets = MakeLaneSets();
+#endif
+
+/// Stores first + lane for each lane of `chosen`, in order, with room for kLanes of them. Returns how many there are.
+HWY_INLINE int StoreChosen(int first, hn::Mask<IntTag> chosen, int32_t* to) {
+  const IntTag d;
+#if HWY_TARGET <= HWY_AVX3
+  hn::StoreU(hn::Compress(hn::Iota(d, first), chosen), d, to);
+  return static_cast<int>(hn::CountTrue(d, chosen));
+#else
+  // Without an instruction for it, hn::Compress copies a table to the stack at each call (GCC 12).
+  uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, chosen, bits);
+  const unsigned set = bits[0] & ((1u << kLanes) - 1);
+  const hn::Rebind<uint8_t, IntTag> bytes;
+  hn::StoreU(hn::Add(hn::PromoteTo(d, hn::LoadU(bytes, kLaneSets.numbers[set])), hn::Set(d, first)), d, to);
+  return __builtin_popcount(set);
+#endif
+}
+
 /// Consecutive entries of a tile's list, prepared for the blocks: the splats' numbers relative to the tile's centre,
 /// and for each block the positions of the splats that reach it. Small enough for the first-level cache.
 struct HWY_ALIGN Segment {
@@ -122,11 +157,9 @@ struct HWY_ALIGN Segment {
     IntVec ids, masks, pairs;
     hn::LoadInterleaved3(di, reinterpret_cast<const int32_t*>(group), ids, masks, pairs);
     masks = hn::And(masks, hn::Set(di, static_cast<int32_t>(blocks)));
-    const IntVec position = hn::Iota(di, i);
     for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
       const auto reached = hn::TestBit(masks, hn::Set(di, 1 << block));
-      hn::StoreU(hn::Compress(position, reached), di, positions[block] + counts[block]);
-      counts[block] += static_cast<int>(hn::CountTrue(di, reached));
+      counts[block] += StoreChosen(i, reached, positions[block] + counts[block]);
     }
   }
 };
