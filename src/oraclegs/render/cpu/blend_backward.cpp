@@ -73,28 +73,25 @@ template <bool kAllSeen>
 HWY_INLINE BlockVector SweepNearToFar(const Segment& segment, const int32_t* HWY_RESTRICT positions, const Steps& steps,
                                       const OpenPixels& pixels, Chunk* chunk) {
   const FloatTag d;
-  FloatVec x[kVecs], y[kVecs];
+  const BlockPixels at(pixels.block);
   BlockVector t;
-  for (int v = 0; v < kVecs; ++v) {
-    x[v] = hn::Load(d, kBlockCenters.x[pixels.block] + v * kLanes);
-    y[v] = hn::Load(d, kBlockCenters.y[pixels.block] + v * kLanes);
-    t.v[v] = hn::Set(d, 1.f);
-  }
+  for (int v = 0; v < kVecs; ++v) t.v[v] = hn::Set(d, 1.f);
   // A few steps at a time, as in forward: the chain to alpha is long, the one from T to T must not wait for it.
   constexpr int kSteps = 8;
   for (int start = 0; start < steps.count; start += kSteps) {
     const int stop = std::min(start + kSteps, steps.count);
     for (int j = start; j < stop; ++j) {
-      for (int v = 0; v < kVecs; ++v) {
-        FloatVec alpha;
-        if constexpr (kAllSeen) {
-          alpha = segment.Alpha(positions[j], x[v], y[v]);
-        } else {
-          const FloatMask before_end = hn::RebindMask(d, hn::Gt(pixels.end[v], hn::Set(IntTag(), steps.first + j)));
-          alpha = segment.AlphaWhere(before_end, positions[j], x[v], y[v]);
+      FloatVec alpha[kVecs];
+      if constexpr (kAllSeen) {
+        segment.Alphas(positions[j], at, alpha);
+      } else {
+        FloatMask before_end[kVecs];
+        for (int v = 0; v < kVecs; ++v) {
+          before_end[v] = hn::RebindMask(d, hn::Gt(pixels.end[v], hn::Set(IntTag(), steps.first + j)));
         }
-        hn::Store(alpha, d, chunk->alpha[j] + v * kLanes);
+        segment.AlphasWhere(before_end, positions[j], at, alpha);
       }
+      for (int v = 0; v < kVecs; ++v) hn::Store(alpha[v], d, chunk->alpha[j] + v * kLanes);
     }
     for (int j = start; j < stop; ++j) {
       for (int v = 0; v < kVecs; ++v) {
@@ -134,22 +131,28 @@ HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRI
   }
 }
 
-/// Rows [0, kLanes) of 16 floats become 16 columns.
-HWY_INLINE void LoadPixelColumns(const float (*HWY_RESTRICT rows)[16], FloatVec* HWY_RESTRICT columns) {
+/// One row of a block's pixels, of Gaussians [0, kLanes): a vector a pixel.
+HWY_INLINE void LoadPixelRow(const float (*HWY_RESTRICT gaussians)[16], int y, FloatVec* HWY_RESTRICT columns) {
+  const int first = cpu::kBlock * y;
 #if HWY_TARGET <= HWY_AVX3
   // The shuffle unit is the narrow place: loads put quarters of rows where they belong, and leave it half the work.
-  for (int quad = 0; quad < 16; quad += 4) {
-    for (int r = 0; r < 4; ++r) {
-      const auto quarter = [&](int row) HWY_ATTR { return _mm_load_ps(rows[row] + quad); };
-      __m512 v = _mm512_broadcast_f32x4(quarter(r));
-      v = _mm512_mask_broadcast_f32x4(v, 0x00f0, quarter(4 + r));
-      v = _mm512_mask_broadcast_f32x4(v, 0x0f00, quarter(8 + r));
-      columns[quad + r] = FloatVec{_mm512_mask_broadcast_f32x4(v, 0xf000, quarter(12 + r))};
-    }
-    TransposeBlocks4(columns + quad);
+  for (int r = 0; r < 4; ++r) {
+    const auto quarter = [&](int row) HWY_ATTR { return _mm_load_ps(gaussians[row] + first); };
+    __m512 v = _mm512_broadcast_f32x4(quarter(r));
+    v = _mm512_mask_broadcast_f32x4(v, 0x00f0, quarter(4 + r));
+    v = _mm512_mask_broadcast_f32x4(v, 0x0f00, quarter(8 + r));
+    columns[r] = FloatVec{_mm512_mask_broadcast_f32x4(v, 0xf000, quarter(12 + r))};
   }
+  TransposeBlocks4(columns);
+#elif HWY_TARGET == HWY_AVX2
+  const FloatTag d;
+  const hn::Half<FloatTag> half;
+  for (int r = 0; r < 4; ++r) {
+    columns[r] = hn::Combine(d, hn::Load(half, gaussians[4 + r] + first), hn::Load(half, gaussians[r] + first));
+  }
+  TransposeBlocks4(columns);
 #else
-  LoadWideRows(rows[0], 16, kLanes, kVecs, columns);
+  LoadWideRows(gaussians[0] + first, 16, kLanes, cpu::kBlock / kLanes, columns);
 #endif
 }
 
@@ -158,8 +161,9 @@ struct BlockMiddle {
   float x, y;
 };
 
-/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre. h: a vector a pixel.
-HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, const BlockMiddle& middle, FloatVec* HWY_RESTRICT moments) {
+/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre.
+HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle& middle,
+                           FloatVec* HWY_RESTRICT moments) {
   const FloatTag d;
   const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
   // Of four neighbours at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
@@ -171,7 +175,8 @@ HWY_INLINE void SumMoments(const FloatVec* HWY_RESTRICT h, const BlockMiddle& mi
                           HWY_ATTR { return hn::MulAdd(nine, hn::Add(a, e), hn::Add(b, c)); };
   FloatVec row[4], row_x[4], row_xx[4];
   for (int y = 0; y < 4; ++y) {
-    const FloatVec* p = h + 4 * y;
+    FloatVec p[4];
+    LoadPixelRow(h, y, p);
     row[y] = sum(p[0], p[1], p[2], p[3]);
     row_x[y] = first(p[0], p[1], p[2], p[3]);
     row_xx[y] = second(p[0], p[1], p[2], p[3]);
@@ -201,15 +206,19 @@ HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT pos
                              const BlockMiddle& middle, float* HWY_RESTRICT records) {
   const FloatTag d;
   constexpr int kTiles = (12 + kLanes - 1) / kLanes;
-  FloatVec columns[cpu::kGradStride], pixel[16];
+  FloatVec columns[cpu::kGradStride];
   for (FloatVec& c : columns) c = hn::Zero(d);
-  LoadPixelColumns(chunk.alpha + rows.begin, pixel);
-  SumMoments(pixel, middle, columns);
-  LoadPixelColumns(chunk.weight + rows.begin, pixel);
-  for (int c = 0; c < 3 + kDepth; ++c) {
-    FloatVec sum = hn::Mul(pixel[0], hn::Set(d, chunk.g[c][0]));
-    for (int p = 1; p < 16; ++p) sum = hn::MulAdd(pixel[p], hn::Set(d, chunk.g[c][p]), sum);
-    columns[8 + c] = sum;
+  SumMoments(chunk.alpha + rows.begin, middle, columns);
+  for (int y = 0; y < 4; ++y) {
+    FloatVec w[4];
+    LoadPixelRow(chunk.weight + rows.begin, y, w);
+    for (int c = 0; c < 3 + kDepth; ++c) {
+      const float* g = chunk.g[c] + cpu::kBlock * y;
+      // Two chains, which wait for each other once a row.
+      const FloatVec even = hn::MulAdd(w[0], hn::Set(d, g[0]), hn::Mul(w[2], hn::Set(d, g[2])));
+      const FloatVec odd = hn::MulAdd(w[1], hn::Set(d, g[1]), hn::MulAdd(w[3], hn::Set(d, g[3]), columns[8 + c]));
+      columns[8 + c] = hn::Add(even, odd);
+    }
   }
   for (int tile = 0; tile < kTiles; ++tile) {
     Transpose(columns + tile * kLanes);

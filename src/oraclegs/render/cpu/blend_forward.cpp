@@ -19,18 +19,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
-/// Where an opaque pixel is moved to: no Gaussian of sensible size reaches it, and its squares stay
-/// finite.
-inline constexpr float kOutOfReach = 1e15f;
-
 /// Steps between checks of whether a block is opaque. Nothing contributes to a pixel that became opaque in between, and
 /// its running product cannot shrink into the subnormal numbers within so few.
 inline constexpr int kSteps = 8;
 
 /// What a block's pixels have accumulated so far.
 struct HWY_ALIGN BlockState {
-  float x[16];     ///< px from the tile's centre, or kOutOfReach
-  float left[16];  ///< product of all 1 - alpha, also of those after the pixel became opaque
+  float left[16];  ///< product of all 1 - alpha; 0 once it is known that the pixel is opaque or outside of the image
   float t[16], r[16], g[16], b[16], inv_z[16];
   int32_t end[16];  ///< as BlendImage::end
 };
@@ -40,14 +35,74 @@ struct Visit {
   bool open;  ///< whether a pixel is not opaque yet
 };
 
-/// Moves the opaque pixels out of reach. Returns whether others remain.
-HWY_INLINE bool CloseOpaque(const FloatVec* left, FloatVec* x) {
+/// n, and one more in the lanes of `where`.
+HWY_INLINE IntVec CountedWhere(hn::Mask<IntTag> where, IntVec n) {
+  const IntTag d;
+#if HWY_TARGET <= HWY_AVX3
+  return hn::IfThenElse(where, hn::Add(n, hn::Set(d, 1)), n);
+#else
+  return hn::Sub(n, hn::VecFromMask(d, where));
+#endif
+}
+
+/// The part of a BlockState that lies in one vector, while a segment is blended.
+struct PixelSums {
+  FloatVec left, t, r, g, b, inv_z;
+  IntVec steps;  ///< of the segment that contributed; they are its first ones
+
+  PixelSums() = default;
+  HWY_INLINE PixelSums(const BlockState& state, int at) {
+    const FloatTag d;
+    left = hn::Load(d, state.left + at);
+    t = hn::Load(d, state.t + at);
+    r = hn::Load(d, state.r + at);
+    g = hn::Load(d, state.g + at);
+    b = hn::Load(d, state.b + at);
+    inv_z = hn::Load(d, state.inv_z + at);
+    steps = hn::Zero(IntTag());
+  }
+
+  /// `first`: Segment::FirstStep.
+  HWY_INLINE void Store(int32_t first, int at, BlockState* state) const {
+    const FloatTag d;
+    const IntTag di;
+    hn::Store(left, d, state->left + at);
+    hn::Store(t, d, state->t + at);
+    hn::Store(r, d, state->r + at);
+    hn::Store(g, d, state->g + at);
+    hn::Store(b, d, state->b + at);
+    hn::Store(inv_z, d, state->inv_z + at);
+    const IntVec end =
+        hn::IfThenElse(hn::Gt(steps, hn::Zero(di)), hn::Add(steps, hn::Set(di, first)), hn::Load(di, state->end + at));
+    hn::Store(end, di, state->end + at);
+  }
+
+  /// Splat i of the segment before what is there.
+  HWY_INLINE void Add(const Segment& segment, int i, FloatVec alpha) {
+    const FloatTag d;
+    const FloatVec next = hn::NegMulAdd(alpha, left, left);
+    // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing to
+    // remember or to branch on.
+    const FloatMask contributes = hn::Ge(next, hn::Set(d, kTransmittanceEnd));
+    const FloatVec weight = hn::IfThenElseZero(contributes, hn::Mul(alpha, left));
+    left = next;
+    t = hn::IfThenElse(contributes, next, t);
+    steps = CountedWhere(hn::RebindMask(IntTag(), contributes), steps);
+    r = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r);
+    g = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g);
+    b = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b);
+    inv_z = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), inv_z);
+  }
+};
+
+/// Lets nothing more contribute to opaque pixels. Returns whether others remain.
+HWY_INLINE bool CloseOpaque(PixelSums* sums) {
   const FloatTag d;
-  const FloatVec away = hn::Set(d, kOutOfReach);
   bool open = false;
   for (int v = 0; v < kVecs; ++v) {
-    x[v] = hn::IfThenElse(hn::Ge(left[v], hn::Set(d, kTransmittanceEnd)), x[v], away);
-    open |= !hn::AllFalse(d, hn::Lt(x[v], away));
+    const FloatMask is_open = hn::Ge(sums[v].left, hn::Set(d, kTransmittanceEnd));
+    sums[v].left = hn::IfThenElseZero(is_open, sums[v].left);
+    open |= !hn::AllFalse(d, is_open);
   }
   return open;
 }
@@ -56,21 +111,9 @@ HWY_INLINE bool CloseOpaque(const FloatVec* left, FloatVec* x) {
 /// loop's numbers in registers.
 HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, BlockState* state) {
   const FloatTag d;
-  const IntTag di;
-  FloatVec y[kVecs], x[kVecs], left[kVecs], t[kVecs], r[kVecs], g[kVecs], b[kVecs], z[kVecs];
-  IntVec steps[kVecs];
-  for (int v = 0; v < kVecs; ++v) {
-    y[v] = hn::Load(d, kBlockCenters.y[block] + v * kLanes);
-    x[v] = hn::Load(d, state->x + v * kLanes);
-    left[v] = hn::Load(d, state->left + v * kLanes);
-    t[v] = hn::Load(d, state->t + v * kLanes);
-    r[v] = hn::Load(d, state->r + v * kLanes);
-    g[v] = hn::Load(d, state->g + v * kLanes);
-    b[v] = hn::Load(d, state->b + v * kLanes);
-    z[v] = hn::Load(d, state->inv_z + v * kLanes);
-    steps[v] = hn::Zero(di);
-  }
-  const FloatVec open_above = hn::Set(d, kTransmittanceEnd);
+  PixelSums sums[kVecs];
+  for (int v = 0; v < kVecs; ++v) sums[v] = PixelSums(*state, v * kLanes);
+  const BlockPixels pixels(block);
   const int32_t* HWY_RESTRICT positions = segment.positions[block];
   const int count = segment.counts[block];
   bool open = true;
@@ -80,69 +123,44 @@ HWY_NOINLINE Visit BlendBlock(const Segment& segment, int block, int32_t first, 
     const int stop = std::min(j + kSteps, count);
     HWY_ALIGN float alphas[kSteps][16];
     for (int step = j; step < stop; ++step) {
-      for (int v = 0; v < kVecs; ++v) {
-        hn::Store(segment.Alpha(positions[step], x[v], y[v]), d, alphas[step - j] + v * kLanes);
-      }
+      FloatVec alpha[kVecs];
+      segment.Alphas(positions[step], pixels, alpha);
+      for (int v = 0; v < kVecs; ++v) hn::Store(alpha[v], d, alphas[step - j] + v * kLanes);
     }
-    for (int step = j; step < stop; ++step) {
-      const int i = positions[step];
-      for (int v = 0; v < kVecs; ++v) {
-        const FloatVec alpha = hn::Load(d, alphas[step - j] + v * kLanes);
-        const FloatVec next = hn::NegMulAdd(alpha, left[v], left[v]);
-        // The product never grows: a pixel is open as long as what the Gaussian leaves is enough, and there is nothing
-        // to remember or to branch on.
-        const FloatMask contributes = hn::Ge(next, open_above);
-        const FloatVec weight = hn::IfThenElseZero(contributes, hn::Mul(alpha, left[v]));
-        left[v] = next;
-        t[v] = hn::IfThenElse(contributes, next, t[v]);
-        steps[v] = hn::IfThenElse(hn::RebindMask(di, contributes), hn::Add(steps[v], hn::Set(di, 1)), steps[v]);
-        r[v] = hn::MulAdd(weight, hn::Set(d, segment.r[i]), r[v]);
-        g[v] = hn::MulAdd(weight, hn::Set(d, segment.g[i]), g[v]);
-        b[v] = hn::MulAdd(weight, hn::Set(d, segment.b[i]), b[v]);
-        z[v] = hn::MulAdd(weight, hn::Set(d, segment.inv_z[i]), z[v]);
+    for (int v = 0; v < kVecs; ++v) {
+      PixelSums pixel = sums[v];  // of one vector: they stay in registers
+      for (int step = j; step < stop; ++step) {
+        pixel.Add(segment, positions[step], hn::Load(d, alphas[step - j] + v * kLanes));
       }
+      sums[v] = pixel;
     }
     j = stop;
-    open = CloseOpaque(left, x);
+    open = CloseOpaque(sums);
   }
-  for (int v = 0; v < kVecs; ++v) {
-    hn::Store(x[v], d, state->x + v * kLanes);
-    hn::Store(left[v], d, state->left + v * kLanes);
-    hn::Store(t[v], d, state->t + v * kLanes);
-    hn::Store(r[v], d, state->r + v * kLanes);
-    hn::Store(g[v], d, state->g + v * kLanes);
-    hn::Store(b[v], d, state->b + v * kLanes);
-    hn::Store(z[v], d, state->inv_z + v * kLanes);
-    const IntVec end = hn::IfThenElse(hn::Gt(steps[v], hn::Zero(di)), hn::Add(steps[v], hn::Set(di, first)),
-                                      hn::Load(di, state->end + v * kLanes));
-    hn::Store(end, di, state->end + v * kLanes);
-  }
+  for (int v = 0; v < kVecs; ++v) sums[v].Store(first, v * kLanes, state);
   return {j, open};
 }
 
-HWY_INLINE void StartBlock(int block, const BlockPlace& place, BlockState* s) {
+HWY_INLINE void StartBlock(const BlockPlace& place, BlockState* s) {
   const FloatTag d;
   const IntTag di;
   for (int i = 0; i < 16; i += kLanes) {
-    hn::Store(hn::Load(d, kBlockCenters.x[block] + i), d, s->x + i);
     for (float* one : {s->left, s->t}) hn::Store(hn::Set(d, 1.f), d, one + i);
     for (float* sum : {s->r, s->g, s->b, s->inv_z}) hn::Store(hn::Zero(d), d, sum + i);
     hn::Store(hn::Zero(di), di, s->end + i);
   }
   if (HWY_LIKELY(place.Whole())) return;
   for (int i = 0; i < 16; ++i) {
-    if (place.Holds(i)) continue;
-    s->x[i] = kOutOfReach;
-    s->left[i] = 0;  // nothing contributes to it, and backward skips it
+    if (!place.Holds(i)) s->left[i] = 0;  // nothing contributes to it, and backward skips it
   }
 }
 
 /// A block's pixels on the background.
-struct HWY_ALIGN BlockPixels {
+struct HWY_ALIGN BlockImage {
   float rgb[48], alpha[16];
 };
 
-HWY_INLINE void Composite(const BlockState& s, const float* background, BlockPixels* out) {
+HWY_INLINE void Composite(const BlockState& s, const float* background, BlockImage* out) {
   const FloatTag d;
   for (int i = 0; i < 16; i += kLanes) {
     const FloatVec t = hn::Load(d, s.t + i);
@@ -158,7 +176,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
   uint32_t open = 0;
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
     const BlockPlace place(tile, block, out.width, out.height);
-    StartBlock(block, place, &states[block]);
+    StartBlock(place, &states[block]);
     if (place.Empty()) continue;
     open |= 1u << block;
     PrefetchPlane<3>(out.image, place);
@@ -182,7 +200,7 @@ HWY_NOINLINE int64_t BlendTile(const cpu::TileWork& tile, const cpu::BlendImage&
     }
   }
   // In two loops: a row of pixels lies across the vectors just written, and reading it at once would wait for them.
-  BlockPixels pixels[cpu::kBlocksPerTile];
+  BlockImage pixels[cpu::kBlocksPerTile];
   for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
     Composite(states[block], out.background, &pixels[block]);
   }

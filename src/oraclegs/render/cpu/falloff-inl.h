@@ -17,25 +17,28 @@ HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
 /// 2^x in the lanes of `where`, where |x| < 126, and 0 elsewhere. The polynomial is the minimax one of degree 4 for 2^f
-/// on [0, 1): relative error 2.6e-6, 2.9e-6 with rounding; the reference numbers ask for 1e-5
+/// on an interval of length 1: relative error 2.6e-6, 2.9e-6 with rounding; the reference numbers ask for 1e-5
 /// (docs/method.md#tolerances).
 HWY_INLINE FloatVec Exp2Where(FloatMask where, FloatVec x) {
   const FloatTag d;
 #if HWY_TARGET <= HWY_AVX3
   const FloatVec f{_mm512_reduce_ps(x.raw, 0x09)};  // x - floor(x)
-#else
-  const FloatVec floor = hn::Floor(x);
-  const FloatVec f = hn::Sub(x, floor);
-#endif
   FloatVec p = hn::Set(d, 0.013534167911698657f);
   for (const float c : {0.05201146061904796f, 0.24144275688619407f, 0.6930038344710632f, 1.0000025933706653f}) {
     p = hn::MulAdd(f, p, hn::Set(d, c));
   }
-#if HWY_TARGET <= HWY_AVX3
   return FloatVec{_mm512_maskz_scalef_ps(where.raw, p.raw, x.raw)};  // p 2^floor(x)
 #else
   const IntTag di;
-  const IntVec exponent = hn::ShiftLeft<23>(hn::ConvertTo(di, floor));
+  // Adding 1.5 2^23 rounds to an integer, which is left in the lowest bits.
+  const FloatVec magic = hn::Set(d, 12582912.f), shifted = hn::Add(x, magic);
+  const FloatVec f = hn::Sub(x, hn::Sub(shifted, magic)), square = hn::Mul(f, f);
+  // Pairs of terms, so that the chain of waits is short.
+  const FloatVec low = hn::MulAdd(f, hn::Set(d, 0.69312181f), hn::Set(d, 0.99999926f));
+  const FloatVec high =
+      hn::MulAdd(square, hn::Set(d, 0.0095701f), hn::MulAdd(f, hn::Set(d, 0.05591786f), hn::Set(d, 0.24024745f)));
+  const FloatVec p = hn::MulAdd(square, high, low);
+  const IntVec exponent = hn::ShiftLeft<23>(hn::BitCast(di, shifted));
   return hn::IfThenElseZero(where, hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent)));
 #endif
 }
@@ -75,6 +78,18 @@ HWY_INLINE int StoreChosen(int first, hn::Mask<IntTag> chosen, int32_t* to) {
 #endif
 }
 
+/// Centres of a block's pixels, from the tile's centre.
+struct BlockPixels {
+  FloatVec x[kVecs], y[kVecs];
+
+  HWY_INLINE explicit BlockPixels(int block) {
+    for (int v = 0; v < kVecs; ++v) {
+      x[v] = hn::Load(FloatTag(), kBlockCenters.x[block] + v * kLanes);
+      y[v] = hn::Load(FloatTag(), kBlockCenters.y[block] + v * kLanes);
+    }
+  }
+};
+
 /// Consecutive entries of a tile's list, prepared for the blocks: the splats' numbers relative to the tile's centre,
 /// and for each block the positions of the splats that reach it. Small enough for the first-level cache.
 struct HWY_ALIGN Segment {
@@ -90,16 +105,17 @@ struct HWY_ALIGN Segment {
   int32_t positions[cpu::kBlocksPerTile][kSize + 16];  // not 1024 bytes apart: they would share cache sets
   int counts[cpu::kBlocksPerTile];
 
-  /// alpha of splat i (docs/method.md#blending) at pixels x, y: 0 where it is below 1/255, at most 0.99.
-  HWY_INLINE FloatVec Alpha(int i, FloatVec x, FloatVec y) const {
-    const FloatVec e = Log2Alpha(i, x, y);
-    return CappedAlpha(hn::Ge(e, hn::Set(FloatTag(), kLog2AlphaMin)), e);
+  /// alpha of splat i (docs/method.md#blending) at the pixels of a block: 0 where it is below 1/255, at most 0.99.
+  HWY_INLINE void Alphas(int i, const BlockPixels& at, FloatVec* HWY_RESTRICT alpha) const {
+    Log2Alphas(i, at, alpha);
+    for (int v = 0; v < kVecs; ++v) alpha[v] = CappedAlpha(Reached(alpha[v]), alpha[v]);
   }
 
   /// The same, and 0 outside of `where`.
-  HWY_INLINE FloatVec AlphaWhere(FloatMask where, int i, FloatVec x, FloatVec y) const {
-    const FloatVec e = Log2Alpha(i, x, y);
-    return CappedAlpha(hn::And(where, hn::Ge(e, hn::Set(FloatTag(), kLog2AlphaMin))), e);
+  HWY_INLINE void AlphasWhere(const FloatMask* where, int i, const BlockPixels& at,
+                              FloatVec* HWY_RESTRICT alpha) const {
+    Log2Alphas(i, at, alpha);
+    for (int v = 0; v < kVecs; ++v) alpha[v] = CappedAlpha(hn::And(where[v], Reached(alpha[v])), alpha[v]);
   }
 
   /// Fills from entries[begin, begin + n), n <= kSize; only blocks in `blocks` (a mask) get positions.
@@ -121,12 +137,22 @@ struct HWY_ALIGN Segment {
   }
 
  private:
-  HWY_INLINE FloatVec Log2Alpha(int i, FloatVec x, FloatVec y) const {
+  /// log2(alpha), before the cap.
+  HWY_INLINE void Log2Alphas(int i, const BlockPixels& at, FloatVec* HWY_RESTRICT e) const {
     const FloatTag d;
-    const FloatVec p = hn::MulAdd(hn::Set(d, ax[i]), x, hn::Set(d, a0[i]));
-    const FloatVec q = hn::MulAdd(hn::Set(d, bx[i]), x, hn::MulAdd(hn::Set(d, by[i]), y, hn::Set(d, b0[i])));
-    return hn::NegMulAdd(q, q, hn::NegMulAdd(p, p, hn::Set(d, peak[i])));
+    FloatVec near, base;  // the terms of x alone, which is the same in all vectors of whole rows
+    for (int v = 0; v < kVecs; ++v) {
+      if (v == 0 || kLanes < cpu::kBlock) {
+        const FloatVec p = hn::MulAdd(hn::Set(d, ax[i]), at.x[v], hn::Set(d, a0[i]));
+        near = hn::NegMulAdd(p, p, hn::Set(d, peak[i]));
+        base = hn::MulAdd(hn::Set(d, bx[i]), at.x[v], hn::Set(d, b0[i]));
+      }
+      const FloatVec q = hn::MulAdd(hn::Set(d, by[i]), at.y[v], base);
+      e[v] = hn::NegMulAdd(q, q, near);
+    }
   }
+
+  static HWY_INLINE FloatMask Reached(FloatVec e) { return hn::Ge(e, hn::Set(FloatTag(), kLog2AlphaMin)); }
 
   static HWY_INLINE FloatVec CappedAlpha(FloatMask reached, FloatVec e) {
     return hn::Min(Exp2Where(reached, e), hn::Set(FloatTag(), kAlphaMax));
