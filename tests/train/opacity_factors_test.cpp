@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "support/buffers.h"
@@ -55,6 +58,25 @@ TEST(DrawOpacityFactorsTest, IsAFunctionOfSeedIterationAndIndex) {
   }
   EXPECT_FALSE(Equal(Draw({4, 17, 0.3, 0.5}, 10000), factors));
   EXPECT_FALSE(Equal(Draw({3, 18, 0.3, 0.5}, 10000), factors));
+}
+
+TEST(DrawOpacityFactorsTest, HasTheSameNumbersForEveryInstructionSet) {
+  const OpacityPerturbation perturbation{(uint64_t{7} << 32) + 3, 17, 0.3, 0.5};
+  const int64_t n = 1003;  // no multiple of a vector's lanes
+  int64_t left_out = 0;
+  ForEachTarget([&](int64_t target) {
+    const Buffer<float> factors = Draw(perturbation, n);
+    for (int64_t i = 0; i < n; ++i) {
+      const uint64_t counter = uint64_t{17} << 32 | static_cast<uint64_t>(i);
+      const Philox r = Philox::Draw(perturbation.seed, static_cast<uint64_t>(RandomStream::kOpacityFactors), counter);
+      const double u = OpenUniform(r.x[1]), v = OpenUniform(r.x[2]);
+      const double normal = std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
+      const bool drops = static_cast<double>(OpenUniform(r.x[0])) < 0.3;
+      ASSERT_NEAR(factors.data()[i], drops ? 0 : std::max(0., 1 + 0.5 * normal) / 0.7, 1e-5) << target << ' ' << i;
+      left_out += drops;
+    }
+  });
+  EXPECT_GT(left_out, 0);
 }
 
 TEST(DrawOpacityFactorsTest, RefusesWhatIsNoProbability) {

@@ -1,10 +1,51 @@
+// A vector holds neighbouring Gaussians; the mathematics is opacity_factor_math-inl.h.
+
 #include "oraclegs/train/opacity_factors.h"
 
-#include "oraclegs/core/parallel.h"
-#include "oraclegs/train/train_math.h"
+#include <algorithm>
 
+#include "oraclegs/core/hwy_targets.h"
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/train/step_constants.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "oraclegs/train/opacity_factors.cpp"
+// clang-format off: foreach_target must come before the other Highway headers
+#include <hwy/foreach_target.h>
+// clang-format on
+#include <hwy/highway.h>
+
+#include "oraclegs/core/simd/lanes-inl.h"
+#include "oraclegs/core/simd/uint_lanes-inl.h"
+// After the lanes, whose functions it calls.
+#include "oraclegs/train/opacity_factor_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace oraclegs::HWY_NAMESPACE {
+
+/// Factors of Gaussians [begin, end).
+void DrawFactors(const OpacityConstants& constants, int64_t begin, int64_t end, float* factors) {
+  const FloatTag d;
+  for (int64_t i = begin; i < end; i += kLanes) {
+    const Lanes factor = OpacityFactor<Lanes>(constants, UintLanes::From(static_cast<uint32_t>(i)));
+    if (end - i >= kLanes) {
+      hn::StoreU(factor.v, d, factors + i);
+    } else {
+      HWY_ALIGN float rest[kLanes];
+      hn::Store(factor.v, d, rest);
+      std::copy_n(rest, end - i, factors + i);
+    }
+  }
+}
+
+}  // namespace oraclegs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace oraclegs {
 namespace {
+
+HWY_EXPORT(DrawFactors);
 
 constexpr int64_t kOpacityGrain = 4096;  // Gaussians a task
 
@@ -21,14 +62,12 @@ void DrawOpacityFactors(const OpacityPerturbation& perturbation, const Buffer<fl
     throw ShapeError("DrawOpacityFactors: drop is {} and noise {}, must be in [0,1) and at least 0", perturbation.drop,
                      perturbation.noise);
   }
-  const uint64_t counter = static_cast<uint64_t>(perturbation.iteration) << 32;
-  float* out = factors.data();
+  const OpacityConstants constants{perturbation.seed, static_cast<uint32_t>(perturbation.iteration),
+                                   static_cast<float>(perturbation.drop), static_cast<float>(perturbation.noise)};
   ParallelBlocks(factors.count(), kOpacityGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      out[i] = static_cast<float>(
-          OpacityFactor(perturbation.seed, counter | static_cast<uint64_t>(i), perturbation.drop, perturbation.noise));
-    }
+    HWY_DYNAMIC_DISPATCH(DrawFactors)(constants, begin, end, factors.data());
   });
 }
 
 }  // namespace oraclegs
+#endif

@@ -46,4 +46,11 @@ struct NoiseConstants {
   float strength = 0;  ///< 5e5 * lr_means
 };
 
+/// Of the factors of opacity; see opacity_factors.h.
+struct OpacityConstants {
+  uint64_t seed = 0;
+  uint32_t iteration = 0;
+  float drop = 0, noise = 0;
+};
+
 }  // namespace oraclegs

@@ -51,19 +51,6 @@ inline int64_t GrowthOf(int64_t n, int64_t max) {
   return grown > n ? grown - n : 0;
 }
 
-/// The factor of a Gaussian's opacity in one iteration; see opacity_factors.h. counter: iteration << 32 | index. Real:
-/// double, or float where doubles are slow (all GPUs but those for servers); the draws have 23 bits.
-template <class Real>
-ORACLEGS_HD inline Real OpacityFactor(uint64_t seed, uint64_t counter, Real drop, Real noise) {
-  const Philox r = Philox::Draw(seed, static_cast<uint64_t>(RandomStream::kOpacityFactors), counter);
-  const Real factor = static_cast<Real>(OpenUniform(r.x[0])) < drop ? 0 : 1 / (1 - drop);
-  if (!(noise > 0)) return factor;
-  // Box and Muller's.
-  const Real u = static_cast<Real>(OpenUniform(r.x[1])), v = static_cast<Real>(OpenUniform(r.x[2]));
-  const Real scaled = 1 + noise * (std::sqrt(-2 * std::log(u)) * std::cos(static_cast<Real>(6.283185307179586) * v));
-  return factor * (scaled > 0 ? scaled : 0);
-}
-
 /// The logarithm of the largest scale that a Gaussian of this centre may have; see scale_cap.h. centers: [count,3].
 ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, int count, float log_share) {
   float nearest = 3.4e38f;

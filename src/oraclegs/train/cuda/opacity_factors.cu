@@ -1,7 +1,8 @@
 #include "oraclegs/train/cuda/opacity_factors.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/train/train_math.h"
+#include "oraclegs/core/rng.h"
+#include "oraclegs/train/opacity_factor_math-inl.h"
 
 namespace oraclegs::cuda {
 namespace {
@@ -11,8 +12,9 @@ constexpr int kFactorsBlock = 256;
 __global__ void DrawFactors(OpacityFactorsInput in) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kFactorsBlock + threadIdx.x;
   if (i >= in.count) return;
-  const uint64_t counter = static_cast<uint64_t>(in.iteration) << 32 | static_cast<uint64_t>(i);
-  in.factors[i] = OpacityFactor(in.seed, counter, static_cast<float>(in.drop), static_cast<float>(in.noise));
+  const OpacityConstants constants{in.seed, static_cast<uint32_t>(in.iteration), static_cast<float>(in.drop),
+                                   static_cast<float>(in.noise)};
+  in.factors[i] = OpacityFactor<float>(constants, static_cast<uint32_t>(i));
 }
 
 }  // namespace
