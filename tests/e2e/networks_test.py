@@ -33,7 +33,6 @@ class Networks(ManyViews):
         metrics = json.loads((out / "metrics.json").read_text())
         self.assertTrue({"sfm", "depth", "propose", "validate", "train", "evaluate"} <= metrics["stages"].keys())
         self.assertEqual(metrics["depth"]["prior"], "fused")
-        self.assertIn("VGG16", metrics["train"]["lpips"])
         self.assertIn("lpips", metrics["test"])
         self.assertEqual(metrics["non_commercial"], ["Stable Virtual Camera", "VGGT-1B"])
         self.assertIn("not for commercial use: made with Stable Virtual Camera, VGGT-1B", done.stdout)
@@ -58,6 +57,8 @@ class Networks(ManyViews):
         metrics = json.loads((out / "metrics.json").read_text())
         self.assertEqual(metrics["depth"]["prior"], "depth-anything")
         self.assertEqual(metrics["options"]["horizon"], 30000)
+        # Its oracle's confidence is relative, so that some of what networks of random weights paint is trained on.
+        self.assertIn("VGG16", metrics["train"]["lpips"])
 
     def test_three_images_and_no_depth_are_enough_for_a_generator(self):
         out = self.dir / "three"

@@ -73,7 +73,7 @@ TEST(Vit, RunsInHalfPrecision) {
   } source(11);
   const Tensor half = LayerTokens(LoadVit(ParameterScope(source), Tiny(1)), image, {2})[0];
   EXPECT_EQ(half.scalar_type(), torch::kBFloat16);
-  EXPECT_LT(RelativeL2(half, full), 0.03);
+  EXPECT_LT(RelativeL2(half, full), kMaxHalfError);
 }
 
 TEST(Vit, RefusesLayersThatDoNotExist) {

@@ -121,7 +121,7 @@ TEST(SevaUnet, BFloat16StaysClose) {
       LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file), {torch::kCPU, torch::kBFloat16});
   const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
   EXPECT_EQ(out.scalar_type(), torch::kFloat);
-  EXPECT_LE(RelativeL2(out, GoldenTensor(golden.file, "output.out")), 0.05);
+  EXPECT_LE(RelativeL2(out, GoldenTensor(golden.file, "output.out")), kMaxHalfError);
 }
 
 TEST(SevaUnet, AutocastComputesProductsInHalfAndSumsInFloat) {
@@ -139,7 +139,8 @@ TEST(SevaUnet, AutocastComputesProductsInHalfAndSumsInFloat) {
   const double mixed = error({torch::kCPU, torch::kFloat, torch::kBFloat16});
   const double half = error({torch::kCPU, torch::kBFloat16, {}});
   EXPECT_GT(mixed, 10 * exact);
-  EXPECT_LT(mixed, half);
+  EXPECT_NE(mixed, half) << "sums are in half, too";
+  EXPECT_LT(mixed, 1.05 * half);  // not always less: CPUs without bfloat16 round within products, in both
   EXPECT_FALSE(at::autocast::is_cpu_enabled()) << "left on";
 }
 

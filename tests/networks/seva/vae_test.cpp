@@ -129,10 +129,10 @@ TEST(Vae, HalfPrecisionStaysNearFloat) {
   EXPECT_EQ(half.decoder.conv_in.weight.scalar_type(), torch::kBFloat16);
   const Tensor image = DecodeLatents(half, GoldenFloat(file, "input.latent"));
   EXPECT_EQ(image.scalar_type(), torch::kFloat);
-  EXPECT_LT(RelativeL2(image, GoldenTensor(file, "output.decode_scaled")), 0.05);
+  EXPECT_LT(RelativeL2(image, GoldenTensor(file, "output.decode_scaled")), kMaxHalfError);
   const Tensor latent = EncodeImages(half, GoldenFloat(file, "input.image"));
   EXPECT_EQ(latent.scalar_type(), torch::kFloat);
-  EXPECT_LT(RelativeL2(latent, GoldenTensor(file, "output.encode_scaled")), 0.05);
+  EXPECT_LT(RelativeL2(latent, GoldenTensor(file, "output.encode_scaled")), kMaxHalfError);
 }
 
 TEST(Vae, RefusesWhatDoesNotFit) {
