@@ -1,7 +1,6 @@
 #include "oraclegs/train/cuda/opacity_factors.h"
 
 #include "oraclegs/core/cuda/launch.h"
-#include "oraclegs/core/rng.h"
 #include "oraclegs/train/opacity_factor_math-inl.h"
 
 namespace oraclegs::cuda {
