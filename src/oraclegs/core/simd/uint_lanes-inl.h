@@ -26,7 +26,9 @@ struct UintLanes {
   HWY_INLINE UintLanes(UintVec x) : v(x) {}  // NOLINT: implicit as between numbers
   HWY_INLINE explicit UintLanes(uint32_t x) : v(hn::Set(UintTag(), x)) {}
   /// first, first + 1, ...
-  static HWY_INLINE UintLanes From(uint32_t first) { return hn::Iota(UintTag(), first); }
+  static HWY_INLINE UintLanes From(uint32_t first) {
+    return hn::Add(hn::Iota(UintTag(), 0), hn::Set(UintTag(), first));  // Iota of an unknown number goes through memory
+  }
 };
 
 HWY_INLINE UintLanes operator^(UintLanes a, UintLanes b) { return hn::Xor(a.v, b.v); }

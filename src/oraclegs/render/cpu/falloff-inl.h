@@ -65,7 +65,8 @@ inline constexpr LaneSets kLaneSets = MakeLaneSets();
 HWY_INLINE int StoreChosen(int first, hn::Mask<IntTag> chosen, int32_t* to) {
   const IntTag d;
 #if HWY_TARGET <= HWY_AVX3
-  hn::StoreU(hn::Compress(hn::Iota(d, first), chosen), d, to);
+  // Not Iota(d, first): with a number that the compiler does not know it is built in memory, lane by lane.
+  hn::StoreU(hn::Compress(hn::Add(hn::Iota(d, 0), hn::Set(d, first)), chosen), d, to);
   return static_cast<int>(hn::CountTrue(d, chosen));
 #else
   // Without an instruction for it, hn::Compress copies a table to the stack at each call (GCC 12).
