@@ -10,8 +10,10 @@ mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 cd "$(dirname "$0")/.."
 
-packages=(libeigen3-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev libhwy-dev libpng-dev libturbojpeg0-dev
-          zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libgtest-dev libgmock-dev libbenchmark-dev pkgconf)
+# The libraries of scripts/bootstrap.sh, but for those of the networks, of meshes and of Python, which the check leaves out.
+left_out='^(libtorch|libopenvdb|libboost|pybind11|python3)-dev$'
+mapfile -t packages < <(sed -n '/^packages=(/,/^)/p' scripts/bootstrap.sh | sed 's/#.*//' | grep -oE '[a-z0-9.+-]+-dev' | grep -vE "$left_out")
+packages+=(pkgconf)
 # What every machine with a C++ compiler has, and what our libraries name but never load.
 everywhere='^(lib(c6|c-dev-bin|c6-dev|crypt1|crypt-dev|nsl2|nsl-dev|tirpc.*|gcc-s1|stdc\+\+6)|gcc-.*|linux-libc-dev|rpcsvc-proto'
 everywhere+='|catch2|googletest|libdb5\.3|libsasl2-modules-db|libdpkg-perl|perl.*|dpkg.*|debconf.*|cdebconf)(t64)?$'
@@ -43,7 +45,10 @@ cp -a "$work"/root/usr/bin/pkgconf "$usr/bin"
 find "$lib" -name '*.a' | while read -r archive; do
   [[ ! -e ${archive%.a}.so && ! -L ${archive%.a}.so ]] || rm "$archive"
 done
-find "$lib" -mindepth 1 -maxdepth 1 -type d ! -name cmake ! -name pkgconfig -exec rm -r {} +
+# Folders beside the libraries hold plugins, but for these and for headers that differ by machine (GLib's).
+find "$lib" -mindepth 1 -maxdepth 1 -type d ! -name cmake ! -name pkgconfig | while read -r subfolder; do
+  [[ -d $subfolder/include ]] || rm -r "$subfolder"
+done
 find "$lib" -maxdepth 1 -type l -lname '/*' | while read -r link; do ln -sfn "$(basename "$(readlink "$link")")" "$link"; done
 
 tar czf "$folder/packages.tar.gz" -C "$work/packages" usr

@@ -64,7 +64,7 @@ class WithStandIns(unittest.TestCase):
         write_programs(self.dir / "built", BUILT)
         (self.dir / "scripts").mkdir()
         (self.dir / "bench").mkdir()
-        for file in ("scripts/gpu_check.sh", "scripts/gpu_pack.sh", "bench/gsplat_bench.py"):
+        for file in ("scripts/gpu_check.sh", "scripts/gpu_pack.sh", "scripts/bootstrap.sh", "bench/gsplat_bench.py"):
             shutil.copy(ROOT / file, self.dir / file)
 
     def run_script(self, *words, **stubs):
@@ -175,12 +175,13 @@ class GpuCheckTest(WithStandIns):
 
 class GpuPackTest(WithStandIns):
     def test_packs_headers_libraries_and_the_source(self):
-        """apt's packages are stand-ins: one with a library, its archive, an absolute link, and things not needed."""
+        """apt's packages are stand-ins: one with a library, its archive, an absolute link, headers of its own, and things not
+        needed."""
         folder = self.dir / "pack"
         write_programs(self.dir / "apt", {
-            "apt-cache": "printf 'libfmt-dev\\n  Depends: libc6\\nlibc6\\n'",
+            "apt-cache": "echo \"$*\" > \"$STUB_ASKED\"; printf 'libfmt-dev\\n  Depends: libc6\\nlibc6\\n'",
             "apt-get": "cat > names.txt; touch x.deb; for name in \"$@\"; do echo \"$name\" >> \"$STUB_NAMES\"; done",
-            "dpkg-deb": """lib=$3/usr/lib/x86_64-linux-gnu; mkdir -p $lib/cmake/fmt $lib/perl $3/usr/include $3/usr/share/doc $3/usr/bin
+            "dpkg-deb": """lib=$3/usr/lib/x86_64-linux-gnu; mkdir -p $lib/cmake/fmt $lib/perl $lib/glib-2.0/include $3/usr/include $3/usr/share/doc $3/usr/bin
 touch $lib/libfmt.so.9 $lib/libfmt.a $lib/libgtest.a $lib/cmake/fmt/fmt-config.cmake $3/usr/include/fmt.h $3/usr/bin/pkgconf
 ln -s /lib/x86_64-linux-gnu/libfmt.so.9 $lib/libfmt.so""",
         })  # fmt: skip
@@ -191,14 +192,19 @@ ln -s /lib/x86_64-linux-gnu/libfmt.so.9 $lib/libfmt.so""",
         os.rename(self.dir / "apt/apt-cache", self.dir / "tools/apt-cache")
         for tool in ("apt-get", "dpkg-deb"):
             os.rename(self.dir / "apt" / tool, self.dir / "tools" / tool)
-        done = self.run_script(self.dir / "scripts/gpu_pack.sh", folder, STUB_NAMES=str(self.dir / "names"))
+        asked = self.dir / "asked"
+        done = self.run_script(self.dir / "scripts/gpu_pack.sh", folder, STUB_NAMES=str(self.dir / "names"), STUB_ASKED=str(asked))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertRegex(done.stdout, r"packages.tar.gz +\d+ KiB, 1 packages")
         self.assertEqual((self.dir / "names").read_text().split()[-1], "libfmt-dev")
+        packages = set(asked.read_text().split())
+        self.assertLessEqual({"libheif-dev", "libtiff-dev", "libwebp-dev", "nlohmann-json3-dev", "zlib1g-dev", "libgmock-dev", "pkgconf"}, packages)
+        self.assertFalse({"libtorch-dev", "libopenvdb-dev", "python3-dev", "build-essential"} & packages)
         with tarfile.open(folder / "packages.tar.gz") as archive:
             lib = "usr/lib/x86_64-linux-gnu"
             self.assertEqual(archive.getmember(f"{lib}/libfmt.so").linkname, "libfmt.so.9")
             names = archive.getnames()
+        self.assertIn(f"{lib}/glib-2.0/include", names)
         self.assertLessEqual({"usr/include/fmt.h", f"{lib}/libgtest.a", f"{lib}/cmake/fmt/fmt-config.cmake", "usr/bin/pkgconf"}, set(names))
         for name in (f"{lib}/libfmt.a", f"{lib}/perl", "usr/share/doc"):
             self.assertNotIn(name, names)
