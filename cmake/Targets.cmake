@@ -31,8 +31,8 @@ target_include_directories(oraclegs_flags INTERFACE ${CMAKE_SOURCE_DIR}/src ${CM
 # The headers that nearly every file reads and nobody here changes.
 add_library(oraclegs_pch STATIC ${CMAKE_SOURCE_DIR}/cmake/pch.cpp)
 target_link_libraries(oraclegs_pch PUBLIC oraclegs_flags Eigen3::Eigen fmt::fmt)
-target_precompile_headers(oraclegs_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <algorithm> <array> <cmath>
-                          <filesystem> <functional> <memory> <optional> <string> <vector>)
+target_precompile_headers(oraclegs_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h> <algorithm> <array>
+                          <cmath> <filesystem> <functional> <memory> <optional> <string> <vector>)
 set_target_properties(oraclegs_pch PROPERTIES CXX_COMPILER_LAUNCHER "${ORACLEGS_CCACHE_OF_HEADERS}")
 
 # Files that Highway compiles once an instruction set share nothing: no translation unit with others (CMAKE_UNITY_BUILD, which

@@ -34,6 +34,7 @@ usr=$work/packages/usr
 lib=$usr/lib/$multiarch
 mkdir -p "$lib" "$usr/bin" "$usr/share"
 cp -a "$work/root/usr/include" "$usr"
+[[ ! -d $usr/include/$multiarch ]] || cp -a "$usr/include/$multiarch"/. "$usr/include"  # where not only Debian's compilers look
 for from in "$work/root/lib/$multiarch" "$work/root/usr/lib/$multiarch"; do
   [[ ! -d $from ]] || cp -a "$from"/. "$lib"
 done

@@ -2,6 +2,7 @@
 // Errors are typed by who can fix their cause; the program's exit code follows from the type.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>  // fmt::join; since fmt 11 no longer in format.h
 
 #include <stdexcept>
 #include <string>
