@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Builds this commit in a fresh Debian of another release, to see early what newer compilers and libraries refuse.
+#   scripts/debian_check.sh RELEASE FOLDER          the networks and their tests, with that release's libtorch
+#   scripts/debian_check.sh --bare RELEASE FOLDER   scripts/gpu_check.sh where there is nothing but g++, CMake, Ninja, python3,
+#                                                   this machine's CUDA toolkit, and what scripts/gpu_pack.sh packs here
+# RELEASE is trixie, sid, ...; FOLDER becomes the root of that Debian, and is used again when it is one. Needs root,
+# debootstrap and 5 GB. Exit code 0 when all was built (and, of the first, all tests passed).
+set -euo pipefail
+usage() { sed -n '3,4s/^# */usage: /p' "$0" >&2; exit 2; }
+bare=
+[[ ${1:-} != --bare ]] || { bare=yes; shift; }
+(($# == 2)) && [[ $1 != -* ]] || usage
+release=$1 root=$2
+((EUID == 0)) || { echo "scripts/debian_check.sh: run it as root, it changes the root folder" >&2; exit 2; }
+command -v debootstrap > /dev/null || { echo "scripts/debian_check.sh: install debootstrap first" >&2; exit 2; }
+cd "$(dirname "$0")/.."
+
+if [[ ! -e $root/etc/debian_version ]]; then
+  mkdir -p "$root"
+  debootstrap --variant=minbase "$release" "$root" http://deb.debian.org/debian
+fi
+root=$(cd "$root" && pwd)
+inside() { chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin ORACLEGS_JOBS="${ORACLEGS_JOBS:-$(nproc)}" "$@"; }
+mounted=()
+cleanup() { for at in "${mounted[@]}"; do umount "$at"; done; }
+trap cleanup EXIT
+mount_at() {  # OPTIONS... WHAT AT
+  mkdir -p "${!#}"
+  mount "$@"
+  mounted+=("${!#}")
+}
+mount_at -t proc proc "$root/proc"
+mount_at --bind /dev "$root/dev"
+
+install() { inside env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends "$@" < /dev/null; }
+rm -rf "$root/oraclegs"
+if [[ -n $bare ]]; then
+  install g++ cmake ninja-build python3-minimal
+  toolkit=$(realpath /usr/local/cuda)
+  mount_at --bind "$toolkit" "$root$toolkit"
+  ln -sfn "$toolkit" "$root/usr/local/cuda"
+  scripts/gpu_pack.sh "$root/root/pack"
+  tar xzf "$root/root/pack/source.tar.gz" -C "$root"
+  inside /oraclegs/scripts/gpu_check.sh --packages /root/pack/packages.tar.gz --seconds 3000 || true  # there is no GPU
+  for program in gpu_bench cuda_tests oraclegs; do
+    [[ -x $root/oraclegs/build/cuda/bin/$program ]] || { echo "scripts/debian_check.sh: $program was not built" >&2; exit 1; }
+  done
+else
+  mapfile -t libraries < <(sed -n '/^packages=(/,/^)/p' scripts/bootstrap.sh | sed 's/#.*//' | grep -oE '[a-z0-9.+-]+-dev')
+  install g++ cmake ninja-build python3 pkg-config libopenblas0-pthread "${libraries[@]}"
+  git -c safe.directory='*' clone -q . "$root/oraclegs"
+  inside bash -ec 'cd /oraclegs
+    cmake -B build/networks -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DORACLEGS_NETWORKS=ON \
+      -DORACLEGS_BENCH=OFF -DORACLEGS_PYTHON=OFF -DORACLEGS_WERROR=OFF
+    cmake --build build/networks --parallel "$ORACLEGS_JOBS" --target networks_tests networks_torch_tests -- -k 0
+    build/networks/bin/networks_tests --gtest_brief=1
+    build/networks/bin/networks_torch_tests --gtest_brief=1'
+fi
