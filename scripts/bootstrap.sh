@@ -1,25 +1,38 @@
 #!/usr/bin/env bash
 # Installs what OracleGS is built from, on Debian 12 (bookworm), and the npm packages of its web pages. Does nothing when all
 # of it is there.
+#   scripts/bootstrap.sh --libraries   only lists the packages that every build links to
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-packages=(
-  # tools
-  build-essential cmake ninja-build ccache pkg-config git clang-format python3
-  # tensors; OpenBLAS because libtorch multiplies matrices four times slower with the reference BLAS
-  libtorch-dev libopenblas0-pthread libhwy-dev libeigen3-dev
+libraries=(
+  # numbers
+  libhwy-dev libeigen3-dev
   # files, command line, log
   nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
   libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev libwebp-dev libzip-dev
   libheif-dev libtiff-dev
   libcpp-httplib-dev
+  # tests and benchmarks
+  libgtest-dev libgmock-dev libbenchmark-dev
+)
+if [[ ${1:-} == --libraries ]]; then
+  printf '%s\n' "${libraries[@]}"
+  exit
+fi
+
+packages=(
+  # tools
+  build-essential cmake ninja-build ccache pkg-config git clang-format python3
+  "${libraries[@]}"
+  # networks; OpenBLAS because libtorch multiplies matrices four times slower with the reference BLAS
+  libtorch-dev libopenblas0-pthread
   # meshes; Boost's headers because OpenVDB's include them and its package does not ask for them
   libopenvdb-dev libboost-dev
   # the Python package
   pybind11-dev python3-dev python3-numpy
-  # tests and benchmarks
-  libgtest-dev libgmock-dev libbenchmark-dev libheif-examples
+  # photos of tests
+  libheif-examples
   # sanitizers and fuzzers
   clang clang-tidy libclang-rt-14-dev llvm lld
   # run as child processes

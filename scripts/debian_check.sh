@@ -9,7 +9,7 @@ set -euo pipefail
 usage() { sed -n '3,4s/^# */usage: /p' "$0" >&2; exit 2; }
 bare=
 [[ ${1:-} != --bare ]] || { bare=yes; shift; }
-(($# == 2)) && [[ $1 != -* ]] || usage
+[[ $# == 2 && $1 != -* ]] || usage
 release=$1 root=$2
 ((EUID == 0)) || { echo "scripts/debian_check.sh: run it as root, it changes the root folder" >&2; exit 2; }
 command -v debootstrap > /dev/null || { echo "scripts/debian_check.sh: install debootstrap first" >&2; exit 2; }
@@ -46,8 +46,8 @@ if [[ -n $bare ]]; then
     [[ -x $root/oraclegs/build/cuda/bin/$program ]] || { echo "scripts/debian_check.sh: $program was not built" >&2; exit 1; }
   done
 else
-  mapfile -t libraries < <(sed -n '/^packages=(/,/^)/p' scripts/bootstrap.sh | sed 's/#.*//' | grep -oE '[a-z0-9.+-]+-dev')
-  install g++ cmake ninja-build python3 pkg-config libopenblas0-pthread "${libraries[@]}"
+  mapfile -t libraries < <(scripts/bootstrap.sh --libraries)
+  install g++ cmake ninja-build python3 pkg-config libtorch-dev libopenblas0-pthread "${libraries[@]}"
   git -c safe.directory='*' clone -q . "$root/oraclegs"
   inside bash -ec 'cd /oraclegs
     cmake -B build/networks -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DORACLEGS_NETWORKS=ON \

@@ -10,9 +10,7 @@ mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 cd "$(dirname "$0")/.."
 
-# The libraries of scripts/bootstrap.sh, but for those of the networks, of meshes and of Python, which the check leaves out.
-left_out='^(libtorch|libopenvdb|libboost|pybind11|python3)-dev$'
-mapfile -t packages < <(sed -n '/^packages=(/,/^)/p' scripts/bootstrap.sh | sed 's/#.*//' | grep -oE '[a-z0-9.+-]+-dev' | grep -vE "$left_out")
+mapfile -t packages < <(scripts/bootstrap.sh --libraries)
 packages+=(pkgconf)
 # What every machine with a C++ compiler has, and what our libraries name but never load.
 everywhere='^(lib(c6|c-dev-bin|c6-dev|crypt1|crypt-dev|nsl2|nsl-dev|tirpc.*|gcc-s1|stdc\+\+6)|gcc-.*|linux-libc-dev|rpcsvc-proto'
