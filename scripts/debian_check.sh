@@ -41,7 +41,8 @@ if [[ -n $bare ]]; then
   # What the check had no time for, and the exit code of all of it.
   inside cmake --build /oraclegs/build/cuda --parallel "${ORACLEGS_JOBS:-$(nproc)}" --target gpu_bench cuda_tests oraclegs
 else
-  mapfile -t libraries < <(scripts/bootstrap.sh --libraries)
+  listed=$(scripts/bootstrap.sh --libraries)
+  mapfile -t libraries <<<"$listed"
   install g++ cmake ninja-build python3 pkg-config libtorch-dev libopenblas0-pthread "${libraries[@]}"
   git -c safe.directory='*' clone -q . "$root/oraclegs"
   inside bash -ec 'cd /oraclegs

@@ -10,7 +10,8 @@ mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 cd "$(dirname "$0")/.."
 
-mapfile -t packages < <(scripts/bootstrap.sh --libraries)
+libraries=$(scripts/bootstrap.sh --libraries)  # a failure of it ends this script, too
+mapfile -t packages <<<"$libraries"
 packages+=(pkgconf)
 # What every machine with a C++ compiler has, and what our libraries name but never load.
 everywhere='^(lib(c6|c-dev-bin|c6-dev|crypt1|crypt-dev|nsl2|nsl-dev|tirpc.*|gcc-s1|stdc\+\+6)|gcc-.*|linux-libc-dev|rpcsvc-proto'
