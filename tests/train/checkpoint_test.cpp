@@ -73,6 +73,26 @@ TEST(CheckpointTest, RoundTripIsExact) {
   }
 }
 
+TEST(CheckpointTest, CompactMomentsStayCompact) {
+  const TempDir dir;
+  Checkpoint before = Example(3);
+  before.adam = Adam(3, ShMoments::kCompact);
+  for (int k = 0; k < 3 * kShFloats; ++k) before.adam.sh_m[k] = static_cast<uint16_t>(1000 + k);
+  for (int k = 0; k < 3; ++k) before.adam.sh_v[k] = 0.5f + static_cast<float>(k);
+  WriteCheckpoint(dir / "compact", before);
+  const SafetensorsFile file = SafetensorsFile::Open(dir / "compact");
+  EXPECT_EQ(file.Get("adam.m.sh").dtype, "BF16");
+  EXPECT_THAT(file.Get("adam.v.sh").shape, testing::ElementsAre(3));
+  const Adam after = ReadCheckpoint(dir / "compact").adam;
+  EXPECT_EQ(after.sh_moments(), ShMoments::kCompact);
+  EXPECT_TRUE(Equal(after.sh_m, before.adam.sh_m));
+  EXPECT_TRUE(Equal(after.sh_v, before.adam.sh_v));
+  EXPECT_FALSE(after.m.sh.defined());
+
+  before.adam.sh_v = Buffer<float>::Zeros({2});
+  EXPECT_THROW(WriteCheckpoint(dir / "uneven", before), ShapeError);
+}
+
 ExposureMap Twelve(float first) {
   ExposureMap map;
   for (int k = 0; k < 12; ++k) map[k] = first + 0.1f * static_cast<float>(k);

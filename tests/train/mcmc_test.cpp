@@ -1,6 +1,8 @@
 #include "oraclegs/train/mcmc.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "support/buffers.h"
 #include "support/golden.h"
@@ -83,6 +85,32 @@ TEST(RelocateTest, EdgesStayFinite) {
       EXPECT_LT(r.opacity, 1);
     }
   }
+}
+
+TEST(RelocateDeadTest, CompactMomentsOfSourcesBecomeZeroAndNewOnesBeginThere) {
+  constexpr int64_t kCount = 100;
+  Gaussians full = RandomGaussians(kCount, 5);
+  for (int64_t i = 0; i < kCount; i += 7) full.opacity_logits[i] = Logit(0.001);
+  Gaussians compact = full.Clone();
+  Adam full_adam = RandomMoments(kCount), compact_adam(kCount, ShMoments::kCompact);
+  std::iota(compact_adam.sh_v.span().begin(), compact_adam.sh_v.span().end(), 1.f);
+  std::fill_n(compact_adam.sh_m.data(), compact_adam.sh_m.count(), uint16_t{7});
+  const auto expect_zeros_where_full_has_them = [&] {
+    for (int64_t i = 0; i < full.size(); ++i) {
+      const bool zero = MaxAbs(full_adam.v.sh.Rows(i, i + 1)) == 0;
+      EXPECT_EQ(compact_adam.sh_v[i], zero ? 0 : static_cast<float>(i + 1)) << i;
+      for (int k = 0; k < kShFloats; ++k) ASSERT_EQ(compact_adam.sh_m[kShFloats * i + k], zero ? 0 : 7) << i;
+    }
+  };
+  ASSERT_GT(RelocateDead(3, 600, &full, &full_adam), 0);
+  RelocateDead(3, 600, &compact, &compact_adam);
+  EXPECT_TRUE(SameBits(full, compact));
+  expect_zeros_where_full_has_them();
+  ASSERT_EQ(AddGaussians(3, 700, 1000, &full, &full_adam), kCount / 20);
+  AddGaussians(3, 700, 1000, &compact, &compact_adam);
+  EXPECT_TRUE(SameBits(full, compact));
+  EXPECT_EQ(compact_adam.sh_m.size(0), kCount + kCount / 20);
+  expect_zeros_where_full_has_them();
 }
 
 TEST(RelocateDeadTest, DeadBecomeCopiesOfSources) {

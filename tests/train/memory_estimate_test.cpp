@@ -24,6 +24,14 @@ TEST(MemoryEstimateTest, NamesTheLargestFirst) {
   EXPECT_EQ(TotalBytes(items), sum);
 }
 
+TEST(MemoryEstimateTest, CompactMomentsSaveTwoFifthsOfAGaussian) {
+  EXPECT_EQ(ModelBytes(ShMoments::kFull), 708);
+  EXPECT_EQ(ModelBytes(ShMoments::kCompact), 424);
+  TrainingSize compact = kMillion;
+  compact.sh_moments = ShMoments::kCompact;
+  EXPECT_EQ(TotalBytes(EstimateMemory(kMillion)) - TotalBytes(EstimateMemory(compact)), 284000000);
+}
+
 TEST(MemoryEstimateTest, SaysWhatIsNeededForWhatAndWhatLowersIt) {
   const std::vector<MemoryItem> items = EstimateMemory(kMillion);
   EXPECT_NO_THROW(RequireMemory(items, TotalBytes(items)));

@@ -11,6 +11,7 @@
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/make_train_device.h"
 #include "support/buffers.h"
+#include "support/errors.h"
 #include "support/temp_dir.h"
 #include "train/small_scene.h"
 
@@ -71,6 +72,23 @@ TEST(TrainerTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
     EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians())) << from;
     EXPECT_TRUE(SameBits(resumed.MakeCheckpoint().adam.v, whole.MakeCheckpoint().adam.v)) << from;
   }
+}
+
+TEST(TrainerTest, CompactMomentsResumeToTheSameBitsAndLearnAsWell) {
+  const TempDir dir;
+  TrainOptions options = Options();
+  Trainer full = MakeTrainer(options);
+  full.Run({}, Silent());
+  options.sh_moments = ShMoments::kCompact;
+  Trainer whole = MakeTrainer(options);
+  whole.Run({dir.path(), 45, {}}, Silent());
+  EXPECT_LT(whole.MakeCheckpoint().loss, 1.1 * full.MakeCheckpoint().loss);
+  Trainer resumed = MakeTrainer(options);
+  resumed.Restore(ReadCheckpoint(CheckpointPath(dir.path(), 45)));
+  resumed.Run({}, Silent());
+  EXPECT_TRUE(SameBits(resumed.gaussians(), whole.gaussians()));
+  EXPECT_FALSE(SameBits(full.gaussians(), whole.gaussians()));
+  EXPECT_TRUE(Equal(resumed.MakeCheckpoint().adam.sh_m, whole.MakeCheckpoint().adam.sh_m));
 }
 
 TEST(TrainerTest, InterruptSavesAndTheRunContinuesToTheSameBits) {
@@ -425,6 +443,8 @@ TEST(TrainerTest, RefusesCheckpointsOfAnotherRun) {
   bad = trainer.MakeCheckpoint();
   bad.adam = Adam(3);
   EXPECT_THROW(MakeTrainer(Options()).Restore(bad), InputError);
+  bad.adam = Adam(bad.gaussians.size(), ShMoments::kCompact);
+  EXPECT_THAT(MessageOf<InputError>([&] { MakeTrainer(Options()).Restore(bad); }), HasSubstr("--sh-moments"));
 
   bad = trainer.MakeCheckpoint();
   bad.options = {{"seed", 1}, {"iterations", 7000}};

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/mapped_file.h"
 #include "oraclegs/core/safetensors_layout.h"
@@ -106,10 +107,9 @@ std::vector<T> Convert(std::string_view bytes, const std::string& where) {
   return values;
 }
 
-/// The upper half of a float32.
 struct BFloat16 {
   uint16_t bits;
-  operator float() const { return std::bit_cast<float>(uint32_t{bits} << 16); }
+  operator float() const { return FromBfloat16(bits); }
 };
 
 /// IEEE half precision: 1 sign bit, 5 of exponent, 10 of fraction.

@@ -10,8 +10,6 @@
 namespace oraclegs {
 namespace {
 
-constexpr int64_t kPickGrain = 4096;
-
 float Presence(const Gaussians& gaussians, int64_t i) {
   const float* scales = gaussians.log_scales.data() + 3 * i;
   const float smallest = std::min({scales[0], scales[1], scales[2]});
@@ -23,15 +21,7 @@ float Presence(const Gaussians& gaussians, int64_t i) {
 
 Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices) {
   Gaussians picked = gaussians.To(kCpu);
-  const auto n = static_cast<int64_t>(indices.size());
-  picked.ForEach([&](const char*, Buffer<float>& part) {
-    const Buffer<float> all = part;
-    part = Buffer<float>::Empty(all.shape().WithRows(n));
-    const int64_t row = all.shape().row();
-    ParallelBlocks(n, kPickGrain, [&](int64_t begin, int64_t end) {
-      for (int64_t i = begin; i < end; ++i) std::copy_n(all.data() + indices[i] * row, row, part.data() + i * row);
-    });
-  });
+  picked.ForEach([&](const char*, Buffer<float>& part) { part = PickedRows(part, indices); });
   return picked;
 }
 

@@ -1,15 +1,30 @@
 #pragma once
 // Some of the Gaussians of a model.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/gaussians/gaussians.h"
 
 namespace oraclegs {
 
 /// The Gaussians of these indices, in this order, in new memory on the host.
 Gaussians Picked(const Gaussians& gaussians, const std::vector<int64_t>& indices);
+
+/// The same for any array on the host.
+template <class T>
+Buffer<T> PickedRows(const Buffer<T>& all, const std::vector<int64_t>& indices) {
+  constexpr int64_t kGrain = 4096;  // rows
+  const auto n = static_cast<int64_t>(indices.size());
+  const Buffer<T> picked = Buffer<T>::Empty(all.shape().WithRows(n));
+  const int64_t row = all.shape().row();
+  ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) std::copy_n(all.data() + indices[i] * row, row, picked.data() + i * row);
+  });
+  return picked;
+}
 
 /// The numbers of these Gaussians, in this order; none where there are none.
 std::vector<float> Picked(const std::vector<float>& support, const std::vector<int64_t>& indices);

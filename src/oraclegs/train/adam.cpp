@@ -18,6 +18,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "oraclegs/core/simd/bfloat16-inl.h"
 #include "oraclegs/core/simd/lanes-inl.h"
 // After the lanes, whose functions it calls.
 #include "oraclegs/train/step_math-inl.h"
@@ -36,7 +37,8 @@ struct AdamArrays {
 
 /// Gradients, parameters and moments of neighbouring Gaussians.
 struct AdamRows {
-  GaussianRows gradients, params, m, v;
+  GaussianRows gradients, params;
+  MomentRows moments;
 };
 
 }  // namespace oraclegs
@@ -75,8 +77,9 @@ HWY_INLINE void UpdateFlat(const AdamArrays& a, int64_t count, float scaled_rate
 
 /// Nobody has touched the moments before us in this iteration: they come from main memory, in blocks too short for the
 /// processor to foresee.
-HWY_INLINE void PrefetchRow(const float* row) {
-  constexpr int kCacheLine = 16;  // floats
+template <class T>
+HWY_INLINE void PrefetchRow(const T* row) {
+  constexpr int kCacheLine = 64 / sizeof(T);
   for (int k = 0; k < kShFloats; k += kCacheLine) hwy::Prefetch(row + k);
 }
 
@@ -99,6 +102,28 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
   }
 }
 
+/// The same with compact moments.
+HWY_INLINE void UpdateShCompact(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
+  const FloatTag d;
+  for (int64_t row = 0; row < count; ++row) {
+    const float* g = rows.gradients.sh + row * kShFloats;
+    float* p = rows.params.sh + row * kShFloats;
+    uint16_t* m = rows.moments.sh_m + row * kShFloats;
+    float* v = rows.moments.sh_v + row;
+    PrefetchRow(m + kPrefetchRows * kShFloats);
+    *v = NextSecondMoment(MeanShSquare(g[0], g[1], g[2]), *v);
+    const Lanes scale(1 / RootOf(*v, constants.correction2_root));
+    for (int k = 0; k < constants.sh_active; k += kLanes) {
+      const auto active = hn::FirstN(d, static_cast<size_t>(constants.sh_active - k));
+      const Lanes gradient(hn::IfThenElseZero(active, hn::LoadU(d, g + k)));
+      const Lanes first = NextFirstMoment(gradient, LoadBfloat16(m + k));
+      const Lanes rate(hn::LoadU(d, constants.sh + k));
+      StoreBfloat16(first, m + k);
+      hn::StoreU((Lanes(hn::LoadU(d, p + k)) - rate * scale * first).v, d, p + k);
+    }
+  }
+}
+
 /// One group of `count` floats.
 void UpdateGroup(const AdamArrays& arrays, int64_t count, float scaled_rate, float correction2_root) {
   UpdateFlat(arrays, count, scaled_rate, Lanes(correction2_root));
@@ -106,14 +131,19 @@ void UpdateGroup(const AdamArrays& arrays, int64_t count, float scaled_rate, flo
 
 /// `count` Gaussians.
 void UpdateRows(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
-  const auto& [g, p, m, v] = rows;
+  const auto& [g, p, moments] = rows;
+  const GaussianRows &m = moments.m, &v = moments.v;
   const Lanes root(constants.correction2_root);
   UpdateFlat({g.means, p.means, m.means, v.means}, 3 * count, constants.means, root);
   UpdateFlat({g.log_scales, p.log_scales, m.log_scales, v.log_scales}, 3 * count, constants.log_scales, root);
   UpdateFlat({g.quats, p.quats, m.quats, v.quats}, 4 * count, constants.quats, root);
   UpdateFlat({g.opacity_logits, p.opacity_logits, m.opacity_logits, v.opacity_logits}, count, constants.opacity_logits,
              root);
-  UpdateSh({g.sh, p.sh, m.sh, v.sh}, count, constants, root);
+  if (moments.compact()) {
+    UpdateShCompact(rows, count, constants);
+  } else {
+    UpdateSh({g.sh, p.sh, m.sh, v.sh}, count, constants, root);
+  }
 }
 
 }  // namespace oraclegs::HWY_NAMESPACE
@@ -155,15 +185,48 @@ AdamConstants Constants(int64_t step, const LearningRates& rates, int sh_degree)
 
 void AdamStep::Update(int64_t begin, int64_t end, const GaussianRows& grads) const {
   HWY_DYNAMIC_DISPATCH(UpdateRows)
-  ({grads, params_.From(begin), m_.From(begin), v_.From(begin)}, end - begin, constants_);
+  ({grads, params_.From(begin), moments_.From(begin)}, end - begin, constants_);
 }
 
-Adam::Adam(int64_t n) : m(Gaussians::Zeros(n)), v(Gaussians::Zeros(n)) {}
+Adam::Adam(int64_t n, ShMoments sh_moments) : m(Gaussians::Zeros(n)), v(Gaussians::Zeros(n)) {
+  if (sh_moments == ShMoments::kFull) return;
+  m.sh = v.sh = {};
+  sh_m = Buffer<uint16_t>::Zeros({n, kShCoefficients, 3});
+  sh_v = Buffer<float>::Zeros({n});
+}
+
+void Adam::Check(const char* who, int64_t n) const {
+  for (const Gaussians* moment : {&m, &v}) {
+    RequireShape(who, "the moments' means", moment->means, {n, 3});
+    RequireShape(who, "the moments' log_scales", moment->log_scales, {n, 3});
+    RequireShape(who, "the moments' quats", moment->quats, {n, 4});
+    RequireShape(who, "the moments' opacity_logits", moment->opacity_logits, {n});
+    if (sh_moments() == ShMoments::kFull) RequireShape(who, "the moments' sh", moment->sh, {n, kShCoefficients, 3});
+  }
+  if (sh_moments() == ShMoments::kFull) return;
+  RequireShape(who, "the first moments' sh", sh_m, {n, kShCoefficients, 3});
+  RequireShape(who, "the second moments' sh", sh_v, {n});
+}
+
+Adam Adam::Clone() const {
+  Adam copy = *this;
+  copy.ForEachMoment([](const char*, const char*, auto& buffer) { buffer = buffer.Clone(); });
+  return copy;
+}
+
+void Adam::GrowTo(int64_t n) {
+  const int64_t had = size();
+  ForEachMoment([&](const char*, const char*, auto& buffer) {
+    buffer = buffer.GrownTo(n);
+    buffer.Rows(had, n).SetZero();
+  });
+}
+
+MomentRows Adam::Rows() const { return {m.Rows(), v.Rows(), sh_m.data(), sh_v.data()}; }
 
 AdamConstants Adam::BeginStep(const LearningRates& rates, int sh_degree, const Gaussians& params) {
   params.Check("Adam::BeginStep params");
-  RequireSameSize("Adam::BeginStep first moments", m, params);
-  RequireSameSize("Adam::BeginStep second moments", v, params);
+  Check("Adam::BeginStep", params.size());
   if (sh_degree < 0 || sh_degree > kMaxShDegree) throw ShapeError("Adam::BeginStep: degree {}", sh_degree);
   ++step;
   return Constants(step, rates, sh_degree);
@@ -171,7 +234,7 @@ AdamConstants Adam::BeginStep(const LearningRates& rates, int sh_degree, const G
 
 AdamStep Adam::BeginStep(const LearningRates& rates, int sh_degree, Gaussians* params) {
   const AdamConstants constants = BeginStep(rates, sh_degree, static_cast<const Gaussians&>(*params));
-  return {constants, params->Rows(), m.Rows(), v.Rows()};
+  return {constants, params->Rows(), Rows()};
 }
 
 void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degree, Gaussians* params) {
@@ -185,8 +248,7 @@ void Adam::Step(const Gaussians& grads, const LearningRates& rates, int sh_degre
 void Adam::StepGroup(Buffer<float> Gaussians::*group, const Gaussians& grads, double rate, Gaussians* params) {
   params->Check("Adam::StepGroup params");
   RequireSameSize("Adam::StepGroup grads", grads, *params);
-  RequireSameSize("Adam::StepGroup first moments", m, *params);
-  RequireSameSize("Adam::StepGroup second moments", v, *params);
+  Check("Adam::StepGroup", params->size());
   LearningRates rates;
   rates.means = rate;
   const AdamConstants constants = Constants(step + 1, rates, 0);

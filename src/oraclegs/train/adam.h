@@ -15,21 +15,53 @@ class AdamStep {
 
  private:
   friend struct Adam;
-  AdamStep(const AdamConstants& constants, GaussianRows params, GaussianRows m, GaussianRows v)
-      : constants_(constants), params_(params), m_(m), v_(v) {}
+  AdamStep(const AdamConstants& constants, const GaussianRows& params, const MomentRows& moments)
+      : constants_(constants), params_(params), moments_(moments) {}
 
   AdamConstants constants_;
-  GaussianRows params_, m_, v_;
+  GaussianRows params_;
+  MomentRows moments_;
 };
 
 /// Adam with beta 0.9, 0.999, epsilon 1e-15 outside the root, one step counter, every Gaussian in every step
 /// (docs/method.md#adam). SH coefficients above the active degree have neither gradient nor moments and are
 /// skipped, which is the same.
+///
+/// Compact moments take 6 bytes a coefficient less (ShMoments): the square of a Gaussian's SH gradients is taken in the
+/// mean over its coefficients, which is that of the constant one (MeanShSquare), so that all of them share one second
+/// moment; the first is rounded to bfloat16 between steps.
 struct Adam {
-  Gaussians m, v;    ///< first and second moments
-  int64_t step = 0;  ///< steps taken
+  Gaussians m, v;         ///< first and second moments; sh undefined where compact
+  Buffer<uint16_t> sh_m;  ///< [N,16,3] bfloat16; undefined unless compact
+  Buffer<float> sh_v;     ///< [N]; likewise
+  int64_t step = 0;       ///< steps taken
 
-  explicit Adam(int64_t n);
+  /// Moments of 0.
+  explicit Adam(int64_t n, ShMoments sh_moments = ShMoments::kFull);
+
+  int64_t size() const { return m.size(); }
+  ShMoments sh_moments() const { return sh_v.defined() ? ShMoments::kCompact : ShMoments::kFull; }
+  MomentRows Rows() const;
+  /// Throws ShapeError naming `who` unless these are the moments of n Gaussians.
+  void Check(const char* who, int64_t n) const;
+  /// In new memory.
+  Adam Clone() const;
+  /// Adds rows of zeros, n in all; in place where memory has room (Buffer::GrownTo).
+  void GrowTo(int64_t n);
+
+  /// Calls f(moment, name, buffer) for each buffer that is defined; moment is "m" or "v", name that of the parameters
+  /// (Gaussians::ForEach). The buffers are of floats, but for one of compact moments.
+  template <class F>
+  void ForEachMoment(F&& f) {
+    for (Gaussians* moment : {&m, &v}) {
+      moment->ForEach([&](const char* name, Buffer<float>& buffer) {
+        if (buffer.defined()) f(moment == &m ? "m" : "v", name, buffer);
+      });
+    }
+    if (sh_moments() == ShMoments::kFull) return;
+    f("m", "sh", sh_m);
+    f("v", "sh", sh_v);
+  }
 
   /// Begins the next step. The result writes to `params` and to the moments; none of them may be replaced while it is
   /// used. Throws ShapeError.

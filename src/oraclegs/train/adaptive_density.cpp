@@ -75,9 +75,7 @@ std::vector<int64_t> Pulled(const DensityControl& control, const std::vector<flo
 }
 
 void ZeroMoments(int64_t begin, int64_t end, Adam* adam) {
-  for (Gaussians* moments : {&adam->m, &adam->v}) {
-    moments->ForEach([&](const char*, Buffer<float>& t) { t.Rows(begin, end).SetZero(); });
-  }
+  adam->ForEachMoment([&](const char*, const char*, auto& t) { t.Rows(begin, end).SetZero(); });
 }
 
 /// One half of a Gaussian that is split, in its place.
@@ -151,8 +149,7 @@ class AdaptiveDensifier final : public Densifier {
     control.removes_large = !baseline.keep_large && reset > 0 && extent_ > 0 && iteration.number > reset;
     const auto unpool = [&](Gaussians* gaussians, Adam* adam) {
       if (iteration.number >= baseline.unpool_until) return;
-      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians.value(),
-                      {gaussians, &adam->m, &adam->v});
+      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians.value(), gaussians, adam);
     };
     ControlDensity(control, MeanGradients(iteration), &model->gaussians, &model->adam, unpool);
     Begin(model->gaussians.size());
@@ -181,9 +178,9 @@ DensityChange ControlDensity(const DensityControl& control, const std::vector<fl
                              Adam* adam, const AlsoGrow& also) {
   gaussians->Check("ControlDensity");
   const int64_t n = gaussians->size();
-  if (static_cast<int64_t>(gradients.size()) != n || adam->m.size() != n || adam->v.size() != n) {
-    throw ShapeError("ControlDensity: {} gradients and moments of {} and {}, expected {}", gradients.size(),
-                     adam->m.size(), adam->v.size(), n);
+  adam->Check("ControlDensity", n);
+  if (static_cast<int64_t>(gradients.size()) != n) {
+    throw ShapeError("ControlDensity: {} gradients, expected {}", gradients.size(), n);
   }
   std::vector<int64_t> clones, splits;
   for (const int64_t i : Pulled(control, gradients, *gaussians)) {
@@ -225,7 +222,8 @@ void ResetOpacities(double most, Gaussians* gaussians, Adam* adam) {
 }
 
 void KeepRows(const std::vector<int64_t>& rows, Gaussians* gaussians, Adam* adam) {
-  for (Gaussians* group : {gaussians, &adam->m, &adam->v}) *group = Picked(*group, rows);
+  *gaussians = Picked(*gaussians, rows);
+  adam->ForEachMoment([&](const char*, const char*, auto& t) { t = PickedRows(t, rows); });
 }
 
 std::unique_ptr<Densifier> MakeAdaptiveDensifier(const DensifierSetup& setup) {

@@ -49,10 +49,20 @@ TensorEntry Entry(const char* dtype, std::vector<int64_t> shape, const T* data, 
   return {dtype, std::move(shape), {reinterpret_cast<const char*>(data), count * sizeof(T)}};
 }
 
-void AddGroup(const std::string& group, const Gaussians& gaussians, std::map<std::string, TensorEntry>* tensors) {
+void AddParameters(const std::string& prefix, const Gaussians& gaussians, std::map<std::string, TensorEntry>* tensors) {
   gaussians.Check("WriteCheckpoint");
   gaussians.ForEach([&](const char* name, const Buffer<float>& t) {
-    tensors->emplace(group + name, Entry("F32", {t.shape().begin(), t.shape().end()}, t.data(), t.count()));
+    tensors->emplace(prefix + name, Entry("F32", {t.shape().begin(), t.shape().end()}, t.data(), t.count()));
+  });
+}
+
+/// sh of compact moments: BF16 and one F32 for each Gaussian.
+void AddMoments(const std::string& prefix, Adam adam, std::map<std::string, TensorEntry>* tensors) {
+  adam.Check("WriteCheckpoint", adam.size());
+  adam.ForEachMoment([&](const char* moment, const char* name, const auto& t) {
+    const char* dtype = sizeof(t[0]) == sizeof(float) ? "F32" : "BF16";
+    tensors->emplace(fmt::format("{}adam.{}.{}", prefix, moment, name),
+                     Entry(dtype, {t.shape().begin(), t.shape().end()}, t.data(), t.count()));
   });
 }
 
@@ -87,9 +97,8 @@ struct Contents {
 
   /// One model with its state, under names that begin with `prefix`.
   void Add(const std::string& prefix, const Checkpoint& checkpoint) {
-    AddGroup(prefix, checkpoint.gaussians, &tensors);
-    AddGroup(prefix + "adam.m.", checkpoint.adam.m, &tensors);
-    AddGroup(prefix + "adam.v.", checkpoint.adam.v, &tensors);
+    AddParameters(prefix, checkpoint.gaussians, &tensors);
+    AddMoments(prefix, checkpoint.adam, &tensors);
     const auto add_stack = [&](const char* name, const std::vector<int64_t>& stack) {
       const auto size = static_cast<int64_t>(stack.size());
       tensors.emplace(prefix + name, Entry("I64", {size}, stack.data(), size));
@@ -178,32 +187,34 @@ struct Reader {
             std::move(steps)};
   }
 
-  /// Of one number for each of `n` Gaussians.
-  Buffer<float> Rows(const std::string& name, int64_t n) const {
-    const TensorEntry& entry = Typed(name, "F32");
-    if (entry.shape != std::vector<int64_t>{n}) {
-      throw InputError("{}: {} has shape [{}], expected [{}]", path.string(), prefix + name,
-                       fmt::join(entry.shape, ", "), n);
+  /// Of this shape; T is float or, for BF16, uint16_t.
+  template <class T>
+  Buffer<T> Array(const std::string& name, const Shape& shape) const {
+    const TensorEntry& entry = Typed(name, std::is_same_v<T, float> ? "F32" : "BF16");
+    if (!std::equal(entry.shape.begin(), entry.shape.end(), shape.begin(), shape.end())) {
+      throw InputError("{}: {} has shape [{}], expected {}", path.string(), prefix + name, fmt::join(entry.shape, ", "),
+                       shape.Text());
     }
-    Buffer<float> rows = Buffer<float>::Empty({n});
-    if (!entry.bytes.empty()) std::memcpy(rows.data(), entry.bytes.data(), entry.bytes.size());
-    return rows;
+    Buffer<T> array = Buffer<T>::Empty(shape);
+    if (!entry.bytes.empty()) std::memcpy(array.data(), entry.bytes.data(), entry.bytes.size());
+    return array;
   }
 
-  /// The five tensors of a group, each of `n` Gaussians.
-  Gaussians Group(const std::string& group, int64_t n) const {
+  /// The five tensors of the model, each of `n` Gaussians.
+  Gaussians Parameters(int64_t n) const {
     Gaussians result = Gaussians::Empty(0);  // for the shapes
-    result.ForEach([&](const char* name, Buffer<float>& t) {
-      const TensorEntry& entry = Typed(group + name, "F32");
-      const Shape shape = t.shape().WithRows(n);
-      if (!std::equal(entry.shape.begin(), entry.shape.end(), shape.begin(), shape.end())) {
-        throw InputError("{}: {} has shape [{}], expected {}", path.string(), prefix + group + name,
-                         fmt::join(entry.shape, ", "), shape.Text());
-      }
-      t = Buffer<float>::Empty(shape);
-      if (!entry.bytes.empty()) std::memcpy(t.data(), entry.bytes.data(), entry.bytes.size());
-    });
+    result.ForEach([&](const char* name, Buffer<float>& t) { t = Array<float>(name, t.shape().WithRows(n)); });
     return result;
+  }
+
+  Adam Moments(int64_t n) const {
+    const bool compact = Has("adam.m.sh") && file.Get(prefix + "adam.m.sh").dtype == "BF16";
+    Adam adam(0, compact ? ShMoments::kCompact : ShMoments::kFull);  // for the shapes
+    adam.ForEachMoment([&]<class T>(const char* moment, const char* name, Buffer<T>& t) {
+      t = Array<T>(fmt::format("adam.{}.{}", moment, name), t.shape().WithRows(n));
+    });
+    adam.step = Number<int64_t>("adam.step");
+    return adam;
   }
 
   /// The model with its state.
@@ -212,15 +223,13 @@ struct Reader {
     const int64_t n = means.shape.empty() ? 0 : means.shape[0];
     Checkpoint checkpoint;
     checkpoint.iteration = Number<int64_t>("iteration");
-    checkpoint.gaussians = Group("", n);
-    checkpoint.adam.m = Group("adam.m.", n);
-    checkpoint.adam.v = Group("adam.v.", n);
-    checkpoint.adam.step = Number<int64_t>("adam.step");
+    checkpoint.gaussians = Parameters(n);
+    checkpoint.adam = Moments(n);
     checkpoint.sampler = {Integers("sampler.photos"), Integers("sampler.proposals"),
                           Number<uint64_t>("sampler.counter"), Number<int64_t>("sampler.num_photos"),
                           Number<int64_t>("sampler.num_proposals")};
     checkpoint.exposures = Exposures();
-    if (Has("densify.sum")) checkpoint.densify = {Rows("densify.sum", n), Rows("densify.views", n)};
+    if (Has("densify.sum")) checkpoint.densify = {Array<float>("densify.sum", {n}), Array<float>("densify.views", {n})};
     checkpoint.seconds = Number<double>("seconds");
     checkpoint.loss = Number<double>("loss");
     checkpoint.options = Json("options");

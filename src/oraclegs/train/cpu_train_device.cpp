@@ -52,10 +52,12 @@ class CpuTrainDevice final : public TrainDevice {
   RenderTimings TimingsSoFar() const override { return rasterizer_->timings(); }
 
   TrainedModel Upload(const TrainedModel& host) override {
-    if (host.adam.m.size() > 0) return Copy(host);
-    return {host.gaussians.Clone(), Adam(host.gaussians.size())};
+    if (host.adam.size() > 0) return {host.gaussians.Clone(), host.adam.Clone()};
+    return {host.gaussians.Clone(), Adam(host.gaussians.size(), options_.sh_moments)};
   }
-  TrainedModel Download(const TrainedModel& model) const override { return Copy(model); }
+  TrainedModel Download(const TrainedModel& model) const override {
+    return {model.gaussians.Clone(), model.adam.Clone()};
+  }
 
   void RunParts(const Iteration& iteration, TrainedModel* model) override {
     loss_of_parts_ = 0;
@@ -143,11 +145,6 @@ class CpuTrainDevice final : public TrainDevice {
     ++terms_.photos;
     terms_.l1 += result.photometric.l1, terms_.dssim += result.photometric.dssim;
     terms_.depth += result.depth, terms_.alpha += result.alpha;
-  }
-  static TrainedModel Copy(const TrainedModel& model) {
-    TrainedModel copy = model;
-    for (Gaussians* group : {&copy.gaussians, &copy.adam.m, &copy.adam.v}) *group = group->Clone();
-    return copy;
   }
 
   TrainOptions options_;

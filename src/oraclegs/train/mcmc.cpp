@@ -72,10 +72,10 @@ void CopyRow(Gaussians* gaussians, int64_t from, int64_t to) {
   });
 }
 
-void ZeroRow(Gaussians* gaussians, int64_t at) {
-  gaussians->ForEach([&](const char*, Buffer<float>& t) {
-    const int64_t row = t.count() / t.size(0);
-    std::memset(t.data() + at * row, 0, row * sizeof(float));
+void ZeroMoments(Adam* adam, int64_t at) {
+  adam->ForEachMoment([&](const char*, const char*, auto& t) {
+    const int64_t row = t.shape().row();
+    std::memset(t.data() + at * row, 0, row * sizeof(t[0]));
   });
 }
 
@@ -98,8 +98,7 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
       logits[i] = static_cast<float>(LogitOf(relocated.opacity));
       const double shrink = std::log(relocated.scale_ratio);
       for (int axis = 0; axis < 3; ++axis) log_scales[3 * i + axis] += static_cast<float>(shrink);
-      ZeroRow(&adam->m, i);
-      ZeroRow(&adam->v, i);
+      ZeroMoments(adam, i);
     }
   });
   // Targets are all different and none is a source.
@@ -110,12 +109,7 @@ void Share(const Sharing& sharing, Gaussians* gaussians, Adam* adam) {
 
 void CheckSizes(const char* who, const Gaussians& gaussians, const Adam& adam) {
   gaussians.Check(who);
-  adam.m.Check(who);
-  adam.v.Check(who);
-  if (adam.m.size() != gaussians.size() || adam.v.size() != gaussians.size()) {
-    throw ShapeError("{}: moments of {} and {} Gaussians, expected {}", who, adam.m.size(), adam.v.size(),
-                     gaussians.size());
-  }
+  adam.Check(who, gaussians.size());
 }
 
 }  // namespace
@@ -166,12 +160,7 @@ int64_t AddGaussians(uint64_t seed, int64_t iteration, int64_t max_gaussians, Ga
   std::vector<int64_t> targets(added);
   for (int64_t k = 0; k < added; ++k) targets[k] = n + k;
   gaussians->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(n + added); });
-  for (Gaussians* moments : {&adam->m, &adam->v}) {
-    moments->ForEach([&](const char*, Buffer<float>& t) {
-      t = t.GrownTo(n + added);
-      t.Rows(n, n + added).SetZero();
-    });
-  }
+  adam->GrowTo(n + added);
   Share({opacities, sources, targets}, gaussians, adam);
   return added;
 }

@@ -15,7 +15,8 @@ constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
 }  // namespace
 
 std::vector<MemoryItem> EstimateMemory(const TrainingSize& size) {
-  std::vector<MemoryItem> items = {{"Gaussians and their moments", (kModelBytes + kTrainScratchBytes) * size.gaussians},
+  const int64_t of_gaussian = ModelBytes(size.sh_moments) + kTrainScratchBytes;
+  std::vector<MemoryItem> items = {{"Gaussians and their moments", of_gaussian * size.gaussians},
                                    {"photos and proposals", size.view_bytes},
                                    {"gradients of the image", kLossBytesAPixel * size.pixels},
                                    {"projected Gaussians and tile lists", size.rasterizer_bytes}};

@@ -5,10 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/train/step_constants.h"
+
 namespace oraclegs {
 
-/// Parameters and both moments of Adam.
-inline constexpr int64_t kModelBytes = 3 * 59 * 4;  ///< of one Gaussian
+/// Parameters and both moments of Adam of one Gaussian.
+constexpr int64_t ModelBytes(ShMoments sh_moments) {
+  constexpr int64_t kSmall = 11, kSh = kShFloats;  // numbers of a Gaussian: without and of its spherical harmonics
+  return 4 * (kSmall + kSh) + 2 * 4 * kSmall + (sh_moments == ShMoments::kFull ? 2 * 4 * kSh : 2 * kSh + 4);
+}
 /// What relocation, opacity factors and the regularisers' sums need of it.
 inline constexpr int64_t kTrainScratchBytes = 8 + 8 + 4 + 4 + 4 + 1;
 
@@ -17,6 +22,7 @@ struct TrainingSize {
   int64_t pixels = 0;            ///< of the largest view
   int64_t view_bytes = 0;        ///< of all views, as they lie on the device
   int64_t rasterizer_bytes = 0;  ///< for so many Gaussians and pixels
+  ShMoments sh_moments = ShMoments::kFull;
 };
 
 struct MemoryItem {

@@ -5,6 +5,7 @@
 #include "oraclegs/core/options.h"
 #include "oraclegs/train/baselines/options.h"
 #include "oraclegs/train/schedule.h"
+#include "oraclegs/train/step_constants.h"
 
 namespace oraclegs {
 
@@ -38,6 +39,11 @@ enum class ExposureMode { kOn, kOff };
 template <>
 struct EnumWords<ExposureMode> {
   static constexpr EnumWord<ExposureMode> kWords[] = {{ExposureMode::kOn, "on"}, {ExposureMode::kOff, "off"}};
+};
+
+template <>
+struct EnumWords<ShMoments> {
+  static constexpr EnumWord<ShMoments> kWords[] = {{ShMoments::kFull, "full"}, {ShMoments::kCompact, "compact"}};
 };
 
 /// Of a training that nothing else is known of.
@@ -78,6 +84,7 @@ struct TrainOptions {
   double refine_stop = 25.0 / 30;
   Auto<int> sh_degree_interval = {};
   int sh_degree = 3;
+  ShMoments sh_moments = ShMoments::kFull;
   bool antialiased = false;
   int random_points = 100000;
   BaselineOptions baseline;
@@ -124,6 +131,10 @@ struct TrainOptions {
     visit("sh-degree-interval", self.sh_degree_interval,
           "Iterations between raises of the active degree; auto = a fifth of them all, at most 3DGS's 1000",
           Range{1, 1e7});
+    visit(
+        "sh-moments", self.sh_moments,
+        "What Adam remembers of the view-dependent color: full = two numbers for each coefficient; compact = the first "
+        "in 16 bits, one second for all of a Gaussian, which saves two fifths of the memory of Gaussians in training");
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
     visit(

@@ -21,6 +21,26 @@ struct LearningRates {
   }
 };
 
+/// How Adam remembers spherical harmonics (docs/method.md#adam).
+enum class ShMoments {
+  kFull,     ///< both moments of each coefficient in float32
+  kCompact,  ///< the first in bfloat16, the second one for all coefficients of a Gaussian
+};
+
+/// Rows of both moments of neighbouring Gaussians.
+struct MomentRows {
+  GaussianRows m, v;         ///< sh null where compact
+  uint16_t* sh_m = nullptr;  ///< [m,48] bfloat16; null unless compact
+  float* sh_v = nullptr;     ///< [m]; likewise
+
+  ORACLEGS_HD bool compact() const { return sh_v != nullptr; }
+  /// The rows from row i on.
+  ORACLEGS_HD MomentRows From(int64_t i) const {
+    if (!compact()) return {m.From(i), v.From(i)};
+    return {m.FromWithoutSh(i), v.FromWithoutSh(i), sh_m + kShFloats * i, sh_v + i};
+  }
+};
+
 /// Of Adam. Learning rates are times 1 / (1 - beta1^t).
 struct AdamConstants {
   float correction2_root;  ///< 1 / sqrt(1 - beta2^t)

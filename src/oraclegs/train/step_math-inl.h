@@ -27,18 +27,41 @@ struct AdamNumber {
   F value, m, v;
 };
 
-/// A step of Adam. rate: learning rate / (1 - beta1^t); correction2_root: 1 / sqrt(1 - beta2^t).
+template <class F>
+ORACLEGS_HD inline F NextFirstMoment(F gradient, F m) {
+  const F beta1(static_cast<float>(kAdamBeta1)), rest1(static_cast<float>(1 - kAdamBeta1));
+  const F next = MulAdd(beta1, m, rest1 * gradient);
+  return Select(Abs(next) < F(kSmallestMoment), F(0.f), next);
+}
+
+/// square: of the gradient.
+template <class F>
+ORACLEGS_HD inline F NextSecondMoment(F square, F v) {
+  const F beta2(static_cast<float>(kAdamBeta2)), rest2(static_cast<float>(1 - kAdamBeta2));
+  const F next = MulAdd(beta2, v, rest2 * square);
+  return Select(next < F(kSmallestMoment), F(0.f), next);
+}
+
+/// sqrt(v_hat) + epsilon. correction2_root: 1 / sqrt(1 - beta2^t).
+template <class F>
+ORACLEGS_HD inline F RootOf(F v, F correction2_root) {
+  return MulAdd(Sqrt(v), correction2_root, F(static_cast<float>(kAdamEpsilon)));
+}
+
+/// A step of Adam. rate: learning rate / (1 - beta1^t).
 template <class F>
 ORACLEGS_HD inline void StepNumber(F gradient, F rate, F correction2_root, AdamNumber<F>* n) {
-  const F beta1(static_cast<float>(kAdamBeta1)), rest1(static_cast<float>(1 - kAdamBeta1));
-  const F beta2(static_cast<float>(kAdamBeta2)), rest2(static_cast<float>(1 - kAdamBeta2));
-  const F smallest(kSmallestMoment);
-  n->m = MulAdd(beta1, n->m, rest1 * gradient);
-  n->v = MulAdd(beta2, n->v, rest2 * (gradient * gradient));
-  n->m = Select(Abs(n->m) < smallest, F(0.f), n->m);
-  n->v = Select(n->v < smallest, F(0.f), n->v);
-  const F root = MulAdd(Sqrt(n->v), correction2_root, F(static_cast<float>(kAdamEpsilon)));
-  n->value = n->value - rate * n->m / root;
+  n->m = NextFirstMoment(gradient, n->m);
+  n->v = NextSecondMoment(gradient * gradient, n->v);
+  n->value = n->value - rate * n->m / RootOf(n->v, correction2_root);
+}
+
+/// The mean square of the gradients of all active coefficients of one Gaussian, from those of the constant one. They
+/// are the color's gradient times the harmonics, and the squares of harmonics up to a degree have the constant one's
+/// mean in every direction.
+template <class F>
+ORACLEGS_HD inline F MeanShSquare(F red, F green, F blue) {
+  return (red * red + green * green + blue * blue) * F(1 / 3.f);
 }
 
 /// d/d(logit) of weight * opacity, the opacity's regulariser.

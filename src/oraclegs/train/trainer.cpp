@@ -172,6 +172,9 @@ void Trainer::Restore(const Checkpoint& checkpoint) {
     throw InputError("the checkpoint holds {} Gaussians and moments of {} and {}", n, checkpoint.adam.m.size(),
                      checkpoint.adam.v.size());
   }
+  if (checkpoint.adam.sh_moments() != s.options.sh_moments) {
+    throw InputError("the checkpoint's moments of spherical harmonics are not those of --sh-moments");
+  }
   s.sampler.Restore(checkpoint.sampler);
   s.device->RestoreExposures(checkpoint.exposures);
   s.device->RestoreLoss(checkpoint.loss);

@@ -9,14 +9,17 @@ namespace {
 
 /// A tight group of four at the origin, and one at (x, 0, 0) whose three nearest are of the group.
 struct Lonely {
-  Gaussians gaussians, first, second;
+  Gaussians gaussians = RandomGaussians(5, 1);
+  Adam adam{0};
 
-  explicit Lonely(float x) : gaussians(RandomGaussians(5, 1)), first(RandomGaussians(5, 2)), second(first.Clone()) {
+  explicit Lonely(float x) {
+    adam.m = RandomGaussians(5, 2);
+    adam.v = RandomGaussians(5, 2);
     const std::vector<float> means = {0, 0, 0, 1, 0, 0, 0.5f, 0.25f, 0, -9, 0, 0, x, 0, 0};
     std::copy(means.begin(), means.end(), gaussians.means.data());
   }
   int64_t Unpool(const ProximityLimits& limits, int64_t most = 100) {
-    return UnpoolGaussians(limits, most, {&gaussians, &first, &second});
+    return UnpoolGaussians(limits, most, &gaussians, &adam);
   }
 };
 
@@ -59,12 +62,12 @@ TEST(UnpoolGaussians, LeavesTheOthersAndGivesZeroMoments) {
   Lonely scene(16);
   const Lonely before(16);
   scene.Unpool(Above(144));
-  for (const auto& [now, then] : {std::pair{scene.gaussians, before.gaussians}, std::pair{scene.first, before.first},
-                                  std::pair{scene.second, before.second}}) {
+  for (const auto& [now, then] : {std::pair{scene.gaussians, before.gaussians}, std::pair{scene.adam.m, before.adam.m},
+                                  std::pair{scene.adam.v, before.adam.v}}) {
     const auto a = Tensors(now), b = Tensors(then);
     for (size_t t = 0; t < a.size(); ++t) EXPECT_TRUE(SameBytes(a[t].Rows(0, 5), b[t]));
   }
-  for (const Gaussians& moments : {scene.first, scene.second}) {
+  for (const Gaussians& moments : {scene.adam.m, scene.adam.v}) {
     for (const Buffer<float>& t : Tensors(moments)) {
       ASSERT_EQ(t.size(0), 8);
       EXPECT_EQ(MaxAbs(t.Rows(5, 8)), 0);
@@ -94,20 +97,24 @@ TEST(UnpoolGaussians, StopsAtTheLimit) {
 }
 
 TEST(UnpoolGaussians, NeedsThreeNeighbors) {
-  Gaussians three = RandomGaussians(3, 1), first = three.Clone(), second = three.Clone();
-  EXPECT_EQ(UnpoolGaussians(Above(0), 100, {&three, &first, &second}), 0);
+  Gaussians three = RandomGaussians(3, 1);
+  Adam adam(3);
+  EXPECT_EQ(UnpoolGaussians(Above(0), 100, &three, &adam), 0);
 }
 
 TEST(UnpoolGaussians, RefusesMomentsThatDoNotFit) {
-  Gaussians g = RandomGaussians(5, 1), first = g.Clone(), second = RandomGaussians(4, 1);
-  EXPECT_THROW(UnpoolGaussians({}, 100, {&g, &first, &second}), ShapeError);
+  Gaussians g = RandomGaussians(5, 1);
+  Adam adam(5);
+  adam.v = RandomGaussians(4, 1);
+  EXPECT_THROW(UnpoolGaussians({}, 100, &g, &adam), ShapeError);
 }
 
 TEST(UnpoolGaussians, SameForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const Threads scope(threads);
-    Gaussians g = RandomGaussians(4000, 4), first = g.Clone(), second = g.Clone();
-    EXPECT_GT(UnpoolGaussians(Above(0.09), 5000, {&g, &first, &second}), 100);
+    Gaussians g = RandomGaussians(4000, 4);
+    Adam adam(4000);
+    EXPECT_GT(UnpoolGaussians(Above(0.09), 5000, &g, &adam), 100);
     return g;
   };
   EXPECT_TRUE(SameBits(run(1), run(3)));

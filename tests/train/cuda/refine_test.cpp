@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "oraclegs/train/mcmc.h"
 #include "train/cuda/device_gaussians.h"
 
@@ -31,6 +33,13 @@ class CudaRefine : public CudaTest {
     return adam;
   }
 
+  static Adam CompactMoments() {
+    Adam adam(kRefineCount, ShMoments::kCompact);
+    std::iota(adam.sh_m.data(), adam.sh_m.data() + adam.sh_m.count(), 1);
+    std::iota(adam.sh_v.data(), adam.sh_v.data() + adam.sh_v.count(), 1.f);
+    return adam;
+  }
+
   RefineInput Input(int64_t iteration, const Gaussians& gaussians, const Adam& adam) {
     std::vector<double> table;
     for (const auto& row : Binomials()) table.insert(table.end(), row.begin(), row.end());
@@ -42,16 +51,14 @@ class CudaRefine : public CudaTest {
     in.iteration = iteration;
     in.count = kRefineCount;
     in.params = gaussians.Rows();
-    in.m = adam.m.Rows();
-    in.v = adam.v.Rows();
+    in.moments = adam.Rows();
     in.scratch = {weights.data(), ranks.data(), totals.data(), sources.data(), draws.data(), choose.data()};
     return in;
   }
 
   static Adam OnTestDevice(const Adam& adam) {
-    Adam copy(0);
-    copy.m = oraclegs::OnTestDevice(adam.m);
-    copy.v = oraclegs::OnTestDevice(adam.v);
+    Adam copy = adam;
+    copy.ForEachMoment([](const char*, const char*, auto& t) { t = t.CopyOn(TestDevice()); });
     return copy;
   }
 };
@@ -67,6 +74,28 @@ TEST_F(CudaRefine, RelocatesAsTheCpuDoes) {
   EXPECT_TRUE(Equal(OnHost(gaussians.means), expected.means));  // the same sources
   EXPECT_TRUE(SameBits(OnHost(adam.m), expected_adam.m));
   EXPECT_TRUE(SameBits(OnHost(adam.v), expected_adam.v));
+}
+
+TEST_F(CudaRefine, ZeroesCompactMomentsAsTheCpuDoes) {
+  Gaussians expected = start.Clone();
+  Adam expected_adam = CompactMoments(), adam = OnTestDevice(CompactMoments());
+  ASSERT_GT(RelocateDead(3, 600, &expected, &expected_adam), 0);
+  Gaussians gaussians = oraclegs::OnTestDevice(start);
+  RunRelocate(Input(600, gaussians, adam), nullptr);
+  EXPECT_TRUE(Equal(OnHost(adam.sh_v), expected_adam.sh_v));
+  EXPECT_TRUE(Equal(OnHost(adam.sh_m), expected_adam.sh_m));
+  EXPECT_TRUE(SameBits(OnHost(adam.m.quats), expected_adam.m.quats));
+
+  const int64_t added = AddGaussians(3, 700, 100000, &expected, &expected_adam);
+  ASSERT_EQ(added, kRefineCount / 20);
+  const auto grow = [&](auto& t) { t = t.GrownTo(kRefineCount + added); };
+  gaussians.ForEach([&](const char*, Buffer<float>& t) { grow(t); });
+  adam.ForEachMoment([&](const char*, const char*, auto& t) { grow(t); });
+  const RefineInput in = Input(700, gaussians, adam);
+  RunWeigh(in, nullptr);
+  RunGrow(in, added, nullptr);
+  EXPECT_TRUE(Equal(OnHost(adam.sh_v), expected_adam.sh_v));
+  EXPECT_TRUE(Equal(OnHost(adam.sh_m), expected_adam.sh_m));
 }
 
 TEST_F(CudaRefine, NothingHappensWhenAllLiveOrAllAreDead) {

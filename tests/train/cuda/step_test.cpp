@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 
+#include "oraclegs/core/bfloat16.h"
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 #include "oraclegs/train/adam.h"
 #include "oraclegs/train/noise.h"
@@ -40,10 +42,9 @@ class CudaStep : public CudaTest {
     Flat(upstream) /= 1000;
   }
 
-  static Adam NewAdam() {
-    Adam adam(kStepCount);
-    adam.m = OnTestDevice(adam.m);
-    adam.v = OnTestDevice(adam.v);
+  static Adam NewAdam(ShMoments sh_moments = ShMoments::kFull) {
+    Adam adam(kStepCount, sh_moments);
+    adam.ForEachMoment([](const char*, const char*, auto& t) { t = t.CopyOn(TestDevice()); });
     return adam;
   }
 
@@ -57,8 +58,7 @@ class CudaStep : public CudaTest {
     TestStep consumer;
     consumer.step.params = gaussians->Rows();
     consumer.step.adam = adam->BeginStep(rates, degree, std::as_const(*gaussians));
-    consumer.step.m = adam->m.Rows();
-    consumer.step.v = adam->v.Rows();
+    consumer.step.moments = adam->Rows();
     consumer.step.regularizers = {static_cast<float>(weights.opacity), static_cast<float>(weights.scale)};
     consumer.step.noise = MeansNoise{9, iteration, kRate}.Constants();
     consumer.step.adds_noise = true;
@@ -101,6 +101,26 @@ TEST_F(CudaStep, IsRegularisersAdamAndNoiseOfTheCpu) {
     const Buffer<float> sh = OnHost(gaussians.sh), v = OnHost(adam.v.sh);
     EXPECT_TRUE((Table(sh).rightCols(inactive) == Table(start.sh).rightCols(inactive)).all());
     EXPECT_EQ(Table(v).rightCols(inactive).abs().maxCoeff(), 0);
+  }
+}
+
+TEST_F(CudaStep, CompactMomentsAreThoseOfTheCpu) {
+  for (const int degree : {0, 1, 3}) {
+    Gaussians expected = start.Clone(), gaussians = OnTestDevice(start);
+    Adam expected_adam(kStepCount, ShMoments::kCompact), adam = NewAdam(ShMoments::kCompact);
+    for (int64_t i = 1; i <= 3; ++i) {
+      Gaussians grads = OnGpu(i, degree, &gaussians, &adam);
+      expected_adam.Step(grads, rates, degree, &expected);
+    }
+    EXPECT_GT(MaxAbsError(expected.sh, start.sh), 1e-3);
+    // A first moment may fall to either side where two bfloat16 numbers are equally near.
+    EXPECT_LE(MaxAbsError(OnHost(gaussians.sh), expected.sh), 1e-5);
+    EXPECT_LE(MaxAbsError(OnHost(adam.sh_v), expected_adam.sh_v), 1e-6 * MaxAbs(expected_adam.sh_v));
+    const Buffer<uint16_t> m = OnHost(adam.sh_m);
+    for (int64_t k = 0; k < m.count(); ++k) {
+      const float wanted = FromBfloat16(expected_adam.sh_m[k]);
+      EXPECT_NEAR(FromBfloat16(m[k]), wanted, 0x1p-7 * std::abs(wanted)) << k;
+    }
   }
 }
 

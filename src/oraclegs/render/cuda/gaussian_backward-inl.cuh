@@ -6,18 +6,18 @@
 //   __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const;
 //   __device__ void ConsumeSh(int64_t i, int first, float4 grad) const;
 //
-// ConsumeSmall is called once for each Gaussian i, seen or not. ConsumeSh is called for first = 0, 4, 8, ... below
-// 3 (degree + 1)^2 with dL/d(sh) of floats [first, first + 4) of row i, zero above the active degree; neighbouring
-// lanes have neighbouring floats. Both may change row i of the parameters, and no other: ConsumeSh that of sh,
-// ConsumeSmall the rest.
+// ConsumeSmall is called once for each Gaussian i, seen or not. ConsumeSh is called after it, and sees what it wrote,
+// for first = 0, 4, 8, ... below 3 (degree + 1)^2 with dL/d(sh) of floats [first, first + 4) of row i, zero above the
+// active degree; neighbouring lanes have neighbouring floats. Both may change row i of the parameters, and no other:
+// ConsumeSh that of sh, ConsumeSmall the rest.
 
 #include "oraclegs/render/cuda/warp-inl.cuh"
 
 namespace oraclegs::cuda {
 
-/// dL/d(raw parameter) of one Gaussian without SH; zero where it was not seen.
+/// dL/d(raw parameter) of one Gaussian, of SH the constant ones alone; zero where it was not seen.
 struct GaussianGrad {
-  float mean[3] = {}, log_scale[3] = {}, quat[4] = {}, logit = 0;
+  float mean[3] = {}, log_scale[3] = {}, quat[4] = {}, logit = 0, sh0[3] = {};
 };
 
 /// Gaussians of more pairs than this are summed by the whole warp.
@@ -115,6 +115,7 @@ __global__ void __launch_bounds__(kShThreads) GaussianBackwardKernel(GaussianBac
     zeros_from = floats;
   }
   for (int k = zeros_from; k < 4 * chunks; ++k) row[k] = 0;
+  for (int k = 0; k < 3; ++k) grad.sh0[k] = row[k];
   if (i < n) consumer.ConsumeSmall(i, grad);
   __syncwarp();
   for (int item = lane; item < kWarp * chunks; item += kWarp) {

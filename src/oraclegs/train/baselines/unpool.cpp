@@ -19,16 +19,6 @@ struct UnpoolEdge {
   int64_t source, destination;
 };
 
-void CheckUnpoolTarget(const UnpoolTarget& target) {
-  constexpr const char* kWho = "UnpoolGaussians";
-  for (const Gaussians* part : {target.gaussians, target.first_moments, target.second_moments}) {
-    part->Check(kWho);
-    if (part->size() != target.gaussians->size()) {
-      throw ShapeError("{}: moments of {} Gaussians, expected {}", kWho, part->size(), target.gaussians->size());
-    }
-  }
-}
-
 std::vector<Eigen::Vector3f> CentersOf(const Gaussians& gaussians) {
   std::vector<Eigen::Vector3f> centers(static_cast<size_t>(gaussians.size()));
   for (int64_t i = 0; i < gaussians.size(); ++i) centers[i] = Eigen::Vector3f::Map(gaussians.means.data() + 3 * i);
@@ -88,24 +78,21 @@ std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussi
   return Lonely(limits, gaussians, NeighborsOf(limits, gaussians));
 }
 
-int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, const UnpoolTarget& target) {
-  CheckUnpoolTarget(target);
-  const int64_t n = target.gaussians->size();
+int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians, Adam* adam) {
+  gaussians->Check("UnpoolGaussians");
+  const int64_t n = gaussians->size();
+  adam->Check("UnpoolGaussians", n);
   if (n >= max_gaussians) return 0;
-  const Neighbors nearest = NeighborsOf(limits, *target.gaussians);
+  const Neighbors nearest = NeighborsOf(limits, *gaussians);
   std::vector<UnpoolEdge> edges;
-  for (const int64_t source : Lonely(limits, *target.gaussians, nearest)) {
+  for (const int64_t source : Lonely(limits, *gaussians, nearest)) {
     for (const NearPoint& near : nearest[source]) edges.push_back({source, near.index});
   }
   const int64_t added = std::min<int64_t>(static_cast<int64_t>(edges.size()), max_gaussians - n);
   if (added == 0) return 0;
-  for (Gaussians* part : {target.gaussians, target.first_moments, target.second_moments}) {
-    part->ForEach([&](const char*, Buffer<float>& t) {
-      t = t.GrownTo(n + added);
-      if (part != target.gaussians) t.Rows(n, n + added).SetZero();
-    });
-  }
-  for (int64_t k = 0; k < added; ++k) FillMiddle(edges[k], n + k, target.gaussians);
+  gaussians->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(n + added); });
+  adam->GrowTo(n + added);
+  for (int64_t k = 0; k < added; ++k) FillMiddle(edges[k], n + k, gaussians);
   return added;
 }
 

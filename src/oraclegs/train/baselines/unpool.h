@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/train/adam.h"
 
 namespace oraclegs {
 
@@ -27,13 +28,6 @@ struct ProximityLimits {
 /// 4 Gaussians.
 std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussians& gaussians);
 
-/// A model and its moments in Adam, of as many Gaussians.
-struct UnpoolTarget {
-  Gaussians* gaussians;
-  Gaussians* first_moments;
-  Gaussians* second_moments;
-};
-
 /// Adds a Gaussian at the middle of each edge from a source, a lonely Gaussian, to each of its 3 nearest neighbors, its
 /// destinations: scale and opacity of the destination, no rotation, gray (all SH coefficients 0), and zero rows in the
 /// moments. Where there would be more than max_gaussians in all, sources of the largest score come first and the last
@@ -44,6 +38,6 @@ struct UnpoolTarget {
 /// other sources where there is more than one; this follows the paper.)
 ///
 /// Throws ShapeError where moments do not fit. The same for any number of threads.
-int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, const UnpoolTarget& target);
+int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians, Adam* adam);
 
 }  // namespace oraclegs

@@ -71,22 +71,18 @@ class CudaTrainDevice final : public TrainDevice {
       capacity_ = host.gaussians.size();
       ReserveForCapacity();
     }
-    const bool has_moments = host.adam.m.size() > 0;
-    const Gaussians none = has_moments ? Gaussians() : Gaussians::Zeros(host.gaussians.size());
-    TrainedModel model;
-    model.gaussians = UploadRows(host.gaussians);
-    model.adam.m = UploadRows(has_moments ? host.adam.m : none);
-    model.adam.v = UploadRows(has_moments ? host.adam.v : none);
-    model.adam.step = host.adam.step;
+    TrainedModel model{host.gaussians,
+                       host.adam.size() > 0 ? host.adam : Adam(host.gaussians.size(), options_.sh_moments)};
+    const auto upload = [&](const char*, auto& buffer) { buffer = OnDeviceWithRoom(buffer); };
+    model.gaussians.ForEach(upload);
+    model.adam.ForEachMoment([&](const char*, const char* name, auto& buffer) { upload(name, buffer); });
     return model;
   }
 
   TrainedModel Download(const TrainedModel& model) const override {
-    TrainedModel host;
-    host.gaussians = DownloadRows(model.gaussians);
-    host.adam.m = DownloadRows(model.adam.m);
-    host.adam.v = DownloadRows(model.adam.v);
-    host.adam.step = model.adam.step;
+    TrainedModel host = model;
+    host.gaussians.ForEach([](const char*, Buffer<float>& buffer) { buffer = buffer.CopyOn(kCpu); });
+    host.adam.ForEachMoment([](const char*, const char*, auto& buffer) { buffer = buffer.CopyOn(kCpu); });
     return host;
   }
 
@@ -114,8 +110,7 @@ class CudaTrainDevice final : public TrainDevice {
       StepConstants& step = device_step.step;
       step.params = model->gaussians.Rows();
       step.adam = model->adam.BeginStep(iteration.rates, iteration.sh_degree, std::as_const(model->gaussians));
-      step.m = model->adam.m.Rows();
-      step.v = model->adam.v.Rows();
+      step.moments = model->adam.Rows();
       step.regularizers = {static_cast<float>(weights.opacity), static_cast<float>(weights.scale)};
       step.noise = NoiseOf(iteration);
       step.adds_noise = !iteration.refines;  // else it comes after relocation and growth
@@ -147,9 +142,9 @@ class CudaTrainDevice final : public TrainDevice {
       RunWeigh(in, kStream);
       total_weight_.Ask(in.scratch.weights + n - 1, kStream);
       if (total_weight_.Get() > 0) {
-        for (Gaussians* rows : {&model->gaussians, &model->adam.m, &model->adam.v}) {
-          rows->ForEach([&](const char*, Buffer<float>& buffer) { buffer = buffer.GrownTo(n + added); });
-        }
+        const auto grow = [&](auto& buffer) { buffer = buffer.GrownTo(n + added); };
+        model->gaussians.ForEach([&](const char*, Buffer<float>& buffer) { grow(buffer); });
+        model->adam.ForEachMoment([&](const char*, const char*, auto& buffer) { grow(buffer); });
         RunGrow(in, added, kStream);
       }
     }
@@ -182,7 +177,7 @@ class CudaTrainDevice final : public TrainDevice {
   /// The views on the device, once it is known that all will have room.
   DeviceViews ViewsOnDevice() {
     DeviceViews views(plan_);
-    TrainingSize size{capacity_, LargestOf(plan_).pixels, views.bytes(), 0};
+    TrainingSize size{capacity_, LargestOf(plan_).pixels, views.bytes(), 0, options_.sh_moments};
     size.rasterizer_bytes = (kRasterizerBytesAGaussian + kPairsAGaussian * kRasterizerBytesAPair) * capacity_ +
                             kRasterizerBytesAPixel * size.pixels;
     RequireMemory(EstimateMemory(size), MemoryOfDevice().free);
@@ -190,22 +185,13 @@ class CudaTrainDevice final : public TrainDevice {
     return views;
   }
 
-  Gaussians UploadRows(const Gaussians& host) const {
-    Gaussians rows = host;
-    rows.ForEach([&](const char*, Buffer<float>& buffer) {
-      const int64_t n = buffer.size(0);
-      const Shape shape = buffer.shape().WithRows(std::max(capacity_, n));
-      const Buffer<float> room = Buffer<float>::Empty(shape, device_, "Gaussians and their moments").Rows(0, n);
-      room.CopyFrom(buffer);
-      buffer = room;
-    });
-    return rows;
-  }
-
-  static Gaussians DownloadRows(const Gaussians& rows) {
-    Gaussians host = rows;
-    host.ForEach([](const char*, Buffer<float>& buffer) { buffer = buffer.CopyOn(kCpu); });
-    return host;
+  template <class T>
+  Buffer<T> OnDeviceWithRoom(const Buffer<T>& host) const {
+    const int64_t n = host.size(0);
+    const Shape shape = host.shape().WithRows(std::max(capacity_, n));
+    const Buffer<T> room = Buffer<T>::Empty(shape, device_, "Gaussians and their moments").Rows(0, n);
+    room.CopyFrom(host);
+    return room;
   }
 
   static NoiseConstants NoiseOf(const Iteration& iteration) {
@@ -231,8 +217,7 @@ class CudaTrainDevice final : public TrainDevice {
     in.iteration = iteration.number;
     in.count = model.gaussians.size();
     in.params = model.gaussians.Rows();
-    in.m = model.adam.m.Rows();
-    in.v = model.adam.v.Rows();
+    in.moments = model.adam.Rows();
     in.scratch = {weights_.data(), ranks_.data(), totals_.data(), sources_.data(), draws_.data(), choose_.data()};
     return in;
   }

@@ -67,11 +67,21 @@ __global__ void DrawForNew(RefineInput in, int64_t added) {
   atomicAdd(in.scratch.draws + in.scratch.sources[k], 1);
 }
 
-__device__ void ZeroRow(const GaussianRows& rows, int64_t i) {
+__device__ void ZeroWithoutSh(const GaussianRows& rows, int64_t i) {
   for (int k = 0; k < 3; ++k) rows.means[3 * i + k] = rows.log_scales[3 * i + k] = 0;
   for (int k = 0; k < 4; ++k) rows.quats[4 * i + k] = 0;
   rows.opacity_logits[i] = 0;
-  for (int k = 0; k < kShFloats; ++k) rows.sh[kShFloats * i + k] = 0;
+}
+
+__device__ void ZeroMoments(const MomentRows& moments, int64_t i) {
+  ZeroWithoutSh(moments.m, i);
+  ZeroWithoutSh(moments.v, i);
+  if (moments.compact()) {
+    for (int k = 0; k < kShFloats; ++k) moments.sh_m[kShFloats * i + k] = 0;
+    moments.sh_v[i] = 0;
+    return;
+  }
+  for (int k = 0; k < kShFloats; ++k) moments.m.sh[kShFloats * i + k] = moments.v.sh[kShFloats * i + k] = 0;
 }
 
 __device__ void CopyRow(const GaussianRows& rows, int64_t from, int64_t to) {
@@ -94,8 +104,7 @@ __global__ void ShareSources(RefineInput in) {
   in.params.opacity_logits[i] = static_cast<float>(LogitOf(relocated.opacity));
   const float shrink = static_cast<float>(std::log(relocated.scale_ratio));
   for (int axis = 0; axis < 3; ++axis) in.params.log_scales[3 * i + axis] += shrink;
-  ZeroRow(in.m, i);
-  ZeroRow(in.v, i);
+  ZeroMoments(in.moments, i);
 }
 
 /// Targets are all different and none is a source; a relocated one keeps its moments.
@@ -108,8 +117,7 @@ __global__ void CopyToNew(RefineInput in, int64_t added) {
   const int64_t k = static_cast<int64_t>(blockIdx.x) * kScanBlock + threadIdx.x;
   if (k >= added) return;
   CopyRow(in.params, in.scratch.sources[k], in.count + k);
-  ZeroRow(in.m, in.count + k);
-  ZeroRow(in.v, in.count + k);
+  ZeroMoments(in.moments, in.count + k);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "oraclegs/gaussians/gaussian_rows.h"
 #include "oraclegs/train/constants.h"
+#include "oraclegs/train/step_constants.h"
 
 namespace oraclegs::cuda {
 
@@ -28,7 +28,8 @@ struct RefineInput {
   uint64_t seed = 0;
   int64_t iteration = 0;
   int64_t count = 0;  ///< Gaussians to draw from
-  GaussianRows params, m, v;
+  GaussianRows params;
+  MomentRows moments;
   RefineScratch scratch;
 };
 
@@ -39,7 +40,7 @@ void RunRelocate(const RefineInput& in, cudaStream_t stream);
 /// anything to draw from (0: there is not).
 void RunWeigh(const RefineInput& in, cudaStream_t stream);
 
-/// Queues its second half: rows count ... count + added - 1 of params, m and v become copies of Gaussians drawn by
+/// Queues its second half: rows count ... count + added - 1 of params and moments become copies of Gaussians drawn by
 /// opacity, with zero moments. scratch.sources has room for `added` too.
 void RunGrow(const RefineInput& in, int64_t added, cudaStream_t stream);
 

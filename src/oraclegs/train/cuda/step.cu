@@ -1,5 +1,6 @@
 #include "oraclegs/train/cuda/step.h"
 
+#include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/cuda/launch.h"
 #include "oraclegs/loss/cuda/sums-inl.cuh"
 #include "oraclegs/render/cuda/gaussian_backward-inl.cuh"
@@ -74,6 +75,10 @@ __device__ void StepNumbers(const float* gradient, float rate, float correction2
 struct alignas(16) Four {
   float x[4];
 };
+/// As bfloat16.
+struct alignas(8) FourHalves {
+  uint16_t x[4];
+};
 
 /// Takes the step of each Gaussian. Its colours are moved apart from the rest, four neighbouring coefficients at a
 /// time: rows of sh are 192 bytes, hence aligned to 16.
@@ -81,7 +86,7 @@ struct StepConsumer {
   StepConstants step;
 
   __device__ void ConsumeSmall(int64_t i, const GaussianGrad& grad) const {
-    SmallRow p = LoadRow(step.params, i), m = LoadRow(step.m, i), v = LoadRow(step.v, i);
+    SmallRow p = LoadRow(step.params, i), m = LoadRow(step.moments.m, i), v = LoadRow(step.moments.v, i);
     const AdamConstants& adam = step.adam;
     const float root = adam.correction2_root;
     float log_scale[3];
@@ -93,29 +98,57 @@ struct StepConsumer {
     StepNumbers<3>(log_scale, adam.log_scales, root, {p.log_scale, m.log_scale, v.log_scale});
     StepNumbers<4>(grad.quat, adam.quats, root, {p.quat, m.quat, v.quat});
     StepNumbers<1>(&logit, adam.opacity_logits, root, {&p.logit, &m.logit, &v.logit});
-    StoreRow(m, step.m, i);
-    StoreRow(v, step.v, i);
+    StoreRow(m, step.moments.m, i);
+    StoreRow(v, step.moments.v, i);
+    if (step.moments.compact()) {
+      float* sh_v = step.moments.sh_v + i;
+      *sh_v = NextSecondMoment(MeanShSquare(grad.sh0[0], grad.sh0[1], grad.sh0[2]), *sh_v);
+    }
     if (step.adds_noise) MoveMean(step.noise, i, &p);
     StoreRow(p, step.params, i);
   }
 
   /// Coefficients above the active degree have neither gradient nor moments: they are left alone.
   __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
+    if (step.moments.compact()) {
+      StepCompactSh(i, first, grad);
+      return;
+    }
     const int64_t start = i * kShFloats + first;
     Four* to_p = reinterpret_cast<Four*>(step.params.sh + start);
-    Four* to_m = reinterpret_cast<Four*>(step.m.sh + start);
-    Four* to_v = reinterpret_cast<Four*>(step.v.sh + start);
+    Four* to_m = reinterpret_cast<Four*>(step.moments.m.sh + start);
+    Four* to_v = reinterpret_cast<Four*>(step.moments.v.sh + start);
     Four p = *to_p, m = *to_m, v = *to_v;
     const float gradient[4] = {grad.x, grad.y, grad.z, grad.w};
     for (int k = 0; k < 4; ++k) {
       if (first + k >= step.adam.sh_active) break;
-      // Of the two rates: an index that differs from lane to lane reads the constants once a lane.
-      const float rate = first + k < kColors ? step.adam.sh[0] : step.adam.sh[kColors];
-      StepNumbers<1>(gradient + k, rate, step.adam.correction2_root, {p.x + k, m.x + k, v.x + k});
+      StepNumbers<1>(gradient + k, ShRate(first + k), step.adam.correction2_root, {p.x + k, m.x + k, v.x + k});
     }
     *to_p = p;
     *to_m = m;
     *to_v = v;
+  }
+
+  /// Of the two rates: an index that differs from lane to lane reads the constants once a lane.
+  __device__ float ShRate(int k) const { return k < kColors ? step.adam.sh[0] : step.adam.sh[kColors]; }
+
+  /// After ConsumeSmall, which moves what all coefficients share.
+  __device__ void StepCompactSh(int64_t i, int first, float4 grad) const {
+    const int64_t start = i * kShFloats + first;
+    Four* to_p = reinterpret_cast<Four*>(step.params.sh + start);
+    FourHalves* to_m = reinterpret_cast<FourHalves*>(step.moments.sh_m + start);
+    Four p = *to_p;
+    FourHalves m = *to_m;
+    const float scale = 1 / RootOf(step.moments.sh_v[i], step.adam.correction2_root);
+    const float gradient[4] = {grad.x, grad.y, grad.z, grad.w};
+    for (int k = 0; k < 4; ++k) {
+      if (first + k >= step.adam.sh_active) break;
+      const float first_moment = NextFirstMoment(gradient[k], FromBfloat16(m.x[k]));
+      m.x[k] = ToBfloat16(first_moment);
+      p.x[k] -= ShRate(first + k) * scale * first_moment;
+    }
+    *to_p = p;
+    *to_m = m;
   }
 };
 

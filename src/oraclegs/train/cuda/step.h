@@ -28,7 +28,8 @@ void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream);
 
 /// What a step does with each gradient. All memory is the device's.
 struct StepConstants {
-  GaussianRows params, m, v;
+  GaussianRows params;
+  MomentRows moments;
   AdamConstants adam;
   RegularizerWeights regularizers;
   NoiseConstants noise;
