@@ -195,6 +195,13 @@ void AddWeights(const Corpus& corpus) {
     corpus.Add("train_checkpoint", exposure ? "exposure" : "plain", bytes);
     corpus.Add("train_checkpoint", exposure ? "parts-exposure" : "parts", two_parts(bytes));
   }
+  c.exposures = {};
+  c.adam = Adam(1, ShMoments::kCompact);
+  for (int k = 0; k < kShFloats; ++k) c.adam.sh_m[k] = static_cast<uint16_t>(0x3f00 + k);
+  c.adam.sh_v[0] = 0.5f;
+  const std::string compact = corpus.Written("c", [&](const fs::path& path) { WriteCheckpoint(path, c); });
+  corpus.Add("train_checkpoint", "compact", compact);
+  corpus.Add("train_checkpoint", "parts-compact", two_parts(compact));
 
   using namespace torch_bytes;  // NOLINT: files and pieces of pickles
   const std::string root = Dict({{"a", Vector("0", 3)}, {"b", Vector("1", 2)}});

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <type_traits>
 
 #include "oraclegs/core/bfloat16.h"
 #include "oraclegs/render/splat_math-inl.h"
@@ -191,6 +194,29 @@ void ExpectSameBitsInBlocks(ShMoments sh_moments) {
 TEST(AdamTest, BlocksGiveTheBitsOfTheWhole) {
   ExpectSameBitsInBlocks(ShMoments::kFull);
   ExpectSameBitsInBlocks(ShMoments::kCompact);
+}
+
+TEST(AdamTest, GrowsByRowsOfZeros) {
+  for (const ShMoments sh_moments : {ShMoments::kFull, ShMoments::kCompact}) {
+    Gaussians params = RandomGaussians(5, 1);
+    Adam adam(5, sh_moments);
+    adam.Step(RandomGaussians(5, 2), {1e-3}, 3, &params);
+    Adam grown = adam.Clone();
+    grown.GrowTo(8);
+    EXPECT_NO_THROW(grown.Check("a test", 8));
+    int buffers = 0;
+    grown.ForEachMoment([&](const char* moment, const char* name, auto& all) {
+      adam.ForEachMoment([&](const char* of, const char* named, auto& before) {
+        if (std::string_view(of) != moment || std::string_view(named) != name) return;
+        if constexpr (std::is_same_v<decltype(all), decltype(before)>) {
+          EXPECT_TRUE(Equal(all.Rows(0, 5), before)) << moment << name;
+          ++buffers;
+        }
+      });
+      EXPECT_TRUE(std::ranges::all_of(all.Rows(5, 8).span(), [](auto x) { return x == 0; })) << moment << name;
+    });
+    EXPECT_EQ(buffers, 10);
+  }
 }
 
 TEST(AdamTest, RefusesMomentsOfAnotherShape) {

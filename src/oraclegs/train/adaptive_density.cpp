@@ -149,7 +149,8 @@ class AdaptiveDensifier final : public Densifier {
     control.removes_large = !baseline.keep_large && reset > 0 && extent_ > 0 && iteration.number > reset;
     const auto unpool = [&](Gaussians* gaussians, Adam* adam) {
       if (iteration.number >= baseline.unpool_until) return;
-      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians.value(), gaussians, adam);
+      UnpoolGaussians(ProximityLimits::Unpool(extent_), options_.max_gaussians.value(), gaussians);
+      adam->GrowTo(gaussians->size());
     };
     ControlDensity(control, MeanGradients(iteration), &model->gaussians, &model->adam, unpool);
     Begin(model->gaussians.size());

@@ -10,16 +10,13 @@ namespace {
 /// A tight group of four at the origin, and one at (x, 0, 0) whose three nearest are of the group.
 struct Lonely {
   Gaussians gaussians = RandomGaussians(5, 1);
-  Adam adam{0};
 
   explicit Lonely(float x) {
-    adam.m = RandomGaussians(5, 2);
-    adam.v = RandomGaussians(5, 2);
     const std::vector<float> means = {0, 0, 0, 1, 0, 0, 0.5f, 0.25f, 0, -9, 0, 0, x, 0, 0};
     std::copy(means.begin(), means.end(), gaussians.means.data());
   }
   int64_t Unpool(const ProximityLimits& limits, int64_t most = 100) {
-    return UnpoolGaussians(limits, most, &gaussians, &adam);
+    return UnpoolGaussians(limits, most, &gaussians);
   }
 };
 
@@ -58,21 +55,12 @@ TEST(UnpoolGaussians, AddsTheMiddleOfEachEdge) {
   }
 }
 
-TEST(UnpoolGaussians, LeavesTheOthersAndGivesZeroMoments) {
+TEST(UnpoolGaussians, LeavesTheOthers) {
   Lonely scene(16);
   const Lonely before(16);
   scene.Unpool(Above(144));
-  for (const auto& [now, then] : {std::pair{scene.gaussians, before.gaussians}, std::pair{scene.adam.m, before.adam.m},
-                                  std::pair{scene.adam.v, before.adam.v}}) {
-    const auto a = Tensors(now), b = Tensors(then);
-    for (size_t t = 0; t < a.size(); ++t) EXPECT_TRUE(SameBytes(a[t].Rows(0, 5), b[t]));
-  }
-  for (const Gaussians& moments : {scene.adam.m, scene.adam.v}) {
-    for (const Buffer<float>& t : Tensors(moments)) {
-      ASSERT_EQ(t.size(0), 8);
-      EXPECT_EQ(MaxAbs(t.Rows(5, 8)), 0);
-    }
-  }
+  const auto a = Tensors(scene.gaussians), b = Tensors(before.gaussians);
+  for (size_t t = 0; t < a.size(); ++t) EXPECT_TRUE(SameBytes(a[t].Rows(0, 5), b[t]));
 }
 
 TEST(UnpoolGaussians, ComparesTheScoreAndSize) {
@@ -98,23 +86,14 @@ TEST(UnpoolGaussians, StopsAtTheLimit) {
 
 TEST(UnpoolGaussians, NeedsThreeNeighbors) {
   Gaussians three = RandomGaussians(3, 1);
-  Adam adam(3);
-  EXPECT_EQ(UnpoolGaussians(Above(0), 100, &three, &adam), 0);
-}
-
-TEST(UnpoolGaussians, RefusesMomentsThatDoNotFit) {
-  Gaussians g = RandomGaussians(5, 1);
-  Adam adam(5);
-  adam.v = RandomGaussians(4, 1);
-  EXPECT_THROW(UnpoolGaussians({}, 100, &g, &adam), ShapeError);
+  EXPECT_EQ(UnpoolGaussians(Above(0), 100, &three), 0);
 }
 
 TEST(UnpoolGaussians, SameForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const Threads scope(threads);
     Gaussians g = RandomGaussians(4000, 4);
-    Adam adam(4000);
-    EXPECT_GT(UnpoolGaussians(Above(0.09), 5000, &g, &adam), 100);
+    EXPECT_GT(UnpoolGaussians(Above(0.09), 5000, &g), 100);
     return g;
   };
   EXPECT_TRUE(SameBits(run(1), run(3)));

@@ -78,10 +78,9 @@ std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussi
   return Lonely(limits, gaussians, NeighborsOf(limits, gaussians));
 }
 
-int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians, Adam* adam) {
+int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians) {
   gaussians->Check("UnpoolGaussians");
   const int64_t n = gaussians->size();
-  adam->Check("UnpoolGaussians", n);
   if (n >= max_gaussians) return 0;
   const Neighbors nearest = NeighborsOf(limits, *gaussians);
   std::vector<UnpoolEdge> edges;
@@ -91,7 +90,6 @@ int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Ga
   const int64_t added = std::min<int64_t>(static_cast<int64_t>(edges.size()), max_gaussians - n);
   if (added == 0) return 0;
   gaussians->ForEach([&](const char*, Buffer<float>& t) { t = t.GrownTo(n + added); });
-  adam->GrowTo(n + added);
   for (int64_t k = 0; k < added; ++k) FillMiddle(edges[k], n + k, gaussians);
   return added;
 }

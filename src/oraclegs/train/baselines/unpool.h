@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
-#include "oraclegs/train/adam.h"
 
 namespace oraclegs {
 
@@ -29,15 +28,15 @@ struct ProximityLimits {
 std::vector<int64_t> LonelyGaussians(const ProximityLimits& limits, const Gaussians& gaussians);
 
 /// Adds a Gaussian at the middle of each edge from a source, a lonely Gaussian, to each of its 3 nearest neighbors, its
-/// destinations: scale and opacity of the destination, no rotation, gray (all SH coefficients 0), and zero rows in the
-/// moments. Where there would be more than max_gaussians in all, sources of the largest score come first and the last
-/// one may lose its farther destinations. Nothing happens where there are fewer than 4 Gaussians. Returns how many were
-/// added. The buffers are grown in place where their memory has room (Buffer::GrownTo).
+/// destinations: scale and opacity of the destination, no rotation, gray (all SH coefficients 0). Where there would be
+/// more than max_gaussians in all, sources of the largest score come first and the last one may lose its farther
+/// destinations. Nothing happens where there are fewer than 4 Gaussians. Returns how many were added. The buffers are
+/// grown in place where their memory has room (Buffer::GrownTo).
 ///
 /// FSGS: every 100 iterations from 500, by the code only before 2000. (The code pairs the sources with destinations of
 /// other sources where there is more than one; this follows the paper.)
 ///
-/// Throws ShapeError where moments do not fit. The same for any number of threads.
-int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians, Adam* adam);
+/// The same for any number of threads.
+int64_t UnpoolGaussians(const ProximityLimits& limits, int64_t max_gaussians, Gaussians* gaussians);
 
 }  // namespace oraclegs
