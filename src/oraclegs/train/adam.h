@@ -27,9 +27,9 @@ class AdamStep {
 /// (docs/method.md#adam). SH coefficients above the active degree have neither gradient nor moments and are
 /// skipped, which is the same.
 ///
-/// Compact moments take 6 bytes a coefficient less (ShMoments): the square of a Gaussian's SH gradients is taken in the
-/// mean over its coefficients, which is that of the constant one (MeanShSquare), so that all of them share one second
-/// moment; the first is rounded to bfloat16 between steps.
+/// Compact moments take about 6 bytes a coefficient less (ShMoments): the square of a Gaussian's SH gradients is taken
+/// in the mean over its coefficients, which is that of the constant one (MeanShSquare), so that all of them share one
+/// second moment; the first is rounded to bfloat16 between steps.
 struct Adam {
   Gaussians m, v;         ///< first and second moments; sh undefined where compact
   Buffer<uint16_t> sh_m;  ///< [N,16,3] bfloat16; undefined unless compact
