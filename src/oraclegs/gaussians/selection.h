@@ -18,7 +18,7 @@ template <class T>
 Buffer<T> PickedRows(const Buffer<T>& all, const std::vector<int64_t>& indices) {
   constexpr int64_t kGrain = 4096;  // rows
   const auto n = static_cast<int64_t>(indices.size());
-  const Buffer<T> picked = Buffer<T>::Empty(all.shape().WithRows(n));
+  Buffer<T> picked = Buffer<T>::Empty(all.shape().WithRows(n));
   const int64_t row = all.shape().row();
   ParallelBlocks(n, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) std::copy_n(all.data() + indices[i] * row, row, picked.data() + i * row);
