@@ -24,7 +24,7 @@ BUILT = {
 esac""",
     "gpu_bench": """while (($#)); do [[ $1 != --json ]] || json=$2; shift; done
 echo "the table of ${json##*/}"
-echo '{"iteration_ms": 3.5, "forward_ms": 0.9, "training_bytes_per_gaussian": 790, "gaussians": 5}' > "$json"
+echo '{"iteration_ms": 2.4, "forward_ms": 0.9, "training_bytes_per_gaussian": 790, "gaussians": 5}' > "$json"
 exit "$STUB_BENCH" """,
     # reconstruct SCENE -o OUT --device DEVICE ...
     "oraclegs": """[ "$1" = demo-scene ] && exit 0
@@ -90,9 +90,9 @@ class GpuCheckTest(WithStandIns):
         self.assert_row(done, "GPU", "found +NVIDIA H200, .*")
         self.assert_row(done, "suites", "passed +2")
         self.assertIn("the table of benchmark.json", done.stdout)
-        self.assert_row(done, "iteration", r"good +3\.500 ms \(expected on an H200: at most 4 ms\)")
+        self.assert_row(done, "iteration", r"good +2\.400 ms \(expected on an H200: at most 2.5 ms\)")
         self.assert_row(done, "forward", r"MISSED +0\.900 ms .*")
-        self.assert_row(done, "iteration, trained", r"3\.500 ms, 5 Gaussians")
+        self.assert_row(done, "iteration, trained", r"2\.400 ms, 5 Gaussians")
         self.assert_row(done, "demo, PSNR", r"good +CPU 30\.000, GPU 30\.050 dB .*")
         self.assertNotIn("--packages", done.stdout)
 
@@ -137,6 +137,11 @@ class GpuCheckTest(WithStandIns):
         done = self.check(STUB_PSNR="30.20")
         self.assertEqual(done.returncode, 1)
         self.assert_row(done, "demo, PSNR", r"MISSED +CPU 30\.000, GPU 30\.200 dB .*")
+
+    def test_a_demo_that_scores_nothing(self):
+        done = self.check(STUB_PSNR="null")
+        self.assertEqual(done.returncode, 1)
+        self.assert_row(done, "demo, PSNR", r"MISSED +the runs have no test views")
 
     def test_skipped_tests_are_no_success(self):
         done = self.check(STUB_STEP="[  SKIPPED ] 3 tests.")

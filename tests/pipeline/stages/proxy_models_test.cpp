@@ -1,7 +1,9 @@
 #include "oraclegs/pipeline/stages/proxy_models.h"
 
+#include "oraclegs/core/config.h"
 #include "pipeline/proposing.h"
 #include "support/buffers.h"
+#include "support/errors.h"
 
 namespace oraclegs {
 namespace {
@@ -64,6 +66,15 @@ TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {
   ASSERT_EQ(proxies.size(), 3u);
   EXPECT_TRUE(Equal(proxies[0].before.means, proxies[0].gaussians.means));
 }
+
+#if !defined(ORACLEGS_CUDA)
+TEST_F(ProxyModelsTest, AreTrainedOnTheDeviceOfTheRun) {
+  auto run = StartRun(Request("device"), Silent());
+  Bring(&run, "depth");
+  run.plan.device = {DeviceKind::kCuda, 0};
+  EXPECT_THAT(MessageOf<UsageError>([&] { Bring(&run, "proxies"); }), HasSubstr("this build trains on the CPU only"));
+}
+#endif
 
 TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
   auto run = StartRun(Request("none"), recorder.AsListener());

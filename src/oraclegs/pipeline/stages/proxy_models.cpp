@@ -1,12 +1,14 @@
 #include "oraclegs/pipeline/stages/proxy_models.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/stages/start_points.h"
 #include "oraclegs/pipeline/stages/train_inputs.h"
 #include "oraclegs/pipeline/workspace/part_store.h"
+#include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/trainer.h"
 
 namespace oraclegs {
@@ -90,22 +92,33 @@ class ProxyTrainer {
     const StartOptions& start = run_.options.start;
     const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians.value()));
     const Gaussians gaussians = InitializeGaussians(cloud, InitializeOptionsOf(start, kDenseScale));
-    const uint64_t seed = start.seed + static_cast<uint64_t>(number);
-    const auto background = BackgroundColor(run_.options.image.background);
-    Trainer trainer(options_, seed, background, kept, gaussians);
+    Trainer trainer = TrainerOf(number, options_, kept, gaussians);
     trainer.Run({}, listener);
     WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
     if (finish_.iterations.value() == 0) {
       WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
       return true;
     }
-    Trainer finisher(finish_, seed, background, views_, trainer.gaussians());
+    Trainer finisher = TrainerOf(number, finish_, views_, trainer.gaussians());
     finisher.Run({}, Offset(listener, options_.iterations.value()));
     WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
     return true;
   }
 
  private:
+  /// Of model `number`, on the device of the run.
+  Trainer TrainerOf(int number, const TrainOptions& options, const std::vector<TrainView>& views,
+                    const Gaussians& start) const {
+    TrainSetup setup{options,
+                     run_.options.start.seed + static_cast<uint64_t>(number),
+                     BackgroundColor(run_.options.image.background),
+                     {views},
+                     start.To(kCpu)};
+    return Trainer(std::move(setup), [device = run_.plan.device](const TrainDeviceSetup& on_device) {
+      return MakeTrainDevice(device, on_device);
+    });
+  }
+
   /// A trainer's progress after `before` other iterations of the same model.
   static Listener Offset(const Listener& listener, int64_t before) {
     return [=](const Event& event) {
