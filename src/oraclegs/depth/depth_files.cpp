@@ -1,6 +1,7 @@
 #include "oraclegs/depth/depth_files.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -9,6 +10,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/image.h"
@@ -139,6 +141,41 @@ void RequireSize(const fs::path& path, int width, int height, const Camera& came
                    height, camera.width, camera.height);
 }
 
+/// Where the images of a map lie.
+constexpr std::array kFolders = {"", "confidence", "normals", "preview"};
+
+void WriteImage(const fs::path& path, const DepthMap& map, float scale, size_t folder) {
+  switch (folder) {
+    case 0:
+      return WritePng16(path, map.camera.width, map.camera.height, Quantised(map, scale));
+    case 1:
+      return WritePng(path, ConfidenceImage(map));
+    case 2:
+      return WritePng(path, NormalImage(map));
+    default:
+      return WritePng(path, Preview(map));
+  }
+}
+
+DepthMap ReadDepthMap(const fs::path& dir, const std::string& file, DepthMap map, float scale, float offset) {
+  const Image16 depth = ReadPng16(dir / file);
+  RequireSize(dir / file, depth.width, depth.height, map.camera);
+  const Image8 confidences = ReadImage(dir / "confidence" / file), normals = ReadImage(dir / "normals" / file);
+  RequireSize(dir / "confidence" / file, confidences.width, confidences.height, map.camera);
+  RequireSize(dir / "normals" / file, normals.width, normals.height, map.camera);
+  for (size_t i = 0; i < depth.values.size(); ++i) {
+    const uint8_t* n = normals.data.data() + static_cast<size_t>(normals.channels) * i;
+    const float confidence = static_cast<float>(confidences.data[static_cast<size_t>(confidences.channels) * i]) / 255;
+    const float inv_depth = static_cast<float>(depth.values[i]) / kMax16 * scale + offset;
+    const bool known = depth.values[i] > 0 && inv_depth > 0;
+    const Eigen::Vector3f normal = Eigen::Vector3f(n[0], n[1], n[2]) * (2.f / 255) - Eigen::Vector3f::Ones();
+    map.inv_depth.push_back(known ? inv_depth : 0);
+    map.confidence.push_back(known ? confidence : 0);
+    map.normals.push_back(known && confidence > 0 ? normal.normalized() : Eigen::Vector3f::Zero());
+  }
+  return map;
+}
+
 template <class T>
 void Append(std::string* bytes, T value) {
   char raw[sizeof(T)];
@@ -153,21 +190,20 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
   for (const DepthMap& map : maps) names.push_back(map.name);
   const std::vector<std::string> stems = FileStems(names);
   nlohmann::json params = nlohmann::json::object();
+  std::vector<float> scales;
   std::vector<std::string> files;
   for (size_t v = 0; v < maps.size(); ++v) {
-    const DepthMap& map = maps[v];
-    const float largest = LargestStored(map);
-    const float scale = largest > 0 ? largest : 1;
-    params[stems[v]] = {{"scale", scale}, {"offset", 0}};
-    if (map.monocular) params[stems[v]]["monocular"] = true;
-    const std::string file = stems[v] + ".png";
-    for (const char* folder : {"", "confidence", "normals", "preview"})
-      files.push_back((fs::path(folder) / file).string());
-    WritePng16(dir / file, map.camera.width, map.camera.height, Quantised(map, scale));
-    WritePng(dir / "confidence" / file, ConfidenceImage(map));
-    WritePng(dir / "normals" / file, NormalImage(map));
-    WritePng(dir / "preview" / file, Preview(map));
+    const float largest = LargestStored(maps[v]);
+    scales.push_back(largest > 0 ? largest : 1);
+    params[stems[v]] = {{"scale", scales[v]}, {"offset", 0}};
+    if (maps[v].monocular) params[stems[v]]["monocular"] = true;
+    for (const char* folder : kFolders) files.push_back((fs::path(folder) / (stems[v] + ".png")).string());
   }
+  // A file is a task: packing them takes longest.
+  ParallelFor(static_cast<int64_t>(files.size()), [&](int64_t task) {
+    const auto file = static_cast<size_t>(task), v = file / kFolders.size();
+    WriteImage(dir / files[file], maps[v], scales[v], file % kFolders.size());
+  });
   files.emplace_back("depth_params.json");
   WriteFileAtomically(dir / "depth_params.json", params.dump(2) + "\n");
   return files;
@@ -178,31 +214,15 @@ std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::
   const fs::path params_path = dir / "depth_params.json";
   const nlohmann::json params = ReadParams(params_path);
   const std::vector<std::string> stems = FileStems(names);
-  std::vector<DepthMap> maps;
-  for (size_t v = 0; v < names.size(); ++v) {
-    const std::string file = stems[v] + ".png";
+  std::vector<DepthMap> maps(names.size());
+  ParallelFor(static_cast<int64_t>(names.size()), [&](int64_t task) {
+    const auto v = static_cast<size_t>(task);
     const float scale = Number(params, stems[v], "scale", params_path);
     const float offset = Number(params, stems[v], "offset", params_path);
-    const Image16 depth = ReadPng16(dir / file);
-    RequireSize(dir / file, depth.width, depth.height, cameras[v]);
-    const Image8 confidences = ReadImage(dir / "confidence" / file), normals = ReadImage(dir / "normals" / file);
-    RequireSize(dir / "confidence" / file, confidences.width, confidences.height, cameras[v]);
-    RequireSize(dir / "normals" / file, normals.width, normals.height, cameras[v]);
     DepthMap map{names[v], cameras[v], {}, {}, {}};
     map.monocular = params[stems[v]].value("monocular", nlohmann::json()) == true;
-    for (size_t i = 0; i < depth.values.size(); ++i) {
-      const uint8_t* n = normals.data.data() + static_cast<size_t>(normals.channels) * i;
-      const float confidence =
-          static_cast<float>(confidences.data[static_cast<size_t>(confidences.channels) * i]) / 255;
-      const float inv_depth = static_cast<float>(depth.values[i]) / kMax16 * scale + offset;
-      const bool known = depth.values[i] > 0 && inv_depth > 0;
-      const Eigen::Vector3f normal = Eigen::Vector3f(n[0], n[1], n[2]) * (2.f / 255) - Eigen::Vector3f::Ones();
-      map.inv_depth.push_back(known ? inv_depth : 0);
-      map.confidence.push_back(known ? confidence : 0);
-      map.normals.push_back(known && confidence > 0 ? normal.normalized() : Eigen::Vector3f::Zero());
-    }
-    maps.push_back(std::move(map));
-  }
+    maps[v] = ReadDepthMap(dir, stems[v] + ".png", std::move(map), scale, offset);
+  });
   return maps;
 }
 

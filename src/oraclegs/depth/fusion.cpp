@@ -40,7 +40,11 @@ class Fusion {
       claimed_.emplace_back(map.size(), 0);
       world_from_cam_.push_back(map.camera.cam_from_world.inverse().cast<float>());
     }
-    for (const LoadedView& view : views) detail_.push_back(DetailOf(view.rgb));
+    detail_.resize(views.size());
+    ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t task) {
+      const auto v = static_cast<size_t>(task);
+      detail_[v] = DetailOf(views[v].rgb);
+    });
   }
 
   std::vector<DensePoint> Run() {
@@ -51,8 +55,9 @@ class Fusion {
   struct Pixel {
     size_t view, index;
   };
+  /// Points, and the pixels that they claim.
   struct Made {
-    DensePoint point;
+    std::vector<DensePoint> points;
     std::vector<Pixel> pixels;
   };
 
@@ -71,12 +76,11 @@ class Fusion {
     return options_.gains.empty() ? rgb : rgb.cwiseQuotient(options_.gains[p.view]).cwiseMin(1.f).eval();
   }
 
-  Made PointOf(Pixel first, const std::vector<PixelMap>& there, const std::vector<PixelMap>& back) const {
+  void AddPoint(Pixel first, const std::vector<PixelMap>& there, const std::vector<PixelMap>& back, Made* made) const {
     const DepthMap& map = maps_[first.view];
     const Eigen::Vector3f uvw = PixelOf(map, first.index);
     const SamePoint same{options_.max_depth_difference};
-    Made made;
-    DensePoint& point = made.point;
+    DensePoint point;
     point.pixel_size = PixelSize(first.view, first.index);
     point.views = 0;
     Eigen::Vector3f xyz = Eigen::Vector3f::Zero(), normal = xyz, rgb = xyz;
@@ -93,7 +97,7 @@ class Fusion {
       total += weight;
       point.confidence = std::max(point.confidence, maps_[p.view].confidence[p.index]);
       point.detail = std::max(point.detail, detail_[p.view][p.index]);
-      if (size >= kMuchFiner * point.pixel_size) made.pixels.push_back(p);
+      if (size >= kMuchFiner * point.pixel_size) made->pixels.push_back(p);
       ++point.views;
     };
     add(first);
@@ -104,7 +108,7 @@ class Fusion {
     point.xyz = xyz / total;
     point.normal = normal.normalized();
     point.rgb = rgb / total;
-    return made;
+    made->points.push_back(point);
   }
 
   /// Rows are processed in parallel and claim their pixels one after the other: a pixel that two points use is in both
@@ -117,19 +121,17 @@ class Fusion {
       back.push_back(MapBetween(other.camera, map.camera));
     }
     const auto width = static_cast<size_t>(map.camera.width);
-    std::vector<std::vector<Made>> rows(static_cast<size_t>(map.camera.height));
+    std::vector<Made> rows(static_cast<size_t>(map.camera.height));
     ParallelFor(map.camera.height, [&](int64_t y) {
       for (size_t x = 0; x < width; ++x) {
         const size_t i = static_cast<size_t>(y) * width + x;
         if (map.confidence[i] < options_.min_confidence || claimed_[view][i] != 0) continue;
-        rows[static_cast<size_t>(y)].push_back(PointOf({view, i}, there, back));
+        AddPoint({view, i}, there, back, &rows[static_cast<size_t>(y)]);
       }
     });
-    for (const std::vector<Made>& row : rows) {
-      for (const Made& made : row) {
-        points->push_back(made.point);
-        for (const Pixel& p : made.pixels) claimed_[p.view][p.index] = 1;
-      }
+    for (const Made& row : rows) {
+      points->insert(points->end(), row.points.begin(), row.points.end());
+      for (const Pixel& p : row.pixels) claimed_[p.view][p.index] = 1;
     }
   }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "oraclegs/core/interrupt.h"
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/depth/confidence.h"
 #include "oraclegs/depth/plane_search.h"
 
@@ -138,13 +139,15 @@ class Stereo {
       DepthMap depth{views_[v].name, views_[v].camera, {}, {}, Confidence(scene, v, maps)};
       depth.inv_depth.assign(map.planes.size(), 0);
       depth.normals.assign(map.planes.size(), Eigen::Vector3f::Zero());
-      for (size_t i = 0; i < map.planes.size(); ++i) {
-        if (!(depth.confidence[i] > 0)) continue;
-        depth.inv_depth[i] = map.planes[i].inv_depth;
-        depth.normals[i] =
-            NormalOf(depth.camera, map.planes[i], static_cast<float>(i % static_cast<size_t>(map.width)) + 0.5f,
-                     static_cast<float>(i / static_cast<size_t>(map.width)) + 0.5f);
-      }
+      ParallelFor(map.height, [&](int64_t y) {
+        for (int x = 0; x < map.width; ++x) {
+          const size_t i = static_cast<size_t>(y) * map.width + x;
+          if (!(depth.confidence[i] > 0)) continue;
+          depth.inv_depth[i] = map.planes[i].inv_depth;
+          depth.normals[i] =
+              NormalOf(depth.camera, map.planes[i], static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+        }
+      });
       out.push_back(std::move(depth));
     }
     return out;
