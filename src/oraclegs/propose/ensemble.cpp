@@ -1,15 +1,18 @@
 #include "oraclegs/propose/ensemble.h"
-#include "oraclegs/render/make_rasterizer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/render/make_rasterizer.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr float kMinAlphaForDepth = 0.5f;
 constexpr size_t kMinValuesForTrim = 4;
+constexpr int64_t kBlock = 4096;  // pixels
 
 /// What one member shows.
 struct Render {
@@ -60,18 +63,20 @@ std::optional<Proposal> EnsembleProposer::Propose(const Target& target, std::opt
   proposal.rgb.data.resize(3 * pixels);
   proposal.inv_depth.resize(pixels);
   if (renders.size() > 1) proposal.spread.resize(pixels);
-  std::vector<float> values(renders.size());
-  for (size_t i = 0; i < pixels; ++i) {
-    float squares = 0;
-    for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
-      for (size_t r = 0; r < renders.size(); ++r) values[r] = renders[r].rgb[c];
-      const float mean = proposal.rgb.data[c] = TrimmedMean(&values);
-      for (const float v : values) squares += (v - mean) * (v - mean);
+  ParallelBlocks(static_cast<int64_t>(pixels), kBlock, [&](int64_t begin, int64_t end) {
+    std::vector<float> values(renders.size());
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      float squares = 0;
+      for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
+        for (size_t r = 0; r < renders.size(); ++r) values[r] = renders[r].rgb[c];
+        const float mean = proposal.rgb.data[c] = TrimmedMean(&values);
+        for (const float v : values) squares += (v - mean) * (v - mean);
+      }
+      if (!proposal.spread.empty()) proposal.spread[i] = std::sqrt(squares / static_cast<float>(3 * renders.size()));
+      for (size_t r = 0; r < renders.size(); ++r) values[r] = renders[r].inv_depth[i];
+      proposal.inv_depth[i] = TrimmedMean(&values);
     }
-    if (!proposal.spread.empty()) proposal.spread[i] = std::sqrt(squares / static_cast<float>(3 * renders.size()));
-    for (size_t r = 0; r < renders.size(); ++r) values[r] = renders[r].inv_depth[i];
-    proposal.inv_depth[i] = TrimmedMean(&values);
-  }
+  });
   return proposal;
 }
 

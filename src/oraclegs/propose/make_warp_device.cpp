@@ -1,6 +1,7 @@
 #include "oraclegs/propose/make_warp_device.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "oraclegs/core/config.h"
 #include "oraclegs/core/error.h"
@@ -15,7 +16,7 @@ namespace {
 /// The depths that fall on each pixel, pixel by pixel.
 struct SampleLists {
   std::vector<size_t> begin;  ///< of each pixel, and the end
-  std::vector<WarpSample> samples;
+  std::unique_ptr<WarpSample[]> samples;
 };
 
 SampleLists Splat(const WarpScene& scene) {
@@ -41,7 +42,7 @@ SampleLists Splat(const WarpScene& scene) {
   };
   each([&](size_t pixel, const WarpSample&) { ++lists.begin[pixel + 1]; });
   for (size_t i = 1; i < lists.begin.size(); ++i) lists.begin[i] += lists.begin[i - 1];
-  lists.samples.resize(lists.begin.back());
+  lists.samples = std::make_unique_for_overwrite<WarpSample[]>(lists.begin.back());
   std::vector<size_t> next(lists.begin.begin(), lists.begin.end() - 1);
   each([&](size_t pixel, const WarpSample& sample) { lists.samples[next[pixel]++] = sample; });
   return lists;
@@ -69,11 +70,11 @@ class CpuWarpDevice : public WarpDevice {
  public:
   WarpDepth FindSurfaces(const WarpTask& task) override {
     const WarpScene scene = SceneOf(task);
-    SampleLists lists = Splat(scene);
+    const SampleLists lists = Splat(scene);
     WarpDepth depth{std::vector<float>(scene.pixels(), 0.f), std::vector<uint8_t>(scene.pixels(), 0)};
     CountedVotes votes(scene.count);
     for (size_t i = 0; i < scene.pixels(); ++i) {
-      WarpSample *begin = lists.samples.data() + lists.begin[i], *end = lists.samples.data() + lists.begin[i + 1];
+      WarpSample *begin = lists.samples.get() + lists.begin[i], *end = lists.samples.get() + lists.begin[i + 1];
       std::sort(begin, end, [](const WarpSample& a, const WarpSample& b) {
         return a.inv_depth != b.inv_depth ? a.inv_depth > b.inv_depth : a.source < b.source;
       });

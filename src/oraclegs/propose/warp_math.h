@@ -132,7 +132,6 @@ struct Sighting {
   float u = 0, v = 0;    ///< pixel
   float confidence = 0;  ///< of the source's depth there, 0 = unknown
   float relative = 0;    ///< inverse depth there over the point's, minus 1: > 0 something occludes it
-  float angle = 90;      ///< degrees between the rays
   float resolution = 0;  ///< pixels of the source in one of the new view, per axis, at most 1
 };
 
@@ -152,10 +151,14 @@ ORACLEGS_HD inline Sighting See(const WarpScene& scene, const WarpSource& from, 
     s.confidence = from.confidence[i];
     s.relative = known / expected - 1;
   }
-  const Vec3f point{(u - scene.cx) / scene.fx / inv_depth, (v - scene.cy) / scene.fy / inv_depth, 1 / inv_depth};
-  s.angle = DegreesBetween(point, {point.x - from.center.x, point.y - from.center.y, point.z - from.center.z});
   s.resolution = std::min(1.f, expected * from.focal / (inv_depth * scene.fx));
   return s;
+}
+
+/// Degrees between the rays of the new view and of a source to a point.
+ORACLEGS_HD inline float AngleAt(const WarpScene& scene, const WarpSource& from, float u, float v, float inv_depth) {
+  const Vec3f point{(u - scene.cx) / scene.fx / inv_depth, (v - scene.cy) / scene.fy / inv_depth, 1 / inv_depth};
+  return DegreesBetween(point, {point.x - from.center.x, point.y - from.center.y, point.z - from.center.z});
 }
 
 /// A surface that a pixel may show; written over samples that were read.
@@ -185,13 +188,14 @@ ORACLEGS_HD inline float SurfaceAmong(const WarpScene& scene, size_t pixel, Warp
     WarpSurface surface{sum / total, 0};
     votes.Count(samples + first, samples + last);
     for (int k = 0; k < scene.count; ++k) {
-      const Sighting s = See(scene, scene.sources[k], u, v, surface.inv_depth);
-      const float weight = std::exp(-s.angle / kVoteAngle), vote = votes.Of(k);
-      if (vote > 0) {
-        surface.vote += vote * weight;
-      } else if (s.in_frame && s.relative < -kSeenThroughDepth) {
-        surface.vote -= kAgainst * s.confidence * weight;
+      const WarpSource& from = scene.sources[k];
+      float vote = votes.Of(k);
+      if (!(vote > 0)) {
+        const Sighting s = See(scene, from, u, v, surface.inv_depth);
+        if (!s.in_frame || !(s.relative < -kSeenThroughDepth)) continue;
+        vote = -kAgainst * s.confidence;
       }
+      surface.vote += vote * std::exp(-AngleAt(scene, from, u, v, surface.inv_depth) / kVoteAngle);
     }
     best = std::max(best, surface.vote);
     samples[surfaces++] = std::bit_cast<WarpSample>(surface);

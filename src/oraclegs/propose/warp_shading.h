@@ -65,16 +65,17 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
   for (int k = 0; k < scene.count; ++k) {
     const Sighting s = See(scene, scene.sources[k], scene.CenterX(pixel), scene.CenterY(pixel), inv_depth);
     if (!s.in_frame) continue;
+    const float angle = AngleAt(scene, scene.sources[k], scene.CenterX(pixel), scene.CenterY(pixel), inv_depth);
     const float off = s.relative / kVisible;
     const float visible = s.confidence > 0 ? std::exp(-off * off) : kUnknownVisible;
     if (s.relative < -kSeenThroughDepth) e.conflicts += s.confidence;
     if (s.relative > kSeenThroughDepth) e.occluded += s.confidence;
-    e.support += visible * (0.1f + s.confidence) * std::exp(-s.angle / kVoteAngle);
+    e.support += visible * (0.1f + s.confidence) * std::exp(-angle / kVoteAngle);
     e.views += visible;
-    if (visible > 0.5f) e.angle = std::min(e.angle, s.angle);
+    if (visible > 0.5f) e.angle = std::min(e.angle, angle);
     e.confidence = std::max(e.confidence, visible * s.confidence);
     e.resolution = std::max(e.resolution, visible * s.resolution);
-    blend.Offer({visible * (0.1f + s.confidence) * std::exp(-s.angle / kColorAngle) * s.resolution, k, s.u, s.v});
+    blend.Offer({visible * (0.1f + s.confidence) * std::exp(-angle / kColorAngle) * s.resolution, k, s.u, s.v});
   }
   Vec3f colors[kBlended], sum;
   float total = 0, squares = 0;

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/colormap.h"
@@ -55,13 +56,23 @@ std::vector<std::string> FilesOf(const std::string& name) {
   return {fmt::format("proposals/{}.png", name), fmt::format("confidence/{}.png", name)};
 }
 
-/// To the workspace, or a folder of the same layout.
-void Write(const WorkspacePaths& paths, const Validated& validated) {
-  const std::string& name = validated.proposal.name;
-  const std::vector<std::string> files = FilesOf(name);
-  WritePng(paths.root() / files[0], ToImage8(validated.proposal.rgb));
-  WritePng(paths.root() / files[1], Grey(validated.confidence, validated.proposal.camera));
-  WritePng(paths.confidence() / "preview" / (name + ".png"), Preview(validated));
+/// To the workspace, or a folder of the same layout. A file is a task: packing them takes long.
+void Write(const WorkspacePaths& paths, std::span<const Validated> all) {
+  constexpr size_t kFiles = 3;  // of a view
+  ParallelFor(static_cast<int64_t>(kFiles * all.size()), [&](int64_t task) {
+    const auto t = static_cast<size_t>(task);
+    const Validated& validated = all[t / kFiles];
+    const std::string& name = validated.proposal.name;
+    const std::vector<std::string> files = FilesOf(name);
+    switch (t % kFiles) {
+      case 0:
+        return WritePng(paths.root() / files[0], ToImage8(validated.proposal.rgb));
+      case 1:
+        return WritePng(paths.root() / files[1], Grey(validated.confidence, validated.proposal.camera));
+      default:
+        return WritePng(paths.confidence() / "preview" / (name + ".png"), Preview(validated));
+    }
+  });
 }
 
 double Mean(std::span<const float> values) {
@@ -144,7 +155,7 @@ class Validation {
     if (missing.empty()) return;
     for (const auto& [begin, end] : TargetRanges()) {
       if (missing.lower_bound(begin) == missing.lower_bound(end)) continue;
-      for (const Validated& validated : ClassifyRange({begin, end})) Take(validated);
+      Take(ClassifyRange({begin, end}));
     }
   }
 
@@ -160,7 +171,7 @@ class Validation {
           nlohmann::json record = {{"chunk", Together()}};
           const auto found = by_name.find(known_.targets[t].name);
           if (found == by_name.end()) return record;  // no proposer answered
-          Write(WorkspacePaths(folder), found->second);
+          Write(WorkspacePaths(folder), {&found->second, 1});
           record["mean"] = Mean(found->second.confidence);
           return record;
         });
@@ -177,14 +188,14 @@ class Validation {
       if (folder.confidence[p].empty()) {
         open.push_back(p);
       } else {
-        Take({folder.proposals[p], folder.confidence[p]});
+        Take({{folder.proposals[p], folder.confidence[p]}});
       }
     }
     if (open.empty()) return;
     for (const auto& [begin, end] : EvenRuns(open.size(), Together())) {
       std::vector<std::vector<Proposal>> chunk;
       for (size_t i = begin; i < end; ++i) chunk.push_back({folder.proposals[open[i]]});
-      for (const Validated& validated : TheOracle().Classify(std::move(chunk))) Take(validated);
+      Take(TheOracle().Classify(std::move(chunk)));
     }
   }
 
@@ -221,9 +232,9 @@ class Validation {
     return TheOracle().Classify(CandidatesOf(run_, targets));
   }
 
-  void Take(const Validated& validated) {
-    Write(run_->workspace, validated);
-    Count(validated.proposal.name, Mean(validated.confidence));
+  void Take(const std::vector<Validated>& all) {
+    Write(run_->workspace, all);
+    for (const Validated& validated : all) Count(validated.proposal.name, Mean(validated.confidence));
   }
 
   void Count(const std::string& name, double mean) {
@@ -253,17 +264,23 @@ std::vector<Target> AllTargets(const StageResults& known) {
 
 /// What is trained on: the proposals that are trusted anywhere. Names of the others in `rejected`.
 std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rejected) {
-  std::vector<TrainView> trusted;
-  for (const Target& target : AllTargets(*run.results)) {
+  const std::vector<Target> targets = AllTargets(*run.results);
+  std::vector<std::optional<TrainView>> read(targets.size());
+  ParallelFor(static_cast<int64_t>(targets.size()), [&](int64_t task) {
+    const Target& target = targets[static_cast<size_t>(task)];
     const fs::path image = run.workspace.proposals() / (target.name + ".png");
     std::error_code ignored;
-    if (!fs::exists(image, ignored)) continue;  // no proposer answered
-    TrainView view{target.name, target.camera, ReadMap(image, target.camera, 3),
-                   ReadMap(run.workspace.confidence() / (target.name + ".png"), target.camera, 1)};
-    if (Mean(view.confidence.span()) < kMinMeanConfidence) {
-      rejected->push_back(target.name);
+    if (!fs::exists(image, ignored)) return;  // no proposer answered
+    read[static_cast<size_t>(task)] = {target.name, target.camera, ReadMap(image, target.camera, 3),
+                                       ReadMap(run.workspace.confidence() / (target.name + ".png"), target.camera, 1)};
+  });
+  std::vector<TrainView> trusted;
+  for (std::optional<TrainView>& view : read) {
+    if (!view) continue;
+    if (Mean(view->confidence.span()) < kMinMeanConfidence) {
+      rejected->push_back(view->name);
     } else {
-      trusted.push_back(std::move(view));
+      trusted.push_back(std::move(*view));
     }
   }
   return trusted;
