@@ -28,13 +28,13 @@ TEST(CpuPlaneSearch, RunsPassOverAllViews) {
   std::vector<PlaneMap> maps = Start(scene);
   const auto search = MakePlaneSearch(kCpu);
   search->BeginLevel(scene, maps);
-  for (const SearchPass& pass : {SearchPass{2, 0, false}, SearchPass{1, 1, true}}) {
+  for (const SearchPass& pass : {SearchPass{2, 0, false}, SearchPass{1, 1, true, true}}) {
     search->BeginPass(pass);
     for (size_t v = 0; v < maps.size(); ++v) search->Improve(v);
   }
   for (size_t v = 0; v < maps.size(); ++v) RunPass(scene, v, {2, 0, nullptr}, &maps[v]);
   const std::vector<PlaneMap> before = maps;  // of all views, though some are improved before others
-  for (size_t v = 0; v < maps.size(); ++v) RunPass(scene, v, {1, 1, &before}, &maps[v]);
+  for (size_t v = 0; v < maps.size(); ++v) RunPass(scene, v, {1, 1, &before, true}, &maps[v]);
   const std::vector<PlaneMap> found = search->EndLevel();
   ASSERT_EQ(found.size(), 3u);
   for (size_t v = 0; v < maps.size(); ++v) EXPECT_TRUE(SameMap(found[v], maps[v])) << v;

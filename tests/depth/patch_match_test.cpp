@@ -81,6 +81,20 @@ TEST(RunPass, GeometricTermFollowsOtherMaps) {
   EXPECT_GT(ShareRight(with, maps[1], 0.01f), ShareRight(without, maps[1], 0.01f));
 }
 
+TEST(RunPass, RefinesAndFindsNothingNewWhereLocal) {
+  const StereoScene scene = SceneOf(TakeAll(kSteep, Arc(3, 8)), kSteepRange);
+  const PlaneMap truth = TrueMap(scene.views[1].camera, kSteep);
+  const auto run_from = [&](float factor) {
+    PlaneMap map = truth;
+    for (Plane& plane : map.planes) plane = {factor * plane.inv_depth, factor * plane.dx, factor * plane.dy};
+    map.costs.assign(map.costs.size(), kWorstCost);
+    RunPass(scene, 1, {2, 0, nullptr, true}, &map);
+    return ShareRight(map, truth, 0.005f);
+  };
+  EXPECT_GT(run_from(1.02f), 0.8);
+  EXPECT_LT(run_from(1.5f), 0.1) << "too far for small steps";
+}
+
 TEST(RunPass, ChangesNothingWithoutSources) {
   StereoScene scene = SceneOf(TakeAll(kSteep, Arc(2, 8)), kSteepRange);
   scene.views[0].neighbors.clear();

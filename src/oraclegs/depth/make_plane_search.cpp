@@ -24,7 +24,8 @@ class CpuPlaneSearch final : public PlaneSearch {
   }
 
   void Improve(size_t view) override {
-    RunPass(*scene_, view, {pass_.iterations, pass_.number, pass_.geometric ? &before_ : nullptr}, &maps_[view]);
+    RunPass(*scene_, view, {pass_.iterations, pass_.number, pass_.geometric ? &before_ : nullptr, pass_.local},
+            &maps_[view]);
   }
 
   std::vector<PlaneMap> EndLevel() override {

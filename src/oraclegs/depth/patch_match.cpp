@@ -86,6 +86,7 @@ void RunPass(const StereoScene& scene, size_t view, const PassOptions& options, 
   SearchView search = SearchOf(scene, view);
   if (search.num_sources == 0) return;
   search.pass = options.pass;
+  search.local = options.local;
   search.usable = v.usable.empty() ? nullptr : v.usable.data();
   search.planes = map->planes.data();
   search.costs = map->costs.data();

@@ -51,6 +51,7 @@ struct PassOptions {
   int pass = 0;  ///< number of the pass; no two of a view share their random numbers
   /// The maps of all views as the pass before left them, for the geometric term; null = photometric only.
   const std::vector<PlaneMap>* geometry = nullptr;
+  bool local = false;  ///< as SearchPass::local
 };
 
 /// What the search reads of a view on any device, except for its pass and its pointers to the scene and the maps, which

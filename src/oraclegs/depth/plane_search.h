@@ -12,6 +12,7 @@ struct SearchPass {
   int iterations = 3;
   int number = 0;          ///< below 63; no two of a run are the same
   bool geometric = false;  ///< views must agree with the others' maps as the pass before left them
+  bool local = false;      ///< planes are near right: no far neighbors and no planes far from a pixel's own are tried
 };
 
 /// Holds the maps of one resolution at a time.

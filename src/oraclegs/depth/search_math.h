@@ -19,6 +19,7 @@ inline constexpr int kRegions = 8;  // whose planes are propagated: in each of f
 inline constexpr int kFanPixels = 7, kStripPixels = 11;
 inline constexpr int kHypotheses = kRegions + 1;  // with the pixel's own
 inline constexpr int kRefinements = 6;            // random planes a pixel and iteration
+inline constexpr int kFirstLocal = 3;             // of them that change a plane a little
 inline constexpr int kMaxSources = 8;
 inline constexpr float kMinCosine = 0.0523f;  // between normal and viewing ray: 87 degrees
 inline constexpr float kMaxTilt = 4;          // tangent of the tilt that random planes reach
@@ -44,6 +45,7 @@ struct SearchView {
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float far = 0, near = 0;          ///< bounds of inverse depth
   int view = 0, pass = 0;           ///< index the random numbers, with the iteration
+  bool local = false;               ///< as SearchPass::local
   const uint8_t* usable = nullptr;  ///< height * width; null: all
   Plane* planes = nullptr;          ///< height * width
   float* costs = nullptr;           ///< height * width
@@ -115,6 +117,7 @@ class PixelSearch {
     planes[0] = own;
     int count = 1;
     for (int region = 0; region < kRegions; ++region) {
+      if (view_.local && IsStrip(region)) continue;
       Plane plane;
       if (BestOf(region, &plane) && IsAllowed(plane)) planes[count++] = plane;
     }
@@ -148,11 +151,13 @@ class PixelSearch {
     return true;
   }
 
+  ORACLEGS_HD inline static bool IsStrip(int region) { return region % 2 == 1; }
+
   /// The cheapest plane among one region's pixels, by what it cost its owner, as seen from here.
   ORACLEGS_HD inline bool BestOf(int region, Plane* plane) const {
     const int direction = region / 2;  // right, left, down, up
     const int right = direction == 0 ? 1 : direction == 1 ? -1 : 0, down = direction == 2 ? 1 : direction == 3 ? -1 : 0;
-    const bool is_strip = region % 2 == 1;
+    const bool is_strip = IsStrip(region);
     float best = std::numeric_limits<float>::infinity();
     int best_x = 0, best_y = 0;
     for (int k = 0; k < (is_strip ? kStripPixels : kFanPixels); ++k) {
@@ -212,14 +217,18 @@ class PixelSearch {
 
   /// Keeps the plane if it is the best so far; costs[s]: its photometric costs.
   ORACLEGS_HD inline void Consider(const Plane& plane, const float* costs) {
-    float photometric = 0, score = 0, total = 0;
+    float photometric = 0, total = 0;
     for (int s = 0; s < view_.num_sources; ++s) {
-      if (!(weights_[s] > 0)) continue;
       photometric += weights_[s] * costs[s];
-      score += weights_[s] * (costs[s] + GeometricCost(view_.sources[s], plane.inv_depth));
       total += weights_[s];
     }
-    if (!(total > 0) || !(score / total < best_score_)) return;
+    // Most planes are out before their geometric term, which takes two projections a source.
+    if (!(total > 0) || !(photometric / total < best_score_)) return;
+    float score = photometric;
+    for (int s = 0; s < view_.num_sources; ++s) {
+      if (weights_[s] > 0) score += weights_[s] * GeometricCost(view_.sources[s], plane.inv_depth);
+    }
+    if (!(score / total < best_score_)) return;
     best_ = plane;
     best_score_ = score / total;
     best_cost_ = photometric / total;
@@ -260,7 +269,7 @@ class PixelSearch {
     if (!(start.inv_depth > 0)) start = {RandomInverseDepth(view_, &random), 0, 0};
     Plane planes[kRefinements];
     int count = 0;
-    for (int which = 0; which < kRefinements; ++which) {
+    for (int which = view_.local ? kFirstLocal : 0; which < kRefinements; ++which) {
       const Plane plane = Refinement(which, start, &random);
       if (IsAllowed(plane)) planes[count++] = plane;
     }

@@ -54,8 +54,9 @@ class Stereo {
         }
       }
       search_.BeginLevel(scene, std::move(maps));
-      if (first) ImproveAll(scene, {options_.iterations, pass++, false});
-      for (int k = 0; k < options_.geometric_passes; ++k) ImproveAll(scene, {kGeometricIterations, pass++, true});
+      if (first) ImproveAll(scene, {options_.iterations, pass++, false, false});
+      for (int k = 0; k < options_.geometric_passes; ++k)
+        ImproveAll(scene, {kGeometricIterations, pass++, true, !first});
       maps = search_.EndLevel();
       if (level == 0) return Finish(scene, maps);
     }

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <utility>
+
 #include "depth/surfaces.h"
 #include "oraclegs/depth/make_plane_search.h"
 #include "oraclegs/depth/stereo.h"
@@ -67,16 +69,16 @@ class CudaPlaneSearchTest : public CudaTest {
 };
 
 TEST_F(CudaPlaneSearchTest, MatchesCpuAfterOneIteration) {
-  for (const bool in_color : {false, true}) {
+  for (const auto& [in_color, local] : {std::pair{false, false}, {true, false}, {false, true}}) {
     StereoScene scene = Scene();
     const std::vector<LoadedView> views = TakeAll(kSteep, Arc(3, 8, kSearchWidth, kSearchHeight));
     for (size_t v = 0; in_color && v < 3; ++v) scene.views[v].image = Pack(views[v].rgb);
-    const std::vector<PlaneMap> start = Start(scene), gpu = OnGpu(scene, start, {{1, 0, false}}),
-                                cpu = OnCpu(scene, start, {{1, 0, false}});
+    const std::vector<PlaneMap> start = Start(scene), gpu = OnGpu(scene, start, {{1, 0, false, local}}),
+                                cpu = OnCpu(scene, start, {{1, 0, false, local}});
     for (size_t v = 0; v < 3; ++v) {
       EXPECT_EQ(gpu[v].width, kSearchWidth);
       EXPECT_EQ(gpu[v].height, kSearchHeight);
-      EXPECT_GT(Agreement(gpu[v], cpu[v]), kAgreeing) << in_color << " " << v;
+      EXPECT_GT(Agreement(gpu[v], cpu[v]), kAgreeing) << in_color << " " << local << " " << v;
       EXPECT_LT(Agreement(gpu[v], start[v]), 0.2) << "something was done";
     }
   }

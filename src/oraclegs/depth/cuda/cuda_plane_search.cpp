@@ -138,6 +138,7 @@ class CudaPlaneSearch final : public PlaneSearch {
     HalfSweep sweep{SearchOf(*scene_, view), ImageOf(view), {}, channels_, 0, 0};
     SearchView& search = sweep.view;
     search.pass = pass_.number;
+    search.local = pass_.local;
     if (!v.usable.empty()) search.usable = usable_.data() + first_[view];
     search.planes = planes_.data() + first_[view];
     search.costs = costs_.data() + first_[view];
