@@ -7,6 +7,7 @@
 #include "depth/surfaces.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/depth/make_plane_search.h"
+#include "oraclegs/depth/plane_search.h"
 #include "support/event_recorder.h"
 
 namespace oraclegs {
@@ -84,6 +85,33 @@ TEST(EstimateDepth, GoesFromCoarseToFine) {
   EXPECT_EQ(events.steps[0].detail, "80 x 60");
   EXPECT_EQ(events.steps[8].detail, "161 x 121");
   EXPECT_EQ(events.steps[8].total, 9);
+}
+
+/// Notes the passes and improves nothing.
+class PassRecorder final : public PlaneSearch {
+ public:
+  void BeginLevel(const StereoScene&, std::vector<PlaneMap> maps) override { maps_ = std::move(maps); }
+  void BeginPass(const SearchPass& pass) override { passes.push_back(pass); }
+  void Improve(size_t) override {}
+  std::vector<PlaneMap> EndLevel() override { return std::move(maps_); }
+
+  std::vector<SearchPass> passes;
+
+ private:
+  std::vector<PlaneMap> maps_;
+};
+
+TEST(EstimateDepth, SearchesNearCoarsePlanesInLargeImages) {
+  const auto is_local = [](int width, int height) {
+    PassRecorder search;
+    EventRecorder events;
+    EstimateDepth(TakeAll(kSlanted, Arc(3, 8, width, height)), {}, Quick(), &search, events.AsListener());
+    EXPECT_EQ(search.passes.size(), 3u);
+    EXPECT_FALSE(search.passes.at(0).local || search.passes.at(1).local) << "there is no coarser map";
+    return search.passes.at(2).local;
+  };
+  EXPECT_TRUE(is_local(320, 240));
+  EXPECT_FALSE(is_local(320, 238));
 }
 
 TEST(EstimateDepth, RunsWithoutGeometricPasses) {

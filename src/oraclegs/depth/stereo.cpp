@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kMinCoarseSide = 60;       // pixels: below, halving leaves patches nothing to compare
 constexpr int kGeometricIterations = 2;  // of a pass in which views must agree
+constexpr int kMinLocalSide = 240;       // pixels: below, the coarser resolution has missed too much
 constexpr int kHintRadius = 1;           // pixels around a known point that start at its depth
 
 class Stereo {
@@ -31,9 +32,9 @@ class Stereo {
         silhouettes_(views),
         ranges_(FindDepthRanges(views, points, silhouettes_)),
         neighbors_(FindNeighbors(views, points, options.neighbors)) {
-    int smallest = views.front().camera.width;
-    for (const LoadedView& p : views) smallest = std::min({smallest, p.camera.width, p.camera.height});
-    levels_ = smallest >= 2 * kMinCoarseSide ? 2 : 1;
+    smallest_ = views.front().camera.width;
+    for (const LoadedView& p : views) smallest_ = std::min({smallest_, p.camera.width, p.camera.height});
+    levels_ = smallest_ >= 2 * kMinCoarseSide ? 2 : 1;
     const auto n = static_cast<int64_t>(views.size());
     total_ = n * levels_ * options.geometric_passes + n;
   }
@@ -44,7 +45,7 @@ class Stereo {
     int pass = 0;
     for (int level = levels_ - 1; level >= 0; --level) {
       const StereoScene scene = SceneAt(level);
-      const bool first = maps.empty();
+      const bool first = maps.empty(), local = !first && smallest_ >> level >= kMinLocalSide;
       for (size_t v = 0; v < views_.size(); ++v) {
         const Camera& camera = scene.views[v].camera;
         if (first) {
@@ -56,7 +57,7 @@ class Stereo {
       search_.BeginLevel(scene, std::move(maps));
       if (first) ImproveAll(scene, {options_.iterations, pass++, false, false});
       for (int k = 0; k < options_.geometric_passes; ++k)
-        ImproveAll(scene, {kGeometricIterations, pass++, true, !first});
+        ImproveAll(scene, {kGeometricIterations, pass++, true, local});
       maps = search_.EndLevel();
       if (level == 0) return Finish(scene, maps);
     }
@@ -173,6 +174,7 @@ class Stereo {
   Silhouettes silhouettes_;
   std::vector<DepthRange> ranges_;
   std::vector<std::vector<int>> neighbors_;
+  int smallest_ = 0;  ///< side of all views
   int levels_ = 1;
   int64_t done_ = 0, total_ = 0;
 };
