@@ -15,10 +15,10 @@ namespace {
 constexpr double kFeatures = 0.2, kFeaturesOfPixel = 0.47e-6;  // a photo
 constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;        // a pair; features grow with the pixels' square root
 constexpr double kMapping = 3, kMappingOfPhoto = 0.3, kTriangulation = 0.5, kReuse = 0.3;
-constexpr double kStereoOfPixel = 24e-6, kStereo = 0.5;
+constexpr double kStereoOfPixel = 17e-6, kStereo = 0.5;
 constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
 constexpr double kProposeOfPixel = 0.35e-6, kPropose = 1;
-constexpr double kValidateOfPixel = 1.7e-6, kTeachOracleOfPixel = 6e-6, kValidate = 0.5;
+constexpr double kValidateOfPixel = 1.35e-6, kTeachOracleOfPixel = 5e-6, kValidate = 0.5;
 constexpr double kScoreOfPixel = 0.75e-6, kScore = 0.5, kLoadOfPixel = 26e-9;  // of an image as it came
 constexpr double kReport = 0.5, kReportOfPixel = 1e-6, kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
 constexpr int kOrbitFrames = 96;
