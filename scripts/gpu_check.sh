@@ -151,7 +151,8 @@ bench() {
 demo() {
   "$bin/oraclegs" demo-scene "$out/demo" || return
   for device in cpu cuda; do
-    "$bin/oraclegs" reconstruct "$out/demo" -o "$out/demo_$device" --device $device --iterations 500 --proposals 0 --eval --quiet || return
+    "$bin/oraclegs" reconstruct "$out/demo" -o "$out/demo_$device" --device $device --iterations 500 --max-gaussians 100000 \
+      --proposals 0 --eval --quiet || return
   done
 }
 # A model of some 400 000 Gaussians with the overlaps and the depths of a trained one.
