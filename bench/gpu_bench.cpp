@@ -1,7 +1,8 @@
 // What a GPU takes for training and for what comes before it. Only in builds with CUDA; needs a GPU.
 //
 //   build/cuda/bin/gpu_bench [--gaussians N] [--size WxH] [--scene FILE.ply --views transforms.json] [--passes N]
-//                            [--parts training,stereo,neighbors,warp] [--dump FOLDER] [--json FILE]
+//                            [--parts training,stereo,neighbors,warp] [--sh-moments full|compact] [--dump FOLDER]
+//                            [--json FILE]
 //
 // training prints a table: milliseconds of each stage of an iteration and of the whole, and the time that its memory
 // traffic and its arithmetic would take at the rates measured in the same run. The scene is synthetic or a trained
@@ -38,6 +39,7 @@ struct Arguments {
   std::string scene, views, dump, json;
   std::string parts = "training,stereo,neighbors,warp";
   int passes = 30;
+  ShMoments sh_moments = ShMoments::kFull;
 };
 
 int64_t PositiveNumber(const std::string& name, const std::string& value) {
@@ -64,6 +66,9 @@ Arguments Parse(const std::vector<std::string>& words) {
       a.views = value;
     } else if (name == "--parts") {
       a.parts = value;
+    } else if (name == "--sh-moments") {
+      if (value != "full" && value != "compact") throw UsageError("--sh-moments {}: full or compact", value);
+      a.sh_moments = value == "full" ? ShMoments::kFull : ShMoments::kCompact;
     } else if (name == "--dump") {
       a.dump = value;
     } else if (name == "--json") {
@@ -116,7 +121,7 @@ void TrainingPart(const Arguments& a, Results* results) {
   if (!a.dump.empty()) Dump(a.dump, scene);
   GpuReport report;
   const int64_t before = cuda::MemoryOfDevice().free;
-  GpuTraining training(scene, Device{DeviceKind::kCuda, 0});
+  GpuTraining training(scene, Device{DeviceKind::kCuda, 0}, a.sh_moments);
   report.times = training.Measure(a.passes);
   report.work = training.Work();
   report.training_bytes = static_cast<double>(before - cuda::MemoryOfDevice().free) / report.work.gaussians;

@@ -47,29 +47,34 @@ std::vector<TrainView> Targets(const GpuScene& scene, Device device) {
   return views;
 }
 
-TrainOptions OptionsFor(const GpuScene& scene) {
+TrainOptions OptionsFor(const GpuScene& scene, ShMoments sh_moments) {
   TrainOptions options = TrainOptions().Settled();
   options.iterations = kIterations;
   options.max_gaussians = static_cast<int>(scene.gaussians.size());
   options.opacity_noise = kOpacityNoise;
+  options.sh_moments = sh_moments;
   return options;
 }
 
-TrainedModel SteadyModel(const GpuScene& scene) {
-  TrainedModel model{scene.gaussians, Adam(scene.gaussians.size())};
-  model.adam.v.ForEach([](const char*, Buffer<float>& values) { std::ranges::fill(values.span(), 1.f); });
+TrainedModel SteadyModel(const GpuScene& scene, ShMoments sh_moments) {
+  TrainedModel model{scene.gaussians, Adam(scene.gaussians.size(), sh_moments)};
+  const auto fill = [](const char*, Buffer<float>& values) {
+    if (values.defined()) std::ranges::fill(values.span(), 1.f);
+  };
+  model.adam.v.ForEach(fill);
+  fill("sh_v", model.adam.sh_v);
   model.adam.step = 100'000;  // no bias is left to correct
   return model;
 }
 
 }  // namespace
 
-GpuTraining::GpuTraining(const GpuScene& scene, Device device)
-    : options_(OptionsFor(scene)),
+GpuTraining::GpuTraining(const GpuScene& scene, Device device, ShMoments sh_moments)
+    : options_(OptionsFor(scene, sh_moments)),
       plan_(options_, Targets(scene, device)),
       pixels_(static_cast<double>(scene.cameras.front().width) * scene.cameras.front().height),
       train_(cuda::MakeCudaTrainDevice(device, {options_, plan_, scene.gaussians.size()})),
-      model_(train_->Upload(SteadyModel(scene))),
+      model_(train_->Upload(SteadyModel(scene, sh_moments))),
       number_(kIterations / 10 * 9) {}
 
 Iteration GpuTraining::Next() {

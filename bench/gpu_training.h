@@ -17,7 +17,7 @@ namespace oraclegs {
 class GpuTraining {
  public:
   /// Errors as MakeCudaTrainDevice.
-  GpuTraining(const GpuScene& scene, Device device);
+  GpuTraining(const GpuScene& scene, Device device, ShMoments sh_moments = ShMoments::kFull);
   GpuTraining(const GpuTraining&) = delete;  // the device knows the plan by its address
   GpuTraining& operator=(const GpuTraining&) = delete;
 

@@ -83,8 +83,8 @@ class GpuCheckTest(WithStandIns):
     def test_all_good(self):
         done = self.check()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        steps = ["configure", "build_benchmark", "benchmark", "build_tests", "tests", "small", "ncu", "build_program", "demo",
-                 "train", "trained", "memcheck", "racecheck"]  # fmt: skip
+        steps = ["configure", "build_benchmark", "benchmark", "build_tests", "tests", "small", "compact", "ncu",
+                 "build_program", "demo", "train", "trained", "trained_large", "memcheck", "racecheck"]  # fmt: skip
         rows = [line.split()[0] for line in done.stdout.splitlines() if " passed " in line and not line.startswith("suites")]
         self.assertEqual(rows, steps)
         self.assert_row(done, "GPU", "found +NVIDIA H200, .*")
@@ -93,6 +93,8 @@ class GpuCheckTest(WithStandIns):
         self.assert_row(done, "iteration", r"good +2\.400 ms \(expected on an H200: at most 2.5 ms\)")
         self.assert_row(done, "forward", r"MISSED +0\.900 ms .*")
         self.assert_row(done, "iteration, trained", r"2\.400 ms, 5 Gaussians")
+        self.assert_row(done, "iteration, trained_large", r"good +2\.400 ms \(expected on an H200: at most 6 ms\)")
+        self.assert_row(done, "bytes a Gaussian, compact", r"good +790 .*")
         self.assert_row(done, "demo, PSNR", r"good +CPU 30\.000, GPU 30\.050 dB .*")
         self.assertNotIn("--packages", done.stdout)
 
@@ -165,6 +167,9 @@ class GpuCheckTest(WithStandIns):
         self.assert_row(done, "benchmark", "passed .*")
         self.assertIn("gsplat: not timed", done.stdout)
         self.assertNotRegex(done.stdout, r"(?m)^tests ")
+        done = self.check("--gsplat", str(self.dir / "nowhere"), "--scene", "model.ply", "--views", "transforms.json")
+        self.assert_row(done, "trained_large", "passed .*")
+        self.assertNotRegex(done.stdout, r"(?m)^benchmark ")
 
     def test_other_words(self):
         for words in (["--gsplats"], ["--scene", "model.ply"]):

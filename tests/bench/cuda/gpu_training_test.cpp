@@ -26,7 +26,7 @@ TEST_F(GpuTrainingTest, MeasuresWholeIterations) {
 }
 
 TEST_F(GpuTrainingTest, LeavesTheStateAsItIs) {
-  GpuTraining training(SyntheticScene(200, 48, 32), TestDevice());
+  GpuTraining training(SyntheticScene(200, 48, 32), TestDevice(), ShMoments::kCompact);
   training.Measure(1);
   const GpuWork before = training.Work();
   training.Measure(2);

@@ -23,7 +23,8 @@ DeviceImage ImageOf(const Buffer<T>& image) {
 /// Target and confidence are floats or bytes.
 template <class Target = float, class Confidence = float>
 Value RunOnDevice(const Buffer<float>& render, const Buffer<Target>& target, const Buffer<Confidence>& confidence,
-                  const PhotometricWeights& weights, MaskMeaning meaning = MaskMeaning::kConfidence) {
+                  const PhotometricWeights& weights, MaskMeaning meaning = MaskMeaning::kConfidence,
+                  int channels_at_once = 3) {
   const Buffer<float> x = OnTestDevice(render);
   const Buffer<Target> y = OnTestDevice(target);
   const Buffer<Confidence> u = OnTestDevice(confidence);
@@ -40,9 +41,9 @@ Value RunOnDevice(const Buffer<float>& render, const Buffer<Target>& target, con
   DeviceArray<PhotometricSums> sums("a test");
   DeviceArray<float> derivatives("a test");
   sums.ReserveExactly(PhotometricTiles(in.width, in.height));
-  derivatives.ReserveExactly(PhotometricDerivatives(in.width, in.height));
+  derivatives.ReserveExactly(PhotometricDerivatives(int64_t{in.width} * in.height, channels_at_once));
   const Buffer<float> grad = OnTestDevice(Buffer<float>::Full(render.shape(), 7.f));
-  RunPhotometric(in, {sums.data(), derivatives.data(), grad.data()}, nullptr);
+  RunPhotometric(in, {sums.data(), derivatives.data(), channels_at_once, grad.data()}, nullptr);
   Value value;
   for (const PhotometricSums& tile : ToHost(sums, PhotometricTiles(in.width, in.height))) {
     value.l1 += tile.l1 / entries;
@@ -86,6 +87,15 @@ class CudaPhotometric : public OnDevice<testing::TestWithParam<std::pair<int64_t
 };
 
 TEST_P(CudaPhotometric, IsTheCpusWithoutConfidence) { ExpectAsOnTheCpu({}); }
+
+TEST_P(CudaPhotometric, IsTheSameAChannelAtATime) {
+  const PhotometricWeights weights{0.7f, 0.3f};
+  const Value together = RunOnDevice(render, target, confidence, weights);
+  const Value apart = RunOnDevice(render, target, confidence, weights, MaskMeaning::kConfidence, 1);
+  EXPECT_TRUE(Equal(together.grad, apart.grad));
+  EXPECT_NEAR(together.l1, apart.l1, 1e-12);
+  EXPECT_NEAR(together.dssim, apart.dssim, 1e-12);
+}
 
 TEST_P(CudaPhotometric, IsTheCpusWithConfidence) {
   Table(confidence).leftCols((confidence.size(1) + 1) / 2).setZero();

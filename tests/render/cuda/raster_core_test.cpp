@@ -52,6 +52,55 @@ TEST_F(RasterCoreTest, KeepsBitsAfterManySmallViews) {
   EXPECT_EQ(rasterizer->stats().device_bytes, room);  // what is sent shrinks, and not what is held
 }
 
+TEST_F(RasterCoreTest, BucketsOfSeveralRunsGiveTheSameGradients) {
+  RenderTask task{RandomGaussians(2000, 0.15, 4), FrontCamera(60, 40)};  // up to 1500 in a tile
+  task.upstream = RandomUpstream(task.camera, 3);
+  task.options.background = {0.3f, 0.5f, 0.7f};
+  const RenderedTask expected = RunTask(cuda::MakeCudaRasterizer(TestDevice(), 1).get(), task, TestDevice());
+  for (const int runs : {2, 4}) {
+    const RenderedTask out = RunTask(cuda::MakeCudaRasterizer(TestDevice(), runs).get(), task, TestDevice());
+    EXPECT_TRUE(Equal(out.image, expected.image));
+    std::vector<Buffer<float>> wanted;
+    expected.grads.ForEach([&](const char*, const Buffer<float>& grad) { wanted.push_back(grad); });
+    size_t next = 0;
+    out.grads.ForEach([&](const char* name, const Buffer<float>& grad) {
+      const Buffer<float>& other = wanted[next++];
+      EXPECT_LE(MaxAbsError(grad, other), 1e-5 * static_cast<double>(MaxAbs(other))) << name << ", " << runs;
+    });
+  }
+}
+
+TEST_F(RasterCoreTest, TheBackwardPassCanBeRepeated) {
+  for (const int runs : {1, 4}) {
+    const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice(), runs);
+    const RenderTask task = Task(700, 60, 40);
+    const RenderedTask first = RunTask(rasterizer.get(), task, TestDevice());
+    const Gaussians g = task.gaussians.To(TestDevice());
+    Gaussians again = Gaussians::Zeros(g.size()).To(TestDevice());
+    const RenderGrads& up = task.upstream;
+    rasterizer->Backward(g, {up.image.To(TestDevice()), up.alpha.To(TestDevice()), up.inv_depth.To(TestDevice())},
+                         &again);
+    again = again.To(kCpu);
+    EXPECT_TRUE(Equal(again.means, first.grads.means));
+    EXPECT_TRUE(Equal(again.sh, first.grads.sh));
+  }
+}
+
+TEST_F(RasterCoreTest, EstimatesItsMemory) {
+  for (const int runs : {0, 4}) {
+    const RenderTask task = Task(2000, 200, 150);
+    const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice(), runs);
+    const RenderStats stats = RunTask(rasterizer.get(), task, TestDevice()).stats;
+    const int64_t held = stats.device_bytes, pixels = int64_t{200} * 150;
+    const int64_t estimate = cuda::EstimateRasterizerBytes(2000, stats.tile_pairs, pixels);
+    if (runs == 0) {
+      EXPECT_NEAR(static_cast<double>(estimate), static_cast<double>(held), 0.3 * static_cast<double>(held));
+    } else {
+      EXPECT_LT(held, estimate / 2);  // which is of the runs that so few Gaussians have
+    }
+  }
+}
+
 TEST_F(RasterCoreTest, CountsAndTimes) {
   const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   EXPECT_EQ(rasterizer->stats().tile_pairs, 0);

@@ -56,7 +56,7 @@ class OutOfMemoryTest : public CudaTest {
 
 TEST_F(OutOfMemoryTest, SaysWhatForAndNamesTheLastCheckpoint) {
   Trainer trainer = MakeTrainer();
-  const std::string what = RunsOut(&trainer, 6, Policy(2));
+  const std::string what = RunsOut(&trainer, 7, Policy(2));
   const auto newest = NewestCheckpoint(dir.path());
   ASSERT_TRUE(newest.has_value());
   EXPECT_THAT(what, AllOf(HasSubstr(fmt::format("iteration {} of 60: out of GPU memory", trainer.iteration() + 1)),
@@ -68,7 +68,7 @@ TEST_F(OutOfMemoryTest, TheLastCheckpointContinuesToTheSameBits) {
   Trainer whole = MakeTrainer();
   whole.Run({}, Silent());
   Trainer stopped = MakeTrainer();
-  ASSERT_NE(RunsOut(&stopped, 6, Policy(2)), "");
+  ASSERT_NE(RunsOut(&stopped, 7, Policy(2)), "");
   Trainer second = MakeTrainer();
   second.Restore(ReadCheckpoint(*NewestCheckpoint(dir.path())));
   second.Run(Policy(0), Silent());

@@ -30,6 +30,11 @@ __device__ float SsimTap(int k) {
   return kHalf[k < kSsimRadius ? kSsimRadius - k : k - kSsimRadius];
 }
 
+/// What a round works on.
+struct Channels {
+  int first, end;
+};
+
 /// One channel of a tile with its halo; row 0, column 0 is pixel (x0 - radius, y0 - radius).
 using HaloPlane = float[kHaloRows][kHaloStride];
 /// The same after the horizontal window: only the tile's own columns.
@@ -78,7 +83,7 @@ __device__ void FilterColumn(const RowsPlane& in, int row, int column, float* ou
 }
 
 /// First pass: the sums of the tile, and the derivatives where they are asked for.
-__global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out) {
+__global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out, Channels channels) {
   __shared__ HaloPlane render, target;
   __shared__ RowsPlane rows[4];
   __shared__ double sums[kSumThreads];
@@ -90,7 +95,7 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
   const int x = x0 + column;
   const int64_t pixels = static_cast<int64_t>(in.width) * in.height;
   double l1 = 0, dssim = 0;
-  for (int channel = 0; channel < 3; ++channel) {
+  for (int channel = channels.first; channel < channels.end; ++channel) {
     for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
       const int r = i / kHaloColumns, c = i % kHaloColumns;
       const PixelPair pair = LoadPixel(in, x0 + c - kSsimRadius, y0 + r - kSsimRadius, channel);
@@ -127,7 +132,7 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
       dssim += static_cast<double>((1 - s.ssim) * u);
       if (out.derivatives == nullptr) continue;
       const float g = -2 * in.dssim_scale * u;
-      float* to = out.derivatives + 3 * channel * pixels + pixel;
+      float* to = out.derivatives + 3 * (channel - channels.first) * pixels + pixel;
       to[0] = g * s.mean;
       to[pixels] = g * s.variance;
       to[2 * pixels] = g * s.covariance;
@@ -136,11 +141,14 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
   }
   l1 = BlockSum(l1, thread, sums);
   dssim = BlockSum(dssim, thread, sums);
-  if (thread == 0) out.sums[blockIdx.x] = {l1, dssim};
+  if (thread != 0) return;
+  PhotometricSums* const of_tile = out.sums + blockIdx.x;
+  if (channels.first > 0) l1 += of_tile->l1, dssim += of_tile->dssim;
+  *of_tile = {l1, dssim};
 }
 
 /// Second pass: dL/d(render) = window(mean) + render * window(variance) + target * window(covariance) + L1's.
-__global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) {
+__global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out, Channels channels) {
   __shared__ HaloPlane derivatives[3];
   __shared__ RowsPlane rows[3];
   const int thread = static_cast<int>(threadIdx.x);
@@ -150,8 +158,8 @@ __global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) 
   const int column = thread % kTileWidth, row = thread / kTileWidth * kRowsAThread;
   const int x = x0 + column;
   const int64_t pixels = static_cast<int64_t>(in.width) * in.height;
-  for (int channel = 0; channel < 3; ++channel) {
-    const float* from = out.derivatives + 3 * channel * pixels;
+  for (int channel = channels.first; channel < channels.end; ++channel) {
+    const float* from = out.derivatives + 3 * (channel - channels.first) * pixels;
     for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
       const int r = i / kHaloColumns, c = i % kHaloColumns;
       const int px = x0 + c - kSsimRadius, py = y0 + r - kSsimRadius;
@@ -186,8 +194,11 @@ __global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out) 
 
 void RunPhotometric(const PhotometricInput& in, const PhotometricOutput& out, cudaStream_t stream) {
   const LaunchShape shape{PhotometricTiles(in.width, in.height), kSumThreads};
-  Launch("the SSIM's statistics", PhotometricStatistics, shape, stream, in, out);
-  if (out.grad != nullptr) Launch("the gradient of the image", PhotometricGradient, shape, stream, in, out);
+  for (int first = 0; first < 3; first += out.channels_at_once) {
+    const Channels channels{first, first + out.channels_at_once};
+    Launch("the SSIM's statistics", PhotometricStatistics, shape, stream, in, out, channels);
+    if (out.grad != nullptr) Launch("the gradient of the image", PhotometricGradient, shape, stream, in, out, channels);
+  }
 }
 
 }  // namespace oraclegs::cuda

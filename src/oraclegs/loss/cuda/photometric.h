@@ -33,15 +33,20 @@ struct PhotometricInput {
 
 struct PhotometricOutput {
   PhotometricSums* sums = nullptr;  ///< [PhotometricTiles], one of each tile
-  float* derivatives = nullptr;     ///< [9,H,W], scratch: dL/d(mean, variance, covariance) of each window and channel
-  float* grad = nullptr;            ///< [H,W,3] dL/d(render)
+  /// [channels_at_once,3,H,W], scratch: dL/d(mean, variance, covariance) of each window.
+  float* derivatives = nullptr;
+  int channels_at_once = 3;  ///< 3 or 1: in three rounds, with a third of the scratch
+  float* grad = nullptr;     ///< [H,W,3] dL/d(render)
 };
 
 inline int64_t PhotometricTiles(int width, int height) {
   const int64_t columns = (width + kPhotometricTileWidth - 1) / kPhotometricTileWidth;
   return columns * ((height + kPhotometricTileHeight - 1) / kPhotometricTileHeight);
 }
-inline int64_t PhotometricDerivatives(int width, int height) { return int64_t{9} * width * height; }
+/// Floats of the scratch.
+inline int64_t PhotometricDerivatives(int64_t pixels, int channels_at_once) { return 3 * channels_at_once * pixels; }
+/// For views of up to so many pixels: large ones have enough tiles to fill a GPU with one channel.
+inline int PhotometricChannelsAtOnce(int64_t pixels) { return pixels > 500'000 ? 1 : 3; }
 
 /// Queues the work; nothing is waited for.
 void RunPhotometric(const PhotometricInput& in, const PhotometricOutput& out, cudaStream_t stream);

@@ -12,26 +12,29 @@ struct BlendInput {
   const TileRange* ranges;    ///< [tiles]
 };
 
-/// What backward needs; `ends.sums` null: nothing is kept.
+/// What the backward pass needs beside the image. Null: nothing is kept.
 struct BlendKept {
-  PixelEnds ends;
+  uint32_t* ends;  ///< [tiles, 256] first entry of the tile's list that does not contribute to the pixel
   BucketStates buckets;
 };
 
-/// One block a tile, one thread a pixel. Writes no image where `out` is null. Counts pixel_pairs and buckets.
-void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
-                  cudaStream_t stream);
+/// One block a tile, one thread a pixel. Writes no image where `out` is null. Counts pixel_pairs and buckets. Touches
+/// nothing where counters->pairs is above `listed`, the pairs that the lists had room for.
+void BlendForward(const BlendInput& in, int64_t listed, const ImagePlanes& out, const BlendKept& kept,
+                  Counters* counters, cudaStream_t stream);
 
 struct BlendBackwardInput {
   BlendInput forward;
+  ImagePlanes image;  ///< as BlendForward wrote it
   BlendKept kept;
   UpstreamPlanes upstream;
   const uint32_t* sorted_numbers;  ///< pair number of each sorted pair
   int64_t buckets;                 ///< filled ones
 };
 
-/// One warp a bucket, one lane a Gaussian: pixels pass along the lanes, so that every sum stays in a register of its
-/// own and no two threads add to one place. Writes records[pair] of the pairs in these buckets, kRecord floats each.
+/// One warp a bucket, run after run, one lane a Gaussian: pixels pass along the lanes, so that every sum stays in a
+/// register of its own and no two threads add to one place. Writes records[pair] of the pairs in these buckets that
+/// some pixel reaches, kRecord floats each. Overwrites the states of buckets of several runs.
 /// With (dx, dy) from the Gaussian to a pixel, h = alpha dL/d(alpha) (0 where capped), w = alpha T:
 /// [0] sum h  [1] h dx  [2] h dy  [3] h dx^2  [4] h dx dy  [5] h dy^2  [6..8] w dL/d(rgb)  [9] w dL/d(inv_depth)
 void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream);

@@ -6,6 +6,7 @@ namespace {
 
 constexpr int kWarpsPerBlock = 4;
 constexpr unsigned kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
+static_assert(kRun == kWarp);
 
 /// A pixel's centre in px, and the first entry that does not contribute to it. One load of 16 bytes.
 struct alignas(16) Place {
@@ -18,23 +19,24 @@ struct alignas(16) Place {
 struct Pixel {
   float4 gradient;  // dL/d(rgb), dL/d(inv_depth)
   Place place;
-  float2 start;  // transmittance, and what the rest of the list adds to the loss, at the bucket's start
+  float2 state;  // transmittance, and what the rest of the list adds to the loss: before the run, then behind it
 };
 
-/// A warp's pixels: those under way, and the numbers of those that reach its bucket.
+/// A warp's pixels: those under way, and the numbers of those that reach its run.
 struct Pixels {
   Pixel ring[kRing];
   uint8_t list[kTilePixels];
 };
 
 struct Tile {
-  int64_t first;        // of PixelEnds
-  int x, y;             // px
-  const float* states;  // of the bucket
+  const uint32_t* ends;  // as BlendKept's, of this tile
+  int x, y;              // px
+  float* states;         // of the bucket; behind the first run [256] transmittance, [256] rest
 };
 
-/// Pixel `i` of the tile as the bucket finds it.
-__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, int i, Pixel* pixel_of_ring) {
+/// Pixel `i` of the tile as the run finds it.
+__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, bool first_run, int i,
+                                 Pixel* pixel_of_ring) {
   const float* states = tile.states;
   const SplatCamera<float>& camera = in.forward.camera;
   const int x = tile.x + PixelX(i), y = tile.y + PixelY(i);
@@ -45,18 +47,18 @@ __device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile,
     g.x = from[0], g.y = from[1], g.z = from[2];
   }
   if (in.upstream.inv_depth != nullptr) g.w = in.upstream.inv_depth[pixel];
-  const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
-  const float4 sums = in.kept.ends.sums[tile.first + i];
-  const float last = in.kept.ends.transmittance[tile.first + i];
-  const float background_share =
-      g.x * camera.background[0] + g.y * camera.background[1] + g.z * camera.background[2] - g_alpha;
-  // The differences are of one running sum: what they lose is little against what is left of it.
-  const float rest = g.x * (sums.x - states[kTilePixels + i]) + g.y * (sums.y - states[2 * kTilePixels + i]) +
-                     g.z * (sums.z - states[3 * kTilePixels + i]) + g.w * (sums.w - states[4 * kTilePixels + i]) +
-                     last * background_share;
+  float rest = states[kTilePixels + i];
+  if (first_run) {
+    // The image is what the Gaussians and the background add up to; less what is in front, it is what follows.
+    const float* image = in.image.image + 3 * pixel;
+    const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
+    rest = g.x * (image[0] - rest) + g.y * (image[1] - states[2 * kTilePixels + i]) +
+           g.z * (image[2] - states[3 * kTilePixels + i]) +
+           g.w * (in.image.inv_depth[pixel] - states[4 * kTilePixels + i]) - (1.f - in.image.alpha[pixel]) * g_alpha;
+  }
   pixel_of_ring->gradient = g;
-  pixel_of_ring->place = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, in.kept.ends.end[tile.first + i]};
-  pixel_of_ring->start = make_float2(states[i], rest);
+  pixel_of_ring->place = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, tile.ends[i]};
+  pixel_of_ring->state = make_float2(states[i], rest);
 }
 
 /// One Gaussian's sums, as BlendBackward's records.
@@ -89,7 +91,7 @@ struct Sums {
   }
 };
 
-/// The numbers of the tile's pixels that the bucket's first entry finds open go to `list`. Returns how many.
+/// The numbers of the tile's pixels that entry `first` finds open go to `list`. Returns how many.
 __device__ inline int ListOpenPixels(const uint32_t* ends, uint32_t first, uint8_t* list) {
   const int lane = LaneInWarp();
   int count = 0;
@@ -103,6 +105,15 @@ __device__ inline int ListOpenPixels(const uint32_t* ends, uint32_t first, uint8
   return count;
 }
 
+/// What pixels [from, to) of the list carry on to the bucket's next run.
+__device__ inline void KeepStates(const Pixels& pixels, int from, int to, float* states) {
+  for (int k = from + LaneInWarp(); k < to; k += kWarp) {
+    const float2 state = pixels.ring[static_cast<unsigned>(k) % kRing].state;
+    states[pixels.list[k]] = state.x;
+    states[kTilePixels + pixels.list[k]] = state.y;
+  }
+}
+
 __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
   __shared__ Pixels shared[kWarpsPerBlock];
@@ -112,43 +123,64 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
   const int lane = LaneInWarp();
   const SplatCamera<float>& camera = in.forward.camera;
   const Bucket bucket = in.kept.buckets.buckets[number];
-  const Tile tile{int64_t{bucket.tile} * kTilePixels, static_cast<int>(bucket.tile % camera.tiles_x) * kTile,
+  const Tile tile{in.kept.ends + int64_t{bucket.tile} * kTilePixels,
+                  static_cast<int>(bucket.tile % camera.tiles_x) * kTile,
                   static_cast<int>(bucket.tile / camera.tiles_x) * kTile,
                   in.kept.buckets.states + number * kStateFloats * kTilePixels};
   const TileRange range = in.forward.ranges[bucket.tile];
-  const uint32_t mine = bucket.first + static_cast<uint32_t>(lane);
-  const bool has_entry = mine < range.end - range.begin;
+  const uint32_t entries = range.end - range.begin, bucket_end = bucket.first + in.kept.buckets.Length();
+  const uint32_t last = bucket_end < entries ? bucket_end : entries;
+  unsigned long long visited = 0;
 
-  const int count = ListOpenPixels(in.kept.ends.end + tile.first, bucket.first, pixels->list);
-  Splat splat{};
-  if (has_entry) splat = in.forward.splats[in.forward.entry_ids[range.begin + mine]];
-  Sums sums;
-  float2 state = make_float2(0, 0);
-  const uint32_t entry = has_entry ? mine : ~0u;  // none contributes where there is no Gaussian
-  const int steps = count > 0 ? count + kWarp - 1 : 0;
-  for (int first = 0; first < steps; first += kWarp) {
-    __syncwarp();
-    const int ahead = first + lane;
-    if (ahead < count) LoadPixel(in, tile, pixels->list[ahead], &pixels->ring[static_cast<unsigned>(ahead) % kRing]);
-    __syncwarp();
-    const int end = first + kWarp < steps ? first + kWarp : steps;
-    for (int step = first; step < end; ++step) {
-      // Each lane hands its pixel on to the next Gaussian.
-      state.x = __shfl_up_sync(kAllLanes, state.x, 1);
-      state.y = __shfl_up_sync(kAllLanes, state.y, 1);
-      const unsigned at = static_cast<unsigned>(step - lane);
-      if (at >= static_cast<unsigned>(count)) continue;
-      const Pixel& pixel = pixels->ring[at % kRing];
-      if (lane == 0) state = pixel.start;
-      const Place place = pixel.place;
-      if (entry >= place.end) continue;
-      sums.Accumulate(splat, place.x - splat.mx, place.y - splat.my, pixel.gradient, &state);
+  for (uint32_t run = bucket.first; run < last; run += kRun) {
+    const int count = ListOpenPixels(tile.ends, run, pixels->list);
+    if (count == 0) break;  // the rest of the list reaches no pixel
+    const uint32_t mine = run + static_cast<uint32_t>(lane);
+    const bool has_entry = mine < entries, carries = run + kRun < last;
+    Splat splat{};
+    if (has_entry) splat = in.forward.splats[in.forward.entry_ids[range.begin + mine]];
+    Sums sums;
+    float2 state = make_float2(0, 0);
+    const uint32_t entry = has_entry ? mine : ~0u;  // none contributes where there is no Gaussian
+    const int steps = count + kWarp - 1;
+    int kept = 0;
+    for (int first = 0; first < steps; first += kWarp) {
+      __syncwarp();
+      // The last lane is through with all but the newest pixels, whose places in the ring are not yet taken again.
+      if (carries && first > kWarp) {
+        KeepStates(*pixels, kept, first - kWarp, tile.states);
+        kept = first - kWarp;
+        __syncwarp();
+      }
+      const int ahead = first + lane;
+      if (ahead < count) {
+        LoadPixel(in, tile, run == bucket.first, pixels->list[ahead],
+                  &pixels->ring[static_cast<unsigned>(ahead) % kRing]);
+      }
+      __syncwarp();
+      const int end = first + kWarp < steps ? first + kWarp : steps;
+      for (int step = first; step < end; ++step) {
+        // Each lane hands its pixel on to the next Gaussian.
+        state.x = __shfl_up_sync(kAllLanes, state.x, 1);
+        state.y = __shfl_up_sync(kAllLanes, state.y, 1);
+        const unsigned at = static_cast<unsigned>(step - lane);
+        if (at >= static_cast<unsigned>(count)) continue;
+        Pixel* const pixel = &pixels->ring[at % kRing];
+        if (lane == 0) state = pixel->state;
+        const Place place = pixel->place;
+        if (entry < place.end) {
+          sums.Accumulate(splat, place.x - splat.mx, place.y - splat.my, pixel->gradient, &state);
+        }
+        if (lane == kWarp - 1) pixel->state = state;
+      }
     }
+    __syncwarp();
+    if (carries) KeepStates(*pixels, kept, count, tile.states);
+    if (has_entry) sums.Store(records + int64_t{kRecord} * in.sorted_numbers[range.begin + mine]);
+    visited += static_cast<unsigned long long>(count) * kRun;
+    __syncwarp();  // the next run overwrites the list, and reads what was kept
   }
-  if (has_entry) sums.Store(records + int64_t{kRecord} * in.sorted_numbers[range.begin + mine]);
-  if (lane == 0 && count > 0) {
-    atomicAdd(&counters->pixel_pairs_backward, static_cast<unsigned long long>(count) * kBucket);
-  }
+  if (lane == 0 && visited != 0) atomicAdd(&counters->pixel_pairs_backward, visited);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kBatch = 4 * kBucket;  // entries in shared memory at once
+constexpr int kBatch = kMaxRuns * kRun;  // entries in shared memory at once
 
 /// One pixel on its way from the eye.
 struct Ray {
@@ -38,9 +38,10 @@ struct Ray {
 
 template <bool kTrain>
 __global__ void __launch_bounds__(kTilePixels)
-    BlendForwardKernel(BlendInput in, ImagePlanes out, BlendKept kept, Counters* counters) {
+    BlendForwardKernel(BlendInput in, int64_t listed, ImagePlanes out, BlendKept kept, Counters* counters) {
   __shared__ Splat batch[kBatch];
   __shared__ uint32_t first_slot;
+  if (counters->pairs > static_cast<unsigned long long>(listed)) return;
   const uint32_t tile = blockIdx.x;
   const int thread = static_cast<int>(threadIdx.x), lane = LaneInWarp();
   const int tile_x = static_cast<int>(tile % in.camera.tiles_x) * kTile, x = tile_x + PixelX(thread);
@@ -55,41 +56,41 @@ __global__ void __launch_bounds__(kTilePixels)
 
   const TileRange range = in.ranges[tile];
   const uint32_t count = range.end - range.begin;
+  const uint32_t length = kTrain ? kept.buckets.Length() : kBatch;
   for (uint32_t begin = 0; begin < count; begin += kBatch) {
     if (!__syncthreads_or(ray.open)) break;
     const uint32_t n = count - begin < kBatch ? count - begin : kBatch;
     if (threadIdx.x < n) batch[threadIdx.x] = in.splats[in.entry_ids[range.begin + begin + threadIdx.x]];
     if (kTrain && threadIdx.x == 0) {
-      const uint32_t buckets = (n + kBucket - 1) / kBucket;
+      const uint32_t buckets = (n + length - 1) / length;
       first_slot = atomicAdd(&counters->buckets, buckets);
       for (uint32_t k = 0; k < buckets && first_slot + k < kept.buckets.capacity; ++k) {
-        kept.buckets.buckets[first_slot + k] = {tile, begin + k * kBucket};
+        kept.buckets.buckets[first_slot + k] = {tile, begin + k * length};
       }
     }
     __syncthreads();
-    for (uint32_t chunk = 0; chunk < n; chunk += kBucket) {
+    uint32_t slot = first_slot, bucket = 0;  // the next bucket's
+    for (uint32_t run = 0; run < n; run += kRun) {
       if (!__any_sync(kAllLanes, ray.open)) break;
-      if (kTrain && first_slot + chunk / kBucket < kept.buckets.capacity) {
-        ray.Save(kept.buckets.states + int64_t{first_slot + chunk / kBucket} * kStateFloats * kTilePixels);
+      if (kTrain && run == bucket) {
+        if (slot < kept.buckets.capacity) {
+          ray.Save(kept.buckets.states + int64_t{slot} * kStateFloats * kTilePixels);
+        }
+        ++slot, bucket += length;
       }
       // Each lane tests whether one Gaussian reaches the warp's 8 x 4 pixels.
-      const uint32_t candidate = chunk + static_cast<uint32_t>(lane);
+      const uint32_t candidate = run + static_cast<uint32_t>(lane);
       const bool reaches = candidate < n && Reaches(ReachOf(batch[candidate]), warp_x, warp_y, 7.f, 3.f);
       unsigned left = __ballot_sync(kAllLanes, reaches);
       visited += kWarp * __popc(left);
       for (; left != 0; left &= left - 1) {
-        const uint32_t i = chunk + static_cast<uint32_t>(__ffs(static_cast<int>(left)) - 1);
+        const uint32_t i = run + static_cast<uint32_t>(__ffs(static_cast<int>(left)) - 1);
         if (ray.open) ray.Accumulate(batch[i], begin + i);
       }
     }
   }
   if (lane == 0 && visited != 0) atomicAdd(&counters->pixel_pairs, visited);
-  if (kTrain) {
-    const int64_t at = int64_t{tile} * kTilePixels + thread;
-    kept.ends.sums[at] = make_float4(ray.r, ray.g, ray.b, ray.inv_z);
-    kept.ends.transmittance[at] = ray.transmittance;
-    kept.ends.end[at] = ray.end;
-  }
+  if (kTrain) kept.ends[int64_t{tile} * kTilePixels + thread] = ray.end;
   if (!inside || out.image == nullptr) return;
   const int64_t pixel = int64_t{y} * in.camera.width + x;
   out.image[3 * pixel] = fmaf(ray.transmittance, in.camera.background[0], ray.r);
@@ -101,10 +102,10 @@ __global__ void __launch_bounds__(kTilePixels)
 
 }  // namespace
 
-void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
-                  cudaStream_t stream) {
-  const auto kernel = kept.ends.sums != nullptr ? BlendForwardKernel<true> : BlendForwardKernel<false>;
-  Launch("blending", kernel, {in.camera.tiles(), kTilePixels}, stream, in, out, kept, counters);
+void BlendForward(const BlendInput& in, int64_t listed, const ImagePlanes& out, const BlendKept& kept,
+                  Counters* counters, cudaStream_t stream) {
+  const auto kernel = kept.ends != nullptr ? BlendForwardKernel<true> : BlendForwardKernel<false>;
+  Launch("blending", kernel, {in.camera.tiles(), kTilePixels}, stream, in, listed, out, kept, counters);
 }
 
 }  // namespace oraclegs::cuda

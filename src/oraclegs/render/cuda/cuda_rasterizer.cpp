@@ -19,9 +19,9 @@ cudaStream_t StreamOf(Device device) {
 
 class CudaRasterizer final : public Rasterizer {
  public:
-  explicit CudaRasterizer(Device device)
+  CudaRasterizer(Device device, int runs)
       : device_(device),
-        core_(StreamOf(device)),
+        core_(StreamOf(device), runs),
         image_(device, kImages),
         alpha_(device, kImages),
         inv_depth_(device, kImages) {}
@@ -81,6 +81,13 @@ class CudaRasterizer final : public Rasterizer {
 
 }  // namespace
 
-std::unique_ptr<Rasterizer> MakeCudaRasterizer(Device device) { return std::make_unique<CudaRasterizer>(device); }
+std::unique_ptr<Rasterizer> MakeCudaRasterizer(Device device, int runs) {
+  return std::make_unique<CudaRasterizer>(device, runs);
+}
+
+int64_t EstimateRasterizerBytes(int64_t gaussians, int64_t pairs, int64_t pixels) {
+  constexpr int64_t kImageBytes = 5 * sizeof(float);  // of a pixel: rgb, alpha and inverse depth
+  return RasterCore::EstimateBytes(gaussians, pairs, pixels) + kImageBytes * pixels;
+}
 
 }  // namespace oraclegs::cuda

@@ -15,16 +15,35 @@ namespace {
 constexpr int64_t kSortedWords = 4;  // of a pair, see RasterCore::pair_work_
 constexpr int64_t kPeakDecay = 64;   // views in which the remembered peak of pairs decays by 1/e
 static_assert(kSortedWords <= kRecord && sizeof(float) == sizeof(uint32_t));
+constexpr int64_t kOrderWords = 4;  // of a Gaussian, see RasterCore::states_
+constexpr int64_t kStateWords = int64_t{kStateFloats} * kTilePixels;
+// From so many Gaussians on a bucket has two runs, and four: a quarter of the states to write, keep and read. With
+// fewer Gaussians there are too few buckets to fill a GPU.
+constexpr int64_t kTwoRuns = 250'000, kFourRuns = 600'000;
 
 /// With room for a next view that has more.
-int64_t WithSpare(int64_t count) { return count + count / 4; }
+int64_t WithSpare(int64_t count) { return count + count / 8; }
+
+/// Runs of a bucket.
+int RunsFor(int asked, int64_t gaussians) {
+  if (asked > 0) return asked;
+  return gaussians >= kFourRuns ? 4 : gaussians >= kTwoRuns ? 2 : 1;
+}
 
 }  // namespace
 
 void RequireCountable(int64_t gaussians, int64_t pairs) {
-  if (pairs <= INT32_MAX / 2) return;  // a quarter more is room for the next view
+  if (pairs <= INT32_MAX / 2) return;  // an eighth more is room for the next view
   throw RunError("{} Gaussians cover {} tiles in one view, more than 2^30: lower --max-gaussians or raise --downscale",
                  gaussians, pairs);
+}
+
+void RasterCore::ReserveGaussians(int64_t n) {
+  splats_.ReserveExactly(n);
+  rects_.ReserveExactly(n);
+  counts_.ReserveExactly(n);
+  begins_.ReserveExactly(n);
+  states_.ReserveExactly(kOrderWords * n);
 }
 
 void RasterCore::ReservePairs(int64_t pairs) {
@@ -46,27 +65,26 @@ void RasterCore::Forward(const SplatCamera<float>& camera, const GaussianParamet
   const int64_t n = parameters.n;
   splats_.Reserve(n);
   rects_.Reserve(n);
-  for (DeviceArray<uint32_t>* array : {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_}) {
-    array->Reserve(n);
-  }
+  counts_.Reserve(n);
+  begins_.Reserve(n);
+  states_.Reserve(kOrderWords * n);
   counters_.ReserveExactly(1);
-  ranges_.Reserve(camera.tiles());
+  ranges_.ReserveExactly(camera.tiles());
   if (train) {
-    sums_.Reserve(camera.tiles() * kTilePixels);
-    transmittance_.Reserve(camera.tiles() * kTilePixels);
-    ends_.Reserve(camera.tiles() * kTilePixels);
+    ends_.ReserveExactly(camera.tiles() * kTilePixels);
+    ReserveBuckets(0);
   }
 
   begin_.Record(stream_);
   counters_.FillBytes(0, 1, stream_);
   ProjectSplats(camera, parameters, splats_.data(), rects_.data(), stream_);
   projected_.Record(stream_);
-  CountTiles(splats_.data(), rects_.data(), n, {counts_.data(), depths_.data(), ids_.data(), counters_.data()},
-             stream_);
+  const Order order = OrderOf(n);
+  CountTiles(splats_.data(), rects_.data(), n, {counts_.data(), order.depths, order.ids, counters_.data()}, stream_);
   counted_.Ask(counters_.data(), stream_);
-  SortByKey({depths_.data(), ids_.data(), sorted_depths_.data(), sorted_ids_.data(), n}, 32, &scratch_, stream_);
-  GatherCounts(counts_.data(), sorted_ids_.data(), n, depths_.data(), stream_);
-  ExclusiveSum(depths_.data(), ids_.data(), n, &scratch_, stream_);
+  SortByKey({order.depths, order.ids, order.sorted_depths, order.sorted_ids, n}, 32, &scratch_, stream_);
+  GatherCounts(counts_.data(), order.sorted_ids, n, order.depths, stream_);
+  ExclusiveSum(order.depths, order.ids, n, &scratch_, stream_);
 
   // Usually this view has about as many pairs as the recent ones: all work is queued before their number is read.
   sent_pairs_ = std::min(pair_room_, WithSpare(recent_pairs_));
@@ -82,6 +100,18 @@ void RasterCore::Forward(const SplatCamera<float>& camera, const GaussianParamet
   forward_done_ = true;
 }
 
+RasterCore::Order RasterCore::OrderOf(int64_t n) {
+  uint32_t* const words = reinterpret_cast<uint32_t*>(states_.data());
+  return {words, words + n, words + 2 * n, words + 3 * n};
+}
+
+int64_t RasterCore::BucketRoom() const { return std::min(states_.capacity() / kStateWords, buckets_.capacity()); }
+
+void RasterCore::ReserveBuckets(int64_t buckets) {
+  states_.ReserveExactly(buckets * kStateWords);
+  buckets_.ReserveExactly(states_.capacity() / kStateWords);
+}
+
 void RasterCore::SendBinAndBlend() {
   pair_work_.ReserveExactly(pair_room_ * (train_ ? kRecord : kSortedWords));
   uint32_t* const tile_of = pair_work_.data();
@@ -89,7 +119,8 @@ void RasterCore::SendBinAndBlend() {
   uint32_t* const numbers = sorted_tiles + sent_pairs_;
   uint32_t* const gaussians = numbers + sent_pairs_;
   pair_work_.FillBytes(0xff, sent_pairs_, stream_);  // tiles that no pair overwrites sort to the end
-  ListPairs({splats_.data(), rects_.data(), sorted_ids_.data(), ids_.data(), parameters_.n, camera_.tiles_x},
+  const Order order = OrderOf(parameters_.n);
+  ListPairs({splats_.data(), rects_.data(), order.sorted_ids, order.ids, parameters_.n, camera_.tiles_x},
             {tile_of, numbers, gaussians, begins_.data(), sent_pairs_}, stream_);
   const uint32_t tiles = static_cast<uint32_t>(camera_.tiles());
   SortByKey({tile_of, numbers, sorted_tiles, sorted_numbers_.data(), sent_pairs_}, std::bit_width(tiles), &scratch_,
@@ -98,12 +129,6 @@ void RasterCore::SendBinAndBlend() {
   FindTileRanges({sorted_tiles, sorted_numbers_.data(), gaussians, sent_pairs_, tiles}, ranges_.data(),
                  entry_ids_.data(), stream_);
   binned_.Record(stream_);
-  if (train_ && bucket_room_ == 0) {
-    const int64_t guess = pair_room_ / kBucket / 2 + 2 * camera_.tiles();
-    buckets_.ReserveExactly(guess);
-    states_.ReserveExactly(guess * kStateFloats * kTilePixels);
-    bucket_room_ = guess;
-  }
   SendBlend(planes_);
   drawn_.Record(stream_);
 }
@@ -112,13 +137,15 @@ void RasterCore::SendBlend(const ImagePlanes& out) {
   constexpr size_t kFirst = offsetof(Counters, pixel_pairs);
   Check(cudaMemsetAsync(reinterpret_cast<char*>(counters_.data()) + kFirst, 0, sizeof(Counters) - kFirst, stream_),
         "blending");
-  BlendKept kept{};
-  if (train_) {
-    kept.ends = {sums_.data(), transmittance_.data(), ends_.data()};
-    kept.buckets = {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)};
-  }
-  BlendForward({camera_, splats_.data(), entry_ids_.data(), ranges_.data()}, out, kept, counters_.data(), stream_);
+  BlendForward({camera_, splats_.data(), entry_ids_.data(), ranges_.data()}, sent_pairs_, out,
+               train_ ? Kept() : BlendKept{}, counters_.data(), stream_);
   blended_.Ask(counters_.data(), stream_);
+}
+
+BlendKept RasterCore::Kept() {
+  return {ends_.data(),
+          {buckets_.data(), states_.data(), static_cast<uint32_t>(BucketRoom()),
+           static_cast<uint32_t>(RunsFor(runs_, parameters_.n))}};
 }
 
 GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parameters, const UpstreamPlanes& upstream) {
@@ -127,20 +154,17 @@ GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parame
                      parameters.n);
   }
   const int64_t buckets = blended_.Get().buckets;
-  if (buckets > bucket_room_) {
-    bucket_room_ = 0;
-    const int64_t room = WithSpare(buckets);
-    buckets_.ReserveExactly(room);
-    states_.ReserveExactly(room * kStateFloats * kTilePixels);
-    bucket_room_ = room;
+  if (buckets > BucketRoom()) {
+    ReserveBuckets(WithSpare(buckets));
     SendBlend({});  // the images stay as they are
+  } else if (backward_done_ && RunsFor(runs_, parameters_.n) > 1) {
+    SendBlend({});  // the last backward pass has overwritten the states
   }
   backward_begin_.Record(stream_);
   pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // entries that contribute to no pixel write nothing
   const BlendInput forward{camera_, splats_.data(), entry_ids_.data(), ranges_.data()};
-  const BlendKept kept{{sums_.data(), transmittance_.data(), ends_.data()},
-                       {buckets_.data(), states_.data(), static_cast<uint32_t>(bucket_room_)}};
-  cuda::BlendBackward({forward, kept, upstream, sorted_numbers_.data(), buckets}, records(), counters_.data(), stream_);
+  cuda::BlendBackward({forward, planes_, Kept(), upstream, sorted_numbers_.data(), buckets}, records(),
+                      counters_.data(), stream_);
   blended_backward_.Record(stream_);
   return {camera_, parameters, begins_.data(), counts_.data(), records(), stream_};
 }
@@ -170,11 +194,20 @@ StageTimes RasterCore::times() const {
   return times;
 }
 
+int64_t RasterCore::EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixels) {
+  constexpr int64_t kOfGaussian = sizeof(Splat) + sizeof(TileRect) + 2 * sizeof(uint32_t);
+  constexpr int64_t kOfPair = sizeof(float) * (kRecord + 2);
+  constexpr int64_t kOfBucket = sizeof(float) * kStateWords + sizeof(Bucket);
+  // Every tile ends with a bucket that is partly filled.
+  const int64_t buckets = pairs / (RunsFor(0, gaussians) * kRun) + pixels / kTilePixels;
+  return kOfGaussian * gaussians + WithSpare(kOfPair * pairs) + WithSpare(kOfBucket * buckets) +
+         static_cast<int64_t>(sizeof(uint32_t)) * pixels;
+}
+
 int64_t RasterCore::bytes() const {
-  int64_t sum = splats_.bytes() + rects_.bytes() + ranges_.bytes() + sums_.bytes() + transmittance_.bytes() +
-                ends_.bytes() + buckets_.bytes() + states_.bytes() + scratch_.bytes();
-  for (const DeviceArray<uint32_t>* array : {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_,
-                                             &sorted_numbers_, &entry_ids_, &pair_work_}) {
+  int64_t sum =
+      splats_.bytes() + rects_.bytes() + ranges_.bytes() + buckets_.bytes() + states_.bytes() + scratch_.bytes();
+  for (const DeviceArray<uint32_t>* array : {&counts_, &begins_, &ends_, &sorted_numbers_, &entry_ids_, &pair_work_}) {
     sum += array->bytes();
   }
   return sum;

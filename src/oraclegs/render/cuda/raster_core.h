@@ -21,24 +21,20 @@ void RequireCountable(int64_t gaussians, int64_t pairs);
 
 class RasterCore {
  public:
-  /// All work goes to `stream`, in order.
-  explicit RasterCore(cudaStream_t stream) : stream_(stream) {}
+  /// All work goes to `stream`, in order. `runs` of 32 entries make a bucket: 1, 2 or 4; 0: more, the more Gaussians
+  /// there are.
+  explicit RasterCore(cudaStream_t stream, int runs = 0) : stream_(stream), runs_(runs) {}
 
   /// Takes the memory for so many Gaussians now, without spare room; pairs come as they are needed. Throws OutOfMemory.
-  void ReserveGaussians(int64_t n) {
-    splats_.ReserveExactly(n);
-    rects_.ReserveExactly(n);
-    for (DeviceArray<uint32_t>* array : {&counts_, &begins_, &depths_, &sorted_depths_, &ids_, &sorted_ids_}) {
-      array->ReserveExactly(n);
-    }
-  }
+  void ReserveGaussians(int64_t n);
 
   /// Throws OutOfMemory, or RunError when there are 2^30 pairs and more.
   void Forward(const SplatCamera<float>& camera, const GaussianParameters& parameters, const ImagePlanes& out,
                bool train);
 
   /// The adjoint of the last Forward(train) up to the records of pairs; `parameters` as then, perhaps elsewhere in
-  /// memory. What it returns is for RunGaussianBackward, and valid until the next Forward.
+  /// memory; the images that it wrote are read. What it returns is for RunGaussianBackward, and valid until the next
+  /// Forward.
   GaussianBackwardInput BlendBackward(const GaussianParameters& parameters, const UpstreamPlanes& upstream);
 
   /// To be called when the Gaussian backward stage was sent: it is timed and counted until here.
@@ -52,24 +48,34 @@ class RasterCore {
   /// Device memory held now.
   int64_t bytes() const;
 
+  /// bytes() of training, about, without what sorting takes.
+  static int64_t EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixels);
+
  private:
+  /// In order of depth: the Gaussians, and the number of the first pair of each (`ids`, once they are sorted).
+  struct Order {
+    uint32_t *depths, *ids, *sorted_depths, *sorted_ids;
+  };
+  Order OrderOf(int64_t n);
+  int64_t BucketRoom() const;
+  void ReserveBuckets(int64_t buckets);
+  BlendKept Kept();
   void SendBinAndBlend();
   void SendBlend(const ImagePlanes& out);
   float* records() { return reinterpret_cast<float*>(pair_work_.data()); }
   void ReservePairs(int64_t pairs);
 
   cudaStream_t stream_;
+  int runs_;
   SplatCamera<float> camera_{};
   GaussianParameters parameters_{};
   ImagePlanes planes_{};
   bool train_ = false, forward_done_ = false, backward_done_ = false;
 
-  // By Gaussian. The sort's input is scratch afterwards: the counts in order of depth, and their running sum.
+  // By Gaussian.
   DeviceArray<Splat> splats_{"the projected Gaussians"};
   DeviceArray<TileRect> rects_{"the tiles of Gaussians"};
   DeviceArray<uint32_t> counts_{"the tile counts of Gaussians"}, begins_{"the first pairs of Gaussians"};
-  DeviceArray<uint32_t> depths_{"the depths of Gaussians"}, sorted_depths_{"the sorted depths"};
-  DeviceArray<uint32_t> ids_{"the numbers of Gaussians"}, sorted_ids_{"the order of Gaussians"};
 
   // By pair.
   int64_t pairs_ = 0, pair_room_ = 0;
@@ -82,12 +88,11 @@ class RasterCore {
 
   // By tile and pixel, and by bucket.
   DeviceArray<TileRange> ranges_{"the tiles"};
-  DeviceArray<float4> sums_{"the pixels of the backward pass"};
-  DeviceArray<float> transmittance_{"the pixels of the backward pass"};
   DeviceArray<uint32_t> ends_{"the pixels of the backward pass"};
-  int64_t bucket_room_ = 0;
   DeviceArray<Bucket> buckets_{"the buckets of the backward pass"};
-  DeviceArray<float> states_{"the buckets of the backward pass"};
+  /// First the order of the Gaussians, of which nothing is needed once pairs are listed; the sort's input is scratch
+  /// afterwards. From blending on the states of the buckets.
+  DeviceArray<float> states_{"the order of Gaussians and the buckets of the backward pass"};
 
   Scratch scratch_{"sorting"};
   DeviceArray<Counters> counters_{"counters"};

@@ -4,7 +4,8 @@
 // project -> count tiles -> sort by depth -> list pairs -> sort by tile -> blend | blend backward -> Gaussian backward
 //
 // A pair is one Gaussian in one tile. Pairs are numbered Gaussian after Gaussian in the order of depth; a tile's list
-// holds the numbers of its pairs, near to far, in buckets of 32.
+// holds the numbers of its pairs, near to far, in runs of 32. One run or several make a bucket, before which the
+// state of the tile's pixels is kept for the backward pass.
 
 #include <cuda_runtime.h>
 
@@ -16,7 +17,8 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr int kBucket = 32;      ///< neighbours in a tile's list, one warp in the backward pass
+inline constexpr int kRun = 32;         ///< neighbours in a tile's list that a warp takes at once
+inline constexpr int kMaxRuns = 4;      ///< of a bucket
 inline constexpr int kRecord = 10;      ///< floats of one pair's gradient
 inline constexpr int kStateFloats = 5;  ///< of a pixel at the start of a bucket: transmittance, rgb, inverse depth
 
@@ -25,7 +27,7 @@ struct alignas(8) TileRange {
   uint32_t begin, end;
 };
 
-/// 32 consecutive entries of a tile's list, for which the state of the pixels was kept.
+/// Consecutive entries of a tile's list, before which the state of the pixels was kept.
 struct alignas(8) Bucket {
   uint32_t tile, first;  ///< first entry, from the tile's begin
 };
@@ -42,18 +44,14 @@ struct ImagePlanes {
   float *image, *alpha, *inv_depth;
 };
 
-/// What the backward pass reads of the forward pass, by tile and thread: [tiles, 256].
-struct PixelEnds {
-  float4* sums;  ///< rgb and inverse depth, without background
-  float* transmittance;
-  uint32_t* end;  ///< first entry of the tile's list that does not contribute to the pixel
-};
-
 /// Buckets that some pixel reached, in any order.
 struct BucketStates {
   Bucket* buckets;
   float* states;      ///< [buckets, kStateFloats, 256]
   uint32_t capacity;  ///< buckets; later ones are only counted
+  uint32_t runs;      ///< of a bucket: 1, 2 or kMaxRuns
+
+  ORACLEGS_HD inline uint32_t Length() const { return runs * kRun; }
 };
 
 /// What the last stage, the gradients of Gaussians, reads. Valid until the next Forward.

@@ -21,12 +21,9 @@ namespace oraclegs::cuda {
 namespace {
 
 constexpr size_t kMaxUnchecked = 1024;  // iterations whose loss the host has not asked for
-// Of the rasteriser (render/cuda/raster_core.h), with the spare quarter of its arrays by pair. How many tiles a
-// Gaussian reaches depends on the scene; trained ones reach about three in the mean, those out of sight counted in.
-constexpr int64_t kRasterizerBytesAGaussian = 80;
-constexpr int64_t kRasterizerBytesAPair = 260;
+// How many tiles a Gaussian reaches depends on the scene; trained ones reach about three in the mean, those out of
+// sight counted in.
 constexpr int64_t kPairsAGaussian = 3;
-constexpr int64_t kRasterizerBytesAPixel = 64;
 
 /// Takes the step of each gradient while it is in registers.
 struct DeviceStep final : GradientConsumer {
@@ -178,8 +175,7 @@ class CudaTrainDevice final : public TrainDevice {
   DeviceViews ViewsOnDevice() {
     DeviceViews views(plan_);
     TrainingSize size{capacity_, LargestOf(plan_).pixels, views.bytes(), 0, options_.sh_moments};
-    size.rasterizer_bytes = (kRasterizerBytesAGaussian + kPairsAGaussian * kRasterizerBytesAPair) * capacity_ +
-                            kRasterizerBytesAPixel * size.pixels;
+    size.rasterizer_bytes = EstimateRasterizerBytes(capacity_, kPairsAGaussian * capacity_, size.pixels);
     RequireMemory(EstimateMemory(size), MemoryOfDevice().free);
     views.MoveTo(device_);
     return views;

@@ -46,7 +46,8 @@ CudaViewLoss::CudaViewLoss(const LossPlan& plan, DeviceViews views, Device devic
   grad_image_ = image(3);
   grad_inv_depth_ = image(1);
   grad_alpha_ = image(1);
-  derivatives_.ReserveExactly(9 * pixels);
+  channels_at_once_ = PhotometricChannelsAtOnce(pixels);
+  derivatives_.ReserveExactly(PhotometricDerivatives(pixels, channels_at_once_));
   photometric_sums_.ReserveExactly(tiles);
   depth_sums_.ReserveExactly(MaskedL1Blocks(pixels));
   alpha_sums_.ReserveExactly(MaskedL1Blocks(pixels));
@@ -131,7 +132,7 @@ void CudaViewLoss::QueuePhotometric(const LossTerm& term, const Rendered& render
   in.l1_scale = static_cast<float>(term.photometric.l1 / entries);
   in.dssim_scale = static_cast<float>(term.photometric.dssim / entries);
   const int64_t tiles = PhotometricTiles(in.width, in.height);
-  RunPhotometric(in, {photometric_sums_.data(), derivatives_.data(), grad_image_.data()}, kStream);
+  RunPhotometric(in, {photometric_sums_.data(), derivatives_.data(), channels_at_once_, grad_image_.data()}, kStream);
   const PhotometricSums* parts = photometric_sums_.data();
   sums->Add({&parts->l1, tiles, 2, static_cast<double>(term.photometric.l1) / entries});
   sums->Add({&parts->dssim, tiles, 2, static_cast<double>(term.photometric.dssim) / entries});
