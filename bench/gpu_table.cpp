@@ -12,7 +12,7 @@ namespace {
 constexpr double kSmall = 44, kSh = 192;  // a Gaussian's parameters: without SH, SH
 constexpr double kSplat = 48, kRect = 8, kRecord = 40;
 constexpr double kImage = 20;                // a pixel of the render: colour, alpha, inverse depth
-constexpr double kEnds = 24;                 // what backward reads of a pixel
+constexpr double kEnds = 4;                  // what backward reads of a pixel beside it
 constexpr double kTarget = 3, kColour = 12;  // a pixel as bytes, as floats
 // Arithmetic of a pixel in a Gaussian, where it counts (render/cuda/blend_forward.cu, blend_backward.cu).
 constexpr double kBlendFlops = 21, kBlendBackwardFlops = 55;
@@ -28,7 +28,8 @@ std::vector<GpuStage> GpuStages(const GpuWork& w, const GpuTimes& t) {
       {"bin + sort", t.bin, w.gaussians * (kRect + 4 * 16) + w.tile_pairs * (12 + 2 * 16 + 16), 0},
       {"blend", t.blend, w.tile_pairs * (4 + kSplat) + w.pixels * (kImage + kEnds), w.pixel_pairs * kBlendFlops},
       {"loss", t.loss, w.pixels * (kColour + kTarget + kColour), 0},
-      {"blend backward", t.blend_backward, w.tile_pairs * (4 + kSplat + kRecord) + w.pixels * (kColour + kEnds),
+      {"blend backward", t.blend_backward,
+       w.tile_pairs * (4 + kSplat + kRecord) + w.pixels * (kColour + kImage + kEnds),
        w.pixel_pairs_backward * kBlendBackwardFlops},
       // Parameters and both moments, read and written.
       {"Gaussians, Adam, noise", t.gaussian_backward, w.gaussians * 2 * 3 * model + w.tile_pairs * kRecord, 0}};

@@ -247,11 +247,11 @@ bench small 30 --parts training --gaussians 100000 --size 480x270
 bench compact 30 --parts training --sh-moments compact
 [[ -z $scene ]] || trained "$scene" "$views"
 
-# Duration, memory and arithmetic throughput of the five kernels that an iteration spends most of its time in, twice each.
+# Duration, memory and arithmetic throughput of the five kernels that an iteration spends most of its time in, in two iterations.
 if command -v ncu > /dev/null; then
   kernels='^(ProjectKernel|BlendForwardKernel|PhotometricStatistics|BlendBackwardKernel|GaussianBackwardKernel)$'
   on_gpu gpu_bench ncu 90 ncu --clock-control none --section SpeedOfLight --section Occupancy --section LaunchStats \
-    --section MemoryWorkloadAnalysis -k "regex:$kernels" --launch-skip 22 --launch-count 10 "$bin/gpu_bench" --parts training --passes 1
+    --section MemoryWorkloadAnalysis -k "regex:$kernels" --launch-skip 31 --launch-count 14 "$bin/gpu_bench" --parts training --passes 1
   grep -hE '^  [A-Za-z].*(Kernel|Photometric)|^ +(Duration|Memory Throughput|Compute \(SM\) Throughput|Registers Per|Achieved Occ)' \
     "$out/ncu.log" 2> /dev/null
 else
@@ -276,6 +276,6 @@ sanitize() {
     skip "$name" "no compute-sanitizer on the PATH"
   fi
 }
-sanitize memcheck 90 '*RasterizerGolden*sh3:*RasterizerScenes*/huge:*LaunchTest*:GpuTrainingTest.Measures*:CudaPlaneSearchTest.Silhouettes*'
+sanitize memcheck 90 '*RasterizerGolden*sh3:*RasterizerScenes*/huge:*LaunchTest*:GpuTrainingTest.Measures*:RasterCoreTest.BucketsOf*:RasterCoreTest.TheBackward*:CudaPlaneSearchTest.Silhouettes*'
 sanitize racecheck 60 '*RasterizerGolden*sh3:*Photometric*' --tool racecheck
 finish

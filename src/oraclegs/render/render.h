@@ -28,7 +28,8 @@ enum class RenderPass {
   kTrain,      ///< what Backward needs is kept until the next Forward
 };
 
-/// Images of one camera. Valid until the rasteriser's next Forward: buffers are reused.
+/// Images of one camera. Valid until the rasteriser's next Forward: buffers are reused. Backward may read them: they
+/// stay as they are until then.
 struct RenderOutput {
   Buffer<float> image;      ///< [H,W,3] composited on the background, not clamped
   Buffer<float> alpha;      ///< [H,W] 1 - transmittance

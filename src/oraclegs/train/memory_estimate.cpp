@@ -9,7 +9,7 @@ namespace oraclegs {
 namespace {
 
 // Of a pixel: the gradients of the render, of its inverse depth and of its alpha, the render through an exposure map,
-// and the derivatives of the SSIM, which on large images are nine one after the other.
+// and the derivatives of the SSIM, nine, of which large images keep three at a time.
 constexpr int64_t kLossBytesAPixel = (3 + 1 + 1 + 3 + 9) * 4;
 
 }  // namespace

@@ -77,9 +77,11 @@ TEST_F(RasterCoreTest, TheBackwardPassCanBeRepeated) {
     const RenderedTask first = RunTask(rasterizer.get(), task, TestDevice());
     const Gaussians g = task.gaussians.To(TestDevice());
     Gaussians again = Gaussians::Zeros(g.size()).To(TestDevice());
-    const RenderGrads& up = task.upstream;
-    rasterizer->Backward(g, {up.image.To(TestDevice()), up.alpha.To(TestDevice()), up.inv_depth.To(TestDevice())},
-                         &again);
+    const RenderGrads up{OnTestDevice(task.upstream.image), OnTestDevice(task.upstream.alpha),
+                         OnTestDevice(task.upstream.inv_depth)};
+    GradientConsumer of_the_cpu;  // takes no gradients of a device
+    EXPECT_THROW(rasterizer->BackwardInto(g, up, &of_the_cpu), ShapeError);
+    rasterizer->Backward(g, up, &again);
     again = again.To(kCpu);
     EXPECT_TRUE(Equal(again.means, first.grads.means));
     EXPECT_TRUE(Equal(again.sh, first.grads.sh));

@@ -136,7 +136,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     const int count = ListOpenPixels(tile.ends, run, pixels->list);
     if (count == 0) break;  // the rest of the list reaches no pixel
     const uint32_t mine = run + static_cast<uint32_t>(lane);
-    const bool has_entry = mine < entries, carries = run + kRun < last;
+    const bool has_entry = mine < entries, carries = run + kRun < last, is_last = lane == kWarp - 1;
     Splat splat{};
     if (has_entry) splat = in.forward.splats[in.forward.entry_ids[range.begin + mine]];
     Sums sums;
@@ -171,7 +171,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
         if (entry < place.end) {
           sums.Accumulate(splat, place.x - splat.mx, place.y - splat.my, pixel->gradient, &state);
         }
-        if (lane == kWarp - 1) pixel->state = state;
+        if (carries && is_last) pixel->state = state;
       }
     }
     __syncwarp();

@@ -137,6 +137,7 @@ void RasterCore::SendBlend(const ImagePlanes& out) {
   constexpr size_t kFirst = offsetof(Counters, pixel_pairs);
   Check(cudaMemsetAsync(reinterpret_cast<char*>(counters_.data()) + kFirst, 0, sizeof(Counters) - kFirst, stream_),
         "blending");
+  states_spent_ = false;
   BlendForward({camera_, splats_.data(), entry_ids_.data(), ranges_.data()}, sent_pairs_, out,
                train_ ? Kept() : BlendKept{}, counters_.data(), stream_);
   blended_.Ask(counters_.data(), stream_);
@@ -157,9 +158,10 @@ GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parame
   if (buckets > BucketRoom()) {
     ReserveBuckets(WithSpare(buckets));
     SendBlend({});  // the images stay as they are
-  } else if (backward_done_ && RunsFor(runs_, parameters_.n) > 1) {
-    SendBlend({});  // the last backward pass has overwritten the states
+  } else if (states_spent_) {
+    SendBlend({});
   }
+  states_spent_ = true;
   backward_begin_.Record(stream_);
   pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // entries that contribute to no pixel write nothing
   const BlendInput forward{camera_, splats_.data(), entry_ids_.data(), ranges_.data()};
@@ -196,7 +198,7 @@ StageTimes RasterCore::times() const {
 
 int64_t RasterCore::EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixels) {
   constexpr int64_t kOfGaussian = sizeof(Splat) + sizeof(TileRect) + 2 * sizeof(uint32_t);
-  constexpr int64_t kOfPair = sizeof(float) * (kRecord + 2);
+  constexpr int64_t kOfPair = sizeof(float) * (kRecord + 2) + 8;  // the last is what sorting them takes
   constexpr int64_t kOfBucket = sizeof(float) * kStateWords + sizeof(Bucket);
   // Every tile ends with a bucket that is partly filled.
   const int64_t buckets = pairs / (RunsFor(0, gaussians) * kRun) + pixels / kTilePixels;

@@ -48,7 +48,7 @@ class RasterCore {
   /// Device memory held now.
   int64_t bytes() const;
 
-  /// bytes() of training, about, without what sorting takes.
+  /// bytes() of training, about.
   static int64_t EstimateBytes(int64_t gaussians, int64_t pairs, int64_t pixels);
 
  private:
@@ -71,6 +71,7 @@ class RasterCore {
   GaussianParameters parameters_{};
   ImagePlanes planes_{};
   bool train_ = false, forward_done_ = false, backward_done_ = false;
+  bool states_spent_ = false;  ///< a backward pass has been sent, which overwrites them
 
   // By Gaussian.
   DeviceArray<Splat> splats_{"the projected Gaussians"};

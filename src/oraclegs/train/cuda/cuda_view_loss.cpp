@@ -46,8 +46,7 @@ CudaViewLoss::CudaViewLoss(const LossPlan& plan, DeviceViews views, Device devic
   grad_image_ = image(3);
   grad_inv_depth_ = image(1);
   grad_alpha_ = image(1);
-  channels_at_once_ = PhotometricChannelsAtOnce(pixels);
-  derivatives_.ReserveExactly(PhotometricDerivatives(pixels, channels_at_once_));
+  derivatives_.ReserveExactly(PhotometricDerivatives(pixels, PhotometricChannelsAtOnce(pixels)));
   photometric_sums_.ReserveExactly(tiles);
   depth_sums_.ReserveExactly(MaskedL1Blocks(pixels));
   alpha_sums_.ReserveExactly(MaskedL1Blocks(pixels));
@@ -132,7 +131,8 @@ void CudaViewLoss::QueuePhotometric(const LossTerm& term, const Rendered& render
   in.l1_scale = static_cast<float>(term.photometric.l1 / entries);
   in.dssim_scale = static_cast<float>(term.photometric.dssim / entries);
   const int64_t tiles = PhotometricTiles(in.width, in.height);
-  RunPhotometric(in, {photometric_sums_.data(), derivatives_.data(), channels_at_once_, grad_image_.data()}, kStream);
+  const bool together = PhotometricDerivatives(int64_t{in.width} * in.height, 3) <= derivatives_.capacity();
+  RunPhotometric(in, {photometric_sums_.data(), derivatives_.data(), together ? 3 : 1, grad_image_.data()}, kStream);
   const PhotometricSums* parts = photometric_sums_.data();
   sums->Add({&parts->l1, tiles, 2, static_cast<double>(term.photometric.l1) / entries});
   sums->Add({&parts->dssim, tiles, 2, static_cast<double>(term.photometric.dssim) / entries});

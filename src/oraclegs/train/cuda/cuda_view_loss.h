@@ -35,7 +35,6 @@ class CudaViewLoss {
   const LossPlan& plan_;
   DeviceViews views_;
   Buffer<float> grad_image_, shown_, grad_inv_depth_, grad_alpha_;  // of the largest view
-  int channels_at_once_ = 3;                                        // of the photometric loss
   DeviceArray<float> derivatives_{"the gradients of the image"};
   DeviceArray<PhotometricSums> photometric_sums_{"the sums of the loss"};
   DeviceArray<double> depth_sums_{"the sums of the loss"}, alpha_sums_{"the sums of the loss"},
