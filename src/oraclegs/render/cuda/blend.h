@@ -10,6 +10,7 @@ struct BlendInput {
   const Splat* splats;
   const uint32_t* entry_ids;  ///< Gaussian of each sorted pair
   const TileRange* ranges;    ///< [tiles]
+  int64_t listed;             ///< pairs that the lists have room for
 };
 
 /// What the backward pass needs beside the image. Null: nothing is kept.
@@ -19,9 +20,9 @@ struct BlendKept {
 };
 
 /// One block a tile, one thread a pixel. Writes no image where `out` is null. Counts pixel_pairs and buckets. Touches
-/// nothing where counters->pairs is above `listed`, the pairs that the lists had room for.
-void BlendForward(const BlendInput& in, int64_t listed, const ImagePlanes& out, const BlendKept& kept,
-                  Counters* counters, cudaStream_t stream);
+/// nothing where counters->pairs is above in.listed.
+void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
+                  cudaStream_t stream);
 
 struct BlendBackwardInput {
   BlendInput forward;

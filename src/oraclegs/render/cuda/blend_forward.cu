@@ -38,10 +38,10 @@ struct Ray {
 
 template <bool kTrain>
 __global__ void __launch_bounds__(kTilePixels)
-    BlendForwardKernel(BlendInput in, int64_t listed, ImagePlanes out, BlendKept kept, Counters* counters) {
+    BlendForwardKernel(BlendInput in, ImagePlanes out, BlendKept kept, Counters* counters) {
   __shared__ Splat batch[kBatch];
   __shared__ uint32_t first_slot;
-  if (counters->pairs > static_cast<unsigned long long>(listed)) return;
+  if (counters->pairs > static_cast<unsigned long long>(in.listed)) return;
   const uint32_t tile = blockIdx.x;
   const int thread = static_cast<int>(threadIdx.x), lane = LaneInWarp();
   const int tile_x = static_cast<int>(tile % in.camera.tiles_x) * kTile, x = tile_x + PixelX(thread);
@@ -102,10 +102,10 @@ __global__ void __launch_bounds__(kTilePixels)
 
 }  // namespace
 
-void BlendForward(const BlendInput& in, int64_t listed, const ImagePlanes& out, const BlendKept& kept,
-                  Counters* counters, cudaStream_t stream) {
+void BlendForward(const BlendInput& in, const ImagePlanes& out, const BlendKept& kept, Counters* counters,
+                  cudaStream_t stream) {
   const auto kernel = kept.ends != nullptr ? BlendForwardKernel<true> : BlendForwardKernel<false>;
-  Launch("blending", kernel, {in.camera.tiles(), kTilePixels}, stream, in, listed, out, kept, counters);
+  Launch("blending", kernel, {in.camera.tiles(), kTilePixels}, stream, in, out, kept, counters);
 }
 
 }  // namespace oraclegs::cuda

@@ -138,10 +138,11 @@ void RasterCore::SendBlend(const ImagePlanes& out) {
   Check(cudaMemsetAsync(reinterpret_cast<char*>(counters_.data()) + kFirst, 0, sizeof(Counters) - kFirst, stream_),
         "blending");
   states_spent_ = false;
-  BlendForward({camera_, splats_.data(), entry_ids_.data(), ranges_.data()}, sent_pairs_, out,
-               train_ ? Kept() : BlendKept{}, counters_.data(), stream_);
+  BlendForward(Listed(), out, train_ ? Kept() : BlendKept{}, counters_.data(), stream_);
   blended_.Ask(counters_.data(), stream_);
 }
+
+BlendInput RasterCore::Listed() { return {camera_, splats_.data(), entry_ids_.data(), ranges_.data(), sent_pairs_}; }
 
 BlendKept RasterCore::Kept() {
   return {ends_.data(),
@@ -164,8 +165,7 @@ GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parame
   states_spent_ = true;
   backward_begin_.Record(stream_);
   pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // entries that contribute to no pixel write nothing
-  const BlendInput forward{camera_, splats_.data(), entry_ids_.data(), ranges_.data()};
-  cuda::BlendBackward({forward, planes_, Kept(), upstream, sorted_numbers_.data(), buckets}, records(),
+  cuda::BlendBackward({Listed(), planes_, Kept(), upstream, sorted_numbers_.data(), buckets}, records(),
                       counters_.data(), stream_);
   blended_backward_.Record(stream_);
   return {camera_, parameters, begins_.data(), counts_.data(), records(), stream_};

@@ -59,6 +59,7 @@ class RasterCore {
   Order OrderOf(int64_t n);
   int64_t BucketRoom() const;
   void ReserveBuckets(int64_t buckets);
+  BlendInput Listed();
   BlendKept Kept();
   void SendBinAndBlend();
   void SendBlend(const ImagePlanes& out);
