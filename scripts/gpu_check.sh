@@ -26,6 +26,10 @@ while (($#)); do
 done
 [[ -n $scene && -n $views || -z $scene$views ]] || usage
 cd "$(dirname "$0")/.." || exit 2
+if [[ $scene == "$(realpath -m build/gpu_check)"/* || $views == "$(realpath -m build/gpu_check)"/* ]]; then
+  echo "scripts/gpu_check.sh: $scene lies in build/gpu_check, which is emptied first: copy it and its views elsewhere" >&2
+  exit 2
+fi
 
 deadline=$((SECONDS + seconds))
 jobs=${ORACLEGS_JOBS:-$(nproc)}

@@ -161,6 +161,15 @@ class GpuCheckTest(WithStandIns):
         self.assert_row(done, "trained", "passed .*")
         self.assertNotRegex(done.stdout, r"(?m)^train ")
 
+    def test_a_scene_that_would_be_deleted(self):
+        scene = self.dir / "build/gpu_check/room_trained/point_cloud.ply"
+        scene.parent.mkdir(parents=True)
+        scene.touch()
+        done = self.check("--scene", str(scene), "--views", "transforms.json")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("copy it", done.stderr)
+        self.assertTrue(scene.exists())
+
     def test_gsplat_is_a_call_of_its_own(self):
         done = self.check("--gsplat", str(self.dir / "nowhere"))
         self.assertEqual(done.returncode, 1)

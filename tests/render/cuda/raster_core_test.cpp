@@ -53,10 +53,11 @@ TEST_F(RasterCoreTest, KeepsBitsAfterManySmallViews) {
 }
 
 TEST_F(RasterCoreTest, BucketsOfSeveralRunsGiveTheSameGradients) {
-  RenderTask task{RandomGaussians(2000, 0.15, 4), FrontCamera(60, 40)};  // up to 1500 in a tile
+  RenderTask task{RandomGaussians(2000, 0.15, 4), FrontCamera(60, 40)};
   task.upstream = RandomUpstream(task.camera, 3);
   task.options.background = {0.3f, 0.5f, 0.7f};
   const RenderedTask expected = RunTask(cuda::MakeCudaRasterizer(TestDevice(), 1).get(), task, TestDevice());
+  ASSERT_GT(expected.stats.tile_pairs, 2 * 128 * 12);  // 12 tiles of several buckets, also of the longest
   for (const int runs : {2, 4}) {
     const RenderedTask out = RunTask(cuda::MakeCudaRasterizer(TestDevice(), runs).get(), task, TestDevice());
     EXPECT_TRUE(Equal(out.image, expected.image));
