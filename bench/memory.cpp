@@ -1,7 +1,7 @@
 // What a training run holds at its largest.
 
+#include "oraclegs/core/memory.h"
 #include "bench/benchmarks.h"
-#include "oraclegs/pipeline/stages/metrics.h"
 
 namespace oraclegs {
 

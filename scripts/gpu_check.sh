@@ -2,17 +2,20 @@
 # Builds with CUDA and runs what needs a GPU. What is worth most comes first, and every step runs although others failed.
 #   scripts/gpu_check.sh [--packages FILE] [--scene FILE.ply --views transforms.json] [--seconds N]
 #   scripts/gpu_check.sh --gsplat PATH [--packages FILE] [--scene FILE.ply --views transforms.json] [--seconds N]
+#   scripts/gpu_check.sh --networks [--packages FILE] [--seconds N]
 # --packages  libraries that scripts/gpu_pack.sh packed, for a machine without them
 # --scene     a trained model to measure beside the synthetic scene; its cameras. Without it the demo scene is trained for that
 # --gsplat    only times gsplat, built from its source (with its submodules) at PATH, beside gpu_bench on the same scene
+# --networks  only builds the networks with the PyTorch of python3, runs their tests and times Stable Virtual Camera and VGGT
 # --seconds   the time for everything, 540 unless given
 # Needs nvcc, CMake 3.25, Ninja, g++ and python3; nothing of Python but its standard library. Logs and figures lie in
 # build/gpu_check, and all together in $OUT/gpu_check.tar.gz where OUT names a folder, else in build/gpu_check.tar.gz.
 # Exit code 0 when every step passed or was skipped and there is a GPU.
 set -uo pipefail
-usage() { sed -n '3,4s/^# */usage: /p' "$0" >&2; exit 2; }
-packages='' scene='' views='' gsplat='' seconds=540
+usage() { sed -n '3,5s/^# */usage: /p' "$0" >&2; exit 2; }
+packages='' scene='' views='' gsplat='' networks='' seconds=540
 while (($#)); do
+  [[ $1 != --networks ]] || { networks=yes; shift; continue; }
   (($# > 1)) || usage
   case "$1" in
     --packages) packages=$(realpath -- "$2") ;;
@@ -25,6 +28,7 @@ while (($#)); do
   shift 2
 done
 [[ -n $scene && -n $views || -z $scene$views ]] || usage
+[[ -z $networks || -z $gsplat$scene ]] || usage
 cd "$(dirname "$0")/.." || exit 2
 if [[ $scene == "$(realpath -m build/gpu_check)"/* || $views == "$(realpath -m build/gpu_check)"/* ]]; then
   echo "scripts/gpu_check.sh: $scene lies in build/gpu_check, which is emptied first: copy it and its views elsewhere" >&2
@@ -33,7 +37,8 @@ fi
 
 deadline=$((SECONDS + seconds))
 jobs=${ORACLEGS_JOBS:-$(nproc)}
-export out=build/gpu_check bin=build/cuda/bin
+tree=build/cuda${networks:+_networks}
+export out=build/gpu_check bin=$tree/bin
 mkdir -p build
 archive=$(realpath -- "${OUT:-build}")/gpu_check.tar.gz
 rm -rf "$out" && mkdir -p "$out/scene" "$out/tests"
@@ -95,10 +100,12 @@ on_gpu() {
   fi
 }
 
-# build NAME SECONDS TARGET: as much of the target as compiles.
+# build NAME SECONDS TARGET...: as much of the targets as compiles.
 build() {
-  [[ -f build/cuda/build.ninja ]] || { skip "$1" "not configured"; return; }
-  step "$1" "$2" cmake --build build/cuda --parallel "$jobs" --target "$3" -- -k 0
+  local name=$1 limit=$2
+  shift 2
+  [[ -f $tree/build.ninja ]] || { skip "$name" "not configured"; return; }
+  step "$name" "$limit" cmake --build "$tree" --parallel "$jobs" --target "$@" -- -k 0
 }
 
 # Makes the packed libraries known to CMake, pkg-config and the programs that are built, and to nothing else.
@@ -166,10 +173,10 @@ demo() {
       --proposals 0 --eval --quiet || return
   done
 }
-# A model of some 400 000 Gaussians with the overlaps and the depths of a trained one.
+# A model of a million and a half Gaussians with the overlaps and the depths of a trained one.
 train() {
   "$bin/oraclegs" demo-scene "$out/room" --demo-views 24 --width 960 --height 720 --samples 2 &&
-    "$bin/oraclegs" reconstruct "$out/room" -o "$out/room_trained" --device cuda --iterations 4000 --max-gaussians 400000 \
+    "$bin/oraclegs" reconstruct "$out/room" -o "$out/room_trained" --device cuda --iterations 4000 --max-gaussians 1500000 \
       --proposals 0 --quiet
 }
 
@@ -209,8 +216,8 @@ if (out / "demo_cuda/metrics.json").exists() and None in psnr:
     bad = True
     line("demo, PSNR", "MISSED", "the runs have no test views")
 elif None not in psnr:
-    bad = abs(psnr[0] - psnr[1]) > 0.1
-    line("demo, PSNR", "MISSED" if bad else "good", "CPU %.3f, GPU %.3f dB (expected: within 0.1 dB)" % tuple(psnr))
+    bad = abs(psnr[0] - psnr[1]) > 0.4  # two seeds on one device differ by as much
+    line("demo, PSNR", "MISSED" if bad else "good", "CPU %.3f, GPU %.3f dB (expected: within 0.4 dB)" % tuple(psnr))
 sys.exit(bad)
 PY
 }
@@ -224,9 +231,25 @@ gpu=$(nvidia-smi --query-gpu=name,compute_cap,driver_version,memory.total --form
 architecture=$(cut -d, -f2 <<<"$gpu" | tr -d ' .')
 [[ -n $gpu ]] && row GPU found "$gpu" || fail GPU "no NVIDIA driver answers: everything is built, for an H200, and nothing is run"
 
-configure=(--preset cuda -DORACLEGS_NETWORKS=OFF -DORACLEGS_WERROR=OFF -DCMAKE_CUDA_FLAGS=-Xptxas=-v
+configure=(--preset cuda -DORACLEGS_NETWORKS=$([[ $networks ]] && echo ON || echo OFF) -DORACLEGS_WERROR=OFF -DCMAKE_CUDA_FLAGS=-Xptxas=-v
            -DCMAKE_CUDA_ARCHITECTURES="${architecture:-90}")
 [[ -z $packages ]] || use_packages
+if [[ -n $networks ]]; then
+  torch=$(python3 -c 'import torch; print(torch.utils.cmake_prefix_path)' 2> /dev/null) || { fail PyTorch "python3 has none"; finish; }
+  export CMAKE_PREFIX_PATH=$torch${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH}
+  step configure 100 cmake "${configure[@]}" -B "$tree" -DORACLEGS_PYTHON=OFF || finish
+  build build_networks 400 seva_bench vggt_bench networks_torch_tests
+  on_gpu seva_bench seva 120 "$bin/seva_bench" 21 576 bfloat16 batched cuda
+  on_gpu seva_bench seva_autocast 120 "$bin/seva_bench" 21 576 autocast batched cuda
+  on_gpu vggt_bench vggt 90 "$bin/vggt_bench" --views 12 --device cuda
+  if [[ -f tests/golden/seva_unet_tiny.safetensors ]]; then
+    on_gpu networks_torch_tests networks_tests 200 "$bin/networks_torch_tests" --gtest_brief=1
+  else
+    skip networks_tests "this copy has no reference numbers of networks in tests/golden"
+  fi
+  cat "$out"/{seva,seva_autocast,vggt}.log 2> /dev/null
+  finish
+fi
 # Without the libraries of the program, or of the tests, the benchmark can still be built.
 step configure 100 cmake "${configure[@]}" -DORACLEGS_APPS=ON -DORACLEGS_TESTS=ON ||
   step configure_engine 60 cmake "${configure[@]}" -DORACLEGS_APPS=OFF -DORACLEGS_TESTS=ON ||

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <string>
 
+#include "oraclegs/core/memory.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/networks/depth_anything/depth_anything.h"
-#include "oraclegs/pipeline/stages/metrics.h"
 
 int main(int argc, char** argv) {
   using namespace oraclegs;

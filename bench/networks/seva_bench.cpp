@@ -1,60 +1,50 @@
 // One guided denoising step of SEVA at full width with made-up weights, held against the matrix products that the
 // machine does in the same run: the floor is the step's operations at that rate. Prints one line.
-//   build/release/bin/seva_bench [FRAMES [SIDE [float32|bfloat16|float16 [batched|in-turn [cpu|cuda]]]]]
+//   build/release/bin/seva_bench [FRAMES [SIDE [float32|bfloat16|float16|autocast [batched|in-turn [cpu|cuda]]]]]
 // 21 576 bfloat16 batched cuda is the published size; 2 128 is one that a processor does in a minute.
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <torch/cuda.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "bench/networks/placed_parameters.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/memory.h"
 #include "oraclegs/networks/seva/conditioning.h"
 #include "oraclegs/networks/seva/cost.h"
 #include "oraclegs/networks/seva/memory.h"
+#include "oraclegs/networks/seva/model.h"
 
 namespace oraclegs::seva {
 namespace {
 
 struct Settings {
   int64_t frames = 2, side = 128;
-  torch::ScalarType type = torch::kFloat;
   Halves halves = Halves::kBatched;
   torch::Device device = torch::kCPU;
+  Precision precision = Precision::kFloat32;
+
+  Placement placement() const { return PlaceOn(device, precision); }
 };
 
 Settings Parse(const std::vector<std::string>& words) {
   Settings settings;
   if (words.size() > 0) settings.frames = std::stoll(words[0]);
   if (words.size() > 1) settings.side = std::stoll(words[1]);
-  if (words.size() > 2 && words[2] == "bfloat16") settings.type = torch::kBFloat16;
-  if (words.size() > 2 && words[2] == "float16") settings.type = torch::kHalf;
+  if (words.size() > 2) {
+    const std::optional<Precision> precision = FromWord<Precision>(words[2]);
+    if (!precision) throw UsageError("{} is no precision; there are {}", words[2], AllWords<Precision>(", "));
+    settings.precision = *precision;
+  }
   if (words.size() > 3 && words[3] == "in-turn") settings.halves = Halves::kInTurn;
   if (words.size() > 4) settings.device = torch::Device(words[4]);
   return settings;
-}
-
-/// Made-up weights where they are needed.
-class PlacedParameters : public ParameterSource {
- public:
-  explicit PlacedParameters(const Settings& settings) : settings_(settings), random_(1) {}
-  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
-    return random_.Get(name, shape).to(settings_.device, settings_.type);
-  }
-  void Unused(const std::string&, at::IntArrayRef) override {}
-
- private:
-  const Settings& settings_;
-  RandomParameters random_;
-};
-
-void Wait(const Settings& settings) {
-  if (settings.device.is_cuda()) torch::cuda::synchronize();
 }
 
 /// The fastest of three.
@@ -62,33 +52,30 @@ template <class F>
 double Seconds(const Settings& settings, F&& f) {
   double fastest = 1e30;
   for (int i = 0; i < 3; ++i) {
-    Wait(settings);
+    WaitFor(settings.device);
     const auto start = std::chrono::steady_clock::now();
     f();
-    Wait(settings);
+    WaitFor(settings.device);
     fastest = std::min(fastest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
   return fastest;
 }
 
-/// The most memory that the process has held, GB.
-double PeakGigabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e9;
-}
-
 /// Operations a second of a large matrix product.
 double MatrixPeak(const Settings& settings) {
   const int64_t n = settings.device.is_cuda() ? 8192 : 2048;
-  const Tensor a = at::rand({n, n}).to(settings.device, settings.type), b = a.clone();
+  const Placement placement = settings.placement();
+  const torch::ScalarType type = placement.products.value_or(placement.type);
+  const Tensor a = at::rand({n, n}).to(settings.device, type), b = a.clone();
   const double size = static_cast<double>(n);
   return 2 * size * size * size / Seconds(settings, [&] { at::mm(a, b); });
 }
 
 void Measure(const Settings& settings) {
-  PlacedParameters source(settings);
-  const Unet unet = LoadUnet(source, UnetConfig());
+  const Placement placement = settings.placement();
+  PlacedParameters source(placement.device, placement.type);
+  Unet unet = LoadUnet(source, UnetConfig());
+  unet.products = placement.products;
   const int64_t latent = settings.side / 8;
   Frames frames;
   frames.height = frames.width = latent;
@@ -105,16 +92,17 @@ void Measure(const Settings& settings) {
   const Tensor x = Noise({}, {2 * settings.frames, 4, latent, latent}).to(settings.device);
   const double peak = MatrixPeak(settings), seconds = Seconds(settings, [&] { network(x, 500); });
   const double operations = CostOfStep(unet, settings.frames, latent, latent).total;
-  MemoryRequest memory{settings.frames, {settings.side, settings.side}, settings.halves, settings.type};
+  MemoryRequest memory{settings.frames, {settings.side, settings.side}, settings.halves, placement.type};
   memory.gpu = settings.device.is_cuda();
   std::printf("%s\n",
               fmt::format("{} frames of {} x {}, {}, {}: {:.3f} s a step of {:.3f} TFLOP, at least {:.3f} s at the "
                           "{:.3f} TFLOP/s of matrix products: {:.0f} % of them; planned {:.1f} GB, process at most "
                           "{:.1f} GB",
-                          settings.frames, settings.side, settings.side, c10::toString(settings.type),
+                          settings.frames, settings.side, settings.side, Word(settings.precision),
                           settings.halves == Halves::kBatched ? "batched" : "in turn", seconds, operations / 1e12,
                           operations / peak, peak / 1e12, 100 * operations / seconds / peak,
-                          static_cast<double>(EstimateMemory(unet.config, memory).total()) / 1e9, PeakGigabytes())
+                          static_cast<double>(EstimateMemory(unet.config, memory).total()) / 1e9,
+                          static_cast<double>(PeakMemoryBytes()) / 1e9)
                   .c_str());
 }
 

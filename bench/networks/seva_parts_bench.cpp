@@ -3,7 +3,6 @@
 //   build/release/bin/seva_parts_bench decode|tiled|encode|clip [WIDTH HEIGHT]
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <cstdio>
@@ -11,18 +10,14 @@
 #include <exception>
 #include <functional>
 
+#include "oraclegs/core/memory.h"
 #include "oraclegs/networks/seva/openclip.h"
 #include "oraclegs/networks/seva/vae_tiles.h"
 
 namespace oraclegs::seva {
 namespace {
 
-/// Of this process so far.
-double PeakMebibytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
+double PeakMebibytes() { return static_cast<double>(PeakMemoryBytes()) / (1 << 20); }
 
 void Measure(const std::string& part, const std::function<Tensor()>& call) {
   const double before = PeakMebibytes();

@@ -12,5 +12,12 @@ TEST(AvailableMemory, IsWhatAMachineThatRunsTestsHas) {
   EXPECT_LT(AvailableMemory(), uint64_t{1} << 50);
 }
 
+TEST(PeakMemoryBytes, IsWhatWasTouchedAtLeast) {
+  constexpr int64_t kBytes = int64_t{64} << 20;
+  const std::vector<char> touched(kBytes, 1);
+  EXPECT_GT(PeakMemoryBytes(), kBytes);
+  EXPECT_EQ(touched.back(), 1);
+}
+
 }  // namespace
 }  // namespace oraclegs

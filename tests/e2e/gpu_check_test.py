@@ -26,6 +26,9 @@ esac""",
 echo "the table of ${json##*/}"
 echo '{"iteration_ms": 2.4, "forward_ms": 0.9, "training_bytes_per_gaussian": 790, "gaussians": 5}' > "$json"
 exit "$STUB_BENCH" """,
+    "seva_bench": 'echo "a step of $*"',
+    "vggt_bench": 'echo "a pass of $*"',
+    "networks_torch_tests": 'echo "[  PASSED  ] 1 test."',
     # reconstruct SCENE -o OUT --device DEVICE ...
     "oraclegs": """[ "$1" = demo-scene ] && exit 0
 [ "$6" = cuda ] && psnr=$STUB_PSNR || psnr=30.00
@@ -34,10 +37,18 @@ mkdir -p "$4" && echo "{\\"test\\": {\\"psnr\\": $psnr}}" > "$4/metrics.json" &&
 TOOLS = {
     "cmake": """if [ "$1" != --build ]; then
   case "$*" in *APPS=ON*) [ "$STUB_APPS" = yes ] || { echo "CMake Error: no curl"; exit 1; } ;; esac
-  mkdir -p build/cuda && touch build/cuda/build.ninja; exit
+  tree=build/cuda; while (($#)); do [ "$1" != -B ] || tree=$2; shift; done
+  mkdir -p $tree && touch $tree/build.ninja; echo "paths $CMAKE_PREFIX_PATH"; exit
 fi
-[ "$STUB_BUILD" = "$6" ] && { echo "x.cpp:1:2: error: a bad file"; exit 1; }
-mkdir -p build/cuda/bin && cp "$STUB_BUILT/$6" build/cuda/bin/""",
+tree=$2; shift 5
+while [ "$1" != -- ]; do
+  [ "$STUB_BUILD" = "$1" ] && { echo "x.cpp:1:2: error: a bad file"; exit 1; }
+  mkdir -p $tree/bin && cp "$STUB_BUILT/$1" $tree/bin/; shift
+done""",
+    "python3": """case "$*" in
+*'import torch'*) [ -n "$STUB_TORCH" ] && echo "$STUB_TORCH" ;;
+*) exec /usr/bin/python3 "$@" ;;
+esac""",
     "ninja": "",
     "nvcc": "",
     "g++": "",
@@ -46,7 +57,7 @@ mkdir -p build/cuda/bin && cp "$STUB_BUILT/$6" build/cuda/bin/""",
     "ncu": "echo '  BlendForwardKernel (1, 1, 1)'",
 }
 GOOD = {"STUB_STEP": "[  PASSED  ] 9 tests.", "STUB_BENCH": "0", "STUB_PSNR": "30.05", "STUB_APPS": "yes", "STUB_BUILD": "",
-        "STUB_GPU": "NVIDIA H200, 9.0, 580.1, 143771 MiB"}  # fmt: skip
+        "STUB_TORCH": "/torch/cmake", "STUB_GPU": "NVIDIA H200, 9.0, 580.1, 143771 MiB"}  # fmt: skip
 
 
 def write_programs(folder, programs):
@@ -136,9 +147,9 @@ class GpuCheckTest(WithStandIns):
             self.assert_row(done, name, "skipped +no NVIDIA driver answers")
 
     def test_devices_that_disagree(self):
-        done = self.check(STUB_PSNR="30.20")
+        done = self.check(STUB_PSNR="30.50")
         self.assertEqual(done.returncode, 1)
-        self.assert_row(done, "demo, PSNR", r"MISSED +CPU 30\.000, GPU 30\.200 dB .*")
+        self.assert_row(done, "demo, PSNR", r"MISSED +CPU 30\.000, GPU 30\.500 dB .*")
 
     def test_a_demo_that_scores_nothing(self):
         done = self.check(STUB_PSNR="null")
@@ -180,8 +191,25 @@ class GpuCheckTest(WithStandIns):
         self.assert_row(done, "trained_large", "passed .*")
         self.assertNotRegex(done.stdout, r"(?m)^benchmark ")
 
+    def test_networks_are_a_call_of_their_own(self):
+        golden = self.dir / "tests/golden/seva_unet_tiny.safetensors"
+        golden.parent.mkdir(parents=True)
+        golden.touch()
+        done = self.check("--networks")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        rows = [line.split()[0] for line in done.stdout.splitlines() if " passed " in line]
+        self.assertEqual(rows, ["configure", "build_networks", "seva", "seva_autocast", "vggt", "networks_tests"])
+        self.assertIn("paths /torch/cmake", (self.dir / "build/gpu_check/configure.log").read_text())
+        self.assertIn("a step of 21 576 bfloat16 batched cuda", done.stdout)
+        self.assertIn("a pass of --views 12 --device cuda", done.stdout)
+        golden.unlink()
+        self.assert_row(self.check("--networks"), "networks_tests", "skipped +this copy has no reference numbers .*")
+        done = self.check("--networks", STUB_TORCH="")
+        self.assertEqual(done.returncode, 1)
+        self.assert_row(done, "PyTorch", "FAILED +python3 has none")
+
     def test_other_words(self):
-        for words in (["--gsplats"], ["--scene", "model.ply"]):
+        for words in (["--gsplats"], ["--scene", "model.ply"], ["--networks", "--gsplat", "gsplat"]):
             done = self.check(*words)
             self.assertEqual(done.returncode, 2)
             self.assertIn("usage:", done.stderr)

@@ -1,7 +1,9 @@
 #pragma once
 // What the parity tests of networks share: sizes out of a fixture's metadata, parameter lists, differences.
 
+#include <ATen/Context.h>
 #include <ATen/Parallel.h>
+#include <torch/cuda.h>
 
 #include <algorithm>
 #include <array>
@@ -72,14 +74,33 @@ inline void ExpectGolden(const Tensor& actual, const SafetensorsFile& file, cons
   testing::Test::RecordProperty(name, text.str());
 }
 
-/// Runs a test on one thread and on two, and leaves libtorch as it was.
+/// Threads that a test runs on, or kOnGpu.
+inline constexpr int kOnGpu = 0;
+
+/// One, two, and a GPU where there is one.
+inline std::vector<int> ThreadsAndGpu() {
+  std::vector<int> runs = {1, 2};
+  if (torch::cuda::is_available()) runs.push_back(kOnGpu);
+  return runs;
+}
+
+/// Runs a test on so many threads or on the GPU, there with products of whole float32, and leaves libtorch as it was.
 class OnThreads : public testing::TestWithParam<int> {
  protected:
-  void SetUp() override { at::set_num_threads(GetParam()); }
-  void TearDown() override { at::set_num_threads(before_); }
+  void SetUp() override {
+    at::set_num_threads(std::max(GetParam(), 1));
+    at::globalContext().setAllowTF32CuDNN(false);
+    if (GetParam() == kOnGpu) ParityDevice() = torch::kCUDA;
+  }
+  void TearDown() override {
+    at::set_num_threads(before_);
+    at::globalContext().setAllowTF32CuDNN(tf32_before_);
+    ParityDevice() = torch::kCPU;
+  }
 
  private:
   const int before_ = at::get_num_threads();
+  const bool tf32_before_ = at::globalContext().allowTF32CuDNN();
 };
 
 /// A parameter source over the tensors of a fixture, "weights." in front of their names.
@@ -87,6 +108,7 @@ inline FileParameters GoldenWeights(const std::string& fixture) {
   CheckpointOptions options;
   options.model = fixture;
   options.prefix = "weights.";
+  options.device = ParityDevice();
   return FileParameters({GoldenDir() / (fixture + ".safetensors")}, options);
 }
 

@@ -10,15 +10,22 @@
 
 namespace oraclegs {
 
+/// Where networks of golden weights and their inputs lie: a GPU within a test of OnThreads (fixtures.h) that runs
+/// there.
+inline torch::Device& ParityDevice() {
+  static torch::Device device = torch::kCPU;
+  return device;
+}
+
 /// A stored tensor converted to float64.
 inline torch::Tensor GoldenTensor(const SafetensorsFile& file, const std::string& name) {
   const std::vector<double> values = file.Values<double>(name);
   return torch::tensor(values, torch::kDouble).reshape(file.Get(name).shape);
 }
 
-/// The same as contiguous float32, for inputs.
+/// The same as contiguous float32 on ParityDevice, for inputs.
 inline torch::Tensor GoldenFloat(const SafetensorsFile& file, const std::string& name) {
-  return GoldenTensor(file, name).to(torch::kFloat);
+  return GoldenTensor(file, name).to(ParityDevice(), torch::kFloat);
 }
 
 /// Of a small network in bfloat16 against float. Where the CPU has no instructions for it, libtorch rounds more often,
@@ -27,12 +34,12 @@ inline constexpr double kMaxHalfError = 0.1;
 
 /// |x - ref|_2 / |ref|_2 in double.
 inline double RelativeL2(const torch::Tensor& x, const torch::Tensor& ref) {
-  const torch::Tensor r = ref.to(torch::kDouble);
-  return ((x.to(torch::kDouble) - r).norm() / r.norm()).item<double>();
+  const torch::Tensor r = ref.to(torch::kCPU, torch::kDouble);
+  return ((x.to(torch::kCPU, torch::kDouble) - r).norm() / r.norm()).item<double>();
 }
 
 inline double MaxAbsError(const torch::Tensor& x, const torch::Tensor& ref) {
-  return (x.to(torch::kDouble) - ref.to(torch::kDouble)).abs().max().item<double>();
+  return (x.to(torch::kCPU, torch::kDouble) - ref.to(torch::kCPU, torch::kDouble)).abs().max().item<double>();
 }
 
 }  // namespace oraclegs

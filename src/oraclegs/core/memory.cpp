@@ -1,5 +1,7 @@
 #include "oraclegs/core/memory.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <fstream>
 #include <optional>
@@ -38,6 +40,12 @@ uint64_t AvailableMemory() {
     available = available == 0 ? left : std::min(available, left);
   }
   return available;
+}
+
+int64_t PeakMemoryBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return int64_t{usage.ru_maxrss} * 1024;
 }
 
 }  // namespace oraclegs

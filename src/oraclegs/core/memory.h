@@ -8,4 +8,7 @@ namespace oraclegs {
 /// where a control group limits the process. 0 where nobody says.
 uint64_t AvailableMemory();
 
+/// Largest memory the process has held so far, bytes.
+int64_t PeakMemoryBytes();
+
 }  // namespace oraclegs

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/memory.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
-#include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 
 namespace oraclegs {

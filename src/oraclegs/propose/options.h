@@ -23,7 +23,7 @@ struct ProposeOptions {
   std::filesystem::path proposal_folder;
   int proxy_models = 2;
   double proxy_share = 0.2;
-  double proxy_finish = 0.6;
+  Auto<double> proxy_finish;  ///< see ProxyFinish
   Auto<int> proxy_gaussians;
 
   template <class Self, class V>
@@ -47,15 +47,20 @@ struct ProposeOptions {
           "Iterations of a proxy model with photos held out, as a fraction of --iterations; the errors on these photos "
           "calibrate the confidence",
           Range{0.01, 1});
-    visit("proxy-finish", self.proxy_finish,
-          "Iterations that follow with all photos, as a fraction of --iterations; proposals are rendered from the "
-          "models after these; 0 = from the models with photos held out",
-          Range{0, 1});
+    visit(
+        "proxy-finish", self.proxy_finish,
+        "Iterations that follow with all photos, as a fraction of --iterations; proposals are rendered from the "
+        "models after these; 0 = from the models with photos held out; auto = 0.4, or 0.6 of an object before a plain "
+        "background",
+        Range{0, 1});
     visit("proxy-gaussians", self.proxy_gaussians,
           "Maximum number of Gaussians of a proxy model; auto = as many as --max-gaussians", Range{1, 1e8});
   }
 
   ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }
+
+  /// Of an object, all around which every part is in few views, proxy models learn longer.
+  double ProxyFinish(bool is_object) const { return proxy_finish.ValueOr(is_object ? 0.6 : 0.4); }
 
   /// Whether nothing but proxy models proposes.
   bool ByProxiesAlone() const {

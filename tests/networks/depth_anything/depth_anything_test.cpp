@@ -68,7 +68,7 @@ TEST_P(DepthAnythingParity, PreparesImagesAsTheOfficialCode) {
   ExpectGolden(NormalizeRgb(resized)[0], file, "preproc.normalized", 5e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, DepthAnythingParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, DepthAnythingParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(DepthAnything, SameBitsForAnyNumberOfThreads) {
   const SafetensorsFile file = OpenGolden(kFixture);

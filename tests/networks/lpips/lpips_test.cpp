@@ -10,6 +10,7 @@ namespace {
 Lpips GoldenLpips(const SafetensorsFile& file) {
   CheckpointOptions options;
   options.ignored = {"image", "grad_", "per_layer_", "value_"};
+  options.device = ParityDevice();
   FileParameters source({GoldenDir() / "lpips_tiny.safetensors"}, options);
   const Lpips lpips = LoadLpips(source, {FeatureNetwork::kVgg16, Counts<5>(file, "channels")});
   source.Finish();
@@ -48,7 +49,7 @@ TEST_P(LpipsParity, ValueAndGradientMatchTheReference) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, LpipsParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, LpipsParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(Lpips, SameBitsForAnyNumberOfThreads) {
   const Lpips lpips = RandomLpips(FeatureNetwork::kVgg16);

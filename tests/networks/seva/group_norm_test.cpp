@@ -46,6 +46,18 @@ TEST(GroupNorm, ComputesInFloatWhateverTheType) {
   EXPECT_EQ(NormThenSilu(norm, x).scalar_type(), torch::kBFloat16);
 }
 
+TEST(GroupNorm, ChannelsLastStayLastAndChangeNothing) {
+  const GroupNorm norm = RandomNorm(12, 3, 1e-5);
+  const Tensor x = 2 + torch::rand({2, 12, 5, 7});
+  for (const auto type : {torch::kFloat, torch::kBFloat16}) {
+    const Tensor last = x.to(type).contiguous(at::MemoryFormat::ChannelsLast), y = Forward(norm, last);
+    EXPECT_TRUE(HasChannelsLast(y));
+    EXPECT_EQ(y.scalar_type(), type);
+    EXPECT_LT(RelativeL2(y, Forward(norm, x.to(type))), type == torch::kFloat ? 1e-5 : 0.02);
+    EXPECT_TRUE(HasChannelsLast(NormThenSilu(norm, last)));
+  }
+}
+
 TEST(GroupNorm, GroupsMustDivideTheChannels) {
   EXPECT_THAT([] { RandomNorm(6, 4, 1e-5); },
               testing::ThrowsMessage<ShapeError>("LoadGroupNorm: 4 groups do not divide 6 channels"));

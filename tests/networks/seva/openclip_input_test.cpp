@@ -19,7 +19,7 @@ TEST_P(OpenClipInputParity, PreparesImagesAsTheOfficialCode) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, OpenClipInputParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, OpenClipInputParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(OpenClipInput, SameBitsForAnyNumberOfThreads) {
   const SafetensorsFile file = OpenGolden("openclip_visual_tiny");

@@ -53,7 +53,7 @@ TEST_P(OpenClipParity, MatchesTheOfficialEncoder) {
   ExpectNear(ImageEmbeddings(clip, GoldenFloat(file, "input.image_b")), file, "output.embedding_b");
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, OpenClipParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, OpenClipParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(OpenClip, SameBitsForAnyNumberOfThreads) {
   const SafetensorsFile file = OpenGolden(kFixture);

@@ -57,7 +57,20 @@ TEST_P(SevaUnetParity, SmallInputsMatch) {
   ExpectGoldenRatio(Forward(golden.unet, x, golden.steps, conditioning), golden.file, "output.out_small");
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, SevaUnetParity, testing::Values(1, 2));
+TEST_P(SevaUnetParity, ChannelsLastMatch) {
+  GoldenUnet golden;
+  KeepChannelsLast(&golden.unet);
+  const Conditioning conditioning = Prepare(golden.unet, golden.conditions);
+  const Tensor first = Forward(golden.unet.input_blocks.at(0), golden.x.contiguous(at::MemoryFormat::ChannelsLast),
+                               golden.Embedding(), conditioning);
+  EXPECT_TRUE(HasChannelsLast(first));
+  EXPECT_TRUE(HasChannelsLast(Forward(golden.unet.input_blocks.at(1), first, golden.Embedding(), conditioning)));
+  const Tensor out = Forward(golden.unet, golden.x, golden.steps, conditioning);
+  EXPECT_TRUE(out.is_contiguous());
+  ExpectGoldenRatio(out, golden.file, "output.out");
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, SevaUnetParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(SevaUnet, SameBitsForAnyNumberOfThreads) {
   const GoldenUnet golden;
@@ -113,15 +126,24 @@ TEST(SevaUnet, NamesWhatAFileLacks) {
   }
 }
 
-TEST(SevaUnet, BFloat16StaysClose) {
+TEST_P(SevaUnetParity, BFloat16StaysClose) {
   const GoldenUnet golden;
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", Renamed(golden.file, ""));
-  const Unet unet =
-      LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file), {torch::kCPU, torch::kBFloat16});
-  const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
-  EXPECT_EQ(out.scalar_type(), torch::kFloat);
-  EXPECT_LE(RelativeL2(out, GoldenTensor(golden.file, "output.out")), kMaxHalfError);
+  const auto error = [&](bool channels_last) {
+    Unet unet =
+        LoadUnet({dir / "model.safetensors"}, GoldenUnetConfig(golden.file), {ParityDevice(), torch::kBFloat16});
+    EXPECT_EQ(unet.channels_last, ParityDevice().is_cuda());
+    if (channels_last) KeepChannelsLast(&unet);
+    const Tensor out = Forward(unet, golden.x, golden.steps, Prepare(unet, golden.conditions));
+    EXPECT_EQ(out.scalar_type(), torch::kFloat);
+    return RelativeL2(out, GoldenTensor(golden.file, "output.out"));
+  };
+  const double plain = error(false), last = error(true);
+  RecordProperty("plain", std::to_string(plain));
+  RecordProperty("channels_last", std::to_string(last));
+  EXPECT_LE(plain, kMaxHalfError);
+  EXPECT_LE(last, kMaxHalfError);
 }
 
 TEST(SevaUnet, AutocastComputesProductsInHalfAndSumsInFloat) {

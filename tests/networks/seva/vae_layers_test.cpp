@@ -88,7 +88,7 @@ TEST_P(VaeLayersParity, MatchTheOfficialBlocks) {
   ExpectGoldenVae(Forward(vae.decoder.levels[0], x), file, "inter.decoder.up_blocks.0");
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, VaeLayersParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, VaeLayersParity, testing::ValuesIn(ThreadsAndGpu()));
 
 }  // namespace
 }  // namespace oraclegs::seva

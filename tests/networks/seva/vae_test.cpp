@@ -28,7 +28,7 @@ TEST_P(VaeParity, DecodesAsTheOfficialNetwork) {
   ExpectGoldenVae(DecodeLatents(vae, latent), file, "output.decode_scaled");
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, VaeParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, VaeParity, testing::ValuesIn(ThreadsAndGpu()));
 
 /// Widths of the published network where sums are longest, few layers.
 Vae WideVae() {

@@ -42,7 +42,7 @@ TEST_P(AggregatorParity, GlobalAttentionMatchesTheOfficialNetwork) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, AggregatorParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, AggregatorParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(Aggregator, WhatIsAskedForDoesNotChangeWhatIsAnswered) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);

@@ -25,7 +25,7 @@ TEST_P(VggtConfidenceParity, MatchesTheReferenceInBothModes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, VggtConfidenceParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, VggtConfidenceParity, testing::ValuesIn(ThreadsAndGpu()));
 
 /// Two views of two patches.
 WeightedAttention TwoViews() {

@@ -24,7 +24,7 @@ TEST_P(CameraHeadParity, EncodingsAndCamerasMatchTheOfficialHead) {
   ExpectGolden(cameras.intrinsics, file, "output.intrinsics", 5e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, CameraHeadParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, CameraHeadParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(DecodeCameras, AQuarterTurnAndFieldsOfView) {
   const float root = std::sqrt(0.5f), vertical = 2 * std::atan(0.5f), horizontal = 2 * std::atan(0.25f);

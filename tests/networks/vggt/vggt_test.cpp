@@ -22,7 +22,7 @@ TEST_P(VggtParity, CamerasDepthAndPointsMatchTheOfficialNetwork) {
   ExpectGolden(points.confidence, file, "output.world_points_conf", 2e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, VggtParity, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, VggtParity, testing::ValuesIn(ThreadsAndGpu()));
 
 TEST(Vggt, SameBitsForAnyNumberOfThreads) {
   const SafetensorsFile file = OpenGolden(kVggtFixture);

@@ -74,7 +74,5 @@ TEST(ReadMetrics, NamesADamagedFile) {
   EXPECT_THAT(MessageOf<InputError>([&] { ReadMetrics(temp.path()); }), testing::HasSubstr("metrics.json"));
 }
 
-TEST(PeakMemoryBytes, IsThatOfAProcessThatRuns) { EXPECT_GT(PeakMemoryBytes(), 1 << 20); }
-
 }  // namespace
 }  // namespace oraclegs

@@ -31,9 +31,11 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   EXPECT_FALSE(Equal(first[0].gaussians.means, first[1].gaussians.means));
   EXPECT_FALSE(Equal(first[0].before.means, first[0].gaussians.means)) << "it went on with all views";
   int steps = 0;
+  int64_t iterations = 0;
   run.listener = [&](const Event& event) {
     const auto* step = std::get_if<StepDone>(&event);
-    steps += step && step->stage == "proxies" ? 1 : 0;
+    if (!step || step->stage != "proxies") return;
+    ++steps, iterations = step->total;
   };
   run.results->keys.erase("proxies");
   const std::vector<ProxyModel> again = Bring(&run, "proxies").proxies;
@@ -47,6 +49,7 @@ TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
   run.results->keys.erase("proxies");
   const std::vector<ProxyModel> trained_again = Bring(&run, "proxies").proxies;
   EXPECT_GT(steps, 0);
+  EXPECT_EQ(iterations, 3 * (6 + 12)) << "0.4 of 30 with all views";
   EXPECT_EQ(fs::last_write_time(kept), written);
   EXPECT_TRUE(Equal(trained_again[1].gaussians.means, first[1].gaussians.means));
 
@@ -65,6 +68,14 @@ TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {
   const std::vector<ProxyModel>& proxies = Bring(&run, "proxies").proxies;
   ASSERT_EQ(proxies.size(), 3u);
   EXPECT_TRUE(Equal(proxies[0].before.means, proxies[0].gaussians.means));
+}
+
+TEST(ProxyFinish, IsLongerForAnObject) {
+  ProposeOptions options;
+  EXPECT_EQ(options.ProxyFinish(false), 0.4);
+  EXPECT_EQ(options.ProxyFinish(true), 0.6);
+  options.proxy_finish = 0.1;
+  EXPECT_EQ(options.ProxyFinish(true), 0.1);
 }
 
 #if !defined(ORACLEGS_CUDA)

@@ -97,7 +97,8 @@ TEST_F(RasterCoreTest, EstimatesItsMemory) {
     const int64_t held = stats.device_bytes, pixels = int64_t{200} * 150;
     const int64_t estimate = cuda::EstimateRasterizerBytes(2000, stats.tile_pairs, pixels);
     if (runs == 0) {
-      EXPECT_NEAR(static_cast<double>(estimate), static_cast<double>(held), 0.3 * static_cast<double>(held));
+      // A GPU sorts in less memory than the emulated one.
+      EXPECT_NEAR(static_cast<double>(estimate), static_cast<double>(held), 0.4 * static_cast<double>(held));
     } else {
       EXPECT_LT(held, estimate / 2);  // which is of the runs that so few Gaussians have
     }

@@ -6,6 +6,9 @@ namespace {
 /// A 1x1 convolution as a matrix product: oneDNN's splits its sum over the channels by the number of threads, so that
 /// the last bits would depend on it.
 Tensor Pointwise(const Conv& layer, const Tensor& x) {
+  if (HasChannelsLast(x)) {
+    return at::linear(x.permute({0, 2, 3, 1}), layer.weight.flatten(1), layer.bias).permute({0, 3, 1, 2});
+  }
   const int64_t batch = x.size(0), out = layer.weight.size(0);
   const Tensor weight = layer.weight.flatten(1).expand({batch, -1, -1}), pixels = x.flatten(2);
   const Tensor y =
@@ -35,6 +38,10 @@ Conv LoadConv(const ParameterScope& at, const ConvShape& shape) {
   Conv conv{at.Get("weight", {shape.out, shape.in, shape.kernel, shape.kernel}), {}, shape.stride, shape.padding};
   if (shape.bias == ConvBias::kLearned) conv.bias = at.Get("bias", {shape.out});
   return conv;
+}
+
+bool HasChannelsLast(const Tensor& x) {
+  return x.dim() == 4 && x.is_contiguous(at::MemoryFormat::ChannelsLast) && !x.is_contiguous();
 }
 
 Tensor Forward(const Conv& layer, const Tensor& x) {

@@ -34,7 +34,9 @@ struct Conv {
   int64_t stride = 1, padding = 1;
 };
 Conv LoadConv(const ParameterScope& at, const ConvShape& shape);
-/// x [B, in, H, W]
+/// Whether x [B, C, H, W] lies in memory with its channels last, and not also with them first.
+bool HasChannelsLast(const Tensor& x);
+/// x [B, in, H, W]; what has channels last gives what has them last.
 Tensor Forward(const Conv& layer, const Tensor& x);
 
 /// A transposed convolution whose stride is its kernel: every input pixel becomes kernel x kernel pixels.

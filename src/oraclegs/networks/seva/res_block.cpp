@@ -5,15 +5,22 @@
 namespace oraclegs::seva {
 namespace {
 
-/// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y.
+/// The layer of some of the output channels.
+Conv Channels(const Conv& layer, int64_t begin, int64_t end) {
+  return {layer.weight.slice(0, begin, end), layer.bias.slice(0, begin, end), layer.stride, layer.padding};
+}
+
+/// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y. They come
+/// from two products, since halves of one are strided, which a GPU reads at half the rate.
 void Modulate(const Conv& layer, const Tensor& dense, Tensor* y) {
   const int64_t frames = y->size(0), channels = y->size(1);
   const int64_t step = RowsAtOnce(*y, 2 * channels * y->size(2) * y->size(3));
+  const Conv to_scale = Channels(layer, 0, channels), to_shift = Channels(layer, channels, 2 * channels);
   for (int64_t begin = 0; begin < frames; begin += step) {
     const int64_t end = std::min(begin + step, frames);
-    const Tensor both = Forward(layer, dense.slice(0, begin, end));
+    const Tensor rays = dense.slice(0, begin, end), scale = Forward(to_scale, rays).add_(1);
     Tensor part = y->slice(0, begin, end);
-    part.mul_(both.slice(1, 0, channels).add_(1)).add_(both.slice(1, channels));
+    at::addcmul_out(part, Forward(to_shift, rays), part, scale);
   }
 }
 

@@ -107,6 +107,26 @@ void ForEachMultiView(const Unet& unet, F&& f) {
   for (const UnetBlock& block : unet.output_blocks) visit(block);
 }
 
+/// Calls f(&conv) for each convolution of more than a pixel.
+template <class F>
+void ForEachConv(Unet* unet, F&& f) {
+  const auto visit = [&](UnetBlock* block) {
+    for (UnetLayer& layer : *block) {
+      if (auto* conv = std::get_if<Conv>(&layer)) f(conv);
+      if (auto* up = std::get_if<Up>(&layer)) f(&up->conv);
+      if (auto* res = std::get_if<ResBlock>(&layer)) f(&res->conv_in), f(&res->conv_out);
+    }
+  };
+  for (UnetBlock& block : unet->input_blocks) visit(&block);
+  visit(&unet->middle);
+  for (UnetBlock& block : unet->output_blocks) visit(&block);
+  f(&unet->conv_out);
+}
+
+at::MemoryFormat FormatOf(const Unet& unet) {
+  return unet.channels_last ? at::MemoryFormat::ChannelsLast : at::MemoryFormat::Contiguous;
+}
+
 const Tensor& DenseOf(const Conditioning& conditioning, const Tensor& x) {
   for (const Tensor& dense : conditioning.dense) {
     if (dense.size(2) == x.size(2) && dense.size(3) == x.size(3)) return dense;
@@ -122,6 +142,11 @@ std::string PrefixOf(const std::filesystem::path& path) {
 
 }  // namespace
 
+void KeepChannelsLast(Unet* unet) {
+  unet->channels_last = true;
+  ForEachConv(unet, [](Conv* conv) { conv->weight = conv->weight.contiguous(at::MemoryFormat::ChannelsLast); });
+}
+
 Unet LoadUnet(ParameterSource& source, const UnetConfig& config) {
   const size_t levels = config.channel_mult.size();
   if (levels == 0 || config.transformer_depth.size() != levels) {
@@ -134,6 +159,7 @@ Unet LoadUnet(ParameterSource& source, const UnetConfig& config) {
   unet.time1 = LoadLinear(root / "time_embed" / 0, config.channels, width);
   unet.time2 = LoadLinear(root / "time_embed" / 2, width, width);
   Builder(&unet, root).Build();
+  if (unet.any_weight().is_cuda() && unet.any_weight().element_size() == 2) KeepChannelsLast(&unet);
   return unet;
 }
 
@@ -170,7 +196,9 @@ Conditioning Prepare(const Unet& unet, const Conditions& in) {
   for (int64_t scale = 1; scale <= downscale; scale *= 2) {
     const int64_t height = in.height / scale, width = in.width / scale;
     const bool same = dense.size(2) == height && dense.size(3) == width;
-    out.dense.push_back((same ? dense : ResizeBilinear(dense, height, width, Corners::kAligned)).to(options));
+    out.dense.push_back((same ? dense : ResizeBilinear(dense, height, width, Corners::kAligned))
+                            .to(options)
+                            .contiguous(FormatOf(unet)));
   }
   const Tensor context = in.context.to(options);
   ForEachMultiView(unet,
@@ -215,7 +243,7 @@ Tensor Forward(const Unet& unet, const Tensor& x, const Tensor& steps, const Con
   }
   const Autocast scope(unet.any_weight().device(), unet.products);
   const Tensor embedding = at::silu(TimeEmbedding(unet, steps));
-  Tensor y = x.to(unet.any_weight().options());
+  Tensor y = x.to(unet.any_weight().options()).contiguous(FormatOf(unet));
   std::vector<Tensor> skips;
   for (const UnetBlock& block : unet.input_blocks) {
     y = Forward(block, y, embedding, conditioning);
@@ -227,7 +255,7 @@ Tensor Forward(const Unet& unet, const Tensor& x, const Tensor& steps, const Con
     skips.pop_back();
     y = Forward(block, y, embedding, conditioning);
   }
-  return Forward(unet.conv_out, NormThenSilu(unet.norm_out, y)).to(torch::kFloat);
+  return Forward(unet.conv_out, NormThenSilu(unet.norm_out, y)).to(torch::kFloat).contiguous();
 }
 
 }  // namespace oraclegs::seva

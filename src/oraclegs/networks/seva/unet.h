@@ -48,10 +48,16 @@ struct Unet {
   GroupNorm norm_out;
   Conv conv_out;
   std::optional<torch::ScalarType> products;  ///< of Prepare and Forward, where other than the weights' (Autocast)
+  bool channels_last = false;                 ///< how feature maps lie in memory (KeepChannelsLast)
 
   const Tensor& any_weight() const { return time1.weight; }  ///< of its type, on its device
 };
-/// Throws ShapeError for a configuration without levels, or whose groups or heads do not divide a level's channels.
+/// From here on feature maps and the weights of convolutions lie in memory with their channels last, as the matrix
+/// units of a GPU take them, so that the tokens of a transformer are the map itself. The results are the same but for
+/// rounding.
+void KeepChannelsLast(Unet* unet);
+/// With channels last where the source gives half types on a GPU. Throws ShapeError for a configuration without levels,
+/// or whose groups or heads do not divide a level's channels.
 Unet LoadUnet(ParameterSource& source, const UnetConfig& config);
 
 struct Placement {

@@ -1,6 +1,7 @@
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/memory.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"

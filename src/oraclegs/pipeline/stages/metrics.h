@@ -18,9 +18,6 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
 /// Reads a workspace's metrics.json. Throws InputError naming it.
 nlohmann::json ReadMetrics(const std::filesystem::path& workspace);
 
-/// Largest memory the process has held so far, bytes.
-int64_t PeakMemoryBytes();
-
 /// Processor time of the process and of the programs it has waited for, all threads together, seconds.
 double CpuSeconds();
 

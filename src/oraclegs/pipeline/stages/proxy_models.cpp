@@ -46,8 +46,8 @@ RunOptions OptionsOfProxies(const Run& run) {
 }
 
 /// What follows with all views: of Gaussians that have found their places and colours.
-TrainOptions FinishOptions(const RunOptions& options, TrainOptions proxy) {
-  proxy.iterations = static_cast<int>(options.propose.proxy_finish * options.train.iterations.value());
+TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptions proxy) {
+  proxy.iterations = static_cast<int>(options.propose.ProxyFinish(is_object) * options.train.iterations.value());
   proxy.sh_degree_interval = 1;
   proxy.refine_start = 0;
   return proxy;
@@ -72,7 +72,7 @@ class ProxyTrainer {
         views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
         asked_(OptionsOfProxies(*run)),
         options_(ProxyOptions(asked_, SettleTrainOptions(asked_.train, training_, geometry_, Silent()))),
-        finish_(FinishOptions(asked_, options_)) {}
+        finish_(FinishOptions(asked_, !training_.silhouettes.empty(), options_)) {}
 
   int64_t iterations() const { return options_.iterations.value() + finish_.iterations.value(); }
 
@@ -152,7 +152,8 @@ std::vector<std::string> FilesOf(int k) {
 
 void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions options = OptionsOfProxies(*run);
-  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish);
+  constexpr double kAuto = -1;  // what that comes to follows from the images
+  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish.ValueOr(kAuto));
   key->Add(options.train.iterations.value());  // whose share the finish is
   key->Add(options.train.horizon);             // which the rates follow
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());

@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/memory.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/networks/perceptual.h"
 #include "oraclegs/pipeline/networks/pseudo_depth.h"
-#include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/stages/start_points.h"
