@@ -2,9 +2,9 @@
 //
 //   build/release/bin/vggt_bench [--views 4] [--width 518] [--height 350] [--device cpu|cuda]
 //
-// One pass, cold: nothing is repeated, and the memory of the first pass is what counts. To be run alone. On a GPU the
-// weights are bfloat16, as the program has them there, and the oracle's part alone runs, twice: the first time also
-// prepares libraries.
+// On a CPU one pass, cold: nothing is repeated, and the memory of the first pass is what counts. To be run alone. On a
+// GPU the weights are bfloat16, as the program has them there, and the oracle's part alone runs, twice: the first time
+// also prepares libraries.
 
 #include <charconv>
 #include <chrono>

@@ -84,7 +84,8 @@ inline std::vector<int> ThreadsAndGpu() {
   return runs;
 }
 
-/// Runs a test on so many threads or on the GPU, there with products of whole float32, and leaves libtorch as it was.
+/// Runs a test on so many threads or on the GPU, there with convolutions in whole float32, and leaves libtorch as it
+/// was.
 class OnThreads : public testing::TestWithParam<int> {
  protected:
   void SetUp() override {

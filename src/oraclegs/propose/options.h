@@ -59,7 +59,7 @@ struct ProposeOptions {
 
   ProposerChoice Choice() const { return proposers.ValueOr(ProposerChoice::kSplat); }
 
-  /// Of an object, all around which every part is in few views, proxy models learn longer.
+  /// Few views show each part of an object, so its proxy models learn longer.
   double ProxyFinish(bool is_object) const { return proxy_finish.ValueOr(is_object ? 0.6 : 0.4); }
 
   /// Whether nothing but proxy models proposes.

@@ -46,7 +46,7 @@ TEST(Layers, APointwiseConvMixesChannelsOfEachPixel) {
   const Tensor mixed = at::einsum("oc,bchw->bohw", {weight.flatten(1), x});
   EXPECT_LT(MaxAbsError(Forward(Conv{weight, {}, 1, 0}, x), mixed), 1e-6);
   EXPECT_LT(MaxAbsError(Forward(Conv{weight, bias, 1, 0}, x), mixed + bias.view({1, 5, 1, 1})), 1e-6);
-  const Tensor last = Forward(Conv{weight, bias, 1, 0}, x.contiguous(at::MemoryFormat::ChannelsLast));
+  const Tensor last = Forward(Conv{weight, bias, 1, 0, true}, x.contiguous(at::MemoryFormat::ChannelsLast));
   EXPECT_TRUE(HasChannelsLast(last));
   EXPECT_LT(MaxAbsError(last, mixed + bias.view({1, 5, 1, 1})), 1e-6);
 }

@@ -42,6 +42,32 @@ HWY_INLINE void ExchangeBlocks(FloatVec* a, FloatVec* b) {
   *a = even;
 }
 
+#if HWY_TARGET <= HWY_AVX3
+/// Blocks of v[0], v[stride], v[2 stride], v[3 stride] as a 4 x 4 matrix, transposed in place.
+HWY_INLINE void TransposeBlocks(FloatVec* v, int stride) {
+  const auto low01 = _mm512_shuffle_f32x4(v[0].raw, v[stride].raw, 0x44);  // blocks 0, 1 of both
+  const auto low23 = _mm512_shuffle_f32x4(v[2 * stride].raw, v[3 * stride].raw, 0x44);
+  const auto high01 = _mm512_shuffle_f32x4(v[0].raw, v[stride].raw, 0xee);  // blocks 2, 3
+  const auto high23 = _mm512_shuffle_f32x4(v[2 * stride].raw, v[3 * stride].raw, 0xee);
+  v[0] = FloatVec{_mm512_shuffle_f32x4(low01, low23, 0x88)};
+  v[stride] = FloatVec{_mm512_shuffle_f32x4(low01, low23, 0xdd)};
+  v[2 * stride] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0x88)};
+  v[3 * stride] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0xdd)};
+}
+
+/// The same where the last row of the matrix is zero; what it holds is not read.
+HWY_INLINE void TransposeBlocksOfThree(FloatVec* v, int stride) {
+  const auto low01 = _mm512_shuffle_f32x4(v[0].raw, v[stride].raw, 0x44);
+  const auto low2 = _mm512_zextps256_ps512(_mm512_castps512_ps256(v[2 * stride].raw));
+  const auto high01 = _mm512_shuffle_f32x4(v[0].raw, v[stride].raw, 0xee);
+  const auto high2 = _mm512_zextps256_ps512(_mm512_extractf32x8_ps(v[2 * stride].raw, 1));
+  v[0] = FloatVec{_mm512_shuffle_f32x4(low01, low2, 0x88)};
+  v[stride] = FloatVec{_mm512_shuffle_f32x4(low01, low2, 0xdd)};
+  v[2 * stride] = FloatVec{_mm512_shuffle_f32x4(high01, high2, 0x88)};
+  v[3 * stride] = FloatVec{_mm512_shuffle_f32x4(high01, high2, 0xdd)};
+}
+#endif
+
 /// v as a kLanes x kLanes matrix, transposed in place.
 HWY_INLINE void Transpose(FloatVec* v) {
   for (int group = 0; group < kLanes; group += 4) TransposeBlocks4(v + group);
@@ -49,16 +75,7 @@ HWY_INLINE void Transpose(FloatVec* v) {
     for (int c = 0; c < 4; ++c) ExchangeBlocks(v + c, v + 4 + c);
   }
 #if HWY_TARGET <= HWY_AVX3
-  for (int c = 0; c < 4; ++c) {
-    const auto low01 = _mm512_shuffle_f32x4(v[c].raw, v[4 + c].raw, 0x44);  // blocks 0, 1 of both
-    const auto low23 = _mm512_shuffle_f32x4(v[8 + c].raw, v[12 + c].raw, 0x44);
-    const auto high01 = _mm512_shuffle_f32x4(v[c].raw, v[4 + c].raw, 0xee);  // blocks 2, 3
-    const auto high23 = _mm512_shuffle_f32x4(v[8 + c].raw, v[12 + c].raw, 0xee);
-    v[c] = FloatVec{_mm512_shuffle_f32x4(low01, low23, 0x88)};
-    v[4 + c] = FloatVec{_mm512_shuffle_f32x4(low01, low23, 0xdd)};
-    v[8 + c] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0x88)};
-    v[12 + c] = FloatVec{_mm512_shuffle_f32x4(high01, high23, 0xdd)};
-  }
+  for (int c = 0; c < 4; ++c) TransposeBlocks(v + c, 4);
 #endif
 }
 

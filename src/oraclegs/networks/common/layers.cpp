@@ -6,7 +6,7 @@ namespace {
 /// A 1x1 convolution as a matrix product: oneDNN's splits its sum over the channels by the number of threads, so that
 /// the last bits would depend on it.
 Tensor Pointwise(const Conv& layer, const Tensor& x) {
-  if (HasChannelsLast(x)) {
+  if (layer.channels_last) {
     return at::linear(x.permute({0, 2, 3, 1}), layer.weight.flatten(1), layer.bias).permute({0, 3, 1, 2});
   }
   const int64_t batch = x.size(0), out = layer.weight.size(0);

@@ -32,11 +32,12 @@ struct ConvShape {
 struct Conv {
   Tensor weight, bias;  ///< [out, in, kernel, kernel], [out] or undefined
   int64_t stride = 1, padding = 1;
+  bool channels_last = false;  ///< takes maps that lie in memory with their channels last, and gives such maps
 };
 Conv LoadConv(const ParameterScope& at, const ConvShape& shape);
 /// Whether x [B, C, H, W] lies in memory with its channels last, and not also with them first.
 bool HasChannelsLast(const Tensor& x);
-/// x [B, in, H, W]; what has channels last gives what has them last.
+/// x [B, in, H, W]
 Tensor Forward(const Conv& layer, const Tensor& x);
 
 /// A transposed convolution whose stride is its kernel: every input pixel becomes kernel x kernel pixels.

@@ -4,7 +4,7 @@ namespace oraclegs::seva {
 namespace {
 
 /// libtorch's own would make a copy with the channels first. Sums are float32: of every channel, then of every group.
-/// The factors are of x's type, and what is added makes up for their rounding.
+/// The factors are of x's type, and what is added makes up for their rounding, but is rounded itself.
 Tensor NormalizedLast(const GroupNorm& layer, const Tensor& x) {
   const int64_t images = x.size(0), channels = x.size(1), groups = layer.groups, width = channels / groups;
   const Tensor pixels = x.permute({0, 2, 3, 1}).flatten(1, 2);
@@ -21,13 +21,9 @@ Tensor NormalizedLast(const GroupNorm& layer, const Tensor& x) {
   return out.view({images, x.size(2), x.size(3), channels}).permute({0, 3, 1, 2});
 }
 
-/// Its means and variances are float32. A GPU has kernels that compute them so of any type; elsewhere all of it is
-/// float32.
+/// In float32, but for maps with channels last.
 Tensor Normalized(const GroupNorm& layer, const Tensor& x) {
   if (HasChannelsLast(x)) return NormalizedLast(layer, x);
-  if (x.is_cuda() && x.scalar_type() == layer.weight.scalar_type()) {
-    return at::group_norm(x, layer.groups, layer.weight, layer.bias, layer.eps);
-  }
   return at::group_norm(x.to(torch::kFloat), layer.groups, layer.weight.to(torch::kFloat), layer.bias.to(torch::kFloat),
                         layer.eps);
 }

@@ -14,7 +14,8 @@ struct GroupNorm {
 };
 /// Throws ShapeError when the groups do not divide the channels.
 GroupNorm LoadGroupNorm(const ParameterScope& at, int64_t channels, int64_t groups, double eps);
-/// x [B, channels, ...] -> the same shape and type; computed in float32 whatever the type.
+/// x [B, channels, ...] -> the same shape and type; computed in float32 whatever the type, but where channels lie last:
+/// there sums alone are.
 Tensor Forward(const GroupNorm& layer, const Tensor& x);
 /// y sigmoid(y) of the above, with no second copy of it.
 Tensor NormThenSilu(const GroupNorm& layer, const Tensor& x);

@@ -7,7 +7,9 @@ namespace {
 
 /// The layer of some of the output channels.
 Conv Channels(const Conv& layer, int64_t begin, int64_t end) {
-  return {layer.weight.slice(0, begin, end), layer.bias.slice(0, begin, end), layer.stride, layer.padding};
+  Conv some = layer;
+  some.weight = layer.weight.slice(0, begin, end), some.bias = layer.bias.slice(0, begin, end);
+  return some;
 }
 
 /// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y. They come

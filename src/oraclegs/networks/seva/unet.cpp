@@ -107,14 +107,17 @@ void ForEachMultiView(const Unet& unet, F&& f) {
   for (const UnetBlock& block : unet.output_blocks) visit(block);
 }
 
-/// Calls f(&conv) for each convolution of more than a pixel.
+/// Calls f(&conv) for each convolution.
 template <class F>
 void ForEachConv(Unet* unet, F&& f) {
   const auto visit = [&](UnetBlock* block) {
     for (UnetLayer& layer : *block) {
       if (auto* conv = std::get_if<Conv>(&layer)) f(conv);
       if (auto* up = std::get_if<Up>(&layer)) f(&up->conv);
-      if (auto* res = std::get_if<ResBlock>(&layer)) f(&res->conv_in), f(&res->conv_out);
+      if (auto* res = std::get_if<ResBlock>(&layer)) {
+        f(&res->conv_in), f(&res->conv_out), f(&res->dense);
+        if (res->skip) f(&*res->skip);
+      }
     }
   };
   for (UnetBlock& block : unet->input_blocks) visit(&block);
@@ -144,7 +147,10 @@ std::string PrefixOf(const std::filesystem::path& path) {
 
 void KeepChannelsLast(Unet* unet) {
   unet->channels_last = true;
-  ForEachConv(unet, [](Conv* conv) { conv->weight = conv->weight.contiguous(at::MemoryFormat::ChannelsLast); });
+  ForEachConv(unet, [](Conv* conv) {
+    conv->channels_last = true;
+    conv->weight = conv->weight.contiguous(at::MemoryFormat::ChannelsLast);
+  });
 }
 
 Unet LoadUnet(ParameterSource& source, const UnetConfig& config) {
@@ -159,7 +165,9 @@ Unet LoadUnet(ParameterSource& source, const UnetConfig& config) {
   unet.time1 = LoadLinear(root / "time_embed" / 0, config.channels, width);
   unet.time2 = LoadLinear(root / "time_embed" / 2, width, width);
   Builder(&unet, root).Build();
-  if (unet.any_weight().is_cuda() && unet.any_weight().element_size() == 2) KeepChannelsLast(&unet);
+  const Tensor& weight = unet.any_weight();
+  // float16 could overflow in the shifts of the norms.
+  if (weight.is_cuda() && weight.scalar_type() == torch::kBFloat16) KeepChannelsLast(&unet);
   return unet;
 }
 

@@ -69,7 +69,9 @@ double SecondsOfFeatures(const EstimateInput& input, int photos) {
 double SecondsOfProxies(const EstimateInput& input) {
   const ProposeOptions& propose = input.options.propose;
   if (!propose.Uses(ProposerChoice::kSplat)) return 0;
-  const double iterations = (propose.proxy_share + propose.ProxyFinish(false)) * input.options.train.iterations.value();
+  const bool is_object = input.covered < 1;
+  const double iterations =
+      (propose.proxy_share + propose.ProxyFinish(is_object)) * input.options.train.iterations.value();
   return ProxyCount(propose, input.scene.views) * iterations * SecondsOfIteration(input);
 }
 

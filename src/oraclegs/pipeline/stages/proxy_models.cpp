@@ -152,8 +152,8 @@ std::vector<std::string> FilesOf(int k) {
 
 void AddProxyKey(Run* run, Fingerprint* key) {
   const RunOptions options = OptionsOfProxies(*run);
-  constexpr double kAuto = -1;  // what that comes to follows from the images
-  key->Add(options.propose.proxy_models).Add(options.propose.proxy_finish.ValueOr(kAuto));
+  key->Add(options.propose.proxy_models);
+  for (const bool is_object : {false, true}) key->Add(options.propose.ProxyFinish(is_object));  // the images say which
   key->Add(options.train.iterations.value());  // whose share the finish is
   key->Add(options.train.horizon);             // which the rates follow
   key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());

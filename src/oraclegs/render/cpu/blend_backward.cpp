@@ -7,8 +7,8 @@
 //  1. near to far: alpha and w, with T counted from the chunk's near end. One division a pixel and chunk gives the T
 //     it began with from the one it ended with, where a walk far to near would divide by 1 - alpha at every step.
 //  2. far to near: s and h. The T at the chunk's near end is inside the upstream gradients, not in w.
-//  3. rows of pixels become rows of Gaussians (register transposes), so that a sum over the block's pixels is a chain
-//     of additions for as many Gaussians as there are lanes.
+//  3. rows of pixels become lanes of Gaussians (pixel_sums-inl.h), so that a sum over the block's pixels is a chain of
+//     additions for as many Gaussians as there are lanes.
 // No horizontal reduction, no atomics: each (tile, Gaussian) pair has its own record.
 
 #undef HWY_TARGET_INCLUDE
@@ -26,6 +26,7 @@
 #include "oraclegs/render/cpu/blocks-inl.h"
 #include "oraclegs/render/cpu/falloff-inl.h"
 #include "oraclegs/render/cpu/kernels.h"
+#include "oraclegs/render/cpu/pixel_sums-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
@@ -131,102 +132,15 @@ HWY_INLINE void SweepFarToNear(const Segment& segment, const int32_t* HWY_RESTRI
   }
 }
 
-/// One row of a block's pixels, of Gaussians [0, kLanes): a vector a pixel.
-HWY_INLINE void LoadPixelRow(const float (*HWY_RESTRICT gaussians)[16], int y, FloatVec* HWY_RESTRICT columns) {
-  const int first = cpu::kBlock * y;
-#if HWY_TARGET <= HWY_AVX3
-  // The shuffle unit is the narrow place: loads put quarters of rows where they belong, and leave it half the work.
-  for (int r = 0; r < 4; ++r) {
-    const auto quarter = [&](int row) HWY_ATTR { return _mm_load_ps(gaussians[row] + first); };
-    __m512 v = _mm512_broadcast_f32x4(quarter(r));
-    v = _mm512_mask_broadcast_f32x4(v, 0x00f0, quarter(4 + r));
-    v = _mm512_mask_broadcast_f32x4(v, 0x0f00, quarter(8 + r));
-    columns[r] = FloatVec{_mm512_mask_broadcast_f32x4(v, 0xf000, quarter(12 + r))};
-  }
-  TransposeBlocks4(columns);
-#elif HWY_TARGET == HWY_AVX2
-  const FloatTag d;
-  const hn::Half<FloatTag> half;
-  for (int r = 0; r < 4; ++r) {
-    columns[r] = hn::Combine(d, hn::Load(half, gaussians[4 + r] + first), hn::Load(half, gaussians[r] + first));
-  }
-  TransposeBlocks4(columns);
-#else
-  LoadWideRows(gaussians[0] + first, 16, kLanes, cpu::kBlock / kLanes, columns);
-#endif
-}
-
-/// A block's centre, px from the tile's.
-struct BlockMiddle {
-  float x, y;
-};
-
-/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre.
-HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle& middle,
-                           FloatVec* HWY_RESTRICT moments) {
-  const FloatTag d;
-  const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
-  // Of four neighbours at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
-  const auto sum = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
-                       HWY_ATTR { return hn::Add(hn::Add(a, e), hn::Add(b, c)); };
-  const auto first = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
-                         HWY_ATTR { return hn::MulAdd(three, hn::Sub(e, a), hn::Sub(c, b)); };
-  const auto second = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
-                          HWY_ATTR { return hn::MulAdd(nine, hn::Add(a, e), hn::Add(b, c)); };
-  FloatVec row[4], row_x[4], row_xx[4];
-  for (int y = 0; y < 4; ++y) {
-    FloatVec p[4];
-    LoadPixelRow(h, y, p);
-    row[y] = sum(p[0], p[1], p[2], p[3]);
-    row_x[y] = first(p[0], p[1], p[2], p[3]);
-    row_xx[y] = second(p[0], p[1], p[2], p[3]);
-  }
-  const auto halves = [&](FloatVec m) HWY_ATTR { return hn::Mul(hn::Set(d, 0.5f), m); };
-  const auto quarters = [&](FloatVec m) HWY_ATTR { return hn::Mul(hn::Set(d, 0.25f), m); };
-  const FloatVec m = sum(row[0], row[1], row[2], row[3]);
-  const FloatVec x = halves(sum(row_x[0], row_x[1], row_x[2], row_x[3]));
-  const FloatVec y = halves(first(row[0], row[1], row[2], row[3]));
-  const FloatVec xx = quarters(sum(row_xx[0], row_xx[1], row_xx[2], row_xx[3]));
-  const FloatVec xy = quarters(first(row_x[0], row_x[1], row_x[2], row_x[3]));
-  const FloatVec yy = quarters(second(row[0], row[1], row[2], row[3]));
-  // From the block's centre to the tile's.
-  const FloatVec vx = hn::Set(d, middle.x), vy = hn::Set(d, middle.y);
-  const FloatVec shifted_x = hn::MulAdd(vx, m, x), shifted_y = hn::MulAdd(vy, m, y);
-  moments[0] = m;
-  moments[1] = shifted_x;
-  moments[2] = shifted_y;
-  moments[3] = hn::MulAdd(vx, hn::Add(shifted_x, x), xx);
-  moments[4] = hn::MulAdd(vx, shifted_y, hn::MulAdd(vy, x, xy));
-  moments[5] = hn::MulAdd(vy, hn::Add(shifted_y, y), yy);
-}
-
 /// Sweep 3 over at most kLanes rows: adds to the records of their positions.
 template <bool kDepth>
-HWY_INLINE void AddToRecords(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, const ChunkRows& rows,
-                             const BlockMiddle& middle, float* HWY_RESTRICT records) {
-  const FloatTag d;
-  constexpr int kTiles = (12 + kLanes - 1) / kLanes;
+HWY_INLINE void SumOverPixels(const Chunk& chunk, const int32_t* HWY_RESTRICT positions, const ChunkRows& rows,
+                              const BlockMiddle& middle, float* HWY_RESTRICT records) {
   FloatVec columns[cpu::kGradStride];
-  for (FloatVec& c : columns) c = hn::Zero(d);
+  for (const int unused : {6, 7, 11}) columns[unused] = hn::Zero(FloatTag());
   SumMoments(chunk.alpha + rows.begin, middle, columns);
-  for (int y = 0; y < 4; ++y) {
-    FloatVec w[4];
-    LoadPixelRow(chunk.weight + rows.begin, y, w);
-    for (int c = 0; c < 3 + kDepth; ++c) {
-      const float* g = chunk.g[c] + cpu::kBlock * y;
-      // Two chains, which wait for each other once a row.
-      const FloatVec even = hn::MulAdd(w[0], hn::Set(d, g[0]), hn::Mul(w[2], hn::Set(d, g[2])));
-      const FloatVec odd = hn::MulAdd(w[1], hn::Set(d, g[1]), hn::MulAdd(w[3], hn::Set(d, g[3]), columns[8 + c]));
-      columns[8 + c] = hn::Add(even, odd);
-    }
-  }
-  for (int tile = 0; tile < kTiles; ++tile) {
-    Transpose(columns + tile * kLanes);
-    for (int lane = 0; lane < rows.end - rows.begin; ++lane) {
-      float* to = records + positions[rows.begin + lane] * cpu::kGradStride + tile * kLanes;
-      hn::Store(hn::Add(hn::Load(d, to), columns[tile * kLanes + lane]), d, to);
-    }
-  }
+  SumProducts<3 + kDepth>(chunk.weight + rows.begin, chunk.g, columns + 8);
+  AddToRecords(columns, positions + rows.begin, rows.end - rows.begin, records);
 }
 
 /// The segment's part of one block's list; `first`: Segment::FirstStep; `records`: of the segment's first entry.
@@ -267,7 +181,7 @@ HWY_INLINE int BackwardBlock(const Segment& segment, int block, int32_t first, B
     // Alternating: the third sweep waits for the shuffle unit, the second for the others.
     for (int end_row = n, row = (n - 1) / kLanes * kLanes; row >= 0; end_row = row, row -= kLanes) {
       SweepFarToNear<kDepth>(segment, chunk_positions, {row, end_row}, &chunk, rest);
-      AddToRecords<kDepth>(chunk, chunk_positions, {row, end_row}, middle, records);
+      SumOverPixels<kDepth>(chunk, chunk_positions, {row, end_row}, middle, records);
     }
     for (int v = 0; v < kVecs; ++v) rest[v] = hn::Div(rest[v], t[v]);
     stop = start;
