@@ -38,6 +38,11 @@ inline double RelativeL2(const torch::Tensor& x, const torch::Tensor& ref) {
   return ((x.to(torch::kCPU, torch::kDouble) - r).norm() / r.norm()).item<double>();
 }
 
+/// Whether x [B, C, H, W] lies in memory with its channels last, and not also with them first.
+inline bool HasChannelsLast(const torch::Tensor& x) {
+  return x.is_contiguous(at::MemoryFormat::ChannelsLast) && !x.is_contiguous();
+}
+
 inline double MaxAbsError(const torch::Tensor& x, const torch::Tensor& ref) {
   return (x.to(torch::kCPU, torch::kDouble) - ref.to(torch::kCPU, torch::kDouble)).abs().max().item<double>();
 }

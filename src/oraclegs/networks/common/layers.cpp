@@ -40,10 +40,6 @@ Conv LoadConv(const ParameterScope& at, const ConvShape& shape) {
   return conv;
 }
 
-bool HasChannelsLast(const Tensor& x) {
-  return x.dim() == 4 && x.is_contiguous(at::MemoryFormat::ChannelsLast) && !x.is_contiguous();
-}
-
 Tensor Forward(const Conv& layer, const Tensor& x) {
   const bool pointwise = layer.weight.size(2) == 1 && layer.stride == 1 && layer.padding == 0;
   if (pointwise) return Pointwise(layer, x);

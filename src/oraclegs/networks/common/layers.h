@@ -35,8 +35,6 @@ struct Conv {
   bool channels_last = false;  ///< takes maps that lie in memory with their channels last, and gives such maps
 };
 Conv LoadConv(const ParameterScope& at, const ConvShape& shape);
-/// Whether x [B, C, H, W] lies in memory with its channels last, and not also with them first.
-bool HasChannelsLast(const Tensor& x);
 /// x [B, in, H, W]
 Tensor Forward(const Conv& layer, const Tensor& x);
 

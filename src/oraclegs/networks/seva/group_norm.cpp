@@ -21,9 +21,9 @@ Tensor NormalizedLast(const GroupNorm& layer, const Tensor& x) {
   return out.view({images, x.size(2), x.size(3), channels}).permute({0, 3, 1, 2});
 }
 
-/// In float32, but for maps with channels last.
+/// In float32, but for what NormalizedLast does.
 Tensor Normalized(const GroupNorm& layer, const Tensor& x) {
-  if (HasChannelsLast(x)) return NormalizedLast(layer, x);
+  if (layer.channels_last) return NormalizedLast(layer, x);
   return at::group_norm(x.to(torch::kFloat), layer.groups, layer.weight.to(torch::kFloat), layer.bias.to(torch::kFloat),
                         layer.eps);
 }

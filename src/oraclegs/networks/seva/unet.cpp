@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "oraclegs/networks/common/autocast.h"
 
@@ -107,23 +108,24 @@ void ForEachMultiView(const Unet& unet, F&& f) {
   for (const UnetBlock& block : unet.output_blocks) visit(block);
 }
 
-/// Calls f(&conv) for each convolution.
+/// Calls f(&layer) for each convolution and group norm.
 template <class F>
-void ForEachConv(Unet* unet, F&& f) {
+void ForEachMapLayer(Unet* unet, F&& f) {
   const auto visit = [&](UnetBlock* block) {
     for (UnetLayer& layer : *block) {
       if (auto* conv = std::get_if<Conv>(&layer)) f(conv);
       if (auto* up = std::get_if<Up>(&layer)) f(&up->conv);
       if (auto* res = std::get_if<ResBlock>(&layer)) {
-        f(&res->conv_in), f(&res->conv_out), f(&res->dense);
+        f(&res->norm_in), f(&res->conv_in), f(&res->dense), f(&res->norm_out), f(&res->conv_out);
         if (res->skip) f(&*res->skip);
       }
+      if (auto* multi_view = std::get_if<MultiView>(&layer)) f(&multi_view->norm);
     }
   };
   for (UnetBlock& block : unet->input_blocks) visit(&block);
   visit(&unet->middle);
   for (UnetBlock& block : unet->output_blocks) visit(&block);
-  f(&unet->conv_out);
+  f(&unet->norm_out), f(&unet->conv_out);
 }
 
 at::MemoryFormat FormatOf(const Unet& unet) {
@@ -147,9 +149,11 @@ std::string PrefixOf(const std::filesystem::path& path) {
 
 void KeepChannelsLast(Unet* unet) {
   unet->channels_last = true;
-  ForEachConv(unet, [](Conv* conv) {
-    conv->channels_last = true;
-    conv->weight = conv->weight.contiguous(at::MemoryFormat::ChannelsLast);
+  ForEachMapLayer(unet, [](auto* layer) {
+    layer->channels_last = true;
+    if constexpr (std::is_same_v<decltype(layer), Conv*>) {
+      layer->weight = layer->weight.contiguous(at::MemoryFormat::ChannelsLast);
+    }
   });
 }
 
