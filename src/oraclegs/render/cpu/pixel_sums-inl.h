@@ -142,14 +142,13 @@ HWY_INLINE void SumProducts(const float (*HWY_RESTRICT w)[16], const float (*HWY
   }
   for (int c = 0; c < kChannels; ++c) {
     FloatVec of_quads[kRowsAVector];
+    for (FloatVec& sum : of_quads) sum = hn::Zero(FloatTag());
     for (int group = 0; group < kRowGroups; ++group) {
       FloatVec of_column[4];
       SpreadColumns(g[c], group, of_column);
       for (int quad = 0; quad < kRowsAVector; ++quad) {
         const FloatVec* const v = columns[group][quad];
-        const FloatVec last = group == 0 ? hn::Mul(v[3], of_column[3]) : hn::MulAdd(v[3], of_column[3], of_quads[quad]);
-        of_quads[quad] =
-            hn::MulAdd(v[0], of_column[0], hn::MulAdd(v[1], of_column[1], hn::MulAdd(v[2], of_column[2], last)));
+        for (int x = 3; x >= 0; --x) of_quads[quad] = hn::MulAdd(v[x], of_column[x], of_quads[quad]);
       }
     }
     sums[c] = SumRows(of_quads);
