@@ -1,12 +1,11 @@
 #include "oraclegs/networks/seva/multi_view.h"
 
 #include "oraclegs/networks/common/attention.h"
-#include "oraclegs/networks/seva/slices.h"
+#include "oraclegs/networks/seva/kernels.h"
+#include "oraclegs/networks/seva/sums.h"
 
 namespace oraclegs::seva {
 namespace {
-
-constexpr int64_t kFeedForwardRatio = 4;
 
 Linear LoadWithoutBias(const ParameterScope& at, int64_t in, int64_t out) { return {at.Get("weight", {out, in}), {}}; }
 
@@ -15,11 +14,6 @@ Attention LoadAttention(const ParameterScope& at, const MultiViewShape& shape, i
   return {LoadWithoutBias(at / "to_q", channels, channels), LoadWithoutBias(at / "to_k", context, channels),
           LoadWithoutBias(at / "to_v", context, channels), LoadLinear(at / "to_out" / 0, channels, channels),
           channels / shape.head_width};
-}
-
-FeedForward LoadFeedForward(const ParameterScope& at, int64_t channels) {
-  const int64_t hidden = kFeedForwardRatio * channels;
-  return {LoadLinear(at / "net" / 0 / "proj", channels, 2 * hidden), LoadLinear(at / "net" / 2, hidden, channels)};
 }
 
 TokenBlock LoadTokenBlock(const ParameterScope& at, const MultiViewShape& shape) {
@@ -34,88 +28,77 @@ TokenBlock LoadTokenBlock(const ParameterScope& at, const MultiViewShape& shape)
 }
 
 /// x [G, tokens, C] -> [G, heads, tokens, C / heads]
-Tensor Heads(const Tensor& x, int64_t heads) {
-  return x.view({x.size(0), x.size(1), heads, x.size(2) / heads}).transpose(1, 2);
+Tensor Heads(const Tensor& x, int64_t heads) { return x.unflatten(2, {heads, x.size(2) / heads}).transpose(1, 2); }
+
+/// The reverse, then the output layer without its bias.
+Tensor Join(const Linear& out, const Tensor& attended) {
+  return at::linear(attended.transpose(1, 2).flatten(2), out.weight);
 }
 
-/// The reverse, then the output layer.
-Tensor Join(const Attention& layer, const Tensor& attended) {
-  return Forward(layer.out, attended.transpose(1, 2).flatten(2));
+/// y [G, tokens, C] += what self attention gave, without the bias of its output layer, and cross attention. Returns the
+/// norm before the feed-forward layer.
+Tensor AfterSelfAttention(const TokenBlock& block, const Cross& cross, const Tensor& joined, Tensor* y) {
+  if (cross.update.defined()) return NormAfterAdding({joined, cross.update}, block.norm3, y);
+  const Tensor x = NormAfterAdding({joined, block.self.out.bias}, block.norm2, y);
+  const Tensor q = Heads(Forward(block.cross.q, x), block.cross.heads);
+  return NormAfterAdding({Join(block.cross.out, Attend(q, cross.k, cross.v)), block.cross.out.bias}, block.norm3, y);
 }
 
-/// The layer of some of the outputs.
-Linear Outputs(const Linear& layer, int64_t begin, int64_t end) {
-  return {layer.weight.slice(0, begin, end), layer.bias.slice(0, begin, end)};
+/// x [..., C] -> [..., 3 C]: queries, keys and values. For a GPU, which then reads x once; to join weights costs it
+/// nothing that counts.
+Tensor Joint(const Attention& layer, const Tensor& x) {
+  return at::linear(x, at::cat({layer.q.weight, layer.k.weight, layer.v.weight}));
 }
 
-/// into += feed-forward(norm(from)), some tokens at a time; `from` may be `into`. Values and gates come from two
-/// products, since halves of one are strided, which a GPU reads at half the rate.
-void AddFeedForward(const FeedForward& layer, const LayerNorm& norm, const Tensor& from, Tensor* into) {
-  const int64_t channels = from.size(-1), hidden = kFeedForwardRatio * channels;
-  const Linear values = Outputs(layer.in, 0, hidden), gates = Outputs(layer.in, hidden, 2 * hidden);
-  const Tensor tokens = from.view({-1, channels});
-  Tensor sums = into->view({-1, channels});
-  const int64_t step = RowsAtOnce(from, 2 * hidden), count = tokens.size(0);
-  for (int64_t begin = 0; begin < count; begin += step) {
-    const int64_t end = std::min(begin + step, count);
-    const Tensor x = Forward(norm, tokens.slice(0, begin, end));
-    Tensor gated = Forward(gates, x);
-    at::gelu_(gated);
-    gated.mul_(Forward(values, x));
-    sums.slice(0, begin, end).add_(Forward(layer.out, gated));
+/// x [G, tokens, C] -> the same: attention within each of the G, without the bias of its output layer.
+Tensor Attended(const Attention& layer, const Tensor& x) {
+  std::vector<Tensor> parts;
+  if (kernels::Take(x)) {
+    parts = Joint(layer, x).chunk(3, 2);
+  } else {
+    parts = {Forward(layer.q, x), Forward(layer.k, x), Forward(layer.v, x)};
   }
-}
-
-void AddCross(const TokenBlock& block, const Cross& cross, Tensor* y) {
-  if (cross.update.defined()) {
-    y->add_(cross.update);
-    return;
-  }
-  const Tensor q = Heads(Forward(block.cross.q, Forward(block.norm2, *y)), block.cross.heads);
-  y->add_(Join(block.cross, Attend(q, cross.k, cross.v)));
-}
-
-/// y [G, tokens, C], attention within each of the G.
-void ApplySpatial(const TokenBlock& block, const Cross& cross, Tensor* y) {
-  {
-    const Tensor x = Forward(block.norm1, *y);
-    const int64_t heads = block.self.heads;
-    y->add_(Join(block.self, Attend(Heads(Forward(block.self.q, x), heads), Heads(Forward(block.self.k, x), heads),
-                                    Heads(Forward(block.self.v, x), heads))));
-  }
-  AddCross(block, cross, y);
-  AddFeedForward(block.feed_forward, block.norm3, *y, y);
+  for (Tensor& part : parts) part = Heads(part, layer.heads);
+  return Join(layer.out, Attend(parts[0], parts[1], parts[2]));
 }
 
 /// x [B, T, S, C] -> [B S, heads, T, C / heads]: the frames at one pixel.
 Tensor PixelHeads(const Tensor& x, int64_t heads) {
-  const Tensor split = x.view({x.size(0), x.size(1), x.size(2), heads, x.size(3) / heads});
-  return split.permute({0, 2, 3, 1, 4}).flatten(0, 1);
+  return x.unflatten(3, {heads, x.size(3) / heads}).permute({0, 2, 3, 1, 4}).flatten(0, 1);
 }
 
-/// s [B, T, S, C] += time-mix block of s. All but its self attention is token by token, so nothing else is regrouped.
-void AddTimeMix(const TimeBlock& block, const Cross& cross, Tensor* s) {
-  const int64_t batch = s->size(0), frames = s->size(1), pixels = s->size(2), channels = s->size(3);
-  const TokenBlock& rest = block.tokens;
-  Tensor v = s->clone();
-  AddFeedForward(block.feed_forward_in, block.norm_in, *s, &v);
-  {
-    const Tensor x = Forward(rest.norm1, v);
-    const int64_t heads = rest.self.heads;
-    const Tensor attended =
-        Attend(PixelHeads(Forward(rest.self.q, x), heads), PixelHeads(Forward(rest.self.k, x), heads),
-               PixelHeads(Forward(rest.self.v, x), heads));
-    const Tensor back = attended.view({batch, pixels, heads, frames, channels / heads}).permute({0, 3, 1, 2, 4});
-    v.add_(Forward(rest.self.out, back.flatten(3)));
+/// x [B, T, S, C] -> the same: attention over the frames at one pixel, without the bias of its output layer.
+Tensor AttendedOverTime(const Attention& layer, const Tensor& x) {
+  const int64_t heads = layer.heads;
+  Tensor attended;
+  if (kernels::Take(x)) attended = kernels::AttendAcrossFrames(Joint(layer, x), heads);
+  if (!attended.defined()) {
+    attended = Attend(PixelHeads(Forward(layer.q, x), heads), PixelHeads(Forward(layer.k, x), heads),
+                      PixelHeads(Forward(layer.v, x), heads))
+                   .view({x.size(0), x.size(2), heads, x.size(1), x.size(3) / heads})
+                   .permute({0, 3, 1, 2, 4})
+                   .flatten(3);
   }
-  Tensor sequences = v.view({batch, frames * pixels, channels});  // one context a sequence
-  AddCross(rest, cross, &sequences);
-  AddFeedForward(rest.feed_forward, rest.norm3, v, s);  // the last one has no residual of v
+  return at::linear(attended, layer.out.weight);
 }
 
-Cross PrepareCross(const Attention& layer, const Tensor& context) {
+/// What a time-mix block adds to s [B, T, S, C], of which x is norm_in. All but its self attention is token by token,
+/// so nothing else is regrouped.
+Addend TimeMix(const TimeBlock& block, const Cross& cross, const Tensor& s, const Tensor& x) {
+  const TokenBlock& rest = block.tokens;
+  Tensor v;
+  const Tensor y = NormOfSum(s, Forward(block.feed_forward_in, x), rest.norm1, &v);
+  const std::vector<int64_t> sequences = {s.size(0), s.size(1) * s.size(2), s.size(3)};  // one context each
+  Tensor tokens = v.view(sequences);
+  const Tensor z = AfterSelfAttention(rest, cross, AttendedOverTime(rest.self, y).view(sequences), &tokens);
+  return Forward(rest.feed_forward, z);  // the last one has no residual of v
+}
+
+Cross PrepareCross(const TokenBlock& block, const Tensor& context) {
+  const Attention& layer = block.cross;
   const Tensor v = Forward(layer.v, context);
-  if (context.size(1) == 1) return {Forward(layer.out, v), {}, {}};  // the softmax over one token is 1
+  if (context.size(1) == 1)
+    return {Forward(layer.out, v) + block.self.out.bias, {}, {}};  // softmax over one token is 1
   return {{}, Heads(Forward(layer.k, context), layer.heads), Heads(v, layer.heads)};
 }
 
@@ -144,23 +127,33 @@ MultiViewContext PrepareContext(const MultiView& block, const Tensor& context, i
   MultiViewContext prepared;
   for (size_t i = 0; i < block.spatial.size(); ++i) {
     const bool sequence = block.reach == Reach::kSequence;
-    prepared.spatial.push_back(PrepareCross(block.spatial[i].cross, sequence ? first : context));
-    prepared.time.push_back(PrepareCross(block.time[i].tokens.cross, first));
+    prepared.spatial.push_back(PrepareCross(block.spatial[i], sequence ? first : context));
+    prepared.time.push_back(PrepareCross(block.time[i].tokens, first));
   }
   return prepared;
 }
 
 Tensor Forward(const MultiView& block, const Tensor& x, const MultiViewContext& context, int64_t frames) {
   const int64_t rows = x.size(0), channels = x.size(1), pixels = x.size(2) * x.size(3), batch = rows / frames;
-  Tensor z = Forward(block.proj_in, Forward(block.norm, x).flatten(2).transpose(1, 2).contiguous());
+  const std::vector<int64_t> by_frame = {batch, frames, pixels, channels}, frames_alone = {rows, pixels, channels};
+  const std::vector<int64_t> groups =
+      block.reach == Reach::kSequence ? std::vector<int64_t>{batch, frames * pixels, channels} : frames_alone;
+  Tensor z = at::linear(Forward(block.norm, x).flatten(2).transpose(1, 2).contiguous(), block.proj_in.weight);
+  Addend addend{{}, block.proj_in.bias};
   for (size_t i = 0; i < block.spatial.size(); ++i) {
-    const bool sequence = block.reach == Reach::kSequence;
-    Tensor groups = sequence ? z.view({batch, frames * pixels, channels}) : z;
-    ApplySpatial(block.spatial[i], context.spatial[i], &groups);
-    Tensor by_frame = z.view({batch, frames, pixels, channels});
-    AddTimeMix(block.time[i], context.time[i], &by_frame);
+    const TokenBlock& spatial = block.spatial[i];
+    const TimeBlock& time = block.time[i];
+    z = z.view(groups);
+    Tensor y = NormAfterAdding(addend, spatial.norm1, &z);
+    y = AfterSelfAttention(spatial, context.spatial[i], Attended(spatial.self, y), &z);
+    y = NormAfterAdding(Forward(spatial.feed_forward, y), time.norm_in, &z);
+    addend = TimeMix(time, context.time[i], z.view(by_frame), y.view(by_frame));
   }
-  return x + Forward(block.proj_out, z).transpose(1, 2).reshape(x.sizes());
+  z = Sum(z, addend).view(frames_alone);
+  if (!block.norm.channels_last) return x + Forward(block.proj_out, z).transpose(1, 2).reshape(x.sizes());
+  const Tensor channels_last = x.permute({0, 2, 3, 1});
+  const Addend update{at::linear(z, block.proj_out.weight).view(channels_last.sizes()), block.proj_out.bias};
+  return Sum(channels_last, update).permute({0, 3, 1, 2});
 }
 
 }  // namespace oraclegs::seva

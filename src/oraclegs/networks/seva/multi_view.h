@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "oraclegs/networks/seva/feed_forward.h"
 #include "oraclegs/networks/seva/group_norm.h"
 
 namespace oraclegs::seva {
@@ -13,11 +14,6 @@ struct Attention {
   Linear q, k, v;  ///< without bias
   Linear out;
   int64_t heads = 0;
-};
-
-/// Two linear layers; half of what the first gives gates the other half: a * GELU(g).
-struct FeedForward {
-  Linear in, out;
 };
 
 struct TokenBlock {
@@ -53,8 +49,10 @@ MultiView LoadMultiView(const ParameterScope& at, const MultiViewShape& shape);
 
 /// What cross attention takes from the context, which does not change from step to step.
 struct Cross {
-  Tensor update;  ///< [G, 1, C], with one context token: what is added to every token; else undefined
-  Tensor k, v;    ///< [G, heads, L, head width], with several
+  /// [G, 1, C], with one context token: what is added to every token, and the bias of self attention's output layer,
+  /// which comes just before; else undefined
+  Tensor update;
+  Tensor k, v;  ///< [G, heads, L, head width], with several
 };
 struct MultiViewContext {
   std::vector<Cross> spatial, time;  ///< of each block

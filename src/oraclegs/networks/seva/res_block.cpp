@@ -1,29 +1,35 @@
 #include "oraclegs/networks/seva/res_block.h"
 
-#include "oraclegs/networks/seva/slices.h"
+#include "oraclegs/networks/seva/kernels.h"
+#include "oraclegs/networks/seva/sums.h"
 
 namespace oraclegs::seva {
 namespace {
 
-/// The layer of some of the output channels.
-Conv Channels(const Conv& layer, int64_t begin, int64_t end) {
-  Conv some = layer;
-  some.weight = layer.weight.slice(0, begin, end), some.bias = layer.bias.slice(0, begin, end);
-  return some;
+Conv WithoutBias(const Conv& layer) {
+  Conv bare = layer;
+  bare.bias = Tensor();
+  return bare;
 }
 
-/// y (1 + scale) + shift in place, some frames at a time: scale and shift together are twice as wide as y. They come
-/// from two products, since halves of one are strided, which a GPU reads at half the rate.
-void Modulate(const Conv& layer, const Tensor& dense, Tensor* y) {
-  const int64_t frames = y->size(0), channels = y->size(1);
-  const int64_t step = RowsAtOnce(*y, 2 * channels * y->size(2) * y->size(3));
-  const Conv to_scale = Channels(layer, 0, channels), to_shift = Channels(layer, channels, 2 * channels);
-  for (int64_t begin = 0; begin < frames; begin += step) {
-    const int64_t end = std::min(begin + step, frames);
-    const Tensor rays = dense.slice(0, begin, end), scale = Forward(to_scale, rays).add_(1);
-    Tensor part = y->slice(0, begin, end);
-    at::addcmul_out(part, Forward(to_shift, rays), part, scale);
+/// x + added + a vector for all pixels; maps with their channels last.
+Tensor SumOfMaps(const Tensor& x, const Tensor& added, const Tensor& vector) {
+  const auto rows = [](const Tensor& map) { return map.permute({0, 2, 3, 1}); };
+  return Sum(rows(x), {rows(added), vector}).permute({0, 3, 1, 2});
+}
+
+/// The block where kernels add what convolutions leave out: their biases, which a GPU's library adds in passes of their
+/// own.
+Tensor ByKernels(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
+  const Tensor y = Forward(WithoutBias(block.conv_in), NormThenSilu(block.norm_in, x, {{}, &block.dense, dense}));
+  const Tensor offsets = Forward(block.embedding, embedding) + block.conv_in.bias;
+  const Tensor z = Forward(WithoutBias(block.conv_out), NormThenSilu(block.norm_out, y, {offsets, nullptr, {}}));
+  Tensor bias = block.conv_out.bias, skip = x;
+  if (block.skip) {
+    bias = bias + block.skip->bias;
+    skip = Forward(WithoutBias(*block.skip), x);
   }
+  return SumOfMaps(skip, z, bias);
 }
 
 }  // namespace
@@ -41,11 +47,9 @@ ResBlock LoadResBlock(const ParameterScope& at, const ResShape& shape) {
 }
 
 Tensor Forward(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
-  Tensor y = NormThenSilu(block.norm_in, x);
-  Modulate(block.dense, dense, &y);
-  y = Forward(block.conv_in, y);
-  y.add_(Forward(block.embedding, embedding).unsqueeze(-1).unsqueeze(-1));
-  y = Forward(block.conv_out, NormThenSilu(block.norm_out, y));
+  if (block.norm_in.channels_last && kernels::Take(x)) return ByKernels(block, x, embedding, dense);
+  Tensor y = Forward(block.conv_in, NormThenSilu(block.norm_in, x, {{}, &block.dense, dense}));
+  y = Forward(block.conv_out, NormThenSilu(block.norm_out, y, {Forward(block.embedding, embedding), nullptr, {}}));
   return y.add_(block.skip ? Forward(*block.skip, x) : x);
 }
 

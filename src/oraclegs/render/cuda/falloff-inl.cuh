@@ -1,6 +1,7 @@
 #pragma once
 // How one Gaussian covers a pixel, and which pixels it can reach: what several kernels must compute to the same bits.
 
+#include "oraclegs/core/cuda/fast_math-inl.cuh"
 #include "oraclegs/render/cuda/warp-inl.cuh"
 
 namespace oraclegs::cuda {
@@ -10,29 +11,6 @@ namespace oraclegs::cuda {
 __device__ inline float Log2Alpha(const Splat& s, float dx, float dy) {
   const float p = s.ax * dx, q = s.by * fmaf(s.slope, dx, dy);
   return fmaf(-q, q, fmaf(-p, p, s.log2_opacity));
-}
-
-/// 2^e for e in [-8, 1], to 2 units in the last place: the hardware's own, without the care that exp2f takes of
-/// denormal numbers.
-__device__ inline float Exp2(float e) {
-#if defined(__CUDA_ARCH__)
-  float result;
-  asm("ex2.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(e));
-  return result;
-#else
-  return exp2f(e);
-#endif
-}
-
-/// 1 / x for normal x, to 1 unit in the last place.
-__device__ inline float Reciprocal(float x) {
-#if defined(__CUDA_ARCH__)
-  float result;
-  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
-  return result;
-#else
-  return 1.f / x;
-#endif
 }
 
 /// The transmittance after a Gaussian.

@@ -2,6 +2,7 @@
 // Helpers of several kernels.
 
 #include "oraclegs/core/cuda/launch.h"
+#include "oraclegs/core/cuda/warp_sum-inl.cuh"
 #include "oraclegs/render/cuda/splats.h"
 #include "oraclegs/render/splat_math-inl.h"
 
@@ -13,12 +14,6 @@ inline constexpr int kShThreads = 128;   ///< of a block that holds its SH rows 
 
 __device__ inline int64_t ThreadInGrid() { return int64_t{blockIdx.x} * blockDim.x + threadIdx.x; }
 __device__ inline int LaneInWarp() { return static_cast<int>(threadIdx.x % kWarp); }
-
-template <class T>
-__device__ inline T WarpSum(T value) {
-  for (int step = kWarp / 2; step > 0; step /= 2) value += __shfl_xor_sync(kAllLanes, value, step);
-  return value;
-}
 
 __device__ inline RawSplat<float> LoadRaw(const GaussianParameters& p, int64_t i) {
   const float *m = p.means + 3 * i, *s = p.log_scales + 3 * i;

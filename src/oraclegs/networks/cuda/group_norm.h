@@ -1,0 +1,49 @@
+#pragma once
+// Group norm of maps that lie in memory with their channels last, with what stands around it in a residual block
+// (docs/method.md#seva-group-norm): an offset before, SiLU and a modulation by rays after.
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+namespace oraclegs::cuda {
+
+inline constexpr int kGroupNormChannels = 2560, kGroupNormGroups = 64, kGroupNormRays = 8;  ///< the most
+inline constexpr int kGroupNormPixelsABlock = 64;
+
+/// bfloat16 as its bits, in the device's memory; computed in float32, the sums of groups in float64.
+struct GroupNorm {
+  int64_t images = 0;
+  int pixels = 0, channels = 0;  ///< an even number of channels in each group
+  int groups = 0;
+  const uint16_t* x = nullptr;                        ///< [images, pixels, channels]
+  const uint16_t* offsets = nullptr;                  ///< [images, channels], added to x first; null: nothing
+  const uint16_t *weight = nullptr, *bias = nullptr;  ///< [channels]
+  float eps = 0;
+  bool silu = false;  ///< y sigmoid(y) follows
+  // y (1 + scale) + shift follows, where a product with the pixel's rays gives scales and shifts; 0: it does not
+  int rays = 0;
+  const uint16_t* ray_maps = nullptr;    ///< [images, pixels, rays]
+  const uint16_t* ray_weight = nullptr;  ///< [2 channels, rays]: of scales, then of shifts
+  const uint16_t* ray_bias = nullptr;    ///< [2 channels]
+  uint16_t* out = nullptr;               ///< receives [images, pixels, channels]; may be x
+};
+
+/// Two numbers.
+struct GroupNormPair {
+  float a, b;
+};
+/// Scratch, in the device's memory.
+struct GroupNormScratch {
+  GroupNormPair* sums = nullptr;     ///< [GroupNormSums]
+  GroupNormPair* factors = nullptr;  ///< [images, channels]
+};
+inline int64_t GroupNormChunks(const GroupNorm& in) {
+  return (in.pixels + kGroupNormPixelsABlock - 1) / kGroupNormPixelsABlock;
+}
+inline int64_t GroupNormSums(const GroupNorm& in) { return in.images * GroupNormChunks(in) * in.groups; }
+
+/// Queues the work.
+void RunGroupNorm(const GroupNorm& in, const GroupNormScratch& scratch, cudaStream_t stream);
+
+}  // namespace oraclegs::cuda

@@ -1,0 +1,42 @@
+#include "oraclegs/networks/seva/sums.h"
+
+#include "oraclegs/networks/seva/kernels.h"
+
+namespace oraclegs::seva {
+namespace {
+
+void AddTo(const Addend& addend, Tensor* x) {
+  if (addend.rows.defined()) x->add_(addend.rows.view(x->sizes()));
+  if (!addend.vectors.defined()) return;
+  const int64_t width = x->size(-1), groups = addend.vectors.numel() / width;
+  x->view({groups, -1, width}).add_(addend.vectors.view({groups, 1, width}));
+}
+
+}  // namespace
+
+Tensor Sum(const Tensor& x, const Addend& addend) {
+  Tensor sum;
+  if (kernels::NormOfSum(x, addend, nullptr, &sum).defined()) return sum;
+  sum = x.clone();
+  AddTo(addend, &sum);
+  return sum;
+}
+
+Tensor NormAfterAdding(const Addend& addend, const LayerNorm& norm, Tensor* x) {
+  if (Tensor y = kernels::NormOfSum(*x, addend, &norm, x); y.defined()) return y;
+  AddTo(addend, x);
+  return Forward(norm, *x);
+}
+
+Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm& norm, Tensor* sum) {
+  Tensor made;
+  if (Tensor y = kernels::NormOfSum(x, addend, &norm, &made); y.defined()) {
+    *sum = made;
+    return y;
+  }
+  *sum = x.clone();
+  AddTo(addend, sum);
+  return Forward(norm, *sum);
+}
+
+}  // namespace oraclegs::seva

@@ -1,0 +1,15 @@
+#pragma once
+// Sums along the residual streams of SEVA's UNet, and their layer norms.
+
+#include "oraclegs/networks/seva/norm_types.h"
+
+namespace oraclegs::seva {
+
+/// x + addend
+Tensor Sum(const Tensor& x, const Addend& addend);
+/// *x += addend; returns the layer norm of *x.
+Tensor NormAfterAdding(const Addend& addend, const LayerNorm& norm, Tensor* x);
+/// *sum = x + addend, a new tensor; returns its layer norm.
+Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm& norm, Tensor* sum);
+
+}  // namespace oraclegs::seva

@@ -1,0 +1,132 @@
+// On a GPU, in a build with CUDA; in all others on the emulated device, for which kernels.cpp is compiled once more,
+// and to which every bfloat16 tensor of the CPU goes.
+
+#include "oraclegs/networks/seva/kernels.h"
+
+#include "networks/fixtures.h"
+#include "oraclegs/networks/seva/unet.h"
+#include "support/cuda_device.h"
+
+namespace oraclegs::seva {
+namespace {
+
+const torch::Device kDevice = kEmulatedCuda ? torch::kCPU : torch::kCUDA;
+
+Tensor Noise(at::IntArrayRef shape, double seed) {
+  const Tensor x = at::arange(c10::multiply_integers(shape), torch::kDouble);
+  return at::sin(x * 12.9898 + seed).mul(43758.5453).frac().mul(2).view(shape).to(torch::kFloat);
+}
+/// Of numbers that bfloat16 has.
+Tensor Halves(at::IntArrayRef shape, double seed) { return Noise(shape, seed).to(kDevice, torch::kBFloat16); }
+Tensor Wide(const Tensor& x) { return x.to(torch::kCPU, torch::kFloat); }
+
+/// Of rounding once, where a composition of libtorch's operations rounds after each.
+constexpr double kRounding = 0.003;
+
+class SevaKernels : public CudaTest {};
+
+TEST_F(SevaKernels, TakeHalvesOnTheirDeviceOnly) {
+  EXPECT_TRUE(kernels::Take(Halves({2}, 1)));
+  EXPECT_FALSE(kernels::Take(Noise({2}, 1)));
+  EXPECT_FALSE(kernels::GatedGelu(Halves({2, 12}, 1)).defined());                     // halves of 6
+  EXPECT_FALSE(kernels::AttendAcrossFrames(Halves({1, 2, 3, 192}, 1), 2).defined());  // heads of 32
+  EXPECT_FALSE(kernels::AttendAcrossFrames(Halves({1, 25, 1, 192}, 1), 1).defined());
+  Tensor sum;
+  EXPECT_FALSE(kernels::NormOfSum(Halves({1, 2000}, 1), {}, nullptr, &sum).defined());
+  EXPECT_FALSE(kernels::NormOfSum(Halves({4, 64}, 1).t(), {}, nullptr, &sum).defined());
+  EXPECT_FALSE(sum.defined());
+}
+
+TEST_F(SevaKernels, GateAsLibtorch) {
+  const Tensor both = Halves({3, 5, 48}, 1), wide = Wide(both);
+  const Tensor y = kernels::GatedGelu(both);
+  EXPECT_LT(RelativeL2(y, wide.slice(2, 0, 24) * at::gelu(wide.slice(2, 24, 48))), kRounding);
+}
+
+TEST_F(SevaKernels, SumAndNormalizeAsLibtorch) {
+  const Tensor x = Halves({2, 6, 64}, 1), rows = Halves({2, 6, 64}, 2), vectors = Halves({2, 1, 64}, 3);
+  const LayerNorm norm{Halves({64}, 4), Halves({64}, 5), 1e-5};
+  const Tensor expected = Wide(x) + Wide(rows) + Wide(vectors);
+  const Tensor normed = at::layer_norm(expected, {64}, Wide(norm.weight), Wide(norm.bias), norm.eps);
+  Tensor sum;
+  EXPECT_LT(RelativeL2(kernels::NormOfSum(x, {rows, vectors}, &norm, &sum), normed), kRounding);
+  EXPECT_LT(RelativeL2(sum, expected), kRounding);
+  EXPECT_LT(RelativeL2(Sum(x, {rows, vectors}), expected), kRounding);
+  Tensor changed = x.clone();
+  EXPECT_LT(RelativeL2(NormAfterAdding({rows, vectors}, norm, &changed), normed), kRounding);
+  EXPECT_LT(RelativeL2(changed, expected), kRounding);
+  EXPECT_LT(RelativeL2(NormOfSum(x, {rows, {}}, norm, &changed),
+                       at::layer_norm(Wide(x) + Wide(rows), {64}, Wide(norm.weight), Wide(norm.bias), norm.eps)),
+            kRounding);
+  EXPECT_LT(RelativeL2(changed, Wide(x) + Wide(rows)), kRounding);
+}
+
+TEST_F(SevaKernels, NormalizeMapsAsLibtorch) {
+  GroupNorm layer{Halves({64}, 1), Halves({64}, 2), 32, 1e-5, true};
+  Conv modulation{Halves({128, 6, 1, 1}, 3), Halves({128}, 4), 1, 0, true};
+  const Tensor x = Halves({2, 64, 5, 7}, 5).contiguous(at::MemoryFormat::ChannelsLast);
+  const Tensor rays = Halves({2, 6, 5, 7}, 6).contiguous(at::MemoryFormat::ChannelsLast), offsets = Halves({2, 64}, 7);
+  const auto normed = [&](const Tensor& wide) {
+    return at::group_norm(wide, 32, Wide(layer.weight), Wide(layer.bias), layer.eps);
+  };
+  EXPECT_LT(RelativeL2(Forward(layer, x), normed(Wide(x))), kRounding);
+  EXPECT_TRUE(HasChannelsLast(Forward(layer, x)));
+  EXPECT_LT(RelativeL2(NormThenSilu(layer, x), at::silu(normed(Wide(x)))), kRounding);
+  const Tensor scale_shift = at::conv2d(Wide(rays), Wide(modulation.weight), Wide(modulation.bias));
+  const Tensor y = at::silu(normed(Wide(x) + Wide(offsets).unsqueeze(-1).unsqueeze(-1)));
+  EXPECT_LT(RelativeL2(NormThenSilu(layer, x, {offsets, &modulation, rays}),
+                       y * (1 + scale_shift.slice(1, 0, 64)) + scale_shift.slice(1, 64, 128)),
+            kRounding);
+}
+
+TEST_F(SevaKernels, AttendAcrossFramesAsLibtorch) {
+  const Tensor qkv = Halves({2, 7, 3, 3 * 128}, 1);
+  const Tensor parts = Wide(qkv).view({2, 7, 3, 3, 2, 64}).permute({3, 0, 2, 4, 1, 5});
+  const Tensor weights = at::softmax(at::matmul(parts[0], parts[1].transpose(-1, -2)) / 8, -1);
+  const Tensor expected = at::matmul(weights, parts[2]).permute({0, 3, 1, 2, 4}).reshape({2, 7, 3, 128});
+  EXPECT_LT(RelativeL2(kernels::AttendAcrossFrames(qkv, 2), expected), kRounding);
+}
+
+/// Made-up weights, of the sizes that the kernels take.
+UnetConfig Config() {
+  UnetConfig config;
+  config.channels = 64;
+  config.channel_mult = {1, 2};
+  config.res_blocks = 1;
+  config.attention_downscales = {1, 2};
+  config.transformer_depth = {1, 2};
+  config.context_width = 24;
+  config.joint = {"middle_ds2"};
+  return config;
+}
+
+/// The same made-up weights, rounded, in either type.
+class Rounded : public ParameterSource {
+ public:
+  explicit Rounded(const at::TensorOptions& options) : options_(options) {}
+  Tensor Get(const std::string& name, at::IntArrayRef shape) override {
+    return random_.Get(name, shape).to(torch::kBFloat16).to(options_);
+  }
+  void Unused(const std::string&, at::IntArrayRef) override {}
+
+ private:
+  RandomParameters random_{3};
+  at::TensorOptions options_;
+};
+
+TEST_F(SevaKernels, AWholeNetworkStaysCloseToFloat) {
+  Rounded wide(at::TensorOptions().dtype(torch::kFloat));
+  Rounded halves(at::TensorOptions().dtype(torch::kBFloat16).device(kDevice));
+  const Unet exact = LoadUnet(wide, Config());
+  Unet unet = LoadUnet(halves, Config());
+  if (!unet.channels_last) KeepChannelsLast(&unet);
+  for (const int64_t context_tokens : {1, 3}) {
+    const Tensor x = Noise({6, 11, 8, 8}, 1), steps = at::full({6}, 500, torch::kLong);
+    const Conditions conditions{Noise({6, context_tokens, 24}, 2), Noise({6, 6, 8, 8}, 3), 3, 8, 8};
+    const Tensor expected = Forward(exact, x, steps, Prepare(exact, conditions));
+    EXPECT_LT(RelativeL2(Forward(unet, x, steps, Prepare(unet, conditions)), expected), 0.03);
+  }
+}
+
+}  // namespace
+}  // namespace oraclegs::seva
