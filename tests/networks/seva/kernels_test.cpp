@@ -17,7 +17,7 @@ Tensor Noise(at::IntArrayRef shape, double seed) {
   return at::sin(x * 12.9898 + seed).mul(43758.5453).frac().mul(2).view(shape).to(torch::kFloat);
 }
 /// Of numbers that bfloat16 has.
-Tensor Halves(at::IntArrayRef shape, double seed) { return Noise(shape, seed).to(kDevice, torch::kBFloat16); }
+Tensor HalfNoise(at::IntArrayRef shape, double seed) { return Noise(shape, seed).to(kDevice, torch::kBFloat16); }
 Tensor Wide(const Tensor& x) { return x.to(torch::kCPU, torch::kFloat); }
 
 /// Of rounding once, where a composition of libtorch's operations rounds after each.
@@ -26,26 +26,26 @@ constexpr double kRounding = 0.003;
 class SevaKernels : public CudaTest {};
 
 TEST_F(SevaKernels, TakeHalvesOnTheirDeviceOnly) {
-  EXPECT_TRUE(kernels::Take(Halves({2}, 1)));
+  EXPECT_TRUE(kernels::Take(HalfNoise({2}, 1)));
   EXPECT_FALSE(kernels::Take(Noise({2}, 1)));
-  EXPECT_FALSE(kernels::GatedGelu(Halves({2, 12}, 1)).defined());                     // halves of 6
-  EXPECT_FALSE(kernels::AttendAcrossFrames(Halves({1, 2, 3, 192}, 1), 2).defined());  // heads of 32
-  EXPECT_FALSE(kernels::AttendAcrossFrames(Halves({1, 25, 1, 192}, 1), 1).defined());
+  EXPECT_FALSE(kernels::GatedGelu(HalfNoise({2, 12}, 1)).defined());                     // halves of 6
+  EXPECT_FALSE(kernels::AttendAcrossFrames(HalfNoise({1, 2, 3, 192}, 1), 2).defined());  // heads of 32
+  EXPECT_FALSE(kernels::AttendAcrossFrames(HalfNoise({1, 25, 1, 192}, 1), 1).defined());
   Tensor sum;
-  EXPECT_FALSE(kernels::NormOfSum(Halves({1, 2000}, 1), {}, nullptr, &sum).defined());
-  EXPECT_FALSE(kernels::NormOfSum(Halves({4, 64}, 1).t(), {}, nullptr, &sum).defined());
+  EXPECT_FALSE(kernels::NormOfSum(HalfNoise({1, 2000}, 1), {}, nullptr, &sum).defined());
+  EXPECT_FALSE(kernels::NormOfSum(HalfNoise({4, 64}, 1).t(), {}, nullptr, &sum).defined());
   EXPECT_FALSE(sum.defined());
 }
 
 TEST_F(SevaKernels, GateAsLibtorch) {
-  const Tensor both = Halves({3, 5, 48}, 1), wide = Wide(both);
+  const Tensor both = HalfNoise({3, 5, 48}, 1), wide = Wide(both);
   const Tensor y = kernels::GatedGelu(both);
   EXPECT_LT(RelativeL2(y, wide.slice(2, 0, 24) * at::gelu(wide.slice(2, 24, 48))), kRounding);
 }
 
 TEST_F(SevaKernels, SumAndNormalizeAsLibtorch) {
-  const Tensor x = Halves({2, 6, 64}, 1), rows = Halves({2, 6, 64}, 2), vectors = Halves({2, 1, 64}, 3);
-  const LayerNorm norm{Halves({64}, 4), Halves({64}, 5), 1e-5};
+  const Tensor x = HalfNoise({2, 6, 64}, 1), rows = HalfNoise({2, 6, 64}, 2), vectors = HalfNoise({2, 1, 64}, 3);
+  const LayerNorm norm{HalfNoise({64}, 4), HalfNoise({64}, 5), 1e-5};
   const Tensor expected = Wide(x) + Wide(rows) + Wide(vectors);
   const Tensor normed = at::layer_norm(expected, {64}, Wide(norm.weight), Wide(norm.bias), norm.eps);
   Tensor sum;
@@ -62,10 +62,11 @@ TEST_F(SevaKernels, SumAndNormalizeAsLibtorch) {
 }
 
 TEST_F(SevaKernels, NormalizeMapsAsLibtorch) {
-  GroupNorm layer{Halves({64}, 1), Halves({64}, 2), 32, 1e-5, true};
-  Conv modulation{Halves({128, 6, 1, 1}, 3), Halves({128}, 4), 1, 0, true};
-  const Tensor x = Halves({2, 64, 5, 7}, 5).contiguous(at::MemoryFormat::ChannelsLast);
-  const Tensor rays = Halves({2, 6, 5, 7}, 6).contiguous(at::MemoryFormat::ChannelsLast), offsets = Halves({2, 64}, 7);
+  GroupNorm layer{HalfNoise({64}, 1), HalfNoise({64}, 2), 32, 1e-5, true};
+  Conv modulation{HalfNoise({128, 6, 1, 1}, 3), HalfNoise({128}, 4), 1, 0, true};
+  const Tensor x = HalfNoise({2, 64, 5, 7}, 5).contiguous(at::MemoryFormat::ChannelsLast);
+  const Tensor rays = HalfNoise({2, 6, 5, 7}, 6).contiguous(at::MemoryFormat::ChannelsLast),
+               offsets = HalfNoise({2, 64}, 7);
   const auto normed = [&](const Tensor& wide) {
     return at::group_norm(wide, 32, Wide(layer.weight), Wide(layer.bias), layer.eps);
   };
@@ -80,7 +81,7 @@ TEST_F(SevaKernels, NormalizeMapsAsLibtorch) {
 }
 
 TEST_F(SevaKernels, AttendAcrossFramesAsLibtorch) {
-  const Tensor qkv = Halves({2, 7, 3, 3 * 128}, 1);
+  const Tensor qkv = HalfNoise({2, 7, 3, 3 * 128}, 1);
   const Tensor parts = Wide(qkv).view({2, 7, 3, 3, 2, 64}).permute({3, 0, 2, 4, 1, 5});
   const Tensor weights = at::softmax(at::matmul(parts[0], parts[1].transpose(-1, -2)) / 8, -1);
   const Tensor expected = at::matmul(weights, parts[2]).permute({0, 3, 1, 2, 4}).reshape({2, 7, 3, 128});

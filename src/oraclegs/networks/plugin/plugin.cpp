@@ -11,7 +11,7 @@
 #include "oraclegs/networks/seva/model.h"
 #include "oraclegs/networks/vggt/attention_network.h"
 #include "oraclegs/networks/vggt/poses.h"
-#if defined(ORACLEGS_CUDA) && __has_include(<c10/cuda/CUDACachingAllocator.h>)  // not in a libtorch for the CPU
+#if defined(ORACLEGS_CUDA) && __has_include(<c10/cuda/impl/cuda_cmake_macros.h>)  // made where libtorch has CUDA
 #include <c10/cuda/CUDACachingAllocator.h>
 
 #include "oraclegs/core/cuda/check.h"

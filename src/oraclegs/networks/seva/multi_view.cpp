@@ -2,6 +2,7 @@
 
 #include "oraclegs/networks/common/attention.h"
 #include "oraclegs/networks/seva/kernels.h"
+#include "oraclegs/networks/seva/maps.h"
 #include "oraclegs/networks/seva/sums.h"
 
 namespace oraclegs::seva {
@@ -151,9 +152,8 @@ Tensor Forward(const MultiView& block, const Tensor& x, const MultiViewContext& 
   }
   z = Sum(z, addend).view(frames_alone);
   if (!block.norm.channels_last) return x + Forward(block.proj_out, z).transpose(1, 2).reshape(x.sizes());
-  const Tensor channels_last = x.permute({0, 2, 3, 1});
-  const Addend update{at::linear(z, block.proj_out.weight).view(channels_last.sizes()), block.proj_out.bias};
-  return Sum(channels_last, update).permute({0, 3, 1, 2});
+  const Tensor update = at::linear(z, block.proj_out.weight).view({rows, x.size(2), x.size(3), channels});
+  return SumOfMaps(x, update.permute({0, 3, 1, 2}), block.proj_out.bias);
 }
 
 }  // namespace oraclegs::seva

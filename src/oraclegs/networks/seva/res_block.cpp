@@ -1,25 +1,12 @@
 #include "oraclegs/networks/seva/res_block.h"
 
 #include "oraclegs/networks/seva/kernels.h"
-#include "oraclegs/networks/seva/sums.h"
+#include "oraclegs/networks/seva/maps.h"
 
 namespace oraclegs::seva {
 namespace {
 
-Conv WithoutBias(const Conv& layer) {
-  Conv bare = layer;
-  bare.bias = Tensor();
-  return bare;
-}
-
-/// x + added + a vector for all pixels; maps with their channels last.
-Tensor SumOfMaps(const Tensor& x, const Tensor& added, const Tensor& vector) {
-  const auto rows = [](const Tensor& map) { return map.permute({0, 2, 3, 1}); };
-  return Sum(rows(x), {rows(added), vector}).permute({0, 3, 1, 2});
-}
-
-/// The block where kernels add what convolutions leave out: their biases, which a GPU's library adds in passes of their
-/// own.
+/// The block where kernels take its maps.
 Tensor ByKernels(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
   const Tensor y = Forward(WithoutBias(block.conv_in), NormThenSilu(block.norm_in, x, {{}, &block.dense, dense}));
   const Tensor offsets = Forward(block.embedding, embedding) + block.conv_in.bias;

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "oraclegs/networks/common/autocast.h"
+#include "oraclegs/networks/seva/maps.h"
 
 namespace oraclegs::seva {
 namespace {
@@ -237,9 +238,9 @@ Tensor Forward(const UnetBlock& block, const Tensor& x, const Tensor& embedding,
     } else if (const auto* multi_view = std::get_if<MultiView>(&layer)) {
       y = Forward(*multi_view, y, conditioning.contexts.at(multi_view->index), conditioning.frames);
     } else if (const auto* up = std::get_if<Up>(&layer)) {
-      y = Forward(up->conv, at::upsample_nearest2d(y, {2 * y.size(2), 2 * y.size(3)}));
+      y = ConvolveMap(up->conv, at::upsample_nearest2d(y, {2 * y.size(2), 2 * y.size(3)}));
     } else {
-      y = Forward(std::get<Conv>(layer), y);
+      y = ConvolveMap(std::get<Conv>(layer), y);
     }
   }
   return y;
@@ -267,7 +268,7 @@ Tensor Forward(const Unet& unet, const Tensor& x, const Tensor& steps, const Con
     skips.pop_back();
     y = Forward(block, y, embedding, conditioning);
   }
-  return Forward(unet.conv_out, NormThenSilu(unet.norm_out, y)).to(torch::kFloat).contiguous();
+  return ConvolveMap(unet.conv_out, NormThenSilu(unet.norm_out, y)).to(torch::kFloat).contiguous();
 }
 
 }  // namespace oraclegs::seva

@@ -1,0 +1,17 @@
+#pragma once
+// Convolutions whose biases are added elsewhere, and sums of maps. For maps with their channels last.
+
+#include "oraclegs/networks/common/layers.h"
+
+namespace oraclegs::seva {
+
+/// A GPU's library adds a bias in a slow pass of its own; what reads the map next adds it for nothing.
+Conv WithoutBias(const Conv& layer);
+
+/// x + added + a vector for all pixels, [C]. x, added [B, C, h, w] with their channels last; `added` may be undefined.
+Tensor SumOfMaps(const Tensor& x, const Tensor& added, const Tensor& vector);
+
+/// The convolution and its bias, which is added by a kernel where there is one.
+Tensor ConvolveMap(const Conv& layer, const Tensor& x);
+
+}  // namespace oraclegs::seva
