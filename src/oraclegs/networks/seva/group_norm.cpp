@@ -6,29 +6,11 @@
 namespace oraclegs::seva {
 namespace {
 
-/// libtorch's own would make a copy with the channels first. Sums are float32: of every channel, then of every group.
-/// The factors are of x's type, and what is added makes up for their rounding, but is rounded itself.
-Tensor NormalizedLast(const GroupNorm& layer, const Tensor& x) {
-  const int64_t images = x.size(0), channels = x.size(1), groups = layer.groups, width = channels / groups;
-  const Tensor pixels = x.permute({0, 2, 3, 1}).flatten(1, 2);
-  const auto of_groups = [&](const Tensor& sums) {
-    return sums.view({images, groups, width}).sum(-1, true) / static_cast<double>(pixels.size(1) * width);
-  };
-  const Tensor mean = of_groups(at::sum(pixels, {1}, false, torch::kFloat));
-  const Tensor square = of_groups(at::linalg_vector_norm(pixels, 2, {1}, false, torch::kFloat).square_());
-  const Tensor deviation = (square - mean.square()).clamp_min_(0).add_(layer.eps).sqrt_();
-  const Tensor scale = (layer.weight.to(torch::kFloat).view({1, groups, width}) / deviation).to(x.scalar_type());
-  const Tensor shift = layer.bias.to(torch::kFloat).view({1, groups, width}) - mean * scale;
-  const Tensor out =
-      at::addcmul(shift.to(x.scalar_type()).view({images, 1, channels}), pixels, scale.view({images, 1, channels}));
-  return out.view({images, x.size(2), x.size(3), channels}).permute({0, 3, 1, 2});
-}
-
-/// In float32, but for what NormalizedLast does.
+/// In float32.
 Tensor Normalized(const GroupNorm& layer, const Tensor& x) {
-  if (layer.channels_last) return NormalizedLast(layer, x);
-  return at::group_norm(x.to(torch::kFloat), layer.groups, layer.weight.to(torch::kFloat), layer.bias.to(torch::kFloat),
-                        layer.eps);
+  const Tensor y = at::group_norm(x.to(torch::kFloat), layer.groups, layer.weight.to(torch::kFloat),
+                                  layer.bias.to(torch::kFloat), layer.eps);
+  return layer.channels_last ? y.contiguous(at::MemoryFormat::ChannelsLast) : y;
 }
 
 /// The layer of some of the output channels.

@@ -7,8 +7,7 @@ namespace oraclegs::seva {
 
 /// Throws ShapeError when the groups do not divide the channels.
 GroupNorm LoadGroupNorm(const ParameterScope& at, int64_t channels, int64_t groups, double eps);
-/// x [B, channels, ...] -> the same shape and type; computed in float32 whatever the type, but with channels_last:
-/// there sums alone are, or all is where kernels.h has a kernel.
+/// x [B, channels, ...] -> the same shape and type; computed in float32 whatever the type.
 Tensor Forward(const GroupNorm& layer, const Tensor& x);
 /// y sigmoid(y) of the above, with no second copy of it.
 Tensor NormThenSilu(const GroupNorm& layer, const Tensor& x);
