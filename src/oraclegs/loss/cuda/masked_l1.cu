@@ -7,7 +7,7 @@ namespace oraclegs::cuda {
 namespace {
 
 __global__ void MaskedDistance(MaskedL1Input in) {
-  __shared__ double sums[kSumThreads];
+  __shared__ double sums[kSumWarps];
   const int thread = static_cast<int>(threadIdx.x);
   const int64_t begin = static_cast<int64_t>(blockIdx.x) * kMaskedL1PixelsABlock;
   double sum = 0;

@@ -37,8 +37,8 @@ struct Channels {
 
 /// One channel of a tile with its halo; row 0, column 0 is pixel (x0 - radius, y0 - radius).
 using HaloPlane = float[kHaloRows][kHaloStride];
-/// The same after the horizontal window: only the tile's own columns.
-using RowsPlane = float[kHaloRows][kTileWidth];
+/// The same after the horizontal window: only the tile's own columns, four to an item.
+using RowsPlane = float4[kHaloRows][kRunsARow];
 
 struct PixelPair {
   float render = 0, target = 0;
@@ -55,25 +55,36 @@ __device__ PixelPair LoadPixel(const PhotometricInput& in, int x, int y, int cha
   return pair;
 }
 
-/// The window along kColumnsAThread neighbouring columns.
-__device__ void FilterRun(const float* in, float* out) {
-  float window[kColumnsAThread + kSsimTaps - 1];
-  for (int k = 0; k < kColumnsAThread + kSsimTaps - 1; ++k) window[k] = in[k];
+/// The window along kColumnsAThread neighbouring columns of kPlanes planes, whose values at column c read(c, values)
+/// gives. Each value is read once and added to all windows that hold it.
+template <int kPlanes, class Read>
+__device__ void FilterRun(const Read& read, int row, int run, RowsPlane* out) {
+  float sums[kPlanes][kColumnsAThread] = {};
 #pragma unroll
-  for (int i = 0; i < kColumnsAThread; ++i) {
-    float sum = 0;
+  for (int n = 0; n < kColumnsAThread + kSsimTaps - 1; ++n) {
+    float values[kPlanes];
+    read(run * kColumnsAThread + n, values);
 #pragma unroll
-    for (int k = 0; k < kSsimTaps; ++k) sum += SsimTap(k) * window[i + k];
-    out[i] = sum;
+    for (int i = 0; i < kColumnsAThread; ++i) {
+      const int k = n - i;
+      if (k < 0 || k >= kSsimTaps) continue;
+#pragma unroll
+      for (int plane = 0; plane < kPlanes; ++plane) sums[plane][i] += SsimTap(k) * values[plane];
+    }
+  }
+#pragma unroll
+  for (int plane = 0; plane < kPlanes; ++plane) {
+    out[plane][row][run] = make_float4(sums[plane][0], sums[plane][1], sums[plane][2], sums[plane][3]);
   }
 }
 
 /// The window down one column, kRowsAThread rows from `row` on.
 __device__ void FilterColumn(const RowsPlane& in, int row, int column, float* out) {
+  const float* values = reinterpret_cast<const float*>(in[row]) + column;
   for (int r = 0; r < kRowsAThread; ++r) out[r] = 0;
 #pragma unroll
   for (int n = 0; n < kRowsAThread + kSsimTaps - 1; ++n) {
-    const float value = in[row + n][column];
+    const float value = values[n * kTileWidth];
 #pragma unroll
     for (int r = 0; r < kRowsAThread; ++r) {
       const int k = n - r;
@@ -83,10 +94,11 @@ __device__ void FilterColumn(const RowsPlane& in, int row, int column, float* ou
 }
 
 /// First pass: the sums of the tile, and the derivatives where they are asked for.
-__global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out, Channels channels) {
+__global__ void __launch_bounds__(kSumThreads, 4)
+    PhotometricStatistics(PhotometricInput in, PhotometricOutput out, Channels channels) {
   __shared__ HaloPlane render, target;
   __shared__ RowsPlane rows[4];
-  __shared__ double sums[kSumThreads];
+  __shared__ double sums[kSumWarps];
   const int thread = static_cast<int>(threadIdx.x);
   const int columns = (in.width + kTileWidth - 1) / kTileWidth;
   const int x0 = static_cast<int>(blockIdx.x) % columns * kTileWidth;
@@ -94,8 +106,9 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
   const int column = thread % kTileWidth, row = thread / kTileWidth * kRowsAThread;
   const int x = x0 + column;
   const int64_t pixels = static_cast<int64_t>(in.width) * in.height;
-  double l1 = 0, dssim = 0;
+  float l1 = 0, dssim = 0;  // of a few pixels
   for (int channel = channels.first; channel < channels.end; ++channel) {
+#pragma unroll 3  // more would need more registers than four blocks a multiprocessor leave
     for (int i = thread; i < kHaloRows * kHaloColumns; i += kSumThreads) {
       const int r = i / kHaloColumns, c = i % kHaloColumns;
       const PixelPair pair = LoadPixel(in, x0 + c - kSsimRadius, y0 + r - kSsimRadius, channel);
@@ -104,17 +117,12 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
     }
     __syncthreads();
     if (thread < kHaloRows * kRunsARow) {
-      const int r = thread / kRunsARow, c = thread % kRunsARow * kColumnsAThread;
-      FilterRun(&render[r][c], &rows[0][r][c]);
-      FilterRun(&target[r][c], &rows[1][r][c]);
-      float squares[kColumnsAThread + kSsimTaps - 1], products[kColumnsAThread + kSsimTaps - 1];
-      for (int k = 0; k < kColumnsAThread + kSsimTaps - 1; ++k) {
-        const float a = render[r][c + k], b = target[r][c + k];
-        squares[k] = a * a + b * b;
-        products[k] = a * b;
-      }
-      FilterRun(squares, &rows[2][r][c]);
-      FilterRun(products, &rows[3][r][c]);
+      const int r = thread / kRunsARow;
+      const auto read = [&](int c, float* values) {
+        const float a = render[r][c], b = target[r][c];
+        values[0] = a, values[1] = b, values[2] = a * a + b * b, values[3] = a * b;
+      };
+      FilterRun<4>(read, r, thread % kRunsARow, rows);
     }
     __syncthreads();
     float filtered[4][kRowsAThread];
@@ -128,8 +136,8 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
           EvaluateSsim(SsimMoments<float>{filtered[0][r], filtered[1][r], filtered[2][r], filtered[3][r]});
       const float away =
           render[row + r + kSsimRadius][column + kSsimRadius] - target[row + r + kSsimRadius][column + kSsimRadius];
-      l1 += static_cast<double>((away < 0 ? -away : away) * u);
-      dssim += static_cast<double>((1 - s.ssim) * u);
+      l1 += (away < 0 ? -away : away) * u;
+      dssim += (1 - s.ssim) * u;
       if (out.derivatives == nullptr) continue;
       const float g = -2 * in.dssim_scale * u;
       float* to = out.derivatives + 3 * (channel - channels.first) * pixels + pixel;
@@ -139,12 +147,11 @@ __global__ void PhotometricStatistics(PhotometricInput in, PhotometricOutput out
     }
     __syncthreads();
   }
-  l1 = BlockSum(l1, thread, sums);
-  dssim = BlockSum(dssim, thread, sums);
+  PhotometricSums of_block{BlockSum(l1, thread, sums), BlockSum(dssim, thread, sums)};
   if (thread != 0) return;
   PhotometricSums* const of_tile = out.sums + blockIdx.x;
-  if (channels.first > 0) l1 += of_tile->l1, dssim += of_tile->dssim;
-  *of_tile = {l1, dssim};
+  if (channels.first > 0) of_block.l1 += of_tile->l1, of_block.dssim += of_tile->dssim;
+  *of_tile = of_block;
 }
 
 /// Second pass: dL/d(render) = window(mean) + render * window(variance) + target * window(covariance) + L1's.
@@ -169,8 +176,11 @@ __global__ void PhotometricGradient(PhotometricInput in, PhotometricOutput out, 
     }
     __syncthreads();
     if (thread < kHaloRows * kRunsARow) {
-      const int r = thread / kRunsARow, c = thread % kRunsARow * kColumnsAThread;
-      for (int k = 0; k < 3; ++k) FilterRun(&derivatives[k][r][c], &rows[k][r][c]);
+      const int r = thread / kRunsARow;
+      const auto read = [&](int c, float* values) {
+        for (int k = 0; k < 3; ++k) values[k] = derivatives[k][r][c];
+      };
+      FilterRun<3>(read, r, thread % kRunsARow, rows);
     }
     __syncthreads();
     float filtered[3][kRowsAThread];

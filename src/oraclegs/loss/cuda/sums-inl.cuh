@@ -2,19 +2,20 @@
 // Sums in an order that depends on the size of the work only: no atomic ever adds a float, so a run gives the same bits
 // each time.
 
+#include "oraclegs/core/cuda/warp_sum-inl.cuh"
+
 namespace oraclegs::cuda {
 
 inline constexpr int kSumThreads = 256;  ///< of every block that sums
+inline constexpr int kSumWarps = kSumThreads / kWarp;
 
-/// The sum over a block of kSumThreads threads, in thread 0; `shared` has kSumThreads entries. All threads call it.
+/// The sum over a block of kSumThreads threads, in every thread; `shared` has kSumWarps entries. All threads call it.
 __device__ inline double BlockSum(double value, int thread, double* shared) {
-  shared[thread] = value;
+  value = WarpSum(value);
+  if (thread % kWarp == 0) shared[thread / kWarp] = value;
   __syncthreads();
-  for (int half = kSumThreads / 2; half > 0; half /= 2) {
-    if (thread < half) shared[thread] += shared[thread + half];
-    __syncthreads();
-  }
-  const double sum = shared[0];
+  double sum = 0;
+  for (int warp = 0; warp < kSumWarps; ++warp) sum += shared[warp];
   __syncthreads();  // the next sum overwrites it
   return sum;
 }

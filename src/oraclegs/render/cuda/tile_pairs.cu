@@ -10,23 +10,45 @@ constexpr int kMaxTilesPerThread = 8;
 constexpr uint32_t kUnseen = 0xffffffffu;  // as a depth: later than all
 constexpr int kCountBlock = 256;
 
-/// A Gaussian and the tiles it may reach.
+/// A Gaussian and the tiles it may reach, row by row.
 struct Candidate {
   Reach reach{};
   int x0 = 0, y0 = 0, columns = 0, count = 0;
 
-  __device__ bool Hits(int tile) const { return ReachesTile(reach, X(tile), Y(tile)); }
-  __device__ int X(int tile) const { return x0 + tile % columns; }
-  __device__ int Y(int tile) const { return y0 + tile / columns; }
+  __device__ bool is_large() const { return count > kMaxTilesPerThread; }
 };
 
-__device__ inline Candidate LoadCandidate(const Splat* splats, const TileRect* rects, int64_t i) {
-  const TileRect rect = rects[i];
+/// A tile of a candidate: tile `at`, then each `stride`-th. Divides at the start only.
+class Walk {
+ public:
+  __device__ Walk(const Candidate& c, int at, int stride)
+      : c_(c),
+        at_(at),
+        stride_(stride),
+        row_(at / c.columns),
+        column_(at % c.columns),
+        rows_a_step_(stride / c.columns),
+        columns_a_step_(stride % c.columns) {}
+
+  __device__ void Step() {
+    at_ += stride_;
+    row_ += rows_a_step_, column_ += columns_a_step_;
+    if (column_ >= c_.columns) column_ -= c_.columns, ++row_;
+  }
+  __device__ int x() const { return c_.x0 + column_; }
+  __device__ int y() const { return c_.y0 + row_; }
+  __device__ bool Hits() const { return at_ < c_.count && ReachesTile(c_.reach, x(), y()); }
+
+ private:
+  const Candidate& c_;
+  int at_, stride_, row_, column_, rows_a_step_, columns_a_step_;
+};
+
+__device__ inline Candidate TilesOf(const TileRect& rect) {
   Candidate c;
   c.x0 = rect.x0, c.y0 = rect.y0;
   c.columns = rect.x1 - rect.x0;
   c.count = c.columns * (rect.y1 - rect.y0);
-  if (c.count > 0) c.reach = ReachOf(splats[i]);
   return c;
 }
 
@@ -45,16 +67,19 @@ __global__ void CountKernel(const Splat* splats, const TileRect* rects, int64_t 
   const int64_t i = ThreadInGrid();
   const int lane = LaneInWarp();
   Candidate mine;
-  if (i < n) mine = LoadCandidate(splats, rects, i);
+  if (i < n) mine = TilesOf(rects[i]);
+  if (mine.count > 0) mine.reach = ReachOf(splats[i]);
   unsigned count = 0;
-  if (mine.count <= kMaxTilesPerThread) {
-    for (int tile = 0; tile < mine.count; ++tile) count += mine.Hits(tile);
+  if (mine.count > 0 && !mine.is_large()) {
+    Walk walk(mine, 0, 1);
+    for (int k = 0; k < mine.count; ++k, walk.Step()) count += walk.Hits();
   }
-  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kMaxTilesPerThread); left != 0; left &= left - 1) {
+  for (unsigned left = __ballot_sync(kAllLanes, mine.is_large()); left != 0; left &= left - 1) {
     const int from = __ffs(static_cast<int>(left)) - 1;
     const Candidate c = Broadcast(mine, from);
     unsigned part = 0;
-    for (int tile = lane; tile < c.count; tile += kWarp) part += c.Hits(tile);
+    Walk walk(c, lane, kWarp);
+    for (int k = 0; k < c.count; k += kWarp, walk.Step()) part += walk.Hits();
     part = WarpSum(part);
     if (lane == from) count = part;
   }
@@ -88,36 +113,59 @@ __device__ inline void WritePair(const PairOutput& out, int64_t pair, uint32_t t
   out.gaussians[pair] = id;
 }
 
+__device__ inline uint32_t TileNumber(const PairInput& in, const Walk& walk) {
+  return static_cast<uint32_t>(walk.y() * in.tiles_x + walk.x());
+}
+
+/// The Gaussian of rank `r`, unless it is of the other kind: large ones or small ones.
+struct Ranked {
+  Candidate candidate;
+  uint32_t id = 0;
+  int64_t first_pair = 0;
+};
+__device__ inline Ranked LoadRanked(const PairInput& in, int64_t r, bool large) {
+  Ranked ranked;
+  if (r >= in.n) return ranked;
+  const uint32_t id = in.ids[r];
+  const Candidate c = TilesOf(in.rects[id]);
+  if (c.count == 0 || c.is_large() != large) return ranked;
+  ranked = {c, id, in.offsets[r]};
+  ranked.candidate.reach = ReachOf(in.splats[id]);
+  return ranked;
+}
+
+/// The first half of the blocks lists large Gaussians, a warp each; the other half small ones, a thread each. Those
+/// near the eye, which fill the image, are neighbours in the order of depth: a warp takes ranks that lie far apart,
+/// lest one has them all and the others wait.
 __global__ void ListKernel(PairInput in, PairOutput out) {
-  const int64_t r = ThreadInGrid();
+  const int64_t half = gridDim.x / 2;
   const int lane = LaneInWarp();
-  Candidate mine;
-  uint32_t id = 0, offset = 0;
-  if (r < in.n) {
-    id = in.ids[r];
-    offset = in.offsets[r];
-    mine = LoadCandidate(in.splats, in.rects, id);
-    out.begins[id] = offset;
-  }
-  if (mine.count <= kMaxTilesPerThread) {
-    int64_t pair = offset;
-    for (int tile = 0; tile < mine.count; ++tile) {
-      if (mine.Hits(tile)) WritePair(out, pair++, static_cast<uint32_t>(mine.Y(tile) * in.tiles_x + mine.X(tile)), id);
-    }
-  }
-  for (unsigned left = __ballot_sync(kAllLanes, mine.count > kMaxTilesPerThread); left != 0; left &= left - 1) {
-    const int from = __ffs(static_cast<int>(left)) - 1;
-    const Candidate c = Broadcast(mine, from);
-    const uint32_t owner = __shfl_sync(kAllLanes, id, from);
-    int64_t pair = __shfl_sync(kAllLanes, offset, from);
-    for (int first = 0; first < c.count; first += kWarp) {
-      const int tile = first + lane;
-      const bool hit = tile < c.count && c.Hits(tile);
-      const unsigned hits = __ballot_sync(kAllLanes, hit);
-      if (hit) {
-        const int before = __popc(hits & ((1u << lane) - 1));
-        WritePair(out, pair + before, static_cast<uint32_t>(c.Y(tile) * in.tiles_x + c.X(tile)), owner);
+  if (blockIdx.x >= half) {
+    const int64_t r = ThreadInGrid() - half * blockDim.x;
+    const Ranked mine = LoadRanked(in, r, false);
+    if (mine.candidate.count > 0) {
+      out.begins[mine.id] = static_cast<uint32_t>(mine.first_pair);
+      int64_t pair = mine.first_pair;
+      Walk walk(mine.candidate, 0, 1);
+      for (int k = 0; k < mine.candidate.count; ++k, walk.Step()) {
+        if (walk.Hits()) WritePair(out, pair++, TileNumber(in, walk), mine.id);
       }
+    }
+    return;
+  }
+  const int64_t warps = half * blockDim.x / kWarp;
+  const Ranked mine = LoadRanked(in, lane * warps + ThreadInGrid() / kWarp, true);
+  if (mine.candidate.count > 0) out.begins[mine.id] = static_cast<uint32_t>(mine.first_pair);
+  for (unsigned left = __ballot_sync(kAllLanes, mine.candidate.count > 0); left != 0; left &= left - 1) {
+    const int from = __ffs(static_cast<int>(left)) - 1;
+    const Candidate c = Broadcast(mine.candidate, from);
+    const uint32_t owner = __shfl_sync(kAllLanes, mine.id, from);
+    int64_t pair = __shfl_sync(kAllLanes, mine.first_pair, from);
+    Walk walk(c, lane, kWarp);
+    for (int k = 0; k < c.count; k += kWarp, walk.Step()) {
+      const bool hit = walk.Hits();
+      const unsigned hits = __ballot_sync(kAllLanes, hit);
+      if (hit) WritePair(out, pair + __popc(hits & ((1u << lane) - 1)), TileNumber(in, walk), owner);
       pair += __popc(hits);
     }
   }
@@ -148,7 +196,9 @@ void GatherCounts(const uint32_t* counts, const uint32_t* ids, int64_t n, uint32
 }
 
 void ListPairs(const PairInput& in, const PairOutput& out, cudaStream_t stream) {
-  Launch("tile pairs", ListKernel, LaunchShape::For(in.n), stream, in, out);
+  LaunchShape shape = LaunchShape::For(in.n);
+  shape.blocks *= 2;
+  Launch("tile pairs", ListKernel, shape, stream, in, out);
 }
 
 void FindTileRanges(const RangeInput& in, TileRange* ranges, uint32_t* entry_ids, cudaStream_t stream) {

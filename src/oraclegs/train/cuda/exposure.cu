@@ -20,7 +20,7 @@ __global__ void ApplyExposure(ExposurePixels in) {
 }
 
 __global__ void ExposureBackward(ExposurePixels in) {
-  __shared__ double shared[kSumThreads];
+  __shared__ double shared[kSumWarps];
   const int thread = static_cast<int>(threadIdx.x);
   const int64_t begin = static_cast<int64_t>(blockIdx.x) * kExposurePixelsABlock;
   double sums[kNumbers] = {};
@@ -73,7 +73,7 @@ __device__ void MoveGauge(const double* inverse, const double* mean, float* map)
 
 /// One block. Thread k of the first twelve has number k of the photo's map.
 __global__ void StepExposures(ExposureStepInput in) {
-  __shared__ double shared[kSumThreads], gradient[kNumbers], mean[kNumbers], inverse[9];
+  __shared__ double shared[kSumWarps], gradient[kNumbers], mean[kNumbers], inverse[9];
   __shared__ bool has_inverse;
   const int thread = static_cast<int>(threadIdx.x);
   const ExposureRows& rows = in.rows;

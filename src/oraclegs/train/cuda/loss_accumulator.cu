@@ -8,7 +8,7 @@ namespace {
 
 /// One block.
 __global__ void AccumulateLoss(LossAccumulatorInput in) {
-  __shared__ double shared[kSumThreads];
+  __shared__ double shared[kSumWarps];
   const int thread = static_cast<int>(threadIdx.x);
   double loss = in.loss.constant;
   for (int k = 0; k < in.loss.count; ++k) {

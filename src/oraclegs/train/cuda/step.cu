@@ -15,7 +15,7 @@ static_assert(kStepBlock == kSumThreads);
 constexpr int kColors = 3;  // floats of a row of sh that have a learning rate of their own: the first coefficient's
 
 __global__ void SumRegularizers(RegularizerInput in) {
-  __shared__ double shared[kSumThreads];
+  __shared__ double shared[kSumWarps];
   const int thread = static_cast<int>(threadIdx.x);
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kStepBlock + thread;
   double opacity = 0, scale = 0;
