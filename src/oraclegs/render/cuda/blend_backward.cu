@@ -4,7 +4,6 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kWarpsPerBlock = 4;
 constexpr unsigned kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
 static_assert(kRun == kWarp);
 
@@ -22,7 +21,8 @@ struct Pixel {
   float2 state;  // transmittance, and what the rest of the list adds to the loss: before the run, then behind it
 };
 
-/// A warp's pixels: those under way, and the numbers of those that reach its run.
+/// The pixels of a warp, which is a block: buckets differ in work, and none waits for another. Those under way, and the
+/// numbers of those that reach its run.
 struct Pixels {
   Pixel ring[kRing];
   uint8_t list[kTilePixels];
@@ -114,12 +114,11 @@ __device__ inline void KeepStates(const Pixels& pixels, int from, int to, float*
   }
 }
 
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
+__global__ void __launch_bounds__(kWarp, 32)
     BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
-  __shared__ Pixels shared[kWarpsPerBlock];
-  const int64_t number = ThreadInGrid() / kWarp;
-  if (number >= in.buckets) return;
-  Pixels* pixels = shared + threadIdx.x / kWarp;
+  __shared__ Pixels shared;
+  const int64_t number = blockIdx.x;
+  Pixels* const pixels = &shared;
   const int lane = LaneInWarp();
   const SplatCamera<float>& camera = in.forward.camera;
   const Bucket bucket = in.kept.buckets.buckets[number];
@@ -186,8 +185,7 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
 }  // namespace
 
 void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream) {
-  Launch("blending backward", BlendBackwardKernel, LaunchShape::For(in.buckets * kWarp, kWarpsPerBlock * kWarp), stream,
-         in, records, counters);
+  Launch("blending backward", BlendBackwardKernel, {in.buckets, kWarp}, stream, in, records, counters);
 }
 
 }  // namespace oraclegs::cuda

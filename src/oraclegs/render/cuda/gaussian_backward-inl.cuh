@@ -94,7 +94,7 @@ __device__ inline GaussianGrad BackwardOfOne(const GaussianBackwardInput& in, in
 }
 
 template <class Consumer>
-__global__ void __launch_bounds__(kShThreads) GaussianBackwardKernel(GaussianBackwardInput in, Consumer consumer) {
+__global__ void __launch_bounds__(kShThreads, 6) GaussianBackwardKernel(GaussianBackwardInput in, Consumer consumer) {
   __shared__ float sh_rows[kShThreads * kShRowStride];
   const int64_t i = ThreadInGrid();
   const int lane = LaneInWarp();
