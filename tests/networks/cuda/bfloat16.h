@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/cuda/device_array.h"
 #include "support/buffers.h"
 #include "support/device_buffers.h"
@@ -18,13 +19,6 @@ inline uint16_t CutToBfloat16(float x) {
   std::memcpy(&bits, &x, sizeof bits);
   return static_cast<uint16_t>(bits >> 16);
 }
-inline float FromBfloat16(uint16_t half) {
-  const uint32_t bits = uint32_t{half} << 16;
-  float x = 0;
-  std::memcpy(&x, &bits, sizeof x);
-  return x;
-}
-
 /// Numbers that bfloat16 holds exactly, and their bits where kernels find them.
 struct Halves {
   Eigen::ArrayXd values;

@@ -15,6 +15,10 @@ TEST(SevaSums, EachVectorIsForAsManyAdjacentRows) {
   EXPECT_TRUE(torch::equal(Sum(x, {{}, torch::tensor({3.f, 4.f})}).sum(1), torch::tensor({6.f, 8.f}).expand({2, 2})));
   EXPECT_TRUE(torch::equal(Sum(x, {}), x));
   EXPECT_TRUE(torch::equal(x, torch::zeros({2, 2, 2})));  // a new tensor each time
+  Tensor changed = x.clone();
+  Add({rows, vectors}, &changed);
+  EXPECT_TRUE(torch::equal(changed, expected));
+  EXPECT_TRUE(torch::equal(Sum(x.transpose(0, 1), {rows, vectors}), expected));  // however x lies in memory
 }
 
 TEST(SevaSums, NormsAreOfTheSum) {

@@ -22,7 +22,7 @@ struct Chunk {
   int first, pixels;
 };
 __device__ Chunk ChunkOf(const GroupNorm& in) {
-  const int chunks = (in.pixels + kGroupNormPixelsABlock - 1) / kGroupNormPixelsABlock;
+  const int chunks = GroupNormChunks(in);
   const int first = static_cast<int>(blockIdx.x) % chunks * kGroupNormPixelsABlock, left = in.pixels - first;
   return {blockIdx.x / chunks, first, left < kGroupNormPixelsABlock ? left : kGroupNormPixelsABlock};
 }
@@ -66,7 +66,7 @@ __global__ void GroupNormFactorsKernel(GroupNorm in, const GroupNormPair* sums, 
   __shared__ float2 of_groups[kGroupNormGroups];  // mean, one over the deviation
   const int64_t image = blockIdx.x;
   const int thread = static_cast<int>(threadIdx.x), lane = thread % kWarp;
-  const int chunks = (in.pixels + kGroupNormPixelsABlock - 1) / kGroupNormPixelsABlock;
+  const int chunks = GroupNormChunks(in);
   const int width = in.channels / in.groups;
   const double count = static_cast<double>(in.pixels) * width;
   for (int group = thread / kWarp; group < in.groups; group += kFactorThreads / kWarp) {
@@ -82,9 +82,9 @@ __global__ void GroupNormFactorsKernel(GroupNorm in, const GroupNormPair* sums, 
   __syncthreads();
   for (int c = thread; c < in.channels; c += kFactorThreads) {
     const float2 group = of_groups[c / width];
-    const float offset = in.offsets == nullptr ? 0.f : Widen(in.offsets[image * in.channels + c]);
-    const float scale = group.y * Widen(in.weight[c]);
-    factors[image * in.channels + c] = {scale, fmaf(offset - group.x, scale, Widen(in.bias[c]))};
+    const float offset = in.offsets == nullptr ? 0.f : FromBfloat16(in.offsets[image * in.channels + c]);
+    const float scale = group.y * FromBfloat16(in.weight[c]);
+    factors[image * in.channels + c] = {scale, fmaf(offset - group.x, scale, FromBfloat16(in.bias[c]))};
   }
 }
 
@@ -99,11 +99,11 @@ __device__ void LoadRayWeights(const GroupNorm& in, int channel, RayWeights* w) 
   const uint16_t* shift = scale + static_cast<int64_t>(in.channels) * in.rays;
 #pragma unroll
   for (int k = 0; k < kGroupNormRays; ++k) {
-    w->scale[k] = k < in.rays ? Widen(scale[k]) : 0.f;
-    w->shift[k] = k < in.rays ? Widen(shift[k]) : 0.f;
+    w->scale[k] = k < in.rays ? FromBfloat16(scale[k]) : 0.f;
+    w->shift[k] = k < in.rays ? FromBfloat16(shift[k]) : 0.f;
   }
-  w->scale0 = 1.f + Widen(in.ray_bias[channel]);
-  w->shift0 = Widen(in.ray_bias[in.channels + channel]);
+  w->scale0 = 1.f + FromBfloat16(in.ray_bias[channel]);
+  w->shift0 = FromBfloat16(in.ray_bias[in.channels + channel]);
 }
 __device__ float Modulated(float y, const RayWeights& w, const float4* rays) {
   float scale = w.scale0, shift = w.shift0;
@@ -127,7 +127,7 @@ __global__ void __launch_bounds__(kThreads) GroupNormApplyKernel(GroupNorm in, c
   if constexpr (kModulate) {
     for (int i = static_cast<int>(threadIdx.x); i < chunk.pixels * kGroupNormRays; i += kThreads) {
       const int p = i / kGroupNormRays, k = i % kGroupNormRays;
-      reinterpret_cast<float*>(rays[p])[k] = k < in.rays ? Widen(in.ray_maps[(pixel + p) * in.rays + k]) : 0.f;
+      reinterpret_cast<float*>(rays[p])[k] = k < in.rays ? FromBfloat16(in.ray_maps[(pixel + p) * in.rays + k]) : 0.f;
     }
     __syncthreads();
   }

@@ -6,12 +6,15 @@
 
 #include <cstdint>
 
+#include "oraclegs/core/device_macros.h"
+
 namespace oraclegs::cuda {
 
 inline constexpr int kGroupNormChannels = 2560, kGroupNormGroups = 64, kGroupNormRays = 8;  ///< the most
 inline constexpr int kGroupNormPixelsABlock = 64;
 
-/// bfloat16 as its bits, in the device's memory; computed in float32, the sums of groups in float64.
+/// bfloat16 as its bits, in the device's memory; computed in float32, the sums of blocks of pixels are added in
+/// float64.
 struct GroupNorm {
   int64_t images = 0;
   int pixels = 0, channels = 0;  ///< an even number of channels in each group
@@ -38,7 +41,7 @@ struct GroupNormScratch {
   GroupNormPair* sums = nullptr;     ///< [GroupNormSums]
   GroupNormPair* factors = nullptr;  ///< [images, channels]
 };
-inline int64_t GroupNormChunks(const GroupNorm& in) {
+ORACLEGS_HD inline int GroupNormChunks(const GroupNorm& in) {
   return (in.pixels + kGroupNormPixelsABlock - 1) / kGroupNormPixelsABlock;
 }
 inline int64_t GroupNormSums(const GroupNorm& in) { return in.images * GroupNormChunks(in) * in.groups; }

@@ -17,7 +17,7 @@ Linear Outputs(const Linear& layer, int64_t begin, int64_t end) {
 /// GPU reads at half the rate.
 Tensor Gated(const Linear& layer, const Tensor& x) {
   const int64_t hidden = layer.weight.size(0) / 2;
-  if (kernels::Take(x)) {
+  if (kernels::CanTake(x)) {
     if (Tensor gated = kernels::GatedGelu(Forward(layer, x)); gated.defined()) return gated;
   }
   Tensor gated = Forward(Outputs(layer, hidden, 2 * hidden), x);
@@ -41,13 +41,15 @@ Addend Forward(const FeedForward& layer, const Tensor& x) {
     const Tensor gated = Gated(layer.in, tokens.slice(0, begin, end));
     if (!out.defined()) out = at::empty(tokens.sizes(), gated.options());
     Tensor part = out.slice(0, begin, end);
-    if (gated.scalar_type() == weight.scalar_type()) {
+    if (kernels::CanTake(gated)) {
       at::mm_out(part, gated, weight.t());
+    } else if (gated.scalar_type() == weight.scalar_type()) {
+      at::addmm_out(part, layer.out.bias, gated, weight.t());
     } else {
-      part.copy_(at::linear(gated, weight));  // within Autocast
+      part.copy_(Forward(layer.out, gated));  // within Autocast
     }
   }
-  return {out.view(x.sizes()), layer.out.bias};
+  return {out.view(x.sizes()), kernels::CanTake(out) ? layer.out.bias : Tensor()};
 }
 
 }  // namespace oraclegs::seva

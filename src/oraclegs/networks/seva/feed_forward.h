@@ -10,8 +10,8 @@ struct FeedForward {
 };
 /// Four times as wide inside as `channels`.
 FeedForward LoadFeedForward(const ParameterScope& at, int64_t channels);
-/// x [..., channels] -> rows of the same shape and a vector for all: out(a * GELU(g)) with in(x) = (a, g), some tokens
-/// at a time; the vector is the bias of `out`.
+/// x [..., channels] -> rows of the same shape: out(a * GELU(g)) with in(x) = (a, g), some tokens at a time. As of
+/// AddendOf, the bias of `out` may stand apart.
 Addend Forward(const FeedForward& layer, const Tensor& x);
 
 }  // namespace oraclegs::seva

@@ -17,38 +17,18 @@ namespace {
 const uint16_t* Bits(const Tensor& t) { return t.defined() ? static_cast<const uint16_t*>(t.data_ptr()) : nullptr; }
 uint16_t* BitsOf(Tensor* t) { return static_cast<uint16_t*>(t->data_ptr()); }
 
-/// Takes all of them, or some are undefined.
+/// Whether each is undefined, or taken and contiguous.
 template <class... T>
-bool TakeAll(const T&... tensors) {
-  return ((!tensors.defined() || (Take(tensors) && tensors.is_contiguous())) && ...);
+bool CanTakeAll(const T&... tensors) {
+  return ((!tensors.defined() || (CanTake(tensors) && tensors.is_contiguous())) && ...);
 }
 
-}  // namespace
-
-bool Take(const Tensor& x) {
-#if defined(ORACLEGS_EMULATED_CUDA)
-  return x.is_cpu() && x.scalar_type() == torch::kBFloat16;
-#else
-  return x.is_cuda() && x.scalar_type() == torch::kBFloat16;
-#endif
-}
-
-Tensor GatedGelu(const Tensor& both) {
-  const int64_t width = both.size(-1) / 2;
-  if (!TakeAll(both) || width % 8 != 0) return {};
-  const c10::DeviceGuard guard(both.device());
-  std::vector<int64_t> shape = both.sizes().vec();
-  shape.back() = width;
-  Tensor out = at::empty(shape, both.options());
-  cuda::RunGatedGelu({out.numel() / width, static_cast<int>(width), Bits(both), BitsOf(&out)}, cuda::kStream);
-  return out;
-}
-
-Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm* norm, Tensor* sum) {
+/// Sum and, with a `norm`, its layer norm.
+Tensor AddRows(const Tensor& x, const Addend& addend, const LayerNorm* norm, Tensor* sum) {
   const int64_t width = x.size(-1), rows = x.numel() / width;
-  const bool fits = x.is_contiguous() && Take(x) && TakeAll(addend.rows, addend.vectors) && width % 2 == 0 &&
+  const bool fits = x.is_contiguous() && CanTake(x) && CanTakeAll(addend.rows, addend.vectors) && width % 2 == 0 &&
                     width <= cuda::kAddNormWidth && rows <= INT32_MAX &&
-                    (norm == nullptr || TakeAll(norm->weight, norm->bias));
+                    (norm == nullptr || CanTakeAll(norm->weight, norm->bias));
   if (!fits) return {};
   const c10::DeviceGuard guard(x.device());
   if (!sum->defined()) *sum = at::empty_like(x);
@@ -68,13 +48,40 @@ Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm* norm, T
   return normed;
 }
 
+}  // namespace
+
+bool CanTake(const Tensor& x) {
+#if defined(ORACLEGS_EMULATED_CUDA)
+  return x.is_cpu() && x.scalar_type() == torch::kBFloat16;
+#else
+  return x.is_cuda() && x.scalar_type() == torch::kBFloat16;
+#endif
+}
+
+Tensor GatedGelu(const Tensor& both) {
+  const int64_t width = both.size(-1) / 2;
+  if (!CanTakeAll(both) || width % 8 != 0) return {};
+  const c10::DeviceGuard guard(both.device());
+  std::vector<int64_t> shape = both.sizes().vec();
+  shape.back() = width;
+  Tensor out = at::empty(shape, both.options());
+  cuda::RunGatedGelu({out.numel() / width, static_cast<int>(width), Bits(both), BitsOf(&out)}, cuda::kStream);
+  return out;
+}
+
+Tensor Sum(const Tensor& x, const Addend& addend, Tensor* sum) { return AddRows(x, addend, nullptr, sum); }
+
+Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm& norm, Tensor* sum) {
+  return AddRows(x, addend, &norm, sum);
+}
+
 Tensor NormMap(const GroupNorm& layer, const Tensor& x, bool silu, const AroundNorm& around) {
   const int64_t channels = x.size(1);
   const Conv* modulation = around.modulation;
-  const bool fits = layer.channels_last && Take(x) && x.is_contiguous(at::MemoryFormat::ChannelsLast) &&
-                    TakeAll(layer.weight, layer.bias, around.offsets) && channels % (2 * layer.groups) == 0 &&
+  const bool fits = layer.channels_last && CanTake(x) && x.is_contiguous(at::MemoryFormat::ChannelsLast) &&
+                    CanTakeAll(layer.weight, layer.bias, around.offsets) && channels % (2 * layer.groups) == 0 &&
                     channels <= cuda::kGroupNormChannels && layer.groups <= cuda::kGroupNormGroups &&
-                    (modulation == nullptr || (around.rays.size(1) <= cuda::kGroupNormRays && Take(around.rays)));
+                    (modulation == nullptr || (around.rays.size(1) <= cuda::kGroupNormRays && CanTake(around.rays)));
   if (!fits) return {};
   const c10::DeviceGuard guard(x.device());
   cuda::GroupNorm in;
@@ -104,7 +111,7 @@ Tensor NormMap(const GroupNorm& layer, const Tensor& x, bool silu, const AroundN
 Tensor AttendAcrossFrames(const Tensor& qkv, int64_t heads) {
   const int64_t batch = qkv.size(0), frames = qkv.size(1), pixels = qkv.size(2), channels = qkv.size(3) / 3;
   const bool fits =
-      TakeAll(qkv) && channels == heads * cuda::kFrameAttentionWidth && frames <= cuda::kFrameAttentionFrames;
+      CanTakeAll(qkv) && channels == heads * cuda::kFrameAttentionWidth && frames <= cuda::kFrameAttentionFrames;
   if (!fits) return {};
   const c10::DeviceGuard guard(qkv.device());
   Tensor out = at::empty({batch, frames, pixels, channels}, qkv.options());
@@ -119,9 +126,10 @@ Tensor AttendAcrossFrames(const Tensor& qkv, int64_t heads) {
 
 namespace oraclegs::seva::kernels {
 
-bool Take(const Tensor&) { return false; }
+bool CanTake(const Tensor&) { return false; }
 Tensor GatedGelu(const Tensor&) { return {}; }
-Tensor NormOfSum(const Tensor&, const Addend&, const LayerNorm*, Tensor*) { return {}; }
+Tensor Sum(const Tensor&, const Addend&, Tensor*) { return {}; }
+Tensor NormOfSum(const Tensor&, const Addend&, const LayerNorm&, Tensor*) { return {}; }
 Tensor NormMap(const GroupNorm&, const Tensor&, bool, const AroundNorm&) { return {}; }
 Tensor AttendAcrossFrames(const Tensor&, int64_t) { return {}; }
 

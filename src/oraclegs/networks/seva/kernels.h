@@ -7,15 +7,16 @@
 
 namespace oraclegs::seva::kernels {
 
-/// Whether numbers of x's type and place are for them.
-bool Take(const Tensor& x);
+/// Whether they take numbers of x's type, where they lie.
+bool CanTake(const Tensor& x);
 
 /// both [..., 2 C], values and then gates -> values * GELU(gates) [..., C].
 Tensor GatedGelu(const Tensor& both);
 
-/// *sum = x + addend, where *sum may be x, and is made when undefined. Returns the sum's layer norm, or with no `norm`
-/// the sum.
-Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm* norm, Tensor* sum);
+/// *sum = x + addend, where *sum may be x, and is made when undefined. Returns it.
+Tensor Sum(const Tensor& x, const Addend& addend, Tensor* sum);
+/// The same, and returns the sum's layer norm.
+Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm& norm, Tensor* sum);
 
 /// x [B, C, h, w] with channels last -> the same, normalized and changed as `around` says.
 Tensor NormMap(const GroupNorm& layer, const Tensor& x, bool silu, const AroundNorm& around);

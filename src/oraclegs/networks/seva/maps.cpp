@@ -17,7 +17,7 @@ Tensor SumOfMaps(const Tensor& x, const Tensor& added, const Tensor& vector) {
 }
 
 Tensor ConvolveMap(const Conv& layer, const Tensor& x) {
-  if (!layer.channels_last || !kernels::Take(x)) return Forward(layer, x);
+  if (!layer.channels_last || !kernels::CanTake(x)) return Forward(layer, x);
   return SumOfMaps(Forward(WithoutBias(layer), x), {}, layer.bias);
 }
 

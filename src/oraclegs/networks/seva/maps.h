@@ -5,7 +5,7 @@
 
 namespace oraclegs::seva {
 
-/// A GPU's library adds a bias in a slow pass of its own; what reads the map next adds it for nothing.
+/// A GPU's library adds a bias in a pass of its own, slower than that of a kernel, which may do more in it.
 Conv WithoutBias(const Conv& layer);
 
 /// x + added + a vector for all pixels, [C]. x, added [B, C, h, w] with their channels last; `added` may be undefined.

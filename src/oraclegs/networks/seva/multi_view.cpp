@@ -31,36 +31,37 @@ TokenBlock LoadTokenBlock(const ParameterScope& at, const MultiViewShape& shape)
 /// x [G, tokens, C] -> [G, heads, tokens, C / heads]
 Tensor Heads(const Tensor& x, int64_t heads) { return x.unflatten(2, {heads, x.size(2) / heads}).transpose(1, 2); }
 
-/// The reverse, then the output layer without its bias.
-Tensor Join(const Linear& out, const Tensor& attended) {
-  return at::linear(attended.transpose(1, 2).flatten(2), out.weight);
-}
+/// The reverse.
+Tensor JoinHeads(const Tensor& x) { return x.transpose(1, 2).flatten(2); }
 
-/// y [G, tokens, C] += what self attention gave, without the bias of its output layer, and cross attention. Returns the
-/// norm before the feed-forward layer.
-Tensor AfterSelfAttention(const TokenBlock& block, const Cross& cross, const Tensor& joined, Tensor* y) {
-  if (cross.update.defined()) return NormAfterAdding({joined, cross.update}, block.norm3, y);
-  const Tensor x = NormAfterAdding({joined, block.self.out.bias}, block.norm2, y);
-  const Tensor q = Heads(Forward(block.cross.q, x), block.cross.heads);
-  return NormAfterAdding({Join(block.cross.out, Attend(q, cross.k, cross.v)), block.cross.out.bias}, block.norm3, y);
-}
-
-/// x [..., C] -> [..., 3 C]: queries, keys and values. For a GPU, which then reads x once; to join weights costs it
-/// nothing that counts.
-Tensor Joint(const Attention& layer, const Tensor& x) {
-  return at::linear(x, at::cat({layer.q.weight, layer.k.weight, layer.v.weight}));
-}
-
-/// x [G, tokens, C] -> the same: attention within each of the G, without the bias of its output layer.
-Tensor Attended(const Attention& layer, const Tensor& x) {
-  std::vector<Tensor> parts;
-  if (kernels::Take(x)) {
-    parts = Joint(layer, x).chunk(3, 2);
-  } else {
-    parts = {Forward(layer.q, x), Forward(layer.k, x), Forward(layer.v, x)};
+/// y [G, tokens, C] += what self attention gave, and cross attention. Returns the norm before the feed-forward layer.
+Tensor AfterSelfAttention(const TokenBlock& block, const Cross& cross, const Addend& attended, Tensor* y) {
+  if (cross.update.defined()) {
+    return NormAfterAdding({attended.rows, kernels::CanTake(*y) ? cross.update_and_bias : cross.update}, block.norm3,
+                           y);
   }
-  for (Tensor& part : parts) part = Heads(part, layer.heads);
-  return Join(layer.out, Attend(parts[0], parts[1], parts[2]));
+  const Tensor x = NormAfterAdding(attended, block.norm2, y);
+  const Tensor q = Heads(Forward(block.cross.q, x), block.cross.heads);
+  return NormAfterAdding(AddendOf(block.cross.out, JoinHeads(Attend(q, cross.k, cross.v))), block.norm3, y);
+}
+
+/// x [..., C] -> queries, keys and values [..., C]; where kernels take x, beside each other in `all` [..., 3 C], a
+/// product that reads x once.
+struct Projections {
+  Tensor all, q, k, v;
+};
+Projections Project(const Attention& layer, const Tensor& x) {
+  if (!kernels::CanTake(x)) return {{}, Forward(layer.q, x), Forward(layer.k, x), Forward(layer.v, x)};
+  const Tensor all = at::linear(x, at::cat({layer.q.weight, layer.k.weight, layer.v.weight}));
+  const std::vector<Tensor> parts = all.chunk(3, -1);
+  return {all, parts[0], parts[1], parts[2]};
+}
+
+/// x [G, tokens, C] -> the same: attention within each of the G.
+Addend SelfAttention(const Attention& layer, const Tensor& x) {
+  const Projections in = Project(layer, x);
+  const Tensor attended = Attend(Heads(in.q, layer.heads), Heads(in.k, layer.heads), Heads(in.v, layer.heads));
+  return AddendOf(layer.out, JoinHeads(attended));
 }
 
 /// x [B, T, S, C] -> [B S, heads, T, C / heads]: the frames at one pixel.
@@ -68,39 +69,42 @@ Tensor PixelHeads(const Tensor& x, int64_t heads) {
   return x.unflatten(3, {heads, x.size(3) / heads}).permute({0, 2, 3, 1, 4}).flatten(0, 1);
 }
 
-/// x [B, T, S, C] -> the same: attention over the frames at one pixel, without the bias of its output layer.
-Tensor AttendedOverTime(const Attention& layer, const Tensor& x) {
+/// x [B, T, S, C] -> the same: attention over the frames at one pixel.
+Addend TimeAttention(const Attention& layer, const Tensor& x) {
   const int64_t heads = layer.heads;
+  const Projections in = Project(layer, x);
   Tensor attended;
-  if (kernels::Take(x)) attended = kernels::AttendAcrossFrames(Joint(layer, x), heads);
+  if (in.all.defined()) attended = kernels::AttendAcrossFrames(in.all, heads);
   if (!attended.defined()) {
-    attended = Attend(PixelHeads(Forward(layer.q, x), heads), PixelHeads(Forward(layer.k, x), heads),
-                      PixelHeads(Forward(layer.v, x), heads))
+    attended = Attend(PixelHeads(in.q, heads), PixelHeads(in.k, heads), PixelHeads(in.v, heads))
                    .view({x.size(0), x.size(2), heads, x.size(1), x.size(3) / heads})
                    .permute({0, 3, 1, 2, 4})
                    .flatten(3);
   }
-  return at::linear(attended, layer.out.weight);
+  return AddendOf(layer.out, attended);
 }
 
 /// What a time-mix block adds to s [B, T, S, C], of which x is norm_in. All but its self attention is token by token,
 /// so nothing else is regrouped.
-Addend TimeMix(const TimeBlock& block, const Cross& cross, const Tensor& s, const Tensor& x) {
+Addend TimeMix(const TimeBlock& block, const Cross& cross, const Tensor& s, Tensor x) {
   const TokenBlock& rest = block.tokens;
   Tensor v;
-  const Tensor y = NormOfSum(s, Forward(block.feed_forward_in, x), rest.norm1, &v);
-  const std::vector<int64_t> sequences = {s.size(0), s.size(1) * s.size(2), s.size(3)};  // one context each
-  Tensor tokens = v.view(sequences);
-  const Tensor z = AfterSelfAttention(rest, cross, AttendedOverTime(rest.self, y).view(sequences), &tokens);
-  return Forward(rest.feed_forward, z);  // the last one has no residual of v
+  x = NormOfSum(s, Forward(block.feed_forward_in, x), rest.norm1, &v);
+  Addend attended = TimeAttention(rest.self, x);
+  x = v.view({s.size(0), s.size(1) * s.size(2), s.size(3)});  // one context for each sequence
+  x = AfterSelfAttention(rest, cross, attended, &x);
+  attended = Addend(), v = Tensor();
+  return Forward(rest.feed_forward, x);  // the last one has no residual of v
 }
 
 Cross PrepareCross(const TokenBlock& block, const Tensor& context) {
   const Attention& layer = block.cross;
   const Tensor v = Forward(layer.v, context);
-  if (context.size(1) == 1)
-    return {Forward(layer.out, v) + block.self.out.bias, {}, {}};  // softmax over one token is 1
-  return {{}, Heads(Forward(layer.k, context), layer.heads), Heads(v, layer.heads)};
+  if (context.size(1) == 1) {  // the softmax over one token is 1
+    const Tensor update = Forward(layer.out, v);
+    return {update, update + block.self.out.bias, Tensor(), Tensor()};
+  }
+  return {Tensor(), Tensor(), Heads(Forward(layer.k, context), layer.heads), Heads(v, layer.heads)};
 }
 
 }  // namespace
@@ -139,21 +143,24 @@ Tensor Forward(const MultiView& block, const Tensor& x, const MultiViewContext& 
   const std::vector<int64_t> by_frame = {batch, frames, pixels, channels}, frames_alone = {rows, pixels, channels};
   const std::vector<int64_t> groups =
       block.reach == Reach::kSequence ? std::vector<int64_t>{batch, frames * pixels, channels} : frames_alone;
-  Tensor z = at::linear(Forward(block.norm, x).flatten(2).transpose(1, 2).contiguous(), block.proj_in.weight);
-  Addend addend{{}, block.proj_in.bias};
+  Addend addend = AddendOf(block.proj_in, Forward(block.norm, x).flatten(2).transpose(1, 2).contiguous());
+  Tensor z = addend.rows;
+  addend.rows = Tensor();
   for (size_t i = 0; i < block.spatial.size(); ++i) {
     const TokenBlock& spatial = block.spatial[i];
     const TimeBlock& time = block.time[i];
     z = z.view(groups);
     Tensor y = NormAfterAdding(addend, spatial.norm1, &z);
-    y = AfterSelfAttention(spatial, context.spatial[i], Attended(spatial.self, y), &z);
+    y = AfterSelfAttention(spatial, context.spatial[i], SelfAttention(spatial.self, y), &z);
     y = NormAfterAdding(Forward(spatial.feed_forward, y), time.norm_in, &z);
-    addend = TimeMix(time, context.time[i], z.view(by_frame), y.view(by_frame));
+    addend = TimeMix(time, context.time[i], z.view(by_frame), std::move(y).view(by_frame));
   }
-  z = Sum(z, addend).view(frames_alone);
+  Add(addend, &z);
+  z = z.view(frames_alone);
   if (!block.norm.channels_last) return x + Forward(block.proj_out, z).transpose(1, 2).reshape(x.sizes());
-  const Tensor update = at::linear(z, block.proj_out.weight).view({rows, x.size(2), x.size(3), channels});
-  return SumOfMaps(x, update.permute({0, 3, 1, 2}), block.proj_out.bias);
+  const Addend update = AddendOf(block.proj_out, z);
+  const Tensor map = update.rows.view({rows, x.size(2), x.size(3), channels}).permute({0, 3, 1, 2});
+  return SumOfMaps(x, map, update.vectors);
 }
 
 }  // namespace oraclegs::seva

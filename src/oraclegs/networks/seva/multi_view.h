@@ -49,10 +49,9 @@ MultiView LoadMultiView(const ParameterScope& at, const MultiViewShape& shape);
 
 /// What cross attention takes from the context, which does not change from step to step.
 struct Cross {
-  /// [G, 1, C], with one context token: what is added to every token, and the bias of self attention's output layer,
-  /// which comes just before; else undefined
-  Tensor update;
-  Tensor k, v;  ///< [G, heads, L, head width], with several
+  Tensor update;           ///< [G, 1, C], with one context token: what is added to every token; else undefined
+  Tensor update_and_bias;  ///< and the bias of self attention's output layer, which comes just before
+  Tensor k, v;             ///< [G, heads, L, head width], with several
 };
 struct MultiViewContext {
   std::vector<Cross> spatial, time;  ///< of each block

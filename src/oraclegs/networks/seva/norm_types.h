@@ -14,7 +14,7 @@ struct GroupNorm {
   bool channels_last = false;  ///< takes maps that lie in memory with their channels last, and gives such maps
 };
 
-/// What a residual block does before and after.
+/// What a residual block does before and after the norm.
 struct AroundNorm {
   Tensor offsets;                    ///< [B, channels] is added to x first; undefined: nothing
   const Conv* modulation = nullptr;  ///< gives, from the rays, scale and shift of y (1 + scale) + shift; null: no such

@@ -34,7 +34,7 @@ ResBlock LoadResBlock(const ParameterScope& at, const ResShape& shape) {
 }
 
 Tensor Forward(const ResBlock& block, const Tensor& x, const Tensor& embedding, const Tensor& dense) {
-  if (block.norm_in.channels_last && kernels::Take(x)) return ByKernels(block, x, embedding, dense);
+  if (block.norm_in.channels_last && kernels::CanTake(x)) return ByKernels(block, x, embedding, dense);
   Tensor y = Forward(block.conv_in, NormThenSilu(block.norm_in, x, {{}, &block.dense, dense}));
   y = Forward(block.conv_out, NormThenSilu(block.norm_out, y, {Forward(block.embedding, embedding), nullptr, {}}));
   return y.add_(block.skip ? Forward(*block.skip, x) : x);

@@ -14,27 +14,36 @@ void AddTo(const Addend& addend, Tensor* x) {
 
 }  // namespace
 
+Addend AddendOf(const Linear& layer, const Tensor& x) {
+  if (!kernels::CanTake(x)) return {Forward(layer, x), {}};
+  return {at::linear(x, layer.weight), layer.bias};
+}
+
+void Add(const Addend& addend, Tensor* x) {
+  if (!kernels::Sum(*x, addend, x).defined()) AddTo(addend, x);
+}
+
 Tensor Sum(const Tensor& x, const Addend& addend) {
   Tensor sum;
-  if (kernels::NormOfSum(x, addend, nullptr, &sum).defined()) return sum;
-  sum = x.clone();
+  if (kernels::Sum(x, addend, &sum).defined()) return sum;
+  sum = x.clone(at::MemoryFormat::Contiguous);
   AddTo(addend, &sum);
   return sum;
 }
 
 Tensor NormAfterAdding(const Addend& addend, const LayerNorm& norm, Tensor* x) {
-  if (Tensor y = kernels::NormOfSum(*x, addend, &norm, x); y.defined()) return y;
+  if (Tensor y = kernels::NormOfSum(*x, addend, norm, x); y.defined()) return y;
   AddTo(addend, x);
   return Forward(norm, *x);
 }
 
 Tensor NormOfSum(const Tensor& x, const Addend& addend, const LayerNorm& norm, Tensor* sum) {
   Tensor made;
-  if (Tensor y = kernels::NormOfSum(x, addend, &norm, &made); y.defined()) {
+  if (Tensor y = kernels::NormOfSum(x, addend, norm, &made); y.defined()) {
     *sum = made;
     return y;
   }
-  *sum = x.clone();
+  *sum = x.clone(at::MemoryFormat::Contiguous);
   AddTo(addend, sum);
   return Forward(norm, *sum);
 }

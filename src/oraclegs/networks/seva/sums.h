@@ -5,6 +5,11 @@
 
 namespace oraclegs::seva {
 
+/// The layer's product. Where kernels take it, its bias is a vector, which is added where the rows are read anyway.
+Addend AddendOf(const Linear& layer, const Tensor& x);
+
+/// *x += addend
+void Add(const Addend& addend, Tensor* x);
 /// x + addend
 Tensor Sum(const Tensor& x, const Addend& addend);
 /// *x += addend; returns the layer norm of *x.

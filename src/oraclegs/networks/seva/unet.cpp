@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "oraclegs/networks/common/autocast.h"
+#include "oraclegs/networks/seva/kernels.h"
 #include "oraclegs/networks/seva/maps.h"
 
 namespace oraclegs::seva {
@@ -171,8 +172,7 @@ Unet LoadUnet(ParameterSource& source, const UnetConfig& config) {
   unet.time2 = LoadLinear(root / "time_embed" / 2, width, width);
   Builder(&unet, root).Build();
   const Tensor& weight = unet.any_weight();
-  // float16 could overflow in the shifts of the norms.
-  if (weight.is_cuda() && weight.scalar_type() == torch::kBFloat16) KeepChannelsLast(&unet);
+  if (kernels::CanTake(weight)) KeepChannelsLast(&unet);
   return unet;
 }
 

@@ -56,7 +56,7 @@ struct Unet {
 /// units of a GPU take them, so that the tokens of a transformer are the map itself. The results are the same but for
 /// rounding.
 void KeepChannelsLast(Unet* unet);
-/// With channels last where the source gives bfloat16 on a GPU. Throws ShapeError for a configuration without levels,
+/// With channels last where kernels take its maps (kernels.h). Throws ShapeError for a configuration without levels,
 /// or whose groups or heads do not divide a level's channels.
 Unet LoadUnet(ParameterSource& source, const UnetConfig& config);
 

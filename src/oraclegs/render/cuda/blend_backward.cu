@@ -4,6 +4,9 @@
 namespace oraclegs::cuda {
 namespace {
 
+// Buckets differ in work, and a block's room is free when its last warp is done: as few warps as fill a multiprocessor
+// that takes 16 blocks.
+constexpr int kWarpsPerBlock = 2;
 constexpr unsigned kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
 static_assert(kRun == kWarp);
 
@@ -21,8 +24,7 @@ struct Pixel {
   float2 state;  // transmittance, and what the rest of the list adds to the loss: before the run, then behind it
 };
 
-/// The pixels of a warp, which is a block: buckets differ in work, and none waits for another. Those under way, and the
-/// numbers of those that reach its run.
+/// A warp's pixels: those under way, and the numbers of those that reach its run.
 struct Pixels {
   Pixel ring[kRing];
   uint8_t list[kTilePixels];
@@ -116,16 +118,17 @@ __device__ inline void KeepStates(const Pixels& pixels, int from, int to, float*
 
 __global__ void __launch_bounds__(kWarp, 32)
     BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
-  __shared__ Pixels shared;
-  const int64_t number = blockIdx.x;
-  Pixels* const pixels = &shared;
+  __shared__ Pixels shared[kWarpsPerBlock];
+  const uint32_t number = blockIdx.x * kWarpsPerBlock + threadIdx.x / kWarp;
+  if (number >= in.buckets) return;
+  Pixels* const pixels = shared + threadIdx.x / kWarp;
   const int lane = LaneInWarp();
   const SplatCamera<float>& camera = in.forward.camera;
   const Bucket bucket = in.kept.buckets.buckets[number];
   const Tile tile{in.kept.ends + int64_t{bucket.tile} * kTilePixels,
                   static_cast<int>(bucket.tile % camera.tiles_x) * kTile,
                   static_cast<int>(bucket.tile / camera.tiles_x) * kTile,
-                  in.kept.buckets.states + number * kStateFloats * kTilePixels};
+                  in.kept.buckets.states + int64_t{number} * kStateFloats * kTilePixels};
   const TileRange range = in.forward.ranges[bucket.tile];
   const uint32_t entries = range.end - range.begin, bucket_end = bucket.first + in.kept.buckets.Length();
   const uint32_t last = bucket_end < entries ? bucket_end : entries;
@@ -185,7 +188,8 @@ __global__ void __launch_bounds__(kWarp, 32)
 }  // namespace
 
 void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream) {
-  Launch("blending backward", BlendBackwardKernel, {in.buckets, kWarp}, stream, in, records, counters);
+  Launch("blending backward", BlendBackwardKernel, LaunchShape::For(in.buckets * kWarp, kWarpsPerBlock * kWarp), stream,
+         in, records, counters);
 }
 
 }  // namespace oraclegs::cuda
