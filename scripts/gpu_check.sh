@@ -303,6 +303,7 @@ sanitize() {
     skip "$name" "no compute-sanitizer on the PATH"
   fi
 }
-sanitize memcheck 90 '*RasterizerGolden*sh3:*RasterizerScenes*/huge:*LaunchTest*:GpuTrainingTest.Measures*:RasterCoreTest.BucketsOf*:RasterCoreTest.TheBackward*:CudaPlaneSearchTest.Silhouettes*'
-sanitize racecheck 60 '*RasterizerGolden*sh3:*Photometric*' --tool racecheck
+between=*AddNormTest*:FrameAttentionTest*:GatedGeluTest*:*GroupNormKernels*  # what lies between the networks' products
+sanitize memcheck 90 "$between"':*RasterizerGolden*sh3:*RasterizerScenes*/huge:*LaunchTest*:GpuTrainingTest.Measures*:RasterCoreTest.BucketsOf*:RasterCoreTest.TheBackward*:CudaPlaneSearchTest.Silhouettes*'
+sanitize racecheck 60 "$between"':*RasterizerGolden*sh3:*Photometric*' --tool racecheck
 finish
