@@ -123,14 +123,14 @@ class Rounded : public ParameterSource {
   at::TensorOptions options_;
 };
 
-/// One part of the network in float, and in bfloat16 with its maps' channels last.
+/// The network in float, and in bfloat16 for the kernels.
 struct Networks {
   Rounded wide_source{at::TensorOptions().dtype(torch::kFloat)};
   Rounded half_source{at::TensorOptions().dtype(torch::kBFloat16).device(kDevice)};
   Unet wide = LoadUnet(wide_source, Config()), halves = LoadUnet(half_source, Config());
 };
 
-/// Frames of two sequences and what they are conditioned on; steps are those of the first.
+/// Two sequences of so many frames, and what they are conditioned on.
 struct Inputs {
   Tensor x, steps;
   Conditions conditions;

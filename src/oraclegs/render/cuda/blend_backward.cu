@@ -116,7 +116,7 @@ __device__ inline void KeepStates(const Pixels& pixels, int from, int to, float*
   }
 }
 
-__global__ void __launch_bounds__(kWarp, 32)
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
     BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
   __shared__ Pixels shared[kWarpsPerBlock];
   const uint32_t number = blockIdx.x * kWarpsPerBlock + threadIdx.x / kWarp;
