@@ -33,9 +33,10 @@ struct BlendBackwardInput {
   int64_t buckets;                 ///< filled ones
 };
 
-/// One warp a bucket, run after run, one lane a Gaussian: pixels pass along the lanes, so that every sum stays in a
-/// register of its own and no two threads add to one place. Writes records[pair] of the pairs in these buckets that
-/// some pixel reaches, kRecord floats each. Overwrites the states of buckets of several runs: once a BlendForward.
+/// One block a bucket. Each warp takes patches of 8 x 4 pixels, a lane each, past the Gaussians that reach them, as the
+/// forward pass did, and keeps what each pixel adds to 16 Gaussians. Then lanes take Gaussians and sum over the pixels:
+/// in an order of its own for each sum, and no two threads add to one place. Writes records[pair] of the pairs in these
+/// buckets, kRecord floats each.
 /// With (dx, dy) from the Gaussian to a pixel, h = alpha dL/d(alpha) (0 where capped), w = alpha T:
 /// [0] sum h  [1] h dx  [2] h dy  [3] h dx^2  [4] h dx dy  [5] h dy^2  [6..8] w dL/d(rgb)  [9] w dL/d(inv_depth)
 void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream);

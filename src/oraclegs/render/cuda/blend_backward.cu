@@ -1,195 +1,224 @@
+#include <type_traits>
+
 #include "oraclegs/render/cuda/blend.h"
 #include "oraclegs/render/cuda/falloff-inl.cuh"
 
 namespace oraclegs::cuda {
 namespace {
 
-// Buckets differ in work, and a block's room is free when its last warp is done: as few warps as fill a multiprocessor
-// that takes 16 blocks.
-constexpr int kWarpsPerBlock = 2;
-constexpr unsigned kRing = 2 * kWarp;  // pixels under way between the first lane and the last, and those read ahead
-static_assert(kRun == kWarp);
+constexpr int kWarpsPerBlock = 4;                          // share a bucket, two patches of the tile each
+constexpr int kPatches = kTilePixels / kWarp;              // of a tile: 8 x 4 pixels, a lane each
+constexpr int kPatchWidth = 8, kPatchHeight = 4;           // px
+constexpr int kBatch = 16;                                 // Gaussians whose terms are summed at once
+constexpr int kRowsALane = kPatchHeight * kBatch / kWarp;  // of a patch, when terms are summed
+constexpr int kTermRow = kWarp + 1;                        // the lanes that sum meet no bank twice
+constexpr unsigned kFirst = 0x80000000u;                   // of a run, in a mask
+static_assert(kWarp == kPatchWidth * kPatchHeight && kRowsALane > 0 && kRun == kWarp);
 
-/// A pixel's centre in px, and the first entry that does not contribute to it. One load of 16 bytes.
-struct alignas(16) Place {
-  float x, y;
-  uint32_t end;
+/// What a pixel adds to the sums of a Gaussian: h and w of BlendBackward's records.
+struct alignas(8) Term {
+  float change, weight;
 };
 
-/// What the lanes read of a pixel under way. 48 bytes: eight lanes that read 16 bytes of eight neighbours meet no bank
-/// twice.
-struct Pixel {
-  float4 gradient;  // dL/d(rgb), dL/d(inv_depth)
-  Place place;
-  float2 state;  // transmittance, and what the rest of the list adds to the loss: before the run, then behind it
+/// A warp's room.
+template <int kLength>
+struct Room {
+  float4 gradients[kWarp];  // of the patch's pixels: dL/d(rgb), dL/d(inv_depth)
+  Term terms[kBatch][kTermRow];
+  float sums[kRecord][kLength];  // of the bucket's entries
 };
 
-/// A warp's pixels: those under way, and the numbers of those that reach its run.
-struct Pixels {
-  Pixel ring[kRing];
-  uint8_t list[kTilePixels];
+/// Where a bucket lies.
+struct Place {
+  int tile, x, y;  // px
+  uint32_t first;  // entry of the tile's list
+  int count;       // entries
+  int64_t begin;   // of the bucket in the sorted list
+  const float* states;
 };
 
-struct Tile {
-  const uint32_t* ends;  // as BlendKept's, of this tile
-  int x, y;              // px
-  float* states;         // of the bucket; behind the first run [256] transmittance, [256] rest
+/// A pixel that passes the Gaussians of a bucket, near to far.
+struct Ray {
+  float x = 0, y = 0;                         // its centre, px
+  int end = 0;                                // first entry of the bucket that does not contribute
+  float4 gradient = make_float4(0, 0, 0, 0);  // dL/d(rgb), dL/d(inv_depth)
+  float transmittance = 0;
+  float rest = 0;  // what the rest of the list, and the background, add to the loss
+
+  __device__ Term Pass(const Splat& s, bool contributes) {
+    const float e = Log2Alpha(s, x - s.mx, y - s.my);
+    const float full = contributes && e >= kLog2AlphaMin ? Exp2(e) : 0.f, alpha = Min(full, kAlphaMax);
+    const float value = gradient.x * s.r + gradient.y * s.g + gradient.z * s.b + gradient.w * s.inv_z;
+    const float weight = alpha * transmittance;
+    rest = fmaf(-weight, value, rest);
+    const float d_alpha = fmaf(transmittance, value, -rest * Reciprocal(1.f - alpha));
+    transmittance = NextTransmittance(alpha, transmittance);
+    return {full < kAlphaMax ? alpha * d_alpha : 0.f, weight};
+  }
 };
 
-/// Pixel `i` of the tile as the run finds it.
-__device__ inline void LoadPixel(const BlendBackwardInput& in, const Tile& tile, bool first_run, int i,
-                                 Pixel* pixel_of_ring) {
-  const float* states = tile.states;
+/// Pixel `i` of the tile as the bucket finds it.
+__device__ inline Ray LoadRay(const BlendBackwardInput& in, const Place& place, int i) {
   const SplatCamera<float>& camera = in.forward.camera;
-  const int x = tile.x + PixelX(i), y = tile.y + PixelY(i);
+  const int x = place.x + PixelX(i), y = place.y + PixelY(i);
+  Ray ray;
+  ray.x = static_cast<float>(x) + 0.5f, ray.y = static_cast<float>(y) + 0.5f;
+  const uint32_t end = in.kept.ends[int64_t{place.tile} * kTilePixels + i];  // 0 outside the image
+  if (end <= place.first) return ray;
+  ray.end = static_cast<int>(end - place.first);
   const int64_t pixel = int64_t{y} * camera.width + x;
-  float4 g = make_float4(0, 0, 0, 0);
+  float4& g = ray.gradient;
   if (in.upstream.image != nullptr) {
     const float* from = in.upstream.image + 3 * pixel;
     g.x = from[0], g.y = from[1], g.z = from[2];
   }
   if (in.upstream.inv_depth != nullptr) g.w = in.upstream.inv_depth[pixel];
-  float rest = states[kTilePixels + i];
-  if (first_run) {
-    // The image is what the Gaussians and the background add up to; less what is in front, it is what follows.
-    const float* image = in.image.image + 3 * pixel;
-    const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
-    rest = g.x * (image[0] - rest) + g.y * (image[1] - states[2 * kTilePixels + i]) +
-           g.z * (image[2] - states[3 * kTilePixels + i]) +
-           g.w * (in.image.inv_depth[pixel] - states[4 * kTilePixels + i]) - (1.f - in.image.alpha[pixel]) * g_alpha;
-  }
-  pixel_of_ring->gradient = g;
-  pixel_of_ring->place = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, tile.ends[i]};
-  pixel_of_ring->state = make_float2(states[i], rest);
+  const float* states = place.states + i;
+  ray.transmittance = states[0];
+  // The image is what the Gaussians and the background add up to; less what is in front, it is what follows.
+  const float* image = in.image.image + 3 * pixel;
+  const float g_alpha = in.upstream.alpha != nullptr ? in.upstream.alpha[pixel] : 0.f;
+  ray.rest = g.x * (image[0] - states[kTilePixels]) + g.y * (image[1] - states[2 * kTilePixels]) +
+             g.z * (image[2] - states[3 * kTilePixels]) + g.w * (in.image.inv_depth[pixel] - states[4 * kTilePixels]) -
+             (1.f - in.image.alpha[pixel]) * g_alpha;
+  return ray;
 }
 
-/// One Gaussian's sums, as BlendBackward's records.
-struct Sums {
-  float h = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, g = 0, b = 0, inv_z = 0;
-
-  /// Adds the pixel at (dx, dy) from the centre. `state` is that in front of the Gaussian, and becomes that behind it.
-  __device__ void Accumulate(const Splat& s, float dx, float dy, const float4& gradient, float2* state) {
-    const float e = Log2Alpha(s, dx, dy);
-    if (e < kLog2AlphaMin) return;
-    const float full = Exp2(e), alpha = Min(full, kAlphaMax);
-    const float value = gradient.x * s.r + gradient.y * s.g + gradient.z * s.b + gradient.w * s.inv_z;
-    const float weight = alpha * state->x;
-    state->y = fmaf(-weight, value, state->y);
-    const float d_alpha = fmaf(state->x, value, -state->y * Reciprocal(1.f - alpha));
-    const float change = full < kAlphaMax ? alpha * d_alpha : 0.f;
-    state->x = NextTransmittance(alpha, state->x);
-    const float hx = change * dx, hy = change * dy;
-    h += change;
-    x += hx, y += hy;
-    xx = fmaf(hx, dx, xx), xy = fmaf(hx, dy, xy), yy = fmaf(hy, dy, yy);
-    r = fmaf(weight, gradient.x, r), g = fmaf(weight, gradient.y, g), b = fmaf(weight, gradient.z, b);
-    inv_z = fmaf(weight, gradient.w, inv_z);
-  }
-
-  __device__ void Store(float* record) const {
-    float2* to = reinterpret_cast<float2*>(record);
-    to[0] = make_float2(h, x), to[1] = make_float2(y, xx), to[2] = make_float2(xy, yy);
-    to[3] = make_float2(r, g), to[4] = make_float2(b, inv_z);
-  }
-};
-
-/// The numbers of the tile's pixels that entry `first` finds open go to `list`. Returns how many.
-__device__ inline int ListOpenPixels(const uint32_t* ends, uint32_t first, uint8_t* list) {
-  const int lane = LaneInWarp();
-  int count = 0;
-  for (int i = lane; i < kTilePixels; i += kWarp) {
-    const bool open = ends[i] > first;  // 0 outside the image
-    const unsigned mask = __ballot_sync(kAllLanes, open);
-    if (open) list[count + __popc(mask & ((1u << lane) - 1))] = static_cast<uint8_t>(i);
-    count += __popc(mask);
-  }
+/// Adds the terms of the patch at (x, y), whose first centre that is, to the sums of up to kBatch entries. A lane has
+/// some rows of pixels of one Gaussian: entry `mine`, in `slot` of the terms; negative: none.
+template <int kLength>
+__device__ inline void AddBatch(const Splat* splats, float x, float y, int mine, Room<kLength>* room) {
   __syncwarp();
-  return count;
-}
-
-/// What pixels [from, to) of the list carry on to the bucket's next run.
-__device__ inline void KeepStates(const Pixels& pixels, int from, int to, float* states) {
-  for (int k = from + LaneInWarp(); k < to; k += kWarp) {
-    const float2 state = pixels.ring[static_cast<unsigned>(k) % kRing].state;
-    states[pixels.list[k]] = state.x;
-    states[kTilePixels + pixels.list[k]] = state.y;
-  }
-}
-
-__global__ void __launch_bounds__(kWarpsPerBlock* kWarp)
-    BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
-  __shared__ Pixels shared[kWarpsPerBlock];
-  const uint32_t number = blockIdx.x * kWarpsPerBlock + threadIdx.x / kWarp;
-  if (number >= in.buckets) return;
-  Pixels* const pixels = shared + threadIdx.x / kWarp;
-  const int lane = LaneInWarp();
-  const SplatCamera<float>& camera = in.forward.camera;
-  const Bucket bucket = in.kept.buckets.buckets[number];
-  const Tile tile{in.kept.ends + int64_t{bucket.tile} * kTilePixels,
-                  static_cast<int>(bucket.tile % camera.tiles_x) * kTile,
-                  static_cast<int>(bucket.tile / camera.tiles_x) * kTile,
-                  in.kept.buckets.states + int64_t{number} * kStateFloats * kTilePixels};
-  const TileRange range = in.forward.ranges[bucket.tile];
-  const uint32_t entries = range.end - range.begin, bucket_end = bucket.first + in.kept.buckets.Length();
-  const uint32_t last = bucket_end < entries ? bucket_end : entries;
-  unsigned long long visited = 0;
-
-  for (uint32_t run = bucket.first; run < last; run += kRun) {
-    const int count = ListOpenPixels(tile.ends, run, pixels->list);
-    if (count == 0) break;  // the rest of the list reaches no pixel
-    const uint32_t mine = run + static_cast<uint32_t>(lane);
-    const bool has_entry = mine < entries, carries = run + kRun < last, is_last = lane == kWarp - 1;
-    Splat splat{};
-    if (has_entry) splat = in.forward.splats[in.forward.entry_ids[range.begin + mine]];
-    Sums sums;
-    float2 state = make_float2(0, 0);
-    const uint32_t entry = has_entry ? mine : ~0u;  // none contributes where there is no Gaussian
-    const int steps = count + kWarp - 1;
-    int kept = 0;
-    for (int first = 0; first < steps; first += kWarp) {
-      __syncwarp();
-      // The last lane is through with all but the newest pixels, whose places in the ring are not yet taken again.
-      if (carries && first > kWarp) {
-        KeepStates(*pixels, kept, first - kWarp, tile.states);
-        kept = first - kWarp;
-        __syncwarp();
+  const int lane = LaneInWarp(), slot = lane % kBatch, first_row = lane / kBatch * kRowsALane;
+  float sums[kRecord] = {};
+  if (mine >= 0) {
+    const Splat& s = splats[mine];
+    const float left = x - s.mx, top = y + static_cast<float>(first_row) - s.my;
+    const Term* terms = room->terms[slot] + first_row * kPatchWidth;
+    const float4* gradients = room->gradients + first_row * kPatchWidth;
+#pragma unroll
+    for (int row = 0; row < kRowsALane; ++row) {
+      const float dy = top + static_cast<float>(row);
+      float h = 0, hx = 0, hxx = 0;  // of this row
+#pragma unroll
+      for (int column = 0; column < kPatchWidth; ++column) {
+        const Term term = terms[row * kPatchWidth + column];
+        const float4 g = gradients[row * kPatchWidth + column];
+        const float dx = left + static_cast<float>(column), change_x = term.change * dx;
+        h += term.change, hx += change_x, hxx = fmaf(change_x, dx, hxx);
+        sums[6] = fmaf(term.weight, g.x, sums[6]), sums[7] = fmaf(term.weight, g.y, sums[7]);
+        sums[8] = fmaf(term.weight, g.z, sums[8]), sums[9] = fmaf(term.weight, g.w, sums[9]);
       }
-      const int ahead = first + lane;
-      if (ahead < count) {
-        LoadPixel(in, tile, run == bucket.first, pixels->list[ahead],
-                  &pixels->ring[static_cast<unsigned>(ahead) % kRing]);
-      }
-      __syncwarp();
-      const int end = first + kWarp < steps ? first + kWarp : steps;
-      for (int step = first; step < end; ++step) {
-        // Each lane hands its pixel on to the next Gaussian.
-        state.x = __shfl_up_sync(kAllLanes, state.x, 1);
-        state.y = __shfl_up_sync(kAllLanes, state.y, 1);
-        const unsigned at = static_cast<unsigned>(step - lane);
-        if (at >= static_cast<unsigned>(count)) continue;
-        Pixel* const pixel = &pixels->ring[at % kRing];
-        if (lane == 0) state = pixel->state;
-        const Place place = pixel->place;
-        if (entry < place.end) {
-          sums.Accumulate(splat, place.x - splat.mx, place.y - splat.my, pixel->gradient, &state);
-        }
-        if (carries && is_last) pixel->state = state;
-      }
+      const float hy = h * dy;
+      sums[0] += h, sums[1] += hx, sums[2] += hy;
+      sums[3] += hxx, sums[4] = fmaf(hx, dy, sums[4]), sums[5] = fmaf(hy, dy, sums[5]);
     }
-    __syncwarp();
-    if (carries) KeepStates(*pixels, kept, count, tile.states);
-    if (has_entry) sums.Store(records + int64_t{kRecord} * in.sorted_numbers[range.begin + mine]);
-    visited += static_cast<unsigned long long>(count) * kRun;
-    __syncwarp();  // the next run overwrites the list, and reads what was kept
   }
-  if (lane == 0 && visited != 0) atomicAdd(&counters->pixel_pairs_backward, visited);
+#pragma unroll
+  for (int k = 0; k < kRecord; ++k) {
+    float sum = sums[k];
+    for (int step = kWarp / 2; step >= kBatch; step /= 2) sum += __shfl_down_sync(kAllLanes, sum, step);
+    if (first_row == 0 && mine >= 0) room->sums[k][mine] += sum;
+  }
+  __syncwarp();  // the next batch overwrites the terms
+}
+
+/// Adds the terms of one patch's pixels to the sums of the bucket's entries. Returns how many entries reach the patch.
+template <int kLength>
+__device__ inline int AddPatch(const BlendBackwardInput& in, const Place& place, const Splat* splats, int patch,
+                               Room<kLength>* room) {
+  const int lane = LaneInWarp(), slot = lane % kBatch;
+  Ray ray = LoadRay(in, place, patch * kWarp + lane);
+  int last = ray.end;
+  for (int step = kWarp / 2; step > 0; step /= 2) {
+    const int other = __shfl_xor_sync(kAllLanes, last, step);
+    last = last > other ? last : other;
+  }
+  last = last < place.count ? last : place.count;
+  room->gradients[lane] = ray.gradient;
+  const float x = static_cast<float>(place.x + PixelX(patch * kWarp)) + 0.5f;
+  const float y = static_cast<float>(place.y + PixelY(patch * kWarp)) + 0.5f;
+  int held = 0, mine = -1, reached = 0;
+  for (int run = 0; run < last; run += kRun) {
+    // Each lane tests whether one Gaussian reaches the patch; the nearest is the last lane's, the highest bit.
+    const int candidate = run + kWarp - 1 - lane;
+    const bool reaches =
+        candidate < last && Reaches(ReachOf(splats[candidate]), x, y, kPatchWidth - 1, kPatchHeight - 1);
+    unsigned left = __ballot_sync(kAllLanes, reaches);
+    reached += __popc(left);
+    do {
+      for (Term* term = &room->terms[held][lane]; left != 0 && held < kBatch; ++held, term += kTermRow) {
+        const int nearest = __clz(static_cast<int>(left)), entry = run + nearest;
+        left ^= kFirst >> nearest;
+        *term = ray.Pass(splats[entry], entry < ray.end);
+        if (slot == held) mine = entry;
+      }
+      const bool is_all = left == 0 && run + kRun >= last;
+      if (held < kBatch && !is_all) break;
+      AddBatch(splats, x, y, mine, room);
+      held = 0, mine = -1;
+    } while (left != 0);
+  }
+  return reached;
+}
+
+template <int kRuns>
+__global__ void __launch_bounds__(kWarpsPerBlock* kWarp, 4)
+    BlendBackwardKernel(BlendBackwardInput in, float* records, Counters* counters) {
+  constexpr int kLength = kRuns * kRun;
+  __shared__ Splat splats[kLength];
+  __shared__ Room<kLength> rooms[kWarpsPerBlock];
+  const SplatCamera<float>& camera = in.forward.camera;
+  const Bucket bucket = in.kept.buckets.buckets[blockIdx.x];
+  const TileRange range = in.forward.ranges[bucket.tile];
+  const uint32_t begin = range.begin + bucket.first, behind = range.end - begin;
+  const Place place{static_cast<int>(bucket.tile),
+                    static_cast<int>(bucket.tile % camera.tiles_x) * kTile,
+                    static_cast<int>(bucket.tile / camera.tiles_x) * kTile,
+                    bucket.first,
+                    behind < kLength ? static_cast<int>(behind) : kLength,
+                    begin,
+                    in.kept.buckets.states + int64_t{blockIdx.x} * kStateFloats * kTilePixels};
+  const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
+  Room<kLength>* const room = rooms + warp;
+  for (int i = thread; i < place.count; i += kWarpsPerBlock * kWarp) {
+    splats[i] = in.forward.splats[in.forward.entry_ids[place.begin + i]];
+  }
+  for (int i = LaneInWarp(); i < kRecord * kLength; i += kWarp) room->sums[i / kLength][i % kLength] = 0;
+  __syncthreads();
+  unsigned long long reached = 0;
+  for (int patch = warp; patch < kPatches; patch += kWarpsPerBlock) {
+    reached += AddPatch(in, place, splats, patch, room);
+    __syncwarp();  // the next patch overwrites the gradients
+  }
+  if (thread % kWarp == 0 && reached != 0) atomicAdd(&counters->pixel_pairs_backward, kWarp * reached);
+  __syncthreads();
+  for (int i = thread; i < place.count; i += kWarpsPerBlock * kWarp) {
+    float2* to = reinterpret_cast<float2*>(records + int64_t{kRecord} * in.sorted_numbers[place.begin + i]);
+    for (int k = 0; k < kRecord; k += 2) {
+      float2 sum = make_float2(0, 0);
+      for (const Room<kLength>& of_warp : rooms) sum.x += of_warp.sums[k][i], sum.y += of_warp.sums[k + 1][i];
+      to[k / 2] = sum;
+    }
+  }
 }
 
 }  // namespace
 
 void BlendBackward(const BlendBackwardInput& in, float* records, Counters* counters, cudaStream_t stream) {
-  Launch("blending backward", BlendBackwardKernel, LaunchShape::For(in.buckets * kWarp, kWarpsPerBlock * kWarp), stream,
-         in, records, counters);
+  const auto launch = [&](auto runs) {
+    Launch("blending backward", BlendBackwardKernel<decltype(runs)::value>, {in.buckets, kWarpsPerBlock * kWarp},
+           stream, in, records, counters);
+  };
+  static_assert(kMaxRuns == 4);
+  switch (in.kept.buckets.runs) {
+    case 1:
+      return launch(std::integral_constant<int, 1>());
+    case 2:
+      return launch(std::integral_constant<int, 2>());
+    default:
+      return launch(std::integral_constant<int, 4>());
+  }
 }
 
 }  // namespace oraclegs::cuda

@@ -137,7 +137,6 @@ void RasterCore::SendBlend(const ImagePlanes& out) {
   constexpr size_t kFirst = offsetof(Counters, pixel_pairs);
   Check(cudaMemsetAsync(reinterpret_cast<char*>(counters_.data()) + kFirst, 0, sizeof(Counters) - kFirst, stream_),
         "blending");
-  states_spent_ = false;
   BlendForward(Listed(), out, train_ ? Kept() : BlendKept{}, counters_.data(), stream_);
   blended_.Ask(counters_.data(), stream_);
 }
@@ -159,10 +158,7 @@ GaussianBackwardInput RasterCore::BlendBackward(const GaussianParameters& parame
   if (buckets > BucketRoom()) {
     ReserveBuckets(WithSpare(buckets));
     SendBlend({});  // the images stay as they are
-  } else if (states_spent_) {
-    SendBlend({});
   }
-  states_spent_ = true;
   backward_begin_.Record(stream_);
   pair_work_.FillBytes(0, pairs_ * kRecord, stream_);  // entries that contribute to no pixel write nothing
   cuda::BlendBackward({Listed(), planes_, Kept(), upstream, sorted_numbers_.data(), buckets}, records(),

@@ -72,7 +72,6 @@ class RasterCore {
   GaussianParameters parameters_{};
   ImagePlanes planes_{};
   bool train_ = false, forward_done_ = false, backward_done_ = false;
-  bool states_spent_ = false;  ///< a backward pass has been sent, which overwrites them
 
   // By Gaussian.
   DeviceArray<Splat> splats_{"the projected Gaussians"};
