@@ -15,7 +15,7 @@ constexpr double kImage = 20;                // a pixel of the render: colour, a
 constexpr double kEnds = 4;                  // what backward reads of a pixel beside it
 constexpr double kTarget = 3, kColour = 12;  // a pixel as bytes, as floats
 // Arithmetic of a pixel in a Gaussian, where it counts (render/cuda/blend_forward.cu, blend_backward.cu).
-constexpr double kBlendFlops = 21, kBlendBackwardFlops = 55;
+constexpr double kBlendFlops = 21, kBlendBackwardFlops = 45;
 
 }  // namespace
 

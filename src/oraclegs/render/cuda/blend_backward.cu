@@ -120,7 +120,7 @@ __device__ inline void AddBatch(const Splat* splats, float x, float y, int mine,
     for (int step = kWarp / 2; step >= kBatch; step /= 2) sum += __shfl_down_sync(kAllLanes, sum, step);
     if (first_row == 0 && mine >= 0) room->sums[k][mine] += sum;
   }
-  __syncwarp();  // the next batch overwrites the terms
+  __syncwarp();  // the next batch overwrites the terms, the next patch the gradients
 }
 
 /// Adds the terms of one patch's pixels to the sums of the bucket's entries. Returns how many entries reach the patch.
@@ -189,7 +189,6 @@ __global__ void __launch_bounds__(kWarpsPerBlock* kWarp, 4)
   unsigned long long reached = 0;
   for (int patch = warp; patch < kPatches; patch += kWarpsPerBlock) {
     reached += AddPatch(in, place, splats, patch, room);
-    __syncwarp();  // the next patch overwrites the gradients
   }
   if (thread % kWarp == 0 && reached != 0) atomicAdd(&counters->pixel_pairs_backward, kWarp * reached);
   __syncthreads();
