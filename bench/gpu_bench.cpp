@@ -1,7 +1,7 @@
 // What a GPU takes for training and for what comes before it. Only in builds with CUDA; needs a GPU.
 //
 //   build/cuda/bin/gpu_bench [--gaussians N] [--size WxH] [--scene FILE.ply --views transforms.json] [--passes N]
-//                            [--parts training,stereo,neighbors,warp] [--sh-moments full|compact] [--dump FOLDER]
+//                            [--parts training,stereo,neighbors,warp] [--sh-moments full|half|compact] [--dump FOLDER]
 //                            [--json FILE]
 //
 // training prints a table: milliseconds of each stage of an iteration and of the whole, and the time that its memory
@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,8 +68,9 @@ Arguments Parse(const std::vector<std::string>& words) {
     } else if (name == "--parts") {
       a.parts = value;
     } else if (name == "--sh-moments") {
-      if (value != "full" && value != "compact") throw UsageError("--sh-moments {}: full or compact", value);
-      a.sh_moments = value == "full" ? ShMoments::kFull : ShMoments::kCompact;
+      const std::optional<ShMoments> moments = FromWord<ShMoments>(value);
+      if (!moments) throw UsageError("--sh-moments {}: {}", value, AllWords<ShMoments>(", "));
+      a.sh_moments = *moments;
     } else if (name == "--dump") {
       a.dump = value;
     } else if (name == "--json") {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "oraclegs/core/bfloat16.h"
 #include "oraclegs/core/cuda/device_array.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
@@ -63,6 +64,7 @@ TrainedModel SteadyModel(const GpuScene& scene, ShMoments sh_moments) {
   };
   model.adam.v.ForEach(fill);
   fill("sh_v", model.adam.sh_v);
+  if (model.adam.sh_v_half.defined()) std::ranges::fill(model.adam.sh_v_half.span(), ToBfloat16(1.f));
   model.adam.step = 100'000;  // no bias is left to correct
   return model;
 }

@@ -138,6 +138,59 @@ TEST_P(AdamDegreeTest, CompactMomentsAgreeWithDoublePrecisionOnEveryTarget) {
   });
 }
 
+TEST_P(AdamDegreeTest, HalfMomentsStayNearFullOnesOnEveryTarget) {
+  const int degree = GetParam();
+  ForEachTarget([&](int64_t target) {
+    constexpr int64_t kCount = 9;
+    const Gaussians start = RandomGaussians(kCount, 1);
+    Gaussians params = start.Clone(), full = start.Clone();
+    Adam adam(kCount, ShMoments::kHalf), full_adam(kCount);
+    for (int64_t step = 1; step <= 6; ++step) {
+      const Gaussians grads = RandomGrads(kCount, 100 + step, degree);
+      adam.Step(grads, {3e-3}, degree, &params);
+      full_adam.Step(grads, {3e-3}, degree, &full);
+    }
+    // Each step rounds the first moment by 1/512 of itself at most, the second by less than 1/128.
+    EXPECT_LE(MaxAbsError(params.sh, full.sh), 6 * 0.02 * LearningRates().sh0) << target;
+    const float largest = MaxAbs(full_adam.m.sh);
+    for (int64_t k = 0; k < adam.sh_m.count(); ++k) {
+      EXPECT_NEAR(FromBfloat16(adam.sh_m[k]), full_adam.m.sh[k], 0x1p-7 * largest) << target << ' ' << k;
+      EXPECT_NEAR(FromBfloat16(adam.sh_v_half[k]), full_adam.v.sh[k], 6 * 0x1p-7 * full_adam.v.sh[k])
+          << target << ' ' << k;
+    }
+    const int inactive = kShFloats - 3 * ShCount(degree);
+    EXPECT_TRUE((Table(params.sh).rightCols(inactive) == Table(start.sh).rightCols(inactive)).all());
+    EXPECT_TRUE(Equal(params.means, full.means));
+    EXPECT_TRUE(Equal(params.quats, full.quats));
+  });
+}
+
+TEST(AdamTest, HalfSecondMomentsAreRightInTheMean) {
+  // Rounded to the nearest, a moment would stop where a step changes it by less than half of what bfloat16 can show:
+  // at 1/2 of the square that it goes to, or below.
+  constexpr int64_t kCount = 100;
+  constexpr int kSteps = 1500;
+  Gaussians params = RandomGaussians(kCount, 1);
+  Gaussians grads = Gaussians::Zeros(kCount);
+  Flat(grads.sh).setConstant(0.75f);
+  Adam adam(kCount, ShMoments::kHalf);
+  for (int step = 0; step < kSteps; ++step) adam.Step(grads, {1e-3}, kMaxShDegree, &params);
+  const double expected = 0.75 * 0.75 * (1 - std::pow(kBeta2, kSteps));
+  double sum = 0;
+  for (const uint16_t v : adam.sh_v_half.span()) {
+    EXPECT_NEAR(FromBfloat16(v), expected, 0.3 * expected);
+    sum += FromBfloat16(v);
+  }
+  EXPECT_NEAR(sum / static_cast<double>(adam.sh_v_half.count()), expected, 0.005 * expected);
+
+  Flat(grads.sh).setConstant(0);  // and they decay where nothing else changes
+  for (int step = 0; step < kSteps; ++step) adam.Step(grads, {1e-3}, kMaxShDegree, &params);
+  sum = 0;
+  for (const uint16_t v : adam.sh_v_half.span()) sum += FromBfloat16(v);
+  const double decayed = expected * std::pow(kBeta2, kSteps);
+  EXPECT_NEAR(sum / static_cast<double>(adam.sh_v_half.count()), decayed, 0.01 * decayed);
+}
+
 TEST(AdamTest, TheConstantHarmonicsSquareIsTheMeanOfAll) {
   namespace math = HWY_NAMESPACE;
   for (int degree = 0; degree <= kMaxShDegree; ++degree) {
@@ -186,18 +239,20 @@ void ExpectSameBitsInBlocks(ShMoments sh_moments) {
   if (sh_moments == ShMoments::kFull) {
     EXPECT_TRUE(Equal(adam.v.sh, cut_adam.v.sh));
   } else {
-    EXPECT_TRUE(Equal(adam.sh_v, cut_adam.sh_v));
     EXPECT_TRUE(Equal(adam.sh_m, cut_adam.sh_m));
+    EXPECT_TRUE(sh_moments == ShMoments::kHalf ? Equal(adam.sh_v_half, cut_adam.sh_v_half)
+                                               : Equal(adam.sh_v, cut_adam.sh_v));
   }
 }
 
 TEST(AdamTest, BlocksGiveTheBitsOfTheWhole) {
   ExpectSameBitsInBlocks(ShMoments::kFull);
+  ExpectSameBitsInBlocks(ShMoments::kHalf);
   ExpectSameBitsInBlocks(ShMoments::kCompact);
 }
 
 TEST(AdamTest, GrowsByRowsOfZeros) {
-  for (const ShMoments sh_moments : {ShMoments::kFull, ShMoments::kCompact}) {
+  for (const ShMoments sh_moments : {ShMoments::kFull, ShMoments::kHalf, ShMoments::kCompact}) {
     Gaussians params = RandomGaussians(5, 1);
     Adam adam(5, sh_moments);
     adam.Step(RandomGaussians(5, 2), {1e-3}, 3, &params);
@@ -223,6 +278,9 @@ TEST(AdamTest, RefusesMomentsOfAnotherShape) {
   Gaussians params = RandomGaussians(4, 1);
   Adam adam(4, ShMoments::kCompact);
   adam.sh_v = Buffer<float>::Zeros({3});
+  EXPECT_THROW(adam.BeginStep({1e-3}, 2, &params), ShapeError);
+  adam = Adam(4, ShMoments::kHalf);
+  adam.sh_v_half = Buffer<uint16_t>::Zeros({3, kShCoefficients, 3});
   EXPECT_THROW(adam.BeginStep({1e-3}, 2, &params), ShapeError);
   adam = Adam(4);
   adam.m.sh = {};

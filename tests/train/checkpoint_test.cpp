@@ -93,6 +93,20 @@ TEST(CheckpointTest, CompactMomentsStayCompact) {
   EXPECT_THROW(WriteCheckpoint(dir / "uneven", before), ShapeError);
 }
 
+TEST(CheckpointTest, HalfMomentsStayHalf) {
+  const TempDir dir;
+  Checkpoint before = Example(3);
+  before.adam = Adam(3, ShMoments::kHalf);
+  for (int k = 0; k < 3 * kShFloats; ++k) {
+    before.adam.sh_m[k] = static_cast<uint16_t>(1000 + k), before.adam.sh_v_half[k] = static_cast<uint16_t>(2000 + k);
+  }
+  WriteCheckpoint(dir / "half", before);
+  const Adam after = ReadCheckpoint(dir / "half").adam;
+  EXPECT_EQ(after.sh_moments(), ShMoments::kHalf);
+  EXPECT_TRUE(Equal(after.sh_m, before.adam.sh_m));
+  EXPECT_TRUE(Equal(after.sh_v_half, before.adam.sh_v_half));
+}
+
 ExposureMap Twelve(float first) {
   ExposureMap map;
   for (int k = 0; k < 12; ++k) map[k] = first + 0.1f * static_cast<float>(k);

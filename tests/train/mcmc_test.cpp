@@ -113,6 +113,25 @@ TEST(RelocateDeadTest, CompactMomentsOfSourcesBecomeZeroAndNewOnesBeginThere) {
   expect_zeros_where_full_has_them();
 }
 
+TEST(RelocateDeadTest, HalfMomentsOfSourcesBecomeZero) {
+  constexpr int64_t kCount = 100;
+  Gaussians full = RandomGaussians(kCount, 5);
+  for (int64_t i = 0; i < kCount; i += 7) full.opacity_logits[i] = Logit(0.001);
+  Gaussians half = full.Clone();
+  Adam full_adam = RandomMoments(kCount), half_adam(kCount, ShMoments::kHalf);
+  for (Buffer<uint16_t>* moment : {&half_adam.sh_m, &half_adam.sh_v_half}) {
+    std::fill_n(moment->data(), moment->count(), uint16_t{7});
+  }
+  ASSERT_GT(RelocateDead(3, 600, &full, &full_adam), 0);
+  RelocateDead(3, 600, &half, &half_adam);
+  EXPECT_TRUE(SameBits(full, half));
+  for (int64_t k = 0; k < half_adam.sh_m.count(); ++k) {
+    const int wanted = full_adam.v.sh[k] == 0 ? 0 : 7;
+    ASSERT_EQ(half_adam.sh_m[k], wanted) << k;
+    ASSERT_EQ(half_adam.sh_v_half[k], wanted) << k;
+  }
+}
+
 TEST(RelocateDeadTest, DeadBecomeCopiesOfSources) {
   constexpr int64_t kCount = 400;
   const Gaussians before = RandomGaussians(kCount, 5);

@@ -24,8 +24,9 @@ TEST(MemoryEstimateTest, NamesTheLargestFirst) {
   EXPECT_EQ(TotalBytes(items), sum);
 }
 
-TEST(MemoryEstimateTest, CompactMomentsSaveTwoFifthsOfAGaussian) {
+TEST(MemoryEstimateTest, SmallMomentsSaveAQuarterAndTwoFifthsOfAGaussian) {
   EXPECT_EQ(ModelBytes(ShMoments::kFull), 708);
+  EXPECT_EQ(ModelBytes(ShMoments::kHalf), 516);
   EXPECT_EQ(ModelBytes(ShMoments::kCompact), 424);
   TrainingSize compact = kMillion;
   compact.sh_moments = ShMoments::kCompact;

@@ -102,6 +102,33 @@ HWY_INLINE void UpdateSh(const AdamArrays& a, int64_t count, const AdamConstants
   }
 }
 
+/// The same with half moments.
+HWY_INLINE void UpdateShHalf(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
+  const FloatTag d;
+  const hn::RebindToUnsigned<FloatTag> bits;
+  const Lanes root(constants.correction2_root);
+  const RoundingNoise<decltype(hn::Zero(bits))> noise{hn::Set(bits, kNoiseOfValue), hn::Set(bits, kNoiseOfMoment),
+                                                      hn::Set(bits, kNoiseMix), hn::Set(bits, kNoiseShift),
+                                                      hn::Set(bits, constants.noise)};
+  for (int64_t row = 0; row < count; ++row) {
+    const float* g = rows.gradients.sh + row * kShFloats;
+    float* p = rows.params.sh + row * kShFloats;
+    uint16_t* m = rows.moments.sh_m + row * kShFloats;
+    uint16_t* v = rows.moments.sh_v_half + row * kShFloats;
+    PrefetchRow(m + kPrefetchRows * kShFloats);
+    PrefetchRow(v + kPrefetchRows * kShFloats);
+    for (int k = 0; k < constants.sh_active; k += kLanes) {
+      const auto active = hn::FirstN(d, static_cast<size_t>(constants.sh_active - k));
+      const Lanes gradient(hn::IfThenElseZero(active, hn::LoadU(d, g + k)));
+      AdamNumber<Lanes> n{hn::LoadU(d, p + k), LoadBfloat16(m + k), LoadBfloat16(v + k)};
+      StepNumber(gradient, Lanes(hn::LoadU(d, constants.sh + k)), root, &n);
+      StoreBfloat16(n.m, m + k);
+      StoreBfloat16AtRandom(n.v, noise(hn::BitCast(bits, n.value.v), hn::BitCast(bits, n.v.v)), v + k);
+      hn::StoreU(n.value.v, d, p + k);
+    }
+  }
+}
+
 /// The same with compact moments.
 HWY_INLINE void UpdateShCompact(const AdamRows& rows, int64_t count, const AdamConstants& constants) {
   const FloatTag d;
@@ -139,7 +166,9 @@ void UpdateRows(const AdamRows& rows, int64_t count, const AdamConstants& consta
   UpdateFlat({g.quats, p.quats, m.quats, v.quats}, 4 * count, constants.quats, root);
   UpdateFlat({g.opacity_logits, p.opacity_logits, m.opacity_logits, v.opacity_logits}, count, constants.opacity_logits,
              root);
-  if (moments.compact()) {
+  if (moments.half()) {
+    UpdateShHalf(rows, count, constants);
+  } else if (moments.compact()) {
     UpdateShCompact(rows, count, constants);
   } else {
     UpdateSh({g.sh, p.sh, m.sh, v.sh}, count, constants, root);
@@ -178,6 +207,7 @@ AdamConstants Constants(int64_t step, const LearningRates& rates, int sh_degree)
   c.opacity_logits = scaled(rates.opacity_logits);
   for (int k = 0; k < kShFloats; ++k) c.sh[k] = scaled(k < 3 ? rates.sh0 : rates.sh_rest);
   c.sh_active = 3 * ShCount(sh_degree);
+  c.noise = static_cast<uint32_t>(step) * kNoiseOfStep;
   return c;
 }
 
@@ -190,9 +220,14 @@ void AdamStep::Update(int64_t begin, int64_t end, const GaussianRows& grads) con
 
 Adam::Adam(int64_t n, ShMoments sh_moments) : m(Gaussians::Zeros(n)), v(Gaussians::Zeros(n)) {
   if (sh_moments == ShMoments::kFull) return;
+  const auto zeros = [n] { return Buffer<uint16_t>::Zeros({n, kShCoefficients, 3}); };
   m.sh = v.sh = {};
-  sh_m = Buffer<uint16_t>::Zeros({n, kShCoefficients, 3});
-  sh_v = Buffer<float>::Zeros({n});
+  sh_m = zeros();
+  if (sh_moments == ShMoments::kHalf) {
+    sh_v_half = zeros();
+  } else {
+    sh_v = Buffer<float>::Zeros({n});
+  }
 }
 
 void Adam::Check(const char* who, int64_t n) const {
@@ -205,7 +240,11 @@ void Adam::Check(const char* who, int64_t n) const {
   }
   if (sh_moments() == ShMoments::kFull) return;
   RequireShape(who, "the first moments' sh", sh_m, {n, kShCoefficients, 3});
-  RequireShape(who, "the second moments' sh", sh_v, {n});
+  if (sh_moments() == ShMoments::kHalf) {
+    RequireShape(who, "the second moments' sh", sh_v_half, {n, kShCoefficients, 3});
+  } else {
+    RequireShape(who, "the second moments' sh", sh_v, {n});
+  }
 }
 
 Adam Adam::Clone() const {
@@ -222,7 +261,7 @@ void Adam::GrowTo(int64_t n) {
   });
 }
 
-MomentRows Adam::Rows() const { return {m.Rows(), v.Rows(), sh_m.data(), sh_v.data()}; }
+MomentRows Adam::Rows() const { return {m.Rows(), v.Rows(), sh_m.data(), sh_v_half.data(), sh_v.data()}; }
 
 AdamConstants Adam::BeginStep(const LearningRates& rates, int sh_degree, const Gaussians& params) {
   params.Check("Adam::BeginStep params");

@@ -27,20 +27,24 @@ class AdamStep {
 /// (docs/method.md#adam). SH coefficients above the active degree have neither gradient nor moments and are
 /// skipped, which is the same.
 ///
-/// Compact moments take about 6 bytes a coefficient less (ShMoments): the square of a Gaussian's SH gradients is taken
-/// in the mean over its coefficients, which is that of the constant one (MeanShSquare), so that all of them share one
-/// second moment; the first is rounded to bfloat16 between steps.
+/// The moments of SH can take less memory (ShMoments). Half: both are rounded to bfloat16 between steps, the second one
+/// up or down at random, in the mean exactly, since a step changes it by less than a bfloat16 number can. Compact: only
+/// the first is kept for each coefficient, also in bfloat16. The square of a Gaussian's SH gradients is taken in the
+/// mean over its coefficients, which is that of the constant one (MeanShSquare), so that all share one second moment.
 struct Adam {
-  Gaussians m, v;         ///< first and second moments; sh undefined where compact
-  Buffer<uint16_t> sh_m;  ///< [N,16,3] bfloat16; undefined unless compact
-  Buffer<float> sh_v;     ///< [N]; likewise
-  int64_t step = 0;       ///< steps taken
+  Gaussians m, v;              ///< first and second moments; sh undefined unless full
+  Buffer<uint16_t> sh_m;       ///< [N,16,3] bfloat16; undefined where full
+  Buffer<uint16_t> sh_v_half;  ///< [N,16,3] bfloat16; undefined unless half
+  Buffer<float> sh_v;          ///< [N]; undefined unless compact
+  int64_t step = 0;            ///< steps taken
 
   /// Moments of 0.
   explicit Adam(int64_t n, ShMoments sh_moments = ShMoments::kFull);
 
   int64_t size() const { return m.size(); }
-  ShMoments sh_moments() const { return sh_v.defined() ? ShMoments::kCompact : ShMoments::kFull; }
+  ShMoments sh_moments() const {
+    return sh_v.defined() ? ShMoments::kCompact : sh_v_half.defined() ? ShMoments::kHalf : ShMoments::kFull;
+  }
   MomentRows Rows() const;
   /// Throws ShapeError naming `who` unless these are the moments of n Gaussians.
   void Check(const char* who, int64_t n) const;
@@ -50,7 +54,7 @@ struct Adam {
   void GrowTo(int64_t n);
 
   /// Calls f(moment, name, buffer) for each buffer that is defined; moment is "m" or "v", name that of the parameters
-  /// (Gaussians::ForEach). The buffers are of floats, but for one of compact moments.
+  /// (Gaussians::ForEach). The buffers are of floats, or of bfloat16 numbers.
   template <class F>
   void ForEachMoment(F&& f) {
     for (Gaussians* moment : {&m, &v}) {
@@ -58,9 +62,9 @@ struct Adam {
         if (buffer.defined()) f(moment == &m ? "m" : "v", name, buffer);
       });
     }
-    if (sh_moments() == ShMoments::kFull) return;
-    f("m", "sh", sh_m);
-    f("v", "sh", sh_v);
+    if (sh_m.defined()) f("m", "sh", sh_m);
+    if (sh_v_half.defined()) f("v", "sh", sh_v_half);
+    if (sh_v.defined()) f("v", "sh", sh_v);
   }
 
   /// Begins the next step. The result writes to `params` and to the moments; none of them may be replaced while it is

@@ -208,8 +208,11 @@ struct Reader {
   }
 
   Adam Moments(int64_t n) const {
-    const bool compact = Has("adam.m.sh") && file.Get(prefix + "adam.m.sh").dtype == "BF16";
-    Adam adam(0, compact ? ShMoments::kCompact : ShMoments::kFull);  // for the shapes
+    const auto is_half = [&](const char* name) { return Has(name) && file.Get(prefix + name).dtype == "BF16"; };
+    const ShMoments kind = !is_half("adam.m.sh")  ? ShMoments::kFull
+                           : is_half("adam.v.sh") ? ShMoments::kHalf
+                                                  : ShMoments::kCompact;
+    Adam adam(0, kind);  // for the shapes
     adam.ForEachMoment([&]<class T>(const char* moment, const char* name, Buffer<T>& t) {
       t = Array<T>(fmt::format("adam.{}.{}", moment, name), t.shape().WithRows(n));
     });

@@ -1,6 +1,8 @@
 #pragma once
 // Numbers of the training that every device shares.
 
+#include <cstdint>
+
 namespace oraclegs {
 
 // Adam of the Gaussians (docs/method.md#adam) and, but for epsilon, of the exposure maps.
@@ -9,6 +11,9 @@ inline constexpr double kAdamEpsilon = 1e-15;
 /// Moments below become zero. Those of a Gaussian that no view sees any more decay into the subnormal numbers and would
 /// stay there, which is slow on many processors; zero in their place moves no parameter, epsilon is far above.
 inline constexpr float kSmallestMoment = 1.17549435e-38f;
+/// Odd numbers without a pattern, by which bits become noise (RoundingNoise).
+inline constexpr uint32_t kNoiseOfValue = 0x9e3779b1, kNoiseOfMoment = 0x85ebca77, kNoiseOfStep = 0xc2b2ae3d,
+                          kNoiseMix = 0x2c1b3c6d, kNoiseShift = 15;
 /// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photo says anything its loss is
 /// steeper by orders of magnitude (a gain that is wrong by 0.2 costs about 0.05, to keep it costs 2e-4); what it says
 /// nothing about, say the mixing of channels in a grey image, stays where it was.

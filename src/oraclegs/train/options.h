@@ -43,7 +43,8 @@ struct EnumWords<ExposureMode> {
 
 template <>
 struct EnumWords<ShMoments> {
-  static constexpr EnumWord<ShMoments> kWords[] = {{ShMoments::kFull, "full"}, {ShMoments::kCompact, "compact"}};
+  static constexpr EnumWord<ShMoments> kWords[] = {
+      {ShMoments::kFull, "full"}, {ShMoments::kHalf, "half"}, {ShMoments::kCompact, "compact"}};
 };
 
 /// Of a training that nothing else is known of.
@@ -133,8 +134,9 @@ struct TrainOptions {
           Range{1, 1e7});
     visit(
         "sh-moments", self.sh_moments,
-        "What Adam remembers of the view-dependent color: full = two numbers for each coefficient; compact = the first "
-        "in 16 bits, one second for all of a Gaussian, which saves two fifths of the memory of Gaussians in training");
+        "What Adam remembers of the view-dependent color: full = two numbers for each coefficient; half = the same in "
+        "16 bits, which saves a quarter of the memory of Gaussians in training; compact = the first in 16 bits, one "
+        "second for all of a Gaussian, which saves two fifths");
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
     visit(

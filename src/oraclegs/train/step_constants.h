@@ -24,20 +24,25 @@ struct LearningRates {
 /// How Adam remembers spherical harmonics (docs/method.md#adam).
 enum class ShMoments {
   kFull,     ///< both moments of each coefficient in float32
+  kHalf,     ///< both in bfloat16, the second one rounded at random
   kCompact,  ///< the first in bfloat16, the second one for all coefficients of a Gaussian
 };
 
 /// Rows of both moments of neighbouring Gaussians.
 struct MomentRows {
-  GaussianRows m, v;         ///< sh null where compact
-  uint16_t* sh_m = nullptr;  ///< [m,48] bfloat16; null unless compact
-  float* sh_v = nullptr;     ///< [m]; likewise
+  GaussianRows m, v;              ///< sh null unless full
+  uint16_t* sh_m = nullptr;       ///< [m,48] bfloat16; null where full
+  uint16_t* sh_v_half = nullptr;  ///< [m,48] bfloat16; null unless half
+  float* sh_v = nullptr;          ///< [m]; null unless compact
 
+  ORACLEGS_HD bool half() const { return sh_v_half != nullptr; }
   ORACLEGS_HD bool compact() const { return sh_v != nullptr; }
   /// The rows from row i on.
   ORACLEGS_HD MomentRows From(int64_t i) const {
-    if (!compact()) return {m.From(i), v.From(i)};
-    return {m.FromWithoutSh(i), v.FromWithoutSh(i), sh_m + kShFloats * i, sh_v + i};
+    if (!half() && !compact()) return {m.From(i), v.From(i)};
+    uint16_t* const half_from = half() ? sh_v_half + kShFloats * i : nullptr;
+    float* const compact_from = compact() ? sh_v + i : nullptr;
+    return {m.FromWithoutSh(i), v.FromWithoutSh(i), sh_m + kShFloats * i, half_from, compact_from};
   }
 };
 
@@ -46,7 +51,8 @@ struct AdamConstants {
   float correction2_root;  ///< 1 / sqrt(1 - beta2^t)
   float means, log_scales, quats, opacity_logits;
   float sh[kShFloats];
-  int sh_active;  ///< floats of a row of sh that are trained
+  int sh_active;   ///< floats of a row of sh that are trained
+  uint32_t noise;  ///< step * kNoiseOfStep, for RoundingNoise
 };
 
 /// Of the regularisers, per entry: their weights in the loss over N, or 3 N.

@@ -56,6 +56,19 @@ ORACLEGS_HD inline void StepNumber(F gradient, F rate, F correction2_root, AdamN
   n->value = n->value - rate * n->m / RootOf(n->v, correction2_root);
 }
 
+/// What a second moment is rounded by (ToBfloat16AtRandom), from the bits of it and of its parameter and the number of
+/// the step: the same when a run is repeated, and unrelated from step to step also where only the step changes. U:
+/// uint32_t, or lanes of it.
+template <class U>
+struct RoundingNoise {
+  U of_value, of_moment, mix, shift, step;
+
+  ORACLEGS_HD inline U operator()(U value, U moment) const {
+    const U sum = value * of_value + moment * of_moment + step;
+    return (sum ^ (sum >> shift)) * mix;
+  }
+};
+
 /// The mean square of the gradients of all active coefficients of one Gaussian, from those of the constant one. They
 /// are the color's gradient times the harmonics, and the squares of harmonics up to a degree have the constant one's
 /// mean in every direction.

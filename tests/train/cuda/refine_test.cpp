@@ -33,11 +33,20 @@ class CudaRefine : public CudaTest {
     return adam;
   }
 
-  static Adam CompactMoments() {
-    Adam adam(kRefineCount, ShMoments::kCompact);
-    std::iota(adam.sh_m.data(), adam.sh_m.data() + adam.sh_m.count(), 1);
-    std::iota(adam.sh_v.data(), adam.sh_v.data() + adam.sh_v.count(), 1.f);
+  static Adam SmallMoments(ShMoments sh_moments) {
+    Adam adam(kRefineCount, sh_moments);
+    std::iota(adam.sh_m.span().begin(), adam.sh_m.span().end(), 1);
+    std::iota(adam.sh_v_half.span().begin(), adam.sh_v_half.span().end(), 2);
+    std::iota(adam.sh_v.span().begin(), adam.sh_v.span().end(), 1.f);
     return adam;
+  }
+  static void ExpectSameSh(const Adam& on_device, const Adam& expected) {
+    EXPECT_TRUE(Equal(OnHost(on_device.sh_m), expected.sh_m));
+    if (expected.sh_moments() == ShMoments::kHalf) {
+      EXPECT_TRUE(Equal(OnHost(on_device.sh_v_half), expected.sh_v_half));
+    } else {
+      EXPECT_TRUE(Equal(OnHost(on_device.sh_v), expected.sh_v));
+    }
   }
 
   RefineInput Input(int64_t iteration, const Gaussians& gaussians, const Adam& adam) {
@@ -76,26 +85,26 @@ TEST_F(CudaRefine, RelocatesAsTheCpuDoes) {
   EXPECT_TRUE(SameBits(OnHost(adam.v), expected_adam.v));
 }
 
-TEST_F(CudaRefine, ZeroesCompactMomentsAsTheCpuDoes) {
-  Gaussians expected = start.Clone();
-  Adam expected_adam = CompactMoments(), adam = OnTestDevice(CompactMoments());
-  ASSERT_GT(RelocateDead(3, 600, &expected, &expected_adam), 0);
-  Gaussians gaussians = oraclegs::OnTestDevice(start);
-  RunRelocate(Input(600, gaussians, adam), nullptr);
-  EXPECT_TRUE(Equal(OnHost(adam.sh_v), expected_adam.sh_v));
-  EXPECT_TRUE(Equal(OnHost(adam.sh_m), expected_adam.sh_m));
-  EXPECT_TRUE(Equal(OnHost(adam.m.quats), expected_adam.m.quats));
+TEST_F(CudaRefine, ZeroesSmallMomentsAsTheCpuDoes) {
+  for (const ShMoments sh_moments : {ShMoments::kHalf, ShMoments::kCompact}) {
+    Gaussians expected = start.Clone();
+    Adam expected_adam = SmallMoments(sh_moments), adam = OnTestDevice(SmallMoments(sh_moments));
+    ASSERT_GT(RelocateDead(3, 600, &expected, &expected_adam), 0);
+    Gaussians gaussians = oraclegs::OnTestDevice(start);
+    RunRelocate(Input(600, gaussians, adam), nullptr);
+    ExpectSameSh(adam, expected_adam);
+    EXPECT_TRUE(Equal(OnHost(adam.m.quats), expected_adam.m.quats));
 
-  const int64_t added = AddGaussians(3, 700, 100000, &expected, &expected_adam);
-  ASSERT_EQ(added, kRefineCount / 20);
-  const auto grow = [&](auto& t) { t = t.GrownTo(kRefineCount + added); };
-  gaussians.ForEach([&](const char*, Buffer<float>& t) { grow(t); });
-  adam.ForEachMoment([&](const char*, const char*, auto& t) { grow(t); });
-  const RefineInput in = Input(700, gaussians, adam);
-  RunWeigh(in, nullptr);
-  RunGrow(in, added, nullptr);
-  EXPECT_TRUE(Equal(OnHost(adam.sh_v), expected_adam.sh_v));
-  EXPECT_TRUE(Equal(OnHost(adam.sh_m), expected_adam.sh_m));
+    const int64_t added = AddGaussians(3, 700, 100000, &expected, &expected_adam);
+    ASSERT_EQ(added, kRefineCount / 20);
+    const auto grow = [&](auto& t) { t = t.GrownTo(kRefineCount + added); };
+    gaussians.ForEach([&](const char*, Buffer<float>& t) { grow(t); });
+    adam.ForEachMoment([&](const char*, const char*, auto& t) { grow(t); });
+    const RefineInput in = Input(700, gaussians, adam);
+    RunWeigh(in, nullptr);
+    RunGrow(in, added, nullptr);
+    ExpectSameSh(adam, expected_adam);
+  }
 }
 
 TEST_F(CudaRefine, NothingHappensWhenAllLiveOrAllAreDead) {

@@ -124,6 +124,26 @@ TEST_F(CudaStep, CompactMomentsAreThoseOfTheCpu) {
   }
 }
 
+TEST_F(CudaStep, HalfMomentsAreNearThoseOfTheCpu) {
+  for (const int degree : {0, 1, 3}) {
+    Gaussians expected = start.Clone(), gaussians = OnTestDevice(start);
+    Adam expected_adam(kStepCount, ShMoments::kHalf), adam = NewAdam(ShMoments::kHalf);
+    for (int64_t i = 1; i <= 3; ++i) {
+      Gaussians grads = OnGpu(i, degree, &gaussians, &adam);
+      expected_adam.Step(grads, rates, degree, &expected);
+    }
+    EXPECT_GT(MaxAbsError(expected.sh, start.sh), 1e-3);
+    // A second moment is rounded up here and down there, each by up to 1/128, in each of three steps.
+    EXPECT_LE(MaxAbsError(OnHost(gaussians.sh), expected.sh), 0.02 * MaxAbsError(expected.sh, start.sh));
+    const Buffer<uint16_t> m = OnHost(adam.sh_m), v = OnHost(adam.sh_v_half);
+    for (int64_t k = 0; k < m.count(); ++k) {
+      const float wanted_m = FromBfloat16(expected_adam.sh_m[k]), wanted_v = FromBfloat16(expected_adam.sh_v_half[k]);
+      EXPECT_NEAR(FromBfloat16(m[k]), wanted_m, 0x1p-6 * std::abs(wanted_m)) << k;
+      EXPECT_NEAR(FromBfloat16(v[k]), wanted_v, 3 * 0x1p-6 * wanted_v) << k;
+    }
+  }
+}
+
 TEST_F(CudaStep, MomentsDoNotStayAmongTheSubnormalNumbers) {
   Gaussians gaussians = OnTestDevice(start);
   upstream.SetZero();

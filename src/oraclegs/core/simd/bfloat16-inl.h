@@ -29,6 +29,13 @@ HWY_INLINE void StoreBfloat16(Lanes value, uint16_t* to) {
   hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(IntTag(), rounded)), narrow, to);
 }
 
+HWY_INLINE void StoreBfloat16AtRandom(Lanes value, hn::VFromD<hn::RebindToUnsigned<FloatTag>> random, uint16_t* to) {
+  const hn::RebindToUnsigned<FloatTag> wide;
+  const hn::Rebind<uint16_t, FloatTag> narrow;
+  const auto rounded = hn::ShiftRight<16>(hn::Add(hn::BitCast(wide, value.v), hn::ShiftRight<16>(random)));
+  hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(IntTag(), rounded)), narrow, to);
+}
+
 }  // namespace oraclegs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

@@ -76,9 +76,10 @@ __device__ void ZeroWithoutSh(const GaussianRows& rows, int64_t i) {
 __device__ void ZeroMoments(const MomentRows& moments, int64_t i) {
   ZeroWithoutSh(moments.m, i);
   ZeroWithoutSh(moments.v, i);
-  if (moments.compact()) {
+  if (moments.sh_m != nullptr) {
     for (int k = 0; k < kShFloats; ++k) moments.sh_m[kShFloats * i + k] = 0;
-    moments.sh_v[i] = 0;
+    for (int k = 0; k < (moments.half() ? kShFloats : 0); ++k) moments.sh_v_half[kShFloats * i + k] = 0;
+    if (moments.compact()) moments.sh_v[i] = 0;
     return;
   }
   for (int k = 0; k < kShFloats; ++k) moments.m.sh[kShFloats * i + k] = moments.v.sh[kShFloats * i + k] = 0;

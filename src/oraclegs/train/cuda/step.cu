@@ -110,10 +110,8 @@ struct StepConsumer {
 
   /// Coefficients above the active degree have neither gradient nor moments: they are left alone.
   __device__ void ConsumeSh(int64_t i, int first, float4 grad) const {
-    if (step.moments.compact()) {
-      StepCompactSh(i, first, grad);
-      return;
-    }
+    if (step.moments.half()) return StepHalfSh(i, first, grad);
+    if (step.moments.compact()) return StepCompactSh(i, first, grad);
     const int64_t start = i * kShFloats + first;
     Four* to_p = reinterpret_cast<Four*>(step.params.sh + start);
     Four* to_m = reinterpret_cast<Four*>(step.moments.m.sh + start);
@@ -131,6 +129,27 @@ struct StepConsumer {
 
   /// Of the two rates: an index that differs from lane to lane reads the constants once a lane.
   __device__ float ShRate(int k) const { return k < kColors ? step.adam.sh[0] : step.adam.sh[kColors]; }
+
+  __device__ void StepHalfSh(int64_t i, int first, float4 grad) const {
+    const int64_t start = i * kShFloats + first;
+    Four* to_p = reinterpret_cast<Four*>(step.params.sh + start);
+    FourHalves* to_m = reinterpret_cast<FourHalves*>(step.moments.sh_m + start);
+    FourHalves* to_v = reinterpret_cast<FourHalves*>(step.moments.sh_v_half + start);
+    Four p = *to_p;
+    FourHalves m = *to_m, v = *to_v;
+    const float gradient[4] = {grad.x, grad.y, grad.z, grad.w};
+    const RoundingNoise<uint32_t> noise{kNoiseOfValue, kNoiseOfMoment, kNoiseMix, kNoiseShift, step.adam.noise};
+    for (int k = 0; k < 4; ++k) {
+      if (first + k >= step.adam.sh_active) break;
+      AdamNumber<float> n{p.x[k], FromBfloat16(m.x[k]), FromBfloat16(v.x[k])};
+      StepNumber(gradient[k], ShRate(first + k), step.adam.correction2_root, &n);
+      p.x[k] = n.value, m.x[k] = ToBfloat16(n.m),
+      v.x[k] = ToBfloat16AtRandom(n.v, noise(__float_as_uint(n.value), __float_as_uint(n.v)));
+    }
+    *to_p = p;
+    *to_m = m;
+    *to_v = v;
+  }
 
   /// After ConsumeSmall, which moves what all coefficients share.
   __device__ void StepCompactSh(int64_t i, int first, float4 grad) const {
