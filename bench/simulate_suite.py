@@ -14,9 +14,9 @@ import math
 import random
 from dataclasses import dataclass, replace
 
-# Bytes of one Gaussian: in a .ply, 62 floats; in a checkpoint, 59 parameters and two moments of each; and the
-# gradients that several GPUs of one training would have to exchange in each iteration.
-PLY_BYTES, CHECKPOINT_BYTES, GRADIENT_BYTES = 62 * 4, 3 * 59 * 4, 59 * 4
+# Bytes of one Gaussian: in a .ply, 62 floats; in a checkpoint, 59 parameters and two moments of each, those of spherical
+# harmonics in 16 bits; and the gradients that several GPUs of one training would have to exchange in each iteration.
+PLY_BYTES, CHECKPOINT_BYTES, GRADIENT_BYTES = 62 * 4, 59 * 4 + 2 * (11 * 4 + 48 * 2), 59 * 4
 
 # Seconds of a run of docs/benchmarks.md (fox, 2500 iterations, two CPU cores), and which stages --spread divides.
 STAGES = {"sfm": (16, False), "depth": (23, False), "proxies, propose": (64, True), "validate": (11, True), "train": (38, False)}

@@ -21,7 +21,8 @@ TEST_F(CpuTrainDeviceTest, CopiesShareNoMemory) {
   EXPECT_TRUE(SameBits(model.gaussians, start));
   EXPECT_NE(model.gaussians.means.data(), start.means.data());
   EXPECT_EQ(model.adam.m.size(), start.size());
-  EXPECT_EQ(MaxAbs(model.adam.v.sh), 0);
+  EXPECT_EQ(MaxAbs(model.adam.v.means), 0);
+  EXPECT_EQ(model.adam.sh_moments(), options.sh_moments);
   const TrainedModel copy = device->Download(model);
   EXPECT_NE(copy.adam.m.means.data(), model.adam.m.means.data());
 }

@@ -49,7 +49,10 @@ TrainOptions ShortOptions() {
 class SlowTrainer {
  public:
   explicit SlowTrainer(const Gaussians& start)
-      : gaussians_(start.Clone()), adam_(start.size()), sampler_(kFusedSeed, 3, 0), extent_(Extent()) {}
+      : gaussians_(start.Clone()),
+        adam_(start.size(), ShortOptions().sh_moments),
+        sampler_(kFusedSeed, 3, 0),
+        extent_(Extent()) {}
 
   double Step(int64_t i) {
     const TrainOptions options = ShortOptions();
@@ -106,6 +109,8 @@ TEST(TrainerFusedTest, GivesTheBitsOfItsPartsOneAfterTheOther) {
     const Checkpoint end = fused.MakeCheckpoint();
     EXPECT_TRUE(SameBits(end.adam.m, slow.adam().m));
     EXPECT_TRUE(SameBits(end.adam.v, slow.adam().v));
+    EXPECT_TRUE(Equal(end.adam.sh_m, slow.adam().sh_m));
+    EXPECT_TRUE(Equal(end.adam.sh_v_half, slow.adam().sh_v_half));
     EXPECT_EQ(end.adam.step, slow.adam().step);
     EXPECT_GT(slow.moved(), 0);
     EXPECT_GT(end.gaussians.size(), kCount);

@@ -76,6 +76,7 @@ TEST(TrainerTest, ResumingGivesTheBitsOfAnUninterruptedRun) {
 
 TEST(TrainerTest, SmallMomentsResumeToTheSameBitsAndLearnAsWell) {
   TrainOptions options = Options();
+  options.sh_moments = ShMoments::kFull;
   Trainer full = MakeTrainer(options);
   full.Run({}, Silent());
   for (const ShMoments sh_moments : {ShMoments::kHalf, ShMoments::kCompact}) {

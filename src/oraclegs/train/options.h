@@ -85,7 +85,7 @@ struct TrainOptions {
   double refine_stop = 25.0 / 30;
   Auto<int> sh_degree_interval = {};
   int sh_degree = 3;
-  ShMoments sh_moments = ShMoments::kFull;
+  ShMoments sh_moments = ShMoments::kHalf;
   bool antialiased = false;
   int random_points = 100000;
   BaselineOptions baseline;
@@ -135,8 +135,8 @@ struct TrainOptions {
     visit(
         "sh-moments", self.sh_moments,
         "What Adam remembers of the view-dependent color: full = two numbers for each coefficient; half = the same in "
-        "16 bits, which saves a quarter of the memory of Gaussians in training; compact = the first in 16 bits, one "
-        "second for all of a Gaussian, which saves two fifths");
+        "16 bits, as good, with a quarter less memory for Gaussians in training; compact = one of the two for all "
+        "coefficients, with two fifths less memory, less sharp");
     visit("antialiased", self.antialiased, "Train and render with opacity compensation for small Gaussians");
     visit("ssim-weight", self.ssim_weight, "Weight of 1-SSIM in the photometric loss, the rest is L1", Range{0, 1});
     visit(
