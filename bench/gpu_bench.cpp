@@ -40,7 +40,7 @@ struct Arguments {
   std::string scene, views, dump, json;
   std::string parts = "training,stereo,neighbors,warp";
   int passes = 30;
-  ShMoments sh_moments = ShMoments::kHalf;
+  ShMoments sh_moments = ShMoments::kFull;
 };
 
 int64_t PositiveNumber(const std::string& name, const std::string& value) {

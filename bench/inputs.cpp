@@ -138,6 +138,7 @@ std::unique_ptr<Trainer> MakeSteadyTrainer(const BenchInput& input) {
   TrainOptions options = OptionsOf(input);
   options.max_gaussians = static_cast<int>(input.gaussians.size());
   options.refine_start = kNever;
+  options.sh_moments = ShMoments::kFull;  // whose bytes the table counts, and of which SteadyAdam is
   auto trainer = std::make_unique<Trainer>(options, 0, input.background, input.views, input.gaussians);
   Checkpoint checkpoint = trainer->MakeCheckpoint();
   checkpoint.iteration = kNever - 100'000;  // where rates are at their end, so that the steps leave the state as it is
