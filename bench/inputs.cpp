@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/run.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/render/make_rasterizer.h"
 #include "oraclegs/train/mcmc.h"
 #include "render/scenes.h"
@@ -88,7 +88,7 @@ BenchInput FromWorkspace(const std::filesystem::path& workspace, const InputSize
   for (const LoadedView& view : LoadViews(posed.scene, posed.split.train, options.image, Silent())) {
     input.views.push_back(ResizedView(view, size));
   }
-  input.gaussians = ReadGaussianPly(WorkspacePaths(workspace).point_cloud()).gaussians;
+  input.gaussians = LoadModel(WorkspacePaths(workspace).point_cloud(), options, kCpu, posed.frame).gaussians;
   const int64_t n = input.gaussians.size();
   if (n > size.gaussians) input.gaussians = Thinned(input.gaussians, size.gaussians);
   if (n < size.gaussians) input.gaussians = Grown(input.gaussians, size.gaussians);

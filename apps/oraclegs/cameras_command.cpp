@@ -37,14 +37,16 @@ class CamerasCommand : public Command {
                        option->get_name());
     }
     oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
-    return WriteCameraDataset({run.scene, run.split, run.options.image, SparsePointsOf(&run)}, out_.out, listener);
+    return WriteCameraDataset({run.scene, run.split, run.options.image, SparsePointsOf(&run), run.frame}, out_.out,
+                              listener);
   }
 
   CameraDatasetResult OfScene(const Listener& listener) const {
     CheckRunOptions(options_);
     const PosedScene posed = ReadPosedScene(input_, options_, listener);
     RequireOutsideScene(out_.out, posed.scene, options_.input.images);
-    return WriteCameraDataset({posed.scene, posed.split, options_.image, posed.scene.points}, out_.out, listener);
+    return WriteCameraDataset({posed.scene, posed.split, options_.image, posed.scene.points, posed.frame}, out_.out,
+                              listener);
   }
 
   std::filesystem::path input_;

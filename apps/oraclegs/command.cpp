@@ -160,10 +160,19 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
                        Number(seen.at("psnr"), " dB"), Number(seen.at("ssim"), ""),
                        Counted(seen.at("views").size(), "photo"));
   } else if (!test.at("views").empty()) {
-    text = fmt::format("test       PSNR {}, SSIM {}, mean of {} (PSNR after color correction {})\n",
-                       Number(test.at("psnr"), " dB"), Number(test.at("ssim"), ""),
-                       Counted(test.at("views").size(), "view"),
-                       Number(test.value("psnr_color_corrected", nlohmann::json()), " dB"));
+    const std::string psnr = Number(test.at("psnr"), " dB"), ssim = Number(test.at("ssim"), ""),
+                      corrected = Number(test.value("psnr_color_corrected", nlohmann::json()), " dB"),
+                      views = Counted(test.at("views").size(), "view");
+    std::error_code ignored;
+    const bool mean_exposure =
+        !workspace.empty() && std::filesystem::exists(WorkspacePaths(workspace).exposures(), ignored);
+    text = mean_exposure
+               ? fmt::format(
+                     "test       PSNR {} after color correction, SSIM {}, mean of {}; {} without: the splat has the "
+                     "photos' mean exposure, so brighter and darker photos score lower\n",
+                     corrected, ssim, views, psnr)
+               : fmt::format("test       PSNR {}, SSIM {}, mean of {} (PSNR after color correction {})\n", psnr, ssim,
+                             views, corrected);
   }
   text += fmt::format("model      {} Gaussians", metrics.at("gaussians").get<int64_t>());
   if (metrics.contains("train")) {

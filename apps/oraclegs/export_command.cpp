@@ -45,7 +45,8 @@ class ExportCommand : public Command {
 
   ExportCameras CamerasOf(const Listener& listener) const {
     const oraclegs::Run run = OpenRunAsSaved(input_, {}, {}, listener);
-    const std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
+    std::vector<Camera> cameras = WorkingCameras(run.scene, run.split.train, run.options.image);
+    for (Camera& camera : cameras) camera.cam_from_world = Moved(camera.cam_from_world, WrittenFromRun(run.frame));
     return {LookedAt(cameras), MeanUp(cameras)};
   }
 

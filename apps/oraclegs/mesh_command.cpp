@@ -29,20 +29,25 @@ class MeshCommand : public SourceCommand {
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
     const PosedScene posed = OpenScene(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
-    const Model model = LoadModel(ply, options_, device, posed.unit_meters);
+    const Model model = LoadModel(ply, options_, device, posed.frame);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
     const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image);
-    const std::optional<double> unit_meters = posed.unit_meters ? posed.unit_meters : model.unit_meters;
-    mesh_.unit = unit_meters.value_or(1);
+    const std::optional<double> unit_meters = posed.frame.unit_meters ? posed.frame.unit_meters : model.unit_meters;
+    const Similarity written_from_run = WrittenFromRun(posed.frame);
+    mesh_.unit = written_from_run.scale * unit_meters.value_or(1);
     const StageClock clock("mesh", listener);
-    const FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
+    FusedMesh fused = FuseModel(model.gaussians, model.render, cameras, mesh_, listener);
     if (fused.mesh.triangles.empty()) {
       throw InputError(
           "{}: its renders show no surface (opaque, of known depth) from the training views; train longer, or lower "
           "--min-part",
           ply.string());
     }
-    WriteMesh(out, fused.mesh, MeanUp(cameras));
+    const Eigen::Vector3d translation = written_from_run.translation * unit_meters.value_or(1);
+    for (Eigen::Vector3f& position : fused.mesh.positions) {
+      position = (position.cast<double>() + translation).cast<float>();
+    }
+    WriteMesh(out, fused.mesh, MeanUp(cameras), WithOffset({}, posed.frame.offset * unit_meters.value_or(1)));
     clock.Finish();
     listener(FileWritten{out});
     Print(fmt::format("mesh       {} ({} vertices, {} triangles, voxels of {:.3g}{})", out.string(),

@@ -90,7 +90,7 @@ std::optional<oraclegs::Run> SourceCommand::OpenRunOfInput(const Listener& liste
 
 PosedScene SourceCommand::OpenScene(const Listener& listener) const {
   auto run = OpenRunOfInput(listener);
-  if (run) return {std::move(run->scene), std::move(run->split), run->frame.unit_meters};
+  if (run) return {std::move(run->scene), std::move(run->split), run->frame};
   return ReadPosedScene(input_, options_, listener);
 }
 

@@ -138,7 +138,8 @@ class Workspace:
         """The proposals that were validated; none where the run made none."""
         if not (self.path / "confidence" / "transforms.json").is_file():
             return []
-        found = [Proposal(name, Camera(*camera), self.path) for name, camera in _core.targets(os.fspath(self.path / "confidence"))]
+        targets = _core.targets(os.fspath(self.path / "confidence"), os.fspath(self.path / "frame.json"))
+        found = [Proposal(name, Camera(*camera), self.path) for name, camera in targets]
         return [proposal for proposal in found if (self.path / "proposals" / f"{proposal.name}.png").is_file()]
 
     @cached_property

@@ -7,6 +7,7 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/pipeline/run.h"
 #include "oraclegs/pipeline/settings/named_options.h"
+#include "oraclegs/pipeline/workspace/frame_file.h"
 #include "oraclegs/propose/proposal_files.h"
 
 namespace oraclegs::python {
@@ -17,6 +18,7 @@ struct RunViews {
   Scene scene;
   Split split;
   ImageOptions image;
+  SceneFrame frame;
 
   explicit RunViews(const std::filesystem::path& workspace) {
     RunRequest request;
@@ -26,7 +28,13 @@ struct RunViews {
     for (const char* name : {"threads", "device"}) saved.erase(name);  // belong to the machine, not to the run
     SetRunOptions(saved, UnknownOption::kIgnored, &request.options);
     oraclegs::Run run = OpenRun(request, Silent());
-    scene = std::move(run.scene), split = run.split, image = run.options.image;
+    scene = std::move(run.scene), split = run.split, image = run.options.image, frame = run.frame;
+  }
+
+  /// The camera in the coordinates of point_cloud.ply.
+  Camera WrittenCamera(Camera camera) const {
+    camera.cam_from_world = Moved(camera.cam_from_world, WrittenFromRun(frame));
+    return camera;
   }
 
   LoadedView Load(int index) const {
@@ -41,7 +49,8 @@ py::list ListViews(const RunViews& views) {
   for (const auto& [role, indices] : {std::pair{"train", views.split.train}, std::pair{"test", views.split.test}}) {
     for (const int i : indices) {
       const SceneView& view = views.scene.views[static_cast<size_t>(i)];
-      list.append(py::make_tuple(i, view.name, role, CameraTuple(WorkingCamera(view, views.image)), view.image_path));
+      list.append(py::make_tuple(i, view.name, role, CameraTuple(views.WrittenCamera(WorkingCamera(view, views.image))),
+                                 view.image_path));
     }
   }
   return list;
@@ -62,7 +71,7 @@ py::tuple LoadDepth(const RunViews& views, int index, const std::filesystem::pat
   std::vector<DepthMap> maps;
   {
     const py::gil_scoped_release release;
-    maps = ReadDepthMaps(depth, {view.name}, {camera});
+    maps = ReadDepthMaps(depth, {view.name}, {camera});  // in the units of point_cloud.ply
   }
   const DepthMap& map = maps.front();
   const py::ssize_t h = camera.height, w = camera.width;
@@ -70,9 +79,15 @@ py::tuple LoadDepth(const RunViews& views, int index, const std::filesystem::pat
                         ToArray({h, w, 3}, map.normals.front().data()));
 }
 
-py::list ListTargets(const std::filesystem::path& dir) {
+/// Cameras in the coordinates of point_cloud.ply.
+py::list ListTargets(const std::filesystem::path& dir, const std::filesystem::path& frame_file) {
+  const SceneFrame frame = ReadFrame(frame_file).value_or(SceneFrame());
+  const Similarity written_from_scene = WrittenFromRun(frame) * RunFromScene(frame);
   py::list list;
-  for (const Target& target : ReadTargets(dir)) list.append(py::make_tuple(target.name, CameraTuple(target.camera)));
+  for (Target& target : ReadTargets(dir)) {
+    target.camera.cam_from_world = Moved(target.camera.cam_from_world, written_from_scene);
+    list.append(py::make_tuple(target.name, CameraTuple(target.camera)));
+  }
   return list;
 }
 

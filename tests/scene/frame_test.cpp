@@ -1,5 +1,6 @@
 #include "oraclegs/scene/frame.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -134,6 +135,90 @@ TEST(FrameComments, CarryTheUnit) {
   EXPECT_EQ(WithoutLevel(comments), (std::vector<std::string>{"a unit is 0.0625 m", "by me"}));
   for (const char* text : {"a unit is  m", "a unit is long m", "a unit is -1 m", "a unit is 1 mm"}) {
     EXPECT_FALSE(UnitMetersOf({text})) << text;
+  }
+}
+
+/// Positions times `scale`, then moved.
+Scene Rescaled(Scene scene, double scale, const Eigen::Vector3d& offset) {
+  SceneFrame frame;
+  frame.scale = scale, frame.center = -offset / scale;
+  ApplyFrame(frame, &scene);
+  return scene;
+}
+
+const std::vector<int> kSomeViews{0, 1, 3, 4, 5};
+
+TEST_F(FrameTest, GivenPosesLookAtTheOriginFromFourUnits) {
+  const SceneFrame frame = NormalFrame(scene, kSomeViews);
+  EXPECT_TRUE(frame.is_given && !frame.is_level);
+  EXPECT_EQ(frame.rotation, Eigen::Matrix3d::Identity()) << "what is written back is not turned";
+  EXPECT_EQ(frame.offset, Eigen::Vector3d::Zero());
+  ApplyFrame(frame, &scene);
+  std::vector<double> distances;
+  for (const int v : kSomeViews) distances.push_back(PlaceOf(static_cast<size_t>(v)).norm());
+  EXPECT_NEAR(Median(&distances), 4, 1e-9);
+}
+
+TEST_F(FrameTest, APowerOfTwoChangesNoBitOfTheRun) {
+  Scene small = scene;  // ApplyFrame with a scale of 2^-k is exact
+  for (SceneView& view : small.views) view.cam_from_world->translation() *= std::ldexp(1., -13);
+  for (ScenePoint& point : small.points) point.xyz *= std::ldexp(1., -13);
+  ApplyFrame(NormalFrame(small, kSomeViews), &small);
+  ApplyFrame(NormalFrame(scene, kSomeViews), &scene);
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    EXPECT_EQ(small.views[v].cam_from_world->matrix(), scene.views[v].cam_from_world->matrix());
+  }
+  for (size_t p = 0; p < scene.points.size(); ++p) EXPECT_EQ(small.points[p].xyz, scene.points[p].xyz);
+}
+
+TEST_F(FrameTest, UnitsAndOriginDoNotMatter) {
+  Scene normal = scene;
+  ApplyFrame(NormalFrame(scene, kSomeViews), &normal);
+  for (const double scale : {1e-4, 1e-2, 0.03, 1e3, 1e6}) {
+    for (const double far : {0., 1e4, 1e7}) {
+      Scene other = Rescaled(scene, scale, scale * far * Eigen::Vector3d(1, -0.5, 0.1));
+      const SceneFrame frame = NormalFrame(other, kSomeViews);
+      const Scene given = other;
+      ApplyFrame(frame, &other);
+      const Similarity written_from_run = WrittenFromRun(frame);
+      for (size_t p = 0; p < scene.points.size(); p += 40) {
+        const double unit = far > 0 ? 1e-6 : 1e-9;  // doubles have 16 digits, 7 of which the offset takes
+        EXPECT_NEAR((other.points[p].xyz - normal.points[p].xyz).norm(), 0, unit);
+        EXPECT_NEAR((RunFromScene(frame) * given.points[p].xyz - other.points[p].xyz).norm(), 0, unit);
+        // What is written fits into floats.
+        const Eigen::Vector3d written = written_from_run * other.points[p].xyz;
+        EXPECT_NEAR((written + frame.offset - given.points[p].xyz).norm() * frame.scale, 0, unit);
+        EXPECT_LT((written.cast<float>().cast<double>() - written).norm() * frame.scale, 1e-3);
+      }
+    }
+  }
+}
+
+TEST_F(FrameTest, FoundPosesAreWrittenInTheRunsCoordinates) {
+  const SceneFrame frame = LevelFrame(scene);
+  EXPECT_TRUE(WrittenFromRun(frame).IsIdentity() && RunFromScene(frame).IsIdentity());
+}
+
+TEST_F(FrameTest, SaysWhyTheScenesOwnUnitsDoNotFit) {
+  EXPECT_EQ(WhyUnitsDoNotFit(NormalFrame(scene, kSomeViews)), "");
+  const auto why = [&](double scale, double far) {
+    return WhyUnitsDoNotFit(NormalFrame(Rescaled(scene, scale, far * Eigen::Vector3d::UnitX()), kSomeViews));
+  };
+  EXPECT_THAT(why(0.01, 0), testing::HasSubstr("nearer than 0.2"));
+  EXPECT_THAT(why(1e6, 0), testing::HasSubstr("too far"));
+  EXPECT_THAT(why(1, 1e6), testing::HasSubstr("from its origin"));
+}
+
+TEST(OffsetOf, ReadsWhatFrameCommentsWrites) {
+  SceneFrame frame;
+  EXPECT_TRUE(FrameComments(frame).empty());
+  frame.offset = {500000.25, -4100000, 1. / 3};
+  EXPECT_EQ(OffsetOf(FrameComments(frame)), frame.offset);
+  EXPECT_EQ(OffsetOf(WithOffset(FrameComments(frame), {1, 2, 3})), Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(WithOffset(FrameComments(frame), Eigen::Vector3d::Zero()).empty());
+  for (const char* text :
+       {"offset", "offset 1 2", "offset 1 2 3 4", "offset a b c", "offset 1 2 inf", "offsets 1 2 3"}) {
+    EXPECT_EQ(OffsetOf({text}), Eigen::Vector3d::Zero()) << text;
   }
 }
 

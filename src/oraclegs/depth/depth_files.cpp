@@ -126,11 +126,13 @@ nlohmann::json ReadParams(const fs::path& path) {
   }
 }
 
-float Number(const nlohmann::json& params, const std::string& stem, const char* key, const fs::path& path) {
+/// An inverse depth of the file, in 1 / unit.
+float Number(const nlohmann::json& params, const std::string& stem, const char* key, double unit,
+             const fs::path& path) {
   const auto found = params.is_object() ? params.find(stem) : params.end();
   const bool is_there =
       found != params.end() && found->is_object() && found->contains(key) && (*found)[key].is_number();
-  const float number = is_there ? (*found)[key].get<float>() : NAN;
+  const auto number = static_cast<float>(is_there ? (*found)[key].get<double>() * unit : NAN);
   if (std::isfinite(number)) return number;
   throw InputError("{}: has no number {} for {}; remove the folder, and it is made again", path.string(), key, stem);
 }
@@ -185,7 +187,7 @@ void Append(std::string* bytes, T value) {
 
 }  // namespace
 
-std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<DepthMap>& maps) {
+std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<DepthMap>& maps, double unit) {
   std::vector<std::string> names;
   for (const DepthMap& map : maps) names.push_back(map.name);
   const std::vector<std::string> stems = FileStems(names);
@@ -195,7 +197,7 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
   for (size_t v = 0; v < maps.size(); ++v) {
     const float largest = LargestStored(maps[v]);
     scales.push_back(largest > 0 ? largest : 1);
-    params[stems[v]] = {{"scale", scales[v]}, {"offset", 0}};
+    params[stems[v]] = {{"scale", static_cast<double>(scales[v]) / unit}, {"offset", 0}};
     if (maps[v].monocular) params[stems[v]]["monocular"] = true;
     for (const char* folder : kFolders) files.push_back((fs::path(folder) / (stems[v] + ".png")).string());
   }
@@ -210,15 +212,15 @@ std::vector<std::string> WriteDepthMaps(const fs::path& dir, const std::vector<D
 }
 
 std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::string>& names,
-                                    const std::vector<Camera>& cameras) {
+                                    const std::vector<Camera>& cameras, double unit) {
   const fs::path params_path = dir / "depth_params.json";
   const nlohmann::json params = ReadParams(params_path);
   const std::vector<std::string> stems = FileStems(names);
   std::vector<DepthMap> maps(names.size());
   ParallelFor(static_cast<int64_t>(names.size()), [&](int64_t task) {
     const auto v = static_cast<size_t>(task);
-    const float scale = Number(params, stems[v], "scale", params_path);
-    const float offset = Number(params, stems[v], "offset", params_path);
+    const float scale = Number(params, stems[v], "scale", unit, params_path);
+    const float offset = Number(params, stems[v], "offset", unit, params_path);
     DepthMap map{names[v], cameras[v], {}, {}, {}};
     map.monocular = params[stems[v]].value("monocular", nlohmann::json()) == true;
     maps[v] = ReadDepthMap(dir, stems[v] + ".png", std::move(map), scale, offset);
@@ -226,14 +228,18 @@ std::vector<DepthMap> ReadDepthMaps(const fs::path& dir, const std::vector<std::
   return maps;
 }
 
-void WriteDensePly(const fs::path& path, const std::vector<DensePoint>& points) {
-  std::string ply = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+void WriteDensePly(const fs::path& path, const std::vector<DensePoint>& points, const Similarity& placement,
+                   const std::vector<std::string>& comments) {
+  std::string ply = "ply\nformat binary_little_endian 1.0\n";
+  for (const std::string& comment : comments) ply += "comment " + comment + "\n";
+  ply += fmt::format(
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\n"
       "property uchar blue\nproperty float confidence\nproperty uchar views\nend_header\n",
       points.size());
   for (const DensePoint& p : points) {
-    for (int c = 0; c < 3; ++c) Append(&ply, p.xyz[c]);
+    const Eigen::Vector3f xyz = (placement * p.xyz.cast<double>()).cast<float>();
+    for (int c = 0; c < 3; ++c) Append(&ply, xyz[c]);
     for (int c = 0; c < 3; ++c) Append(&ply, p.normal[c]);
     for (int c = 0; c < 3; ++c) Append(&ply, Byte(p.rgb[c]));
     Append(&ply, p.confidence);

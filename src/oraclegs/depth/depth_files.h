@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/depth/fusion.h"
 
 namespace oraclegs {
@@ -16,15 +17,18 @@ namespace oraclegs {
 ///   purple low)
 /// and dir/depth_params.json as the code of [Kerbl 2023] reads it: {"NAME": {"scale", "offset"}}, inverse depth = value
 /// / 65535 * scale + offset. Maps with a network's depth also have "monocular": true there. The paths written, relative
-/// to dir. Throws RunError.
-std::vector<std::string> WriteDepthMaps(const std::filesystem::path& dir, const std::vector<DepthMap>& maps);
+/// to dir. `unit` is the length of a unit of the maps in those of the files. Throws RunError.
+std::vector<std::string> WriteDepthMaps(const std::filesystem::path& dir, const std::vector<DepthMap>& maps,
+                                        double unit = 1);
 
-/// Reads the maps of these views and cameras back. Throws InputError naming the file that is missing, damaged or of
-/// another size.
+/// Reads the maps of these views and cameras back, in the unit that WriteDepthMaps was given. Throws InputError naming
+/// the file that is missing, damaged or of another size.
 std::vector<DepthMap> ReadDepthMaps(const std::filesystem::path& dir, const std::vector<std::string>& names,
-                                    const std::vector<Camera>& cameras);
+                                    const std::vector<Camera>& cameras, double unit = 1);
 
-/// Binary PLY: x y z nx ny nz red green blue confidence views. Throws RunError.
-void WriteDensePly(const std::filesystem::path& path, const std::vector<DensePoint>& points);
+/// Writes points, moved by `placement`, as binary PLY: x y z nx ny nz red green blue confidence views. `comments`, a
+/// line each, stand in its header. Throws RunError.
+void WriteDensePly(const std::filesystem::path& path, const std::vector<DensePoint>& points,
+                   const Similarity& placement = {}, const std::vector<std::string>& comments = {});
 
 }  // namespace oraclegs

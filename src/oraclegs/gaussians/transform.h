@@ -3,16 +3,10 @@
 
 #include <Eigen/Core>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/gaussians/gaussians.h"
 
 namespace oraclegs {
-
-/// x -> scale * rotation * x + translation.
-struct Similarity {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< proper: determinant 1
-  double scale = 1;                                        ///< > 0
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-};
 
 /// How coefficients of spherical harmonics change when what they describe is turned: c' = D c, block by block of a
 /// degree, by the recursion of [Ivanic 1996].

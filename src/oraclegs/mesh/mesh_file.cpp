@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 
 constexpr size_t kPlyVertexBytes = 27, kPlyFaceBytes = 13;  // 6 floats and RGB; a count and 3 indices
 constexpr const char* kPlyHeader =
-    "ply\nformat binary_little_endian 1.0\ncomment oraclegs mesh\nelement vertex {}\n"
+    "ply\nformat binary_little_endian 1.0\ncomment oraclegs mesh\n{}element vertex {}\n"
     "property float x\nproperty float y\nproperty float z\n"
     "property float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\n"
@@ -30,8 +30,10 @@ void Put(std::string* bytes, const T& value) {
   bytes->append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-std::string PlyBytes(const TriangleMesh& mesh) {
-  std::string bytes = fmt::format(fmt::runtime(kPlyHeader), mesh.positions.size(), mesh.triangles.size());
+std::string PlyBytes(const TriangleMesh& mesh, const std::vector<std::string>& comments) {
+  std::string lines;
+  for (const std::string& comment : comments) lines += "comment " + comment + "\n";
+  std::string bytes = fmt::format(fmt::runtime(kPlyHeader), lines, mesh.positions.size(), mesh.triangles.size());
   bytes.reserve(bytes.size() + mesh.positions.size() * kPlyVertexBytes + mesh.triangles.size() * kPlyFaceBytes);
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     for (int c = 0; c < 3; ++c) Put(&bytes, mesh.positions[i][c]);
@@ -98,25 +100,27 @@ void PutGeometry(const TriangleMesh& mesh, GltfBuffer* buffer) {
   buffer->Add(3 * mesh.triangles.size(), kGltfUnsignedInt, "SCALAR", 34963);
 }
 
-std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const fs::path& path) {
+std::string GlbBytes(const TriangleMesh& mesh, const Eigen::Vector3d& up, const std::vector<std::string>& comments,
+                     const fs::path& path) {
   GltfBuffer buffer;
   PutGeometry(mesh, &buffer);
   const auto turn = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitY());
   const nlohmann::json primitive = {
       {"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"COLOR_0", 2}}}, {"indices", 3}, {"material", 0}, {"mode", 4}};
-  const nlohmann::json document = {{"asset", {{"version", "2.0"}, {"generator", "oraclegs"}}},
-                                   {"extensionsUsed", {"KHR_materials_unlit"}},
-                                   {"scene", 0},
-                                   {"scenes", {{{"nodes", {0}}}}},
-                                   {"nodes", {{{"mesh", 0}, {"rotation", {turn.x(), turn.y(), turn.z(), turn.w()}}}}},
-                                   {"meshes", {{{"primitives", nlohmann::json::array({primitive})}}}},
-                                   {"materials",
-                                    {{{"doubleSided", true},
-                                      {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
-                                      {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}}}},
-                                   {"buffers", {{{"byteLength", buffer.bytes()->size()}}}},
-                                   {"bufferViews", buffer.views()},
-                                   {"accessors", buffer.accessors()}};
+  nlohmann::json document = {{"asset", {{"version", "2.0"}, {"generator", "oraclegs"}}},
+                             {"extensionsUsed", {"KHR_materials_unlit"}},
+                             {"scene", 0},
+                             {"scenes", {{{"nodes", {0}}}}},
+                             {"nodes", {{{"mesh", 0}, {"rotation", {turn.x(), turn.y(), turn.z(), turn.w()}}}}},
+                             {"meshes", {{{"primitives", nlohmann::json::array({primitive})}}}},
+                             {"materials",
+                              {{{"doubleSided", true},
+                                {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
+                                {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}}}},
+                             {"buffers", {{{"byteLength", buffer.bytes()->size()}}}},
+                             {"bufferViews", buffer.views()},
+                             {"accessors", buffer.accessors()}};
+  if (!comments.empty()) document["asset"]["extras"] = {{"comments", comments}};
   std::string text = document.dump();
   while (text.size() % 4 != 0) text += ' ';
   constexpr uint64_t kHeaders = 12 + 8 + 8;
@@ -148,6 +152,18 @@ std::optional<uint64_t> CountAfter(std::string_view header, std::string_view wor
   return count;
 }
 
+/// Lines of the header behind the one that names the program, up to the vertices.
+std::string_view CommentsOf(std::string_view header) {
+  constexpr std::string_view kProgram = "comment oraclegs mesh\n";
+  const size_t program = header.find(kProgram), vertices = header.find("element vertex ");
+  if (program == std::string_view::npos || vertices < program) return {};
+  const std::string_view lines = header.substr(program + kProgram.size(), vertices - program - kProgram.size());
+  for (size_t at = 0; at < lines.size(); at = lines.find('\n', at) + 1) {
+    if (!lines.substr(at).starts_with("comment ")) return {};
+  }
+  return lines;
+}
+
 }  // namespace
 
 void RequireMeshExtension(const fs::path& path) {
@@ -155,14 +171,15 @@ void RequireMeshExtension(const fs::path& path) {
   throw UsageError("{}: a mesh is written as .ply or .glb; give a name that ends so", path.string());
 }
 
-void WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up) {
+void WriteMesh(const fs::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up,
+               const std::vector<std::string>& comments) {
   RequireMeshExtension(path);
   if (mesh.triangles.empty() || mesh.normals.size() != mesh.positions.size() ||
       mesh.colors.size() != mesh.positions.size()) {
     throw ShapeError("WriteMesh: {} triangles, {} positions, {} normals, {} colors", mesh.triangles.size(),
                      mesh.positions.size(), mesh.normals.size(), mesh.colors.size());
   }
-  WriteFileAtomically(path, path.extension() == ".glb" ? GlbBytes(mesh, up, path) : PlyBytes(mesh));
+  WriteFileAtomically(path, path.extension() == ".glb" ? GlbBytes(mesh, up, comments, path) : PlyBytes(mesh, comments));
 }
 
 TriangleMesh ReadMeshPly(const fs::path& path) {
@@ -171,7 +188,7 @@ TriangleMesh ReadMeshPly(const fs::path& path) {
   const size_t end = bytes.find(kEnd);
   const std::string_view header = std::string_view(bytes).substr(0, end == std::string::npos ? 0 : end + kEnd.size());
   const auto vertices = CountAfter(header, "element vertex "), faces = CountAfter(header, "element face ");
-  if (!vertices || !faces || header != fmt::format(fmt::runtime(kPlyHeader), *vertices, *faces)) {
+  if (!vertices || !faces || header != fmt::format(fmt::runtime(kPlyHeader), CommentsOf(header), *vertices, *faces)) {
     throw InputError("{}: is no mesh of oraclegs; make one with `oraclegs mesh`", path.string());
   }
   const uint64_t left = bytes.size() - header.size();

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "oraclegs/mesh/triangle_mesh.h"
 
 namespace oraclegs {
 
-/// Writes a mesh with normals and colours, atomically, as its extension says: .ply (binary, little-endian) or .glb
-/// (glTF 2.0, unlit; `up`, unit, is what its y axis shows). Throws UsageError for another extension or a mesh that
+/// Writes a mesh with normals and colors, atomically, as its extension says: .ply (binary, little-endian) or .glb
+/// (glTF 2.0, unlit; `up`, unit, is what its y axis shows). `comments`, a line each, stand in the header of a .ply and
+/// in asset.extras of a .glb. Throws UsageError for another extension or a mesh that
 /// needs more than 4 GiB as .glb, RunError when it cannot be written.
-void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up);
+void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh, const Eigen::Vector3d& up,
+               const std::vector<std::string>& comments = {});
 
 /// Throws UsageError as WriteMesh does for the extension.
 void RequireMeshExtension(const std::filesystem::path& path);

@@ -79,7 +79,9 @@ std::vector<DatasetView> DatasetViews(const CameraDataset& dataset) {
   std::vector<DatasetView> views;
   for (const auto& [index, test] : indices) {
     const SceneView& view = dataset.scene.views[static_cast<size_t>(index)];
-    views.push_back({index, test, names[views.size()], WorkingCamera(view, dataset.image), false});
+    Camera camera = WorkingCamera(view, dataset.image);
+    camera.cam_from_world = Moved(camera.cam_from_world, WrittenFromRun(dataset.frame));
+    views.push_back({index, test, names[views.size()], camera, false});
   }
   return views;
 }
@@ -156,8 +158,10 @@ nlohmann::json MatrixJson(const Camera& camera) {
 }
 
 nlohmann::json TransformsJson(const CameraDataset& dataset, const std::vector<DatasetView>& views) {
-  nlohmann::json json = {{"camera_model", "PINHOLE"},
-                         {"applied_transform", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}};
+  const Eigen::Vector3d offset = dataset.frame.offset + Eigen::Vector3d::Zero();  // no -0
+  nlohmann::json json = {
+      {"camera_model", "PINHOLE"},
+      {"applied_transform", {{1, 0, 0, -offset.x()}, {0, 1, 0, -offset.y()}, {0, 0, 1, -offset.z()}}}};
   const nlohmann::json first = IntrinsicsJson(views.front().camera);
   bool shared = true;
   for (const DatasetView& view : views) shared &= IntrinsicsJson(view.camera) == first;
@@ -209,7 +213,9 @@ std::vector<std::string> DatasetNames(const std::vector<std::string>& names) {
   return made;
 }
 
-CameraDatasetResult WriteCameraDataset(const CameraDataset& dataset, const fs::path& asked, const Listener& listener) {
+CameraDatasetResult WriteCameraDataset(const CameraDataset& in_run, const fs::path& asked, const Listener& listener) {
+  CameraDataset dataset = in_run;
+  for (ScenePoint& point : dataset.points) point.xyz = WrittenFromRun(in_run.frame) * point.xyz;
   const fs::path out = WithoutSlash(asked);
   RequireOutsideScene(out, dataset.scene, {});
   std::vector<DatasetView> views = DatasetViews(dataset);

@@ -17,6 +17,7 @@ struct CameraDataset {
   const Split& split;  ///< its views are written, all others left out
   ImageOptions image;  ///< gives the size of the images
   std::vector<ScenePoint> points;
+  SceneFrame frame = {};  ///< that scene and points are in
 };
 
 struct CameraDatasetResult {
@@ -36,7 +37,8 @@ std::vector<std::string> DatasetNames(const std::vector<std::string>& names);
 ///   sparse_pc.ply         the points, as Nerfstudio's splatfacto reads them; absent without points
 ///   transforms.json       the same cameras with OpenGL's axes (Nerfstudio, instant-ngp)
 ///   split.json            names of the training and test views
-/// All in the frame and the units of the scene. The folder appears when it is whole. Throws InputError naming what does
+/// All in the coordinates of the run's point_cloud.ply; applied_transform of transforms.json has what lies between them
+/// and the scene's own. The folder appears when it is whole. Throws InputError naming what does
 /// not fit, RunError when writing fails, Interrupted.
 CameraDatasetResult WriteCameraDataset(const CameraDataset& dataset, const std::filesystem::path& out,
                                        const Listener& listener);

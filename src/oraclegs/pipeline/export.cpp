@@ -74,13 +74,14 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     throw UsageError("{}: has no cameras, which {} needs; give the workspace of a run", file,
                      options.crop == "auto" ? "--crop auto" : "--up auto");
   }
-  Crop crop = ParseCrop(options.crop);
+  const SplatFormat format = SplatFormatOf(to);
+  const GaussianPly splat = ReadSplat(from);
+  const Eigen::Vector3d offset = OffsetOf(splat.comments);
+  Crop crop = ParseCrop(options.crop).MovedBy(-offset);
   if (crop.kind == Crop::Kind::kAuto) {
     crop.kind = Crop::Kind::kBall;
     crop.ball = cameras->looked_at;
   }
-  const SplatFormat format = SplatFormatOf(to);
-  const GaussianPly splat = ReadSplat(from);
   GaussianPly kept = Pruned(splat, options, crop, file);
   if (kept.gaussians.size() == 0) {
     throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity or --min-support, or crop less", file,
@@ -99,11 +100,16 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     }
     kept.gaussians = Transformed(kept.gaussians, transform);
     kept.comments = WithUnit(kept.comments, unit ? std::optional(*unit / scale) : std::nullopt);
+    kept.comments = WithOffset(kept.comments, transform * offset);
     if (!options.up.empty()) kept.comments = WithoutLevel(std::move(kept.comments));
   }
   if (!KeepsComments(format)) {
     for (const std::string& comment : LicenceComments(PartsInComments(kept.comments)))
       listener(Note{fmt::format("{} has no room for a comment of the model: {}", ExtensionOf(format), comment)});
+    if (const Eigen::Vector3d left = OffsetOf(kept.comments); !left.isZero(0)) {
+      listener(Note{fmt::format("{} has no room for the scene's offset: add {} {} {} to positions for the scene's own",
+                                ExtensionOf(format), left.x(), left.y(), left.z())});
+    }
   }
   const int degree = format == SplatFormat::kSplat ? 0 : kept.sh_degree;
   WriteSplat(to, kept.gaussians, degree, kept.comments, kept.support);

@@ -40,6 +40,12 @@ bool Crop::Holds(const Eigen::Vector3d& point) const {
   return kind != Kind::kBall || (point - ball.center).norm() <= ball.radius;
 }
 
+Crop Crop::MovedBy(const Eigen::Vector3d& way) const {
+  Crop moved = *this;
+  moved.low += way, moved.high += way, moved.ball.center += way;
+  return moved;
+}
+
 Crop ParseCrop(const std::string& text) {
   Crop crop;
   if (text.empty()) return crop;

@@ -20,6 +20,7 @@ struct Crop {
   Ball ball{Eigen::Vector3d::Zero(), 0};
 
   bool Holds(const Eigen::Vector3d& point) const;
+  Crop MovedBy(const Eigen::Vector3d& way) const;
 };
 
 /// "", "auto", "box:x0,y0,z0,x1,y1,z1" or "sphere:x,y,z,r". Throws UsageError that shows the forms.

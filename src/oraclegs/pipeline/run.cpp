@@ -147,11 +147,10 @@ RunRequest WithListsRead(const RunRequest& request) {
   return read;
 }
 
-/// The length of a unit, by the user's word or else by GPS.
+/// The length of a unit of poses that were found, by the user's word or else by GPS.
 std::optional<double> UnitOf(const Run& run, bool opened) {
-  const bool found = !run.photos.empty();
-  if (!run.options.frame.scale.empty()) return UnitMeters(run.scene, run.options.frame.scale, found);
-  const std::optional<GpsScale> gps = found ? UnitMetersByGps(run.scene) : std::nullopt;
+  if (!run.options.frame.scale.empty()) return UnitMeters(run.scene, run.options.frame.scale, true);
+  const std::optional<GpsScale> gps = UnitMetersByGps(run.scene);
   if (!gps) return std::nullopt;
   if (!opened) {
     run.listener(Note{fmt::format("a unit is {:.3g} m, within {:.1f} %, by the GPS positions of {} (--scale overrules)",
@@ -174,22 +173,37 @@ void RefreshUnit(const Run& run) {
   }
 }
 
-/// Brings the poses that were found into the run's frame. Poses that came with the scene keep theirs.
-void EnterFrame(Run* run, bool opened) {
-  if (!run->photos.empty()) {
-    run->frame = FrameOf(run->scene, run->workspace.frame());
-    if (!opened) WriteFrame(run->scene, run->frame, run->workspace.frame());
+/// The frame of given poses. `run` and commands on a scene folder have the same for the same split.
+SceneFrame GivenFrame(const Scene& scene, const Split& split, const RunOptions& options, const Listener& listener) {
+  SceneFrame frame = NormalFrame(scene, split.train);
+  if (options.input.frame == FrameKind::kScene) {
+    if (const std::string why = WhyUnitsDoNotFit(frame); !why.empty()) {
+      listener(Warning{fmt::format("--frame scene: {}; leave the option out", why)});
+    }
+    frame = SceneFrame();
+    frame.is_given = true;
   }
+  frame.unit_meters = UnitMeters(scene, options.frame.scale, false);
+  return frame;
+}
+
+/// Brings the scene into the run's frame. What a unit is long is known before that of given poses, after it of found
+/// ones.
+void EnterFrame(Run* run, bool opened) {
+  const bool found = !run->photos.empty();
+  run->frame = found ? FrameOf(run->scene, run->workspace.frame())
+                     : GivenFrame(run->scene, run->split, run->options, opened ? Silent() : run->listener);
+  if (!opened) WriteFrame(run->scene, run->frame, run->workspace.frame());
   ApplyFrame(run->frame, &run->scene);
-  run->frame.unit_meters = UnitOf(*run, opened);
+  if (found) run->frame.unit_meters = UnitOf(*run, opened);
   if (!opened) RefreshUnit(*run);
 }
 
-/// Poses where there are none yet, the frame, and the split. `opened`: the run is only looked at.
+/// Poses where there are none yet, the split, and the frame. `opened`: the run is only looked at.
 void FindPosesAndSplit(Run* run, bool opened) {
   if (!run->photos.empty()) RunStage(run, "register");
-  EnterFrame(run, opened);
   run->split = SplitViews(run->scene, run->options.split);
+  EnterFrame(run, opened);
 }
 
 void SaveSplit(const Run& run) {
@@ -232,8 +246,9 @@ PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const
                      root.string());
   }
   Split split = SplitViews(scene, WithListsRead(options.split));
-  const std::optional<double> unit_meters = UnitMeters(scene, options.frame.scale, false);
-  return {std::move(scene), std::move(split), unit_meters};
+  const SceneFrame frame = GivenFrame(scene, split, options, listener);
+  ApplyFrame(frame, &scene);
+  return {std::move(scene), std::move(split), frame};
 }
 
 fs::path OneFolder(const RunRequest& request) {

@@ -28,10 +28,11 @@ struct RunRequest {
 struct PosedScene {
   Scene scene;
   Split split;
-  std::optional<double> unit_meters = {};  ///< length of a unit; nothing = not known
+  SceneFrame frame = {};  ///< that the scene is in
 };
 
-/// Reads a scene that has poses of its own. Throws InputError for a plain folder of photos.
+/// Reads a scene that has poses of its own, into the frame that a run on it has. Throws InputError for a plain folder
+/// of photos.
 PosedScene ReadPosedScene(const std::filesystem::path& root, const RunOptions& options, const Listener& listener);
 
 /// The folder of a request that names just one. Throws UsageError otherwise: the command takes no more.

@@ -132,7 +132,7 @@ fs::path FindConfidence(const fs::path& confidence_dir, const std::string& shown
 }
 
 /// Adds the images that transforms.json names.
-void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* content) {
+void AddFrames(const fs::path& dir, const ViewNames& views, const Similarity& placement, FolderContent* content) {
   const fs::path path = dir / "transforms.json";
   const json file = ReadTransformsFile(path);
   std::set<std::string> names;
@@ -161,8 +161,13 @@ void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* conte
       continue;
     }
     const Intrinsics intrinsics = ReadTransformsIntrinsics(frame, image.file);
-    image.camera = {intrinsics.width, intrinsics.height, intrinsics.fx(),          intrinsics.fy(),
-                    intrinsics.cx(),  intrinsics.cy(),   ReadTransformsPose(frame)};
+    image.camera = {intrinsics.width,
+                    intrinsics.height,
+                    intrinsics.fx(),
+                    intrinsics.fy(),
+                    intrinsics.cx(),
+                    intrinsics.cy(),
+                    Moved(ReadTransformsPose(frame), placement)};
     if (intrinsics.model != CameraModel::kPinhole) {
       skip(kDistorted);
     } else if (views.IsTest(file_path)) {
@@ -220,7 +225,7 @@ FolderContent FindFolderImages(const fs::path& given, const FolderRequest& reque
   if (IsFile(dir / "transforms.json")) {
     content.images_dir = dir;
     content.confidence_dir = IfFolder(dir / "confidence");
-    AddFrames(dir, views, &content);
+    AddFrames(dir, views, request.placement, &content);
   } else {
     content.images_dir = SyntheticFolder(dir);
     content.confidence_dir = IfFolder(content.images_dir.string() + "_attention_maps");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/propose/proposal.h"
 
 namespace oraclegs {
@@ -17,6 +18,7 @@ struct FolderRequest {
   std::vector<Target> dataset;  ///< posed views that are no test views, the same; what proposals may be named after
   int width = 0, height = 0;    ///< of the training images at working resolution
   std::array<float, 3> background{};  ///< RGB in [0, 1], behind transparent pixels
+  Similarity placement{};             ///< the cameras' coordinates above from those of the folder's poses
 };
 
 /// An image that may become a proposal.

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr float kShown = 0.5f;  // views that have to show a pixel's point
 
-void WriteViews(const fs::path& dir, const std::vector<LoadedView>& views) {
+void WriteViews(const fs::path& dir, const std::vector<LoadedView>& views, const Similarity& placement) {
   std::vector<std::string> names;
   std::vector<Target> cameras;
   for (const LoadedView& view : views) {
@@ -31,7 +31,7 @@ void WriteViews(const fs::path& dir, const std::vector<LoadedView>& views) {
   }
   const std::vector<std::string> files = FileNames(names);
   for (size_t v = 0; v < views.size(); ++v) WritePng(dir / (files[v] + ".png"), ToImage8(views[v].rgb));
-  WriteTargets(dir, cameras);
+  WriteTargets(dir, cameras, placement);
 }
 
 Image8 ReadAnswer(const fs::path& file, const Camera& camera) {
@@ -66,13 +66,13 @@ std::vector<uint8_t> KnownPixels(const WarpedView& view) {
 }
 
 void WriteGeneratorRequest(const GeneratorPaths& paths, const std::vector<Target>& targets,
-                           const std::vector<LoadedView>& views, const Warper& warper) {
+                           const std::vector<LoadedView>& views, const Warper& warper, const Similarity& placement) {
   std::error_code error;
   fs::remove_all(paths.root, error);
   if (error) throw RunError("{}: cannot be removed: {}", paths.root.string(), SystemReason(error));
   RequireWritableFolder(paths.answer());
-  WriteViews(paths.request() / "images", views);
-  WriteTargets(paths.request(), targets);
+  WriteViews(paths.request() / "images", views, placement);
+  WriteTargets(paths.request(), targets, placement);
   ParallelFor(static_cast<int64_t>(targets.size()), [&](int64_t task) {
     ThrowIfInterrupted();
     const auto& [name, camera] = targets[static_cast<size_t>(task)];

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/propose/proposal.h"
 #include "oraclegs/propose/warp.h"
 
@@ -26,9 +27,10 @@ std::vector<uint8_t> KnownPixels(const WarpedView& view);
 
 /// Empties the folder and writes, below request/: transforms.json with the targets' poses (WriteTargets),
 /// warps/NAME.png (8-bit RGB) and masks/NAME.png (8-bit grey, KnownPixels) of each, and images/ with the views at
-/// working size and their own transforms.json. Leaves answer/ empty. Throws RunError.
+/// working size and their own transforms.json, all poses moved by `placement`. Leaves answer/ empty. Throws RunError.
 void WriteGeneratorRequest(const GeneratorPaths& paths, const std::vector<Target>& targets,
-                           const std::vector<LoadedView>& views, const Warper& warper);
+                           const std::vector<LoadedView>& views, const Warper& warper,
+                           const Similarity& placement = {});
 
 /// Targets for which answer/ has an image.
 size_t CountAnswers(const GeneratorPaths& paths, const std::vector<Target>& targets);

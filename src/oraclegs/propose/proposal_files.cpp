@@ -91,12 +91,14 @@ std::vector<std::string> WriteProposals(const fs::path& dir, const std::vector<P
   return files;
 }
 
-std::vector<std::string> WriteTargets(const fs::path& dir, const std::vector<Target>& targets) {
+std::vector<std::string> WriteTargets(const fs::path& dir, const std::vector<Target>& targets,
+                                      const Similarity& placement) {
   std::vector<std::string> names;
   std::vector<Camera> cameras;
   for (const Target& target : targets) {
     names.push_back(target.name);
     cameras.push_back(target.camera);
+    cameras.back().cam_from_world = Moved(target.camera.cam_from_world, placement);
   }
   WriteFrames(dir, FileNames(names), cameras);
   return {kTransforms};

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/propose/proposal.h"
 
 namespace oraclegs {
@@ -21,8 +22,10 @@ std::vector<std::string> FileNames(const std::vector<std::string>& views);
 /// relative to dir. Throws RunError, ShapeError for an image of another size than its camera.
 std::vector<std::string> WriteProposals(const std::filesystem::path& dir, const std::vector<Proposal>& proposals);
 
-/// Writes the transforms.json alone: what a generator is asked for. Its images belong at each file_path.
-std::vector<std::string> WriteTargets(const std::filesystem::path& dir, const std::vector<Target>& targets);
+/// Writes the transforms.json alone: what a generator is asked for. Its images belong at each file_path. Poses are
+/// moved by `placement`.
+std::vector<std::string> WriteTargets(const std::filesystem::path& dir, const std::vector<Target>& targets,
+                                      const Similarity& placement = {});
 
 /// Reads them back, bit by bit but for the rounding of rotations. Throws InputError naming the file and the frame:
 /// missing, not JSON, no frames, bad intrinsics or pose, a camera model that is no pinhole, a name twice.

@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <locale>
 #include <optional>
 #include <random>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +30,10 @@ constexpr double kPlaneThickness = 0.01;    // of the median distance of the poi
 constexpr double kMinPlaneFraction = 0.15;  // of the points, on a floor or table worth leveling by
 constexpr double kUsualDistance = 4;        // units; that of the cameras of NeRF Synthetic
 constexpr std::string_view kLevelComment = "up is -y, the origin is what the cameras look at";
+constexpr double kFarFromOrigin =
+    1000;  // usual distances: a float is 0.06 px coarse there, at a focal length of 1000 px
+constexpr double kMinUsualDistance = 0.5, kMaxUsualDistance = 4000;  // units in which the near plane hides nothing
+constexpr std::string_view kOffsetComment = "offset ";
 constexpr std::string_view kUnitComment = "a unit is ", kMeters = " m";
 constexpr int kPlaneTries = 500;
 constexpr size_t kMinPlanePoints = 50;
@@ -142,8 +148,18 @@ std::vector<int> FoundViewsOf(const Scene& scene, const Scale& scale, const std:
   }
 }
 
-bool IsIdentity(const SceneFrame& frame) {
-  return frame.rotation.isIdentity(0) && frame.center.isZero(0) && frame.scale == 1;
+Similarity FromFound(const SceneFrame& frame) { return {frame.rotation, frame.scale, -frame.scale * frame.center}; }
+
+double MedianDistance(const std::vector<Camera>& cameras, const Eigen::Vector3d& center) {
+  std::vector<double> distances;
+  for (const Camera& camera : cameras) distances.push_back((camera.Center() - center).norm());
+  return Median(&distances);
+}
+
+/// Rounded to a power of ten that the distance is between one and ten of, so that people can read and type it.
+Eigen::Vector3d Rounded(const Eigen::Vector3d& center, double distance) {
+  const double step = std::pow(10, std::floor(std::log10(distance)));
+  return (center / step).array().round() * step;
 }
 
 }  // namespace
@@ -159,10 +175,57 @@ SceneFrame LevelFrame(const Scene& scene) {
   const Eigen::Vector3d level_up = FloorNormal(scene.points, up, center).value_or(up);
   frame.rotation = Eigen::Quaterniond::FromTwoVectors(level_up, -Eigen::Vector3d::UnitY()).toRotationMatrix();
   frame.center = frame.rotation * center;
-  std::vector<double> distances;
-  for (const Camera& camera : cameras) distances.push_back((camera.Center() - center).norm());
-  if (const double usual = Median(&distances); usual > 0) frame.scale = kUsualDistance / usual;
+  if (const double usual = MedianDistance(cameras, center); usual > 0) frame.scale = kUsualDistance / usual;
   return frame;
+}
+
+SceneFrame NormalFrame(const Scene& scene, const std::vector<int>& views) {
+  SceneFrame frame;
+  frame.is_given = true;
+  if (views.empty()) return frame;
+  std::vector<Camera> cameras;
+  for (const int v : views) {
+    cameras.emplace_back().cam_from_world = scene.views[static_cast<size_t>(v)].cam_from_world.value();
+  }
+  // Beside the first camera: far from the origin the digits of what the cameras look at would be lost.
+  const Eigen::Vector3d first = cameras.front().Center();
+  for (Camera& camera : cameras) {
+    camera.cam_from_world.translation() = -(camera.cam_from_world.linear() * (camera.Center() - first));
+  }
+  const Eigen::Vector3d center = LookedAt(cameras).center;
+  frame.center = first + center;
+  const double usual = MedianDistance(cameras, center);
+  if (!(usual > 0)) return frame;
+  frame.scale = kUsualDistance / usual;
+  if (frame.center.norm() > kFarFromOrigin * usual) frame.offset = Rounded(frame.center, usual);
+  return frame;
+}
+
+std::string WhyUnitsDoNotFit(const SceneFrame& frame) {
+  const double usual = kUsualDistance / frame.scale;
+  if (usual < kMinUsualDistance) {
+    return fmt::format("the cameras stand {:.2g} units from what they look at, and what is nearer than 0.2 is not seen",
+                       usual);
+  }
+  if (usual > kMaxUsualDistance) {
+    return fmt::format("the cameras stand {:.2g} units from what they look at, too far for the rates of the method",
+                       usual);
+  }
+  if (!frame.offset.isZero(0)) {
+    return fmt::format("the scene lies {:.2g} units from its origin, where positions of 32 bits are too coarse",
+                       frame.center.norm());
+  }
+  return "";
+}
+
+Similarity RunFromScene(const SceneFrame& frame) { return frame.is_given ? FromFound(frame) : Similarity(); }
+
+Similarity WrittenFromRun(const SceneFrame& frame) {
+  if (!frame.is_given) return {};
+  Similarity written;
+  written.scale = 1 / frame.scale;
+  written.translation = frame.center - frame.offset;
+  return written;
 }
 
 void CheckScale(const std::string& text) {
@@ -194,7 +257,8 @@ std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bo
 }
 
 void ApplyFrame(const SceneFrame& frame, Scene* scene) {
-  if (IsIdentity(frame)) return;
+  const Similarity transform = FromFound(frame);
+  if (transform.IsIdentity()) return;
   for (SceneView& view : scene->views) {
     Eigen::Isometry3d& pose = view.cam_from_world.value();
     const Eigen::Vector3d position = -(pose.linear().transpose() * pose.translation());
@@ -209,7 +273,7 @@ std::vector<std::string> FrameComments(const SceneFrame& frame) {
   std::vector<std::string> comments;
   if (frame.is_level) comments.emplace_back(kLevelComment);
   if (frame.unit_meters) comments.push_back(fmt::format("{}{}{}", kUnitComment, *frame.unit_meters, kMeters));
-  return comments;
+  return WithOffset(std::move(comments), frame.offset);
 }
 
 std::optional<double> UnitMetersOf(const std::vector<std::string>& comments) {
@@ -234,6 +298,26 @@ std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std:
   frame.unit_meters = unit_meters;
   for (std::string& comment : FrameComments(frame)) kept.push_back(std::move(comment));
   return kept;
+}
+
+Eigen::Vector3d OffsetOf(const std::vector<std::string>& comments) {
+  for (const std::string& comment : comments) {
+    if (!comment.starts_with(kOffsetComment)) continue;
+    std::istringstream numbers(comment.substr(kOffsetComment.size()));
+    numbers.imbue(std::locale::classic());
+    Eigen::Vector3d offset;
+    std::string rest;
+    if (numbers >> offset.x() >> offset.y() >> offset.z() && !(numbers >> rest) && offset.allFinite()) return offset;
+  }
+  return Eigen::Vector3d::Zero();
+}
+
+std::vector<std::string> WithOffset(std::vector<std::string> comments, const Eigen::Vector3d& offset) {
+  std::erase_if(comments, [](const std::string& comment) { return !OffsetOf({comment}).isZero(0); });
+  if (!offset.isZero(0)) {
+    comments.push_back(fmt::format("{}{} {} {}", kOffsetComment, offset.x(), offset.y(), offset.z()));
+  }
+  return comments;
 }
 
 std::vector<std::string> WithoutLevel(std::vector<std::string> comments) {

@@ -6,18 +6,38 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 
-/// x_new = scale * (rotation * x - center).
+/// Where a run computes: x_run = scale * (rotation * x_scene - center). Results of poses that were found are written in
+/// the run's coordinates; results of poses that came with the scene in the scene's own, less an offset.
 struct SceneFrame {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< after the rotation, in old units
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< after the rotation, in the scene's units
   double scale = 1;
-  bool is_level = false;                   ///< up is -y and the center is at the origin
-  std::optional<double> unit_meters = {};  ///< length of a new unit; nothing = nobody knows
+  bool is_level = false;                             ///< up is -y and the center is at the origin
+  bool is_given = false;                             ///< the poses came with the scene; then nothing is rotated
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< scene's units; what 32-bit floats could not carry (is_given)
+  std::optional<double> unit_meters = {};            ///< length of a unit of what is written; nothing = nobody knows
 };
+
+/// The frame of a scene that brought its poses: `views` (indices, with poses) look at its origin, from a median
+/// distance of 4 units. Rotations stay. Positions times a power of two give the same run, bit by bit. The offset is 0
+/// unless the scene lies more than 1000 times that distance from its origin, where floats would be coarser than a
+/// pixel.
+SceneFrame NormalFrame(const Scene& scene, const std::vector<int>& views);
+
+/// Why a run in the scene's own units cannot be right: "" where `frame`, its NormalFrame, is near enough to them for
+/// the near plane (0.2 units) and for 32-bit floats.
+std::string WhyUnitsDoNotFit(const SceneFrame& frame);
+
+/// The run's coordinates from the scene's own where poses came with it; the identity where they were found.
+Similarity RunFromScene(const SceneFrame& frame);
+
+/// The coordinates that models, meshes and depth are written in, from those of the run.
+Similarity WrittenFromRun(const SceneFrame& frame);
 
 /// Of a scene with poses: up becomes -y (down is y, as in a camera that is held level; splat viewers expect it), and
 /// the point that the cameras look at becomes the origin. Up is upright to the images' horizontal sides, however far
@@ -41,7 +61,7 @@ std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bo
 /// Moves cameras and points; the bits of a scene stay as they are where nothing is to be moved.
 void ApplyFrame(const SceneFrame& frame, Scene* scene);
 
-/// Lines for the header of a splat.
+/// Lines for the header of a splat: up, length of a unit, offset.
 std::vector<std::string> FrameComments(const SceneFrame& frame);
 
 /// The length of a unit, as FrameComments wrote it among others.
@@ -49,6 +69,12 @@ std::optional<double> UnitMetersOf(const std::vector<std::string>& comments);
 
 /// The comments with another length of a unit, or none.
 std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters);
+
+/// What is to be added to positions, as FrameComments wrote it among others; zero where no comment says so.
+Eigen::Vector3d OffsetOf(const std::vector<std::string>& comments);
+
+/// The comments with another offset; zero is not written.
+std::vector<std::string> WithOffset(std::vector<std::string> comments, const Eigen::Vector3d& offset);
 
 /// The comments of a model that was turned: it is level no more.
 std::vector<std::string> WithoutLevel(std::vector<std::string> comments);

@@ -36,6 +36,12 @@ TEST_F(FrameFileTest, KeepsTheFrameOfTheSamePoses) {
   EXPECT_EQ(again.center, frame.center);
   EXPECT_EQ(again.scale, frame.scale);
   EXPECT_TRUE(again.is_level);
+  frame.is_given = true, frame.offset = {1e6, -2, 0.5};
+  WriteFrame(scene, frame, temp / "given.json");
+  const auto given = ReadFrame(temp / "given.json");
+  ASSERT_TRUE(given);
+  EXPECT_TRUE(given->is_given && !given->is_level);
+  EXPECT_EQ(given->offset, frame.offset);
   scene.views[0].cam_from_world->translation().x() += 1;
   EXPECT_NE(FrameOf(scene, temp / "frame.json").scale, frame.scale) << "poses were found anew";
 }

@@ -14,7 +14,7 @@ RunArguments Plain3dgs() {
           {"opacity-noise", "0"},         {"dropout", "0"},          {"largest-scale", "0"},  {"exposure", "off"},
           {"prune-floaters", "false"},    {"coarse-share", "0"},     {"last-rates", "1"},     {"rate-scale", "1"},
           {"sh-degree-interval", "1000"}, {"refine-start", "500"},   {"refine-every", "100"}, {"init-scale", "0.1"},
-          {"init-planes", "false"},       {"sh-moments", "full"}};
+          {"init-planes", "false"},       {"sh-moments", "full"},    {"frame", "scene"}};
 }
 
 /// With adaptive density control, which works on a CPU alone.

@@ -30,7 +30,7 @@ void UndoReport(Run* run, const nlohmann::json&) {
 }
 
 std::optional<nlohmann::json> MakeReport(Run* run, const std::string&) {
-  const Model model = LoadModel(run->workspace.point_cloud(), run->options, run->plan.device);
+  const Model model = LoadModel(run->workspace.point_cloud(), run->options, run->plan.device, run->frame);
   OrbitVideo film;
   film.frames = run->options.report.orbit_frames;
   const fs::path video = WriteOrbitVideo(*run, model, film);

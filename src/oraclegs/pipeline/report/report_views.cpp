@@ -176,6 +176,9 @@ void ReportViews::AddProposals() {
   if (!fs::exists(poses / "transforms.json", ignored)) return;
   try {
     std::vector<Target> targets = ReadTargets(poses);
+    for (Target& target : targets) {
+      target.camera.cam_from_world = Moved(target.camera.cam_from_world, RunFromScene(run_.frame));
+    }
     std::erase_if(targets,
                   [&](const Target& t) { return !fs::exists(paths.proposals() / (t.name + ".png"), ignored); });
     for (const Target& target : Evenly(targets, kReportedProposals)) AddProposal(target);

@@ -282,6 +282,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["points"] = PlanOf(model, files);
   document["scores"] = metrics.at("test");
   document["scores"].erase("views");
+  document["mean_exposure"] = fs::exists(run->workspace.exposures(), ignored);
   const std::vector<CurveRow> curve = ReadCurves(run->workspace.curves());
   document["curves"] = curve.empty() ? json::array() : CurvesToJson(curve);
   document["support"] = SupportOf(model, metrics);

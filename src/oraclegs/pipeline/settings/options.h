@@ -62,10 +62,18 @@ struct EnumWords<LpipsUse> {
   static constexpr EnumWord<LpipsUse> kWords[] = {{LpipsUse::kWhereFound, "auto"}, {LpipsUse::kRequired, "required"}};
 };
 
+/// What coordinates a run with given poses computes in.
+enum class FrameKind { kNormal, kScene };
+template <>
+struct EnumWords<FrameKind> {
+  static constexpr EnumWord<FrameKind> kWords[] = {{FrameKind::kNormal, "normal"}, {FrameKind::kScene, "scene"}};
+};
+
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
   bool allow_outside = false;    ///< of the scene's folder
   PoseSource poses = PoseSource::kColmap;
+  FrameKind frame = FrameKind::kNormal;
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -75,6 +83,11 @@ struct InputOptions {
     visit("poses", self.poses,
           "What finds the cameras of photos without poses: colmap = structure from motion; vggt = the network, in one "
           "pass, also from photos that share too little for colmap");
+    visit(
+        "frame", self.frame,
+        "What a scene with poses is trained in: normal = moved and scaled so that the result does not depend on the "
+        "scene's units and origin, and written back in the scene's own; scene = the scene's own, as published programs "
+        "do, whose constants are of scenes of a few units");
   }
 };
 

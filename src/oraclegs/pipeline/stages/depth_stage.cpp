@@ -52,7 +52,7 @@ std::vector<DepthMap> ReadBack(const Run& run, const std::vector<LoadedView>& vi
     names.push_back(view.name);
     cameras.push_back(view.camera);
   }
-  return ReadDepthMaps(run.workspace.depth(), names, cameras);
+  return ReadDepthMaps(run.workspace.depth(), names, cameras, WrittenFromRun(run.frame).scale);
 }
 
 /// The maps that were written, fused. What a later run will read, so that a continued run has the same bits as one that
@@ -100,12 +100,12 @@ std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
   const DepthSource& source = run->plan.depth;
   const TrainingViews& training = ViewsOf(run);
   MonocularMaps found = FindDepth(*run, training);
-  std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps);
+  std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps, WrittenFromRun(run->frame).scale);
   for (std::string& file : files) file = "depth/" + file;
   found.maps = {};  // they are read back
   Geometry& geometry = run->results->geometry;
   geometry = ReadGeometry(*run, training.views);
-  WriteDensePly(run->workspace.dense_ply(), geometry.points);
+  WriteDensePly(run->workspace.dense_ply(), geometry.points, WrittenFromRun(run->frame), FrameComments(run->frame));
   files.emplace_back("sfm/dense.ply");
   nlohmann::json record = {{"points", geometry.points.size()},  {"confident_share", MeanConfidentShare(geometry.maps)},
                            {"prior", Word(source.prior)},       {"right", found.right},

@@ -39,7 +39,7 @@ void UndoEvaluate(Run* run, const nlohmann::json&) {
 std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   const Workspace& workspace = run->workspace;
   const Stopwatch watch;
-  const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device);
+  const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device, run->frame);
   const bool held_out = !run->split.test.empty();
   const std::vector<LoadedView> views =
       LoadViews(run->scene, ScoredViews(run->split), run->options.image, run->listener);
@@ -62,13 +62,18 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
 
 }  // namespace
 
-Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, std::optional<double> unit_meters) {
+Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, const SceneFrame& frame) {
   GaussianPly file = ReadGaussianPly(ply);
   std::optional<double> unit = UnitMetersOf(file.comments);
-  if (unit && unit_meters && *unit != *unit_meters) {  // exported in meters
-    file.gaussians = Transformed(file.gaussians, {.scale = *unit / *unit_meters});
-    unit = unit_meters;
+  Similarity scene_from_file;
+  scene_from_file.translation = OffsetOf(file.comments);
+  if (unit && frame.unit_meters && *unit != *frame.unit_meters) {  // exported in meters
+    scene_from_file.scale = *unit / *frame.unit_meters;
+    scene_from_file.translation *= scene_from_file.scale;
+    unit = frame.unit_meters;
   }
+  const Similarity run_from_file = RunFromScene(frame) * scene_from_file;
+  if (!run_from_file.IsIdentity()) file.gaussians = Transformed(file.gaussians, run_from_file);
   file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
   return {std::move(file.gaussians),
           {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased},

@@ -17,14 +17,13 @@ struct Model {
   RenderOptions render;
   std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
   std::vector<float> support = {};               ///< [N] in [0, 1], how well each is supported; empty = not known
-  std::optional<double> unit_meters = {};        ///< length of a unit; nothing = not known
+  std::optional<double> unit_meters = {};        ///< length of a unit of the file, or of the scene; nothing = not known
 };
 
-/// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing of `options` and on `device`.
-/// `unit_meters`: of the scene; a model whose own unit is known and another, as of an export in meters, is scaled to
-/// it.
-Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
-                std::optional<double> unit_meters = {});
+/// Reads a PLY of any trainer into the run's coordinates, to be rendered on the background, with the antialiasing of
+/// `options` and on `device`. The file is in the coordinates that models of `frame` are written in, but for the offset
+/// that its header names; one whose unit is known and another, as of an export in meters, is scaled.
+Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device, const SceneFrame& frame);
 
 /// Scores a model on the views {"psnr", ...} (evaluate.h); warns when there are none. `renders`: receives the images,
 /// empty = nothing is written. `lpips`: files of its weights, none = no such score.

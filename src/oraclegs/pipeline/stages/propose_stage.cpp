@@ -78,7 +78,8 @@ FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
   return ReadProposalFolder(
       run.options.propose.proposal_folder,
       {WorkingCameras(run.scene, run.split.train, run.options.image), TargetsOf(run, run.split.test),
-       TargetsOf(run, no_test), view.camera.width, view.camera.height, BackgroundColor(run.options.image.background)},
+       TargetsOf(run, no_test), view.camera.width, view.camera.height, BackgroundColor(run.options.image.background),
+       RunFromScene(run.frame)},
       run.listener);
 }
 
@@ -196,7 +197,8 @@ void UndoPropose(Run* run, const nlohmann::json&) {
 void AskGenerator(Run* run) {
   const fs::path proposals = run->workspace.proposals();
   const std::vector<Target>& targets = run->results->targets;
-  WriteGeneratorRequest({proposals / "generator"}, targets, ViewsOf(run).views, ProposersOf(run).warper());
+  WriteGeneratorRequest({proposals / "generator"}, targets, ViewsOf(run).views, ProposersOf(run).warper(),
+                        RunFromScene(run->frame).Inverse());
   RunGenerator({run->options.propose.generator, run->options.generator_limits.generator_timeout, proposals}, targets,
                run->listener);
 }
@@ -245,7 +247,7 @@ std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   if (!known.targets.empty()) {
     SpreadParts(run, {"propose", key, kImages, known.targets.size()});
     files = WriteCandidates(run, PartStore(run->workspace, "propose", key));
-    WriteTargets(run->workspace.proposals(), known.targets);
+    WriteTargets(run->workspace.proposals(), known.targets, RunFromScene(run->frame).Inverse());
     files.emplace_back("proposals/transforms.json");
   }
   nlohmann::json record = {

@@ -8,6 +8,7 @@
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/gaussians/transform.h"
 #include "oraclegs/pipeline/live/live.h"
 #include "oraclegs/pipeline/networks/perceptual.h"
 #include "oraclegs/pipeline/networks/pseudo_depth.h"
@@ -236,8 +237,11 @@ void WriteModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
   std::vector<std::string> comments = FrameComments(run.frame);
   for (std::string& comment : LicenceComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
-  WriteGaussianPly(paths.point_cloud(), trainer.gaussians(), run.options.train.sh_degree, comments,
-                   SupportOfModel(run, ready));
+  const Similarity written_from_run = WrittenFromRun(run.frame);
+  WriteGaussianPly(
+      paths.point_cloud(),
+      written_from_run.IsIdentity() ? trainer.gaussians() : Transformed(trainer.gaussians(), written_from_run),
+      run.options.train.sh_degree, comments, SupportOfModel(run, ready));
   std::error_code ignored;
   fs::remove(paths.exposures(), ignored);
   if (trainer.exposures().empty()) return;

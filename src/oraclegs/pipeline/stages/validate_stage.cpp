@@ -348,7 +348,7 @@ std::optional<nlohmann::json> MakeValidate(Run* run, const std::string& key) {
     record = validation.Record();
   }
   // Beside the maps, so that they can be shown where they are: those of a folder have their poses nowhere else.
-  WriteTargets(run->workspace.confidence(), AllTargets(known));
+  WriteTargets(run->workspace.confidence(), AllTargets(known), RunFromScene(run->frame).Inverse());
   known.candidates = CandidateStore(), known.proposers = nullptr;
   LoadValidate(run);
   return record;

@@ -39,19 +39,21 @@ json ReadJson(const fs::path& file) {
 std::optional<SceneFrame> FromJson(const json& saved) {
   if (!saved.is_object()) return std::nullopt;
   std::vector<double> numbers;
-  for (const char* name : {"rotation", "center", "scale"}) {
-    const json value = saved.value(name, json());
+  for (const char* name : {"rotation", "center", "scale", "offset"}) {
+    const json value = saved.value(name, json::array({0, 0, 0}));
     for (const json& number : value.is_array() ? value : json::array({value})) {
       if (!number.is_number() || !std::isfinite(number.get<double>())) return std::nullopt;
       numbers.push_back(number.get<double>());
     }
   }
   SceneFrame frame;
-  if (numbers.size() != 13 || !(numbers[12] > 0)) return std::nullopt;
+  if (numbers.size() != 16 || !(numbers[12] > 0)) return std::nullopt;
   for (int i = 0; i < 9; ++i) frame.rotation(i / 3, i % 3) = numbers[static_cast<size_t>(i)];
   for (int i = 0; i < 3; ++i) frame.center[i] = numbers[static_cast<size_t>(9 + i)];
   frame.scale = numbers[12];
-  frame.is_level = true;
+  for (int i = 0; i < 3; ++i) frame.offset[i] = numbers[static_cast<size_t>(13 + i)];
+  frame.is_given = saved.value("poses_given", json()) == true;
+  frame.is_level = !frame.is_given;
   const bool turns = (frame.rotation * frame.rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6;
   return turns ? std::optional(frame) : std::nullopt;
 }
@@ -63,7 +65,7 @@ std::optional<SceneFrame> ReadFrame(const fs::path& file) { return FromJson(Read
 SceneFrame FrameOf(const Scene& scene, const fs::path& file) {
   const json saved = ReadJson(file);
   if (saved.is_object() && saved.value("poses", json()) == KeyOf(scene)) {
-    if (const auto frame = FromJson(saved)) return *frame;
+    if (const auto frame = FromJson(saved); frame && !frame->is_given) return *frame;
   }
   return LevelFrame(scene);
 }
@@ -73,7 +75,9 @@ void WriteFrame(const Scene& scene, const SceneFrame& frame, const fs::path& fil
   const json json = {{"poses", KeyOf(scene)},
                      {"rotation", {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)}},
                      {"center", {frame.center.x(), frame.center.y(), frame.center.z()}},
-                     {"scale", frame.scale}};
+                     {"scale", frame.scale},
+                     {"offset", {frame.offset.x(), frame.offset.y(), frame.offset.z()}},
+                     {"poses_given", frame.is_given}};
   WriteFileAtomically(file, json.dump(1) + "\n");
 }
 

@@ -29,7 +29,7 @@ class WorkspacePaths {
   std::filesystem::path metrics() const { return root_ / "metrics.json"; }
   std::filesystem::path point_cloud() const { return root_ / "point_cloud.ply"; }
   std::filesystem::path exposures() const { return root_ / "exposures.json"; }
-  std::filesystem::path frame() const { return root_ / "frame.json"; }  ///< of poses that were found
+  std::filesystem::path frame() const { return root_ / "frame.json"; }  ///< what the run computes in
   std::filesystem::path sfm() const { return root_ / "sfm"; }
   std::filesystem::path dense_ply() const { return sfm() / "dense.ply"; }
   std::filesystem::path depth() const { return root_ / "depth"; }
