@@ -62,8 +62,13 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
 
 }  // namespace
 
-Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, std::optional<double> unit_meters) {
+Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, std::optional<double> unit_meters,
+                const Listener& listener) {
   GaussianPly file = ReadGaussianPly(ply);
+  for (const std::string& warning : file.warnings) listener(Warning{warning});
+  if (file.antialiased && !options.train.antialiased) {
+    listener(Note{fmt::format("{}: says that it was trained antialiased, and is rendered so", ply.string())});
+  }
   std::optional<double> unit = UnitMetersOf(file.comments);
   if (unit && unit_meters && *unit != *unit_meters) {  // exported in meters
     file.gaussians = Transformed(file.gaussians, {.scale = *unit / *unit_meters});
@@ -71,7 +76,7 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, s
   }
   file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
   return {std::move(file.gaussians),
-          {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased},
+          {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased || file.antialiased},
           PartsInComments(file.comments),
           std::move(file.support),
           unit};

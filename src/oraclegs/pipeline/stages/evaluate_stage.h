@@ -20,11 +20,11 @@ struct Model {
   std::optional<double> unit_meters = {};        ///< length of a unit; nothing = not known
 };
 
-/// Reads a PLY of any trainer, to be rendered on the background, with the antialiasing of `options` and on `device`.
-/// `unit_meters`: of the scene; a model whose own unit is known and another, as of an export in meters, is scaled to
-/// it.
+/// Reads a PLY of any trainer, to be rendered on the background, antialiased where `options` or the file say so, and on
+/// `device`. `unit_meters`: of the scene; a model whose own unit is known and another, as of an export in meters, is
+/// scaled to it. What the reader left out or assumed is a Warning each.
 Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
-                std::optional<double> unit_meters = {});
+                std::optional<double> unit_meters = {}, const Listener& listener = Silent());
 
 /// Scores a model on the views {"psnr", ...} (evaluate.h); warns when there are none. `renders`: receives the images,
 /// empty = nothing is written. `lpips`: files of its weights, none = no such score.

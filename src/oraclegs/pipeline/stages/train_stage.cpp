@@ -278,7 +278,12 @@ StageWork TrainStage() {
           .own = AddTrainKey,
           .undo = UndoTrain,
           .make = MakeTrain,
-          .check = [](const Run& run) { ReadGaussianPly(run.workspace.point_cloud()); },
+          .check =
+              [](const Run& run) {
+                // Rows that a reader leaves out of files of others mean that this one is damaged.
+                const GaussianPly splat = ReadGaussianPly(run.workspace.point_cloud());
+                if (!splat.warnings.empty()) throw InputError("{}", splat.warnings[0]);
+              },
           .file = "point_cloud.ply"};
 }
 
