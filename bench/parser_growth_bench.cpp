@@ -66,9 +66,9 @@ namespace oraclegs {
 namespace {
 
 constexpr double kSizes[] = {1e4, 3e4, 1e5, 3e5, 1e6, 3e6, 1e7};  // bytes
-constexpr double kLeastSeconds = 2e-3, kLeastPeak = 1 << 20;      // below, constants are larger than what grows
+constexpr double kLeastSeconds = 5e-3, kLeastPeak = 1 << 18;      // below, constants are larger than what grows
 constexpr double kMostSeconds = 20;                               // a larger input is not tried then
-constexpr double kMostTimeExponent = 1.1, kMostMemoryExponent = 1.0, kNoise = 0.05;
+constexpr double kMostTimeExponent = 1.1, kMostMemoryExponent = 1.0, kNoise = 0.1;  // caches, doubling
 constexpr int kRepeats = 5;
 
 struct GrowthPoint {

@@ -414,13 +414,10 @@ std::vector<ParserInput> OtherInputs() {
                          "e");
        },
        ReadTorch},
-      {"pickle", "modules in modules",
+      {"pickle", "dicts in dicts",
        [](size_t bytes) {
-         // Every module holds the next one twice: a walk that does not remember would take 2^n steps.
-         std::string value = "}";
-         for (size_t i = 0; i < bytes / 24; ++i)
-           value = "}(" + value + "0" + torch::Text("a") + "}" + torch::Text("b") + "}u";
-         return TorchZip(value.size() > 4 * bytes ? "}" : value);
+         const size_t n = bytes / 9;
+         return TorchZip(Repeated(8 * n, [](size_t) { return "}(" + torch::Text("a"); }) + "}" + std::string(n, 'u'));
        },
        ReadTorch},
       {"photos in a zip", "of one name", [zip](size_t bytes) { return zip(bytes, true); }, photos},

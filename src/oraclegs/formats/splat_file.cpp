@@ -235,7 +235,7 @@ int64_t WriteSplat(const fs::path& path, const GaussianPly& splat, const Listene
       throw InputError(
           "{}: {} of {} Gaussians are not kept by {} ({}); nothing was written: take .ply or .glb, change the size "
           "with "
-          "--scale, or leave far ones out with --crop or --remove-outliers",
+          "--scale, or leave far ones out by --crop or --remove-outliers",
           file, all - static_cast<int64_t>(rows.size()), all, row.extension, why);
     }
     if (static_cast<int64_t>(rows.size()) < kept.gaussians.size()) kept = PickedSplat(kept, rows);
