@@ -10,7 +10,7 @@ libraries=(
   libhwy-dev libeigen3-dev
   # files, command line, log
   nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
-  libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev libwebp-dev libzip-dev
+  libturbojpeg0-dev libpng-dev zlib1g-dev libsqlite3-dev libcurl4-openssl-dev libcairo2-dev libwebp-dev libzip-dev libzstd-dev
   libheif-dev libtiff-dev
   libcpp-httplib-dev
   # tests and benchmarks

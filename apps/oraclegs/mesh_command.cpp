@@ -29,7 +29,7 @@ class MeshCommand : public SourceCommand {
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
     const PosedScene posed = OpenScene(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
-    const Model model = LoadModel(ply, options_, device, posed.frame);
+    const Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(std::filesystem::absolute(out).parent_path(), posed.scene, options_.input.images);
     const std::vector<Camera> cameras = WorkingCameras(posed.scene, posed.split.train, options_.image);
     const std::optional<double> unit_meters = posed.frame.unit_meters ? posed.frame.unit_meters : model.unit_meters;

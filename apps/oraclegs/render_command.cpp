@@ -22,7 +22,7 @@ class RenderCommand : public SourceCommand {
     const auto ply = model_.ply.empty() ? WorkspacePaths(input_).point_cloud() : model_.ply;
     const PosedScene posed = OpenScene(listener);
     const Device device = ChooseDevice(options_.device.device, ProbeDevices());
-    const Model model = LoadModel(ply, options_, device, posed.frame);
+    const Model model = LoadModel(ply, options_, device, posed.frame, listener);
     RequireOutsideScene(out, posed.scene, options_.input.images);
     const auto cameras = PathCameras(posed, options_.image, path_);
     const auto videos = RenderCameras(model, cameras, out, path_, listener);

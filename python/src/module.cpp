@@ -17,10 +17,14 @@ py::dict ReadSplatArrays(const std::filesystem::path& path) {
     const py::gil_scoped_release release;
     splat = ReadSplat(path);
   }
+  for (const std::string& warning : splat.warnings) {
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 2) != 0) throw py::error_already_set();
+  }
   py::dict arrays;
   splat.gaussians.ForEach([&](const char* name, const Buffer<float>& buffer) { arrays[name] = ToArray(buffer); });
   arrays["sh_degree"] = splat.sh_degree;
   arrays["comments"] = splat.comments;
+  arrays["antialiased"] = splat.antialiased;
   arrays["support"] = splat.support.empty()
                           ? py::object(py::none())
                           : ToArray({static_cast<py::ssize_t>(splat.support.size())}, splat.support.data());

@@ -3,6 +3,7 @@
 #include "formats/splats.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/gaussians/selection.h"
+#include "support/allocations.h"
 
 namespace oraclegs {
 namespace {
@@ -10,13 +11,13 @@ namespace {
 using testing::HasSubstr;
 
 TEST(CompressedPly, RoundTripsWithinItsErrors) {
-  const Gaussians g = PlausibleGaussians(3000);
+  const Gaussians all = PlausibleGaussians(3000), g = Picked(all, SpatialOrder(all));
   const std::string bytes = EncodeCompressedPly(g, 3, {"made by a test"});
   EXPECT_LT(bytes.size(), 3000u * (16 + 45) + 12 * 72 + 2000);
   const GaussianPly read = DecodeCompressedPly(bytes, "x.compressed.ply");
   EXPECT_EQ(read.sh_degree, 3);
   EXPECT_EQ(read.comments, std::vector<std::string>{"made by a test"});
-  const SplatDistance d = DistanceOf(Picked(g, SpatialOrder(g)), read.gaussians);
+  const SplatDistance d = DistanceOf(g, read.gaussians);
   EXPECT_LE(d.means, 8 * 0.5f / 1023);
   EXPECT_LE(d.log_scales, 6 * 0.5f / 1023);
   EXPECT_LE(d.rotation, 0.0025f);
@@ -73,7 +74,23 @@ TEST(CompressedPly, RefusesDamagedFiles) {
   EXPECT_THAT(DecodeError(DecodeCompressedPly, good.substr(0, good.size() - 1)), HasSubstr("promises 300"));
   std::string bad = good;
   StoreLittle(bad.data() + bad.find("end_header\n") + 11, INFINITY);
-  EXPECT_THAT(DecodeError(DecodeCompressedPly, bad), HasSubstr("min_x of chunk 0 is inf"));
+  EXPECT_THAT(DecodeError(DecodeCompressedPly, bad), HasSubstr("x of Gaussian 0 is"));
+}
+
+TEST(CompressedPly, RefusesBoundsThatOverflowBehindTheirArithmetic) {
+  std::string bytes = EncodeCompressedPly(PlausibleGaussians(30), 0, {});
+  StoreLittle(bytes.data() + bytes.find("end_header\n") + 11 + 15 * 4, 3e38f);  // max_r
+  EXPECT_THAT(DecodeError(DecodeCompressedPly, bytes), HasSubstr("f_dc_0 of Gaussian"));
+}
+
+TEST(CompressedPly, TakesNoMemoryForRowsWithoutColumns) {
+  const std::string head = "ply\nformat binary_little_endian 1.0\nelement chunk 4000\nproperty uchar a\n";
+  const std::string bytes =
+      head + "element vertex 1024000\nproperty uchar packed_position\nend_header\n" + std::string(4000 + 1024000, '\0');
+  AllocationCounter::Begin();
+  EXPECT_THAT(DecodeError(DecodeCompressedPly, bytes), HasSubstr("packed_position"));
+  AllocationCounter::End();
+  EXPECT_LT(AllocationCounter::Bytes(), 10'000'000);
 }
 
 }  // namespace

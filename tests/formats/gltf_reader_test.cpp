@@ -5,8 +5,8 @@
 #include "formats/glb_edit.h"
 #include "formats/splats.h"
 #include "oraclegs/formats/gltf_writer.h"
-#include "oraclegs/formats/spatial_order.h"
-#include "oraclegs/gaussians/selection.h"
+#include "oraclegs/formats/linear_color.h"
+#include "support/allocations.h"
 
 namespace oraclegs {
 namespace {
@@ -32,7 +32,7 @@ TEST(GltfReader, ReadsSpz) {
   const Gaussians g = PlausibleGaussians(200);
   const GaussianPly read = DecodeGltf(EncodeGltfSpz(g, 2), "x.glb");
   EXPECT_EQ(read.sh_degree, 2);
-  EXPECT_LE(DistanceOf(Picked(HostCopy(g, 2), SpatialOrder(g)), read.gaussians).means, 0.001f);
+  EXPECT_LE(DistanceOf(HostCopy(g, 2), read.gaussians).means, 0.001f);
 }
 
 TEST(GltfReader, PutsGaussiansWhereTheirNodesAre) {
@@ -111,11 +111,58 @@ TEST(GltfReader, RefusesPrimitivesThatShareBytesWithoutEnd) {
               HasSubstr("00000 Gaussians or more, which its bytes cannot hold"));
 }
 
+TEST(GltfReader, ConvertsLinearColors) {
+  const Gaussians g = PlausibleGaussians(7);
+  const auto of_space = [&](nlohmann::json space) {
+    return DecodeGltf(
+        EditGlb(EncodeGltf(g, 1),
+                [&](nlohmann::json& json) {
+                  json["meshes"][0]["primitives"][0]["extensions"]["KHR_gaussian_splatting"]["colorSpace"] =
+                      std::move(space);
+                }),
+        "x.glb");
+  };
+  const GaussianPly linear = of_space("lin_rec709_display"), other = of_space("acescg");
+  Gaussians expected = HostCopy(g, 1);
+  ColorsFromLinear(1, &expected);
+  EXPECT_LE(DistanceOf(expected, linear.gaussians).color, 1e-5f);
+  EXPECT_GT(DistanceOf(g, linear.gaussians).color, 0.05f);
+  EXPECT_THAT(linear.warnings, testing::ElementsAre(HasSubstr("linear")));
+  EXPECT_EQ(DistanceOf(g, other.gaussians).color, 0);
+  EXPECT_THAT(other.warnings, testing::ElementsAre(HasSubstr("acescg")));
+  EXPECT_TRUE(of_space("srgb_rec709_display").warnings.empty());
+}
+
+TEST(GltfReader, SaysThatAFourthDegreeIsLeftOut) {
+  const std::string more = EditGlb(EncodeGltf(PlausibleGaussians(7), 3), [](nlohmann::json& json) {
+    nlohmann::json& attributes = json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["KHR_gaussian_splatting:SH_DEGREE_4_COEF_0"] = attributes["POSITION"];
+  });
+  EXPECT_THAT(DecodeGltf(more, "x.glb").warnings, testing::ElementsAre(HasSubstr("degree 4")));
+}
+
+TEST(GltfReader, RefusesWhatANodeMakesInfinite) {
+  const std::string huge = EditGlb(EncodeGltf(PlausibleGaussians(7), 0), [](nlohmann::json& json) {
+    json["nodes"][0]["scale"] = {1e40, 1e40, 1e40};
+  });
+  EXPECT_THAT(DecodeError(DecodeGltf, huge), HasSubstr("numbers that are not finite"));
+}
+
+TEST(GltfReader, NamingANodeAgainAndAgainCostsNothing) {
+  const std::string named = EditGlb(EncodeGltf(PlausibleGaussians(7), 0), [](nlohmann::json& json) {
+    json["scenes"][0]["nodes"] = std::vector<int>(1'000'000, 0);
+  });
+  AllocationCounter::Begin();
+  EXPECT_THAT(DecodeError(DecodeGltf, named), HasSubstr("node 0 stands at two places"));
+  AllocationCounter::End();
+  EXPECT_LT(AllocationCounter::Bytes(), 80'000'000);
+}
+
 TEST(GltfReader, RefusesNumbersThatAreNotFinite) {
   std::string bytes = EncodeGltf(PlausibleGaussians(7), 0);
   const size_t bin = bytes.find("BIN") + 4;
   StoreLittle(bytes.data() + bin, std::nanf(""));
-  EXPECT_THAT(DecodeError(DecodeGltf, bytes), HasSubstr("means of Gaussian 0"));
+  EXPECT_THAT(DecodeError(DecodeGltf, bytes), HasSubstr("x of Gaussian 0"));
 }
 
 }  // namespace

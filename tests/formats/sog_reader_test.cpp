@@ -3,11 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/splats.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/formats/sog_writer.h"
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/webp.h"
 #include "oraclegs/formats/zip_archive.h"
 #include "oraclegs/gaussians/selection.h"
+#include "support/temp_dir.h"
 
 namespace oraclegs {
 namespace {
@@ -15,10 +17,10 @@ namespace {
 using testing::HasSubstr;
 
 TEST(SogReader, RoundTripsWithinItsErrors) {
-  const Gaussians g = PlausibleGaussians(3000);
+  const Gaussians all = PlausibleGaussians(3000), g = Picked(all, SpatialOrder(all));
   const GaussianPly read = DecodeSog(EncodeSog(g, 3), "x.sog");
   EXPECT_EQ(read.sh_degree, 3);
-  const SplatDistance d = DistanceOf(Picked(g, SpatialOrder(g)), read.gaussians);
+  const SplatDistance d = DistanceOf(g, read.gaussians);
   EXPECT_LE(d.means, 3.5f / 65535 * 5);
   EXPECT_LE(d.log_scales, 0.15f);  // at the ends of the range, where few values are
   EXPECT_LE(d.rotation, 0.012f);
@@ -33,7 +35,38 @@ TEST(SogReader, MeetsHarmonicsThatAreAlike) {
     for (int k = 3; k < kShFloats; ++k) g.sh[i * kShFloats + k] = 0.01f * static_cast<float>((i % 20) * (k % 5));
   }
   const GaussianPly read = DecodeSog(EncodeSog(g, 3), "x.sog");
-  EXPECT_LE(DistanceOf(Picked(g, SpatialOrder(g)), read.gaussians).higher_degrees, 0.02f);
+  EXPECT_LE(DistanceOf(g, read.gaussians).higher_degrees, 0.02f);
+}
+
+TEST(SogReader, IsExactFarFromTheOrigin) {
+  const Gaussians g = PlausibleGaussians(2000);
+  Flat(g.means) += 10000;
+  EXPECT_LE(DistanceOf(g, DecodeSog(EncodeSog(g, 0), "x.sog").gaussians).means, 0.001f);  // a step of a float there
+}
+
+TEST(SogReader, OneValueFarOutCostsTheOthersNothing) {
+  const Gaussians g = PlausibleGaussians(2000);
+  g.sh[0] = 1e30f, g.log_scales[1] = -1e30f, g.sh[100] = 1e30f;
+  const SplatDistance d =
+      DistanceOf(Picked(g, {1, 2, 5}), Picked(DecodeSog(EncodeSog(g, 3), "x").gaussians, {1, 2, 5}));
+  EXPECT_LE(d.color, 0.1f);
+  EXPECT_LE(d.log_scales, 0.3f);
+}
+
+TEST(SogReader, ReadsAFolder) {
+  const TempDir dir;
+  for (const auto& [name, bytes] : ReadZip(EncodeSog(PlausibleGaussians(30), 1), 20, "x.sog")) {
+    WriteFileAtomically(dir / name, bytes);
+  }
+  WriteFileAtomically(dir / "notes.txt", "mine");
+  EXPECT_TRUE(IsSogFolder(dir.path()));
+  const GaussianPly read = ReadSogFolder(dir.path());
+  EXPECT_EQ(read.gaussians.size(), 30);
+  EXPECT_EQ(read.sh_degree, 1);
+  std::filesystem::remove(dir / "quats.webp");
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadSogFolder(dir.path()); }), HasSubstr("has no file"));
+  std::filesystem::remove(dir / "meta.json");
+  EXPECT_FALSE(IsSogFolder(dir.path()));
 }
 
 TEST(SogReader, KeepsTheDegreeOfFewGaussians) {

@@ -49,10 +49,10 @@ TEST(SplatFile, RefusesDamagedFiles) {
   EXPECT_THAT(DecodeError(DecodeSplat, ""), HasSubstr("holds no Gaussians"));
   std::string bad = good;
   StoreLittle(bad.data() + 32, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(DecodeError(DecodeSplat, bad), HasSubstr("means of Gaussian 1"));
+  EXPECT_THAT(DecodeError(DecodeSplat, bad), HasSubstr("x of Gaussian 1"));
   bad = good;
   StoreLittle(bad.data() + 12, -1.f);
-  EXPECT_THAT(DecodeError(DecodeSplat, bad), HasSubstr("log_scales of Gaussian 0"));
+  EXPECT_THAT(DecodeError(DecodeSplat, bad), HasSubstr("scale_0 of Gaussian 0"));
 }
 
 }  // namespace

@@ -90,6 +90,19 @@ TEST(Spz, FarGaussiansStopAtTheBorderAndCostOthersNothing) {
   EXPECT_NEAR(read.gaussians.means[3], g.means[3], 0.001f);
 }
 
+TEST(Spz, FarFromTheOriginKeepsWhat24BitsHold) {
+  const Gaussians g = PlausibleGaussians(500);
+  Flat(g.means) += 10000;
+  const GaussianPly read = DecodeSpz(EncodeSpz(g, 0), "x.spz");
+  EXPECT_LE(DistanceOf(g, read.gaussians).means, 0.0011f);  // 9 bits: 1/16 of a deviation
+}
+
+TEST(Spz, KeepsTheMarkOfAntialiasedTraining) {
+  const Gaussians g = PlausibleGaussians(5);
+  EXPECT_TRUE(DecodeSpz(EncodeSpz(g, 0, SpzVersion::k3, true), "x").antialiased);
+  EXPECT_FALSE(DecodeSpz(EncodeSpz(g, 0), "x").antialiased);
+}
+
 TEST(Spz, RefusesDamagedFiles) {
   const std::string good = Unpacked(EncodeSpz(PlausibleGaussians(9), 2));
   const auto error = [](std::string bytes) { return DecodeError(DecodeSpz, Gzip(bytes)); };
@@ -101,8 +114,8 @@ TEST(Spz, RefusesDamagedFiles) {
   EXPECT_THAT(DecodeError(DecodeSpz, "ply\n"), HasSubstr("not compressed by gzip"));
   EXPECT_THAT(error("NGSP"), HasSubstr("is not a splat in SPZ format"));
   EXPECT_THAT(error(with(0, 'X')), HasSubstr("is not a splat in SPZ format"));
-  EXPECT_THAT(error(with(4, 4)), HasSubstr("version 4"));
-  EXPECT_THAT(error(with(12, 4)), HasSubstr("degree 4"));
+  EXPECT_THAT(error(with(4, 5)), HasSubstr("version 5"));
+  EXPECT_THAT(error(with(12, 5)), HasSubstr("degree 5"));
   EXPECT_THAT(error(with(13, 40)), HasSubstr("40 fractional bits"));
   EXPECT_THAT(error(with(11, 127)), HasSubstr("promises"));
   EXPECT_THAT(error(good.substr(0, good.size() - 1)), HasSubstr("promises 9 Gaussians"));

@@ -62,12 +62,23 @@ TEST(HostCopy, ClearsHarmonicsAboveTheDegree) {
   EXPECT_NE(original.sh[12], 0);
 }
 
-TEST(RequireFinite, NamesTheGaussian) {
-  Gaussians g = PlausibleGaussians(3);
-  RequireFinite(g, "a.spz");
-  g.means[7] = std::numeric_limits<float>::infinity();
-  const std::string message = MessageOf<InputError>([&] { RequireFinite(g, "a.spz"); });
-  EXPECT_THAT(message, testing::HasSubstr("means of Gaussian 2"));
+TEST(WithoutDamaged, NamesTheGaussian) {
+  GaussianPly splat{PlausibleGaussians(3)};
+  EXPECT_EQ(WithoutDamaged(splat, "a.spz").gaussians.size(), 3);
+  splat.gaussians.means[7] = std::numeric_limits<float>::infinity();
+  const std::string message = MessageOf<InputError>([&] { WithoutDamaged(splat, "a.spz"); });
+  EXPECT_THAT(message, testing::HasSubstr("a.spz: 1 of 3 Gaussians"));
+  EXPECT_THAT(message, testing::HasSubstr("y of Gaussian 2 is inf"));
+}
+
+TEST(DeviationOf, StaysWithinFloats) {
+  for (const float log : {-1e30f, -69.f, 0.f, 88.f, 1e30f}) {
+    EXPECT_TRUE(std::isnormal(DeviationOf(log))) << log;
+    EXPECT_TRUE(std::isfinite(LogOfDeviation(DeviationOf(log)))) << log;
+  }
+  EXPECT_NEAR(LogOfDeviation(DeviationOf(-3)), -3, 1e-6);
+  EXPECT_NEAR(LogOfDeviation(0), std::log(1e-30), 1e-4);
+  EXPECT_TRUE(std::isnan(LogOfDeviation(-1)));
 }
 
 TEST(ZeroSplat, RefusesAnEmptyFile) {

@@ -1,4 +1,4 @@
-// SPZ: a file as it is, or what gzip has packed in it.
+// SPZ: a file as it is, and what gzip has packed in one.
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/formats/spz.h"
@@ -8,4 +8,5 @@ ORACLEGS_FUZZ_TARGET(spz) {
   const bool packed = bytes.starts_with("\x1f\x8b");
   const std::string file = packed ? std::string(bytes) : fuzz::StoredGzip(bytes);
   fuzz::Try([&] { DecodeSpz(file, "f"); });
+  if (!packed) fuzz::Try([&] { DecodeSpz(bytes, "f"); });
 }

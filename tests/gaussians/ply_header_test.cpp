@@ -78,6 +78,16 @@ TEST(PlySize, IsThatOfTheType) {
   EXPECT_EQ(PlySize(PlyType::kDouble), 8u);
 }
 
+TEST(PlyHeader, RefusesAnElementNamedTwice) {
+  std::string text = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 1000; ++i) text += "element e" + std::to_string(i) + " 0\n";
+  EXPECT_EQ(Error(text + "end_header\n"), "no error");
+  EXPECT_THAT(Error(text + "element e7 0\nend_header\n"), HasSubstr("line 1003"));
+  for (int i = 1000; i < 10000; ++i) text += "property int p" + std::to_string(i) + "\n";
+  EXPECT_EQ(Error(text + "end_header\n"), "no error");
+  EXPECT_THAT(Error(text + "property int q\nend_header\n"), HasSubstr("more than 10000 elements and properties"));
+}
+
 TEST(PlyHeader, LimitsComments) {
   std::string text = "ply\nformat ascii 1.0\ncomment  a  word\ncomment\n";
   for (int i = 0; i < 200; ++i) text += "comment " + std::string(2000, 'x') + "\n";

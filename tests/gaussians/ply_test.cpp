@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -164,17 +165,66 @@ TEST_F(GaussianPlyFile, NamesTheMistake) {
   EXPECT_THAT(ReadError(Write("ply\nwhat \x1b[31mis this\nend_header\n")), HasSubstr("?[31m"));
 }
 
-TEST_F(GaussianPlyFile, RefusesNanAndZeroRotations) {
+TEST_F(GaussianPlyFile, RefusesManyRowsThatAreNotFinite) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     Gaussians g = RandomGaussians(5);
     g.log_scales[3 * 3 + 1] = bad;
     WriteGaussianPly(path_, g);
-    EXPECT_THAT(ReadError(path_), HasSubstr("scale_1 of vertex 3"));
+    EXPECT_THAT(ReadError(path_), HasSubstr("scale_1 of Gaussian 3"));
   }
-  Gaussians g = RandomGaussians(5);
-  g.quats.Rows(4, 5).SetZero();
-  WriteGaussianPly(path_, g);
-  EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
+}
+
+TEST_F(GaussianPlyFile, LeavesOutOneBadRowAndSaysSo) {
+  Gaussians g = RandomGaussians(20);
+  g.sh[5 * kShFloats + 1] = std::numeric_limits<float>::quiet_NaN();
+  WriteGaussianPly(path_, g, 1, {}, std::vector<float>(20, 0.5f));
+  const GaussianPly read = ReadGaussianPly(path_);
+  EXPECT_EQ(read.gaussians.size(), 19);
+  EXPECT_EQ(read.support.size(), 19u);
+  EXPECT_EQ(read.gaussians.means[5 * 3], g.means[6 * 3]);
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("1 of 20 Gaussians")));
+}
+
+/// A line of a text file with one Gaussian of these properties, numbered from 1 in their order.
+std::string OneRow(const std::vector<std::string>& properties) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n", row;
+  for (const std::string& name : properties) {
+    text += "property float " + name + "\n";
+    row += std::to_string(row.empty() ? 1 : 1 + std::count(row.begin(), row.end(), ' ')) + " ";
+  }
+  return text + "end_header\n" + row + "\n";
+}
+
+TEST_F(GaussianPlyFile, ReadsDiscsOfTwoScales) {
+  Write(OneRow({"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "rot_0", "rot_1", "rot_2",
+                "rot_3"}));
+  const GaussianPly read = ReadGaussianPly(path_);
+  EXPECT_EQ(read.gaussians.log_scales[0], 8);
+  EXPECT_NEAR(read.gaussians.log_scales[2], 8 + std::log(1e-3), 1e-4);
+  EXPECT_EQ(read.gaussians.quats[0], 10);
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("two scales")));
+}
+
+TEST_F(GaussianPlyFile, ReadsHarmonicsOfDegreeFourToDegreeThree) {
+  std::vector<std::string> names = {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"};
+  for (int i = 0; i < 72; ++i) names.push_back("f_rest_" + std::to_string(i));
+  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
+    names.emplace_back(name);
+  }
+  const GaussianPly read = ReadGaussianPly(Write(OneRow(names)));
+  EXPECT_EQ(read.sh_degree, 3);
+  EXPECT_EQ(read.gaussians.sh[3], 7);                 // red of the first coefficient: f_rest_0
+  EXPECT_EQ(read.gaussians.sh[4], 7 + 24);            // green of it
+  EXPECT_EQ(read.gaussians.sh[47], 7 + 2 * 24 + 14);  // blue of the last one of degree 3
+  EXPECT_EQ(read.gaussians.opacity_logits[0], 79);
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("degree 4")));
+}
+
+TEST_F(GaussianPlyFile, KeepsTheMarkOfAntialiasedTraining) {
+  WriteGaussianPly(path_, RandomGaussians(2), 0, {kAntialiasedComment});
+  EXPECT_TRUE(ReadGaussianPly(path_).antialiased);
+  WriteGaussianPly(path_, RandomGaussians(2), 0, {"SplatRenderMode: default"});
+  EXPECT_FALSE(ReadGaussianPly(path_).antialiased);
 }
 
 TEST_F(GaussianPlyFile, TakesDenormalNumbersForWhatTheyAre) {
@@ -187,9 +237,9 @@ TEST_F(GaussianPlyFile, TakesDenormalNumbersForWhatTheyAre) {
   EXPECT_EQ(read.means[1], -kTiny);
   EXPECT_EQ(read.sh[0], kTiny);
   g.quats.Rows(1, 2).SetZero();
-  g.quats[4] = kTiny;
+  g.quats[5] = kTiny;
   WriteGaussianPly(path_, g);
-  EXPECT_THAT(ReadError(path_), HasSubstr("no rotation"));
+  EXPECT_THAT(ReadGaussianPly(path_).gaussians.quats.Rows(1, 2).span(), testing::ElementsAre(0, 1, 0, 0));
 }
 
 TEST_F(GaussianPlyFile, AcceptsOpacityZeroAndOne) {
@@ -204,7 +254,7 @@ TEST_F(GaussianPlyFile, AcceptsOpacityZeroAndOne) {
   }
   g.opacity_logits[1] = std::numeric_limits<float>::quiet_NaN();
   WriteGaussianPly(path_, g);
-  EXPECT_THAT(ReadError(path_), HasSubstr("opacity of vertex 1"));
+  EXPECT_THAT(ReadError(path_), HasSubstr("opacity of Gaussian 1"));
 }
 
 TEST_F(GaussianPlyFile, ReadsAsciiAtTheLimits) {
@@ -215,9 +265,9 @@ TEST_F(GaussianPlyFile, ReadsAsciiAtTheLimits) {
       "scale_1\n"
       "property float scale_2\nproperty float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\n"
       "end_header\n";
-  EXPECT_THAT(ReadError(Write(head + "1 2 nan 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("z of vertex 0"));
-  EXPECT_THAT(ReadError(Write(head + "1 1e400 0 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("y of vertex 0"));
-  EXPECT_THAT(ReadError(Write(head + "1 1e50 0 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("y of vertex 0"));
+  EXPECT_THAT(ReadError(Write(head + "1 2 nan 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("z of Gaussian 0"));
+  EXPECT_THAT(ReadError(Write(head + "1 1e400 0 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("y of Gaussian 0"));
+  EXPECT_THAT(ReadError(Write(head + "1 1e50 0 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("y of Gaussian 0"));
   EXPECT_THAT(ReadError(Write(head + "1 2 3x 0 0 0 0 0 0 0 1 0 0 0\n")), HasSubstr("not a number"));
   EXPECT_EQ(ReadError(Write(head + "1 1e-400 0 0 0 0 0 0 0 0 1 0 0 0")), "no error");  // the last needs no newline
 }

@@ -9,6 +9,7 @@
 #include "oraclegs/render/make_rasterizer.h"
 #include "pipeline/fixtures.h"
 #include "support/buffers.h"
+#include "support/event_recorder.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {
@@ -138,10 +139,46 @@ TEST(LoadModel, BringsAnExportInMetersBackToTheScene) {
   const TempDir temp;
   WriteGaussianPly(temp / "in.ply", Row(3), 3, {"a unit is 0.5 m"});
   Export(temp / "in.ply", temp / "m.ply", {});
-  const Model model = LoadModel(temp / "m.ply", {}, kCpu, 0.5);
+  const Model model = LoadModel(temp / "m.ply", {}, kCpu, {.unit_meters = 0.5});
   EXPECT_NEAR(model.gaussians.means[6], 2, 1e-6);
   EXPECT_EQ(model.unit_meters, 0.5);
   EXPECT_NEAR(LoadModel(temp / "m.ply", {}, kCpu).gaussians.means[6], 1, 1e-6);
+}
+
+TEST(LoadModel, IsRenderedAsItsFileSaysThatItWasTrained) {
+  const TempDir temp;
+  WriteGaussianPly(temp / "in.ply", Row(3), 3, {kAntialiasedComment});
+  EventRecorder recorder;
+  EXPECT_TRUE(LoadModel(temp / "in.ply", {}, kCpu, {}, recorder.AsListener()).render.antialiased);
+  EXPECT_THAT(recorder.notes, testing::ElementsAre(testing::HasSubstr("trained antialiased")));
+  WriteGaussianPly(temp / "in.ply", Row(3), 3);
+  EXPECT_FALSE(LoadModel(temp / "in.ply", {}, kCpu).render.antialiased);
+}
+
+TEST(ExportSplat, SaysWhatItReadsAndCannotWrite) {
+  const TempDir temp;
+  Gaussians g = Row(20);
+  Flat(g.log_scales).setConstant(-3);
+  g.means[3] = NAN;
+  WriteGaussianPly(temp / "in.ply", g, 0, {kAntialiasedComment});
+  EventRecorder recorder;
+  const ExportResult result = ExportSplat(temp / "in.ply", temp / "out.sog", {}, std::nullopt, recorder.AsListener());
+  EXPECT_EQ(result.before, 19);
+  EXPECT_EQ(result.after, 19);
+  EXPECT_THAT(recorder.warnings, testing::ElementsAre(testing::HasSubstr("in.ply: 1 of 20 Gaussians"),
+                                                      testing::HasSubstr("out.sog: .sog cannot say")));
+}
+
+TEST(ExportSplat, RefusesWhatScalingMakesInfinite) {
+  const TempDir temp;
+  Gaussians g = Row(4);
+  g.means[0] = 3e38f;
+  WriteGaussianPly(temp / "in.ply", g, 0);
+  for (const char* name : {"out.ply", "out.sog", "out.glb"}) {
+    EXPECT_THAT(MessageOf<InputError>([&] { Export(temp / "in.ply", temp / name, {.scale = 100}); }),
+                testing::HasSubstr("1 of 4 Gaussians are not kept"));
+    EXPECT_FALSE(std::filesystem::exists(temp / name));
+  }
 }
 
 TEST(ExportSplat, AutoNeedsCameras) {

@@ -26,7 +26,7 @@ TEST_F(RenderPathTest, RendersItsPaths) {
   path.path = PathKind::kTrain;
   EXPECT_EQ(PathCameras(posed, request->options.image, path).size(), posed.split.train.size());
 
-  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
+  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu, posed.frame);
   RenderCameras(model, orbit, *temp / "pictures", path, Silent());
   const Image8 picture = ReadImage(*temp / "pictures" / "0000.png");
   EXPECT_EQ(picture.width, 48);
@@ -35,7 +35,7 @@ TEST_F(RenderPathTest, RendersItsPaths) {
 
 TEST_F(RenderPathTest, WritesEachValueIntoItsFolder) {
   const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
-  Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
+  Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu, posed.frame);
   RenderPathOptions path;
   path.video = false, path.frames = 2, path.path = PathKind::kInterpolate, path.what = "normals,colour,depth";
 
@@ -76,8 +76,8 @@ TEST_F(RenderPathTest, KeepsViewsOfOneStemApart) {
 }
 
 TEST_F(RenderPathTest, WritesTheVideoIntoTheNamedFolderAlone) {
-  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu);
   const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
+  const Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu, posed.frame);
   RenderPathOptions path;
   path.frames = 2;
   const auto orbit = PathCameras(posed, request->options.image, path);

@@ -2,8 +2,10 @@
 
 import json
 import shutil
+import tempfile
 import unittest
 import warnings
+from pathlib import Path
 
 import fixtures
 import numpy as np
@@ -96,6 +98,17 @@ class Splat(unittest.TestCase):
                          [(n, 3), (n, 3), (n, 4), (n,), (n, 16, 3)])  # fmt: skip
         self.assertEqual(splat.support.shape, (n,))
         self.assertTrue(((splat.opacities >= 0) & (splat.opacities <= 1)).all())
+
+    def test_what_is_left_out_is_a_warning(self):
+        header, body = (fixtures.finished_run() / "point_cloud.ply").read_bytes().split(b"end_header\n", 1)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "odd.ply"
+            nan = np.array([np.nan], "<f4").tobytes()
+            path.write_bytes(header + b"comment SplatRenderMode: mip\nend_header\n" + nan + body[4:])
+            with self.assertWarnsRegex(UserWarning, "1 of [0-9]+ Gaussians"):
+                splat = oraclegs.read_splat(path)
+        self.assertEqual(len(splat), len(oraclegs.read_splat(fixtures.finished_run() / "point_cloud.ply")) - 1)
+        self.assertTrue(splat.antialiased)
 
     def test_renders_from_matrices_and_one_gaussian_where_it_is(self):
         one = oraclegs.Splat(np.array([[0, 0, 4]]), np.full((1, 3), -2.0), np.array([[1, 0, 0, 0]]), np.array([5.0]),

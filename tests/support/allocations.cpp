@@ -31,12 +31,13 @@ namespace {
 constexpr int kMaxFrames = 24;
 
 std::atomic<bool> g_counting{false};
-std::atomic<int64_t> g_count{0};
+std::atomic<int64_t> g_count{0}, g_bytes{0};
 void* g_frames[kMaxFrames];
 int g_num_frames = 0;
 
-void Count() {
+void Count(size_t bytes) {
   if (!g_counting.load(std::memory_order_relaxed)) return;
+  g_bytes += static_cast<int64_t>(bytes);
   if (g_count++ == 0) g_num_frames = backtrace(g_frames, kMaxFrames);
 }
 
@@ -46,6 +47,7 @@ void AllocationCounter::Begin() {
   void* frame;
   backtrace(&frame, 1);  // the first call allocates
   g_count = 0;
+  g_bytes = 0;
   g_num_frames = 0;
   g_counting = true;
 }
@@ -54,6 +56,8 @@ int64_t AllocationCounter::End() {
   g_counting = false;
   return g_count;
 }
+
+int64_t AllocationCounter::Bytes() { return g_bytes; }
 
 std::string AllocationCounter::First() {
   char** symbols = backtrace_symbols(g_frames, g_num_frames);
@@ -71,27 +75,27 @@ void* __libc_realloc(void* old, size_t size);
 void* __libc_memalign(size_t alignment, size_t size);
 
 void* malloc(size_t size) noexcept {
-  Count();
+  Count(size);
   return __libc_malloc(size);
 }
 void* calloc(size_t count, size_t size) noexcept {
-  Count();
+  Count(count * size);
   return __libc_calloc(count, size);
 }
 void* realloc(void* old, size_t size) noexcept {
-  Count();
+  Count(size);
   return __libc_realloc(old, size);
 }
 void* memalign(size_t alignment, size_t size) noexcept {
-  Count();
+  Count(size);
   return __libc_memalign(alignment, size);
 }
 void* aligned_alloc(size_t alignment, size_t size) noexcept {
-  Count();
+  Count(size);
   return __libc_memalign(alignment, size);
 }
 int posix_memalign(void** out, size_t alignment, size_t size) noexcept {
-  Count();
+  Count(size);
   *out = __libc_memalign(alignment, size);
   return *out == nullptr ? ENOMEM : 0;
 }
@@ -101,6 +105,7 @@ int posix_memalign(void** out, size_t alignment, size_t size) noexcept {
 
 void AllocationCounter::Begin() {}
 int64_t AllocationCounter::End() { return 0; }
+int64_t AllocationCounter::Bytes() { return 0; }
 std::string AllocationCounter::First() { return {}; }
 
 #endif

@@ -15,6 +15,8 @@ class AllocationCounter {
   static void Begin();
   /// How many allocations there were since Begin.
   static int64_t End();
+  /// How many bytes they asked for, those that were given back included.
+  static int64_t Bytes();
   /// Where the first of them came from, one address a line (addr2line -Cfe BINARY ADDRESS shows the source).
   static std::string First();
 };

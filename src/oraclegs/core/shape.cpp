@@ -3,6 +3,16 @@
 #include "oraclegs/core/error.h"
 
 namespace oraclegs {
+namespace {
+
+/// Unsigned, so that it is defined for every file: an array without entries may have sizes whose product is no number.
+int64_t Product(const int64_t* begin, const int64_t* end) {
+  uint64_t product = 1;
+  for (const int64_t* size = begin; size != end; ++size) product *= static_cast<uint64_t>(*size);
+  return static_cast<int64_t>(product);
+}
+
+}  // namespace
 
 Shape::Shape(std::span<const int64_t> sizes) : dims_(static_cast<int>(sizes.size())) {
   if (sizes.size() > kMaxDims)
@@ -19,17 +29,9 @@ int64_t Shape::operator[](int i) const {
   return sizes_[static_cast<size_t>(at)];
 }
 
-int64_t Shape::count() const {
-  int64_t count = 1;
-  for (const int64_t size : *this) count *= size;
-  return count;
-}
+int64_t Shape::count() const { return Product(begin(), end()); }
 
-int64_t Shape::row() const {
-  int64_t count = 1;
-  for (int i = 1; i < dims_; ++i) count *= sizes_[static_cast<size_t>(i)];
-  return count;
-}
+int64_t Shape::row() const { return dims_ == 0 ? 1 : Product(begin() + 1, end()); }
 
 Shape Shape::WithRows(int64_t rows) const {
   Shape shape = *this;

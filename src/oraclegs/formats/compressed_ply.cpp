@@ -5,8 +5,6 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
-#include "oraclegs/formats/spatial_order.h"
-#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {
@@ -18,7 +16,7 @@ constexpr const char* kBoundNames[] = {
 constexpr int kBounds = 18, kBoundsWithoutColor = 12;
 constexpr const char* kPackedNames[] = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 constexpr int kPacked = 4;
-constexpr float kShRange = 8;  // harmonics within [-4, 4]
+constexpr float kShRange = 2 * kLargestHarmonic;
 constexpr float kLargestLogScale = 20;
 constexpr float kHalfSqrt = 0.70710678f;
 
@@ -57,7 +55,7 @@ std::array<float, 9> BoundedValues(const GaussianRows& g) {
   for (int c = 0; c < 3; ++c) {
     v[c] = g.means[c];
     v[3 + c] = std::clamp(g.log_scales[c], -kLargestLogScale, kLargestLogScale);
-    v[6 + c] = g.sh[c] * static_cast<float>(kConstantSh) + 0.5f;
+    v[6 + c] = std::clamp(g.sh[c] * static_cast<float>(kConstantSh) + 0.5f, kLowestColor, kHighestColor);
   }
   return v;
 }
@@ -83,8 +81,8 @@ void WriteChunk(const GaussianRows& first, int64_t count, char* bounds, char* pa
     const GaussianRows g = first.From(k);
     std::array<float, 9> v = BoundedValues(g);
     for (int i = 0; i < 9; ++i) {
-      const float low = b[LowerBound(i)], range = b[LowerBound(i) + 3] - low;
-      v[i] = range > 0 ? (v[i] - low) / range : 0;
+      const double low = b[LowerBound(i)], range = b[LowerBound(i) + 3] - low;  // of floats, which it may exceed
+      v[i] = range > 0 ? static_cast<float>((v[i] - low) / range) : 0;
     }
     const uint32_t row[kPacked] = {Pack3({v[0], v[1], v[2]}), PackRotation(g.quats), Pack3({v[3], v[4], v[5]}),
                                    PackUnit(v[6], 8) << 24 | PackUnit(v[7], 8) << 16 | PackUnit(v[8], 8) << 8 |
@@ -141,13 +139,8 @@ std::vector<float> BoundsOf(const PlyRows& chunk, const std::string& file) {
   for (int b = 0; b < kBounds; ++b) {
     const size_t offset = b < count ? chunk.OffsetOf(kBoundNames[b], PlyType::kFloat, file) : 0;
     for (uint64_t i = 0; i < chunk.element->count; ++i) {
-      const float value =
+      bounds[i * kBounds + b] =
           b < count ? LoadLittle<float>(chunk.bytes, i * chunk.stride + offset) : static_cast<float>(b >= kBounds - 3);
-      if (!std::isfinite(value)) {
-        throw InputError("{}: {} of chunk {} is {}; the file is damaged, export it again", file, kBoundNames[b], i,
-                         value);
-      }
-      bounds[i * kBounds + b] = value;
     }
   }
   return bounds;
@@ -182,7 +175,7 @@ void ReadHarmonics(const PlyRows& rows, int degree, const GaussianRows& all) {
 
 std::string EncodeCompressedPly(const Gaussians& gaussians, int sh_degree, const std::vector<std::string>& comments) {
   gaussians.Check("EncodeCompressedPly");
-  const Gaussians sorted = Picked(gaussians, SpatialOrder(gaussians));
+  const Gaussians sorted = gaussians.To(kCpu);
   const int64_t n = sorted.size(), chunks = (n + kChunk - 1) / kChunk;
   const int per_channel = ShCount(sh_degree) - 1;
   std::string bytes = "ply\nformat binary_little_endian 1.0\n";
@@ -239,11 +232,13 @@ GaussianPly DecodeCompressedPly(std::string_view bytes, const std::string& file)
                      kChunk);
   }
   const int sh = header.Find("sh");
-  GaussianPly splat = ZeroSplat(static_cast<int64_t>(n), sh < 0 ? 0 : CompressedDegree(tables[sh], n, file), file);
-  splat.comments = header.comments;
-  const std::vector<float> bounds = BoundsOf(chunk, file);
-  size_t offsets[kPacked];
+  const int degree = sh < 0 ? 0 : CompressedDegree(tables[sh], n, file);
+  size_t offsets[kPacked];  // before memory is taken: rows of fewer bytes could promise any number of Gaussians
   for (int i = 0; i < kPacked; ++i) offsets[i] = vertex.OffsetOf(kPackedNames[i], PlyType::kUint32, file);
+  const std::vector<float> bounds = BoundsOf(chunk, file);
+  GaussianPly splat = ZeroSplat(static_cast<int64_t>(n), degree, file);
+  splat.comments = header.comments;
+  splat.antialiased = SaysAntialiased(header.comments);
   const GaussianRows all = splat.gaussians.Rows();
   ParallelBlocks(static_cast<int64_t>(n), kChunk, [&](int64_t begin, int64_t end) {
     const float* b = bounds.data() + begin / kChunk * kBounds;
@@ -263,7 +258,7 @@ GaussianPly DecodeCompressedPly(std::string_view bytes, const std::string& file)
     }
   });
   if (sh >= 0) ReadHarmonics(tables[sh], splat.sh_degree, all);
-  return splat;
+  return WithoutDamaged(std::move(splat), file);
 }
 
 }  // namespace oraclegs

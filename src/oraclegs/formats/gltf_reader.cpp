@@ -3,10 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <set>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/glb_file.h"
 #include "oraclegs/formats/gltf_layout.h"
+#include "oraclegs/formats/linear_color.h"
 #include "oraclegs/formats/spz.h"
 #include "oraclegs/gaussians/transform.h"
 
@@ -14,7 +18,6 @@ namespace oraclegs {
 namespace {
 
 constexpr double kUneven = 1e-3;  // relative
-constexpr float kFlatScale = 1e-30f;
 
 // Primitives may share their bytes, so that a small file could promise any number of Gaussians. Attributes take 14
 // bytes a Gaussian or more; SPZ is bounded as DecodeSpz bounds it.
@@ -39,15 +42,16 @@ class GltfReader {
         most_packed_(std::max(kPlausiblePacked, static_cast<int64_t>(bytes) * kMostPackedPerByte)) {
     const nlohmann::json& scene = glb.Item("scenes", glb.Integer(glb.json(), "scene", 0));
     // A list of what is left, not recursion: a file may be a chain of a million nodes.
-    Push(scene.value("nodes", nlohmann::json()), Eigen::Matrix4d::Identity());
+    Push(scene, "nodes", Eigen::Matrix4d::Identity());
     while (!left_.empty()) {
       const auto [index, parent] = left_.back();
       left_.pop_back();
-      Visit(index, parent);
+      Visit(index, *parent);
     }
   }
 
   std::vector<GltfPart> Take() { return std::move(parts_); }
+  const std::set<std::string>& warnings() const { return warnings_; }
 
  private:
   enum class Mesh : uint8_t { kUnseen, kOther, kOfGaussians };
@@ -61,20 +65,25 @@ class GltfReader {
     throw InputError("{}: {}; export it again", glb_.file(), what);
   }
 
-  void Push(const nlohmann::json& children, const Eigen::Matrix4d& parent) {
-    if (!children.is_array()) return;
-    for (const nlohmann::json& child : children) {
+  /// Adds the nodes under a key to what is left, each once; they share their parent's matrix.
+  void Push(const nlohmann::json& from, const char* key, const Eigen::Matrix4d& parent) {
+    const auto children = from.find(key);
+    if (children == from.end() || !children->is_array() || children->empty()) return;
+    const auto matrix = std::make_shared<const Eigen::Matrix4d>(parent);
+    for (const nlohmann::json& child : *children) {
       if (!child.is_number_unsigned()) Fail("a node is named by no number");
-      left_.emplace_back(child.get<int64_t>(), parent);
+      const auto index = child.get<int64_t>();
+      glb_.Item("nodes", index);
+      if (visited_[index]) Fail(fmt::format("node {} stands at two places", index));
+      visited_[index] = true;
+      left_.emplace_back(index, matrix);
     }
   }
 
   void Visit(int64_t index, const Eigen::Matrix4d& parent) {
     const nlohmann::json& node = glb_.Item("nodes", index);
-    if (visited_[index]) Fail(fmt::format("node {} stands at two places", index));
-    visited_[index] = true;
     const Eigen::Matrix4d here = parent * LocalMatrix(node);
-    Push(node.value("children", nlohmann::json()), here);
+    Push(node, "children", here);
     if (node.contains("mesh")) VisitMesh(glb_.Integer(node, "mesh", -1), here);
   }
 
@@ -147,12 +156,32 @@ class GltfReader {
     const nlohmann::json spz = inner.is_object() ? inner.value(kSpzExtension, none) : none;
     GltfPart part = spz.is_object() && spz.contains("bufferView") ? FromSpz(glb_.Integer(spz, "bufferView", -1))
                                                                   : FromAttributes(primitive.value("attributes", none));
+    ConvertColors(extension, &part);
     if (!matrix.isIdentity(0)) part.gaussians = Transformed(part.gaussians, SimilarityOf(matrix));
     parts_.push_back(std::move(part));
   }
 
+  /// Brings colours that are stored as linear light to the program's.
+  void ConvertColors(const nlohmann::json& extension, GltfPart* part) {
+    const nlohmann::json space =
+        extension.is_object() ? extension.value("colorSpace", nlohmann::json()) : nlohmann::json();
+    if (space.is_null() || space == kDisplayColors) return;
+    if (space == kLinearColors) {
+      warnings_.insert(
+          fmt::format("{}: its colors are linear; they are converted to sRGB, which is not exact where "
+                      "Gaussians cover each other",
+                      glb_.file()));
+      ColorsFromLinear(part->degree, &part->gaussians);
+      return;
+    }
+    warnings_.insert(
+        fmt::format("{}: its colors are in the space {}, which is not known; they are taken for {}", glb_.file(),
+                    QuotedForMessage(space.is_string() ? space.get<std::string>() : space.dump()), kDisplayColors));
+  }
+
   GltfPart FromSpz(int64_t view) {
     GaussianPly splat = DecodeSpz(glb_.View(view), glb_.file());
+    warnings_.insert(splat.warnings.begin(), splat.warnings.end());
     Count(&packed_, splat.gaussians.size(), most_packed_);
     for (int64_t i = 0; i < splat.gaussians.size(); ++i) TurnHalf(splat.gaussians.Rows().From(i), kTurnAboutZ);
     return {splat.gaussians, splat.sh_degree, {}};
@@ -168,6 +197,9 @@ class GltfReader {
     Count(&rows_, n, most_rows_);
     int degree = 0;
     while (degree < kMaxShDegree && accessor(HarmonicAttribute(ShCount(degree))) >= 0) ++degree;
+    if (degree == kMaxShDegree && accessor(HarmonicAttribute(kShCoefficients)) >= 0) {
+      warnings_.insert(DegreeLeftOut(degree + 1, glb_.file()));
+    }
     GltfPart part{ZeroSplat(n, degree, glb_.file()).gaussians, degree, {}};
     const auto floats = [&](const std::string& name, int components) {
       std::vector<float> values = glb_.Floats(accessor(name), components);
@@ -184,7 +216,7 @@ class GltfReader {
       for (int c = 0; c < 3; ++c) {
         g.means[c] = means[3 * i + c];
         g.quats[1 + c] = rotations[4 * i + c];
-        g.log_scales[c] = std::log(scales[3 * i + c] >= 0 ? std::max(scales[3 * i + c], kFlatScale) : NAN);
+        g.log_scales[c] = LogOfDeviation(scales[3 * i + c]);
       }
       g.opacity_logits[0] = LogitOfOpacity(opacities[i]);
     }
@@ -194,7 +226,6 @@ class GltfReader {
       const std::vector<float> sh = floats(HarmonicAttribute(k), 3);
       for (int64_t i = 0; i < n; ++i) std::copy_n(sh.data() + 3 * i, 3, all.From(i).sh + 3 * k);
     }
-    RequireFinite(part.gaussians, glb_.file());
     if (accessor(kSplatSupport) >= 0) part.support = floats(kSplatSupport, 1);
     for (const float s : part.support) {
       if (!(s >= 0 && s <= 1)) Fail(fmt::format("{} has {}, expected 0 to 1", kSplatSupport, s));
@@ -207,15 +238,17 @@ class GltfReader {
   std::vector<Mesh> meshes_;
   int64_t rows_ = 0, packed_ = 0;  // Gaussians so far, of attributes and of SPZ
   int64_t most_rows_, most_packed_;
-  std::vector<std::pair<int64_t, Eigen::Matrix4d>> left_;
+  std::vector<std::pair<int64_t, std::shared_ptr<const Eigen::Matrix4d>>> left_;
   std::vector<GltfPart> parts_;
+  std::set<std::string> warnings_;
 };
 
 }  // namespace
 
 GaussianPly DecodeGltf(std::string_view bytes, const std::string& file) {
   const GlbFile glb(bytes, file);
-  const std::vector<GltfPart> parts = GltfReader(glb, bytes.size()).Take();
+  GltfReader reader(glb, bytes.size());
+  const std::vector<GltfPart> parts = reader.Take();
   int64_t n = 0;
   int degree = 0;
   for (const GltfPart& part : parts) {
@@ -224,6 +257,7 @@ GaussianPly DecodeGltf(std::string_view bytes, const std::string& file) {
   }
   if (parts.empty()) throw InputError("{}: no node of its scene has Gaussians ({})", file, kSplatExtension);
   GaussianPly splat = ZeroSplat(n, degree, file);
+  splat.warnings.assign(reader.warnings().begin(), reader.warnings().end());
   int64_t row = 0;
   for (const GltfPart& part : parts) {
     std::vector<Buffer<float>> from;
@@ -239,7 +273,7 @@ GaussianPly DecodeGltf(std::string_view bytes, const std::string& file) {
   ParallelBlocks(n, kSplatGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) TurnHalf(all.From(i), kTurnAboutZ);
   });
-  return splat;
+  return WithoutDamaged(std::move(splat), file);
 }
 
 }  // namespace oraclegs

@@ -8,9 +8,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/gltf_layout.h"
-#include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/spz.h"
-#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {
@@ -36,7 +34,7 @@ class GltfWriter {
              {"scenes", {{{"nodes", {0}}}}},
              {"nodes", {{{"mesh", 0}}}}};
     extension_ = {{"kernel", "ellipse"},
-                  {"colorSpace", "srgb_rec709_display"},
+                  {"colorSpace", kDisplayColors},
                   {"sortingMethod", "cameraDistance"},
                   {"projection", "perspective"}};
   }
@@ -66,7 +64,7 @@ class GltfWriter {
       to[3] = q[0];
     });
     Add(kSplatScale, 3, stored, [&](int64_t i, float* to) {
-      for (int c = 0; c < 3; ++c) to[c] = std::exp(rows_.From(i).log_scales[c]);
+      for (int c = 0; c < 3; ++c) to[c] = DeviationOf(rows_.From(i).log_scales[c]);
     });
     Add(kSplatOpacity, 1, stored, [&](int64_t i, float* to) { *to = Sigmoid(g_.opacity_logits[i]); });
     for (int k = 0; k < ShCount(degree); ++k) {
@@ -180,12 +178,11 @@ std::string EncodeGltf(const Gaussians& gaussians, int sh_degree, const std::vec
 
 std::string EncodeGltfSpz(const Gaussians& gaussians, int sh_degree) {
   gaussians.Check("EncodeGltfSpz");
-  const Gaussians sorted = Picked(gaussians, SpatialOrder(gaussians));
-  const Gaussians turned = TurnedForGltf(sorted, sh_degree);
+  const Gaussians turned = TurnedForGltf(gaussians, sh_degree);
   GltfWriter writer(turned);
   writer.AddGaussians(sh_degree, false);
   // The extension has SPZ packed from glTF's axes to SPZ's own, which is where SPZ has them anyway.
-  writer.AddSpz(EncodeSpz(sorted, sh_degree, SpzVersion::k2));
+  writer.AddSpz(EncodeSpz(gaussians, sh_degree, SpzVersion::k2));
   return writer.Write();
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace oraclegs {
 
@@ -14,8 +15,13 @@ inline constexpr uint8_t kSogFirstRotationTag = 252;  ///< alpha of a quaternion
 inline constexpr float kSogSqrtHalf = 0.70710678f;
 
 /// Positions are stored in a scale that is fine near the origin.
-inline float ToLogSpace(float x) { return std::copysign(std::log1p(std::abs(x)), x); }
-inline float FromLogSpace(float y) { return std::copysign(std::expm1(std::abs(y)), y); }
+/// Doubles: far from the origin, the logarithms of neighbors differ by less than a float can tell.
+inline double ToLogSpace(float x) { return std::copysign(std::log1p(std::abs(double{x})), double{x}); }
+inline float FromLogSpace(double y) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  const double x = std::expm1(std::abs(y));
+  return static_cast<float>(std::copysign(x > kLargest && x < kLargest * 1.001 ? kLargest : x, y));
+}
 
 /// Support as a byte: 256 steps from their lower ends, so that the borders of its classes are kept.
 inline uint8_t PackSupport(float support) { return static_cast<uint8_t>(std::min(support * 256, 255.f)); }

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <system_error>
 
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/sog_layout.h"
@@ -14,15 +17,17 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kMostSogFiles = 64;
+constexpr const char* kSogMeta = "meta.json";
 constexpr int64_t kMostPixels = int64_t{16383} * 16383;  // of a WebP image
 constexpr int64_t kSparePixels = 65536;                  // images are padded
 constexpr int64_t kPlausibleCount = 1 << 20, kMostPerByte = 64;
 
 class SogReader {
  public:
-  SogReader(std::string_view bytes, const std::string& file)
-      : file_(file), files_(ReadZip(bytes, kMostSogFiles, file)) {
-    const auto meta = files_.find("meta.json");
+  /// `files` by their names, which have `bytes` bytes where they are stored.
+  SogReader(std::map<std::string, std::string> files, size_t bytes, const std::string& file)
+      : file_(file), files_(std::move(files)) {
+    const auto meta = files_.find(kSogMeta);
     if (meta == files_.end()) throw InputError("{}: has no meta.json; is it a splat in SOG format?", file_);
     meta_ = ParseUniqueJson(meta->second, file_, "meta.json");
     if (!meta_.is_object() || meta_.value("version", nlohmann::json()) != kSogVersion) {
@@ -30,8 +35,8 @@ class SogReader {
     }
     count_ = Integer(meta_, "count", kMostPixels);
     // Images of one colour pack without limit, and each Gaussian takes 240 bytes of memory.
-    if (count_ > kPlausibleCount && count_ / kMostPerByte > static_cast<int64_t>(bytes.size())) {
-      throw InputError("{}: promises {} Gaussians in {} bytes; the file is damaged", file_, count_, bytes.size());
+    if (count_ > kPlausibleCount && count_ / kMostPerByte > static_cast<int64_t>(bytes)) {
+      throw InputError("{}: promises {} Gaussians in {} bytes; the file is damaged", file_, count_, bytes);
     }
   }
 
@@ -42,7 +47,7 @@ class SogReader {
     GaussianPly splat = ZeroSplat(count_, degree, file_);
     ReadMeans(low, high, splat.gaussians);
     ReadRotations(Pixels("quats", 0), splat.gaussians);
-    const std::vector<float> scales = Numbers("scales", "codebook", 256), colors = Numbers("sh0", "codebook", 256);
+    const std::vector<float> scales = Codebook("scales"), colors = Codebook("sh0");
     const ByteImage scale_pixels = Pixels("scales", 0), color_pixels = Pixels("sh0", 0);
     const GaussianRows all = splat.gaussians.Rows();
     ForEach([&](int64_t i) {
@@ -59,8 +64,7 @@ class SogReader {
       const ByteImage image = Pixels("support", 0);
       for (int64_t i = 0; i < count_; ++i) splat.support.push_back(UnpackSupport(image.rgba[4 * i]));
     }
-    RequireFinite(splat.gaussians, file_);
-    return splat;
+    return WithoutDamaged(std::move(splat), file_);
   }
 
  private:
@@ -80,15 +84,21 @@ class SogReader {
     return object[key];
   }
 
-  std::vector<float> Numbers(const char* group, const char* key, size_t count) const {
+  std::vector<double> Numbers(const char* group, const char* key, size_t count) const {
     const nlohmann::json list = Member(group, key);
-    std::vector<float> numbers;
+    std::vector<double> numbers;
     if (list.is_array()) {
-      for (const nlohmann::json& item : list) numbers.push_back(item.is_number() ? item.get<float>() : NAN);
+      for (const nlohmann::json& item : list) numbers.push_back(item.is_number() ? item.get<double>() : NAN);
     }
-    const bool finite = std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::isfinite(x); });
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::abs(x) <= kLargest; });
     if (numbers.size() != count || !finite) Fail(fmt::format("'{}.{}' of {} numbers", group, key, count));
     return numbers;
+  }
+
+  std::vector<float> Codebook(const char* group) const {
+    const std::vector<double> numbers = Numbers(group, "codebook", 256);
+    return {numbers.begin(), numbers.end()};
   }
 
   /// The image of this place in the group's list.
@@ -119,11 +129,11 @@ class SogReader {
   }
 
   void ReadMeans(const ByteImage& low, const ByteImage& high, const Gaussians& to) const {
-    const std::vector<float> least = Numbers("means", "mins", 3), most = Numbers("means", "maxs", 3);
+    const std::vector<double> least = Numbers("means", "mins", 3), most = Numbers("means", "maxs", 3);
     ForEach([&](int64_t i) {
       for (int c = 0; c < 3; ++c) {
         const int fixed = low.rgba[4 * i + c] | high.rgba[4 * i + c] << 8;
-        const float t = static_cast<float>(fixed) / 65535;
+        const double t = fixed / 65535.;
         to.means[3 * i + c] = FromLogSpace(least[c] * (1 - t) + most[c] * t);
       }
     });
@@ -143,7 +153,7 @@ class SogReader {
   void ReadHarmonics(const nlohmann::json& group, int degree, const GaussianRows& all) const {
     const int coefficients = ShCount(degree) - 1;
     const int64_t sets = Integer(group, "count", kSogMostColors);
-    const std::vector<float> codebook = Numbers("shN", "codebook", 256);
+    const std::vector<float> codebook = Codebook("shN");
     const ByteImage colors = Image("shN", 0, int64_t{kSogMostColors} * coefficients), labels = Pixels("shN", 1);
     if (colors.width != kSogPaletteColumns * coefficients || int64_t{colors.height} * kSogPaletteColumns < sets) {
       throw InputError("{}: the image of the harmonics has {} x {} pixels, expected {} x {}; export it again", file_,
@@ -169,6 +179,30 @@ class SogReader {
 
 }  // namespace
 
-GaussianPly DecodeSog(std::string_view bytes, const std::string& file) { return SogReader(bytes, file).Read(); }
+GaussianPly DecodeSog(std::string_view bytes, const std::string& file) {
+  return SogReader(ReadZip(bytes, kMostSogFiles, file), bytes.size(), file).Read();
+}
+
+bool IsSogFolder(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(folder / kSogMeta, ignored) &&
+         std::filesystem::is_regular_file(folder / "means_l.webp", ignored);
+}
+
+GaussianPly ReadSogFolder(const std::filesystem::path& folder) {
+  const std::string file = folder.string();
+  std::map<std::string, std::string> files;
+  size_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    std::error_code ignored;
+    if ((name != kSogMeta && entry.path().extension() != ".webp") || !entry.is_regular_file(ignored)) continue;
+    if (files.size() == kMostSogFiles) {
+      throw InputError("{}: has more than {} images; is it a splat?", file, kMostSogFiles);
+    }
+    bytes += files.emplace(name, ReadFile(entry.path())).first->second.size();
+  }
+  return SogReader(std::move(files), bytes, file).Read();
+}
 
 }  // namespace oraclegs

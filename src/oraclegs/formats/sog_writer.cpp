@@ -8,16 +8,21 @@
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/codebook.h"
 #include "oraclegs/formats/sog_layout.h"
-#include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/formats/webp.h"
 #include "oraclegs/formats/zip_archive.h"
-#include "oraclegs/gaussians/selection.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr int kMostSets = 16384;     // of harmonics: more cost more bytes than they save error
 constexpr int kGaussiansPerSet = 8;  // at least, or the sets are larger than what they replace
+constexpr float kLargestSogLogScale = 20;
+
+/// A codebook of values cut to a range: one value far out would leave no entries for all others.
+std::vector<float> CodebookWithin(std::vector<float> values, float low, float high) {
+  for (float& v : values) v = std::clamp(v, low, high);
+  return MakeCodebook(values);
+}
 
 /// The images and the description of one file.
 class SogWriter {
@@ -59,19 +64,19 @@ class SogWriter {
   }
 
   void AddMeans() {
-    std::array<float, 3> low, high;
+    std::array<double, 3> low, high;
     low.fill(INFINITY);
     high.fill(-INFINITY);
     for (int64_t i = 0; i < 3 * g_.size(); ++i) {
-      const float y = ToLogSpace(g_.means[i]);
+      const double y = ToLogSpace(g_.means[i]);
       low[i % 3] = std::min(low[i % 3], y);
       high[i % 3] = std::max(high[i % 3], y);
     }
     meta_["means"] = {{"mins", low}, {"maxs", high}};
     const auto fixed = [&](int64_t i, int c) {
-      const float range = high[c] - low[c];
-      const float t = range > 0 ? (ToLogSpace(g_.means[3 * i + c]) - low[c]) / range : 0;
-      return static_cast<uint32_t>(std::lround(std::clamp(t, 0.f, 1.f) * 65535));
+      const double range = high[c] - low[c];
+      const double t = range > 0 ? (ToLogSpace(g_.means[3 * i + c]) - low[c]) / range : 0;
+      return static_cast<uint32_t>(std::lround(std::clamp(t, 0., 1.) * 65535));
     };
     for (const int shift : {0, 8}) {
       Add("means", shift == 0 ? "means_l.webp" : "means_u.webp", [&](int64_t i, uint8_t* p) {
@@ -83,7 +88,8 @@ class SogWriter {
 
   void AddScales() {
     const std::span<float> all = g_.log_scales.span();
-    const std::vector<float> codebook = MakeCodebook({all.begin(), all.end()});
+    const std::vector<float> codebook =
+        CodebookWithin({all.begin(), all.end()}, -kLargestSogLogScale, kLargestSogLogScale);
     meta_["scales"]["codebook"] = codebook;
     Add("scales", "scales.webp", [&](int64_t i, uint8_t* p) {
       for (int c = 0; c < 3; ++c) p[c] = NearestEntry(codebook, g_.log_scales[3 * i + c]);
@@ -105,7 +111,9 @@ class SogWriter {
       const float* sh = rows_.From(i).sh;
       all.insert(all.end(), sh, sh + 3);
     }
-    const std::vector<float> codebook = MakeCodebook(all);
+    constexpr float kConstant = kConstantSh;
+    const std::vector<float> codebook =
+        CodebookWithin(std::move(all), (kLowestColor - 0.5f) / kConstant, (kHighestColor - 0.5f) / kConstant);
     meta_["sh0"]["codebook"] = codebook;
     Add("sh0", "sh0.webp", [&](int64_t i, uint8_t* p) {
       const GaussianRows g = rows_.From(i);
@@ -120,7 +128,9 @@ class SogWriter {
     const Buffer<float> vectors = Buffer<float>::Empty({g_.size(), dims});
     std::vector<float> weights;
     for (int64_t i = 0; i < g_.size(); ++i) {
-      std::copy_n(rows_.From(i).sh + 3, dims, vectors.data() + i * dims);
+      const float* sh = rows_.From(i).sh + 3;
+      std::transform(sh, sh + dims, vectors.data() + i * dims,
+                     [](float x) { return std::clamp(x, -kLargestHarmonic, kLargestHarmonic); });
       weights.push_back(Sigmoid(g_.opacity_logits[i]));
     }
     const auto size = static_cast<int>(std::clamp<int64_t>(g_.size() / kGaussiansPerSet, 1, kMostSets));
@@ -147,7 +157,7 @@ class SogWriter {
     });
   }
 
-  const Gaussians& g_;
+  const Gaussians g_;
   const GaussianRows rows_;
   const int degree_;
   int width_, height_;
@@ -159,12 +169,7 @@ class SogWriter {
 
 std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support) {
   gaussians.Check("EncodeSog");
-  const std::vector<int64_t> order = SpatialOrder(gaussians);
-  std::vector<float> sorted;
-  for (const int64_t i : order) {
-    if (!support.empty()) sorted.push_back(support[i]);
-  }
-  return SogWriter(Picked(gaussians, order), sh_degree).Write(sorted);
+  return SogWriter(gaussians.To(kCpu), sh_degree).Write(support);
 }
 
 }  // namespace oraclegs

@@ -12,7 +12,6 @@ namespace {
 constexpr size_t kRowBytes = 32;
 constexpr size_t kRowScales = 12, kRowColor = 24, kRowRotation = 28;  // offsets in a row
 constexpr float kRotationSteps = 128;
-constexpr float kSmallestScale = 1e-30f;  // stands for 0, whose logarithm is not finite
 
 }  // namespace
 
@@ -28,7 +27,7 @@ std::string EncodeSplat(const Gaussians& gaussians) {
       const std::array<float, 4> q = UnitQuaternion(g.quats);
       for (int c = 0; c < 3; ++c) {
         StoreLittle(out + 4 * c, g.means[c]);
-        StoreLittle(out + kRowScales + 4 * c, std::exp(g.log_scales[c]));
+        StoreLittle(out + kRowScales + 4 * c, DeviationOf(g.log_scales[c]));
         out[kRowColor + c] = static_cast<char>(NearestByte((g.sh[c] * static_cast<float>(kConstantSh) + 0.5f) * 255));
       }
       out[kRowColor + 3] = static_cast<char>(NearestByte(Sigmoid(g.opacity_logits[0]) * 255));
@@ -57,16 +56,13 @@ GaussianPly DecodeSplat(std::string_view bytes, const std::string& file) {
       std::copy_n(UnitQuaternion(q).data(), 4, g.quats);
       for (int c = 0; c < 3; ++c) {
         g.means[c] = LoadLittle<float>(in, 4 * c);
-        // A NaN stays one and is refused below.
-        const auto scale = LoadLittle<float>(in, kRowScales + 4 * c);
-        g.log_scales[c] = std::log(scale >= 0 ? std::max(scale, kSmallestScale) : scale);
+        g.log_scales[c] = LogOfDeviation(LoadLittle<float>(in, kRowScales + 4 * c));
         g.sh[c] = (byte(kRowColor + c) / 255 - 0.5f) / static_cast<float>(kConstantSh);
       }
       g.opacity_logits[0] = LogitOfOpacity(byte(kRowColor + 3) / 255);
     }
   });
-  RequireFinite(splat.gaussians, file);
-  return splat;
+  return WithoutDamaged(std::move(splat), file);
 }
 
 }  // namespace oraclegs

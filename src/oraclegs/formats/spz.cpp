@@ -6,17 +6,16 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
 #include "oraclegs/formats/gzip.h"
+#include "oraclegs/formats/spz_container.h"
 
 namespace oraclegs {
 namespace {
 
-constexpr uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
-constexpr size_t kSpzHeader = 16;
 constexpr int kPositionBytes = 3;
-constexpr int kUsualFractionalBits = 12;  // of Niantic's own encoder: coordinates up to 2048
-constexpr int kMaxFractionalBits = 23;
 constexpr float kLargestFixed = (1 << 23) - 1;
 constexpr float kStepsPerDeviation = 16;  // of positions
+constexpr int kSpareBits = 3;             // positions may lose: then they are exact to a quarter of a deviation
+constexpr int64_t kFarShare = 100;        // one Gaussian in so many may stop at the border for the sake of the others
 constexpr float kSpzColorScale = 0.15f;   // of the constant harmonic
 constexpr float kScaleSteps = 16, kScaleOffset = 10;
 constexpr int kSmallestBits = 9;  // of a component, besides its sign
@@ -26,39 +25,29 @@ constexpr float kShSteps = 128;
 constexpr int kOpaqueBucket = 4, kMiddleBucket = 8, kFaintBucket = 16;  // in steps of 1/128
 constexpr float kOpaque = 0.25f, kMiddle = 0.08f;                       // opacities
 
-// Gzip packs equal bytes a thousandfold, but the positions of a scene are mostly noise.
-constexpr uint64_t kSpzPlausibleBytes = 4 << 20, kSpzMostPerByte = 200;
-
-/// Where each attribute begins, for n Gaussians.
-struct SpzLayout {
-  SpzLayout(uint64_t n, int degree, SpzVersion version)
-      : rotation_bytes(version == SpzVersion::k2 ? 3 : 4), sh_bytes(3 * (ShCount(degree) - 1)) {
-    alphas = kSpzHeader + n * 3 * kPositionBytes;
-    colors = alphas + n;
-    scales = colors + 3 * n;
-    rotations = scales + 3 * n;
-    sh = rotations + rotation_bytes * n;
-    end = sh + sh_bytes * n;
-  }
-
-  uint64_t rotation_bytes, sh_bytes;  // of one Gaussian
-  uint64_t alphas, colors, scales, rotations, sh, end;
-};
+/// Bits after the point with which 24 bits hold a coordinate.
+int FittingBits(float largest) {
+  if (!(largest > 0)) return kMaxFractionalBits;
+  return static_cast<int>(std::clamp(std::floor(std::log2(kLargestFixed / largest)), 0.f, float{kMaxFractionalBits}));
+}
 
 /// Bits after the point that positions get: few, since every bit is noise that does not compress.
 int FractionalBits(const Gaussians& gaussians) {
-  float largest = 0;
-  for (const float x : gaussians.means.span()) largest = std::max(largest, std::abs(x));
-  std::vector<float> middle;
-  for (int64_t i = 0; i < gaussians.size(); ++i) {
-    const float* s = gaussians.log_scales.data() + 3 * i;
-    middle.push_back(std::max(std::min(s[0], s[1]), std::min(std::max(s[0], s[1]), s[2])));
+  const auto n = static_cast<size_t>(gaussians.size());
+  std::vector<float> middle(n), reach(n);
+  for (size_t i = 0; i < n; ++i) {
+    const float *s = gaussians.log_scales.data() + 3 * i, *x = gaussians.means.data() + 3 * i;
+    middle[i] = std::max(std::min(s[0], s[1]), std::min(std::max(s[0], s[1]), s[2]));
+    reach[i] = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
   }
-  const float wanted = std::log2(kStepsPerDeviation) - Median(&middle) / std::log(2.f);
-  const float fitting = largest > 0 ? std::floor(std::log2(kLargestFixed / largest)) : kMaxFractionalBits;
-  const auto bits = static_cast<int>(std::clamp(std::ceil(wanted), 0.f, float{kMaxFractionalBits}));
+  const float exact = std::ceil(std::log2(kStepsPerDeviation) - Median(&middle) / std::log(2.f));
+  const auto wanted = static_cast<int>(std::clamp(exact, 0.f, float{kMaxFractionalBits}));
+  const int fitting = FittingBits(*std::max_element(reach.begin(), reach.end()));
+  if (fitting >= wanted - kSpareBits) return std::min(wanted, fitting);
   // A few Gaussians far away must not cost all others their place: they stop at the border.
-  return std::min(bits, std::max(static_cast<int>(fitting), kUsualFractionalBits));
+  const auto last = reach.begin() + static_cast<std::ptrdiff_t>(n - 1 - n / kFarShare);
+  std::nth_element(reach.begin(), last, reach.end());
+  return std::min(wanted, FittingBits(*last));
 }
 
 void PackPosition(float value, float steps, char* to) {
@@ -123,34 +112,38 @@ uint8_t PackHarmonic(float value, int bucket) {
   return NearestByte(steps + kShSteps);
 }
 
-SpzVersion CheckSpzHeader(std::string_view header, const std::string& file) {
-  if (header.size() < kSpzHeader || LoadLittle<uint32_t>(header, 0) != kSpzMagic) {
-    throw InputError("{}: is not a splat in SPZ format; export it again", file);
-  }
-  const auto version = LoadLittle<uint32_t>(header, 4);
-  if (version != 2 && version != 3) {
-    throw InputError("{}: is SPZ of version {}, and the versions 2 and 3 can be read; export it as one of them", file,
-                     version);
-  }
-  return static_cast<SpzVersion>(version);
+/// A number of 16 bits: 5 of the exponent, 10 of the fraction.
+float FloatOfHalf(uint16_t half) {
+  const float sign = half >> 15 != 0 ? -1.f : 1.f;
+  const int exponent = half >> 10 & 31, fraction = half & 1023;
+  if (exponent == 31) return fraction == 0 ? sign * INFINITY : NAN;
+  if (exponent == 0) return sign * std::ldexp(static_cast<float>(fraction), -24);
+  return sign * std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
+}
+
+/// A coordinate of the file; version 1 has halves.
+float UnpackCoordinate(const char* positions, uint64_t index, const SpzContent& content) {
+  if (content.version == 1) return FloatOfHalf(LoadLittle<uint16_t>({positions + 2 * index, 2}, 0));
+  return UnpackPosition(positions + kPositionBytes * index, static_cast<float>(1 << content.fractional_bits));
 }
 
 }  // namespace
 
-std::string EncodeSpz(const Gaussians& gaussians, int sh_degree, SpzVersion version) {
+std::string EncodeSpz(const Gaussians& gaussians, int sh_degree, SpzVersion version, bool antialiased) {
   gaussians.Check("EncodeSpz");
   const Gaussians turned = HostCopy(gaussians, sh_degree);
   const int64_t n = turned.size();
-  const SpzLayout layout(static_cast<uint64_t>(n), sh_degree, version);
+  const SpzLayout layout(static_cast<uint64_t>(n), sh_degree, static_cast<uint32_t>(version));
   const int bits = FractionalBits(turned);
   const auto steps = static_cast<float>(1 << bits);
-  std::string bytes(layout.end, '\0');
-  char* out = bytes.data();
-  StoreLittle(out, kSpzMagic);
-  StoreLittle(out + 4, static_cast<uint32_t>(version));
-  StoreLittle(out + 8, static_cast<uint32_t>(n));
-  out[12] = static_cast<char>(sh_degree);
-  out[13] = static_cast<char>(bits);
+  std::string bytes(kSpzHeader + layout.end, '\0');
+  StoreLittle(bytes.data(), kSpzMagic);
+  StoreLittle(bytes.data() + 4, static_cast<uint32_t>(version));
+  StoreLittle(bytes.data() + 8, static_cast<uint32_t>(n));
+  bytes[12] = static_cast<char>(sh_degree);
+  bytes[13] = static_cast<char>(bits);
+  bytes[14] = static_cast<char>(antialiased ? kSpzAntialiased : 0);
+  char* out = bytes.data() + kSpzHeader;
   const GaussianRows rows = turned.Rows();
   ParallelBlocks(n, kSplatGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
@@ -158,7 +151,7 @@ std::string EncodeSpz(const Gaussians& gaussians, int sh_degree, SpzVersion vers
       TurnHalf(g, kTurnAboutX);
       const auto at = static_cast<uint64_t>(i);
       for (int c = 0; c < 3; ++c) {
-        PackPosition(g.means[c], steps, out + kSpzHeader + (3 * at + c) * kPositionBytes);
+        PackPosition(g.means[c], steps, out + (3 * at + c) * kPositionBytes);
         out[layout.colors + 3 * at + c] = static_cast<char>(NearestByte((g.sh[c] * kSpzColorScale + 0.5f) * 255));
         out[layout.scales + 3 * at + c] =
             static_cast<char>(NearestByte((g.log_scales[c] + kScaleOffset) * kScaleSteps));
@@ -177,46 +170,37 @@ std::string EncodeSpz(const Gaussians& gaussians, int sh_degree, SpzVersion vers
 }
 
 GaussianPly DecodeSpz(std::string_view bytes, const std::string& file) {
-  Gunzip unpacked(bytes, file);
-  std::string data = unpacked.Next(kSpzHeader);
-  const SpzVersion version = CheckSpzHeader(data, file);
-  const auto n = LoadLittle<uint32_t>(data, 8);
-  const int degree = static_cast<uint8_t>(data[12]), bits = static_cast<uint8_t>(data[13]);
-  if (degree > kMaxShDegree || bits > kMaxFractionalBits) {
-    throw InputError("{}: has harmonics of degree {} and {} fractional bits, expected at most {} and {}", file, degree,
-                     bits, kMaxShDegree, kMaxFractionalBits);
+  const SpzContent content = UnpackSpz(bytes, file);
+  const SpzLayout layout(content.count, content.degree, content.version);
+  const auto rotations = content.version <= 2 ? SpzVersion::k2 : SpzVersion::k3;
+  GaussianPly splat = ZeroSplat(content.count, std::min(content.degree, kMaxShDegree), file);
+  splat.antialiased = content.antialiased;
+  if (content.degree > kMaxShDegree) splat.warnings.push_back(DegreeLeftOut(content.degree, file));
+  if (content.extended) {
+    splat.warnings.push_back(fmt::format(
+        "{}: has extensions of SPZ, which are left out; if it looks turned, one of them said which axes it has", file));
   }
-  const SpzLayout layout(n, degree, version);
-  if (layout.end > kSpzPlausibleBytes && layout.end / kSpzMostPerByte > bytes.size()) {
-    throw InputError("{}: promises {} Gaussians in {} bytes; the file is damaged", file, n, bytes.size());
-  }
-  data += unpacked.Next(layout.end - kSpzHeader);
-  if (data.size() != layout.end) {
-    throw InputError("{}: promises {} Gaussians, which need {} bytes, but holds {}; copy or export it again", file, n,
-                     layout.end, data.size());
-  }
-  const auto steps = static_cast<float>(1 << bits);
-  GaussianPly splat = ZeroSplat(n, degree, file);
+  const auto sh_used = static_cast<uint64_t>(3 * (ShCount(splat.sh_degree) - 1));
   const GaussianRows rows = splat.gaussians.Rows();
-  const char* in = data.data();
+  const char* in = content.attributes.data();
   const auto byte = [in](uint64_t at) { return static_cast<float>(static_cast<uint8_t>(in[at])); };
-  ParallelBlocks(n, kSplatGrain, [&](int64_t begin, int64_t end) {
+  ParallelBlocks(splat.gaussians.size(), kSplatGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const GaussianRows g = rows.From(i);
       const auto at = static_cast<uint64_t>(i);
       for (int c = 0; c < 3; ++c) {
-        g.means[c] = UnpackPosition(in + kSpzHeader + (3 * at + c) * kPositionBytes, steps);
+        g.means[c] = UnpackCoordinate(in, 3 * at + c, content);
         g.sh[c] = (byte(layout.colors + 3 * at + c) / 255 - 0.5f) / kSpzColorScale;
         g.log_scales[c] = byte(layout.scales + 3 * at + c) / kScaleSteps - kScaleOffset;
       }
       g.opacity_logits[0] = LogitOfOpacity(byte(layout.alphas + at) / 255);
-      UnpackSpzRotation(in + layout.rotations + layout.rotation_bytes * at, version, g.quats);
+      UnpackSpzRotation(in + layout.rotations + layout.rotation_bytes * at, rotations, g.quats);
       const uint64_t sh = layout.sh + layout.sh_bytes * at;
-      for (uint64_t k = 0; k < layout.sh_bytes; ++k) g.sh[3 + k] = (byte(sh + k) - kShSteps) / kShSteps;
+      for (uint64_t k = 0; k < sh_used; ++k) g.sh[3 + k] = (byte(sh + k) - kShSteps) / kShSteps;
       TurnHalf(g, kTurnAboutX);
     }
   });
-  return splat;
+  return WithoutDamaged(std::move(splat), file);
 }
 
 }  // namespace oraclegs

@@ -5,13 +5,15 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/gaussians/damaged_rows.h"
 
 namespace oraclegs {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as the machine stores them");
 
-constexpr float kFarthestLogit = 15;  // what ReadGaussianPly takes for an infinite one
+constexpr float kFarthestLogit = 15;  // what LeaveOutDamaged takes for an infinite one
+constexpr float kLeastDeviation = 1e-30f, kLeastLogScale = -69.07755f, kMostLogScale = 88.7f;
 
 /// Which of x (1), y (2), z (4) a spherical harmonic is odd in, in the order of docs/method.md#spherical-harmonics.
 constexpr unsigned kOddAxes[kShCoefficients] = {0, 2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
@@ -33,6 +35,13 @@ std::string SupportBytes(const std::vector<float>& support) {
 float LogitOfOpacity(float opacity) {
   if (std::isnan(opacity)) return opacity;
   return std::clamp(std::log(opacity / (1 - opacity)), -kFarthestLogit, kFarthestLogit);
+}
+
+float DeviationOf(float log_scale) { return std::exp(std::clamp(log_scale, kLeastLogScale, kMostLogScale)); }
+
+float LogOfDeviation(float deviation) {
+  // A NaN and a negative number become a NaN, which the caller leaves out.
+  return std::log(deviation >= 0 ? std::max(deviation, kLeastDeviation) : NAN);
 }
 
 std::array<float, 4> UnitQuaternion(const float* wxyz) {
@@ -102,15 +111,9 @@ GaussianPly ZeroSplat(int64_t n, int sh_degree, const std::string& file) {
   return splat;
 }
 
-void RequireFinite(const Gaussians& gaussians, const std::string& file) {
-  gaussians.ForEach([&](const char* name, const Buffer<float>& part) {
-    const int64_t row = part.shape().row();
-    for (int64_t i = 0; i < part.count(); ++i) {
-      if (std::isfinite(part[i])) continue;
-      throw InputError("{}: {} of Gaussian {} is {}; the file is damaged, export it again", file, name, i / row,
-                       part[i]);
-    }
-  });
+GaussianPly WithoutDamaged(GaussianPly splat, const std::string& file) {
+  LeaveOutDamaged(file, &splat.gaussians, &splat.support, &splat.warnings);
+  return splat;
 }
 
 }  // namespace oraclegs

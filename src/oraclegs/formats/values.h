@@ -24,6 +24,15 @@ std::string SupportBytes(const std::vector<float>& support);
 /// The logit of an opacity in [0,1]; +-15 where it would be infinite.
 float LogitOfOpacity(float opacity);
 
+/// A standard deviation from its logarithm, and back: from 1e-30, below which nothing is seen, to the largest float.
+float DeviationOf(float log_scale);
+float LogOfDeviation(float deviation);
+
+/// Where colors of codes with a step for each part of their range end: what lies outside is cut.
+inline constexpr float kLowestColor = -8, kHighestColor = 9;
+/// The same for view-dependent coefficients.
+inline constexpr float kLargestHarmonic = 4;
+
 /// w,x,y,z of length 1; the identity for a quaternion without a direction.
 std::array<float, 4> UnitQuaternion(const float* wxyz);
 
@@ -50,8 +59,8 @@ Gaussians HostCopy(const Gaussians& from, int degree);
 /// n Gaussians, all zero. Throws InputError naming `file` for n of 0.
 GaussianPly ZeroSplat(int64_t n, int sh_degree, const std::string& file);
 
-/// Throws InputError naming `file` and the first Gaussian that has a number which is not finite.
-void RequireFinite(const Gaussians& gaussians, const std::string& file);
+/// The last step of every decoder, behind its arithmetic: LeaveOutDamaged (gaussians/damaged_rows.h) for a whole file.
+GaussianPly WithoutDamaged(GaussianPly splat, const std::string& file);
 
 /// A number of type T at an offset, little-endian. The caller has compared the offset with the size.
 template <class T>

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/gaussians/damaged_rows.h"
 #include "oraclegs/gaussians/ply_reader.h"
 
 namespace oraclegs {
@@ -14,29 +14,40 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "rows are written as the machine stores them");
 
-constexpr int64_t kWriteGrain = 4096;  // rows a task
-constexpr int kFixedColumns = 14;      // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
-constexpr int kFromOpacity = 8;        // columns from opacity to the end
-constexpr float kMaxLogit = 15;
+constexpr int64_t kWriteGrain = 4096;          // rows a task
+constexpr int kFixedColumns = 14;              // what a reader needs besides f_rest: x y z, f_dc, opacity, scale, rot
+constexpr int kHighestDegree = 4;              // of files; what lies above kMaxShDegree is left out
+constexpr float kLogOfThickness = -6.907755f;  // of a disc, relative to its smaller radius: a thousandth
 constexpr char kSupport[] = "support";
 
-void Append(std::vector<std::string>* names, const char* stem, int count) {
-  for (int i = 0; i < count; ++i) names->push_back(stem + std::to_string(i));
-}
+/// What the columns of a file are.
+struct RowLayout {
+  int file_degree = 0;  // of its harmonics
+  int scales = 3;       // 2 of discs
 
-/// The properties in the order of the format, without the normals: 14 + 3 K.
-std::vector<std::string> PropertyNames(int rest) {
-  std::vector<std::string> names = {"x", "y", "z"};
-  Append(&names, "f_dc_", 3);
-  Append(&names, "f_rest_", rest);
-  names.push_back("opacity");
-  Append(&names, "scale_", 3);
-  Append(&names, "rot_", 4);
-  return names;
-}
+  int degree() const { return std::min(file_degree, kMaxShDegree); }
+};
 
 /// Floats of f_rest for a degree: three channels of all but the constant coefficient.
 int RestCount(int degree) { return 3 * (ShCount(degree) - 1); }
+
+void Append(std::vector<std::string>* names, const char* stem, int begin, int end) {
+  for (int i = begin; i < end; ++i) names->push_back(stem + std::to_string(i));
+}
+
+/// The properties in the order of the format, without the normals and without what is left out: 14 + 3 K.
+std::vector<std::string> PropertyNames(const RowLayout& layout) {
+  std::vector<std::string> names = {"x", "y", "z"};
+  Append(&names, "f_dc_", 0, 3);
+  const int stored = ShCount(layout.file_degree) - 1, used = ShCount(layout.degree()) - 1;
+  for (int channel = 0; channel < 3; ++channel) {
+    Append(&names, "f_rest_", channel * stored, channel * stored + used);
+  }
+  names.push_back("opacity");
+  Append(&names, "scale_", 0, layout.scales);
+  Append(&names, "rot_", 0, 4);
+  return names;
+}
 
 std::string HeaderText(int64_t count, std::vector<std::string> names, bool has_support,
                        const std::vector<std::string>& comments) {
@@ -71,8 +82,8 @@ void PackRow(const GaussianRows& from, int rest, float* out) {
 }
 
 /// The reverse, of a row without the normal.
-void UnpackRow(const float* in, int rest, const GaussianRows& to) {
-  const int per_channel = rest / 3;
+void UnpackRow(const float* in, const RowLayout& layout, const GaussianRows& to) {
+  const int per_channel = ShCount(layout.degree()) - 1;
   std::copy_n(in, 3, to.means);
   std::copy_n(in + 3, 3, to.sh);
   in += 6;
@@ -80,28 +91,39 @@ void UnpackRow(const float* in, int rest, const GaussianRows& to) {
     for (int k = 1; k <= per_channel; ++k) to.sh[3 * k + c] = *in++;
   }
   to.opacity_logits[0] = *in++;
-  std::copy_n(in, 3, to.log_scales);
-  std::copy_n(in + 3, 4, to.quats);
+  std::copy_n(in, layout.scales, to.log_scales);
+  in += layout.scales;
+  if (layout.scales == 2) to.log_scales[2] = std::min(to.log_scales[0], to.log_scales[1]) + kLogOfThickness;
+  std::copy_n(in, 4, to.quats);
 }
 
 int DegreeOf(const PlyElement& vertex, const std::string& file) {
   int rest = 0;
   for (const PlyProperty& p : vertex.properties) rest += p.name.rfind("f_rest_", 0) == 0 ? 1 : 0;
-  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+  for (int degree = 0; degree <= kHighestDegree; ++degree) {
     if (RestCount(degree) == rest) return degree;
   }
-  throw InputError("{}: has {} f_rest properties, expected 0, 9, 24 or 45 (spherical harmonics of degree 0 to 3)", file,
-                   rest);
+  throw InputError("{}: has {} f_rest properties, expected 0, 9, 24, 45 or 72 (spherical harmonics of degree 0 to 4)",
+                   file, rest);
 }
 
-/// An opacity of exactly 0 or 1, usual after a conversion from 8-bit alpha, has an infinite logit, which training
-/// cannot change. It becomes the last opacity that float32 distinguishes from 0 or 1.
-void ClampOpacity(float* logit) {
-  if (std::isinf(*logit)) *logit = std::copysign(kMaxLogit, *logit);
+/// The layout of a file's rows; what it makes the reader leave out or assume is added to the warnings.
+RowLayout LayoutOf(const PlyElement& vertex, const std::string& file, std::vector<std::string>* warnings) {
+  RowLayout layout;
+  layout.file_degree = DegreeOf(vertex, file);
+  if (layout.file_degree > kMaxShDegree) warnings->push_back(DegreeLeftOut(layout.file_degree, file));
+  if (vertex.Find("scale_2") < 0 && vertex.Find("scale_1") >= 0) {
+    layout.scales = 2;
+    warnings->push_back(
+        fmt::format("{}: its Gaussians have two scales: they are discs, and get a thickness of a thousandth of their "
+                    "smaller radius",
+                    file));
+  }
+  return layout;
 }
 
 /// The support of each Gaussian, where the file has it.
-std::vector<float> ReadSupport(const std::string& bytes, const PlyHeader& header, const PlyElement& vertex,
+std::vector<float> ReadSupport(std::string_view bytes, const PlyHeader& header, const PlyElement& vertex,
                                const std::string& file) {
   const int at = vertex.Find(kSupport);
   if (at < 0 || vertex.properties[static_cast<size_t>(at)].is_list) return {};
@@ -114,24 +136,19 @@ std::vector<float> ReadSupport(const std::string& bytes, const PlyHeader& header
   return support;
 }
 
-/// Throws for a number that would spoil every render.
-void CheckRow(const float* row, const std::vector<std::string>& names, int64_t i, const std::string& file) {
-  for (size_t c = 0; c < names.size(); ++c) {
-    if (std::isfinite(row[c])) continue;
-    throw InputError("{}: {} of vertex {} is {}; the training that wrote it diverged, export it again", file, names[c],
-                     i, row[c]);
-  }
-  const float* q = row + names.size() - 4;
-  const float squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];  // by which a renderer divides
-  if (std::isnormal(squared)) return;
-  throw InputError("{}: rot_0 .. rot_3 of vertex {} are {}, which is no rotation; export it again", file, i,
-                   squared < 1 ? "all zero" : "too large");
-}
-
 }  // namespace
 
-void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree,
-                      const std::vector<std::string>& comments, const std::vector<float>& support) {
+bool SaysAntialiased(const std::vector<std::string>& comments) {
+  return std::find(comments.begin(), comments.end(), kAntialiasedComment) != comments.end();
+}
+
+std::string DegreeLeftOut(int degree, const std::string& file) {
+  return fmt::format("{}: has spherical harmonics of degree {}; what is above degree {} is left out", file, degree,
+                     kMaxShDegree);
+}
+
+std::string EncodeGaussianPly(const Gaussians& gaussians, int sh_degree, const std::vector<std::string>& comments,
+                              const std::vector<float>& support) {
   gaussians.Check("WriteGaussianPly");
   const bool has_support = !support.empty();
   if (has_support && static_cast<int64_t>(support.size()) != gaussians.size()) {
@@ -142,7 +159,7 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
   const int64_t n = host.size();
   const int rest = RestCount(sh_degree);
   const size_t columns = kFixedColumns + 3 + rest + (has_support ? 1 : 0), row_bytes = columns * sizeof(float);
-  std::string bytes = HeaderText(n, PropertyNames(rest), has_support, comments);
+  std::string bytes = HeaderText(n, PropertyNames({sh_degree, 3}), has_support, comments);
   const size_t header = bytes.size();
   bytes.resize(header + static_cast<size_t>(n) * row_bytes);
   const GaussianRows all = host.Rows();
@@ -154,12 +171,19 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
       std::memcpy(bytes.data() + header + static_cast<size_t>(i) * row_bytes, row.data(), row_bytes);
     }
   });
-  WriteFileAtomically(path, bytes);
+  return bytes;
+}
+
+void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussians, int sh_degree,
+                      const std::vector<std::string>& comments, const std::vector<float>& support) {
+  WriteFileAtomically(path, EncodeGaussianPly(gaussians, sh_degree, comments, support));
 }
 
 GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const std::string bytes = ReadFile(path);
+  return DecodeGaussianPly(ReadFile(path), path.string());
+}
+
+GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file) {
   const PlyHeader header = ParsePlyHeader(bytes, file);
   const int vertex = header.Find("vertex");
   if (vertex < 0) throw InputError("{}: has no element 'vertex'; give a Gaussian point cloud", file);
@@ -167,24 +191,21 @@ GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   if (element.count == 0) throw InputError("{}: holds no Gaussians (element vertex 0)", file);
 
   GaussianPly out;
-  out.sh_degree = DegreeOf(element, file);
+  const RowLayout layout = LayoutOf(element, file, &out.warnings);
+  out.sh_degree = layout.degree();
   out.comments = header.comments;
-  const int rest = RestCount(out.sh_degree);
-  const std::vector<std::string> names = PropertyNames(rest);
-  std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
+  out.antialiased = SaysAntialiased(out.comments);
+  const std::vector<std::string> names = PropertyNames(layout);
+  const std::vector<float> values = ReadPlyColumns(bytes, header, element.name, names, file);
   out.support = ReadSupport(bytes, header, element, file);
   const auto n = static_cast<int64_t>(element.count);
   const auto columns = static_cast<int64_t>(names.size());
   out.gaussians = Gaussians::Zeros(n);
   const GaussianRows all = out.gaussians.Rows();
   ParallelBlocks(n, kWriteGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      float* row = values.data() + i * columns;
-      ClampOpacity(row + columns - kFromOpacity);
-      CheckRow(row, names, i, file);
-      UnpackRow(row, rest, all.From(i));
-    }
+    for (int64_t i = begin; i < end; ++i) UnpackRow(values.data() + i * columns, layout, all.From(i));
   });
+  LeaveOutDamaged(file, &out.gaussians, &out.support, &out.warnings);
   return out;
 }
 

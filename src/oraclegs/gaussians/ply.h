@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
@@ -19,13 +20,28 @@ struct GaussianPly {
   Gaussians gaussians;
   int sh_degree = 0;  ///< of the file; higher coefficients are zero
   std::vector<std::string> comments = {};
-  std::vector<float> support = {};  ///< [N] in [0, 1], how far the images support each Gaussian; empty = unknown
+  std::vector<float> support = {};         ///< [N] in [0, 1], how far the images support each Gaussian; empty = unknown
+  bool antialiased = false;                ///< the file says that it was trained so (docs/method.md#antialiasing)
+  std::vector<std::string> warnings = {};  ///< what the reader left out or assumed: lines that name the file
 };
 
+/// The comment of a PLY whose model was trained antialiased, as other trainers write it.
+inline constexpr char kAntialiasedComment[] = "SplatRenderMode: mip";
+bool SaysAntialiased(const std::vector<std::string>& comments);
+
 /// Reads such a file from any trainer: properties found by name in any order, other properties and elements skipped,
-/// ascii and both binary byte orders, float or double. Throws InputError naming the file: no such element or
-/// property, a vertex count that the file cannot hold, values that are not finite, a support outside [0, 1]; only an
-/// infinite opacity is accepted, as +-15.
+/// ascii and both binary byte orders, float or double. Harmonics of degree 4 are read to degree 3, and Gaussians of two
+/// scales (discs) get a third of a thousandth of the smaller one, each with a warning; rows as LeaveOutDamaged says.
+/// Throws InputError naming the file: no such element or property, a vertex count that the file cannot hold, too many
+/// damaged rows, a support outside [0, 1].
 GaussianPly ReadGaussianPly(const std::filesystem::path& path);
+
+/// The warning that harmonics of this degree are not read above kMaxShDegree.
+std::string DegreeLeftOut(int degree, const std::string& file);
+
+/// The bytes of such a file, and back; `file` stands in errors.
+std::string EncodeGaussianPly(const Gaussians& gaussians, int sh_degree, const std::vector<std::string>& comments,
+                              const std::vector<float>& support);
+GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file);
 
 }  // namespace oraclegs

@@ -20,6 +20,7 @@ constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
     {"float64", PlyType::kDouble}};
 constexpr size_t kShownChars = 60;  // of a line quoted in a message
 constexpr size_t kMaxComments = 100, kMaxCommentChars = 1000;
+constexpr size_t kMaxNames = 10000;  // of elements and properties; files have at most some hundred
 
 /// The words of a line, separated by blanks and tabs.
 std::vector<std::string_view> Words(std::string_view line) {
@@ -100,9 +101,10 @@ class HeaderParser {
   }
 
   bool ParseElement(const std::vector<std::string_view>& words) {
-    if (words.size() != 3 || header_.Find(words[1]) >= 0) return false;
+    if (words.size() != 3) return false;
     PlyElement element;
     element.name = words[1];
+    if (!IsNew(0, element.name)) return false;
     const char* end = words[2].data() + words[2].size();
     const auto [stop, error] = std::from_chars(words[2].data(), end, element.count);
     if (error != std::errc() || stop != end) return false;
@@ -121,9 +123,17 @@ class HeaderParser {
     }
     if (!TypeOf(words[words.size() - 2], &property.type)) return false;
     property.name = words.back();
-    if (!names_.insert({header_.elements.size(), property.name}).second) return false;
+    if (!IsNew(header_.elements.size(), property.name)) return false;
     element.properties.push_back(std::move(property));
     return true;
+  }
+
+  /// Remembers a name of the element with this number from 1, or of an element itself (0).
+  bool IsNew(size_t element, const std::string& name) {
+    if (names_.size() == kMaxNames) {
+      throw InputError("{}: has more than {} elements and properties; is it a point cloud?", file_, kMaxNames);
+    }
+    return names_.insert({element, name}).second;
   }
 
   static bool TypeOf(std::string_view word, PlyType* type) {
@@ -140,7 +150,7 @@ class HeaderParser {
   size_t position_ = 0;
   int64_t line_ = 0;
   bool has_format_ = false;
-  std::set<std::pair<size_t, std::string>> names_;  // (element, property), to find duplicates
+  std::set<std::pair<size_t, std::string>> names_;  // (element from 1, property) and (0, element), to find duplicates
   PlyHeader header_;
 };
 

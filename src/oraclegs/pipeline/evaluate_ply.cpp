@@ -43,7 +43,7 @@ nlohmann::json EvaluatePly(const EvaluateRequest& request, const PosedScene& pos
   const RunOptions& options = request.options;
   CheckRunOptions(options);
   const Plan plan = MakePlanToEvaluate(options);
-  const Model model = LoadModel(request.ply, options, plan.device, posed.frame);
+  const Model model = LoadModel(request.ply, options, plan.device, posed.frame, listener);
   const fs::path renders = PrepareFolder(request.out, posed.scene, options);
   const StageClock clock("evaluate", listener);
   const nlohmann::json test = ScoreModel(model, LoadViews(posed.scene, posed.split.test, options.image, listener),

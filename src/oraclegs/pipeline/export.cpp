@@ -48,7 +48,7 @@ GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const
   }
   if (options.max_gaussians > 0) kept = MostPresent(gaussians, std::move(kept), options.max_gaussians);
   return {Picked(gaussians, kept), std::min(options.sh_degree, splat.sh_degree), splat.comments,
-          Picked(splat.support, kept)};
+          Picked(splat.support, kept), splat.antialiased};
 }
 
 void CheckExport(const fs::path& from, const fs::path& to, const ExportOptions& options) {
@@ -75,7 +75,7 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
                      options.crop == "auto" ? "--crop auto" : "--up auto");
   }
   const SplatFormat format = SplatFormatOf(to);
-  const GaussianPly splat = ReadSplat(from);
+  const GaussianPly splat = ReadSplat(from, listener);
   const Eigen::Vector3d offset = OffsetOf(splat.comments);
   Crop crop = ParseCrop(options.crop).MovedBy(-offset);
   if (crop.kind == Crop::Kind::kAuto) {
@@ -112,9 +112,9 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     }
   }
   const int degree = format == SplatFormat::kSplat ? 0 : kept.sh_degree;
-  WriteSplat(to, kept.gaussians, degree, kept.comments, kept.support);
+  const int64_t written = WriteSplat(to, kept, listener);
   listener(FileWritten{to});
-  return {format, splat.gaussians.size(), kept.gaussians.size(), degree, fs::file_size(to)};
+  return {format, splat.gaussians.size(), written, degree, fs::file_size(to)};
 }
 
 }  // namespace oraclegs

@@ -75,10 +75,11 @@ nlohmann::json DescribeScene(const fs::path& path, const Listener& listener) {
           {"poses", scene.HasPoses()}};
 }
 
-nlohmann::json DescribeSplat(const fs::path& path) {
-  const GaussianPly ply = ReadSplat(path);
+nlohmann::json DescribeSplat(const fs::path& path, const Listener& listener) {
+  const GaussianPly ply = ReadSplat(path, listener);
   nlohmann::json info = {{"kind", "gaussians"}, {"gaussians", ply.gaussians.size()}, {"sh_degree", ply.sh_degree}};
   if (!ply.comments.empty()) info["comments"] = ply.comments;
+  if (ply.antialiased) info["antialiased"] = true;
   if (ply.gaussians.size() == 0) return info;
   const Gaussians& gaussians = ply.gaussians;
   Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
@@ -113,7 +114,7 @@ nlohmann::json Describe(const fs::path& path, const Listener& listener) {
   if (!fs::exists(path, ignored)) {
     throw InputError("{}: does not exist; name a scene folder, a workspace or a splat file", path.string());
   }
-  if (!fs::is_directory(path, ignored)) return DescribeSplat(path);
+  if (!fs::is_directory(path, ignored) || IsSplatFolder(path)) return DescribeSplat(path, listener);
   return IsWorkspace(path) ? DescribeWorkspace(path) : DescribeScene(path, listener);
 }
 

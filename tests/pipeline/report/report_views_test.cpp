@@ -33,7 +33,8 @@ class ReportViewsTest : public TrainedTest {
     for (int p = 0; p < camera.width * camera.height; ++p) {
       confidence.data.push_back(p % camera.width < camera.width / 2 ? 255 : 0);
     }
-    WriteTargets(run.workspace.confidence(), {{"given", camera}, {"without_image", camera}});
+    WriteTargets(run.workspace.confidence(), {{"given", camera}, {"without_image", camera}},
+                 RunFromScene(run.frame).Inverse());
     WritePng(run.workspace.proposals() / "given.png", image);
     WritePng(run.workspace.confidence() / "given.png", confidence);
   }
@@ -45,7 +46,7 @@ TEST_F(ReportViewsTest, ShowsProposalsWithConfidenceAndTheirNearestView) {
   const oraclegs::Run run = StartRun(other, Silent());
   const auto training = LoadViews(run.scene, run.split.train, run.options.image, Silent());
   GiveProposal(run, training[2].camera);
-  const Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu);
+  const Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
   const ReportFiles files(other.out);
   ReportViews views(run, files, &model);
   for (const LoadedView& view : training) views.AddTraining(view);
@@ -73,7 +74,7 @@ TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
   const oraclegs::Run run = StartRun(other, Silent());
   const auto training = LoadViews(run.scene, run.split.train, run.options.image, Silent());
   GiveProposal(run, training[0].camera);
-  Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu);
+  Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
   const ReportFiles files(other.out);
   model.support.assign(model.support.size(), 0.1f);
   ReportViews weak(run, files, &model);

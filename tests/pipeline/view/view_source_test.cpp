@@ -3,6 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/folder_lock.h"
+#include "oraclegs/formats/sog_writer.h"
+#include "oraclegs/formats/zip_archive.h"
+#include "oraclegs/pipeline/info.h"
 #include "pipeline/trained.h"
 
 namespace oraclegs {
@@ -54,6 +57,18 @@ TEST_F(ViewSourceTest, ADamagedReportIsWarnedOf) {
   WriteText(out / "report" / "run.json", R"({"finished": true, "splat": {"url": "report/splat.spz"}})");
   ViewSource again(out, recorder.AsListener());
   EXPECT_THAT(recorder.warnings, Contains(HasSubstr("splat.spz: is missing")));
+}
+
+TEST_F(ViewSourceTest, AFolderOfSogIsASplat) {
+  const Gaussians splat = ReadGaussianPly(*temp / "out" / "point_cloud.ply").gaussians;
+  const fs::path folder = *temp / "sog";
+  fs::create_directory(folder);
+  for (const auto& [name, bytes] : ReadZip(EncodeSog(splat, 1), 20, "x.sog")) WriteText(folder / name, bytes);
+  for (const fs::path& named : {folder, folder / "meta.json"}) {
+    const ViewSource source(named, recorder.AsListener());
+    EXPECT_TRUE(fs::exists(source.root() / "splat.spz"));
+    EXPECT_EQ(Describe(named, Silent()).at("gaussians"), splat.size());
+  }
 }
 
 TEST_F(ViewSourceTest, ARunThatGoesOnIsServed) {

@@ -99,6 +99,9 @@ TEST(ForEachPiece, HandsOverLimitedPieces) {
 TEST(ContiguousStrides, AreRowMajor) {
   EXPECT_THAT(ContiguousStrides({2, 3, 4}), ElementsAre(12, 4, 1));
   EXPECT_THAT(ContiguousStrides({}), ElementsAre());
+  const int64_t huge = int64_t{1} << 62;  // times 4 it is no number
+  EXPECT_THAT(ContiguousStrides({0, huge, 4}), ElementsAre(1, 1, 1));
+  EXPECT_TRUE((StoredTensor{"U8", 1, {0, huge, 4}, {1, 1, 1}, {}}.IsContiguous()));
 }
 
 }  // namespace

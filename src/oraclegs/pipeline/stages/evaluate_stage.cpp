@@ -62,8 +62,13 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
 
 }  // namespace
 
-Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, const SceneFrame& frame) {
+Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, const SceneFrame& frame,
+                const Listener& listener) {
   GaussianPly file = ReadGaussianPly(ply);
+  for (const std::string& warning : file.warnings) listener(Warning{warning});
+  if (file.antialiased && !options.train.antialiased) {
+    listener(Note{fmt::format("{}: says that it was trained antialiased, and is rendered so", ply.string())});
+  }
   std::optional<double> unit = UnitMetersOf(file.comments);
   Similarity scene_from_file;
   scene_from_file.translation = OffsetOf(file.comments);
@@ -76,7 +81,7 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, c
   if (!run_from_file.IsIdentity()) file.gaussians = Transformed(file.gaussians, run_from_file);
   file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
   return {std::move(file.gaussians),
-          {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased},
+          {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased || file.antialiased},
           PartsInComments(file.comments),
           std::move(file.support),
           unit};

@@ -237,6 +237,7 @@ void WriteModel(const Run& run, const ReadyTrainer& ready) {
   const Trainer& trainer = *ready.trainer;
   std::vector<std::string> comments = FrameComments(run.frame);
   for (std::string& comment : LicenceComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
+  if (run.options.train.antialiased) comments.emplace_back(kAntialiasedComment);
   const Similarity written_from_run = WrittenFromRun(run.frame);
   WriteGaussianPly(
       paths.point_cloud(),
@@ -282,7 +283,12 @@ StageWork TrainStage() {
           .own = AddTrainKey,
           .undo = UndoTrain,
           .make = MakeTrain,
-          .check = [](const Run& run) { ReadGaussianPly(run.workspace.point_cloud()); },
+          .check =
+              [](const Run& run) {
+                // Rows that a reader leaves out of files of others mean that this one is damaged.
+                const GaussianPly splat = ReadGaussianPly(run.workspace.point_cloud());
+                if (!splat.warnings.empty()) throw InputError("{}", splat.warnings[0]);
+              },
           .file = "point_cloud.ply"};
 }
 

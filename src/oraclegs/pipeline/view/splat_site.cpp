@@ -26,21 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr double kInnerShare = 0.7;  // of the Gaussians, within the radius that is shown at first
 
-std::vector<int64_t> FiniteOnes(const Gaussians& gaussians) {
-  std::vector<char> finite(static_cast<size_t>(gaussians.size()), 1);
-  gaussians.ForEach([&](const char*, const Buffer<float>& buffer) {
-    const int64_t width = buffer.count() / gaussians.size();
-    for (int64_t k = 0; k < buffer.count(); ++k) {
-      if (!std::isfinite(buffer[k])) finite[static_cast<size_t>(k / width)] = 0;
-    }
-  });
-  std::vector<int64_t> kept;
-  for (int64_t i = 0; i < gaussians.size(); ++i) {
-    if (finite[static_cast<size_t>(i)]) kept.push_back(i);
-  }
-  return kept;
-}
-
 /// {"up", "center", "radius"}: where the viewer looks at first. Nobody knows what is up: in most files y points down.
 nlohmann::json Framing(const Gaussians& gaussians) {
   std::array<std::vector<double>, 3> axes;
@@ -81,20 +66,14 @@ TemporaryFolder::~TemporaryFolder() {
 
 GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, const Listener& listener) {
   const int64_t all = splat.gaussians.size();
-  std::vector<int64_t> kept = all == 0 ? std::vector<int64_t>() : FiniteOnes(splat.gaussians);
-  const auto finite = static_cast<int64_t>(kept.size());
-  if (finite == 0) throw InputError("{}: holds no Gaussian that can be shown; name another file", file);
-  if (finite < all) {
-    listener(Warning{fmt::format("{}: {} of {} Gaussians have numbers that are not finite and are left out", file,
-                                 all - finite, all)});
-  }
-  if (finite > max) {
-    listener(
-        Warning{fmt::format("{}: holds {} Gaussians; the {} that cover and hide most are shown (`oraclegs export` "
-                            "writes smaller files)",
-                            file, finite, max)});
-  }
-  if (std::min(finite, max) == all) return splat;
+  if (all == 0) throw InputError("{}: holds no Gaussian that can be shown; name another file", file);
+  if (all <= max) return splat;
+  listener(
+      Warning{fmt::format("{}: holds {} Gaussians; the {} that cover and hide most are shown (`oraclegs export` "
+                          "writes smaller files)",
+                          file, all, max)});
+  std::vector<int64_t> kept(static_cast<size_t>(all));
+  std::iota(kept.begin(), kept.end(), 0);
   kept = MostPresent(splat.gaussians, std::move(kept), max);
   return {Picked(splat.gaussians, kept), splat.sh_degree, splat.comments, Picked(splat.support, kept)};
 }
@@ -105,7 +84,7 @@ void WriteSplatSite(const fs::path& file, const fs::path& folder, const Listener
     if (const auto* warning = std::get_if<Warning>(&event)) warnings.push_back(warning->text);
     listener(event);
   };
-  const GaussianPly shown = ShownPart(ReadSplat(file), file.string(), kMaxShownGaussians, listening);
+  const GaussianPly shown = ShownPart(ReadSplat(file, listening), file.string(), kMaxShownGaussians, listening);
   const std::string spz = EncodeSpz(shown.gaussians, shown.sh_degree);
   nlohmann::json splat = {
       {"url", "splat.spz"},           {"format", "spz"},   {"gaussians", shown.gaussians.size()}, {"bytes", spz.size()},

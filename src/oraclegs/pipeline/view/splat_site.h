@@ -25,8 +25,8 @@ class TemporaryFolder {
 
 inline constexpr int64_t kMaxShownGaussians = 4'000'000;  ///< what a browser can hold
 
-/// What of a splat is shown: Gaussians with numbers that are not finite are left out, and of more than `max` those that
-/// cover and hide little, each with a warning. Throws InputError naming `file` when none is left.
+/// What of a splat is shown: of more than `max` Gaussians those that cover and hide little are left out, with a
+/// warning. Throws InputError naming `file` when it has none.
 GaussianPly ShownPart(GaussianPly splat, const std::string& file, int64_t max, const Listener& listener);
 
 /// Writes the splat of `file`, in any format, to `folder` as the viewer takes it: report/run.json of kind "file",

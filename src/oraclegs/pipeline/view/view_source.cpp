@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/folder_lock.h"
+#include "oraclegs/formats/splat_file.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
 #include "oraclegs/web/site.h"
 
@@ -51,7 +52,7 @@ ViewSource::ViewSource(const fs::path& input, const Listener& listener) {
   if (!fs::exists(input, ignored)) {
     throw InputError("{}: does not exist; name a workspace or a splat file", input.string());
   }
-  if (!fs::is_directory(input, ignored)) {
+  if (!fs::is_directory(input, ignored) || IsSplatFolder(input)) {
     ShowFile(input, listener);
     return;
   }

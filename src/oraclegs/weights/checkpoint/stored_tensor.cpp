@@ -52,12 +52,15 @@ class RowCursor {
   int64_t offset_ = 0;  // elements
 };
 
+/// Then the product of the other sizes may be larger than any number.
+bool HoldsNothing(const std::vector<int64_t>& shape) { return std::find(shape.begin(), shape.end(), 0) != shape.end(); }
+
 }  // namespace
 
 bool StoredTensor::IsContiguous() const {
+  if (HoldsNothing(shape)) return true;
   int64_t expected = 1;
   for (size_t i = shape.size(); i-- > 0;) {
-    if (shape[i] == 0) return true;
     if (shape[i] != 1 && strides[i] != expected) return false;
     expected *= shape[i];
   }
@@ -66,6 +69,7 @@ bool StoredTensor::IsContiguous() const {
 
 std::vector<int64_t> ContiguousStrides(const std::vector<int64_t>& shape) {
   std::vector<int64_t> strides(shape.size(), 1);
+  if (HoldsNothing(shape)) return strides;
   for (size_t i = shape.size(); i-- > 1;) strides[i - 1] = strides[i] * shape[i];
   return strides;
 }

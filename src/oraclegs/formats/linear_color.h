@@ -1,0 +1,16 @@
+#pragma once
+// Colors of models whose spherical harmonics are linear light.
+
+#include "oraclegs/gaussians/gaussians.h"
+
+namespace oraclegs {
+
+/// The sRGB value of linear light; below 0 the line through 0 goes on.
+float SrgbOfLinear(float linear);
+
+/// Replaces linear colors by sRGB ones, in place and on the host: for each channel of a Gaussian the transfer curve
+/// between two points, a standard deviation below and above the mean over all directions, so that both are kept. Exact
+/// for a color that is the same from everywhere.
+void ColorsFromLinear(int sh_degree, Gaussians* gaussians);
+
+}  // namespace oraclegs
