@@ -161,8 +161,13 @@ void AddFrames(const fs::path& dir, const ViewNames& views, FolderContent* conte
       continue;
     }
     const Intrinsics intrinsics = ReadTransformsIntrinsics(frame, image.file);
-    image.camera = {intrinsics.width, intrinsics.height, intrinsics.fx(),          intrinsics.fy(),
-                    intrinsics.cx(),  intrinsics.cy(),   ReadTransformsPose(frame)};
+    image.camera = {intrinsics.width,
+                    intrinsics.height,
+                    intrinsics.fx(),
+                    intrinsics.fy(),
+                    intrinsics.cx(),
+                    intrinsics.cy(),
+                    ReadTransformsPose(frame).cam_from_world};
     if (intrinsics.model != CameraModel::kPinhole) {
       skip(kDistorted);
     } else if (views.IsTest(file_path)) {

@@ -18,7 +18,7 @@ namespace oraclegs {
 
 enum class SceneFormat { kColmap, kTransforms, kBlender, kPhotos };
 
-/// Which file of a Blender-style scene a view came from; kNone elsewhere.
+/// Which file of a Blender-style scene a view came from, or which list of a transforms.json names it; else kNone.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
 
 /// An image with its camera: intrinsics and, unless the scene is a plain folder, a pose.
