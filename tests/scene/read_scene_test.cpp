@@ -149,6 +149,14 @@ TEST_F(ReadSceneTest, FindsAModelBesideThePhotos) {
   EXPECT_EQ(Read().format, SceneFormat::kColmap);
 }
 
+TEST_F(ReadSceneTest, ChecksMasksOfAllKinds) {
+  WriteImages("images");
+  WritePng(root() / "masks/b.png", {6, 4, 1, std::vector<uint8_t>(24, 0)});
+  EXPECT_THAT(ReadError(), HasSubstr("masks/b.png: this mask ignores every pixel"));
+  WriteTinyModel(root() / "sparse/0");
+  EXPECT_THAT(ReadError(), HasSubstr("masks/b.png: this mask ignores every pixel"));
+}
+
 TEST_F(ReadSceneTest, FindsBlender) {
   WriteImages("train");
   WriteImages("test");

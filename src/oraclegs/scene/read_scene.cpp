@@ -6,6 +6,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/find_model.h"
 #include "oraclegs/scene/fit_cameras.h"
+#include "oraclegs/scene/masks.h"
 #include "oraclegs/scene/named_files.h"
 #include "oraclegs/scene/photo_folder.h"
 #include "oraclegs/scene/read_colmap.h"
@@ -83,6 +84,7 @@ Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Lis
   if (scene.HasPoses()) FitCamerasToImages(&scene, listener);
   RequireUtf8Names(scene);
   AttachMasks(root / "masks", listener, &scene);
+  CheckMasks(&scene, listener);
   return scene;
 }
 

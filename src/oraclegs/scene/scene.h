@@ -26,6 +26,7 @@ struct SceneView {
   std::string name;                  ///< unique; the image's path below the image folder, e.g. "0001.jpg"
   std::filesystem::path image_path;  ///< exists
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
+  uint8_t mask_white = 255;          ///< the mask file's value for white; from half of it on, pixels are used
   Intrinsics intrinsics;             ///< of the full-size image; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
   std::string camera;              ///< of a plain folder: maker and model, from EXIF; may be empty
