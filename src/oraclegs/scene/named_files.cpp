@@ -210,10 +210,15 @@ class NamedFilesSearch {
 
   /// What is found for several paths is right for one of them at most.
   void DropShared() {
-    std::map<fs::path, int> uses;
-    for (const NamedFile& file : files_) ++uses[file.path.lexically_normal()];
+    if (std::all_of(ways_.begin(), ways_.end(), [](unsigned way) { return way == kAsWritten; })) return;
+    std::unordered_map<std::string, int> uses;
+    const auto uses_of = [&](const NamedFile& file) -> int& { return uses[file.path.lexically_normal().string()]; };
+    for (const NamedFile& file : files_) ++uses_of(file);
+    std::vector<size_t> shared;
     for (size_t i = 0; i < files_.size(); ++i) {
-      if (ways_[i] == kAsWritten || uses[files_[i].path.lexically_normal()] < 2) continue;
+      if (ways_[i] != kAsWritten && uses_of(files_[i]) > 1) shared.push_back(i);
+    }
+    for (const size_t i : shared) {
       files_[i] = {};
       ways_[i] = kAsWritten;
     }
