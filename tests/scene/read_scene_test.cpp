@@ -185,6 +185,14 @@ TEST_F(ReadSceneTest, FindsPhotosHereOrInImages) {
   EXPECT_EQ(Read({.images = "."}).views.size(), 4u);
 }
 
+TEST_F(ReadSceneTest, NamesPosesThatItDoesNotRead) {
+  WriteImages("images");
+  WriteText(root() / "cameras.xml", "<document><chunk><cameras/></chunk></document>");
+  EXPECT_EQ(Read().views.size(), 3u);
+  ASSERT_EQ(events_.notes.size(), 1u);
+  EXPECT_THAT(events_.notes[0], HasSubstr("cameras.xml has poses of Metashape, which are not read"));
+}
+
 TEST_F(ReadSceneTest, AttachesMasks) {
   WriteImages("images");
   WriteImage(root() / "masks/b.png");

@@ -16,6 +16,7 @@
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/photo_folder.h"
+#include "oraclegs/scene/photo_kind.h"
 
 namespace oraclegs {
 namespace {

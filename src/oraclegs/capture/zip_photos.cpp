@@ -17,6 +17,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/photo_folder.h"
+#include "oraclegs/scene/photo_kind.h"
 
 namespace oraclegs {
 namespace {

@@ -87,12 +87,16 @@ ImageInfo ReadImageInfo(const std::filesystem::path& path) {
   return info;
 }
 
+bool IsImage(std::string_view bytes) {
+  return IsJpeg(bytes) || IsPng(bytes) || IsHeif(bytes) || IsWebp(bytes) || IsTiff(bytes);
+}
+
 bool HasImageExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  static constexpr std::array<std::string_view, 10> kKnown = {".jpg", ".jpeg", ".png",  ".heic", ".heif",
-                                                              ".hif", ".avif", ".webp", ".tif",  ".tiff"};
+  static constexpr std::array<std::string_view, 13> kKnown = {
+      ".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".png", ".heic", ".heif", ".hif", ".avif", ".webp", ".tif", ".tiff"};
   return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
 

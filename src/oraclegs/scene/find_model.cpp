@@ -13,6 +13,7 @@
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fit_cameras.h"
 #include "oraclegs/scene/photo_folder.h"
+#include "oraclegs/scene/photo_kind.h"
 #include "oraclegs/scene/read_colmap.h"
 
 namespace oraclegs {

@@ -14,7 +14,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fold_name.h"
-#include "oraclegs/scene/photo_folder.h"
+#include "oraclegs/scene/photo_kind.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -85,12 +85,8 @@ class ImageIndex {
   };
 
   bool IsPassedOver(const fs::path& dir, const std::string& name) const {
-    const std::string folded = FoldName(name);
-    if (wanted_.count(folded) > 0) return false;
-    if (name.starts_with(".") || IsHelperFolder(name) || IsFile(dir / "stages.json")) return true;
-    constexpr std::string_view kNoPhotos[] = {"mask", "depth", "normal", "segment", "semantic", "confidence"};
-    return std::any_of(std::begin(kNoPhotos), std::end(kNoPhotos),
-                       [&](std::string_view word) { return folded.find(word) != std::string::npos; });
+    if (wanted_.count(FoldName(name)) > 0) return false;
+    return name.starts_with(".") || IsHelperFolder(name) || IsFile(dir / "stages.json");
   }
 
   void Add(const std::string& name, const std::vector<size_t>& starts) {

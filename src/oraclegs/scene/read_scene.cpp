@@ -4,6 +4,7 @@
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/scene/capture_layout.h"
 #include "oraclegs/scene/find_model.h"
 #include "oraclegs/scene/fit_cameras.h"
 #include "oraclegs/scene/masks.h"
@@ -43,8 +44,13 @@ void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOpti
 Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
   Scene scene;
   scene.format = SceneFormat::kPhotos;
-  scene.views = ReadPhotos(options.images.empty() ? root / "images" : root / options.images, listener);
-  if (scene.views.empty() && options.images.empty()) scene.views = ReadPhotos(root, listener);
+  const bool has_layout = options.images.empty() && FindCaptureLayout(root).has_value();
+  if (!has_layout) scene.views = ReadPhotos(options.images.empty() ? root / "images" : root / options.images, listener);
+  if (scene.views.empty() && options.images.empty()) {
+    scene.views = ReadPhotos(root, listener);
+  } else if (const std::string poses = DescribeUnreadPoses(root); !poses.empty()) {
+    listener(Note{fmt::format("{}: {}", OneLine(root.string()), poses)});
+  }
   if (scene.views.empty()) {
     throw InputError(
         "{}: no scene found; expected a COLMAP model (sparse/0), transforms.json, transforms_train.json, or photos "
@@ -83,7 +89,7 @@ Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Lis
   scene.root = root;
   if (scene.HasPoses()) FitCamerasToImages(&scene, listener);
   RequireUtf8Names(scene);
-  AttachMasks(root / "masks", listener, &scene);
+  for (const char* folder : {"masks", "mask"}) AttachMasks(root / folder, listener, &scene);
   CheckMasks(&scene, listener);
   return scene;
 }

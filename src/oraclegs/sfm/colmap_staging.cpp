@@ -161,7 +161,11 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
     if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
     StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, NeedsCopy(view)};
-    if (staged.is_copy) staged.name += ".jpg";
+    if (staged.is_copy) {
+      staged.name += ".jpg";
+    } else if (!HasImageExtension(staged.name)) {
+      staged.name += IsPng(ReadHeader(view.image_path)) ? ".png" : ".jpg";
+    }
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
       taken.insert(staged.name);
