@@ -52,6 +52,16 @@ TEST_F(FitCamerasTest, LeavesOtherAspectsToWhoLoadsThem) {
   EXPECT_THAT(events_.notes, IsEmpty());
 }
 
+TEST_F(FitCamerasTest, WarnsOfCamerasOfAnotherSizeThatDoNotSayIt) {
+  Add("a.png", 24, 18, {CameraModel::kPinhole, 24, 18, {44, 44, 24, 18}});
+  Add("b.png", 24, 18, {CameraModel::kPinhole, 24, 18, {22, 22, 14, 7}});
+  Fitted(0);
+  EXPECT_THAT(events_.warnings,
+              ElementsAre(HasSubstr("1 of 2 cameras have their principal point far from the middle, "
+                                    "e.g. a.png at (24, 18) of 24 x 18 pixels, as if made for images 2 "
+                                    "times as large")));
+}
+
 TEST_F(FitCamerasTest, AcceptsRoundedSides) {
   EXPECT_TRUE(HaveSameAspect(648, 420, 1297, 840));
   EXPECT_TRUE(HaveSameAspect(649, 420, 1297, 840));

@@ -186,5 +186,14 @@ TEST_F(MasksTest, TurnsAMaskThatWasDrawnOnTheStoredPhoto) {
   EXPECT_EQ(ReadMask(view, 24, 16, Orientation::kAsStored).data, top_of_stored.data);
 }
 
+TEST_F(MasksTest, WarnsOfMasksThatMayBeUpsideDown) {
+  SceneView& view = Add("a.jpg");
+  WriteText(view.image_path, WithOrientation(EncodeJpeg({kSide, kSide, 3, std::vector<uint8_t>(3 * 400, 90)}), 3));
+  view.mask_path = dir_ / "mask.png";
+  WritePng(view.mask_path, MaskOf([](int x, int y) { return InDisc(x, y) * 255; }));
+  Check();
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("EXIF turns a.jpg by 180 degrees")));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -113,6 +113,15 @@ TEST_F(TransformsTest, ReadsPathsOfAnotherMachine) {
   EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("2 of 2 paths"), HasSubstr("1 of 1 path")));
 }
 
+TEST_F(TransformsTest, NamesWhatIsNotRead) {
+  WriteImage(root() / "a.png");
+  json a = Frame("a.png");
+  a["depth_file_path"] = "depth/a.png";
+  WriteText(root() / "transforms.json", json{{"fl_x", 5}, {"ply_file_path", "p.ply"}, {"frames", {a}}}.dump());
+  Read();
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("names depth maps (depth_file_path) and points (ply_file_path)")));
+}
+
 TEST_F(TransformsTest, SaysThatRotationsAreRounded) {
   for (const char* name : {"a.png", "b.png"}) WriteImage(root() / name);
   json rounded = Frame("a.png");

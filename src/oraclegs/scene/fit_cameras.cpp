@@ -36,6 +36,30 @@ std::optional<ImageSize> SizeToFit(const SceneView& view) {
   return fitting;
 }
 
+/// How many times larger than its image the camera looks by its principal point, which is near the middle of what it
+/// was made for; 1 when it does not.
+double SizeByCenter(const Intrinsics& camera) {
+  constexpr double kAgreement = .05, kMinRatio = 1.4;
+  if (camera.params.empty()) return 1;
+  const double x = 2 * camera.cx() / camera.width, y = 2 * camera.cy() / camera.height;
+  const bool agree = std::abs(x - y) <= kAgreement * std::max(x, y);
+  return agree && x > 0 && std::max(x, 1 / x) >= kMinRatio ? (x + y) / 2 : 1;
+}
+
+void WarnOfCenters(const Scene& scene, const Listener& listener) {
+  const auto odd = [](const SceneView& view) { return SizeByCenter(view.intrinsics) != 1; };
+  const auto found = std::find_if(scene.views.begin(), scene.views.end(), odd);
+  if (found == scene.views.end()) return;
+  const Intrinsics& camera = found->intrinsics;
+  listener(
+      Warning{fmt::format("{}: {} of {} have their principal point far from the middle, e.g. {} at ({:.6g}, {:.6g}) of "
+                          "{} x {} pixels, as if "
+                          "made for images {:.3g} times as large; if so, say for which size (\"w\", \"h\")",
+                          scene.root.string(), std::count_if(scene.views.begin(), scene.views.end(), odd),
+                          Counted(scene.views.size(), "camera"), found->name, camera.cx(), camera.cy(), camera.width,
+                          camera.height, SizeByCenter(camera))});
+}
+
 }  // namespace
 
 bool HaveSameAspect(int width, int height, int other_width, int other_height) {
@@ -50,6 +74,7 @@ void FitCamerasToImages(Scene* scene, const Listener& listener) {
     const SceneView& view = scene->views[static_cast<size_t>(i)];
     if (!view.intrinsics.params.empty()) sizes[static_cast<size_t>(i)] = SizeToFit(view);
   });
+  WarnOfCenters(*scene, listener);
   std::string example;
   for (size_t i = 0; i < sizes.size(); ++i) {
     if (!sizes[i]) continue;

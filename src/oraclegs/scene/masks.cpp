@@ -14,6 +14,7 @@
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/exif.h"
+#include "oraclegs/image/exif_tags.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/fit_cameras.h"
@@ -233,20 +234,41 @@ void WarnOfInverted(const Scene& scene, const FactsOfFiles& facts, int white, co
   }
 }
 
+/// A photo that EXIF turns by 180 degrees or mirrors keeps its size, so that nothing shows how its mask was drawn.
+void WarnOfTurnedPhotos(const Scene& scene, const Listener& listener) {
+  std::vector<uint8_t> turned(scene.views.size(), 0);
+  ParallelFor(static_cast<int64_t>(turned.size()), [&](int64_t i) {
+    const SceneView& view = scene.views[static_cast<size_t>(i)];
+    if (view.mask_path.empty()) return;
+    const auto orientation_of = [](const fs::path& path) { return ReadExif(ReadFile(path)).orientation; };
+    const int of_photo = orientation_of(view.image_path);
+    turned[static_cast<size_t>(i)] = of_photo >= 2 && of_photo <= 4 && orientation_of(view.mask_path) == 1;
+  });
+  std::vector<std::string> names;
+  for (size_t i = 0; i < turned.size(); ++i) {
+    if (turned[i]) names.push_back(scene.views[i].name);
+  }
+  if (names.empty()) return;
+  listener(Warning{fmt::format(
+      "{}: EXIF turns {} by 180 degrees or mirrors them, and says nothing of their masks, which "
+      "are taken as drawn on the photos {}; if they were not, turn the masks",
+      scene.root.string(), SomeNames(names), scene.format == SceneFormat::kColmap ? "as stored" : "upright")});
+}
+
 }  // namespace
 
 Image8 ReadMask(const SceneView& view, int width, int height, Orientation orientation) {
-  Image8 mask = ReadLevels(view.mask_path, Orientation::kUpright);
+  const bool upright = orientation == Orientation::kUpright;
+  Image8 mask = ReadLevels(view.mask_path, orientation);  // a copy of the photo's tag turns both alike
   if (!HaveSameAspect(mask.width, mask.height, width, height)) {
-    Image8 stored = ReadLevels(view.mask_path, Orientation::kAsStored);
-    if (HaveSameAspect(stored.width, stored.height, width, height)) {
-      mask = std::move(stored);
+    Image8 other = ReadLevels(view.mask_path, upright ? Orientation::kAsStored : Orientation::kUpright);
+    if (HaveSameAspect(other.width, other.height, width, height)) {
+      mask = std::move(other);
     } else {
       const int of_photo = ReadExif(ReadFile(view.image_path)).orientation;
       if (!SwapsAxes(of_photo) || !HaveSameAspect(mask.height, mask.width, width, height)) {
         ThrowOtherSize(view, mask, width, height);
       }
-      const bool upright = orientation == Orientation::kUpright;
       mask = ApplyOrientation(std::move(mask), upright ? of_photo : InverseOrientation(of_photo));
     }
   }
@@ -262,6 +284,7 @@ void CheckMasks(Scene* scene, const Listener& listener) {
   RequireWhitePixels(facts, white);
   WarnOfPhotosWithout(*scene, listener);
   WarnOfInverted(*scene, facts, white, listener);
+  WarnOfTurnedPhotos(*scene, listener);
   for (SceneView& view : scene->views) view.mask_white = static_cast<uint8_t>(white);
 }
 

@@ -14,9 +14,9 @@ Image8 ReadMask(const SceneView& view, int width, int height, Orientation orient
 
 /// Looks at all masks of a scene before anything else is done with them; each is decoded once. Sets
 /// SceneView::mask_white where the masks are of 0 and one small value, with a note. Warns of photos without a mask
-/// where others have one, of masks that look inverted, and notes those that are scaled to their photos. Throws
-/// InputError naming the file: unreadable, of another aspect than its photo, without a white pixel, or of several small
-/// values.
+/// where others have one, of masks that look inverted or may be upside down, and notes those that are scaled to their
+/// photos. Throws InputError naming the file: unreadable, of another aspect than its photo, without a white pixel, or
+/// of several small values.
 void CheckMasks(Scene* scene, const Listener& listener);
 
 }  // namespace oraclegs

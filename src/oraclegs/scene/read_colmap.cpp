@@ -189,7 +189,9 @@ Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, cons
   for (const SceneView& view : views) names.push_back(view.name);
   KeepViewsWithImages(std::move(views), source, image_dir.string(), listener, &scene);
   if (FindPart(model_dir, "points3D").empty()) {
-    listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", source)});
+    listener(Warning{fmt::format(
+        "{}: has no points3D file, so its points are not used{}", source,
+        IsFile(model_dir / "points3D.ply") ? "; points3D.ply is not read, write points3D.bin or points3D.txt" : "")});
   }
   const std::vector<ColmapPoint> points = ReadColmapPoints(model_dir);
   KeptPoints kept = MakePoints(points, ViewOfImage(scene, images, names, source), scene);

@@ -115,10 +115,10 @@ void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& s
   }
   if (scene->missing_images.empty() && total > 0) return;
   if (scene->views.empty()) {
-    throw InputError("{}: none of its {} views has an image file in {}{}{}; name the folder of the photos, which must "
-                     "keep their names, with --images",
-                     source, total, searched, total > 0 ? ", e.g. " : "",
-                     total > 0 ? scene->missing_images.front() : "");
+    throw InputError(
+        "{}: none of its {} views has an image file in {}{}{}; name the folder of the photos, which must "
+        "keep their names, with --images",
+        source, total, searched, total > 0 ? ", e.g. " : "", total > 0 ? scene->missing_images.front() : "");
   }
   listener(Warning{fmt::format("{}: {} of {} views have no image file in {} and are left out: {}", source,
                                scene->missing_images.size(), total, searched, SomeNames(scene->missing_images))});

@@ -86,8 +86,8 @@ void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& s
                          const Listener& listener, Scene* scene);
 
 /// Gives each view without a mask the file NAME, NAME.png or STEM.png below `mask_dir`, or the one that differs from
-/// these in case, Unicode form or extension; a leading "images/" of the name may be left out. Does nothing when mask_dir is not a folder; warns when it is
-/// and fits no view.
+/// these in case, Unicode form or extension; a leading "images/" of the name may be left out. Does nothing when
+/// mask_dir is not a folder; warns when it is and fits no view.
 void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene);
 
 }  // namespace oraclegs

@@ -64,9 +64,21 @@ void AddMasks(const NamedFilesQuery& masks, const std::vector<size_t>& view_of_m
   }
 }
 
+/// Depth maps and points that the file names are not read.
+void ReportUnread(const fs::path& path, const json& file, const Listener& listener) {
+  std::vector<std::string> unread;
+  const json& first = file["frames"].front();
+  if (first.is_object() && first.contains("depth_file_path")) unread.emplace_back("depth maps (depth_file_path)");
+  if (file.contains("ply_file_path")) unread.emplace_back("points (ply_file_path)");
+  if (unread.empty()) return;
+  listener(Note{fmt::format("{}: names {}, which are not read; stereo makes both anew", path.string(),
+                            fmt::join(unread, " and "))});
+}
+
 FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options, const Listener& listener) {
   const fs::path root = path.parent_path();
   const json file = ReadTransformsFile(path);
+  ReportUnread(path, file, listener);
   std::vector<NamedTransformsFrame> frames;
   for (const json& entry : file["frames"]) {
     frames.push_back(NamedFrame(file, entry, path, static_cast<int>(frames.size())));
