@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kUnseenRounding = 1e-4;
+constexpr double kUnseenRounding = 2e-5;  // between five decimals and four
 
 /// The image of a frame, below options.images when that is given, where the path's first folder may be left out.
 fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const std::string& written) {
@@ -108,7 +108,7 @@ FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options, cons
   return result;
 }
 
-/// Rotations of few decimals are a little off; from where it matters to a pixel it is said.
+/// Rotations of few decimals are a little off, which is said.
 void ReportRounding(const fs::path& path, const std::vector<double>& roundings, const Listener& listener) {
   const auto count = std::count_if(roundings.begin(), roundings.end(), [](double r) { return r > kUnseenRounding; });
   if (count == 0) return;
