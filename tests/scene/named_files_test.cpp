@@ -83,6 +83,12 @@ TEST_F(NamedFilesTest, TakesNoMaskForAPhoto) {
   EXPECT_THAT(Find({"C:\\x\\depth\\a.png"}), ElementsAre("depth/a.png"));
 }
 
+TEST_F(NamedFilesTest, SurvivesPathsThatAreNone) {
+  Make({"images/a.png"});
+  EXPECT_THAT(Find({"", "/", "\\", "C:\\", "..", std::string(100000, '/') + "x", "images/a.png"}),
+              ElementsAre("", "", "", "", "", "", "images/a.png"));
+}
+
 TEST_F(NamedFilesTest, AsksForMorePartsThanTheName) {
   Make({"images/a.png"});
   EXPECT_THAT(Find({"C:\\x\\masks\\a.png"}, 2), ElementsAre(""));

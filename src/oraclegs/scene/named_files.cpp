@@ -195,7 +195,7 @@ class NamedFilesSearch {
     for (size_t i = 0; i < files_.size(); ++i) {
       if (!files_[i].path.empty()) continue;
       const std::string slashes = WithSlashes(query_.written[i]);
-      const bool whole = any && slashes.front() != '/';
+      const bool whole = any && !slashes.starts_with('/');
       const ImageIndex::Match match = index.Find(parts[i], whole ? 0 : parts[i].size(), query_.min_parts, whole);
       if (match.file == kManyFiles) continue;
       files_[i] = {query_.folder / index.NameOf(match.file), index.NameOf(match.file)};
