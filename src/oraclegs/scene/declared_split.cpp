@@ -70,10 +70,10 @@ void ReportDeclaredSplit(const Scene& scene, const std::string& source, const Li
   const size_t train = CountRole(scene, DeclaredRole::kTrain), test = CountRole(scene, DeclaredRole::kTest);
   if (train + test == 0) return;
   const size_t others = train == 0 ? 0 : scene.views.size() - train - test;
-  listener(
-      Note{fmt::format("{}: its lists name {} and {}{}; --train-views, --test-views and --test-every overrule them",
-                       source, Counted(train == 0 ? scene.views.size() - test : train, "training view"),
-                       Counted(test, "test view"), others == 0 ? "" : fmt::format(", and {} are in neither", others))});
+  listener(Note{
+      fmt::format("{}: its lists name {} and {}{}; --eval, --test-every, --train-views and --test-views overrule them",
+                  source, Counted(train == 0 ? scene.views.size() - test : train, "training view"),
+                  Counted(test, "test view"), others == 0 ? "" : fmt::format(", and {} are in neither", others))});
 }
 
 void ReportSplitLists(const Scene& scene, const SplitOptions& options, const Listener& listener) {

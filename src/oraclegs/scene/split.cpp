@@ -49,7 +49,8 @@ std::vector<int> Without(const std::vector<int>& views, const std::vector<int>& 
 /// says it.
 bool SplitsItself(const Scene& scene, const SplitOptions& options) {
   if (scene.format == SceneFormat::kBlender) return true;
-  if (!options.train_views.empty() || !options.test_views.empty() || !options.test_every.is_auto()) return false;
+  const bool named = !options.train_views.empty() || !options.test_views.empty();
+  if (named || options.eval || !options.test_every.is_auto()) return false;
   return std::any_of(scene.views.begin(), scene.views.end(), [](const SceneView& view) {
     return view.role == DeclaredRole::kTrain || view.role == DeclaredRole::kTest;
   });

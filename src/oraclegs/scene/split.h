@@ -31,8 +31,8 @@ struct SplitOptions {
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
     visit("eval", self.eval,
-          "Hold every 8th view out and score the result on it; otherwise all photos train. Scenes with test views of "
-          "their own (Blender; Nerfstudio's lists) use these, with it or without");
+          "Hold every 8th view out and score the result on it; otherwise all photos train. Scenes with a test file of "
+          "their own (Blender) always use it");
     visit("test-every", self.test_every,
           "Every n-th view in name order, from the first, is held out for testing; 0 = none; auto = 8 with --eval, "
           "else 0",
