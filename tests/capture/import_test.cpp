@@ -72,6 +72,25 @@ TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
   EXPECT_EQ(events_.started.size(), 3u);
 }
 
+TEST_F(ImportTest, IsRepeatedWhenPhotosAreNotWhole) {
+  const std::vector<fs::path> inputs = {Photo("a.jpg"), Photo("b.jpg")};
+  const auto faults = {+[](const fs::path& photo) { fs::resize_file(photo, 0); },  // as after a power cut
+                       +[](const fs::path& photo) { fs::remove(photo); }};
+  Import(inputs);
+  for (const auto fault : faults) {
+    fault(dir_ / "out/photos/images/b.jpg");
+    EXPECT_THAT(Import(inputs), UnorderedElementsAre("a.jpg", "b.jpg"));
+    EXPECT_EQ(ReadFile(dir_ / "out/photos/images/b.jpg"), ReadFile(dir_ / "b.jpg"));
+  }
+  EXPECT_EQ(events_.started.size(), 3u);
+}
+
+TEST_F(ImportTest, GivesNamesThatDifferInMoreThanCase) {
+  EXPECT_THAT(Import({Photo("a/IMG.JPG"), Photo("b/img.jpg"), Photo("c/1.jpg").parent_path(),
+                      Photo("d/C/1.jpg").parent_path()}),
+              UnorderedElementsAre("IMG.JPG", "img-2.jpg", "c/1.jpg", "C-2/1.jpg"));
+}
+
 TEST_F(ImportTest, TakesPhotosOutOfAVideo) {
   WriteVideo(dir_ / "clip.mp4", 2);
   EXPECT_EQ(Import({dir_ / "clip.mp4"}, {.frames = 5}).size(), 5u);
