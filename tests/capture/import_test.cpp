@@ -52,9 +52,10 @@ TEST_F(ImportTest, TakesFilesAndFolders) {
 
 TEST_F(ImportTest, GivesNamesByWhichPhotosAreFoundAgain) {
   EXPECT_THAT(Import({Photo("masks/a.jpg").parent_path(), Photo("images_4/b.jpg").parent_path(), Photo("images/c.jpg"),
-                      Photo("without")}),
-              UnorderedElementsAre("_masks/a.jpg", "_images_4/b.jpg", "c.jpg", "without.jpg"));
-  EXPECT_EQ(FindPhotos(dir_ / "out/photos", Silent()).size(), 4u);
+                      Photo("depth/d.jpg").parent_path(), Photo("without"), Photo("a.gif"), Photo("b.mp4")}),
+              UnorderedElementsAre("_masks/a.jpg", "_images_4/b.jpg", "c.jpg", "_depth/d.jpg", "without.jpg",
+                                   "a.gif.jpg", "b.mp4.jpg"));
+  EXPECT_EQ(FindPhotos(dir_ / "out/photos", Silent()).size(), 7u);
 }
 
 TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {

@@ -114,6 +114,13 @@ TEST_F(PhotoFolderTest, PassesOverMapsAndSaysSo) {
               ElementsAre(HasSubstr("b/Confidence/, depth/: passed over"), HasSubstr("a/1_mask.png: passed over")));
 }
 
+TEST_F(PhotoFolderTest, NamesPosesBesideThePhotosWhereverTheyAre) {
+  WriteImage(dir_ / "deep/photos/a.png");
+  WriteText(dir_ / "deep/photos/a.xmp", "xmlns:xcr=\"http://www.capturingreality.com/ns/xcr/1.1#\"");
+  EXPECT_THAT(Names(), ElementsAre("deep/photos/a.png"));
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("deep/photos: a.xmp has poses of RealityScan, which are not read")));
+}
+
 TEST_F(PhotoFolderTest, TakesThePhotosOfAKnownLayoutAlone) {
   for (const char* name : {"scan/thumbnail.png", "scan/keyframes/images/1.png", "scan/keyframes/corrected_images/1.png",
                            "scan/keyframes/depth/1.png", "scan/keyframes/confidence/1.png"})

@@ -41,16 +41,10 @@ InputKind KindOf(const fs::path& input) {
   if (!fs::exists(input, error)) throw InputError("{}: no such file or folder", input.string());
   if (!fs::is_regular_file(input, error)) throw InputError("{}: is neither a file nor a folder", input.string());
   if (IsZip(input)) return InputKind::kZip;
-  if (HasImageExtension(input)) return InputKind::kPhoto;
+  if (HasImageExtension(input) || IsPhotoByContent(input)) return InputKind::kPhoto;
   if (LooksLikeVideo(input)) return InputKind::kVideo;
   if (const std::string why = WhyNotRead(input); !why.empty()) throw InputError("{}: {}", input.string(), why);
-  try {
-    ReadImageInfo(input);
-    return InputKind::kPhoto;
-  } catch (const InputError&) {
-    throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these",
-                     input.string());
-  }
+  throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these", input.string());
 }
 
 /// The name of a photo, with an extension by its content where it has none of a photo: by that it is found again.

@@ -65,9 +65,10 @@ const std::vector<PoseFileRow>& PoseFileRows() {
   constexpr char kMetashape[] = "export them there as a COLMAP model (File > Export > Export Cameras)";
   constexpr char kReality[] = "export the registration there as a COLMAP model";
   static const std::vector<PoseFileRow> rows = {
+      {"Metashape", "*.xml", "<chunk", kMetashape},
       {"Metashape", "*.xml", "<cameras", kMetashape},
-      {"Metashape", "*.xml", "<camera ", kMetashape},
-      {"RealityScan", "*.csv", "#name,x,y", kReality},
+      {"Metashape", "*.txt", "Omega, Phi, Kappa", kMetashape},
+      {"RealityScan", "*.csv", "#name,", kReality},
       {"RealityScan", "*.csv", "#cameras", kReality},
       {"RealityScan", "*.xmp", "capturingreality.com", kReality},
       {"3D Scanner App", "*.json", "cameraPoseARFrame", ""},

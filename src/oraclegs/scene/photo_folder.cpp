@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <set>
 #include <system_error>
@@ -36,25 +35,18 @@ bool IsRunFolder(const fs::path& dir) {
 
 std::string Below(const fs::path& dir, const fs::path& path) { return path.lexically_relative(dir).generic_string(); }
 
-std::string HeadOf(const fs::path& path) {
-  std::string head(kImageHeadBytes, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return head;
-}
-
 /// Finds the photos of a folder and what is to be said of its other files.
 class PhotoSearch {
  public:
   explicit PhotoSearch(const fs::path& root) : root_(root), real_root_(fs::weakly_canonical(root)) {
     Visit(root);
-    while (!links_.empty()) {  // after the folders themselves, so that these keep their names
+    follows_links_ = true;  // after the folders themselves, so that these keep their names
+    while (!links_.empty()) {
       std::vector<fs::path> links;
       links.swap(links_);
       std::sort(links.begin(), links.end());
       for (const fs::path& link : links) {
-        if (!HoldsRoot(link)) Visit(link);
+        if (!HoldsRoot(link) && !IsRunFolder(link)) Visit(link);
       }
     }
     for (const fs::path& path : TakeCompanions(&photos_)) companions_.push_back(Below(root_, path));
@@ -72,15 +64,15 @@ class PhotoSearch {
                            Shown(&helpers_))});
     }
     if (!companions_.empty()) {
-      listener(
-          Note{fmt::format("{}: passed over, as masks, depth maps or the like of the photos beside; masks are "
-                           "read from masks/",
-                           Shown(&companions_))});
+      listener(Note{fmt::format(
+          "{}: passed over, as masks, depth maps or tables of a splat beside photos; masks are read from masks/",
+          Shown(&companions_))});
     }
     if (!by_content_.empty()) {
       listener(Note{fmt::format("{}: read as photos, whatever the names say", Shown(&by_content_))});
     }
     for (const std::string& note : notes_) listener(Note{note});
+    if (!poses_.empty() && !photos_.empty()) listener(Note{poses_});
   }
 
  private:
@@ -98,20 +90,26 @@ class PhotoSearch {
            std::mismatch(target.begin(), target.end(), real_root_.begin(), real_root_.end()).first == target.end();
   }
 
-  bool IsVisited(const fs::path& dir) {
+  /// Without links no folder comes twice, whatever numbers its file system gives to folders.
+  bool WasVisited(const fs::path& dir) {
     struct stat info;
-    return stat(dir.c_str(), &info) != 0 || !visited_.insert({info.st_dev, info.st_ino}).second;
+    if (stat(dir.c_str(), &info) != 0) return false;
+    return !visited_.insert({info.st_dev, info.st_ino}).second && follows_links_;
   }
 
   void Visit(const fs::path& dir) {
     std::error_code error;
-    if (!fs::is_directory(dir, error) || IsVisited(dir)) return;
+    if (!fs::is_directory(dir, error) || WasVisited(dir)) return;
     if (const auto layout = FindCaptureLayout(dir)) {
       const std::string poses = DescribeUnreadPoses(*layout);
       notes_.push_back(fmt::format("{}: is a folder of {}; its photos are those of {}{}{}", OneLine(dir.string()),
                                    layout->program, OneLine(Below(dir, layout->photos)), poses.empty() ? "" : "; ",
                                    poses));
       return Visit(layout->photos);
+    }
+    if (poses_.empty()) {
+      poses_ = DescribeUnreadPoses(dir);
+      if (!poses_.empty()) poses_ = OneLine(dir.string()) + ": " + poses_;
     }
     fs::directory_iterator it(dir, error);
     for (; !error && it != fs::directory_iterator(); it.increment(error)) {
@@ -135,7 +133,7 @@ class PhotoSearch {
     if (!IsFile(path)) return;
     if (HasImageExtension(path)) {
       photos_.push_back(path);
-    } else if (IsPhotoByContent(path, HeadOf(path))) {
+    } else if (IsPhotoByContent(path)) {
       photos_.push_back(path);
       by_content_.push_back(Below(root_, path));
     } else if (const std::string why = WhyNotRead(path); !why.empty()) {
@@ -156,7 +154,9 @@ class PhotoSearch {
   const fs::path root_, real_root_;
   std::set<std::pair<dev_t, ino_t>> visited_;
   std::vector<fs::path> photos_, links_;
+  bool follows_links_ = false;
   std::vector<std::string> helpers_, companions_, by_content_, notes_;
+  std::string poses_;                                        ///< of the first folder that has some
   std::map<std::string, std::vector<std::string>> skipped_;  ///< names by reason
 };
 
@@ -173,9 +173,6 @@ void AddCamera(const Exif& exif, SceneView* view) {
 std::vector<fs::path> FindPhotos(const fs::path& dir, const Listener& listener) {
   PhotoSearch search(dir);
   search.Report(listener);
-  if (const std::string poses = DescribeUnreadPoses(dir); !poses.empty() && !search.photos().empty()) {
-    listener(Note{fmt::format("{}: {}", OneLine(dir.string()), poses)});
-  }
   return search.photos();
 }
 

@@ -111,13 +111,19 @@ bool IsSogTable(const fs::path& path) {
   return Contains(kTables, path.filename().string()) && fs::exists(path.parent_path() / "meta.json", error);
 }
 
+std::string HeadOf(const fs::path& path, size_t bytes) {
+  std::string head(bytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return head;
+}
+
 /// Bits of a PNG of one channel; 0 for all other files.
 int GrayBits(const fs::path& path) {
   constexpr size_t kBitsAt = 24, kColorAt = 25;
-  std::string head(kColorAt + 1, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return file && IsPng(head) && head[kColorAt] == 0 ? head[kBitsAt] : 0;
+  const std::string head = HeadOf(path, kColorAt + 1);
+  return head.size() > kColorAt && IsPng(head) && head[kColorAt] == 0 ? head[kBitsAt] : 0;
 }
 
 /// Moves what `is_companion` to the second list.
@@ -191,6 +197,8 @@ bool IsPhotoByContent(const fs::path& name, std::string_view head) {
   const bool is_backup = extension.ends_with("~") || extension.ends_with("_original");  // the latter of ExifTool
   return !(is_raw && IsTiff(head)) && !is_backup && !Contains(kOthers, extension);
 }
+
+bool IsPhotoByContent(const fs::path& file) { return IsPhotoByContent(file, HeadOf(file, kImageHeadBytes)); }
 
 std::vector<fs::path> TakeCompanions(std::vector<fs::path>* photos) {
   std::vector<fs::path> companions;

@@ -20,6 +20,9 @@ std::string WhyNotRead(const std::filesystem::path& path);
 /// raw photos (which are TIFF files, too), thumbnails and backups, by their names.
 bool IsPhotoByContent(const std::filesystem::path& name, std::string_view head);
 
+/// The same of a file; false when it cannot be read.
+bool IsPhotoByContent(const std::filesystem::path& file);
+
 /// Removes from `photos`, and returns, images that go with photos of the list and are none: masks, depth maps,
 /// thumbnails by name (frame_1.jpg with depth_1.png, conf_1.png, frame_1_mask.png); images of one channel that are
 /// named as photos in another folder; PNG of 16 bits and one channel among colored photos; tables of a splat (SOG).
