@@ -51,17 +51,21 @@ TEST(FindCaptureLayout, KnowsNothingElse) {
 TEST(DescribeUnreadPoses, NamesFilesOfPrograms) {
   const struct {
     const char *file, *text, *program;
-  } files[] = {{"export.xml", "<document version=\"2\"><chunk><cameras next_id=\"3\">", "Metashape"},
-               {"cams.csv", "#name,x,y,alt,heading,pitch,roll\n", "RealityScan"},
-               {"IMG_1.xmp", "xmlns:xcr=\"http://www.capturingreality.com/ns/xcr/1.1#\"", "RealityScan"},
-               {"frame_00000.json", "{\"cameraPoseARFrame\": []}", "3D Scanner App"},
-               {"poses_bounds.npy", "", "LLFF"},
-               {"reconstruction.json", "[{\"cameras\": {}, \"shots\": {}}]", "OpenSfM"},
-               {"sub/transforms.json", "{}", "a scene"}};
+  } files[] = {{"export.xml", "<document version=\"2\"><chunk><cameras next_id=\"3\">", " of Metashape"},
+               {"cams.csv", "#name,x,y,alt,heading,pitch,roll\n", " of RealityScan"},
+               {"IMG_1.xmp", "xmlns:xcr=\"http://www.capturingreality.com/ns/xcr/1.1#\"", " of RealityScan"},
+               {"frame_00000.json", "{\"cameraPoseARFrame\": []}", " of 3D Scanner App"},
+               {"poses_bounds.npy", "", " of LLFF"},
+               {"reconstruction.json", "[{\"cameras\": {}, \"shots\": {}}]", " of OpenSfM"},
+               {"opensfm/reconstruction.json", "[{\"shots\": {}}]", " of OpenDroneMap"},
+               {"traj.txt", "0 0 0", ""},
+               {"sub/transforms.json", "{}", ""}};
   for (const auto& [file, text, program] : files) {
     const TempDir dir;
     WriteText(dir / file, text);
-    EXPECT_THAT(DescribeUnreadPoses(dir.path()), HasSubstr(std::string(file) + " has poses of " + program)) << file;
+    EXPECT_THAT(DescribeUnreadPoses(dir.path()),
+                HasSubstr(std::string(file) + " has poses" + program + ", which are not read: "))
+        << file;
   }
   const TempDir dir;
   WriteTinyModel(dir / "model");

@@ -114,6 +114,13 @@ TEST_F(PhotoFolderTest, PassesOverMapsAndSaysSo) {
               ElementsAre(HasSubstr("b/Confidence/, depth/: passed over"), HasSubstr("a/1_mask.png: passed over")));
 }
 
+TEST_F(PhotoFolderTest, PassesOverTexturesOfAMesh) {
+  for (const char* name : {"1.png", "model/atlas 1.png", "model/atlas.png"}) WriteImage(dir_ / name);
+  WriteText(dir_ / "model/a.mtl", "newmtl a\r\n  Kd 1 1 1\n  map_Kd -s 1 1 atlas.png\r\n");
+  EXPECT_THAT(Names(), ElementsAre("1.png", "model/atlas 1.png"));
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("model/atlas.png: passed over, as masks, depth maps, textures")));
+}
+
 TEST_F(PhotoFolderTest, NamesPosesBesideThePhotosWhereverTheyAre) {
   WriteImage(dir_ / "deep/photos/a.png");
   WriteText(dir_ / "deep/photos/a.xmp", "xmlns:xcr=\"http://www.capturingreality.com/ns/xcr/1.1#\"");

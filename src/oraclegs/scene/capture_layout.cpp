@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "oraclegs/core/text.h"
 #include "oraclegs/scene/read_colmap.h"
+#include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
 namespace {
@@ -18,6 +20,9 @@ namespace fs = std::filesystem;
 using Names = std::vector<const char*>;
 
 constexpr char kNerfstudio[] = "`ns-process-data` of Nerfstudio makes a transforms.json of them";
+
+constexpr char kMetashape[] = "export them there as a COLMAP model (File > Export > Export Cameras)";
+constexpr char kReality[] = "export the registration there as a COLMAP model";
 
 /// A layout is known by folders or files that are all there.
 struct LayoutRow {
@@ -53,17 +58,15 @@ const std::vector<LayoutRow>& LayoutRows() {
   return rows;
 }
 
-/// Files that hold poses: NAME, *END or BEGIN*, in the folder itself.
+/// Files that hold poses.
 struct PoseFileRow {
-  const char* program;
-  const char* name;
-  const char* text;  ///< stands in the first 64 kB; empty = not looked at
+  const char* program;  ///< may be empty
+  const char* name;     ///< a path below the folder, or "*END" of a file in it
+  const char* text;     ///< stands in the first 64 kB; empty = not looked at
   const char* fix;
 };
 
 const std::vector<PoseFileRow>& PoseFileRows() {
-  constexpr char kMetashape[] = "export them there as a COLMAP model (File > Export > Export Cameras)";
-  constexpr char kReality[] = "export the registration there as a COLMAP model";
   static const std::vector<PoseFileRow> rows = {
       {"Metashape", "*.xml", "<chunk", kMetashape},
       {"Metashape", "*.xml", "<cameras", kMetashape},
@@ -77,6 +80,7 @@ const std::vector<PoseFileRow>& PoseFileRows() {
       {"Stray Scanner", "odometry.csv", "", ""},
       {"LLFF", "poses_bounds.npy", "", ""},
       {"OpenSfM", "reconstruction.json", "\"shots\"", "`opensfm export_colmap` writes a COLMAP model"},
+      {"OpenDroneMap", "opensfm/reconstruction.json", "\"shots\"", "`opensfm export_colmap` writes a COLMAP model"},
       {"OpenMVG", "sfm_data.json", "", "`openMVG_main_openMVG2Colmap` writes a COLMAP model"},
       {"Meshroom", "*.sfm", "\"poses\"", ""},
       {"Bundler", "bundle.out", "", ""},
@@ -86,11 +90,11 @@ const std::vector<PoseFileRow>& PoseFileRows() {
       {"IDR", "cameras.npz", "", ""},
       {"3D Gaussian Splatting", "cameras.json", "\"rotation\"", ""},
       {"7-Scenes", "*.pose.txt", "", ""},
-      {"a tracker", "groundtruth.txt", "", ""},
-      {"a tracker", "traj.txt", "", ""},
-      {"a tracker", "trajectory.txt", "", ""},
-      {"a tracker", "poses.txt", "", ""},
-      {"a tracker", "poses.csv", "", ""}};
+      {"", "groundtruth.txt", "", ""},
+      {"", "traj.txt", "", ""},
+      {"", "trajectory.txt", "", ""},
+      {"", "poses.txt", "", ""},
+      {"", "poses.csv", "", ""}};
   return rows;
 }
 
@@ -106,14 +110,14 @@ bool IsFolderThere(const fs::path& path) {
   return fs::is_directory(path, error);
 }
 
+std::string BelowLayout(const fs::path& dir, const fs::path& path) {
+  return path.lexically_relative(dir).generic_string();
+}
+
 /// The first of the names that is there; null without one.
 const char* FirstOf(const fs::path& dir, const Names& names) {
   const auto it = std::find_if(names.begin(), names.end(), [&](const char* name) { return Exists(dir / name); });
   return it == names.end() ? nullptr : *it;
-}
-
-bool Fits(std::string_view name, std::string_view pattern) {
-  return pattern.starts_with('*') ? name.ends_with(pattern.substr(1)) : name == pattern;
 }
 
 bool BeginsWithText(const fs::path& path, std::string_view text) {
@@ -126,8 +130,22 @@ bool BeginsWithText(const fs::path& path, std::string_view text) {
 }
 
 std::string Sentence(const std::string& poses, const std::string& program, const std::string& fix) {
-  return fmt::format("{} has poses of {}, which are not read: the cameras are found anew from the photos{}{}",
-                     OneLine(poses), program, fix.empty() ? "" : "; ", fix);
+  return fmt::format("{} has poses{}{}, which are not read: the cameras are found anew from the photos{}{}",
+                     OneLine(poses), program.empty() ? "" : " of ", program, fix.empty() ? "" : "; ", fix);
+}
+
+/// The files that a row means, below `dir`, whose entries are given.
+std::vector<fs::path> FilesOf(const PoseFileRow& row, const fs::path& dir, const std::vector<fs::path>& entries) {
+  const std::string_view name = row.name;
+  std::vector<fs::path> files;
+  if (!name.starts_with('*')) {
+    if (IsFile(dir / name)) files.push_back(dir / name);
+    return files;
+  }
+  std::copy_if(entries.begin(), entries.end(), std::back_inserter(files), [&](const fs::path& path) {
+    return path.filename().string().ends_with(name.substr(1)) && IsFile(path);
+  });
+  return files;
 }
 
 }  // namespace
@@ -157,21 +175,20 @@ std::string DescribeUnreadPoses(const fs::path& dir) {
   std::sort(entries.begin(), entries.end());
   size_t looked_at = 0;
   for (const PoseFileRow& row : PoseFileRows()) {
-    for (const fs::path& path : entries) {
-      if (!Fits(path.filename().string(), row.name) || !fs::is_regular_file(path, error)) continue;
+    for (const fs::path& path : FilesOf(row, dir, entries)) {
       if (++looked_at > kMaxLookedAt) return "";
-      if (BeginsWithText(path, row.text)) return Sentence(path.filename().string(), row.program, row.fix);
+      if (BeginsWithText(path, row.text)) return Sentence(BelowLayout(dir, path), row.program, row.fix);
     }
   }
   for (const fs::path& path : entries) {
     if (!IsFolderThere(path) || Exists(path / "options.json")) continue;  // the latter is of a run of ours
     const std::string name = path.filename().string();
     for (const char* file : {"transforms.json", "transforms_train.json"}) {
-      if (Exists(path / file)) return Sentence(name + "/" + file, "a scene", "name its folder to use them");
+      if (Exists(path / file)) return Sentence(name + "/" + file, "", "name its folder to use them");
     }
     for (const fs::path& model : {path, path / "0", path / "sparse", path / "sparse/0"}) {
       if (IsColmapModel(model)) {
-        return Sentence(model.lexically_relative(dir).string(), "COLMAP", "move that folder to sparse/0 to use them");
+        return Sentence(BelowLayout(dir, model), "COLMAP", "move that folder to sparse/0 to use them");
       }
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <set>
 #include <system_error>
@@ -23,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxOptionsBytes = 16 << 20;
+constexpr int64_t kMaxMaterialBytes = 1 << 20;
 
 /// A result of this program: its images are renders, not photos.
 bool IsRunFolder(const fs::path& dir) {
@@ -49,6 +51,10 @@ class PhotoSearch {
         if (!HoldsRoot(link) && !IsRunFolder(link)) Visit(link);
       }
     }
+    std::erase_if(photos_, [&](const fs::path& path) {
+      if (textures_.count(path) > 0) companions_.push_back(Below(root_, path));
+      return textures_.count(path) > 0;
+    });
     for (const fs::path& path : TakeCompanions(&photos_)) companions_.push_back(Below(root_, path));
     std::sort(photos_.begin(), photos_.end());
   }
@@ -59,14 +65,14 @@ class PhotoSearch {
     for (auto& [why, names] : skipped_) listener(Warning{fmt::format("{}: {}", Shown(&names), why)});
     if (!helpers_.empty()) {
       listener(
-          Note{fmt::format("{}: passed over, as a folder of masks, depth maps or the like; name it itself if it "
-                           "holds photos",
+          Note{fmt::format("{}: passed over, as a folder of masks, depth maps or the like; masks are read from masks/; "
+                           "name it itself if it holds photos",
                            Shown(&helpers_))});
     }
     if (!companions_.empty()) {
-      listener(Note{fmt::format(
-          "{}: passed over, as masks, depth maps or tables of a splat beside photos; masks are read from masks/",
-          Shown(&companions_))});
+      listener(
+          Note{fmt::format("{}: passed over, as masks, depth maps, textures or the like; masks are read from masks/",
+                           Shown(&companions_))});
     }
     if (!by_content_.empty()) {
       listener(Note{fmt::format("{}: read as photos, whatever the names say", Shown(&by_content_))});
@@ -131,6 +137,7 @@ class PhotoSearch {
 
   void AddFile(const fs::path& path) {
     if (!IsFile(path)) return;
+    if (path.extension() == ".mtl") AddTextures(path);
     if (HasImageExtension(path)) {
       photos_.push_back(path);
     } else if (IsPhotoByContent(path)) {
@@ -138,6 +145,16 @@ class PhotoSearch {
       by_content_.push_back(Below(root_, path));
     } else if (const std::string why = WhyNotRead(path); !why.empty()) {
       skipped_[why].push_back(Below(root_, path));
+    }
+  }
+
+  /// Images that a mesh wears: "map_Kd texture.jpg" in its material file.
+  void AddTextures(const fs::path& materials) {
+    std::ifstream file(materials);
+    std::string line;
+    for (int64_t left = kMaxMaterialBytes; left > 0 && std::getline(file, line); left -= std::ssize(line) + 1) {
+      const std::vector<std::string> words = SplitTrimmed(line, ' ');
+      if (words.size() > 1 && words[0].starts_with("map_")) textures_.insert(materials.parent_path() / words.back());
     }
   }
 
@@ -154,6 +171,7 @@ class PhotoSearch {
   const fs::path root_, real_root_;
   std::set<std::pair<dev_t, ino_t>> visited_;
   std::vector<fs::path> photos_, links_;
+  std::set<fs::path> textures_;
   bool follows_links_ = false;
   std::vector<std::string> helpers_, companions_, by_content_, notes_;
   std::string poses_;                                        ///< of the first folder that has some

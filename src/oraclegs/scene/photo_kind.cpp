@@ -84,9 +84,9 @@ bool IsMapWord(std::string_view word) {
 
 /// Those of a photo, too, when they are all of a name.
 bool IsShortMapWord(std::string_view word) {
-  static constexpr std::array<std::string_view, 12> kWords = {"conf",  "confs",  "normal", "normals",
-                                                              "seg",   "segs",   "label",  "labels",
-                                                              "alpha", "alphas", "mattes", "confidences"};
+  static constexpr std::array<std::string_view, 13> kWords = {"masked", "conf",   "confs",      "normal", "normals",
+                                                              "seg",    "segs",   "label",      "labels", "alpha",
+                                                              "alphas", "mattes", "confidences"};
   return Contains(kWords, word);
 }
 
