@@ -100,6 +100,22 @@ TEST(StageImages, CopiesWhatColmapDoesNotRead) {
   EXPECT_EQ(ReadImage(dir / "sfm" / "images" / plan[0].name).width, 64);
 }
 
+TEST(PlanStaging, NamesPhotosWithoutExtensionByContent) {
+  const TempDir dir;
+  Scene scene;
+  for (const char* name : {"a", "b.dat"}) {
+    SceneView view;
+    view.name = name;
+    view.image_path = dir / name;
+    scene.views.push_back(view);
+  }
+  WriteText(dir / "a", EncodeJpeg(SmoothImage(64, 48, 3)));
+  WritePng(dir / "b.dat", SmoothImage(64, 48, 3));
+  const auto plan = PlanStaging(scene, {0, 1});
+  EXPECT_EQ(plan[0].name, "camera0/a.jpg");
+  EXPECT_EQ(plan[1].name, "camera0/b.dat.png");
+}
+
 TEST(StageImages, LinksImagesAndWritesMasks) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 3);

@@ -175,8 +175,13 @@ bool IsHelperFolder(const std::string& name) {
       std::all_of(name.begin() + kSmaller.size(), name.end(), [](unsigned char c) { return std::isdigit(c); })) {
     return true;
   }
-  const Words words = WordsOf(name);
-  return std::any_of(words.begin(), words.end(), IsMapWord) || (words.size() == 1 && IsShortMapWord(words[0]));
+  Words words = WordsOf(name);  // "lowres_depth_maps", but not "depth_test_photos"
+  static constexpr std::array<std::string_view, 7> kPlurals = {"map",    "maps", "image", "images",
+                                                               "frames", "png",  "raw"};
+  while (!words.empty() &&
+         (Contains(kPlurals, words.back()) || std::isdigit(static_cast<unsigned char>(words.back()[0]))))
+    words.pop_back();
+  return !words.empty() && (IsMapWord(words.back()) || (words.size() == 1 && IsShortMapWord(words[0])));
 }
 
 std::string WhyNotRead(const fs::path& path) {

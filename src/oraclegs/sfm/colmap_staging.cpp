@@ -66,7 +66,7 @@ std::string PlainName(const SceneView& view) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
   }
   if (name.empty() || name[0] == '.') name = "_" + name;
-  if (!HasImageExtension(name)) name += view.image_path.extension().string();
+  if (!HasImageExtension(name) && HasImageExtension(view.image_path)) name += view.image_path.extension().string();
   return name;
 }
 
