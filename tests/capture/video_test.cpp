@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "capture/video_files.h"
 #include "oraclegs/core/files.h"
@@ -104,6 +105,18 @@ TEST(ProbeVideo, RefusesListsOfOtherFiles) {
     EXPECT_THAT(MessageOf<InputError>([&] { ProbeVideo(dir / name); }), HasSubstr("holds no video that ffmpeg"))
         << name;
     EXPECT_THROW(ExtractFrames(dir / name, 4, dir / "out", Silent()), InputError) << name;
+  }
+}
+
+TEST(ExtractFrames, TakesDifferentFramesOfAllContainers) {
+  const TempDir dir;
+  for (const char* name : {"a.avi", "a.mkv", "a.mov", "a.ts"}) {
+    const fs::path out = dir / (std::string(name) + "_out");
+    WriteVideo(dir / name, 4, {"-vf", "fps=7"});
+    ExtractFrames(dir / name, 20, out, Silent());
+    std::set<std::string> images;
+    for (const auto& entry : fs::directory_iterator(out)) images.insert(ReadFile(entry.path()));
+    EXPECT_EQ(images.size(), 20u) << name;
   }
 }
 

@@ -171,11 +171,12 @@ void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const
   ProcessRequest request;
   request.argv = {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-progress", "pipe:1"};
   Append(InputArguments(video), &request.argv);
-  Append({"-map", "0:v:0", "-vf",
-          fmt::format("select=gt(floor((n+1)*{0}/{1})\\,floor(n*{0}/{1})),setpts=N/({2}*TB)", total, in_video, kTicks),
-          "-r", std::to_string(kTicks), "-frames:v", std::to_string(total), "-pix_fmt", "yuvj420p", "-q:v", "2", "-f",
-          "image2", NumberedFiles(fs::absolute(all))},
-         &request.argv);
+  Append(
+      {"-map", "0:v:0", "-vf",
+       fmt::format("select=gt(floor((n+1)*{0}/{1})\\,floor(n*{0}/{1})),settb=1/{2},setpts=N", total, in_video, kTicks),
+       "-r", std::to_string(kTicks), "-frames:v", std::to_string(total), "-pix_fmt", "yuvj420p", "-q:v", "2", "-f",
+       "image2", NumberedFiles(fs::absolute(all))},
+      &request.argv);
   request.errors_apart = true;
   request.on_line = [&](const std::string& line) {
     int done = 0;
