@@ -13,12 +13,14 @@ using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
 TEST(IsHelperFolder, KnowsFoldersOfMaps) {
-  for (const char* name : {"masks", "mask", "images_4", "depth", "Depth", "lowres_depth", "renderedDepth", "depth_maps",
-                           "confidence", "conf", "normals", "thumbnails", "thumbs", "sam_masks", "@eaDir", "__MACOSX",
-                           "segmentation", "masks_2", "depth_png"})
+  for (const char* name :
+       {"masks",      "mask",       "images_4",     "depth",   "Depth",      "lowres_depth", "renderedDepth",
+        "depth_maps", "confidence", "conf",         "normals", "thumbnails", "thumbs",       "sam_masks",
+        "@eaDir",     "__MACOSX",   "segmentation", "masks_2", "depth_png",  "depth_vis",    "normal_maps"})
     EXPECT_TRUE(IsHelperFolder(name)) << name;
-  for (const char* name : {"images", "images_", "images_a", "_masks", "photos", "indepth", "masked ball",
-                           "depth_test_photos", "depth_scan", "normal photos", "conference", "rgb", ""})
+  for (const char* name :
+       {"images", "images_", "images_a", "_masks", "photos", "indepth", "masked ball", "depth_test_photos",
+        "depth_scan", "normal images", "color", "normal photos", "conference", "rgb", ""})
     EXPECT_FALSE(IsHelperFolder(name)) << name;
 }
 

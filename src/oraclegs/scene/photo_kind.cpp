@@ -175,13 +175,16 @@ bool IsHelperFolder(const std::string& name) {
       std::all_of(name.begin() + kSmaller.size(), name.end(), [](unsigned char c) { return std::isdigit(c); })) {
     return true;
   }
+  static constexpr std::array<std::string_view, 14> kEndings = {"map",     "maps",    "image", "images", "frames",
+                                                                "png",     "raw",     "vis",   "viz",    "color",
+                                                                "colored", "preview", "gt",    "pred"};
   Words words = WordsOf(name);  // "lowres_depth_maps", but not "depth_test_photos"
-  static constexpr std::array<std::string_view, 7> kPlurals = {"map",    "maps", "image", "images",
-                                                               "frames", "png",  "raw"};
+  const bool is_plain = words.size() == 1 || (words.size() == 2 && words[1].starts_with("map"));
+  if (is_plain && IsShortMapWord(words[0])) return true;
   while (!words.empty() &&
-         (Contains(kPlurals, words.back()) || std::isdigit(static_cast<unsigned char>(words.back()[0]))))
+         (Contains(kEndings, words.back()) || std::isdigit(static_cast<unsigned char>(words.back()[0]))))
     words.pop_back();
-  return !words.empty() && (IsMapWord(words.back()) || (words.size() == 1 && IsShortMapWord(words[0])));
+  return !words.empty() && IsMapWord(words.back());
 }
 
 std::string WhyNotRead(const fs::path& path) {
