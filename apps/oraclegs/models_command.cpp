@@ -102,7 +102,9 @@ class ModelsCommand : public Command {
     } else if (action_ == "check") {
       const auto file = check_.file.empty() ? RequireWeights(Model().name) : check_.file;
       const size_t tensors = CheckWeights(Model(), file, listener);
-      Print(fmt::format("{}: all {} tensors of {} are there", file.string(), tensors, Model().name));
+      const bool is_published = CheckPublished(Model(), file, listener);
+      Print(fmt::format("{}: all {} tensors of {} are there{}", file.string(), tensors, Model().name,
+                        is_published ? ", and it is the published file (SHA-256)" : ""));
     } else if (action_ == "convert") {
       ConvertFiles(listener);
     } else {

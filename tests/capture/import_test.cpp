@@ -52,9 +52,10 @@ TEST_F(ImportTest, TakesFilesAndFolders) {
 
 TEST_F(ImportTest, GivesNamesByWhichPhotosAreFoundAgain) {
   EXPECT_THAT(Import({Photo("masks/a.jpg").parent_path(), Photo("images_4/b.jpg").parent_path(), Photo("images/c.jpg"),
-                      Photo("without")}),
-              UnorderedElementsAre("_masks/a.jpg", "_images_4/b.jpg", "c.jpg", "without.jpg"));
-  EXPECT_EQ(FindPhotos(dir_ / "out/photos", Silent()).size(), 4u);
+                      Photo("depth/d.jpg").parent_path(), Photo("without"), Photo("a.gif"), Photo("b.mp4")}),
+              UnorderedElementsAre("_masks/a.jpg", "_images_4/b.jpg", "c.jpg", "_depth/d.jpg", "without.jpg",
+                                   "a.gif.jpg", "b.mp4.jpg"));
+  EXPECT_EQ(FindPhotos(dir_ / "out/photos", Silent()).size(), 7u);
 }
 
 TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
@@ -70,6 +71,25 @@ TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {
   EXPECT_EQ(ReadFile(dir_ / "out/photos/images/b.jpg"), ReadFile(dir_ / "b.jpg"));
   Import(inputs, {.frames = 10});
   EXPECT_EQ(events_.started.size(), 3u);
+}
+
+TEST_F(ImportTest, IsRepeatedWhenPhotosAreNotWhole) {
+  const std::vector<fs::path> inputs = {Photo("a.jpg"), Photo("b.jpg")};
+  const auto faults = {+[](const fs::path& photo) { fs::resize_file(photo, 0); },  // as after a power cut
+                       +[](const fs::path& photo) { fs::remove(photo); }};
+  Import(inputs);
+  for (const auto fault : faults) {
+    fault(dir_ / "out/photos/images/b.jpg");
+    EXPECT_THAT(Import(inputs), UnorderedElementsAre("a.jpg", "b.jpg"));
+    EXPECT_EQ(ReadFile(dir_ / "out/photos/images/b.jpg"), ReadFile(dir_ / "b.jpg"));
+  }
+  EXPECT_EQ(events_.started.size(), 3u);
+}
+
+TEST_F(ImportTest, GivesNamesThatDifferInMoreThanCase) {
+  EXPECT_THAT(Import({Photo("a/IMG.JPG"), Photo("b/img.jpg"), Photo("c/1.jpg").parent_path(),
+                      Photo("d/C/1.jpg").parent_path()}),
+              UnorderedElementsAre("IMG.JPG", "img-2.jpg", "c/1.jpg", "C-2/1.jpg"));
 }
 
 TEST_F(ImportTest, TakesPhotosOutOfAVideo) {

@@ -6,6 +6,7 @@
 
 #include "image/jpeg_files.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/image/read_image.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
@@ -36,37 +37,90 @@ TEST(UnpackPhotos, TakesPhotosOnlyAndStaysInside) {
                                {"trip/2.NEF", "x"},
                                {"trip/masks/1.jpg", jpeg},
                                {"trip/b\\c.jpg", jpeg},
-                               {".hidden.jpg", jpeg}});
+                               {".hidden.jpg", jpeg},
+                               {"trip/3.jfif", jpeg},
+                               {"trip/fake.jpg", "text"},
+                               {"trip/cut.jpg", "\xFF\xD8\xFF and no more"}});
   EXPECT_TRUE(IsZip(dir / "a.zip"));
-  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 4);
+  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 6);
   EventRecorder events;
   UnpackPhotos(dir / "a.zip", dir / "out" / "in", events.AsListener());
   std::vector<std::string> found;
   for (const auto& entry : fs::recursive_directory_iterator(dir / "out")) {
     if (entry.is_regular_file()) found.push_back(entry.path().lexically_relative(dir / "out").string());
   }
-  EXPECT_THAT(found, ::testing::UnorderedElementsAre("in/trip/1.jpg", "in/evil.jpg", "in/root.jpg", "in/trip/b_c.jpg"));
+  EXPECT_THAT(found, ::testing::UnorderedElementsAre("in/trip/1.jpg", "in/evil.jpg", "in/root.jpg", "in/trip/b_c.jpg",
+                                                     "in/trip/3.jfif"));
   EXPECT_THAT(events.warnings,
               ::testing::UnorderedElementsAre(HasSubstr("trip/2.NEF: raw photos are not read"),
-                                              HasSubstr("trip/masks/1.jpg: masks and smaller copies are not taken")));
+                                              HasSubstr("trip/masks/1.jpg: masks, depth maps and smaller copies"),
+                                              HasSubstr("trip/fake.jpg: is no image, whatever its name says"),
+                                              HasSubstr("trip/cut.jpg: is a damaged JPEG")));
 }
 
 TEST(UnpackPhotos, GivesPlacesOfTheirOwn) {
   const TempDir dir;
-  WriteArchive(dir / "a.zip",
-               {{"a.jpg", "file"}, {"a.jpg/1.jpg", "below"}, {"/a-2.jpg", "taken"}, {"b.jpg", "1"}, {"../b.jpg", "2"}});
-  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 5);
+  const auto jpeg = [](int width) { return EncodeJpeg(SmoothImage(width, 12, 3)); };
+  WriteArchive(dir / "a.zip", {{"a.jpg", jpeg(16)},
+                               {"a.jpg/1.jpg", jpeg(17)},
+                               {"/a-2.jpg", jpeg(18)},
+                               {"b.jpg", jpeg(19)},
+                               {"../b.jpg", jpeg(20)},
+                               {"B.JPG", jpeg(21)}});
+  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 6);
   UnpackPhotos(dir / "a.zip", dir / "out", [](const Event&) {});
-  std::map<std::string, std::string> found;
+  std::map<std::string, int> found;
   for (const auto& entry : fs::recursive_directory_iterator(dir / "out")) {
     if (!entry.is_regular_file()) continue;
-    found[entry.path().lexically_relative(dir / "out").string()] = ReadFile(entry.path());
+    found[entry.path().lexically_relative(dir / "out").string()] = ReadImage(entry.path()).width;
   }
-  EXPECT_THAT(found, ::testing::UnorderedElementsAre(::testing::Pair("a-2.jpg", "file"),
-                                                     ::testing::Pair("a.jpg/1.jpg", "below"),
-                                                     ::testing::Pair("a-2-2.jpg", "taken"),
-                                                     ::testing::Pair("b.jpg", "1"), ::testing::Pair("b-2.jpg", "2")))
-      << "a folder keeps its name, a file gets another one";
+  using ::testing::Pair;
+  EXPECT_THAT(found,
+              ::testing::UnorderedElementsAre(Pair("a-2.jpg", 16), Pair("a.jpg/1.jpg", 17), Pair("a-2-2.jpg", 18),
+                                              Pair("b.jpg", 19), Pair("b-2.jpg", 20), Pair("B-3.JPG", 21)))
+      << "a folder keeps its name, a file gets another one, also where case does not count";
+}
+
+TEST(CountZipPhotos, CountsBeforeItNames) {
+  const TempDir dir;
+  std::vector<std::pair<std::string, std::string>> files;
+  for (int i = 0; i < 30000; ++i) files.emplace_back(fmt::format("name{:05}.jpg", i), "x");
+  WriteArchive(dir / "a.zip", files);
+  std::string bytes = ReadFile(dir / "a.zip");  // libzip writes no equal names
+  for (size_t at = 0; (at = bytes.find("name", at)) != std::string::npos; at += 4) bytes.replace(at + 4, 5, "00000");
+  WriteText(dir / "a.zip", bytes);
+  EXPECT_THAT(MessageOf<InputError>([&] { CountZipPhotos(dir / "a.zip"); }), HasSubstr("holds 30000 photos"));
+}
+
+TEST(CountZipPhotos, RefusesWhatUnpacksToMoreThanPhotosDo) {
+  const TempDir dir;
+  const std::string zeros(100'000'000, '\0');
+  WriteArchive(dir / "zeros.zip", {{"a.jpg", zeros}});
+  EXPECT_THAT(MessageOf<InputError>([&] { CountZipPhotos(dir / "zeros.zip"); }),
+              HasSubstr("holds no photos (is no image, whatever its name says"));
+  WriteArchive(dir / "bomb.zip", {{"a.jpg", "\xFF\xD8\xFF" + zeros}});
+  const auto error = [&](auto&& action) { return MessageOf<InputError>(action); };
+  EXPECT_THAT(error([&] { CountZipPhotos(dir / "bomb.zip"); }), HasSubstr("bomb.zip: unpacks to more than 0.1 GB"));
+  EXPECT_THAT(error([&] { UnpackPhotos(dir / "bomb.zip", dir / "out", Silent()); }), HasSubstr("unpacks to more than"));
+  EXPECT_FALSE(fs::exists(dir / "out"));
+}
+
+/// The archive, with another size of its files in all headers.
+void PatchSizes(const fs::path& archive, uint32_t was, uint32_t is) {
+  std::string bytes = ReadFile(archive);
+  const auto text = [](uint32_t size) { return std::string(reinterpret_cast<const char*>(&size), 4); };
+  for (size_t at = 0; (at = bytes.find(text(was), at)) != std::string::npos; at += 4) bytes.replace(at, 4, text(is));
+  WriteText(archive, bytes);
+}
+
+TEST(UnpackPhotos, BelievesNoSize) {
+  const TempDir dir;
+  const std::string bomb = "\xFF\xD8\xFF" + std::string(100'000'000, '\0');
+  WriteArchive(dir / "a.zip", {{"a.jpg", bomb}});
+  PatchSizes(dir / "a.zip", static_cast<uint32_t>(bomb.size()), 1000);
+  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 1);
+  EXPECT_THROW(UnpackPhotos(dir / "a.zip", dir / "out", Silent()), InputError);
+  EXPECT_TRUE(fs::is_empty(dir / "out"));
 }
 
 TEST(CountZipPhotos, NamesWhatIsWrong) {

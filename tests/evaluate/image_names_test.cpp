@@ -37,5 +37,16 @@ TEST(ImageNames, NoTwoFilesOfASetAreTheSame) {
   EXPECT_EQ(files.size(), 2 * views.size());
 }
 
+TEST(ImageNames, TakeNoLongerWhenManyAreEqual) {
+  std::vector<std::string> views;  // of 16 letters, each of which is / or _: all want one name
+  for (int i = 0; i < 1 << 16; ++i) {
+    std::string view = "v";
+    for (int bit = 0; bit < 16; ++bit) view += (i >> bit & 1) != 0 ? "_" : "/";
+    views.push_back(view + "x");
+  }
+  const std::vector<std::string> names = ImageNames(views);
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), views.size());
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -66,8 +66,8 @@ TEST(ReadImage, NamesAFileThatIsNoImage) {
 }
 
 TEST(HasImageExtension, IgnoresCase) {
-  for (const char* name :
-       {"a.jpg", "a.JPG", "b/a.Jpeg", "a.png", "a.b.PNG", "a.HEIC", "a.heif", "a.avif", "a.webp", "a.tif", "a.TIFF"})
+  for (const char* name : {"a.jpg", "a.JPG", "b/a.Jpeg", "a.png", "a.b.PNG", "a.HEIC", "a.heif", "a.avif", "a.webp",
+                           "a.tif", "a.TIFF", "a.jfif", "a.jpe", "a.MPO"})
     EXPECT_TRUE(HasImageExtension(name)) << name;
   for (const char* name : {"a.jp", "a", "a.png.txt", "png", ".png", "a.gif", "a.cr2"})
     EXPECT_FALSE(HasImageExtension(name)) << name;

@@ -66,14 +66,56 @@ TEST(ColmapText, NamesLineAndFault) {
   EXPECT_THAT(images("1 nan 0 0 0 0 0 0 1 a.jpg\n\n"),
               HasSubstr("images.txt: the pose of image 'a.jpg' is not finite"));
   EXPECT_THAT(images("1 1 0 0 0 0 0 0 1\n\n"), HasSubstr("line 1: the image's name is missing"));
-  EXPECT_THAT(images("1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 0 0 0 1 b.jpg\n"),
-              HasSubstr("line 2: expected the keypoints"));
+  EXPECT_THAT(images("1 1 0 0 0 0 0 0 1 a.jpg\n2 1 0 0 0 b.jpg\n"), HasSubstr("line 2: expected the keypoints"));
+  EXPECT_THAT(images("1 1 0 0 0 0 0 0 1 a.jpg\n1.5 2.5 -1 3.5\n"), HasSubstr("line 2: expected the keypoints"));
 
   const auto points = [](const char* text) {
     return MessageOf<InputError>([&] { ParsePointsText(text, "points3D.txt"); });
   };
   EXPECT_THAT(points("1 1 2 3 10 20 256 0.5"), HasSubstr("points3D.txt line 1: '256' is not a number"));
   EXPECT_THAT(points("1 1 2 3 10 20 25 0.5 4"), HasSubstr("ends before a keypoint index"));
+}
+
+TEST(ColmapText, ReadsImagesOfOneLine) {
+  // The words of each line are a multiple of three, as those of keypoints.
+  const auto images = ParseImagesText(
+      "1 1 0 0 0 0 0 1 1 IMG 000 (1).jpg\n2 1 0 0 0 0 0 2 1 IMG 001 (1).jpg\n# three\n3 1 0 0 0 0 0 3 1 c.jpg\n\n"
+      "4 1 0 0 0 0 0 4 1 d.jpg\n",
+      "images.txt");
+  ASSERT_EQ(images.size(), 4u);
+  EXPECT_EQ(images[0].name, "IMG 000 (1).jpg");
+  EXPECT_EQ(images[1].name, "IMG 001 (1).jpg");
+  EXPECT_EQ(images[3].cam_from_world.translation().z(), 4);
+}
+
+TEST(ColmapText, ReadsNumbersOfOtherWriters) {
+  const auto cameras = ParseCamerasText(
+      "\xEF\xBB\xBF"
+      "1.0 PINHOLE 6.0 +4 +5.0 5 3 2\r\n",
+      "cameras.txt");
+  EXPECT_EQ(cameras.at(1).width, 6);
+  EXPECT_EQ(cameras.at(1).fx(), 5);
+  const auto points = ParsePointsText(
+      "\xEF\xBB\xBF"
+      "1 1 +2 3 10.0 2e1 255.0 0.5 4.0 0\r\n",
+      "points3D.txt");
+  EXPECT_THAT(points.at(0).rgb, ElementsAre(10, 20, 255));
+  EXPECT_THAT(points[0].image_ids, ElementsAre(4));
+  EXPECT_EQ(ParseImagesText("\xEF\xBB\xBF# ids\r\n1 1 0 0 0 0 0 0 1 a.jpg\r\n\r\n", "images.txt").size(), 1u);
+  EXPECT_THAT(MessageOf<InputError>([] { ParseCamerasText("1 PINHOLE 6.5 4 5 5 3 2", "cameras.txt"); }),
+              HasSubstr("'6.5' is not a number"));
+  EXPECT_THAT(MessageOf<InputError>([] {
+                ParseCamerasText(std::string("\xFF\xFE"
+                                             "1\0",
+                                             4),
+                                 "cameras.txt");
+              }),
+              HasSubstr("UTF-16"));
+}
+
+TEST(ColmapText, NamesTheWayOutOfNewerModels) {
+  EXPECT_THAT(MessageOf<InputError>([] { ParseCamerasText("1 SIMPLE_DIVISION 6 4 5 3 2 -.01", "cameras.txt"); }),
+              HasSubstr("colmap image_undistorter"));
 }
 
 TEST(ColmapText, SurvivesEveryPrefix) {

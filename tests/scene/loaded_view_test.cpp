@@ -152,6 +152,31 @@ TEST(LoadViews, MasksPhotosByAlpha) {
   EXPECT_THAT(one.Load({.downscale = 2}).mask, ElementsAre(0));
 }
 
+TEST(LoadViews, KeepsStraightColorsAtSoftEdges) {
+  OneView one(4, 2, SceneFormat::kTransforms);
+  Image8 image = Filled(4, 2, {200, 100, 50, 255});
+  image.data[4 * 1 + 3] = 153;                                                   // 0.6
+  for (const size_t i : {2, 3}) std::fill_n(&image.data[4 * i], 4, uint8_t{0});  // black behind the edge
+  one.Write(image);
+  const LoadedView full = one.Load();
+  EXPECT_NEAR(full.rgb.data[3], 200 / 255., 1e-6);
+  EXPECT_THAT(full.mask, ElementsAre(1, 1, 0, 0, 1, 1, 1, 1));
+  ASSERT_EQ(full.weights.size(), 8u);
+  EXPECT_NEAR(full.weights[1], 0.6, 1e-6);
+  EXPECT_EQ(full.weights[2], 0);
+  EXPECT_EQ(full.weights[7], 1);
+  // The filter weighs by alpha: the right pixel is half covered, and as bright as the object.
+  const LoadedView half = one.Load({.downscale = 2});
+  for (const size_t i : {0, 3}) {
+    EXPECT_NEAR(half.rgb.data[i], 200 / 255., 1e-6);
+    EXPECT_NEAR(half.rgb.data[i + 1], 100 / 255., 1e-6);
+  }
+  EXPECT_NEAR(half.weights.at(0), 0.9, 1e-6);
+  EXPECT_NEAR(half.weights.at(1), 0.5, 1e-6);
+  one.Write(Filled(4, 2, {200, 100, 50}));
+  EXPECT_TRUE(one.Load().weights.empty());
+}
+
 TEST(LoadViews, JoinsMaskFileAndAlpha) {
   OneView one(2, 2);
   Image8 image = Filled(2, 2, {255, 255, 255, 255});

@@ -81,11 +81,64 @@ TEST_F(PhotoFolderTest, RefusesTooMany) {
 
 TEST(FindPhotos, IsEmptyWithoutAFolder) { EXPECT_THAT(FindPhotos("/nonexistent", Silent()), IsEmpty()); }
 
-TEST(WhyNotRead, KnowsRawPhotosAndVideos) {
-  EXPECT_THAT(WhyNotRead("a.NEF"), HasSubstr("raw photos"));
-  EXPECT_THAT(WhyNotRead("a.mp4"), HasSubstr("videos"));
-  EXPECT_EQ(WhyNotRead("a.jpg"), "");
-  EXPECT_EQ(WhyNotRead("a.txt"), "");
+TEST_F(PhotoFolderTest, KnowsPhotosByContent) {
+  for (const char* name : {"a.jfif", "b.jpe", "c.mpo", "d", "e.gif", "f.dat", "g.jpg"})
+    WriteText(dir_ / name, EncodeJpeg(SmoothImage(16, 12, 3)));
+  for (const char* name : {".DS_Store", "Thumbs.db", "h", "i.txt"}) WriteText(dir_ / name, "no image");
+  EXPECT_THAT(Names(), ElementsAre("a.jfif", "b.jpe", "c.mpo", "d", "e.gif", "f.dat", "g.jpg"));
+  EXPECT_THAT(events_.warnings, IsEmpty());
+  EXPECT_THAT(events_.notes, ElementsAre("d, e.gif, f.dat: read as photos, whatever the names say"));
+}
+
+TEST_F(PhotoFolderTest, FollowsLinksToFoldersOnce) {
+  const TempDir elsewhere;
+  WriteImage(elsewhere / "more/x.png");
+  WriteImage(dir_ / "here/a.png");
+  std::filesystem::create_directory_symlink(std::filesystem::absolute(elsewhere.path()), dir_ / "linked");
+  std::filesystem::create_directory_symlink(std::filesystem::absolute(elsewhere / "more"), dir_ / "linked-again");
+  std::filesystem::create_directory_symlink("here", dir_ / "a-link");
+  std::filesystem::create_directory_symlink("..", dir_ / "here/up");
+  std::filesystem::create_directory_symlink("../..", dir_ / "here/further-up");
+  std::filesystem::create_directory_symlink("missing", dir_ / "broken");
+  std::filesystem::create_directory_symlink(std::filesystem::absolute(elsewhere.path()), elsewhere / "more/circle");
+  EXPECT_THAT(Names(), ElementsAre("here/a.png", "linked/more/x.png"));
+}
+
+TEST_F(PhotoFolderTest, PassesOverMapsAndSaysSo) {
+  for (const char* name :
+       {"a/1.png", "a/1_mask.png", "depth/1.png", "b/Confidence/1.png", "masks/1.png", "thumbs/note.txt"})
+    WriteImage(dir_ / name);
+  EXPECT_THAT(Names(), ElementsAre("a/1.png"));
+  EXPECT_THAT(events_.warnings, IsEmpty());
+  EXPECT_THAT(events_.notes,
+              ElementsAre(HasSubstr("b/Confidence/, depth/: passed over"), HasSubstr("a/1_mask.png: passed over")));
+}
+
+TEST_F(PhotoFolderTest, PassesOverTexturesOfAMesh) {
+  for (const char* name : {"1.png", "model/atlas 1.png", "model/atlas.png"}) WriteImage(dir_ / name);
+  WriteText(dir_ / "model/a.mtl", "newmtl a\r\n  Kd 1 1 1\n  map_Kd -s 1 1 atlas.png\r\n");
+  EXPECT_THAT(Names(), ElementsAre("1.png", "model/atlas 1.png"));
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("model/atlas.png: passed over, as masks, depth maps, textures")));
+}
+
+TEST_F(PhotoFolderTest, NamesPosesBesideThePhotosWhereverTheyAre) {
+  WriteImage(dir_ / "deep/photos/a.png");
+  WriteText(dir_ / "deep/photos/a.xmp", "xmlns:xcr=\"http://www.capturingreality.com/ns/xcr/1.1#\"");
+  EXPECT_THAT(Names(), ElementsAre("deep/photos/a.png"));
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("deep/photos: a.xmp has poses of RealityScan, which are not read")));
+}
+
+TEST_F(PhotoFolderTest, TakesThePhotosOfAKnownLayoutAlone) {
+  for (const char* name : {"scan/thumbnail.png", "scan/keyframes/images/1.png", "scan/keyframes/corrected_images/1.png",
+                           "scan/keyframes/depth/1.png", "scan/keyframes/confidence/1.png"})
+    WriteImage(dir_ / name);
+  WriteText(dir_ / "scan/keyframes/corrected_cameras/1.json", "{}");
+  EXPECT_THAT(Names(), ElementsAre("scan/keyframes/corrected_images/1.png"));
+  EXPECT_THAT(events_.warnings, IsEmpty());
+  ASSERT_EQ(events_.notes.size(), 1u);
+  EXPECT_THAT(events_.notes[0],
+              testing::AllOf(HasSubstr("scan: is a folder of Polycam; its photos are those of keyframes"),
+                             HasSubstr("corrected_cameras has poses of Polycam, which are not read")));
 }
 
 }  // namespace

@@ -98,6 +98,32 @@ TEST_F(ReadColmapSceneTest, KeepsNamesInsideTheFolder) {
   EXPECT_TRUE(fs::exists(scene.views[0].image_path));
 }
 
+TEST_F(ReadColmapSceneTest, GivesPointsWithoutTracksTheViewsTheyFallInto) {
+  fs::remove(dir_ / "model/points3D.bin");
+  WriteText(dir_ / "model/points3D.txt", "1 0 0 9 1 2 3 0\n2 0 0 -9 1 2 3 0\n3 0 0 9 4 5 6 0 9 0\n");
+  const Scene scene = Read();
+  ASSERT_EQ(scene.points.size(), 2u);
+  EXPECT_THAT(scene.points[0].views, ElementsAre(0, 1, 2));
+  EXPECT_THAT(scene.points[1].views, ElementsAre(0));  // its track says so
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("2 of 3 points have no track")));
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("1 of 3 points are left out")));
+}
+
+TEST_F(ReadColmapSceneTest, ReadsNamesOfOtherSystems) {
+  fs::rename(dir_ / "images/a.png", dir_ / "images/A.PNG");
+  fs::create_directories(dir_ / "images/sub");
+  fs::rename(dir_ / "images/b.png", dir_ / "images/sub/b.png");
+  fs::remove(dir_ / "model/images.bin");
+  WriteText(dir_ / "model/images.txt",
+            "9 1 0 0 0 0 0 0 1 a.png\n\n3 1 0 0 0 0 0 1 1 sub\\b.png\n\n4 1 0 0 0 0 0 2 1 c.png\n\n");
+  const Scene scene = Read();
+  ASSERT_EQ(scene.views.size(), 3u);
+  EXPECT_EQ(scene.views[0].name, "A.PNG");
+  EXPECT_EQ(scene.views[2].name, "sub/b.png");
+  EXPECT_THAT(scene.points.at(0).views, ElementsAre(1, 2));  // tracks follow the names
+  EXPECT_THAT(events_.notes, ::testing::Contains(HasSubstr("2 of 3 paths")));
+}
+
 TEST_F(ReadColmapSceneTest, ReadsWrittenText) {
   ColmapCameras cameras;
   cameras[3] = {CameraModel::kOpenCv, 6, 4, {5.1, 5.2, 1.0 / 3, 2, 0.1, -0.2, 1e-17, 0}};

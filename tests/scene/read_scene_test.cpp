@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -54,8 +55,8 @@ TEST_F(ReadSceneTest, TakesTheLargestOfSeveralModels) {
   WriteColmapText(root() / "sparse/0", {{1, {CameraModel::kPinhole, 6, 4, {5, 5, 3, 2}}}},
                   {{.id = 1, .name = "a.png", .camera_id = 1}});
   EXPECT_EQ(Read().views.size(), 3u);
-  ASSERT_EQ(events_.notes.size(), 1u);
-  EXPECT_THAT(events_.notes[0], HasSubstr("sparse/1: the largest of 2 models is used, with 3 of their 4 images"));
+  EXPECT_THAT(events_.notes,
+              Contains(HasSubstr("sparse/1: the largest of 2 models is used, with 3 of their 4 images")));
 }
 
 TEST_F(ReadSceneTest, FindsImagesInTheRootOrElsewhere) {
@@ -125,6 +126,37 @@ TEST_F(ReadSceneTest, RefusesImagesElsewhere) {
   fs::remove_all(elsewhere);
 }
 
+TEST_F(ReadSceneTest, ScalesCamerasToSmallerPhotos) {
+  for (const char* name : {"a.png", "b.png", "c.png"}) WriteImage(root() / "images" / name, 3, 2);
+  WriteTinyModel(root() / "sparse/0");  // of 6 x 4
+  const Scene scene = Read();
+  EXPECT_EQ(scene.views[1].intrinsics.width, 3);
+  EXPECT_EQ(scene.views[1].intrinsics.fy(), 5.5 / 2);
+  EXPECT_THAT(events_.notes, Contains(HasSubstr("3 of 3 photos have another size than their cameras")));
+}
+
+TEST_F(ReadSceneTest, SaysWhichOfTwoPosesAreUsed) {
+  WriteImages("images");
+  WriteTinyModel(root() / "sparse/0");
+  WriteText(root() / "transforms.json", Transforms({"images/a", "images/b"}).dump());
+  EXPECT_EQ(Read().format, SceneFormat::kColmap);
+  EXPECT_THAT(events_.notes, Contains(HasSubstr("the poses are those of the COLMAP model in")));
+}
+
+TEST_F(ReadSceneTest, FindsAModelBesideThePhotos) {
+  WriteImages("images");
+  WriteTinyModel(root() / "colmap/sparse/0");
+  EXPECT_EQ(Read().format, SceneFormat::kColmap);
+}
+
+TEST_F(ReadSceneTest, ChecksMasksOfAllKinds) {
+  WriteImages("images");
+  WritePng(root() / "masks/b.png", {6, 4, 1, std::vector<uint8_t>(24, 0)});
+  EXPECT_THAT(ReadError(), HasSubstr("masks/b.png: this mask ignores every pixel"));
+  WriteTinyModel(root() / "sparse/0");
+  EXPECT_THAT(ReadError(), HasSubstr("masks/b.png: this mask ignores every pixel"));
+}
+
 TEST_F(ReadSceneTest, FindsBlender) {
   WriteImages("train");
   WriteImages("test");
@@ -151,6 +183,14 @@ TEST_F(ReadSceneTest, FindsPhotosHereOrInImages) {
   WriteImage(root() / "images/d.png");
   EXPECT_EQ(Read().views.size(), 1u);
   EXPECT_EQ(Read({.images = "."}).views.size(), 4u);
+}
+
+TEST_F(ReadSceneTest, NamesPosesThatItDoesNotRead) {
+  WriteImages("images");
+  WriteText(root() / "cameras.xml", "<document><chunk><cameras/></chunk></document>");
+  EXPECT_EQ(Read().views.size(), 3u);
+  ASSERT_EQ(events_.notes.size(), 1u);
+  EXPECT_THAT(events_.notes[0], HasSubstr("cameras.xml has poses of Metashape, which are not read"));
 }
 
 TEST_F(ReadSceneTest, AttachesMasks) {

@@ -88,6 +88,18 @@ TEST(AttachMasks, FindsMasksByName) {
   EXPECT_TRUE(events.warnings.empty());
 }
 
+TEST(AttachMasks, FoldsNames) {
+  TempDir dir;
+  for (const char* name : {"Img_1.PNG", "b.jpeg", "c.jpg.WEBP", "d.tif", "d.webp"}) WriteText(dir / name, "mask");
+  Scene scene;
+  for (const char* name : {"images/IMG_1.JPG", "b.jpg", "c.jpg", "d.jpg"}) scene.views.push_back(View(name, "x"));
+  AttachMasks(dir.path(), Silent(), &scene);
+  EXPECT_EQ(scene.views[0].mask_path, dir / "Img_1.PNG");
+  EXPECT_EQ(scene.views[1].mask_path, dir / "b.jpeg");
+  EXPECT_EQ(scene.views[2].mask_path, dir / "c.jpg.WEBP");
+  EXPECT_TRUE(scene.views[3].mask_path.empty());  // either could be meant
+}
+
 TEST(AttachMasks, WarnsOfAFolderThatFitsNoView) {
   TempDir dir;
   Scene scene;

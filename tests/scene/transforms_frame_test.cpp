@@ -24,7 +24,7 @@ Intrinsics LensOf(const json& file, const json& frame = json::object(),
 Eigen::Isometry3d PoseOf(const json& matrix) {
   const json file = json::object();
   const json frame = {{"transform_matrix", matrix}};
-  return ReadTransformsPose({file, frame, "FILE: frame 'x'"});
+  return ReadTransformsPose({file, frame, "FILE: frame 'x'"}).cam_from_world;
 }
 
 json MatrixOf(const Eigen::Matrix3d& r, const Eigen::Vector3d& t) {
@@ -126,6 +126,16 @@ TEST(ReadTransformsPose, MakesARoundedRotationExact) {
   EXPECT_NEAR(pose.linear().determinant(), 1, 1e-14);
   EXPECT_LT((pose * center).norm(), 1e-14);
   EXPECT_TRUE(pose.linear().transpose().col(0).isApprox(r.col(0), 1e-4));
+}
+
+TEST(ReadTransformsPose, TakesTheRotationNearestToTwoDecimals) {
+  const Eigen::Matrix3d r = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -3).normalized()).toRotationMatrix();
+  const json file = json::object();
+  const json frame = {{"transform_matrix", MatrixOf((r * 1e2).array().round().matrix() / 1e2, {1, 2, 3})}};
+  const TransformsPose pose = ReadTransformsPose({file, frame, "FILE: frame 'x'"});
+  EXPECT_TRUE((pose.cam_from_world.linear() * pose.cam_from_world.linear().transpose()).isIdentity(1e-14));
+  EXPECT_GT(pose.rounding, 1e-4);
+  EXPECT_LT(pose.rounding, 1e-2);
 }
 
 TEST(ReadTransformsPose, NamesTheFault) {

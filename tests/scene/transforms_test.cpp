@@ -70,7 +70,7 @@ TEST_F(TransformsTest, LeavesOutFramesWithoutImage) {
 }
 
 TEST_F(TransformsTest, ReadsAnotherImageFolder) {
-  WriteImage(root() / "half/a.png", 3, 2);
+  for (const char* folder : {"half", "quarter"}) WriteImage(root() / folder / "a.png", 3, 2);  // either could be meant
   Write({Frame("images/a.png")});
   EXPECT_THAT(ReadError(), HasSubstr("none of its 1 views has an image file"));
   const Scene scene = Read({.images = "half"});
@@ -99,6 +99,36 @@ TEST_F(TransformsTest, ReadsMasksOfFrames) {
   EXPECT_TRUE(scene.views[1].mask_path.empty());
   ASSERT_EQ(events_.warnings.size(), 1u);
   EXPECT_THAT(events_.warnings[0], HasSubstr("1 mask files do not exist, those views use all pixels: m/b.png"));
+}
+
+TEST_F(TransformsTest, ReadsPathsOfAnotherMachine) {
+  for (const char* name : {"images/a.png", "images/b.png", "masks/b.png"}) WriteImage(root() / name);
+  json b = Frame("D:\\scan\\images\\b.png");
+  b["mask_path"] = "D:\\scan\\masks\\b.png";
+  Write({Frame("/home/me/scan/images/a"), b});
+  const Scene scene = Read();
+  EXPECT_THAT(Names(scene), ElementsAre("images/a.png", "images/b.png"));
+  EXPECT_EQ(scene.views[0].image_path, root() / "images/a.png");
+  EXPECT_EQ(scene.views[1].mask_path, root() / "masks/b.png");
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("2 of 2 paths"), HasSubstr("1 of 1 path")));
+}
+
+TEST_F(TransformsTest, NamesWhatIsNotRead) {
+  WriteImage(root() / "a.png");
+  json a = Frame("a.png");
+  a["depth_file_path"] = "depth/a.png";
+  WriteText(root() / "transforms.json", json{{"fl_x", 5}, {"ply_file_path", "p.ply"}, {"frames", {a}}}.dump());
+  Read();
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("names depth maps (depth_file_path) and points (ply_file_path)")));
+}
+
+TEST_F(TransformsTest, SaysThatRotationsAreRounded) {
+  for (const char* name : {"a.png", "b.png"}) WriteImage(root() / name);
+  json rounded = Frame("a.png");
+  rounded["transform_matrix"] = {{0.5, -0.866, 0, 0}, {0.866, 0.5, 0, 0}, {0, 0, 0.999, 0}, {0, 0, 0, 1}};
+  Write({rounded, Frame("b.png")});
+  Read();
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("1 of 2 rotations are off by up to 0.001")));
 }
 
 TEST_F(TransformsTest, LocatesSyntaxErrors) {

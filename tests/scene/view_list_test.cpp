@@ -35,6 +35,13 @@ TEST_F(ViewListFile, HoldsOneNameALine) {
   EXPECT_EQ(ExpandViewList(Write("# the split of a paper\n\n a.jpg\r\n:3\n"), "train"), "a.jpg,:3");
 }
 
+TEST_F(ViewListFile, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(ExpandViewList(Write("\xEF\xBB\xBF"
+                                 "a.jpg\r\n"),
+                           "train"),
+            "a.jpg");
+}
+
 TEST_F(ViewListFile, MayBeARunsSplit) {
   const std::string split = Write("{\"train\": [\"a.jpg\", \"b.jpg\"], \"test\": [\"c.jpg\"]}");
   EXPECT_EQ(ExpandViewList(split, "train"), "a.jpg,b.jpg");

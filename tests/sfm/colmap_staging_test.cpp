@@ -100,6 +100,22 @@ TEST(StageImages, CopiesWhatColmapDoesNotRead) {
   EXPECT_EQ(ReadImage(dir / "sfm" / "images" / plan[0].name).width, 64);
 }
 
+TEST(PlanStaging, NamesPhotosWithoutExtensionByContent) {
+  const TempDir dir;
+  Scene scene;
+  for (const char* name : {"a", "b.dat"}) {
+    SceneView view;
+    view.name = name;
+    view.image_path = dir / name;
+    scene.views.push_back(view);
+  }
+  WriteText(dir / "a", EncodeJpeg(SmoothImage(64, 48, 3)));
+  WritePng(dir / "b.dat", SmoothImage(64, 48, 3));
+  const auto plan = PlanStaging(scene, {0, 1});
+  EXPECT_EQ(plan[0].name, "camera0/a.jpg");
+  EXPECT_EQ(plan[1].name, "camera0/b.dat.png");
+}
+
 TEST(StageImages, LinksImagesAndWritesMasks) {
   const TempDir dir;
   Scene scene = WriteTexturedPlanes(dir / "scene", 3);
@@ -121,6 +137,31 @@ TEST(StageImages, LinksImagesAndWritesMasks) {
   EXPECT_EQ(from_alpha.data.back(), 0);
   EXPECT_EQ(from_file.data[0], 0);
   EXPECT_EQ(from_file.data.back(), 255);
+}
+
+TEST(StageImages, FitsMasksToThePhotosThatColmapSees) {
+  const TempDir dir;
+  Scene scene = WriteTexturedPlanes(dir / "scene", 2);
+  scene.views[0].mask_path = dir / "half.png";
+  scene.views[1].mask_path = dir / "zero_and_one.png";
+  scene.views[1].mask_white = 1;
+  for (SceneView& view : scene.views) {
+    WritePng(view.image_path, {4, 2, 3, std::vector<uint8_t>(24, 90)});
+    view.intrinsics.width = 4;
+    view.intrinsics.height = 2;
+  }
+  WritePng(scene.views[0].mask_path, {2, 1, 1, {0, 255}});
+  WritePng(scene.views[1].mask_path, {4, 2, 1, {1, 0, 0, 0, 0, 0, 0, 1}});
+  const auto plan = PlanStaging(scene, {0, 1});
+  EXPECT_TRUE(StageImages(scene, {0, 1}, plan, dir / "sfm"));
+  const auto kept = [&](size_t i) {
+    const Image8 mask = ReadImage(dir / "sfm" / "masks" / (plan[i].name + ".png"));
+    std::vector<int> values;
+    for (size_t p = 0; p < mask.data.size(); p += static_cast<size_t>(mask.channels)) values.push_back(mask.data[p]);
+    return values;
+  };
+  EXPECT_THAT(kept(0), ::testing::ElementsAre(0, 0, 255, 255, 0, 0, 255, 255));
+  EXPECT_THAT(kept(1), ::testing::ElementsAre(255, 0, 0, 0, 0, 0, 0, 255));
 }
 
 TEST(StageImages, RefusesAMaskOfAnotherSize) {

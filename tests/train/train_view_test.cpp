@@ -29,6 +29,16 @@ TEST(ToTrainViewTest, CopiesPixelsAndMask) {
   EXPECT_THROW(ToTrainView(photo), ShapeError);
 }
 
+TEST(ToTrainViewTest, WeighsSoftEdges) {
+  LoadedView photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
+  photo.mask.assign(kWidth * kHeight, 1);
+  photo.weights.assign(kWidth * kHeight, 1);
+  photo.weights[5] = 0.75f;
+  EXPECT_EQ(ToTrainView(photo).confidence[5], 0.75f);
+  photo.weights.pop_back();
+  EXPECT_THROW(ToTrainView(photo), ShapeError);
+}
+
 TEST(ToTrainViewTest, CopiesAlpha) {
   LoadedView photo{"a", CameraOnCircle(0), {kWidth, kHeight, 3, std::vector<float>(kWidth * kHeight * 3, 0.25f)}, {}};
   photo.alpha.assign(kWidth * kHeight, 1);

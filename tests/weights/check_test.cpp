@@ -6,6 +6,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/core/sha256.h"
 #include "support/event_recorder.h"
 #include "support/temp_dir.h"
 
@@ -87,6 +88,28 @@ TEST(CheckWeights, RefusesAForeignFile) {
   const TempDir dir;
   WriteFileAtomically(dir / "model.safetensors", "PK\3\4 pickle");
   EXPECT_THROW(CheckWeights(WeightsNamed("seva"), dir / "model.safetensors", Silent()), InputError);
+}
+
+TEST(CheckPublished, ComparesTheChecksum) {
+  const TempDir dir;
+  const auto path = dir / "model.safetensors";
+  const std::string bytes(2'500'000, 'x');
+  WriteFileAtomically(path, bytes);
+  WeightsInfo model = WeightsNamed("vggt");
+  model.files[0].sha256 = Sha256().Add(bytes).Hex();
+  EventRecorder recorder;
+  EXPECT_TRUE(CheckPublished(model, path, recorder.AsListener()));
+  WriteFileAtomically(path, bytes + "y");
+  EXPECT_THAT([&] { CheckPublished(model, path, Silent()); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("is not the file that the authors of vggt publish"),
+                                              HasSubstr("expected " + model.files[0].sha256))));
+}
+
+TEST(CheckPublished, IsNotPossibleForAllFiles) {
+  EXPECT_FALSE(CheckPublished(WeightsNamed("lpips-alex"), "model.safetensors", Silent())) << "is converted";
+  EXPECT_FALSE(CheckPublished(WeightsNamed("vggt-commercial"), "model.safetensors", Silent()))
+      << "is published nowhere";
+  EXPECT_FALSE(CheckPublished(WeightsNamed("vggt"), "model.safetensors.index.json", Silent())) << "has parts";
 }
 
 }  // namespace

@@ -50,6 +50,12 @@ TEST(FetchSettingsFromEnvironment, ReadsVariables) {
   EXPECT_THAT(
       [] { FetchSettingsFromEnvironment(); },
       ThrowsMessage<UsageError>(StrEq("ORACLEGS_MODELS_URL is 'ftp://m', must begin with http:// or https://")));
+  for (const char* address :
+       {"http://user:hunter2@m", "http://hunter2@m", "ftp://user:hunter2@m", "http://user:hunter2@m:x", "http://"}) {
+    const ScopedVariable secret("ORACLEGS_MODELS_URL", address);
+    EXPECT_THAT(MessageOf<UsageError>([] { FetchSettingsFromEnvironment(); }),
+                AllOf(HasSubstr("ORACLEGS_MODELS_URL is "), Not(HasSubstr("hunter2"))));
+  }
 }
 
 class FetchWeightsTest : public testing::Test {
@@ -104,6 +110,20 @@ TEST_F(FetchWeightsTest, SendsTheTokenToHuggingFaceOnly) {
   ScriptedServer server({Answer("404 Not Found", {"Content-Length: 0"})});
   EXPECT_THROW(Fetch("lpips-vgg", {"hf_1", server.Url("")}), InputError);
   EXPECT_THAT(server.Requests()[0], AllOf(HasSubstr("GET /models/vgg16-397923af.pth "), Not(HasSubstr("hf_1"))));
+}
+
+TEST_F(FetchWeightsTest, TellsThisMachineByTheHostAndNotByTheText) {
+  const auto behind = [](const ScriptedServer& server, const std::string& user) {
+    std::string url = server.Url("");
+    return url.insert(url.find("://") + 3, user + "@");
+  };
+  ScriptedServer server({Answer("404 Not Found", {"Content-Length: 0"})});
+  EXPECT_THROW(Fetch("seva", {"hf_1", behind(server, "localhost:x")}), InputError);
+  EXPECT_THAT(server.Requests()[0], Not(HasSubstr("hf_1"))) << "the address may lead to any machine";
+  EXPECT_THAT(MessageOf<UsageError>([&] {
+                Fetch("vggt-commercial", {"", "http://127.0.0.1:x@mirror.example"});
+              }),
+              HasSubstr("checksum is not known"));
 }
 
 TEST_F(FetchWeightsTest, KeepsPublishedFilesThatCannotBeConverted) {

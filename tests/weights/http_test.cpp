@@ -122,7 +122,25 @@ TEST_F(Http, NamesTheAddressWithoutItsQuery) {
   EXPECT_THAT([&] { Get({url}); }, ThrowsMessage<RunError>(AllOf(HasSubstr("/a: no answer: "), HasSubstr("http_proxy"),
                                                                  Not(HasSubstr("xyz")))));
   EXPECT_THAT([&] { Get({"no address"}); }, ThrowsMessage<RunError>(HasSubstr("is no address of a server")));
-  EXPECT_EQ(WithoutQuery("http://h/a?b#c"), "http://h/a");
+}
+
+TEST(WithoutSecrets, DropsWhatOthersMayNotSee) {
+  EXPECT_EQ(WithoutSecrets("http://h/a?b#c"), "http://h/a");
+  EXPECT_EQ(WithoutSecrets("https://h:8443/a"), "https://h:8443/a");
+  EXPECT_EQ(WithoutSecrets("http://user:hunter2@h:80/a?b=c@d"), "http://h/a");
+  for (const char* broken :
+       {"user:hunter2@h/a", "http://user:hunter2#3@h/a", "http://user:hunt/er2@h/a", "http://user:hunter2@h:x/a"})
+    EXPECT_THAT(WithoutSecrets(broken), AllOf(Not(HasSubstr("hunt")), HasSubstr("h"))) << broken;
+}
+
+TEST(OriginOf, ReadsAddressesAsLibcurlDoes) {
+  EXPECT_EQ(OriginOf("HTTP://LocalHost:80/x").host, "localhost");
+  EXPECT_EQ(OriginOf("http://localhost:x@host/").host, "host");
+  EXPECT_TRUE(OriginOf("http://localhost:x@host/").has_user);
+  EXPECT_TRUE(OriginOf("http://me@host/").has_user);
+  EXPECT_FALSE(OriginOf("http://host/a@b").has_user);
+  EXPECT_EQ(OriginOf("https://host/a").text, "https://host:443");
+  EXPECT_EQ(OriginOf("no address").text, "");
 }
 
 TEST_F(Http, RethrowsWhatAHandlerThrows) {

@@ -1,11 +1,15 @@
 #include "oraclegs/capture/import.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 #include <system_error>
 
+#include "oraclegs/capture/free_names.h"
 #include "oraclegs/capture/video.h"
 #include "oraclegs/capture/zip_photos.h"
 #include "oraclegs/core/error.h"
@@ -16,6 +20,7 @@
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/photo_folder.h"
+#include "oraclegs/scene/photo_kind.h"
 
 namespace oraclegs {
 namespace {
@@ -36,16 +41,10 @@ InputKind KindOf(const fs::path& input) {
   if (!fs::exists(input, error)) throw InputError("{}: no such file or folder", input.string());
   if (!fs::is_regular_file(input, error)) throw InputError("{}: is neither a file nor a folder", input.string());
   if (IsZip(input)) return InputKind::kZip;
-  if (HasImageExtension(input)) return InputKind::kPhoto;
+  if (HasImageExtension(input) || IsPhotoByContent(input)) return InputKind::kPhoto;
   if (LooksLikeVideo(input)) return InputKind::kVideo;
   if (const std::string why = WhyNotRead(input); !why.empty()) throw InputError("{}: {}", input.string(), why);
-  try {
-    ReadImageInfo(input);
-    return InputKind::kPhoto;
-  } catch (const InputError&) {
-    throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these",
-                     input.string());
-  }
+  throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these", input.string());
 }
 
 /// The name of a photo, with an extension by its content where it has none of a photo: by that it is found again.
@@ -80,10 +79,45 @@ json ManifestOf(const std::vector<fs::path>& inputs, const CaptureOptions& optio
   return {{"format", 1}, {"frames", options.frames.ValueOr(kUsualFrames)}, {"files", files}};
 }
 
+/// Waits until a file or folder is on the disk.
+void FlushToDisk(const fs::path& path) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  int error = fd < 0 || fsync(fd) != 0 ? errno : 0;
+  if (fd >= 0) close(fd);
+  if (error == EINVAL || error == ENOTSUP) error = 0;  // file systems that cannot do it for folders
+  if (error != 0) throw RunError("{}: cannot flush to disk: {}", OneLine(path.string()), SystemReason(error));
+}
+
+/// Sizes of all files below `dir`, which are on the disk by then: a manifest must not outlive what it vouches for.
+json FlushedSizes(const fs::path& dir) {
+  json sizes = json::object();
+  for (const auto& entry : fs::recursive_directory_iterator(dir)) {
+    FlushToDisk(entry.path());
+    if (!entry.is_directory()) sizes[PlainText(entry.path().lexically_relative(dir))] = entry.file_size();
+  }
+  FlushToDisk(dir);
+  return sizes;
+}
+
+/// True when each photo has the size that the manifest says, and none is missing.
+bool AreWhole(const fs::path& images, const json& sizes) {
+  size_t whole = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(images, error), end; !error && it != end; it.increment(error)) {
+    if (it->is_directory(error)) continue;
+    const auto size = sizes.find(PlainText(it->path().lexically_relative(images)));
+    whole += size != sizes.end() && *size == fs::file_size(it->path(), error);
+  }
+  return !error && sizes.is_object() && whole == sizes.size();
+}
+
 bool IsImported(const fs::path& dir, const json& manifest) {
   std::error_code error;
   if (!fs::is_regular_file(dir / kManifest, error)) return false;
-  return ParseJsonOrDiscard(ReadFile(dir / kManifest)) == manifest;
+  json found = ParseJsonOrDiscard(ReadFile(dir / kManifest));
+  if (!found.is_object() || !found.contains("photos") || !AreWhole(dir / kImages, found["photos"])) return false;
+  found.erase("photos");
+  return found == manifest;
 }
 
 /// Copies and unpacks into one folder.
@@ -110,7 +144,7 @@ class Importer {
               (input / "masks").string())});
         }
         for (const fs::path& photo : FindPhotos(input, listener_))
-          Copy(photo, folder / photo.lexically_relative(input));
+          Copy(photo, names_.Take(folder / photo.lexically_relative(input)));
         return;
       }
     }
@@ -119,11 +153,9 @@ class Importer {
  private:
   /// A name at the top of the folder that is not taken: IMG_1.jpg, then IMG_1-2.jpg.
   fs::path FreeName(const fs::path& wanted) {
-    std::string stem = PlainText(wanted.stem()), extension = PlainText(wanted.extension());
-    if (stem.empty() || stem[0] == '.' || IsHelperFolder(stem)) stem = "_" + stem;
-    std::string name = stem + extension;
-    for (int i = 2; !taken_.insert(name).second; ++i) name = fmt::format("{}-{}{}", stem, i, extension);
-    return name;
+    std::string name = PlainText(wanted);
+    if (name.empty() || name[0] == '.' || IsHelperFolder(PlainText(wanted.stem()))) name = "_" + name;
+    return names_.Take(name);
   }
 
   void Copy(const fs::path& from, const fs::path& name) const {
@@ -142,7 +174,7 @@ class Importer {
   fs::path dir_;
   const CaptureOptions& options_;
   const Listener& listener_;
-  std::set<std::string> taken_;
+  FreeNames names_;
 };
 
 }  // namespace
@@ -182,7 +214,7 @@ void CheckInputs(const std::vector<fs::path>& inputs) {
 
 void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& options, const fs::path& dir,
                   const Listener& listener) {
-  const json manifest = ManifestOf(inputs, options);
+  json manifest = ManifestOf(inputs, options);
   if (IsImported(dir, manifest)) return;
   listener(StageStarted{"import"});
   const auto start = std::chrono::steady_clock::now();
@@ -194,6 +226,7 @@ void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& opt
   Importer importer(half / kImages, options, listener);
   try {
     for (const fs::path& input : inputs) importer.Add(input, inputs.size() == 1);
+    manifest["photos"] = FlushedSizes(half / kImages);
     WriteFileAtomically(half / kManifest, manifest.dump(1) + "\n");
   } catch (...) {
     fs::remove_all(half, error);
@@ -202,6 +235,7 @@ void ImportPhotos(const std::vector<fs::path>& inputs, const CaptureOptions& opt
   fs::remove_all(dir, error);
   if (!error) fs::rename(half, dir, error);
   if (error) throw RunError("{}: cannot be renamed to {}: {}", half.string(), dir.string(), SystemReason(error));
+  FlushToDisk(dir.parent_path());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   listener(StageFinished{"import", seconds.count()});
 }

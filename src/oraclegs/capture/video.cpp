@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
+#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -20,6 +20,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/heif.h"
+#include "oraclegs/image/image.h"
 #include "oraclegs/image/thumbnail.h"
 
 namespace oraclegs {
@@ -31,9 +32,25 @@ constexpr int kCandidates = 5;  // frames looked at for each that is taken
 constexpr int kMinFrames = 3;
 constexpr int kSharpnessSide = 960;
 constexpr std::chrono::duration<double> kProbeLimit{60};
+constexpr int kTicks = 25;  // a second, of the frames that are taken: times in the file are not believed
+// ffmpeg finds the format by content: a playlist that is called .mp4 would name other files of this machine.
+constexpr char kFormats[] = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,mpegvideo,asf,flv,ogg";
 
-/// As an argument that is neither an option nor an address to ffmpeg.
-std::string FileArgument(const fs::path& path) { return "file:" + fs::absolute(path).string(); }
+/// Arguments of ffprobe and ffmpeg: this video, which is neither an option nor an address, and nothing that it names.
+std::vector<std::string> InputArguments(const fs::path& video) {
+  return {"-protocol_whitelist",
+          "file",
+          "-format_whitelist",
+          kFormats,
+          "-max_pixels",
+          std::to_string(1'000'000 * kLargestMaxMegapixels),
+          "-i",
+          "file:" + fs::absolute(video).string()};
+}
+
+void Append(std::vector<std::string> arguments, std::vector<std::string>* argv) {
+  argv->insert(argv->end(), std::make_move_iterator(arguments.begin()), std::make_move_iterator(arguments.end()));
+}
 
 void RequireFfmpeg(const fs::path& video) {
   if (!FindProgram("ffmpeg").empty() && !FindProgram("ffprobe").empty()) return;
@@ -64,19 +81,6 @@ void RequireUndisturbed(const fs::path& video, const ProcessResult& result) {
     throw RunError("{}: ffmpeg cannot be run{}; see that ffmpeg works, and run the same command again", video.string(),
                    result.last_error.empty() ? "" : fmt::format(" ({})", Printable(result.last_error)));
   }
-}
-
-double NumberOf(const nlohmann::json& json, const char* key) {
-  const nlohmann::json value = json.is_object() ? json.value(key, nlohmann::json()) : nlohmann::json();
-  return value.is_string() ? std::strtod(value.get<std::string>().c_str(), nullptr) : 0;
-}
-
-/// "30000/1001"
-double RateOf(const nlohmann::json& stream) {
-  int up = 0, down = 0;
-  const nlohmann::json rate = stream.value("avg_frame_rate", nlohmann::json());
-  if (!rate.is_string() || std::sscanf(rate.get<std::string>().c_str(), "%d/%d", &up, &down) != 2) return 0;
-  return up > 0 && down > 0 ? static_cast<double>(up) / down : 0;
 }
 
 /// The candidates, as ffmpeg numbers them.
@@ -112,7 +116,7 @@ bool LooksLikeVideo(const fs::path& path) {
          (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "AVI ");
 }
 
-VideoInfo ParseProbe(std::string_view output, const fs::path& video) {
+int64_t ParseProbe(std::string_view output, const fs::path& video) {
   const size_t begin = output.find('{'), end = output.rfind('}');
   if (begin == std::string::npos || end == std::string::npos || end < begin) RefuseVideo(video, "");
   const nlohmann::json probed = ParseJsonOrDiscard(output.substr(begin, end - begin + 1));
@@ -120,21 +124,19 @@ VideoInfo ParseProbe(std::string_view output, const fs::path& video) {
       probed["streams"].empty() || !probed["streams"][0].is_object()) {
     RefuseVideo(video, "no picture track");
   }
-  const nlohmann::json& stream = probed["streams"][0];
-  VideoInfo info;
-  info.seconds = NumberOf(stream, "duration");
-  if (!(info.seconds > 0)) info.seconds = NumberOf(probed.value("format", nlohmann::json::object()), "duration");
-  const double packets = NumberOf(stream, "nb_read_packets"), rate = RateOf(stream);
-  if (!(info.seconds > 0) && rate > 0) info.seconds = packets / rate;
-  info.frames_per_second = packets / info.seconds;
-  if (!(packets >= kMinFrames) || !(info.seconds > 0) || !std::isfinite(info.frames())) {
-    throw InputError("{}: is too short, with {:.0f} frames; film ten seconds or more while you walk around",
-                     video.string(), packets);
+  const nlohmann::json packets = probed["streams"][0].value("nb_read_packets", nlohmann::json());
+  const std::string text = packets.is_string() ? packets.get<std::string>() : "";
+  int64_t frames = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), frames);
+  if (error != std::errc() || rest != text.data() + text.size()) frames = 0;
+  if (frames < kMinFrames) {
+    throw InputError("{}: is too short, with {} frames; film ten seconds or more while you walk around", video.string(),
+                     std::max<int64_t>(frames, 0));
   }
-  return info;
+  return frames;
 }
 
-VideoInfo ProbeVideo(const fs::path& video) {
+int64_t ProbeVideo(const fs::path& video) {
   RequireFfmpeg(video);
   std::error_code error;
   if (fs::is_regular_file(video, error) && fs::file_size(video, error) == 0) {
@@ -142,17 +144,10 @@ VideoInfo ProbeVideo(const fs::path& video) {
   }
   std::string json;
   ProcessRequest request;
-  request.argv = {"ffprobe",
-                  "-v",
-                  "error",
-                  "-select_streams",
-                  "v:0",
-                  "-count_packets",
-                  "-show_entries",
-                  "stream=avg_frame_rate,nb_read_packets,duration:format=duration",
-                  "-of",
-                  "json",
-                  FileArgument(video)};
+  request.argv = {
+      "ffprobe", "-v",  "error", "-select_streams", "v:0", "-count_packets", "-show_entries", "stream=nb_read_packets",
+      "-of",     "json"};
+  Append(InputArguments(video), &request.argv);
   request.errors_apart = true;
   request.time_limit = kProbeLimit;
   const ProcessResult result = RunProcess(request);
@@ -166,35 +161,22 @@ VideoInfo ProbeVideo(const fs::path& video) {
 }
 
 void ExtractFrames(const fs::path& video, int frames, const fs::path& dir, const Listener& listener) {
-  const VideoInfo info = ProbeVideo(video);
+  const int64_t in_video = ProbeVideo(video);
   const fs::path all = dir / "candidates";
   std::error_code error;
   fs::create_directories(all, error);
   if (error) throw RunError("{}: cannot be made: {}", all.string(), SystemReason(error));
 
-  const double wanted = std::min(static_cast<double>(frames) * kCandidates, std::floor(info.frames()));
-  const auto total = static_cast<int64_t>(wanted);
+  const int64_t total = std::min(int64_t{frames} * kCandidates, in_video);
   ProcessRequest request;
-  request.argv = {"ffmpeg",
-                  "-nostdin",
-                  "-hide_banner",
-                  "-loglevel",
-                  "error",
-                  "-progress",
-                  "pipe:1",
-                  "-i",
-                  FileArgument(video),
-                  "-map",
-                  "0:v:0",
-                  "-vf",
-                  fmt::format("fps={:.6f}", wanted / info.seconds),
-                  "-pix_fmt",
-                  "yuvj420p",
-                  "-q:v",
-                  "2",
-                  "-f",
-                  "image2",
-                  NumberedFiles(fs::absolute(all))};
+  request.argv = {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-progress", "pipe:1"};
+  Append(InputArguments(video), &request.argv);
+  Append(
+      {"-map", "0:v:0", "-vf",
+       fmt::format("select=gt(floor((n+1)*{0}/{1})\\,floor(n*{0}/{1})),settb=1/{2},setpts=N", total, in_video, kTicks),
+       "-r", std::to_string(kTicks), "-frames:v", std::to_string(total), "-pix_fmt", "yuvj420p", "-q:v", "2", "-f",
+       "image2", NumberedFiles(fs::absolute(all))},
+      &request.argv);
   request.errors_apart = true;
   request.on_line = [&](const std::string& line) {
     int done = 0;

@@ -9,13 +9,15 @@ namespace oraclegs {
 /// True when the file begins like a zip archive.
 bool IsZip(const std::filesystem::path& path);
 
-/// How many photos (by name) the archive has. Throws InputError naming it when it is no archive, has none, has more
-/// than one scene may have, or is encrypted.
+/// How many photos (by content) the archive has. Throws InputError naming it when it is no archive, has none, has more
+/// than one scene may have, is encrypted, or promises more bytes than photos of its size have: four times its own and
+/// 64 MB.
 int CountZipPhotos(const std::filesystem::path& archive);
 
 /// Unpacks the photos of an archive below `dir`, in the folders they have in the archive; names that lead out of it
-/// lead to `dir`. What looks like a photo or video and is not read is named to `listener`. Throws InputError naming the
-/// archive when it is damaged or unpacks to more than 32 GB, RunError when `dir` cannot be written.
+/// lead to `dir`. What looks like a photo or video and is not read is named to `listener`, and is not left in `dir`.
+/// Throws InputError naming the archive when it is damaged, holds nothing that can be read, or unpacks to more than
+/// CountZipPhotos allows, RunError when `dir` cannot be written or has too little room.
 void UnpackPhotos(const std::filesystem::path& archive, const std::filesystem::path& dir, const Listener& listener);
 
 }  // namespace oraclegs

@@ -48,12 +48,14 @@ std::vector<std::string> ImageNames(const std::vector<std::string>& views) {
     if (is_alone(PlainName(view))) Take(PlainName(view), &taken);
   }
   std::vector<std::string> names;
+  std::map<std::string, int> numbers;  // the next of each name: looking from the start each time would take its square
   for (const std::string& view : views) {
     names.push_back(PlainName(view));
     if (is_alone(names.back())) continue;
     const std::string longer = NameWithExtension(view);
     names.back() = longer;
-    for (int number = 2; !IsFree(taken, names.back()); ++number) names.back() = longer + "_" + std::to_string(number);
+    int& number = numbers.try_emplace(longer, 2).first->second;
+    while (!IsFree(taken, names.back())) names.back() = longer + "_" + std::to_string(number++);
     Take(names.back(), &taken);
   }
   return names;

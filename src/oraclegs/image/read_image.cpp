@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -19,6 +21,8 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;  // an image of the largest size without compression
 
+constexpr size_t kHeadBytes = size_t{1} << 18;
+
 [[noreturn]] void RefuseFormat(const std::string& bytes, const std::string& file) {
   if (bytes.empty()) throw InputError("{}: is empty; copy the image again", file);
   throw InputError("{}: is not a JPEG, PNG, HEIC, AVIF, WebP or TIFF image, whatever its name says; convert it to JPEG",
@@ -32,6 +36,17 @@ void SizeOf(const std::string& bytes, const std::string& file, Orientation orien
   if (IsWebp(bytes)) return ReadWebpSize(bytes, file, orientation, width, height);
   if (IsTiff(bytes)) return ReadTiffSize(bytes, file, orientation, width, height);
   RefuseFormat(bytes, file);
+}
+
+/// The first bytes of a file, where the headers of a JPEG and a PNG are; empty when it cannot be read.
+std::string ReadHead(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return "";
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kHeadBytes, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return bytes;
 }
 
 const char* ExtensionOf(const std::string& bytes) {
@@ -54,6 +69,12 @@ Image8 ReadImage(const std::filesystem::path& path, Orientation orientation) {
 }
 
 void ReadImageSize(const std::filesystem::path& path, int* width, int* height, Orientation orientation) {
+  if (const std::string head = ReadHead(path); IsJpeg(head) || IsPng(head)) {
+    try {
+      return SizeOf(head, path.string(), orientation, width, height);
+    } catch (const InputError&) {  // what the head alone does not say, or hold
+    }
+  }
   SizeOf(ReadFile(path, kMaxFileBytes), path.string(), orientation, width, height);
 }
 
@@ -66,12 +87,16 @@ ImageInfo ReadImageInfo(const std::filesystem::path& path) {
   return info;
 }
 
+bool IsImage(std::string_view bytes) {
+  return IsJpeg(bytes) || IsPng(bytes) || IsHeif(bytes) || IsWebp(bytes) || IsTiff(bytes);
+}
+
 bool HasImageExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  static constexpr std::array<std::string_view, 10> kKnown = {".jpg", ".jpeg", ".png",  ".heic", ".heif",
-                                                              ".hif", ".avif", ".webp", ".tif",  ".tiff"};
+  static constexpr std::array<std::string_view, 13> kKnown = {
+      ".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".png", ".heic", ".heif", ".hif", ".avif", ".webp", ".tif", ".tiff"};
   return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
 

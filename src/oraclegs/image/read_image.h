@@ -1,8 +1,10 @@
 #pragma once
 // Image files of any supported format.
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "oraclegs/image/exif_tags.h"
 #include "oraclegs/image/image.h"
@@ -27,7 +29,12 @@ struct ImageInfo {
 /// What is known without decoding.
 ImageInfo ReadImageInfo(const std::filesystem::path& path);
 
-/// True for .jpg .jpeg .png .heic .heif .hif .avif .webp .tif .tiff in any case.
+inline constexpr size_t kImageHeadBytes = 16;  ///< enough for IsImage
+
+/// True when the bytes begin like an image of a kind that ReadImage reads.
+bool IsImage(std::string_view bytes);
+
+/// True for .jpg .jpeg .jpe .jfif .mpo .png .heic .heif .hif .avif .webp .tif .tiff in any case.
 bool HasImageExtension(const std::filesystem::path& path);
 
 }  // namespace oraclegs

@@ -20,6 +20,7 @@
 #include "oraclegs/pipeline/stages/register_stage.h"
 #include "oraclegs/pipeline/workspace/frame_file.h"
 #include "oraclegs/render/constants.h"
+#include "oraclegs/scene/declared_split.h"
 #include "oraclegs/scene/gps_scale.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
@@ -87,6 +88,7 @@ Scene Read(const fs::path& root, const RunOptions& options, const Listener& list
   read.allow_outside = options.input.allow_outside;
   Scene scene = ReadScene(root, read, listener);
   CheckSmallerCopies(scene, options.image, listener);
+  ReportSplitLists(scene, options.split, listener);
   return scene;
 }
 

@@ -167,7 +167,7 @@ void AddFrames(const fs::path& dir, const ViewNames& views, const Similarity& pl
                     intrinsics.fy(),
                     intrinsics.cx(),
                     intrinsics.cy(),
-                    Moved(ReadTransformsPose(frame), placement)};
+                    Moved(ReadTransformsPose(frame).cam_from_world, placement)};
     if (intrinsics.model != CameraModel::kPinhole) {
       skip(kDistorted);
     } else if (views.IsTest(file_path)) {

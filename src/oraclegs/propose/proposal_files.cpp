@@ -121,8 +121,13 @@ std::vector<Target> ReadTargets(const fs::path& dir) {
     if (!names.insert(target.name).second) {
       throw InputError("{}: another frame is called '{}', too; rename one", frame.place, target.name);
     }
-    target.camera = {intrinsics.width, intrinsics.height, intrinsics.fx(),          intrinsics.fy(),
-                     intrinsics.cx(),  intrinsics.cy(),   ReadTransformsPose(frame)};
+    target.camera = {intrinsics.width,
+                     intrinsics.height,
+                     intrinsics.fx(),
+                     intrinsics.fy(),
+                     intrinsics.cx(),
+                     intrinsics.cy(),
+                     ReadTransformsPose(frame).cam_from_world};
     targets.push_back(std::move(target));
   }
   return targets;

@@ -91,7 +91,10 @@ ColmapCameras ParseCamerasBinary(std::string_view bytes, const std::string& file
     const uint32_t id = reader.Get<uint32_t>();
     const int model_id = reader.Get<int32_t>();
     const auto model = CameraModelFromId(model_id);
-    if (!model) throw InputError("{}: camera {} has the unknown model id {}, COLMAP 3.8 has 0..10", file, id, model_id);
+    if (!model) {
+      throw InputError("{}: camera {} has the unknown model id {}, COLMAP 3.8 has 0..10; {}", file, id, model_id,
+                       kUndistortNewerModels);
+    }
     Intrinsics intrinsics;
     intrinsics.model = *model;
     intrinsics.width = GetImageSide(reader, file, id);

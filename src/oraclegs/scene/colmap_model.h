@@ -14,6 +14,11 @@
 
 namespace oraclegs {
 
+/// The way out for a camera model that is not known here.
+inline constexpr const char* kUndistortNewerModels =
+    "let the COLMAP that made it write photos without distortion (colmap image_undistorter --image_path PHOTOS "
+    "--input_path MODEL --output_path NEW) and name the folder NEW";
+
 using ColmapCameras = std::map<uint32_t, Intrinsics>;  ///< by camera id
 
 struct ColmapImage {

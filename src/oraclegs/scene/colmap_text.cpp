@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
+#include <type_traits>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -29,10 +31,32 @@ bool HasControlCharacter(const std::string& name) {
   return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; });
 }
 
+/// The whole word as a number; other programs write +1, and 100.0 where a whole number stands.
+template <class T>
+std::optional<T> NumberOf(std::string_view word) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc() && end == word.data() + word.size()) return value;
+  if constexpr (std::is_integral_v<T>) {
+    const auto whole = NumberOf<double>(word);
+    const bool fits = whole && *whole == std::trunc(*whole) && *whole >= 0 &&
+                      *whole <= static_cast<double>(std::numeric_limits<T>::max());
+    if (fits) return static_cast<T>(*whole);
+  }
+  return std::nullopt;
+}
+
 /// Walks over the lines of a file; remembers the number of the last one for messages.
 class LineReader {
  public:
-  LineReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+  LineReader(std::string_view text, const std::string& file) : text_(text), file_(file) {
+    if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF")) {
+      throw InputError("{}: is UTF-16 text; save it as UTF-8", file);
+    }
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
+  }
 
   /// The next line without blanks at its ends, nullopt at the end of the file.
   std::optional<std::string_view> NextRaw() {
@@ -42,6 +66,12 @@ class LineReader {
     text_.remove_prefix(std::min(end + 1, text_.size()));
     ++number_;
     return line;
+  }
+
+  /// The line that NextRaw will give; the place stays where it is.
+  std::optional<std::string_view> Peek() const {
+    LineReader ahead = *this;
+    return ahead.NextRaw();
   }
 
   /// The next line that is neither empty nor a comment.
@@ -79,12 +109,11 @@ class Fields {
   template <class T>
   T Number(const char* what) {
     const std::string_view word = Word(what);
-    T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) {
+    const auto value = NumberOf<T>(word);
+    if (!value) {
       throw InputError("{}: '{}' is not a number that {} can be", reader_.Place(), Printable(word, kMaxShown), what);
     }
-    return value;
+    return *value;
   }
 
   Eigen::Vector3d Vector3(const char* what) {
@@ -138,15 +167,48 @@ class Tracks {
   std::string points_;
 };
 
-size_t CountWords(std::string_view line) {
+/// X Y POINT3D_ID for each keypoint, or nothing. A name with blanks can have any number of words, but is no number.
+bool IsKeypointsLine(std::string_view line) {
   size_t words = 0;
-  bool in_word = false;
-  for (const char c : line) {
-    const bool blank = kBlanks.find(c) != std::string_view::npos;
-    words += !blank && !in_word;
-    in_word = !blank;
+  while (!line.empty()) {
+    const size_t end = std::min(line.find_first_of(kBlanks), line.size());
+    if (!NumberOf<double>(line.substr(0, end))) return false;
+    line = Trim(line.substr(end));
+    ++words;
   }
-  return words;
+  return words % 3 == 0;
+}
+
+/// IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID and a name.
+bool IsImageLine(std::string_view line) {
+  constexpr int kNumbers = 9;
+  for (int i = 0; i < kNumbers; ++i) {
+    const size_t end = std::min(line.find_first_of(kBlanks), line.size());
+    const std::string_view word = line.substr(0, end);
+    const bool whole = i == 0 || i == kNumbers - 1;
+    if (whole ? !NumberOf<uint32_t>(word) : !NumberOf<double>(word)) return false;
+    line = Trim(line.substr(end));
+  }
+  return !line.empty();
+}
+
+/// Passes over an image's line of keypoints, and comments before it. Some programs write none, not even an empty line:
+/// then the next image's line is left.
+void SkipKeypoints(LineReader& lines, const std::string& image) {
+  while (const auto line = lines.Peek()) {
+    if (IsKeypointsLine(*line)) {
+      lines.NextRaw();
+      return;
+    }
+    if (line->front() != '#') {
+      if (IsImageLine(*line)) return;
+      lines.NextRaw();
+      throw InputError(
+          "{}: expected the keypoints (X Y POINT3D_ID ...) of image '{}', an empty line, or the next image",
+          lines.Place(), image);
+    }
+    lines.NextRaw();
+  }
 }
 
 }  // namespace
@@ -159,9 +221,10 @@ ColmapCameras ParseCamerasText(std::string_view text, const std::string& file) {
     const uint32_t id = fields.Number<uint32_t>("the camera id");
     const std::string_view model_name = fields.Word("the camera model");
     const auto model = CameraModelFromName(model_name);
-    if (!model)
-      throw InputError("{}: unknown camera model '{}', COLMAP 3.8 has eleven", lines.Place(),
-                       Printable(model_name, kMaxShown));
+    if (!model) {
+      throw InputError("{}: unknown camera model '{}', COLMAP 3.8 has eleven; {}", lines.Place(),
+                       Printable(model_name, kMaxShown), kUndistortNewerModels);
+    }
     Intrinsics intrinsics;
     intrinsics.model = *model;
     intrinsics.width = ImageSide(fields, lines);
@@ -190,13 +253,7 @@ std::vector<ColmapImage> ParseImagesText(std::string_view text, const std::strin
     }
     image.cam_from_world = PoseFromQuaternion(wxyz, translation, file, image.name);
     images.push_back(std::move(image));
-    const auto keypoints = lines.NextRaw();
-    if (keypoints && CountWords(*keypoints) % 3 != 0) {
-      throw InputError(
-          "{}: expected the keypoints (X Y POINT3D_ID ...) of image '{}' or an empty line; every image takes "
-          "two lines",
-          lines.Place(), images.back().name);
-    }
+    SkipKeypoints(lines, images.back().name);
   }
   return images;
 }

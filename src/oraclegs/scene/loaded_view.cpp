@@ -12,6 +12,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/masks.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -19,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint8_t kMaskThreshold = 128;
 constexpr float kMinCoverage = 0.5f;                   // of a working pixel's area that must be used for it to be used
 constexpr int64_t kBytesPerPixel = 44;                 // one image at full size: 8-bit, float, undistorted
 constexpr int64_t kMaxBytesAtOnce = int64_t{4} << 30;  // for all images in work, unless one alone needs more
@@ -45,6 +45,7 @@ fs::path DownscaledFile(const fs::path& path, int downscale) {
 struct Source {
   Image8 image;
   Intrinsics intrinsics;
+  Orientation orientation = Orientation::kUpright;  ///< in which the image was read
 };
 
 /// Of an image of the dataset's folder images_N.
@@ -58,7 +59,7 @@ Source ReadSource(const SceneView& view, const ImageOptions& options) {
   const PixelSize copy = SizeOfSmallerCopy(view, options.downscale.ValueOr(1));
   Intrinsics intrinsics = is_full ? view.intrinsics : Resized(view.intrinsics, copy.width, copy.height);
   if (const auto orientation = FittingOrientation(view, file, intrinsics.width, intrinsics.height)) {
-    return {ReadImage(file, *orientation), std::move(intrinsics)};
+    return {ReadImage(file, *orientation), std::move(intrinsics), *orientation};
   }
   int width = 0, height = 0;
   ReadImageSize(file, &width, &height);
@@ -70,8 +71,14 @@ float* Keep(size_t pixel, ImageF* image) {
   return &image->data[static_cast<size_t>(image->channels) * pixel + kKeepChannel];
 }
 
-/// RGB on the background; of more channels the fourth is ones and the fifth alpha.
-ImageF Composite(const Image8& image, const std::array<float, 3>& background, size_t out_channels) {
+/// What becomes of the color of a transparent pixel.
+enum class AlphaUse {
+  kOnBackground,   ///< it is mixed with the background
+  kPremultiplied,  ///< it is multiplied by alpha, so that filters weigh it, until Store divides
+};
+
+/// RGB; of more channels the fourth is ones and the fifth alpha.
+ImageF Composite(const Image8& image, const std::array<float, 3>& background, AlphaUse use, size_t out_channels) {
   const size_t in_channels = static_cast<size_t>(image.channels);
   const size_t pixels = image.data.size() / in_channels;
   ImageF result{image.width, image.height, static_cast<int>(out_channels),
@@ -80,30 +87,17 @@ ImageF Composite(const Image8& image, const std::array<float, 3>& background, si
   float* out = result.data.data();
   for (size_t i = 0; i < pixels; ++i, in += in_channels, out += out_channels) {
     const float alpha = in_channels == 4 ? static_cast<float>(in[3]) / 255 : 1.f;
-    for (size_t c = 0; c < 3; ++c) out[c] = alpha * (static_cast<float>(in[c]) / 255) + (1 - alpha) * background[c];
+    const float behind = use == AlphaUse::kOnBackground ? 1 - alpha : 0.f;
+    for (size_t c = 0; c < 3; ++c) out[c] = alpha * (static_cast<float>(in[c]) / 255) + behind * background[c];
     if (out_channels > kAlphaChannel) out[kAlphaChannel] = alpha;
   }
   return result;
 }
 
-void ExcludeTransparent(const Image8& image, ImageF* composite) {
-  for (size_t i = 0; i < image.data.size() / 4; ++i) {
-    if (image.data[4 * i + 3] < kMaskThreshold) *Keep(i, composite) = 0;
-  }
-}
-
-/// Which pixels the view's mask file keeps, one channel of the size of `intrinsics`.
-ImageF ReadMask(const SceneView& view, const Intrinsics& intrinsics) {
-  const Image8 mask = ReadImage(view.mask_path);
-  const bool is_full = mask.width == view.intrinsics.width && mask.height == view.intrinsics.height;
-  if (!is_full && (mask.width != intrinsics.width || mask.height != intrinsics.height)) {
-    throw InputError("{}: is {} x {}, but its photo {} is {} x {}; make them the same size", view.mask_path.string(),
-                     mask.width, mask.height, view.name, view.intrinsics.width, view.intrinsics.height);
-  }
-  const size_t channels = static_cast<size_t>(mask.channels);
-  ImageF keep{mask.width, mask.height, 1, std::vector<float>(mask.data.size() / channels)};
-  for (size_t i = 0; i < keep.data.size(); ++i) keep.data[i] = mask.data[i * channels] < kMaskThreshold ? 0.f : 1.f;
-  return ResizeArea(keep, intrinsics.width, intrinsics.height);
+/// Which pixels the view's mask file keeps, one channel of the size of the source.
+ImageF KeptByMask(const SceneView& view, const Source& source) {
+  const int width = source.image.width, height = source.image.height;
+  return ResizeArea(ToFloat(ReadMask(view, width, height, source.orientation)), width, height);
 }
 
 /// Multiplies the keep channel by another mask.
@@ -112,16 +106,37 @@ void Exclude(const Values& keep, ImageF* image) {
   for (size_t i = 0; i < keep.size(); ++i) *Keep(i, image) *= static_cast<float>(keep[i]);
 }
 
+/// True when the alpha channel of the scene's images says what belongs to a photo, and not what is behind the scene.
+bool AlphaMasks(const Scene& scene) { return scene.format != SceneFormat::kBlender; }
+
 /// The image as taken, composited; 4 channels when some pixels may be excluded, 5 when alpha is known.
 ImageF ComposeSource(const Scene& scene, const SceneView& view, const Source& source, const ImageOptions& options) {
-  const bool has_alpha = source.image.channels == 4, is_rendered = scene.format == SceneFormat::kBlender;
-  const bool alpha_masks = has_alpha && !is_rendered;
-  const bool with_keep = alpha_masks || !view.mask_path.empty() || !view.intrinsics.IsPinhole();
-  const size_t channels = has_alpha && is_rendered ? 5 : with_keep ? 4 : 3;
-  ImageF image = Composite(source.image, BackgroundColor(options.background), channels);
-  if (alpha_masks) ExcludeTransparent(source.image, &image);
-  if (!view.mask_path.empty()) Exclude(ReadMask(view, source.intrinsics).data, &image);
+  const bool with_keep = !view.mask_path.empty() || !view.intrinsics.IsPinhole();
+  const size_t channels = source.image.channels == 4 ? 5 : with_keep ? 4 : 3;
+  const AlphaUse use = AlphaMasks(scene) ? AlphaUse::kPremultiplied : AlphaUse::kOnBackground;
+  ImageF image = Composite(source.image, BackgroundColor(options.background), use, channels);
+  if (channels == 5 && AlphaMasks(scene)) {
+    for (size_t i = 0; i < image.data.size() / channels; ++i) *Keep(i, &image) = *(Keep(i, &image) + 1);
+  }
+  if (!view.mask_path.empty()) Exclude(KeptByMask(view, source).data, &image);
   return image;
+}
+
+/// From premultiplied colors and alpha to straight colors, and alpha as the weights of used pixels where it is partial.
+/// What nothing covers has the color of the background.
+void TakeStraightColors(const std::array<float, 3>& background, LoadedView* loaded) {
+  constexpr float kMinAlpha = 1e-3f, kMaxAlpha = 1 - 1e-3f;  // filters round
+  std::vector<float> weights = std::move(loaded->alpha);
+  loaded->alpha.clear();
+  bool partial = false;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    float* color = loaded->rgb.data.data() + 3 * i;
+    const float alpha = weights[i];
+    for (size_t c = 0; c < 3; ++c) color[c] = alpha < kMinAlpha ? background[c] : std::min(color[c] / alpha, 1.f);
+    if (loaded->mask[i] == 0) weights[i] = 0;
+    partial |= weights[i] > 0 && weights[i] < kMaxAlpha;
+  }
+  if (partial) loaded->weights = std::move(weights);
 }
 
 /// Splits off the channels beside RGB.
@@ -140,11 +155,10 @@ void Store(ImageF image, LoadedView* loaded) {
     loaded->mask[i] = pixel[kKeepChannel] >= kMinCoverage;
     if (channels > kAlphaChannel) loaded->alpha[i] = std::clamp(pixel[kAlphaChannel], 0.f, 1.f);  // filters round
   }
-  if (std::find(loaded->mask.begin(), loaded->mask.end(), 0) == loaded->mask.end()) loaded->mask.clear();
 }
 
 LoadedView LoadView(const Scene& scene, const SceneView& view, const ImageOptions& options) {
-  LoadedView loaded{view.name, WorkingCamera(view, options), {}, {}, {}};
+  LoadedView loaded{view.name, WorkingCamera(view, options), {}, {}};
   Source source = ReadSource(view, options);
   ImageF image = ComposeSource(scene, view, source, options);
   source.image = {};  // the 8-bit image is not needed beside the float ones
@@ -160,6 +174,8 @@ LoadedView LoadView(const Scene& scene, const SceneView& view, const ImageOption
     image = ResizeArea(image, loaded.camera.width, loaded.camera.height);
   }
   Store(std::move(image), &loaded);
+  if (AlphaMasks(scene) && !loaded.alpha.empty()) TakeStraightColors(BackgroundColor(options.background), &loaded);
+  if (std::find(loaded.mask.begin(), loaded.mask.end(), 0) == loaded.mask.end()) loaded.mask.clear();
   return loaded;
 }
 

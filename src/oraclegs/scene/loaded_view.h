@@ -65,17 +65,19 @@ struct ImageOptions {
 struct LoadedView {
   std::string name;
   Camera camera;
-  ImageF rgb;                     ///< 3 channels, composited on the background
-  std::vector<uint8_t> mask;      ///< height * width, 1 = used in losses and metrics; empty = all are
-  std::vector<float> alpha = {};  ///< height * width, how much of the pixel the scene covers, of a Blender scene's
-                                  ///< images with an alpha channel; empty = unknown
+  ImageF rgb;                       ///< 3 channels, composited on the background
+  std::vector<uint8_t> mask;        ///< height * width, 1 = used in losses and metrics; empty = all are
+  std::vector<float> weights = {};  ///< height * width in [0, 1], 0 where the mask is 0: how much of a used pixel the
+                                    ///< alpha channel of a photo covers; empty = all of each
+  std::vector<float> alpha = {};    ///< height * width, how much of the pixel the scene covers, of a Blender scene's
+                                    ///< images with an alpha channel; empty = unknown
 };
 
 /// Loads the given views of a scene with poses, in their order, on all threads. Undistortion happens at full size, then
-/// the area filter; WorkingSize has the sizes. The alpha channel composites onto the background; it masks
-/// nothing (a Blender scene's background is part of what is scored, and its alpha is kept) unless the scene is a
-/// scene of photos, where alpha < 0.5 excludes the pixel. A mask file excludes pixels below 128. A file images_N/NAME
-/// beside images/NAME is read in its place when N = downscale and it has the working size.
+/// the area filter; WorkingSize has the sizes. The alpha channel of a Blender scene composites onto the background,
+/// which is part of what is scored, and is kept. In a scene of photos it is a mask: colors stay as they are stored
+/// (straight), alpha < 0.5 excludes the pixel, and more weighs it. A mask file excludes pixels below half of white. A
+/// file images_N/NAME beside images/NAME is read in its place when N = downscale and it has the working size.
 /// FittingOrientation says whether a JPEG's EXIF orientation is applied. Reports StepDone{"load"} to `listener`, from
 /// any thread but one at a time, and one warning that names the views whose masks exclude every pixel. Throws
 /// InputError naming the file: unreadable, or of another size than the view's intrinsics.

@@ -1,15 +1,22 @@
 #include "oraclegs/scene/photo_folder.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <map>
+#include <set>
 #include <system_error>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/capture_layout.h"
+#include "oraclegs/scene/photo_kind.h"
 
 namespace oraclegs {
 namespace {
@@ -17,31 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxOptionsBytes = 16 << 20;
-
-struct UnreadKind {
-  const char* reason;
-  std::vector<std::string_view> extensions;
-};
-
-const std::vector<UnreadKind>& UnreadKinds() {
-  static const std::vector<UnreadKind> kinds = {
-      {"raw photos are not read; export them as JPEG",
-       {".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".srf", ".sr2", ".dng", ".orf", ".rw2", ".raf", ".pef", ".srw",
-        ".raw"}},
-      {"videos beside photos are not read; name the video itself to take photos out of it",
-       {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".m2ts", ".3gp", ".wmv", ".mpg", ".mpeg", ".insv"}},
-      {"this kind of image is not read; save it as JPEG or PNG",
-       {".gif", ".bmp", ".psd", ".svg", ".pdf", ".jp2", ".jxl",  ".jxr", ".exr",  ".hdr",
-        ".tga", ".ppm", ".pgm", ".eps", ".ai",  ".ico", ".jfif", ".jpe", ".insp", ".xcf"}}};
-  return kinds;
-}
-
-std::string LowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+constexpr int64_t kMaxMaterialBytes = 1 << 20;
 
 /// A result of this program: its images are renders, not photos.
 bool IsRunFolder(const fs::path& dir) {
@@ -54,25 +37,146 @@ bool IsRunFolder(const fs::path& dir) {
 
 std::string Below(const fs::path& dir, const fs::path& path) { return path.lexically_relative(dir).generic_string(); }
 
-/// Calls `visit` for every file below `dir` that is not passed over.
-template <class Visit>
-void VisitFiles(const fs::path& dir, const Visit& visit) {
-  std::error_code error;
-  if (!fs::is_directory(dir, error)) return;
-  fs::recursive_directory_iterator it(dir, error);
-  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
-    const fs::path& path = it->path();
-    const std::string name = path.filename().string();
-    std::error_code ignored;
-    const bool hidden = name.starts_with(".");  // e.g. "._1.jpg" beside photos from a Mac
-    if (it->is_directory(ignored)) {
-      if (hidden || IsHelperFolder(name) || IsRunFolder(path)) it.disable_recursion_pending();
-    } else if (!hidden) {
-      visit(path);
+/// Finds the photos of a folder and what is to be said of its other files.
+class PhotoSearch {
+ public:
+  explicit PhotoSearch(const fs::path& root) : root_(root), real_root_(fs::weakly_canonical(root)) {
+    Visit(root);
+    follows_links_ = true;  // after the folders themselves, so that these keep their names
+    while (!links_.empty()) {
+      std::vector<fs::path> links;
+      links.swap(links_);
+      std::sort(links.begin(), links.end());
+      for (const fs::path& link : links) {
+        if (!HoldsRoot(link) && !IsRunFolder(link)) Visit(link);
+      }
+    }
+    std::erase_if(photos_, [&](const fs::path& path) {
+      if (textures_.count(path) > 0) companions_.push_back(Below(root_, path));
+      return textures_.count(path) > 0;
+    });
+    for (const fs::path& path : TakeCompanions(&photos_)) companions_.push_back(Below(root_, path));
+    std::sort(photos_.begin(), photos_.end());
+  }
+
+  const std::vector<fs::path>& photos() const { return photos_; }
+
+  void Report(const Listener& listener) {
+    for (auto& [why, names] : skipped_) listener(Warning{fmt::format("{}: {}", Shown(&names), why)});
+    if (!helpers_.empty()) {
+      listener(
+          Note{fmt::format("{}: passed over, as a folder of masks, depth maps or the like; masks are read from masks/; "
+                           "name it itself if it holds photos",
+                           Shown(&helpers_))});
+    }
+    if (!companions_.empty()) {
+      listener(
+          Note{fmt::format("{}: passed over, as masks, depth maps, textures or the like; masks are read from masks/",
+                           Shown(&companions_))});
+    }
+    if (!by_content_.empty()) {
+      listener(Note{fmt::format("{}: read as photos, whatever the names say", Shown(&by_content_))});
+    }
+    for (const std::string& note : notes_) listener(Note{note});
+    if (!poses_.empty() && !photos_.empty()) listener(Note{poses_});
+  }
+
+ private:
+  static std::string Shown(std::vector<std::string>* names) {
+    std::sort(names->begin(), names->end(), NaturalLess);
+    for (std::string& name : *names) name = OneLine(name);
+    return SomeNames(*names);
+  }
+
+  /// A link to a folder around the one that was named would lead to everything beside it.
+  bool HoldsRoot(const fs::path& link) const {
+    std::error_code error;
+    const fs::path target = fs::canonical(link, error);
+    return error ||
+           std::mismatch(target.begin(), target.end(), real_root_.begin(), real_root_.end()).first == target.end();
+  }
+
+  /// Without links no folder comes twice, whatever numbers its file system gives to folders.
+  bool WasVisited(const fs::path& dir) {
+    struct stat info;
+    if (stat(dir.c_str(), &info) != 0) return false;
+    return !visited_.insert({info.st_dev, info.st_ino}).second && follows_links_;
+  }
+
+  void Visit(const fs::path& dir) {
+    std::error_code error;
+    if (!fs::is_directory(dir, error) || WasVisited(dir)) return;
+    if (const auto layout = FindCaptureLayout(dir)) {
+      const std::string poses = DescribeUnreadPoses(*layout);
+      notes_.push_back(fmt::format("{}: is a folder of {}; its photos are those of {}{}{}", OneLine(dir.string()),
+                                   layout->program, OneLine(Below(dir, layout->photos)), poses.empty() ? "" : "; ",
+                                   poses));
+      return Visit(layout->photos);
+    }
+    if (poses_.empty()) {
+      poses_ = DescribeUnreadPoses(dir);
+      if (!poses_.empty()) poses_ = OneLine(dir.string()) + ": " + poses_;
+    }
+    fs::directory_iterator it(dir, error);
+    for (; !error && it != fs::directory_iterator(); it.increment(error)) {
+      const std::string name = it->path().filename().string();
+      if (name.starts_with(".")) continue;  // e.g. "._1.jpg" beside photos from a Mac
+      std::error_code ignored;
+      if (!it->is_directory(ignored)) {
+        AddFile(it->path());
+      } else if (IsHelperFolder(name)) {
+        AddHelper(it->path());
+      } else if (it->is_symlink(ignored)) {
+        links_.push_back(it->path());
+      } else if (!IsRunFolder(it->path())) {
+        Visit(it->path());
+      }
+    }
+    if (error) throw InputError("{}: cannot be listed ({}); check its permissions", dir.string(), error.message());
+  }
+
+  void AddFile(const fs::path& path) {
+    if (!IsFile(path)) return;
+    if (path.extension() == ".mtl") AddTextures(path);
+    if (HasImageExtension(path)) {
+      photos_.push_back(path);
+    } else if (IsPhotoByContent(path)) {
+      photos_.push_back(path);
+      by_content_.push_back(Below(root_, path));
+    } else if (const std::string why = WhyNotRead(path); !why.empty()) {
+      skipped_[why].push_back(Below(root_, path));
     }
   }
-  if (error) throw InputError("{}: cannot be listed ({}); check its permissions", dir.string(), error.message());
-}
+
+  /// Images that a mesh wears: "map_Kd texture.jpg" in its material file.
+  void AddTextures(const fs::path& materials) {
+    std::ifstream file(materials);
+    std::string line;
+    for (int64_t left = kMaxMaterialBytes; left > 0 && std::getline(file, line); left -= std::ssize(line) + 1) {
+      const std::vector<std::string> words = SplitTrimmed(line, ' ');
+      if (words.size() > 1 && words[0].starts_with("map_")) textures_.insert(materials.parent_path() / words.back());
+    }
+  }
+
+  /// What everybody has (masks/, images_4/) is not spoken of, nor what holds no image.
+  void AddHelper(const fs::path& dir) {
+    const std::string name = dir.filename().string();
+    std::error_code error;
+    if (name == "masks" || name.starts_with("images_") || !std::isalpha(static_cast<unsigned char>(name[0]))) return;
+    for (fs::directory_iterator it(dir, error), end; !error && it != end; it.increment(error)) {
+      if (HasImageExtension(it->path())) return helpers_.push_back(Below(root_, dir) + "/");
+    }
+  }
+
+  const fs::path root_, real_root_;
+  std::set<std::pair<dev_t, ino_t>> visited_;
+  std::vector<fs::path> photos_, links_;
+  std::set<fs::path> textures_;
+  bool follows_links_ = false;
+  std::vector<std::string> helpers_, companions_, by_content_, notes_;
+  std::string poses_;                                        ///< of the first folder that has some
+  std::map<std::string, std::vector<std::string>> skipped_;  ///< names by reason
+};
 
 /// What EXIF says of the camera, in pixels of the image.
 void AddCamera(const Exif& exif, SceneView* view) {
@@ -84,39 +188,10 @@ void AddCamera(const Exif& exif, SceneView* view) {
 
 }  // namespace
 
-bool IsHelperFolder(const std::string& name) {
-  if (name == "masks") return true;
-  constexpr std::string_view kSmaller = "images_";
-  return name.starts_with(kSmaller) && name.size() > kSmaller.size() &&
-         std::all_of(name.begin() + kSmaller.size(), name.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
-std::string WhyNotRead(const fs::path& path) {
-  const std::string extension = LowerExtension(path);
-  for (const UnreadKind& kind : UnreadKinds()) {
-    const auto& known = kind.extensions;
-    if (std::find(known.begin(), known.end(), extension) != known.end()) return kind.reason;
-  }
-  return "";
-}
-
 std::vector<fs::path> FindPhotos(const fs::path& dir, const Listener& listener) {
-  std::vector<fs::path> photos;
-  std::map<std::string, std::vector<std::string>> skipped;
-  VisitFiles(dir, [&](const fs::path& path) {
-    if (HasImageExtension(path) && IsFile(path)) {
-      photos.push_back(path);
-    } else if (const std::string why = WhyNotRead(path); !why.empty()) {
-      skipped[why].push_back(Below(dir, path));
-    }
-  });
-  std::sort(photos.begin(), photos.end());
-  for (auto& [why, names] : skipped) {
-    std::sort(names.begin(), names.end(), NaturalLess);
-    for (std::string& name : names) name = OneLine(name);
-    listener(Warning{fmt::format("{}: {}", SomeNames(names), why)});
-  }
-  return photos;
+  PhotoSearch search(dir);
+  search.Report(listener);
+  return search.photos();
 }
 
 std::vector<SceneView> ReadPhotos(const fs::path& dir, const Listener& listener) {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "oraclegs/camera/undistort.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/parallel.h"
 #include "oraclegs/scene/colmap_binary.h"
 #include "oraclegs/scene/colmap_text.h"
+#include "oraclegs/scene/named_files.h"
 
 namespace oraclegs {
 namespace {
@@ -38,51 +41,87 @@ auto ParsePart(const fs::path& path, Binary binary, Text text) {
   return path.extension() == ".bin" ? binary(bytes, path.string()) : text(bytes, path.string());
 }
 
+/// The views of a model's images, in their order.
 std::vector<SceneView> MakeViews(const fs::path& model_dir, const fs::path& image_dir,
-                                 const std::vector<ColmapImage>& images) {
+                                 const std::vector<ColmapImage>& images, const Listener& listener) {
   const fs::path cameras_path = RequirePart(model_dir, "cameras");
   const ColmapCameras cameras = ReadColmapCameras(model_dir);
+  NamedFilesQuery query{model_dir.string(), image_dir, {}};
+  for (const ColmapImage& image : images) query.written.push_back(image.name);
+  const std::vector<NamedFile> files = FindNamedFiles(query, listener);
   std::vector<SceneView> views;
   views.reserve(images.size());
-  for (const ColmapImage& image : images) {
+  for (size_t i = 0; i < images.size(); ++i) {
+    const ColmapImage& image = images[i];
     const auto camera = cameras.find(image.camera_id);
     if (camera == cameras.end()) {
       throw InputError("{}: lacks camera {}, which image '{}' was taken with; the files belong to different models",
                        cameras_path.string(), image.camera_id, image.name);
     }
     SceneView view;
-    view.name = ViewName(image.name);
+    view.name =
+        files[i].name.empty() ? ViewName(files[i].path.empty() ? WithSlashes(image.name) : image.name) : files[i].name;
     view.intrinsics = camera->second;
     view.cam_from_world = image.cam_from_world;
     view.as_stored = true;  // colmap ignores the EXIF orientation
-    if (IsFile(image_dir / image.name)) view.image_path = image_dir / image.name;
+    view.image_path = files[i].path;
     views.push_back(std::move(view));
   }
   return views;
 }
 
-/// Image ids as indices of scene.views; images that were left out have none.
+/// Image ids as indices of scene.views; images that were left out have none. `names`: of the images' views.
 std::unordered_map<uint32_t, int> ViewOfImage(const Scene& scene, const std::vector<ColmapImage>& images,
-                                              const std::string& source) {
+                                              const std::vector<std::string>& names, const std::string& source) {
   std::unordered_map<std::string, int> view_of_name;
   for (size_t i = 0; i < scene.views.size(); ++i) view_of_name[scene.views[i].name] = static_cast<int>(i);
   std::unordered_map<uint32_t, int> view_of_image;
-  for (const ColmapImage& image : images) {
-    const auto view = view_of_name.find(ViewName(image.name));
+  for (size_t i = 0; i < images.size(); ++i) {
+    const auto view = view_of_name.find(names[i]);
     const int index = view == view_of_name.end() ? -1 : view->second;
-    if (!view_of_image.emplace(image.id, index).second) {
-      throw InputError("{}: image id {} is there twice", source, image.id);
+    if (!view_of_image.emplace(images[i].id, index).second) {
+      throw InputError("{}: image id {} is there twice", source, images[i].id);
     }
   }
   return view_of_image;
 }
 
-std::vector<ScenePoint> MakePoints(const std::vector<ColmapPoint>& points,
-                                   const std::unordered_map<uint32_t, int>& view_of_image) {
-  std::vector<ScenePoint> kept;
-  kept.reserve(points.size());
+struct KeptPoints {
+  std::vector<ScenePoint> points;
+  size_t not_finite = 0;
+  size_t unseen = 0;     ///< by a photo that is here
+  size_t untracked = 0;  ///< nothing says which photos saw them, so all count into whose image they fall
+};
+
+/// The views into whose image each of these points falls.
+void FindViewsOf(const std::vector<size_t>& untracked, const Scene& scene, std::vector<ScenePoint>* points) {
+  std::vector<Camera> cameras;
+  for (const SceneView& view : scene.views) {
+    cameras.push_back(UndistortedCamera(view.intrinsics));
+    cameras.back().cam_from_world = *view.cam_from_world;
+  }
+  ParallelFor(static_cast<int64_t>(untracked.size()), [&](int64_t i) {
+    ScenePoint& point = (*points)[untracked[static_cast<size_t>(i)]];
+    for (size_t v = 0; v < cameras.size(); ++v) {
+      const Camera& camera = cameras[v];
+      const Eigen::Vector3d p = camera.cam_from_world * point.xyz;
+      const double x = camera.fx * p.x() + camera.cx * p.z(), y = camera.fy * p.y() + camera.cy * p.z();
+      const bool inside = p.z() > 0 && x >= 0 && y >= 0 && x <= camera.width * p.z() && y <= camera.height * p.z();
+      if (inside) point.views.push_back(static_cast<int>(v));
+    }
+  });
+}
+
+KeptPoints MakePoints(const std::vector<ColmapPoint>& points, const std::unordered_map<uint32_t, int>& view_of_image,
+                      const Scene& scene) {
+  KeptPoints kept;
+  kept.points.reserve(points.size());
+  std::vector<size_t> untracked;
   for (const ColmapPoint& point : points) {
-    if (!point.xyz.allFinite()) continue;
+    if (!point.xyz.allFinite()) {
+      ++kept.not_finite;
+      continue;
+    }
     ScenePoint made;
     made.xyz = point.xyz;
     made.rgb = point.rgb;
@@ -90,12 +129,28 @@ std::vector<ScenePoint> MakePoints(const std::vector<ColmapPoint>& points,
       const auto view = view_of_image.find(id);
       if (view != view_of_image.end() && view->second >= 0) made.views.push_back(view->second);
     }
-    if (made.views.empty()) continue;
+    if (point.image_ids.empty()) untracked.push_back(kept.points.size());
     std::sort(made.views.begin(), made.views.end());
     made.views.erase(std::unique(made.views.begin(), made.views.end()), made.views.end());
-    kept.push_back(std::move(made));
+    kept.points.push_back(std::move(made));
   }
+  kept.untracked = untracked.size();
+  FindViewsOf(untracked, scene, &kept.points);
+  kept.unseen = std::erase_if(kept.points, [](const ScenePoint& point) { return point.views.empty(); });
   return kept;
+}
+
+void ReportPoints(const KeptPoints& kept, size_t total, const std::string& source, const Listener& listener) {
+  if (kept.untracked > 0) {
+    listener(Note{fmt::format(
+        "{}: {} of {} points have no track that says which photos saw them; each counts as seen by the photos it falls "
+        "into, and training starts from them where all photos train, or with --sfm-points model",
+        source, kept.untracked, total)});
+  }
+  if (kept.not_finite + kept.unseen > 0) {
+    listener(Warning{fmt::format("{}: {} of {} points are left out: not finite, or seen by no photo that is here",
+                                 source, kept.not_finite + kept.unseen, total)});
+  }
 }
 
 }  // namespace
@@ -129,17 +184,19 @@ Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, cons
   scene.format = SceneFormat::kColmap;
   const std::vector<ColmapImage> images = ReadColmapImages(model_dir);
   const std::string source = model_dir.string();
-  KeepViewsWithImages(MakeViews(model_dir, image_dir, images), source, image_dir.string(), listener, &scene);
+  std::vector<SceneView> views = MakeViews(model_dir, image_dir, images, listener);
+  std::vector<std::string> names;
+  for (const SceneView& view : views) names.push_back(view.name);
+  KeepViewsWithImages(std::move(views), source, image_dir.string(), listener, &scene);
   if (FindPart(model_dir, "points3D").empty()) {
-    listener(Warning{fmt::format("{}: has no points3D file, so its points are not used", source)});
+    listener(Warning{fmt::format(
+        "{}: has no points3D file, so its points are not used{}", source,
+        IsFile(model_dir / "points3D.ply") ? "; points3D.ply is not read, write points3D.bin or points3D.txt" : "")});
   }
   const std::vector<ColmapPoint> points = ReadColmapPoints(model_dir);
-  scene.points = MakePoints(points, ViewOfImage(scene, images, source));
-  const size_t dropped = points.size() - scene.points.size();
-  if (dropped > 0) {
-    listener(Warning{fmt::format("{}: {} of {} points are left out: not finite, or seen by no photo that is here",
-                                 source, dropped, points.size())});
-  }
+  KeptPoints kept = MakePoints(points, ViewOfImage(scene, images, names, source), scene);
+  ReportPoints(kept, points.size(), source, listener);
+  scene.points = std::move(kept.points);
   return scene;
 }
 

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <numeric>
 #include <system_error>
+#include <unordered_map>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/fold_name.h"
 
 namespace oraclegs {
 namespace {
@@ -23,6 +26,32 @@ std::filesystem::path FindMask(const std::filesystem::path& mask_dir, const std:
     for (const auto& path : {as_is, appended, replaced}) {
       if (IsFile(path)) return path;
     }
+  }
+  return {};
+}
+
+/// The masks below a folder by their folded names without extension; an empty path where two have one name.
+using MasksByName = std::unordered_map<std::string, std::filesystem::path>;
+
+MasksByName FoldedMasks(const std::filesystem::path& mask_dir) {
+  MasksByName masks;
+  std::error_code error;
+  std::filesystem::recursive_directory_iterator it(mask_dir, error);
+  for (; !error && it != std::filesystem::recursive_directory_iterator(); it.increment(error)) {
+    std::filesystem::path name = it->path().lexically_relative(mask_dir);
+    if (!HasImageExtension(name) || !IsFile(it->path())) continue;
+    const auto [mask, is_new] = masks.emplace(FoldName(name.replace_extension().generic_string()), it->path());
+    if (!is_new) mask->second.clear();
+  }
+  return masks;
+}
+
+std::filesystem::path FindFoldedMask(const MasksByName& masks, std::string name) {
+  if (name.starts_with(kImagePrefix)) name.erase(0, kImagePrefix.size());
+  const std::string without_extension = std::filesystem::path(name).replace_extension().generic_string();
+  for (const std::string& n : {name, without_extension}) {
+    const auto mask = masks.find(FoldName(n));
+    if (mask != masks.end()) return mask->second;
   }
   return {};
 }
@@ -86,9 +115,10 @@ void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& s
   }
   if (scene->missing_images.empty() && total > 0) return;
   if (scene->views.empty()) {
-    throw InputError("{}: none of its {} views has an image file in {}{}{}; name the image folder with --images",
-                     source, total, searched, total > 0 ? ", e.g. " : "",
-                     total > 0 ? scene->missing_images.front() : "");
+    throw InputError(
+        "{}: none of its {} views has an image file in {}{}{}; name the folder of the photos, which must "
+        "keep their names, with --images",
+        source, total, searched, total > 0 ? ", e.g. " : "", total > 0 ? scene->missing_images.front() : "");
   }
   listener(Warning{fmt::format("{}: {} of {} views have no image file in {} and are left out: {}", source,
                                scene->missing_images.size(), total, searched, SomeNames(scene->missing_images))});
@@ -97,9 +127,14 @@ void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& s
 void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene) {
   std::error_code error;
   if (!std::filesystem::is_directory(mask_dir, error)) return;
+  std::optional<MasksByName> folded;
   bool any = false;
   for (SceneView& view : scene->views) {
     if (view.mask_path.empty()) view.mask_path = FindMask(mask_dir, view.name);
+    if (view.mask_path.empty()) {
+      if (!folded) folded = FoldedMasks(mask_dir);
+      view.mask_path = FindFoldedMask(*folded, view.name);
+    }
     any |= !view.mask_path.empty();
   }
   if (!any) {

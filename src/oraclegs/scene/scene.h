@@ -18,7 +18,7 @@ namespace oraclegs {
 
 enum class SceneFormat { kColmap, kTransforms, kBlender, kPhotos };
 
-/// Which file of a Blender-style scene a view came from; kNone elsewhere.
+/// Which file of a Blender-style scene a view came from, or which list of a transforms.json names it; else kNone.
 enum class DeclaredRole { kNone, kTrain, kVal, kTest };
 
 /// An image with its camera: intrinsics and, unless the scene is a plain folder, a pose.
@@ -26,6 +26,7 @@ struct SceneView {
   std::string name;                  ///< unique; the image's path below the image folder, e.g. "0001.jpg"
   std::filesystem::path image_path;  ///< exists
   std::filesystem::path mask_path;   ///< empty when there is none; white = use, black = ignore
+  uint8_t mask_white = 255;          ///< the mask file's value for white; from half of it on, pixels are used
   Intrinsics intrinsics;             ///< of the full-size image; params empty for a plain folder
   std::optional<Eigen::Isometry3d> cam_from_world;
   std::string camera;              ///< of a plain folder: maker and model, from EXIF; may be empty
@@ -84,9 +85,9 @@ void RequireUtf8Names(const Scene& scene);
 void KeepViewsWithImages(std::vector<SceneView> candidates, const std::string& source, const std::string& searched,
                          const Listener& listener, Scene* scene);
 
-/// Gives each view without a mask the file masks/NAME, masks/NAME.png or masks/STEM.png below `mask_dir`, if there is
-/// one; a leading "images/" of the name may be left out. Does nothing when mask_dir is not a folder; warns when it is
-/// and fits no view.
+/// Gives each view without a mask the file NAME, NAME.png or STEM.png below `mask_dir`, or the one that differs from
+/// these in case, Unicode form or extension; a leading "images/" of the name may be left out. Does nothing when
+/// mask_dir is not a folder; warns when it is and fits no view.
 void AttachMasks(const std::filesystem::path& mask_dir, const Listener& listener, Scene* scene);
 
 }  // namespace oraclegs

@@ -45,9 +45,26 @@ std::vector<int> Without(const std::vector<int>& views, const std::vector<int>& 
   return left;
 }
 
+/// Whether the scene's own lists say which views train and test: always of a Blender scene, of others unless an option
+/// says it.
+bool SplitsItself(const Scene& scene, const SplitOptions& options) {
+  if (scene.format == SceneFormat::kBlender) return true;
+  const bool named = !options.train_views.empty() || !options.test_views.empty();
+  if (named || options.eval || !options.test_every.is_auto()) return false;
+  return std::any_of(scene.views.begin(), scene.views.end(), [](const SceneView& view) {
+    return view.role == DeclaredRole::kTrain || view.role == DeclaredRole::kTest;
+  });
+}
+
+/// The views of the scene's training list; without one, all that no other list has.
+std::vector<int> DeclaredTrainingViews(const Scene& scene) {
+  std::vector<int> views = ViewsOfRole(scene, DeclaredRole::kTrain);
+  return views.empty() && scene.format != SceneFormat::kBlender ? ViewsOfRole(scene, DeclaredRole::kNone) : views;
+}
+
 std::vector<int> TestViewsOf(const Scene& scene, const SplitOptions& options) {
   if (!options.test_views.empty()) return NamedViews(scene, "--test-views", options.test_views);
-  if (scene.format == SceneFormat::kBlender) return ViewsOfRole(scene, DeclaredRole::kTest);
+  if (SplitsItself(scene, options)) return ViewsOfRole(scene, DeclaredRole::kTest);
   return EveryNth(scene, options.test_every.ValueOr(options.eval ? kUsualTestEvery : 0));
 }
 
@@ -72,8 +89,7 @@ Split SplitViews(const Scene& scene, const SplitOptions& options) {
   Split split;
   split.test = TestViewsOf(scene, options);
   if (options.train_views.empty()) {
-    const bool blender = scene.format == SceneFormat::kBlender;
-    split.train = Without(blender ? ViewsOfRole(scene, DeclaredRole::kTrain) : AllViews(scene), split.test);
+    split.train = Without(SplitsItself(scene, options) ? DeclaredTrainingViews(scene) : AllViews(scene), split.test);
   } else {
     split.train = NamedViews(scene, "--train-views", options.train_views);
     if (!options.test_views.empty()) RequireApart(scene, split.train, split.test);

@@ -1,10 +1,14 @@
 #include "oraclegs/scene/transforms.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/scene/declared_split.h"
+#include "oraclegs/scene/named_files.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/transforms_frame.h"
 
@@ -13,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr double kUnseenRounding = 2e-5;  // between five decimals and four
 
 /// The image of a frame, below options.images when that is given, where the path's first folder may be left out.
 fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const std::string& written) {
@@ -25,46 +31,95 @@ fs::path FindImage(const fs::path& root, const SceneReadOptions& options, const 
   return slash == std::string::npos ? fs::path() : FindFrameImage(folder, name.substr(slash + 1));
 }
 
-/// The views of one file, and the masks it names that do not exist.
+/// One file's frames with their images, and the masks it names that do not exist.
 struct FileViews {
   std::vector<SceneView> views;
   std::vector<std::string> missing_masks;
+  std::vector<double> roundings;  ///< of each view that has an image, as ReadTransformsPose returns it
 };
 
-SceneView ReadView(const TransformsFrame& frame, const std::string& written, const fs::path& image_path) {
+SceneView MakeView(const TransformsFrame& frame, const std::string& written, const NamedFile& image,
+                   std::vector<double>* roundings) {
   SceneView view;
-  view.image_path = image_path;
-  const fs::path extension = image_path.extension();
-  const bool appended = !image_path.empty() && image_path.filename() != fs::path(written).filename();
-  view.name = ViewName(appended ? written + extension.string() : written);
-  if (image_path.empty()) return view;  // left out, so its camera is not read
-  view.intrinsics = ReadTransformsIntrinsics(frame, image_path);
-  view.cam_from_world = ReadTransformsPose(frame);
+  view.image_path = image.path;
+  const fs::path extension = image.path.extension();
+  const bool appended = !image.path.empty() && image.path.filename() != fs::path(written).filename();
+  view.name =
+      !image.name.empty() ? image.name : ViewName(WithSlashes(appended ? written + extension.string() : written));
+  if (image.path.empty()) return view;  // left out, so its camera is not read
+  view.intrinsics = ReadTransformsIntrinsics(frame, image.path);
+  const TransformsPose pose = ReadTransformsPose(frame);
+  view.cam_from_world = pose.cam_from_world;
+  roundings->push_back(pose.rounding);
   return view;
 }
 
-FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options) {
+/// The masks that frames name. Those of missing files go to `missing`.
+void AddMasks(const NamedFilesQuery& masks, const std::vector<size_t>& view_of_mask, FileViews* result,
+              const Listener& listener) {
+  const std::vector<NamedFile> files = FindNamedFiles(masks, listener);
+  for (size_t i = 0; i < files.size(); ++i) {
+    result->views[view_of_mask[i]].mask_path = files[i].path;
+    if (files[i].path.empty()) result->missing_masks.push_back(masks.written[i]);
+  }
+}
+
+/// Depth maps and points that the file names are not read.
+void ReportUnread(const fs::path& path, const json& file, const Listener& listener) {
+  std::vector<std::string> unread;
+  const json& first = file["frames"].front();
+  if (first.is_object() && first.contains("depth_file_path")) unread.emplace_back("depth maps (depth_file_path)");
+  if (file.contains("ply_file_path")) unread.emplace_back("points (ply_file_path)");
+  if (unread.empty()) return;
+  listener(Note{fmt::format("{}: names {}, which are not read; stereo makes both anew", path.string(),
+                            fmt::join(unread, " and "))});
+}
+
+FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options, const Listener& listener) {
   const fs::path root = path.parent_path();
   const json file = ReadTransformsFile(path);
-  FileViews result;
-  int index = 0;
+  ReportUnread(path, file, listener);
+  std::vector<NamedTransformsFrame> frames;
   for (const json& entry : file["frames"]) {
-    const auto [frame, name] = NamedFrame(file, entry, path, index++);
-    SceneView view = ReadView(frame, name, FindImage(root, options, name));
-    if (const auto mask = entry.contains("mask_path") ? frame.FindText("mask_path") : std::nullopt) {
-      if (IsFile(root / *mask)) {
-        view.mask_path = root / *mask;
-      } else {
-        result.missing_masks.push_back(*mask);
-      }
-    }
-    result.views.push_back(std::move(view));
+    frames.push_back(NamedFrame(file, entry, path, static_cast<int>(frames.size())));
   }
+  NamedFilesQuery images{path.string(),
+                         options.images.empty() ? root : root / options.images,
+                         {},
+                         1,
+                         options.allow_outside,
+                         [&](const std::string& written) { return FindImage(root, options, written); }};
+  for (const NamedTransformsFrame& frame : frames) images.written.push_back(frame.file_path);
+  const std::vector<DeclaredRole> roles = RolesInTransforms(file, images.written);
+  const std::vector<NamedFile> files = FindNamedFiles(images, listener);
+  FileViews result;
+  NamedFilesQuery masks{path.string(), root, {}, 2, options.allow_outside};
+  std::vector<size_t> view_of_mask;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const TransformsFrame& frame = frames[i].frame;
+    result.views.push_back(MakeView(frame, frames[i].file_path, files[i], &result.roundings));
+    result.views.back().role = roles[i];
+    if (const auto mask = frame.frame.contains("mask_path") ? frame.FindText("mask_path") : std::nullopt) {
+      masks.written.push_back(*mask);
+      view_of_mask.push_back(i);
+    }
+  }
+  AddMasks(masks, view_of_mask, &result, listener);
   return result;
 }
 
+/// Rotations of few decimals are a little off, which is said.
+void ReportRounding(const fs::path& path, const std::vector<double>& roundings, const Listener& listener) {
+  const auto count = std::count_if(roundings.begin(), roundings.end(), [](double r) { return r > kUnseenRounding; });
+  if (count == 0) return;
+  listener(Note{fmt::format("{}: {} of {} are off by up to {:.2g}, as by few decimals; the nearest rotations are used",
+                            path.string(), count, Counted(roundings.size(), "rotation"),
+                            *std::max_element(roundings.begin(), roundings.end()))});
+}
+
 std::vector<SceneView> ReadViews(const fs::path& path, const SceneReadOptions& options, const Listener& listener) {
-  FileViews read = ReadFrames(path, options);
+  FileViews read = ReadFrames(path, options, listener);
+  ReportRounding(path, read.roundings, listener);
   if (!read.missing_masks.empty()) {
     listener(Warning{fmt::format("{}: {} mask files do not exist, those views use all pixels: {}", path.string(),
                                  read.missing_masks.size(), SomeNames(read.missing_masks))});
@@ -85,6 +140,7 @@ Scene ReadTransformsScene(const fs::path& root, const SceneReadOptions& options,
   scene.format = SceneFormat::kTransforms;
   KeepViewsWithImages(ReadViews(path, options, listener), path.string(), SearchedFolder(root, options), listener,
                       &scene);
+  ReportDeclaredSplit(scene, path.string(), listener);
   return scene;
 }
 

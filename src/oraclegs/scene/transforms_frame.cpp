@@ -19,7 +19,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kRotationTolerance = 1e-4;
+constexpr double kMaxRounding = 1e-2;  // two decimals
+constexpr double kLastRowTolerance = 1e-4;
 
 const json* FindIn(const json& object, const char* key) {
   const auto found = object.find(key);
@@ -209,7 +210,7 @@ Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::fil
   return intrinsics;
 }
 
-Eigen::Isometry3d ReadTransformsPose(const TransformsFrame& frame) {
+TransformsPose ReadTransformsPose(const TransformsFrame& frame) {
   const json* rows = FindIn(frame.frame, "transform_matrix");
   if (!rows || !rows->is_array() || (rows->size() != 3 && rows->size() != 4)) {
     throw InputError("{}: \"transform_matrix\" is missing or has not 3 or 4 rows", frame.place);
@@ -224,23 +225,24 @@ Eigen::Isometry3d ReadTransformsPose(const TransformsFrame& frame) {
       world_from_cam(static_cast<int>(r), static_cast<int>(c)) = Number(row[c], "transform_matrix", frame.place);
     }
   }
-  if ((world_from_cam.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kRotationTolerance) {
+  if ((world_from_cam.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kLastRowTolerance) {
     throw InputError("{}: the last row of \"transform_matrix\" is not 0 0 0 1", frame.place);
   }
   const Eigen::Matrix3d r = world_from_cam.topLeftCorner<3, 3>();
-  const double deviation = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(deviation <= kRotationTolerance) || r.determinant() < 0) {
-    throw InputError("{}: \"transform_matrix\" {}", frame.place, WhyNoRotation(r, deviation));
-  }
   // Decimals in the file leave the matrix slightly off; the nearest rotation makes its transpose the exact inverse.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  const double rounding = (r - rotation).cwiseAbs().maxCoeff();
+  if (!(rounding <= kMaxRounding) || r.determinant() < 0) {
+    const double deviation = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    throw InputError("{}: \"transform_matrix\" {}", frame.place, WhyNoRotation(r, deviation));
+  }
   rotation.col(1) *= -1;  // OpenGL's y up and z backward become y down and z forward
   rotation.col(2) *= -1;
   Eigen::Isometry3d cam_from_world = Eigen::Isometry3d::Identity();
   cam_from_world.linear() = rotation.transpose();
   cam_from_world.translation() = -(rotation.transpose() * world_from_cam.topRightCorner<3, 1>());
-  return cam_from_world;
+  return {cam_from_world, rounding};
 }
 
 }  // namespace oraclegs

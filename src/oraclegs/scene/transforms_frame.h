@@ -42,8 +42,14 @@ std::filesystem::path FindFrameImage(const std::filesystem::path& folder, const 
 /// The intrinsics; w and h missing are read from the image's header. Throws InputError as ReadTransformsScene says.
 Intrinsics ReadTransformsIntrinsics(const TransformsFrame& frame, const std::filesystem::path& image_path);
 
-/// transform_matrix (3x4 or 4x4, camera to world, OpenGL axes) as a pose. Throws InputError when it is not finite, not
-/// a rotation (a scale, a mirror), or of another shape.
-Eigen::Isometry3d ReadTransformsPose(const TransformsFrame& frame);
+/// A pose, and by how much the file's matrix was off the nearest rotation (its largest element).
+struct TransformsPose {
+  Eigen::Isometry3d cam_from_world;
+  double rounding = 0;
+};
+
+/// transform_matrix (3x4 or 4x4, camera to world, OpenGL axes) as a pose, with the rotation nearest to it. Throws
+/// InputError when it is not finite, more than 0.01 off a rotation (a scale, a mirror), or of another shape.
+TransformsPose ReadTransformsPose(const TransformsFrame& frame);
 
 }  // namespace oraclegs

@@ -86,7 +86,8 @@ std::vector<int> NamedViews(const Scene& scene, const std::string& option, const
 std::string ExpandViewList(const std::string& list, const std::string& part) {
   if (!list.starts_with('@')) return list;
   const std::string file = list.substr(1);
-  const std::string text = ReadFile(file, kMaxListBytes);
+  std::string text = ReadFile(file, kMaxListBytes);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // a byte order mark
   if (!IsUtf8(text)) throw InputError("{}: is not UTF-8 text; a list has one view name a line", file);
   std::vector<std::string> names;
   const size_t first = text.find_first_not_of(" \t\r\n");

@@ -22,6 +22,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/scene/masks.h"
 
 namespace oraclegs {
 namespace {
@@ -65,7 +66,7 @@ std::string PlainName(const SceneView& view) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
   }
   if (name.empty() || name[0] == '.') name = "_" + name;
-  if (!HasImageExtension(name)) name += view.image_path.extension().string();
+  if (!HasImageExtension(name) && HasImageExtension(view.image_path)) name += view.image_path.extension().string();
   return name;
 }
 
@@ -113,20 +114,30 @@ Image8 PlaceImage(const SceneView& view, const StagedView& staged, const fs::pat
   return MayBeTransparent(ReadHeader(view.image_path)) ? AlphaMask(ReadImage(view.image_path)) : Image8();
 }
 
-/// The mask of the photo's transparency, joined by the view's own.
-Image8 FeatureMask(const SceneView& view, Image8 mask) {
+/// Each pixel of the mask that is nearest to one of an image of this size.
+Image8 Scaled(const Image8& mask, int width, int height) {
+  if (mask.width == width && mask.height == height) return mask;
+  Image8 scaled{width, height, 1, std::vector<uint8_t>(static_cast<size_t>(width) * static_cast<size_t>(height))};
+  for (int64_t y = 0; y < height; ++y) {
+    for (int64_t x = 0; x < width; ++x) {
+      const int64_t from =
+          (2 * y + 1) * mask.height / (2 * height) * mask.width + (2 * x + 1) * mask.width / (2 * width);
+      scaled.data[static_cast<size_t>(y * width + x)] = mask.data[static_cast<size_t>(from)];
+    }
+  }
+  return scaled;
+}
+
+/// The mask of the photo's transparency, joined by the view's own, in the size of the photo that colmap sees: colmap
+/// refuses any other.
+Image8 FeatureMask(const SceneView& view, const StagedView& staged, Image8 mask) {
   if (view.mask_path.empty()) return mask;
-  const Image8 drawn = ReadImage(view.mask_path);
-  if (mask.data.empty()) {
-    mask = {drawn.width, drawn.height, 1, std::vector<uint8_t>(drawn.data.size() / drawn.channels, 255)};
-  }
-  if (mask.width != drawn.width || mask.height != drawn.height) {
-    throw InputError("{}: is {} x {}, but its photo is {} x {}; make them the same size", view.mask_path.string(),
-                     drawn.width, drawn.height, mask.width, mask.height);
-  }
-  for (size_t i = 0; i < mask.data.size(); ++i) {
-    if (drawn.data[i * drawn.channels] < kMaskThreshold) mask.data[i] = 0;
-  }
+  const Orientation seen = staged.is_copy ? Orientation::kUpright : Orientation::kAsStored;
+  int width = 0, height = 0;
+  ReadImageSize(view.image_path, &width, &height, seen);
+  const Image8 drawn = Scaled(ReadMask(view, width, height, seen), width, height);
+  if (mask.data.empty()) return drawn;
+  for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = std::min(mask.data[i], drawn.data[i]);
   return mask;
 }
 
@@ -150,7 +161,11 @@ std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& 
     const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
     if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
     StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, NeedsCopy(view)};
-    if (staged.is_copy) staged.name += ".jpg";
+    if (staged.is_copy) {
+      staged.name += ".jpg";
+    } else if (!HasImageExtension(staged.name)) {
+      staged.name += IsPng(ReadHeader(view.image_path)) ? ".png" : ".jpg";
+    }
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
       staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
       taken.insert(staged.name);
@@ -172,7 +187,7 @@ bool StageImages(const Scene& scene, const std::vector<int>& views, const std::v
   std::vector<uint8_t> masked(views.size(), 0);
   ParallelFor(static_cast<int64_t>(views.size()), [&](int64_t i) {
     const SceneView& view = scene.views.at(views[i]);
-    const Image8 mask = FeatureMask(view, PlaceImage(view, plan[i], work_dir / "images" / plan[i].name));
+    const Image8 mask = FeatureMask(view, plan[i], PlaceImage(view, plan[i], work_dir / "images" / plan[i].name));
     if (mask.data.empty()) return;
     WritePng(work_dir / "masks" / (plan[i].name + ".png"), mask);
     masked[i] = 1;

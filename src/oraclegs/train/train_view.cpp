@@ -70,7 +70,11 @@ TrainView ToTrainView(const LoadedView& photo) {
   }
   view.image = Buffer<float>::Empty({height, width, 3});
   std::copy(photo.rgb.data.begin(), photo.rgb.data.end(), view.image.data());
-  if (!photo.mask.empty()) view.confidence = Plane(photo.mask, "mask", photo);
+  if (!photo.weights.empty()) {
+    view.confidence = Plane(photo.weights, "weights", photo);
+  } else if (!photo.mask.empty()) {
+    view.confidence = Plane(photo.mask, "mask", photo);
+  }
   if (!photo.alpha.empty()) view.alpha = Plane(photo.alpha, "alpha channel", photo);
   return view;
 }

@@ -1,10 +1,14 @@
 #include "oraclegs/weights/check.h"
 
 #include <algorithm>
+#include <fstream>
 #include <set>
+#include <system_error>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/safetensors.h"
+#include "oraclegs/core/sha256.h"
 #include "oraclegs/core/text.h"
 
 namespace oraclegs {
@@ -72,6 +76,31 @@ size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weigh
                                  faults.extra.size(), model.name, SomeNames(faults.extra))});
   }
   return held.size() - faults.extra.size();
+}
+
+bool CheckPublished(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener) {
+  constexpr uint64_t kMega = 1'000'000;
+  if (model.convert || model.files.size() != 1 || model.files[0].sha256.empty() || weights.extension() == ".json") {
+    return false;
+  }
+  std::ifstream file(weights, std::ios::binary);
+  std::error_code error;
+  const uint64_t bytes = std::filesystem::file_size(weights, error);
+  std::string piece(kMega, '\0');
+  Sha256 sum;
+  for (uint64_t done = 0; file; listener(StepDone{"check", static_cast<int64_t>(done / kMega),
+                                                  static_cast<int64_t>((bytes + kMega - 1) / kMega), "MB", ""})) {
+    ThrowIfInterrupted();
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    const auto read = static_cast<size_t>(file.gcount());
+    sum.Add(std::string_view(piece).substr(0, read));
+    done += read;
+  }
+  if (sum.Hex() == model.files[0].sha256) return true;
+  throw InputError(
+      "{}: is not the file that the authors of {} publish: its SHA-256 is {}, expected {}; remove it and run `oraclegs "
+      "models fetch {}`, or use it if you trust whom it is from",
+      weights.string(), model.name, sum.Hex(), model.files[0].sha256, model.name);
 }
 
 }  // namespace oraclegs

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a file holds the weights it should. Names, shapes and types only: no number is read.
+// Whether a file holds the weights it should.
 
 #include <filesystem>
 #include <map>
@@ -29,9 +29,14 @@ WeightsFaults CompareParameters(const std::map<std::string, TensorLayout>& held,
 /// "; 23 missing: a, b, ... and 3 more; 1 of another shape: ...": of each kind the first twenty. Empty without faults.
 std::string FaultsText(const WeightsFaults& faults);
 
-/// Checks the file against the list of its network; returns how many tensors of it there are. Tensors that are no part
-/// of it alone are a warning. Throws InputError that names the file and lists the faults, of each kind the first
-/// twenty, or what SafetensorsFile::Open says.
+/// Checks names, shapes and types in the file against the list of its network, and reads no number; returns how many
+/// tensors of it there are. Tensors that are no part of it alone are a warning. Throws InputError that names the file
+/// and lists the faults, of each kind the first twenty, or what SafetensorsFile::Open says.
 size_t CheckWeights(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener);
+
+/// Compares the SHA-256 of the file with the one under which its network is published. Returns false where there is
+/// nothing to compare: the published files are converted, the SHA-256 is not known, or the file is the index of parts.
+/// Reports StepDone{"check"}. Throws InputError when it is another file.
+bool CheckPublished(const WeightsInfo& model, const std::filesystem::path& weights, const Listener& listener);
 
 }  // namespace oraclegs

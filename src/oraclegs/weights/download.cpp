@@ -54,7 +54,7 @@ struct StartAnew {};
 class Transfer {
  public:
   Transfer(const DownloadRequest& request, const Listener& listener)
-      : request_(request), listener_(listener), part_(request.to), shown_(WithoutQuery(request.url)) {}
+      : request_(request), listener_(listener), part_(request.to), shown_(WithoutSecrets(request.url)) {}
 
   void Run() {
     while (!TryOnce()) {

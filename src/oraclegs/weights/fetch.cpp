@@ -8,6 +8,7 @@
 #include "oraclegs/weights/convert.h"
 #include "oraclegs/weights/download.h"
 #include "oraclegs/weights/folder.h"
+#include "oraclegs/weights/http.h"
 
 namespace oraclegs {
 namespace fs = std::filesystem;
@@ -31,11 +32,12 @@ void Convert(const WeightsInfo& model, const std::vector<fs::path>& published, c
 }
 
 bool IsThisMachine(const std::string& url) {
-  return url.starts_with("http://127.0.0.1:") || url.starts_with("http://localhost:");
+  const Origin origin = OriginOf(url);
+  return !origin.has_user && (origin.host == "127.0.0.1" || origin.host == "localhost" || origin.host == "[::1]");
 }
 
 /// Whether nobody on the way can read what is sent.
-bool KeepsSecrets(const std::string& url) { return url.starts_with("https://") || IsThisMachine(url); }
+bool KeepsSecrets(const std::string& url) { return OriginOf(url).scheme == "https" || IsThisMachine(url); }
 
 /// `fix` is what to do about it, beyond what the check says.
 void WarnIfUnexpected(const WeightsInfo& model, const fs::path& weights, const char* fix, const Listener& listener) {
@@ -55,7 +57,12 @@ FetchSettings FetchSettingsFromEnvironment() {
   if (!printable) throw UsageError("HF_TOKEN holds blanks or line breaks; set it to the token alone");
   const std::string& mirror = settings.mirror;
   if (!mirror.empty() && !mirror.starts_with("http://") && !mirror.starts_with("https://")) {
-    throw UsageError("ORACLEGS_MODELS_URL is '{}', must begin with http:// or https://", mirror);
+    throw UsageError("ORACLEGS_MODELS_URL is '{}', must begin with http:// or https://", WithoutSecrets(mirror));
+  }
+  if (!mirror.empty() && (OriginOf(mirror).host.empty() || OriginOf(mirror).has_user)) {
+    throw UsageError(
+        "ORACLEGS_MODELS_URL is no address of a server without user and password; set it to one, for example "
+        "http://mirror:8080");
   }
   return settings;
 }
@@ -89,7 +96,7 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
     DownloadRequest request;
     request.url = AtMirror(file.url, settings.mirror);
     request.to = model.convert ? weights.parent_path() / file.url.substr(file.url.rfind('/') + 1) : weights;
-    if (file.sha256.empty() && !settings.mirror.empty() && !IsThisMachine(settings.mirror)) {
+    if (file.sha256.empty() && !settings.mirror.empty() && !IsThisMachine(request.url)) {
       throw UsageError(
           "{}: its checksum is not known beforehand, so it is taken from {} alone; unset ORACLEGS_MODELS_URL, or give "
           "a file that you have with `oraclegs models convert`",

@@ -30,24 +30,22 @@ struct ListDeleter {
 };
 using Easy = std::unique_ptr<CURL, EasyDeleter>;
 
-/// "https", "https://host:443"; both empty when it is no address.
-struct Origin {
-  std::string scheme, text;
-};
-Origin OriginOf(const std::string& address) {
-  const std::unique_ptr<CURLU, UrlDeleter> url(curl_url());
-  if (!url || curl_url_set(url.get(), CURLUPART_URL, address.c_str(), 0) != CURLUE_OK) return {};
-  const auto part = [&](CURLUPart which) {
-    char* text = nullptr;
-    if (curl_url_get(url.get(), which, &text, CURLU_DEFAULT_PORT) != CURLUE_OK) return std::string();
-    std::string out = text;
-    curl_free(text);
-    return out;
-  };
-  std::string host = part(CURLUPART_HOST);
-  std::transform(host.begin(), host.end(), host.begin(), [](unsigned char c) { return std::tolower(c); });
-  const std::string scheme = part(CURLUPART_SCHEME);
-  return {scheme, fmt::format("{}://{}:{}", scheme, host, part(CURLUPART_PORT))};
+using Url = std::unique_ptr<CURLU, UrlDeleter>;
+
+/// Null when it is no address.
+Url ParseUrl(const std::string& address) {
+  Url url(curl_url());
+  if (url && curl_url_set(url.get(), CURLUPART_URL, address.c_str(), 0) != CURLUE_OK) url.reset();
+  return url;
+}
+
+/// Empty when the address has no such part.
+std::string PartOf(const Url& url, CURLUPart part, unsigned flags = 0) {
+  char* text = nullptr;
+  if (curl_url_get(url.get(), part, &text, flags) != CURLUE_OK) return "";
+  std::string out = text;
+  curl_free(text);
+  return out;
 }
 
 std::string_view Trimmed(std::string_view text) {
@@ -158,7 +156,30 @@ uint64_t HttpReply::Number(const std::string& header, uint64_t otherwise) const 
   return error == std::errc() && end == last && !it->second.empty() ? number : otherwise;
 }
 
-std::string WithoutQuery(const std::string& url) { return url.substr(0, url.find_first_of("?#")); }
+std::string WithoutSecrets(const std::string& url) {
+  if (const Url parsed = ParseUrl(url)) {
+    const std::string port = PartOf(parsed, CURLUPART_PORT, CURLU_NO_DEFAULT_PORT);
+    const std::string path = PartOf(parsed, CURLUPART_PATH);
+    return fmt::format("{}://{}{}{}{}", PartOf(parsed, CURLUPART_SCHEME), PartOf(parsed, CURLUPART_HOST),
+                       port.empty() ? "" : ":", port, path == "/" && !url.ends_with('/') ? "" : path);
+  }
+  const size_t at = url.rfind('@');  // whatever it was meant to be: what stands before may be a password
+  const std::string rest = at == std::string::npos ? url : url.substr(at + 1);
+  return rest.substr(0, rest.find_first_of("?#"));
+}
+
+Origin OriginOf(const std::string& address) {
+  const Url url = ParseUrl(address);
+  if (!url) return {};
+  Origin origin;
+  origin.scheme = PartOf(url, CURLUPART_SCHEME);
+  origin.host = PartOf(url, CURLUPART_HOST);
+  std::transform(origin.host.begin(), origin.host.end(), origin.host.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  origin.text = fmt::format("{}://{}:{}", origin.scheme, origin.host, PartOf(url, CURLUPART_PORT, CURLU_DEFAULT_PORT));
+  origin.has_user = !PartOf(url, CURLUPART_USER).empty() || !PartOf(url, CURLUPART_PASSWORD).empty();
+  return origin;
+}
 
 HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers) {
   const Origin first = OriginOf(request.url);
@@ -171,10 +192,10 @@ HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers) {
     const Easy easy = MakeEasy();
     CURL* curl = easy.get();
     const Origin origin = OriginOf(url);
-    const std::string shown = WithoutQuery(url);
+    const std::string shown = WithoutSecrets(url);
     if (origin.text.empty()) throw RunError("{}: is no address of a server", shown);
     if (first.scheme == "https" && origin.scheme != "https") {
-      throw RunError("{}: redirects to {}, which is not encrypted; refused", WithoutQuery(request.url), shown);
+      throw RunError("{}: redirects to {}, which is not encrypted; refused", WithoutSecrets(request.url), shown);
     }
     end.reply.status = 0;
     end.reply.headers.erase("location");
@@ -215,7 +236,7 @@ HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers) {
     }
     url = next;
   }
-  throw RunError("{}: redirects more than {} times", WithoutQuery(request.url), kMaxRedirects);
+  throw RunError("{}: redirects more than {} times", WithoutSecrets(request.url), kMaxRedirects);
 }
 
 }  // namespace oraclegs

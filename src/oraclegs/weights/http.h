@@ -37,10 +37,18 @@ struct HttpEnd {
 
 /// Follows up to ten redirections, never from https to http. What a handler throws comes out of here. Throws RunError
 /// when no server answers or a redirection leads nowhere, Interrupted (core/interrupt.h). Messages show addresses
-/// without their query, which may hold a signature.
+/// WithoutSecrets.
 HttpEnd HttpGet(const HttpRequest& request, const HttpHandlers& handlers);
 
-/// The address without query and fragment.
-std::string WithoutQuery(const std::string& url);
+/// The address without user, password, query (which may hold a signature) and fragment.
+std::string WithoutSecrets(const std::string& url);
+
+/// Where an address leads, as libcurl reads it: not as its text looks.
+struct Origin {
+  std::string scheme, host;  ///< in lower case; empty when it is no address
+  std::string text;          ///< "https://host:443"
+  bool has_user = false;     ///< a user or a password stands in it
+};
+Origin OriginOf(const std::string& url);
 
 }  // namespace oraclegs
