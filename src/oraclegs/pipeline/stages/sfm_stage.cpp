@@ -1,6 +1,8 @@
 #include "oraclegs/pipeline/stages/sfm_stage.h"
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/sfm/pose_check.h"
+#include "oraclegs/sfm/pose_fit_words.h"
 #include "oraclegs/sfm/triangulate.h"
 
 namespace oraclegs {
@@ -39,16 +41,37 @@ std::vector<ScenePoint> PointsOfTrainingViews(const Run& run) {
   return triangulated.size() > points.size() ? triangulated : points;
 }
 
+/// Holds poses that came with the scene against what was matched to triangulate. Throws InputError for hopeless ones.
+nlohmann::json CheckGivenPoses(const Run& run) {
+  if (!run.photos.empty()) return nullptr;  // colmap found them out of these very matches
+  const std::optional<PoseFit> fit = FitPosesOf(run.scene, run.split.train, run.workspace.sfm(), run.listener);
+  if (!fit) return nullptr;
+  const std::string misfit = DescribeMisfit(run.scene, *fit);
+  if (fit->verdict == PoseVerdict::kHopeless && !run.options.input_checks.force) {
+    throw InputError("{}: {}; --force trains with them as they are", run.scene.root.string(), misfit);
+  }
+  if (!misfit.empty()) run.listener(Warning{misfit});
+  nlohmann::json record = ToJson(*fit);
+  record["warning"] = misfit;
+  return record;
+}
+
 /// Colmap's files are a cache of their own, which checks its inputs.
-bool LoadSfm(Run* run) {
+nlohmann::json FindPoints(Run* run) {
   for (const std::string& warning : PoseWarnings(run->scene, run->split.train)) run->listener(Warning{warning});
   run->results->points = PointsOfTrainingViews(*run);
+  return TakesModel(*run) ? nullptr : CheckGivenPoses(*run);
+}
+
+bool LoadSfm(Run* run) {
+  FindPoints(run);
   return true;
 }
 
 std::optional<nlohmann::json> MakeSfm(Run* run, const std::string&) {
-  LoadSfm(run);
-  return nlohmann::json{{"points", run->results->points.size()}, {"files", nlohmann::json::array()}};
+  nlohmann::json poses = FindPoints(run);
+  return nlohmann::json{
+      {"points", run->results->points.size()}, {"files", nlohmann::json::array()}, {"poses", std::move(poses)}};
 }
 
 }  // namespace
