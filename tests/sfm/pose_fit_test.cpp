@@ -41,7 +41,7 @@ TEST(FitPoses, NamesSmallErrors) {
   const PoseFit fit = matched.Fit();
   EXPECT_EQ(fit.verdict, PoseVerdict::kOff);
   EXPECT_GT(fit.all.ErrorInPhoto(), 1.5);
-  EXPECT_FALSE(fit.change || fit.order);
+  EXPECT_FALSE(fit.IsExplained());
   EXPECT_GE(fit.NamesOff().size(), 4u);
 }
 
@@ -87,12 +87,25 @@ TEST(FitPoses, NamesAnotherOrder) {
   EXPECT_EQ(fit.order->pose_of_view[0], 7);
 }
 
+TEST(FitPoses, NamesPhotosThatStandUpsideDown) {
+  for (const std::vector<int>& turned : {std::vector<int>{2}, {1, 2, 5}, {0, 1, 2, 4, 6, 7}}) {
+    MatchedScene matched = MakeMatchedScene(8, 40);
+    auto poses = PosesOf(matched);
+    for (const int view : turned) poses[static_cast<size_t>(view)].prerotate(Diagonal(-1, -1, 1));
+    matched.SetPoses(poses);
+    const PoseFit fit = matched.Fit();
+    ASSERT_TRUE(fit.turned.has_value()) << turned.size();
+    EXPECT_EQ(fit.turned->views, turned);
+    EXPECT_GT(fit.turned->share, .95);
+  }
+}
+
 TEST(FitPoses, IsHopelessWithoutAReason) {
   MatchedScene matched = MakeMatchedScene(8, 40);
   matched.SetPoses(Perturbed(PosesOf(matched), 40, 3));
   const PoseFit fit = matched.Fit();
   EXPECT_EQ(fit.verdict, PoseVerdict::kHopeless);
-  EXPECT_FALSE(fit.change || fit.order);
+  EXPECT_FALSE(fit.IsExplained());
 }
 
 TEST(FitPoses, SaysNothingOfFewMatches) {

@@ -80,6 +80,18 @@ TEST(DescribeMisfit, NamesAnotherOrder) {
                         "pose: photo3.jpg has that of photo0.jpg, photo0.jpg has that of photo3.jpg"));
 }
 
+TEST(DescribeMisfit, NamesTurnedPhotos) {
+  const Scene scene = MakeMatchedScene(4, 20).scene;
+  PoseFit fit;
+  fit.verdict = PoseVerdict::kOff;
+  fit.all = {"", 400, 3, 90, .5, 1, 800};
+  fit.views = {{"photo0.jpg"}, {"photo1.jpg"}, {"photo2.jpg"}, {"photo3.jpg"}};
+  fit.turned = TurnedViews{{1, 3}, .9};
+  EXPECT_THAT(DescribeMisfit(scene, fit),
+              HasSubstr("with photo1.jpg, photo3.jpg turned by 180 degrees 90 % of the matches fit: these photos stand "
+                        "upside down"));
+}
+
 TEST(DescribeMisfit, SaysHowFarViewsAreOff) {
   MatchedScene matched = MakeMatchedScene(8, 40);
   std::vector<Eigen::Isometry3d> poses;

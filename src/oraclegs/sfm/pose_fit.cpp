@@ -133,6 +133,12 @@ void FindMistake(const Scene& scene, const CheckedViews& checked, PoseFit* fit) 
   fit->order = std::move(order);
 }
 
+/// Some photos alone may be turned, as by EXIF orientations that some have and some lack.
+void FindTurned(const CheckedViews& checked, PoseFit* fit) {
+  TurnedViews turned = FindTurnedViews(checked.given);
+  if (!turned.views.empty() && turned.share > fit->all.share) fit->turned = std::move(turned);
+}
+
 }  // namespace
 
 std::vector<std::string> PoseFit::NamesOff() const {
@@ -159,9 +165,9 @@ PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::v
   }
   fit.verdict = PoseVerdict::kOff;
   if (all.IsOff()) FindMistake(scene, checked, &fit);
-  const bool is_explained = fit.change.has_value() || fit.order.has_value();
+  if (!fit.IsExplained()) FindTurned(checked, &fit);
   const bool hardly_fits = all.share < kHopelessShare && all.error > kHopelessError * all.limit;
-  if (hardly_fits && (is_explained || all.matches >= kPlentyMatches)) fit.verdict = PoseVerdict::kHopeless;
+  if (hardly_fits && (fit.IsExplained() || all.matches >= kPlentyMatches)) fit.verdict = PoseVerdict::kHopeless;
   return fit;
 }
 

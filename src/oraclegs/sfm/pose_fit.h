@@ -42,9 +42,12 @@ struct PoseFit {
   FitOfView all;                 ///< without a name
   std::vector<FitOfView> views;  ///< of the checked views
   PoseVerdict verdict = PoseVerdict::kUnknown;
-  /// The mistake with which far more matches fit, one of the three at most.
+  /// The mistake with which far more matches fit, one of them at most.
   std::optional<ChangeFit> change;
   std::optional<PhotoOrder> order;
+  std::optional<TurnedViews> turned;  ///< positions in `views`
+
+  bool IsExplained() const { return change || order || turned; }
 
   /// Names of the views whose poses do not fit, the worst first.
   std::vector<std::string> NamesOff() const;

@@ -111,11 +111,22 @@ MistakeWords OrderWords(const Scene& scene, const PoseFit& fit) {
   return {words, fmt::format("give each photo its own pose: {}", fmt::join(examples, ", "))};
 }
 
+MistakeWords TurnedWords(const PoseFit& fit) {
+  std::vector<std::string> names;
+  for (const int view : fit.turned->views) names.push_back(fit.views[static_cast<size_t>(view)].name);
+  return {fmt::format("with {} turned by 180 degrees", SomeNames(names)),
+          "these photos stand upside down against their poses: turn them, or correct their EXIF orientation"};
+}
+
 std::optional<MistakeWords> WordsOf(const Scene& scene, const PoseFit& fit, double* share) {
   const bool is_colmap = scene.format == SceneFormat::kColmap;
   if (fit.order) {
     *share = fit.order->share;
     return OrderWords(scene, fit);
+  }
+  if (fit.turned) {
+    *share = fit.turned->share;
+    return TurnedWords(fit);
   }
   if (!fit.change) return std::nullopt;
   *share = fit.change->share;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace oraclegs {
@@ -70,6 +71,79 @@ std::vector<Intrinsics> AllChanged(const std::vector<Intrinsics>& intrinsics, co
   for (const Intrinsics& camera : intrinsics) changed.push_back(Changed(camera, change));
   return changed;
 }
+
+/// Which photos stand upside down: each is turned while that makes more matches fit.
+class TurnSearch {
+ public:
+  explicit TurnSearch(const GivenCameras& given) : views_(given.cams_from_world.size()) {
+    const double extent = ExtentOf(given.cams_from_world);
+    const Eigen::Matrix3d half_turn = Eigen::Vector3d(-1, -1, 1).asDiagonal();
+    for (const RayPair& pair : RaysOf(Thinned(given.pairs, kMatchesOfPair), given.intrinsics)) {
+      Fits fits{static_cast<size_t>(pair.a), static_cast<size_t>(pair.b), static_cast<double>(pair.rays_a.size()), {}};
+      for (size_t turned = 0; turned < 4; ++turned) {
+        Eigen::Isometry3d a = given.cams_from_world[fits.a], b = given.cams_from_world[fits.b];
+        if ((turned & 1) != 0) a.prerotate(half_turn);
+        if ((turned & 2) != 0) b.prerotate(half_turn);
+        std::vector<double> errors;
+        AppendErrors(pair, MotionBetween(a, b, extent), &errors);
+        fits.fits[turned] = ShareBelow(errors, given.limit) * fits.matches;
+      }
+      pairs_.push_back(fits);
+    }
+  }
+
+  /// From the photos as they are, and from all of them turned.
+  std::vector<bool> Best() const {
+    std::vector<bool> best = Improved(std::vector<bool>(views_, false));
+    const std::vector<bool> other = Improved(std::vector<bool>(views_, true));
+    return FitsOf(other, kAll) > FitsOf(best, kAll) ? other : best;
+  }
+
+  double ShareOf(const std::vector<bool>& turned, size_t view) const {
+    double matches = 0;
+    for (const Fits& pair : pairs_) {
+      if (view == kAll || pair.a == view || pair.b == view) matches += pair.matches;
+    }
+    return matches > 0 ? FitsOf(turned, view) / matches : 0;
+  }
+
+  static constexpr size_t kAll = std::numeric_limits<size_t>::max();
+
+ private:
+  struct Fits {
+    size_t a, b;
+    double matches;
+    std::array<double, 4> fits;  ///< as they are, a turned, b turned, both turned
+  };
+
+  double FitsOf(const std::vector<bool>& turned, size_t view) const {
+    double fits = 0;
+    for (const Fits& pair : pairs_) {
+      if (view != kAll && pair.a != view && pair.b != view) continue;
+      fits += pair.fits[(turned[pair.a] ? 1 : 0) + (turned[pair.b] ? 2 : 0)];
+    }
+    return fits;
+  }
+
+  std::vector<bool> Improved(std::vector<bool> turned) const {
+    for (bool is_better = true; is_better;) {
+      is_better = false;
+      for (size_t view = 0; view < views_; ++view) {
+        const double before = FitsOf(turned, view);
+        turned[view] = !turned[view];
+        if (FitsOf(turned, view) > before) {
+          is_better = true;
+        } else {
+          turned[view] = !turned[view];
+        }
+      }
+    }
+    return turned;
+  }
+
+  size_t views_;
+  std::vector<Fits> pairs_;
+};
 
 class FocalSearch {
  public:
@@ -159,6 +233,18 @@ ChangeFit BestAxes(const GivenCameras& given) {
 ChangeFit BestFocal(const GivenCameras& given) {
   const ChangeFit alone = FocalSearch(given, false).Best(), whole = FocalSearch(given, true).Best();
   return whole.share > alone.share + kAlike ? whole : alone;
+}
+
+TurnedViews FindTurnedViews(const GivenCameras& given) {
+  constexpr double kHardlyAny = .2, kMost = .6;
+  const TurnSearch search(given);
+  const std::vector<bool> best = search.Best(), as_given(best.size(), false);
+  TurnedViews turned{{}, search.ShareOf(best, TurnSearch::kAll)};
+  for (size_t view = 0; view < best.size(); ++view) {
+    if (!best[view] || search.ShareOf(best, view) < kMost) continue;
+    if (search.ShareOf(as_given, view) < kHardlyAny) turned.views.push_back(static_cast<int>(view));
+  }
+  return turned;
 }
 
 }  // namespace oraclegs

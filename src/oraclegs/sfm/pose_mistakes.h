@@ -50,4 +50,13 @@ ChangeFit BestAxes(const GivenCameras& given);
 /// The best factor of the focal length (1/4 to 4), alone or together with the principal point.
 ChangeFit BestFocal(const GivenCameras& given);
 
+/// Views whose photos stand upside down, though the others do not.
+struct TurnedViews {
+  std::vector<int> views;  ///< positions in `given`, ascending
+  double share = 0;        ///< of all matches that fit once these are turned
+};
+
+/// The views of which hardly a match fits, and most do once the photo is turned by 180 degrees.
+TurnedViews FindTurnedViews(const GivenCameras& given);
+
 }  // namespace oraclegs
