@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <numeric>
+#include <utility>
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/sfm/pose_fit.h"
@@ -26,6 +26,7 @@ void AddPoints(Scene* scene) {
   for (int a = 0; a < n; ++a) {
     for (int b = a + 1; b < n; ++b) {
       ScenePoint point;
+      point.xyz.setZero();
       point.views = {a, b};
       for (int i = 0; i < n - (b - a); ++i) scene->points.push_back(point);
     }
@@ -62,13 +63,12 @@ TEST(MatchForCheck, LeavesMatchesThatFitOrNot) {
   EXPECT_EQ(ReadFile(dir / "check" / "colmap.log"), log);
   EXPECT_THAT(events.warnings, IsEmpty());
 
-  for (SceneView& view : scene.views)  // the axes of OpenGL
-    view.cam_from_world->prerotate(Eigen::AngleAxisd(std::acos(-1.), Eigen::Vector3d::UnitX()));
+  std::swap(scene.views[0].cam_from_world, scene.views[3].cam_from_world);
+  std::swap(scene.views[1].cam_from_world, scene.views[2].cam_from_world);
   const auto wrong = FitPosesOf(scene, AllViews(scene), dir / "check", events.AsListener());
   ASSERT_TRUE(wrong.has_value());
   EXPECT_EQ(wrong->verdict, PoseVerdict::kHopeless);
-  ASSERT_TRUE(wrong->change.has_value());
-  EXPECT_TRUE(wrong->change->change.axes.isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()));
+  EXPECT_TRUE(wrong->IsExplained());
 }
 
 TEST(MatchForCheck, NotesThatColmapIsMissing) {

@@ -14,7 +14,7 @@ namespace {
 // A match fits within kFit..., a median error is one of the poses above kOff...: pixels of kReferenceSide and, as
 // features are located to a part of a pixel, of the photo itself.
 constexpr double kFitReference = 1.5, kFitPhoto = .5;
-constexpr double kOffReference = .6, kOffPhoto = .25;
+constexpr double kOffReference = .5, kOffPhoto = .25;
 constexpr double kOffOfFewMatches = 8;  // over the root of their number: the median of few is uncertain
 
 constexpr int kMinMatchesOfPair = 15;  // colmap's own limit for a pair

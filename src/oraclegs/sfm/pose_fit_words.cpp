@@ -16,6 +16,7 @@ namespace oraclegs {
 namespace {
 
 constexpr size_t kExamplesOfOrder = 3;
+constexpr double kFarOff = 5;  // limits: no small error any more
 
 /// What was tried, and what to do where it is right.
 struct MistakeWords {
@@ -150,11 +151,22 @@ std::string WorstViews(const PoseFit& fit) {
   return SomeNames(names);
 }
 
+/// The folder that all photos lie in; "" where there are several.
+std::string PhotoFolder(const Scene& scene) {
+  std::filesystem::path folder;
+  for (const SceneView& view : scene.views) {
+    const std::filesystem::path own = view.image_path.parent_path().lexically_normal();
+    if (!folder.empty() && own != folder) return "";
+    folder = own;
+  }
+  return folder.empty() ? "" : " (" + folder.string() + ")";
+}
+
 std::string NextStep(const Scene& scene) {
   return fmt::format(
       "take the poses from the program that aligned these very photos, or have them found: name the folder of the "
       "photos alone{}",
-      scene.views.empty() ? "" : fmt::format(" ({})", scene.views.front().image_path.parent_path().string()));
+      PhotoFolder(scene));
 }
 
 const char* VerdictWord(PoseVerdict verdict) {
@@ -190,7 +202,7 @@ std::string DescribeMisfit(const Scene& scene, const PoseFit& fit) {
     return fmt::format("the given poses do not fit the photos: {}; {} {:.0f} % of the matches fit: {}", fits,
                        mistake->with, 100 * share, mistake->fix);
   }
-  if (fit.verdict == PoseVerdict::kHopeless) {
+  if (fit.verdict == PoseVerdict::kHopeless || all.error > kFarOff * all.limit) {
     return fmt::format("the given poses do not fit the photos: {}, and no usual mistake explains it; {}", fits,
                        NextStep(scene));
   }
