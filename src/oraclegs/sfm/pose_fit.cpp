@@ -23,6 +23,8 @@ constexpr int kPlentyMatches = 200;  // suffice even where they are of one pair,
 constexpr int kMinMatchesOfView = 50;
 constexpr double kHopelessShare = .15, kHopelessError = 5;  // of the limit
 constexpr double kMistakeShare = .5, kMistakeGain = .15;
+// Over the root of the number of matches, of which some fit by chance: more where a number was fitted to them.
+constexpr double kMistakeGainOfFew = 1.5, kFocalGainOfFew = 3.5;
 constexpr size_t kMatchesForOrder = 30;
 
 double LongerSide(const Intrinsics& camera) { return std::max(camera.width, camera.height); }
@@ -97,13 +99,18 @@ void Measure(const Scene& scene, const CheckedViews& checked, PoseFit* fit) {
 bool IsKnown(const FitOfView& view) { return view.matches >= kMinMatchesOfView && view.pairs >= kMinPairsOfAll; }
 
 void FindMistake(const Scene& scene, const CheckedViews& checked, PoseFit* fit) {
-  double most = std::max(kMistakeShare, fit->all.share + kMistakeGain);
+  const auto at_least = [&](double gain_of_few) {
+    const double gain = kMistakeGain + gain_of_few / std::sqrt(static_cast<double>(fit->all.matches));
+    return std::max(kMistakeShare, fit->all.share + gain);
+  };
+  double most = at_least(kMistakeGainOfFew);
   const auto try_change = [&](ChangeFit found) {
     const auto cameras = Changed(checked.given.cams_from_world, found.change);
     std::vector<Intrinsics> intrinsics;
     for (const Intrinsics& camera : checked.given.intrinsics) intrinsics.push_back(Changed(camera, found.change));
     found.share = FittingShare(RaysOf(checked.given.pairs, intrinsics), cameras, checked.given.limit);
-    if (found.share > most) most = found.share, fit->change = found;
+    const bool is_enough = found.change.focal_factor == 1 || found.share > at_least(kFocalGainOfFew);
+    if (is_enough && found.share > most) most = found.share, fit->change = found;
   };
   try_change(BestAxes(checked.given));
   try_change(BestFocal(checked.given));
