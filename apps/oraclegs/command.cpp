@@ -186,6 +186,8 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
   if (!parts.empty()) {
     text += fmt::format("license    not for commercial use: made with {}\n", fmt::join(parts, ", "));
   }
+  for (const auto& warning : metrics.value("warnings", std::vector<std::string>()))
+    text += "warning    " + warning + "\n";
   if (workspace.empty()) return text;
   const WorkspacePaths paths(workspace);
   std::error_code ignored;

@@ -176,14 +176,14 @@ void ColmapRunner::Stop(const std::string& command, const std::string& why, cons
 }
 
 void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_masks, const ColmapOptions& more) const {
-  ColmapOptions options{{"image_path", images().string()},
-                        {"ImageReader.single_camera_per_folder", "1"},
-                        {"ImageReader.camera_model", camera_model},
-                        {"SiftExtraction.use_gpu", "0"},
-                        {"SiftExtraction.max_image_size", std::to_string(kMaxFeatureImageSide)},
-                        {"SiftExtraction.num_threads", std::to_string(ExtractionThreads())}};
+  ColmapOptions options = more;
+  options.insert({{"image_path", images().string()},
+                  {"ImageReader.single_camera_per_folder", "1"},
+                  {"ImageReader.camera_model", camera_model},
+                  {"SiftExtraction.use_gpu", "0"},
+                  {"SiftExtraction.max_image_size", std::to_string(kMaxFeatureImageSide)},
+                  {"SiftExtraction.num_threads", std::to_string(ExtractionThreads())}});
   if (has_masks) options["ImageReader.mask_path"] = (work_dir_ / "masks").string();
-  options.insert(more.begin(), more.end());
   Run("feature_extractor", options, "finding features");
   NumberImagesByName(database());
 }

@@ -55,7 +55,7 @@ class ColmapRunner {
   std::filesystem::path database() const { return work_dir_ / database_; }
   std::filesystem::path images() const { return work_dir_ / "images"; }
 
-  /// One camera per folder below images/; masks/ is used when has_masks. `more` are options beside these.
+  /// One camera per folder below images/; masks/ is used when has_masks. Options in `more` come first.
   void ExtractFeatures(const std::string& camera_model, bool has_masks, const ColmapOptions& more = {}) const;
   /// Every pair of images, in blocks whose ends are reported as pairs done. Not the same matches in every run.
   void MatchExhaustively(const ColmapOptions& more = {}) const;

@@ -59,7 +59,7 @@ TEST_F(BenchPlanTest, CommandsNameSceneWorkspaceAndSeed) {
   EXPECT_THAT(CommandOf(request, plan, plan.runs[1]),
               ElementsAre("/bin/oraclegs", "reconstruct", (*scenes / "one").string(), "--out",
                           (dir / "out/runs").string() + "/" + plan.suite.name + "-one-3-ours-seed8", "--views", "3",
-                          "--test-every", "8", "--iterations", "50", "--seed", "8", "--no-report"));
+                          "--test-every", "8", "--iterations", "50", "--seed", "8", "--no-report", "--force"));
   const std::string text = PlanText(request, plan);
   EXPECT_THAT(text, HasSubstr("8 runs; OracleGS (this program)\n"));
   EXPECT_THAT(text, HasSubstr("one, 3 views: 3 training images (images/001.png, "));

@@ -10,14 +10,21 @@ namespace {
 TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   const TempDir temp;
   auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
-  run.workspace.MarkDone("sfm", {{"key", "a"}, {"seconds", 3}, {"cpu_seconds", 5}, {"points", 400}});
+  run.workspace.MarkDone(
+      "sfm",
+      {{"key", "a"}, {"seconds", 3}, {"cpu_seconds", 5}, {"points", 400}, {"poses", {{"warning", "poses are off"}}}});
   run.workspace.MarkDone("validate", {{"key", "v"},
                                       {"seconds", 1},
                                       {"oracle", "vggt"},
                                       {"mean_confidence", {{"a", 0.5}, {"b", 1}}},
                                       {"non_commercial", {"VGGT-1B"}}});
-  run.workspace.MarkDone(
-      "depth", {{"key", "c"}, {"seconds", 4}, {"points", 9000}, {"prior", "fused"}, {"right", 0.7}, {"network", "a"}});
+  run.workspace.MarkDone("depth", {{"key", "c"},
+                                   {"warning", "little depth"},
+                                   {"seconds", 4},
+                                   {"points", 9000},
+                                   {"prior", "fused"},
+                                   {"right", 0.7},
+                                   {"network", "a"}});
   run.workspace.MarkDone("start", {{"key", ""}, {"seconds", 0}, {"source", "dense"}, {"points", 500}});
   run.workspace.MarkDone("train", {{"key", "b"},
                                    {"seconds", 12},
@@ -49,6 +56,7 @@ TEST(MetricsToJson, HasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(metrics.at("proposals").at("count"), 2);
   EXPECT_EQ(metrics.at("proposals").at("mean_confidence"), 0.75);
   EXPECT_EQ(metrics.at("peak_memory_bytes"), int64_t{1} << 60);
+  EXPECT_EQ(metrics.at("warnings"), nlohmann::json({"poses are off", "little depth"}));
   EXPECT_EQ(metrics.at("non_commercial"), nlohmann::json({"VGGT-1B"}));
   EXPECT_EQ(metrics.at("program"), "oraclegs");
   EXPECT_EQ(metrics.at("version"), "test");

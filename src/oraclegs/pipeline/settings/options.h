@@ -104,6 +104,18 @@ struct FrameOptions {
   }
 };
 
+/// What a check of the input does not stop. Free to differ when a run is continued.
+struct InputCheckOptions {
+  bool force = false;
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("force", self.force,
+          "Train with given poses that hardly any match between the photos fits, where a run would end; they are named "
+          "all the same");
+  }
+};
+
 /// How much time a run may take for its result.
 enum class Quality { kDraft, kNormal, kHigh };
 template <>
@@ -270,6 +282,7 @@ struct WeightOptions {
 struct RunOptions {
   InputOptions input;
   FrameOptions frame;
+  InputCheckOptions input_checks;
   QualityOptions quality;
   CaptureOptions capture;  ///< of commands that start a run; in none of the groups below
   SplitOptions split;
@@ -310,6 +323,7 @@ struct RunOptions {
   static void ForEachGroup(Self& self, F&& f) {
     ForEachShapingGroup(self, f);
     f("Scene", self.frame);
+    f("Scene", self.input_checks);
     f("Proposals", self.generator_limits);
     f("Checkpoints", self.checkpoints);
     f("Report", self.report);

@@ -8,6 +8,7 @@
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/depth/gains.h"
 #include "oraclegs/depth/make_plane_search.h"
+#include "oraclegs/depth/overlap.h"
 #include "oraclegs/depth/prior_points.h"
 #include "oraclegs/depth/stereo.h"
 #include "oraclegs/networks/networks.h"
@@ -19,6 +20,8 @@ namespace {
 
 constexpr int kMonocularVersion = 1;         // likewise, of maps in which a network takes part
 constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which next to nothing is known
+constexpr double kMinPromised = .3;          // of the pixels: where fewer are seen twice, little depth is no wonder
+constexpr double kMinKept = .35;             // of these: textureless rooms keep more (docs/method.md#depth-confidence)
 
 /// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
 /// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
@@ -90,6 +93,22 @@ double MeanConfidentShare(const std::vector<DepthMap>& maps) {
   return maps.empty() ? 0 : sum / static_cast<double>(maps.size());
 }
 
+/// Why far less depth was found than the views' overlap promises; "" where it was not.
+std::string DescribeLack(const Run& run, const Overlap& overlap) {
+  if (overlap.seen < kMinPromised || overlap.confident >= kMinKept) return "";
+  const nlohmann::json sfm = run.workspace.Record("sfm");
+  const nlohmann::json poses = sfm.is_object() ? sfm.value("poses", nlohmann::json()) : nlohmann::json();
+  const bool are_off = poses.is_object() && !poses.value("warning", "").empty();
+  return fmt::format(
+      "depth is confident on {:.0f} % of what another photo shows, too, which is far less than such an overlap usually "
+      "gives: {}",
+      100 * overlap.confident,
+      are_off
+          ? "the given poses do not fit the photos; see what was said of them"
+          : "surfaces have no texture, shine or move, the light or the focus changes, or the poses are off; look at "
+            "depth/preview");
+}
+
 void UndoDepth(Run* run, const nlohmann::json&) {
   std::error_code ignored;
   std::filesystem::remove(run->workspace.dense_ply(), ignored);  // first: without it what stands there is not believed
@@ -107,9 +126,15 @@ std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
   geometry = ReadGeometry(*run, training.views);
   WriteDensePly(run->workspace.dense_ply(), geometry.points, WrittenFromRun(run->frame), FrameComments(run->frame));
   files.emplace_back("sfm/dense.ply");
-  nlohmann::json record = {{"points", geometry.points.size()},  {"confident_share", MeanConfidentShare(geometry.maps)},
-                           {"prior", Word(source.prior)},       {"right", found.right},
-                           {"device", run->plan.device.Name()}, {"network", nlohmann::json()},
+  const Overlap overlap = MeasureOverlap(geometry.maps, training.views, training.silhouettes);
+  nlohmann::json record = {{"overlap", {{"seen", overlap.seen}, {"confident", overlap.confident}}},
+                           {"warning", DescribeLack(*run, overlap)},
+                           {"points", geometry.points.size()},
+                           {"confident_share", MeanConfidentShare(geometry.maps)},
+                           {"prior", Word(source.prior)},
+                           {"right", found.right},
+                           {"device", run->plan.device.Name()},
+                           {"network", nlohmann::json()},
                            {"files", std::move(files)}};
   if (source.HasNetwork()) {
     record["network"] = DepthNetworkName(source.weights);
@@ -146,6 +171,8 @@ void ReportDepth(Run* run) {
   run->listener(
       Note{fmt::format("depth: confident on {:.0f} % of the pixels; {}", 100 * MeanConfidentShare(geometry.maps),
                        Counted(geometry.points.size(), "dense point"))});
+  const std::string lack = run->workspace.Record("depth").value("warning", "");
+  if (!lack.empty()) run->listener(Warning{lack});
   if (poor.empty()) return;
   run->listener(Warning{fmt::format(
       "hardly any depth was found in {}: no other photo shows the same surfaces from near by, or they have no texture; "

@@ -16,6 +16,18 @@ double PerSecond(const nlohmann::json& record) {
   return seconds > 0 ? record.value("iterations", 0.0) / seconds : 0;
 }
 
+/// What stages said of the input that the whole result suffers from.
+std::vector<std::string> InputWarnings(const Run& run) {
+  std::vector<std::string> warnings;
+  const nlohmann::json sfm = run.workspace.Record("sfm"), depth = run.workspace.Record("depth");
+  if (sfm.is_object() && sfm.contains("poses") && sfm["poses"].is_object()) {
+    warnings.push_back(sfm["poses"].value("warning", ""));
+  }
+  if (depth.is_object()) warnings.push_back(depth.value("warning", ""));
+  std::erase(warnings, "");
+  return warnings;
+}
+
 }  // namespace
 
 double CpuSeconds() {
@@ -79,6 +91,7 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
       {"level", run.frame.is_level},
       {"up", run.frame.is_level ? nlohmann::json("-y") : nlohmann::json()},
       {"unit_meters", run.frame.unit_meters ? nlohmann::json(*run.frame.unit_meters) : nlohmann::json()}};
+  metrics["warnings"] = InputWarnings(run);
   metrics["non_commercial"] = NonCommercialParts(run.workspace);
   metrics["program"] = "oraclegs";
   metrics["version"] = run.version;
