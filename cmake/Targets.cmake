@@ -16,6 +16,12 @@ target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;
 if(ORACLEGS_WERROR)
   target_compile_options(oraclegs_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
 endif()
+if(ORACLEGS_HARDENING)
+  # Some compilers set a level of _FORTIFY_SOURCE themselves.
+  target_compile_options(oraclegs_flags INTERFACE
+                         $<$<COMPILE_LANGUAGE:CXX>:-fstack-protector-strong;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>)
+  target_link_options(oraclegs_flags INTERFACE LINKER:-z,relro,-z,now)
+endif()
 if(ORACLEGS_SANITIZE)
   target_compile_options(oraclegs_flags INTERFACE -fsanitize=${ORACLEGS_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(oraclegs_flags INTERFACE -fsanitize=${ORACLEGS_SANITIZE})
@@ -23,7 +29,7 @@ if(ORACLEGS_SANITIZE)
     # Checks of every access, which double the compile time; the address sanitizer stops most of what they would find.
     target_compile_options(oraclegs_flags INTERFACE -fno-sanitize=null,alignment,object-size,vptr)
     # What is found ends the test or the fuzzer, instead of a line that nobody reads.
-    target_compile_options(oraclegs_flags INTERFACE -fno-sanitize-recover=undefined)
+    target_compile_options(oraclegs_flags INTERFACE -fno-sanitize-recover=undefined,float-cast-overflow)
   endif()
 endif()
 target_include_directories(oraclegs_flags INTERFACE ${CMAKE_SOURCE_DIR}/src ${CMAKE_BINARY_DIR}/generated)
@@ -48,7 +54,7 @@ function(oraclegs_keep_kernels_alone)
         # sanitizers they have the one of addresses.
         set_source_files_properties(
           ${source} PROPERTIES COMPILE_DEFINITIONS ORACLEGS_FEW_HWY_TARGETS COMPILE_OPTIONS
-                               "-fno-sanitize=fuzzer-no-link,undefined;-fno-sanitize-address-use-after-scope")
+                               "-fno-sanitize=fuzzer-no-link,undefined,float-cast-overflow;-fno-sanitize-address-use-after-scope")
       endif()
     endif()
   endforeach()

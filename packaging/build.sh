@@ -7,4 +7,5 @@ cd "$(dirname "$0")/.."
 scripts/bootstrap.sh
 cmake --preset package >/dev/null
 cmake --build --preset package --parallel "$(nproc)"
+packaging/check_hardening.sh build/package/bin/oraclegs build/package/lib/*.so
 (cd build/package && cpack -G DEB && cpack -G TGZ) | sed -n 's/^CPack: - package: \(.*\) generated.$/\1/p'

@@ -37,6 +37,8 @@ LATER = re.compile(r"\b(TO" + r"DO|FIX" + r"ME)\b")
 PRINTS = re.compile(
     r"\bstd::(cout|cerr|clog)\b|\bfmt::print\b|(?<![\w.>])(?:std::)?(v?f?printf|puts|_?exit|quick_exit|abort)\s*\("
 )
+PRINTS_UNSEEN = re.compile(PRINTS.pattern.replace("v?f?printf|puts", "v?f?printf|f?puts|putc(?:har)?|fputc|fwrite"))
+TERMINAL = "apps/oraclegs/terminal.cpp"  # the only file of the program that prints
 FORKS = {"src/oraclegs/core/process_group.cpp"}  # its children end themselves
 CASTS = re.compile(r"\b(const_cast|dynamic_cast)\b")
 SKIPPED = re.compile(r"GTEST_SKIP\s*\(\s*\)(?!\s*<<)")
@@ -185,6 +187,9 @@ class House:
             match = PRINTS.search(code) if name.startswith("src/") else None
             if match and name not in FORKS:
                 self.refuse(name, number, f"{match.group(0).strip(' (')}: the library neither prints nor exits")
+            match = PRINTS_UNSEEN.search(code) if name.startswith("apps/") and name != TERMINAL else None
+            if match:
+                self.refuse(name, number, f"{match.group(0).strip(' (')}: the program prints through {TERMINAL} alone")
             if SKIPPED.search(code):
                 self.refuse(name, number, "GTEST_SKIP without a reason: GTEST_SKIP() << \"needs ...\"")
             above = lines[number - 2] if number > 1 else ""

@@ -64,7 +64,7 @@ class CheckHouseTest(unittest.TestCase):
             "src/oraclegs/render/cpu/blend.h": '#include "oraclegs/core/files.h"\n#include "oraclegs/scene/a.h"\n',
             "src/oraclegs/render/cuda/blend.cu": '#include "oraclegs/core/files.h"\n',
             "tests/core/files_test.cpp": "TEST(Files, Reads) {}\n",
-            "apps/oraclegs/main.cpp": "std::cout << 1; std::exit(2);\n",
+            "apps/oraclegs/terminal.cpp": "std::cout << 1; std::exit(2);\n",
             "docs/method.md": "# Method\n## Blending\n",
             "docs/references.md": "- [Kerbl 2023] 3DGS\n",
         })
@@ -129,6 +129,12 @@ class CheckHouseTest(unittest.TestCase):
         other = "namespace oraclegs::cuda {\nstruct Sample {\n};\n}  // namespace oraclegs::cuda\n"
         self.assert_accepted({**one, "src/oraclegs/scene/b.h": own, "src/oraclegs/scene/c.h": other,
                               "src/oraclegs/scene/d.h": "namespace oraclegs {\nstruct Sample;\n}\n"})
+
+    def test_the_program_prints_in_one_place(self):
+        for line in ["std::fputs(text, stdout);", "fprintf(stderr, text);", "std::cout << text;", "std::fwrite(a, 1, n, stdout);"]:
+            self.assert_refused({"apps/oraclegs/a.cpp": line + "\n"}, "apps/oraclegs/a.cpp:1: ")
+            self.assert_accepted({"apps/oraclegs/terminal.cpp": line + "\n"})
+        self.assert_accepted({"apps/oraclegs/a.cpp": "WriteOut(text);\nstd::snprintf(text, n, format);\n"})
 
     def test_casts(self):
         for cast in ["const_cast", "dynamic_cast"]:

@@ -1,7 +1,6 @@
 #include "command.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <iterator>
 
 #include "oraclegs/core/parallel.h"
@@ -142,9 +141,7 @@ CommandInfo Command::Info() const {
 }
 
 void Command::Print(const std::string& text) const {
-  if (output_.quiet) return;
-  std::fputs((text + "\n").c_str(), stdout);
-  std::fflush(stdout);
+  if (!output_.quiet) WriteOut(text + "\n");
 }
 
 void RequireOut(const std::filesystem::path& out) {

@@ -1,5 +1,3 @@
-#include <cstdio>
-
 #include "command.h"
 #include "completion.h"
 
@@ -19,7 +17,7 @@ class CompletionCommand : public Command {
   }
 
  private:
-  void Body(const Listener&) override { std::fputs(CompletionOf(shell_, catalog_()).c_str(), stdout); }
+  void Body(const Listener&) override { WriteOut(CompletionOf(shell_, catalog_())); }
 
   std::function<Catalog()> catalog_;
   std::string shell_;

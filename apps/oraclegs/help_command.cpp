@@ -1,5 +1,3 @@
-#include <cstdio>
-
 #include "command.h"
 #include "help_text.h"
 
@@ -28,14 +26,14 @@ class HelpCommand : public Command {
   void Body(const Listener&) override {
     const Catalog catalog = catalog_();
     if (name_.empty()) {
-      std::fputs(OverviewText(catalog).c_str(), stdout);
+      WriteOut(OverviewText(catalog));
       return;
     }
     std::vector<std::string> names;
     for (const CommandInfo& command : catalog) {
       names.push_back(command.name);
       if (command.name != name_) continue;
-      std::fputs(HelpText(command, options_.all).c_str(), stdout);
+      WriteOut(HelpText(command, options_.all));
       return;
     }
     throw UsageError("there is no command '{}'{}", name_, DidYouMean(name_, names));

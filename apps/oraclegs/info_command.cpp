@@ -1,7 +1,7 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/info.h"
 #include "oraclegs/pipeline/settings/options.h"
 
@@ -19,13 +19,13 @@ struct InfoOptions {
 
 /// Numbers of four digits, lists in parentheses, "key value, key value" of objects.
 std::string ShownValue(const nlohmann::json& value) {
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return OneLine(value.get<std::string>());
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   if (!value.is_structured()) return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::vector<std::string> parts;
   for (const auto& [key, item] : value.items()) {
-    parts.push_back((value.is_object() ? key + " " : "") + ShownValue(item));
+    parts.push_back((value.is_object() ? OneLine(key) + " " : "") + ShownValue(item));
   }
   if (parts.empty()) return "none";
   const std::string text = fmt::format("{}", fmt::join(parts, ", "));
@@ -82,9 +82,10 @@ class InfoCommand : public Command {
  private:
   void Body(const Listener& listener) override {
     const nlohmann::json info = Describe(path_, listener);
-    std::string text = options_.json ? info.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : Lines(info);
+    // JSON of ASCII alone: nothing of it needs to be replaced in a terminal.
+    std::string text = options_.json ? info.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) : Lines(info);
     if (!options_.json && info.contains("metrics")) text += "\n" + SummaryOf(info["metrics"], path_);
-    std::fputs((text + "\n").c_str(), stdout);  // it was asked for: also with --quiet
+    WriteOut(text + "\n");  // it was asked for: also with --quiet
   }
 
   std::filesystem::path path_;

@@ -1,5 +1,3 @@
-#include <cstdio>
-
 #include "command.h"
 #include "man_page.h"
 
@@ -13,7 +11,7 @@ class ManCommand : public Command {
         catalog_(std::move(catalog)) {}
 
  private:
-  void Body(const Listener&) override { std::fputs(ManPage(catalog_(), ORACLEGS_VERSION).c_str(), stdout); }
+  void Body(const Listener&) override { WriteOut(ManPage(catalog_(), ORACLEGS_VERSION)); }
 
   std::function<Catalog()> catalog_;
 };

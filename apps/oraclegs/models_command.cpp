@@ -1,5 +1,3 @@
-#include <cstdio>
-
 #include "command.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/weights/check.h"
@@ -96,7 +94,7 @@ class ModelsCommand : public Command {
   void Body(const Listener& listener) override {
     if (action_ == "list") {
       if (!names_.empty()) throw UsageError("`oraclegs models list` takes no name");
-      std::fputs(ListText().c_str(), stdout);  // it was asked for: also with --quiet
+      WriteOut(ListText());  // it was asked for: also with --quiet
     } else if (action_ == "fetch") {
       Print(FetchWeights(Model(), fetch_, FetchSettingsFromEnvironment(), listener).string());
     } else if (action_ == "check") {

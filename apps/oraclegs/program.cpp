@@ -1,10 +1,9 @@
 #include "program.h"
 
-#include <cstdio>
-
 #include "help_text.h"
 #include "mistakes.h"
 #include "oraclegs/core/text.h"
+#include "terminal.h"
 #include "version.h"
 
 namespace oraclegs {
@@ -32,7 +31,7 @@ std::vector<std::string> ForParser(int argc, char** argv) {
 }  // namespace
 
 int Fail(const std::string& text, int code) {
-  std::fprintf(stderr, "oraclegs: error: %s\n", OneLine(text).c_str());
+  WriteError(text);
   return code;
 }
 
@@ -81,7 +80,7 @@ int Program::Parse(int argc, char** argv) {
   if (const auto mistake = FindMistake({argv + 1, argv + argc}, app_)) return Fail(*mistake, kUsage);
   const auto help = [&](bool all) {
     const Command* chosen = Chosen();
-    std::fputs((chosen ? HelpText(chosen->Info(), all) : OverviewText(Describe())).c_str(), stdout);
+    WriteOut(chosen ? HelpText(chosen->Info(), all) : OverviewText(Describe()));
     return 0;
   };
   try {
@@ -92,8 +91,9 @@ int Program::Parse(int argc, char** argv) {
   } catch (const CLI::CallForAllHelp&) {
     return help(true);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app_.exit(error);  // --version
-    return Fail(Explain(error, app_), kUsage);
+    if (error.get_exit_code() != 0) return Fail(Explain(error, app_), kUsage);
+    WriteOut(std::string(error.what()) + "\n");  // --version
+    return 0;
   }
 }
 

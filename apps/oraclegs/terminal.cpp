@@ -36,6 +36,13 @@ std::string RateText(double per_second) {
 
 }  // namespace
 
+void WriteOut(const std::string& text) {
+  std::fputs(ForTerminal(text).c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void WriteError(const std::string& text) { std::fprintf(stderr, "oraclegs: error: %s\n", OneLine(text).c_str()); }
+
 Terminal::Terminal(Verbosity verbosity)
     : verbosity_(verbosity), bar_(verbosity != Verbosity::kQuiet && isatty(STDERR_FILENO)) {
   SetVerbosity(verbosity);
@@ -92,17 +99,17 @@ std::string Terminal::LeftText(const StepDone& event, double stage_left) const {
 
 void Terminal::On(const FileWritten& event) {
   EraseBar();
-  Log().info("wrote {}", OneLine(event.path.string()));
+  Log().info("wrote {}", event.path.string());
 }
 
 void Terminal::On(const Warning& event) {
   EraseBar();
-  Log().warn("{}", OneLine(event.text));
+  Log().warn("{}", event.text);
 }
 
 void Terminal::On(const Note& event) {
   EraseBar();
-  Log().info("{}", OneLine(event.text));
+  Log().info("{}", event.text);
 }
 
 void Terminal::On(const StepDone& event) {
@@ -143,7 +150,7 @@ void Terminal::DrawBar(const StepDone& event, const StepRate::Speed& rate) {
   if (!event.detail.empty()) line += ", " + event.detail;
   line += LeftText(event, rate.seconds_left);
   line.resize(std::min(line.size(), TerminalWidth() - 1));
-  std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
+  std::fprintf(stderr, "\r\x1b[K%s", OneLine(line).c_str());
   std::fflush(stderr);
   drawn_ = true;
 }

@@ -2,6 +2,7 @@
 // What the user sees while a stage runs.
 
 #include <chrono>
+#include <string>
 
 #include "oraclegs/core/log.h"
 #include "oraclegs/core/progress.h"
@@ -9,6 +10,15 @@
 #include "oraclegs/core/step_rate.h"
 
 namespace oraclegs {
+
+// All that the program prints passes one of the two below or core/log.h, which replace what steers a terminal: names
+// and texts of files go into it.
+
+/// Prints to stdout, tabs and ends of lines as they are.
+void WriteOut(const std::string& text);
+
+/// Prints the line of an error to stderr.
+void WriteError(const std::string& text);
 
 /// Shows events on stderr: on a terminal one line that is drawn again and again, elsewhere a plain line about every ten
 /// seconds or ten percent; with kQuiet only warnings.

@@ -1,12 +1,12 @@
 #include "viewing.h"
 
 #include <chrono>
-#include <cstdio>
 #include <thread>
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/web/browser.h"
 #include "oraclegs/web/routes.h"
+#include "terminal.h"
 
 namespace oraclegs {
 namespace {
@@ -31,8 +31,7 @@ Viewing::Viewing(const std::filesystem::path& root, const ViewerOptions& options
   }
   const bool opened = options.browser && OpenBrowser(server_.url());
   // Also with --quiet: without the address nobody finds it.
-  std::printf("viewer     %s%s\n", server_.url().c_str(), opened ? "" : " (open it in a browser)");
-  std::fflush(stdout);
+  WriteOut(fmt::format("viewer     {}{}\n", server_.url(), opened ? "" : " (open it in a browser)"));
 }
 
 void Viewing::Wait() const {

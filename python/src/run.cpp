@@ -14,6 +14,7 @@
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/progress.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/settings/named_options.h"
@@ -72,7 +73,7 @@ void Report(const Event& event, const py::function& progress) {
 void WarnInPython(const Event& event) {
   const auto* warning = std::get_if<Warning>(&event);
   if (!warning) return;
-  if (PyErr_WarnEx(PyExc_UserWarning, warning->text.c_str(), 2) != 0) throw py::error_already_set();
+  if (PyErr_WarnEx(PyExc_UserWarning, OneLine(warning->text).c_str(), 2) != 0) throw py::error_already_set();
 }
 
 /// One run at a time in a process: a request to stop it concerns all.

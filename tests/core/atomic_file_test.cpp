@@ -5,12 +5,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <string>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/host.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
+#include "support/wait_until.h"
 
 namespace oraclegs {
 namespace {
@@ -78,6 +82,47 @@ TEST(RemoveLeftovers, LeavesOnlyWhatARunningProcessMakes) {
   EXPECT_TRUE(std::filesystem::exists(dir / ".oraclegs-notes"));
   EXPECT_EQ(FilesIn(elsewhere.path()), 1u);
   RemoveLeftovers(dir / "none");
+}
+
+TEST(RemoveLeftovers, KnowsTheProcessOfANameThatItMade) {
+  EXPECT_TRUE(IsTemporaryName(TemporaryName()));
+  EXPECT_NE(TemporaryName(), TemporaryName());
+  const TempDir dir;
+  const pid_t child = fork();
+  if (child == 0) {
+    WriteText(dir / TemporaryName(), "made by the child");
+    std::filesystem::create_directory(dir / TemporaryName());
+    pause();
+  }
+  WaitUntil([&] { return FilesIn(dir.path()) == 2; });
+  RemoveLeftovers(dir.path());
+  EXPECT_EQ(FilesIn(dir.path()), 2u);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  RemoveLeftovers(dir.path());
+  EXPECT_EQ(FilesIn(dir.path()), 0u);
+}
+
+TEST(RemoveLeftovers, WhatAnotherMachineMakesStaysForADay) {
+  const TempDir dir;
+  const auto yesterday = std::filesystem::file_time_type::clock::now() - std::chrono::hours(25);
+  const std::string host = "no-such-" + HostName(), pid = ".oraclegs-999999999@" + host;
+  WriteText(dir / (pid + "-0.tmp"), "new");
+  WriteText(dir / (pid + "-1.tmp"), "old");
+  std::filesystem::last_write_time(dir / (pid + "-1.tmp"), yesterday);
+  for (const char* folder : {"-2.tmp", "-3.tmp"}) {
+    WriteFileAtomically(dir / (pid + folder) / "deep" / "file", "x");
+    if (std::string(folder) == "-3.tmp") {
+      std::filesystem::last_write_time(dir / (pid + folder) / "deep" / "file", yesterday);
+    }
+    std::filesystem::last_write_time(dir / (pid + folder) / "deep", yesterday);
+    std::filesystem::last_write_time(dir / (pid + folder), yesterday);
+  }
+  RemoveLeftovers(dir.path());
+  EXPECT_TRUE(std::filesystem::exists(dir / (pid + "-0.tmp")));
+  EXPECT_FALSE(std::filesystem::exists(dir / (pid + "-1.tmp")));
+  EXPECT_TRUE(std::filesystem::exists(dir / (pid + "-2.tmp"))) << "one of its files is new";
+  EXPECT_FALSE(std::filesystem::exists(dir / (pid + "-3.tmp")));
 }
 
 }  // namespace

@@ -1,14 +1,22 @@
 #include "oraclegs/core/folder_lock.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <optional>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/file_lock.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/host.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
 
@@ -41,6 +49,60 @@ TEST(FolderLock, TellsWhyItIsNotHeld) {
   EXPECT_EQ(FolderLock(dir / "missing").state(), FolderLock::State::kUnknown);
 }
 
+TEST(FolderLock, SaysWhoHoldsIt) {
+  TempDir dir;
+  const FolderLock first(dir.path()), second(dir.path(), std::chrono::milliseconds(0));
+  EXPECT_EQ(second.holder(), "process " + std::to_string(getpid()) + " on " + HostName());
+  WriteText(dir / kFolderLockName, "x\x1B[31m");
+  EXPECT_EQ(FolderLock(dir.path(), std::chrono::milliseconds(0)).holder(), "another process");
+}
+
+TEST(FolderLock, IsAFileThatOthersMachinesCanLock) {
+  TempDir dir;
+  {
+    const FolderLock lock(dir.path());
+    const int fd = open((dir / kFolderLockName).c_str(), O_RDONLY);
+    EXPECT_TRUE(IsFileLocked(fd));
+    close(fd);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(dir.path())) << "it is removed with the lock";
+}
+
+TEST(FolderLock, OneThatWasLeftBehindIsTaken) {
+  TempDir dir;
+  WriteText(dir / kFolderLockName, "4711 node7\n");
+  EXPECT_FALSE(IsFolderLocked(dir.path()));
+  EXPECT_TRUE(FolderLock(dir.path()).held());
+}
+
+TEST(FolderLock, IsNotWrittenThroughALink) {
+  TempDir dir;
+  WriteText(dir / "mine", "text");
+  std::filesystem::create_symlink("mine", dir / kFolderLockName);
+  EXPECT_FALSE(FolderLock(dir.path()).held());
+  EXPECT_EQ(ReadFile(dir / "mine"), "text");
+}
+
+TEST(FolderLock, OneOfManyHoldsItAtATime) {
+  TempDir dir;
+  std::atomic<int> holders = 0, most = 0, turns = 0;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 50; ++i) {
+        const FolderLock lock(dir.path(), std::chrono::seconds(20));
+        if (!lock.held()) continue;
+        most = std::max<int>(most, ++holders);
+        ++turns;
+        --holders;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(most, 1);
+  EXPECT_EQ(turns, 200);
+}
+
 TEST(FolderLock, CanBeMoved) {
   TempDir dir;
   std::optional<FolderLock> first(dir.path());
@@ -59,10 +121,17 @@ TEST(FolderLock, NoticesThatTheFolderIsGone) {
   std::filesystem::create_directory(dir / "run");
   const FolderLock lock(dir / "run");
   EXPECT_TRUE(lock.IsStillThere());
-  std::filesystem::remove(dir / "run");
+  std::filesystem::remove_all(dir / "run");
   EXPECT_FALSE(lock.IsStillThere());
   std::filesystem::create_directory(dir / "run");
   EXPECT_FALSE(lock.IsStillThere()) << "it is another folder";
+}
+
+TEST(FolderLock, NoticesThatItWasRemovedItself) {
+  TempDir dir;
+  const FolderLock lock(dir.path());
+  std::filesystem::remove(dir / kFolderLockName);
+  EXPECT_FALSE(lock.IsStillThere()) << "another process could lock the folder now";
 }
 
 TEST(FolderLock, EndsWithTheProcess) {

@@ -4,20 +4,25 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <thread>
 
 #include "oraclegs/core/error.h"
 
 namespace oraclegs {
 namespace {
 
-class Interrupt : public testing::TestWithParam<int> {
+class Signaled : public testing::Test {
  protected:
-  ~Interrupt() override {
+  ~Signaled() override {
     RequestInterrupt(false);
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
+    std::signal(SIGHUP, SIG_DFL);
   }
 };
+
+class Interrupt : public Signaled, public testing::WithParamInterface<int> {};
+class DeadlyInterrupt : public Interrupt {};
 
 TEST_P(Interrupt, ASignalAsksForAStop) {
   InstallInterruptHandlers();
@@ -28,7 +33,7 @@ TEST_P(Interrupt, ASignalAsksForAStop) {
   EXPECT_THROW(ThrowIfInterrupted(), Interrupted);
 }
 
-TEST_P(Interrupt, TheSecondSignalEndsTheProcess) {
+TEST_P(DeadlyInterrupt, TheSecondSignalEndsTheProcess) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // the thread sanitizer holds back signals of a forked child
   const auto twice = [] {
     InstallInterruptHandlers();
@@ -38,7 +43,29 @@ TEST_P(Interrupt, TheSecondSignalEndsTheProcess) {
   EXPECT_EXIT(twice(), testing::KilledBySignal(GetParam()), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM, SIGHUP));
+INSTANTIATE_TEST_SUITE_P(Signals, DeadlyInterrupt, testing::Values(SIGINT, SIGTERM));
+
+TEST_F(Signaled, AClosedTerminalMaySayItTwice) {
+  InstallInterruptHandlers();
+  std::raise(SIGHUP);
+  std::raise(SIGHUP);
+  EXPECT_TRUE(InterruptRequested());
+}
+
+TEST_F(Signaled, AnIgnoredHangupStaysIgnored) {
+  std::signal(SIGHUP, SIG_IGN);
+  InstallInterruptHandlers();
+  std::raise(SIGHUP);
+  EXPECT_FALSE(InterruptRequested());
+}
+
+/// The thread sanitizer reports a flag that is none of threads.
+TEST_F(Signaled, AnotherThreadMayAsk) {
+  std::thread other([] { RequestInterrupt(true); });
+  while (!InterruptRequested()) std::this_thread::yield();
+  other.join();
+}
 
 TEST(InterruptRequest, CanBeSetAndTakenBack) {
   RequestInterrupt(true);

@@ -26,5 +26,13 @@ TEST_F(LogTest, VerbosityDecides) {
   EXPECT_EQ(WhatIsLogged(), "debug: fine\ninfo: said 1\nwarning: mind\n");
 }
 
+TEST_F(LogTest, ATextIsOneLineAndSteersNoTerminal) {
+  testing::internal::CaptureStderr();
+  Log().warn("{}",
+             "a\nb\x1B[31m\xC2\x9B"
+             "c");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: a?b?[31m?c\n");
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <numeric>
 #include <stdexcept>
@@ -51,6 +53,26 @@ float BlockedSum() {
 
 TEST(ParallelFor, GoesOnWithFewerThreadsThanAreAskedFor) {
   EXPECT_EXIT(RunWithLittleRoom(), testing::ExitedWithCode(0), "");
+}
+
+/// Ends a child that this process forks, as programs end that know nothing of threads.
+[[noreturn]] void RunInAForkedChild() {
+  SetNumThreads(3);
+  std::atomic<int> runs{0};
+  ParallelFor(100, [&](int64_t) { ++runs; });
+  const pid_t child = fork();
+  if (child == 0) {
+    ParallelFor(100, [&](int64_t) { ++runs; });
+    std::exit(runs == 200 ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status));
+}
+
+TEST(ParallelFor, WorksInAForkedChildAndEndsWithIt) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(RunInAForkedChild(), testing::ExitedWithCode(0), "");
 }
 
 TEST_P(Parallel, EveryTaskRunsOnce) {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +15,17 @@
 #include "oraclegs/core/folder_lock.h"
 #include "support/temp_dir.h"
 #include "support/wait_until.h"
+
+namespace {
+bool g_kernel_is_old = false;
+}  // namespace
+
+/// In place of the C library's: this test can have a kernel without that call.
+extern "C" int close_range(unsigned first, unsigned last, int flags) noexcept {
+  if (!g_kernel_is_old) return static_cast<int>(syscall(SYS_close_range, first, last, flags));
+  errno = ENOSYS;
+  return -1;
+}
 
 namespace oraclegs {
 namespace {
@@ -104,18 +116,21 @@ TEST(ProcessGroup, CountsComputingOnly) {
 }
 
 /// A process that starts a script and waits. It holds a lock on `dir`.
-pid_t StartParent(const TempDir& dir, const std::string& text) {
+pid_t StartParent(const TempDir& dir, const std::string& text, bool kernel_is_old = false) {
   const pid_t parent = fork();
   if (parent != 0) return parent;
+  g_kernel_is_old = kernel_is_old;
   const FolderLock lock(dir.path());
   Script script(text);
   while (true) pause();
 }
 
-TEST(ProcessGroup, DiesWithAParentThatIsKilled) {
+void TestThatTheGroupDies(bool kernel_is_old) {
   const TempDir dir;
-  const pid_t parent = StartParent(dir, "sleep 600 & echo $! > '" + (dir / "child").string() + "'; echo $$ > '" +
-                                            (dir / "shell").string() + "'; wait");
+  const pid_t parent = StartParent(
+      dir,
+      "sleep 600 & echo $! > '" + (dir / "child").string() + "'; echo $$ > '" + (dir / "shell").string() + "'; wait",
+      kernel_is_old);
   const pid_t shell = PidIn(dir / "shell"), child = PidIn(dir / "child");
   ASSERT_GT(shell, 0);
   ASSERT_GT(child, 0);
@@ -124,6 +139,50 @@ TEST(ProcessGroup, DiesWithAParentThatIsKilled) {
   waitpid(parent, nullptr, 0);
   EXPECT_TRUE(WaitUntil([&] { return IsGone(shell) && IsGone(child); }));
   EXPECT_TRUE(WaitUntil([&] { return !IsFolderLocked(dir.path()); }));
+}
+
+TEST(ProcessGroup, DiesWithAParentThatIsKilled) { TestThatTheGroupDies(false); }
+
+TEST(ProcessGroup, DiesWithItsParentOnKernelsThatCannotCloseManyFilesAtOnce) { TestThatTheGroupDies(true); }
+
+/// The open files of a process, by what their links say.
+std::vector<std::string> OpenFilesOf(pid_t pid) {
+  std::vector<std::string> files;
+  for (const auto& fd : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
+    std::error_code gone;
+    files.push_back(std::filesystem::read_symlink(fd, gone).string());
+  }
+  return files;
+}
+
+TEST(ProcessGroup, ItsGuardKeepsNoFileOpenOnSuchKernelsEither) {
+  const TempDir dir;
+  WriteText(dir / "open", "");
+  const int first = open((dir / "open").c_str(), O_RDONLY);
+  const int high = fcntl(first, F_DUPFD, 500);
+  ASSERT_GE(high, 500);
+  g_kernel_is_old = true;
+  Script script("sleep 600");
+  g_kernel_is_old = false;
+  close(first), close(high);
+  // The guard is the child of this process that is no shell.
+  EXPECT_TRUE(WaitUntil([&] {
+    std::ifstream children("/proc/self/task/" + std::to_string(gettid()) + "/children");
+    int guards = 0, busy = 0;
+    for (pid_t child = 0; children >> child;) {
+      std::string name;
+      std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm"), name);
+      if (name != "guards-children") continue;
+      ++guards;
+      busy += OpenFilesOf(child).size() == 1 ? 0 : 1;
+    }
+    return guards == 1 && busy == 0;
+  })) << "its pipe alone stays open";
+}
+
+TEST(ProcessGroup, APipeThatCannotBeGivenIsAnError) {
+  const std::vector<std::string> argv = {"true"};
+  EXPECT_EQ(ProcessGroup({argv, {}, -1, 12345, 2}).start_error(), EBADF);
 }
 
 TEST(ProcessGroup, KnowsTheLargestMemoryOfItsProgram) {

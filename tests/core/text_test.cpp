@@ -71,7 +71,40 @@ TEST(IsUtf8, RefusesIncompleteCharacters) {
   EXPECT_FALSE(IsUtf8("\xC3"));  // cut short
 }
 
-TEST(OneLine, ReplacesControlCharacters) { EXPECT_EQ(OneLine("a\nb\tc\x7F \xC3\xA4"), "a?b?c? \xC3\xA4"); }
+TEST(OneLine, ReplacesControlCharacters) {
+  EXPECT_EQ(OneLine("a\nb\tc\x7F \xC3\xA4"), "a?b?c? \xC3\xA4");
+  EXPECT_EQ(OneLine(std::string("a\0b\x1B[31m", 8)), "a?b?[31m");
+}
+
+TEST(OneLine, ReplacesControlCharactersOfUnicode) {
+  EXPECT_EQ(OneLine("a\xC2\x9B"
+                    "31m"),
+            "a?31m");
+  EXPECT_EQ(OneLine("\xC2\x80\xC2\x9F\xC2\xA0"), "??\xC2\xA0");
+  EXPECT_EQ(OneLine("\xE2\x80\xA8\xE2\x80\xA9\xE2\x80\xAA\xE2\x80\xAE\xE2\x81\xA6\xE2\x81\xA9"), "??????");
+  EXPECT_EQ(OneLine("\xE2\x80\xA7\xE2\x80\xAF\xE2\x81\xA5\xE2\x81\xAA"),
+            "\xE2\x80\xA7\xE2\x80\xAF\xE2\x81\xA5\xE2\x81\xAA");
+}
+
+TEST(OneLine, ReplacesControlBytesThatArePartOfNoCharacter) {
+  EXPECT_EQ(OneLine("a\x9B"
+                    "31m \x85"),
+            "a?31m ?")
+      << "a terminal of 8 bits";
+  EXPECT_EQ(OneLine("\xC0\x9B"), "\xC0?") << "written longer than needed";
+  EXPECT_EQ(OneLine("\xE0\x80\x9B"), "\xE0??");
+  EXPECT_EQ(OneLine("\xE2\x9B"), "\xE2?") << "cut";
+  EXPECT_EQ(OneLine("caf\xE9.jpg"), "caf\xE9.jpg") << "a name in Latin-1";
+}
+
+TEST(OneLine, LeavesCharactersWhoseBytesLookLikeControls) {
+  for (const std::string text :
+       {"\xE2\x9B\x84", "\xF0\x9F\x98\x80", "\xC4\x9B\xC5\x9B", "\xE4\xB8\x80", "\xF4\x8F\xBF\xBF"}) {
+    EXPECT_EQ(OneLine(text), text);
+  }
+}
+
+TEST(ForTerminal, KeepsLinesAndTabs) { EXPECT_EQ(ForTerminal("a\n\tb\r\x1B[m\xC2\x9B\n"), "a\n\tb??[m?\n"); }
 
 TEST(EscapeBytes, ShowsBytesOutsideAscii) { EXPECT_EQ(EscapeBytes("caf\xE9.jpg"), "caf\\xE9.jpg"); }
 

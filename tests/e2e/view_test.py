@@ -3,6 +3,7 @@
 
 import http.client
 import json
+import os
 import re
 import shutil
 import signal
@@ -36,9 +37,10 @@ class View(EndToEnd):
         cls.out = cls.dir / "out"
         subprocess.run(command("reconstruct", cls.scene, "-o", cls.out, "--quiet", *SMALL_RUN), check=True)
 
-    def start(self, *arguments):
+    def start(self, *arguments, env=None):
         """A program that goes on, and the address that it prints."""
-        process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   env={**os.environ, **(env or {})})  # fmt: skip
         self.addCleanup(self.end, process)
         for line in process.stdout:
             if line.startswith("viewer "):
@@ -102,6 +104,17 @@ class View(EndToEnd):
         self.assertEqual(document["title"], "model.ply")
         status, body, _ = self.get(port, "/files/" + document["splat"]["url"])
         self.assertEqual((status, body[:2]), (200, b"\x1f\x8b"))
+
+    def test_a_closed_terminal_leaves_nothing_behind(self):
+        for how in [signal.SIGHUP, signal.SIGTERM]:
+            temporary = self.dir / "temporary"
+            temporary.mkdir()
+            process, port = self.start("view", self.out / "point_cloud.ply", *QUIET_BROWSER, env={"TMPDIR": str(temporary)})
+            self.assertEqual(self.get(port, "/")[0], 200)
+            self.assertEqual(len(list(temporary.iterdir())), 1)
+            code, (_, errors) = self.end(process, how)
+            self.assertEqual((code, errors), (0, ""))
+            temporary.rmdir()  # it is empty
 
     def test_a_running_one_is_attached_to_and_seen_to_end(self):
         out = self.dir / "long"

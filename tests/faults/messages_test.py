@@ -51,6 +51,37 @@ class Messages(unittest.TestCase):
         self.assertIn("transforms.json", self.error(3, "info", odd))
         shutil.rmtree(odd)
 
+    def shown(self, *arguments):
+        """What the program prints to stdout, which steers no terminal."""
+        done = subprocess.run([self.lab.program, *map(str, arguments)], stdout=subprocess.PIPE, stdin=subprocess.DEVNULL,
+                              cwd=self.lab.current, timeout=60, check=True, env=self.lab.environment)  # fmt: skip
+        text = done.stdout.decode("latin-1")  # a terminal of 8 bits
+        self.assertNotRegex(text, "[\\x00-\\x08\\x0b-\\x1f\\x7f]")
+        # In UTF-8, bytes of C1 may continue a character; what is none of it was decoded as a surrogate.
+        text = done.stdout.decode("utf-8", errors="surrogateescape")
+        self.assertNotRegex(text, "[\\x80-\\x9f\\u2028-\\u202e\\u2066-\\u2069\\udc80-\\udc9f]")
+        return text
+
+    def test_texts_of_files_that_steer_a_terminal(self):
+        odd = b"\x1b]0;PWNED\x07\x1b[31m \xc2\x9b31m \x9b32m \xe2\x80\xae\xe2\x81\xa6 caf\xc3\xa9"
+        splat = self.lab.dir / "odd.ply"
+        head, _, rest = (self.out / "point_cloud.ply").read_bytes().partition(b"\n")
+        splat.write_bytes(head + b"\ncomment " + odd + b"\n" + rest)
+        self.assertIn("]0;PWNED??[31m ?31m ?32m ?? caf\u00e9", self.shown("info", splat))
+        self.assertIn("PWNED", json.loads(self.shown("info", splat, "--json"))["comments"][0])
+        broken = self.lab.dir / "odd_options"
+        shutil.copytree(self.out, broken, symlinks=True)
+        options = json.loads((broken / "options.json").read_text())
+        text = odd.decode("utf-8", errors="ignore")
+        options["scene"] = f"/{text}\nforged  line"
+        options["options"]["generator"] = text
+        (broken / "options.json").write_text(json.dumps(options))
+        self.assertIn("[31m ?31m", self.shown("info", broken))
+        self.assertNotIn("\nforged", self.shown("info", broken))
+        self.assertEqual(json.loads(self.shown("info", broken, "--json"))["scene"], options["scene"])
+        splat.unlink()
+        shutil.rmtree(broken)
+
     def test_an_option_of_a_file_names_the_file(self):
         broken = self.lab.dir / "broken"
         shutil.copytree(self.out, broken, symlinks=True)

@@ -1,7 +1,11 @@
 #include "oraclegs/web/file_below.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+
+#include <set>
+#include <string>
 
 #include "support/temp_dir.h"
 
@@ -37,6 +41,20 @@ TEST(FileBelow, ReadsRegularFiles) {
   EXPECT_EQ(file->ReadAt(5, part, 4), 2u);
   WriteText(dir / "a" / "b", "longer content");
   EXPECT_NE(FileBelow::Open(dir.path(), "a/b")->tag(), file->tag());
+}
+
+TEST(FileBelow, TagsTimesThatNoClockHasYet) {
+  TempDir dir;
+  WriteText(dir / "a", "content");
+  std::set<std::string> tags;
+  for (const time_t seconds : {time_t{1} << 34, -(time_t{1} << 31), time_t{9'300'000'000}}) {
+    const timespec times[] = {{seconds, 7}, {seconds, 7}};
+    ASSERT_EQ(utimensat(AT_FDCWD, (dir / "a").c_str(), times, 0), 0);
+    const auto file = FileBelow::Open(dir.path(), "a");
+    ASSERT_TRUE(file);
+    tags.insert(file->tag());
+  }
+  EXPECT_GE(tags.size(), 2u) << "file systems bend times that they cannot hold";
 }
 
 TEST(FileBelow, OpensNothingElse) {

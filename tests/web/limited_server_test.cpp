@@ -2,10 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <new>
 #include <thread>
 #include <vector>
 
+#include "oraclegs/core/error.h"
 #include "web/raw_client.h"
 
 namespace oraclegs {
@@ -106,6 +113,68 @@ TEST_F(LimitedServerTest, TooManyConnectionsAreTurnedAwayAndForgotten) {
     EXPECT_THAT(crowd.back()->Receive(), testing::Not(HasSubstr("200")));
   }
   EXPECT_EQ(BodyOf(Raw("GET /after HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")), "GET /after");
+}
+
+/// Lets this process take as much more memory, the stacks of threads included.
+void LeaveRoomOf(rlim_t bytes) {
+  std::ifstream status("/proc/self/statm");
+  rlim_t pages = 0;
+  status >> pages;
+  const rlim_t all = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + bytes;
+  const rlimit limit = {all, all};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+/// Ends the process: with 0 when many clients at once are answered by the few threads that there is room for.
+[[noreturn]] void ServeWithLittleRoom() {
+  LimitedServer server;
+  server.set_pre_routing_handler([](const httplib::Request&, httplib::Response& response) {
+    response.set_content("here", "text/plain");
+    return httplib::Server::HandlerResponse::Handled;
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  std::thread thread([&] { server.listen_after_bind(); });
+  while (!server.is_running()) std::this_thread::yield();
+  LeaveRoomOf(rlim_t{40} << 20);
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (int i = 0; i < 40; ++i) {
+    clients.push_back(std::make_unique<RawClient>(port));
+    clients.back()->Send("GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  }
+  int answered = 0;
+  for (const auto& client : clients) answered += BodyOf(client->Receive()) == "here" ? 1 : 0;
+  _exit(answered == 40 ? 0 : 1);
+}
+
+TEST(LimitedServer, GoesOnWithTheThreadsThatTheSystemGives) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(ServeWithLittleRoom(), testing::ExitedWithCode(0), "");
+}
+
+[[noreturn]] void StartWithoutRoom() {
+  LeaveRoomOf(rlim_t{1} << 20);
+  try {
+    const LimitedServer server;
+  } catch (const RunError& error) {
+    std::fputs(error.what(), stderr);
+    _exit(7);
+  }
+  _exit(0);
+}
+
+TEST(LimitedServer, SaysThatThereIsNoThread) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(StartWithoutRoom(), testing::ExitedWithCode(7), "cannot start a thread: .*ulimit");
+}
+
+TEST_F(LimitedServerTest, AConnectionThatFailsEndsAlone) {
+  server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
+    if (request.path == "/bad") throw std::bad_alloc();
+    response.set_content("good", "text/plain");
+    return httplib::Server::HandlerResponse::Handled;
+  });
+  Raw("GET /bad HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(BodyOf(Raw("GET /good HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")), "good");
 }
 
 }  // namespace

@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <fstream>
+#include <string>
+#include <thread>
+
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "support/temp_dir.h"
@@ -57,6 +62,32 @@ TEST(PartFile, LocksOutOtherProcesses) {
   const PartFile part(dir / "f");
   EXPECT_THAT([&] { PartFile second(dir / "f"); },
               ThrowsMessage<RunError>(EndsWith("f.part: another process is downloading it; wait for that one")));
+}
+
+TEST(PartFile, LeavesAFileAloneThatAnotherProcessHasJustFinished) {
+  const TempDir dir;
+  std::atomic<int> finished = 0;
+  const auto download = [&] {
+    while (finished < 400) {
+      try {
+        PartFile part(dir / "f");
+        part.Restart();
+        part.Append("whole");
+        part.Finish();
+        ++finished;
+      } catch (const RunError&) {  // the other one is at it
+      }
+    }
+  };
+  std::thread one(download), other(download);
+  int cut = 0;
+  while (finished < 400) {
+    std::ifstream file(dir / "f");
+    std::string text;
+    if (file && (!(file >> text) || text != "whole")) ++cut;
+  }
+  one.join(), other.join();
+  EXPECT_EQ(cut, 0) << "a reader has seen a finished file that was written to";
 }
 
 TEST(PartFile, NamesAFolderInTheWay) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <string>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/host.h"
 #include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
@@ -33,13 +35,44 @@ void SyncFolder(const fs::path& dir) {
 }
 
 constexpr std::string_view kTemporaryPrefix = ".oraclegs-";
+constexpr std::chrono::hours kLongestSilence{24};  // of a process that makes something
 
-/// Of the process that makes a file of this name, ".oraclegs-PID-..."; 0 = the name does not say.
-pid_t MakerOf(const fs::path& path) {
+/// The process that makes a file of a temporary name.
+struct Maker {
+  pid_t pid = 0;     ///< 0 = the name does not say
+  std::string host;  ///< "" = the name does not say
+};
+
+Maker MakerOf(const fs::path& path) {
   const std::string name = path.filename().string();
-  pid_t pid = 0;
-  std::from_chars(name.data() + kTemporaryPrefix.size(), name.data() + name.size(), pid);
-  return pid;
+  Maker maker;
+  const char* end = name.data() + name.size();
+  const char* at = std::from_chars(name.data() + kTemporaryPrefix.size(), end, maker.pid).ptr;
+  const size_t number = name.rfind('-');  // names of machines may have dashes
+  if (at != end && *at == '@' && name.data() + number > at) maker.host.assign(at + 1, name.data() + number);
+  return maker;
+}
+
+/// Whether a file, or one of a folder and below, was written to lately.
+bool WasWrittenLately(const fs::path& path) {
+  const auto limit = fs::file_time_type::clock::now() - kLongestSilence;
+  std::error_code error;
+  const auto is_new = [&](const fs::path& file) {
+    const auto time = fs::last_write_time(file, error);
+    return !error && time > limit;
+  };
+  if (is_new(path)) return true;
+  for (fs::recursive_directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+    if (!it->is_symlink(error) && is_new(it->path())) return true;
+  }
+  return false;
+}
+
+bool IsMadeNow(const fs::path& path) {
+  const Maker maker = MakerOf(path);
+  if (maker.pid <= 0) return false;
+  if (!maker.host.empty() && maker.host != HostName()) return WasWrittenLately(path);
+  return maker.pid != getpid() && (kill(maker.pid, 0) == 0 || errno == EPERM);
 }
 
 }  // namespace
@@ -47,9 +80,8 @@ pid_t MakerOf(const fs::path& path) {
 AtomicFile::AtomicFile(const fs::path& path) : AtomicFile(FolderOf(path), path) {}
 
 AtomicFile::AtomicFile(const fs::path& folder, const fs::path& path) : wanted_(path) {
-  static std::atomic<uint64_t> count{0};
   do {
-    temporary_ = folder / fmt::format("{}{}-{}.tmp", kTemporaryPrefix, getpid(), count++);
+    temporary_ = folder / TemporaryName();
     fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (fd_ < 0 && errno == EEXIST);  // left by a process that was killed and had our number
   if (fd_ < 0) Fail("cannot write", errno);
@@ -99,6 +131,11 @@ void AtomicFile::Fail(const char* what, int error) const {
   throw RunError("{}: {}: {}", wanted_.string(), what, SystemReason(error));
 }
 
+std::string TemporaryName() {
+  static std::atomic<uint64_t> count{0};
+  return fmt::format("{}{}@{}-{}.tmp", kTemporaryPrefix, getpid(), HostName(), count++);
+}
+
 bool IsTemporaryName(const fs::path& path) {
   return path.filename().string().starts_with(kTemporaryPrefix) && path.extension() == ".tmp";
 }
@@ -109,9 +146,7 @@ void RemoveLeftovers(const fs::path& folder) {
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     if (!IsTemporaryName(it->path())) continue;
     it.disable_recursion_pending();
-    const pid_t maker = MakerOf(it->path());
-    const bool is_made_now = maker > 0 && maker != getpid() && (kill(maker, 0) == 0 || errno == EPERM);
-    if (!is_made_now) leftovers.push_back(it->path());
+    if (!IsMadeNow(it->path())) leftovers.push_back(it->path());
   }
   for (const fs::path& leftover : leftovers) fs::remove_all(leftover, error);
 }

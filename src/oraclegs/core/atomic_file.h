@@ -2,6 +2,7 @@
 // A file that is written in pieces and appears under its name when it is whole.
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace oraclegs {
@@ -35,11 +36,15 @@ class AtomicFile {
   int fd_ = -1;
 };
 
+/// A name for a file or folder that is not finished, ".oraclegs-PID@HOST-N.tmp", another one each time in this process.
+std::string TemporaryName();
+
 /// True for the name of a file or folder that is not finished: of AtomicFile, and of folders that are made like it.
 bool IsTemporaryName(const std::filesystem::path& path);
 
 /// Removes what processes that were killed left unfinished in `folder` and below. What a process that runs is making
-/// stays, and so does what cannot be removed. Links are not followed.
+/// stays, and so does what cannot be removed. Whether a process of another machine runs is not known: what it has
+/// written to within a day stays. Links are not followed.
 void RemoveLeftovers(const std::filesystem::path& folder);
 
 }  // namespace oraclegs

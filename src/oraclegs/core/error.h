@@ -52,7 +52,7 @@ class OutOfMemory : public RunError {
   using RunError::RunError;
 };
 
-/// SIGINT or SIGTERM was received and the work stopped at a safe point: exit code 130.
+/// SIGINT, SIGTERM or SIGHUP was received and the work stopped at a safe point: exit code 130.
 class Interrupted : public Error {
  public:
   using Error::Error;

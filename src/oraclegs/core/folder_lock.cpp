@@ -1,31 +1,53 @@
 #include "oraclegs/core/folder_lock.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <array>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/file_lock.h"
+#include "oraclegs/core/host.h"
+#include "oraclegs/core/text.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr std::chrono::milliseconds kPause(2);
 
-int OpenFolder(const std::filesystem::path& folder) { return open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }
+std::filesystem::path LockOf(const std::filesystem::path& folder) { return folder / kFolderLockName; }
 
-bool IsStillThere(const std::filesystem::path& folder, int fd) {
-  struct stat own {
-  }, now{};
-  return fstat(fd, &own) == 0 && stat(folder.c_str(), &now) == 0 && own.st_ino == now.st_ino &&
-         own.st_dev == now.st_dev;
+/// Says in the lock who has it. Where that cannot be written, others know less.
+void Sign(int fd) {
+  const std::string text = fmt::format("{} {}\n", getpid(), HostName());
+  [[maybe_unused]] const bool is_signed = ftruncate(fd, 0) == 0 && pwrite(fd, text.data(), text.size(), 0) > 0;
+}
+
+std::string HolderIn(int fd) {
+  std::array<char, 256> bytes{};
+  const ssize_t read = pread(fd, bytes.data(), bytes.size(), 0);
+  std::istringstream text(std::string(bytes.data(), read > 0 ? static_cast<size_t>(read) : 0));
+  int64_t pid = 0;
+  std::string host;
+  if (!(text >> pid >> host)) return "another process";
+  return fmt::format("process {} on {}", pid, Printable(host, 64));
+}
+
+/// What is known of a held lock by its descriptor.
+struct HeldLock {
+  std::filesystem::path folder;
+  int folder_fd = -1;
+};
+
+bool IsThere(const HeldLock& lock, int fd) {
+  // Links to the folder are followed.
+  return IsStillNamed(lock.folder / ".", lock.folder_fd) && IsStillNamed(LockOf(lock.folder), fd);
 }
 
 bool LiesIn(const std::filesystem::path& folder, const std::filesystem::path& path) {
@@ -40,75 +62,105 @@ class Held {
     static Held held;
     return held;
   }
-  void Add(int fd, const std::filesystem::path& folder) {
+  void Add(int fd, HeldLock held) {
     const std::lock_guard lock(mutex_);
-    folders_[fd] = folder;
+    locks_[fd] = std::move(held);
   }
   void Remove(int fd) {
     const std::lock_guard lock(mutex_);
-    folders_.erase(fd);
+    locks_.erase(fd);
   }
-  std::map<int, std::filesystem::path> All() {
+  std::map<int, HeldLock> All() {
     const std::lock_guard lock(mutex_);
-    return folders_;
+    return locks_;
   }
 
  private:
   std::mutex mutex_;
-  std::map<int, std::filesystem::path> folders_;
+  std::map<int, HeldLock> locks_;
 };
 
 }  // namespace
 
 FolderLock::FolderLock(const std::filesystem::path& folder, std::chrono::milliseconds patience) : folder_(folder) {
-  fd_ = OpenFolder(folder);
-  if (fd_ < 0) return;
+  folder_fd_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder_fd_ < 0) return;
+  Lock(patience);
+  if (!held()) return;
+  Sign(fd_);
+  Held::Instance().Add(fd_, {folder_, folder_fd_});
+}
+
+void FolderLock::Lock(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-    if (errno == EINTR) continue;
-    if (errno != EWOULDBLOCK) return;
-    if (std::chrono::steady_clock::now() >= deadline) {
-      state_ = State::kHeldByAnother;
-      close(std::exchange(fd_, -1));
+  const std::filesystem::path path = LockOf(folder_);
+  while (true) {
+    const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (fd < 0) {  // perhaps another user's
+      if (IsFolderLocked(folder_)) state_ = State::kHeldByAnother, holder_ = "another process";
       return;
     }
-    std::this_thread::sleep_for(kPause);
+    const FileLock lock = TryLockFile(fd);
+    const bool named = IsStillNamed(path, fd);  // else it was let go, and removed, between our two looks
+    if (lock == FileLock::kLocked && named) {
+      fd_ = fd;
+      state_ = State::kHeld;
+      return;
+    }
+    if (lock == FileLock::kUnknown) {
+      if (named) unlink(path.c_str());
+      close(fd);
+      return;
+    }
+    const bool late = std::chrono::steady_clock::now() >= deadline;
+    if (lock == FileLock::kLockedByAnother && late) state_ = State::kHeldByAnother, holder_ = HolderIn(fd);
+    close(fd);
+    if (state_ == State::kHeldByAnother) return;
+    if (lock == FileLock::kLockedByAnother) std::this_thread::sleep_for(kPause);
   }
-  state_ = State::kHeld;
-  Held::Instance().Add(fd_, folder_);
 }
 
 FolderLock::FolderLock(FolderLock&& other) noexcept
     : folder_(std::move(other.folder_)),
+      folder_fd_(std::exchange(other.folder_fd_, -1)),
       fd_(std::exchange(other.fd_, -1)),
-      state_(std::exchange(other.state_, State::kUnknown)) {}
+      state_(std::exchange(other.state_, State::kUnknown)),
+      holder_(std::move(other.holder_)) {}
 
 FolderLock::~FolderLock() {
-  if (held()) Held::Instance().Remove(fd_);
-  if (fd_ >= 0) close(fd_);
+  if (fd_ >= 0) {
+    Held::Instance().Remove(fd_);
+    const std::filesystem::path path = LockOf(folder_);
+    if (IsStillNamed(path, fd_)) unlink(path.c_str());
+    close(fd_);
+  }
+  if (folder_fd_ >= 0) close(folder_fd_);
 }
 
-bool FolderLock::IsStillThere() const { return fd_ < 0 || oraclegs::IsStillThere(folder_, fd_); }
+bool FolderLock::IsStillThere() const {
+  if (fd_ >= 0) return IsThere({folder_, folder_fd_}, fd_);
+  return folder_fd_ < 0 || IsStillNamed(folder_ / ".", folder_fd_);
+}
 
 void RequireHeldFolderOf(const std::filesystem::path& path) {
-  for (const auto& [fd, folder] : Held::Instance().All()) {
-    if (!LiesIn(folder, path) || IsStillThere(folder, fd)) continue;
+  for (const auto& [fd, lock] : Held::Instance().All()) {
+    if (!LiesIn(lock.folder, path) || IsThere(lock, fd)) continue;
     throw RunError("{}: was removed or replaced while the run was working there; run the same command again",
-                   folder.string());
+                   lock.folder.string());
   }
 }
 
 bool IsFolderLocked(const std::filesystem::path& folder) {
-  const int fd = OpenFolder(folder);
+  const int fd = open(LockOf(folder).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
   if (fd < 0) return false;
-  const bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool locked = IsFileLocked(fd);
   close(fd);
   return locked;
 }
 
 std::vector<int> HeldFolderLocks() {
   std::vector<int> fds;
-  for (const auto& [fd, folder] : Held::Instance().All()) fds.push_back(fd);
+  for (const auto& [fd, lock] : Held::Instance().All()) fds.push_back(fd);
   return fds;
 }
 

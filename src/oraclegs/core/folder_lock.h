@@ -3,15 +3,24 @@
 
 #include <chrono>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace oraclegs {
 
-/// A lock on a folder, which ends with this object and with the process, however it ends, but not before the programs
-/// that the process started (core/process_group.h). It does not keep others from writing.
+/// Of the file in a folder that is locked in place of the folder, which file systems of several machines cannot lock.
+inline constexpr const char* kFolderLockName = ".oraclegs-lock";
+
+/// A lock on a folder, seen by all machines that share it. It ends with this object and with the process, however it
+/// ends; after a process that was killed, not before the programs that it started (core/process_group.h). It does not
+/// keep others from writing.
 class FolderLock {
  public:
-  enum class State { kHeld, kHeldByAnother, kUnknown };  ///< unknown: no such folder, or a file system without locks
+  enum class State {
+    kHeld,
+    kHeldByAnother,
+    kUnknown
+  };  ///< unknown: no such folder, none that may be written, or a file system without locks
 
   /// Waits for another holder that long. Readers that look (IsFolderLocked) take microseconds.
   explicit FolderLock(const std::filesystem::path& folder,
@@ -23,13 +32,20 @@ class FolderLock {
   State state() const { return state_; }
   bool held() const { return state_ == State::kHeld; }
 
-  /// False once the folder was removed or another one has its name.
+  /// Of another that holds it, "process 4711 on node7"; "another process" where that is not known.
+  const std::string& holder() const { return holder_; }
+
+  /// False once the folder was removed, or another one has its name, or the lock was removed from it.
   bool IsStillThere() const;
 
  private:
+  void Lock(std::chrono::milliseconds patience);
+
   std::filesystem::path folder_;
-  int fd_ = -1;  ///< open, whether locked or not, unless another holds it
+  int folder_fd_ = -1;  ///< keeps its number from being given to another folder
+  int fd_ = -1;         ///< the locked file
   State state_ = State::kUnknown;
+  std::string holder_;
 };
 
 /// True when a FolderLock is held on `folder`, by this process or another; false where nobody can know.

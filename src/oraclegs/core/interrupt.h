@@ -2,7 +2,8 @@
 
 namespace oraclegs {
 
-/// Makes SIGINT and SIGTERM ask for a clean stop; a second signal ends the process at once. Call once, from main.
+/// Makes SIGINT, SIGTERM and SIGHUP (a terminal that is closed) ask for a clean stop; a second SIGINT or SIGTERM ends
+/// the process at once. A SIGHUP that is ignored stays so. Call once, from main.
 void InstallInterruptHandlers();
 
 /// True once a stop was asked for. Long loops poll it at safe points.

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 
 namespace oraclegs {
 
 /// Bytes that the process can still take before the machine swaps or kills it: what the kernel calls available, or less
-/// where a control group limits the process. 0 where nobody says.
-uint64_t AvailableMemory();
+/// where a control group, of version 1 or 2, or one above it limits the process. 0 where nobody says. `root` is where
+/// proc and sys lie.
+uint64_t AvailableMemory(const std::filesystem::path& root = "/");
 
 /// Largest memory the process has held so far, bytes.
 int64_t PeakMemoryBytes();

@@ -8,6 +8,8 @@
 
 #include "oraclegs/core/parallel.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -30,17 +32,11 @@ void Pause() {
 #endif
 }
 
+/// Lives as long as the process: its threads do.
 class Pool {
  public:
-  ~Pool() {
-    {
-      const std::lock_guard lock(sleep_mutex_);
-      stop_ = true;
-      ++generation_;
-    }
-    wake_.notify_all();
-    for (std::thread& worker : workers_) worker.join();
-  }
+  /// For a process that was forked from that of `before`, whose threads it has not.
+  explicit Pool(const Pool* before = nullptr) : before_(before) {}
 
   /// Returns false when another thread is running a region: the caller then works alone.
   bool Run(int64_t tasks, int threads, FunctionRef<void(int64_t)> body) {
@@ -90,15 +86,13 @@ class Pool {
 
   /// Starts what lacks of `threads`; returns how many there are, fewer where the system gives no more.
   int WithWorkers(int threads) {
-    workers_.reserve(threads);
     try {
-      while (static_cast<int>(workers_.size()) < threads - 1) {
-        const int worker_index = static_cast<int>(workers_.size()) + 1;
-        workers_.emplace_back([this, worker_index] { Work(worker_index); });
+      for (; workers_ < threads - 1; ++workers_) {
+        std::thread([this, worker_index = workers_ + 1] { Work(worker_index); }).detach();
       }
     } catch (const std::system_error&) {  // limits of threads or memory
     }
-    return std::min(threads, static_cast<int>(workers_.size()) + 1);
+    return std::min(threads, workers_ + 1);
   }
 
   void TakeTasks(int worker_index) {
@@ -119,7 +113,7 @@ class Pool {
     }
   }
 
-  void Work(int worker_index) {
+  [[noreturn]] void Work(int worker_index) {
     uint64_t seen = 0;
     while (true) {
       for (int spin = 0; spin < kSpins && generation_ == seen; ++spin) Pause();
@@ -128,28 +122,29 @@ class Pool {
         wake_.wait(lock, [&] { return generation_ != seen; });
       }
       seen = generation_;
-      if (stop_) return;
       ++busy_;
       if (open_ && worker_index < threads_) TakeTasks(worker_index);
       if (--busy_ == 0) busy_.notify_one();
     }
   }
 
+  const Pool* before_;  // so that no memory seems lost
   std::mutex region_mutex_, sleep_mutex_;
   std::condition_variable wake_;
-  std::vector<std::thread> workers_;
   std::atomic<uint64_t> generation_{0};
-  std::atomic<bool> stop_{false}, open_{false}, failed_{false};
+  std::atomic<bool> open_{false}, failed_{false};
   std::atomic<int> busy_{0};
   std::vector<Chunk> chunks_;
-  int threads_ = 0;
+  int workers_ = 0;
+  int threads_ = 0;  // of the region, the caller among them
   const FunctionRef<void(int64_t)>* body_ = nullptr;
   std::exception_ptr error_;
 };
 
 Pool& ThePool() {
-  static Pool pool;
-  return pool;
+  static std::atomic<Pool*> pool{new Pool};
+  [[maybe_unused]] static const int at_fork = pthread_atfork(nullptr, nullptr, [] { pool = new Pool(pool); });
+  return *pool;
 }
 
 std::atomic<int> g_threads{0};

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -62,18 +64,9 @@ bool HasRunning(pid_t group) {
 }
 
 // What follows runs in a child between fork and exec, where only calls are allowed that need no lock: another thread
-// may have held one.
+// may have held one. Of a program that is started, it runs in the memory of this process (vfork).
 
-/// Makes `fd` the descriptor `target`, open beyond exec.
-void Become(int fd, int target) {
-  if (fd == target) {
-    fcntl(fd, F_SETFD, 0);
-  } else {
-    dup2(fd, target);
-  }
-}
-
-/// Copies that stand above the three standard descriptors, one of which may be closed in this process.
+/// A copy that stands above the three standard descriptors, one of which may be closed in this process.
 int Above(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 3); }
 
 struct Exec {
@@ -85,43 +78,90 @@ struct Exec {
   pid_t parent;
 };
 
-[[noreturn]] void BecomeProgram(const Exec& exec, int report) {
-  setpgid(0, 0);
+/// All that must be so before the program begins; false and errno where it cannot be.
+bool PrepareProgram(const Exec& exec) {
+  if (setpgid(0, 0) != 0) return false;
   const pid_t group = getpid();
-  if (write(exec.guard, &group, sizeof(group)) != sizeof(group)) _exit(1);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (write(exec.guard, &group, sizeof(group)) != sizeof(group)) return false;
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return false;
   if (getppid() != exec.parent) _exit(1);  // it died before the line above
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ})
-    ::signal(signal, SIG_DFL);  // what we ignore, it need not
+  const int given[] = {exec.input >= 0 ? exec.input : open("/dev/null", O_RDONLY | O_CLOEXEC), exec.output,
+                       exec.errors};
+  int standard[] = {-1, -1, -1};
+  for (int i = 0; i < 3; ++i) {
+    if (given[i] >= 0 && (standard[i] = Above(given[i])) < 0) return false;
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (standard[i] >= 0 && dup2(standard[i], i) != i) return false;
+  }
+  // What we handle or ignore, it need not; but what was ignored for both of us (nohup) stays so.
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) sigaction(signal, &usual, nullptr);
+  struct sigaction hangup {};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &usual, nullptr);
   sigset_t none;
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  const int input = Above(exec.input >= 0 ? exec.input : open("/dev/null", O_RDONLY | O_CLOEXEC));
-  const int output = Above(exec.output), errors = Above(exec.errors);
-  Become(input, STDIN_FILENO), Become(output, STDOUT_FILENO), Become(errors, STDERR_FILENO);
-  execve(exec.file, exec.arguments, exec.environment);
+  return sigprocmask(SIG_SETMASK, &none, nullptr) == 0;
+}
+
+[[noreturn]] void BecomeProgram(const Exec& exec, int report) {
+  if (PrepareProgram(exec)) execve(exec.file, exec.arguments, exec.environment);
   const int error = errno;
   [[maybe_unused]] const ssize_t written = write(report, &error, sizeof(error));
   _exit(127);
 }
 
-/// The guard, which is there before the program: reads the number of the group from `pipe`, waits until the other end
-/// is closed, which this process's death does, and ends the group. Of the open files only `kept` stay open, ascending,
-/// the pipe among them: the locks, until nothing of the group is left.
-[[noreturn]] void GuardGroup(int pipe, const std::vector<int>& kept) {
+/// Closes the open files of /proc/self/fd from `first` to `last`; false where that folder cannot be read.
+bool CloseListed(unsigned first, unsigned last) {
+  const int folder = open("/proc/self/fd", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return false;
+  alignas(8) char entries[4096];  // of the kernel: inode (8 bytes), offset (8), length (2), type (1), name
+  long filled = 0;
+  while ((filled = syscall(SYS_getdents64, folder, entries, sizeof(entries))) > 0) {
+    for (long at = 0; at < filled;) {
+      unsigned short length = 0;
+      std::memcpy(&length, entries + at + 16, sizeof(length));
+      unsigned fd = 0;
+      const char* digit = entries + at + 19;
+      for (; *digit >= '0' && *digit <= '9'; ++digit) fd = fd * 10 + static_cast<unsigned>(*digit - '0');
+      const bool is_number = digit != entries + at + 19;
+      if (is_number && fd >= first && fd <= last && fd != static_cast<unsigned>(folder)) close(static_cast<int>(fd));
+      at += length;
+    }
+  }
+  close(folder);
+  return filled == 0;
+}
+
+/// Closes open files, `first` and `last` among them, also where the kernel or a container's filter has no close_range.
+void CloseRange(unsigned first, unsigned last) {
+  if (close_range(first, last, 0) == 0 || CloseListed(first, last)) return;
+  constexpr rlim_t kMaxTried = 1 << 20;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) limit.rlim_cur = kMaxTried;
+  const auto end = static_cast<unsigned>(std::min<rlim_t>({limit.rlim_cur, kMaxTried, rlim_t{last} + 1}));
+  for (unsigned fd = first; fd < end; ++fd) close(static_cast<int>(fd));
+}
+
+/// The guard, which is there before the program: reads the number of the group from `pipe[0]`, waits until the other
+/// end is closed, which this process's death does, and ends the group. Of the open files only `kept` stay open,
+/// ascending, the pipe among them: the locks, until nothing of the group is left.
+[[noreturn]] void GuardGroup(const int (&pipe)[2], const std::vector<int>& kept) {
+  close(pipe[1]);  // or the end of the pipe would never come, whatever becomes of the lines below
   setpgid(0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) ::signal(signal, SIG_IGN);
   prctl(PR_SET_NAME, "guards-children");  // `pkill -9 oraclegs` must spare it
   unsigned first = 0;
   for (const int fd : kept) {
     const auto next = static_cast<unsigned>(fd);
-    if (next > first) close_range(first, next - 1, 0);
+    if (next > first) CloseRange(first, next - 1);
     first = next + 1;
   }
-  close_range(first, ~0U, 0);
+  CloseRange(first, ~0U);
   pid_t group = 0, number = 0;
   ssize_t n = 0;
-  while ((n = read(pipe, &number, sizeof(number))) > 0 || (n < 0 && errno == EINTR)) {
+  while ((n = read(pipe[0], &number, sizeof(number))) > 0 || (n < 0 && errno == EINTR)) {
     if (n == sizeof(number)) group = number;
   }
   if (group <= 0) _exit(0);
@@ -132,6 +172,20 @@ struct Exec {
 }
 
 // End of what runs in a child.
+
+/// The number of the new process, or -1 and errno. It shares this process's memory until it is the program, which costs
+/// nothing however much that is; no signal handler of ours runs in it.
+pid_t StartChild(const Exec& exec, int report) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t pid = vfork();
+  if (pid == 0) BecomeProgram(exec, report);
+  const int error = errno;
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = error;
+  return pid;
+}
 
 /// The environment of this process with some variables set anew.
 std::vector<std::string> Environment(const std::vector<std::pair<std::string, std::string>>& variables) {
@@ -172,12 +226,11 @@ pid_t StartProgram(const ProgramStart& start, int guard, int* error) {
     *error = errno;
     return 0;
   }
-  const int report_end = fcntl(report[1], F_DUPFD_CLOEXEC, 3);
-  close(report[1]);
-  const pid_t pid = fork();
-  if (pid == 0) BecomeProgram(exec, report_end);
+  const int report_end = Above(report[1]);
+  const pid_t pid = report_end < 0 ? -1 : StartChild(exec, report_end);
   if (pid < 0) *error = errno;
-  close(report_end);
+  close(report[1]);
+  if (report_end >= 0) close(report_end);
   int failed = 0;
   ssize_t n = 0;
   while (pid > 0 && (n = read(report[0], &failed, sizeof(failed))) < 0 && errno == EINTR) continue;
@@ -201,7 +254,7 @@ ProcessGroup::ProcessGroup(const ProgramStart& start) {
   kept.push_back(guard_pipe[0]);
   std::sort(kept.begin(), kept.end());
   guard_ = fork();
-  if (guard_ == 0) GuardGroup(guard_pipe[0], kept);
+  if (guard_ == 0) GuardGroup(guard_pipe, kept);
   if (guard_ < 0) {
     start_error_ = errno;
   } else {

@@ -19,6 +19,47 @@ size_t WidthOf(const std::string& text) {
   return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
+struct Character {
+  uint32_t code = 0;
+  size_t bytes = 1;
+};
+
+/// The character that begins `text`, which is not empty. A byte that begins none is a character of its own.
+Character FirstCharacter(std::string_view text) {
+  const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  const size_t bytes = lead >= 0xF0 && lead < 0xF5 ? 4 : lead >= 0xE0 ? 3 : 2;
+  constexpr uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};  // of so many bytes; what is written longer is none
+  if (lead < 0xC2 || lead >= 0xF5 || text.size() < bytes) return {lead};
+  uint32_t code = lead & (0x7FU >> bytes);
+  for (size_t i = 1; i < bytes; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return {lead};
+    code = code << 6 | (byte(i) & 0x3FU);
+  }
+  return code < kSmallest[bytes] ? Character{lead} : Character{code, bytes};
+}
+
+/// Control characters, C1 included, whose U+009B and lone byte 9B begin the sequences of a terminal as ESC [ does;
+/// separators of lines and paragraphs; embeddings, overrides and isolates of bidirectional text.
+bool SteersTerminals(uint32_t code) {
+  return code < ' ' || (code >= 0x7F && code < 0xA0) || code == 0x2028 || code == 0x2029 ||
+         (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+}
+
+std::string Tamed(std::string_view text, std::string_view allowed) {
+  std::string tamed;
+  while (!text.empty()) {
+    const Character first = FirstCharacter(text);
+    if (SteersTerminals(first.code) && allowed.find(text.front()) == std::string_view::npos) {
+      tamed += '?';
+    } else {
+      tamed += text.substr(0, first.bytes);
+    }
+    text.remove_prefix(first.bytes);
+  }
+  return tamed;
+}
+
 }  // namespace
 
 std::string FormatSeconds(double seconds) {
@@ -93,12 +134,9 @@ bool IsUtf8(const std::string& text) {
   }
 }
 
-std::string OneLine(std::string name) {
-  for (char& c : name) {
-    if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
-  }
-  return name;
-}
+std::string ForTerminal(std::string_view text) { return Tamed(text, "\t\n"); }
+
+std::string OneLine(std::string_view text) { return Tamed(text, ""); }
 
 std::string EscapeBytes(const std::string& text) {
   std::string escaped;

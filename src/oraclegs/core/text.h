@@ -31,8 +31,12 @@ std::string ShellQuoted(const std::string& word);
 /// True when `text` can stand in JSON as it is.
 bool IsUtf8(const std::string& text);
 
-/// A file name in a message, which is one line: control characters become '?'.
-std::string OneLine(std::string name);
+/// Text that may be shown in a terminal: '?' in place of what steers one (control characters of ASCII and Unicode, also
+/// as single bytes; separators of lines; what turns the direction of writing), but for tabs and ends of lines.
+std::string ForTerminal(std::string_view text);
+
+/// A file name or a message, which is one line: as ForTerminal, and '?' for tabs and ends of lines, too.
+std::string OneLine(std::string_view text);
 
 /// Bytes outside ASCII as \xNN, to show a name that is not UTF-8.
 std::string EscapeBytes(const std::string& text);

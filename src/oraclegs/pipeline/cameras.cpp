@@ -1,12 +1,11 @@
 #include "oraclegs/pipeline/cameras.h"
 
-#include <unistd.h>
-
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/system_reason.h"
@@ -33,8 +32,7 @@ class FolderInTheMaking {
     }
     const fs::path parent = fs::absolute(final_).parent_path();
     RequireWritableFolder(parent);
-    path_ = parent / fmt::format(".oraclegs-cameras-{}.tmp", getpid());
-    fs::remove_all(path_, error);
+    path_ = parent / TemporaryName();
     fs::create_directory(path_, error);
     if (error) throw RunError("{}: cannot be made: {}", path_.string(), SystemReason(error));
   }

@@ -68,8 +68,8 @@ std::optional<FileBelow> FileBelow::Open(const std::filesystem::path& root, std:
   }
   struct stat info {};
   if (at.get() < 0 || fstat(at.get(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
-  std::string tag = fmt::format("{:x}-{:x}-{:x}", info.st_ino, info.st_size,
-                                info.st_mtim.tv_sec * 1'000'000'000LL + info.st_mtim.tv_nsec);
+  std::string tag = fmt::format("{:x}-{:x}-{:x}-{:x}", info.st_ino, info.st_size, info.st_mtim.tv_sec,
+                                info.st_mtim.tv_nsec);  // a sum would not hold every time that a file can have
   return FileBelow(at.Release(), static_cast<uint64_t>(info.st_size), std::move(tag));
 }
 

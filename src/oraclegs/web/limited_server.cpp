@@ -3,9 +3,18 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <condition_variable>
+#include <deque>
 #include <functional>
+#include <mutex>
+#include <new>
+#include <system_error>
+#include <thread>
 #include <utility>
+#include <vector>
 
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/web/connection.h"
 
 namespace oraclegs {
@@ -18,33 +27,88 @@ constexpr int kMaxRequestsOfConnection = 1000;
 /// Set on the thread that accepts connections while it hands one over that is too many.
 thread_local bool g_refuse = false;
 
-/// Threads for connections; what comes when too many wait is turned away.
-class BoundedWorkers : public httplib::TaskQueue {
+/// Threads for connections, started as they are needed; where the system gives no more, connections wait for those
+/// there are. What comes when too many wait is turned away.
+class ConnectionWorkers : public httplib::TaskQueue {
  public:
-  void enqueue(std::function<void()> connection) override {
-    if (pending_ >= kWorkers + kMaxWaiting) {
-      g_refuse = true;
-      connection();
-      g_refuse = false;
-      return;
-    }
-    ++pending_;
-    pool_.enqueue([this, connection = std::move(connection)] {
-      connection();
-      --pending_;
-    });
+  /// Throws std::system_error where not even one thread can be started.
+  ConnectionWorkers() {
+    threads_.reserve(kWorkers);
+    Start();
   }
-  void shutdown() override { pool_.shutdown(); }
+  ~ConnectionWorkers() override { ConnectionWorkers::shutdown(); }
+
+  void enqueue(std::function<void()> connection) override {
+    if (Take(connection)) return;
+    g_refuse = true;
+    connection();
+    g_refuse = false;
+  }
+
+  void shutdown() override {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
 
  private:
-  std::atomic<size_t> pending_ = 0;
-  httplib::ThreadPool pool_{kWorkers};
+  void Start() {
+    threads_.emplace_back([this] { Work(); });
+  }
+
+  bool Take(const std::function<void()>& connection) {
+    const std::lock_guard lock(mutex_);
+    try {
+      if (pending_ >= threads_.size() && threads_.size() < kWorkers) Start();
+    } catch (const std::system_error&) {  // limits of threads or memory
+    }
+    if (pending_ >= threads_.size() + kMaxWaiting) return false;
+    try {
+      waiting_.push_back(connection);
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+    ++pending_;
+    wake_.notify_one();
+    return true;
+  }
+
+  void Work() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      wake_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+      if (waiting_.empty()) return;
+      const std::function<void()> connection = std::move(waiting_.front());
+      waiting_.pop_front();
+      lock.unlock();
+      connection();
+      lock.lock();
+      --pending_;
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<std::function<void()>> waiting_;
+  size_t pending_ = 0;  ///< those that wait and those that are served
+  bool stop_ = false;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace
 
 LimitedServer::LimitedServer() {
-  new_task_queue = [] { return new BoundedWorkers; };
+  try {
+    workers_ = std::make_unique<ConnectionWorkers>();
+  } catch (const std::system_error& error) {
+    throw RunError("the viewer cannot start a thread: {}; end other programs, or raise `ulimit -u`",
+                   SystemReason(error.code()));
+  }
+  new_task_queue = [this] { return workers_.release(); };
   // Not httplib's own choice, by which two servers can share a port.
   set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -59,6 +123,15 @@ bool LimitedServer::process_and_close_socket(socket_t socket) {
     close(socket);
     return false;
   }
+  try {
+    Serve(socket);
+  } catch (const std::exception&) {  // no memory: this connection ends, others go on
+    return false;
+  }
+  return true;
+}
+
+void LimitedServer::Serve(socket_t socket) {
   Connection connection(socket, stopping_);
   // What has a body is refused unread; nothing of that, nor of what is no HTTP, is taken for another request.
   bool last = false;
@@ -79,7 +152,6 @@ bool LimitedServer::process_and_close_socket(socket_t socket) {
     last = true;  // unless it comes as far as routing
     if (!process_request(connection, i == 1, closed, before_routing) || closed) break;
   }
-  return true;
 }
 
 }  // namespace oraclegs

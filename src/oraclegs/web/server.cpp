@@ -6,10 +6,12 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/web/assets.h"
 #include "oraclegs/web/limited_server.h"
 #include "oraclegs/web/routes.h"
@@ -58,11 +60,7 @@ class WebServer::Impl {
       Send(AnswerTo(RequestOf(request), hosts, &site_), &response);
       return httplib::Server::HandlerResponse::Handled;
     });
-    thread_ = std::thread([this] {
-      server_.listen_after_bind();
-      ended_ = true;
-    });
-    while (!server_.is_running() && !ended_) std::this_thread::yield();
+    Start();
   }
 
   ~Impl() {
@@ -75,6 +73,27 @@ class WebServer::Impl {
   const std::string& host() const { return host_; }
 
  private:
+  void Start() {
+    const auto listen = [this] {
+      try {
+        server_.listen_after_bind();
+      } catch (const std::exception& error) {  // out of this thread it would end the process
+        failure_ = error.what();
+      }
+      ended_ = true;
+    };
+    try {
+      thread_ = std::thread(listen);
+    } catch (const std::system_error& error) {
+      throw RunError("the viewer cannot start a thread: {}; end other programs, or raise `ulimit -u`",
+                     SystemReason(error.code()));
+    }
+    while (!server_.is_running() && !ended_) std::this_thread::yield();
+    if (!ended_) return;
+    thread_.join();
+    throw RunError("the viewer's server cannot start: {}", failure_);
+  }
+
   int Bind(const WebServerOptions& options) {
     if (host_.empty() || (host_.front() == '[' && (host_.size() < 3 || host_.back() != ']'))) {
       throw UsageError("--host is '{}'; give a name or an address, such as 127.0.0.1 or [::1]", host_);
@@ -113,6 +132,7 @@ class WebServer::Impl {
   Site site_;
   LimitedServer server_;
   std::atomic<bool> ended_ = false;
+  std::string failure_ = "it ended";  ///< for whoever has seen ended_
   std::thread thread_;
 };
 

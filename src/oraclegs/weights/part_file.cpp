@@ -1,27 +1,23 @@
 #include "oraclegs/weights/part_file.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/file_lock.h"
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/core/system_reason.h"
 
 namespace oraclegs {
 
 PartFile::PartFile(const std::filesystem::path& to) : to_(to), path_(to.string() + ".part") {
-  fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (fd_ < 0) Fail("cannot write");
   try {
-    if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-      if (errno != EWOULDBLOCK) Fail("cannot lock");
-      throw RunError("{}: another process is downloading it; wait for that one", path_.string());
-    }
+    Open();
     std::vector<char> buffer(size_t{1} << 20);
     for (ssize_t n; (n = read(fd_, buffer.data(), buffer.size())) != 0;) {
       if (n < 0 && errno == EINTR) continue;
@@ -31,8 +27,23 @@ PartFile::PartFile(const std::filesystem::path& to) : to_(to), path_(to.string()
       size_ += static_cast<uint64_t>(n);
     }
   } catch (...) {
-    close(fd_);
+    if (fd_ >= 0) close(fd_);
     throw;
+  }
+}
+
+void PartFile::Open() {
+  while (true) {
+    fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (fd_ < 0) Fail("cannot write");
+    const FileLock lock = TryLockFile(fd_);
+    if (lock == FileLock::kUnknown) Fail("cannot lock");
+    // Between opening and locking, another process may have finished the file: it has its final name and readers now.
+    if (IsStillNamed(path_, fd_)) {
+      if (lock == FileLock::kLocked) return;
+      throw RunError("{}: another process is downloading it; wait for that one", path_.string());
+    }
+    close(std::exchange(fd_, -1));
   }
 }
 

@@ -31,6 +31,8 @@ class PartFile {
   void Finish();
 
  private:
+  /// The file of this name, locked.
+  void Open();
   [[noreturn]] void Fail(const char* what) const;
 
   std::filesystem::path to_, path_;

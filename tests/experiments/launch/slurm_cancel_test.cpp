@@ -5,6 +5,7 @@
 #include "experiments/launch/fake_slurm.h"
 #include "experiments/launch/slurm_jobs.h"
 #include "oraclegs/core/folder_lock.h"
+#include "oraclegs/experiments/launch/slurm_record.h"
 #include "support/errors.h"
 
 namespace oraclegs {
@@ -49,6 +50,16 @@ TEST_F(SlurmCancelTest, AsksNobodyWhereNothingIsOpen) {
   Run({Shell("a", "true")});
   slurm_.Set("silent");
   CancelOpenSlurmTasks(folder_, Silent());
+}
+
+TEST_F(SlurmCancelTest, LeavesArraysThatTheRecordHasNot) {
+  Abandon({Shell("a", "sleep 100")});
+  const std::string name = ReadSlurmRecord(folder_).name;
+  slurm_.Set("777.name", name + "\n");
+  slurm_.Set("777_3.state", "RUNNING\n");
+  CancelOpenSlurmTasks(folder_, Silent());
+  EXPECT_EQ(slurm_.Get("1_0.state"), "CANCELLED\n");
+  EXPECT_EQ(slurm_.Get("777_3.state"), "RUNNING\n");
 }
 
 TEST_F(SlurmCancelTest, SaysWhyItCannot) {

@@ -154,6 +154,19 @@ TEST_F(SlurmLauncherTest, CancelsTheOldCommandOfAName) {
   EXPECT_EQ(slurm_.Get("cancelled"), "1_0\n");
 }
 
+TEST_F(SlurmLauncherTest, CancelsNoArrayOfAnotherName) {
+  slurm_.Set("777.name", "train-my-thesis\n");
+  slurm_.Set("777_0.state", "RUNNING\n");
+  WriteText(
+      folder_ / "slurm.json",
+      R"({"program": "oraclegs", "name": "oraclegs-0123456789abcdef", "cluster": "", "submissions": [{"array": "777",
+                "folder": "0000", "tasks": [{"job": "a", "command": "other", "attempt": 0, "open": true, "cancelled": false}]}]})");
+  const auto ends = Run({Shell("a", "echo new")});
+  EXPECT_EQ(ends.at("a").end, JobEnd::kDone);
+  EXPECT_EQ(slurm_.Get("777_0.state"), "RUNNING\n");
+  EXPECT_EQ(slurm_.Get("cancelled"), "");
+}
+
 TEST_F(SlurmLauncherTest, AnInterruptCancelsWhatRunsAndTheNextStartGoesOn) {
   const std::string go = (dir_ / "go").string();
   const std::vector<Job> jobs = {Shell("a", "[[ -e " + go + " ]] || sleep 300"),
@@ -253,7 +266,8 @@ TEST_F(SlurmLauncherTest, SaysHowToGoOnWithoutSlurm) {
 TEST_F(SlurmLauncherTest, RefusesAFolderThatAnotherProcessFollows) {
   const pid_t head = Fork([&] { Run({Shell("a", "sleep 300")}); });
   WaitForStart("a");
-  EXPECT_THAT(MessageOf<RunError>([&] { Run({Shell("a", "sleep 300")}); }), HasSubstr("another process follows"));
+  EXPECT_THAT(MessageOf<RunError>([&] { Run({Shell("a", "sleep 300")}); }),
+              HasSubstr("process " + std::to_string(head) + " on "));
   kill(head, SIGKILL);
   waitpid(head, nullptr, 0);
 }

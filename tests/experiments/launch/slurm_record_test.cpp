@@ -28,6 +28,40 @@ TEST(SlurmRecord, SaysThatItIsDamaged) {
   }
 }
 
+TEST(SlurmRecord, TrustsNoNamesButItsOwn) {
+  const TempDir dir;
+  SlurmRecord good = ReadSlurmRecord(dir.path());
+  good.cluster = "alps-2";
+  good.submissions = {{"12", "0000", {}}};
+  const auto is_refused = [&](const SlurmRecord& record) {
+    WriteSlurmRecord(dir.path(), record);
+    const std::string message = MessageOf<InputError>([&] { ReadSlurmRecord(dir.path()); });
+    return message.find("slurm.json: is damaged") != std::string::npos;
+  };
+  for (const std::string name :
+       {"train-my-thesis", "", "oraclegs-", "oraclegs-0123456789abcde", "oraclegs-0123456789abcdeg",
+        "oraclegs-0123456789abcdef,train", "oraclegs-0123456789ABCDEF"}) {
+    SlurmRecord record = good;
+    record.name = name;
+    EXPECT_TRUE(is_refused(record)) << name;
+  }
+  for (const std::string array : {"12_3", "-u", "12 13", "../1"}) {
+    SlurmRecord record = good;
+    record.submissions[0].array = array;
+    EXPECT_TRUE(is_refused(record)) << array;
+  }
+  for (const std::string folder : {"", "..", "0000/../..", "/home"}) {
+    SlurmRecord record = good;
+    record.submissions[0].folder = folder;
+    EXPECT_TRUE(is_refused(record)) << folder;
+  }
+  SlurmRecord record = good;
+  record.cluster = "a,b";
+  EXPECT_TRUE(is_refused(record));
+  WriteSlurmRecord(dir.path(), good);
+  EXPECT_EQ(ReadSlurmRecord(dir.path()), good);
+}
+
 TEST(SlurmRecord, TheDigestKnowsWhereWordsEnd) {
   const auto digest = [](std::vector<std::string> command) {
     return SlurmCommandDigest({.name = {}, .command = std::move(command), .log = {}});

@@ -1,7 +1,10 @@
 #include "oraclegs/pipeline/workspace/part_store.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "support/temp_dir.h"
@@ -63,11 +66,38 @@ TEST_F(PartStoreTest, HasNoPartsThatWereNotFinished) {
                RunError);
   EXPECT_FALSE(Store().Has(0));
   EXPECT_FALSE(Store().Take(0));
+  EXPECT_TRUE(fs::is_empty(temp / "parts" / "stage"));
   Make(1, "one");
   for (const char* damage : {"{", "[]", "{\"key\": 3}"}) {
     WriteFileAtomically(temp / "parts" / "stage" / "1" / "part.json", damage);
     EXPECT_FALSE(Store().Take(1)) << damage;
   }
+}
+
+TEST_F(PartStoreTest, WhatAnotherProcessIsMakingStaysWhenLeftoversAreRemoved) {
+  int ready[2], go[2];
+  ASSERT_EQ(pipe(ready), 0);
+  ASSERT_EQ(pipe(go), 0);
+  const pid_t worker = fork();
+  if (worker == 0) {
+    close(go[1]);
+    Store().Make(0, [&](const fs::path& folder) {
+      WriteFileAtomically(folder / "a.txt", "half");
+      char byte = 'x';
+      if (write(ready[1], &byte, 1) != 1 || read(go[0], &byte, 1) < 0) _exit(1);
+      return nlohmann::json::object();
+    });
+    _exit(0);
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  RemoveLeftovers(temp.path());  // as a run does that starts
+  close(go[0]), close(go[1]), close(ready[0]), close(ready[1]);
+  int status = -1;
+  waitpid(worker, &status, 0);
+  EXPECT_EQ(status, 0);
+  ASSERT_TRUE(Store().Take(0));
+  EXPECT_EQ(ReadFile(temp / "a.txt"), "half");
 }
 
 TEST_F(PartStoreTest, LeavesLinksBehind) {

@@ -47,8 +47,8 @@ class Bench {
         listener_(listener),
         lock_(Claim(request, plan), kLockPatience) {
     if (lock_.state() == FolderLock::State::kHeldByAnother) {
-      throw RunError("{}: another `oraclegs bench` works there; wait for it, or choose another folder with -o",
-                     request.out.string());
+      throw RunError("{}: another `oraclegs bench` works there ({}); wait for it, or choose another folder with -o",
+                     request.out.string(), lock_.holder());
     }
     report_ = NewReport();
     known_seconds_.resize(plan.methods.size());

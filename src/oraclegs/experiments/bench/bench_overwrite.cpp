@@ -21,8 +21,8 @@ constexpr std::chrono::seconds kWorkspacePatience{2};
 void RequireIdle(const fs::path& workspace) {
   const FolderLock lock(workspace, kWorkspacePatience);
   if (lock.state() != FolderLock::State::kHeldByAnother) return;
-  throw RunError("{}: another oraclegs still works there; wait for it or end it, then run the same command again",
-                 workspace.string());
+  throw RunError("{}: another oraclegs still works there ({}); wait for it or end it, then run the same command again",
+                 workspace.string(), lock.holder());
 }
 
 /// A file or a whole folder; nothing happens where neither is there.

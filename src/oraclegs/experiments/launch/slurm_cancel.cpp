@@ -28,10 +28,16 @@ bool MayRun(const SlurmRecord& record) {
   });
 }
 
+/// Whether the record has the array, or one whose number it does not know.
+bool MayHave(const SlurmRecord& record, const std::string& array) {
+  return std::any_of(record.submissions.begin(), record.submissions.end(),
+                     [&](const auto& submission) { return submission.array.empty() || submission.array == array; });
+}
+
 std::vector<SlurmTaskId> ActiveTasks(const SlurmRecord& record) {
   std::vector<SlurmTaskId> active;
   for (const auto& [task, found] : QueueOfSlurm(record.name, record.cluster)) {
-    if (found.state == SlurmState::kActive) active.push_back(task);
+    if (found.state == SlurmState::kActive && MayHave(record, task.array)) active.push_back(task);
   }
   return active;
 }
@@ -53,11 +59,11 @@ void CancelOpenSlurmTasks(const fs::path& folder, const Listener& listener) {
   RequireSlurm();
   const FolderLock lock(folder, std::chrono::seconds(5));  // the programs of a process that was killed end first
   if (lock.state() == FolderLock::State::kHeldByAnother) {
-    throw RunError("{}: another process follows these jobs; wait for it or end it", folder.string());
+    throw RunError("{}: {} follows these jobs; wait for it or end it", folder.string(), lock.holder());
   }
   std::vector<SlurmTaskId> active = ActiveTasks(record);
   if (active.empty()) return;
-  CancelInSlurm(active, record.cluster);
+  CancelInSlurm(record.name, active, record.cluster);
   listener(Note{fmt::format("cancelled {} of an earlier start in Slurm", Counted(active.size(), "job"))});
   const auto until = Clock::now() + kCancelPatience;
   for (auto pause = kFirstPause; !active.empty(); pause = std::min(pause * 2, kLongestPause)) {

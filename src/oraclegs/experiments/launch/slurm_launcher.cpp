@@ -118,7 +118,7 @@ class SlurmRun {
       task.cancelled = true;
       old.push_back(IdOf(tracked));
     }
-    CancelInSlurm(old, record_.cluster);
+    CancelInSlurm(record_.name, old, record_.cluster);
     if (!old.empty()) Save();
     return adopted;
   }
@@ -274,7 +274,7 @@ class SlurmRun {
         tasks.push_back(IdOf(tracked));
         arrays.insert(tasks.back().array);
       }
-      CancelInSlurm(tasks, record_.cluster);
+      CancelInSlurm(record_.name, tasks, record_.cluster);
       Save();
     } catch (const Error& error) {
       listener_(Warning{
@@ -337,7 +337,7 @@ class SlurmLauncher : public Launcher {
     RequireWritableFolder(folder_);
     const FolderLock lock(folder_, std::chrono::seconds(5));  // the programs of a head that was killed end first
     if (lock.state() == FolderLock::State::kHeldByAnother) {
-      throw RunError("{}: another process follows these jobs; wait for it or end it", folder_.string());
+      throw RunError("{}: {} follows these jobs; wait for it or end it", folder_.string(), lock.holder());
     }
     SlurmRun(options_, folder_, jobs, patience_, listener).Run(ended);
   }

@@ -47,14 +47,10 @@ std::optional<Number> NumberOf(std::string_view text) {
   return number;
 }
 
-bool IsNumber(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
 /// "123_4" or "123_4.batch"; nothing for tasks that wait together ("123_[5-9]") and for jobs that are no arrays.
 std::optional<SlurmTaskId> TaskOf(const std::string& job) {
   const size_t line = job.find('_');
-  if (line == std::string::npos || !IsNumber(job.substr(0, line))) return std::nullopt;
+  if (line == std::string::npos || !IsSlurmNumber(job.substr(0, line))) return std::nullopt;
   const auto index = NumberOf<int>(std::string_view(job).substr(line + 1, job.find('.') - line - 1));
   if (!index) return std::nullopt;
   return SlurmTaskId{job.substr(0, line), *index};
@@ -101,6 +97,10 @@ std::string ReasonOf(const ProcessResult& result) {
 
 }  // namespace
 
+bool IsSlurmNumber(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
 SlurmState SlurmStateOf(const std::string& word) {
   static constexpr std::pair<std::string_view, SlurmState> kStates[] = {
       {"COMPLETED", SlurmState::kCompleted},       {"FAILED", SlurmState::kFailed},
@@ -119,7 +119,7 @@ SlurmTaskStates ParseSqueue(const std::string& output) {
   SlurmTaskStates states;
   for (const std::string& line : LinesOf(output)) {
     const std::vector<std::string> fields = FieldsOf(line);
-    if (fields.size() < 4 || !IsNumber(fields[0])) continue;
+    if (fields.size() < 4 || !IsSlurmNumber(fields[0])) continue;
     const auto index = NumberOf<int>(fields[1]);
     if (!index) continue;
     SlurmTaskState state{.state = SlurmStateOf(fields[2]), .reason = {}, .exit_code = {}};
@@ -150,7 +150,7 @@ std::optional<SlurmArray> ParseSbatch(const std::string& output) {
   std::optional<SlurmArray> array;
   for (const std::string& line : LinesOf(output)) {
     const size_t end = line.find(';');
-    if (!IsNumber(std::string_view(line).substr(0, end))) continue;
+    if (!IsSlurmNumber(std::string_view(line).substr(0, end))) continue;
     array = SlurmArray{line.substr(0, end), end == std::string::npos ? "" : line.substr(end + 1)};
   }
   return array;
@@ -196,7 +196,10 @@ std::optional<SlurmTaskStates> AccountsOfSlurm(const std::vector<std::string>& a
   return ParseSacct(all);
 }
 
-void CancelInSlurm(const std::vector<SlurmTaskId>& tasks, const std::string& cluster) {
+void CancelInSlurm(const std::string& name, std::vector<SlurmTaskId> tasks, const std::string& cluster) {
+  if (tasks.empty()) return;
+  const SlurmTaskStates named = QueueOfSlurm(name, cluster);
+  std::erase_if(tasks, [&](const SlurmTaskId& task) { return !named.contains(task); });
   constexpr size_t kAtOnce = 500;  // far from the longest command line
   for (size_t first = 0; first < tasks.size(); first += kAtOnce) {
     std::vector<std::string> argv = {"scancel"};

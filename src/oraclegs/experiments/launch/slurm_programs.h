@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace oraclegs {
@@ -44,6 +45,9 @@ struct SlurmArray {
   std::string cluster;  ///< "" = the one that all programs mean
 };
 
+/// True for digits alone, as the numbers of arrays are. Those of files may be anything.
+bool IsSlurmNumber(std::string_view text);
+
 /// "COMPLETED", "CANCELLED by 1000", "NODE_FAIL+": a word that is not known is active, since tasks end with the others.
 SlurmState SlurmStateOf(const std::string& word);
 
@@ -68,7 +72,8 @@ SlurmTaskStates QueueOfSlurm(const std::string& name, const std::string& cluster
 /// The same of arrays from the cluster's accounts; nothing where it keeps none, or they do not answer.
 std::optional<SlurmTaskStates> AccountsOfSlurm(const std::vector<std::string>& arrays, const std::string& cluster);
 
-/// Throws RunError when scancel cannot reach the cluster. Tasks that have ended are no error.
-void CancelInSlurm(const std::vector<SlurmTaskId>& tasks, const std::string& cluster);
+/// Cancels those of `tasks`, whose numbers may be from files of others, that the queue has under `name`. Throws
+/// RunError when squeue or scancel cannot reach the cluster. Tasks that have ended are no error.
+void CancelInSlurm(const std::string& name, std::vector<SlurmTaskId> tasks, const std::string& cluster);
 
 }  // namespace oraclegs

@@ -1,7 +1,10 @@
 #include "oraclegs/experiments/launch/slurm_record.h"
 
+#include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <string_view>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -14,6 +17,23 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kFile[] = "slurm.json";
+
+constexpr std::string_view kNamePrefix = "oraclegs-";
+constexpr size_t kNameDigits = 16;
+
+/// Jobs are found, and cancelled, by what a record says, which somebody else may have written: names that no user gives
+/// a job, numbers, and folders below the record's.
+bool IsSound(const SlurmRecord& record) {
+  const std::string_view name = record.name;
+  if (!name.starts_with(kNamePrefix) || name.size() != kNamePrefix.size() + kNameDigits) return false;
+  if (name.find_first_not_of("0123456789abcdef", kNamePrefix.size()) != std::string_view::npos) return false;
+  const bool plain_cluster = std::all_of(record.cluster.begin(), record.cluster.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  });
+  return plain_cluster && std::all_of(record.submissions.begin(), record.submissions.end(), [](const auto& submission) {
+           return (submission.array.empty() || IsSlurmNumber(submission.array)) && IsSlurmNumber(submission.folder);
+         });
+}
 
 SlurmRecord FromJson(const nlohmann::json& json) {
   SlurmRecord record;
@@ -51,15 +71,15 @@ SlurmRecord ReadSlurmRecord(const fs::path& folder) {
   if (!HasSlurmRecord(folder)) {
     std::random_device random;
     SlurmRecord record;
-    record.name = fmt::format("oraclegs-{:08x}{:08x}", random() & 0xFFFFFFFFU, random() & 0xFFFFFFFFU);
+    record.name = fmt::format("{}{:08x}{:08x}", kNamePrefix, random() & 0xFFFFFFFFU, random() & 0xFFFFFFFFU);
     return record;
   }
   try {
-    return FromJson(ParseUniqueJson(ReadFile(path), path.string(), "file"));
+    SlurmRecord record = FromJson(ParseUniqueJson(ReadFile(path), path.string(), "file"));
+    if (IsSound(record)) return record;
   } catch (const nlohmann::json::exception&) {
-    throw InputError("{}: is damaged; end its jobs with scancel, if there are any, and remove the folder",
-                     path.string());
   }
+  throw InputError("{}: is damaged; end its jobs with scancel, if there are any, and remove the folder", path.string());
 }
 
 void WriteSlurmRecord(const fs::path& folder, const SlurmRecord& record) {

@@ -27,7 +27,7 @@ struct SlurmRecord {
     bool operator==(const Submission&) const = default;
   };
 
-  std::string name;  ///< of all its jobs in Slurm; no other record has it
+  std::string name;  ///< of all its jobs in Slurm, "oraclegs-" and 16 hexadecimal digits; no other record has it
   std::string cluster;
   std::vector<Submission> submissions;
 
@@ -40,7 +40,8 @@ std::string SlurmCommandDigest(const Job& job);
 /// Whether folder/slurm.json is there.
 bool HasSlurmRecord(const std::filesystem::path& folder);
 
-/// That of folder/slurm.json, or a new one with a name of its own. Throws InputError when the file is damaged.
+/// That of folder/slurm.json, or a new one with a name of its own. Throws InputError when the file is damaged, or names
+/// jobs and folders as this program does not.
 SlurmRecord ReadSlurmRecord(const std::filesystem::path& folder);
 
 /// Throws RunError.

@@ -8,6 +8,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
+#include "oraclegs/experiments/launch/slurm_programs.h"
 
 namespace oraclegs {
 namespace {
@@ -147,7 +148,7 @@ std::string ArrayOfStartedTasks(const fs::path& folder) {
     if (entry.path().extension() != ".start") continue;
     try {
       const std::vector<std::string> words = SplitTrimmed(ReadFile(entry.path(), 4096), '\n');
-      if (!words.empty()) return words.front();
+      if (!words.empty() && IsSlurmNumber(words.front())) return words.front();
     } catch (const InputError&) {
       continue;  // another one will say it
     }

@@ -1,10 +1,9 @@
 #include "oraclegs/pipeline/workspace/part_store.h"
 
-#include <unistd.h>
-
 #include <utility>
 #include <vector>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/system_reason.h"
@@ -16,6 +15,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRecord = "part.json";
+
+/// A folder that is gone at the end of the scope, unless it was renamed.
+struct HalfPart {
+  fs::path path;
+  ~HalfPart() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
 
 /// Regular files below a folder, relative to it.
 std::vector<fs::path> FilesBelow(const fs::path& folder) {
@@ -37,9 +45,9 @@ fs::path PartStore::FolderOf(size_t number) const { return folder_ / std::to_str
 
 void PartStore::Make(size_t number, FunctionRef<nlohmann::json(const fs::path& folder)> fill) const {
   // Another process may be at the same part, where a cluster has lost sight of it.
-  const fs::path half = folder_ / fmt::format(".oraclegs-part-{}-{}.tmp", number, getpid()), whole = FolderOf(number);
+  const HalfPart folder{folder_ / TemporaryName()};
+  const fs::path &half = folder.path, whole = FolderOf(number);
   std::error_code error;
-  fs::remove_all(half, error);
   fs::create_directories(half, error);
   if (error) throw RunError("{}: cannot be made: {}", half.string(), SystemReason(error));
   nlohmann::json record = fill(half);

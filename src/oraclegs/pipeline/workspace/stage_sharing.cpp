@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "oraclegs/core/atomic_file.h"
 #include "oraclegs/pipeline/workspace/stage_records.h"
 
 namespace oraclegs {
@@ -35,8 +36,7 @@ bool IsOf(const std::string& record, const Portion& portion) {
 bool CopyFolder(const fs::path& from, const fs::path& to) {
   std::error_code error;
   if (!fs::exists(from, error)) return true;
-  const fs::path half = to.parent_path() / ".oraclegs-copy.tmp";
-  fs::remove_all(half, error);
+  const fs::path half = to.parent_path() / TemporaryName();
   fs::copy(from, half, fs::copy_options::recursive | fs::copy_options::copy_symlinks, error);
   if (!error) fs::rename(half, to, error);
   if (!error) return true;

@@ -32,11 +32,11 @@ fs::path Canonical(const fs::path& path) {
   return out.has_filename() ? out : out.parent_path();  // "dir/" and "dir" are one folder
 }
 
-// A killed run can leave a temporary file before its first real one; it stands in nobody's way.
+// A killed run can leave its lock and a temporary file before its first real one; they stand in nobody's way.
 bool HoldsAnything(const fs::path& dir) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(dir, error)) {
-    if (!IsTemporaryName(entry.path())) return true;
+    if (!IsTemporaryName(entry.path()) && entry.path().filename() != kFolderLockName) return true;
   }
   return false;
 }
@@ -175,7 +175,8 @@ Workspace::Workspace(const fs::path& dir, Access access) : WorkspacePaths(dir) {
   RequireWritableFolder(dir);
   lock_ = std::make_shared<const FolderLock>(dir, kPatience);
   if (lock_->state() == FolderLock::State::kHeldByAnother) {
-    throw InputError("{}: another oraclegs is working there; wait for it, or choose another -o", dir.string());
+    throw InputError("{}: another oraclegs is working there ({}); wait for it, or choose another -o", dir.string(),
+                     lock_->holder());
   }
   RemoveLeftovers(dir);
 }
