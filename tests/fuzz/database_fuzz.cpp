@@ -4,6 +4,7 @@
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/sfm/colmap_database.h"
+#include "oraclegs/sfm/verified_matches.h"
 
 namespace {
 
@@ -91,6 +92,7 @@ ORACLEGS_FUZZ_TARGET(database) {
   TryDatabase([&] {
     for (const MatchedPair& pair : ReadMatchedPairs(path)) ReadInliers(path, pair.first, pair.second);
   });
+  TryDatabase([&] { ReadVerifiedMatches(path); });
   if (is_file) return;  // what writes goes through the disk several times
   TryDatabase([&] { SetFocalPriors(path, {{"a.jpg", 100.}}); });
   TryDatabase([&] { SetFocalGuess(path, 1.2); });

@@ -180,14 +180,25 @@ TEST(ReadMatchedPairs, ReadsMatchesInliersAndHomography) {
   EXPECT_EQ(pairs[0].second, 2u);
   EXPECT_EQ(pairs[0].matches, 90);
   EXPECT_EQ(pairs[0].inliers, 60);
+  EXPECT_EQ(pairs[0].config, TwoViewConfig::kPlanarOrPanoramic);
   ASSERT_TRUE(pairs[0].homography.has_value());
   EXPECT_EQ((*pairs[0].homography)(0, 2), 3) << "row by row";
   EXPECT_EQ(pairs[1].second, 7u);
   EXPECT_EQ(pairs[1].matches, 5);
   EXPECT_EQ(pairs[1].inliers, 0);
+  EXPECT_EQ(pairs[1].config, TwoViewConfig::kUndefined);
   EXPECT_FALSE(pairs[1].homography.has_value());
   EXPECT_EQ(pairs[2].inliers, 40);
   EXPECT_FALSE(pairs[2].homography.has_value()) << "one was fitted, but does not explain what was found";
+}
+
+TEST(ReadMatchedPairs, TakesUnknownWordsForUndefined) {
+  const TempDir dir;
+  const fs::path path = WriteDatabase(dir, Matches());
+  for (const int word : {-1, 9, 1000}) {
+    Sqlite(path).Execute(fmt::format("UPDATE two_view_geometries SET config = {}", word));
+    EXPECT_EQ(ReadMatchedPairs(path)[0].config, TwoViewConfig::kUndefined) << word;
+  }
 }
 
 TEST(ReadMatchedPairs, RefusesAnInvalidPair) {

@@ -13,8 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kPairBase = 2147483647;           // colmap's pair id is kPairBase * first + second, first < second
-constexpr int kPlanar = 4, kPlanarOrPanoramic = 6;  // colmap's two-view configurations that a homography explains
+constexpr int64_t kPairBase = 2147483647;  // colmap's pair id is kPairBase * first + second, first < second
 
 /// An open database; its errors name the file.
 class Database {
@@ -106,6 +105,13 @@ std::vector<T> GetList(sqlite3_stmt* row, int column, int64_t rows, int64_t colu
   return list;
 }
 
+/// A word that this program does not know is undefined.
+TwoViewConfig GetConfig(sqlite3_stmt* row, int column) {
+  const int64_t config = sqlite3_column_int64(row, column);
+  const bool is_known = config >= 0 && config <= static_cast<int64_t>(TwoViewConfig::kMultiple);
+  return is_known ? static_cast<TwoViewConfig>(config) : TwoViewConfig::kUndefined;
+}
+
 int GetCount(sqlite3_stmt* row, int column) {
   return static_cast<int>(std::clamp<int64_t>(sqlite3_column_int64(row, column), 0, kPairBase));
 }
@@ -191,8 +197,10 @@ std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
     }
     pair.matches = GetCount(rows.get(), 1);
     pair.inliers = GetCount(rows.get(), 2);
-    const int config = sqlite3_column_int(rows.get(), 3);
-    if (config >= kPlanar && config <= kPlanarOrPanoramic) pair.homography = GetMatrix(rows.get(), 4);
+    pair.config = GetConfig(rows.get(), 3);
+    const bool by_homography =
+        pair.config >= TwoViewConfig::kPlanar && pair.config <= TwoViewConfig::kPlanarOrPanoramic;
+    if (by_homography) pair.homography = GetMatrix(rows.get(), 4);
     pairs.push_back(pair);
   }
   return pairs;

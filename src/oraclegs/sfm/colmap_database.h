@@ -26,11 +26,25 @@ std::map<std::string, DatabaseImage> ReadDatabaseImages(const std::filesystem::p
 /// Features found in each image, by image id; 0 for an image without an entry. Throws RunError naming the database.
 std::map<uint32_t, int> ReadFeatureCounts(const std::filesystem::path& database);
 
+/// How colmap explains what it verified between two images: its word config, by its numbers.
+enum class TwoViewConfig {
+  kUndefined = 0,
+  kDegenerate = 1,
+  kCalibrated = 2,    ///< an essential matrix, of the cameras that stand in the database
+  kUncalibrated = 3,  ///< a fundamental matrix: the focal lengths in the database do not matter
+  kPlanar = 4,
+  kPanoramic = 5,
+  kPlanarOrPanoramic = 6,
+  kWatermark = 7,
+  kMultiple = 8,
+};
+
 /// What colmap found between two images.
 struct MatchedPair {
   uint32_t first = 0, second = 0;  ///< image ids, first < second
   int matches = 0;                 ///< features that look alike
   int inliers = 0;                 ///< of these, what one motion of the camera explains; 0 = not verified
+  TwoViewConfig config = TwoViewConfig::kUndefined;
   /// Pixel of `second` from pixel of `first`, where such a map explains the inliers: the images show one plane, or
   /// were taken from one point. As RANSAC left it: RefitHomography makes it exact.
   std::optional<Eigen::Matrix3d> homography;
