@@ -8,7 +8,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr int kClusters = 32, kRounds = 8;
+constexpr int kClusters = 32, kClusterRounds = 8;
 constexpr Eigen::Index kSampledDescriptors = 12000;  // descriptors that the clusters are found among
 
 /// Square roots of the parts of the sum: many alike features, as of leaves, then weigh less [Arandjelovic 2012].
@@ -47,7 +47,7 @@ DescriptorMatrix FindCenters(const DescriptorMatrix& sample) {
   const Eigen::Index clusters = std::min<Eigen::Index>(kClusters, sample.rows());
   DescriptorMatrix centers(clusters, 128);
   for (Eigen::Index c = 0; c < clusters; ++c) centers.row(c) = sample.row(c * sample.rows() / clusters);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kClusterRounds; ++round) {
     const std::vector<Eigen::Index> nearest = NearestCenters(sample, centers);
     DescriptorMatrix sums = DescriptorMatrix::Zero(clusters, 128);
     Eigen::VectorXf counts = Eigen::VectorXf::Zero(clusters);
