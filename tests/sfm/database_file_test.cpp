@@ -20,7 +20,7 @@ TEST(DatabaseFile, NamesTheFileThatIsNone) {
               testing::HasSubstr("run the same command again"));
 }
 
-TEST(PairId, HasNoOrder) { EXPECT_EQ(PairId(3, 5), PairId(5, 3)); }
+TEST(PairId, HasNoOrder) { EXPECT_EQ(oraclegs::PairId(3, 5), oraclegs::PairId(5, 3)); }
 
 }  // namespace
 }  // namespace oraclegs
