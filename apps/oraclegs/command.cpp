@@ -196,6 +196,7 @@ std::string SummaryOf(const nlohmann::json& metrics, const std::filesystem::path
     text += fmt::format("\nreport     {}", paths.report_page().string());
   }
   if (!trained_here) return text;
+  for (const std::string& doubt : StoredPoseDoubts(workspace)) text += "\nwarning    " + doubt;
   for (const std::string& advice : PhotoAdvice(workspace, kMaxAdvice)) text += "\nnext photo " + advice;
   const std::string quoted = ShellQuoted(workspace.string());
   text += fmt::format(

@@ -215,51 +215,6 @@ TEST(ReadMatchedPairs, RefusesAnInvalidPair) {
   }
 }
 
-std::string HexBytes(const void* bytes, size_t size) {
-  std::string hex;
-  for (size_t i = 0; i < size; ++i) hex += fmt::format("{:02x}", static_cast<const unsigned char*>(bytes)[i]);
-  return hex;
-}
-
-/// Three keypoints of images 1 and 2 and two inliers between them: (10, 11) - (40, 41) and (30, 31) - (60, 61).
-void AddInliers(const fs::path& path) {
-  const float first[] = {10, 11, 1, 20, 21, 1, 30, 31, 1}, second[] = {40, 41, 50, 51, 60, 61};
-  const uint32_t inliers[] = {0, 0, 2, 2};
-  const Sqlite open(path);
-  open.Execute(fmt::format("UPDATE keypoints SET rows = 3, cols = 3, data = x'{}' WHERE image_id = 1",
-                           HexBytes(first, sizeof(first))));
-  open.Execute(fmt::format("UPDATE keypoints SET rows = 3, cols = 2, data = x'{}' WHERE image_id = 2",
-                           HexBytes(second, sizeof(second))));
-  open.Execute(fmt::format("UPDATE two_view_geometries SET rows = 2, data = x'{}' WHERE pair_id = {}",
-                           HexBytes(inliers, sizeof(inliers)), PairId(1, 2)));
-}
-
-TEST(ReadInliers, ReadsPixelsOfBothImages) {
-  const TempDir dir;
-  const fs::path path = WriteDatabase(dir, Matches());
-  AddInliers(path);
-  const auto matches = ReadInliers(path, 1, 2);
-  ASSERT_EQ(matches.size(), 2u);
-  EXPECT_EQ(matches[0].a, Eigen::Vector2d(10, 11));
-  EXPECT_EQ(matches[0].b, Eigen::Vector2d(40, 41));
-  EXPECT_EQ(matches[1].a, Eigen::Vector2d(30, 31));
-  EXPECT_EQ(matches[1].b, Eigen::Vector2d(60, 61));
-  EXPECT_TRUE(ReadInliers(path, 1, 7).empty()) << "not verified";
-}
-
-TEST(ReadInliers, IgnoresInconsistentLists) {
-  for (const char* damage : {"UPDATE two_view_geometries SET rows = 2000000000", "UPDATE keypoints SET rows = 2",
-                             "UPDATE keypoints SET cols = 0", "UPDATE keypoints SET cols = 1, rows = 9",
-                             "UPDATE keypoints SET data = x'00'", "DELETE FROM keypoints WHERE image_id = 2",
-                             "UPDATE two_view_geometries SET data = x'00000000ffffffff', rows = 1"}) {
-    const TempDir dir;
-    const fs::path path = WriteDatabase(dir, Matches());
-    AddInliers(path);
-    Sqlite(path).Execute(damage);
-    EXPECT_TRUE(ReadInliers(path, 1, 2).empty()) << damage;
-  }
-}
-
 TEST(RemoveMatches, RemovesPairsInEitherOrder) {
   const TempDir dir;
   const fs::path path = WriteDatabase(dir, Matches());

@@ -61,6 +61,18 @@ TEST(MeasureModel, DetectsImplausibleIntrinsics) {
   EXPECT_FALSE(MeasureModel({{2, kLens}}, images, {}).plausible_intrinsics) << "camera 1 is missing";
 }
 
+TEST(HasPlausiblePart, NamesTheImagesOfAnImplausibleCamera) {
+  ColmapImage odd = ImageAt(4, 3);
+  odd.camera_id = 2;
+  const Intrinsics far{CameraModel::kSimpleRadial, 800, 1000, {7051, 400, 500, -19}};
+  const ModelQuality model =
+      MeasureModel({{1, kLens}, {2, far}}, {ImageAt(1, 0), ImageAt(2, 1), ImageAt(3, 2), odd}, {});
+  EXPECT_EQ(model.implausible_images, std::vector<std::string>{"4.png"});
+  EXPECT_TRUE(HasPlausiblePart(model));
+  EXPECT_FALSE(HasPlausiblePart(MeasureModel({{1, kLens}, {2, far}}, {ImageAt(1, 0), odd}, {}))) << "one is left";
+  EXPECT_FALSE(HasPlausiblePart(MeasureModel({{1, kLens}}, {ImageAt(1, 0), ImageAt(2, 1)}, {})));
+}
+
 TEST(MeasureModel, ReadsAModelFolder) {
   const TempDir dir;
   WriteTinyModel(dir.path());

@@ -332,7 +332,7 @@ TEST(ColmapRunner, PassesAnotherDatabase) {
                             "--SiftMatching.num_threads", threads, "--SiftMatching.use_gpu", "0"));
   }
   const FakeColmap fake("");
-  colmap.MatchPairs({{"camera0/a.png", "camera0/b.png"}, {"camera0/b.png", "camera1/c.png"}}, {});
+  colmap.MatchPairs({{"camera0/a.png", "camera0/b.png"}, {"camera0/b.png", "camera1/c.png"}}, {}, "matching");
   EXPECT_EQ(ReadFile(dir / "pairs.txt"), "camera0/a.png camera0/b.png\ncamera0/b.png camera1/c.png\n");
   EXPECT_THAT(fake.Arguments(),
               ElementsAre("matches_importer", "--database_path", (dir / "more.db").string(),

@@ -83,6 +83,63 @@ TEST(PlanStaging, GroupsPhotosByCameraAndFocalLength) {
   EXPECT_EQ(cameras, (std::vector<int>{0, 0, 1, 2, 3, 4}));
 }
 
+/// Photos of 24 x 16, or 16 x 24 where a name has a "p" in it, of one phone; "lost" ones have no EXIF.
+Scene WritePhonePhotos(const fs::path& dir, const std::vector<std::string>& names) {
+  Scene scene;
+  for (const std::string& name : names) {
+    SceneView view;
+    view.name = name;
+    view.image_path = dir / name;
+    const bool portrait = name[0] == 'p', lost = name.find("lost") != std::string::npos;
+    view.camera = lost ? "" : "Phone";
+    view.focal_prior = lost ? 0 : 20;
+    WritePng(view.image_path, SmoothImage(portrait ? 16 : 24, portrait ? 24 : 16, 3));
+    scene.views.push_back(view);
+  }
+  return scene;
+}
+
+TEST(PlanStaging, TurnsTheFewerPhotosOfOneDevice) {
+  const TempDir dir;
+  const Scene scene = WritePhonePhotos(dir.path(), {"p1.png", "l2.png", "p3.png", "p4-lost.png", "l5-lost.png"});
+  const auto plan = PlanStaging(scene, {0, 1, 2, 3, 4}, Upright::kTurn);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    EXPECT_EQ(plan[i].camera, 0) << i;
+    EXPECT_EQ(plan[i].is_turned, i == 1 || i == 4) << i;
+  }
+  EXPECT_EQ(plan[1].name, "camera0/l2.png.jpg");
+  for (const StagedView& staged : PlanStaging(scene, {0, 1, 2, 3, 4})) EXPECT_FALSE(staged.is_turned);
+}
+
+TEST(PlanStaging, KeepsPhotosWithoutExifApartWhereTwoCamerasFit) {
+  const TempDir dir;
+  Scene scene = WritePhonePhotos(dir.path(), {"l1.png", "l2.png", "l3-lost.png"});
+  EXPECT_EQ(PlanStaging(scene, {0, 1, 2}, Upright::kTurn)[2].camera, 0);
+  scene.views[1].focal_prior = 40;
+  EXPECT_EQ(PlanStaging(scene, {0, 1, 2}, Upright::kTurn)[2].camera, 2);
+}
+
+TEST(StageImages, TurnsPhotoAndMaskClockwise) {
+  const TempDir dir;
+  Scene scene = WritePhonePhotos(dir.path(), {"p1.png", "p2.png", "l3.png"});
+  Image8 mask{24, 16, 1, std::vector<uint8_t>(24 * 16, 255)};
+  mask.data[0] = 0;  // of the corner at the upper left
+  scene.views[2].mask_path = dir / "mask.png";
+  WritePng(scene.views[2].mask_path, mask);
+  const auto plan = PlanStaging(scene, {0, 1, 2}, Upright::kTurn);
+  StageImages(scene, {0, 1, 2}, plan, dir / "sfm");
+  const Image8 photo = ReadImage(scene.views[2].image_path);
+  const Image8 turned = ReadImage(dir / "sfm" / "images" / plan[2].name);
+  ASSERT_EQ(turned.width, 16);
+  ASSERT_EQ(turned.height, 24);
+  EXPECT_NEAR(turned.data[15 * 3], photo.data[0], 12) << "the upper left corner is at the upper right now";
+  EXPECT_NEAR(turned.data[(size_t{23} * 16 + 15) * 3], photo.data[23 * 3], 12);
+  const Image8 turned_mask = ReadImage(dir / "sfm" / "masks" / (plan[2].name + ".png"));
+  ASSERT_EQ(turned_mask.width, 16);
+  EXPECT_EQ(turned_mask.data[15 * static_cast<size_t>(turned_mask.channels)], 0);
+  EXPECT_EQ(turned_mask.data[0], 255);
+}
+
 TEST(StageImages, CopiesWhatColmapDoesNotRead) {
   const TempDir dir;
   Scene scene;

@@ -282,5 +282,53 @@ TEST(TriangulatePoints, ReusesAFinishedRunOfMovedImages) {
   EXPECT_THAT(events.warnings, IsEmpty());
 }
 
+TEST(ReadModel, TurnsPosesBack) {
+  const TempDir dir;
+  const Scene scene = WriteSmallScene(dir / "scene");
+  auto plan = PlanStaging(scene, kViews);
+  plan[0].is_turned = true;
+  Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
+  turned.translation() = Eigen::Vector3d(.3, -.2, 4);
+  const Intrinsics camera{CameraModel::kSimpleRadial, 4, 6, {7, 1.5, 3.25, .01}};
+  const fs::path model = dir / "sfm" / "sparse" / "0";
+  WriteColmapText(model, {{2, camera}}, {{8, plan[0].name, 2, turned}});
+  WriteText(model / "points3D.txt", "");
+  StageImages(scene, kViews, plan, dir / "sfm");
+  const SceneView view = ReadModel(scene, kViews, plan, dir / "sfm", Silent()).views.at(kViews[0]);
+  EXPECT_EQ(view.intrinsics.width, 6);
+  EXPECT_EQ(view.intrinsics.height, 4);
+  // A pixel (x, y) of the photo is at (height - y, x) of the turned one.
+  const Eigen::Vector3d point(.5, .7, 3), in_photo = *view.cam_from_world * point, in_turned = turned * point;
+  const auto pixel = [](const Intrinsics& k, const Eigen::Vector3d& p) {
+    return Eigen::Vector2d(k.params[0] * p.x() / p.z() + k.params[1], k.params[0] * p.y() / p.z() + k.params[2]);
+  };
+  const Eigen::Vector2d at = pixel(view.intrinsics, in_photo), at_turned = pixel(camera, in_turned);
+  EXPECT_NEAR(at_turned.x(), view.intrinsics.height - at.y(), 1e-9);
+  EXPECT_NEAR(at_turned.y(), at.x(), 1e-9);
+}
+
+TEST(RememberedFailure, IsThatOfTheseInputs) {
+  const TempDir dir;
+  const Scene scene = WriteSmallScene(dir / "scene");
+  const nlohmann::json inputs = DescribeInputs(scene, kViews);
+  EXPECT_EQ(RememberedFailure(dir / "sfm", inputs), "");
+  RememberFailure(dir / "sfm", inputs, "no overlap");
+  EXPECT_EQ(RememberedFailure(dir / "sfm", inputs), "no overlap");
+  EXPECT_EQ(RememberedFailure(dir / "sfm", DescribeInputs(scene, {0, 1})), "");
+}
+
+TEST(BeginAttempts, KeepsThoseOfTheSameInputs) {
+  const TempDir dir;
+  const Scene scene = WriteSmallScene(dir / "scene");
+  const nlohmann::json inputs = DescribeInputs(scene, kViews);
+  const fs::path done = AttemptsFolder(dir / "sfm") / "features0.db";
+  BeginAttempts(dir / "sfm", inputs);
+  WriteText(done, "");
+  BeginAttempts(dir / "sfm", inputs);
+  EXPECT_TRUE(fs::exists(done));
+  BeginAttempts(dir / "sfm", DescribeInputs(scene, {0, 1}));
+  EXPECT_FALSE(fs::exists(done));
+}
+
 }  // namespace
 }  // namespace oraclegs

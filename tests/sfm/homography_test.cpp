@@ -59,5 +59,34 @@ TEST(RefitHomography, IsFiniteForCoincidentPoints) {
   EXPECT_TRUE(RefitHomography(SomeMap(), std::vector<PointMatch>(20, Matches(1, 0)[0])).allFinite());
 }
 
+Eigen::Matrix3d IntrinsicMatrix(double focal) {
+  Eigen::Matrix3d k;
+  k << focal, 0, 500, 0, focal, 400, 0, 0, 1;
+  return k;
+}
+
+TEST(RotationResidual, IsSmallForAPureRotation) {
+  const Eigen::Matrix3d rotation =
+      (Eigen::AngleAxisd(.3, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(.1, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  for (const double focal : {600., 850., 1200., 2000.}) {
+    const Eigen::Matrix3d map = IntrinsicMatrix(focal) * rotation * IntrinsicMatrix(focal).inverse();
+    EXPECT_LT(RotationResidual(map, {1000, 800}, {1000, 800}), .012) << focal;
+    EXPECT_NEAR(RotationResidual(-3 * map, {1000, 800}, {1000, 800}), RotationResidual(map, {1000, 800}, {1000, 800}),
+                1e-9)
+        << "a homography has no scale";
+  }
+}
+
+TEST(RotationResidual, IsLargeForAStepAside) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(.1, 0, 1).normalized();
+  for (const Eigen::Vector3d& step : {Eigen::Vector3d(.2, 0, 0), Eigen::Vector3d(0, 0, .2)}) {
+    const Eigen::Matrix3d map = IntrinsicMatrix(900) * (Eigen::Matrix3d::Identity() + step * normal.transpose()) *
+                                IntrinsicMatrix(900).inverse();
+    EXPECT_GT(RotationResidual(map, {1000, 800}, {1000, 800}), .03);
+  }
+  EXPECT_TRUE(std::isinf(RotationResidual(Eigen::Matrix3d::Zero(), {10, 8}, {10, 8})));
+}
+
 }  // namespace
 }  // namespace oraclegs

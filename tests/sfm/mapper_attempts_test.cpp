@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_text.h"
@@ -28,23 +29,25 @@ using testing::HasSubstr;
 
 const std::vector<std::string> kNames{"camera0/0.png", "camera0/1.png", "camera0/2.png"};
 
-/// A model of the first `images` views, side by side before `points` points.
-void WriteModel(const fs::path& dir, int images, int points) {
+/// A model of the first `images` views, side by side before `points` points. The third has a camera of its own.
+void WriteModel(const fs::path& dir, int images, int points, double focal_of_third = 90) {
   std::vector<ColmapImage> views;
   std::string track;
   for (int i = 0; i < images; ++i) {
-    ColmapImage image{static_cast<uint32_t>(i + 1), kNames[static_cast<size_t>(i)], 1};
+    ColmapImage image{static_cast<uint32_t>(i + 1), kNames[static_cast<size_t>(i)], i == 2 ? 2u : 1u};
     image.cam_from_world.translation() = Eigen::Vector3d(-.5 * i, 0, 0);
     views.push_back(image);
     track += fmt::format(" {} 0", i + 1);
   }
-  WriteColmapText(dir, {{1, {CameraModel::kSimpleRadial, 100, 80, {90, 50, 40, 0}}}}, views);
+  const auto camera = [](double focal) { return Intrinsics{CameraModel::kSimpleRadial, 100, 80, {focal, 50, 40, 0}}; };
+  WriteColmapText(dir, {{1, camera(90)}, {2, camera(focal_of_third)}}, views);
   std::string text;
   for (int i = 0; i < points; ++i) text += fmt::format("{} 0.{} 0 5 9 9 9 0.5{}\n", i + 1, i % 10, track);
   WriteText(dir / "points3D.txt", text);
 }
 
-void WriteDatabase(const fs::path& path) {
+/// `inliers` of 100 matches for each pair of images.
+void WriteDatabase(const fs::path& path, int inliers) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
   std::string sql =
@@ -61,6 +64,12 @@ void WriteDatabase(const fs::path& path) {
         "INSERT INTO descriptors VALUES ({0});",
         i + 1, kNames[i]);
   }
+  for (const auto& [a, b] : {std::pair(1, 2), std::pair(1, 3), std::pair(2, 3)}) {
+    const int64_t id = int64_t{2147483647} * a + b;
+    sql += fmt::format(
+        "INSERT INTO matches VALUES ({0}, 100); INSERT INTO two_view_geometries VALUES ({0}, {1}, 3, NULL);", id,
+        inliers);
+  }
   EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
   sqlite3_close(database);
 }
@@ -69,12 +78,13 @@ void WriteDatabase(const fs::path& path) {
 /// `rest` decides other commands; both may call `give MODEL`, which copies a folder of models to the --output_path.
 class FakeMapper {
  public:
-  FakeMapper(const std::string& mapper, const std::string& rest) : old_path_(std::getenv("PATH")) {
+  FakeMapper(const std::string& mapper, const std::string& rest, int inliers = 60) : old_path_(std::getenv("PATH")) {
     WriteModel(dir_ / "models" / "two", 2, 40);
     WriteModel(dir_ / "models" / "rich", 2, 90);
     WriteModel(dir_ / "models" / "three", 3, 60);
     WriteModel(dir_ / "models" / "hollow", 3, 5);
-    WriteDatabase(dir_ / "fresh.db");
+    WriteModel(dir_ / "models" / "odd", 3, 60, 5000);
+    WriteDatabase(dir_ / "fresh.db", inliers);
     WriteText(dir_ / "colmap", fmt::format("#!/bin/sh\n"
                                            "here='{}'\n"
                                            "echo \"$1\" >> \"$here/commands\"\n"
@@ -143,7 +153,7 @@ TEST(RunAttempts, DiscardsAnUnsoundModel) {
   EXPECT_EQ(result.attempts[1].name, "relaxed");
   EXPECT_TRUE(result.attempts[1].kept);
   for (size_t i = 0; i < result.attempts.size(); ++i) EXPECT_EQ(result.attempts[i].kept, i == 1) << i;
-  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "one image is missing: every set of features is tried";
+  EXPECT_EQ(fake.Count("feature_extractor"), 5) << "one image is missing: every set of features is tried";
   EXPECT_EQ(fake.Count("matches_importer"), 1) << "the pairs of the missing one, once its intrinsics are known";
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
 }
@@ -173,7 +183,7 @@ TEST(RunAttempts, KeepsTheFirstDatabaseWithoutAModel) {
   EventRecorder events;
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, events.AsListener());
   EXPECT_EQ(result.best.registered(), 0);
-  EXPECT_EQ(fake.Count("feature_extractor"), 4);
+  EXPECT_EQ(fake.Count("feature_extractor"), 5);
   EXPECT_THAT(events.notes,
               testing::Contains(HasSubstr("0 of 3 photos are registered; trying again with more features")));
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db"));
@@ -185,9 +195,58 @@ TEST(RunAttempts, KeepsTheDatabaseOfTheBestModel) {
   const FakeMapper fake("[ $n = 5 ] && give three /0", "");
   const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
   EXPECT_EQ(result.best.registered(), 3);
-  EXPECT_EQ(result.attempts.back().features, "more features");
+  EXPECT_EQ(result.attempts.back().features, "coarse features");
   EXPECT_EQ(fake.Count("feature_extractor"), 2);
   EXPECT_THAT(FilesIn(dir.path()), ElementsAre("colmap.log", "database.db", "sparse"));
+}
+
+TEST(RunAttempts, EndsSoonWhenNothingMatches) {
+  const TempDir dir;
+  const FakeMapper fake("exit 1", "", 0);
+  EXPECT_EQ(RunAttempts({kNames, false, dir.path()}, Silent()).best.registered(), 0);
+  EXPECT_THAT(fake.Commands(),
+              ElementsAre("feature_extractor", "exhaustive_matcher", "feature_extractor", "exhaustive_matcher"))
+      << "the usual features, and the coarse ones that would show whether anything matches";
+}
+
+TEST(RunAttempts, TriesNoMoreFeaturesForMatchesOfChance) {
+  const TempDir dir;
+  const FakeMapper fake("exit 1", "", 19);
+  RunAttempts({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(fake.Count("feature_extractor"), 2);
+}
+
+TEST(RunAttempts, LeavesOutAnImplausibleCamera) {
+  const TempDir dir;
+  const FakeMapper fake("give odd /0", "image_deleter) give two ;;");
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 2);
+  EXPECT_TRUE(result.best.plausible_intrinsics);
+  EXPECT_TRUE(result.attempts[0].kept);
+}
+
+TEST(RunAttempts, GoesOnWhereAnEarlierCallEnded) {
+  const TempDir dir;
+  {
+    const FakeMapper fake("", "exhaustive_matcher) exit 7;;");
+    EXPECT_THROW(RunAttempts({kNames, false, dir.path()}, Silent()), ColmapFailure);
+  }
+  {
+    const FakeMapper fake("[ $n = 1 ] && give two /0", "");
+    const Listener stop = [](const Event& event) {
+      const auto* note = std::get_if<Note>(&event);
+      if (note != nullptr && note->text.find("coarse features") != std::string::npos) throw Interrupted("stopped");
+    };
+    EXPECT_THROW(RunAttempts({kNames, false, dir.path()}, stop), Interrupted);
+    EXPECT_EQ(fake.Commands()[0], "exhaustive_matcher") << "the features stand";
+  }
+  const FakeMapper fake("exit 1", "");
+  const AttemptResult result = RunAttempts({kNames, false, dir.path()}, Silent());
+  EXPECT_EQ(result.best.registered(), 2);
+  EXPECT_EQ(result.attempts[0].name, "strict");
+  EXPECT_TRUE(result.attempts[0].kept);
+  EXPECT_EQ(fake.Count("feature_extractor"), 4) << "the first set is not tried again";
+  EXPECT_EQ(ReadColmapImages(dir / "sparse" / "0").size(), 2u);
 }
 
 TEST(RunAttempts, ThrowsWhenTheFirstFeaturesFail) {

@@ -135,6 +135,9 @@ TEST(RegisterViews, NamesBlackImages) {
   EXPECT_EQ(report.at("registered"), 0);
   EXPECT_EQ(report.at("views").at(0).at("status"), "few_features");
   EXPECT_FALSE(std::filesystem::exists(dir / "sfm" / "inputs.json"));
+  const std::string log = ReadFile(dir / "sfm" / "colmap.log"), first = ErrorOf(scene, dir / "sfm");
+  EXPECT_THAT(first, HasSubstr("0.png (0 features"));
+  EXPECT_EQ(ReadFile(dir / "sfm" / "colmap.log"), log) << "what was in vain is not done again";
 }
 
 TEST(RegisterViews, RefusesDuplicates) {

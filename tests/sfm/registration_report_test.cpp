@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace oraclegs {
@@ -36,35 +33,6 @@ RegistrationReport ReportWith(std::vector<ViewReport> others) {
   result.best.parallax_degrees = 6.5;
   result.attempts = {{"usual features", "strict", 2, 200, .4, 6.5, true}};
   return MakeReport(std::move(views), result);
-}
-
-Eigen::Matrix3d IntrinsicMatrix(double focal) {
-  Eigen::Matrix3d k;
-  k << focal, 0, 500, 0, focal, 400, 0, 0, 1;
-  return k;
-}
-
-TEST(RotationResidual, IsSmallForAPureRotation) {
-  const Eigen::Matrix3d rotation =
-      (Eigen::AngleAxisd(.3, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(.1, Eigen::Vector3d::UnitX()))
-          .toRotationMatrix();
-  for (const double focal : {600., 850., 1200., 2000.}) {
-    const Eigen::Matrix3d map = IntrinsicMatrix(focal) * rotation * IntrinsicMatrix(focal).inverse();
-    EXPECT_LT(RotationResidual(map, {1000, 800}, {1000, 800}), .012) << focal;
-    EXPECT_NEAR(RotationResidual(-3 * map, {1000, 800}, {1000, 800}), RotationResidual(map, {1000, 800}, {1000, 800}),
-                1e-9)
-        << "a homography has no scale";
-  }
-}
-
-TEST(RotationResidual, IsLargeForAStepAside) {
-  const Eigen::Vector3d normal = Eigen::Vector3d(.1, 0, 1).normalized();
-  for (const Eigen::Vector3d& step : {Eigen::Vector3d(.2, 0, 0), Eigen::Vector3d(0, 0, .2)}) {
-    const Eigen::Matrix3d map = IntrinsicMatrix(900) * (Eigen::Matrix3d::Identity() + step * normal.transpose()) *
-                                IntrinsicMatrix(900).inverse();
-    EXPECT_GT(RotationResidual(map, {1000, 800}, {1000, 800}), .03);
-  }
-  EXPECT_TRUE(std::isinf(RotationResidual(Eigen::Matrix3d::Zero(), {10, 8}, {10, 8})));
 }
 
 TEST(MakeReport, GivesParallaxOfRegisteredViews) {
@@ -103,6 +71,16 @@ TEST(MakeReport, ExplainsMissingViews) {
                                 HasSubstr("e-far (only 22 matches with b, fewer with others)"), HasSubstr("1 more"),
                                 HasSubstr("take it again sharp"))));
   for (const std::string& warning : report.warnings) EXPECT_THAT(warning, Not(HasSubstr("\n")));
+}
+
+TEST(MakeReport, NamesPhotosOfAnotherPlace) {
+  const RegistrationReport report = ReportWith(
+      {MakeView("x", 3000, {{"y", 200, false}, {"b", 17, false}}), MakeView("y", 3000, {{"x", 200, false}})});
+  EXPECT_EQ(report.views[2].status, ViewStatus::kElsewhere);
+  EXPECT_EQ(report.views[3].status, ViewStatus::kElsewhere);
+  EXPECT_EQ(report.views[2].advice, "take photos between it and b, or leave it out if it shows another place");
+  EXPECT_THAT(report.warnings,
+              ElementsAre(HasSubstr("x (200 matches with y, but hardly any with a registered photo)")));
 }
 
 TEST(MakeReport, WarnsOfWeakParallax) {

@@ -28,7 +28,7 @@ ModelQuality SoundOf(int images) {
 
 TEST(RegistrationSchedule, BeginsStrict) {
   const auto& schedule = RegistrationSchedule();
-  ASSERT_EQ(schedule.size(), 4u);
+  ASSERT_EQ(schedule.size(), 5u);
   EXPECT_THAT(schedule[0].extraction, IsEmpty()) << "colmap's own features";
   EXPECT_THAT(schedule[0].matching, IsEmpty());
   ASSERT_EQ(schedule[0].attempts.size(), 4u);
@@ -75,14 +75,22 @@ TEST(IsEnough, RequiresAllOfFewAndHalfOfMany) {
 
 TEST(IsWorthTrying, SavesExpensiveSetsForFewImages) {
   const auto& schedule = RegistrationSchedule();
-  EXPECT_FALSE(IsWorthTrying(schedule[1], SoundOf(3), 3)) << "all are registered";
-  EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3));
-  EXPECT_TRUE(IsWorthTrying(schedule[3], SoundOf(2), 3));
-  EXPECT_FALSE(IsWorthTrying(schedule[3], SoundOf(11), 12));
-  EXPECT_TRUE(IsWorthTrying(schedule[3], SoundOf(5), 12)) << "fewer than half";
-  EXPECT_FALSE(IsWorthTrying(schedule[1], SoundOf(20), 24));
-  EXPECT_TRUE(IsWorthTrying(schedule[1], {}, 24));
-  EXPECT_FALSE(IsWorthTrying(schedule[1], {}, 25)) << "hours";
+  const MatchEvidence linked{3, false};
+  for (size_t i = 1; i < schedule.size(); ++i) {
+    EXPECT_FALSE(IsWorthTrying(schedule[i], SoundOf(3), 3, linked)) << "all are registered";
+    EXPECT_TRUE(IsWorthTrying(schedule[i], SoundOf(2), 3, linked)) << i;
+    EXPECT_FALSE(IsWorthTrying(schedule[i], {}, 25, linked)) << "hours";
+  }
+  EXPECT_TRUE(IsWorthTrying(schedule[1], {}, 24, linked)) << "coarse features";
+  EXPECT_FALSE(IsWorthTrying(schedule[2], {}, 24, linked)) << "a quarter of an hour";
+  EXPECT_FALSE(IsWorthTrying(schedule[4], SoundOf(11), 12, linked));
+}
+
+TEST(IsWorthTrying, AsksTheMatches) {
+  const auto& schedule = RegistrationSchedule();
+  EXPECT_TRUE(IsWorthTrying(schedule[1], SoundOf(2), 3, {0, false})) << "coarse features may link what is missing";
+  EXPECT_FALSE(IsWorthTrying(schedule[2], SoundOf(2), 3, {0, false})) << "nothing does";
+  EXPECT_FALSE(IsWorthTrying(schedule[1], {}, 3, {3, true})) << "no features give parallax";
 }
 
 TEST(CanMatchMissing, RequiresFeaturesInAMissingImage) {

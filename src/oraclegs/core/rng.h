@@ -53,6 +53,7 @@ enum class RandomStream : uint64_t {
   kPseudoViews = 24,
   kSplit = 25,  // of Gaussians in two
   kBackground = 26,
+  kSecondMotion = 31,  // of samples of matches
 };
 
 /// Sequential reader of one stream; its whole state is the counter.

@@ -4,6 +4,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/pipeline/estimate/speed_probe.h"
 #include "oraclegs/pipeline/estimate/time_estimate.h"
+#include "oraclegs/pipeline/needed_photos.h"
 #include "oraclegs/pipeline/stages.h"
 
 namespace oraclegs {
@@ -36,7 +37,7 @@ void WarnOfMemory(int64_t needed, const Listener& listener) {
 }  // namespace
 
 void AnnounceStages(Run* run) {
-  const Split split = SplitViews(run->scene, run->options.split);
+  const Split split = SplitOfRun(*run);
   const auto train = static_cast<int>(split.train.size()), test = static_cast<int>(split.test.size());
   const auto all = static_cast<int>(run->scene.views.size());
   const EstimateInput input{run->options,

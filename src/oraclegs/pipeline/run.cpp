@@ -12,6 +12,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/pipeline/announce_stages.h"
 #include "oraclegs/pipeline/live/live.h"
+#include "oraclegs/pipeline/needed_photos.h"
 #include "oraclegs/pipeline/photo_report.h"
 #include "oraclegs/pipeline/report/run_document.h"
 #include "oraclegs/pipeline/settings/missing_networks.h"
@@ -204,7 +205,7 @@ void EnterFrame(Run* run, bool opened) {
 /// Poses where there are none yet, the split, and the frame. `opened`: the run is only looked at.
 void FindPosesAndSplit(Run* run, bool opened) {
   if (!run->photos.empty()) RunStage(run, "register");
-  run->split = SplitViews(run->scene, run->options.split);
+  run->split = SplitOfRun(*run);
   EnterFrame(run, opened);
 }
 
@@ -235,6 +236,7 @@ Run ReadRun(const RunRequest& asked, PlanMaker make_plan, Workspace (*open)(cons
   run.start_iterations = saved.start_iterations;
   run.photos = PhotosFingerprint(run.scene, &run.files);
   LeaveOutUnreadablePhotos(&run);
+  KeepNeededPhotos(&run, Silent());
   FindPosesAndSplit(&run, true);
   return run;
 }
@@ -319,6 +321,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   Live::Guard(run.live.get(), [&] {
     run.photos = PhotosFingerprint(run.scene, &run.files);
     CheckRunPhotos(&run);
+    KeepNeededPhotos(&run, run.listener);
     if (request.estimates) AnnounceStages(&run);
     FindPosesAndSplit(&run, false);
     SaveSplit(run);

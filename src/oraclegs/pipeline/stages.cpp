@@ -15,7 +15,7 @@ namespace oraclegs {
 const std::vector<Stage>& Stages() {
   // name, version, needs, work
   static const std::vector<Stage> stages = {
-      {"register", 1, {}, RegisterStage()},
+      {"register", 2, {}, RegisterStage()},
       {"sfm", 1, {"register"}, SfmStage()},
       {"depth", 4, {"sfm"}, DepthStage()},
       {"proxies", 1, {"depth"}, ProxyStage()},

@@ -1,85 +1,15 @@
 #include "oraclegs/sfm/colmap_database.h"
 
-#include <sqlite3.h>
-
 #include <algorithm>
 #include <cstring>
-#include <memory>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/sfm/database_file.h"
 
 namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int64_t kPairBase = 2147483647;  // colmap's pair id is kPairBase * first + second, first < second
-
-/// An open database; its errors name the file.
-class Database {
- public:
-  explicit Database(const fs::path& path) : path_(path) {
-    sqlite3* raw = nullptr;
-    const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE, nullptr);
-    handle_.reset(raw);
-    if (code != SQLITE_OK) Fail();
-  }
-
-  [[noreturn]] void Fail() const {
-    std::error_code ignored;
-    if (!fs::exists(path_, ignored)) {
-      throw RunError("{}: was not written by colmap; see that colmap works, and run the same command again",
-                     path_.string());
-    }
-    const int code = handle_ ? sqlite3_errcode(handle_.get()) : SQLITE_CANTOPEN;
-    const bool is_damaged = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR;
-    throw RunError("{}: {}; {}run the same command again", path_.string(),
-                   handle_ ? sqlite3_errmsg(handle_.get()) : "cannot be opened",
-                   code == SQLITE_FULL ? "make room on the disk, and "
-                   : is_damaged        ? "colmap makes it anew: "
-                                       : "check the disk, make room there, see the rights of the folder, and ");
-  }
-
-  void Execute(const char* sql) const {
-    if (sqlite3_exec(handle_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) Fail();
-  }
-
-  sqlite3* get() const { return handle_.get(); }
-
- private:
-  struct Close {
-    void operator()(sqlite3* handle) const { sqlite3_close(handle); }
-  };
-  fs::path path_;
-  std::unique_ptr<sqlite3, Close> handle_;
-};
-
-class Statement {
- public:
-  Statement(const Database& database, const char* sql) : database_(database) {
-    sqlite3_stmt* raw = nullptr;
-    if (sqlite3_prepare_v2(database.get(), sql, -1, &raw, nullptr) != SQLITE_OK) database.Fail();
-    handle_.reset(raw);
-  }
-
-  /// True while there is a row.
-  bool Step() const {
-    const int code = sqlite3_step(handle_.get());
-    if (code != SQLITE_ROW && code != SQLITE_DONE) database_.Fail();
-    return code == SQLITE_ROW;
-  }
-
-  sqlite3_stmt* get() const { return handle_.get(); }
-
- private:
-  struct Finalize {
-    void operator()(sqlite3_stmt* handle) const { sqlite3_finalize(handle); }
-  };
-  const Database& database_;
-  std::unique_ptr<sqlite3_stmt, Finalize> handle_;
-};
-
-int64_t PairId(uint32_t a, uint32_t b) { return kPairBase * std::min(a, b) + std::max(a, b); }
 
 /// The 3x3 matrix of doubles, row by row, in a column; nothing when it is not one or is zero.
 std::optional<Eigen::Matrix3d> GetMatrix(sqlite3_stmt* row, int column) {
@@ -91,43 +21,11 @@ std::optional<Eigen::Matrix3d> GetMatrix(sqlite3_stmt* row, int column) {
   return matrix;
 }
 
-/// Column `column`, a blob, as a list of `rows` x `columns` numbers; empty when it has another size.
-template <class T>
-std::vector<T> GetList(sqlite3_stmt* row, int column, int64_t rows, int64_t columns) {
-  const void* bytes = sqlite3_column_blob(row, column);
-  const int64_t size = sqlite3_column_bytes(row, column);
-  if (bytes == nullptr || rows <= 0 || columns <= 0 || columns > size || rows > size ||
-      size != rows * columns * static_cast<int64_t>(sizeof(T))) {
-    return {};
-  }
-  std::vector<T> list(static_cast<size_t>(rows * columns));
-  std::memcpy(list.data(), bytes, static_cast<size_t>(size));
-  return list;
-}
-
 /// A word that this program does not know is undefined.
 TwoViewConfig GetConfig(sqlite3_stmt* row, int column) {
   const int64_t config = sqlite3_column_int64(row, column);
   const bool is_known = config >= 0 && config <= static_cast<int64_t>(TwoViewConfig::kMultiple);
   return is_known ? static_cast<TwoViewConfig>(config) : TwoViewConfig::kUndefined;
-}
-
-int GetCount(sqlite3_stmt* row, int column) {
-  return static_cast<int>(std::clamp<int64_t>(sqlite3_column_int64(row, column), 0, kPairBase));
-}
-
-/// Pixel positions of an image's features.
-std::vector<Eigen::Vector2d> ReadKeypoints(const Database& open, uint32_t image_id) {
-  const Statement rows(open, "SELECT rows, cols, data FROM keypoints WHERE image_id = ?1");
-  sqlite3_bind_int64(rows.get(), 1, image_id);
-  std::vector<Eigen::Vector2d> points;
-  if (!rows.Step()) return points;
-  const int columns = GetCount(rows.get(), 1);  // x, y, and the feature's shape
-  if (columns < 2) return points;
-  const auto values = GetList<float>(rows.get(), 2, GetCount(rows.get(), 0), columns);
-  for (size_t i = 0; i < values.size(); i += static_cast<size_t>(columns))
-    points.emplace_back(values[i], values[i + 1]);
-  return points;
 }
 
 /// The parameters of a SIMPLE_RADIAL camera in a column; empty when they are not those.
@@ -140,12 +38,12 @@ std::vector<double> GetSimpleRadial(sqlite3_stmt* row, int column) {
   return params;
 }
 
-void UpdateParams(const Database& open, const std::map<uint32_t, std::vector<double>>& params, bool are_known) {
+void UpdateParams(const DatabaseFile& open, const std::map<uint32_t, std::vector<double>>& params, bool are_known) {
   open.Execute("BEGIN");
   for (const auto& [id, intrinsics] : params) {
-    const Statement update(open, are_known
-                                     ? "UPDATE cameras SET params = ?1, prior_focal_length = 1 WHERE camera_id = ?2"
-                                     : "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
+    const DatabaseStatement update(
+        open, are_known ? "UPDATE cameras SET params = ?1, prior_focal_length = 1 WHERE camera_id = ?2"
+                        : "UPDATE cameras SET params = ?1 WHERE camera_id = ?2");
     sqlite3_bind_blob(update.get(), 1, intrinsics.data(), static_cast<int>(intrinsics.size() * sizeof(double)),
                       SQLITE_STATIC);
     sqlite3_bind_int64(update.get(), 2, id);
@@ -157,8 +55,8 @@ void UpdateParams(const Database& open, const std::map<uint32_t, std::vector<dou
 }  // namespace
 
 std::map<std::string, DatabaseImage> ReadDatabaseImages(const fs::path& database) {
-  const Database open(database);
-  const Statement rows(open, "SELECT image_id, name, camera_id FROM images");
+  const DatabaseFile open(database);
+  const DatabaseStatement rows(open, "SELECT image_id, name, camera_id FROM images");
   std::map<std::string, DatabaseImage> images;
   while (rows.Step()) {
     const auto* name = reinterpret_cast<const char*>(sqlite3_column_text(rows.get(), 1));
@@ -170,21 +68,22 @@ std::map<std::string, DatabaseImage> ReadDatabaseImages(const fs::path& database
 }
 
 std::map<uint32_t, int> ReadFeatureCounts(const fs::path& database) {
-  const Database open(database);
-  const Statement rows(open,
-                       "SELECT images.image_id, keypoints.rows FROM images LEFT JOIN keypoints "
-                       "ON images.image_id = keypoints.image_id");
+  const DatabaseFile open(database);
+  const DatabaseStatement rows(open,
+                               "SELECT images.image_id, keypoints.rows FROM images LEFT JOIN keypoints "
+                               "ON images.image_id = keypoints.image_id");
   std::map<uint32_t, int> counts;
   while (rows.Step()) counts[static_cast<uint32_t>(sqlite3_column_int64(rows.get(), 0))] = GetCount(rows.get(), 1);
   return counts;
 }
 
 std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
-  const Database open(database);
-  const Statement rows(open,
-                       "SELECT matches.pair_id, matches.rows, two_view_geometries.rows, config, H FROM matches LEFT "
-                       "JOIN two_view_geometries ON matches.pair_id = two_view_geometries.pair_id "
-                       "ORDER BY matches.pair_id");
+  const DatabaseFile open(database);
+  const DatabaseStatement rows(
+      open,
+      "SELECT matches.pair_id, matches.rows, two_view_geometries.rows, config, H FROM matches LEFT "
+      "JOIN two_view_geometries ON matches.pair_id = two_view_geometries.pair_id "
+      "ORDER BY matches.pair_id");
   std::vector<MatchedPair> pairs;
   while (rows.Step()) {
     const int64_t id = sqlite3_column_int64(rows.get(), 0);
@@ -206,23 +105,8 @@ std::vector<MatchedPair> ReadMatchedPairs(const fs::path& database) {
   return pairs;
 }
 
-std::vector<PointMatch> ReadInliers(const fs::path& database, uint32_t first, uint32_t second) {
-  const Database open(database);
-  const Statement rows(open, "SELECT rows, data FROM two_view_geometries WHERE pair_id = ?1");
-  sqlite3_bind_int64(rows.get(), 1, PairId(first, second));
-  if (!rows.Step()) return {};
-  const auto indices = GetList<uint32_t>(rows.get(), 1, GetCount(rows.get(), 0), 2);
-  const std::vector<Eigen::Vector2d> a = ReadKeypoints(open, first), b = ReadKeypoints(open, second);
-  std::vector<PointMatch> matches;
-  for (size_t i = 0; i < indices.size(); i += 2) {
-    if (indices[i] >= a.size() || indices[i + 1] >= b.size()) return {};
-    matches.push_back({a[indices[i]], b[indices[i + 1]]});
-  }
-  return matches;
-}
-
 void RemoveMatches(const fs::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
-  const Database open(database);
+  const DatabaseFile open(database);
   open.Execute("BEGIN");
   for (const auto& [a, b] : pairs) {
     for (const char* table : {"matches", "two_view_geometries"}) {
@@ -233,12 +117,12 @@ void RemoveMatches(const fs::path& database, const std::vector<std::pair<uint32_
 }
 
 void SetDatabaseCameras(const fs::path& database, const std::map<uint32_t, Intrinsics>& cameras) {
-  const Database open(database);
+  const DatabaseFile open(database);
   open.Execute("BEGIN");
   for (const auto& [id, intrinsics] : cameras) {
-    const Statement update(open,
-                           "UPDATE cameras SET model = ?1, width = ?2, height = ?3, params = ?4, "
-                           "prior_focal_length = 1 WHERE camera_id = ?5");
+    const DatabaseStatement update(open,
+                                   "UPDATE cameras SET model = ?1, width = ?2, height = ?3, params = ?4, "
+                                   "prior_focal_length = 1 WHERE camera_id = ?5");
     sqlite3_bind_int(update.get(), 1, static_cast<int>(intrinsics.model));
     sqlite3_bind_int(update.get(), 2, intrinsics.width);
     sqlite3_bind_int(update.get(), 3, intrinsics.height);
@@ -257,8 +141,8 @@ void SetFocalPriors(const fs::path& database, const std::map<std::string, double
     if (found != focal_of_image.end()) focal_of_camera[image.camera_id] = found->second;
   }
   if (focal_of_camera.empty()) return;
-  const Database open(database);
-  const Statement rows(open, "SELECT camera_id, params FROM cameras WHERE model = ?1");
+  const DatabaseFile open(database);
+  const DatabaseStatement rows(open, "SELECT camera_id, params FROM cameras WHERE model = ?1");
   sqlite3_bind_int(rows.get(), 1, static_cast<int>(CameraModel::kSimpleRadial));
   std::map<uint32_t, std::vector<double>> params;
   while (rows.Step()) {
@@ -272,8 +156,8 @@ void SetFocalPriors(const fs::path& database, const std::map<std::string, double
 }
 
 int SetFocalGuess(const fs::path& database, double sides) {
-  const Database open(database);
-  const Statement rows(
+  const DatabaseFile open(database);
+  const DatabaseStatement rows(
       open, "SELECT camera_id, width, height, params FROM cameras WHERE prior_focal_length = 0 AND model = ?1");
   sqlite3_bind_int(rows.get(), 1, static_cast<int>(CameraModel::kSimpleRadial));
   std::map<uint32_t, std::vector<double>> params;
@@ -290,7 +174,7 @@ int SetFocalGuess(const fs::path& database, double sides) {
 void NumberImagesByName(const fs::path& database) {
   constexpr int64_t kOutOfTheWay = int64_t{1} << 30;  // colmap allows ids up to 2^31 - 2
   const auto images = ReadDatabaseImages(database);
-  const Database open(database);
+  const DatabaseFile open(database);
   open.Execute("BEGIN");
   for (const char* table : {"images", "keypoints", "descriptors"}) {
     open.Execute(fmt::format("UPDATE {} SET image_id = image_id + {}", table, kOutOfTheWay).c_str());

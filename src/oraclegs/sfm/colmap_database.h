@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "oraclegs/camera/intrinsics.h"
-#include "oraclegs/sfm/homography.h"
 
 namespace oraclegs {
 
@@ -53,10 +52,6 @@ struct MatchedPair {
 /// Every pair that was matched, ordered by (first, second). Throws RunError naming the database, also for a pair that
 /// is not one of two images.
 std::vector<MatchedPair> ReadMatchedPairs(const std::filesystem::path& database);
-
-/// Where the inliers of that pair (first < second) lie, in pixels: a in `first`, b in `second`. Empty when the pair was
-/// not verified, or when its lists and the images' keypoints do not fit together. Throws RunError naming the database.
-std::vector<PointMatch> ReadInliers(const std::filesystem::path& database, uint32_t first, uint32_t second);
 
 /// Removes what was found between those pairs of image ids, so that colmap matches them again. Throws RunError.
 void RemoveMatches(const std::filesystem::path& database, const std::vector<std::pair<uint32_t, uint32_t>>& pairs);

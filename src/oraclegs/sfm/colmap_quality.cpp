@@ -41,7 +41,9 @@ ModelQuality MeasureModel(const ColmapCameras& cameras, const std::vector<Colmap
     index_of[image.id] = centers.size();
     centers.push_back(image.cam_from_world.inverse().translation());
     const auto intrinsics = cameras.find(image.camera_id);
-    if (intrinsics == cameras.end() || !IsPlausible(intrinsics->second)) model.plausible_intrinsics = false;
+    if (intrinsics != cameras.end() && IsPlausible(intrinsics->second)) continue;
+    model.plausible_intrinsics = false;
+    model.implausible_images.push_back(image.name);
   }
   std::vector<std::vector<double>> angles(images.size());
   std::vector<double> widest_angles;
@@ -83,6 +85,12 @@ ModelQuality MeasureModel(const fs::path& model_dir) {
 bool IsSound(const ModelQuality& model) {
   return model.registered() >= 2 && model.plausible_intrinsics &&
          model.points >= kMinPointsPerImage * model.registered() && model.parallax_degrees >= kMinParallax;
+}
+
+bool HasPlausiblePart(const ModelQuality& model) {
+  const auto implausible = static_cast<int>(model.implausible_images.size());
+  const int plausible = model.registered() - implausible;
+  return implausible > 0 && plausible >= 2 && plausible > implausible;
 }
 
 bool IsBetter(const ModelQuality& a, const ModelQuality& b) {

@@ -20,9 +20,10 @@ struct RegisteredImage {
 struct ModelQuality {
   std::map<std::string, RegisteredImage> images;  ///< by name below the image folder
   int points = 0;
-  double reprojection_error = 0;     ///< pixels, mean over points
-  double parallax_degrees = 0;       ///< median over points of the widest angle between two of its rays
-  bool plausible_intrinsics = true;  ///< every focal length within kFocalRange of its image's longer side
+  double reprojection_error = 0;                ///< pixels, mean over points
+  double parallax_degrees = 0;                  ///< median over points of the widest angle between two of its rays
+  bool plausible_intrinsics = true;             ///< every focal length within kFocalRange of its image's longer side
+  std::vector<std::string> implausible_images;  ///< whose camera is not: names, as in `images`
 
   int registered() const { return static_cast<int>(images.size()); }
 };
@@ -40,6 +41,10 @@ ModelQuality MeasureModel(const std::filesystem::path& model_dir);
 /// True when a model can be right: two images or more, plausible intrinsics, points enough to hold the poses, and rays
 /// that cross at an angle. A wrong one has few points (colmap drops what does not fit).
 bool IsSound(const ModelQuality& model);
+
+/// True when a model would be plausible without the images of `implausible_images`: they are the fewer, and two or more
+/// are left.
+bool HasPlausiblePart(const ModelQuality& model);
 
 /// True when `a` is to be kept rather than `b`: a sound one before one that is not, then more images, then clearly
 /// more points, then the smaller reprojection error.

@@ -33,9 +33,12 @@ std::string Readable(const std::string& line) {
 /// Follows one command's lines: "Processed file [3/12]", "Matching block [1/1, 1/1]", "Registering image #7 (4)".
 class ProgressReader {
  public:
-  ProgressReader(std::string stage, std::string what, const MatchingBlocks& blocks, const Listener& listener)
-      : stage_(std::move(stage)), what_(std::move(what)), blocks_(blocks), listener_(listener) {
+  /// `listed`: pairs of a list, that are matched.
+  ProgressReader(std::string stage, std::string what, const MatchingBlocks& blocks, int64_t listed,
+                 const Listener& listener)
+      : stage_(std::move(stage)), what_(std::move(what)), blocks_(blocks), listed_(listed), listener_(listener) {
     if (blocks_.images > 1) listener_(StepDone{stage_, 0, blocks_.pairs(), "pairs", what_});
+    if (listed_ > 0) listener_(StepDone{stage_, 0, listed_, "pairs", what_});
   }
 
   void operator()(const std::string& line) {
@@ -48,6 +51,8 @@ class ProgressReader {
       if (blocks_.images > 1) {  // the line ends when the block is done
         listener_(StepDone{stage_, blocks_.PairsUpTo(done, column), blocks_.pairs(), "pairs", what_});
       }
+    } else if (listed_ > 0 && std::sscanf(line.c_str(), "Matching block [%d/%d]", &done, &total) == 2 && total > 0) {
+      listener_(StepDone{stage_, listed_ * done / total, listed_, "pairs", what_});
     } else if (line.rfind("Registering image #", 0) == 0 || line.rfind("Triangulating image #", 0) == 0) {
       listener_(StepDone{stage_, ++images_, 0, "images", what_});
     }
@@ -58,6 +63,7 @@ class ProgressReader {
  private:
   std::string stage_, what_;
   MatchingBlocks blocks_;
+  int64_t listed_;
   const Listener& listener_;
   std::string last_line_;
   int images_ = 0;
@@ -125,7 +131,7 @@ MatchingBlocks ChooseMatchingBlocks(int images, int threads) {
 bool ColmapAvailable() { return !FindProgram("colmap").empty(); }
 
 void ColmapRunner::Run(const std::string& command, const ColmapOptions& options, const std::string& what) const {
-  Execute({"colmap", command, "--database_path", database().string()}, options, {what, {}});
+  Execute({"colmap", command, "--database_path", database().string()}, options, {what, {}, 0});
 }
 
 void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const {
@@ -133,7 +139,7 @@ void ColmapRunner::Execute(std::vector<std::string> argv, const ColmapOptions& o
     argv.push_back("--" + name);
     argv.push_back(value);
   }
-  ProgressReader progress(stage_, task.what, task.blocks, listener_);
+  ProgressReader progress(stage_, label_ + task.what, task.blocks, task.pairs, listener_);
   const std::string command = argv[1];
   auto last_sign = std::chrono::steady_clock::now();
   ProcessRequest request;
@@ -196,11 +202,11 @@ void ColmapRunner::MatchExhaustively(const ColmapOptions& more) const {
   const auto images = static_cast<int>(ReadDatabaseImages(database()).size());
   const MatchingBlocks blocks = ChooseMatchingBlocks(images, NumThreads());
   options["ExhaustiveMatching.block_size"] = std::to_string(blocks.size);
-  Execute({"colmap", "exhaustive_matcher", "--database_path", database().string()}, options, {"matching", blocks});
+  Execute({"colmap", "exhaustive_matcher", "--database_path", database().string()}, options, {"matching", blocks, 0});
 }
 
-void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::string>>& names,
-                              const ColmapOptions& more) const {
+void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more,
+                              const std::string& what) const {
   std::string list;
   for (const auto& [a, b] : names) list += a + " " + b + "\n";
   const std::filesystem::path path = database().parent_path() / "pairs.txt";
@@ -209,12 +215,20 @@ void ColmapRunner::MatchPairs(const std::vector<std::pair<std::string, std::stri
   options.insert(more.begin(), more.end());
   options["match_list_path"] = path.string();
   options["match_type"] = "pairs";
-  Run("matches_importer", options, "matching again");
+  Execute({"colmap", "matches_importer", "--database_path", database().string()}, options,
+          {what, {}, static_cast<int64_t>(names.size())});
 }
 
 void ColmapRunner::AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const {
   Execute({"colmap", "bundle_adjuster"}, {{"input_path", model.string()}, {"output_path", adjusted.string()}},
-          {"adjusting", {}});
+          {"adjusting", {}, 0});
+}
+
+void ColmapRunner::Delete(const std::filesystem::path& model, const std::filesystem::path& list,
+                          const std::filesystem::path& rest) const {
+  Execute({"colmap", "image_deleter"},
+          {{"input_path", model.string()}, {"output_path", rest.string()}, {"image_names_path", list.string()}},
+          {"leaving photos out", {}, 0});
 }
 
 }  // namespace oraclegs

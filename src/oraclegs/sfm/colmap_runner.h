@@ -45,14 +45,19 @@ MatchingBlocks ChooseMatchingBlocks(int images, int threads);
 inline constexpr int kMaxFeatureImageSide = 2000;
 
 /// One workspace: a database of features and matches below work_dir, the images in work_dir/images, all output appended
-/// to work_dir/colmap.log. The database's folder exists. Progress is reported as that of `stage`.
+/// to work_dir/colmap.log. The database's folder exists. Progress is reported as that of `stage`, `label` before it.
 class ColmapRunner {
  public:
   ColmapRunner(std::filesystem::path work_dir, const Listener& listener, std::string stage,
-               std::string database = "database.db")
-      : work_dir_(std::move(work_dir)), database_(std::move(database)), stage_(std::move(stage)), listener_(listener) {}
+               std::string database = "database.db", std::string label = "")
+      : work_dir_(std::move(work_dir)),
+        database_(std::move(database)),
+        stage_(std::move(stage)),
+        label_(std::move(label)),
+        listener_(listener) {}
 
   std::filesystem::path database() const { return work_dir_ / database_; }
+  const std::string& label() const { return label_; }
   std::filesystem::path images() const { return work_dir_ / "images"; }
 
   /// One camera per folder below images/; masks/ is used when has_masks. Options in `more` come first.
@@ -60,25 +65,30 @@ class ColmapRunner {
   /// Every pair of images, in blocks whose ends are reported as pairs done. Not the same matches in every run.
   void MatchExhaustively(const ColmapOptions& more = {}) const;
   /// The pairs of names (below images/, without blanks) that the database has no matches of yet.
-  void MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more) const;
+  void MatchPairs(const std::vector<std::pair<std::string, std::string>>& names, const ColmapOptions& more,
+                  const std::string& what) const;
   /// Poses, intrinsics and points of a model refined together; reads no database.
   void AdjustBundle(const std::filesystem::path& model, const std::filesystem::path& adjusted) const;
+  /// A model without the images whose names `list` has, one a line; reads no database.
+  void Delete(const std::filesystem::path& model, const std::filesystem::path& list,
+              const std::filesystem::path& rest) const;
   /// Any command that works on the database; an interrupt ends it. Throws ColmapFailure when it ends with an error, and
   /// RunError when it was killed, did nothing for StallLimit() or printed nothing for half an hour, or the disk is
   /// full.
   void Run(const std::string& command, const ColmapOptions& options, const std::string& what) const;
 
  private:
-  /// What is reported of a command; blocks of no images where it matches none.
+  /// What is reported of a command; blocks of no images where it does not match all pairs.
   struct Task {
     std::string what;
     MatchingBlocks blocks;
+    int64_t pairs = 0;  ///< of a list, that it matches
   };
   void Execute(std::vector<std::string> argv, const ColmapOptions& options, const Task& task) const;
   [[noreturn]] void Stop(const std::string& command, const std::string& why, const std::string& last_line) const;
 
   std::filesystem::path work_dir_;
-  std::string database_, stage_;
+  std::string database_, stage_, label_;
   const Listener& listener_;
 };
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <string_view>
 #include <system_error>
-#include <tuple>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -70,17 +70,60 @@ std::string PlainName(const SceneView& view) {
   return name;
 }
 
-/// Views with equal keys were taken by one camera.
-using CameraKey = std::tuple<int, int, int, std::vector<double>, std::string>;
+bool IsPortrait(const SceneView& view) {
+  int width = 0, height = 0;
+  ReadImageSize(view.image_path, &width, &height);
+  return height > width;
+}
 
-CameraKey CameraKeyOf(const SceneView& view) {
+/// Views with equal keys were taken by one camera.
+struct CameraKey {
+  int model = -1;              ///< -1: of unknown intrinsics
+  int width = 0, height = 0;   ///< with kTurn, width is the longer side where the intrinsics are unknown
+  std::vector<double> params;  ///< the intrinsics or, where unknown, the focal length by EXIF
+  std::string name;            ///< maker and model, by EXIF; "" where the intrinsics are known
+  bool operator==(const CameraKey&) const = default;
+
+  bool IsNameless() const { return model == -1 && name.empty() && params[0] == 0; }
+};
+
+CameraKey CameraKeyOf(const SceneView& view, Upright upright) {
   if (!view.intrinsics.params.empty()) {
     return {static_cast<int>(view.intrinsics.model), view.intrinsics.width, view.intrinsics.height,
             view.intrinsics.params, ""};
   }
   int width = 0, height = 0;
   ReadImageSize(view.image_path, &width, &height);
+  if (upright == Upright::kTurn && width < height) std::swap(width, height);
   return {-1, width, height, {view.focal_prior}, view.camera};
+}
+
+/// Photos that lost their EXIF get the key of the only camera of their size.
+void NameNameless(std::vector<CameraKey>* keys) {
+  const std::vector<CameraKey> given = *keys;
+  for (CameraKey& key : *keys) {
+    if (!key.IsNameless()) continue;
+    const CameraKey* only = nullptr;
+    bool ambiguous = false;
+    for (const CameraKey& other : given) {
+      if (other.IsNameless() || other.model != -1 || other.width != key.width || other.height != key.height) continue;
+      ambiguous = ambiguous || (only != nullptr && !(*only == other));
+      only = &other;
+    }
+    if (only != nullptr && !ambiguous) key = *only;
+  }
+}
+
+/// By camera: whether more of its photos are portrait than landscape.
+std::vector<bool> ArePortrait(const Scene& scene, const std::vector<int>& views, const std::vector<int>& cameras) {
+  std::vector<int> balance;
+  for (size_t i = 0; i < views.size(); ++i) {
+    balance.resize(std::max(balance.size(), static_cast<size_t>(cameras[i]) + 1));
+    balance[static_cast<size_t>(cameras[i])] += IsPortrait(scene.views.at(static_cast<size_t>(views[i]))) ? 1 : -1;
+  }
+  std::vector<bool> portrait;
+  for (const int more : balance) portrait.push_back(more > 0);
+  return portrait;
 }
 
 /// 255 where features may be found by the image's transparency; no data when they may be anywhere.
@@ -91,8 +134,22 @@ Image8 AlphaMask(const Image8& image) {
   return mask;
 }
 
-/// As the view's camera sees it, without transparency, whose mask it returns.
-Image8 WriteCopy(const SceneView& view, const fs::path& target) {
+/// The image turned by 90 degrees, clockwise.
+Image8 Turned(const Image8& image) {
+  Image8 turned{image.height, image.width, image.channels, std::vector<uint8_t>(image.data.size())};
+  const auto channels = static_cast<size_t>(image.channels);
+  for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
+    for (size_t x = 0; x < static_cast<size_t>(image.width); ++x) {
+      const size_t to = x * static_cast<size_t>(image.height) + static_cast<size_t>(image.height) - 1 - y;
+      std::copy_n(&image.data[(y * static_cast<size_t>(image.width) + x) * channels], channels,
+                  &turned.data[to * channels]);
+    }
+  }
+  return turned;
+}
+
+/// As the view's camera sees it, or turned, without transparency, whose mask it returns (not turned).
+Image8 WriteCopy(const SceneView& view, const StagedView& staged, const fs::path& target) {
   Image8 image = ReadImage(view.image_path);
   Image8 mask = AlphaMask(image);
   if (image.channels == 4) {
@@ -100,13 +157,13 @@ Image8 WriteCopy(const SceneView& view, const fs::path& target) {
     for (size_t i = 0; i < image.data.size() / 4; ++i) std::copy_n(&image.data[4 * i], 3, &opaque.data[3 * i]);
     image = std::move(opaque);
   }
-  WriteFileAtomically(target, CompressJpeg(image, kCopyQuality));
+  WriteFileAtomically(target, CompressJpeg(staged.is_turned ? Turned(image) : image, kCopyQuality));
   return mask;
 }
 
 /// Returns the mask of the photo's transparency.
 Image8 PlaceImage(const SceneView& view, const StagedView& staged, const fs::path& target) {
-  if (staged.is_copy) return WriteCopy(view, target);
+  if (staged.is_copy) return WriteCopy(view, staged, target);
   std::error_code error;
   fs::create_symlink(fs::absolute(view.image_path), target, error);
   if (error) fs::copy_file(view.image_path, target, error);
@@ -151,23 +208,35 @@ nlohmann::json DescribeFile(const fs::path& path) {
 
 }  // namespace
 
-std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views) {
-  std::vector<StagedView> plan;
-  std::vector<CameraKey> cameras;
-  std::set<std::string> taken;
-  for (const int v : views) {
-    const SceneView& view = scene.views.at(v);
-    const CameraKey key = CameraKeyOf(view);
+std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views, Upright upright) {
+  std::vector<CameraKey> keys, cameras;
+  for (const int v : views) keys.push_back(CameraKeyOf(scene.views.at(static_cast<size_t>(v)), upright));
+  NameNameless(&keys);
+  std::vector<int> camera_of;
+  for (const CameraKey& key : keys) {
     const auto camera = static_cast<int>(std::find(cameras.begin(), cameras.end(), key) - cameras.begin());
     if (camera == static_cast<int>(cameras.size())) cameras.push_back(key);
+    camera_of.push_back(camera);
+  }
+  const std::vector<bool> portrait =
+      upright == Upright::kTurn ? ArePortrait(scene, views, camera_of) : std::vector<bool>();
+  std::vector<StagedView> plan;
+  std::set<std::string> taken;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const SceneView& view = scene.views.at(static_cast<size_t>(views[i]));
+    const int camera = camera_of[i];
     StagedView staged{fmt::format("camera{}/{}", camera, PlainName(view)), camera, NeedsCopy(view)};
+    if (upright == Upright::kTurn && view.intrinsics.params.empty() && keys[i].width != keys[i].height) {
+      staged.is_turned = IsPortrait(view) != portrait[static_cast<size_t>(camera)];
+      staged.is_copy = staged.is_copy || staged.is_turned;
+    }
     if (staged.is_copy) {
       staged.name += ".jpg";
     } else if (!HasImageExtension(staged.name)) {
       staged.name += IsPng(ReadHeader(view.image_path)) ? ".png" : ".jpg";
     }
     if (!taken.insert(staged.name).second) {  // names that differ only in what PlainName replaced
-      staged.name = fmt::format("camera{}/{}-{}", camera, v, staged.name.substr(staged.name.find('/') + 1));
+      staged.name = fmt::format("camera{}/{}-{}", camera, views[i], staged.name.substr(staged.name.find('/') + 1));
       taken.insert(staged.name);
     }
     plan.push_back(std::move(staged));
@@ -189,7 +258,7 @@ bool StageImages(const Scene& scene, const std::vector<int>& views, const std::v
     const SceneView& view = scene.views.at(views[i]);
     const Image8 mask = FeatureMask(view, plan[i], PlaceImage(view, plan[i], work_dir / "images" / plan[i].name));
     if (mask.data.empty()) return;
-    WritePng(work_dir / "masks" / (plan[i].name + ".png"), mask);
+    WritePng(work_dir / "masks" / (plan[i].name + ".png"), plan[i].is_turned ? Turned(mask) : mask);
     masked[i] = 1;
   });
   return std::count(masked.begin(), masked.end(), 1) > 0;

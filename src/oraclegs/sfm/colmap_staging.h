@@ -12,14 +12,23 @@ namespace oraclegs {
 
 /// Where one view stands below work_dir/images.
 struct StagedView {
-  std::string name;      ///< "camera0/0001.jpg", unique, without blanks
-  int camera = 0;        ///< views with equal intrinsics share it; unknown ones: of one size, camera and focal length
-  bool is_copy = false;  ///< a JPEG is written: colmap would see the image unturned, or reads no such file
+  std::string name;        ///< "camera0/0001.jpg", unique, without blanks
+  int camera = 0;          ///< views with equal intrinsics share it; unknown ones: of one size, camera and focal length
+  bool is_copy = false;    ///< a JPEG is written: colmap would see the image unturned, or reads no such file
+  bool is_turned = false;  ///< the copy is turned by 90 degrees, clockwise: width and height are the camera's then
 };
 
-/// One entry per element of `views`. Reads headers of the images, writes nothing.
+/// How photos of one device, some portrait and some landscape, are given to colmap, whose cameras have one size.
+enum class Upright {
+  kKeep,  ///< two sizes, two cameras
+  kTurn,  ///< the fewer are turned, and all share one camera
+};
+
+/// One entry per element of `views`. Reads headers of the images, writes nothing. A photo that names no camera is
+/// taken to be of the only one of its size that the others name.
 /// Throws InputError for an image of unknown size that cannot be read.
-std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views);
+std::vector<StagedView> PlanStaging(const Scene& scene, const std::vector<int>& views,
+                                    Upright upright = Upright::kKeep);
 
 /// Makes work_dir/images and work_dir/masks anew as planned; returns whether there are masks. Images are linked,
 /// and copied only where that does not do. A mask (masks/NAME.png) joins the view's mask file and its alpha

@@ -4,11 +4,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
+#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/folder_lock.h"
 #include "oraclegs/core/system_reason.h"
+#include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/read_colmap.h"
@@ -19,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kInputs[] = "inputs.json";
+constexpr char kInputs[] = "inputs.json", kFailure[] = "failure.json";
 
 void Remove(const fs::path& path) {
   std::error_code error;
@@ -27,16 +30,61 @@ void Remove(const fs::path& path) {
   if (error) throw RunError("{}: cannot be removed: {}", path.string(), SystemReason(error));
 }
 
-}  // namespace
-
-bool IsUnchanged(const fs::path& work_dir, const nlohmann::json& inputs) {
+/// True when the file holds exactly these inputs.
+bool Holds(const fs::path& file, const nlohmann::json& inputs) {
   std::error_code error;
-  if (!fs::exists(work_dir / kInputs, error)) return false;
+  if (!fs::exists(file, error)) return false;
   try {
-    return ParseJson(ReadFile(work_dir / kInputs)) == inputs;
+    return ParseJson(ReadFile(file)) == inputs;
   } catch (const std::exception&) {
     return false;  // damaged: made anew
   }
+}
+
+/// The program that fails: once another stands there, it is tried again.
+nlohmann::json ColmapStamp() {
+  const fs::path program = FindProgram("colmap");
+  std::error_code ignored;
+  return {{"program", EscapeBytes(program.string())},
+          {"bytes", fs::file_size(program, ignored)},
+          {"modified", fs::last_write_time(program, ignored).time_since_epoch().count()}};
+}
+
+/// From the camera of the photo turned clockwise by 90 degrees, of one focal length, to that of the photo as it is.
+void TurnBack(SceneView* view) {
+  Intrinsics& intrinsics = view->intrinsics;
+  if (intrinsics.model != CameraModel::kSimpleRadial) {
+    throw InputError("{}: the model has a camera that was not made here; delete sfm/", view->image_path.string());
+  }
+  const double cx = intrinsics.params[1], cy = intrinsics.params[2];
+  intrinsics.params[1] = cy;
+  intrinsics.params[2] = intrinsics.width - cx;
+  std::swap(intrinsics.width, intrinsics.height);
+  Eigen::Isometry3d upright_from_turned = Eigen::Isometry3d::Identity();
+  upright_from_turned.linear() << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  view->cam_from_world = upright_from_turned * *view->cam_from_world;
+}
+
+}  // namespace
+
+bool IsUnchanged(const fs::path& work_dir, const nlohmann::json& inputs) { return Holds(work_dir / kInputs, inputs); }
+
+std::string RememberedFailure(const fs::path& work_dir, const nlohmann::json& inputs) {
+  std::error_code ignored;
+  if (!fs::exists(work_dir / kFailure, ignored)) return "";
+  try {
+    const nlohmann::json failure = ParseJson(ReadFile(work_dir / kFailure));
+    if (failure.at("inputs") != inputs || failure.at("colmap") != ColmapStamp()) return "";
+    return failure.at("text").get<std::string>();
+  } catch (const std::exception&) {
+    return "";  // damaged: it is tried again
+  }
+}
+
+void RememberFailure(const fs::path& work_dir, const nlohmann::json& inputs, const std::string& text) {
+  const nlohmann::json failure = {{"inputs", inputs}, {"colmap", ColmapStamp()}, {"text", text}};
+  WriteFileAtomically(work_dir / kFailure,
+                      failure.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void MarkDone(const fs::path& work_dir, const nlohmann::json& inputs) {
@@ -45,14 +93,22 @@ void MarkDone(const fs::path& work_dir, const nlohmann::json& inputs) {
 
 void ClearWorkDir(const fs::path& work_dir) {
   RequireWritableFolder(work_dir);
-  for (const char* name : {kInputs, "failure.json", "registration.json", "database.db", "database.db-wal",
-                           "database.db-shm", "colmap.log", "points.ply", "sparse", "images", "masks"}) {
+  for (const char* name : {kInputs, kFailure, "registration.json", "database.db", "database.db-wal", "database.db-shm",
+                           "colmap.log", "points.ply", "sparse", "images", "masks"}) {
     Remove(work_dir / name);
   }
   RemoveAttempts(work_dir);
 }
 
 fs::path AttemptsFolder(const fs::path& work_dir) { return work_dir / "attempts"; }
+
+void BeginAttempts(const fs::path& work_dir, const nlohmann::json& inputs) {
+  const fs::path begun_with = AttemptsFolder(work_dir) / kInputs;
+  if (Holds(begun_with, inputs)) return;
+  ClearWorkDir(work_dir);
+  MakeFolder(AttemptsFolder(work_dir));
+  WriteFileAtomically(begun_with, inputs.dump(1) + "\n");
+}
 
 void RemoveAttempts(const fs::path& work_dir) { Remove(AttemptsFolder(work_dir)); }
 
@@ -80,8 +136,8 @@ void MakeFolder(const fs::path& dir) {
 ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                        const fs::path& work_dir, const Listener& listener) {
   const Scene model = ReadColmapScene(work_dir / "sparse" / "0", work_dir / "images", listener);
-  std::map<std::string, int> index_of;
-  for (size_t i = 0; i < plan.size(); ++i) index_of[plan[i].name] = views[i];
+  std::map<std::string, size_t> index_of;
+  for (size_t i = 0; i < plan.size(); ++i) index_of[plan[i].name] = i;
   ModelInScene out;
   std::vector<int> scene_index;
   for (const SceneView& registered : model.views) {
@@ -89,11 +145,13 @@ ModelInScene ReadModel(const Scene& scene, const std::vector<int>& views, const 
     if (found == index_of.end()) {
       throw InputError("{}: holds the unknown image {}; delete the folder", work_dir.string(), registered.name);
     }
-    SceneView view = scene.views[found->second];
+    const int index = views[found->second];
+    SceneView view = scene.views[static_cast<size_t>(index)];
     view.intrinsics = registered.intrinsics;
     view.cam_from_world = registered.cam_from_world;
-    out.views[found->second] = std::move(view);
-    scene_index.push_back(found->second);
+    if (plan[found->second].is_turned) TurnBack(&view);
+    out.views[index] = std::move(view);
+    scene_index.push_back(index);
   }
   for (ScenePoint point : model.points) {
     for (int& v : point.views) v = scene_index[v];

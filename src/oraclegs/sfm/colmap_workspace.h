@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "oraclegs/core/progress.h"
@@ -16,10 +17,18 @@ namespace oraclegs {
 bool IsUnchanged(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
 /// Writes inputs.json, the last file of a run: its presence says that the rest is whole.
 void MarkDone(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
+/// What colmap failed with on these inputs, as it would again; empty when it did not, or when another colmap stands
+/// there now.
+std::string RememberedFailure(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
+/// Writes failure.json. Throws RunError.
+void RememberFailure(const std::filesystem::path& work_dir, const nlohmann::json& inputs, const std::string& text);
 /// Makes work_dir and removes what an earlier run left there, and nothing else. Throws RunError.
 void ClearWorkDir(const std::filesystem::path& work_dir);
 /// Where attempts keep what only they need (databases, models, lists of pairs), one folder for all of them.
 std::filesystem::path AttemptsFolder(const std::filesystem::path& work_dir);
+/// Makes the folder of attempts, in an emptied work_dir, unless one is there that was begun with these inputs. Throws
+/// RunError.
+void BeginAttempts(const std::filesystem::path& work_dir, const nlohmann::json& inputs);
 /// Throws RunError.
 void RemoveAttempts(const std::filesystem::path& work_dir);
 /// Stages the images of a finished result again when a link to one is broken: they were moved since.

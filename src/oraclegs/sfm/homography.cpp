@@ -12,7 +12,9 @@ namespace {
 constexpr size_t kMinMatches = 8;          // twice what determines a map
 constexpr int kRounds = 4;                 // fits, each with the matches that the one before explains
 constexpr double kMaxErrorOverMedian = 3;  // times the median error
-constexpr double kMinInlierLimit = .5;     // pixels: a match that is no worse is always an inlier
+constexpr int kFocalSteps = 24;
+constexpr double kMinFocal = .5, kMaxFocal = 2.5;  // longer sides of the image
+constexpr double kMinInlierLimit = .5;             // pixels: a match that is no worse is always an inlier
 
 double ErrorOf(const Eigen::Matrix3d& h, const PointMatch& match) {
   const Eigen::Vector3d mapped = h * match.a.homogeneous();
@@ -72,6 +74,26 @@ Eigen::Matrix3d RefitHomography(const Eigen::Matrix3d& start, const std::vector<
     map = fitted;
   }
   return map;
+}
+
+double RotationResidual(const Eigen::Matrix3d& b_from_a, const std::array<int, 2>& size_a,
+                        const std::array<int, 2>& size_b) {
+  const auto intrinsics = [](const std::array<int, 2>& size, double sides) {
+    const double focal = sides * std::max(size[0], size[1]);
+    Eigen::Matrix3d k;
+    k << focal, 0, size[0] / 2., 0, focal, size[1] / 2., 0, 0, 1;
+    return k;
+  };
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kFocalSteps; ++i) {
+    const double sides = kMinFocal * std::pow(kMaxFocal / kMinFocal, i / (kFocalSteps - 1.));
+    const Eigen::Matrix3d rotation = intrinsics(size_b, sides).inverse() * b_from_a * intrinsics(size_a, sides);
+    const double scale = std::cbrt(rotation.determinant());
+    if (!std::isfinite(scale) || scale == 0) continue;
+    const Eigen::Vector3d singular = Eigen::JacobiSVD<Eigen::Matrix3d>(rotation / scale).singularValues();
+    least = std::min(least, (singular.array() - 1).abs().maxCoeff());
+  }
+  return least;
 }
 
 }  // namespace oraclegs

@@ -2,16 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+#include <set>
 #include <system_error>
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/scene/read_colmap.h"
+#include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_workspace.h"
+#include "oraclegs/sfm/pair_evidence.h"
 #include "oraclegs/sfm/retry_schedule.h"
 
 namespace oraclegs {
@@ -32,6 +37,14 @@ void Rename(const fs::path& from, const fs::path& to) {
   if (error) throw RunError("{}: cannot be renamed: {}", from.string(), SystemReason(error));
 }
 
+void RemoveDatabase(const fs::path& database) {
+  for (const char* end : {"", "-wal", "-shm", "-journal"}) {
+    std::error_code error;
+    fs::remove(database.string() + end, error);
+    if (error) throw RunError("{}: cannot be removed: {}", database.string(), SystemReason(error));
+  }
+}
+
 void Copy(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
@@ -46,18 +59,12 @@ class AttemptRunner {
 
   AttemptResult Run() {
     MakeFolder(folder_);
+    Resume();
     const std::vector<FeatureSet>& schedule = RegistrationSchedule();
+    first_database_ = Colmap(0).database();
     for (size_t i = 0; i < schedule.size(); ++i) {
-      const FeatureSet& set = schedule[i];
-      if (i > 0) {
-        if (!IsWorthTrying(set, best_.quality, images())) continue;
-        listener_(Note{fmt::format("{}; trying again with {}", Registered(), set.name)});
-      }
-      try {
-        Try(set, Colmap(fmt::format("features{}", i)), i == 0);
-      } catch (const ColmapFailure&) {
-        if (i == 0) throw;  // later sets are optional
-      }
+      if (i > 0 && !IsWorthTrying(schedule[i], best_.quality, images(), Evidence())) continue;
+      TrySet(schedule[i], i);
     }
     // Last, because what it lets in is less certain than what other features find.
     try {
@@ -66,14 +73,22 @@ class AttemptRunner {
       // The model that was found before is kept.
     }
     Keep();
-    return {best_.quality, std::move(records_)};
+    return {best_.quality, std::move(journal_.records)};
   }
 
  private:
   int images() const { return static_cast<int>(request_.names.size()); }
 
-  ColmapRunner Colmap(const std::string& database) const {
-    return ColmapRunner(request_.work_dir, listener_, "register", (folder_.filename() / (database + ".db")).string());
+  ColmapRunner Colmap(const std::string& database, const std::string& label = "") const {
+    return {request_.work_dir, listener_, "register", (folder_.filename() / (database + ".db")).string(), label};
+  }
+
+  ColmapRunner Colmap(size_t set) const {
+    const std::vector<FeatureSet>& schedule = RegistrationSchedule();
+    const auto fits = [&](const FeatureSet& s) { return images() <= s.max_images; };
+    const auto most = std::count_if(schedule.begin(), schedule.end(), fits);
+    return Colmap(fmt::format("features{}", set),
+                  set == 0 ? "" : fmt::format("attempt {} of at most {}, {}: ", set + 1, most, schedule[set].name));
   }
 
   std::string Registered() const {
@@ -81,18 +96,87 @@ class AttemptRunner {
                        images());
   }
 
+  /// Takes up what an earlier call has finished.
+  void Resume() {
+    journal_ = ReadAttemptJournal(folder_);
+    if (journal_.model.empty()) return;
+    try {
+      best_ = {folder_ / journal_.model, folder_ / journal_.database, MeasureModel(folder_ / journal_.model), {}};
+      for (const FeatureSet& set : RegistrationSchedule()) {
+        if (set.name == journal_.features) best_.set = set;
+      }
+    } catch (const InputError&) {
+      journal_ = {};  // all is made again
+      best_ = {};
+    }
+  }
+
+  bool IsDone(const std::string& step) const { return journal_.steps.count(step) > 0; }
+
+  void MarkStep(const std::string& step) {
+    journal_.steps.insert(step);
+    WriteAttemptJournal(journal_, folder_);
+  }
+
+  void TrySet(const FeatureSet& set, size_t number) {
+    if (IsDone(set.name)) {
+      Gather(Colmap(number).database());
+      return;
+    }
+    if (number > 0) listener_(Note{fmt::format("{}; trying again with {}", Registered(), set.name)});
+    try {
+      Try(set, Colmap(number), number == 0);
+    } catch (const ColmapFailure&) {
+      if (number == 0) throw;  // later sets are optional
+    }
+    MarkStep(set.name);
+  }
+
   /// The first set is matched in any case: its matches say why images are missing.
   void Try(const FeatureSet& set, const ColmapRunner& colmap, bool is_first) {
-    colmap.ExtractFeatures("SIMPLE_RADIAL", request_.has_masks, set.extraction);
-    SetFocalPriors(colmap.database(), request_.focal_priors);
-    if (is_first) first_database_ = colmap.database();
+    if (!IsDone(set.name + ", extracted")) {
+      RemoveDatabase(colmap.database());  // what a stopped extraction left has no whole cameras
+      colmap.ExtractFeatures("SIMPLE_RADIAL", request_.has_masks, set.extraction);
+      SetFocalPriors(colmap.database(), request_.focal_priors);
+      MarkStep(set.name + ", extracted");
+    }
     if (!is_first && !CanMatch(colmap)) return;
-    colmap.MatchExhaustively(set.matching);
+    if (!IsDone(set.name + ", matched")) {
+      MatchImages(colmap, set.matching, listener_);  // pairs that are matched already are passed over
+      MarkStep(set.name + ", matched");
+    }
+    Gather(colmap.database());
     for (const MapperAttempt& attempt : set.attempts) {
-      if (IsEnough(best_.quality, images())) break;
+      if (IsEnough(best_.quality, images()) || !has_pairs_) break;
+      const std::string step = set.name + ", " + attempt.name;
+      if (IsDone(step)) continue;
       Map(set, attempt, colmap);
+      MarkStep(step);
     }
     RegisterRemaining(set, colmap);
+  }
+
+  /// Adds what a database says of its images to what the ones before said.
+  void Gather(const fs::path& database) {
+    std::error_code ignored;
+    has_pairs_ = false;
+    if (!fs::exists(database, ignored)) return;
+    const std::vector<PairEvidence> pairs = ReadPairEvidence(database, request_.work_dir / "images");
+    has_pairs_ = !pairs.empty();
+    for (const PairEvidence& pair : pairs) {
+      if (pair.IsLink()) links_.insert({pair.first, pair.second});
+    }
+    one_place_ = AreFromOnePoint(pairs);
+  }
+
+  MatchEvidence Evidence() const {
+    const auto is_missing = [&](const std::string& name) {
+      return !IsSound(best_.quality) || best_.quality.images.count(name) == 0;
+    };
+    const auto links = std::count_if(links_.begin(), links_.end(), [&](const auto& link) {
+      return is_missing(link.first) || is_missing(link.second);
+    });
+    return {static_cast<int>(links), one_place_};
   }
 
   /// False when what is missing has too few features for any matching.
@@ -107,13 +191,17 @@ class AttemptRunner {
   }
 
   fs::path NewModelFolder() {
-    fs::path dir = folder_ / fmt::format("models{}", num_folders_++);
+    fs::path dir = folder_ / fmt::format("models{}", journal_.folders++);
     MakeFolder(dir);
     return dir;
   }
 
-  /// Records one model, and takes it when it is better.
+  /// Records one model, and takes it when it is better. Of a model of which a few cameras are implausible, the rest.
   void Consider(const Candidate& candidate, AttemptRecord* record) {
+    if (HasPlausiblePart(candidate.quality)) {
+      ConsiderPlausiblePart(candidate, record);
+      return;
+    }
     if (candidate.quality.registered() > record->registered) {
       record->registered = candidate.quality.registered();
       record->points = candidate.quality.points;
@@ -122,8 +210,21 @@ class AttemptRunner {
     }
     if (!IsSound(candidate.quality) || !IsBetter(candidate.quality, best_.quality)) return;
     best_ = candidate;
-    for (AttemptRecord& other : records_) other.kept = false;
+    for (AttemptRecord& other : journal_.records) other.kept = false;
     record->kept = true;
+    journal_.model = best_.model.lexically_relative(folder_).string();
+    journal_.database = best_.database.filename().string();
+    journal_.features = best_.set.name;
+  }
+
+  void ConsiderPlausiblePart(const Candidate& candidate, AttemptRecord* record) {
+    const fs::path part = NewModelFolder(), names = part / "left_out.txt";
+    std::string list;
+    for (const std::string& name : candidate.quality.implausible_images) list += name + "\n";
+    WriteFileAtomically(names, list);
+    const ColmapRunner colmap = Colmap(candidate.database.stem().string());
+    colmap.Delete(candidate.model, names, part);
+    if (IsColmapModel(part)) Consider({part, candidate.database, MeasureModel(part), candidate.set}, record);
   }
 
   void Map(const FeatureSet& set, const MapperAttempt& attempt, const ColmapRunner& colmap) {
@@ -134,7 +235,7 @@ class AttemptRunner {
     AttemptRecord record{set.name, attempt.name};
     try {
       if (attempt.focal_guess > 0) {
-        const ColmapRunner guess = Colmap("focal_guess");
+        const ColmapRunner guess = Colmap("focal_guess", colmap.label());
         Copy(colmap.database(), guess.database());
         if (SetFocalGuess(guess.database(), attempt.focal_guess) == 0) return;  // every focal length is known
         guess.Run("mapper", options, "registering, " + attempt.name);
@@ -150,9 +251,11 @@ class AttemptRunner {
         Consider({model, colmap.database(), MeasureModel(model), set}, &record);
       } catch (const InputError&) {
         // A mapper that was killed while it wrote leaves half a model; the others are used.
+      } catch (const ColmapFailure&) {
+        // The model cannot be had without its implausible cameras.
       }
     }
-    records_.push_back(std::move(record));
+    journal_.records.push_back(std::move(record));
   }
 
   /// Registers into the best model what is missing, when that model is of this database's keypoints.
@@ -179,14 +282,14 @@ class AttemptRunner {
     } catch (const ColmapFailure&) {
       // The model that was found before is kept.
     }
-    records_.push_back(std::move(record));
+    journal_.records.push_back(std::move(record));
   }
 
   /// With known intrinsics, verification asks for one motion of that camera, so weaker matches can be let in.
   void Rematch() {
     if (IsEnough(best_.quality, images()) || !IsSound(best_.quality)) return;
     const ColmapRunner colmap = Colmap(best_.database.stem().string());
-    if (!CanMatch(colmap)) return;
+    if (!CanMatch(colmap) || Evidence().links == 0) return;
     const auto pairs = PairsOfMissing(request_.names, best_.quality);
     if (pairs.empty()) return;
     const ColmapRunner rematched = Colmap(best_.database.stem().string() + "_rematched");
@@ -198,7 +301,7 @@ class AttemptRunner {
       if (stored.count(a) > 0 && stored.count(b) > 0) ids.emplace_back(stored.at(a).image_id, stored.at(b).image_id);
     }
     RemoveMatches(rematched.database(), ids);
-    rematched.MatchPairs(pairs, RematchOptions());
+    rematched.MatchPairs(pairs, RematchOptions(), "matching again");
     FeatureSet set = best_.set;
     set.name += ", matched again";
     best_.database = rematched.database();  // the keypoints are the same
@@ -222,8 +325,9 @@ class AttemptRunner {
   const fs::path folder_;
   fs::path first_database_;
   Candidate best_;
-  std::vector<AttemptRecord> records_;
-  int num_folders_ = 0;
+  AttemptJournal journal_;
+  std::set<std::pair<std::string, std::string>> links_;  ///< of any set, by names
+  bool has_pairs_ = false, one_place_ = false;           ///< by the set that was tried last
 };
 
 }  // namespace

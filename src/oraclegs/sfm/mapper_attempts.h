@@ -7,18 +7,10 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
+#include "oraclegs/sfm/attempt_journal.h"
 #include "oraclegs/sfm/colmap_quality.h"
 
 namespace oraclegs {
-
-/// What one run of the mapper, or the registration of the remaining images, gave.
-struct AttemptRecord {
-  std::string features, name;
-  int registered = 0, points = 0;
-  double reprojection_error = 0;  ///< pixels
-  double parallax_degrees = 0;
-  bool kept = false;  ///< at most one is
-};
 
 struct AttemptRequest {
   std::vector<std::string> names;  ///< of the images, below work_dir/images
@@ -32,9 +24,11 @@ struct AttemptResult {
   std::vector<AttemptRecord> attempts;
 };
 
-/// Follows the schedule until it is enough. Leaves the best sound model in work_dir/sparse/0 and, as
-/// work_dir/database.db, the features and matches it was made from; without a sound model the first set's. Throws
-/// ColmapFailure when the first set's features or matches fail; later failures only end their attempt.
+/// Follows the schedule until it is enough, or until the matches say that no more can help. What an earlier call, of
+/// the same images, finished in AttemptsFolder(work_dir) is not done again. Leaves the best sound model in
+/// work_dir/sparse/0 and, as work_dir/database.db, the features and matches it was made from; without a sound model the
+/// first set's. Throws ColmapFailure when the first set's features or matches fail; later failures only end their
+/// attempt.
 AttemptResult RunAttempts(const AttemptRequest& request, const Listener& listener);
 
 }  // namespace oraclegs

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,12 +13,14 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/unique_json.h"
-#include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/read_colmap.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_staging.h"
 #include "oraclegs/sfm/colmap_workspace.h"
 #include "oraclegs/sfm/mapper_attempts.h"
+#include "oraclegs/sfm/pair_evidence.h"
+#include "oraclegs/sfm/pose_doubts.h"
 #include "oraclegs/sfm/registration_report.h"
 
 namespace oraclegs {
@@ -27,7 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kReport[] = "registration.json";
-constexpr double kMaxRotationResidual = .02;  // a step aside by a fiftieth of the distance, about one degree
 
 /// The photos that take part, and those that are copies of one of them.
 struct Distinct {
@@ -59,35 +60,52 @@ std::vector<ViewReport> GatherEvidence(const Scene& photos, const Distinct& dist
   for (size_t v = 0; v < reports.size(); ++v) reports[v].name = photos.views[v].name;
   for (const auto& [copy, original] : distinct.same_as) reports[copy].same_as = photos.views[original].name;
 
-  struct Stored {
-    int view = 0;
-    std::array<int, 2> size{};
-  };
-  std::map<uint32_t, Stored> stored;
+  std::map<std::string, int> view_of;
+  for (size_t i = 0; i < plan.size(); ++i) view_of[plan[i].name] = distinct.views[i];
   const fs::path database = work_dir / "database.db";
-  const auto images = ReadDatabaseImages(database);
-  for (size_t i = 0; i < plan.size(); ++i) {
-    const auto found = images.find(plan[i].name);
-    if (found == images.end()) continue;  // colmap could not read it: no features
-    Stored& entry = stored[found->second.image_id];
-    entry.view = distinct.views[i];
-    ReadImageSize(work_dir / "images" / plan[i].name, &entry.size[0], &entry.size[1]);
+  const std::map<uint32_t, int> features = ReadFeatureCounts(database);
+  for (const auto& [name, image] : ReadDatabaseImages(database)) {
+    const auto found = features.find(image.image_id);
+    if (view_of.count(name) > 0 && found != features.end()) reports[view_of[name]].features = found->second;
   }
-  for (const auto& [id, count] : ReadFeatureCounts(database)) {
-    if (stored.count(id) > 0) reports[stored[id].view].features = count;
-  }
-  for (const MatchedPair& pair : ReadMatchedPairs(database)) {
-    const auto a = stored.find(pair.first), b = stored.find(pair.second);
-    if (pair.inliers == 0 || a == stored.end() || b == stored.end()) continue;
-    const bool pure_rotation =
-        pair.homography &&
-        RotationResidual(RefitHomography(*pair.homography, ReadInliers(database, pair.first, pair.second)),
-                         a->second.size, b->second.size) < kMaxRotationResidual;
-    ViewReport &first = reports[a->second.view], &second = reports[b->second.view];
-    first.neighbours.push_back({second.name, pair.inliers, pure_rotation});
-    second.neighbours.push_back({first.name, pair.inliers, pure_rotation});
+  for (const PairEvidence& pair : ReadPairEvidence(database, work_dir / "images")) {
+    const auto a = view_of.find(pair.first), b = view_of.find(pair.second);
+    if (a == view_of.end() || b == view_of.end()) continue;
+    ViewReport &first = reports[a->second], &second = reports[b->second];
+    first.neighbours.push_back({second.name, pair.inliers, pair.pure_rotation});
+    second.neighbours.push_back({first.name, pair.inliers, pair.pure_rotation});
   }
   return reports;
+}
+
+/// What speaks against the model in work_dir, by names of views.
+std::vector<std::string> GatherDoubts(const Scene& photos, const Distinct& distinct,
+                                      const std::vector<StagedView>& plan, const fs::path& work_dir) {
+  std::map<std::string, const SceneView*> view_of;
+  for (size_t i = 0; i < plan.size(); ++i) {
+    view_of[plan[i].name] = &photos.views[static_cast<size_t>(distinct.views[i])];
+  }
+  const fs::path model = work_dir / "sparse" / "0";
+  const ColmapCameras cameras = ReadColmapCameras(model);
+  std::map<uint32_t, FocalLength> focals;
+  for (const ColmapImage& image : ReadColmapImages(model)) {
+    const SceneView& view = *view_of.at(image.name);
+    FocalLength& focal = focals[image.camera_id];
+    focal.photos.push_back(view.name);
+    focal.found = cameras.at(image.camera_id).fx();
+    focal.by_exif = std::max(focal.by_exif, view.focal_prior);
+  }
+  std::vector<PairMotions> pairs = ReadPairMotions(work_dir / "database.db", work_dir / "images");
+  std::erase_if(pairs, [&](const PairMotions& pair) {
+    return view_of.count(pair.first) == 0 || view_of.count(pair.second) == 0;
+  });
+  for (PairMotions& pair : pairs) {
+    pair.first = view_of[pair.first]->name;
+    pair.second = view_of[pair.second]->name;
+  }
+  std::vector<FocalLength> known;
+  for (auto& [id, focal] : focals) known.push_back(std::move(focal));
+  return PoseDoubts(pairs, known);
 }
 
 [[noreturn]] void FailRegistration(const Scene& photos, const RegistrationReport& report, const fs::path& work_dir) {
@@ -95,8 +113,7 @@ std::vector<ViewReport> GatherEvidence(const Scene& photos, const Distinct& dist
   if (TakenFromOnePoint(report)) {
     throw InputError(
         "{}: its {} photos were taken from one point (they differ by a pure rotation of the camera), so depth cannot "
-        "be "
-        "found; move sideways between photos instead of only turning the camera; see {}",
+        "be found; move sideways between photos instead of only turning the camera; see {}",
         photos.root.string(), photos.views.size(), see);
   }
   throw InputError(
@@ -128,6 +145,11 @@ RegistrationReport Register(const Scene& photos, const Distinct& distinct, const
   }
   result.best.images = std::move(by_view_name);
   RegistrationReport report = MakeReport(GatherEvidence(photos, distinct, plan, work_dir), result);
+  if (report.registered() >= 2) {
+    for (std::string& doubt : GatherDoubts(photos, distinct, plan, work_dir)) {
+      report.warnings.push_back(std::move(doubt));
+    }
+  }
   WriteFileAtomically(work_dir / kReport, ReportToJson(report).dump(1) + "\n");
   // Of a pure rotation colmap now and then makes a model out of the matches' noise.
   if (report.registered() < 2 || TakenFromOnePoint(report)) FailRegistration(photos, report, work_dir);
@@ -160,21 +182,33 @@ Scene RegisterViews(const Scene& photos, const fs::path& work_dir, const Listene
     throw InputError("{}: its {} photos are one and the same; take photos from different places", photos.root.string(),
                      photos.views.size());
   }
-  const std::vector<StagedView> plan = PlanStaging(photos, distinct.views);
+  const std::vector<StagedView> plan = PlanStaging(photos, distinct.views, Upright::kTurn);
   std::vector<std::string> warnings;
   if (IsUnchanged(work_dir, inputs)) {
     RestoreImages(photos, distinct.views, plan, work_dir);
     warnings = StoredWarnings(work_dir);
   } else {
     RequireColmap(photos);
-    ClearWorkDir(work_dir);
-    warnings = Register(photos, distinct, plan, work_dir, listener).warnings;
+    if (const std::string failed = RememberedFailure(work_dir, inputs); !failed.empty()) {
+      listener(Note{"all attempts were made by an earlier call, with the same photos; --overwrite makes them again"});
+      throw InputError("{}", failed);
+    }
+    BeginAttempts(work_dir, inputs);
+    try {
+      warnings = Register(photos, distinct, plan, work_dir, listener).warnings;
+    } catch (const InputError& failure) {
+      RememberFailure(work_dir, inputs, failure.what());
+      throw;
+    }
     MarkDone(work_dir, inputs);
   }
   ModelInScene model = ReadModel(photos, distinct.views, plan, work_dir, listener);
   for (const std::string& warning : warnings) listener(Warning{warning});
+  const bool doubtful = std::any_of(warnings.begin(), warnings.end(),
+                                    [](const std::string& warning) { return warning.starts_with(kPosesDoubtful); });
   if (model.views.size() == photos.views.size()) {
-    listener(Note{fmt::format("registered {} of {}", model.views.size(), Counted(photos.views.size(), "photo"))});
+    listener(Note{fmt::format("registered {} of {}{}", model.views.size(), Counted(photos.views.size(), "photo"),
+                              doubtful ? ", but the poses are doubtful: see the warning" : "")});
   }
   return RegisteredScene(photos, std::move(model));
 }

@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/sfm/retry_schedule.h"
@@ -19,8 +16,6 @@ constexpr int kMinMatchesToRegister = 30;   // what colmap asks for by default
 constexpr double kMinParallaxForDepth = 1;  // degrees; depth is known to a few percent at best
 constexpr size_t kMaxNeighboursReported = 5;
 constexpr size_t kMaxMissingNamed = 5;
-constexpr int kFocalSteps = 24;
-constexpr double kMinFocal = .5, kMaxFocal = 2.5;  // longer sides of the image
 
 /// Names are in the order they were taken in, as a rule: the registered ones on both sides, nearest first.
 std::vector<std::string> RegisteredAround(const RegistrationReport& report, size_t index) {
@@ -34,7 +29,8 @@ std::vector<std::string> RegisteredAround(const RegistrationReport& report, size
   return names;
 }
 
-ViewStatus StatusOfMissing(const ViewReport& view) {
+/// `registered`: the images of the model.
+ViewStatus StatusOfMissing(const ViewReport& view, const std::map<std::string, RegisteredImage>& registered) {
   if (!view.same_as.empty()) return ViewStatus::kDuplicate;
   const int most = view.neighbours.empty() ? 0 : view.neighbours[0].inliers;
   if (view.features < kMinFeaturesToMatch || (view.features < kFewFeatures && most < kMinMatchesToRegister)) {
@@ -45,7 +41,12 @@ ViewStatus StatusOfMissing(const ViewReport& view) {
   const bool pure_rotation = std::all_of(view.neighbours.begin(), view.neighbours.end(), [](const Neighbour& n) {
     return n.pure_rotation || n.inliers < kMinMatchesToRegister;
   });
-  return pure_rotation ? ViewStatus::kPureRotation : ViewStatus::kDoesNotFit;
+  if (pure_rotation) return ViewStatus::kPureRotation;
+  const bool elsewhere =
+      !registered.empty() && std::all_of(view.neighbours.begin(), view.neighbours.end(), [&](const Neighbour& n) {
+        return n.inliers < kMinMatchesToRegister || registered.count(n.name) == 0;
+      });
+  return elsewhere ? ViewStatus::kElsewhere : ViewStatus::kDoesNotFit;
 }
 
 std::string Advice(const RegistrationReport& report, size_t index) {
@@ -69,6 +70,9 @@ std::string Advice(const RegistrationReport& report, size_t index) {
     case ViewStatus::kFewMatches:
     case ViewStatus::kDoesNotFit:
       return fmt::format("take one between {} and {}", view.neighbours[0].name, view.name);
+    case ViewStatus::kElsewhere:
+      return fmt::format("take photos between it and {}, or leave it out if it shows another place",
+                         around.empty() ? "the registered ones" : around[0]);
     case ViewStatus::kPureRotation:
       return "move sideways, do not only turn the camera";
   }
@@ -89,6 +93,8 @@ std::string StatusWord(ViewStatus verdict) {
       return "few_matches";
     case ViewStatus::kPureRotation:
       return "pure_rotation";
+    case ViewStatus::kElsewhere:
+      return "elsewhere";
     case ViewStatus::kDoesNotFit:
       return "does_not_fit";
   }
@@ -110,6 +116,9 @@ std::string Why(const ViewReport& view) {
                          view.neighbours[0].name);
     case ViewStatus::kPureRotation:
       return fmt::format("taken from the place of {}: no parallax", view.neighbours[0].name);
+    case ViewStatus::kElsewhere:
+      return fmt::format("{} matches with {}, but hardly any with a registered photo", view.neighbours[0].inliers,
+                         view.neighbours[0].name);
     case ViewStatus::kDoesNotFit:
       return fmt::format("{} matches with {}, but too few to place it", view.neighbours[0].inliers,
                          view.neighbours[0].name);
@@ -166,26 +175,6 @@ int RegistrationReport::registered() const {
                                         [](const ViewReport& view) { return view.status == ViewStatus::kRegistered; }));
 }
 
-double RotationResidual(const Eigen::Matrix3d& b_from_a, const std::array<int, 2>& size_a,
-                        const std::array<int, 2>& size_b) {
-  const auto intrinsics = [](const std::array<int, 2>& size, double sides) {
-    const double focal = sides * std::max(size[0], size[1]);
-    Eigen::Matrix3d k;
-    k << focal, 0, size[0] / 2., 0, focal, size[1] / 2., 0, 0, 1;
-    return k;
-  };
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kFocalSteps; ++i) {
-    const double sides = kMinFocal * std::pow(kMaxFocal / kMinFocal, i / (kFocalSteps - 1.));
-    const Eigen::Matrix3d rotation = intrinsics(size_b, sides).inverse() * b_from_a * intrinsics(size_a, sides);
-    const double scale = std::cbrt(rotation.determinant());
-    if (!std::isfinite(scale) || scale == 0) continue;
-    const Eigen::Vector3d singular = Eigen::JacobiSVD<Eigen::Matrix3d>(rotation / scale).singularValues();
-    least = std::min(least, (singular.array() - 1).abs().maxCoeff());
-  }
-  return least;
-}
-
 RegistrationReport MakeReport(std::vector<ViewReport> views, const AttemptResult& result) {
   RegistrationReport report{std::move(views), result.best, result.attempts, {}};
   for (ViewReport& view : report.views) {
@@ -193,7 +182,7 @@ RegistrationReport MakeReport(std::vector<ViewReport> views, const AttemptResult
                      [](const Neighbour& a, const Neighbour& b) { return a.inliers > b.inliers; });
     const auto found = result.best.images.find(view.name);
     if (found == result.best.images.end()) {
-      view.status = StatusOfMissing(view);
+      view.status = StatusOfMissing(view, result.best.images);
       continue;
     }
     view.status = ViewStatus::kRegistered;
@@ -231,15 +220,7 @@ bool TakenFromOnePoint(const RegistrationReport& report) {
 
 nlohmann::json ReportToJson(const RegistrationReport& report) {
   nlohmann::json attempts = nlohmann::json::array(), views = nlohmann::json::array();
-  for (const AttemptRecord& a : report.attempts) {
-    attempts.push_back({{"features", a.features},
-                        {"name", a.name},
-                        {"registered", a.registered},
-                        {"points", a.points},
-                        {"reprojection_error", a.reprojection_error},
-                        {"parallax_degrees", a.parallax_degrees},
-                        {"kept", a.kept}});
-  }
+  for (const AttemptRecord& attempt : report.attempts) attempts.push_back(RecordToJson(attempt));
   for (const ViewReport& view : report.views) views.push_back(ViewToJson(view));
   return {{"format", 2},
           {"photos", report.views.size()},

@@ -1,8 +1,6 @@
 #pragma once
 // What is reported of each photo after structure from motion: registered or why not, and what to take instead.
 
-#include <Eigen/Core>
-#include <array>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -18,6 +16,7 @@ enum class ViewStatus {
   kNoMatches,     ///< with any other
   kFewMatches,    ///< too few with every other
   kPureRotation,  ///< of the cameras of all that share something with it: no parallax
+  kElsewhere,     ///< shares things with photos that are not registered either, and with no other
   kDoesNotFit,    ///< enough matches, but no pose that agrees with the model
 };
 
@@ -47,12 +46,6 @@ struct RegistrationReport {
 
   int registered() const;
 };
-
-/// Distance of a homography from a pure rotation of the camera, K_b R K_a^-1, over the focal lengths that cameras
-/// have: the largest departure of a singular value of R from 1. A step aside by the t-th part of the distance to a
-/// plane gives about t. Sizes are (width, height) in pixels. Infinite for a map that is no homography of two cameras.
-double RotationResidual(const Eigen::Matrix3d& b_from_a, const std::array<int, 2>& size_a,
-                        const std::array<int, 2>& size_b);
 
 /// Completes `views`, which have name, same_as, features and neighbours: status, points, parallax and advice follow
 /// from what `result` registered (images of the model are named as the views).

@@ -53,26 +53,37 @@ std::vector<MapperAttempt> RelaxedAttempts() {
 std::vector<FeatureSet> MakeSchedule() {
   FeatureSet usual{"usual features", {}, {}, RelaxedAttempts(), 1 << 30};
   usual.attempts.insert(usual.attempts.begin(), {"strict", Common(), 0});
+  const FeatureSet coarse{"coarse features",
+                          {{"SiftExtraction.estimate_affine_shape", "1"},
+                           {"SiftExtraction.peak_threshold", "0.003"},
+                           {"SiftExtraction.max_image_size", "1000"},
+                           {"SiftExtraction.max_num_features", "2048"}},
+                          {{"SiftMatching.max_ratio", "0.85"}},
+                          RelaxedAttempts(),
+                          kMaxImagesForRetries};
   // Weaker features are found by lowering the threshold. Guided matching, which would also add some, needs known
   // intrinsics: without them it follows a homography and keeps what lies on one plane.
   const FeatureSet more{"more features",
                         {{"SiftExtraction.peak_threshold", "0.002"}, {"SiftExtraction.max_num_features", "16384"}},
                         {{"SiftMatching.max_ratio", "0.85"}},
                         RelaxedAttempts(),
-                        16};
+                        12,
+                        true};
   const FeatureSet affine{"affine features",
                           {{"SiftExtraction.estimate_affine_shape", "1"}, {"SiftExtraction.peak_threshold", "0.003"}},
                           {{"SiftMatching.max_ratio", "0.85"}},
                           RelaxedAttempts(),
-                          12};
+                          12,
+                          true};
   const FeatureSet pooled{"pooled features",
                           {{"SiftExtraction.domain_size_pooling", "1"},
                            {"SiftExtraction.estimate_affine_shape", "1"},
                            {"SiftExtraction.peak_threshold", "0.003"}},
                           {{"SiftMatching.max_ratio", "0.85"}},
                           RelaxedAttempts(),
-                          6};
-  return {usual, more, affine, pooled};
+                          6,
+                          true};
+  return {usual, coarse, more, affine, pooled};
 }
 
 }  // namespace
@@ -100,11 +111,9 @@ bool IsEnough(const ModelQuality& best, int images) {
   return best.registered() >= images || (images > kMaxImagesForRetries && 2 * best.registered() >= images);
 }
 
-bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images) {
-  if (IsEnough(best, images)) return false;
-  if (images <= set.max_images) return true;
-  const int registered = IsSound(best) ? best.registered() : 0;
-  return images <= kMaxImagesForRetries && 2 * registered < images;
+bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images, const MatchEvidence& evidence) {
+  if (IsEnough(best, images) || images > set.max_images || evidence.one_place) return false;
+  return !set.needs_link || evidence.links > 0;
 }
 
 bool CanMatchMissing(const std::map<std::string, int>& feature_counts, const ModelQuality& best) {

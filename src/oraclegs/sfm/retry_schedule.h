@@ -24,7 +24,14 @@ struct FeatureSet {
   std::string name;
   ColmapOptions extraction, matching;
   std::vector<MapperAttempt> attempts;
-  int max_images = 0;  ///< too slow for more images than this, unless hardly any could be registered
+  int max_images = 0;       ///< too slow for more images than this
+  bool needs_link = false;  ///< of no use for images that are linked to no other
+};
+
+/// What the matches so far say of the images that are not registered.
+struct MatchEvidence {
+  int links = 0;           ///< of such an image to another (pair_evidence.h)
+  bool one_place = false;  ///< all links, of any images, are pure rotations of the camera
 };
 
 inline constexpr int kMaxImagesForRetries = 24;  ///< up to here every image is worth another attempt
@@ -32,7 +39,8 @@ inline constexpr int kMinFeaturesToMatch = 30;   ///< an image with fewer cannot
 inline constexpr int kMaxPairsToRematch = 150;   ///< matched again with known intrinsics, about a second each
 
 /// Cheap before expensive, strict before relaxed: colmap's own thresholds; relaxed ones; an initial pair of small angle
-/// or forward motion, also with a wide-angle lens; more and weaker features; affine ones; and, slowest, pooled ones.
+/// or forward motion, also with a wide-angle lens; affine features of small images, which say whether anything links
+/// the images at all; more and weaker features; affine ones; and, slowest, pooled ones.
 /// The thresholds are from trials on 3 to 12 images of a scene; the first set is the only one for many.
 const std::vector<FeatureSet>& RegistrationSchedule();
 
@@ -46,8 +54,8 @@ const ColmapOptions& RematchOptions();
 /// kMaxImagesForRetries, half of them.
 bool IsEnough(const ModelQuality& best, int images);
 
-/// True when `set` is to be tried after `best` was found without it.
-bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images);
+/// True when `set` is to be tried after `best` was found without it, by matches that show `evidence`.
+bool IsWorthTrying(const FeatureSet& set, const ModelQuality& best, int images, const MatchEvidence& evidence);
 
 /// True when an image that is missing in `best` has features enough to be matched. `feature_counts` by name.
 bool CanMatchMissing(const std::map<std::string, int>& feature_counts, const ModelQuality& best);

@@ -9,15 +9,12 @@
 #include <string>
 
 #include "oraclegs/core/error.h"
-#include "oraclegs/core/files.h"
-#include "oraclegs/core/find_program.h"
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/subprocess.h"
-#include "oraclegs/core/text.h"
-#include "oraclegs/core/unique_json.h"
 #include "oraclegs/scene/colmap_model.h"
 #include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/point_ply.h"
+#include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_database.h"
 #include "oraclegs/sfm/colmap_runner.h"
 #include "oraclegs/sfm/colmap_staging.h"
@@ -27,8 +24,6 @@ namespace oraclegs {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr char kFailure[] = "failure.json";
 
 /// A text model of the given poses with the ids the database has. Returns its number of images.
 size_t WriteKnownPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
@@ -57,7 +52,7 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
   if (WriteKnownPoses(scene, views, plan, colmap, AttemptsFolder(work_dir) / "poses") < 2) {
     throw ColmapFailure{"feature_extractor", 0, "fewer than two photos could be used"};
   }
-  colmap.MatchExhaustively();
+  MatchImages(colmap, {}, listener);
   const fs::path made = AttemptsFolder(work_dir) / "model";
   MakeFolder(made);
   colmap.Run("point_triangulator",
@@ -72,34 +67,6 @@ void Triangulate(const Scene& scene, const std::vector<int>& views, const std::v
               {"Mapper.fix_existing_images", "1"}},
              "triangulating");
   MoveFolder(made, work_dir / "sparse" / "0");
-}
-
-/// The program that fails: once another stands there, it is tried again.
-nlohmann::json ColmapStamp() {
-  const fs::path program = FindProgram("colmap");
-  std::error_code ignored;
-  return {{"program", EscapeBytes(program.string())},
-          {"bytes", fs::file_size(program, ignored)},
-          {"modified", fs::last_write_time(program, ignored).time_since_epoch().count()}};
-}
-
-/// What the same colmap failed with on the same inputs, as happens again each time; empty when it did not.
-std::string RememberedFailure(const fs::path& work_dir, const nlohmann::json& inputs) {
-  std::error_code ignored;
-  if (!fs::exists(work_dir / kFailure, ignored)) return "";
-  try {
-    const nlohmann::json failure = ParseJson(ReadFile(work_dir / kFailure));
-    if (failure.at("inputs") != inputs || failure.at("colmap") != ColmapStamp()) return "";
-    return failure.at("warning").get<std::string>();
-  } catch (const std::exception&) {
-    return "";  // damaged: it is tried again
-  }
-}
-
-void RememberFailure(const fs::path& work_dir, const nlohmann::json& inputs, const std::string& warning) {
-  const nlohmann::json failure = {{"inputs", inputs}, {"colmap", ColmapStamp()}, {"warning", warning}};
-  WriteFileAtomically(work_dir / kFailure,
-                      failure.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace

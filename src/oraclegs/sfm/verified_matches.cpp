@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/sfm/matched_features.h"
 
 namespace oraclegs {
 namespace {

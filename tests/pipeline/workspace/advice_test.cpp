@@ -39,5 +39,11 @@ TEST_F(PhotoAdviceTest, IgnoresDamage) {
   EXPECT_THAT(PhotoAdvice(temp.path(), 3), ElementsAre(": move"));
 }
 
+TEST_F(PhotoAdviceTest, RepeatsDoubtsOfPoses) {
+  EXPECT_THAT(StoredPoseDoubts(temp.path()), IsEmpty());
+  Write("sfm/registration.json", R"({"warnings": ["a.jpg is left out", "the poses are doubtful: all is flat", 7]})");
+  EXPECT_THAT(StoredPoseDoubts(temp.path()), ElementsAre("the poses are doubtful: all is flat"));
+}
+
 }  // namespace
 }  // namespace oraclegs

@@ -6,6 +6,7 @@
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/pipeline/settings/plan.h"
 #include "oraclegs/pipeline/stages/proxy_models.h"
+#include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_runner.h"
 
 namespace oraclegs {
@@ -39,8 +40,6 @@ double FullPixels(const EstimateInput& input) {
   return static_cast<double>(input.scene.largest.width) * input.scene.largest.height;
 }
 
-double PairsOf(int photos) { return 0.5 * photos * (photos - 1); }
-
 int ProposalsOf(const EstimateInput& input) {
   const RunOptions& options = input.options;
   if (!ProposesViews(options)) return 0;
@@ -63,7 +62,7 @@ double SecondsOfFeatures(const EstimateInput& input, int photos) {
   const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / side);
   const double pixels = FullPixels(input) * reduction * reduction;
   return (kFeatures + kFeaturesOfPixel * pixels) * photos +
-         (kMatch + kMatchOfSide * std::sqrt(pixels)) * PairsOf(photos);
+         (kMatch + kMatchOfSide * std::sqrt(pixels)) * static_cast<double>(PairsToMatch(photos));
 }
 
 double SecondsOfProxies(const EstimateInput& input) {

@@ -10,13 +10,15 @@ namespace {
 
 void AddRegisterKey(Run* run, Fingerprint* key) {
   key->Add(run->photos);
+  if (run->needed) {
+    for (const SceneView& view : run->scene.views) key->Add(view.name);
+  }
   if (run->plan.poses) key->Add("vggt").Add(run->plan.poses->fingerprint);
 }
 
 void UndoRegister(Run* run, const nlohmann::json& record) {
-  if (!record.is_null()) {
-    run->listener(Warning{"the photos, or what finds their poses, have changed: poses are found anew"});
-  }
+  if (record.is_null()) return;  // what a stopped run left is used, if it is of the same photos
+  run->listener(Warning{"the photos, or what finds their poses, have changed: poses are found anew"});
   std::error_code ignored;  // what cannot be removed cannot be written either, which is reported then
   std::filesystem::remove_all(run->workspace.sfm(), ignored);
 }

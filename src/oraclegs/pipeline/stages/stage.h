@@ -67,6 +67,11 @@ struct StageShare {
   Share share = {};
 };
 
+/// Names of the views that train and test, where the others are left out.
+struct NeededViews {
+  std::vector<std::string> train, test;
+};
+
 struct Run {
   RunOptions options;
   std::string version;  ///< of the program, for metrics.json
@@ -77,6 +82,7 @@ struct Run {
   Listener listener;
   std::string photos;  ///< stands for images that came without poses; "" = the scene has poses of its own
   FileHashes files = {};
+  std::optional<NeededViews> needed = {};        ///< of many photos without poses (needed_photos.h); nothing: all
   SceneFrame frame = {};                         ///< that the scene was brought into, once its poses are known
   std::map<std::string, double> predicted = {};  ///< seconds of each stage; empty where nobody asked
   std::unique_ptr<StageResults> results = std::make_unique<StageResults>();

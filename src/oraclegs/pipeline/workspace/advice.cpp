@@ -8,6 +8,7 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/sfm/pose_doubts.h"
 
 namespace oraclegs {
 namespace {
@@ -52,6 +53,15 @@ std::vector<std::string> PhotoAdvice(const std::filesystem::path& workspace, siz
   }
   if (advice.size() > most) advice.resize(most);
   return advice;
+}
+
+std::vector<std::string> StoredPoseDoubts(const std::filesystem::path& workspace) {
+  std::vector<std::string> doubts;
+  for (const json& warning : ListAt(ReadOrNull(WorkspacePaths(workspace).sfm() / "registration.json"), "warnings")) {
+    if (!warning.is_string()) continue;
+    if (const auto text = warning.get<std::string>(); text.starts_with(kPosesDoubtful)) doubts.push_back(text);
+  }
+  return doubts;
 }
 
 }  // namespace oraclegs

@@ -1,0 +1,36 @@
+#pragma once
+// What is finished of the attempts to find cameras, written after each step: a run that was stopped or killed goes on
+// there.
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace oraclegs {
+
+/// What one run of the mapper, or the registration of the remaining images, gave.
+struct AttemptRecord {
+  std::string features, name;
+  int registered = 0, points = 0;
+  double reprojection_error = 0;  ///< pixels
+  double parallax_degrees = 0;
+  bool kept = false;  ///< at most one is
+};
+
+struct AttemptJournal {
+  std::set<std::string> steps;  ///< that are finished, by names of the caller's
+  std::vector<AttemptRecord> records;
+  std::string model, database, features;  ///< of the best model: folder, file and set of features; empty without one
+  int folders = 0;                        ///< of models, that were made
+};
+
+nlohmann::json RecordToJson(const AttemptRecord& record);
+
+/// The journal of that folder of attempts; an empty one where there is none, or a damaged one.
+AttemptJournal ReadAttemptJournal(const std::filesystem::path& folder);
+/// Throws RunError.
+void WriteAttemptJournal(const AttemptJournal& journal, const std::filesystem::path& folder);
+
+}  // namespace oraclegs

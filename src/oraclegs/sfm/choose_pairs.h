@@ -1,0 +1,29 @@
+#pragma once
+// Which pairs of many images are matched: all of few; of many, those next in order and those that look alike.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "oraclegs/sfm/colmap_runner.h"
+
+namespace oraclegs {
+
+inline constexpr int kMaxImagesToMatchAll = 60;  ///< all pairs of more take longer than finding their cameras
+
+/// How many pairs of so many images are matched, at most.
+int64_t PairsToMatch(int images);
+
+/// The pairs (i, j), i < j, of images in the order of their names: each with its kNextInOrder next ones and the
+/// kMostAlike most alike ones by their descriptions, one a row, of unit length (a row of zeros is like none).
+std::vector<std::pair<int, int>> ChoosePairs(const Eigen::MatrixXf& descriptions);
+
+inline constexpr int kNextInOrder = 4, kMostAlike = 10;
+
+/// Matches the images of colmap's database: all pairs of at most kMaxImagesToMatchAll, else chosen ones, which
+/// `listener` is told.
+void MatchImages(const ColmapRunner& colmap, const ColmapOptions& options, const Listener& listener);
+
+}  // namespace oraclegs
