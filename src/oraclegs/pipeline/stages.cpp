@@ -17,7 +17,7 @@ const std::vector<Stage>& Stages() {
   static const std::vector<Stage> stages = {
       {"register", 2, {}, RegisterStage()},
       {"sfm", 1, {"register"}, SfmStage()},
-      {"depth", 4, {"sfm"}, DepthStage()},
+      {"depth", 5, {"sfm"}, DepthStage()},
       {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},

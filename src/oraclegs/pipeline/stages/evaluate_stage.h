@@ -20,10 +20,10 @@ struct Model {
   std::optional<double> unit_meters = {};        ///< length of a unit of the file, or of the scene; nothing = not known
 };
 
-/// Reads a PLY of any trainer into the run's coordinates, to be rendered on the background, antialiased where `options` or
-/// the file say so, and on `device`. The file is in the coordinates that models of `frame` are written in, but for the
-/// offset that its header names; one whose unit is known and another, as of an export in meters, is scaled. What the
-/// reader left out or assumed is a Warning each.
+/// Reads a PLY of any trainer into the run's coordinates, to be rendered on the background, antialiased where `options`
+/// or the file say so, and on `device`. The file is in the coordinates that models of `frame` are written in, but for
+/// the offset that its header names; one whose unit is known and another, as of an export in meters, is scaled. What
+/// the reader left out or assumed is a Warning each.
 Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
                 const SceneFrame& frame = {}, const Listener& listener = Silent());
 
