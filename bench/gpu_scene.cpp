@@ -42,7 +42,7 @@ GpuScene TrainedScene(const std::filesystem::path& ply, const std::filesystem::p
     if (scene.cameras.size() == kViews) break;
     const auto [frame, name] = NamedFrame(file, entry, transforms, static_cast<int>(scene.cameras.size()));
     Camera camera = UndistortedCamera(ReadTransformsIntrinsics(frame, FindFrameImage(transforms.parent_path(), name)));
-    camera.cam_from_world = ReadTransformsPose(frame);
+    camera.cam_from_world = ReadTransformsPose(frame).cam_from_world;
     scene.cameras.push_back(AtPixels(camera, pixels));
   }
   return scene;

@@ -5,6 +5,7 @@
 #include "oraclegs/pipeline/settings/device.h"
 #include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/pipeline/stages/stage_clock.h"
+#include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "source_command.h"
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/scene/frame.h"
+#include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/scene/view_list.h"
 

@@ -121,23 +121,6 @@ TEST_F(FrameTest, RefusesOtherLengths) {
   EXPECT_THROW(UnitMeters(scene, "a,b=1", true), InputError);
 }
 
-TEST(FrameComments, CarryTheUnit) {
-  SceneFrame frame;
-  EXPECT_TRUE(FrameComments(frame).empty());
-  frame.is_level = true, frame.unit_meters = 0.0625;
-  std::vector<std::string> comments = FrameComments(frame);
-  EXPECT_EQ(comments.size(), 2u);
-  EXPECT_EQ(UnitMetersOf(comments), 0.0625);
-  comments.push_back("by me");
-  const std::string level = comments[0];
-  EXPECT_EQ(WithUnit(comments, 1), (std::vector<std::string>{level, "by me", "a unit is 1 m"}));
-  EXPECT_EQ(WithUnit(comments, {}), (std::vector<std::string>{level, "by me"}));
-  EXPECT_EQ(WithoutLevel(comments), (std::vector<std::string>{"a unit is 0.0625 m", "by me"}));
-  for (const char* text : {"a unit is  m", "a unit is long m", "a unit is -1 m", "a unit is 1 mm"}) {
-    EXPECT_FALSE(UnitMetersOf({text})) << text;
-  }
-}
-
 /// Positions times `scale`, then moved.
 Scene Rescaled(Scene scene, double scale, const Eigen::Vector3d& offset) {
   SceneFrame frame;
@@ -207,19 +190,6 @@ TEST_F(FrameTest, SaysWhyTheScenesOwnUnitsDoNotFit) {
   EXPECT_THAT(why(0.01, 0), testing::HasSubstr("nearer than 0.2"));
   EXPECT_THAT(why(1e6, 0), testing::HasSubstr("too far"));
   EXPECT_THAT(why(1, 1e6), testing::HasSubstr("from its origin"));
-}
-
-TEST(OffsetOf, ReadsWhatFrameCommentsWrites) {
-  SceneFrame frame;
-  EXPECT_TRUE(FrameComments(frame).empty());
-  frame.offset = {500000.25, -4100000, 1. / 3};
-  EXPECT_EQ(OffsetOf(FrameComments(frame)), frame.offset);
-  EXPECT_EQ(OffsetOf(WithOffset(FrameComments(frame), {1, 2, 3})), Eigen::Vector3d(1, 2, 3));
-  EXPECT_TRUE(WithOffset(FrameComments(frame), Eigen::Vector3d::Zero()).empty());
-  for (const char* text :
-       {"offset", "offset 1 2", "offset 1 2 3 4", "offset a b c", "offset 1 2 inf", "offsets 1 2 3"}) {
-    EXPECT_EQ(OffsetOf({text}), Eigen::Vector3d::Zero()) << text;
-  }
 }
 
 }  // namespace

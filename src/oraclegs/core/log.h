@@ -12,7 +12,7 @@ enum class Verbosity {
   kVerbose,  ///< also what helps to find a fault
 };
 
-/// The one logger, at kNormal until SetVerbosity is called. A line reads "info: text"; coloured on a terminal. What
+/// The one logger, at kNormal until SetVerbosity is called. A line reads "info: text"; colored on a terminal. What
 /// steers a terminal, or ends the line, becomes '?'.
 spdlog::logger& Log();
 

@@ -168,7 +168,7 @@ Palette MakePalette(const Buffer<float>& vectors, const std::vector<float>& weig
   const int64_t n = vectors.size(0), dims = vectors.shape().row();
   std::vector<int64_t> rows(static_cast<size_t>(n));
   std::iota(rows.begin(), rows.end(), 0);
-  // Flat k-means would compare every vector with every colour; in two levels it is the square root of that.
+  // Flat k-means would compare every vector with every color; in two levels it is the square root of that.
   const int coarse = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(size)) / 2));
   Clustering first(vectors, weights, rows, coarse);
   first.Run(true);

@@ -1,5 +1,5 @@
 #pragma once
-// Vector quantisation: many numbers as indices of few.
+// Vector quantization: many numbers as indices of few.
 
 #include <cstdint>
 #include <vector>

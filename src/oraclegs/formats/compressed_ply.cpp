@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/parallel.h"
 #include "oraclegs/core/statistics.h"
+#include "oraclegs/scene/frame_comments.h"
 
 namespace oraclegs {
 namespace {
@@ -49,7 +50,7 @@ std::array<float, 4> UnpackRotation(uint32_t packed) {
   return RestoreLargest(rotation);
 }
 
-/// Position, log scales and colour of a Gaussian: what the bounds of a chunk are of.
+/// Position, log scales and color of a Gaussian: what the bounds of a chunk are of.
 std::array<float, 9> BoundedValues(const GaussianRows& g) {
   std::array<float, 9> v;
   for (int c = 0; c < 3; ++c) {
@@ -132,7 +133,7 @@ std::vector<PlyRows> TablesOf(std::string_view bytes, const PlyHeader& header, c
   return tables;
 }
 
-/// Bounds of all chunks, [chunks, 18]; colour from 0 to 1 where the file has no bounds of it.
+/// Bounds of all chunks, [chunks, 18]; color from 0 to 1 where the file has no bounds of it.
 std::vector<float> BoundsOf(const PlyRows& chunk, const std::string& file) {
   const int count = chunk.element->Find("min_r") >= 0 ? kBounds : kBoundsWithoutColor;
   std::vector<float> bounds(chunk.element->count * kBounds);

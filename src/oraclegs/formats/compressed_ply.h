@@ -12,7 +12,7 @@
 namespace oraclegs {
 
 /// The bytes of a .compressed.ply file; the Gaussians keep their order, which should be spatial. Errors: positions and
-/// log scales half a step of 1/2047 (y: 1/1023) of their chunk's range, colour half of 1/255 of it within [-8, 9],
+/// log scales half a step of 1/2047 (y: 1/1023) of their chunk's range, color half of 1/255 of it within [-8, 9],
 /// opacity 1/510, quaternion 1/1446 a component, harmonics 1/64 within [-4, 4].
 std::string EncodeCompressedPly(const Gaussians& gaussians, int sh_degree, const std::vector<std::string>& comments);
 

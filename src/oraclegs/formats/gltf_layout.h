@@ -16,7 +16,7 @@ inline constexpr int kGltfByte = 5120, kGltfUnsignedByte = 5121, kGltfShort = 51
                      kGltfFloat = 5126;
 
 inline constexpr const char* kSplatExtension = "KHR_gaussian_splatting";
-inline constexpr const char* kDisplayColors = "srgb_rec709_display";  ///< what the program's colours are
+inline constexpr const char* kDisplayColors = "srgb_rec709_display";  ///< what the program's colors are
 inline constexpr const char* kLinearColors = "lin_rec709_display";
 inline constexpr const char* kSpzExtension = "KHR_gaussian_splatting_compression_spz_2";
 inline constexpr const char* kSplatRotation = "KHR_gaussian_splatting:ROTATION";

@@ -161,7 +161,7 @@ class GltfReader {
     parts_.push_back(std::move(part));
   }
 
-  /// Brings colours that are stored as linear light to the program's.
+  /// Brings colors that are stored as linear light to the program's.
   void ConvertColors(const nlohmann::json& extension, GltfPart* part) {
     const nlohmann::json space =
         extension.is_object() ? extension.value("colorSpace", nlohmann::json()) : nlohmann::json();

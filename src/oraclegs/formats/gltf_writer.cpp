@@ -72,7 +72,7 @@ class GltfWriter {
     }
   }
 
-  /// The colour and opacity of the points that viewers without the extension show.
+  /// The color and opacity of the points that viewers without the extension show.
   void AddPointColors() {
     attributes_["COLOR_0"] =
         AddAccessor({{"componentType", kGltfUnsignedByte},

@@ -11,7 +11,7 @@
 namespace oraclegs {
 
 /// The bytes of a .glb file: all attributes as float32, without loss but rounding, in the order of the Gaussians.
-/// Viewers that do not know the extension show coloured points. Support, if given, is the attribute _SUPPORT. Throws
+/// Viewers that do not know the extension show colored points. Support, if given, is the attribute _SUPPORT. Throws
 /// RunError where the file would have more than 4 GB.
 std::string EncodeGltf(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {});
 

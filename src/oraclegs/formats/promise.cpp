@@ -14,7 +14,7 @@ constexpr double kShareOfSize = 0.25, kShareOfDistance = 1e-3;
 constexpr double kRoom = 1.001;  // for rounding
 constexpr float kLeastCosine = 0.98f, kOpacityError = 1.f / 500, kRounding = 1e-5f;
 
-/// What errors are measured by.
+/// Units that errors are measured in.
 struct SceneMeasure {
   explicit SceneMeasure(const Gaussians& g) {
     const auto n = static_cast<size_t>(g.size());
@@ -40,7 +40,7 @@ class PromiseChecker {
  public:
   PromiseChecker(const Gaussians& given, const SplatPromise& promise) : measure_(given), promise_(promise) {}
 
-  /// What has become of a Gaussian; the reason where it is lost.
+  /// Compares a Gaussian before and after; returns the reason where it is lost.
   Kept Look(const GaussianRows& given, const GaussianRows& read, std::string* why) const {
     const float* s = given.log_scales;
     const double seen = kRoom * std::max(measure_.deviation, std::exp(double{std::max({s[0], s[1], s[2]})}));

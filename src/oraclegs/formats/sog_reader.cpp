@@ -8,6 +8,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/core/system_reason.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/formats/sog_layout.h"
 #include "oraclegs/formats/webp.h"
@@ -34,7 +35,7 @@ class SogReader {
       throw InputError("{}: is not SOG of version {}; export it again", file_, kSogVersion);
     }
     count_ = Integer(meta_, "count", kMostPixels);
-    // Images of one colour pack without limit, and each Gaussian takes 240 bytes of memory.
+    // Images of one color pack without limit, and each Gaussian takes 240 bytes of memory.
     if (count_ > kPlausibleCount && count_ / kMostPerByte > static_cast<int64_t>(bytes)) {
       throw InputError("{}: promises {} Gaussians in {} bytes; the file is damaged", file_, count_, bytes);
     }
@@ -193,7 +194,10 @@ GaussianPly ReadSogFolder(const std::filesystem::path& folder) {
   const std::string file = folder.string();
   std::map<std::string, std::string> files;
   size_t bytes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  std::error_code error;
+  const std::filesystem::directory_iterator entries(folder, error);
+  if (error) throw InputError("{}: cannot be listed: {}; see its rights", file, SystemReason(error));
+  for (const auto& entry : entries) {
     const std::string name = entry.path().filename().string();
     std::error_code ignored;
     if ((name != kSogMeta && entry.path().extension() != ".webp") || !entry.is_regular_file(ignored)) continue;

@@ -10,7 +10,7 @@ namespace oraclegs {
 
 /// The bytes of a .sog file; the Gaussians keep their order, which should be spatial. Errors: positions half of 1/65535
 /// of the scene's range in sign(x) ln(1 + |x|), opacity 1/510, quaternion 1/360 a component; log scales (within [-20,
-/// 20]) and colour (within [-8, 9]) are the nearest of 256 values made for the scene, the harmonics above degree 0 of
+/// 20]) and color (within [-8, 9]) are the nearest of 256 values made for the scene, the harmonics above degree 0 of
 /// each Gaussian (within [-4, 4]) the nearest of at most 16 384 sets. Support, if given, is an image of its own, which
 /// other readers do not look at.
 std::string EncodeSog(const Gaussians& gaussians, int sh_degree, const std::vector<float>& support = {});

@@ -24,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMaxPasses = 4;      // writing again what a pass has lost
 constexpr int64_t kLostOf = 1000;  // one Gaussian in so many may be left out of a file that cannot hold it
 constexpr int64_t kCutOf = 10;     // from one in so many on, cut colors are a warning
 constexpr const char* kKsplat = ".ksplat";
@@ -175,7 +176,7 @@ GaussianPly PickedSplat(const GaussianPly& splat, const std::vector<int64_t>& ro
   return picked;
 }
 
-/// What the program's own reader makes of the bytes. Throws InputError when it is not as many Gaussians.
+/// Reads the bytes as the program's own reader does. Throws InputError when it is not as many Gaussians.
 Gaussians ReadBack(SplatFormat format, std::string_view bytes, const GaussianPly& given, const std::string& file) {
   std::string why = "it would lack Gaussians";
   try {
@@ -230,8 +231,9 @@ int64_t WriteSplat(const fs::path& path, const GaussianPly& splat, const Listene
   // What a format cannot hold shows when it is read back; what is left then is written once more.
   std::string bytes;
   PromiseCheck check;
-  for (std::vector<int64_t> rows = std::move(finite);;) {
-    if ((all - static_cast<int64_t>(rows.size())) * kLostOf > all) {
+  int passes = 0;
+  for (std::vector<int64_t> rows = std::move(finite);; ++passes) {
+    if (passes == kMaxPasses || (all - static_cast<int64_t>(rows.size())) * kLostOf > all) {
       throw InputError(
           "{}: {} of {} Gaussians are not kept by {} ({}); nothing was written: take .ply or .glb, change the size "
           "with "

@@ -100,7 +100,7 @@ void UnpackSpzRotation(const char* from, SpzVersion version, float* wxyz) {
   std::copy_n(xyzw.data(), 3, wxyz + 1);
 }
 
-/// The fainter a Gaussian, the less an error of its view-dependent colour is seen, and the fewer values it gets.
+/// The fainter a Gaussian, the less an error of its view-dependent color is seen, and the fewer values it gets.
 int HarmonicBucket(float opacity) {
   if (opacity >= kOpaque) return kOpaqueBucket;
   return opacity >= kMiddle ? kMiddleBucket : kFaintBucket;

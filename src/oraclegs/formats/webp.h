@@ -13,7 +13,7 @@ struct ByteImage {
   std::vector<uint8_t> rgba{};  ///< height * width * 4, rows from above
 };
 
-/// Lossless, with the colours of transparent pixels too. Throws RunError: larger than 16383 pixels a side, memory.
+/// Lossless, with the colors of transparent pixels too. Throws RunError: larger than 16383 pixels a side, memory.
 std::string EncodeWebp(const ByteImage& image);
 
 /// `name` stands in errors. Throws InputError: no WebP image, more than `max_pixels` (known before memory is taken).

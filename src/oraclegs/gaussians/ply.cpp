@@ -20,7 +20,7 @@ constexpr int kHighestDegree = 4;              // of files; what lies above kMax
 constexpr float kLogOfThickness = -6.907755f;  // of a disc, relative to its smaller radius: a thousandth
 constexpr char kSupport[] = "support";
 
-/// What the columns of a file are.
+/// Meaning of the columns of a file.
 struct RowLayout {
   int file_degree = 0;  // of its harmonics
   int scales = 3;       // 2 of discs
@@ -181,6 +181,12 @@ void WriteGaussianPly(const std::filesystem::path& path, const Gaussians& gaussi
 
 GaussianPly ReadGaussianPly(const std::filesystem::path& path) {
   return DecodeGaussianPly(ReadFile(path), path.string());
+}
+
+GaussianPly ReadIntactGaussianPly(const std::filesystem::path& path) {
+  GaussianPly splat = ReadGaussianPly(path);
+  if (!splat.warnings.empty()) throw InputError("{}", splat.warnings[0]);
+  return splat;
 }
 
 GaussianPly DecodeGaussianPly(std::string_view bytes, const std::string& file) {

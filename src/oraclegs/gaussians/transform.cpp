@@ -82,6 +82,7 @@ ShRotation RotationOfHarmonics(const Eigen::Matrix3d& rotation) {
 Gaussians Transformed(const Gaussians& gaussians, const Similarity& transform) {
   gaussians.Check("Transformed");
   Gaussians moved = gaussians.To(kCpu).Clone();
+  const bool turns = !transform.rotation.isIdentity(0);
   const ShRotation harmonics = RotationOfHarmonics(transform.rotation);
   const Eigen::Quaternionf turn(Eigen::Quaterniond(transform.rotation).cast<float>());
   const auto log_scale = static_cast<float>(std::log(transform.scale));
@@ -92,6 +93,7 @@ Gaussians Transformed(const Gaussians& gaussians, const Similarity& transform) {
       Eigen::Map<Eigen::Vector3f> mean(g.means);
       mean = (transform.scale * (transform.rotation * mean.cast<double>()) + transform.translation).cast<float>();
       for (int c = 0; c < 3; ++c) g.log_scales[c] += log_scale;
+      if (!turns) continue;  // rounding would change harmonics that stay
       const Eigen::Quaternionf q = turn * Eigen::Quaternionf(g.quats[0], g.quats[1], g.quats[2], g.quats[3]);
       g.quats[0] = q.w();
       g.quats[1] = q.x();

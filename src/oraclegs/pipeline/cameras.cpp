@@ -156,10 +156,9 @@ nlohmann::json MatrixJson(const Camera& camera) {
 }
 
 nlohmann::json TransformsJson(const CameraDataset& dataset, const std::vector<DatasetView>& views) {
-  const Eigen::Vector3d offset = dataset.frame.offset + Eigen::Vector3d::Zero();  // no -0
-  nlohmann::json json = {
-      {"camera_model", "PINHOLE"},
-      {"applied_transform", {{1, 0, 0, -offset.x()}, {0, 1, 0, -offset.y()}, {0, 0, 1, -offset.z()}}}};
+  const Eigen::Vector3d moved = Eigen::Vector3d::Zero() - dataset.frame.offset;  // 0 - 0 is 0, not -0
+  nlohmann::json json = {{"camera_model", "PINHOLE"},
+                         {"applied_transform", {{1, 0, 0, moved.x()}, {0, 1, 0, moved.y()}, {0, 0, 1, moved.z()}}}};
   const nlohmann::json first = IntrinsicsJson(views.front().camera);
   bool shared = true;
   for (const DatasetView& view : views) shared &= IntrinsicsJson(view.camera) == first;

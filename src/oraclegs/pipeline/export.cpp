@@ -8,7 +8,7 @@
 #include "oraclegs/formats/spatial_order.h"
 #include "oraclegs/gaussians/selection.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
-#include "oraclegs/scene/frame.h"
+#include "oraclegs/scene/frame_comments.h"
 
 namespace oraclegs {
 namespace {

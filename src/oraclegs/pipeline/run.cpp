@@ -22,6 +22,7 @@
 #include "oraclegs/pipeline/workspace/frame_file.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/scene/declared_split.h"
+#include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/gps_scale.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
@@ -168,7 +169,7 @@ void RefreshUnit(const Run& run) {
   std::error_code ignored;
   if (!fs::exists(ply, ignored)) return;
   try {
-    const GaussianPly splat = ReadGaussianPly(ply);
+    const GaussianPly splat = ReadIntactGaussianPly(ply);
     if (UnitMetersOf(splat.comments) == run.frame.unit_meters) return;
     WriteGaussianPly(ply, splat.gaussians, splat.sh_degree, WithUnit(splat.comments, run.frame.unit_meters),
                      splat.support);
@@ -190,8 +191,7 @@ SceneFrame GivenFrame(const Scene& scene, const Split& split, const RunOptions& 
   return frame;
 }
 
-/// Brings the scene into the run's frame. What a unit is long is known before that of given poses, after it of found
-/// ones.
+/// Brings the scene into the run's frame. The length of a unit is of the scene as given, or as found and framed.
 void EnterFrame(Run* run, bool opened) {
   const bool found = !run->photos.empty();
   run->frame = found ? FrameOf(run->scene, run->workspace.frame())

@@ -4,7 +4,7 @@
 
 namespace oraclegs {
 
-inline constexpr float kNearPlane = 0.2f;             // world units; nearer Gaussians are culled
+inline constexpr float kNearPlane = 0.2f;             // units of the run; nearer Gaussians are culled
 inline constexpr float kLowPass = 0.3f;               // px^2 added to the covariance's diagonal
 inline constexpr float kCompensationFloor = 2.5e-5f;  // under the root of the antialiasing factor
 inline constexpr float kAlphaMin = 1.f / 255;         // below one 8-bit step: skipped

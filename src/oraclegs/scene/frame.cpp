@@ -4,11 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <locale>
 #include <optional>
 #include <random>
-#include <sstream>
-#include <string_view>
 #include <vector>
 
 #include "oraclegs/camera/camera_path.h"
@@ -29,12 +26,9 @@ constexpr double kMaxTiltCosine = 0.966;    // 15 degrees between a floor's norm
 constexpr double kPlaneThickness = 0.01;    // of the median distance of the points from the center
 constexpr double kMinPlaneFraction = 0.15;  // of the points, on a floor or table worth leveling by
 constexpr double kUsualDistance = 4;        // units; that of the cameras of NeRF Synthetic
-constexpr std::string_view kLevelComment = "up is -y, the origin is what the cameras look at";
 constexpr double kFarFromOrigin =
     1000;  // usual distances: a float is 0.06 px coarse there, at a focal length of 1000 px
 constexpr double kMinUsualDistance = 0.5, kMaxUsualDistance = 4000;  // units in which the near plane hides nothing
-constexpr std::string_view kOffsetComment = "offset ";
-constexpr std::string_view kUnitComment = "a unit is ", kMeters = " m";
 constexpr int kPlaneTries = 500;
 constexpr size_t kMinPlanePoints = 50;
 
@@ -158,8 +152,11 @@ double MedianDistance(const std::vector<Camera>& cameras, const Eigen::Vector3d&
 
 /// Rounded to a power of ten that the distance is between one and ten of, so that people can read and type it.
 Eigen::Vector3d Rounded(const Eigen::Vector3d& center, double distance) {
-  const double step = std::pow(10, std::floor(std::log10(distance)));
-  return (center / step).array().round() * step;
+  // A number of steps is divided by 10 rather than multiplied by 0.1, which no double is. Plus 0 makes 0 of -0.
+  const double exponent = std::floor(std::log10(distance)), power = std::pow(10, std::abs(exponent));
+  return center.unaryExpr([&](double value) {
+    return (exponent < 0 ? std::round(value * power) / power : std::round(value / power) * power) + 0.;
+  });
 }
 
 }  // namespace
@@ -267,62 +264,6 @@ void ApplyFrame(const SceneFrame& frame, Scene* scene) {
     pose.translation() = -(pose.linear() * moved);
   }
   for (ScenePoint& p : scene->points) p.xyz = frame.scale * (frame.rotation * p.xyz - frame.center);
-}
-
-std::vector<std::string> FrameComments(const SceneFrame& frame) {
-  std::vector<std::string> comments;
-  if (frame.is_level) comments.emplace_back(kLevelComment);
-  if (frame.unit_meters) comments.push_back(fmt::format("{}{}{}", kUnitComment, *frame.unit_meters, kMeters));
-  return WithOffset(std::move(comments), frame.offset);
-}
-
-std::optional<double> UnitMetersOf(const std::vector<std::string>& comments) {
-  for (const std::string& comment : comments) {
-    if (!comment.starts_with(kUnitComment) || !comment.ends_with(kMeters)) continue;
-    const std::string number =
-        comment.substr(kUnitComment.size(), comment.size() - kUnitComment.size() - kMeters.size());
-    try {
-      double meters = 0;
-      SetOption("unit", number, &meters);
-      if (meters > 0 && std::isfinite(meters)) return meters;
-    } catch (const UsageError&) {  // a comment of somebody else
-    }
-  }
-  return std::nullopt;
-}
-
-std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters) {
-  std::vector<std::string> kept = comments;
-  std::erase_if(kept, [](const std::string& comment) { return UnitMetersOf({comment}).has_value(); });
-  SceneFrame frame;
-  frame.unit_meters = unit_meters;
-  for (std::string& comment : FrameComments(frame)) kept.push_back(std::move(comment));
-  return kept;
-}
-
-Eigen::Vector3d OffsetOf(const std::vector<std::string>& comments) {
-  for (const std::string& comment : comments) {
-    if (!comment.starts_with(kOffsetComment)) continue;
-    std::istringstream numbers(comment.substr(kOffsetComment.size()));
-    numbers.imbue(std::locale::classic());
-    Eigen::Vector3d offset;
-    std::string rest;
-    if (numbers >> offset.x() >> offset.y() >> offset.z() && !(numbers >> rest) && offset.allFinite()) return offset;
-  }
-  return Eigen::Vector3d::Zero();
-}
-
-std::vector<std::string> WithOffset(std::vector<std::string> comments, const Eigen::Vector3d& offset) {
-  std::erase_if(comments, [](const std::string& comment) { return !OffsetOf({comment}).isZero(0); });
-  if (!offset.isZero(0)) {
-    comments.push_back(fmt::format("{}{} {} {}", kOffsetComment, offset.x(), offset.y(), offset.z()));
-  }
-  return comments;
-}
-
-std::vector<std::string> WithoutLevel(std::vector<std::string> comments) {
-  std::erase(comments, kLevelComment);
-  return comments;
 }
 
 }  // namespace oraclegs

@@ -7,9 +7,17 @@
 #include <vector>
 
 #include "oraclegs/camera/similarity.h"
+#include "oraclegs/core/options.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
+
+/// The coordinates that a run with given poses computes in.
+enum class FrameKind { kNormal, kScene };
+template <>
+struct EnumWords<FrameKind> {
+  static constexpr EnumWord<FrameKind> kWords[] = {{FrameKind::kNormal, "normal"}, {FrameKind::kScene, "scene"}};
+};
 
 /// Where a run computes: x_run = scale * (rotation * x_scene - center). Results of poses that were found are written in
 /// the run's coordinates; results of poses that came with the scene in the scene's own, less an offset.
@@ -29,8 +37,8 @@ struct SceneFrame {
 /// pixel.
 SceneFrame NormalFrame(const Scene& scene, const std::vector<int>& views);
 
-/// Why a run in the scene's own units cannot be right: "" where `frame`, its NormalFrame, is near enough to them for
-/// the near plane (0.2 units) and for 32-bit floats.
+/// Explains why a run in the scene's own units cannot be right; "" where `frame`, its NormalFrame, is near enough to
+/// them for the near plane (0.2 units) and for 32-bit floats.
 std::string WhyUnitsDoNotFit(const SceneFrame& frame);
 
 /// The run's coordinates from the scene's own where poses came with it; the identity where they were found.
@@ -42,10 +50,10 @@ Similarity WrittenFromRun(const SceneFrame& frame);
 /// Of a scene with poses: up becomes -y (down is y, as in a camera that is held level; splat viewers expect it), and
 /// the point that the cameras look at becomes the origin. Up is upright to the images' horizontal sides, however far
 /// the cameras look down; where they all look the same way, so that this is open, GPS says it (UpByGps), or else their
-/// mean up. The normal of
-/// the plane that most points lie near replaces it where the two are within 15 degrees. Nothing is turned about the
-/// vertical. A unit becomes a quarter of the cameras' median distance from the center, the size of scene that the
-/// constants of 3DGS were chosen for. The same scene gives the same bits.
+/// mean up. The
+/// normal of the plane that most points lie near replaces it where the two are within 15 degrees. Nothing is turned
+/// about the vertical. A unit becomes a quarter of the cameras' median distance from the center, the size of scene that
+/// the constants of 3DGS were chosen for. The same scene gives the same bits.
 SceneFrame LevelFrame(const Scene& scene);
 
 /// Throws UsageError unless --scale is "", a number above 0, or names two photos and a length above 0 (UnitMeters).
@@ -60,23 +68,5 @@ std::optional<double> UnitMeters(const Scene& scene, const std::string& text, bo
 
 /// Moves cameras and points; the bits of a scene stay as they are where nothing is to be moved.
 void ApplyFrame(const SceneFrame& frame, Scene* scene);
-
-/// Lines for the header of a splat: up, length of a unit, offset.
-std::vector<std::string> FrameComments(const SceneFrame& frame);
-
-/// The length of a unit, as FrameComments wrote it among others.
-std::optional<double> UnitMetersOf(const std::vector<std::string>& comments);
-
-/// The comments with another length of a unit, or none.
-std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters);
-
-/// What is to be added to positions, as FrameComments wrote it among others; zero where no comment says so.
-Eigen::Vector3d OffsetOf(const std::vector<std::string>& comments);
-
-/// The comments with another offset; zero is not written.
-std::vector<std::string> WithOffset(std::vector<std::string> comments, const Eigen::Vector3d& offset);
-
-/// The comments of a model that was turned: it is level no more.
-std::vector<std::string> WithoutLevel(std::vector<std::string> comments);
 
 }  // namespace oraclegs

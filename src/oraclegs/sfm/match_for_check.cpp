@@ -35,7 +35,7 @@ void Match(const Scene& scene, const std::vector<int>& views, const std::vector<
   std::vector<std::pair<std::string, std::string>> names;
   for (const auto& [a, b] : NeighborsByPoints(scene, views))
     names.emplace_back(plan[static_cast<size_t>(a)].name, plan[static_cast<size_t>(b)].name);
-  colmap.MatchPairs(names, {});
+  colmap.MatchPairs(names, {}, "matching");
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ struct EnumWords<ScheduleKind> {
 
 /// What the depth term compares.
 enum class DepthLoss {
-  kRelative,            ///< inverse depths in units of the scene's typical distance, weighted by their confidence
-  kPaper,               ///< inverse depths in scene units under a mask of 0 and 1 (equation 5 of the OracleGS paper)
-  kCorrelation,         ///< 1 - the correlation of inverse depths (FSGS); on a CPU
+  kRelative,     ///< inverse depths in units of the scene's typical distance, weighted by their confidence
+  kPaper,        ///< inverse depths in units of the run under a mask of 0 and 1 (equation 5 of the OracleGS paper)
+  kCorrelation,  ///< 1 - the correlation of inverse depths (FSGS); on a CPU
   kPatchedCorrelation,  ///< the same, and of random patches (SparseGS); on a CPU
 };
 template <>
@@ -166,7 +166,8 @@ struct TrainOptions {
           Range{0, 1e3});
     visit("depth-loss", self.depth_loss,
           "What the depth term compares: relative = as above, each pixel weighted by the confidence of its depth; "
-          "paper = |1/z - target| in scene units, all pixels of known depth alike (equation 5 of the OracleGS paper); "
+          "paper = |1/z - target| in units of the run, all pixels of known depth alike (equation 5 of the OracleGS "
+          "paper); "
           "correlation = 1 - their correlation, of a weight that is constant until 95 % of the run and a fiftieth of "
           "it then (FSGS, Zhu et al., ECCV 2024, uses 0.05); "
           "patched-correlation = that and three times as much of the mean over random patches (SparseGS, Xiong et al. "
@@ -209,7 +210,7 @@ struct TrainOptions {
           "of the run; 1 = constant, as in 3DGS; auto = 0.1",
           Range{1e-6, 1});
     visit("opacity-reg", self.opacity_reg, "Weight of the mean opacity in the loss", Range{0, 1e3});
-    visit("scale-reg", self.scale_reg, "Weight of the mean scale (scene units) in the loss", Range{0, 1e3});
+    visit("scale-reg", self.scale_reg, "Weight of the mean scale (units of the run) in the loss", Range{0, 1e3});
     visit("random-points", self.random_points, "Points drawn when there are fewer than 100 to start from",
           Range{100, 1e8});
     visit("refine-start", self.refine_start,

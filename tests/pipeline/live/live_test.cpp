@@ -75,6 +75,7 @@ TEST_F(LiveTest, ThereIsASplatFromTheStartOfTraining) {
 }
 
 TEST_F(LiveTest, TheLastSplatIsTheResult) {
+  request.options.input.frame = FrameKind::kScene;  // so that the result is not moved
   {
     auto run = StartRun(request, Silent());
     RunStage(&run, "train");

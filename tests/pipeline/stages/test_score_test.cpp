@@ -1,6 +1,6 @@
 #include "oraclegs/pipeline/stages/test_score.h"
 
-#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "pipeline/trained.h"
 
 namespace oraclegs {
@@ -18,7 +18,7 @@ TEST_F(TestScoreTest, IsThatOfMetricsJson) {
   const TestScore score = TestScoreOf(run);
   EXPECT_TRUE(score.IsDue(20, 25) && score.IsDue(25, 25));
   EXPECT_FALSE(score.IsDue(0, 25) || score.IsDue(21, 25));
-  const Gaussians gaussians = ReadGaussianPly(run.workspace.point_cloud()).gaussians;
+  const Gaussians gaussians = LoadModel(run.workspace.point_cloud(), run.options, kCpu, run.frame).gaussians;
   EXPECT_DOUBLE_EQ(score.psnr(gaussians), metrics->at("test").at("psnr").get<double>());
 }
 

@@ -4,6 +4,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/pipeline/reconstruct.h"
 #include "oraclegs/pipeline/stages/metrics.h"
+#include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/read_scene.h"
 #include "pipeline/weights.h"
 #include "support/errors.h"

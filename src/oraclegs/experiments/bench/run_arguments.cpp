@@ -76,8 +76,8 @@ RunOptions OptionsOf(const RunArguments& arguments) {
 }
 
 json ResultArguments(const RunArguments& arguments) {
-  static const std::set<std::string> free = NamesOf(DeviceOptions{}, MachineOptions{}, FileLimits{},
-                                                    CheckpointSchedule{}, ReportOptions{}, InputCheckOptions{});
+  static const std::set<std::string> free =
+      NamesOf(DeviceOptions{}, MachineOptions{}, FileLimits{}, CheckpointSchedule{}, ReportOptions{}, FrameOptions{});
   json values = json::object();
   for (const auto& [name, value] : arguments) {
     if (free.count(name) == 0) values[name] = value.empty() && Flags().count(name) > 0 ? "true" : value;

@@ -13,6 +13,7 @@
 #include "oraclegs/networks/seva_options.h"
 #include "oraclegs/propose/options.h"
 #include "oraclegs/propose/trajectory.h"
+#include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/split.h"
 #include "oraclegs/train/options.h"
@@ -62,13 +63,6 @@ struct EnumWords<LpipsUse> {
   static constexpr EnumWord<LpipsUse> kWords[] = {{LpipsUse::kWhereFound, "auto"}, {LpipsUse::kRequired, "required"}};
 };
 
-/// What coordinates a run with given poses computes in.
-enum class FrameKind { kNormal, kScene };
-template <>
-struct EnumWords<FrameKind> {
-  static constexpr EnumWord<FrameKind> kWords[] = {{FrameKind::kNormal, "normal"}, {FrameKind::kScene, "scene"}};
-};
-
 struct InputOptions {
   std::filesystem::path images;  ///< empty = where the format usually has it
   bool allow_outside = false;    ///< of the scene's folder
@@ -91,9 +85,10 @@ struct InputOptions {
   }
 };
 
-/// What is known of the scene's size. It may become known, or change, after a run.
+/// Said of the scene's poses. It may become known, or change, after a run.
 struct FrameOptions {
-  std::string scale;  ///< as UnitMeters reads it
+  std::string scale;   ///< as UnitMeters reads it
+  bool force = false;  ///< trains with given poses that the photos contradict
 
   template <class Self, class V>
   static void Visit(Self& self, V&& visit) {
@@ -101,15 +96,6 @@ struct FrameOptions {
         "scale", self.scale,
         "A length that you know, as IMG_1,IMG_2=0.35: these two photos were taken 0.35 m apart; for scenes with poses "
         "also the meters of a unit. Without it, by GPS where EXIF has it. Exports and meshes are in meters then");
-  }
-};
-
-/// What a check of the input does not stop. Free to differ when a run is continued.
-struct InputCheckOptions {
-  bool force = false;
-
-  template <class Self, class V>
-  static void Visit(Self& self, V&& visit) {
     visit("force", self.force,
           "Train with given poses that hardly any match between the photos fits, where a run would end; they are named "
           "all the same");
@@ -282,7 +268,6 @@ struct WeightOptions {
 struct RunOptions {
   InputOptions input;
   FrameOptions frame;
-  InputCheckOptions input_checks;
   QualityOptions quality;
   CaptureOptions capture;  ///< of commands that start a run; in none of the groups below
   SplitOptions split;
@@ -323,7 +308,6 @@ struct RunOptions {
   static void ForEachGroup(Self& self, F&& f) {
     ForEachShapingGroup(self, f);
     f("Scene", self.frame);
-    f("Scene", self.input_checks);
     f("Proposals", self.generator_limits);
     f("Checkpoints", self.checkpoints);
     f("Report", self.report);

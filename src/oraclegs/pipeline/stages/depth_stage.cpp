@@ -14,6 +14,7 @@
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/pipeline/networks/monocular_depth.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/scene/frame_comments.h"
 
 namespace oraclegs {
 namespace {
@@ -124,7 +125,8 @@ std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
   found.maps = {};  // they are read back
   Geometry& geometry = run->results->geometry;
   geometry = ReadGeometry(*run, training.views);
-  WriteDensePly(run->workspace.dense_ply(), geometry.points, WrittenFromRun(run->frame), FrameComments(run->frame));
+  WriteDensePly(run->workspace.dense_ply(), geometry.points, WrittenFromRun(run->frame),
+                WithOffset({}, run->frame.offset));
   files.emplace_back("sfm/dense.ply");
   const Overlap overlap = MeasureOverlap(geometry.maps, training.views, training.silhouettes);
   nlohmann::json record = {{"overlap", {{"seen", overlap.seen}, {"confident", overlap.confident}}},

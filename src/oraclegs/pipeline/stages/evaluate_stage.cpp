@@ -2,6 +2,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/memory.h"
+#include "oraclegs/core/statistics.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support_quality.h"
 #include "oraclegs/gaussians/ply.h"
@@ -11,6 +12,7 @@
 #include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
 #include "oraclegs/scene/frame.h"
+#include "oraclegs/scene/frame_comments.h"
 
 namespace oraclegs {
 namespace {
@@ -39,7 +41,7 @@ void UndoEvaluate(Run* run, const nlohmann::json&) {
 std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   const Workspace& workspace = run->workspace;
   const Stopwatch watch;
-  const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device, run->frame);
+  const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device, run->frame, run->listener);
   const bool held_out = !run->split.test.empty();
   const std::vector<LoadedView> views =
       LoadViews(run->scene, ScoredViews(run->split), run->options.image, run->listener);
@@ -60,6 +62,20 @@ std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
   return record;
 }
 
+/// True for a file that names no offset and lies by the scene's offset beside the scene: one that another program made
+/// of files that were written without it.
+bool LacksOffset(const GaussianPly& file, const SceneFrame& frame) {
+  const int64_t n = file.gaussians.size();
+  if (frame.offset.isZero(0) || n == 0 || !OffsetOf(file.comments).isZero(0)) return false;
+  Eigen::Vector3d middle;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> values;
+    for (int64_t i = 0; i < n; ++i) values.push_back(static_cast<double>(file.gaussians.means[3 * i + c]));
+    middle[c] = Median(std::move(values));
+  }
+  return (middle + frame.offset - frame.center).norm() < (middle - frame.center).norm();
+}
+
 }  // namespace
 
 Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, const SceneFrame& frame,
@@ -72,6 +88,11 @@ Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, c
   std::optional<double> unit = UnitMetersOf(file.comments);
   Similarity scene_from_file;
   scene_from_file.translation = OffsetOf(file.comments);
+  if (LacksOffset(file, frame)) {
+    scene_from_file.translation = frame.offset;
+    listener(Note{fmt::format("{}: its positions lie beside the scene, but for the offset {} {} {}, which is added",
+                              ply.string(), frame.offset.x(), frame.offset.y(), frame.offset.z())});
+  }
   if (unit && frame.unit_meters && *unit != *frame.unit_meters) {  // exported in meters
     scene_from_file.scale = *unit / *frame.unit_meters;
     scene_from_file.translation *= scene_from_file.scale;

@@ -164,8 +164,8 @@ void AddProxyKey(Run* run, Fingerprint* key) {
 ProxyModel ReadProxy(const Run& run, int k) {
   const int views = static_cast<int>(run.split.train.size());
   const std::vector<std::string> files = FilesOf(k);
-  return {ReadGaussianPly(run.workspace.root() / files[0]).gaussians,
-          ReadGaussianPly(run.workspace.root() / files[1]).gaussians, HeldOutViews(views, Count(run), k)};
+  return {ReadIntactGaussianPly(run.workspace.root() / files[0]).gaussians,
+          ReadIntactGaussianPly(run.workspace.root() / files[1]).gaussians, HeldOutViews(views, Count(run), k)};
 }
 
 /// Whether model k was made from inputs of this key, and can be read.

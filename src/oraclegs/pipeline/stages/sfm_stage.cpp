@@ -56,7 +56,7 @@ nlohmann::json CheckGivenPoses(const Run& run, const std::filesystem::path& matc
   const std::optional<PoseFit> fit = FitPosesOf(run.scene, run.split.train, matches, run.listener);
   if (!fit) return nullptr;
   const std::string misfit = DescribeMisfit(run.scene, *fit);
-  if (fit->verdict == PoseVerdict::kHopeless && !run.options.input_checks.force) {
+  if (fit->verdict == PoseVerdict::kHopeless && !run.options.frame.force) {
     throw InputError("{}: {}; --force trains with them as they are", run.scene.root.string(), misfit);
   }
   if (!misfit.empty()) run.listener(Warning{misfit});

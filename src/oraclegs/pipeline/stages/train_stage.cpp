@@ -18,6 +18,7 @@
 #include "oraclegs/pipeline/stages/test_score.h"
 #include "oraclegs/pipeline/stages/train_inputs.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
+#include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/train/checkpoint_folder.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/methods/make_parts.h"
@@ -283,12 +284,7 @@ StageWork TrainStage() {
           .own = AddTrainKey,
           .undo = UndoTrain,
           .make = MakeTrain,
-          .check =
-              [](const Run& run) {
-                // Rows that a reader leaves out of files of others mean that this one is damaged.
-                const GaussianPly splat = ReadGaussianPly(run.workspace.point_cloud());
-                if (!splat.warnings.empty()) throw InputError("{}", splat.warnings[0]);
-              },
+          .check = [](const Run& run) { ReadIntactGaussianPly(run.workspace.point_cloud()); },
           .file = "point_cloud.ply"};
 }
 

@@ -40,7 +40,8 @@ std::optional<SceneFrame> FromJson(const json& saved) {
   if (!saved.is_object()) return std::nullopt;
   std::vector<double> numbers;
   for (const char* name : {"rotation", "center", "scale", "offset"}) {
-    const json value = saved.value(name, json::array({0, 0, 0}));
+    const bool is_optional = std::string_view(name) == "offset";
+    const json value = saved.value(name, is_optional ? json::array({0, 0, 0}) : json());
     for (const json& number : value.is_array() ? value : json::array({value})) {
       if (!number.is_number() || !std::isfinite(number.get<double>())) return std::nullopt;
       numbers.push_back(number.get<double>());

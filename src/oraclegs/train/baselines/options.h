@@ -85,7 +85,8 @@ struct BaselineOptions {
           "together, and remove what only one of them has (CoR-GS, Zhang et al., ECCV 2024); the first one is the "
           "result");
     visit("co-prune-distance", self.co_prune_distance,
-          "Of --two-fields: a Gaussian farther than this (scene units) from all of the other model is removed, every "
+          "Of --two-fields: a Gaussian farther than this (units of the run) from all of the other model is removed, "
+          "every "
           "500 iterations; CoR-GS uses 5, 10 or 20 by dataset",
           Range{1e-9, 1e9});
     visit("co-start", self.co_start, "Of --two-fields: iteration from which renders are pulled together",
