@@ -94,7 +94,7 @@ FileViews ReadFrames(const fs::path& path, size_t min_parts, const SceneReadOpti
                          false,
                          [&](const std::string& written) { return FindImage(root, options, written); }};
   for (const NamedTransformsFrame& frame : frames) images.written.push_back(frame.file_path);
-  const std::vector<DeclaredRole> roles = RolesInTransforms(file, images.written);
+  const std::vector<DeclaredRole> roles = RolesInTransforms(file, images.written, path.string(), listener);
   const std::vector<NamedFile> files = FindNamedFiles(images, listener);
   FileViews result;
   NamedFilesQuery masks{path.string(), root, {}, 2, options.allow_outside, true};
