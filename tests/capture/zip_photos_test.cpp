@@ -58,6 +58,19 @@ TEST(UnpackPhotos, TakesPhotosOnlyAndStaysInside) {
                                               HasSubstr("trip/cut.jpg: is a damaged JPEG")));
 }
 
+TEST(UnpackPhotos, TakesTheOneFolderWhateverItIsCalled) {
+  const TempDir dir;
+  const std::string jpeg = EncodeJpeg(SmoothImage(16, 12, 3));
+  WriteArchive(dir / "a.zip",
+               {{"mask/1.jpg", jpeg}, {"mask/b/2.jpg", jpeg}, {"mask/depth/1.jpg", jpeg}, {"readme.txt", "x"}});
+  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 2);
+  UnpackPhotos(dir / "a.zip", dir / "out", Silent());
+  EXPECT_TRUE(fs::exists(dir / "out/_mask/1.jpg"));
+  EXPECT_TRUE(fs::exists(dir / "out/_mask/b/2.jpg"));
+  WriteArchive(dir / "a.zip", {{"mask/1.jpg", jpeg}, {"photos/1.jpg", jpeg}});
+  EXPECT_EQ(CountZipPhotos(dir / "a.zip"), 1);
+}
+
 TEST(UnpackPhotos, GivesPlacesOfTheirOwn) {
   const TempDir dir;
   const auto jpeg = [](int width) { return EncodeJpeg(SmoothImage(width, 12, 3)); };

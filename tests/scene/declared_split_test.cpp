@@ -35,11 +35,26 @@ TEST(RolesInTransforms, FollowsItsLists) {
   const json lists = {{"train_filenames", {"images/0.png", "images/1.png", "gone.png"}},
                       {"val_filenames", {"3.png", "images/2.png"}},
                       {"test_filenames", {"images/2.png"}}};
-  EXPECT_THAT(RolesInTransforms(lists, frames), ElementsAre(kTrain, kTrain, kTest, kVal, kNone));
-  EXPECT_THAT(RolesInTransforms({{"val_filenames", {"3.png"}}, {"test_filenames", json::array()}}, frames),
+  EventRecorder events;
+  const auto roles_of = [&](const json& file) { return RolesInTransforms(file, frames, "FILE", events.AsListener()); };
+  EXPECT_THAT(roles_of(lists), ElementsAre(kTrain, kTrain, kTest, kVal, kNone));
+  EXPECT_THAT(events.warnings, ElementsAre(AllOf(HasSubstr("FILE: its lists of training and test views have 1 name"),
+                                                 HasSubstr("left out: gone.png"))));
+  EXPECT_THAT(roles_of({{"val_filenames", {"3.png"}}, {"test_filenames", json::array()}}),
               ElementsAre(kNone, kNone, kNone, kTest, kNone));
-  EXPECT_THAT(RolesInTransforms({{"train_filenames", 3}, {"test_filenames", {1}}}, frames),
+  EXPECT_THAT(roles_of({{"train_filenames", 3}, {"test_filenames", {1}}}),
               ElementsAre(kNone, kNone, kNone, kNone, kNone));
+  EXPECT_EQ(events.warnings.size(), 1u);
+}
+
+TEST(RolesInTransforms, ComparesExtensionsWhereTheyTellFramesApart) {
+  EventRecorder events;
+  const std::vector<std::string> frames = {"a.v1", "a.v2.png", "b.jpg", "c.jpg", "c.png"};
+  EXPECT_THAT(
+      RolesInTransforms({{"test_filenames", {"a.v1.png", "b", "c.png", "c.heic"}}, {"train_filenames", {"a.v2"}}},
+                        frames, "FILE", events.AsListener()),
+      ElementsAre(kTest, kTrain, kTest, kNone, kTest));
+  EXPECT_THAT(events.warnings, ElementsAre(HasSubstr("left out: c.heic")));
 }
 
 TEST(SplitViews, TakesDeclaredListsUnlessAnOptionSaysOtherwise) {

@@ -1,5 +1,7 @@
 #include "oraclegs/scene/find_model.h"
 
+#include <unistd.h>
+
 #include "scene/tiny_scenes.h"
 #include "support/event_recorder.h"
 
@@ -49,6 +51,28 @@ TEST_F(FindModelTest, TakesTheOneModelBesideThePhotos) {
   }
 }
 
+TEST_F(FindModelTest, LeavesASmallSceneBesideThePhotosAlone) {
+  for (const char* name : {"1", "2", "3", "4", "5", "6", "7"})
+    WriteImage(dir_ / "images" / (name + std::string(".png")));
+  MakePhotos("backup/images");
+  WriteTinyModel(dir_ / "backup/sparse/0");
+  EXPECT_FALSE(Beside());
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("the COLMAP model in backup/sparse does not fit the photos")));
+  ASSERT_TRUE(Beside({.images = "backup/images"}));
+  fs::rename(dir_ / "images", dir_ / "photos");  // where all that lies below the scene's folder counts
+  EXPECT_FALSE(Beside());
+}
+
+TEST_F(FindModelTest, PassesOverFoldersOfOthers) {
+  if (geteuid() == 0) GTEST_SKIP() << "may read everything";
+  MakePhotos("images");
+  WriteTinyModel(dir_ / "colmap/sparse/0");
+  fs::create_directories(dir_ / "lost+found");
+  fs::permissions(dir_ / "lost+found", fs::perms::none);
+  EXPECT_TRUE(Beside());
+  fs::permissions(dir_ / "lost+found", fs::perms::owner_all);
+}
+
 TEST_F(FindModelTest, PrefersThePhotosNearestToTheModel) {
   MakePhotos("images");
   MakePhotos("dense/images");
@@ -95,6 +119,9 @@ TEST_F(FindModelTest, PassesOverResultsAndNamesTransforms) {
   WriteText(dir_ / "nerf/transforms.json", "{}");
   EXPECT_FALSE(Beside());
   EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("nerf/transforms.json may have poses")));
+  WriteText(dir_ / "lego/transforms_train.json", "{}");
+  EXPECT_FALSE(Beside());
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("lego/transforms_train.json, nerf/transforms.json may have")));
 }
 
 }  // namespace

@@ -136,6 +136,18 @@ TEST_F(MasksTest, ReadsMasksInColorsAndInAlpha) {
   }
 }
 
+TEST_F(MasksTest, ReadsOpaqueMasksByTheirColors) {
+  const Image8 disc = MaskOf(InDisc);
+  Image8 soft{kSide, kSide, 4, {}};  // levels that are not those of black and white
+  for (const uint8_t in : disc.data) {
+    const auto level = static_cast<uint8_t>(in ? 240 : 20);
+    soft.data.insert(soft.data.end(), {level, level, level, 255});
+  }
+  AddMasked("a.png", soft);
+  Check();
+  EXPECT_EQ(Kept(), DiscArea());
+}
+
 TEST_F(MasksTest, NamesPhotosWithoutAMask) {
   AddMasked("a.png", MaskOf([](int x, int y) { return InDisc(x, y) * 255; }));
   Add("b.png");

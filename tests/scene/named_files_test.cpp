@@ -100,6 +100,16 @@ TEST_F(NamedFilesTest, GivesNoFileToTwoPaths) {
   EXPECT_THAT(events_.notes, IsEmpty());
 }
 
+TEST_F(NamedFilesTest, LetsPathsThatAreEqualShareAFileWhereTheyMay) {
+  Make({"masks/static.png", "masks/a.png"});
+  const std::string all = "C:\\x\\masks\\static.png";
+  const auto files = FindNamedFiles(
+      {"FILE", root(), {all, all, "C:\\x\\left\\masks\\a.png", "C:\\x\\masks\\a.png"}, 2, false, true}, Silent());
+  EXPECT_EQ(files[0].path, root() / "masks/static.png");
+  EXPECT_EQ(files[1].path, root() / "masks/static.png");
+  EXPECT_TRUE(files[2].path.empty() && files[3].path.empty()) << "of two names";
+}
+
 TEST_F(NamedFilesTest, PrefersTheSceneToThePlaceItWasMovedFrom) {
   Make({"../before/images/a.png", "../before/images/b.png", "images/a.png"});
   const std::string before = (dir_ / "before/images").string();
@@ -113,6 +123,13 @@ TEST_F(NamedFilesTest, FollowsALinkToAFolderOnce) {
   fs::create_directory_symlink(dir_ / "elsewhere", root() / "photos");
   fs::create_directory_symlink(root(), dir_ / "elsewhere/back");
   EXPECT_THAT(Find({"/x/a.png"}), ElementsAre("photos/a.png"));
+}
+
+TEST_F(NamedFilesTest, PrefersFoldersToLinks) {
+  Make({"images/a.png"});
+  fs::create_directory_symlink("images", root() / "also");
+  fs::create_directory_symlink(".", root() / "again");
+  EXPECT_THAT(Find({"/x/a.png"}), ElementsAre("images/a.png"));
 }
 
 TEST(LiesIn, ComparesWholeNames) {

@@ -39,7 +39,8 @@ TEST(IsPhotoByContent, LooksAtNamesOfWhatIsNoPhotoAlone) {
   for (const char* name : {"a.thm", "a.THM", "a.insp", "a.jpg_original", "a.jpg~", "a.jpg.bak", "a.part"})
     EXPECT_FALSE(IsPhotoByContent(name, jpeg)) << name;
   EXPECT_TRUE(IsPhotoByContent("a", tiff));
-  EXPECT_FALSE(IsPhotoByContent("a.NEF", tiff));
+  for (const char* name : {"a.NEF", "a.gpr", "a.IIQ", "a.new-raw"}) EXPECT_FALSE(IsPhotoByContent(name, tiff)) << name;
+  for (const char* name : {"a.gpr", "a.IIQ", "a.3fr"}) EXPECT_THAT(WhyNotRead(name), HasSubstr("raw photos")) << name;
   EXPECT_TRUE(IsPhotoByContent("a.NEF", jpeg)) << "exported under the old name";
   for (const std::string& head : {std::string(), std::string("text"), std::string("\xFF\xD8")})
     EXPECT_FALSE(IsPhotoByContent("a.jpg", head));

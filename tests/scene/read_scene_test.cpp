@@ -149,6 +149,23 @@ TEST_F(ReadSceneTest, FindsAModelBesideThePhotos) {
   EXPECT_EQ(Read().format, SceneFormat::kColmap);
 }
 
+TEST_F(ReadSceneTest, TakesNoModelOfPhotosOutsideForASlashAtTheEnd) {
+  WriteTinyModel(root() / "scene/colmap");
+  WriteImages(".");
+  WriteImage(root() / "scene/x.png");
+  const Scene scene = ReadScene(root() / "scene/", {}, events_.AsListener());
+  EXPECT_EQ(scene.root, root() / "scene");
+  EXPECT_EQ(scene.format, SceneFormat::kPhotos);
+}
+
+TEST_F(ReadSceneTest, PrefersImagesToALayoutBesideThem) {
+  WriteImages("images");
+  for (const char* name : {"color/1.png", "depth/1.png"}) WriteImage(root() / name);
+  EXPECT_EQ(Read().views.size(), 3u);
+  fs::remove_all(root() / "images");
+  EXPECT_EQ(Read().views.size(), 1u);
+}
+
 TEST_F(ReadSceneTest, ChecksMasksOfAllKinds) {
   WriteImages("images");
   WritePng(root() / "masks/b.png", {6, 4, 1, std::vector<uint8_t>(24, 0)});

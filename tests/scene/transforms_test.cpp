@@ -220,6 +220,14 @@ TEST_F(BlenderTest, WarnsWithoutATestFile) {
   EXPECT_THAT(events_.warnings[0], HasSubstr("no view is held out"));
 }
 
+TEST_F(BlenderTest, TakesNoImageOfAnotherPart) {
+  for (const char* name : {"Train/r_0.png", "Train/r_1.png"}) WriteImage(root() / name);
+  Write({Frame("./train/r_0"), Frame("./train/r_1")}, "transforms_train.json");
+  Write({Frame("./test/r_0"), Frame("./test/r_1")}, "transforms_test.json");
+  EXPECT_THAT(Names(ReadBlender()), ElementsAre("Train/r_0.png", "Train/r_1.png"));
+  EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("2 of 4 views have no image file")));
+}
+
 TEST_F(BlenderTest, RefusesAViewInTrainAndTest) {
   WriteImage(root() / "train/r_0.png");
   Write({Frame("./train/r_0")}, "transforms_train.json");

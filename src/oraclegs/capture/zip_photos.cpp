@@ -109,11 +109,28 @@ void GiveFreeNames(std::vector<ZipPhoto>* photos) {
   for (ZipPhoto& photo : *photos) photo.path = names.Take(photo.path);
 }
 
+/// The one folder at the top that all photos lie in, by their names; else empty.
+fs::path SharedTop(zip_t* zip) {
+  fs::path top;
+  const zip_int64_t count = zip_get_num_entries(zip, 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const char* name = zip_get_name(zip, static_cast<zip_uint64_t>(i), ZIP_FL_ENC_GUESS);
+    if (name == nullptr || std::string_view(name).size() > kMaxNameBytes) continue;
+    const fs::path path = SafePath(name);
+    if (!HasImageExtension(path)) continue;
+    if (!path.has_parent_path() || (!top.empty() && *path.begin() != top)) return {};
+    top = *path.begin();
+  }
+  return top;
+}
+
 /// The archive's photos by where they go. What is not read is noted by reason.
 std::vector<ZipPhoto> ListPhotos(const fs::path& archive, zip_t* zip, Skipped* skipped) {
   std::vector<ZipPhoto> photos;
   size_t named = 0;
   const zip_int64_t count = zip_get_num_entries(zip, 0);
+  const fs::path top = SharedTop(zip);
+  const bool renames_top = IsHelperFolder(top.string());
   for (zip_int64_t i = 0; i < count; ++i) {
     ThrowIfInterrupted();
     zip_stat_t stat;
@@ -122,8 +139,9 @@ std::vector<ZipPhoto> ListPhotos(const fs::path& archive, zip_t* zip, Skipped* s
     if (std::string_view(name).size() > kMaxNameBytes || zip_stat_index(zip, static_cast<zip_uint64_t>(i), 0, &stat)) {
       continue;
     }
-    const fs::path path = SafePath(name);
+    fs::path path = SafePath(name);
     if (path.empty()) continue;
+    if (renames_top && *path.begin() == top) path = "_" + path.native();  // found again by that, whatever it is called
     if (std::any_of(path.begin(), std::prev(path.end()),
                     [](const fs::path& p) { return IsHelperFolder(p.string()); })) {
       (*skipped)[kHelperReason].push_back(OneLine(path.generic_string()));

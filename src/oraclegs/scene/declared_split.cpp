@@ -1,9 +1,12 @@
 #include "oraclegs/scene/declared_split.h"
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
@@ -19,15 +22,45 @@ namespace fs = std::filesystem;
 
 std::string NormalName(const std::string& written) { return ViewName(WithSlashes(written)); }
 
-/// Sets the role of the frames that a list of the file names.
-void TakeList(const nlohmann::json& file, const char* key, DeclaredRole role,
-              const std::unordered_map<std::string, size_t>& frame_of, std::vector<DeclaredRole>* roles) {
-  const auto list = file.find(key);
-  if (list == file.end() || !list->is_array()) return;
-  for (const nlohmann::json& name : *list) {
+std::string WithoutItsExtension(const std::string& name) { return fs::path(name).replace_extension().generic_string(); }
+
+/// Frames by their names, also by those that only one has when extensions do not count.
+class FramesByName {
+ public:
+  explicit FramesByName(const std::vector<std::string>& written) {
+    for (size_t i = 0; i < written.size(); ++i) {
+      const std::string name = NormalName(written[i]);
+      exact_.emplace(name, i);
+      for (const std::string& key : {name, WithoutItsExtension(name)}) {
+        const auto [it, is_new] = loose_.emplace(key, i);
+        if (!is_new && it->second != i) it->second = kSeveral;
+      }
+    }
+  }
+
+  std::optional<size_t> Find(const std::string& written) const {
+    const std::string name = NormalName(written);
+    if (const auto frame = exact_.find(name); frame != exact_.end()) return frame->second;
+    for (const std::string& key : {name, WithoutItsExtension(name)}) {
+      const auto frame = loose_.find(key);
+      if (frame != loose_.end() && frame->second != kSeveral) return frame->second;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr size_t kSeveral = std::numeric_limits<size_t>::max();
+  std::unordered_map<std::string, size_t> exact_, loose_;
+};
+
+/// Sets the role of the frames that a list of the file names. Names of no frame go to `unknown`.
+void TakeList(const nlohmann::json& list, DeclaredRole role, const FramesByName& frames,
+              std::vector<DeclaredRole>* roles, std::vector<std::string>* unknown) {
+  for (const nlohmann::json& name : list) {
     if (!name.is_string()) continue;
-    const auto frame = frame_of.find(NormalName(name.get<std::string>()));
-    if (frame != frame_of.end()) (*roles)[frame->second] = role;
+    const auto frame = frames.Find(name.get<std::string>());
+    if (frame) (*roles)[*frame] = role;
+    if (!frame) unknown->push_back(OneLine(name.get<std::string>()));
   }
 }
 
@@ -55,14 +88,22 @@ bool NamesViews(const fs::path& list, const std::string& part, const std::set<st
 
 }  // namespace
 
-std::vector<DeclaredRole> RolesInTransforms(const nlohmann::json& file, const std::vector<std::string>& written) {
+std::vector<DeclaredRole> RolesInTransforms(const nlohmann::json& file, const std::vector<std::string>& written,
+                                            const std::string& source, const Listener& listener) {
   std::vector<DeclaredRole> roles(written.size(), DeclaredRole::kNone);
-  std::unordered_map<std::string, size_t> frame_of;
-  for (size_t i = 0; i < written.size(); ++i) frame_of.emplace(NormalName(written[i]), i);
-  const bool has_test = HasList(file, "test_filenames");
-  TakeList(file, "train_filenames", DeclaredRole::kTrain, frame_of, &roles);
-  TakeList(file, "val_filenames", has_test ? DeclaredRole::kVal : DeclaredRole::kTest, frame_of, &roles);
-  TakeList(file, "test_filenames", DeclaredRole::kTest, frame_of, &roles);
+  const FramesByName frames(written);
+  const DeclaredRole of_val = HasList(file, "test_filenames") ? DeclaredRole::kVal : DeclaredRole::kTest;
+  const std::pair<const char*, DeclaredRole> kLists[] = {
+      {"train_filenames", DeclaredRole::kTrain}, {"val_filenames", of_val}, {"test_filenames", DeclaredRole::kTest}};
+  std::vector<std::string> unknown;
+  for (const auto& [key, role] : kLists) {
+    if (HasList(file, key)) TakeList(file[key], role, frames, &roles, &unknown);
+  }
+  if (!unknown.empty()) {
+    listener(Warning{fmt::format("{}: its lists of training and test views have {} that no frame has; {} left out: {}",
+                                 source, Counted(unknown.size(), "name"), unknown.size() == 1 ? "it is" : "they are",
+                                 SomeNames(unknown))});
+  }
   return roles;
 }
 

@@ -81,7 +81,7 @@ fs::path UsualImageFolder(const fs::path& root, const fs::path& model) {
   return !any_in(usual) && any_in(root) ? root : usual;
 }
 
-/// What lies below a scene's folder, apart from what FindModel looks at.
+/// Files with poses below a scene's folder, apart from those that FindModel looks at.
 struct PosesBelow {
   std::set<fs::path> models;  ///< folders with a model, or with numbered ones
   std::vector<fs::path> transforms;
@@ -92,9 +92,17 @@ void Search(const fs::path& dir, int depth, size_t* searched, PosesBelow* found)
   if (depth > 0 && IsColmapModel(dir)) {
     found->models.insert(IsNumber(dir.filename().string()) ? dir.parent_path() : dir);
   }
-  if (depth > 0 && IsFile(dir / "transforms.json")) found->transforms.push_back(dir / "transforms.json");
+  for (const char* file : {"transforms.json", "transforms_train.json"}) {
+    if (depth > 0 && IsFile(dir / file)) found->transforms.push_back(dir / file);
+  }
   if (depth == kMaxModelDepth) return;
-  for (const fs::path& folder : FoldersIn(dir)) {
+  std::vector<fs::path> folders;
+  try {
+    folders = FoldersIn(dir);
+  } catch (const InputError&) {  // somebody else's
+    return;
+  }
+  for (const fs::path& folder : folders) {
     const std::string name = folder.filename().string();
     const bool is_result = IsFile(folder / "stages.json");
     if (!name.starts_with(".") && !IsHelperFolder(name) && !is_result) Search(folder, depth + 1, searched, found);
@@ -134,9 +142,21 @@ struct FittingModel {
   size_t photos = 0;  ///< that are there
 };
 
+/// The photos that the scene has when no model is used.
+size_t CountLoosePhotos(const fs::path& root, const SceneReadOptions& options) {
+  try {
+    if (!options.images.empty()) return FindPhotos(root / options.images, Silent()).size();
+    const size_t usual = FindPhotos(root / "images", Silent()).size();
+    return usual > 0 ? usual : FindPhotos(root, Silent()).size();
+  } catch (const InputError&) {  // thrown again where they are needed
+    return 0;
+  }
+}
+
 /// The image folder nearest to a model that has the most of its images; nothing when these are less than half of its
-/// images or of the photos there.
-std::optional<FittingModel> FitModel(const fs::path& model, const fs::path& root, const SceneReadOptions& options) {
+/// images, of the photos there or of the `loose` ones, which the model would replace.
+std::optional<FittingModel> FitModel(const fs::path& model, const fs::path& root, const SceneReadOptions& options,
+                                     size_t loose) {
   const std::vector<ColmapImage> images = ReadColmapImages(model);
   const ColmapCameras cameras = ReadColmapCameras(model);
   std::vector<fs::path> folders;
@@ -158,14 +178,15 @@ std::optional<FittingModel> FitModel(const fs::path& model, const fs::path& root
   }
   if (fitting.images == 0 || 2 * fitting.images < images.size()) return std::nullopt;
   fitting.photos = FindPhotos(fitting.place.images, Silent()).size();
-  if (2 * fitting.images < fitting.photos) return std::nullopt;
+  if (2 * fitting.images < std::max(fitting.photos, loose)) return std::nullopt;
   return fitting;
 }
 
 /// A damaged model in some folder is no reason to refuse the photos.
-std::optional<FittingModel> FitModelIn(const fs::path& folder, const fs::path& root, const SceneReadOptions& options) {
+std::optional<FittingModel> FitModelIn(const fs::path& folder, const fs::path& root, const SceneReadOptions& options,
+                                       size_t loose) {
   try {
-    return FitModel(ModelIn(folder, Silent()), root, options);
+    return FitModel(ModelIn(folder, Silent()), root, options, loose);
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -191,10 +212,11 @@ std::optional<ModelPlace> FindModelBeside(const fs::path& root, const SceneReadO
   PosesBelow below;
   size_t searched = 0;
   Search(root, 0, &searched, &below);
+  const size_t loose = below.models.empty() ? 0 : CountLoosePhotos(root, options);
   std::vector<FittingModel> fitting;
   std::vector<fs::path> others;
   for (const fs::path& folder : below.models) {
-    const auto fits = FitModelIn(folder, root, options);
+    const auto fits = FitModelIn(folder, root, options, loose);
     if (fits) fitting.push_back(*fits);
     if (!fits) others.push_back(folder);
   }

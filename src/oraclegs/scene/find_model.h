@@ -21,8 +21,9 @@ std::optional<ModelPlace> FindModel(const std::filesystem::path& root, const Sce
                                     const Listener& listener);
 
 /// The one model in other folders below (colmap/sparse/0, dense/sparse, ...) that fits photos of the scene: half of its
-/// images are there, in sizes that its cameras can have. A note says that it is used. Models that do not fit, several
-/// that do, and a transforms.json in a folder below are named in warnings and not used.
+/// images are there, in sizes that its cameras can have, and they are half of what the scene has of photos. A note says
+/// that it is used. Models that do not fit, several that do, and a transforms.json or transforms_train.json in a folder
+/// below are named in warnings and not used.
 std::optional<ModelPlace> FindModelBeside(const std::filesystem::path& root, const SceneReadOptions& options,
                                           const Listener& listener);
 

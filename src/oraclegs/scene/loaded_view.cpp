@@ -71,10 +71,10 @@ float* Keep(size_t pixel, ImageF* image) {
   return &image->data[static_cast<size_t>(image->channels) * pixel + kKeepChannel];
 }
 
-/// What becomes of the color of a transparent pixel.
+/// The use of alpha for the color of a transparent pixel.
 enum class AlphaUse {
   kOnBackground,   ///< it is mixed with the background
-  kPremultiplied,  ///< it is multiplied by alpha, so that filters weigh it, until Store divides
+  kPremultiplied,  ///< it is multiplied by alpha, so that filters weigh it, until TakeStraightColors divides
 };
 
 /// RGB; of more channels the fourth is ones and the fifth alpha.

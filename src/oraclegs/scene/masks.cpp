@@ -52,12 +52,18 @@ uint8_t LevelAt(const Image8& image, size_t pixel) {
   return image.channels < 3 ? at[0] : std::max({at[0], at[1], at[2]});
 }
 
-/// How an RGBA file says what to keep: by alpha where its colors are one, or those of a photo; else by both.
+/// How an RGBA file says what to keep: by alpha where its colors are one, or those of a photo; else, and where alpha
+/// says nothing, by both.
 enum class MaskAlpha { kAlone, kBoth };
 MaskAlpha UseOfAlpha(const Image8& image) {
   Histogram levels{};
   const size_t pixels = image.data.size() / 4;
-  for (size_t i = 0; i < pixels; ++i) ++levels[LevelAt(image, i)];
+  bool opaque = true;
+  for (size_t i = 0; i < pixels; ++i) {
+    ++levels[LevelAt(image, i)];
+    opaque &= image.data[4 * i + 3] == 255;
+  }
+  if (opaque) return MaskAlpha::kBoth;
   const auto used = std::count_if(levels.begin(), levels.end(), [](int64_t n) { return n > 0; });
   const bool mask_like = static_cast<double>(levels.front() + levels.back()) >= kMaskLike * static_cast<double>(pixels);
   return used <= 1 || !mask_like ? MaskAlpha::kAlone : MaskAlpha::kBoth;
@@ -83,12 +89,18 @@ int Threshold(int white) { return (white + 1) / 2; }
 /// The orientation that turns an upright image back into one that `orientation` makes upright.
 int InverseOrientation(int orientation) { return orientation == 6 ? 8 : orientation == 8 ? 6 : orientation; }
 
+/// The EXIF orientation of a file; that of a PNG, which no reader here applies, is 1.
+int StoredOrientation(const fs::path& path) {
+  const std::string bytes = ReadFile(path);
+  return IsPng(bytes) ? 1 : ReadExif(bytes).orientation;
+}
+
 [[noreturn]] void ThrowOtherSize(const SceneView& view, const Image8& mask, int width, int height) {
   throw InputError("{}: is {} x {}, but its photo {} is {} x {}; make them the same size", view.mask_path.string(),
                    mask.width, mask.height, view.name, width, height);
 }
 
-/// What counts of one mask file.
+/// Facts that count of one mask file.
 struct MaskFacts {
   int width = 0, height = 0;
   Histogram all{}, border{}, middle{};
@@ -240,9 +252,8 @@ void WarnOfTurnedPhotos(const Scene& scene, const Listener& listener) {
   ParallelFor(static_cast<int64_t>(turned.size()), [&](int64_t i) {
     const SceneView& view = scene.views[static_cast<size_t>(i)];
     if (view.mask_path.empty()) return;
-    const auto orientation_of = [](const fs::path& path) { return ReadExif(ReadFile(path)).orientation; };
-    const int of_photo = orientation_of(view.image_path);
-    turned[static_cast<size_t>(i)] = of_photo >= 2 && of_photo <= 4 && orientation_of(view.mask_path) == 1;
+    const int of_photo = StoredOrientation(view.image_path);
+    turned[static_cast<size_t>(i)] = of_photo >= 2 && of_photo <= 4 && StoredOrientation(view.mask_path) == 1;
   });
   std::vector<std::string> names;
   for (size_t i = 0; i < turned.size(); ++i) {
@@ -265,7 +276,7 @@ Image8 ReadMask(const SceneView& view, int width, int height, Orientation orient
     if (HaveSameAspect(other.width, other.height, width, height)) {
       mask = std::move(other);
     } else {
-      const int of_photo = ReadExif(ReadFile(view.image_path)).orientation;
+      const int of_photo = StoredOrientation(view.image_path);
       if (!SwapsAxes(of_photo) || !HaveSameAspect(mask.height, mask.width, width, height)) {
         ThrowOtherSize(view, mask, width, height);
       }

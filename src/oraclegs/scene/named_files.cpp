@@ -106,22 +106,30 @@ class ImageIndex {
 
   void List(const fs::path& dir, const std::string& prefix, int depth) {
     std::error_code error;
-    if (depth > 0) {
-      const fs::path real = fs::canonical(dir, error);
-      if (error || !seen_.insert(real).second) return;  // a link to a folder is followed once
-    }
+    const fs::path real = fs::canonical(dir, error);
+    if (error || !seen_.insert(real).second) return;  // a link to a folder is followed once
     std::vector<size_t> starts{0};
     for (size_t i = 0; i < prefix.size(); ++i) {
       if (prefix[i] == '/') starts.push_back(i + 1);
     }
+    std::vector<fs::directory_entry> entries;
     fs::directory_iterator it(dir, error);
     for (; !error && it != fs::directory_iterator() && listed_ < kMaxListed; it.increment(error), ++listed_) {
-      const std::string name = it->path().filename().string();
+      entries.push_back(*it);
+    }
+    const auto rank = [](const fs::directory_entry& entry) {  // folders before the links that lead to them
       std::error_code ignored;
-      if (it->is_directory(ignored)) {
-        if (depth < kMaxFolderDepth && !IsPassedOver(it->path(), name))
-          List(it->path(), prefix + name + "/", depth + 1);
-      } else if (HasImageExtension(it->path()) && it->is_regular_file(ignored)) {
+      return std::pair(entry.is_symlink(ignored), entry.path().native());
+    };
+    std::sort(entries.begin(), entries.end(),
+              [&](const fs::directory_entry& a, const fs::directory_entry& b) { return rank(a) < rank(b); });
+    for (const fs::directory_entry& entry : entries) {
+      const std::string name = entry.path().filename().string();
+      std::error_code ignored;
+      if (entry.is_directory(ignored)) {
+        if (depth < kMaxFolderDepth && !IsPassedOver(entry.path(), name))
+          List(entry.path(), prefix + name + "/", depth + 1);
+      } else if (HasImageExtension(entry.path()) && entry.is_regular_file(ignored)) {
         Add(prefix + name, starts);
       }
     }
@@ -204,15 +212,17 @@ class NamedFilesSearch {
     }
   }
 
-  /// What is found for several paths is right for one of them at most.
+  /// Takes away a file that was found for several paths: it is right for one of them at most.
   void DropShared() {
     if (std::all_of(ways_.begin(), ways_.end(), [](unsigned way) { return way == kAsWritten; })) return;
-    std::unordered_map<std::string, int> uses;
-    const auto uses_of = [&](const NamedFile& file) -> int& { return uses[file.path.lexically_normal().string()]; };
-    for (const NamedFile& file : files_) ++uses_of(file);
+    std::unordered_map<std::string, std::set<std::string>> users;
+    const auto users_of = [&](size_t i) -> auto& { return users[files_[i].path.lexically_normal().string()]; };
+    for (size_t i = 0; i < files_.size(); ++i) {
+      users_of(i).insert(query_.may_share ? query_.written[i] : std::to_string(i));
+    }
     std::vector<size_t> shared;
     for (size_t i = 0; i < files_.size(); ++i) {
-      if (ways_[i] != kAsWritten && uses_of(files_[i]) > 1) shared.push_back(i);
+      if (ways_[i] != kAsWritten && users_of(i).size() > 1) shared.push_back(i);
     }
     for (const size_t i : shared) {
       files_[i] = {};

@@ -37,10 +37,16 @@ bool IsRunFolder(const fs::path& dir) {
 
 std::string Below(const fs::path& dir, const fs::path& path) { return path.lexically_relative(dir).generic_string(); }
 
+/// Empty when links do not lead there.
+fs::path RealPath(const fs::path& path) {
+  std::error_code error;
+  return fs::weakly_canonical(path, error);
+}
+
 /// Finds the photos of a folder and what is to be said of its other files.
 class PhotoSearch {
  public:
-  explicit PhotoSearch(const fs::path& root) : root_(root), real_root_(fs::weakly_canonical(root)) {
+  explicit PhotoSearch(const fs::path& root) : root_(root), real_root_(RealPath(root)) {
     Visit(root);
     follows_links_ = true;  // after the folders themselves, so that these keep their names
     while (!links_.empty()) {
@@ -118,21 +124,30 @@ class PhotoSearch {
       if (!poses_.empty()) poses_ = OneLine(dir.string()) + ": " + poses_;
     }
     fs::directory_iterator it(dir, error);
-    for (; !error && it != fs::directory_iterator(); it.increment(error)) {
-      const std::string name = it->path().filename().string();
-      if (name.starts_with(".")) continue;  // e.g. "._1.jpg" beside photos from a Mac
-      std::error_code ignored;
-      if (!it->is_directory(ignored)) {
-        AddFile(it->path());
-      } else if (IsHelperFolder(name)) {
-        AddHelper(it->path());
-      } else if (it->is_symlink(ignored)) {
-        links_.push_back(it->path());
-      } else if (!IsRunFolder(it->path())) {
-        Visit(it->path());
-      }
+    std::vector<fs::directory_entry> entries;
+    for (; !error && it != fs::directory_iterator(); it.increment(error)) entries.push_back(*it);
+    std::sort(entries.begin(), entries.end());  // the poses of the first folder are named
+    for (const fs::directory_entry& entry : entries) Add(entry);
+    if (!error) return;
+    if (!follows_links_) {
+      throw InputError("{}: cannot be listed ({}); check its permissions", dir.string(), error.message());
     }
-    if (error) throw InputError("{}: cannot be listed ({}); check its permissions", dir.string(), error.message());
+    skipped_["cannot be listed, so it is left out; check its permissions"].push_back(Below(root_, dir) + "/");
+  }
+
+  void Add(const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(".")) return;  // e.g. "._1.jpg" beside photos from a Mac
+    std::error_code ignored;
+    if (!entry.is_directory(ignored)) {
+      AddFile(entry.path());
+    } else if (IsHelperFolder(name)) {
+      AddHelper(entry.path());
+    } else if (entry.is_symlink(ignored)) {
+      links_.push_back(entry.path());
+    } else if (!IsRunFolder(entry.path())) {
+      Visit(entry.path());
+    }
   }
 
   void AddFile(const fs::path& path) {
@@ -158,11 +173,13 @@ class PhotoSearch {
     }
   }
 
-  /// What everybody has (masks/, images_4/) is not spoken of, nor what holds no image.
+  /// Says nothing of what everybody has (masks/, images_4/), nor of what holds no image.
   void AddHelper(const fs::path& dir) {
     const std::string name = dir.filename().string();
     std::error_code error;
-    if (name == "masks" || name.starts_with("images_") || !std::isalpha(static_cast<unsigned char>(name[0]))) return;
+    if (name == "masks" || name == "mask" || name.starts_with("images_") ||
+        !std::isalpha(static_cast<unsigned char>(name[0])))
+      return;
     for (fs::directory_iterator it(dir, error), end; !error && it != end; it.increment(error)) {
       if (HasImageExtension(it->path())) return helpers_.push_back(Below(root_, dir) + "/");
     }
@@ -178,7 +195,7 @@ class PhotoSearch {
   std::map<std::string, std::vector<std::string>> skipped_;  ///< names by reason
 };
 
-/// What EXIF says of the camera, in pixels of the image.
+/// Adds to a view what EXIF says of its camera, in pixels of the image.
 void AddCamera(const Exif& exif, SceneView* view) {
   view->camera = exif.make;
   if (!exif.model.empty()) view->camera += (view->camera.empty() ? "" : " ") + exif.model;

@@ -28,7 +28,7 @@ const std::vector<UnreadKind>& UnreadKinds() {
   static const std::vector<UnreadKind> kinds = {
       {"raw photos are not read; export them as JPEG",
        {".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".srf", ".sr2", ".dng", ".orf", ".rw2", ".raf", ".pef", ".srw",
-        ".raw"}},
+        ".raw", ".gpr", ".rwl", ".3fr", ".fff", ".iiq", ".erf", ".dcr", ".kdc", ".mef", ".mos", ".x3f", ".mrw"}},
       {"videos beside photos are not read; name the video itself to take photos out of it",
        {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".m2ts", ".3gp", ".wmv", ".mpg", ".mpeg", ".insv"}},
       {"this kind of image is not read; save it as JPEG or PNG",
@@ -90,7 +90,7 @@ bool IsShortMapWord(std::string_view word) {
   return Contains(kWords, word);
 }
 
-/// What a name says beside what kind of image it is; equal for a photo and its maps.
+/// The words of a name that say nothing of the kind of image; equal for a photo and its maps.
 std::string KeyOf(const fs::path& path, bool* is_map) {
   std::string key;
   *is_map = false;
@@ -201,9 +201,9 @@ bool IsPhotoByContent(const fs::path& name, std::string_view head) {
   if (!IsImage(head)) return false;
   const std::string extension = Lower(name.extension().string());
   if (HasImageExtension(name)) return true;
-  const bool is_raw = Contains(UnreadKinds().front().extensions, extension);
+  if (IsTiff(head)) return extension.empty();  // raw photos of many makers are TIFF files
   const bool is_backup = extension.ends_with("~") || extension.ends_with("_original");  // the latter of ExifTool
-  return !(is_raw && IsTiff(head)) && !is_backup && !Contains(kOthers, extension);
+  return !is_backup && !Contains(kOthers, extension);
 }
 
 bool IsPhotoByContent(const fs::path& file) { return IsPhotoByContent(file, HeadOf(file, kImageHeadBytes)); }

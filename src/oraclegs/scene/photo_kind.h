@@ -17,10 +17,10 @@ bool IsHelperFolder(const std::string& name);
 std::string WhyNotRead(const std::filesystem::path& path);
 
 /// True for a file that begins with `head` (kImageHeadBytes of it) when that is an image, whatever its name; not for
-/// raw photos (which are TIFF files, too), thumbnails and backups, by their names.
+/// thumbnails and backups, by their names, nor for a TIFF file with an extension of its own: raw photos are such.
 bool IsPhotoByContent(const std::filesystem::path& name, std::string_view head);
 
-/// The same of a file; false when it cannot be read.
+/// IsPhotoByContent of a file on the disk; false when it cannot be read.
 bool IsPhotoByContent(const std::filesystem::path& file);
 
 /// Removes from `photos`, and returns, images that go with photos of the list and are none: masks, depth maps,

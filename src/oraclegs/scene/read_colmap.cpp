@@ -43,10 +43,10 @@ auto ParsePart(const fs::path& path, Binary binary, Text text) {
 
 /// The views of a model's images, in their order.
 std::vector<SceneView> MakeViews(const fs::path& model_dir, const fs::path& image_dir,
-                                 const std::vector<ColmapImage>& images, const Listener& listener) {
+                                 const std::vector<ColmapImage>& images, bool allow_outside, const Listener& listener) {
   const fs::path cameras_path = RequirePart(model_dir, "cameras");
   const ColmapCameras cameras = ReadColmapCameras(model_dir);
-  NamedFilesQuery query{model_dir.string(), image_dir, {}};
+  NamedFilesQuery query{model_dir.string(), image_dir, {}, 1, allow_outside};
   for (const ColmapImage& image : images) query.written.push_back(image.name);
   const std::vector<NamedFile> files = FindNamedFiles(query, listener);
   std::vector<SceneView> views;
@@ -178,13 +178,14 @@ std::vector<ColmapImage> ReadColmapImages(const fs::path& model_dir) {
   return images;
 }
 
-Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, const Listener& listener) {
+Scene ReadColmapScene(const fs::path& model_dir, const fs::path& image_dir, const Listener& listener,
+                      bool allow_outside) {
   Scene scene;
   scene.root = model_dir;
   scene.format = SceneFormat::kColmap;
   const std::vector<ColmapImage> images = ReadColmapImages(model_dir);
   const std::string source = model_dir.string();
-  std::vector<SceneView> views = MakeViews(model_dir, image_dir, images, listener);
+  std::vector<SceneView> views = MakeViews(model_dir, image_dir, images, allow_outside, listener);
   std::vector<std::string> names;
   for (const SceneView& view : views) names.push_back(view.name);
   KeepViewsWithImages(std::move(views), source, image_dir.string(), listener, &scene);

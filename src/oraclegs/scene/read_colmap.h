@@ -23,7 +23,8 @@ std::vector<ColmapPoint> ReadColmapPoints(const std::filesystem::path& model_dir
 /// points with the views that saw them. Warns of views without an image file and of points that are dropped (not
 /// finite, or seen by no view). Throws InputError naming the file: missing, truncated, a camera id or model that
 /// is unknown, bad intrinsics, a pose that is not one, two images of one name, no image file at all.
+/// `allow_outside`: as of SceneReadOptions.
 Scene ReadColmapScene(const std::filesystem::path& model_dir, const std::filesystem::path& image_dir,
-                      const Listener& listener);
+                      const Listener& listener, bool allow_outside = false);
 
 }  // namespace oraclegs

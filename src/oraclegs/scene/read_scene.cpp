@@ -44,8 +44,12 @@ void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOpti
 Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
   Scene scene;
   scene.format = SceneFormat::kPhotos;
-  const bool has_layout = options.images.empty() && FindCaptureLayout(root).has_value();
-  if (!has_layout) scene.views = ReadPhotos(options.images.empty() ? root / "images" : root / options.images, listener);
+  const auto layout = FindCaptureLayout(root);
+  const fs::path usual = root / "images";
+  std::error_code error;
+  const bool is_usual = !layout || (layout->photos != usual && fs::is_directory(usual, error));
+  if (!options.images.empty() || is_usual)
+    scene.views = ReadPhotos(options.images.empty() ? usual : root / options.images, listener);
   if (scene.views.empty() && options.images.empty()) {
     scene.views = ReadPhotos(root, listener);
   } else if (const std::string poses = DescribeUnreadPoses(root); !poses.empty()) {
@@ -62,7 +66,8 @@ Scene ReadPhotoFolder(const fs::path& root, const SceneReadOptions& options, con
 
 }  // namespace
 
-Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Listener& listener) {
+Scene ReadScene(const fs::path& folder, const SceneReadOptions& options, const Listener& listener) {
+  const fs::path root = folder.has_filename() ? folder : folder.parent_path();  // "scene/" has another end
   RequireFolder(root, "name the folder that holds the scene");
   if (!options.images.empty())
     RequireFolder(root / options.images, "--images takes a folder, from the scene's or absolute");
@@ -77,7 +82,7 @@ Scene ReadScene(const fs::path& root, const SceneReadOptions& options, const Lis
   if (!model && !has_transforms && !is_blender) model = FindModelBeside(root, options, listener);
   Scene scene;
   if (model) {
-    scene = ReadColmapScene(model->model, model->images, listener);
+    scene = ReadColmapScene(model->model, model->images, listener, options.allow_outside);
   } else if (has_transforms) {
     scene = ReadTransformsScene(root, options, listener);
   } else if (is_blender) {

@@ -18,6 +18,6 @@ namespace oraclegs {
 /// file and how to fix it: nothing recognised, no image found, a truncated file, a pose that is not finite or not a
 /// rotation, a focal length that is not positive, two views of one name, a name that is not UTF-8, an image or mask
 /// outside the folder (SceneReadOptions).
-Scene ReadScene(const std::filesystem::path& root, const SceneReadOptions& options, const Listener& listener);
+Scene ReadScene(const std::filesystem::path& folder, const SceneReadOptions& options, const Listener& listener);
 
 }  // namespace oraclegs

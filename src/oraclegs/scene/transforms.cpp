@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+constexpr size_t kBlenderParts = 2;       // train/r_0 and test/r_0 are two views
 constexpr double kUnseenRounding = 2e-5;  // between five decimals and four
 
 /// The image of a frame, below options.images when that is given, where the path's first folder may be left out.
@@ -75,7 +76,9 @@ void ReportUnread(const fs::path& path, const json& file, const Listener& listen
                             fmt::join(unread, " and "))});
 }
 
-FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options, const Listener& listener) {
+/// `min_parts`: as of NamedFilesQuery, for the images.
+FileViews ReadFrames(const fs::path& path, size_t min_parts, const SceneReadOptions& options,
+                     const Listener& listener) {
   const fs::path root = path.parent_path();
   const json file = ReadTransformsFile(path);
   ReportUnread(path, file, listener);
@@ -86,14 +89,15 @@ FileViews ReadFrames(const fs::path& path, const SceneReadOptions& options, cons
   NamedFilesQuery images{path.string(),
                          options.images.empty() ? root : root / options.images,
                          {},
-                         1,
+                         min_parts,
                          options.allow_outside,
+                         false,
                          [&](const std::string& written) { return FindImage(root, options, written); }};
   for (const NamedTransformsFrame& frame : frames) images.written.push_back(frame.file_path);
-  const std::vector<DeclaredRole> roles = RolesInTransforms(file, images.written);
+  const std::vector<DeclaredRole> roles = RolesInTransforms(file, images.written, path.string(), listener);
   const std::vector<NamedFile> files = FindNamedFiles(images, listener);
   FileViews result;
-  NamedFilesQuery masks{path.string(), root, {}, 2, options.allow_outside};
+  NamedFilesQuery masks{path.string(), root, {}, 2, options.allow_outside, true};
   std::vector<size_t> view_of_mask;
   for (size_t i = 0; i < frames.size(); ++i) {
     const TransformsFrame& frame = frames[i].frame;
@@ -117,8 +121,9 @@ void ReportRounding(const fs::path& path, const std::vector<double>& roundings, 
                             *std::max_element(roundings.begin(), roundings.end()))});
 }
 
-std::vector<SceneView> ReadViews(const fs::path& path, const SceneReadOptions& options, const Listener& listener) {
-  FileViews read = ReadFrames(path, options, listener);
+std::vector<SceneView> ReadViews(const fs::path& path, size_t min_parts, const SceneReadOptions& options,
+                                 const Listener& listener) {
+  FileViews read = ReadFrames(path, min_parts, options, listener);
   ReportRounding(path, read.roundings, listener);
   if (!read.missing_masks.empty()) {
     listener(Warning{fmt::format("{}: {} mask files do not exist, those views use all pixels: {}", path.string(),
@@ -138,7 +143,7 @@ Scene ReadTransformsScene(const fs::path& root, const SceneReadOptions& options,
   Scene scene;
   scene.root = root;
   scene.format = SceneFormat::kTransforms;
-  KeepViewsWithImages(ReadViews(path, options, listener), path.string(), SearchedFolder(root, options), listener,
+  KeepViewsWithImages(ReadViews(path, 1, options, listener), path.string(), SearchedFolder(root, options), listener,
                       &scene);
   ReportDeclaredSplit(scene, path.string(), listener);
   return scene;
@@ -162,7 +167,7 @@ Scene ReadBlenderScene(const fs::path& root, const SceneReadOptions& options, co
       }
       continue;
     }
-    for (SceneView& view : ReadViews(path, options, listener)) {
+    for (SceneView& view : ReadViews(path, kBlenderParts, options, listener)) {
       view.role = part.role;
       const bool is_new = names.insert(view.name).second;
       if (is_new || part.role != DeclaredRole::kVal) views.push_back(std::move(view));
