@@ -196,7 +196,7 @@ class PhotoSearch {
     }
   }
 
-  /// What everybody has (masks/, images_4/) is not spoken of beside photos, and what holds no image never.
+  /// Usual folders (masks/, images_4/) are not spoken of beside photos, and those without an image never.
   void AddHelper(const fs::path& dir) {
     const std::string name = dir.filename().string();
     std::error_code error;
