@@ -56,6 +56,19 @@ TEST_F(ImportTest, GivesNamesByWhichPhotosAreFoundAgain) {
               UnorderedElementsAre("_masks/a.jpg", "_images_4/b.jpg", "c.jpg", "_depth/d.jpg", "without.jpg",
                                    "a.gif.jpg", "b.mp4.jpg"));
   EXPECT_EQ(FindPhotos(dir_ / "out/photos", Silent()).size(), 7u);
+  EXPECT_THAT(Import({Photo("only/normal/a.jpg").parent_path().parent_path(), Photo("c.jpg")}),
+              UnorderedElementsAre("only/_normal/a.jpg", "c.jpg"));
+}
+
+TEST_F(ImportTest, NamesPosesThatAloneWouldBeRead) {
+  WriteText(Photo("scene/a.jpg").parent_path() / "transforms.json", "{}");
+  Import({dir_ / "scene", Photo("b.jpg")});
+  EXPECT_THAT(events_.notes, ::testing::Contains(HasSubstr("scene: transforms.json has poses, which are not read")));
+}
+
+TEST_F(ImportTest, TakesBackupsThatAreNamed) {
+  EXPECT_THAT(Import({Photo("a.jpg.bak"), Photo("b.jpg~"), Photo("c.orig")}),
+              UnorderedElementsAre("a.jpg.bak.jpg", "b.jpg~.jpg", "c.orig.jpg"));
 }
 
 TEST_F(ImportTest, IsNotRepeatedForTheSameInputs) {

@@ -58,8 +58,7 @@ TEST(DescribeUnreadPoses, NamesFilesOfPrograms) {
                {"poses_bounds.npy", "", " of LLFF"},
                {"reconstruction.json", "[{\"cameras\": {}, \"shots\": {}}]", " of OpenSfM"},
                {"opensfm/reconstruction.json", "[{\"shots\": {}}]", " of OpenDroneMap"},
-               {"traj.txt", "0 0 0", ""},
-               {"sub/transforms.json", "{}", ""}};
+               {"traj.txt", "0 0 0", ""}};
   for (const auto& [file, text, program] : files) {
     const TempDir dir;
     WriteText(dir / file, text);
@@ -67,9 +66,22 @@ TEST(DescribeUnreadPoses, NamesFilesOfPrograms) {
                 HasSubstr(std::string(file) + " has poses" + program + ", which are not read: "))
         << file;
   }
-  const TempDir dir;
-  WriteTinyModel(dir / "model");
-  EXPECT_THAT(DescribeUnreadPoses(dir.path()), HasSubstr("model has poses of COLMAP"));
+}
+
+TEST(DescribeScenePoses, NamesWhatAloneWouldBeRead) {
+  for (const char* place : {"sparse/0", "model", "a/sparse", "a/0"}) {
+    const TempDir dir;
+    EXPECT_EQ(DescribeScenePoses(dir.path()), "");
+    WriteTinyModel(dir / place);
+    EXPECT_THAT(DescribeScenePoses(dir.path()), HasSubstr(std::string(place) + " has poses of COLMAP")) << place;
+    EXPECT_EQ(DescribeUnreadPoses(dir.path()), "");
+  }
+  for (const char* file : {"transforms.json", "sub/transforms_train.json"}) {
+    const TempDir dir;
+    WriteText(dir / file, "{}");
+    EXPECT_THAT(DescribeScenePoses(dir.path()), HasSubstr(std::string(file) + " has poses, which are not read"))
+        << file;
+  }
 }
 
 TEST(DescribeUnreadPoses, IsSilentWithoutAny) {

@@ -8,6 +8,8 @@
 
 #include "image/jpeg_files.h"
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/image/exif.h"
 #include "oraclegs/image/png.h"
 #include "support/errors.h"
 #include "support/event_recorder.h"
@@ -205,6 +207,17 @@ TEST_F(MasksTest, WarnsOfMasksThatMayBeUpsideDown) {
   WritePng(view.mask_path, MaskOf([](int x, int y) { return InDisc(x, y) * 255; }));
   Check();
   EXPECT_THAT(events_.warnings, ElementsAre(HasSubstr("EXIF turns a.jpg by 180 degrees")));
+
+  scene_.views.clear();
+  events_ = {};
+  AddMasked("a.png", MaskOf([](int x, int y) { return InDisc(x, y) * 255; }));
+  std::string png = ReadFile(dir_ / "a.png");
+  const std::string tiff("MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0", 26);
+  png.insert(33, std::string("\0\0\0\x1a", 4) + "eXIf" + tiff + "CCCC");  // after the header
+  WriteText(dir_ / "a.png", png);
+  EXPECT_EQ(ReadExif(png).orientation, 3);
+  Check();
+  EXPECT_THAT(events_.warnings, IsEmpty()) << "no reader turns a PNG";
 }
 
 }  // namespace

@@ -114,6 +114,27 @@ TEST_F(PhotoFolderTest, PassesOverMapsAndSaysSo) {
               ElementsAre(HasSubstr("b/Confidence/, depth/: passed over"), HasSubstr("a/1_mask.png: passed over")));
 }
 
+TEST_F(PhotoFolderTest, TakesTheOnlyFolderWhateverItIsCalled) {
+  for (const char* name : {"a/normal/1.png", "a/normal/b/2.png", "a/normal/depth/1.png"}) WriteImage(dir_ / name);
+  EXPECT_THAT(Names(), ElementsAre("a/normal/1.png", "a/normal/b/2.png"));
+  EXPECT_THAT(events_.notes, testing::Contains(HasSubstr("a/normal/: its images are taken for the photos")));
+  WriteText(dir_ / "a/1.NEF", "x");
+  EXPECT_THAT(Names(), IsEmpty()) << "of photos that are not read";
+  std::filesystem::remove(dir_ / "a/1.NEF");
+  WriteImage(dir_ / "labels/1.png");
+  EXPECT_THAT(Names(), IsEmpty()) << "of two";
+}
+
+TEST_F(PhotoFolderTest, TakesNoMasksForPhotos) {
+  WriteImage(dir_ / "mask/1.png");
+  EXPECT_THAT(Names(), IsEmpty());
+  EXPECT_THAT(events_.notes, ElementsAre(HasSubstr("mask/: passed over")));
+  WriteImage(dir_ / "1.png");
+  events_ = {};
+  EXPECT_THAT(Names(), ElementsAre("1.png"));
+  EXPECT_THAT(events_.notes, IsEmpty());
+}
+
 TEST_F(PhotoFolderTest, PassesOverTexturesOfAMesh) {
   for (const char* name : {"1.png", "model/atlas 1.png", "model/atlas.png"}) WriteImage(dir_ / name);
   WriteText(dir_ / "model/a.mtl", "newmtl a\r\n  Kd 1 1 1\n  map_Kd -s 1 1 atlas.png\r\n");

@@ -126,6 +126,17 @@ TEST_F(ReadSceneTest, RefusesImagesElsewhere) {
   fs::remove_all(elsewhere);
 }
 
+TEST_F(ReadSceneTest, TakesAbsoluteNamesOfAModelAsWrittenWhereThatIsAllowed) {
+  WriteImages("images");
+  const TempDir elsewhere;
+  WriteImage(elsewhere / "a.png");
+  const fs::path named = fs::absolute(elsewhere / "a.png");
+  WriteColmapText(root() / "sparse/0", {{1, {CameraModel::kPinhole, 6, 4, {5, 5, 3, 2}}}},
+                  {{.id = 1, .name = named.string(), .camera_id = 1}});
+  EXPECT_EQ(Read().views.at(0).image_path, root() / "images/a.png") << "the scene was moved";
+  EXPECT_EQ(Read({.allow_outside = true}).views.at(0).image_path, named);
+}
+
 TEST_F(ReadSceneTest, ScalesCamerasToSmallerPhotos) {
   for (const char* name : {"a.png", "b.png", "c.png"}) WriteImage(root() / "images" / name, 3, 2);
   WriteTinyModel(root() / "sparse/0");  // of 6 x 4

@@ -19,6 +19,7 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/core/unique_json.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/scene/capture_layout.h"
 #include "oraclegs/scene/photo_folder.h"
 #include "oraclegs/scene/photo_kind.h"
 
@@ -35,6 +36,16 @@ constexpr char kImages[] = "images";
 
 enum class InputKind { kFolder, kPhoto, kVideo, kZip };
 
+/// True also of a photo that is left out of folders for its name: photo.jpg.bak.
+bool CanBeRead(const fs::path& photo) {
+  try {
+    ReadImageInfo(photo);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 InputKind KindOf(const fs::path& input) {
   std::error_code error;
   if (fs::is_directory(input, error)) return InputKind::kFolder;
@@ -44,6 +55,7 @@ InputKind KindOf(const fs::path& input) {
   if (HasImageExtension(input) || IsPhotoByContent(input)) return InputKind::kPhoto;
   if (LooksLikeVideo(input)) return InputKind::kVideo;
   if (const std::string why = WhyNotRead(input); !why.empty()) throw InputError("{}: {}", input.string(), why);
+  if (CanBeRead(input)) return InputKind::kPhoto;
   throw InputError("{}: is neither a photo, a video, a zip of photos nor a folder; name one of these", input.string());
 }
 
@@ -143,8 +155,11 @@ class Importer {
               "{}: masks are used where the folder is the only input; name it alone, or make one folder of all photos",
               (input / "masks").string())});
         }
+        if (const std::string poses = DescribeScenePoses(input); !poses.empty()) {
+          listener_(Note{fmt::format("{}: {}", OneLine(input.string()), poses)});
+        }
         for (const fs::path& photo : FindPhotos(input, listener_))
-          Copy(photo, names_.Take(folder / photo.lexically_relative(input)));
+          Copy(photo, names_.Take(folder / PathOf(photo.lexically_relative(input))));
         return;
       }
     }
@@ -156,6 +171,17 @@ class Importer {
     std::string name = PlainText(wanted);
     if (name.empty() || name[0] == '.' || IsHelperFolder(PlainText(wanted.stem()))) name = "_" + name;
     return names_.Take(name);
+  }
+
+  /// A path below a folder by which the photo is found again.
+  static fs::path PathOf(const fs::path& relative) {
+    fs::path path;
+    for (const fs::path& part : relative.parent_path()) {
+      std::string name = part.string();
+      if (IsHelperFolder(name)) name.insert(name.begin(), '_');
+      path /= name;
+    }
+    return path / relative.filename();
   }
 
   void Copy(const fs::path& from, const fs::path& name) const {

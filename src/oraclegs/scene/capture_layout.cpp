@@ -148,6 +148,17 @@ std::vector<fs::path> FilesOf(const PoseFileRow& row, const fs::path& dir, const
   return files;
 }
 
+/// Paths of what is not hidden in a folder, sorted.
+std::vector<fs::path> EntriesOf(const fs::path& dir) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator it(dir, error), end; !error && it != end; it.increment(error)) {
+    if (!it->path().filename().string().starts_with(".")) entries.push_back(it->path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
 }  // namespace
 
 std::optional<CaptureLayout> FindCaptureLayout(const fs::path& dir) {
@@ -167,12 +178,7 @@ std::string DescribeUnreadPoses(const CaptureLayout& layout) {
 }
 
 std::string DescribeUnreadPoses(const fs::path& dir) {
-  std::vector<fs::path> entries;
-  std::error_code error;
-  for (fs::directory_iterator it(dir, error), end; !error && it != end; it.increment(error)) {
-    if (!it->path().filename().string().starts_with(".")) entries.push_back(it->path());
-  }
-  std::sort(entries.begin(), entries.end());
+  const std::vector<fs::path> entries = EntriesOf(dir);
   size_t looked_at = 0;
   for (const PoseFileRow& row : PoseFileRows()) {
     for (const fs::path& path : FilesOf(row, dir, entries)) {
@@ -180,16 +186,21 @@ std::string DescribeUnreadPoses(const fs::path& dir) {
       if (BeginsWithText(path, row.text)) return Sentence(BelowLayout(dir, path), row.program, row.fix);
     }
   }
-  for (const fs::path& path : entries) {
+  return "";
+}
+
+std::string DescribeScenePoses(const fs::path& dir) {
+  constexpr char kAlone[] = "name its folder alone to use them";
+  std::vector<fs::path> folders = EntriesOf(dir);
+  folders.insert(folders.begin(), dir);
+  for (const fs::path& path : folders) {
     if (!IsFolderThere(path) || Exists(path / "options.json")) continue;  // the latter is of a run of ours
-    const std::string name = path.filename().string();
     for (const char* file : {"transforms.json", "transforms_train.json"}) {
-      if (Exists(path / file)) return Sentence(name + "/" + file, "", "name its folder to use them");
+      if (Exists(path / file)) return Sentence(BelowLayout(dir, path / file), "", kAlone);
     }
     for (const fs::path& model : {path, path / "0", path / "sparse", path / "sparse/0"}) {
-      if (IsColmapModel(model)) {
-        return Sentence(BelowLayout(dir, model), "COLMAP", "move that folder to sparse/0 to use them");
-      }
+      if (!IsColmapModel(model)) continue;
+      return Sentence(model == dir ? "it" : BelowLayout(dir, model), "COLMAP", kAlone);
     }
   }
   return "";

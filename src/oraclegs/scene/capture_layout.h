@@ -18,11 +18,15 @@ struct CaptureLayout {
 /// The layout of `dir`; nullopt when it is none that is known. Looks at names alone.
 std::optional<CaptureLayout> FindCaptureLayout(const std::filesystem::path& dir);
 
-/// "cameras.xml has poses of Metashape, which are not read: ...": one sentence on what lies in `dir`, or in a folder of
-/// it, and holds poses of photos; empty when nothing does. Each of at most a thousand files is read up to 64 kB.
+/// "cameras.xml has poses of Metashape, which are not read: ...": one sentence on a file of another program in `dir`
+/// that holds poses of photos; empty when none does. Each of at most a thousand files is read up to 64 kB.
 std::string DescribeUnreadPoses(const std::filesystem::path& dir);
 
-/// The same sentence for a layout; empty without poses.
+/// DescribeUnreadPoses of a layout; empty without poses.
 std::string DescribeUnreadPoses(const CaptureLayout& layout);
+
+/// One such sentence on a COLMAP model or a transforms.json in `dir` or a folder of it, which are read where the folder
+/// is the only input; empty without them.
+std::string DescribeScenePoses(const std::filesystem::path& dir);
 
 }  // namespace oraclegs

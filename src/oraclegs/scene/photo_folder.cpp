@@ -48,15 +48,8 @@ class PhotoSearch {
  public:
   explicit PhotoSearch(const fs::path& root) : root_(root), real_root_(RealPath(root)) {
     Visit(root);
-    follows_links_ = true;  // after the folders themselves, so that these keep their names
-    while (!links_.empty()) {
-      std::vector<fs::path> links;
-      links.swap(links_);
-      std::sort(links.begin(), links.end());
-      for (const fs::path& link : links) {
-        if (!HoldsRoot(link) && !IsRunFolder(link)) Visit(link);
-      }
-    }
+    FollowLinks();
+    if (photos_.empty()) TakeHelper();
     std::erase_if(photos_, [&](const fs::path& path) {
       if (textures_.count(path) > 0) companions_.push_back(Below(root_, path));
       return textures_.count(path) > 0;
@@ -69,11 +62,13 @@ class PhotoSearch {
 
   void Report(const Listener& listener) {
     for (auto& [why, names] : skipped_) listener(Warning{fmt::format("{}: {}", Shown(&names), why)});
-    if (!helpers_.empty()) {
+    std::vector<std::string> helpers;
+    for (const fs::path& dir : helpers_) helpers.push_back(Below(root_, dir) + "/");
+    if (!helpers.empty()) {
       listener(
           Note{fmt::format("{}: passed over, as a folder of masks, depth maps or the like; masks are read from masks/; "
                            "name it itself if it holds photos",
-                           Shown(&helpers_))});
+                           Shown(&helpers))});
     }
     if (!companions_.empty()) {
       listener(
@@ -93,6 +88,34 @@ class PhotoSearch {
     for (std::string& name : *names) name = OneLine(name);
     return SomeNames(*names);
   }
+
+  /// After the folders themselves, so that these keep their names.
+  void FollowLinks() {
+    follows_links_ = true;
+    while (!links_.empty()) {
+      std::vector<fs::path> links;
+      links.swap(links_);
+      std::sort(links.begin(), links.end());
+      for (const fs::path& link : links) {
+        if (!HoldsRoot(link) && !IsRunFolder(link)) Visit(link);
+      }
+    }
+  }
+
+  /// Takes the photos of the only folder that has images, whatever it is called; not of masks/, which is read as such,
+  /// nor beside photos that are not read.
+  void TakeHelper() {
+    helpers_.insert(helpers_.end(), usual_helpers_.begin(), usual_helpers_.end());
+    if (helpers_.size() != 1 || IsMaskFolder(helpers_.front()) || !skipped_.empty()) return;
+    const fs::path folder = helpers_.front();
+    helpers_.clear();
+    notes_.push_back(
+        fmt::format("{}/: its images are taken for the photos, as there are no others", OneLine(Below(root_, folder))));
+    Visit(folder);
+    FollowLinks();
+  }
+
+  static bool IsMaskFolder(const fs::path& dir) { return dir.filename() == "masks" || dir.filename() == "mask"; }
 
   /// A link to a folder around the one that was named would lead to everything beside it.
   bool HoldsRoot(const fs::path& link) const {
@@ -173,24 +196,23 @@ class PhotoSearch {
     }
   }
 
-  /// Says nothing of what everybody has (masks/, images_4/), nor of what holds no image.
+  /// Usual folders (masks/, images_4/) are not spoken of beside photos, and those without an image never.
   void AddHelper(const fs::path& dir) {
     const std::string name = dir.filename().string();
     std::error_code error;
-    if (name == "masks" || name == "mask" || name.starts_with("images_") ||
-        !std::isalpha(static_cast<unsigned char>(name[0])))
-      return;
+    if (!std::isalpha(static_cast<unsigned char>(name[0]))) return;
+    const bool is_usual = IsMaskFolder(dir) || name.starts_with("images_");
     for (fs::directory_iterator it(dir, error), end; !error && it != end; it.increment(error)) {
-      if (HasImageExtension(it->path())) return helpers_.push_back(Below(root_, dir) + "/");
+      if (HasImageExtension(it->path())) return (is_usual ? usual_helpers_ : helpers_).push_back(dir);
     }
   }
 
   const fs::path root_, real_root_;
   std::set<std::pair<dev_t, ino_t>> visited_;
-  std::vector<fs::path> photos_, links_;
+  std::vector<fs::path> photos_, links_, helpers_, usual_helpers_;
   std::set<fs::path> textures_;
   bool follows_links_ = false;
-  std::vector<std::string> helpers_, companions_, by_content_, notes_;
+  std::vector<std::string> companions_, by_content_, notes_;
   std::string poses_;                                        ///< of the first folder that has some
   std::map<std::string, std::vector<std::string>> skipped_;  ///< names by reason
 };

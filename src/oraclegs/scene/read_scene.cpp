@@ -25,8 +25,8 @@ void RequireFolder(const fs::path& path, const char* fix) {
   throw InputError("{}: {}; {}", path.string(), fs::exists(path, error) ? "is not a folder" : "no such folder", fix);
 }
 
-/// What the scene's own files name lies in its folder, or in the one that the user named. Links are followed wherever
-/// they lead: a file's text cannot make one.
+/// Throws InputError unless all that the scene's own files name lies in its folder, or in the one that the user named.
+/// Links are followed wherever they lead: a file's text cannot make one.
 void RequireInside(const Scene& scene, const fs::path& root, const SceneReadOptions& options) {
   if (options.allow_outside) return;
   for (const SceneView& view : scene.views) {
