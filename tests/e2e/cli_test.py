@@ -35,7 +35,7 @@ NOT_SHOWN = {
 
 # Of these headers, what single commands have nevertheless.
 SHOWN_ALONE = {"demo-scene": {"threads"}, "info": {"max-megapixels"}} | {name: {"antialiased"} for name in ["evaluate", "render", "figure", "mesh"]} | {
-    "demo": {"threads", "views", "iterations"}, "cameras": {"images", "poses", "allow-outside"}}
+    "demo": {"threads", "views", "iterations"}, "cameras": {"images", "poses", "frame", "allow-outside"}}
 
 BASIC = ["out", "quality", "max-size", "eval", "frames", "preset", "config", "views", "iterations", "device", "seed", "view", "overwrite", "quiet", "help"]  # of reconstruct
 

@@ -67,6 +67,7 @@ class Programs(unittest.TestCase):
         for fault in some(["fail", "crash", "nothing"], 1):  # as where nothing registers
             with self.subTest(fault):
                 self.fails(fault, "mapper", "could not be found", code=3)
+        shutil.rmtree(self.out / "sfm")  # what nothing registered in is not tried again
         self.fails("rubbish", "mapper", ".db: file is not a database")
 
     def test_a_triangulation_that_goes_wrong(self):

@@ -133,9 +133,9 @@ PixelMask ReadMask(const fs::path& path, const Camera& camera) {
   return mask;
 }
 
-void WriteTamperedViews(const fs::path& dir, const TamperedViews& views) {
-  WriteProposals(dir / "pictures", views.proposals);
-  WriteProposals(dir / "ideal", views.proposals);
+void WriteTamperedViews(const fs::path& dir, const TamperedViews& views, const Similarity& placement) {
+  WriteProposals(dir / "pictures", views.proposals, placement);
+  WriteProposals(dir / "ideal", views.proposals, placement);
   for (size_t v = 0; v < views.proposals.size(); ++v) {
     const Proposal& p = views.proposals[v];
     PixelMask trusted = views.masks[v];

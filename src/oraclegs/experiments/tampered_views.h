@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "oraclegs/camera/similarity.h"
 #include "oraclegs/propose/ensemble.h"
 #include "oraclegs/validate/tamper_gaussians.h"
 
@@ -56,8 +57,9 @@ class ViewTamperer {
 };
 
 /// Writes dir/pictures/ and dir/ideal/, each a folder for --proposal-folder, the second with the confidence of an ideal
-/// oracle (0 in the mask, 1 outside), dir/masks/NAME.png (255 = tampered) and dir/kinds/NAME.png (PixelKinds).
-void WriteTamperedViews(const std::filesystem::path& dir, const TamperedViews& views);
+/// oracle (0 in the mask, 1 outside), dir/masks/NAME.png (255 = tampered) and dir/kinds/NAME.png (PixelKinds). Poses
+/// are moved by `placement`.
+void WriteTamperedViews(const std::filesystem::path& dir, const TamperedViews& views, const Similarity& placement = {});
 
 /// Writes a mask of `camera`'s size. Throws RunError.
 void WriteMask(const std::filesystem::path& path, const PixelMask& mask, const Camera& camera);

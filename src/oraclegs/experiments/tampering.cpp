@@ -207,7 +207,7 @@ class TamperingSuite {
         listener(Warning{fmt::format("share {} %, seed {}: {} lies make {:.1f} % of the pixels differ, and no more",
                                      report_.shares[s].percent, seed, views.lies, 100 * views.share)});
       }
-      WriteTamperedViews(ShareFolder(s, seed), views);
+      WriteTamperedViews(ShareFolder(s, seed), views, RunFromScene(run.frame).Inverse());
       const json record = {{"key", key}, {"tampered", views.share}, {"lies", views.lies}};
       WriteFileAtomically(RecordOf(s, seed), record.dump(2) + "\n");
       listener(StepDone{"tampering", static_cast<int64_t>(s + 1), static_cast<int64_t>(report_.shares.size()), "shares",

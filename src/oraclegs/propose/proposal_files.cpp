@@ -67,7 +67,8 @@ std::vector<std::string> FileNames(const std::vector<std::string>& views) {
   return names;
 }
 
-std::vector<std::string> WriteProposals(const fs::path& dir, const std::vector<Proposal>& proposals) {
+std::vector<std::string> WriteProposals(const fs::path& dir, const std::vector<Proposal>& proposals,
+                                        const Similarity& placement) {
   std::map<std::string, int> candidates;
   for (const Proposal& proposal : proposals) ++candidates[FileName(proposal.name)];
   std::vector<std::string> wanted, files;
@@ -80,6 +81,7 @@ std::vector<std::string> WriteProposals(const fs::path& dir, const std::vector<P
     const std::string name = FileName(p.name);
     wanted.push_back(candidates[name] > 1 ? name + "_" + p.source : name);
     cameras.push_back(p.camera);
+    cameras.back().cam_from_world = Moved(p.camera.cam_from_world, placement);
   }
   const std::vector<std::string> names = FileNames(wanted);
   for (size_t i = 0; i < proposals.size(); ++i) {

@@ -19,8 +19,10 @@ std::vector<std::string> FileNames(const std::vector<std::string>& views);
 /// Writes dir/NAME.png (8 bit RGB) for each proposal, NAME from FileNames (with "_SOURCE" where several proposals have
 /// one name), and dir/transforms.json as instant-ngp, Nerfstudio and ReadTransformsScene read it: for each frame fl_x,
 /// fl_y, cx, cy, w, h, file_path, and transform_matrix from camera to world with OpenGL's axes. The paths written,
-/// relative to dir. Throws RunError, ShapeError for an image of another size than its camera.
-std::vector<std::string> WriteProposals(const std::filesystem::path& dir, const std::vector<Proposal>& proposals);
+/// relative to dir. Poses are moved by `placement`. Throws RunError, ShapeError for an image of another size than its
+/// camera.
+std::vector<std::string> WriteProposals(const std::filesystem::path& dir, const std::vector<Proposal>& proposals,
+                                        const Similarity& placement = {});
 
 /// Writes the transforms.json alone: what a generator is asked for. Its images belong at each file_path. Poses are
 /// moved by `placement`.
