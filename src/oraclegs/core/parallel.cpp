@@ -38,6 +38,9 @@ class Pool {
   /// For a process that was forked from that of `before`, whose threads it has not.
   explicit Pool(const Pool* before = nullptr) : before_(before) {}
 
+  /// The pool that a fork has left behind: held, so that its memory does not seem lost.
+  const Pool* before() const { return before_; }
+
   /// Returns false when another thread is running a region: the caller then works alone.
   bool Run(int64_t tasks, int threads, FunctionRef<void(int64_t)> body) {
     const std::unique_lock region(region_mutex_, std::try_to_lock);
@@ -128,7 +131,7 @@ class Pool {
     }
   }
 
-  const Pool* before_;  // so that no memory seems lost
+  const Pool* before_;
   std::mutex region_mutex_, sleep_mutex_;
   std::condition_variable wake_;
   std::atomic<uint64_t> generation_{0};
