@@ -46,6 +46,7 @@ DescriptorMatrix Sample(const std::vector<DescriptorMatrix>& images) {
 DescriptorMatrix FindCenters(const DescriptorMatrix& sample) {
   const Eigen::Index clusters = std::min<Eigen::Index>(kClusters, sample.rows());
   DescriptorMatrix centers(clusters, 128);
+  if (clusters == 0) return centers;
   for (Eigen::Index c = 0; c < clusters; ++c) centers.row(c) = sample.row(c * sample.rows() / clusters);
   for (int round = 0; round < kClusterRounds; ++round) {
     const std::vector<Eigen::Index> nearest = NearestCenters(sample, centers);
@@ -69,8 +70,10 @@ Eigen::MatrixXf DescribeImages(const std::vector<DescriptorMatrix>& images) {
   for (const DescriptorMatrix& image : images) rooted.push_back(Rooted(image));
   const DescriptorMatrix centers = FindCenters(Sample(rooted));
   Eigen::MatrixXf descriptions = Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(images.size()), centers.rows() * 128);
+  if (centers.rows() == 0) return descriptions;
   ParallelFor(static_cast<int64_t>(images.size()), [&](int64_t n) {
     const DescriptorMatrix& image = rooted[static_cast<size_t>(n)];
+    if (image.rows() == 0) return;
     const std::vector<Eigen::Index> nearest = NearestCenters(image, centers);
     DescriptorMatrix residuals = DescriptorMatrix::Zero(centers.rows(), 128);
     for (Eigen::Index i = 0; i < image.rows(); ++i) {
