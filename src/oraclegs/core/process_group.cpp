@@ -179,7 +179,7 @@ pid_t StartChild(const Exec& exec, int report) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  const pid_t pid = vfork();
+  const pid_t pid = vfork();  // NOLINT: the child only makes calls that a signal handler may make
   if (pid == 0) BecomeProgram(exec, report);
   const int error = errno;
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
