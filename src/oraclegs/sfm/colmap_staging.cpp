@@ -192,7 +192,7 @@ Image8 FeatureMask(const SceneView& view, const StagedView& staged, Image8 mask)
   const Orientation seen = staged.is_copy ? Orientation::kUpright : Orientation::kAsStored;
   int width = 0, height = 0;
   ReadImageSize(view.image_path, &width, &height, seen);
-  const Image8 drawn = Scaled(ReadMask(view, width, height, seen), width, height);
+  Image8 drawn = Scaled(ReadMask(view, width, height, seen), width, height);
   if (mask.data.empty()) return drawn;
   for (size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = std::min(mask.data[i], drawn.data[i]);
   return mask;
