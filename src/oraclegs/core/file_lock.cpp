@@ -8,8 +8,8 @@
 namespace oraclegs {
 namespace {
 
-// Of an open file and not of a process, as flock is; but NFS hands them to its server for every kind of client, and
-// flock of a folder to nobody.
+// OFD locks belong to an open file and not to a process, as flock does; but NFS hands them to its server for every kind
+// of client, and flock of a folder to nobody.
 struct flock WholeFile() {
   struct flock whole {};
   whole.l_type = F_WRLCK;

@@ -39,7 +39,7 @@ std::string HolderIn(int fd) {
   return fmt::format("process {} on {}", pid, Printable(host, 64));
 }
 
-/// What is known of a held lock by its descriptor.
+/// Descriptor of a held lock, and what is known by it.
 struct HeldLock {
   std::filesystem::path folder;
   int folder_fd = -1;

@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// Of the file in a folder that is locked in place of the folder, which file systems of several machines cannot lock.
+/// Name of the file that is locked in place of its folder, which file systems of several machines cannot lock.
 inline constexpr const char* kFolderLockName = ".oraclegs-lock";
 
 /// A lock on a folder, seen by all machines that share it. It ends with this object and with the process, however it
@@ -32,7 +32,7 @@ class FolderLock {
   State state() const { return state_; }
   bool held() const { return state_ == State::kHeld; }
 
-  /// Of another that holds it, "process 4711 on node7"; "another process" where that is not known.
+  /// Names another that holds it: "process 4711 on node7"; "another process" where that is not known.
   const std::string& holder() const { return holder_; }
 
   /// False once the folder was removed, or another one has its name, or the lock was removed from it.

@@ -38,7 +38,7 @@ struct GroupFiles {
   const char* cached;  // in memory.stat
 };
 
-/// What is left of the memory of a group; nothing where it has no limit.
+/// Memory that a group has left, in bytes; nothing where it has no limit.
 std::optional<uint64_t> LeftIn(const fs::path& group, const GroupFiles& files) {
   const auto used = OnlyNumber(group / files.used);
   std::optional<uint64_t> left;

@@ -1,5 +1,5 @@
 #pragma once
-// What a splat format promises of the Gaussians that it keeps, and whether a written file holds it.
+// Promises of the splat formats: how far a written file may be from its Gaussians, and whether it is.
 
 #include <cstdint>
 #include <string>

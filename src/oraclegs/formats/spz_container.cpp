@@ -23,7 +23,8 @@ constexpr uint64_t kSpzPlausibleBytes = 4 << 20, kSpzMostPerByte = 200;
 
 bool HasMagic(std::string_view bytes) { return bytes.size() >= 8 && LoadLittle<uint32_t>(bytes, 0) == kSpzMagic; }
 
-/// What the headers of all versions begin with; the rest of the numbers is compared with `packed` bytes of the file.
+/// Numbers that the headers of all versions begin with; the rest of the numbers is compared with `packed` bytes of the
+/// file.
 SpzContent ParseSpzHeader(std::string_view header, size_t packed, const std::string& file) {
   if (header.size() < kSpzHeader || !HasMagic(header)) {
     throw InputError("{}: is not a splat in SPZ format; export it again", file);

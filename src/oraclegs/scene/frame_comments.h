@@ -1,5 +1,5 @@
 #pragma once
-// What the header of a splat says of its frame: up, length of a unit, offset.
+// Comments in the header of a splat that describe its frame: up, length of a unit, offset.
 
 #include <Eigen/Core>
 #include <optional>
@@ -19,7 +19,7 @@ std::optional<double> UnitMetersOf(const std::vector<std::string>& comments);
 /// The comments with another length of a unit, or none.
 std::vector<std::string> WithUnit(const std::vector<std::string>& comments, std::optional<double> unit_meters);
 
-/// What is to be added to positions, as FrameComments wrote it among others; zero where no comment says so.
+/// Offset to be added to positions, as FrameComments wrote it among others; zero where no comment says so.
 Eigen::Vector3d OffsetOf(const std::vector<std::string>& comments);
 
 /// The comments with another offset; zero is not written.

@@ -10,7 +10,7 @@
 
 namespace oraclegs {
 
-/// What one run of the mapper, or the registration of the remaining images, gave.
+/// Result of one run of the mapper, or of the registration of the remaining images.
 struct AttemptRecord {
   std::string features, name;
   int registered = 0, points = 0;

@@ -23,7 +23,7 @@ std::vector<std::pair<int, int>> ChoosePairs(const Eigen::MatrixXf& descriptions
 inline constexpr int kNextInOrder = 4, kMostAlike = 10;
 
 /// Matches the images of colmap's database: all pairs of at most kMaxImagesToMatchAll, else chosen ones, which
-/// `listener` is told.
+/// it is reported to `listener`.
 void MatchImages(const ColmapRunner& colmap, const ColmapOptions& options, const Listener& listener);
 
 }  // namespace oraclegs

@@ -11,7 +11,7 @@ namespace oraclegs {
 
 /// Vectors of locally aggregated descriptors [Jegou 2010], one a row, of unit length: of each of 32 clusters of the
 /// descriptors of all images, where the image's differ from its center. A row of zeros for an image without features.
-/// The same descriptors give the same bits.
+/// Deterministic: equal descriptors give equal bits.
 Eigen::MatrixXf DescribeImages(const std::vector<DescriptorMatrix>& images);
 
 }  // namespace oraclegs

@@ -57,8 +57,8 @@ struct PoseFit {
 PoseFit FitPoses(const Scene& scene, const std::vector<int>& views, const std::vector<StagedView>& plan,
                  const std::vector<VerifiedPair>& verified);
 
-/// Of the matches that TriangulatePoints left in work_dir; nothing where it left none, with a warning where they are
-/// damaged.
+/// Fit of the matches that TriangulatePoints left in work_dir; nothing where it left none, with a warning where they
+/// are damaged.
 std::optional<PoseFit> FitPosesOf(const Scene& scene, const std::vector<int>& views,
                                   const std::filesystem::path& work_dir, const Listener& listener);
 

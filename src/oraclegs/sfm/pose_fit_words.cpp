@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kExamplesOfOrder = 3;
 constexpr double kFarOff = 5;  // limits: no small error any more
 
-/// What was tried, and what to do where it is right.
+/// Change that was tried, and what to do where it is right.
 struct MistakeWords {
   std::string with, fix;
 };

@@ -78,7 +78,7 @@ std::vector<ViewReport> GatherEvidence(const Scene& photos, const Distinct& dist
   return reports;
 }
 
-/// What speaks against the model in work_dir, by names of views.
+/// Doubts about the model in work_dir, by names of views.
 std::vector<std::string> GatherDoubts(const Scene& photos, const Distinct& distinct,
                                       const std::vector<StagedView>& plan, const fs::path& work_dir) {
   std::map<std::string, const SceneView*> view_of;

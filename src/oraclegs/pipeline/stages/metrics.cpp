@@ -16,7 +16,7 @@ double PerSecond(const nlohmann::json& record) {
   return seconds > 0 ? record.value("iterations", 0.0) / seconds : 0;
 }
 
-/// What stages said of the input that the whole result suffers from.
+/// Warnings of stages about the input from which the whole result suffers.
 std::vector<std::string> InputWarnings(const Run& run) {
   std::vector<std::string> warnings;
   const nlohmann::json sfm = run.workspace.Record("sfm"), depth = run.workspace.Record("depth");

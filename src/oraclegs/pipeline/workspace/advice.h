@@ -11,7 +11,7 @@ namespace oraclegs {
 /// missing or damaged say nothing.
 std::vector<std::string> PhotoAdvice(const std::filesystem::path& workspace, size_t most);
 
-/// What speaks against the poses that were found, as warnings of the registration say it. Files that are missing or
+/// Doubts about the poses that were found, as warnings of the registration say it. Files that are missing or
 /// damaged say nothing.
 std::vector<std::string> StoredPoseDoubts(const std::filesystem::path& workspace);
 
