@@ -1,5 +1,5 @@
 #pragma once
-// What this machine can do at most, now. Turbo and neighbours move it: measure it around whatever it is compared with.
+// What this machine can do at most, now. Turbo and neighbors move it: measure it around whatever it is compared with.
 
 #include <cstdint>
 #include <string>

@@ -139,7 +139,7 @@ void StereoPart(const Arguments& a, Results* results) {
 
 void NeighborsPart(const Arguments& a, Results* results) {
   const OnBoth times = MeasureNeighbors(a.gaussians, kOncePasses);
-  results->Add(OnBothText(fmt::format("three nearest neighbours of {} points", a.gaussians), times),
+  results->Add(OnBothText(fmt::format("three nearest neighbors of {} points", a.gaussians), times),
                OnBothToJson("neighbors", times));
 }
 

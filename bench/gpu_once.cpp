@@ -27,7 +27,7 @@ constexpr double kWrongShare = 0.2;  // of the depths, by up to a tenth
 constexpr double kDistance = 4;      // of the cameras from the plane z = 0, in which everything lies
 constexpr float kConfidence = 0.9f;  // of every depth
 constexpr int kStereoImages = 6;
-constexpr double kStereoStep = 8;  // degrees between neighbouring cameras
+constexpr double kStereoStep = 8;  // degrees between neighboring cameras
 
 template <class Body>
 double Milliseconds(int passes, const Body& body) {
@@ -44,7 +44,7 @@ Camera OnArc(const WarpSize& size, double angle) {
   return CameraAt({kDistance * std::sin(angle), 0, -kDistance * std::cos(angle)}, {0, 0, 0}, size.width, size.height);
 }
 
-/// Any colours; depth of the plane.
+/// Any colors; depth of the plane.
 std::pair<LoadedView, DepthMap> RandomSource(const Camera& camera, Rng* rng) {
   const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
   LoadedView view{"v", camera, {camera.width, camera.height, 3, std::vector<float>(3 * pixels)}, {}};

@@ -14,7 +14,7 @@ struct OnBoth {
   double gpu = 0, cpu = 0;
 };
 
-/// The mean squared distance to the three nearest neighbours of random points.
+/// The mean squared distance to the three nearest neighbors of random points.
 OnBoth MeasureNeighbors(int64_t points, int passes);
 
 /// A view warped from `images` others of its size, holes filled (on the CPU) and all.

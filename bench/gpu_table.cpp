@@ -11,9 +11,9 @@ namespace {
 // Bytes of one item (render/cuda/splats.h, gaussians/gaussian_rows.h).
 constexpr double kSmall = 44, kSh = 192;  // a Gaussian's parameters: without SH, SH
 constexpr double kSplat = 48, kRect = 8, kRecord = 40;
-constexpr double kImage = 20;                // a pixel of the render: colour, alpha, inverse depth
-constexpr double kEnds = 4;                  // what backward reads of a pixel beside it
-constexpr double kTarget = 3, kColour = 12;  // a pixel as bytes, as floats
+constexpr double kImage = 20;               // a pixel of the render: color, alpha, inverse depth
+constexpr double kEnds = 4;                 // what backward reads of a pixel beside it
+constexpr double kTarget = 3, kColor = 12;  // a pixel as bytes, as floats
 // Arithmetic of a pixel in a Gaussian, where it counts (render/cuda/blend_forward.cu, blend_backward.cu).
 constexpr double kBlendFlops = 21, kBlendBackwardFlops = 45;
 
@@ -27,9 +27,8 @@ std::vector<GpuStage> GpuStages(const GpuWork& w, const GpuTimes& t) {
       // Counts, a sort by depth of 32 bits; then pairs listed, sorted by two bytes of tile, and ranges found.
       {"bin + sort", t.bin, w.gaussians * (kRect + 4 * 16) + w.tile_pairs * (12 + 2 * 16 + 16), 0},
       {"blend", t.blend, w.tile_pairs * (4 + kSplat) + w.pixels * (kImage + kEnds), w.pixel_pairs * kBlendFlops},
-      {"loss", t.loss, w.pixels * (kColour + kTarget + kColour), 0},
-      {"blend backward", t.blend_backward,
-       w.tile_pairs * (4 + kSplat + kRecord) + w.pixels * (kColour + kImage + kEnds),
+      {"loss", t.loss, w.pixels * (kColor + kTarget + kColor), 0},
+      {"blend backward", t.blend_backward, w.tile_pairs * (4 + kSplat + kRecord) + w.pixels * (kColor + kImage + kEnds),
        w.pixel_pairs_backward * kBlendBackwardFlops},
       // Parameters and both moments, read and written.
       {"Gaussians, Adam, noise", t.gaussian_backward, w.gaussians * 2 * 3 * model + w.tile_pairs * kRecord, 0}};
@@ -53,7 +52,7 @@ std::string GpuTable(const GpuReport& report) {
   std::string text = fmt::format(
       "{:.0f} Gaussians, {:.0f} visible, {:.0f} pairs, {:.0f} pixels; {:.0f} GB/s, {:.1f} TFLOP/s\n", w.gaussians,
       w.visible, w.tile_pairs, w.pixels, report.ceilings.bytes * 1e-9, report.ceilings.flops * 1e-12);
-  text += fmt::format("{:.0f} bytes a Gaussian in training, {:.0f} of them the rasteriser's\n", report.training_bytes,
+  text += fmt::format("{:.0f} bytes a Gaussian in training, {:.0f} of them the rasterizer's\n", report.training_bytes,
                       report.scratch_bytes);
   text += fmt::format("{:<24} {:>9} {:>9} {:>9} {:>7}\n", "stage", "ms", "memory ms", "arith. ms", "share");
   for (const GpuStage& stage : GpuStages(w, report.times)) {

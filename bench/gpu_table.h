@@ -22,8 +22,8 @@ struct GpuTimes {
   double factors = 0;  ///< opacity factors
   double project = 0, bin = 0, blend = 0;
   double loss = 0;
-  double blend_backward = 0, gaussian_backward = 0;  ///< the latter with regularisers, Adam and noise
-  double forward = 0;                                ///< the rasteriser's, as a whole
+  double blend_backward = 0, gaussian_backward = 0;  ///< the latter with regularizers, Adam and noise
+  double forward = 0;                                ///< the rasterizer's, as a whole
   double iteration = 0;                              ///< of many that were sent without a wait between
   double sending = 0;                                ///< what the host spent on it
   double refine = 0;                                 ///< relocation, which comes with each hundredth iteration
@@ -52,7 +52,7 @@ struct GpuReport {
   GpuWork work;
   GpuTimes times;
   GpuCeilings ceilings;
-  double scratch_bytes = 0;   ///< of the rasteriser, a Gaussian
+  double scratch_bytes = 0;   ///< of the rasterizer, a Gaussian
   double training_bytes = 0;  ///< of everything that training took of the device's memory, a Gaussian
 };
 

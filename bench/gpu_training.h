@@ -11,7 +11,7 @@
 
 namespace oraclegs {
 
-/// L1 + SSIM, regularisers, opacity noise, all SH coefficients, MCMC's noise; as late in a run as learning rates are
+/// L1 + SSIM, regularizers, opacity noise, all SH coefficients, MCMC's noise; as late in a run as learning rates are
 /// smallest, with large second moments, so that every iteration works on the same state. No growth. The target of each
 /// view is the mirrored render of the first one.
 class GpuTraining {
@@ -24,7 +24,7 @@ class GpuTraining {
   /// Medians over `passes` iterations of each kind.
   GpuTimes Measure(int passes);
   GpuWork Work() const;
-  /// Of the rasteriser.
+  /// Of the rasterizer.
   int64_t scratch_bytes() const;
 
  private:

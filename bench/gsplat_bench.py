@@ -3,8 +3,8 @@
 
 usage: bench/gsplat_bench.py FOLDER OURS.json [PATH]     PATH: gsplat's source, where it is not installed
 
-Two measures: the rasteriser alone (forward, backward), and a training iteration as gsplat's own trainer makes it with MCMC:
-rasterise (packed=False), L1 + SSIM, the regularisers of opacity and scale, backward, one fused Adam for each group of
+Two measures: the rasterizer alone (forward, backward), and a training iteration as gsplat's own trainer makes it with MCMC:
+rasterize (packed=False), L1 + SSIM, the regularizers of opacity and scale, backward, one fused Adam for each group of
 parameters, noise. Prints one line, which names the SSIM that was used. Exit code 1 where gsplat cannot be timed.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 WARM_UP, PASSES = 5, 30
 FUSED, CONVOLUTIONS = "fused_ssim", "torch's convolutions"
-REGULARISER = 0.01  # weight of the mean opacity and of the mean scale
+REGULARIZER = 0.01  # weight of the mean opacity and of the mean scale
 # A thousandth of gsplat's rates, so that every iteration works on the same scene.
 RATES = {"means": 1.6e-9, "log_scales": 5e-6, "quats": 1e-6, "opacity_logits": 5e-5, "sh0": 2.5e-6, "sh_rest": 1.25e-7}
 
@@ -112,7 +112,7 @@ def ssim_loss(torch):
 
 
 def median_of(torch, marks_of_pass):
-    """Median milliseconds between neighbouring marks of PASSES calls of marks_of_pass(), which returns CUDA events."""
+    """Median milliseconds between neighboring marks of PASSES calls of marks_of_pass(), which returns CUDA events."""
     times = []
     for step in range(WARM_UP + PASSES):
         marks = marks_of_pass()
@@ -130,14 +130,14 @@ def measure(folder, gsplat, torch, numpy):
         event.record()
         return event
 
-    def rasterise():
+    def rasterize():
         begin = mark()
         image = scene.render(gsplat, torch)
         drawn = mark()
         image.sum().backward()
         return [begin, drawn, mark()]
 
-    forward, backward = median_of(torch, rasterise)
+    forward, backward = median_of(torch, rasterize)
     with torch.no_grad():
         target = torch.rand_like(scene.render(gsplat, torch))
     adams = [torch.optim.Adam([tensor], lr=RATES[name], eps=1e-15, fused=True) for name, tensor in scene.parameters.items()]
@@ -149,8 +149,8 @@ def measure(folder, gsplat, torch, numpy):
         image = scene.render(gsplat, torch)
         planes = image.permute(0, 3, 1, 2), target.permute(0, 3, 1, 2)
         loss = 0.8 * (image - target).abs().mean() + 0.2 * dissimilarity(*planes)
-        loss = loss + REGULARISER * scene.parameters["opacity_logits"].sigmoid().mean()
-        loss = loss + REGULARISER * scene.parameters["log_scales"].exp().mean()
+        loss = loss + REGULARIZER * scene.parameters["opacity_logits"].sigmoid().mean()
+        loss = loss + REGULARIZER * scene.parameters["log_scales"].exp().mean()
         loss.backward()
         for adam in adams:
             adam.step()

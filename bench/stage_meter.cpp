@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFlopsPerPair = 34, kFlopsPerPairBackward = 64;  // of a pixel-Gaussian pair that is evaluated
 
-// Bytes. A Gaussian has 3 + 3 + 4 + 1 geometry parameters and 48 of colour.
+// Bytes. A Gaussian has 3 + 3 + 4 + 1 geometry parameters and 48 of color.
 constexpr double kGeometry = 11 * sizeof(float), kColor = 48 * sizeof(float), kAll = kGeometry + kColor;
 constexpr double kSplat = sizeof(cpu::LineSplat), kRect = sizeof(TileRect), kEntry = sizeof(cpu::TileEntry);
 constexpr double kGradRecord = cpu::kGradStride * sizeof(float);
@@ -87,7 +87,7 @@ double LeastWork(IterationStage stage, const IterationShape& shape, const Iterat
   const double n = shape.gaussians, visible = found.visible, pairs = found.tile_pairs;
   switch (stage) {
     case IterationStage::kProject:
-      // Reads every Gaussian's geometry and writes its rectangle; of the visible reads the colour, writes the splat.
+      // Reads every Gaussian's geometry and writes its rectangle; of the visible reads the color, writes the splat.
       return n * (kGeometry + kRect) + visible * (kColor + kSplat);
     case IterationStage::kBin:
       // Reads rectangles and the visible ones' splats, writes and reads their depth keys once (a sort of one pass);

@@ -27,7 +27,7 @@ STAGES = {
 ALONE = {
     "photometric": "L1 + SSIM, value and gradient",
     "gaussian_backward": "per-Gaussian backward",
-    "regularizers": "regularisers",
+    "regularizers": "regularizers",
     "adam": "Adam",
     "noise": "noise",
 }

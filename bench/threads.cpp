@@ -54,7 +54,7 @@ void MeasureThreads(benchmark::State& state, const Case& c) {
   bool same = true;
   const int64_t views = static_cast<int64_t>(input.views.size());
   while (state.KeepRunningBatch(views)) {
-    for (const TrainView& view : input.views) {  // one right after the other: neighbours disturb both alike
+    for (const TrainView& view : input.views) {  // one right after the other: neighbors disturb both alike
       const Rendered one = RenderWith(1, input, view, rasterizer.get());
       const Rendered all = RenderWith(0, input, view, rasterizer.get());
       same = same && SameBits(one, all);

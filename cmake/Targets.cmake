@@ -43,7 +43,7 @@ set_target_properties(oraclegs_pch PROPERTIES CXX_COMPILER_LAUNCHER "${ORACLEGS_
 
 # Files that Highway compiles once an instruction set share nothing: no translation unit with others (CMAKE_UNITY_BUILD, which
 # the presets but debug set: a cold build takes a third of the time), and no precompiled header, after which GCC 12 refuses the
-# constants of intrinsics in code that is not optimised.
+# constants of intrinsics in code that is not optimized.
 function(oraclegs_keep_kernels_alone)
   foreach(source ${ARGN})
     file(STRINGS ${source} kernels REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)

@@ -55,13 +55,14 @@ METHOD = re.compile(r"docs/method\.md(?:#([\w-]+))?")
 REFERENCE = re.compile(r"\[([A-Z][\w\-']+(?: et al\.)? (?:19|20)\d\d[a-z]?)\]")
 HISTORY = re.compile(r"\bissue #?\d+\b|(?<![\w/.#&])#\d{1,3}\b|\bcommit [0-9a-f]{7,40}\b|\b(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7}\b")
 
-# Help, messages and pages are in American spelling.
-BRITISH = re.compile(r"\b\w*(?:colour|grey\b|neighbour|licence|centre|centring|learnt|regularis|rasteris|initialis|optimis|normalis|minimis|maximis|"
-                     r"summaris|visualis|recognis|organis|behaviour|favour|labell|artefact|catalogue|analyse)\w*", re.I)  # fmt: skip
-# Texts that stay: names in files that earlier versions wrote, and older spellings that are still accepted.
-OLD_TEXTS = {"colour", "colour around", "grey", "neighbours", "licence", "licences", "regularisers", ",--accept-licence"}
+# Code, comments, messages and pages are in American spelling.
+BRITISH = re.compile(
+    r"\w*(?:colour|grey(?!hound)|neighbour|licence|centre|centring|learnt|misspelt|behaviour|favour|honour|labelled(?!by)|modelled|artefact|catalogue|"
+    r"judgement|fibre|(?:^|[^a-z])metre|(?:analy|regulari|rasteri|initiali|optimi|normali|minimi|maximi|summari|visuali|recogni|organi|standardi|"
+    r"seriali|synchroni|speciali|quanti|vectori|lineari|parametri|generali|utili|reali)s(?:e[ds]?|ing|ations?|ers?|able)(?-i:(?![a-z])))\w*", re.I)  # fmt: skip
+# Texts that stay: words in the names of files that people bring.
+OTHERS_WORDS = {"colour"}
 TEXT = re.compile(r'"((?:\\.|[^"\\])*)"')
-NOT_PROSE = re.compile(r"`[^`]*`|\]\([^)]*\)|https?://\S+|<a id=[^>]*>")
 
 
 def code_of(line):
@@ -156,8 +157,7 @@ class House:
             if len(lines) > MAX_LINES:
                 self.refuse(name, MAX_LINES + 1, f"has {len(lines)} lines, at most {MAX_LINES}: it is two ideas")
             self.check_lines(name, lines, suffix)
-            if suffix in CPP and name.startswith(("src/", "apps/")):
-                self.check_spelling_of_texts(name, lines)
+            self.check_spelling(name, lines)
             self.check_citations(name, lines)
             if suffix in CPP and name.startswith("src/"):
                 self.check_depth(name)
@@ -170,7 +170,7 @@ class House:
         for name, lines in self.docs.items():
             self.check_citations(name, lines)
             self.check_history(name, lines)
-            self.check_spelling_of_page(name, lines)
+            self.check_spelling(name, lines)
         for name in WITHOUT_TEST:
             if "src/oraclegs/" + name not in self.lines:
                 self.refuse("scripts/check_house.py", 1, f"{name} is excused from a test but does not exist")
@@ -220,24 +220,13 @@ class House:
                 if key not in keys:
                     self.refuse(name, number, f"docs/references.md has no [{key}]")
 
-    def check_spelling_of_texts(self, name, lines):
+    def check_spelling(self, name, lines):
+        if name.startswith("scripts/check_house"):
+            return
         for number, line in enumerate(lines, 1):
-            if line.lstrip().startswith(("//", "#")):
-                continue
-            for text in TEXT.findall(line):
-                match = BRITISH.search(text)
-                if match and text not in OLD_TEXTS:
-                    self.refuse(name, number, f"{match.group(0)}: users read American spelling")
-
-    def check_spelling_of_page(self, name, lines):
-        code = False
-        for number, line in enumerate(lines, 1):
-            code ^= line.startswith("```")
-            if code or line.startswith(("    ", "#")):  # headings are anchors that sources cite
-                continue
-            match = BRITISH.search(NOT_PROSE.sub("", line))
+            match = BRITISH.search(TEXT.sub(lambda text: "" if text.group(1) in OTHERS_WORDS else text.group(), line))
             if match:
-                self.refuse(name, number, f"{match.group(0)}: pages are in American spelling")
+                self.refuse(name, number, f"{match.group(0)}: use American spelling")
 
     def check_history(self, name, lines):
         for number, line in enumerate(lines, 1):

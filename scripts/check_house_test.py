@@ -45,14 +45,17 @@ class CheckHouseTest(unittest.TestCase):
     def assert_accepted(self, files):
         self.assertEqual(violations(files), [])
 
-    def test_british_spelling_of_what_users_read(self):
+    def test_british_spelling(self):
         self.assert_refused(
             {"src/oraclegs/core/a.h": 'f("its colour");\n', "apps/oraclegs/b.h": 'f("greyer", "Greyhound");\nf("the licence");\n',
-             "docs/c.md": "# Colours\nThe centre, `colour` and\n\n    a grey example\n", "README.md": "neighbours\n"},
-            "src/oraclegs/core/a.h:1: colour", "apps/oraclegs/b.h:2: licence", "docs/c.md:2: centre", "README.md:1: neighbours")  # fmt: skip
+             "tests/core/a_test.cpp": "// the centre\nint neighbours;\nNormaliseAll();\n",
+             "docs/c.md": "# Colours\nThe `centre`\n\n    a grey example\n", "README.md": "neighbours\n"},
+            "src/oraclegs/core/a.h:1: colour", "apps/oraclegs/b.h:1: greyer", "apps/oraclegs/b.h:2: licence", "tests/core/a_test.cpp:1: centre",
+            "tests/core/a_test.cpp:2: neighbours", "tests/core/a_test.cpp:3: NormaliseAll",
+            "docs/c.md:1: Colours", "docs/c.md:2: centre", "docs/c.md:4: grey", "README.md:1: neighbours")  # fmt: skip
         self.assert_accepted({
-            "src/oraclegs/core/a.h": '// its colour\n#include "oraclegs/core/colour.h"\nf("neighbours", "color");\n',
-            "docs/c.md": "[link](#colours) of `recolour`\n```\ncolour\n```\n",
+            "src/oraclegs/core/a.h": 'f("neighbors", "colour", "Greyhound");  // parameter, promise\n',
+            "docs/c.md": "[link](#colors), raised noises, optimistic organisms\n",
         })
 
     def test_good_tree_passes(self):

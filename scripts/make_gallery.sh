@@ -2,7 +2,7 @@
 # Makes the README's images and a 10-second film from one scene, by the program alone.
 #   scripts/make_gallery.sh SCENE [IMAGES]      default for IMAGES: docs/images
 # Writes NAME_plain.jpg, NAME_oraclegs.jpg and NAME_truth.jpg (a test view without proposals, with them, and as it is),
-# NAME_proposal.jpg and NAME_confidence.jpg, and NAME_flight.webp (colour, depth and support along an orbit, below
+# NAME_proposal.jpg and NAME_confidence.jpg, and NAME_flight.webp (color, depth and support along an orbit, below
 # 2.5 MB). NAME is that of the scene's folder. Work is kept in build/gallery/NAME and not done twice.
 # Environment: RUN_OPTIONS (of the runs), TEST_VIEW and PROPOSAL (names without extension; default: the test view that
 # gains most, the first proposal).
@@ -45,7 +45,7 @@ if [[ -n $preview ]]; then
 fi
 
 frames=120 # 10 seconds
-"$program" render "$work/run" --path orbit --frames $frames --what colour,depth,support --no-video -o "$work/flight"
+"$program" render "$work/run" --path orbit --frames $frames --what color,depth,support --no-video -o "$work/flight"
 for quality in 60 45 30 20 10; do
   ffmpeg -y -loglevel error -framerate 12 -i "$work/flight/%04d.png" -framerate 12 -i "$work/flight/depth/%04d.png" \
     -framerate 12 -i "$work/flight/support/%04d.png" \

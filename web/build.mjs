@@ -9,7 +9,7 @@ const here = dirname(fileURLToPath(import.meta.url));
 const source = join(here, 'src');
 const out = resolve(process.argv[2] ?? 'dist');
 
-// The licences of the packages want their notices in every copy.
+// The licenses of the packages want their notices in every copy.
 async function notices(...packages) {
   const texts = packages.map(async (name) => `${name}\n\n${(await readFile(join(here, 'node_modules', name, 'LICENSE'), 'utf8')).trim()}`);
   return {js: `/*\n${(await Promise.all(texts)).join('\n\n----\n\n')}\n*/`};

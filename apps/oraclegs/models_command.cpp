@@ -39,11 +39,11 @@ std::string ListText() {
   for (const WeightsInfo& model : AllWeights()) {
     const auto here = LocateWeights(model.name);
     rows.push_back({model.name, Size(model.download_bytes), here ? "yes" : "no", model.purpose});
-    std::string licence = "license " + model.licence;
-    if (model.non_commercial) licence += "; not for commercial use";
-    if (!model.restriction.empty()) licence += "; " + model.restriction;
-    if (model.gated) licence += "; needs an account that agreed to it (HF_TOKEN)";
-    rows.push_back({"", "", "", licence});
+    std::string license = "license " + model.license;
+    if (model.non_commercial) license += "; not for commercial use";
+    if (!model.restriction.empty()) license += "; " + model.restriction;
+    if (model.gated) license += "; needs an account that agreed to it (HF_TOKEN)";
+    rows.push_back({"", "", "", license});
     for (const PublishedFile& file : model.files) rows.push_back({"", "", "", file.url});
     if (here) rows.push_back({"", "", "", here->string()});
   }

@@ -51,11 +51,9 @@ class OptionBinder {
     return name == "out" || name == "quiet" || name == "verbose" ? name.front() : '\0';
   }
 
-  /// What CLI11 calls it: "-o,--out". Old spellings are accepted, too.
+  /// CLI11's name of the option: "-o,--out".
   static std::string Flags(const OptionInfo& info) {
-    std::string flags = info.letter ? fmt::format("-{},--{}", info.letter, info.name) : "--" + info.name;
-    if (info.name == "accept-license") flags += ",--accept-licence";
-    return flags;
+    return info.letter ? fmt::format("-{},--{}", info.letter, info.name) : "--" + info.name;
   }
 
   static std::string BoundsText(const Range& range) { return fmt::format("{} .. {}, ", range.low, range.high); }
@@ -126,9 +124,8 @@ class OptionBinder {
 
   template <class T>
   static void Set(const std::string& name, const std::string& text, const std::vector<std::string>& words, T* value) {
-    const std::string known = text == "grey" ? "gray" : text == "colour" ? "color" : text;  // older spellings
     try {
-      SetOption(name.c_str(), words.empty() ? text : known, value);
+      SetOption(name.c_str(), text, value);
     } catch (const UsageError& error) {
       throw UsageError("{}{}", error.what(), DidYouMean(text, words));
     }

@@ -55,7 +55,7 @@ export function makeLive(iteration, state = 'running') {
   };
 }
 
-// A snapshot: the scene with the colours of its balls rotated, so that it differs from the others.
+// A snapshot: the scene with the colors of its balls rotated, so that it differs from the others.
 export const makeSnapshot = (gaussians, turn) =>
   encodeSplat(gaussians.map((g) => ({...g, color: g.color.map((_, k) => g.color[(k + turn) % 3])})));
 
@@ -87,7 +87,7 @@ function tables() {
                            {name: 'blurred', status: 'not registered', why: 'few features', advice: 'Take it again with a steady hand.', registered: false}],
                    advice: ['Take a photo between train_0003 and train_0004.']},
     options: [{name: 'iterations', value: '6000', changed: true}, {name: 'seed', value: '0', changed: false}, {name: 'sh_degree', value: '3', changed: false}],
-    command: 'oraclegs reconstruct "four balls/" -o out --iterations 6000', licences: [{name: 'OracleGS', licence: 'Apache-2.0', note: ''}],
+    command: 'oraclegs reconstruct "four balls/" -o out --iterations 6000', licenses: [{name: 'OracleGS', license: 'Apache-2.0', note: ''}],
     warnings: ['<b>One photo</b> was not registered.'], non_commercial: [], memory_bytes: 812345678, device: 'cpu',
   };
 }

@@ -51,7 +51,7 @@ async function hasItsSections(page, run) {
     splat: run.splat?.url, scores: run.scores?.psnr, test: has('test', 'render', 'image'), proposals: has('proposal', 'image'),
     support: run.support?.classes?.length, calibration: run.calibration?.bins?.length, plan: run.views?.length,
     registration: run.registration?.views?.length, training: run.curves?.length, stages: run.stages?.length, reproduce: run.command,
-    licences: run.licences?.length};
+    licenses: run.licenses?.length};
   for (const [id, wanted] of Object.entries(expected)) {
     assert.equal(await page.locator(`section#${id}`).count(), wanted ? 1 : 0, `section ${id}`);
   }

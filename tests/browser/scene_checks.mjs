@@ -17,7 +17,7 @@ export async function showsTheRender(page, {run, goTo, resolve, bound}) {
   assert.ok(value >= bound, `PSNR ${value}`);
 }
 
-// Provenance by the key P: other colours, and nothing left when everything is hidden.
+// Provenance by the key P: other colors, and nothing left when everything is hidden.
 export async function tintsAndHides(page, {range}) {
   await page.locator('.stage canvas').focus();
   await settled(page);
@@ -34,7 +34,7 @@ export async function tintsAndHides(page, {range}) {
   await page.locator('.stage canvas').focus();
   await page.keyboard.press('p');
   await settled(page);
-  assert.ok(difference(before, await shownImage(page, 160, 120)) < 1, 'the colours come back');
+  assert.ok(difference(before, await shownImage(page, 160, 120)) < 1, 'the colors come back');
   return tinted;
 }
 

@@ -17,7 +17,7 @@ Camera SomeCamera() {
   return camera;
 }
 
-TEST(Camera, MapsItsCentreToTheOrigin) {
+TEST(Camera, MapsItsCenterToTheOrigin) {
   const Camera camera = SomeCamera();
   EXPECT_LT((camera.cam_from_world * camera.Center()).norm(), 1e-14);
   EXPECT_LT((camera.cam_from_world.linear() * camera.Forward() - Eigen::Vector3d::UnitZ()).norm(), 1e-14);

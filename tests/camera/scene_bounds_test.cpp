@@ -18,7 +18,7 @@ Camera LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   return camera;
 }
 
-/// n cameras on a circle of this radius, `height` above the centre they look at.
+/// n cameras on a circle of this radius, `height` above the center they look at.
 std::vector<Camera> Ring(int n, double radius, double height, const Eigen::Vector3d& center) {
   std::vector<Camera> cameras;
   for (int i = 0; i < n; ++i) {
@@ -36,7 +36,7 @@ TEST(SpatialExtent, ScalesTheLargestDistanceFromTheMean) {
   EXPECT_NEAR(SpatialExtent(pair), 2.2, 1e-9);
 }
 
-TEST(LookedAt, IsTheCentreOfARing) {
+TEST(LookedAt, IsTheCenterOfARing) {
   const Eigen::Vector3d center(10, -3, 4);
   const Ball ball = LookedAt(Ring(7, 3, 4, center));
   EXPECT_LT((ball.center - center).norm(), 1e-9);

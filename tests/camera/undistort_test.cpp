@@ -74,7 +74,7 @@ TEST(UndistortedCamera, IsTheWidestWithoutABlankBorder) {
 }
 
 TEST(UndistortedCamera, MatchesTheClosedFormOfOneCoefficient) {
-  // A pincushion's middle of the nearer edge decides: pixel centre 59.5 from the axis lands on the edge, 60 from it:
+  // A pincushion's middle of the nearer edge decides: pixel center 59.5 from the axis lands on the edge, 60 from it:
   // with r = 59.5 / (120 m), 120 r (1 + 0.2 r^2) = 60.
   const double m = UndistortedCamera(kPincushion).fx / 120;
   const double corner = std::hypot(79.5, 59.5) / (120 * m), side = 79.5 / (120 * m), top = 59.5 / (120 * m);

@@ -41,7 +41,7 @@ struct Fixture {
 TEST(Align, MatchesPublicScripts) {
   const Fixture f;
   AlignmentRule rule;
-  rule.centre = 0;
+  rule.center = 0;
   const Alignment a = Align(f.map, f.camera, f.known, rule);
   const auto near = [&](double value, const std::string& name) {
     EXPECT_NEAR(value, f.Number(name), 1e-4 * std::abs(f.Number(name))) << name;
@@ -67,7 +67,7 @@ TEST(Align, MatchesPublicScripts) {
 TEST(Align, IsInsensitiveToHalfAPixel) {
   const Fixture f;
   AlignmentRule scripts;
-  scripts.centre = 0;
+  scripts.center = 0;
   const Alignment ours = Align(f.map, f.camera, f.known, {}), theirs = Align(f.map, f.camera, f.known, scripts);
   EXPECT_NEAR(ours.scale / theirs.scale, 1, 0.05);
   EXPECT_NE(ours.scale, theirs.scale);

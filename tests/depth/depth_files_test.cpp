@@ -56,7 +56,7 @@ class DepthFilesTest : public testing::Test {
   TempDir dir_;
 };
 
-TEST_F(DepthFilesTest, RoundTripWithinQuantisation) {
+TEST_F(DepthFilesTest, RoundTripWithinQuantization) {
   const DepthMap map = MapNamed("a.jpg"), read = Read().at(0);
   EXPECT_EQ(read.name, "a.jpg");
   EXPECT_EQ(read.camera.fx, kCamera.fx);

@@ -57,7 +57,7 @@ TEST(LocalWarp, IgnoresOutliers) {
   EXPECT_LT(Error(LocalWarp(kMapWidth, kMapHeight, samples)), 0.02);
 }
 
-TEST(LocalWarp, ExtrapolatesFromNeighbours) {
+TEST(LocalWarp, ExtrapolatesFromNeighbors) {
   std::vector<DepthSample> samples = Samples(2);
   std::erase_if(samples, [](const DepthSample& s) { return s.x > 0.75f * kMapWidth; });
   for (DepthSample& s : samples) s.truth = 1.3f * s.inv_depth;

@@ -45,7 +45,7 @@ TEST_F(FillPlanesTest, FillsHoleOnPlaneOnce) {
   }
 }
 
-TEST_F(FillPlanesTest, SkipsWhereColoursDiffer) {
+TEST_F(FillPlanesTest, SkipsWhereColorsDiffer) {
   for (size_t v = 0; v < 3; ++v) {
     for (float& value : views[v].rgb.data) value = 0.2f * value + 0.4f * static_cast<float>(v);
   }
@@ -115,7 +115,7 @@ TEST_F(FillPlanesTest, SkipsWhereSeenThrough) {
 TEST_F(FillPlanesTest, IgnoresMaskedPixelsOfOtherViews) {
   const size_t before = Fill().size();
   for (size_t v = 1; v < 3; ++v) {
-    for (float& value : views[v].rgb.data) value = 0.2f * value + 0.7f;  // another colour, but nobody looks there
+    for (float& value : views[v].rgb.data) value = 0.2f * value + 0.7f;  // another color, but nobody looks there
     views[v].mask.assign(maps[v].size(), 0);
   }
   EXPECT_GT(Fill().size(), before / 2);

@@ -65,7 +65,7 @@ TEST_F(PriorPointsTest, SkipWhereSeenThrough) {
   EXPECT_TRUE(Fill().empty());
 }
 
-TEST_F(PriorPointsTest, DivideColoursByGains) {
+TEST_F(PriorPointsTest, DivideColorsByGains) {
   FusionOptions options;
   options.gains.assign(3, Eigen::Vector3f::Constant(2));
   const std::vector<DensePoint> plain = Fill(), freed = PriorPoints(maps, views, dense, options);

@@ -24,7 +24,7 @@ inline Camera CameraAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target
   return camera;
 }
 
-/// A colour that varies smoothly and never repeats nearby.
+/// A color that varies smoothly and never repeats nearby.
 inline Eigen::Vector3f TextureAt(double u, double v) {
   Eigen::Vector3f rgb;
   for (int c = 0; c < 3; ++c) {
@@ -43,7 +43,7 @@ struct TexturedPlane {
   double half_side = 1e9;  ///< of the square that there is of it
   Eigen::Vector3f background{1, 1, 1};
 
-  /// Depth along the optical axis at a pixel's centre, 0 beside the square.
+  /// Depth along the optical axis at a pixel's center, 0 beside the square.
   double DepthAt(const Camera& camera, double u, double v, Eigen::Vector2d* uv = nullptr) const {
     const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
     const Eigen::Vector3d direction = camera.cam_from_world.linear().transpose() * ray;

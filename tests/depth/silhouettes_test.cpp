@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-/// A dark disc with a hole of the background's colour, at (x, y), before one colour.
+/// A dark disc with a hole of the background's color, at (x, y), before one color.
 LoadedView Disc(const Camera& camera, double x, double y, double radius, float background = 1) {
   LoadedView view{"disc", camera, {camera.width, camera.height, 3, {}}, {}};
   for (int v = 0; v < camera.height; ++v) {
@@ -28,7 +28,7 @@ TEST(Silhouettes, FindObjectBeforePlainBackground) {
   const Silhouettes silhouettes({Disc(kFront, 48, 36, 20), Disc(kSide, 40, 36, 20)});
   ASSERT_FALSE(silhouettes.empty());
   EXPECT_EQ(silhouettes.Object(0)[PixelAt(60, 36)], 1);
-  EXPECT_EQ(silhouettes.Object(0)[PixelAt(48, 36)], 1) << "the background's colour inside the object is object";
+  EXPECT_EQ(silhouettes.Object(0)[PixelAt(48, 36)], 1) << "the background's color inside the object is object";
   EXPECT_EQ(silhouettes.Object(0)[PixelAt(5, 5)], 0);
   EXPECT_EQ(silhouettes.Object(0)[PixelAt(65, 36)], 1);
   EXPECT_EQ(silhouettes.Object(1)[PixelAt(65, 36)], 0);
@@ -71,7 +71,7 @@ TEST(Silhouettes, AllowTenthOfBorder) {
   EXPECT_TRUE(Silhouettes({Disc(kFront, 48, 60, 40)}).empty());
 }
 
-TEST(Silhouettes, TolerateSmallColourDifferences) {
+TEST(Silhouettes, TolerateSmallColorDifferences) {
   LoadedView view = Disc(kFront, 48, 36, 20, 0.5f);
   for (size_t i = 0; i < view.rgb.data.size(); i += 7) view.rgb.data[i] += 2.f / 255;
   const Silhouettes silhouettes({view});

@@ -66,7 +66,7 @@ inline DepthMap TrueDepth(const LoadedView& view, const TexturedPlane& surface, 
   return map;
 }
 
-/// Views that are all compared with one another, in grey.
+/// Views that are all compared with one another, in gray.
 inline StereoScene SceneOf(const std::vector<LoadedView>& views, const DepthRange& range) {
   StereoScene scene;
   for (size_t v = 0; v < views.size(); ++v) {

@@ -1,4 +1,4 @@
-"""A generator for tests: fills the holes of our warps with one colour, or goes wrong on demand.
+"""A generator for tests: fills the holes of our warps with one color, or goes wrong on demand.
 
 usage: constant_generator.py REQUEST ANSWER [slow | fail | hang | missing | size]
 """
@@ -14,7 +14,7 @@ COLOR = (10, 200, 30)
 
 
 def read_png(path):
-    """(width, height, rows) of an 8-bit grey or RGB PNG; a row is a bytearray."""
+    """(width, height, rows) of an 8-bit gray or RGB PNG; a row is a bytearray."""
     data = path.read_bytes()
     position, packed = 8, b""
     while position < len(data):

@@ -159,7 +159,7 @@ class Export(EndToEnd):
     def test_gltf_is_valid(self):
         for extension in [".glb", ".spz.glb"]:
             report = json.loads(self.node("validate_glb.mjs", self.export(extension)))
-            # The validator is older than the extension, whose attributes it takes for misspelt ones; all else counts.
+            # The validator is older than the extension, whose attributes it takes for misspelled ones; all else counts.
             names = [m for m in report["issues"]["messages"] if m["severity"] < 2]
             other = [m for m in names if m["code"] != "MESH_PRIMITIVE_INVALID_ATTRIBUTE" or "/KHR_gaussian_splatting:" not in m["pointer"]]
             self.assertEqual(other, [])

@@ -78,7 +78,7 @@ def files_below(folder):
 
 
 def write_png(width, height, channels, data):
-    """A PNG of 8-bit grey (1) or RGB (3), rows top to bottom."""
+    """A PNG of 8-bit gray (1) or RGB (3), rows top to bottom."""
 
     def chunk(kind, body):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
@@ -90,7 +90,7 @@ def write_png(width, height, channels, data):
 
 
 def png(width, height, rgb):
-    """A PNG of one colour."""
+    """A PNG of one color."""
     return write_png(width, height, 3, bytes(rgb) * (width * height))
 
 

@@ -58,7 +58,7 @@ class Mesh(EndToEnd):
 
     def test_render_writes_each_value_and_path(self):
         frames = ["--frames", 3, "--no-video", "--quiet"]
-        self.run_program("render", self.out, "--path", "spiral", "--what", "colour,depth,normals,support", *frames)
+        self.run_program("render", self.out, "--path", "spiral", "--what", "color,depth,normals,support", *frames)
         folder = self.out / "renders/spiral"
         for value in ["", "depth", "normals", "support"]:
             width, height, channels, pixels = read_png(folder / value / "0001.png")

@@ -135,7 +135,7 @@ class Models(EndToEnd):
         line = self.error_of("models", "check", NAME, code=3, names=[self.fetched(), "1403 missing"], env=self.env)
         self.assertIn("1 that are no part of it: x", line)
 
-    def test_the_licence_comes_first(self):
+    def test_the_license_comes_first(self):
         with Server(lambda handler, _: send(handler, FILE)) as server:
             self.use(server)
             self.error_of("models", "fetch", "seva", code=2, env=self.env,

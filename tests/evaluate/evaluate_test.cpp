@@ -49,10 +49,10 @@ ImageF ToImageF(const Buffer<float>& t) {
   return image;
 }
 
-const RenderOptions kOnGrey{{0.5f, 0.5f, 0.5f}};
+const RenderOptions kOnGray{{0.5f, 0.5f, 0.5f}};
 
 Buffer<float> Rendered(const Gaussians& g) {
-  return MakeRasterizer(kCpu)->Forward(g, FrontCamera(), kOnGrey, RenderPass::kInference).image.Clone();
+  return MakeRasterizer(kCpu)->Forward(g, FrontCamera(), kOnGray, RenderPass::kInference).image.Clone();
 }
 
 LoadedView ViewOf(const std::string& name, const Buffer<float>& image) {
@@ -66,13 +66,13 @@ LoadedView ViewOf(const std::string& name, const Buffer<float>& image) {
 TEST(Evaluate, ScoresItsOwnRenderAsPerfect) {
   const Gaussians g = RedBlob();
   // The view need not be 8-bit itself: both sides are rounded alike.
-  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", Rendered(g))}, kOnGrey, {}, Silent());
+  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", Rendered(g))}, kOnGray, {}, Silent());
   ASSERT_EQ(metrics.views.size(), 1u);
   EXPECT_TRUE(std::isinf(metrics.psnr));
   EXPECT_NEAR(metrics.ssim, 1, 2e-6);
 }
 
-TEST(Evaluate, AveragesViewsAndHonoursMasks) {
+TEST(Evaluate, AveragesViewsAndHonorsMasks) {
   const Gaussians g = RedBlob();
   const Buffer<float> image = Quantized(Rendered(g));
   Buffer<float> brighter = image.Clone();
@@ -83,7 +83,7 @@ TEST(Evaluate, AveragesViewsAndHonoursMasks) {
   LoadedView masked = ViewOf("b.png", spoilt);
   masked.mask.assign(40 * 30, 1);
   std::fill_n(masked.mask.begin(), 40 * 10, uint8_t{0});
-  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", brighter), masked}, kOnGrey, {}, Silent());
+  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", brighter), masked}, kOnGray, {}, Silent());
   ASSERT_EQ(metrics.views.size(), 2u);
   EXPECT_EQ(metrics.views[1].name, "b.png");
   EXPECT_NEAR(metrics.views[0].psnr, Psnr(image, brighter), 1e-9);
@@ -104,7 +104,7 @@ TEST(Evaluate, WarnsOfAFullyMaskedViewAndDoesNotScoreIt) {
     steps += std::holds_alternative<StepDone>(event) ? 1 : 0;
   };
   const TestMetrics metrics =
-      Evaluate(g, {masked, ViewOf("a.png", Buffer<float>::Zeros({30, 40, 3}))}, kOnGrey, {}, listener);
+      Evaluate(g, {masked, ViewOf("a.png", Buffer<float>::Zeros({30, 40, 3}))}, kOnGray, {}, listener);
   EXPECT_EQ(metrics.views.size(), 1u);
   EXPECT_TRUE(std::isfinite(metrics.psnr));
   ASSERT_EQ(warnings.size(), 1u);
@@ -131,7 +131,7 @@ TEST(Evaluate, ShowsFurtherScoresTheTruthWhereMasked) {
   LoadedView masked = ViewOf("b.png", spoilt);
   masked.mask.assign(40 * 30, 1);
   std::fill_n(masked.mask.begin(), 40 * 15, uint8_t{0});
-  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", spoilt), masked}, kOnGrey, {"", Differing()}, Silent());
+  const TestMetrics metrics = Evaluate(g, {ViewOf("a.png", spoilt), masked}, kOnGray, {"", Differing()}, Silent());
   const double whole = metrics.views[0].more.at("differing");
   EXPECT_GT(whole, 0);
   EXPECT_EQ(metrics.views[1].more.at("differing"), 0);
@@ -146,7 +146,7 @@ TEST(Evaluate, LeavesOutScoresForWhichAViewIsTooSmall) {
   ImageScores scores = Differing();
   scores.smallest_side = 31;
   std::vector<std::string> warnings;
-  const TestMetrics metrics = Evaluate(RedBlob(), {ViewOf("a.png", Buffer<float>::Zeros({30, 40, 3}))}, kOnGrey,
+  const TestMetrics metrics = Evaluate(RedBlob(), {ViewOf("a.png", Buffer<float>::Zeros({30, 40, 3}))}, kOnGray,
                                        {"", scores}, [&](const Event& event) {
                                          if (const auto* w = std::get_if<Warning>(&event)) warnings.push_back(w->text);
                                        });
@@ -157,7 +157,7 @@ TEST(Evaluate, LeavesOutScoresForWhichAViewIsTooSmall) {
 TEST(Evaluate, WritesRendersBesideTheTruth) {
   const TempDir dir;
   const Gaussians g = RedBlob();
-  Evaluate(g, {ViewOf("left/0001.jpg", Buffer<float>::Full({30, 40, 3}, 0.2f))}, kOnGrey, dir / "renders", Silent());
+  Evaluate(g, {ViewOf("left/0001.jpg", Buffer<float>::Full({30, 40, 3}, 0.2f))}, kOnGray, dir / "renders", Silent());
   const Image8 render = ReadImage(dir / "renders" / "left_0001.png");
   const Image8 truth = ReadImage(dir / "renders" / "left_0001_gt.png");
   EXPECT_EQ(render.data, ToImage8(Rendered(g)).data);
@@ -167,15 +167,15 @@ TEST(Evaluate, WritesRendersBesideTheTruth) {
 
 TEST(Evaluate, KeepsRendersOfViewsOfOneStemApart) {
   const TempDir dir;
-  const auto grey = [](const char* name, float value) { return ViewOf(name, Buffer<float>::Full({30, 40, 3}, value)); };
-  Evaluate(RedBlob(), {grey("1.jpg", 0.2f), grey("1.png", 0.4f)}, kOnGrey, dir.path(), Silent());
+  const auto gray = [](const char* name, float value) { return ViewOf(name, Buffer<float>::Full({30, 40, 3}, value)); };
+  Evaluate(RedBlob(), {gray("1.jpg", 0.2f), gray("1.png", 0.4f)}, kOnGray, dir.path(), Silent());
   EXPECT_EQ(ReadImage(dir / "1_jpg_gt.png").data[0], 51);
   EXPECT_EQ(ReadImage(dir / "1_png_gt.png").data[0], 102);
 }
 
 TEST(Evaluate, StopsWhenAsked) {
   RequestInterrupt(true);
-  EXPECT_THROW(Evaluate(RedBlob(), {ViewOf("a", Buffer<float>::Zeros({30, 40, 3}))}, kOnGrey, {}, Silent()),
+  EXPECT_THROW(Evaluate(RedBlob(), {ViewOf("a", Buffer<float>::Zeros({30, 40, 3}))}, kOnGray, {}, Silent()),
                Interrupted);
   RequestInterrupt(false);
 }
@@ -184,7 +184,7 @@ TEST(Evaluate, GivesNullMeansWithoutAnyPixelToScore) {
   LoadedView masked = ViewOf("nothing.png", Buffer<float>::Zeros({30, 40, 3}));
   masked.mask.assign(40 * 30, 0);
   for (const auto& views : {std::vector<LoadedView>{}, std::vector<LoadedView>{masked}}) {
-    const TestMetrics metrics = Evaluate(RedBlob(), views, kOnGrey, {}, Silent());
+    const TestMetrics metrics = Evaluate(RedBlob(), views, kOnGray, {}, Silent());
     EXPECT_TRUE(metrics.views.empty());
     EXPECT_TRUE(std::isnan(metrics.psnr));
     EXPECT_EQ(ToJson(metrics).dump(), R"({"psnr":null,"psnr_color_corrected":null,"ssim":null,"views":[]})");

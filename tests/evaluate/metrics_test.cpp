@@ -97,7 +97,7 @@ TEST(Ssim, IsOneForIdenticalImagesAndTheMeanOfItsMap) {
   EXPECT_NEAR(Ssim(a, b, Buffer<float>::Full({20, 30}, 1.f)), Ssim(a, b), 1e-12);
 }
 
-TEST(Ssim, IgnoresMaskedPixelsInTheWindowsOfTheirNeighbours) {
+TEST(Ssim, IgnoresMaskedPixelsInTheWindowsOfTheirNeighbors) {
   const Buffer<float> truth = Noise({20, 30, 3}, 4), mask = Buffer<float>::Zeros({20, 30});
   Fill(mask.Rows(5, 9), 1);
   const Buffer<float> render = truth.Clone();
@@ -120,7 +120,7 @@ TEST(Quantized, RoundsHalfUpAndClamps) {
   EXPECT_EQ(MaxAbsError(Quantized(steps), steps), 0);
 }
 
-TEST(ColorCorrectedPsnr, UndoesAnAffineChangeOfColour) {
+TEST(ColorCorrectedPsnr, UndoesAnAffineChangeOfColor) {
   const Buffer<float> target = Noise({15, 16, 3}, 5), render = target.Clone();
   const float matrix[3][3] = {{0.8f, 0.1f, 0.f}, {0.f, 0.7f, 0.1f}, {0.1f, 0.f, 0.9f}};
   for (int64_t i = 0; i < render.count(); ++i) {

@@ -215,9 +215,9 @@ TEST(OracleQualityTest, SmallBinsDoNotBreakMonotony) {
   EXPECT_TRUE(q.monotone);
   EXPECT_EQ(q.reliability.size(), 4u);  // which shows it nevertheless
   EXPECT_FALSE(Steps({{0.05f, 0.4f}, {0.95f, 0.4f}}, {10, 10}).monotone);
-  // At the ends there is one neighbour only.
+  // At the ends there is one neighbor only.
   EXPECT_TRUE(Steps({{0.05f, 0.f}, {0.15f, 0.4f}, {0.85f, 0.1f}, {0.95f, 0.9f}}, {1, 500, 500, 1}).monotone);
-  // What is small even together with its neighbour is joined again.
+  // What is small even together with its neighbor is joined again.
   EXPECT_TRUE(Steps({{0.05f, 0.f}, {0.15f, 0.1f}, {0.25f, 0.4f}, {0.95f, 0.1f}}, {1, 2, 500, 500}).monotone);
 }
 

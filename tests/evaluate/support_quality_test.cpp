@@ -26,7 +26,7 @@ TEST(SupportQuality, MeansByClass) {
 }
 
 TEST(SupportQuality, MeasuresWhatIsDrawn) {
-  Gaussians g = Gaussians::Zeros(1);  // one grey ball before the camera
+  Gaussians g = Gaussians::Zeros(1);  // one gray ball before the camera
   g.means[2] = 3;
   g.quats[0] = 1;
   std::fill_n(g.log_scales.data(), 3, std::log(0.3f));
@@ -40,7 +40,7 @@ TEST(SupportQuality, MeasuresWhatIsDrawn) {
   EXPECT_GT(q.pixels, 50);
   EXPECT_LT(q.pixels, 32 * 32);  // not where nothing is drawn
   EXPECT_GT(q.classes[0].share, 0.02);
-  EXPECT_GT(q.classes[0].mean_error, q.classes[3].mean_error);  // the truth is black, the middle of the ball is grey
+  EXPECT_GT(q.classes[0].mean_error, q.classes[3].mean_error);  // the truth is black, the middle of the ball is gray
   view.mask.assign(32 * 32, 0);
   EXPECT_EQ(MeasureSupport(g, {0.9f}, {view}, {}).pixels, 0);
 }

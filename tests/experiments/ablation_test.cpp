@@ -112,7 +112,7 @@ TEST_F(AblationTest, GoesOnAfterARowThatFails) {
 }
 
 TEST_F(AblationTest, LeavesOutRowsThatChangeNothing) {
-  AblationRequest request = Ask("left_out", "regularisers,calibration");
+  AblationRequest request = Ask("left_out", "regularizers,calibration");
   request.run.options.validate.oracle = OracleKind::kUniform;
   const Ablation ablation = RunAblation(request, recorder.AsListener());
   ASSERT_EQ(ablation.rows.size(), 1u);

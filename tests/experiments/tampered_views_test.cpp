@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A wall of coloured Gaussians at a depth of 2.
+/// A wall of colored Gaussians at a depth of 2.
 ProxyModel Wall(float brightness) {
   PointCloud cloud;
   for (int y = -20; y <= 20; ++y) {

@@ -14,7 +14,7 @@ TEST(SpatialOrder, HoldsEachGaussianOnce) {
   for (int64_t i = 0; i < 1000; ++i) EXPECT_EQ(order[i], i);
 }
 
-TEST(SpatialOrder, PutsNeighboursSideBySide) {
+TEST(SpatialOrder, PutsNeighborsSideBySide) {
   const Gaussians g = PlausibleGaussians(4000);
   const auto length = [](const Gaussians& path) {
     double sum = 0;

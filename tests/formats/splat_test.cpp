@@ -11,7 +11,7 @@ using testing::HasSubstr;
 
 TEST(SplatFile, RoundTripsWithinItsErrors) {
   Gaussians g = PlausibleGaussians(2000);
-  Table(g.sh).leftCols(3) = Table(g.sh).leftCols(3).cwiseMax(-1.7f).cwiseMin(1.7f);  // colours in [0,1]
+  Table(g.sh).leftCols(3) = Table(g.sh).leftCols(3).cwiseMax(-1.7f).cwiseMin(1.7f);  // colors in [0,1]
   const std::string bytes = EncodeSplat(g);
   EXPECT_EQ(bytes.size(), 2000u * 32);
   const GaussianPly read = DecodeSplat(bytes, "x.splat");

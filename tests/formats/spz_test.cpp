@@ -76,7 +76,7 @@ TEST(Spz, HasTheLayoutOfTheFormat) {
   EXPECT_EQ(LoadLittle<uint16_t>(bytes, 16) | (bytes[18] << 16), 1 << bits);
   EXPECT_EQ(LoadLittle<int32_t>(bytes, 18) >> 8, -2 << bits);  // y points up in the file
   EXPECT_EQ(static_cast<uint8_t>(bytes[25]), 255);             // opacity
-  EXPECT_EQ(static_cast<uint8_t>(bytes[26]), 128);             // colour 0.5
+  EXPECT_EQ(static_cast<uint8_t>(bytes[26]), 128);             // color 0.5
   EXPECT_EQ(static_cast<uint8_t>(bytes[29]), 96);              // (-4 + 10) * 16
   EXPECT_EQ(static_cast<uint8_t>(bytes[35]) >> 6, 3);          // w is the largest component
   EXPECT_EQ(static_cast<uint8_t>(bytes[36]), 64);

@@ -45,7 +45,7 @@ int Seen(const std::vector<Camera>& cameras, const Eigen::Vector3f& point) {
   return seen;
 }
 
-TEST(ToPointCloud, ScalesColours) {
+TEST(ToPointCloud, ScalesColors) {
   ScenePoint point;
   point.xyz = {1, 2, 3};
   point.rgb = {255, 0, 51};

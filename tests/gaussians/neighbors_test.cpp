@@ -61,7 +61,7 @@ TEST(KdTree, DuplicatesAreAtDistanceZero) {
   ExpectExact(pairs);
 }
 
-TEST(KdTree, GridHasUnitNeighbours) {
+TEST(KdTree, GridHasUnitNeighbors) {
   Points grid;
   for (int x = 0; x < 10; ++x) {
     for (int y = 0; y < 10; ++y) {

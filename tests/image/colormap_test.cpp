@@ -11,7 +11,7 @@ namespace {
 
 using Rgb = std::array<uint8_t, 3>;
 
-/// Relative luminance of an sRGB colour.
+/// Relative luminance of an sRGB color.
 double Luminance(const Rgb& color) {
   const auto linear = [](uint8_t c) { return std::pow(c / 255.0, 2.2); };
   return 0.2126 * linear(color[0]) + 0.7152 * linear(color[1]) + 0.0722 * linear(color[2]);

@@ -92,7 +92,7 @@ TEST(ResizeArea, InterpolatesWhenEnlarging) {
 }
 
 TEST(ResizeArea, FollowsTheScaledIntrinsics) {
-  // The value at u is u; after shrinking, the pixel centre u' sees u = u' * old / new.
+  // The value at u is u; after shrinking, the pixel center u' sees u = u' * old / new.
   ImageF ramp{90, 2, 1, std::vector<float>(180)};
   for (int i = 0; i < 180; ++i) ramp.data[static_cast<size_t>(i)] = static_cast<float>(i % 90) + 0.5f;
   const ImageF third = ResizeArea(ramp, 30, 1);

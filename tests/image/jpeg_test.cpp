@@ -32,13 +32,13 @@ TEST(DecodeJpeg, ReadsBaselineAndProgressive) {
   }
 }
 
-TEST(DecodeJpeg, ConvertsGreyToRgb) {
-  const Image8 grey = SmoothImage(20, 10, 1);
-  const Image8 decoded = Decode(EncodeJpeg(grey, {TJPF_GRAY, TJSAMP_GRAY}));
+TEST(DecodeJpeg, ConvertsGrayToRgb) {
+  const Image8 gray = SmoothImage(20, 10, 1);
+  const Image8 decoded = Decode(EncodeJpeg(gray, {TJPF_GRAY, TJSAMP_GRAY}));
   ASSERT_EQ(decoded.channels, 3);
-  for (size_t i = 0; i < grey.data.size(); ++i) {
+  for (size_t i = 0; i < gray.data.size(); ++i) {
     EXPECT_EQ(decoded.data[3 * i], decoded.data[3 * i + 2]);
-    EXPECT_NEAR(decoded.data[3 * i], grey.data[i], 2);
+    EXPECT_NEAR(decoded.data[3 * i], gray.data[i], 2);
   }
 }
 

@@ -87,9 +87,9 @@ TEST(DecodePng, RoundsSixteenBitsToEight) {
   EXPECT_THAT(decoded.data, ElementsAre(0, 128, 255, 1, 18, 1));  // round(value / 257)
 }
 
-TEST(DecodePng, ConvertsGreyToColour) {
-  const Image8 grey = DecodeUpright(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY, {9, 200}, PNG_INTERLACE_NONE, {}, {}}));
-  EXPECT_THAT(grey.data, ElementsAre(9, 9, 9, 200, 200, 200));
+TEST(DecodePng, ConvertsGrayToColor) {
+  const Image8 gray = DecodeUpright(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY, {9, 200}, PNG_INTERLACE_NONE, {}, {}}));
+  EXPECT_THAT(gray.data, ElementsAre(9, 9, 9, 200, 200, 200));
   const Image8 alpha =
       DecodeUpright(EncodePng({2, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {9, 1, 200, 2}, PNG_INTERLACE_NONE, {}, {}}));
   EXPECT_EQ(alpha.channels, 4);

@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-/// Flat Gaussians of one colour all over a sphere of radius 1 around the origin.
+/// Flat Gaussians of one color all over a sphere of radius 1 around the origin.
 Gaussians Ball(int count) {
   Gaussians ball = Gaussians::Zeros(count);
   const GaussianRows all = ball.Rows();

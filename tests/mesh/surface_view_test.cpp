@@ -15,7 +15,7 @@ TEST(SurfaceViewOf, BelievesAFloorUpToAGrazingAngle) {
   EXPECT_GT(weight(48, 90), weight(48, 70)) << "near says more";
   EXPECT_EQ(weight(48, 41), 0) << "under the horizon";
   EXPECT_EQ(weight(48, 10), 0) << "above it";
-  EXPECT_EQ(weight(0, 90), 0) << "the border has no neighbours";
+  EXPECT_EQ(weight(0, 90), 0) << "the border has no neighbors";
 }
 
 TEST(SurfaceViewOf, LeavesOutTheOutline) {

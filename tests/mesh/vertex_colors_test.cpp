@@ -15,10 +15,10 @@ TEST(VertexColors, AreThoseOfTheViewsThatSeeTheVertex) {
   colors.Add(ViewOfShape(FloorAt(0), ShapeCamera({0, 0, 2}, {0, 0, 0})));
   const auto found = colors.Colors();
   EXPECT_EQ(found[0], (std::array<uint8_t, 3>{64, 128, 191}));
-  const std::array<uint8_t, 3> grey = {128, 128, 128};
-  EXPECT_EQ(found[1], grey) << "hidden below the floor";
-  EXPECT_EQ(found[2], grey) << "seen from behind";
-  EXPECT_EQ(found[3], grey) << "outside of the image";
+  const std::array<uint8_t, 3> gray = {128, 128, 128};
+  EXPECT_EQ(found[1], gray) << "hidden below the floor";
+  EXPECT_EQ(found[2], gray) << "seen from behind";
+  EXPECT_EQ(found[3], gray) << "outside of the image";
 }
 
 }  // namespace

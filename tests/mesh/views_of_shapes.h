@@ -41,7 +41,7 @@ inline Camera ShapeCamera(const Eigen::Vector3d& center, const Eigen::Vector3d& 
   return camera;
 }
 
-/// An opaque render of the shape; its colour is (0.25, 0.5, 0.75).
+/// An opaque render of the shape; its color is (0.25, 0.5, 0.75).
 inline SurfaceView ViewOfShape(const ShapeDepth& shape, const Camera& camera) {
   RenderOutput render;
   render.alpha = Buffer<float>::Zeros({camera.height, camera.width});

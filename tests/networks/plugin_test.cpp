@@ -50,9 +50,9 @@ TEST_F(PluginTest, PredictsDepthAndDistance) {
   EXPECT_NE(map[0], map[700]);
   const auto lpips = GetNetworks().LoadPerceptual({WriteTinyLpips(dir / "lpips.safetensors")}, kCpu, 1 << 20);
   const Buffer<float> render = Buffer<float>::From({36, 48, 3}, std::span<const float>(image.data));
-  const Buffer<float> grey = Buffer<float>::Full({36, 48, 3}, 0.5f);
+  const Buffer<float> gray = Buffer<float>::Full({36, 48, 3}, 0.5f);
   Buffer<float> grad = Buffer<float>::Zeros({36, 48, 3});
-  EXPECT_GT(lpips->Loss(render, grey, 1, &grad), 0);
+  EXPECT_GT(lpips->Loss(render, gray, 1, &grad), 0);
   EXPECT_NE(grad[0], 0);
   EXPECT_EQ(lpips->Score(render, render, LpipsRange::kZeroOne), 0);
 }

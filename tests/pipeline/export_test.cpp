@@ -214,7 +214,7 @@ TEST(ExportSplat, TurnedModelLooksTheSameFromATurnedCamera) {
   Gaussians unturned = Transformed(g, turn);
   unturned.sh = g.sh;
   const auto wrong = rasterizer->Forward(unturned, camera, options, RenderPass::kInference).image.Clone();
-  EXPECT_GT((Flat(wrong) - Flat(before)).abs().maxCoeff(), 0.02f);  // view-dependent colour has to turn too
+  EXPECT_GT((Flat(wrong) - Flat(before)).abs().maxCoeff(), 0.02f);  // view-dependent color has to turn too
 }
 
 TEST(CheckExport, RefusesBeforeAnythingIsRead) {

@@ -37,7 +37,7 @@ TEST_F(RenderPathTest, WritesEachValueIntoItsFolder) {
   const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
   Model model = LoadModel(*temp / "out" / "point_cloud.ply", request->options, kCpu, posed.frame);
   RenderPathOptions path;
-  path.video = false, path.frames = 2, path.path = PathKind::kInterpolate, path.what = "normals,colour,depth";
+  path.video = false, path.frames = 2, path.path = PathKind::kInterpolate, path.what = "normals,color,depth";
 
   const auto cameras = PathCameras(posed, request->options.image, path);
   ASSERT_EQ(cameras.size(), 2u);

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "oraclegs/render/recolour.h"
+#include "oraclegs/render/recolor.h"
 #include "support/errors.h"
 
 namespace oraclegs {
@@ -45,8 +45,8 @@ std::array<int, 3> PixelAt(const Image8& image, int x, int y) {
 }
 
 TEST(ParseRenderValues, ReadsAList) {
-  EXPECT_THAT(ParseRenderValues("depth,colour,depth"), testing::ElementsAre(RenderValue::kDepth, RenderValue::kColour));
-  for (const char* bad : {"", "depth,", "depth colour", "Depth"}) EXPECT_THROW(ParseRenderValues(bad), UsageError);
+  EXPECT_THAT(ParseRenderValues("depth,color,depth"), testing::ElementsAre(RenderValue::kDepth, RenderValue::kColor));
+  for (const char* bad : {"", "depth,", "depth color", "Depth"}) EXPECT_THROW(ParseRenderValues(bad), UsageError);
 }
 
 TEST(ValueRenderer, ShowsDepthNormalsAndSupport) {

@@ -129,7 +129,7 @@ TEST(InterpolatedCandidates, SpacesPureRotationByAngle) {
   for (size_t i = 0; i + 1 < path.size(); ++i) EXPECT_NEAR(TurnBetween(path[i], path[i + 1]), 0.1, 0.03);
 }
 
-TEST(JitteredCandidates, LieBetweenNeighbours) {
+TEST(JitteredCandidates, LieBetweenNeighbors) {
   const auto train = RigAround(8);
   const auto a = JitteredCandidates(train, 50, 7), b = JitteredCandidates(train, 50, 7);
   const auto other = JitteredCandidates(train, 50, 8);

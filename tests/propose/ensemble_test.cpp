@@ -7,7 +7,7 @@
 namespace oraclegs {
 namespace {
 
-/// One wide blob of a colour before the camera.
+/// One wide blob of a color before the camera.
 Gaussians Blob(float red) {
   PointCloud cloud;
   for (int i = 0; i < 5; ++i) {

@@ -49,7 +49,7 @@ TEST(FillDepth, MarksUnreachedPixels) {
   EXPECT_EQ(inv_depth, std::vector<float>(12, 0.f));
 }
 
-TEST(PushPull, KeepsKnownAndFillsFromNeighbours) {
+TEST(PushPull, KeepsKnownAndFillsFromNeighbors) {
   ImageF image{13, 7, 3, std::vector<float>(13 * 7 * 3, 0.f)};
   std::vector<float> weight(13 * 7, 0.f);
   const auto set = [&](int x, int y, float red, float green) {

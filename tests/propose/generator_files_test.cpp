@@ -15,9 +15,9 @@ using testing::HasSubstr;
 
 using GeneratorFilesTest = GeneratorFolderTest;
 
-size_t CountOf(const Image8& grey, uint8_t value) {
+size_t CountOf(const Image8& gray, uint8_t value) {
   size_t count = 0;
-  for (size_t i = 0; i < grey.data.size(); i += 3) count += grey.data[i] == value ? 1 : 0;
+  for (size_t i = 0; i < gray.data.size(); i += 3) count += gray.data[i] == value ? 1 : 0;
   return count;
 }
 

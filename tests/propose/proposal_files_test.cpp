@@ -18,7 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Proposal Grey(const std::string& name, const std::string& source, float value) {
+Proposal Gray(const std::string& name, const std::string& source, float value) {
   Proposal proposal{name, source, RigCamera({1, 2, 3}, {0, 0, 0}), {64, 48, 3, {}}};
   proposal.rgb.data.assign(64 * 48 * 3, value);
   return proposal;
@@ -47,7 +47,7 @@ TEST(FileNames, AreFlatAndUnique) {
 }
 
 TEST_F(ProposalFilesTest, WritesReadableTransforms) {
-  const std::vector<Proposal> proposals = {Grey("orbit_0000", "warp", 0.2f), Grey("dir/IMG.v2.JPG", "warp", 0.4f)};
+  const std::vector<Proposal> proposals = {Gray("orbit_0000", "warp", 0.2f), Gray("dir/IMG.v2.JPG", "warp", 0.4f)};
   EXPECT_THAT(WriteProposals(dir_.path(), proposals),
               ElementsAre("orbit_0000.png", "dir_IMG.v2.png", "transforms.json"));
   EventRecorder events;
@@ -64,12 +64,12 @@ TEST_F(ProposalFilesTest, WritesReadableTransforms) {
 }
 
 TEST_F(ProposalFilesTest, NamesCandidatesBySource) {
-  EXPECT_THAT(WriteProposals(dir_.path(), {Grey("a", "warp", 0), Grey("a", "splat", 0), Grey("a", "splat", 0)}),
+  EXPECT_THAT(WriteProposals(dir_.path(), {Gray("a", "warp", 0), Gray("a", "splat", 0), Gray("a", "splat", 0)}),
               ElementsAre("a_warp.png", "a_splat.png", "a_splat_2.png", "transforms.json"));
 }
 
 TEST_F(ProposalFilesTest, RefusesWrongImageSize) {
-  Proposal proposal = Grey("a", "warp", 0);
+  Proposal proposal = Gray("a", "warp", 0);
   proposal.camera.width = 63;
   EXPECT_THROW(WriteProposals(dir_.path(), {proposal}), ShapeError);
 }

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-TEST(SamePlace, IsThousandthOfNeighbourDistance) {
+TEST(SamePlace, IsThousandthOfNeighborDistance) {
   std::vector<Camera> cameras;
   for (const double x : {0., 1., 3.}) cameras.push_back(RigCamera({x, 0, 0}, {x, 9, 0}));
   EXPECT_NEAR(SamePlace(cameras), 1e-3 * 4 / 3, 1e-12);
@@ -17,7 +17,7 @@ TEST(SamePlace, IsThousandthOfNeighbourDistance) {
   EXPECT_LT(SamePlace({cameras[0]}), 1e-6);
 }
 
-TEST(PoseSet, ComparesCentreAndRotation) {
+TEST(PoseSet, ComparesCenterAndRotation) {
   const PoseSet set({RigCamera({1, 2, 3}, {0, 0, 0})}, 0.01);
   EXPECT_TRUE(set.Has(RigCamera({1, 2, 3}, {0, 0, 0})));
   EXPECT_TRUE(set.Has(RigCamera({1.005, 2, 3}, {0.005, 0, 0})));

@@ -99,7 +99,7 @@ TEST_F(WarpTest, HoldsViewOut) {
   for (const uint16_t from : view.provenance) EXPECT_NE(from, 3);
 }
 
-TEST_F(WarpTest, DividesColoursByGains) {
+TEST_F(WarpTest, DividesColorsByGains) {
   const Camera between = CameraAt({0.3, 0, -4}, {0, 0, 0}, 96, 72);
   const ImageF truth = Take(between).rgb;
   for (float& value : views[2].rgb.data) value *= 0.5f;

@@ -1,5 +1,5 @@
 #pragma once
-// The rasteriser's reference numbers (docs/method.md#tolerances) as inputs of the program. Sizes come from the file.
+// The rasterizer's reference numbers (docs/method.md#tolerances) as inputs of the program. Sizes come from the file.
 
 #include <gtest/gtest.h>
 

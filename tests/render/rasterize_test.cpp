@@ -1,4 +1,4 @@
-// The rasteriser against a slow reference renderer, closed forms and finite differences.
+// The rasterizer against a slow reference renderer, closed forms and finite differences.
 
 #include "oraclegs/render/make_rasterizer.h"
 #include "render/reference_raster.h"
@@ -45,7 +45,7 @@ TEST_P(RasterizeReference, AgreesWithTheReference) {
   rasterizer->Backward(g, {Buffer<float>::Full({c.height, c.width, 3}, 1.f), {}, {}}, &grads);
   grads.ForEach([](const char* name, const Buffer<float>& t) { EXPECT_TRUE(AllFinite(t)) << name; });
   const ReferenceImage ref = ReferenceScene(g, camera, options).Render();
-  // One contributor at alpha = 1/255 weighs up to 0.4 % of a colour; anything larger is a mistake.
+  // One contributor at alpha = 1/255 weighs up to 0.4 % of a color; anything larger is a mistake.
   EXPECT_LE(MaxError(out.image, ref.image), 0.02);
   EXPECT_LE(FlippedShare(out.image, ref.image, 3e-5), 0.002);
   EXPECT_LE(FlippedShare(out.alpha, ref.alpha, 3e-5), 0.002);
@@ -86,7 +86,7 @@ TEST(RasterizeClosedForm, RendersOneGaussianByItsFormula) {
   }
 }
 
-TEST(RasterizeClosedForm, KeepsASingleColour) {
+TEST(RasterizeClosedForm, KeepsASingleColor) {
   Gaussians g = RandomGaussians(500, 0.1, 5);
   g.sh.SetZero();
   Table(g.sh).leftCols(3).setConstant((0.7f - 0.5f) / 0.28209479177387814f);

@@ -1,5 +1,5 @@
 #pragma once
-// Seeded scenes for the rasteriser's tests and benchmarks.
+// Seeded scenes for the rasterizer's tests and benchmarks.
 
 #include "oraclegs/core/rng.h"
 #include "oraclegs/render/render.h"
@@ -11,7 +11,7 @@ inline Camera FrontCamera(int width, int height) {
   Camera camera;
   camera.width = width, camera.height = height;
   camera.fx = 0.9 * width, camera.fy = 0.92 * width;
-  camera.cx = 0.5 * width - 1.3, camera.cy = 0.5 * height + 0.7;  // off centre, so that a swap shows
+  camera.cx = 0.5 * width - 1.3, camera.cy = 0.5 * height + 0.7;  // off center, so that a swap shows
   return camera;
 }
 

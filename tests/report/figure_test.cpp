@@ -38,8 +38,8 @@ TEST_F(FigureTest, ShowsProposalsTheirConfidenceAndThePhotos) {
   const std::vector<Panel>& row = sheet.rows[0];
   const std::string name = row[0].caption;
   EXPECT_EQ(row[0].image.data, ReadImage(run.workspace.proposals() / (name + ".png")).data);
-  const Image8 grey = ReadImage(run.workspace.confidence() / (name + ".png"));
-  const auto color = MapColor(ColorMap::kPlasma, static_cast<float>(grey.data[0]) / 255);
+  const Image8 gray = ReadImage(run.workspace.confidence() / (name + ".png"));
+  const auto color = MapColor(ColorMap::kPlasma, static_cast<float>(gray.data[0]) / 255);
   EXPECT_TRUE(std::equal(color.begin(), color.end(), row[1].image.data.begin()));
   EXPECT_EQ(row[2].image.width, row[0].image.width);
   EXPECT_EQ(sheet.scale, ColorMap::kPlasma);

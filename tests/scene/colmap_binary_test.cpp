@@ -21,7 +21,7 @@ TEST(ColmapBinary, ReadsCameras) {
   EXPECT_EQ(cameras.at(7).model, CameraModel::kSimplePinhole);
 }
 
-TEST(ColmapBinary, ReadsImagesAndNormalisesQuaternions) {
+TEST(ColmapBinary, ReadsImagesAndNormalizesQuaternions) {
   const auto images = ParseImagesBinary(TinyImagesBin(), "images.bin");
   ASSERT_EQ(images.size(), 3u);
   EXPECT_EQ(images[0].id, 3u);

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(PoseFromQuaternion, NormalisesItsLength) {
+TEST(PoseFromQuaternion, NormalizesItsLength) {
   const Eigen::Isometry3d pose = PoseFromQuaternion({0, 0, 0, 5}, {1, 2, 3}, "images.txt", "a.png");
   EXPECT_TRUE((pose * Eigen::Vector3d(1, 0, 7)).isApprox(Eigen::Vector3d(0, 2, 10), 1e-12));  // half a turn about z
 }

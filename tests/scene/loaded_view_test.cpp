@@ -47,7 +47,7 @@ Image8 Filled(int width, int height, std::vector<uint8_t> pixel) {
 TEST(BackgroundColor, GivesRgb) {
   EXPECT_THAT(BackgroundColor(Background::kBlack), ElementsAre(0.f, 0.f, 0.f));
   EXPECT_THAT(BackgroundColor(Background::kWhite), ElementsAre(1.f, 1.f, 1.f));
-  EXPECT_THAT(BackgroundColor(Background::kGrey), ElementsAre(0.5f, 0.5f, 0.5f));
+  EXPECT_THAT(BackgroundColor(Background::kGray), ElementsAre(0.5f, 0.5f, 0.5f));
 }
 
 TEST(LoadViews, KeepsThePixelsOfAPlainImage) {
@@ -289,7 +289,7 @@ TEST(LoadViews, NamesDamagedFiles) {
   EXPECT_THAT(MessageOf<InputError>([&] { one.Load(); }), HasSubstr("a.png"));
 }
 
-/// Four views of one size, each with its own grey.
+/// Four views of one size, each with its own gray.
 Scene FourViews(const TempDir& dir) {
   Scene scene;
   scene.format = SceneFormat::kColmap;
@@ -299,8 +299,8 @@ Scene FourViews(const TempDir& dir) {
     view.image_path = dir / view.name;
     view.intrinsics = {CameraModel::kOpenCv, 30, 20, {25, 25, 15, 10, -0.1, 0, 0, 0.001}};
     view.cam_from_world = Eigen::Isometry3d::Identity();
-    const auto grey = static_cast<uint8_t>(50 * i);
-    WritePng(view.image_path, Filled(30, 20, {grey, grey, grey, static_cast<uint8_t>(i < 2 ? 0 : 255)}));
+    const auto gray = static_cast<uint8_t>(50 * i);
+    WritePng(view.image_path, Filled(30, 20, {gray, gray, gray, static_cast<uint8_t>(i < 2 ? 0 : 255)}));
     scene.views.push_back(view);
   }
   return scene;

@@ -61,7 +61,7 @@ TEST(ReadTransformsIntrinsics, ChoosesTheModelByItsCoefficients) {
   EXPECT_EQ(LensOf(distorted).model, CameraModel::kOpenCvFisheye);
 }
 
-TEST(ReadTransformsIntrinsics, FillsInFocalLengthsAndCentre) {
+TEST(ReadTransformsIntrinsics, FillsInFocalLengthsAndCenter) {
   EXPECT_THAT(LensOf({{"fl_x", 50}, {"w", 64}, {"h", 40}}).params, ElementsAre(50, 50, 32, 20));
   EXPECT_THAT(LensOf({{"fl_y", 50}, {"w", 64}, {"h", 40}}).params, ElementsAre(50, 50, 32, 20));
   const double right_angle = std::numbers::pi / 2;  // half the width over tan 45 degrees

@@ -35,9 +35,9 @@ Scene Unposed(Scene scene) {
 
 Scene WithBlackPhotos(const std::filesystem::path& dir) {
   Scene scene = Unposed(WriteTexturedPlanes(dir, 2));
-  uint8_t grey = 0;
+  uint8_t gray = 0;
   for (const SceneView& view : scene.views) {
-    WritePng(view.image_path, {64, 48, 3, std::vector<uint8_t>(size_t{64} * 48 * 3, grey++)});
+    WritePng(view.image_path, {64, 48, 3, std::vector<uint8_t>(size_t{64} * 48 * 3, gray++)});
   }
   return scene;
 }
@@ -103,7 +103,7 @@ TEST(RegisterViews, FindsCamerasAndNamesMissingOnes) {
     EXPECT_EQ(found.views[v].intrinsics.width, kPlanesWidth);
     ASSERT_TRUE(found.views[v].cam_from_world.has_value());
   }
-  // The true centres stand at equal steps on a line; the found ones must too, whatever the scale.
+  // The true centers stand at equal steps on a line; the found ones must too, whatever the scale.
   const auto center = [&](size_t v) -> Eigen::Vector3d {
     return found.views[v].cam_from_world->inverse().translation();
   };
@@ -116,7 +116,7 @@ TEST(RegisterViews, FindsCamerasAndNamesMissingOnes) {
   const std::string log = ReadFile(dir / "sfm" / "colmap.log");
   const auto report = nlohmann::json::parse(ReadFile(dir / "sfm" / "registration.json"));
   EXPECT_EQ(report.at("registered"), 5);
-  EXPECT_EQ(report.at("views").at(0).at("neighbours").at(0).at("name"), "1.png");
+  EXPECT_EQ(report.at("views").at(0).at("neighbors").at(0).at("name"), "1.png");
   EXPECT_GT(report.at("views").at(0).at("features"), 100);
   EXPECT_GT(report.at("views").at(0).at("parallax_degrees"), 2);
   EXPECT_EQ(report.at("attempts").at(0).at("name"), "strict");

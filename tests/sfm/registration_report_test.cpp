@@ -15,11 +15,11 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-ViewReport MakeView(const std::string& name, int features, std::vector<Neighbour> neighbours = {}) {
+ViewReport MakeView(const std::string& name, int features, std::vector<Neighbor> neighbors = {}) {
   ViewReport view;
   view.name = name;
   view.features = features;
-  view.neighbours = std::move(neighbours);
+  view.neighbors = std::move(neighbors);
   return view;
 }
 
@@ -58,7 +58,7 @@ TEST(MakeReport, ExplainsMissingViews) {
   EXPECT_EQ(p[3].status, ViewStatus::kNoMatches);
   EXPECT_EQ(p[3].advice, "take one between b and d-alone, and one between it and a");
   EXPECT_EQ(p[4].status, ViewStatus::kFewMatches);
-  EXPECT_EQ(p[4].neighbours[0].name, "b") << "the best is first";
+  EXPECT_EQ(p[4].neighbors[0].name, "b") << "the best is first";
   EXPECT_EQ(p[4].advice, "take one between b and e-far");
   EXPECT_EQ(p[5].status, ViewStatus::kPureRotation);
   EXPECT_EQ(p[5].advice, "move sideways, do not only turn the camera");
@@ -124,7 +124,7 @@ TEST(ReportToJson, HasTheDocumentedKeys) {
   EXPECT_TRUE(a.at("why").is_null());
   EXPECT_TRUE(a.at("advice").is_null());
   EXPECT_EQ(a.at("parallax_degrees"), 6.5);
-  EXPECT_EQ(a.at("neighbours").at(0), (nlohmann::json{{"name", "b"}, {"inliers", 300}, {"pure_rotation", false}}));
+  EXPECT_EQ(a.at("neighbors").at(0), (nlohmann::json{{"name", "b"}, {"inliers", 300}, {"pure_rotation", false}}));
   const nlohmann::json& c = json.at("views").at(2);
   EXPECT_EQ(c.at("status"), "few_matches");
   EXPECT_TRUE(c.at("parallax_degrees").is_null());

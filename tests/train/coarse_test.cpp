@@ -15,7 +15,7 @@ Buffer<float> Plane(int64_t height, std::initializer_list<float> values) {
   return Buffer<float>::From({height, static_cast<int64_t>(values.size()) / height}, values);
 }
 
-/// A pixel's colours.
+/// A pixel's colors.
 Eigen::ArrayXd Pixel(const Buffer<float>& image, int64_t y, int64_t x) {
   return Table(image).row(y).segment(3 * x, 3).cast<double>().transpose();
 }
@@ -97,7 +97,7 @@ TEST(CoarseIterationsTest, LeavesTheLastIterationFine) {
 }
 
 TEST(TrainerCoarseTest, TheShareIsTrainedAtHalfSize) {
-  // Photos of a pattern as fine as a pixel: at half size it is grey, and the grey of the start fits it.
+  // Photos of a pattern as fine as a pixel: at half size it is gray, and the gray of the start fits it.
   auto views = Photos(2);
   for (TrainView& view : views) {
     view.camera = Resized(view.camera, 36, 28);

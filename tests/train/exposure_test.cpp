@@ -150,7 +150,7 @@ TEST(TrainerExposureTest, FindsTheGainBetweenPhotos) {
   EXPECT_LT(trainer.Step(), 0.2 * first);
   const std::vector<ExposureMap> maps = trainer.exposures();
   ASSERT_EQ(maps.size(), 4u);
-  // What a map does to a grey of the scene.
+  // What a map does to a gray of the scene.
   const auto shown = [&](size_t view, int channel) {
     const float* row = maps[view].data() + 4 * channel;
     return 0.5f * (row[0] + row[1] + row[2]) + row[3];

@@ -1,5 +1,5 @@
 #pragma once
-// A scene small enough to be trained in a test: a few Gaussians, photoed by the rasteriser itself.
+// A scene small enough to be trained in a test: a few Gaussians, photoed by the rasterizer itself.
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ inline Camera CameraOnCircle(double angle) {
   return camera;
 }
 
-/// A few coloured Gaussians around the origin.
+/// A few colored Gaussians around the origin.
 inline Gaussians Truth() {
   Gaussians truth = RandomGaussians(40, 21);
   Flat(truth.means) *= 0.4f;
@@ -30,7 +30,7 @@ inline Gaussians Truth() {
   return truth;
 }
 
-/// Photos of them, taken by the rasteriser itself.
+/// Photos of them, taken by the rasterizer itself.
 inline std::vector<TrainView> Photos(int count) {
   const Gaussians truth = Truth();
   auto rasterizer = MakeRasterizer(kCpu);

@@ -13,7 +13,7 @@
 namespace oraclegs {
 namespace {
 
-/// Photos with the depth that the rasteriser finds, where the Gaussians cover the view.
+/// Photos with the depth that the rasterizer finds, where the Gaussians cover the view.
 std::vector<TrainView> WithTrueDepth(int count) {
   auto views = Photos(count);
   auto rasterizer = MakeRasterizer(kCpu);

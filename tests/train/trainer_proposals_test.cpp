@@ -52,7 +52,7 @@ std::vector<std::string> Notes(const TrainOptions& options, const TrainingData& 
   return notes;
 }
 
-TEST(TrainerProposalsTest, WithoutConfidenceOnlyTheRegularisersAndNoiseMoveAnything) {
+TEST(TrainerProposalsTest, WithoutConfidenceOnlyTheRegularizersAndNoiseMoveAnything) {
   const auto blind = WithConfidence(Proposals(3), 0);
   const Gaussians after = After(60, Constantly(1), {Photos(3), blind});
   EXPECT_EQ(MaxAbs(after.sh), 0);

@@ -219,7 +219,7 @@ TEST(TrainerTest, WhatTheMaskHidesGivesNoGradient) {
   auto views = Photos(2);
   for (TrainView& view : views) view.confidence = Buffer<float>::Zeros({kHeight, kWidth});
   Trainer blind(Options(60), kSeed, {0, 0, 0}, views, Start());
-  for (int i = 0; i < 25; ++i) blind.Step();  // regularisers and noise only: no colour changes
+  for (int i = 0; i < 25; ++i) blind.Step();  // regularizers and noise only: no color changes
   EXPECT_EQ(MaxAbs(blind.gaussians().sh), 0);
 }
 

@@ -32,7 +32,7 @@ Comparison InTheMiddle(const ImageF& a, const ImageF& b) { return Compare(a, b)[
 
 TEST(Compare, FindsNothingBetweenEqualImages) {
   const Comparison same = InTheMiddle(Texture(), Texture());
-  for (const char* name : {"colour", "shift near", "shift wide", "shift wider"}) {
+  for (const char* name : {"color", "shift near", "shift wide", "shift wider"}) {
     EXPECT_NEAR(same[ComparisonNamed(name)], std::log(0.005f), 1e-4f) << name;
   }
   for (const char* name : {"structure", "sharpness near", "sharpness wide"}) {

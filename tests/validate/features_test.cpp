@@ -37,8 +37,8 @@ class FeaturesTest : public testing::Test {
   WarpedView warped;
 };
 
-TEST_F(FeaturesTest, SeeWhereColoursDiffer) {
-  const size_t color = Named("colour"), around = Named("colour around"), structure = Named("structure");
+TEST_F(FeaturesTest, SeeWhereColorsDiffer) {
+  const size_t color = Named("color"), around = Named("color around"), structure = Named("structure");
   const Features before = At(12, 9);
   EXPECT_NEAR(before[structure], 0, 1e-4);
   for (int c = 0; c < 3; ++c) proposal.rgb.row(9)[3 * 12 + c] += 0.5f;

@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(Isotonic, IsTheIdentityBeforeItHasLearnt) {
+TEST(Isotonic, IsTheIdentityBeforeItHasLearned) {
   EXPECT_EQ(Isotonic()(0.3f), 0.3f);
   EXPECT_EQ(Isotonic::Fit({})(0.7f), 0.7f);
 }

@@ -69,7 +69,7 @@ TEST(Logistic, ClampsFeaturesToTheTaughtRange) {
   EXPECT_EQ(model(far_beyond), model(beyond));
 }
 
-TEST(Logistic, AnswersOneHalfBeforeItHasLearnt) {
+TEST(Logistic, AnswersOneHalfBeforeItHasLearned) {
   const float x[3] = {1, 2, 3};
   EXPECT_EQ(Logistic()(x), 0.5f);
 }

@@ -95,7 +95,7 @@ TEST(TamperedGaussians, DeletesAndSmooths) {
   EXPECT_NEAR(smooth.log_scales[3], honest.log_scales[6] + std::log(3.f), 1e-6f);
 }
 
-TEST(TamperedGaussians, TonesColoursAlike) {
+TEST(TamperedGaussians, TonesColorsAlike) {
   Gaussians honest = Row(12);
   for (const int64_t i : {int64_t{1}, int64_t{2}}) honest.sh.Rows(i, i + 1).SetZero();
   const Gaussians g = TamperedGaussians(honest, {Ball(GaussianTamperKind::kTone)}).Make(1, 0);

@@ -25,11 +25,11 @@ using testing::Not;
 using testing::StrEq;
 using testing::ThrowsMessage;
 
-TEST(LicenceText, IsOneLine) {
-  EXPECT_EQ(LicenceText(WeightsNamed("seva")),
+TEST(LicenseText, IsOneLine) {
+  EXPECT_EQ(LicenseText(WeightsNamed("seva")),
             "seva: license Stability AI Non-Commercial License; not for commercial use; it covers the images that the "
             "network makes, too; see https://huggingface.co/stabilityai/stable-virtual-camera");
-  EXPECT_EQ(LicenceText(WeightsNamed("sd21-vae")),
+  EXPECT_EQ(LicenseText(WeightsNamed("sd21-vae")),
             "sd21-vae: license MIT; see https://huggingface.co/stabilityai/sd-vae-ft-mse");
 }
 
@@ -62,7 +62,7 @@ class FetchWeightsTest : public testing::Test {
  protected:
   std::filesystem::path Fetch(const std::string& name, const FetchSettings& settings, bool accept = true) {
     FetchOptions options;
-    options.accept_licence = accept;
+    options.accept_license = accept;
     return FetchWeights(WeightsNamed(name), options, settings, events_.AsListener());
   }
   TempDir dir_;
@@ -73,7 +73,7 @@ class FetchWeightsTest : public testing::Test {
   ScopedVariable no_proxy_{"no_proxy", "127.0.0.1"};
 };
 
-TEST_F(FetchWeightsTest, RequiresTheLicence) {
+TEST_F(FetchWeightsTest, RequiresTheLicense) {
   EXPECT_THAT([&] { Fetch("seva", {}, false); },
               ThrowsMessage<UsageError>(AllOf(HasSubstr("seva: license Stability AI Non-Commercial License"),
                                               HasSubstr("if you agree to it, add --accept-license"))));
@@ -98,7 +98,7 @@ TEST_F(FetchWeightsTest, KeepsASafetensorsFile) {
       ThrowsMessage<UsageError>(AllOf(HasSubstr("checksum is not known"), HasSubstr("ORACLEGS_MODELS_URL"))));
   EXPECT_EQ(Fetch("vggt-commercial", {"hf_1", server.Url("")}), dir_ / "vggt-commercial/model.safetensors");
   EXPECT_EQ(ReadFile(RequireWeights("vggt-commercial")), bytes);
-  EXPECT_THAT(events_.notes, Contains(LicenceText(WeightsNamed("vggt-commercial"))));
+  EXPECT_THAT(events_.notes, Contains(LicenseText(WeightsNamed("vggt-commercial"))));
   // The file is what the server has, but not what the program can use.
   EXPECT_THAT(events_.warnings,
               Contains(AllOf(HasSubstr("does not hold vggt-commercial; 1403 missing: "), HasSubstr("and 1383 more"))));
@@ -136,7 +136,7 @@ TEST_F(FetchWeightsTest, KeepsPublishedFilesThatCannotBeConverted) {
                                "remove them from " +
                                (dir_ / "lpips-alex").string() + " to get them again";
   FetchOptions options;
-  options.accept_licence = true;
+  options.accept_license = true;
   // The second time the file is not asked for again.
   for (const std::string& url : {server.Url(""), std::string("http://127.0.0.1:1")}) {
     EXPECT_EQ(MessageOf<RunError>([&] { FetchWeights(model, options, {"", url}, events_.AsListener()); }), expected);
@@ -150,7 +150,7 @@ TEST_F(FetchWeightsTest, ReplacesPublishedFilesByConvertedOnes) {
     model.files = {{"https://host/features.pth"}, {"https://host/taps.pth"}};  // no checksums
     ScriptedServer server({File(LpipsFeatures()), File(LpipsTaps())});
     FetchOptions options;
-    options.accept_licence = true;
+    options.accept_license = true;
     options.keep_published = keep;
     const auto weights = FetchWeights(model, options, {"", server.Url("")}, events_.AsListener());
     EXPECT_EQ(CheckWeights(model, weights, Silent()), 15u);

@@ -21,8 +21,8 @@ TEST(AllWeights, AreComplete) {
   std::set<std::string> names;
   for (const WeightsInfo& model : AllWeights()) {
     EXPECT_TRUE(names.insert(model.name).second) << model.name;
-    EXPECT_FALSE(model.purpose.empty() || model.licence.empty() || model.files.empty()) << model.name;
-    EXPECT_THAT(model.licence_page, StartsWith("https://")) << model.name;
+    EXPECT_FALSE(model.purpose.empty() || model.license.empty() || model.files.empty()) << model.name;
+    EXPECT_THAT(model.license_page, StartsWith("https://")) << model.name;
     EXPECT_FALSE(ParametersOf(model.parameters).tensors.empty()) << model.name;
     uint64_t bytes = 0;
     for (const PublishedFile& file : model.files) {
@@ -54,7 +54,7 @@ TEST(AllWeights, MarksNonCommercialOnes) {
   }
   EXPECT_EQ(restricted, (std::set<std::string>{"depth-anything-v2-base", "depth-anything-v2-large", "seva", "vggt"}));
   EXPECT_THAT(WeightsNamed("seva").restriction, HasSubstr("images that the network makes"));
-  EXPECT_EQ(WeightsNamed("depth-anything-v2-small").licence, "Apache-2.0");
+  EXPECT_EQ(WeightsNamed("depth-anything-v2-small").license, "Apache-2.0");
 }
 
 TEST(WeightsNamed, ListsKnownNames) {

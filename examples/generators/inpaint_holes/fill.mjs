@@ -41,7 +41,7 @@ function toPlanes(image, channels) {
   return planes;
 }
 
-/** Puts the network's colours where the mask is 0. */
+/** Puts the network's colors where the mask is 0. */
 function fill(image, mask, planes) {
   const pixels = image.width * image.height;
   for (let i = 0; i < pixels; ++i) {

@@ -7,7 +7,7 @@
 namespace oraclegs {
 
 /// One pinhole image's intrinsics and pose. Camera frame: x right, y down, z forward (COLMAP, OpenCV). Pixel (0,0)
-/// covers [0,1) x [0,1), so its centre is (0.5, 0.5). Lengths are in scene units.
+/// covers [0,1) x [0,1), so its center is (0.5, 0.5). Lengths are in scene units.
 struct Camera {
   int width = 0, height = 0;              ///< pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels; (cx, cy) from the image's top-left corner

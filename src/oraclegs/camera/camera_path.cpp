@@ -197,7 +197,7 @@ Vector3d NearestToAxes(const std::vector<Camera>& cameras) {
     b += across * c.Center();
     mean += c.Center() / static_cast<double>(cameras.size());
   }
-  // Along directions that all axes share nothing decides; the pseudo-inverse then stays at the mean centre.
+  // Along directions that all axes share nothing decides; the pseudo-inverse then stays at the mean center.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Vector3d offset = svd.matrixU().transpose() * (b - a * mean);
   for (int i = 0; i < 3; ++i) {

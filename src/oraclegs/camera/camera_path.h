@@ -8,7 +8,7 @@
 namespace oraclegs {
 
 /// A smooth closed path of `frames` poses with the intrinsics of the first camera, from the training cameras alone.
-/// Views from all around (no gap of 120 degrees or more between neighbours, seen from the point nearest to all
+/// Views from all around (no gap of 120 degrees or more between neighbors, seen from the point nearest to all
 /// optical axes): a circle around the axis of mean "up", at their mean height and distance, looking at that point.
 /// Otherwise there and back through the poses in the order in which they lie beside each other, so that the path never
 /// leaves what the views show. Throws std::invalid_argument without cameras or frames.
@@ -25,7 +25,7 @@ std::vector<Camera> SpiralPath(const std::vector<Camera>& cameras, int frames);
 std::vector<Camera> InterpolatedPath(const std::vector<Camera>& cameras, int frames);
 
 /// A pose of the smooth path through the cameras in this order, at s in [0, order.size() - 1]: whole numbers are the
-/// cameras themselves. Centres by cubic splines whose speed is limited, so that unevenly placed cameras make no loops;
+/// cameras themselves. Centers by cubic splines whose speed is limited, so that unevenly placed cameras make no loops;
 /// rotations by slerp.
 Eigen::Isometry3d PoseAlong(const std::vector<Camera>& cameras, const std::vector<size_t>& order, double s);
 
@@ -37,7 +37,7 @@ std::vector<size_t> OrderBesideEachOther(const std::vector<Camera>& cameras);
 struct CameraRing {
   std::vector<size_t> order;  ///< by azimuth, beginning behind the widest gap
   double first_azimuth = 0;   ///< radians, of order[0], in GroundAxes
-  double widest_gap = 0;      ///< radians, between neighbours
+  double widest_gap = 0;      ///< radians, between neighbors
   bool all_around = false;    ///< all look towards the point and no gap is 120 degrees or more
 };
 
@@ -51,7 +51,7 @@ Eigen::Vector3d MeanUp(const std::vector<Camera>& cameras);
 Eigen::Matrix<double, 2, 3> GroundAxes(const Eigen::Vector3d& up);
 
 /// The point with the least sum of squared distances to the cameras' optical axes; for parallel axes, where there is
-/// none, the nearest to the mean camera centre.
+/// none, the nearest to the mean camera center.
 Eigen::Vector3d NearestToAxes(const std::vector<Camera>& cameras);
 
 /// A camera pose at `center` that looks at `target` with `up` upwards in the image.

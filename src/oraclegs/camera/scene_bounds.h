@@ -13,7 +13,7 @@ struct Ball {
   double radius;           ///< world units
 };
 
-/// Radius of the cameras' positions: 1.1 * max distance of a camera centre from their mean ([Kerbl 2023],
+/// Radius of the cameras' positions: 1.1 * max distance of a camera center from their mean ([Kerbl 2023],
 /// docs/method.md#scene-extent); 0 without cameras.
 double SpatialExtent(const std::vector<Camera>& cameras);
 

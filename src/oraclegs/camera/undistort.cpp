@@ -15,7 +15,7 @@ constexpr int kBisections = 45;  // halves the range to below one rounding step
 constexpr size_t kCoarseStep = 16;
 constexpr int64_t kRowsPerTask = 8;
 
-/// Centres of the outermost pixels.
+/// Centers of the outermost pixels.
 std::vector<Eigen::Vector2d> BorderPixels(int width, int height) {
   std::vector<Eigen::Vector2d> pixels;
   for (int x = 0; x < width; ++x) {
@@ -58,7 +58,7 @@ class MagnificationSearch {
   double smallest_ = kMinMagnification;
 };
 
-/// Between which two pixels of an axis a position lies; past the outermost centres the border is repeated.
+/// Between which two pixels of an axis a position lies; past the outermost centers the border is repeated.
 struct Between {
   Between(double position, int size) {
     const double last = size - 1;

@@ -19,7 +19,7 @@ struct EnumWord {
   const char* word;
 };
 
-/// Specialised for each enumeration that has words; kWords lists all its values in the order of the help.
+/// Specialized for each enumeration that has words; kWords lists all its values in the order of the help.
 template <class E>
 struct EnumWords;
 

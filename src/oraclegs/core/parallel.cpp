@@ -4,7 +4,7 @@
 //
 // Each thread begins with its own chunk of the tasks, the same from region to region, and helps the others when that
 // is done: what one region wrote is in the cache of the core whose thread reads it in the next, and threads rarely
-// write to neighbouring places at the same time.
+// write to neighboring places at the same time.
 
 #include "oraclegs/core/parallel.h"
 

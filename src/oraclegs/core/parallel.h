@@ -12,7 +12,7 @@ void SetNumThreads(int n);
 int NumThreads();
 
 /// Runs body(0) ... body(tasks - 1), each exactly once, handing tasks to threads as they become free. A thread begins
-/// with its share of neighbouring tasks, in order.
+/// with its share of neighboring tasks, in order.
 /// A result is the same for any number of threads as long as tasks write to separate places.
 /// An exception thrown by a task is rethrown here (the first one wins) after the running tasks have ended.
 void ParallelFor(int64_t tasks, FunctionRef<void(int64_t task)> body);

@@ -1,5 +1,5 @@
 #pragma once
-// Random numbers that are a pure function of (seed, stream, counter): nothing to synchronise between threads, the same
+// Random numbers that are a pure function of (seed, stream, counter): nothing to synchronize between threads, the same
 // numbers on every device, and a checkpoint stores a counter instead of a generator.
 
 #include <array>

@@ -50,7 +50,7 @@ class SafetensorsFile {
   std::map<std::string, std::string> metadata_;
 };
 
-/// Serialises tensors (widest elements first, then by name, so that each is aligned to its element without a gap) and
+/// Serializes tensors (widest elements first, then by name, so that each is aligned to its element without a gap) and
 /// metadata. Throws std::logic_error when an entry's byte count disagrees with its shape.
 std::string SerializeSafetensors(const std::map<std::string, TensorEntry>& tensors,
                                  const std::map<std::string, std::string>& metadata);

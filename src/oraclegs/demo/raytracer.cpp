@@ -21,7 +21,7 @@ constexpr double kLightHalf = .55;
 constexpr Vec3 kLightColor{31, 28, 23.5};
 constexpr Vec3 kSkyLight{.46, .50, .60};     // ambient on what faces up
 constexpr Vec3 kBounceLight{.34, .26, .20};  // and on what faces down
-constexpr double kContactReach = .9;         // scene units within which a neighbour darkens the ambient light
+constexpr double kContactReach = .9;         // scene units within which a neighbor darkens the ambient light
 
 struct Hit {
   ShapeHit at;

@@ -22,13 +22,13 @@ std::vector<SceneObject> DemoObjects();
 /// A pinhole camera for rays. right, down, forward are orthonormal (the camera frame of camera/camera.h).
 struct RayCamera {
   int width = 0, height = 0;
-  double focal = 0;  ///< pixels; the principal point is the image's centre
+  double focal = 0;  ///< pixels; the principal point is the image's center
   Vec3 center, right, down, forward;
 };
 
 struct RayTracedView {
   Image8 rgb;
-  std::vector<uint16_t> depth;  ///< z along the optical axis at the pixel's centre, 1/1000 scene unit; 0 = none
+  std::vector<uint16_t> depth;  ///< z along the optical axis at the pixel's center, 1/1000 scene unit; 0 = none
 };
 
 /// Traces samples x samples rays a pixel. `view` picks the random numbers. The same bytes for any number of threads.

@@ -1,5 +1,5 @@
 #pragma once
-// The solids of the scene. Every one is intersected in its own frame, centred on the origin with its axis along z.
+// The solids of the scene. Every one is intersected in its own frame, centerd on the origin with its axis along z.
 
 #include <optional>
 

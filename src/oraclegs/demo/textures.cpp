@@ -33,7 +33,7 @@ constexpr std::array<Vec3, 5> kChips{
 constexpr std::array<Vec3, 5> kSprinkles{
     {{.95, .85, .20}, {.15, .60, .85}, {.95, .95, .95}, {.25, .70, .25}, {.90, .35, .10}}};
 
-/// Round flecks, at most one a cell; `found` is its colour's random number, below 0 where there is none.
+/// Round flecks, at most one a cell; `found` is its color's random number, below 0 where there is none.
 double Fleck(double u, double v, double density, uint32_t seed) {
   const Cell cu = CellOf(u), cv = CellOf(v);
   const auto random = [&](int k) { return LatticeNoise(cu.index, cv.index, k, seed); };
@@ -83,7 +83,7 @@ Vec3 Wallpaper(double u, double v, const Vec3& a, const Vec3& b) {
   return color * (.6 + .8 * FractalNoise({u * 6, v * 6, 5}, 5, 32));
 }
 
-/// Hash-coloured patches, some of them cut into smaller ones, worn by noise.
+/// Hash-colored patches, some of them cut into smaller ones, worn by noise.
 Vec3 Quilt(double u, double v, double patch, uint32_t seed) {
   const Cell cu = CellOf(u / patch), cv = CellOf(v / patch);
   const double kind = LatticeNoise(cu.index, cv.index, 0, seed);

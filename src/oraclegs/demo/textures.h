@@ -1,5 +1,5 @@
 #pragma once
-// The textures of the demo scene. Every texture has detail from half a metre down to a centimetre, so that
+// The textures of the demo scene. Every texture has detail from half a meter down to a centimeter, so that
 // feature matching finds something on every surface at 320 x 240.
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace oraclegs {
 enum class Texture {
   kRoom,    ///< terrazzo checker floor, brick, wallpaper and painted walls
   kCrate,   ///< planks with grain and nails
-  kQuilt,   ///< coloured patches of two sizes
+  kQuilt,   ///< colored patches of two sizes
   kMarble,  ///< veins
   kCandy,   ///< speckled cells
   kTiles,   ///< bands of tiles around z

@@ -55,7 +55,7 @@ Alignment Align(const RelativeDepth& map, const Camera& camera, const std::vecto
     const bool inside = u >= 0 && v >= 0 && u < ratio * camera.width && v < ratio * camera.height;
     if (!inside || !(k.inv_depth > 0)) continue;
     inverse.push_back(k.inv_depth);
-    relative.push_back(SampleAt(map, u - rule.centre, v - rule.centre));
+    relative.push_back(SampleAt(map, u - rule.center, v - rule.center));
   }
   out.points = static_cast<int>(inverse.size());
   if (inverse.empty()) return out;

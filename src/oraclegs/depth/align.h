@@ -15,12 +15,12 @@ struct RelativeDepth {
   std::vector<float> values;  ///< width * height, row by row, finite
 };
 
-/// Bilinear at column u, row v, where whole numbers are pixels' centres; the border is replicated.
+/// Bilinear at column u, row v, where whole numbers are pixels' centers; the border is replicated.
 double SampleAt(const RelativeDepth& map, double u, double v);
 
 /// An inverse depth that is known somewhere in an image.
 struct KnownDepth {
-  double x = 0, y = 0;   ///< pixels of the camera, whose first pixel has its centre at (0.5, 0.5)
+  double x = 0, y = 0;   ///< pixels of the camera, whose first pixel has its center at (0.5, 0.5)
   double inv_depth = 0;  ///< 1/z, 1/world unit; not positive behind the camera
 };
 
@@ -30,7 +30,7 @@ std::vector<KnownDepth> KnownDepths(const std::vector<ScenePoint>& points, int v
 struct AlignmentRule {
   int min_points = 11;
   double min_span = 1e-3;  ///< of the known inverse depths, 1/world unit; less fixes no scale
-  double centre = 0.5;     ///< of the first pixel, in the map; the public scripts take 0
+  double center = 0.5;     ///< of the first pixel, in the map; the public scripts take 0
 };
 
 /// inverse depth = scale * relative + offset.

@@ -108,7 +108,7 @@ float LargestStored(const DepthMap& map) {
   return largest;
 }
 
-std::vector<uint16_t> Quantised(const DepthMap& map, float scale) {
+std::vector<uint16_t> Quantized(const DepthMap& map, float scale) {
   std::vector<uint16_t> values(map.size());
   for (size_t i = 0; i < map.size(); ++i) {
     if (map.confidence[i] < kMinStoredConfidence) continue;
@@ -149,7 +149,7 @@ constexpr std::array kFolders = {"", "confidence", "normals", "preview"};
 void WriteImage(const fs::path& path, const DepthMap& map, float scale, size_t folder) {
   switch (folder) {
     case 0:
-      return WritePng16(path, map.camera.width, map.camera.height, Quantised(map, scale));
+      return WritePng16(path, map.camera.width, map.camera.height, Quantized(map, scale));
     case 1:
       return WritePng(path, ConfidenceImage(map));
     case 2:

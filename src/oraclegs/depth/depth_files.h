@@ -10,8 +10,8 @@
 namespace oraclegs {
 
 /// Writes of each map, with NAME the view's name without extension ("a/b.jpg" -> "a_b"):
-///   dir/NAME.png             16-bit grey: inverse depth
-///   dir/confidence/NAME.png  8-bit grey, 255 = certain
+///   dir/NAME.png             16-bit gray: inverse depth
+///   dir/confidence/NAME.png  8-bit gray, 255 = certain
 ///   dir/normals/NAME.png     8-bit RGB, 255 * (n + 1) / 2, camera frame; 0 0 0 where unknown
 ///   dir/preview/NAME.png     depth in viridis (yellow near, purple far) beside confidence in plasma (yellow high,
 ///   purple low)

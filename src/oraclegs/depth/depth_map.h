@@ -42,7 +42,7 @@ struct SamePoint {
 std::optional<size_t> FindPixel(const DepthMap& other, const PixelMap& there, const PixelMap& back,
                                 const Eigen::Vector3f& uvw, const SamePoint& same);
 
-/// (u, v, inverse depth) of a pixel, at its centre.
+/// (u, v, inverse depth) of a pixel, at its center.
 Eigen::Vector3f PixelOf(const DepthMap& map, size_t index);
 
 }  // namespace oraclegs

@@ -23,7 +23,7 @@ struct DensePoint {
 struct FusionOptions {
   float min_confidence = kConfident;
   float max_depth_difference = 0.01f;    ///< relative, of pixels that are one point
-  std::vector<Eigen::Vector3f> gains{};  ///< of the views (gains.h), which colours are divided by; empty = all 1
+  std::vector<Eigen::Vector3f> gains{};  ///< of the views (gains.h), which colors are divided by; empty = all 1
 };
 
 /// One point for each surface patch that pixels of at least `min_confidence` show: the weighted mean of the pixels that

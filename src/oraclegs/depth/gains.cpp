@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kStride = 5;                          // pixels; no divisor of usual widths
 constexpr size_t kMinCommonPixels = 50;                // of a pair
 constexpr float kDarkest = 0.08f, kBrightest = 0.92f;  // beyond, noise and saturation dominate
-constexpr double kGainRidge = 1e-3;                    // regularisation toward gain 1, in shares of a pair's weight
+constexpr double kGainRidge = 1e-3;                    // regularization toward gain 1, in shares of a pair's weight
 
 /// Median log ratios of one pair, and how many pixels they come from.
 struct Ratio {

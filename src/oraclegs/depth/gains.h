@@ -9,7 +9,7 @@
 namespace oraclegs {
 
 /// For each view, per channel, how much brighter it shows a surface than the geometric mean of all views: the
-/// least-squares solution of the median log ratios of colours over each pair's common confident pixels. 1 for views
+/// least-squares solution of the median log ratios of colors over each pair's common confident pixels. 1 for views
 /// that share too few pixels with others. `views` belong to `maps`, one by one.
 std::vector<Eigen::Vector3f> EstimateGains(const std::vector<DepthMap>& maps, const std::vector<LoadedView>& views);
 

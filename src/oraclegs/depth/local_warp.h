@@ -24,8 +24,8 @@ struct LocalWarpOptions {
 class LocalWarp {
  public:
   /// The grid that brings the samples nearest to their truth: least squares of relative errors, in which samples that
-  /// stay far off are down-weighted, and of the changes between neighbouring nodes. Where there are no samples the
-  /// nodes continue their neighbours, a little weaker with each. The identity when there is no sample. The image is
+  /// stay far off are down-weighted, and of the changes between neighboring nodes. Where there are no samples the
+  /// nodes continue their neighbors, a little weaker with each. The identity when there is no sample. The image is
   /// width x height pixels.
   LocalWarp(int width, int height, const std::vector<DepthSample>& samples, const LocalWarpOptions& options = {});
 

@@ -18,7 +18,7 @@ constexpr float kMinConfidence = 0.01f;  // less is written as unknown
 
 bool IsConfident(const DepthMap& map, size_t i) { return map.confidence[i] >= kConfident && map.inv_depth[i] > 0; }
 
-Eigen::Vector2f CentreOf(const Camera& camera, size_t i) {
+Eigen::Vector2f CenterOf(const Camera& camera, size_t i) {
   const auto width = static_cast<size_t>(camera.width);
   return {static_cast<float>(i % width) + 0.5f, static_cast<float>(i / width) + 0.5f};
 }
@@ -58,7 +58,7 @@ Correction CorrectionFor(const DepthMap& stereo, const std::vector<float>& align
   const int cell = std::max(1, std::max(width, height) / options.cells);
   std::vector<DepthSample> fitted, held_out, all;
   for (const size_t i : ConfidentPixels(stereo, kMaxWarpSamples)) {
-    const Eigen::Vector2f at = CentreOf(stereo.camera, i);
+    const Eigen::Vector2f at = CenterOf(stereo.camera, i);
     const DepthSample sample{at.x(), at.y(), aligned[i], stereo.inv_depth[i], stereo.confidence[i]};
     const int column = static_cast<int>(at.x()) / cell, row = static_cast<int>(at.y()) / cell;
     // One cell in four, none of which touch.
@@ -91,7 +91,7 @@ Eigen::Vector3f NormalAt(const Camera& camera, const std::vector<float>& inv_dep
   Plane plane{inv_depth[i], 0, 0};
   if (right > left) plane.dx = (inv_depth[right] - inv_depth[left]) / static_cast<float>(right - left);
   if (below > above) plane.dy = (inv_depth[below] - inv_depth[above]) / static_cast<float>((below - above) / width);
-  const Eigen::Vector2f at = CentreOf(camera, i);
+  const Eigen::Vector2f at = CenterOf(camera, i);
   return NormalOf(camera, plane, at.x(), at.y());
 }
 
@@ -122,7 +122,7 @@ float Nearest(const std::vector<KnownDepth>& known) {
 std::vector<KnownDepth> ConfidentDepths(const DepthMap& stereo) {
   std::vector<KnownDepth> known;
   for (const size_t i : ConfidentPixels(stereo, kMaxKnown)) {
-    const Eigen::Vector2d at = CentreOf(stereo.camera, i).cast<double>();
+    const Eigen::Vector2d at = CenterOf(stereo.camera, i).cast<double>();
     known.push_back({at.x(), at.y(), static_cast<double>(stereo.inv_depth[i])});
   }
   return known;
@@ -152,7 +152,7 @@ MonocularDepth FusedDepth(const DepthMap& stereo, const RelativeDepth& relative,
     const Correction correction = CorrectionFor(stereo, guess);
     out.right = correction.right;
     for (size_t i = 0; i < guess.size(); ++i) {
-      const Eigen::Vector2f at = CentreOf(stereo.camera, i);
+      const Eigen::Vector2f at = CenterOf(stereo.camera, i);
       guess[i] = correction.warp(at.x(), at.y(), guess[i]);
     }
   }

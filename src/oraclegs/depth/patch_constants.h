@@ -3,7 +3,7 @@
 
 namespace oraclegs {
 
-/// Every second pixel of a 9 x 9 window, like one colour of a checkerboard.
+/// Every second pixel of a 9 x 9 window, like one color of a checkerboard.
 inline constexpr int kPatchRadius = 4;
 inline constexpr int kPatchSamples = 41;
 inline constexpr int kMaxChannels = 3;
@@ -18,7 +18,7 @@ inline constexpr double kSigmaPixels = 4, kSigmaValue = 20;
 /// chance.
 inline constexpr float kNoiseVariance = 1.5f * 1.5f;
 
-/// No sample of a patch may come nearer to the source camera than this share of its centre's depth.
+/// No sample of a patch may come nearer to the source camera than this share of its center's depth.
 inline constexpr float kNearestShare = 0.1f;
 
 }  // namespace oraclegs

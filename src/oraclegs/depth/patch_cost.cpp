@@ -1,4 +1,4 @@
-// A vector holds neighbouring samples of one patch; a sample is one gather of a GatherImage word per channel.
+// A vector holds neighboring samples of one patch; a sample is one gather of a GatherImage word per channel.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/depth/patch_cost.cpp"
@@ -58,7 +58,7 @@ HWY_INLINE float Cost(const Patch& patch, const GatherImage& image, const Homogr
       const FloatVec weighted = hn::Mul(weight, value);
       sums[c] = hn::Add(sums[c], weighted);
       squares = hn::MulAdd(weighted, value, squares);
-      cross = hn::MulAdd(hn::Load(f, patch.centred[c] + k), value, cross);
+      cross = hn::MulAdd(hn::Load(f, patch.centerd[c] + k), value, cross);
     }
   }
   float variance = hn::GetLane(hn::SumOfLanes(f, squares));
@@ -174,8 +174,8 @@ Patch MakePatch(const GatherImage& image, int x, int y, const uint8_t* usable) {
     float mean = 0;
     for (int k = 0; k < kPatchSamples; ++k) mean += patch.weight[k] * values[c][k];
     for (int k = 0; k < kPatchSamples; ++k) {
-      patch.centred[c][k] = patch.weight[k] * (values[c][k] - mean);
-      patch.variance += patch.centred[c][k] * (values[c][k] - mean);
+      patch.centerd[c][k] = patch.weight[k] * (values[c][k] - mean);
+      patch.variance += patch.centerd[c][k] * (values[c][k] - mean);
     }
   }
   return patch;

@@ -14,16 +14,16 @@ namespace oraclegs {
 inline constexpr int kPatchSlots = 48;  ///< samples, padded to whole vectors
 
 struct PatchOffsets {
-  alignas(64) std::array<float, kPatchSlots> x{};  ///< pixels from the centre, zero in the padding
+  alignas(64) std::array<float, kPatchSlots> x{};  ///< pixels from the center, zero in the padding
   alignas(64) std::array<float, kPatchSlots> y{};
 };
 const PatchOffsets& Offsets();
 
 /// A pixel's surroundings in the reference view, with bilateral weights: by similarity to the pixel and by distance.
 struct Patch {
-  float u = 0, v = 0;                                         ///< the pixel's centre
+  float u = 0, v = 0;                                         ///< the pixel's center
   alignas(64) float weight[kPatchSlots] = {};                 ///< sum 1, zero in the padding
-  alignas(64) float centred[kMaxChannels][kPatchSlots] = {};  ///< weight * (value - weighted mean), 8-bit units
+  alignas(64) float centerd[kMaxChannels][kPatchSlots] = {};  ///< weight * (value - weighted mean), 8-bit units
   float variance = 0;  ///< sum over channels of the weighted variance, squared units
 };
 
@@ -40,12 +40,12 @@ struct PatchSource {
 struct PatchHypotheses {
   std::span<const PatchSource> sources;
   const uint8_t* active = nullptr;  ///< of each source: 0 = not compared
-  std::span<const Plane> planes;    ///< their inverse depth is at the patch's centre
+  std::span<const Plane> planes;    ///< their inverse depth is at the patch's center
 };
 
 /// costs[p * sources.size() + s] = 1 - ZNCC, in [0, 2], of the patch on planes[p] in sources[s]. The correlation runs
 /// over all channels at once; a constant in the denominator keeps noise in flat patches from correlating. kWorstCost
-/// where the plane takes the centre out of the image or part of the patch behind the camera, and for sources that are
+/// where the plane takes the center out of the image or part of the patch behind the camera, and for sources that are
 /// not active.
 void PatchCosts(const Patch& patch, const PatchHypotheses& hypotheses, float* costs);
 

@@ -1,7 +1,7 @@
 #pragma once
 // PatchMatch stereo over planes in inverse depth, one reference view against its source views (docs/method.md#stereo):
 // [Barnes 2009] for the search, [Bleyer 2011] for slanted planes, [Galliani 2015] for red-black propagation, [Xu 2019]
-// for the sampling of neighbours, the weights of source views and the geometric term.
+// for the sampling of neighbors, the weights of source views and the geometric term.
 
 #include <cstdint>
 #include <vector>
@@ -55,7 +55,7 @@ struct PassOptions {
 };
 
 /// What the search reads of a view on any device, except for its pass and its pointers to the scene and the maps, which
-/// are null. At most kMaxSources neighbours are used.
+/// are null. At most kMaxSources neighbors are used.
 SearchView SearchOf(const StereoScene& scene, size_t view);
 /// The silhouettes of all other views with the way there from this view, in the memory of the scene; none without an
 /// object.

@@ -9,7 +9,7 @@
 namespace oraclegs {
 
 /// Pixel coordinates of one view to another's: the point at (u, v) with inverse depth w projects to the homogeneous
-/// pixel rotation * (u, v, 1) + translation * w, both in the frame whose pixel (0,0) has its centre at (0.5, 0.5). The
+/// pixel rotation * (u, v, 1) + translation * w, both in the frame whose pixel (0,0) has its center at (0.5, 0.5). The
 /// third coordinate is the depth in the other view divided by the depth in this one.
 struct PixelMap {
   Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
@@ -23,7 +23,7 @@ struct PixelMap {
 PixelMap MapBetween(const Camera& from, const Camera& to);
 PlainPixelMap Plain(const PixelMap& map);
 
-/// Direction, in the camera's frame and not normalised, of the pixel (u, v), with z = 1.
+/// Direction, in the camera's frame and not normalized, of the pixel (u, v), with z = 1.
 inline Eigen::Vector3f RayOf(const Camera& camera, float u, float v) {
   return {(u - static_cast<float>(camera.cx)) / static_cast<float>(camera.fx),
           (v - static_cast<float>(camera.cy)) / static_cast<float>(camera.fy), 1.f};

@@ -172,7 +172,7 @@ class PlaneFill {
     return options_.gains.empty() ? sum : sum.cwiseQuotient(options_.gains[v]).cwiseMin(1.f).eval();
   }
 
-  /// True when of the views that have the place in frame one shows the same colour there, none sees through it, and no
+  /// True when of the views that have the place in frame one shows the same color there, none sees through it, and no
   /// earlier one has filled the pixel it falls on, at any depth: otherwise a second extrapolation, behind the first,
   /// paints a lawn twice.
   bool IsConsistent(size_t v, const Eigen::Vector3f& xyz, const Eigen::Vector3f& color) const {

@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// A surface patch seen from one camera: its inverse depth at a pixel's centre and how that changes over the image. A
+/// A surface patch seen from one camera: its inverse depth at a pixel's center and how that changes over the image. A
 /// plane in space is exactly linear in inverse depth over the image, so the homography it induces needs no normal.
 struct Plane {
   float inv_depth = 0;   ///< 1/z, 1/world unit

@@ -23,7 +23,7 @@ class PlaneSearch {
   /// Takes the maps of all views of the scene, which must live until EndLevel, and drops those of another level.
   virtual void BeginLevel(const StereoScene& scene, std::vector<PlaneMap> maps) = 0;
   virtual void BeginPass(const SearchPass& pass) = 0;
-  /// Improves the map of one view, once in each pass; a view without neighbours stays as it is. Returns when it is
+  /// Improves the map of one view, once in each pass; a view without neighbors stays as it is. Returns when it is
   /// done.
   virtual void Improve(size_t view) = 0;
   /// Gives the maps back.

@@ -109,7 +109,7 @@ class PixelSearch {
         u_(static_cast<float>(x) + 0.5f),
         v_(static_cast<float>(y) + 0.5f) {}
 
-  /// Replaces the pixel's plane and cost by better ones. Reads planes of pixels of the other colour only.
+  /// Replaces the pixel's plane and cost by better ones. Reads planes of pixels of the other color only.
   ORACLEGS_HD inline void Improve(int iteration) {
     const int64_t pixel = view_.Index(x_, y_);
     const Plane own = view_.planes[pixel];
@@ -161,7 +161,7 @@ class PixelSearch {
     float best = std::numeric_limits<float>::infinity();
     int best_x = 0, best_y = 0;
     for (int k = 0; k < (is_strip ? kStripPixels : kFanPixels); ++k) {
-      // (3, 0), (5, 0), (7, 0) ... or (1, 0), (2, -1), (2, 1), (3, -2), (3, 2) ...: of the other colour, all.
+      // (3, 0), (5, 0), (7, 0) ... or (1, 0), (2, -1), (2, 1), (3, -2), (3, 2) ...: of the other color, all.
       const int along = is_strip ? 3 + 2 * k : 1 + (k + 1) / 2;
       const int across = is_strip ? 0 : k % 2 == 1 ? 1 - along : along - 1;
       const int x = x_ + along * right - across * down, y = y_ + along * down + across * right;
@@ -281,7 +281,7 @@ class PixelSearch {
   const SearchView& view_;
   const CostsOf& costs_of_;
   int x_, y_;
-  float u_, v_;  ///< the pixel's centre
+  float u_, v_;  ///< the pixel's center
   float costs_[kHypotheses * kMaxSources];
   float weights_[kMaxSources];
   uint8_t active_[kMaxSources];

@@ -9,7 +9,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr float kSameBackdropColor = 2.5f / 255;  // per channel: what JPEG and antialiasing leave of one colour
+constexpr float kSameBackdropColor = 2.5f / 255;  // per channel: what JPEG and antialiasing leave of one color
 constexpr double kBorderShare = 0.9;              // of the border that must be background
 constexpr double kObjectShare = 0.01;             // of the image that must not: an empty image has no silhouette
 constexpr int kGrowth = 2;                        // pixels by which a silhouette may be wrong
@@ -40,7 +40,7 @@ std::vector<size_t> BorderPixels(int width, int height) {
   return border;
 }
 
-/// The background's colour: the median of all images' borders.
+/// The background's color: the median of all images' borders.
 Color BorderColor(const std::vector<LoadedView>& views) {
   Color color{};
   for (size_t c = 0; c < 3; ++c) {

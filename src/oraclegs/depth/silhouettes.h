@@ -11,9 +11,9 @@ namespace oraclegs {
 /// Where an object is in each view (docs/method.md#stereo). All of the scene projects within them.
 class Silhouettes {
  public:
-  /// Recognises an object before a known background, or holds nothing: nine tenths of every image's border must be
-  /// excluded by its mask (unless all have the same) or show one colour, the same in all images (a Blender scene
-  /// composited on its background; a turntable before a sheet). Background is then what is masked, or has that colour
+  /// Recognizes an object before a known background, or holds nothing: nine tenths of every image's border must be
+  /// excluded by its mask (unless all have the same) or show one color, the same in all images (a Blender scene
+  /// composited on its background; a turntable before a sheet). Background is then what is masked, or has that color
   /// and is connected with the border.
   explicit Silhouettes(const std::vector<LoadedView>& views);
 

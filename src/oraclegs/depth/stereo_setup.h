@@ -26,7 +26,7 @@ std::vector<DepthRange> FindDepthRanges(const std::vector<LoadedView>& views, co
 std::vector<std::vector<int>> FindNeighbors(const std::vector<LoadedView>& views, const std::vector<ScenePoint>& points,
                                             int most);
 
-/// Angle in degrees under which two camera centres see a point.
+/// Angle in degrees under which two camera centers see a point.
 double AngleAt(const Eigen::Vector3d& point, const Camera& a, const Camera& b);
 
 }  // namespace oraclegs

@@ -14,7 +14,7 @@ inline constexpr float kLargeBlockError = 0.05f;  ///< RMS error of a block that
 /// What is known of one image's pixels, row by row.
 struct ErrorMap {
   int width = 0, height = 0;
-  std::vector<float> error;       ///< |proposal - truth| in [0, 1] colours, mean over channels
+  std::vector<float> error;       ///< |proposal - truth| in [0, 1] colors, mean over channels
   std::vector<float> confidence;  ///< [0, 1]
   std::vector<bool> counts;       ///< false = masked out
 };

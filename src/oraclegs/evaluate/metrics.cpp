@@ -107,7 +107,7 @@ double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& targ
     sum->leftCols<4>() += w * row * row.transpose();
     sum->rightCols<3>() += w * row * Eigen::Map<const Eigen::RowVector3f>(to + 3 * i).cast<double>();
   });
-  // A flat or grey image leaves colours undetermined: the decomposition then gives the smallest of the solutions.
+  // A flat or gray image leaves colors undetermined: the decomposition then gives the smallest of the solutions.
   const Eigen::Matrix<double, 4, 3> map =
       Eigen::Matrix4d(equations.leftCols<4>()).completeOrthogonalDecomposition().solve(equations.rightCols<3>());
   Buffer<float> corrected = Buffer<float>::Empty(render.shape());

@@ -21,7 +21,7 @@ double Psnr(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>&
 /// is ignored, windows see the second there.
 double Ssim(const Buffer<float>& a, const Buffer<float>& b, const Buffer<float>& mask = {});
 
-/// PSNR after the affine 3x4 colour map (least squares over the masked pixels) that best takes `render` to `target`.
+/// PSNR after the affine 3x4 color map (least squares over the masked pixels) that best takes `render` to `target`.
 double ColorCorrectedPsnr(const Buffer<float>& render, const Buffer<float>& target, const Buffer<float>& mask = {});
 
 }  // namespace oraclegs

@@ -36,11 +36,11 @@ struct OracleQuality {
   std::vector<ReliabilityBin> reliability;  ///< kReliabilityBins of equal width without the empty ones, ascending
   /// Expected calibration error: |mean confidence - mean similarity| of the bins, mean by their shares.
   double calibration_error = 0;
-  /// Mean error falls from bin to bin, when bins of less than kSmallBin of the pixels are joined with the neighbour of
+  /// Mean error falls from bin to bin, when bins of less than kSmallBin of the pixels are joined with the neighbor of
   /// nearer mean confidence. False for a single bin, which says nothing.
   bool monotone = false;
 
-  /// error: >= 0, |proposal - truth| in [0, 1] colours, mean over channels; confidence in [0, 1]; pixel by pixel, of
+  /// error: >= 0, |proposal - truth| in [0, 1] colors, mean over channels; confidence in [0, 1]; pixel by pixel, of
   /// all proposals together. Throws ShapeError when they are not of one length, empty or out of range.
   static OracleQuality FromPixels(const std::vector<float>& error, const std::vector<float>& confidence);
 };

@@ -21,18 +21,18 @@ constexpr float kTrusted = 0.5f;          // confidence
 constexpr double kSmallestFootprint = 1;  // pixels; what is smaller is compared with this
 
 /// The contributions of all Gaussians to a view: the sums over its pixels of a Gaussian's blending weights ("blended"),
-/// and of these times the pixels' weights ("trusted"). They are gradients: with one colour for all Gaussians,
-/// dL/d(colour) of one is the sum of its blending weights times dL/d(pixel).
+/// and of these times the pixels' weights ("trusted"). They are gradients: with one color for all Gaussians,
+/// dL/d(color) of one is the sum of its blending weights times dL/d(pixel).
 class Contributions {
  public:
   Contributions(const Gaussians& gaussians, const RenderOptions& options)
-      : device_(gaussians.means.device()), rasterizer_(MakeRasterizer(device_)), grey_(gaussians), options_(options) {
-    grey_.sh = Buffer<float>::Zeros(gaussians.sh.shape(), device_);
+      : device_(gaussians.means.device()), rasterizer_(MakeRasterizer(device_)), gray_(gaussians), options_(options) {
+    gray_.sh = Buffer<float>::Zeros(gaussians.sh.shape(), device_);
     options_.sh_degree = 0;
     grads_ = Gaussians::Zeros(gaussians.size(), device_);
   }
 
-  /// Channel 0 of the gradient is what is trusted, channel 1 what is blended, both times dColour/dSH.
+  /// Channel 0 of the gradient is what is trusted, channel 1 what is blended, both times dColor/dSH.
   const float* Of(const SupportView& view) {
     const int64_t height = view.camera.height, width = view.camera.width;
     if (view.weight.defined()) RequireShape("Support", "weight", view.weight, {height, width});
@@ -42,10 +42,10 @@ class Contributions {
       upstream[3 * p] = weight.defined() ? weight[p] : 1;
       upstream[3 * p + 1] = 1;
     }
-    rasterizer_->Forward(grey_, view.camera, options_, RenderPass::kTrain);
+    rasterizer_->Forward(gray_, view.camera, options_, RenderPass::kTrain);
     RenderGrads grads;
     grads.image = upstream.To(device_);
-    rasterizer_->Backward(grey_, grads, &grads_);
+    rasterizer_->Backward(gray_, grads, &grads_);
     sh_ = grads_.sh.To(kCpu);
     return sh_.data();
   }
@@ -53,7 +53,7 @@ class Contributions {
  private:
   Device device_;
   std::unique_ptr<Rasterizer> rasterizer_;
-  Gaussians grey_, grads_;
+  Gaussians gray_, grads_;
   Buffer<float> sh_;
   RenderOptions options_;
 };

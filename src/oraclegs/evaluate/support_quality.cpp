@@ -19,7 +19,7 @@ constexpr float kDrawn = 0.1f;           // alpha, from which on a pixel shows t
 constexpr int64_t kMaxPixels = 4000000;  // of all views, that are ranked: more take memory and change no digit
 
 /// [N,3]
-Buffer<float> Grey(const std::vector<float>& values) {
+Buffer<float> Gray(const std::vector<float>& values) {
   Buffer<float> colors = Buffer<float>::Empty({static_cast<int64_t>(values.size()), 3});
   for (size_t i = 0; i < values.size(); ++i) std::fill_n(colors.data() + 3 * i, 3, values[i]);
   return colors;
@@ -50,7 +50,7 @@ SupportQuality SupportQuality::FromPixels(const std::vector<float>& error, const
 
 SupportQuality MeasureSupport(const Gaussians& gaussians, const std::vector<float>& support,
                               const std::vector<LoadedView>& views, const RenderOptions& options) {
-  const Gaussians tinted = Recolored(gaussians, Grey(support));
+  const Gaussians tinted = Recolored(gaussians, Gray(support));
   RenderOptions on_black = options;
   on_black.background = {0, 0, 0};
   on_black.sh_degree = 0;

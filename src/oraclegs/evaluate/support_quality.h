@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "oraclegs/gaussians/gaussians.h"
-#include "oraclegs/render/recolour.h"
+#include "oraclegs/render/recolor.h"
 #include "oraclegs/render/render.h"
 #include "oraclegs/scene/loaded_view.h"
 
@@ -26,7 +26,7 @@ struct SupportQuality {
   static SupportQuality FromPixels(const std::vector<float>& error, const std::vector<float>& support);
 };
 
-/// The quality at the views: each view's render, and the support of the Gaussians blended like a colour on 0, so that a
+/// The quality at the views: each view's render, and the support of the Gaussians blended like a color on 0, so that a
 /// hole has none. Of very many pixels every n-th. Pixels of alpha below 0.1, where nothing is drawn, and masked ones
 /// are left out. `support`: [N]. The device is that of the Gaussians.
 SupportQuality MeasureSupport(const Gaussians& gaussians, const std::vector<float>& support,

@@ -188,7 +188,7 @@ class Ablator {
   }
 
   /// The report says once what of it was made with networks that must not be used for everything.
-  void NoteLicence(const json& metrics) {
+  void NoteLicense(const json& metrics) {
     for (const std::string& part : metrics.value("non_commercial", std::vector<std::string>())) {
       std::string note = fmt::format("Not for commercial use: rows were made with {}.", part);
       auto& notes = ablation_.notes;
@@ -207,7 +207,7 @@ class Ablator {
     try {
       const json metrics = Reconstruct(&run);
       result = Scored(std::move(result), metrics);
-      NoteLicence(metrics);
+      NoteLicense(metrics);
       scored_ = true;
       std::error_code ignored;  // gigabytes, and of no more use
       fs::remove_all(run.workspace.checkpoints(), ignored);

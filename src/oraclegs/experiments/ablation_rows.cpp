@@ -18,7 +18,6 @@ size_t RowOf(const std::string& word) {
   const std::vector<AblationRow>& rows = AblationRows();
   for (size_t i = 0; i < rows.size(); ++i) {
     if (word == rows[i].name || word == std::to_string(i + 1)) return i;
-    if (word == "regularisers" && rows[i].name == std::string("regularizers")) return i;  // the older spelling
   }
   throw UsageError("--rows names '{}'; there are {}", word, RowList());
 }

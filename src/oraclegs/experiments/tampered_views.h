@@ -64,7 +64,7 @@ void WriteTamperedViews(const std::filesystem::path& dir, const TamperedViews& v
 /// Writes a mask of `camera`'s size. Throws RunError.
 void WriteMask(const std::filesystem::path& path, const PixelMask& mask, const Camera& camera);
 
-/// Reads an image of one grey channel and this size, [0, 255]. Throws InputError.
+/// Reads an image of one gray channel and this size, [0, 255]. Throws InputError.
 PixelMask ReadMask(const std::filesystem::path& path, const Camera& camera);
 
 }  // namespace oraclegs

@@ -16,7 +16,7 @@ constexpr int kLloydRounds = 30;
 constexpr int kMeansRounds = 10;
 constexpr float kSmallestWeight = 1e-3f;
 
-/// Rows of `vectors` under some indices, and the centres that k-means finds for them.
+/// Rows of `vectors` under some indices, and the centers that k-means finds for them.
 class Clustering {
  public:
   Clustering(const Buffer<float>& vectors, const std::vector<float>& weights, std::vector<int64_t> rows, int centers)
@@ -41,7 +41,7 @@ class Clustering {
 
   int64_t count() const { return static_cast<int64_t>(centers_.size()) / dims_; }
   const std::vector<float>& centers() const { return centers_; }
-  /// The indices that each centre stands for.
+  /// The indices that each center stands for.
   std::vector<std::vector<int64_t>> Members() const {
     std::vector<std::vector<int64_t>> members(static_cast<size_t>(count()));
     for (size_t i = 0; i < rows_.size(); ++i) members[labels_[i]].push_back(rows_[i]);
@@ -78,7 +78,7 @@ class Clustering {
     return best;
   }
 
-  /// Moves the centres to the means of their rows; false when none has moved. A centre without rows stays.
+  /// Moves the centers to the means of their rows; false when none has moved. A center without rows stays.
   bool Move() {
     std::vector<double> sums(centers_.size()), mass(static_cast<size_t>(count()));
     for (size_t i = 0; i < rows_.size(); ++i) {

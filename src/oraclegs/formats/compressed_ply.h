@@ -1,5 +1,5 @@
 #pragma once
-// The compressed PLY of PlayCanvas and SuperSplat: chunks of 256 neighbours with bounds of their own, 16 bytes for each
+// The compressed PLY of PlayCanvas and SuperSplat: chunks of 256 neighbors with bounds of their own, 16 bytes for each
 // Gaussian within them, and a byte for each higher coefficient.
 
 #include <string>

@@ -28,7 +28,7 @@ class GlbFile {
   /// How many items an accessor has, so long as its bytes hold them.
   int64_t Count(int64_t accessor) const;
   /// All numbers of an accessor of `components` each, row by row; integers as they are, or from their range to [0,1] or
-  /// [-1,1] where they are normalised.
+  /// [-1,1] where they are normalized.
   std::vector<float> Floats(int64_t accessor, int components) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The order of Gaussians in a file: neighbours in space side by side, because what is alike packs well.
+// The order of Gaussians in a file: neighbors in space side by side, because what is alike packs well.
 
 #include <cstdint>
 #include <vector>

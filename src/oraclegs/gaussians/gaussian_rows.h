@@ -7,10 +7,10 @@
 namespace oraclegs {
 
 inline constexpr int kShFloats = 48;  ///< of one Gaussian: 16 coefficients of 3 channels
-/// The constant spherical harmonic: without the others, colour = 0.5 + kConstantSh * sh.
+/// The constant spherical harmonic: without the others, color = 0.5 + kConstantSh * sh.
 inline constexpr double kConstantSh = 0.28209479177387814;
 
-/// Rows of neighbouring Gaussians, or of anything of their layout (gradients, moments), as plain memory: float32, one
+/// Rows of neighboring Gaussians, or of anything of their layout (gradients, moments), as plain memory: float32, one
 /// row after the other without gaps.
 struct GaussianRows {
   float* means;           ///< [m,3]

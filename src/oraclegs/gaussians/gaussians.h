@@ -17,13 +17,13 @@ inline constexpr int ShCount(int degree) { return (degree + 1) * (degree + 1); }
 struct Gaussians {
   Buffer<float> means;           ///< [N,3] world units
   Buffer<float> log_scales;      ///< [N,3] ln of the standard deviations in world units
-  Buffer<float> quats;           ///< [N,4] w,x,y,z, not normalised
+  Buffer<float> quats;           ///< [N,4] w,x,y,z, not normalized
   Buffer<float> opacity_logits;  ///< [N]
   Buffer<float> sh;              ///< [N,16,3] coefficient first, then RGB
 
   int64_t size() const { return means.defined() ? means.size(0) : 0; }
 
-  /// Uninitialised / zero parameters of n Gaussians.
+  /// Uninitialized / zero parameters of n Gaussians.
   static Gaussians Empty(int64_t n, Device device = kCpu);
   static Gaussians Zeros(int64_t n, Device device = kCpu);
 

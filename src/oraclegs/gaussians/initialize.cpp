@@ -24,8 +24,8 @@ constexpr double kCubeHalfSide = 3;                 // of the cameras' extent
 constexpr double kTooClose = 0.2;                   // of the radius: nothing starts right in front of a camera
 constexpr int64_t kProbes = 20000, kMinHits = 200;  // 1%: a sparser overlap would cost too many draws
 
-/// Nearly grey; no two points have quite the same colour.
-Eigen::Vector3f NearGrey(Rng* rng) {
+/// Nearly gray; no two points have quite the same color.
+Eigen::Vector3f NearGray(Rng* rng) {
   Eigen::Vector3f rgb;
   for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(0.5 + kConstantSh * rng->Uniform() / 255);
   return rgb;
@@ -89,7 +89,7 @@ PointCloud InCube(double half_side, int64_t n, uint64_t seed) {
   cloud.rgb.resize(n);
   for (int64_t i = 0; i < n; ++i) {
     for (int axis = 0; axis < 3; ++axis) cloud.xyz[i][axis] = static_cast<float>(rng.Uniform(-half_side, half_side));
-    cloud.rgb[i] = NearGrey(&rng);
+    cloud.rgb[i] = NearGray(&rng);
   }
   return cloud;
 }
@@ -129,7 +129,7 @@ PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uin
       continue;
     }
     cloud.xyz.push_back(point.cast<float>());
-    cloud.rgb.push_back(NearGrey(&rng));
+    cloud.rgb.push_back(NearGray(&rng));
   }
   return cloud;
 }

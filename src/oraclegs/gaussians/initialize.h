@@ -1,5 +1,5 @@
 #pragma once
-// Where the Gaussians start (docs/method.md#initialisation).
+// Where the Gaussians start (docs/method.md#initialization).
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace oraclegs {
 
-/// Coloured points to start from.
+/// Colored points to start from.
 struct PointCloud {
   std::vector<Eigen::Vector3f> xyz;
   std::vector<Eigen::Vector3f> rgb;      ///< [0, 1]
@@ -20,14 +20,14 @@ struct PointCloud {
 
 PointCloud ToPointCloud(const std::vector<ScenePoint>& points);
 
-/// n points uniform in the Blender cube [-1.3, 1.3]^3, colours near grey.
+/// n points uniform in the Blender cube [-1.3, 1.3]^3, colors near gray.
 PointCloud RandomPointsInBlenderCube(int64_t n, uint64_t seed);
 
 /// n points uniform in the part of space that at least two training cameras look at (one when no two overlap), between
-/// near and far bounds taken from the cameras' distance to the point nearest to all optical axes; colours near grey.
+/// near and far bounds taken from the cameras' distance to the point nearest to all optical axes; colors near gray.
 PointCloud RandomPointsInView(const std::vector<Camera>& cameras, int64_t n, uint64_t seed);
 
-/// n points uniform in the cube [-3r, 3r]^3 around the world's origin, r = SpatialExtent(cameras), colours near grey:
+/// n points uniform in the cube [-3r, 3r]^3 around the world's origin, r = SpatialExtent(cameras), colors near gray:
 /// the random start of [Kheradmand 2024] for scenes that are not Blender's.
 PointCloud RandomPointsInCube(const std::vector<Camera>& cameras, int64_t n, uint64_t seed);
 
@@ -36,14 +36,14 @@ PointCloud RandomPointsInCube(const std::vector<Camera>& cameras, int64_t n, uin
 std::vector<float> MeanSquaredNeighborDistance(const std::vector<Eigen::Vector3f>& points, Device device = kCpu);
 
 struct InitializeOptions {
-  double scale_factor = 0.1;  ///< of the root mean squared neighbour distance ([Kheradmand 2024]: 0.1; [Kerbl 2023]: 1)
+  double scale_factor = 0.1;  ///< of the root mean squared neighbor distance ([Kheradmand 2024]: 0.1; [Kerbl 2023]: 1)
   double opacity = 0.5;       ///< start opacity
   double flatness = 1;        ///< thickness along the normal, of the other two scales; where a normal is known
 };
 
-/// Gaussians at the points: sh0 from the colour, scale from the neighbours; isotropic and not rotated, or, where the
+/// Gaussians at the points: sh0 from the color, scale from the neighbors; isotropic and not rotated, or, where the
 /// normal is known and flatness is not 1, the third axis along the normal. The buffers are the host's; `device` is
-/// where the neighbours are looked for.
+/// where the neighbors are looked for.
 Gaussians InitializeGaussians(const PointCloud& points, const InitializeOptions& options, Device device = kCpu);
 
 }  // namespace oraclegs

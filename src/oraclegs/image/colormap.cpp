@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-// The 256 colours of each map in matplotlib, by Nathaniel J. Smith, Stefan van der Walt and Eric Firing; released under
+// The 256 colors of each map in matplotlib, by Nathaniel J. Smith, Stefan van der Walt and Eric Firing; released under
 // CC0. 0xRRGGBB.
 constexpr size_t kColors = 256;
 constexpr std::array<uint32_t, kColors> kPlasma = {

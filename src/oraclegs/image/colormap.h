@@ -1,5 +1,5 @@
 #pragma once
-// Colours for numbers in [0, 1], of equal steps to the eye and readable without colour vision.
+// Colors for numbers in [0, 1], of equal steps to the eye and readable without color vision.
 
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@ enum class ColorMap {
   kViridis,  ///< depth: dark purple 0, blue, green, yellow 1
 };
 
-/// 8-bit sRGB. Values outside of [0, 1] have the colour of the nearer end, as has NaN of 0.
+/// 8-bit sRGB. Values outside of [0, 1] have the color of the nearer end, as has NaN of 0.
 std::array<uint8_t, 3> MapColor(ColorMap map, float value);
 
 }  // namespace oraclegs

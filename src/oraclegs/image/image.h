@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// 8-bit image, rows top to bottom, channels interleaved: 1 grey, 3 RGB, 4 RGBA (straight alpha).
+/// 8-bit image, rows top to bottom, channels interleaved: 1 gray, 3 RGB, 4 RGBA (straight alpha).
 struct Image8 {
   int width = 0, height = 0, channels = 0;
   std::vector<uint8_t> data;  ///< height * width * channels
@@ -23,7 +23,7 @@ struct ImageF {
   const float* row(int y) const { return data.data() + static_cast<size_t>(y) * width * channels; }
 };
 
-/// 16-bit grey image (depth maps).
+/// 16-bit gray image (depth maps).
 struct Image16 {
   int width = 0, height = 0;
   std::vector<uint16_t> values;  ///< height * width

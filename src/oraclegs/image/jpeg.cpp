@@ -45,7 +45,7 @@ Header ReadHeader(const Decoder& decoder, std::string_view bytes, const std::str
   return header;
 }
 
-/// libjpeg goes on after damage and paints the rest grey; only oddities that leave the image whole may pass.
+/// libjpeg goes on after damage and paints the rest gray; only oddities that leave the image whole may pass.
 bool IsHarmless(std::string_view warning) {
   const auto says = [warning](std::string_view words) { return warning.find(words) != std::string_view::npos; };
   return says("extraneous bytes") || !(says("Corrupt JPEG") || says("Premature end"));
@@ -134,10 +134,10 @@ std::string CompressJpeg(const Image8& image, int quality) {
   const std::unique_ptr<void, CloseCodec> encoder(tjInitCompress());
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
-  const bool grey = image.channels == 1;
+  const bool gray = image.channels == 1;
   if (!encoder ||
-      tjCompress2(encoder.get(), image.data.data(), image.width, 0, image.height, grey ? TJPF_GRAY : TJPF_RGB, &bytes,
-                  &size, grey ? TJSAMP_GRAY : TJSAMP_420, quality, 0) != 0) {
+      tjCompress2(encoder.get(), image.data.data(), image.width, 0, image.height, gray ? TJPF_GRAY : TJPF_RGB, &bytes,
+                  &size, gray ? TJSAMP_GRAY : TJSAMP_420, quality, 0) != 0) {
     const std::string why = OneLine(tjGetErrorStr2(encoder.get()));
     tjFree(bytes);
     throw RunError("an image of {} x {} pixels cannot be written as JPEG: {}", image.width, image.height, why);

@@ -23,10 +23,10 @@ void ReadPngSize(std::string_view bytes, const std::string& file, int* width, in
 /// 8 bit, 1, 3 or 4 channels, atomically. Throws RunError.
 void WritePng(const std::filesystem::path& path, const Image8& image);
 
-/// A 16-bit grey PNG (depth maps). Throws InputError naming the file when it is something else or damaged.
+/// A 16-bit gray PNG (depth maps). Throws InputError naming the file when it is something else or damaged.
 Image16 ReadPng16(const std::filesystem::path& path);
 
-/// A 16-bit grey PNG; values are height * width.
+/// A 16-bit gray PNG; values are height * width.
 void WritePng16(const std::filesystem::path& path, int width, int height, const std::vector<uint16_t>& values);
 
 }  // namespace oraclegs

@@ -1,11 +1,11 @@
 #pragma once
-// How alike two colours are: what the confidence of a proposed pixel predicts (docs/method.md#consistency-oracle).
+// How alike two colors are: what the confidence of a proposed pixel predicts (docs/method.md#consistency-oracle).
 
 #include <cmath>
 
 namespace oraclegs {
 
-/// The error of a colour in [0, 1] (RMS or mean over the channels) at which the similarity is 1/e.
+/// The error of a color in [0, 1] (RMS or mean over the channels) at which the similarity is 1/e.
 inline constexpr double kSimilarityScale = 0.08;
 
 /// exp(-(error / scale)^2): 1 = equal.

@@ -16,7 +16,7 @@ inline constexpr int kGroup = 4;           ///< rows that the vertical filter ma
 inline constexpr int kStride = 57 * 16;    ///< floats a buffered row; an odd number of cache lines
 static_assert(kStride >= (kMaxTileWidth + 4 * kRadius) * 3 + 64, "a row, and what the last vector reads past it");
 
-/// Pointers to row-major planes, colours interleaved. A null pointer means: confidence 1, no such output.
+/// Pointers to row-major planes, colors interleaved. A null pointer means: confidence 1, no such output.
 struct Images {
   int width = 0, height = 0;
   const float* render = nullptr;      ///< [H,W,3]

@@ -140,7 +140,7 @@ FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, con
   const DepthScale scale = ScaleOf(&source);
   FusedMesh fused;
   if (scale.depth == 0) return fused;
-  {  // the volume is gone before colours are gathered
+  {  // the volume is gone before colors are gathered
     const TsdfBlocks blocks = DecideBlocks(&source, scale, options);
     fused.voxel = blocks.voxel(), fused.truncation = blocks.truncation();
     TsdfVolume volume(blocks);

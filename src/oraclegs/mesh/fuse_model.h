@@ -40,13 +40,13 @@ struct MeshOptions {
 std::vector<Camera> MeshCameras(const std::vector<Camera>& cameras, int count);
 
 struct FusedMesh {
-  TriangleMesh mesh;      ///< with normals and colours; empty when the renders show no surface
+  TriangleMesh mesh;      ///< with normals and colors; empty when the renders show no surface
   double voxel = 0;       ///< units of the mesh, decided
   double truncation = 0;  ///< likewise
 };
 
-/// Renders depth and colour from MeshCameras, fuses the depth in a truncated signed distance, takes its surface and
-/// colours the vertices with the means of what the renders show there. Renders each view three times and keeps
+/// Renders depth and color from MeshCameras, fuses the depth in a truncated signed distance, takes its surface and
+/// colors the vertices with the means of what the renders show there. Renders each view three times and keeps
 /// none.
 /// Throws UsageError for voxels so small that the machine's memory does not hold them, with a size that fits.
 FusedMesh FuseModel(const Gaussians& gaussians, const RenderOptions& render, const std::vector<Camera>& cameras,

@@ -19,7 +19,7 @@ struct VoxelField {
   int threads = 1;
 };
 
-/// The surface of distance 0, without normals and colours. Only between observed voxels (weight > 0): where observed
+/// The surface of distance 0, without normals and colors. Only between observed voxels (weight > 0): where observed
 /// inside meets what nobody saw, there is no surface. Throws UsageError when this build has no OpenVDB.
 TriangleMesh Isosurface(const VoxelField& field);
 

@@ -47,7 +47,7 @@ std::string PlyBytes(const TriangleMesh& mesh, const std::vector<std::string>& c
   return bytes;
 }
 
-/// glTF multiplies with linear colours; 16 bits, because 8 of them do not distinguish dark sRGB values.
+/// glTF multiplies with linear colors; 16 bits, because 8 of them do not distinguish dark sRGB values.
 uint16_t LinearOfSrgb(uint8_t value) {
   const double v = value / 255.0;
   const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);

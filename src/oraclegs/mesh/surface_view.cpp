@@ -10,12 +10,12 @@ namespace {
 
 constexpr float kMinOpaque = 0.9f;       // of alpha
 constexpr float kMinCosine = 0.1f;       // between normal and line of sight: 84 degrees
-constexpr float kMaxBend = 0.02f;        // of inverse depth between neighbours, relative: an edge
-constexpr float kMaxBendOfSlope = 0.6f;  // of the change to the neighbour that differs more
+constexpr float kMaxBend = 0.02f;        // of inverse depth between neighbors, relative: an edge
+constexpr float kMaxBendOfSlope = 0.6f;  // of the change to the neighbor that differs more
 constexpr int kViewReach = 2;            // pixels, of normals
 constexpr int64_t kViewRows = 8;         // rows a task
 
-/// Where inverse depth bends, against the plane through both neighbours: by much, and by as much as it changes. A floor
+/// Where inverse depth bends, against the plane through both neighbors: by much, and by as much as it changes. A floor
 /// at a grazing angle changes more than it bends.
 bool IsEdge(const float* at, int64_t stride) {
   const float before = at[-stride], here = *at, after = at[stride];

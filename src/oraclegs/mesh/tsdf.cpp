@@ -26,13 +26,13 @@ uint64_t KeyOf(const Eigen::Vector3d& point, double block) {
   return key;
 }
 
-/// How a voxel's centre is seen by a view.
+/// How a voxel's center is seen by a view.
 struct VoxelInView {
   float distance;  // along the normal to the surface on the line of sight; positive before it
   float weight;
 };
 
-/// Looks up the surface between pixel centres; on its border, that of the nearest pixel.
+/// Looks up the surface between pixel centers; on its border, that of the nearest pixel.
 class SurfaceSampler {
  public:
   explicit SurfaceSampler(const SurfaceView& view) : view_(view), width_(view.surface.camera.width) {}

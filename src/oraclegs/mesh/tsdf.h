@@ -29,7 +29,7 @@ class TsdfBlocks {
   int64_t count() const { return static_cast<int64_t>(keys_.size()); }
   /// How many there would be for voxels of twice the size, `doublings` times.
   int64_t CountAt(int doublings) const;
-  /// Coordinates in blocks: the block's voxels have their centres at voxel * (8 * block + 0 .. 7).
+  /// Coordinates in blocks: the block's voxels have their centers at voxel * (8 * block + 0 .. 7).
   std::vector<std::array<int32_t, 3>> Coordinates() const;
 
  private:

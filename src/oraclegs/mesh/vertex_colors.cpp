@@ -9,9 +9,9 @@ namespace oraclegs {
 namespace {
 
 constexpr int64_t kVerticesATask = 4096;
-constexpr uint8_t kUnseenGrey = 128;
+constexpr uint8_t kUnseenGray = 128;
 
-/// Between pixel centres.
+/// Between pixel centers.
 Eigen::Vector3f ColorAt(const Buffer<float>& image, float u, float v) {
   const auto width = static_cast<int>(image.size(1)), height = static_cast<int>(image.size(0));
   const float x = std::clamp(u - 0.5f, 0.f, static_cast<float>(width - 1));
@@ -56,7 +56,7 @@ void VertexColors::Add(const SurfaceView& view) {
 }
 
 std::vector<std::array<uint8_t, 3>> VertexColors::Colors() const {
-  std::vector<std::array<uint8_t, 3>> colors(sums_.size(), {kUnseenGrey, kUnseenGrey, kUnseenGrey});
+  std::vector<std::array<uint8_t, 3>> colors(sums_.size(), {kUnseenGray, kUnseenGray, kUnseenGray});
   for (size_t i = 0; i < sums_.size(); ++i) {
     if (weights_[i] <= 0) continue;
     for (int c = 0; c < 3; ++c) {

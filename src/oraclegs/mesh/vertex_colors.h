@@ -8,7 +8,7 @@
 
 namespace oraclegs {
 
-/// Means of the colours that views show at the vertices of a mesh.
+/// Means of the colors that views show at the vertices of a mesh.
 class VertexColors {
  public:
   /// `mesh` has normals and must live as long; `tolerance`: a vertex so far behind the surface that a view shows is
@@ -18,7 +18,7 @@ class VertexColors {
   /// Weighted as depth is (surface_view.h).
   void Add(const SurfaceView& view);
 
-  /// sRGB of each vertex; of those that no view shows, grey.
+  /// sRGB of each vertex; of those that no view shows, gray.
   std::vector<std::array<uint8_t, 3>> Colors() const;
 
  private:

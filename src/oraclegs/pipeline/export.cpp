@@ -104,7 +104,7 @@ ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportO
     if (!options.up.empty()) kept.comments = WithoutLevel(std::move(kept.comments));
   }
   if (!KeepsComments(format)) {
-    for (const std::string& comment : LicenceComments(PartsInComments(kept.comments)))
+    for (const std::string& comment : LicenseComments(PartsInComments(kept.comments)))
       listener(Note{fmt::format("{} has no room for a comment of the model: {}", ExtensionOf(format), comment)});
     if (const Eigen::Vector3d left = OffsetOf(kept.comments); !left.isZero(0)) {
       listener(Note{fmt::format("{} has no room for the scene's offset: add {} {} {} to positions for the scene's own",

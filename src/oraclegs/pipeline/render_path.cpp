@@ -96,7 +96,7 @@ std::vector<fs::path> RenderCameras(const Model& model, const std::vector<NamedC
   ReportDevice(model.gaussians.device(), ProbeDevices(), listener);
   ValueRenderer renderer(model, values, poses);
   std::vector<fs::path> folders;
-  for (const RenderValue value : values) folders.push_back(value == RenderValue::kColour ? out : out / Word(value));
+  for (const RenderValue value : values) folders.push_back(value == RenderValue::kColor ? out : out / Word(value));
   for (const fs::path& folder : folders) RequireWritableFolder(folder);
   std::vector<std::vector<fs::path>> files(values.size());
   for (size_t i = 0; i < cameras.size(); ++i) {

@@ -54,7 +54,7 @@ std::vector<NamedCamera> PathCameras(const PosedScene& posed, const ImageOptions
                                      const RenderPathOptions& options);
 
 /// Writes out/NAME.png for each camera and, when asked for and ffmpeg is installed, out/video.mp4; values other than
-/// colour into a folder of their own, e.g. out/depth/NAME.png. Returns the paths of the videos that were written; one
+/// color into a folder of their own, e.g. out/depth/NAME.png. Returns the paths of the videos that were written; one
 /// that fails is a warning. Throws UsageError for a value that does not exist, InputError for one that the model does
 /// not have, RunError when the folder cannot be written.
 std::vector<std::filesystem::path> RenderCameras(const Model& model, const std::vector<NamedCamera>& cameras,

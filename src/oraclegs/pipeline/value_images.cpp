@@ -6,7 +6,7 @@
 
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/render/make_rasterizer.h"
-#include "oraclegs/render/recolour.h"
+#include "oraclegs/render/recolor.h"
 #include "oraclegs/render/surface.h"
 
 namespace oraclegs {
@@ -38,7 +38,7 @@ Image8 BlankRgb(const Camera& camera) {
   return {camera.width, camera.height, 3, std::vector<uint8_t>(bytes)};
 }
 
-Image8 DepthInColours(const RenderedSurface& surface, std::pair<float, float> span) {
+Image8 DepthInColors(const RenderedSurface& surface, std::pair<float, float> span) {
   Image8 image = BlankRgb(surface.camera);
   for (size_t i = 0; i < surface.inv_depth.size(); ++i) {
     if (!(surface.inv_depth[i] > 0)) continue;
@@ -48,7 +48,7 @@ Image8 DepthInColours(const RenderedSurface& surface, std::pair<float, float> sp
   return image;
 }
 
-Image8 NormalsInColours(const RenderedSurface& surface) {
+Image8 NormalsInColors(const RenderedSurface& surface) {
   Image8 image = BlankRgb(surface.camera);
   for (size_t i = 0; i < surface.normals.size(); ++i) {
     if (surface.normals[i].isZero()) continue;
@@ -67,7 +67,7 @@ std::vector<RenderValue> ParseRenderValues(const std::string& text) {
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     const std::string word = text.substr(begin, end - begin);
-    const auto value = FromWord<RenderValue>(word == "colour" ? "color" : word);  // the older spelling
+    const auto value = FromWord<RenderValue>(word);
     if (!value) {
       throw UsageError("--what is '{}', must be one or more of: {} (separated by commas)", text,
                        AllWords<RenderValue>(", "));
@@ -84,8 +84,8 @@ struct ValueRenderer::Impl {
   const Model& model;
   std::vector<RenderValue> values;
   std::unique_ptr<Rasterizer> rasterizer;
-  std::pair<float, float> span = {};  // of inverse depth, for its colours
-  Gaussians in_support_colours = {};
+  std::pair<float, float> span = {};  // of inverse depth, for its colors
+  Gaussians in_support_colors = {};
 };
 
 ValueRenderer::ValueRenderer(const Model& model, std::vector<RenderValue> values, const std::vector<Camera>& cameras)
@@ -97,7 +97,7 @@ ValueRenderer::ValueRenderer(const Model& model, std::vector<RenderValue> values
         "the point cloud does not say how its Gaussians are supported (it has no property 'support'); train again with "
         "this version of oraclegs (--overwrite), or leave support out of --what");
   }
-  impl_->in_support_colours = Recolored(model.gaussians, SupportColors(model.support));
+  impl_->in_support_colors = Recolored(model.gaussians, SupportColors(model.support));
 }
 
 ValueRenderer::~ValueRenderer() = default;
@@ -112,19 +112,19 @@ std::vector<Image8> ValueRenderer::Render(const Camera& camera) {
   if (!only_support) {
     const auto render =
         impl_->rasterizer->Forward(impl_->model.gaussians, camera, impl_->model.render, RenderPass::kInference);
-    put(RenderValue::kColour, [&] { return ToImage8(render.image); });
+    put(RenderValue::kColor, [&] { return ToImage8(render.image); });
     if (impl_->Wants(RenderValue::kDepth) || impl_->Wants(RenderValue::kNormals)) {
       const int reach = std::max(1, std::max(camera.width, camera.height) / kNormalReachShare);
       const RenderedSurface surface = SurfaceOf(render, camera, reach);
-      put(RenderValue::kDepth, [&] { return DepthInColours(surface, impl_->span); });
-      put(RenderValue::kNormals, [&] { return NormalsInColours(surface); });
+      put(RenderValue::kDepth, [&] { return DepthInColors(surface, impl_->span); });
+      put(RenderValue::kNormals, [&] { return NormalsInColors(surface); });
     }
   }
   put(RenderValue::kSupport, [&] {
     RenderOptions options = impl_->model.render;
     options.sh_degree = 0;
     return ToImage8(
-        impl_->rasterizer->Forward(impl_->in_support_colours, camera, options, RenderPass::kInference).image);
+        impl_->rasterizer->Forward(impl_->in_support_colors, camera, options, RenderPass::kInference).image);
   });
   return images;
 }

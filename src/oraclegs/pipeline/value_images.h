@@ -1,5 +1,5 @@
 #pragma once
-// What can be rendered of a model beside its colour, as images for people.
+// What can be rendered of a model beside its color, as images for people.
 
 #include <memory>
 #include <optional>
@@ -13,14 +13,14 @@
 namespace oraclegs {
 
 enum class RenderValue {
-  kColour,
+  kColor,
   kDepth,    ///< viridis of inverse depth, near is yellow; black where nothing is
   kNormals,  ///< 255 (n + 1) / 2 of the surface's normal in the camera frame; black where it is not known
-  kSupport,  ///< the colours of render/recolour.h, composited
+  kSupport,  ///< the colors of render/recolor.h, composited
 };
 template <>
 struct EnumWords<RenderValue> {
-  static constexpr EnumWord<RenderValue> kWords[] = {{RenderValue::kColour, "color"},
+  static constexpr EnumWord<RenderValue> kWords[] = {{RenderValue::kColor, "color"},
                                                      {RenderValue::kDepth, "depth"},
                                                      {RenderValue::kNormals, "normals"},
                                                      {RenderValue::kSupport, "support"}};

@@ -26,7 +26,7 @@ constexpr double kNearDirection = 20 * kDegree;  // views this close decide the 
 constexpr double kSpiralTurns = 2.382;           // no fraction: the same pose does not come twice
 constexpr double kMinSpread = 0.25;              // of the widest direction's, so that cameras in a row make a spiral
 constexpr double kInwardShare = 0.9;             // the 90th percentile of the spread, as LLFF has it
-constexpr double kAside = 0.3;                   // of two neighbours' distance
+constexpr double kAside = 0.3;                   // of two neighbors' distance
 constexpr int kNeighbors = 3;
 constexpr int kStepsPerSegment = 32;  // in measuring a path
 constexpr double kKeepOff = 0.125;    // of the spacing: a target this near to a view shows nothing new
@@ -93,7 +93,7 @@ class Shell {
   bool inwards_ = true;
 };
 
-/// Length along a path through cameras, from centre to centre; of cameras in one place the angle turned.
+/// Length along a path through cameras, from center to center; of cameras in one place the angle turned.
 class PathLength {
  public:
   PathLength(const std::vector<Camera>& train, const std::vector<size_t>& order) {

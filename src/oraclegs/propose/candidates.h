@@ -20,11 +20,11 @@ std::vector<Camera> OrbitCandidates(const std::vector<Camera>& train, int count)
 /// elevation rises and falls over their range.
 std::vector<Camera> SpiralCandidates(const std::vector<Camera>& train, int count);
 
-/// A smooth path through all training poses from neighbour to neighbour, evenly spaced along its length (of a pure
+/// A smooth path through all training poses from neighbor to neighbor, evenly spaced along its length (of a pure
 /// rotation: by angle) and never at a training pose.
 std::vector<Camera> InterpolatedCandidates(const std::vector<Camera>& train, int count);
 
-/// Random poses between pairs of neighbouring training cameras, moved aside by up to 0.3 of their distance.
+/// Random poses between pairs of neighboring training cameras, moved aside by up to 0.3 of their distance.
 std::vector<Camera> JitteredCandidates(const std::vector<Camera>& train, int count, uint64_t seed);
 
 }  // namespace oraclegs

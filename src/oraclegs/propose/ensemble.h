@@ -32,7 +32,7 @@ class EnsembleProposer : public Proposer {
  private:
   std::vector<ProxyModel> members_;
   RenderOptions render_;
-  mutable std::mutex mutex_;  ///< the rasteriser uses all threads itself
+  mutable std::mutex mutex_;  ///< the rasterizer uses all threads itself
   std::unique_ptr<Rasterizer> rasterizer_;
 };
 

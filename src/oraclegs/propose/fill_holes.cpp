@@ -11,7 +11,7 @@ constexpr int kRadius = 2;
 
 struct Level {
   int width = 0, height = 0;
-  std::vector<float> color, weight;  // colours are not multiplied by their weight
+  std::vector<float> color, weight;  // colors are not multiplied by their weight
 };
 
 /// Half the size: each pixel the weighted mean of the four below it, with their summed weight, at most 1.
@@ -37,7 +37,7 @@ Level Pushed(const Level& fine, int channels) {
 }
 
 /// Mixes what the finer level lacks from the coarser one, which is whole, by linear interpolation between pixel
-/// centres.
+/// centers.
 void Pull(const Level& coarse, int channels, Level* fine) {
   for (int y = 0; y < fine->height; ++y) {
     const float v = (static_cast<float>(y) + 0.5f) / 2 - 0.5f;

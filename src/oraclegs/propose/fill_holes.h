@@ -1,5 +1,5 @@
 #pragma once
-// What a warp leaves open: depth that no view knows, colours that no view shows.
+// What a warp leaves open: depth that no view knows, colors that no view shows.
 
 #include <cstdint>
 #include <vector>
@@ -13,9 +13,9 @@ namespace oraclegs {
 /// pixel's ring: 0 = was not filled; width + height where nothing could be reached.
 std::vector<float> FillDepth(int width, int height, const std::vector<uint8_t>& to_fill, std::vector<float>* inv_depth);
 
-/// Gives the pixels of weight 0 smooth colours from the others around them, near ones first: colours are averaged by
+/// Gives the pixels of weight 0 smooth colors from the others around them, near ones first: colors are averaged by
 /// weight down a pyramid and pulled back up into what is missing [Gortler 1996]. A
-/// pixel of weight 1 or more keeps its colour, one between is mixed. weight is height * width, >= 0; where all are zero
+/// pixel of weight 1 or more keeps its color, one between is mixed. weight is height * width, >= 0; where all are zero
 /// the image stays as it is.
 void PushPull(const std::vector<float>& weight, ImageF* image);
 

@@ -19,7 +19,7 @@ namespace {
 constexpr double kShapeTolerance = 0.01;
 constexpr double kCropTolerance = 0.06;  // generators round sides to multiples of 64 and crop what is over
 constexpr double kMapTolerance = 0.03;   // attention maps have whole patches of 14 pixels of 518
-constexpr int kGreyTolerance = 8;        // of 255 between channels: what a JPEG does to grey
+constexpr int kGrayTolerance = 8;        // of 255 between channels: what a JPEG does to gray
 
 constexpr const char* kTestPose =
     "they have the pose of a test view, which must stay unseen; remove them from the folder";
@@ -35,7 +35,7 @@ bool SameShape(int width, int height, int other_width, int other_height, double 
 
 /// The camera of the part of a view that an image of another shape shows: as generators fit images to their sizes, the
 /// view was scaled until it covered the image, and what stood over was cropped evenly. At the view's resolution.
-Camera CentreCrop(const Camera& view, const Image8& image) {
+Camera CenterCrop(const Camera& view, const Image8& image) {
   const double scale =
       std::max(static_cast<double>(image.width) / view.width, static_cast<double>(image.height) / view.height);
   const double width = image.width / scale, height = image.height / scale;
@@ -73,11 +73,11 @@ ImageF Composited(const Image8& image, const std::array<float, 3>& background) {
   return rgb;
 }
 
-bool IsGrey(const Image8& image) {
+bool IsGray(const Image8& image) {
   const auto channels = static_cast<size_t>(image.channels);
   for (size_t i = 0; i < image.data.size(); i += channels) {
     const uint8_t* p = image.data.data() + i;
-    if (std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > kGreyTolerance) return false;
+    if (std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > kGrayTolerance) return false;
   }
   return true;
 }
@@ -113,7 +113,7 @@ void LoadConfidence(const std::filesystem::path& file, const Image8& image, cons
     if (loaded->cropped && SameShape(map.width, map.height, whole.width, whole.height)) map = MiddleOf(map, image);
     if (!SameShape(map.width, map.height, image.width, image.height, kMapTolerance)) {
       loaded->confidence_lost = "of another shape than their images";
-    } else if (!IsGrey(map)) {
+    } else if (!IsGray(map)) {
       loaded->confidence_lost = "in colors instead of gray";
     } else {
       const ImageF resized = ResizeArea(Composited(map, {}), camera.width, camera.height);
@@ -142,7 +142,7 @@ Loaded Load(const FolderImage& image, const FolderRequest& request, bool named_l
     loaded.skipped = named_like_view ? kViewShape : kShape;
     return loaded;
   }
-  const Camera camera = loaded.cropped    ? CentreCrop(whole, pixels)
+  const Camera camera = loaded.cropped    ? CenterCrop(whole, pixels)
                         : named_like_view ? whole
                                           : AtWorkingSize(whole, request);
   loaded.proposal = Proposal{image.name, "folder", camera, {}};

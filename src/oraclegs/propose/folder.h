@@ -24,7 +24,7 @@ struct FolderProposals {
 /// multiples of 64 pixels: its camera is cropped likewise, and a Note says so.
 /// Skipped, each reason with one Warning that counts and names: no image file, not readable, no pose, a camera model
 /// that is no pinhole, a shape more than 1 % off its camera's or 6 % off its view's, a name that comes twice, and the
-/// pose or the name of a test view. Confidence that is missing for some, not readable, not grey, or of a shape more
+/// pose or the name of a test view. Confidence that is missing for some, not readable, not gray, or of a shape more
 /// than 6 % off its image's is dropped with a Warning. One more Warning when nothing is left.
 /// Throws InputError: no folder, no images, several synthetic_N, a damaged transforms.json.
 FolderProposals ReadProposalFolder(const std::filesystem::path& dir, const FolderRequest& request,

@@ -26,7 +26,7 @@ struct GeneratorPaths {
 std::vector<uint8_t> KnownPixels(const WarpedView& view);
 
 /// Empties the folder and writes, below request/: transforms.json with the targets' poses (WriteTargets),
-/// warps/NAME.png (8-bit RGB) and masks/NAME.png (8-bit grey, KnownPixels) of each, and images/ with the views at
+/// warps/NAME.png (8-bit RGB) and masks/NAME.png (8-bit gray, KnownPixels) of each, and images/ with the views at
 /// working size and their own transforms.json, all poses moved by `placement`. Leaves answer/ empty. Throws RunError.
 void WriteGeneratorRequest(const GeneratorPaths& paths, const std::vector<Target>& targets,
                            const std::vector<LoadedView>& views, const Warper& warper,

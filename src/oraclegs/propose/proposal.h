@@ -27,10 +27,10 @@ struct Proposal {
   Camera camera;
   ImageF rgb;                         ///< 3 channels, [0, 1], in the mean exposure of the training images
   std::vector<float> inv_depth = {};  ///< height * width, 1/world unit, 0 = unknown; empty = the proposer has none
-  /// height * width: 1 + index of the training view a pixel's colour comes from most, 0 = made up; empty = unknown.
+  /// height * width: 1 + index of the training view a pixel's color comes from most, 0 = made up; empty = unknown.
   std::vector<uint16_t> provenance = {};
   std::vector<float> spread = {};  ///< height * width, how much the ensemble members or candidates behind a pixel
-                                   ///< differ, RMS of colour; empty = there is one
+                                   ///< differ, RMS of color; empty = there is one
 };
 
 /// Makes candidate images. One object may be asked from several threads at once.

@@ -10,7 +10,7 @@
 namespace oraclegs {
 
 /// Proposer of images that were made for all targets at once and lie in proposals/SOURCE/NAME.png. It cannot hold a
-/// view out: asked to, it has no answer, and the oracle applies what it learnt from other proposers.
+/// view out: asked to, it has no answer, and the oracle applies what it learned from other proposers.
 class StoredProposer : public Proposer {
  public:
   StoredProposer(const std::filesystem::path& proposals, std::string source)

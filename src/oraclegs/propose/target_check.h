@@ -21,11 +21,11 @@ struct TrajectoryRequest {
   bool sees_anything = false;  ///< poses that see next to nothing of the points count, too: for generators
 };
 
-/// A thousandth of the mean distance from a training camera to the nearest other one: centres closer than this are one
+/// A thousandth of the mean distance from a training camera to the nearest other one: centers closer than this are one
 /// place. More than rounding, also for one camera.
 double SamePlace(const std::vector<Camera>& train);
 
-/// Poses to recognise: the centre within `same_place` and the rotation within 0.1 degrees.
+/// Poses to recognize: the center within `same_place` and the rotation within 0.1 degrees.
 class PoseSet {
  public:
   PoseSet(std::vector<Camera> cameras, double same_place) : cameras_(std::move(cameras)), same_place_(same_place) {}

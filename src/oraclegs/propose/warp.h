@@ -15,7 +15,7 @@ namespace oraclegs {
 /// Warps into any view. Safe to call from several threads at once.
 class Warper {
  public:
-  /// Works on `device`. On a GPU, surfaces and colours are found there and equal the CPU's up to rounding; holes are
+  /// Works on `device`. On a GPU, surfaces and colors are found there and equal the CPU's up to rounding; holes are
   /// filled on the CPU. Throws ShapeError for images of different sizes, and as MakeWarpDevice.
   explicit Warper(WarpSources sources, Device device = kCpu);
   /// The same on a device of the caller's, which has the same sources.
@@ -24,14 +24,14 @@ class Warper {
 
   /// The view from `camera`, without the training view of index `held_out`. Depths of all views are splatted; at each
   /// pixel the nearest surface with enough votes is taken, and missing ones are filled from the farther surroundings.
-  /// Colours come from the views that show that surface, those taken from near the ray first. Without any depth in
-  /// view the image has the background's colour, and a ring of width + height everywhere.
+  /// Colors come from the views that show that surface, those taken from near the ray first. Without any depth in
+  /// view the image has the background's color, and a ring of width + height everywhere.
   WarpedView Warp(const Camera& camera, std::optional<int> held_out = std::nullopt) const;
 
-  /// What Warp knows of the depth before it fills holes and looks for colours.
+  /// What Warp knows of the depth before it fills holes and looks for colors.
   WarpDepth Surfaces(const Camera& camera) const;
 
-  /// The exposure that colours of a view are divided by, per channel.
+  /// The exposure that colors of a view are divided by, per channel.
   Eigen::Vector3f Gain(size_t view) const {
     return sources_.gains.empty() ? Eigen::Vector3f::Ones() : sources_.gains[view];
   }

@@ -16,9 +16,9 @@ namespace oraclegs {
 struct WarpSources {
   const std::vector<LoadedView>& views;
   const std::vector<DepthMap>& maps;            ///< of the views, one by one
-  std::vector<Eigen::Vector3f> gains = {};      ///< their exposures, which colours are divided by; empty = all 1
+  std::vector<Eigen::Vector3f> gains = {};      ///< their exposures, which colors are divided by; empty = all 1
   const Silhouettes* silhouettes = nullptr;     ///< null or empty: no plain background
-  std::array<float, 3> background = {0, 0, 0};  ///< colour of what no view's object covers
+  std::array<float, 3> background = {0, 0, 0};  ///< color of what no view's object covers
 };
 
 struct WarpedView {
@@ -34,7 +34,7 @@ struct WarpTask {
   std::vector<WarpSource> sources;  ///< in the order of their numbers; images in the host's memory
 };
 
-/// What is known of a new view's pixels before they have colours, row by row.
+/// What is known of a new view's pixels before they have colors, row by row.
 struct WarpDepth {
   std::vector<float> inv_depth;  ///< 0 = unknown
   std::vector<uint8_t> beside;   ///< 1 = the ray misses the object
@@ -48,8 +48,8 @@ class WarpDevice {
   /// Splats the depths of all sources and takes, at each pixel, the nearest surface that enough of them vote for.
   virtual WarpDepth FindSurfaces(const WarpTask& task) = 0;
 
-  /// The colours, evidence (but for rings) and provenance of `view`, which has room for them, and the weight of each
-  /// colour in PushPull.
+  /// The colors, evidence (but for rings) and provenance of `view`, which has room for them, and the weight of each
+  /// color in PushPull.
   virtual std::vector<float> Shade(const WarpTask& task, const WarpDepth& depth, WarpedView* view) = 0;
 };
 

@@ -22,8 +22,8 @@ inline constexpr float kFrontVotes = 0.03f;  // of the best surface's; a front s
 inline constexpr float kVoteAngle = 25, kColorAngle = 8;  // degrees over which a view's weight falls by e
 inline constexpr float kVisible = 0.02f;                  // relative depth over which it falls
 inline constexpr float kUnknownVisible = 0.05f;           // where the view's own depth is unknown
-inline constexpr int kBlended = 4;                        // views a colour is mixed from
-inline constexpr float kWellKnown = 0.02f;  // weight from which on a colour is not mixed with its surroundings'
+inline constexpr int kBlended = 4;                        // views a color is mixed from
+inline constexpr float kWellKnown = 0.02f;  // weight from which on a color is not mixed with its surroundings'
 inline constexpr int kRaySteps = 64;
 inline constexpr float kDegrees = static_cast<float>(180 / M_PI);
 inline constexpr float kFullWeight = 65535;
@@ -42,7 +42,7 @@ struct PixelEvidence {
   float support = 0;     ///< sum over the views that show the point of (0.1 + confidence), nearer ones more
   float views = 0;       ///< how many show it
   float angle = 90;      ///< degrees between the ray and that of the nearest view that shows the point; 90 = none
-  float spread = 0;      ///< RMS difference of the views' colours there
+  float spread = 0;      ///< RMS difference of the views' colors there
   float confidence = 0;  ///< of the depth, in the most confident view
   float conflicts = 0;   ///< summed confidence of views that look through the point
   float occluded = 0;    ///< summed confidence of views in which something stands before it
@@ -62,7 +62,7 @@ struct WarpSource {
   int number = 0;           ///< of the view
   float focal = 0;          ///< pixels
   float magnification = 0;  ///< the new view's focal length over its
-  bool exposed = false;     ///< colours are divided by the gain
+  bool exposed = false;     ///< colors are divided by the gain
   float gain[3] = {1, 1, 1};
   PlainPixelMap to_new, from_new;
   Vec3f center;  ///< in the new camera's frame

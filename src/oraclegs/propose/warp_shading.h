@@ -1,5 +1,5 @@
 #pragma once
-// The colour of one pixel of the forward warp whose depth is known, and its evidence, for host and device.
+// The color of one pixel of the forward warp whose depth is known, and its evidence, for host and device.
 
 #include "oraclegs/propose/warp_math.h"
 
@@ -7,7 +7,7 @@ namespace oraclegs {
 
 struct ShadedPixel {
   Vec3f color;              ///< RGB
-  float known = 0;          ///< weight of the colour in PushPull
+  float known = 0;          ///< weight of the color in PushPull
   uint16_t provenance = 0;  ///< as in Proposal
   PixelEvidence evidence;   ///< but for the ring
 };
@@ -31,7 +31,7 @@ ORACLEGS_HD inline Vec3f ColorAt(const WarpSource& from, float u, float v) {
   return {color[0], color[1], color[2]};
 }
 
-/// The views that a pixel's colour is mixed from, by descending weight, equals by number.
+/// The views that a pixel's color is mixed from, by descending weight, equals by number.
 struct Blend {
   struct Shown {
     float weight = 0;
@@ -94,7 +94,7 @@ ORACLEGS_HD inline ShadedPixel ShadePixel(const WarpScene& scene, size_t pixel, 
   e.spread = std::sqrt(squares / (3 * total));
   out.color = mean;
   out.provenance = static_cast<uint16_t>(scene.sources[blend.shown[0].source].number + 1);
-  // The angle's weight is relative: a colour seen from far off is still better than none.
+  // The angle's weight is relative: a color seen from far off is still better than none.
   out.known = std::min(1.f, std::min(e.support, e.views) / kWellKnown);
   return out;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The constants of the rasteriser (docs/method.md#projection, #blending), each once. Plain numbers, so that kernels of
+// The constants of the rasterizer (docs/method.md#projection, #blending), each once. Plain numbers, so that kernels of
 // every device can include this.
 
 namespace oraclegs {
@@ -10,7 +10,7 @@ inline constexpr float kCompensationFloor = 2.5e-5f;  // under the root of the a
 inline constexpr float kAlphaMin = 1.f / 255;         // below one 8-bit step: skipped
 inline constexpr float kAlphaMax = 0.99f;             // the backward pass divides by 1 - alpha
 inline constexpr float kTransmittanceEnd = 1e-4f;     // what is left cannot move an 8-bit pixel
-inline constexpr float kFrustumMargin = 0.3f;         // clamp of the linearisation point, in half image widths
+inline constexpr float kFrustumMargin = 0.3f;         // clamp of the linearization point, in half image widths
 
 inline constexpr float kLog2E = 1.442695040888963f;
 inline constexpr float kLog2AlphaMin = -7.99435343685886f;  // log2(kAlphaMin)

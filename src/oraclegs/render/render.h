@@ -1,5 +1,5 @@
 #pragma once
-// The one rasteriser interface. Semantics: docs/method.md#projection to #colour-gradient; make_rasterizer.h makes the
+// The one rasterizer interface. Semantics: docs/method.md#projection to #color-gradient; make_rasterizer.h makes the
 // one of a device.
 
 #include <array>
@@ -28,7 +28,7 @@ enum class RenderPass {
   kTrain,      ///< what Backward needs is kept until the next Forward
 };
 
-/// Images of one camera. Valid until the rasteriser's next Forward: buffers are reused. Backward may read them: they
+/// Images of one camera. Valid until the rasterizer's next Forward: buffers are reused. Backward may read them: they
 /// stay as they are until then.
 struct RenderOutput {
   Buffer<float> image;      ///< [H,W,3] composited on the background, not clamped
@@ -48,7 +48,7 @@ struct RenderGrads {
 inline constexpr int64_t kGradBlock = 64;
 
 /// Uses the gradients of a backward pass where they are computed, so that they never go through main memory: an
-/// optimiser's step. A rasteriser calls the function of its device; the other one throws ShapeError unless overridden.
+/// optimizer's step. A rasterizer calls the function of its device; the other one throws ShapeError unless overridden.
 class GradientConsumer {
  public:
   virtual ~GradientConsumer() = default;

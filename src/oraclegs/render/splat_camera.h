@@ -13,9 +13,9 @@ template <class F>
 struct SplatCamera {
   F r[9];                        ///< world-to-camera rotation, row-major
   F t[3];                        ///< translation
-  F eye[3];                      ///< centre, -R' t
+  F eye[3];                      ///< center, -R' t
   F fx, fy, cx, cy;              ///< pixels
-  F min_u, max_u, min_v, max_v;  ///< clamp of the linearisation point (docs/method.md#projection)
+  F min_u, max_u, min_v, max_v;  ///< clamp of the linearization point (docs/method.md#projection)
   F background[3];
   int width, height, tiles_x, tiles_y;
   int sh_degree;

@@ -1,5 +1,5 @@
-// The mathematics of one Gaussian: projection, colour, and their derivatives (docs/method.md#gaussian-parameters to
-// #colour-gradient).
+// The mathematics of one Gaussian: projection, color, and their derivatives (docs/method.md#gaussian-parameters to
+// #color-gradient).
 //
 // One body of code for all devices. F is the number type: float or double on the host and in CUDA threads, a SIMD
 // vector in cpu/project.cpp. It needs + - * /, unary -, construction from float, comparisons that give a mask type, and
@@ -34,10 +34,10 @@ struct RawSplat {
   F qw, qx, qy, qz, logit;
 };
 
-/// What the rasteriser needs of one Gaussian, and intermediate values that its derivative reads again.
+/// What the rasterizer needs of one Gaussian, and intermediate values that its derivative reads again.
 template <class F>
 struct ProjectedSplat {
-  F mx, my;                     ///< projected centre, px
+  F mx, my;                     ///< projected center, px
   F z;                          ///< camera depth
   F conic_a, conic_b, conic_c;  ///< inverse covariance, 1/px^2
   F cov_a, cov_c;               ///< diagonal of the dilated covariance, px^2
@@ -47,7 +47,7 @@ struct ProjectedSplat {
 /// The chain from raw parameters to the 2-D covariance, kept for the derivative.
 template <class F>
 struct SplatChain {
-  Vec3<F> cam;     ///< camera-space centre
+  Vec3<F> cam;     ///< camera-space center
   F u, v, cu, cv;  ///< x/z, y/z and their clamped values
   Vec3<F> scale;
   F qw, qx, qy, qz, inv_norm;
@@ -58,7 +58,7 @@ struct SplatChain {
   F opacity, compensation, ratio;
 };
 
-/// Vectorised exponentials are defined up to about 88 only. Larger arguments, which models of other trainers may hold,
+/// Vectorized exponentials are defined up to about 88 only. Larger arguments, which models of other trainers may hold,
 /// are clamped; the result is the same in float.
 template <class F>
 ORACLEGS_HD inline F BoundedExp(F x) {
@@ -153,7 +153,7 @@ struct RawGrad {
   F qw, qx, qy, qz, logit;
 };
 
-/// docs/method.md#gaussian-gradient: the adjoint of EvaluateChain and Project. The colour's part of d/d(mean) is added
+/// docs/method.md#gaussian-gradient: the adjoint of EvaluateChain and Project. The color's part of d/d(mean) is added
 /// by the caller. With N = J m the covariance is N N', so d/dN = 2 G N and the world covariance never appears.
 template <class F, class T>
 ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const SplatCamera<T>& camera,
@@ -199,7 +199,7 @@ ORACLEGS_HD inline RawGrad<F> ProjectBackward(const SplatChain<F>& c, const Spla
     gm[6 + j] = -(jx * c.cu * gn0[j] + jy * c.cv * gn1[j]);
   }
 
-  // Camera-space centre. Where u is clamped the third column of J does not move with x.
+  // Camera-space center. Where u is clamped the third column of J does not move with x.
   const auto u_free = And(c.u >= F(camera.min_u), c.u <= F(camera.max_u));
   const auto v_free = And(c.v >= F(camera.min_v), c.v <= F(camera.max_v));
   const F sx = jx * inv_z * gj02, sy = jy * inv_z * gj12;

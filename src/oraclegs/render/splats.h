@@ -14,7 +14,7 @@ struct GaussianParameters {
   int64_t n;
 };
 
-/// One Gaussian as the blend loop reads it. With d = pixel - centre its falloff is
+/// One Gaussian as the blend loop reads it. With d = pixel - center its falloff is
 /// exp2(log2_opacity - (ax dx)^2 - (by (dy + slope dx))^2): the quadratic form of the inverse covariance, written as a
 /// sum of squares. It needs no more operations, never exceeds its peak, and keeps its digits on needles, where the
 /// three terms of the form itself cancel. log2(e) and the factor 1/2 are inside ax and by.

@@ -17,7 +17,7 @@ struct RenderedSurface {
 
 inline constexpr float kMinSurfaceAlpha = 0.5f;  ///< less opaque pixels show no surface
 
-/// Inverse depth is that of the render divided by its alpha. Normals are those of the plane through the neighbours at
+/// Inverse depth is that of the render divided by its alpha. Normals are those of the plane through the neighbors at
 /// most `reach` pixels away on each side; on an edge of depth, those of the side that bends less. Buffers of a GPU are
 /// copied.
 RenderedSurface SurfaceOf(const RenderOutput& render, const Camera& camera, int reach = 1);

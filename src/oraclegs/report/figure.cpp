@@ -41,21 +41,21 @@ std::vector<std::string> Chosen(const std::vector<std::string>& names, const Fig
   return chosen;
 }
 
-Image8 InPlasma(const Image8& grey) {
-  Image8 colored{grey.width, grey.height, 3, {}};
-  const auto channels = static_cast<size_t>(grey.channels);
-  for (size_t i = 0; i < grey.data.size(); i += channels) {
-    const auto color = MapColor(ColorMap::kPlasma, static_cast<float>(grey.data[i]) / 255);
+Image8 InPlasma(const Image8& gray) {
+  Image8 colored{gray.width, gray.height, 3, {}};
+  const auto channels = static_cast<size_t>(gray.channels);
+  for (size_t i = 0; i < gray.data.size(); i += channels) {
+    const auto color = MapColor(ColorMap::kPlasma, static_cast<float>(gray.data[i]) / 255);
     colored.data.insert(colored.data.end(), color.begin(), color.end());
   }
   return colored;
 }
 
-double Mean(const Image8& grey) {
+double Mean(const Image8& gray) {
   double sum = 0;
-  const auto channels = static_cast<size_t>(grey.channels);
-  for (size_t i = 0; i < grey.data.size(); i += channels) sum += grey.data[i];
-  return sum / (255.0 * static_cast<double>(grey.data.size() / channels));
+  const auto channels = static_cast<size_t>(gray.channels);
+  for (size_t i = 0; i < gray.data.size(); i += channels) sum += gray.data[i];
+  return sum / (255.0 * static_cast<double>(gray.data.size() / channels));
 }
 
 struct Crop {

@@ -19,7 +19,7 @@ struct Panel {
 struct Sheet {
   std::vector<std::string> heads;        ///< of the columns
   std::vector<std::vector<Panel>> rows;  ///< of heads.size() panels each
-  std::optional<ColorMap> scale;         ///< a bar of its colours from 0 to 1, below all
+  std::optional<ColorMap> scale;         ///< a bar of its colors from 0 to 1, below all
   std::string scale_title;
 };
 

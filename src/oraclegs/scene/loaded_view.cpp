@@ -199,7 +199,7 @@ std::array<float, 3> BackgroundColor(Background background) {
   switch (background) {
     case Background::kWhite:
       return {1, 1, 1};
-    case Background::kGrey:
+    case Background::kGray:
       return {0.5f, 0.5f, 0.5f};
     default:
       return {0, 0, 0};

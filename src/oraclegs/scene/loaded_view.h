@@ -18,11 +18,11 @@
 namespace oraclegs {
 
 /// What is behind transparent pixels and behind the scene.
-enum class Background { kBlack, kWhite, kGrey };
+enum class Background { kBlack, kWhite, kGray };
 template <>
 struct EnumWords<Background> {
   static constexpr EnumWord<Background> kWords[] = {
-      {Background::kBlack, "black"}, {Background::kWhite, "white"}, {Background::kGrey, "gray"}};
+      {Background::kBlack, "black"}, {Background::kWhite, "white"}, {Background::kGray, "gray"}};
 };
 /// Its RGB in [0, 1].
 std::array<float, 3> BackgroundColor(Background background);

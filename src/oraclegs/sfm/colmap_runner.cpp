@@ -196,7 +196,7 @@ void ColmapRunner::ExtractFeatures(const std::string& camera_model, bool has_mas
 
 void ColmapRunner::MatchExhaustively(const ColmapOptions& more) const {
   // Not guided: on a CPU that takes five times as long. The matches differ a little from run to run, even with one
-  // thread: colmap's approximate neighbour search draws its seed from the machine. The cached result does not.
+  // thread: colmap's approximate neighbor search draws its seed from the machine. The cached result does not.
   ColmapOptions options = MatchingOptions();
   options.insert(more.begin(), more.end());
   const auto images = static_cast<int>(ReadDatabaseImages(database()).size());

@@ -10,7 +10,7 @@ namespace oraclegs {
 
 /// One line for each way in which the poses of the training views keep depth from being found, each with how to fix it:
 ///   - views of one pose, by name;
-///   - all camera centres in one place (farthest two closer than 1e-3 of the distance that is looked at);
+///   - all camera centers in one place (farthest two closer than 1e-3 of the distance that is looked at);
 ///   - a view that shares hardly any of the volume it sees with another training view, by name.
 /// The distance looked at is the median depth of the scene's points or, without points, of where optical axes meet.
 /// `train_views` are indices into scene.views; views without a pose or intrinsics are passed over. Empty

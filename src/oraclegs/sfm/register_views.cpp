@@ -72,8 +72,8 @@ std::vector<ViewReport> GatherEvidence(const Scene& photos, const Distinct& dist
     const auto a = view_of.find(pair.first), b = view_of.find(pair.second);
     if (a == view_of.end() || b == view_of.end()) continue;
     ViewReport &first = reports[a->second], &second = reports[b->second];
-    first.neighbours.push_back({second.name, pair.inliers, pair.pure_rotation});
-    second.neighbours.push_back({first.name, pair.inliers, pair.pure_rotation});
+    first.neighbors.push_back({second.name, pair.inliers, pair.pure_rotation});
+    second.neighbors.push_back({first.name, pair.inliers, pair.pure_rotation});
   }
   return reports;
 }

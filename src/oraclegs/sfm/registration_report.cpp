@@ -14,7 +14,7 @@ namespace {
 constexpr int kFewFeatures = 150;           // a sharp, textured photo has thousands
 constexpr int kMinMatchesToRegister = 30;   // what colmap asks for by default
 constexpr double kMinParallaxForDepth = 1;  // degrees; depth is known to a few percent at best
-constexpr size_t kMaxNeighboursReported = 5;
+constexpr size_t kMaxNeighborsReported = 5;
 constexpr size_t kMaxMissingNamed = 5;
 
 /// Names are in the order they were taken in, as a rule: the registered ones on both sides, nearest first.
@@ -32,18 +32,18 @@ std::vector<std::string> RegisteredAround(const RegistrationReport& report, size
 /// `registered`: the images of the model.
 ViewStatus StatusOfMissing(const ViewReport& view, const std::map<std::string, RegisteredImage>& registered) {
   if (!view.same_as.empty()) return ViewStatus::kDuplicate;
-  const int most = view.neighbours.empty() ? 0 : view.neighbours[0].inliers;
+  const int most = view.neighbors.empty() ? 0 : view.neighbors[0].inliers;
   if (view.features < kMinFeaturesToMatch || (view.features < kFewFeatures && most < kMinMatchesToRegister)) {
     return ViewStatus::kFewFeatures;
   }
   if (most == 0) return ViewStatus::kNoMatches;
   if (most < kMinMatchesToRegister) return ViewStatus::kFewMatches;
-  const bool pure_rotation = std::all_of(view.neighbours.begin(), view.neighbours.end(), [](const Neighbour& n) {
+  const bool pure_rotation = std::all_of(view.neighbors.begin(), view.neighbors.end(), [](const Neighbor& n) {
     return n.pure_rotation || n.inliers < kMinMatchesToRegister;
   });
   if (pure_rotation) return ViewStatus::kPureRotation;
   const bool elsewhere =
-      !registered.empty() && std::all_of(view.neighbours.begin(), view.neighbours.end(), [&](const Neighbour& n) {
+      !registered.empty() && std::all_of(view.neighbors.begin(), view.neighbors.end(), [&](const Neighbor& n) {
         return n.inliers < kMinMatchesToRegister || registered.count(n.name) == 0;
       });
   return elsewhere ? ViewStatus::kElsewhere : ViewStatus::kDoesNotFit;
@@ -69,7 +69,7 @@ std::string Advice(const RegistrationReport& report, size_t index) {
       return fmt::format("take one between {} and {}, and one between it and {}", around[0], view.name, around[1]);
     case ViewStatus::kFewMatches:
     case ViewStatus::kDoesNotFit:
-      return fmt::format("take one between {} and {}", view.neighbours[0].name, view.name);
+      return fmt::format("take one between {} and {}", view.neighbors[0].name, view.name);
     case ViewStatus::kElsewhere:
       return fmt::format("take photos between it and {}, or leave it out if it shows another place",
                          around.empty() ? "the registered ones" : around[0]);
@@ -112,25 +112,25 @@ std::string Why(const ViewReport& view) {
     case ViewStatus::kNoMatches:
       return "no matches with any other";
     case ViewStatus::kFewMatches:
-      return fmt::format("only {} matches with {}, fewer with others", view.neighbours[0].inliers,
-                         view.neighbours[0].name);
+      return fmt::format("only {} matches with {}, fewer with others", view.neighbors[0].inliers,
+                         view.neighbors[0].name);
     case ViewStatus::kPureRotation:
-      return fmt::format("taken from the place of {}: no parallax", view.neighbours[0].name);
+      return fmt::format("taken from the place of {}: no parallax", view.neighbors[0].name);
     case ViewStatus::kElsewhere:
-      return fmt::format("{} matches with {}, but hardly any with a registered photo", view.neighbours[0].inliers,
-                         view.neighbours[0].name);
+      return fmt::format("{} matches with {}, but hardly any with a registered photo", view.neighbors[0].inliers,
+                         view.neighbors[0].name);
     case ViewStatus::kDoesNotFit:
-      return fmt::format("{} matches with {}, but too few to place it", view.neighbours[0].inliers,
-                         view.neighbours[0].name);
+      return fmt::format("{} matches with {}, but too few to place it", view.neighbors[0].inliers,
+                         view.neighbors[0].name);
   }
   return {};
 }
 
 nlohmann::json ViewToJson(const ViewReport& view) {
-  nlohmann::json neighbours = nlohmann::json::array();
-  for (size_t i = 0; i < std::min(view.neighbours.size(), kMaxNeighboursReported); ++i) {
-    const Neighbour& n = view.neighbours[i];
-    neighbours.push_back({{"name", n.name}, {"inliers", n.inliers}, {"pure_rotation", n.pure_rotation}});
+  nlohmann::json neighbors = nlohmann::json::array();
+  for (size_t i = 0; i < std::min(view.neighbors.size(), kMaxNeighborsReported); ++i) {
+    const Neighbor& n = view.neighbors[i];
+    neighbors.push_back({{"name", n.name}, {"inliers", n.inliers}, {"pure_rotation", n.pure_rotation}});
   }
   const bool registered = view.status == ViewStatus::kRegistered;
   nlohmann::json json{{"name", view.name},
@@ -139,7 +139,7 @@ nlohmann::json ViewToJson(const ViewReport& view) {
                       {"why", registered ? nlohmann::json(nullptr) : nlohmann::json(Why(view))},
                       {"advice", view.advice.empty() ? nlohmann::json(nullptr) : nlohmann::json(view.advice)},
                       {"features", view.features},
-                      {"neighbours", std::move(neighbours)},
+                      {"neighbors", std::move(neighbors)},
                       {"points", view.points}};
   json["parallax_degrees"] = registered ? nlohmann::json(view.parallax_degrees) : nlohmann::json(nullptr);
   return json;
@@ -178,8 +178,8 @@ int RegistrationReport::registered() const {
 RegistrationReport MakeReport(std::vector<ViewReport> views, const AttemptResult& result) {
   RegistrationReport report{std::move(views), result.best, result.attempts, {}};
   for (ViewReport& view : report.views) {
-    std::stable_sort(view.neighbours.begin(), view.neighbours.end(),
-                     [](const Neighbour& a, const Neighbour& b) { return a.inliers > b.inliers; });
+    std::stable_sort(view.neighbors.begin(), view.neighbors.end(),
+                     [](const Neighbor& a, const Neighbor& b) { return a.inliers > b.inliers; });
     const auto found = result.best.images.find(view.name);
     if (found == result.best.images.end()) {
       view.status = StatusOfMissing(view, result.best.images);
@@ -209,7 +209,7 @@ std::string WhyMissing(const RegistrationReport& report) {
 bool TakenFromOnePoint(const RegistrationReport& report) {
   bool any = false;
   for (const ViewReport& view : report.views) {
-    for (const Neighbour& n : view.neighbours) {
+    for (const Neighbor& n : view.neighbors) {
       if (n.inliers < kMinMatchesToRegister) continue;
       if (!n.pure_rotation) return false;
       any = true;

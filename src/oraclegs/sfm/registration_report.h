@@ -21,7 +21,7 @@ enum class ViewStatus {
 };
 
 /// Another photo that shows the same things.
-struct Neighbour {
+struct Neighbor {
   std::string name;
   int inliers = 0;             ///< matches that one motion of the camera explains
   bool pure_rotation = false;  ///< that motion is a pure rotation
@@ -32,10 +32,10 @@ struct ViewReport {
   ViewStatus status = ViewStatus::kRegistered;
   std::string same_as;  ///< for kDuplicate
   int features = 0;
-  std::vector<Neighbour> neighbours;  ///< at least one inlier, most first
-  int points = 0;                     ///< of the model that it sees
-  double parallax_degrees = 0;        ///< median over them
-  std::string advice;                 ///< what to take instead, empty when nothing is wrong
+  std::vector<Neighbor> neighbors;  ///< at least one inlier, most first
+  int points = 0;                   ///< of the model that it sees
+  double parallax_degrees = 0;      ///< median over them
+  std::string advice;               ///< what to take instead, empty when nothing is wrong
 };
 
 struct RegistrationReport {
@@ -47,7 +47,7 @@ struct RegistrationReport {
   int registered() const;
 };
 
-/// Completes `views`, which have name, same_as, features and neighbours: status, points, parallax and advice follow
+/// Completes `views`, which have name, same_as, features and neighbors: status, points, parallax and advice follow
 /// from what `result` registered (images of the model are named as the views).
 RegistrationReport MakeReport(std::vector<ViewReport> views, const AttemptResult& result);
 

@@ -35,7 +35,7 @@ struct AdamArrays {
   float *p, *m, *v;
 };
 
-/// Gradients, parameters and moments of neighbouring Gaussians.
+/// Gradients, parameters and moments of neighboring Gaussians.
 struct AdamRows {
   GaussianRows gradients, params;
   MomentRows moments;

@@ -8,7 +8,7 @@
 namespace oraclegs {
 
 /// The view at half the size (rounded up), camera included. Every pixel is the area average over the pixels that count:
-/// colours by confidence, inverse depths by depth_mask; confidence and depth_mask themselves are averaged over all.
+/// colors by confidence, inverse depths by depth_mask; confidence and depth_mask themselves are averaged over all.
 /// What does not count leaves no trace. A pixel none of whose parts counts is zero in a photo, where nothing looks
 /// at it; in a proposal it is the plain average, which windows of SSIM that belong to pixels that count reach into.
 TrainView HalfSize(const TrainView& view, ViewKind kind = ViewKind::kPhoto);

@@ -16,7 +16,7 @@ inline constexpr uint32_t kNoiseOfValue = 0x9e3779b1, kNoiseOfMoment = 0x85ebca7
                           kNoiseMix = 0x2c1b3c6d, kNoiseShift = 15;
 /// Weight of 1/2 |map - identity|^2, in units of the photometric loss. Where the photo says anything its loss is
 /// steeper by orders of magnitude (a gain that is wrong by 0.2 costs about 0.05, to keep it costs 2e-4); what it says
-/// nothing about, say the mixing of channels in a grey image, stays where it was.
+/// nothing about, say the mixing of channels in a gray image, stays where it was.
 inline constexpr double kExposureRegularizer = 0.01;
 
 inline constexpr double kExposureEpsilon = 1e-8;

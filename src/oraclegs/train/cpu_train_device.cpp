@@ -21,7 +21,7 @@ struct StepConsumer final : GradientConsumer {
   Gaussians* gaussians;
   Regularizers* regularizers;
   const Gaussians* beside = nullptr;  // gradients of parts of other methods; null = there are none
-  std::optional<AdamStep> step;       // nothing: Gaussians stay, only the regularisers' value is wanted
+  std::optional<AdamStep> step;       // nothing: Gaussians stay, only the regularizers' value is wanted
   bool adds_noise = false;
 
   StepConsumer(const Iteration& iteration_in, Gaussians* gaussians_in, Regularizers* regularizers_in)

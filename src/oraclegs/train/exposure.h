@@ -1,5 +1,5 @@
 #pragma once
-// A colour map for each photo: a camera chooses exposure and white balance anew for every image, and what it
+// A color map for each photo: a camera chooses exposure and white balance anew for every image, and what it
 // chose is no property of the scene.
 
 #include <array>
@@ -28,7 +28,7 @@ struct ExposureState {
 /// The maps of all photos, their gradients and their Adam (beta 0.9, 0.999, epsilon 1e-8).
 ///
 /// Only differences between photos can be known: all maps after a common one G are the same images as before,
-/// with the scene's colours changed by the inverse of G. That freedom is taken away by keeping the mean of the maps at
+/// with the scene's colors changed by the inverse of G. That freedom is taken away by keeping the mean of the maps at
 /// the identity, with the G that does it: after every step (A, b) becomes (A M^-1, b - A M^-1 c), where (M, c) is the
 /// mean map. So a photo keeps its exposure relative to any other through it, the rendered scene has the mean
 /// exposure of the photos, and a single photo keeps the identity.
@@ -44,7 +44,7 @@ class Exposures {
   /// for any number of threads.
   ExposureGradient Backward(int view, const Buffer<float>& image, const Buffer<float>& grad);
 
-  /// The regularisation toward identity, weight / 2 * |map - identity|^2; adds its gradient.
+  /// The regularization toward identity, weight / 2 * |map - identity|^2; adds its gradient.
   double AddRegularizer(int view, double weight, ExposureGradient* gradient) const;
 
   /// A step of Adam for one photo, and the mean back at the identity.

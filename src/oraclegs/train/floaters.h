@@ -9,9 +9,9 @@
 
 namespace oraclegs {
 
-/// Lowers the opacity of every living Gaussian to below kDeadOpacity, so that RelocateDead moves it, whose centre lies
+/// Lowers the opacity of every living Gaussian to below kDeadOpacity, so that RelocateDead moves it, whose center lies
 /// before the surface in at least one view and in at least as many as it lies on the surface of. A view has a say where
-/// the centre falls on a pixel of trusted depth. Nothing happens when no Gaussian would be left alive. Returns how
+/// the center falls on a pixel of trusted depth. Nothing happens when no Gaussian would be left alive. Returns how
 /// many died. The same for any number of threads.
 int64_t PruneFloaters(const std::vector<TrainView>& views, Gaussians* gaussians);
 

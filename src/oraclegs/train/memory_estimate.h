@@ -15,7 +15,7 @@ constexpr int64_t ModelBytes(ShMoments sh_moments) {
   constexpr int64_t kOfSh[] = {2 * 4 * kSh, 2 * 2 * kSh, 2 * kSh + 4};  // in the order of ShMoments
   return 4 * (kSmall + kSh) + 2 * 4 * kSmall + kOfSh[static_cast<int>(sh_moments)];
 }
-/// What relocation, opacity factors and the regularisers' sums need of it.
+/// What relocation, opacity factors and the regularizers' sums need of it.
 inline constexpr int64_t kTrainScratchBytes = 8 + 8 + 4 + 4 + 4 + 1;
 
 struct TrainingSize {

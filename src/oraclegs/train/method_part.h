@@ -19,7 +19,7 @@ class MethodPart {
 
   /// Before the view of the iteration is rendered. Adds dL/d(raw parameters) of a loss of its own to `grads`, which the
   /// iteration's step takes with those of the view, and returns that loss. May also take steps of its own on `model`,
-  /// but not change the number of its Gaussians. Renders with a rasteriser of its own. `grads` has no Gaussians where
+  /// but not change the number of its Gaussians. Renders with a rasterizer of its own. `grads` has no Gaussians where
   /// AddsGradients of all parts is false.
   virtual double BeforeView(const Iteration& iteration, TrainedModel* model, Gaussians* grads) = 0;
 

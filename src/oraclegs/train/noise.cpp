@@ -1,4 +1,4 @@
-// A vector holds neighbouring Gaussians; the mathematics is noise_math-inl.h.
+// A vector holds neighboring Gaussians; the mathematics is noise_math-inl.h.
 
 #include "oraclegs/train/noise.h"
 

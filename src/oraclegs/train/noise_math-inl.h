@@ -1,4 +1,4 @@
-// The noise of 3DGS-MCMC on one Gaussian's centre (docs/method.md#mcmc-noise). One body of code for all devices; F is a
+// The noise of 3DGS-MCMC on one Gaussian's center (docs/method.md#mcmc-noise). One body of code for all devices; F is a
 // number type as in render/splat_math-inl.h, with MulAdd, Log, Cos and Sin; U is the whole numbers that go with it.
 
 #if defined(ORACLEGS_TRAIN_NOISE_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -54,7 +54,7 @@ ORACLEGS_HD inline void DrawNormals(const NoiseConstants& noise, U index, F* e) 
 template <class F>
 ORACLEGS_HD inline void TimesCovariance(const F* q, const F* log_scale, F* e) {
   const F norm2 = MulAdd(q[0], q[0], MulAdd(q[1], q[1], MulAdd(q[2], q[2], q[3] * q[3])));
-  const F k = F(2.f) / norm2;  // 2 / |q|^2 normalises every product of two components
+  const F k = F(2.f) / norm2;  // 2 / |q|^2 normalizes every product of two components
   const F kx = k * q[1], ky = k * q[2], kz = k * q[3];
   const F xx = kx * q[1], yy = ky * q[2], zz = kz * q[3];
   const F xy = kx * q[2], xz = kx * q[3], yz = ky * q[3];

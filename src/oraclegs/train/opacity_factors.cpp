@@ -1,4 +1,4 @@
-// A vector holds neighbouring Gaussians; the mathematics is opacity_factor_math-inl.h.
+// A vector holds neighboring Gaussians; the mathematics is opacity_factor_math-inl.h.
 
 #include "oraclegs/train/opacity_factors.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // What keeps Gaussians from conspiring: with few photos, groups of them learn to look right together from the
 // training views and from nowhere else. Each iteration draws for every Gaussian a factor of its opacity, so that none
-// can rely on its neighbours' being just as they are.
+// can rely on its neighbors' being just as they are.
 
 #include <cstdint>
 

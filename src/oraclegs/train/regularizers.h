@@ -1,5 +1,5 @@
 #pragma once
-// What keeps Gaussians small and transparent where no image needs them (docs/method.md#regularisers).
+// What keeps Gaussians small and transparent where no image needs them (docs/method.md#regularizers).
 
 #include <cstdint>
 #include <vector>

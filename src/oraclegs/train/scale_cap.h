@@ -12,7 +12,7 @@ namespace oraclegs {
 /// Of the views' cameras, world, [views,3].
 std::vector<float> CameraCenters(const std::vector<TrainView>& views);
 
-/// Scales become at most `share` (> 0) of the distance between the Gaussian's centre and the nearest of `centers`
+/// Scales become at most `share` (> 0) of the distance between the Gaussian's center and the nearest of `centers`
 /// ([n,3]); without any, all stay as they are. The same bits for any number of threads. Throws ShapeError.
 void CapScales(const std::vector<float>& centers, double share, Gaussians* gaussians);
 

@@ -28,7 +28,7 @@ enum class ShMoments {
   kCompact,  ///< the first in bfloat16, the second one for all coefficients of a Gaussian
 };
 
-/// Rows of both moments of neighbouring Gaussians.
+/// Rows of both moments of neighboring Gaussians.
 struct MomentRows {
   GaussianRows m, v;              ///< sh null unless full
   uint16_t* sh_m = nullptr;       ///< [m,48] bfloat16; null where full
@@ -55,7 +55,7 @@ struct AdamConstants {
   uint32_t noise;  ///< step * kNoiseOfStep, for RoundingNoise
 };
 
-/// Of the regularisers, per entry: their weights in the loss over N, or 3 N.
+/// Of the regularizers, per entry: their weights in the loss over N, or 3 N.
 struct RegularizerWeights {
   float opacity = 0, scale = 0;
 };

@@ -1,4 +1,4 @@
-// The mathematics of one training step: Adam and the regularisers (docs/method.md#adam, #regularisers). One body of
+// The mathematics of one training step: Adam and the regularizers (docs/method.md#adam, #regularizers). One body of
 // code for all devices; F is a number type as in render/splat_math-inl.h, with MulAdd and Abs.
 
 #if defined(ORACLEGS_TRAIN_STEP_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -77,13 +77,13 @@ ORACLEGS_HD inline F MeanShSquare(F red, F green, F blue) {
   return (red * red + green * green + blue * blue) * F(1 / 3.f);
 }
 
-/// d/d(logit) of weight * opacity, the opacity's regulariser.
+/// d/d(logit) of weight * opacity, the opacity's regularizer.
 template <class F>
 ORACLEGS_HD inline F OpacityRegularizer(F opacity, F weight) {
   return weight * (opacity * (F(1.f) - opacity));
 }
 
-/// gradient + d/d(log scale) of weight * scale, the scales' regulariser.
+/// gradient + d/d(log scale) of weight * scale, the scales' regularizer.
 template <class F>
 ORACLEGS_HD inline F AddScaleRegularizer(F scale, F weight, F gradient) {
   return MulAdd(weight, scale, gradient);

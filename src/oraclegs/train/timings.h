@@ -12,7 +12,7 @@ namespace oraclegs {
 
 /// Milliseconds of an iteration, or means over several, by stage.
 struct TrainTimings {
-  RenderTimings render;  ///< gaussian_backward: with regularisers, Adam and, unless it refines, noise
+  RenderTimings render;  ///< gaussian_backward: with regularizers, Adam and, unless it refines, noise
   double parts = 0;      ///< of other methods, beside the view
   double loss = 0;       ///< photometric, with exposure, and depth
   double refine = 0;     ///< relocation and growth, with the noise of iterations that do so

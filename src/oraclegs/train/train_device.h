@@ -37,11 +37,11 @@ struct Iteration {
 inline constexpr double kLossSmoothing = 0.9;  ///< share of the past in the loss that is shown
 
 struct LossReport {
-  double last = 0;      ///< of the last iteration: its view's and the regularisers'
+  double last = 0;      ///< of the last iteration: its view's and the regularizers'
   double smoothed = 0;  ///< over the iterations
 };
 
-/// A device. An iteration is RunParts, OpacityFactors, the rasteriser's Forward, LossOfView, BackwardAndStep and, where
+/// A device. An iteration is RunParts, OpacityFactors, the rasterizer's Forward, LossOfView, BackwardAndStep and, where
 /// it has them, CapScales and Refine, on a model that Upload made. Errors of training that diverges (RunError) may come
 /// as late as Loss.
 class TrainDevice {
@@ -49,7 +49,7 @@ class TrainDevice {
   virtual ~TrainDevice() = default;
 
   virtual Rasterizer& rasterizer() = 0;
-  /// The rasteriser's timings of this iteration as far as they are known without waiting; all 0 where none is.
+  /// The rasterizer's timings of this iteration as far as they are known without waiting; all 0 where none is.
   virtual RenderTimings TimingsSoFar() const = 0;
 
   /// The model on the device, in memory of its own, with room to grow. Without moments it gets zero ones.
@@ -64,7 +64,7 @@ class TrainDevice {
   virtual Buffer<float> OpacityFactors(const OpacityPerturbation& perturbation, int64_t n) = 0;
   /// dL/d(render) of the iteration's view; valid until the next call.
   virtual RenderGrads LossOfView(const Iteration& iteration, const RenderOutput& out) = 0;
-  /// Everything between the gradient of the image and the moved Gaussians: backward, regularisers, Adam and, unless the
+  /// Everything between the gradient of the image and the moved Gaussians: backward, regularizers, Adam and, unless the
   /// iteration refines, noise. Closes the iteration's loss.
   virtual void BackwardAndStep(const Iteration& iteration, const RenderGrads& upstream, TrainedModel* model) = 0;
   /// scale_cap.h with --largest-scale, in iterations that cap scales, before Refine.

@@ -51,7 +51,7 @@ inline int64_t GrowthOf(int64_t n, int64_t max) {
   return grown > n ? grown - n : 0;
 }
 
-/// The logarithm of the largest scale that a Gaussian of this centre may have; see scale_cap.h. centers: [count,3].
+/// The logarithm of the largest scale that a Gaussian of this center may have; see scale_cap.h. centers: [count,3].
 ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, int count, float log_share) {
   float nearest = 3.4e38f;
   for (int c = 0; c < count; ++c) {
@@ -59,16 +59,16 @@ ORACLEGS_HD inline float LogScaleCap(const float* mean, const float* centers, in
     const float squared = dx * dx + dy * dy + dz * dz;
     if (squared < nearest) nearest = squared;
   }
-  constexpr float kMinSquared = 1e-12f;  // a Gaussian in a camera's centre keeps some size
+  constexpr float kMinSquared = 1e-12f;  // a Gaussian in a camera's center keeps some size
   return log_share + 0.5f * std::log(nearest > kMinSquared ? nearest : kMinSquared);
 }
 
-/// What the views say of one Gaussian's centre; see floaters.h.
+/// What the views say of one Gaussian's center; see floaters.h.
 struct FloaterVotes {
   int before = 0, agree = 0;
   bool beside = false;  ///< beside a silhouette: no number of other views puts a surface there
 
-  /// ratio: z times the inverse depth under the centre, 1 on the surface, less before it, 0 where there is none at all.
+  /// ratio: z times the inverse depth under the center, 1 on the surface, less before it, 0 where there is none at all.
   ORACLEGS_HD inline void Add(double ratio) {
     beside = beside || ratio == 0;
     before += ratio * kFloaterRatio < 1;

@@ -92,7 +92,7 @@ Iteration Trainer::State::NextIteration() {
   return next;
 }
 
-/// Undefined, which the rasteriser takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
+/// Undefined, which the rasterizer takes for 1 at no cost, where no opacity is perturbed. The last iteration shows the
 /// model as it will be used.
 Buffer<float> Trainer::State::OpacityFactors() {
   const int64_t i = iteration + 1;
@@ -117,7 +117,7 @@ void Trainer::State::Step() {
   const RenderOptions render{BackgroundOf(next, view), next.sh_degree, options.antialiased, OpacityFactors()};
   Rasterizer& rasterizer = device->rasterizer();
   const RenderOutput out = rasterizer.Forward(model.gaussians, view.camera, render, RenderPass::kTrain);
-  double rendering = 0;  // the rasteriser times its own stages
+  double rendering = 0;  // the rasterizer times its own stages
   lap.To(&rendering);
   const RenderGrads upstream = device->LossOfView(next, out);
   lap.To(&last_timings.loss);

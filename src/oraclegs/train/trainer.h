@@ -48,7 +48,7 @@ struct TrainSetup {
 /// 3DGS-MCMC on photos, on proposals as often as the schedule says, and on depth where a view has it. One
 /// iteration: learning rate, SH degree -> view -> render -> loss -> backward -> Adam step -> relocate, add -> noise.
 /// Adam goes before relocation (the order of [Ye 2025], docs/method.md#one-iteration). The last iteration makes neither
-/// a step nor noise. The loss is the view's (train/view_loss.h) and the regularisers.
+/// a step nor noise. The loss is the view's (train/view_loss.h) and the regularizers.
 class Trainer {
  public:
   /// On the CPU. Throws ShapeError / UsageError before any work.
@@ -62,7 +62,7 @@ class Trainer {
   /// number of photos or proposals.
   void Restore(const Checkpoint& checkpoint);
 
-  /// Runs the remaining iterations. Notes, once, when proposals are to be learnt from without LPIPS. On an interrupt
+  /// Runs the remaining iterations. Notes, once, when proposals are to be learned from without LPIPS. On an interrupt
   /// saves a checkpoint and throws Interrupted. Throws OutOfMemory when the device's memory ends on the way, and
   /// Diverged when a loss or a parameter is no number any more; both name the last checkpoint, which is whole.
   /// `observer` may be empty.
@@ -77,7 +77,7 @@ class Trainer {
   /// On the device of the training.
   const Gaussians& gaussians() const;
   int64_t iteration() const;
-  /// What turns a render into each photo's colours; empty unless the exposure is trained.
+  /// What turns a render into each photo's colors; empty unless the exposure is trained.
   std::vector<ExposureMap> exposures() const;
   /// Means over the iterations since the last Run or Restore began, or since construction; `total` is filled by Run.
   TrainTimings MeanTimings() const;

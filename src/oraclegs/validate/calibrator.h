@@ -1,6 +1,6 @@
 #pragma once
 // From the features of pixels to confidence: which pixel is better (order), and how good it is (level). Both are
-// learnt from pixels whose error is known (docs/method.md#calibration).
+// learned from pixels whose error is known (docs/method.md#calibration).
 
 #include <map>
 #include <optional>
@@ -17,7 +17,7 @@ namespace oraclegs {
 struct PixelSamples {
   size_t columns = 0;
   std::vector<float> rows;    ///< samples * columns
-  std::vector<float> errors;  ///< RMS over the channels, of colours in [0, 1]
+  std::vector<float> errors;  ///< RMS over the channels, of colors in [0, 1]
 
   void Append(const PixelSamples& more);
 };
@@ -33,17 +33,17 @@ enum class LevelRule {
   kAsIs,    ///< confidence is the regression's answer
 };
 
-/// A model for each proposer, and one for those of which nothing was learnt.
+/// A model for each proposer, and one for those of which nothing was learned.
 class Calibrator {
  public:
   explicit Calibrator(LevelRule rule = LevelRule::kFitted) : rule_(rule) {}
 
-  /// Learns from samples with the names of their proposers; a proposer that was learnt before gets a new model. Throws
+  /// Learns from samples with the names of their proposers; a proposer that was learned before gets a new model. Throws
   /// InputError when there are no samples.
   void Fit(const std::vector<std::pair<std::string, PixelSamples>>& samples);
 
   bool fitted() const { return any_.has_value(); }
-  /// The proposer's own model; for one that was not learnt, that of the first Fit, all its proposers together. Only
+  /// The proposer's own model; for one that was not learned, that of the first Fit, all its proposers together. Only
   /// once fitted.
   const PixelModel& ModelOf(const std::string& source) const;
 

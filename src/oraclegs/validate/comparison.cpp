@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kNear = 3, kWideParts = 20, kWiderParts = 10;  // half side of a window; the image's smaller side by it
 constexpr double kNoTexture = 0.01;                          // deviation of brightness below which there is none
-constexpr double kMinDistance = 0.005;                       // of colours
+constexpr double kMinDistance = 0.005;                       // of colors
 
 float LogDistance(double distance) { return static_cast<float>(std::log(kMinDistance + std::max(0.0, distance))); }
 
@@ -49,7 +49,7 @@ class Moments {
   Integral a_, b_, aa_, bb_, ab_;
 };
 
-/// Sums of the differences of two images' colours.
+/// Sums of the differences of two images' colors.
 class Differences {
  public:
   Differences(const ImageF& a, const ImageF& b)

@@ -11,8 +11,8 @@ namespace oraclegs {
 /// What is compared beside the features (features.h), in its order. "near" is a window of 7 x 7 pixels, "wide" and
 /// "wider" grow with the image.
 inline constexpr std::array kComparisonNames = {
-    "colour",          // distance of the two colours, mean over a wide window
-    "shift near",      // distance of the two windows' mean colours: what is left when details differ
+    "color",           // distance of the two colors, mean over a wide window
+    "shift near",      // distance of the two windows' mean colors: what is left when details differ
     "shift wide",      //
     "shift wider",     //
     "structure",       // 1 - correlation of two wide windows, as far as they have texture

@@ -20,7 +20,7 @@ float ColorError(const float* a, const float* b) {
   return std::sqrt(squares / 3);
 }
 
-/// The view that was held out, and the exposure gain that its colours are freed of.
+/// The view that was held out, and the exposure gain that its colors are freed of.
 struct Truth {
   const LoadedView& view;
   Eigen::Vector3f gain;

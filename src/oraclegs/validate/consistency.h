@@ -19,10 +19,10 @@ class ConsistencyOracle : public Oracle {
   ConsistencyOracle(FeatureSource features, const std::vector<LoadedView>& views, LevelRule rule = LevelRule::kFitted)
       : features_(features), views_(views), calibrator_(rule) {}
 
-  /// Learns from proposals of held-out views; those of a source that was learnt before replace it. Throws InputError
+  /// Learns from proposals of held-out views; those of a source that was learned before replace it. Throws InputError
   /// when none of their pixels counts, ShapeError for one that holds no view out.
   void Calibrate(const std::vector<Query>& held_out);
-  /// The same, and the confidence of what was learnt from. A second oracle is asked once.
+  /// The same, and the confidence of what was learned from. A second oracle is asked once.
   std::vector<ConfidenceMap> CalibrateAndPredict(const std::vector<Query>& held_out);
 
   /// What pixels of proposals of held-out views teach, at most `limit` of each: with the names of their sources, in

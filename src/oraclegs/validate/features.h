@@ -13,21 +13,21 @@ inline constexpr std::array kFeatureNames = {
     "support",  // log of the views' support of the surface there
     "views",    // how many views show it
     "angle",    // to the nearest of them
-    "spread",   // of their colours
+    "spread",   // of their colors
     "depth confidence",
     "conflicts",
     "occluded",
     "ring",
     "resolution",
     "background",
-    "depth edge",     // how much depth changes around the pixel
-    "texture",        // how much the proposal changes around the pixel
-    "colour",         // distance of the proposal's colour from the warp's
-    "colour around",  // the same, mean over the pixels around
-    "structure",      // 1 - correlation of the two images' patches, as far as they have texture
-    "depth",          // relative difference of the proposal's own depth from stereo's
-    "candidates",     // how much the candidates it was mixed from differ
-    "gradient",       // how much the proposal changes from pixel to pixel
+    "depth edge",    // how much depth changes around the pixel
+    "texture",       // how much the proposal changes around the pixel
+    "color",         // distance of the proposal's color from the warp's
+    "color around",  // the same, mean over the pixels around
+    "structure",     // 1 - correlation of the two images' patches, as far as they have texture
+    "depth",         // relative difference of the proposal's own depth from stereo's
+    "candidates",    // how much the candidates it was mixed from differ
+    "gradient",      // how much the proposal changes from pixel to pixel
     "brightness",
     "border",  // nearness of the image's border, where few views overlap
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kMaxFeatures = 64;
 constexpr float kMaxDeviation = 3;  // standard deviations beyond which a feature counts no more
 constexpr double kTail = 0.005;     // share of the samples beyond either end of a feature's range
-constexpr double kRidge = 1e-3;     // per sample, on standardised features
+constexpr double kRidge = 1e-3;     // per sample, on standardized features
 constexpr int kNewtonSteps = 8;
 constexpr double kConverged = 1e-4;  // change of a weight
 constexpr int64_t kBlock = 4096;     // samples
@@ -29,7 +29,7 @@ float Quantile(std::vector<float>* values, double share) {
 
 }  // namespace
 
-void Logistic::Standardise(const float* features, float* x) const {
+void Logistic::Standardize(const float* features, float* x) const {
   for (Eigen::Index i = 0; i < mean_.size(); ++i) {
     const float taught = std::clamp(features[i], low_[i], high_[i]);
     x[i] = std::clamp((taught - mean_[i]) * inverse_deviation_[i], -kMaxDeviation, kMaxDeviation);
@@ -54,7 +54,7 @@ void Logistic::FitRange(const Eigen::MatrixXf& features) {
 Eigen::VectorXf Logistic::Expand(const float* features) const {
   const Eigen::Index n = mean_.size();
   Eigen::VectorXf expanded(n + n * (n + 1) / 2 + 1);
-  Standardise(features, expanded.data());
+  Standardize(features, expanded.data());
   Eigen::Index k = n;
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = i; j < n; ++j) expanded[k++] = expanded[i] * expanded[j] / 2;
@@ -117,7 +117,7 @@ float Logistic::operator()(const float* features) const {
   const Eigen::Index n = mean_.size();
   if (n == 0) return 0.5f;
   std::array<float, kMaxFeatures> x;
-  Standardise(features, x.data());
+  Standardize(features, x.data());
   float sum = constant_;
   for (Eigen::Index j = 0; j < n; ++j) {
     float column = linear_[j];

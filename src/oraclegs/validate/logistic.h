@@ -4,14 +4,14 @@
 
 namespace oraclegs {
 
-/// Logistic regression on features, their squares and their products, standardised: the probability of a soft label.
+/// Logistic regression on features, their squares and their products, standardized: the probability of a soft label.
 /// Features are clamped to the range that 99 % of the samples have: a quadratic function says nothing beyond it.
 class Logistic {
  public:
   /// Answers 1/2 to everything.
   Logistic() = default;
 
-  /// Minimises the cross entropy of `labels` in [0, 1] plus a small ridge by Newton's method; rows are samples. A
+  /// Minimizes the cross entropy of `labels` in [0, 1] plus a small ridge by Newton's method; rows are samples. A
   /// feature that never changes contributes nothing. The same bits for any number of threads. Throws ShapeError when
   /// rows and labels differ in number or there are none.
   static Logistic Fit(const Eigen::MatrixXf& features, const Eigen::VectorXf& labels);
@@ -21,7 +21,7 @@ class Logistic {
 
  private:
   void FitRange(const Eigen::MatrixXf& features);
-  void Standardise(const float* features, float* x) const;
+  void Standardize(const float* features, float* x) const;
   Eigen::VectorXf Expand(const float* features) const;
 
   Eigen::VectorXf low_, high_;                ///< of the features, beyond which they are clamped

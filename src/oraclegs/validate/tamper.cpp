@@ -64,7 +64,7 @@ Color At(const ImageF& image, int64_t x, int64_t y) {
   return {p[0], p[1], p[2]};
 }
 
-/// The mean colour of windows.
+/// The mean color of windows.
 class BoxBlur {
  public:
   explicit BoxBlur(const ImageF& image) : image_(image) {

@@ -13,7 +13,7 @@ enum class TamperKind {
   kOtherImage,  ///< content of another image
   kElsewhere,   ///< content of the same image from far away
   kDisplaced,   ///< the same from nearby, as of geometry that is wrong
-  kTone,        ///< its colours through a random gain and offset of each channel
+  kTone,        ///< its colors through a random gain and offset of each channel
   kBlur,        ///< its mean over windows
 };
 inline constexpr int kTamperKinds = 5;

@@ -59,7 +59,7 @@ Eigen::Vector3f DrawMove(float depth, Rng* rng) {
   return (direction * rng->Uniform(kLeastMove, kFarthestMove) * static_cast<double>(depth)).cast<float>();
 }
 
-/// The colours' distances from middle grey times a gain, and a shift, per channel.
+/// The colors' distances from middle gray times a gain, and a shift, per channel.
 struct Tone {
   float gain[3], shift[3];
 
@@ -73,7 +73,7 @@ struct Tone {
   }
   void Apply(float* sh) const {
     for (int c = 0; c < 3; ++c) {
-      // The harmonics are what is added to middle grey.
+      // The harmonics are what is added to middle gray.
       for (int k = 0; k < kShCoefficients; ++k) sh[3 * k + c] *= gain[c];
       sh[c] += shift[c] * kDcOfColor;
     }

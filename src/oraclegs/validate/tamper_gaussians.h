@@ -16,7 +16,7 @@ namespace oraclegs {
 enum class GaussianTamperKind {
   kDisplace,  ///< moved together, as of geometry that is wrong
   kSwap,      ///< replaced with those of another place
-  kTone,      ///< colours through a random gain and offset of each channel
+  kTone,      ///< colors through a random gain and offset of each channel
   kSmooth,    ///< half of them, three times as large, as of inpainting without detail
   kInvent,    ///< copies of another place stand in free space before the surface
   kDelete,    ///< removed
@@ -32,11 +32,11 @@ struct GaussianTampering {
   Eigen::Vector3f center = {0, 0, 0};  ///< of the ball, world frame
   float radius = 0;                    ///< world units; infinite = all Gaussians
   float depth = 1;                     ///< of the surface in the view that the ball was drawn in, world units
-  Eigen::Vector3f source = {0, 0, 0};  ///< centre of the other place's ball, of swap and invent
+  Eigen::Vector3f source = {0, 0, 0};  ///< center of the other place's ball, of swap and invent
   uint64_t seed = 0, number = 0;       ///< of the random numbers behind its displacement and tone
 };
 
-/// `count` lies at surfaces that the proposals show: ball centres are surface points under random pixels, radii
+/// `count` lies at surfaces that the proposals show: ball centers are surface points under random pixels, radii
 /// log-uniform in 4-20 % of the smaller image side there; the kinds have equal shares. After them a last one that tones
 /// all Gaussians. `honest` are proposals with depth. Without any depth there is only the last one. The same arguments
 /// give the same list, and a smaller count its beginning.
@@ -49,7 +49,7 @@ class TamperedGaussians {
   TamperedGaussians(Gaussians honest, std::vector<GaussianTampering> tamperings);
 
   /// The model with the first `count` lies as view number `view` sees it. A Gaussian follows the first ball that its
-  /// centre lies in; one in no ball keeps its bits and its place in the order. What swap and invent add stands behind.
+  /// center lies in; one in no ball keeps its bits and its place in the order. What swap and invent add stands behind.
   Gaussians Make(size_t count, uint64_t view) const;
 
  private:

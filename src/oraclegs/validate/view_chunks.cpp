@@ -12,13 +12,13 @@
 namespace oraclegs {
 namespace {
 
-/// Mean distance of the views from their centre.
+/// Mean distance of the views from their center.
 double SpreadOf(const std::vector<LoadedView>& views) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const LoadedView& view : views) centre += view.camera.Center() / static_cast<double>(views.size());
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const LoadedView& view : views) center += view.camera.Center() / static_cast<double>(views.size());
   double spread = 0;
   for (const LoadedView& view : views) {
-    spread += (view.camera.Center() - centre).norm() / static_cast<double>(views.size());
+    spread += (view.camera.Center() - center).norm() / static_cast<double>(views.size());
   }
   return std::max(spread, 1e-9);
 }

@@ -67,11 +67,11 @@ FetchSettings FetchSettingsFromEnvironment() {
   return settings;
 }
 
-std::string LicenceText(const WeightsInfo& model) {
-  std::string text = fmt::format("{}: license {}", model.name, model.licence);
+std::string LicenseText(const WeightsInfo& model) {
+  std::string text = fmt::format("{}: license {}", model.name, model.license);
   if (model.non_commercial) text += "; not for commercial use";
   if (!model.restriction.empty()) text += "; " + model.restriction;
-  return text + "; see " + model.licence_page;
+  return text + "; see " + model.license_page;
 }
 
 std::string AtMirror(const std::string& url, const std::string& mirror) {
@@ -86,10 +86,10 @@ fs::path FetchWeights(const WeightsInfo& model, const FetchOptions& options, con
     WarnIfUnexpected(model, *here, "; it is here already and is not replaced: remove it first", listener);
     return *here;
   }
-  if (!options.accept_licence) {
-    throw UsageError("{}; if you agree to it, add --accept-license", LicenceText(model));
+  if (!options.accept_license) {
+    throw UsageError("{}; if you agree to it, add --accept-license", LicenseText(model));
   }
-  listener(Note{LicenceText(model)});
+  listener(Note{LicenseText(model)});
   fs::path weights = FetchedFile(model.name);
   std::vector<fs::path> published;
   for (const PublishedFile& file : model.files) {

@@ -18,14 +18,14 @@ PublishedFile OnHub(const std::string& repository, const std::string& revision, 
   return {fmt::format("{}/resolve/{}/{}", PageOnHub(repository), revision, path), sha256, bytes};
 }
 
-WeightsInfo DepthAnythingV2Model(const std::string& size, const std::string& purpose, const std::string& licence,
+WeightsInfo DepthAnythingV2Model(const std::string& size, const std::string& purpose, const std::string& license,
                                  const PublishedFile& file) {
   WeightsInfo model;
   model.name = model.parameters = "depth-anything-v2-" + size;
   model.purpose = purpose;
-  model.licence = licence;
-  model.non_commercial = licence != "Apache-2.0";
-  model.licence_page = file.url.substr(0, file.url.find("/resolve/"));
+  model.license = license;
+  model.non_commercial = license != "Apache-2.0";
+  model.license_page = file.url.substr(0, file.url.find("/resolve/"));
   model.files = {file};
   model.download_bytes = file.bytes;
   return model;
@@ -51,8 +51,8 @@ std::vector<WeightsInfo> VggtModels() {
   WeightsInfo research;
   research.name = research.parameters = "vggt";
   research.purpose = "3D-aware oracle, poses (VGGT-1B)";
-  research.licence = "CC-BY-NC-4.0";
-  research.licence_page = PageOnHub("facebook/VGGT-1B");
+  research.license = "CC-BY-NC-4.0";
+  research.license_page = PageOnHub("facebook/VGGT-1B");
   research.non_commercial = true;
   research.files = {OnHub("facebook/VGGT-1B", "860abec7937da0a4c03c41d3c269c366e82abdf9", "model.safetensors",
                           "f164acf60724910d8fe1578bb499d800850c7bb0948db7555c413f9fbe60467e", 5'026'367'224)};
@@ -62,8 +62,8 @@ std::vector<WeightsInfo> VggtModels() {
   WeightsInfo commercial = research;
   commercial.name = "vggt-commercial";
   commercial.purpose = "the same, trained for commercial use (VGGT-1B-Commercial)";
-  commercial.licence = "VGGT License";
-  commercial.licence_page = PageOnHub("facebook/VGGT-1B-Commercial");
+  commercial.license = "VGGT License";
+  commercial.license_page = PageOnHub("facebook/VGGT-1B-Commercial");
   commercial.non_commercial = false;
   commercial.restriction = "its acceptable use policy rules out military use, among others";
   commercial.gated = true;
@@ -76,8 +76,8 @@ WeightsInfo LpipsModel(const std::string& network, const PublishedFile& features
   WeightsInfo model;
   model.name = model.parameters = "lpips-" + network;
   model.purpose = network == "vgg" ? "perceptual loss and score (LPIPS, VGG16)" : "perceptual score (LPIPS, AlexNet)";
-  model.licence = "BSD-3-Clause (torchvision), BSD-2-Clause (LPIPS)";
-  model.licence_page = "https://github.com/richzhang/PerceptualSimilarity/blob/master/LICENSE";
+  model.license = "BSD-3-Clause (torchvision), BSD-2-Clause (LPIPS)";
+  model.license_page = "https://github.com/richzhang/PerceptualSimilarity/blob/master/LICENSE";
   model.files = {features, weights};
   model.download_bytes = features.bytes + weights.bytes;
   return model;
@@ -98,8 +98,8 @@ std::vector<WeightsInfo> GeneratorModels() {
   WeightsInfo seva;
   seva.name = seva.parameters = "seva";
   seva.purpose = "generator of proposals (Stable Virtual Camera 1.1)";
-  seva.licence = "Stability AI Non-Commercial License";
-  seva.licence_page = PageOnHub("stabilityai/stable-virtual-camera");
+  seva.license = "Stability AI Non-Commercial License";
+  seva.license_page = PageOnHub("stabilityai/stable-virtual-camera");
   seva.non_commercial = true;
   seva.restriction = "it covers the images that the network makes, too";
   seva.gated = true;
@@ -112,8 +112,8 @@ std::vector<WeightsInfo> GeneratorModels() {
   WeightsInfo vae;
   vae.name = vae.parameters = "sd21-vae";
   vae.purpose = "images to latents and back, for seva";
-  vae.licence = "MIT";
-  vae.licence_page = PageOnHub("stabilityai/sd-vae-ft-mse");
+  vae.license = "MIT";
+  vae.license_page = PageOnHub("stabilityai/sd-vae-ft-mse");
   vae.files = {OnHub("stabilityai/sd-vae-ft-mse", "31f26fdeee1355a5c34592e401dd41e45d25a493",
                      "diffusion_pytorch_model.safetensors",
                      "a1d993488569e928462932c8c38a0760b874d166399b14414135bd9c42df5815", 334'643'276)};
@@ -122,8 +122,8 @@ std::vector<WeightsInfo> GeneratorModels() {
   WeightsInfo clip;
   clip.name = clip.parameters = "openclip-vith14";
   clip.purpose = "embedding of an image, for seva (OpenCLIP ViT-H/14)";
-  clip.licence = "MIT";
-  clip.licence_page = PageOnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K");
+  clip.license = "MIT";
+  clip.license_page = PageOnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K");
   clip.files = {OnHub("laion/CLIP-ViT-H-14-laion2B-s32B-b79K", "1c2b8495b28150b8a4922ee1c8edee224c284c0c",
                       "open_clip_pytorch_model.bin", "9a78ef8e8c73fd0df621682e7a8e8eb36c6916cb3c16b291a082ecd52ab79cc4",
                       3'944'692'325)};

@@ -1,5 +1,5 @@
 #pragma once
-// The networks whose weights this program can use: what each is for, where its files are, under which licence.
+// The networks whose weights this program can use: what each is for, where its files are, under which license.
 
 #include <cstdint>
 #include <string>
@@ -21,11 +21,11 @@ struct PublishedFile {
 struct WeightsInfo {
   std::string name;          ///< as in `oraclegs models fetch NAME`
   std::string purpose;       ///< half a line
-  std::string licence;       ///< its name
-  std::string licence_page;  ///< where to read it, and, of gated files, to agree to it
+  std::string license;       ///< its name
+  std::string license_page;  ///< where to read it, and, of gated files, to agree to it
   bool non_commercial = false;
-  std::string restriction = {};  ///< what the licence asks beside, for people; empty = nothing unusual
-  bool gated = false;            ///< the host wants an account that has agreed to the licence
+  std::string restriction = {};  ///< what the license asks beside, for people; empty = nothing unusual
+  bool gated = false;            ///< the host wants an account that has agreed to the license
   std::vector<PublishedFile> files;
   bool convert = true;          ///< the files have to go through ConvertWeights (convert.h)
   uint64_t download_bytes = 0;  ///< of all files, about

@@ -31,7 +31,7 @@ TEST_F(MeasureOnceTest, StereoTakesLongerThanItsSearch) {
 }
 
 TEST(OnBothText, NamesBothDevices) {
-  EXPECT_EQ(OnBothText("neighbours", {0.25, 30}), "neighbours: 0.2 ms, on the CPU 30 ms\n");
+  EXPECT_EQ(OnBothText("neighbors", {0.25, 30}), "neighbors: 0.2 ms, on the CPU 30 ms\n");
 }
 
 TEST(StereoText, NamesTheSearch) {

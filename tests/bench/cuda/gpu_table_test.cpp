@@ -50,7 +50,7 @@ TEST(GpuStages, EndWithTheSums) {
 TEST(GpuTable, ShowsTimesFloorsAndMemory) {
   const std::string text = GpuTable(Report());
   EXPECT_THAT(text, HasSubstr("1000 Gaussians, 600 visible, 3000 pairs, 10000 pixels; 1 GB/s, 0.0 TFLOP/s"));
-  EXPECT_THAT(text, HasSubstr("1234 bytes a Gaussian in training, 567 of them the rasteriser's"));
+  EXPECT_THAT(text, HasSubstr("1234 bytes a Gaussian in training, 567 of them the rasterizer's"));
   EXPECT_THAT(text, HasSubstr("project                      0.500     0.196     0.000     39%"));
   EXPECT_THAT(text, HasSubstr("blend                        2.000     0.396     0.840     42%"));
   EXPECT_THAT(text, HasSubstr("loss                         0.000     0.270     0.000      0%"));  // not measured

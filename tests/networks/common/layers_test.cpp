@@ -9,7 +9,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(Layers, LinearIsXTimesTransposePlusBias) {
+TEST(Layers, LinearizXTimesTransposePlusBias) {
   const Linear layer{torch::tensor({{1.f, 2.f}, {3.f, 4.f}, {5.f, 6.f}}), torch::tensor({0.5f, 0.f, -1.f})};
   const Tensor y = Forward(layer, torch::tensor({{{1.f, -1.f}}}));
   EXPECT_TRUE(torch::equal(y, torch::tensor({{{-0.5f, -1.f, -2.f}}})));
@@ -81,7 +81,7 @@ TEST(Layers, BilinearFollowsItsCorners) {
       torch::allclose(ResizeBilinear(x, 1, 4, Corners::kHalfPixel), torch::tensor({{{{0.f, 0.75f, 2.25f, 3.f}}}})));
 }
 
-TEST(Layers, RgbIsNormalised) {
+TEST(Layers, RgbIsNormalized) {
   const Tensor mean = torch::tensor({0.485f, 0.456f, 0.406f}).view({1, 3, 1, 1});
   EXPECT_EQ(NormalizeRgb(mean).abs().max().item<float>(), 0);
   EXPECT_NEAR(NormalizeRgb(mean + 0.225)[0][2].item<double>(), 1, 1e-6);

@@ -56,7 +56,7 @@ TEST(RecognizeDepthAnything, KnowsThePublishedSizesByTheirShapes) {
   }
 }
 
-TEST(RecognizeDepthAnything, LoadsWhatItRecognises) {
+TEST(RecognizeDepthAnything, LoadsWhatItRecognizes) {
   const TempDir dir;
   const auto path = MakeTinyDepthAnything(dir / "tiny.safetensors");
   ExpectSame(RecognizeDepthAnything(path), TinyDepthAnything());

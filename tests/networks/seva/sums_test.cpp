@@ -7,7 +7,7 @@ namespace {
 
 const LayerNorm kTwoWide{torch::tensor({2.f, 1.f}), torch::tensor({0.f, 5.f}), 0};
 
-TEST(SevaSums, EachVectorIsForAsManyAdjacentRows) {
+TEST(SevaSums, EachVectorizForAsManyAdjacentRows) {
   const Tensor x = torch::zeros({2, 2, 2}), rows = torch::arange(8).to(torch::kFloat);
   const Tensor vectors = torch::tensor({10.f, 20.f, 30.f, 40.f}).view({2, 1, 2});
   const Tensor expected = torch::tensor({10.f, 21.f, 12.f, 23.f, 34.f, 45.f, 36.f, 47.f}).view({2, 2, 2});

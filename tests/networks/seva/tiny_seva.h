@@ -27,7 +27,7 @@ inline Unet TinyUnet() {
   return LoadUnet(source, TinyUnetConfig());
 }
 
-/// The mean of 8 x 8 pixels as three channels of the latent, and back; the embedding is the mean colour.
+/// The mean of 8 x 8 pixels as three channels of the latent, and back; the embedding is the mean color.
 inline NetworkSet TinyNetworkSet(const Unet& unet) {
   NetworkSet networks;
   networks.unet = &unet;

@@ -22,7 +22,7 @@ TEST(VggtInput, CropModeMatchesPillowToTheLastBit) {
   ExpectGolden(input.images[0], file, "preproc.images_crop", 1e-6);
 }
 
-TEST(VggtInput, PadModeCentresTheSameImageInWhite) {
+TEST(VggtInput, PadModeCentersTheSameImageInWhite) {
   const SafetensorsFile file = OpenGolden("vggt_tiny");
   const Input padded = PrepareInput({GoldenPhoto(file)}, Fit::kPad);
   ASSERT_EQ(padded.images.sizes(), at::IntArrayRef({1, 3, 518, 518}));

@@ -12,7 +12,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
-Image8 Coloured(int width, int height) {
+Image8 Colored(int width, int height) {
   Image8 image{width, height, 3, {}};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -24,14 +24,14 @@ Image8 Coloured(int width, int height) {
 
 /// Cameras beside each other that look straight at the wall z = 4, in a field of view of `fov` along each axis.
 struct Wall {
-  std::vector<Image8> photos = {Coloured(140, 112), Coloured(140, 112), Coloured(112, 140)};
+  std::vector<Image8> photos = {Colored(140, 112), Colored(140, 112), Colored(112, 140)};
   Input input = PrepareInput(photos, Fit::kWhole, 70, 14);
   Tensor encoding = torch::zeros({3, 9});
   std::vector<std::string> names = {"a.jpg", "b.jpg", "c.jpg"};
 
   explicit Wall(float fov = 1.f) {
     for (int v = 0; v < 3; ++v) {
-      encoding[v][0] = -0.4f * static_cast<float>(v);  // the camera's centre is at +0.4 v
+      encoding[v][0] = -0.4f * static_cast<float>(v);  // the camera's center is at +0.4 v
       encoding[v][6] = 1.f;
       encoding[v][7] = fov, encoding[v][8] = fov;
     }
@@ -65,7 +65,7 @@ TEST(ImageCameras, ThoseWithoutACameraAreNamed) {
       ThrowsMessage<InputError>(AllOf(StartsWith("a.jpg, c.jpg: VGGT finds no camera"), HasSubstr("--poses colmap"))));
 }
 
-TEST(MakeCloud, PointsStandOnTheSurfaceInTheColoursOfTheirPixels) {
+TEST(MakeCloud, PointsStandOnTheSurfaceInTheColorsOfTheirPixels) {
   const Wall wall;
   const std::vector<Camera> cameras = ImageCameras(wall.encoding, wall.input, wall.photos, wall.names);
   const DepthPrediction depth = wall.Depth();

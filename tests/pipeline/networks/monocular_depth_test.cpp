@@ -116,7 +116,7 @@ TEST_F(MonocularDepthTest, ASmallSceneIsAlignedAsALargeOneIs) {
   EXPECT_NEAR(Combine(false).maps[0].inv_depth[30] * 1e5, InvDepth(30, 0), 1e-3);
 }
 
-TEST(DepthNetworkLicence, OnlyTheSmallNetworkIsForAnyUse) {
+TEST(DepthNetworkLicense, OnlyTheSmallNetworkIsForAnyUse) {
   EXPECT_FALSE(IsNonCommercialDepthNetwork("Depth Anything V2 small"));
   EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 base"));
   EXPECT_TRUE(IsNonCommercialDepthNetwork("Depth Anything V2 large"));

@@ -100,9 +100,9 @@ TEST(ViewsFingerprint, IsOfTheFileThatTheDownscaleOpens) {
   Scene scene = ReadScene(MakeTinyScene(temp / "scene", 2), {}, Silent());
   const auto image = scene.views[0].image_path, small = temp / "scene" / "images_2" / image.filename();
   const std::string full = Print(scene, {0}, 1), half = Print(scene, {0}, 2);
-  const auto write_small = [&](uint8_t grey, int width) {
+  const auto write_small = [&](uint8_t gray, int width) {
     std::filesystem::create_directories(small.parent_path());
-    WritePng(small, {width, 18, 3, std::vector<uint8_t>(static_cast<size_t>(width) * 18 * 3, grey)});
+    WritePng(small, {width, 18, 3, std::vector<uint8_t>(static_cast<size_t>(width) * 18 * 3, gray)});
   };
   write_small(9, 24);
   const std::string with_small = Print(scene, {0}, 2);

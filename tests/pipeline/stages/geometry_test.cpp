@@ -5,7 +5,7 @@
 namespace oraclegs {
 namespace {
 
-TEST(Geometry, FreesColoursOfExposuresThatVary) {
+TEST(Geometry, FreesColorsOfExposuresThatVary) {
   Geometry geometry;
   EXPECT_FALSE(geometry.HasVariedExposure());
   geometry.gains.assign(4, Eigen::Vector3f::Constant(1.01f));

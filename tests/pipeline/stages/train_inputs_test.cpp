@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSide = 24;
 
-/// A grey square in the middle of a white picture, at inverse depth 0.5, of which the left half is confident.
+/// A gray square in the middle of a white picture, at inverse depth 0.5, of which the left half is confident.
 struct Object {
   std::vector<LoadedView> photos;
   Geometry geometry;

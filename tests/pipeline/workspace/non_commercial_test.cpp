@@ -30,11 +30,11 @@ TEST(NonCommercial, PartsAreThoseOfAllStages) {
 }
 
 TEST(NonCommercial, CommentsSayItAndAreUnderstood) {
-  const std::vector<std::string> comments = LicenceComments({"SEVA", "VGGT-1B"});
+  const std::vector<std::string> comments = LicenseComments({"SEVA", "VGGT-1B"});
   EXPECT_THAT(comments,
               ElementsAre("not for commercial use: made with SEVA", "not for commercial use: made with VGGT-1B"));
   EXPECT_THAT(PartsInComments({"Created by somebody", comments[0], comments[1]}), ElementsAre("SEVA", "VGGT-1B"));
-  EXPECT_THAT(LicenceComments({}), IsEmpty());
+  EXPECT_THAT(LicenseComments({}), IsEmpty());
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST_F(WorkspaceTest, ForgetsRecordsThatAreDamaged) {
   EXPECT_EQ(ReadRunJson(out / "stages.json"), nlohmann::json::object());
 }
 
-TEST_F(WorkspaceTest, ContinuesTheSameRunHoweverThePathIsSpelt) {
+TEST_F(WorkspaceTest, ContinuesTheSameRunHoweverThePathIsSpelled) {
   { const Workspace workspace = Claim(); }
   WriteText(out / "point_cloud.ply", "x");
   options.machine.threads = 7;  // changes nothing in the result
@@ -202,7 +202,7 @@ TEST_F(WorkspaceTest, RefusesFilesOfSomebodyElseEvenWithOverwrite) {
   WriteText(out / "thesis.tex", "precious");
   EXPECT_THAT(Refusal(), AllOf(HasSubstr(out.string()), HasSubstr("not empty")));
   EXPECT_THAT(Refusal(true), HasSubstr("not empty"));
-  WriteText(out / "options.json", R"({"colour": "blue"})");
+  WriteText(out / "options.json", R"({"color": "blue"})");
   EXPECT_THAT(Refusal(true), HasSubstr("was not written by oraclegs"));
   EXPECT_TRUE(std::filesystem::exists(out / "thesis.tex"));
 }

@@ -137,7 +137,7 @@ TEST_P(BlendTileBackward, IgnoresPixelsOutsideTheImage) {
   Work(29, 30, std::vector<cpu::LineSplat>(60, MakeSplat(31.5, 18.5, cov, 0.999))).Check(0);
 }
 
-TEST_P(BlendTileBackward, HasOnlyColourGradientsAtTheCap) {
+TEST_P(BlendTileBackward, HasOnlyColorGradientsAtTheCap) {
   const double wide[3] = {1e8, 0, 1e8};
   const std::vector<cpu::LineSplat> splats = {MakeSplat(8, 8, wide, 0.999)};
   const std::vector<cpu::TileEntry> entries = {{0, 0xffff, 0}};

@@ -29,7 +29,7 @@ TEST_P(CoverTiles, MasksTheReachedBlocks) {
     for (int tile = 0; tile < kTilesX * kTilesY; ++tile) {
       for (int block = 0; block < cpu::kBlocksPerTile; ++block) {
         const int x0 = tile % kTilesX * kTile + block % 4 * 4, y0 = tile / kTilesX * kTile + block / 4 * 4;
-        double best = 0;  // over the block's pixel centres and the points between them
+        double best = 0;  // over the block's pixel centers and the points between them
         for (double y = 0.5; y <= 3.5; y += 0.25) {
           for (double x = 0.5; x <= 3.5; x += 0.25) best = std::max(best, AlphaAt(s, x0 + x, y0 + y));
         }

@@ -23,7 +23,7 @@ inline cpu::LineSplat MakeSplat(double mx, double my, const double (&cov)[3], do
   return s;
 }
 
-/// A random ellipse, from dots to needles, centred in or around an image of this size.
+/// A random ellipse, from dots to needles, centerd in or around an image of this size.
 inline cpu::LineSplat RandomSplat(Rng* rng, double width, double height) {
   const double angle = rng->Uniform(0, 3.14159), c = std::cos(angle), s = std::sin(angle);
   const double a = std::exp(rng->Uniform(-1, 7)), b = std::exp(rng->Uniform(-1, 4));
@@ -32,7 +32,7 @@ inline cpu::LineSplat RandomSplat(Rng* rng, double width, double height) {
                    rng->Uniform(0.3, 9));
 }
 
-/// alpha of a splat at a pixel centre, in double, before cap and threshold.
+/// alpha of a splat at a pixel center, in double, before cap and threshold.
 inline double AlphaAt(const cpu::LineSplat& s, double x, double y) {
   const double dx = x - s.mx, p = s.ax * dx, q = s.by * (y - s.my + s.slope * dx);
   return std::exp2(s.log2_opacity - p * p - q * q);

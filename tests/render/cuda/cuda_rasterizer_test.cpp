@@ -1,4 +1,4 @@
-// The CUDA rasteriser against the reference numbers and against the CPU's.
+// The CUDA rasterizer against the reference numbers and against the CPU's.
 
 #include "oraclegs/render/cuda/cuda_rasterizer.h"
 
@@ -62,7 +62,7 @@ TEST_P(CudaRasterizerScenes, AgreesWithTheCpu) {
   const auto rasterizer = cuda::MakeCudaRasterizer(TestDevice());
   const RenderedTask out = RunTask(rasterizer.get(), task, TestDevice());
   const RenderedTask cpu = RunTask(MakeRasterizer(kCpu).get(), task, kCpu);
-  // One contributor at alpha = 1/255 weighs up to 0.4 % of a colour; anything larger is a mistake.
+  // One contributor at alpha = 1/255 weighs up to 0.4 % of a color; anything larger is a mistake.
   EXPECT_LE(MaxAbsError(out.image, cpu.image), 0.02);
   EXPECT_LE(DifferingShare(out.image, cpu.image, 3e-5), 0.002);
   EXPECT_LE(DifferingShare(out.alpha, cpu.alpha, 3e-5), 0.002);
@@ -105,7 +105,7 @@ void WithFactors(RenderTask* task) {
   factors.Rows(0, 10).SetZero();
   task->options.opacity_factors = factors;
 }
-void OnlyColour(RenderTask* task) { task->upstream.alpha = task->upstream.inv_depth = Buffer<float>(); }
+void OnlyColor(RenderTask* task) { task->upstream.alpha = task->upstream.inv_depth = Buffer<float>(); }
 void OnlyDepth(RenderTask* task) { task->upstream.alpha = task->upstream.image = Buffer<float>(); }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SceneCase{"thresholds", 150, 0.1, 40, 30, 3, false, AtThresholds},
                     SceneCase{"factors", 150, 0.1, 40, 30, 3, false, WithFactors},
                     SceneCase{"factors_antialiased", 150, 0.03, 40, 30, 3, true, WithFactors},
-                    SceneCase{"only_colour", 100, 0.1, 40, 30, 3, false, OnlyColour},
+                    SceneCase{"only_color", 100, 0.1, 40, 30, 3, false, OnlyColor},
                     SceneCase{"only_depth", 100, 0.1, 40, 30, 3, false, OnlyDepth}),
     [](const auto& info) { return info.param.name; });
 

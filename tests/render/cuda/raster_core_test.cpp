@@ -1,4 +1,4 @@
-// The rasteriser on a device: the same bits however much memory there was, and no allocation in a steady iteration.
+// The rasterizer on a device: the same bits however much memory there was, and no allocation in a steady iteration.
 
 #include "oraclegs/render/cuda/raster_core.h"
 

@@ -27,7 +27,7 @@ struct Exchange {
   uint64_t values[32];
 };
 
-struct Fibre {
+struct Fiber {
   enum class State { kReady, kAtBarrier, kInExchange, kDone };
   std::unique_ptr<char[]> stack{new char[kStackBytes]};
   uint3 index{};
@@ -45,10 +45,10 @@ struct Warp {
 };
 
 struct Block {
-  std::vector<std::unique_ptr<Fibre>> fibres;  // kept from launch to launch
+  std::vector<std::unique_ptr<Fiber>> fibers;  // kept from launch to launch
   std::vector<Warp> warps;
   const std::function<void()>* thread = nullptr;
-  Fibre* running = nullptr;
+  Fiber* running = nullptr;
   int64_t barrier_sum = 0, barrier_result = 0;
   std::string failure;
   jmp_buf scheduler;
@@ -57,59 +57,59 @@ struct Block {
 Block block;  // one kernel runs at a time
 
 void Yield() {
-  Fibre* const fibre = block.running;
-  StackSwitch to_scheduler(&fibre->returns_to);
-  if (_setjmp(fibre->turn) == 0) {
+  Fiber* const fiber = block.running;
+  StackSwitch to_scheduler(&fiber->returns_to);
+  if (_setjmp(fiber->turn) == 0) {
     to_scheduler.Leave();
     _longjmp(block.scheduler, 1);
   }
   to_scheduler.ComeBack();
 }
 
-/// The end of the running fibre.
+/// The end of the running fiber.
 [[noreturn]] void LeaveForGood() {
-  block.running->state = Fibre::State::kDone;
+  block.running->state = Fiber::State::kDone;
   StackSwitch::LeaveForGood(block.running->returns_to);
   _longjmp(block.scheduler, 1);
 }
 
-/// Ends the running fibre; the scheduler throws.
+/// Ends the running fiber; the scheduler throws.
 [[noreturn]] void Fail(const char* what) {  // no string: nothing is destroyed on the way out
   block.failure = what;
   LeaveForGood();
 }
 
-void RunFibre() {
+void RunFiber() {
   StackSwitch::Arrive(&block.running->returns_to);
   (*block.thread)();
   LeaveForGood();
 }
 
-void Resume(Fibre* fibre) {
-  block.running = fibre;
-  threadIdx = fibre->index;
-  fibre->state = Fibre::State::kReady;
-  StackOfOthers stack{fibre->stack.get(), kStackBytes};
-  StackSwitch to_fibre(&stack);
+void Resume(Fiber* fiber) {
+  block.running = fiber;
+  threadIdx = fiber->index;
+  fiber->state = Fiber::State::kReady;
+  StackOfOthers stack{fiber->stack.get(), kStackBytes};
+  StackSwitch to_fiber(&stack);
   if (_setjmp(block.scheduler) != 0) {
-    to_fibre.ComeBack();
+    to_fiber.ComeBack();
     return;
   }
-  to_fibre.Leave();
-  if (fibre->started) _longjmp(fibre->turn, 1);
-  fibre->started = true;
-  ForgetFrames(fibre->stack.get(), kStackBytes);
-  getcontext(&fibre->first);
-  fibre->first.uc_stack.ss_sp = fibre->stack.get();
-  fibre->first.uc_stack.ss_size = kStackBytes;
-  fibre->first.uc_link = nullptr;
-  makecontext(&fibre->first, RunFibre, 0);
-  setcontext(&fibre->first);
+  to_fiber.Leave();
+  if (fiber->started) _longjmp(fiber->turn, 1);
+  fiber->started = true;
+  ForgetFrames(fiber->stack.get(), kStackBytes);
+  getcontext(&fiber->first);
+  fiber->first.uc_stack.ss_sp = fiber->stack.get();
+  fiber->first.uc_stack.ss_size = kStackBytes;
+  fiber->first.uc_link = nullptr;
+  makecontext(&fiber->first, RunFiber, 0);
+  setcontext(&fiber->first);
 }
 
-bool CanGoOn(const Fibre& fibre) {
-  if (fibre.state == Fibre::State::kInExchange) return fibre.exchange->reading != 0;
-  return fibre.state == Fibre::State::kReady;
+bool CanGoOn(const Fiber& fiber) {
+  if (fiber.state == Fiber::State::kInExchange) return fiber.exchange->reading != 0;
+  return fiber.state == Fiber::State::kReady;
 }
 
 /// An order of 0 .. count-1 that a device could have taken too; another one each time.
@@ -145,8 +145,8 @@ bool RunWarp(size_t begin, size_t end) {
     progress = false;
     for (size_t lane = 0; lane < end - begin; ++lane) {
       const size_t i = begin + lanes[lane];
-      if (!CanGoOn(*block.fibres[i])) continue;
-      Resume(block.fibres[i].get());
+      if (!CanGoOn(*block.fibers[i])) continue;
+      Resume(block.fibers[i].get());
       if (!block.failure.empty()) return true;
       progress = any = true;
     }
@@ -158,8 +158,8 @@ bool RunWarp(size_t begin, size_t end) {
 bool OpenBarrier(size_t threads) {
   size_t done = 0, waiting = 0;
   for (size_t i = 0; i < threads; ++i) {
-    done += block.fibres[i]->state == Fibre::State::kDone;
-    waiting += block.fibres[i]->state == Fibre::State::kAtBarrier;
+    done += block.fibers[i]->state == Fiber::State::kDone;
+    waiting += block.fibers[i]->state == Fiber::State::kAtBarrier;
   }
   if (done == threads) return false;
   if (waiting != threads) {
@@ -167,7 +167,7 @@ bool OpenBarrier(size_t threads) {
                            " wait at a barrier, " + std::to_string(done) + " have ended and " +
                            std::to_string(threads - waiting - done) + " wait for lanes that do not come");
   }
-  for (size_t i = 0; i < threads; ++i) block.fibres[i]->state = Fibre::State::kReady;
+  for (size_t i = 0; i < threads; ++i) block.fibers[i]->state = Fiber::State::kReady;
   block.barrier_result = block.barrier_sum;
   block.barrier_sum = 0;
   return true;
@@ -177,13 +177,13 @@ void RunBlock(size_t threads) {
   block.warps.assign((threads + 31) / 32, Warp());
   block.barrier_sum = 0;
   block.failure.clear();
-  while (block.fibres.size() < threads) block.fibres.push_back(std::make_unique<Fibre>());
+  while (block.fibers.size() < threads) block.fibers.push_back(std::make_unique<Fiber>());
   for (size_t i = 0; i < threads; ++i) {
-    Fibre& fibre = *block.fibres[i];
-    fibre.index = {static_cast<unsigned>(i % blockDim.x), static_cast<unsigned>(i / blockDim.x % blockDim.y),
+    Fiber& fiber = *block.fibers[i];
+    fiber.index = {static_cast<unsigned>(i % blockDim.x), static_cast<unsigned>(i / blockDim.x % blockDim.y),
                    static_cast<unsigned>(i / blockDim.x / blockDim.y)};
-    fibre.state = Fibre::State::kReady;
-    fibre.started = false;
+    fiber.state = Fiber::State::kReady;
+    fiber.started = false;
   }
   SpoilSharedMemory();
   const AnyOrder warps(block.warps.size());
@@ -241,7 +241,7 @@ void RunGrid(const char* kernel, dim3 grid, dim3 threads, const std::function<vo
 
 int64_t SyncBlock(int64_t value) {
   block.barrier_sum += value;
-  block.running->state = Fibre::State::kAtBarrier;
+  block.running->state = Fiber::State::kAtBarrier;
   Yield();
   return block.barrier_result;
 }
@@ -256,7 +256,7 @@ const uint64_t* SyncWarp(unsigned mask, WarpOp op, uint64_t value) {
   exchange->arrived |= self;
   if (exchange->arrived != mask) {
     block.running->exchange = exchange;
-    block.running->state = Fibre::State::kInExchange;
+    block.running->state = Fiber::State::kInExchange;
     Yield();
   } else {
     exchange->reading = mask;

@@ -1,5 +1,5 @@
 #pragma once
-// A grid of threads on the host. Blocks run one after another, in any order; the threads of a block are fibres of their
+// A grid of threads on the host. Blocks run one after another, in any order; the threads of a block are fibers of their
 // own stacks, which take turns, in any order, whenever one waits: for its block (__syncthreads) or for lanes of its
 // warp (shuffles, votes). Shared memory is spoiled before each block. What hardware leaves undefined is refused here
 // with a std::logic_error: a barrier that a thread of the block does not reach, a shuffle whose mask names a lane that

@@ -125,7 +125,7 @@ TEST_F(CudaTrainDeviceTest, AnIterationTakesNoMemoryAndWaitsTwice) {
   for (int i = 0; i < 5; ++i) trainer.Step();
   const emulated_cuda::Counts after = emulated_cuda::CountCalls();
   EXPECT_EQ(after.allocations, before.allocations);
-  EXPECT_EQ(after.waits, before.waits + 5 * (2 + 1));  // for two counts of the rasteriser, and the loss that Step gives
+  EXPECT_EQ(after.waits, before.waits + 5 * (2 + 1));  // for two counts of the rasterizer, and the loss that Step gives
 }
 
 TEST_F(CudaTrainDeviceTest, RefusesWhatWillNotFitBeforeItBegins) {

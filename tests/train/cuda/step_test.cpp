@@ -79,7 +79,7 @@ class CudaStep : public CudaTest {
   }
 };
 
-TEST_F(CudaStep, IsRegularisersAdamAndNoiseOfTheCpu) {
+TEST_F(CudaStep, IsRegularizersAdamAndNoiseOfTheCpu) {
   for (const int degree : {0, 1, 2, 3}) {
     Gaussians expected = start.Clone(), gaussians = OnTestDevice(start);
     Adam expected_adam(kStepCount), adam = NewAdam();

@@ -63,7 +63,7 @@ async function open(run, stage, note, tools) {
     if (event.key.toLowerCase() === 'p' && !event.ctrlKey && !event.metaKey) provenance.toggle();
     if (event.key === 'Escape') overlay.hide();
   });
-  scene.canvas.setAttribute('aria-label', '3D view: arrow keys turn, W A S D move, plus and minus zoom, P colours by support');
+  scene.canvas.setAttribute('aria-label', '3D view: arrow keys turn, W A S D move, plus and minus zoom, P colors by support');
   globalThis.oraclegs = {scene};  // for the console and for tests
   scene.canvas.focus({preventScroll: true});
 }

@@ -5,7 +5,7 @@ import {hero, warnings} from './hero.js';
 import {proposals, testViews} from './images.js';
 import {calibration, curves, support} from './measures.js';
 import {plan} from './plan.js';
-import {commandAndOptions, licences} from './record.js';
+import {commandAndOptions, licenses} from './record.js';
 import {registration} from './registration.js';
 import {scores, stages} from './scores.js';
 
@@ -24,7 +24,7 @@ const SECTIONS = [
   ['training', 'Training', 'Training', curves],
   ['stages', 'Stages', 'Stages', stages],
   ['reproduce', 'Options', 'Command and options', commandAndOptions],
-  ['licences', 'Licences', 'Licences', licences],
+  ['licenses', 'Licenses', 'Licenses', licenses],
 ];
 
 const sections = SECTIONS.map(([id, short, title, make]) => ({id, short, title, content: make(run)})).filter((s) => s.content);

@@ -35,8 +35,8 @@ async function copied(text, element) {
   }
 }
 
-export function licences(run) {
-  if (!run.licences?.length) return null;
-  return h('div', {class: 'card'}, table(run.licences, [
-    {name: 'Part', value: (l) => l.name}, {name: 'Licence', value: (l) => l.licence}, {name: 'Note', value: (l) => l.note ?? ''}], {caption: 'Licences'}));
+export function licenses(run) {
+  if (!run.licenses?.length) return null;
+  return h('div', {class: 'card'}, table(run.licenses, [
+    {name: 'Part', value: (l) => l.name}, {name: 'License', value: (l) => l.license}, {name: 'Note', value: (l) => l.note ?? ''}], {caption: 'Licenses'}));
 }

@@ -29,7 +29,7 @@ export class Controls {
     canvas.addEventListener('blur', () => this.keys.clear());
   }
 
-  // The pivot lies this far in front of the camera: at the depth of the scene's centre.
+  // The pivot lies this far in front of the camera: at the depth of the scene's center.
   aim() {
     const {position, quaternion} = this.pose();
     const forward = new Vector3(0, 0, -1).applyQuaternion(quaternion);

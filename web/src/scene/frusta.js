@@ -1,4 +1,4 @@
-// The input cameras as wire pyramids that can be clicked; one colour a role.
+// The input cameras as wire pyramids that can be clicked; one color a role.
 import {Color, Group, Vector3} from 'three';
 import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 import {LineSegments2} from 'three/addons/lines/LineSegments2.js';
@@ -90,7 +90,7 @@ function inTriangle(x, y, a, b, c) {
   return s.every((v) => v >= 0) || s.every((v) => v <= 0);
 }
 
-// A third of the usual distance between neighbours, but neither specks nor walls.
+// A third of the usual distance between neighbors, but neither specks nor walls.
 function frustumSize(positions, frame) {
   const nearest = positions.map((p, i) => Math.min(...positions.map((q, j) => (i === j ? Infinity : p.distanceTo(q)))));
   const sorted = nearest.filter(Number.isFinite).sort((a, b) => a - b);

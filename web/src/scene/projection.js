@@ -1,4 +1,4 @@
-// How intrinsics fill a canvas of another shape: the whole image is visible and centred, and the 3D view goes on around it.
+// How intrinsics fill a canvas of another shape: the whole image is visible and centerd, and the 3D view goes on around it.
 import {Matrix4} from 'three';
 
 // The rectangle of the image in the canvas, and canvas pixels per image pixel.

@@ -1,5 +1,5 @@
 // Provenance: tints each Gaussian by what supports it and hides those with little support. One texel a Gaussian holds the
-// colour of its class and its support; two uniforms say how strong the tint is and what is hidden, so a change costs nothing.
+// color of its class and its support; two uniforms say how strong the tint is and what is hidden, so a change costs nothing.
 import {RgbaArray, dyno} from '@sparkjsdev/spark';
 import {CLASSES, classOfByte, rgbOf} from '../shared/support_classes.js';
 
@@ -32,7 +32,7 @@ export class Provenance {
     }).outputs.gsplat;
   }
 
-  // tint: 0 = true colours, 1 = colours of the classes; hideBelow: support in [0,1].
+  // tint: 0 = true colors, 1 = colors of the classes; hideBelow: support in [0,1].
   set(tint, hideBelow) {
     this.tint.value = tint;
     this.hideBelow.value = hideBelow;
@@ -45,11 +45,11 @@ export class Provenance {
 }
 
 function texelsOf(support, n) {
-  const colours = CLASSES.map((c) => rgbOf(c.color));
+  const colors = CLASSES.map((c) => rgbOf(c.color));
   const out = new Uint8Array(Math.ceil(n / 2048) * 2048 * 4);
   for (let i = 0; i < n; i++) {
     const value = support[i] ?? 255;
-    const [r, g, b] = colours[classOfByte(value)];
+    const [r, g, b] = colors[classOfByte(value)];
     out.set([r, g, b, value], 4 * i);
   }
   return out;

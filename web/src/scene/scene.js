@@ -98,7 +98,7 @@ export class SplatScene extends EventTarget {
     return this.mesh?.numSplats ?? 0;
   }
 
-  // tint: whether the Gaussians have the colours of their classes; hideBelow: support in [0,1].
+  // tint: whether the Gaussians have the colors of their classes; hideBelow: support in [0,1].
   setProvenance(tint, hideBelow) {
     this.tint = tint ? 1 : 0;
     this.hideBelow = hideBelow;

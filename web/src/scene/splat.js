@@ -1,4 +1,4 @@
-// A splat file as a mesh: decoded in Spark's worker, with full-precision centres, because scenes have any scale.
+// A splat file as a mesh: decoded in Spark's worker, with full-precision centers, because scenes have any scale.
 import {SplatFileType, SplatMesh} from '@sparkjsdev/spark';
 
 const TYPES = {ply: SplatFileType.PLY, spz: SplatFileType.SPZ, splat: SplatFileType.SPLAT, sog: SplatFileType.PCSOGSZIP};
@@ -12,7 +12,7 @@ export async function decodeSplat(bytes, format) {
   return mesh;
 }
 
-// The centres of at most `limit` Gaussians, evenly chosen: Float32Array of x, y, z.
+// The centers of at most `limit` Gaussians, evenly chosen: Float32Array of x, y, z.
 export function centersOf(mesh, limit = 20000) {
   const step = Math.max(1, Math.floor(mesh.numSplats / limit));
   const out = [];

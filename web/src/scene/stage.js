@@ -4,7 +4,7 @@ import {SparkRenderer} from '@sparkjsdev/spark';
 import {imageRect, setProjection} from './projection.js';
 
 export const BACKGROUND = 0x0d0f12;
-// px^2 of the training images that the rasteriser of OracleGS adds to each footprint, without lowering the opacity.
+// px^2 of the training images that the rasterizer of OracleGS adds to each footprint, without lowering the opacity.
 const LOW_PASS = 0.3;
 const SLOW_FRAME_MS = 70;
 const REST_MS = 250;

@@ -1,4 +1,4 @@
-// Curves with uPlot: axes, a legend that follows the pointer, the page's colours.
+// Curves with uPlot: axes, a legend that follows the pointer, the page's colors.
 import uPlot from 'uplot';
 import {h} from '../shared/dom.js';
 import {short} from '../shared/format.js';

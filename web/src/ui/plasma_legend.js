@@ -1,4 +1,4 @@
-// What the colours of a confidence map mean.
+// What the colors of a confidence map mean.
 import {h} from '../shared/dom.js';
 
 export const plasmaLegend = () => h('div', {class: 'plasma', role: 'img', 'aria-label': 'Confidence: purple is 0, no trust; yellow is 1, trust'},

@@ -1,7 +1,7 @@
 // One thread a pixel. What a thread compares, one plane in one source at a time, needs no other thread: no barrier and
 // no reduction, where a warp a pixel (41 samples on 32 lanes, a third of them idle) would add some twenty shuffles to
-// each comparison. A warp has 32 neighbouring columns of two rows, in which the pixels of one colour alternate: once
-// neighbours agree on planes, a warp's samples lie side by side in the source, and its windows overlap in the cache.
+// each comparison. A warp has 32 neighboring columns of two rows, in which the pixels of one color alternate: once
+// neighbors agree on planes, a warp's samples lie side by side in the source, and its windows overlap in the cache.
 // Where pixels differ in how many planes are allowed, lanes wait for each other; that is the price.
 
 #include "oraclegs/depth/cuda/half_sweep.h"
@@ -13,7 +13,7 @@
 namespace oraclegs::cuda {
 namespace {
 
-constexpr int kTileWidth = 32, kTileHeight = 8;         // pixels of a block, half of them of one colour
+constexpr int kTileWidth = 32, kTileHeight = 8;         // pixels of a block, half of them of one color
 constexpr int kThreads = kTileWidth * kTileHeight / 2;  // few: each has long arrays, which the cache must hold
 
 /// Value of a image's word: the first of its four pixels.

@@ -1,5 +1,5 @@
 #pragma once
-// PatchMatch on a GPU: the pixels of one colour of the red-black pattern, in one iteration (depth/search_math.h).
+// PatchMatch on a GPU: the pixels of one color of the red-black pattern, in one iteration (depth/search_math.h).
 
 #include <cuda_runtime.h>
 
@@ -25,7 +25,7 @@ struct HalfSweep {
   int color = 0;  ///< pixels with (x + y) % 2 == color
 };
 
-/// Queues one launch, which writes planes and costs of the pixels of this colour and reads those of the other.
+/// Queues one launch, which writes planes and costs of the pixels of this color and reads those of the other.
 void RunHalfSweep(const HalfSweep& sweep, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

@@ -110,7 +110,7 @@ __device__ void ScanLeaf(const NeighborTree& tree, int64_t leaf, int64_t self, S
   }
 }
 
-/// A thread a point, in the tree's order: neighbours in a warp visit the same nodes. Nodes are numbered from the root,
+/// A thread a point, in the tree's order: neighbors in a warp visit the same nodes. Nodes are numbered from the root,
 /// 1, so that those below k are 2k and 2k + 1.
 __global__ void NearestThree(NeighborTree tree, double* means) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kBlock + threadIdx.x;

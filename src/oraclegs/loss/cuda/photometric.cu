@@ -55,7 +55,7 @@ __device__ PixelPair LoadPixel(const PhotometricInput& in, int x, int y, int cha
   return pair;
 }
 
-/// The window along kColumnsAThread neighbouring columns of kPlanes planes, whose values at column c read(c, values)
+/// The window along kColumnsAThread neighboring columns of kPlanes planes, whose values at column c read(c, values)
 /// gives. Each value is read once and added to all windows that hold it.
 template <int kPlanes, class Read>
 __device__ void FilterRun(const Read& read, int row, int run, RowsPlane* out) {

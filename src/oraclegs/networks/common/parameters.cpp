@@ -153,14 +153,14 @@ Tensor RandomParameters::Get(const std::string& name, at::IntArrayRef shape) {
   const bool scale = !matrix && (name.ends_with("weight") || name.ends_with("gamma"));
   const int64_t n = out.numel();
   const float inputs = matrix ? static_cast<float>(n / std::max<int64_t>(shape[0], 1)) : 0;
-  const float amplitude = matrix ? std::sqrt(3.f / std::max(inputs, 1.f)) : 0.1f, centre = scale ? 1.f : 0.f;
+  const float amplitude = matrix ? std::sqrt(3.f / std::max(inputs, 1.f)) : 0.1f, center = scale ? 1.f : 0.f;
   float* values = out.data_ptr<float>();
   const uint64_t stream = tensors_++;
   ParallelBlocks(n, 1 << 16, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; i += 4) {
       const Philox r = Philox::Draw(seed_, stream, static_cast<uint64_t>(i));
       for (int64_t j = i; j < std::min(i + 4, end); ++j) {
-        values[j] = centre + amplitude * (2 * OpenUniform(r.x[j - i]) - 1);
+        values[j] = center + amplitude * (2 * OpenUniform(r.x[j - i]) - 1);
       }
     }
   });

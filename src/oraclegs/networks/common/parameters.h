@@ -90,7 +90,7 @@ class FileParameters : public ParameterSource {
   std::vector<std::string> missing_, twice_, wrong_type_, wrong_shape_;
 };
 
-/// What files say of their tensors' shapes, to recognise by it which size of a network they hold.
+/// What files say of their tensors' shapes, to recognize by it which size of a network they hold.
 class StoredShapes {
  public:
   /// Throws InputError as SafetensorsFile does.

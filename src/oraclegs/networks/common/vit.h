@@ -37,7 +37,7 @@ Vit LoadVit(const ParameterScope& at, const VitConfig& config);
 Tensor PositionEmbedding(const Vit& vit, int64_t rows, int64_t cols);
 
 /// What enters the first block: [B, 1 + registers + patches, width], in the order class, registers, patches.
-/// images [B, 3, H, W] float32, normalised, sides multiples of the patch (ShapeError otherwise).
+/// images [B, 3, H, W] float32, normalized, sides multiples of the patch (ShapeError otherwise).
 Tensor EmbedImages(const Vit& vit, const Tensor& images);
 
 /// The tokens after each of `layers` (0-based, ascending), each through the final norm: [B, 1 + registers + patches,

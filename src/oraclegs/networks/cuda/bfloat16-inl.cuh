@@ -1,5 +1,5 @@
 #pragma once
-// Two neighbouring bfloat16 numbers in 32 bits, as the kernels read and write them; all they compute is float32.
+// Two neighboring bfloat16 numbers in 32 bits, as the kernels read and write them; all they compute is float32.
 
 #include "oraclegs/core/bfloat16.h"
 

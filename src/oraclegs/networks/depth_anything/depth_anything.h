@@ -43,7 +43,7 @@ DepthAnything LoadRecognizedDepthAnything(const std::filesystem::path& path, tor
 std::unique_ptr<DepthNetwork> LoadDepthNetwork(const std::filesystem::path& path, torch::Device device = torch::kCPU);
 
 /// rgb [h, w, 3] float32 in [0, 1] -> [1, 3, H, W]: the smaller side becomes `side`, both multiples of `patch`; bicubic
-/// without antialiasing, not clamped, not yet normalised. Throws ShapeError.
+/// without antialiasing, not clamped, not yet normalized. Throws ShapeError.
 Tensor ResizeForDepthAnything(const Tensor& rgb, int64_t side, int64_t patch);
 
 /// Tokens of the patches [B, P, width] after each of the layers that the head reads.

@@ -21,7 +21,7 @@ struct View {
 /// Degrees between two rotations.
 double RotationDegrees(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-/// Where a scene's middle is: the mean of the camera centres that lie within ten times the 97 % quantile of the
+/// Where a scene's middle is: the mean of the camera centers that lie within ten times the 97 % quantile of the
 /// distances to their (lower) median.
 struct SceneMiddle {
   Eigen::Vector3d median = Eigen::Vector3d::Zero();
@@ -29,7 +29,7 @@ struct SceneMiddle {
   std::vector<bool> valid;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
 };
-/// At least one centre (ShapeError).
+/// At least one center (ShapeError).
 SceneMiddle FindSceneMiddle(const std::vector<Eigen::Vector3d>& centers);
 
 /// `chunk` about the middle of `all` (the input images and targets of the scene), scaled so that its first frame is

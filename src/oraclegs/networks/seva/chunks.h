@@ -45,7 +45,7 @@ Chunking ToChunking(FirstChunking chunking);
 /// Empty slots become copies: of the last given view when the last filled slot holds one, else of the last target.
 Chunk Padded(const Chunk& chunk);
 
-/// Index of the nearest of `sources`, by distance of centres or by rotation; the first of equals.
+/// Index of the nearest of `sources`, by distance of centers or by rotation; the first of equals.
 int64_t NearestByDistance(const View& view, const std::vector<View>& sources);
 int64_t NearestByRotation(const View& view, const std::vector<View>& sources);
 

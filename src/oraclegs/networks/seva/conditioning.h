@@ -13,7 +13,7 @@ namespace oraclegs::seva {
 
 /// The frames of a joint problem. latents and embeddings are read where `given`.
 struct Frames {
-  std::vector<View> views;  ///< normalised
+  std::vector<View> views;  ///< normalized
   std::vector<bool> given;
   std::vector<Tensor> latents;     ///< [1, 4, h, w] each, scaled
   std::vector<Tensor> embeddings;  ///< [1, context width] each

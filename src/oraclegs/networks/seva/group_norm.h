@@ -1,5 +1,5 @@
 #pragma once
-// Group normalisation as Stable Diffusion's networks use it (docs/method.md#seva-group-norm).
+// Group normalization as Stable Diffusion's networks use it (docs/method.md#seva-group-norm).
 
 #include "oraclegs/networks/seva/norm_types.h"
 

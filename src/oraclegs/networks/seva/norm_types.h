@@ -5,7 +5,7 @@
 
 namespace oraclegs::seva {
 
-/// Channels in `groups` of neighbours; each group of each image gets mean 0 and (biased) variance 1, then each channel
+/// Channels in `groups` of neighbors; each group of each image gets mean 0 and (biased) variance 1, then each channel
 /// its own scale and shift.
 struct GroupNorm {
   Tensor weight, bias;  ///< [channels]

@@ -8,7 +8,7 @@
 namespace oraclegs::seva {
 
 /// The point nearest to all optical axes (least squares). Of axes that are all parallel any point is as good; then it
-/// is the one nearest to the mean of the centres. Throws ShapeError without views.
+/// is the one nearest to the mean of the centers. Throws ShapeError without views.
 Eigen::Vector3d LookAtPoint(const std::vector<View>& views);
 
 /// Minus the mean of the cameras' y axes, of unit length: which way is up.

@@ -33,7 +33,7 @@ struct UnetConfig {
   int64_t downscale() const { return int64_t{1} << (channel_mult.size() - 1); }
 };
 
-/// Nearest neighbours to twice the size, then a convolution.
+/// Nearest neighbors to twice the size, then a convolution.
 struct Up {
   Conv conv;
 };

@@ -8,7 +8,7 @@ namespace oraclegs::seva {
 /// Squares of the latent that are decoded one after the other.
 struct VaeTiles {
   int64_t side = 96;     ///< latent pixels (8 image pixels each)
-  int64_t overlap = 32;  ///< latent pixels that neighbours share at least; at most half of `side`
+  int64_t overlap = 32;  ///< latent pixels that neighbors share at least; at most half of `side`
 };
 
 /// DecodeLatents with the memory of one tile (and of the image) in place of that of the frame. The middle block, with

@@ -19,7 +19,7 @@ struct WeightedAttention {
 /// kOthers also when there is one view only.
 Tensor PatchConfidence(const std::vector<WeightedAttention>& layers, AttentionMode mode, const PatchGrid& grid);
 
-/// [S, rows, cols] -> [S, height, width]: bilinear, half-pixel centres, edges clamped.
+/// [S, rows, cols] -> [S, height, width]: bilinear, half-pixel centers, edges clamped.
 Tensor UpsampleConfidence(const Tensor& confidence, int64_t height, int64_t width);
 
 }  // namespace oraclegs::vggt

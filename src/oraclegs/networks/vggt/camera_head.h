@@ -24,7 +24,7 @@ struct CameraHead {
 CameraHead LoadCameraHead(const ParameterScope& at, const CameraHeadConfig& config);
 
 /// The encoding [S, 9] float32 after each iteration, the last of which is the answer: translation, quaternion x y z w
-/// (not normalised), vertical and horizontal field of view in radians. tokens [S, width]: the camera tokens of the
+/// (not normalized), vertical and horizontal field of view in radians. tokens [S, width]: the camera tokens of the
 /// aggregator's last layer. Throws ShapeError.
 std::vector<Tensor> CameraEncodings(const CameraHead& head, const Tensor& tokens);
 

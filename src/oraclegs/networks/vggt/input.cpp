@@ -30,13 +30,13 @@ std::vector<Taps> MakeTaps(int n, int m) {
   const double step = static_cast<double>(n) / m, stretch = std::max(step, 1.0), reach = 2 * stretch;
   std::vector<Taps> out(static_cast<size_t>(m));
   for (int i = 0; i < m; ++i) {
-    const double centre = (i + 0.5) * step;
-    const int low = std::max(static_cast<int>(centre - reach + 0.5), 0);
-    const int high = std::min(static_cast<int>(centre + reach + 0.5), n);
+    const double center = (i + 0.5) * step;
+    const int low = std::max(static_cast<int>(center - reach + 0.5), 0);
+    const int high = std::min(static_cast<int>(center + reach + 0.5), n);
     std::vector<double> weights;
     double sum = 0;
     for (int j = low; j < high; ++j) {
-      weights.push_back(Cubic((j + 0.5 - centre) / stretch));
+      weights.push_back(Cubic((j + 0.5 - center) / stretch));
       sum += weights.back();
     }
     Taps& taps = out[static_cast<size_t>(i)];

@@ -28,7 +28,7 @@ struct Window {
         x1(std::min(place.left + place.width, images.size(3))),
         y1(std::min(place.top + place.height, images.size(2))) {}
 
-  /// The centre of an input pixel, in the image. The official code takes a pixel's corner for its centre; half a
+  /// The center of an input pixel, in the image. The official code takes a pixel's corner for its center; half a
   /// pixel of 518 is less than the network errs, and here cameras are as everywhere in the program.
   Eigen::Vector2d ToImage(int64_t x, int64_t y) const {
     return {(static_cast<double>(x - left) + 0.5) / scale_x, (static_cast<double>(y - top) + 0.5) / scale_y};

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kEven = 2;  // H.264 with halved colour needs sides that it divides
+constexpr int kEven = 2;  // H.264 with halved color needs sides that it divides
 
 /// The camera at a size of even sides that fits.
 Camera FilmCamera(const Camera& camera, int max_side) {

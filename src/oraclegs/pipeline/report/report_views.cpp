@@ -11,7 +11,7 @@
 #include "oraclegs/propose/nearest_order.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/render/make_rasterizer.h"
-#include "oraclegs/render/recolour.h"
+#include "oraclegs/render/recolor.h"
 
 namespace oraclegs {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kReportedProposals = 32;
-constexpr float kLargestShownError = 0.3f;  // mean over the channels; above it the colour stays the last
+constexpr float kLargestShownError = 0.3f;  // mean over the channels; above it the color stays the last
 constexpr double kWellSupported = 0.85;     // share of a proposal's pixels, from which on no photo is asked for
 constexpr size_t kLargestAdvice = 3;
 
@@ -45,7 +45,7 @@ std::vector<float> ErrorsOf(const Image8& render, const Image8& truth) {
   return errors;
 }
 
-/// A grey map, as values in [0, 1].
+/// A gray map, as values in [0, 1].
 std::vector<float> ValuesOf(const Image8& map) {
   std::vector<float> values;
   for (size_t i = 0; i < map.data.size(); i += static_cast<size_t>(map.channels)) {
@@ -78,7 +78,7 @@ std::vector<size_t> ByDistance(const Camera& from, const std::vector<Camera>& ca
 
 }  // namespace
 
-/// What the model shows: in its colours, and in the colours of its support.
+/// What the model shows: in its colors, and in the colors of its support.
 struct ReportViews::Renderer {
   explicit Renderer(const Model& of) : model(of), rasterizer(MakeRasterizer(of.gaussians.means.device())) {
     if (!of.support.empty()) {
@@ -194,9 +194,9 @@ void ReportViews::AddProposal(const Target& target) {
   nlohmann::json row = Row(target.name, "proposal", target.camera, ReadImage(run_.workspace.proposals() / file));
   const fs::path map = run_.workspace.confidence() / file;
   if (fs::exists(map, ignored)) {
-    const Image8 grey = ReadImage(map);
-    const std::vector<float> confidence = ValuesOf(grey);
-    row["confidence"] = files_.Image(stem + "_confidence", InColors(confidence, grey.width, grey.height));
+    const Image8 gray = ReadImage(map);
+    const std::vector<float> confidence = ValuesOf(gray);
+    row["confidence"] = files_.Image(stem + "_confidence", InColors(confidence, gray.width, gray.height));
     row["mean_confidence"] = MeanOf(confidence);
   }
   const std::vector<size_t> nearest = ByDistance(target.camera, cameras_);
@@ -205,7 +205,7 @@ void ReportViews::AddProposal(const Target& target) {
     row["render"] = files_.Image(stem + "_render", renderer_->Colors(target.camera));
     if (const auto share = renderer_->SupportedShare(target.camera)) {
       Seen seen{target.name, {}, *share};
-      for (size_t i = 0; i < std::min<size_t>(2, nearest.size()); ++i) seen.neighbours.push_back(names_[nearest[i]]);
+      for (size_t i = 0; i < std::min<size_t>(2, nearest.size()); ++i) seen.neighbors.push_back(names_[nearest[i]]);
       seen_.push_back(std::move(seen));
     }
   }
@@ -219,12 +219,12 @@ std::vector<std::string> ReportViews::Advice() const {
   std::stable_sort(least.begin(), least.end(), [](const Seen& a, const Seen& b) { return a.supported < b.supported; });
   std::vector<std::string> advice, places;
   for (const Seen& seen : least) {
-    if (seen.supported >= kWellSupported || advice.size() == kLargestAdvice || seen.neighbours.empty()) break;
-    if (std::find(places.begin(), places.end(), seen.neighbours.front()) != places.end()) continue;
-    places.push_back(seen.neighbours.front());
-    const std::string where = seen.neighbours.size() == 1
-                                  ? "near " + seen.neighbours[0]
-                                  : fmt::format("near {}, toward {}", seen.neighbours[0], seen.neighbours[1]);
+    if (seen.supported >= kWellSupported || advice.size() == kLargestAdvice || seen.neighbors.empty()) break;
+    if (std::find(places.begin(), places.end(), seen.neighbors.front()) != places.end()) continue;
+    places.push_back(seen.neighbors.front());
+    const std::string where = seen.neighbors.size() == 1
+                                  ? "near " + seen.neighbors[0]
+                                  : fmt::format("near {}, toward {}", seen.neighbors[0], seen.neighbors[1]);
     advice.push_back(fmt::format(
         "Take a photo {} (proposal {}): two or more photos support only {:.0f} % of what is seen from there.", where,
         seen.proposal, 100 * seen.supported));

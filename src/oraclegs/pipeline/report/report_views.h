@@ -53,8 +53,8 @@ class ReportViews {
   struct Renderer;
   struct Seen {
     std::string proposal;
-    std::vector<std::string> neighbours;  ///< names of the nearest training views, at most two
-    double supported = 0;                 ///< share of the pixels that two or more images support
+    std::vector<std::string> neighbors;  ///< names of the nearest training views, at most two
+    double supported = 0;                ///< share of the pixels that two or more images support
   };
 
   void AddProposal(const Target& target);

@@ -20,7 +20,7 @@
 #include "oraclegs/pipeline/report/report_views.h"
 #include "oraclegs/pipeline/stages/metrics.h"
 #include "oraclegs/pipeline/workspace/non_commercial.h"
-#include "oraclegs/render/recolour.h"
+#include "oraclegs/render/recolor.h"
 #include "oraclegs/scene/scene.h"
 
 namespace oraclegs {
@@ -97,7 +97,7 @@ json SplatOf(const Model& model, const ReportFiles& files) {
   return splat;
 }
 
-/// Positions and colours of some solid Gaussians, evenly chosen.
+/// Positions and colors of some solid Gaussians, evenly chosen.
 json PlanOf(const Model& model, const ReportFiles& files) {
   const Gaussians host = model.gaussians.To(kCpu);
   std::vector<int64_t> solid;
@@ -145,7 +145,7 @@ json RegistrationOf(const Run& run, const std::vector<std::string>& advice) {
   if (!registration.contains("views")) return registration;
   for (json& view : registration["views"]) {
     view["registered"] = view.value("status", "") == "registered";
-    view.erase("neighbours");
+    view.erase("neighbors");
   }
   return registration;
 }
@@ -160,13 +160,13 @@ json CalibrationOf(const Run& run) {
           {"bins", oracle["oracle"].value("reliability", json::array())}};
 }
 
-json LicencesOf(const std::vector<std::string>& non_commercial) {
-  json rows = {{{"name", "OracleGS"}, {"licence", "Apache-2.0"}, {"note", "made this splat"}},
-               {{"name", "Spark"}, {"licence", "MIT"}, {"note", "draws it in this page"}},
-               {{"name", "three.js"}, {"licence", "MIT"}, {"note", "draws it in this page"}}};
+json LicensesOf(const std::vector<std::string>& non_commercial) {
+  json rows = {{{"name", "OracleGS"}, {"license", "Apache-2.0"}, {"note", "made this splat"}},
+               {{"name", "Spark"}, {"license", "MIT"}, {"note", "draws it in this page"}},
+               {{"name", "three.js"}, {"license", "MIT"}, {"note", "draws it in this page"}}};
   for (const std::string& name : non_commercial) {
     rows.push_back({{"name", name},
-                    {"licence", "non-commercial"},
+                    {"license", "non-commercial"},
                     {"note", "took part in this run: its result may not be used commercially"}});
   }
   return rows;
@@ -290,7 +290,7 @@ json WriteRunDocument(Run* run, const Model& model, const fs::path& video) {
   document["calibration"] = CalibrationOf(*run);
   document["warnings"] = metrics.value("warnings", json::array());
   document["non_commercial"] = NonCommercialParts(run->workspace);
-  document["licences"] = LicencesOf(NonCommercialParts(run->workspace));
+  document["licenses"] = LicensesOf(NonCommercialParts(run->workspace));
   document["memory_bytes"] = metrics.value("peak_memory_bytes", int64_t{0});
   Write(*run, document);
   return document;

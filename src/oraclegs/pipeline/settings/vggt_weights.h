@@ -12,7 +12,7 @@ struct VggtWeights {
   std::filesystem::path path;
   std::string name;         ///< of the network, "VGGT-1B"
   std::string fingerprint;  ///< of its content, by a sample of each tensor
-  bool commercial = false;  ///< false: its licence forbids commercial use
+  bool commercial = false;  ///< false: its license forbids commercial use
   int64_t layers = 0;       ///< of global attention; 0 = the file has none under the network's names
 };
 

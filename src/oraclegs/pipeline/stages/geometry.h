@@ -7,8 +7,8 @@
 
 namespace oraclegs {
 
-/// Exposures that spread by more than this (ExposureSpread) really differ, and are learnt by --exposure auto. Gloss and
-/// shadow alone make 0.07 of images of one exposure (lego); a phone that holds its exposure 0.10 (fox).
+/// Exposures that spread by more than this (ExposureSpread) really differ, and are learned by --exposure auto. Gloss
+/// and shadow alone make 0.07 of images of one exposure (lego); a phone that holds its exposure 0.10 (fox).
 inline constexpr double kVariedExposure = 0.15;
 
 /// The depth of the training views, from stereo, a network or both (--depth-prior).
@@ -22,7 +22,7 @@ struct Geometry {
   bool HasVariedExposure() const;
 };
 
-/// How images of such exposures are fused: colours are freed of them where they vary.
+/// How images of such exposures are fused: colors are freed of them where they vary.
 FusionOptions FusionOf(const std::vector<Eigen::Vector3f>& gains);
 
 }  // namespace oraclegs

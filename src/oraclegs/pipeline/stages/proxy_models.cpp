@@ -45,7 +45,7 @@ RunOptions OptionsOfProxies(const Run& run) {
   return options;
 }
 
-/// What follows with all views: of Gaussians that have found their places and colours.
+/// What follows with all views: of Gaussians that have found their places and colors.
 TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptions proxy) {
   proxy.iterations = static_cast<int>(options.propose.ProxyFinish(is_object) * options.train.iterations.value());
   proxy.sh_degree_interval = 1;

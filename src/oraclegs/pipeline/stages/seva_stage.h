@@ -13,7 +13,7 @@
 
 namespace oraclegs {
 
-/// As its authors call it. Its licence forbids commercial use, also of the images that it makes.
+/// As its authors call it. Its license forbids commercial use, also of the images that it makes.
 inline constexpr const char* kSevaName = "Stable Virtual Camera";
 
 /// Where its networks are (weights/folder.h). Throws InputError for the first that is not there.

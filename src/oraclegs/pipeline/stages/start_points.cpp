@@ -11,7 +11,7 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMinPointsForScale = 4;  // a point needs three neighbours to have a scale
+constexpr size_t kMinPointsForScale = 4;  // a point needs three neighbors to have a scale
 constexpr double kRandomShare = 0.1;      // of the budget, in a hybrid start
 
 /// The points of one --init word after the other, within the budget.

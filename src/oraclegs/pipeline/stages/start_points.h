@@ -12,7 +12,7 @@ namespace oraclegs {
 /// (lego, 8 views: 170 points alone end at 2 000 Gaussians and 20.2 dB, a random start at 22.5 dB).
 inline constexpr size_t kMinPointsForStart = 1000;
 
-/// Start scale of dense points and of others, as a factor of the distance to the neighbours (those of [Kerbl 2023] and
+/// Start scale of dense points and of others, as a factor of the distance to the neighbors (those of [Kerbl 2023] and
 /// [Kheradmand 2024]).
 inline constexpr double kDenseScale = 1, kSparseScale = 0.1;
 

@@ -31,7 +31,7 @@ nlohmann::json ChosenOptions(const TrainOptions& asked, const TrainOptions& sett
 /// 0) beside an object's silhouette unless `depth_loss` is the paper's, and starting from the exposures stereo found.
 std::vector<TrainView> MakeTrainViews(const TrainingViews& training, const Geometry& geometry, DepthLoss depth_loss);
 
-/// {"NAME": [12 numbers, the 3x4 colour map row by row]} of trained exposures.
+/// {"NAME": [12 numbers, the 3x4 color map row by row]} of trained exposures.
 nlohmann::json ExposuresToJson(const std::vector<std::string>& names, const std::vector<ExposureMap>& exposures);
 
 }  // namespace oraclegs

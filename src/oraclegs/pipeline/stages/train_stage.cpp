@@ -237,7 +237,7 @@ void WriteModel(const Run& run, const ReadyTrainer& ready) {
   const WorkspacePaths& paths = run.workspace;
   const Trainer& trainer = *ready.trainer;
   std::vector<std::string> comments = FrameComments(run.frame);
-  for (std::string& comment : LicenceComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
+  for (std::string& comment : LicenseComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
   if (run.options.train.antialiased) comments.emplace_back(kAntialiasedComment);
   const Similarity written_from_run = WrittenFromRun(run.frame);
   WriteGaussianPly(

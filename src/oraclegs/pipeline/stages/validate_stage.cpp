@@ -28,13 +28,13 @@ namespace fs = std::filesystem;
 
 constexpr double kMinMeanConfidence = 0.02;  // of a proposal that is of any use
 
-Image8 Grey(const ConfidenceMap& map, const Camera& camera) {
+Image8 Gray(const ConfidenceMap& map, const Camera& camera) {
   Image8 image{camera.width, camera.height, 1, {}};
   for (const float c : map) image.data.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(c, 0.f, 1.f))));
   return image;
 }
 
-/// The proposal beside its confidence in plasma, the colours of figures.
+/// The proposal beside its confidence in plasma, the colors of figures.
 Image8 Preview(const Validated& validated) {
   const Camera& camera = validated.proposal.camera;
   const Image8 left = ToImage8(validated.proposal.rgb);
@@ -68,7 +68,7 @@ void Write(const WorkspacePaths& paths, std::span<const Validated> all) {
       case 0:
         return WritePng(paths.root() / files[0], ToImage8(validated.proposal.rgb));
       case 1:
-        return WritePng(paths.root() / files[1], Grey(validated.confidence, validated.proposal.camera));
+        return WritePng(paths.root() / files[1], Gray(validated.confidence, validated.proposal.camera));
       default:
         return WritePng(paths.confidence() / "preview" / (name + ".png"), Preview(validated));
     }

@@ -35,7 +35,7 @@ std::vector<std::string> NonCommercialParts(const WorkspacePaths& workspace) {
   return {parts.begin(), parts.end()};
 }
 
-std::vector<std::string> LicenceComments(const std::vector<std::string>& parts) {
+std::vector<std::string> LicenseComments(const std::vector<std::string>& parts) {
   std::vector<std::string> comments;
   for (const std::string& part : parts) comments.push_back(std::string(kComment) + part);
   return comments;

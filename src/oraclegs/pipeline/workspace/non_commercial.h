@@ -1,5 +1,5 @@
 #pragma once
-// What of a result was made with networks whose licence forbids commercial use. A stage that used one says so in its
+// What of a result was made with networks whose license forbids commercial use. A stage that used one says so in its
 // record ("non_commercial": ["VGGT-1B"]); metrics.json and the PLY repeat it.
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,7 +20,7 @@ void NoteNonCommercial(const std::string& network, nlohmann::json* record);
 std::vector<std::string> NonCommercialParts(const WorkspacePaths& workspace);
 
 /// One comment of a PLY for each, and back: comments that say something else are passed over.
-std::vector<std::string> LicenceComments(const std::vector<std::string>& parts);
+std::vector<std::string> LicenseComments(const std::vector<std::string>& parts);
 std::vector<std::string> PartsInComments(const std::vector<std::string>& comments);
 
 }  // namespace oraclegs

@@ -42,7 +42,7 @@ bool HoldsAnything(const fs::path& dir) {
 }
 
 void RemoveRun(const fs::path& dir) {
-  // options.json goes last: as long as it stands, the folder is recognised as ours.
+  // options.json goes last: as long as it stands, the folder is recognized as ours.
   for (const char* name : kOwnNames) {
     if (std::string_view(name) == "options.json") continue;
     std::error_code error;

@@ -1,7 +1,7 @@
 // Backward blending, tile by tile, blocks as in forward, the list far to near from where the last pixel ended.
 //
 // With v = g_C . c + g_D / z of a Gaussian and s the same of everything behind it (background and alpha's gradient
-// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a colour. The results are sums over the
+// included), dL/d(alpha) = T (v - s): one running number a pixel instead of a color. The results are sums over the
 // block's pixels of h = alpha dL/d(alpha) and w = alpha T against fixed numbers a pixel. A chunk of a block's list is
 // processed in three sweeps:
 //  1. near to far: alpha and w, with T counted from the chunk's near end. One division a pixel and chunk gives the T
@@ -59,7 +59,7 @@ struct OpenPixels {
   const IntVec* end;
 };
 
-/// Neighbouring steps of a block's list.
+/// Neighboring steps of a block's list.
 struct Steps {
   int first, count;
 };

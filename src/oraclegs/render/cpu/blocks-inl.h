@@ -19,7 +19,7 @@ namespace oraclegs::HWY_NAMESPACE {
 /// Vectors that make up a block of 16 pixels.
 inline constexpr int kVecs = 16 / kLanes;
 
-/// Centres of the 16 pixels of each block, from the tile's centre.
+/// Centers of the 16 pixels of each block, from the tile's center.
 struct BlockCenters {
   HWY_ALIGN float x[cpu::kBlocksPerTile][16], y[cpu::kBlocksPerTile][16];
 };

@@ -1,5 +1,5 @@
 // Which tiles, and which 4 x 4 blocks in them, a Gaussian reaches: the exact minimum of its quadratic form over each
-// block's pixel centres, one block a lane.
+// block's pixel centers, one block a lane.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "oraclegs/render/cpu/cover_tiles.cpp"
@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace oraclegs::HWY_NAMESPACE {
 
-/// Offsets of the 16 blocks' first pixel centres from the tile's corner.
+/// Offsets of the 16 blocks' first pixel centers from the tile's corner.
 struct BlockOffsets {
   HWY_ALIGN float x[16], y[16];
 };
@@ -48,7 +48,7 @@ HWY_INLINE uint32_t CoverOne(const cpu::LineSplat& s, const TileRect& rect, int 
   const float tilt = s.by * s.by * s.slope;
   const Lanes across(-tilt / (s.ax * s.ax + tilt * s.slope));
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
-  // centre is far away.
+  // center is far away.
   const Lanes bound(s.log2_opacity - kLog2AlphaMin + 1e-3f);
   // One loop over the rectangle: most hold one or a few tiles, and a second loop's end would be guessed wrongly.
   int tx = rect.x0, ty = rect.y0;

@@ -125,7 +125,7 @@ class CpuRasterizer final : public Rasterizer {
             tile};
   }
 
-  /// Sum of body(tile) over all tiles, run on all threads. Neighbours share cache lines of the image, so a task is a
+  /// Sum of body(tile) over all tiles, run on all threads. Neighbors share cache lines of the image, so a task is a
   /// run of them.
   template <class Body>
   int64_t SumOverTiles(const Body& body) {

@@ -79,7 +79,7 @@ HWY_INLINE int StoreChosen(int first, hn::Mask<IntTag> chosen, int32_t* to) {
 #endif
 }
 
-/// Centres of a block's pixels, from the tile's centre.
+/// Centers of a block's pixels, from the tile's center.
 struct BlockPixels {
   FloatVec x[kVecs], y[kVecs];
 
@@ -91,7 +91,7 @@ struct BlockPixels {
   }
 };
 
-/// Consecutive entries of a tile's list, prepared for the blocks: the splats' numbers relative to the tile's centre,
+/// Consecutive entries of a tile's list, prepared for the blocks: the splats' numbers relative to the tile's center,
 /// and for each block the positions of the splats that reach it. Small enough for the first-level cache.
 struct HWY_ALIGN Segment {
   static constexpr int kSize = 256;

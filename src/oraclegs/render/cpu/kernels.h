@@ -1,5 +1,5 @@
 #pragma once
-// The CPU rasteriser's kernels on plain memory, each compiled for several instruction sets and chosen at run time.
+// The CPU rasterizer's kernels on plain memory, each compiled for several instruction sets and chosen at run time.
 //
 // Work is laid out in tiles of 16 x 16 pixels, each of 16 blocks of 4 x 4: one block is one AVX-512 vector. A
 // (tile, Gaussian) pair carries a 16-bit mask of the blocks the Gaussian reaches.
@@ -57,7 +57,7 @@ struct CoverOutput {
 };
 
 /// Which blocks of which tiles of their rectangle Gaussians [begin, end) reach: those that hold a point between their
-/// pixel centres where alpha may be 1/255. Conservative. Writes pairs from `first_pair` on; returns the next free one.
+/// pixel centers where alpha may be 1/255. Conservative. Writes pairs from `first_pair` on; returns the next free one.
 uint32_t CoverTiles(const CoverInput& in, int64_t begin, int64_t end, uint32_t first_pair, const CoverOutput& out);
 
 /// The image planes and what the backward pass needs.
@@ -88,7 +88,7 @@ int64_t BlendTile(const TileWork& tile, const BlendImage& out);
 
 /// Adjoint of BlendTile. Writes one record of kGradStride floats for each of the tile's entries, at its pair's place in
 /// `records`: this stage is bound by computation and can wait for memory, the next one is bound by memory. With X, Y a
-/// pixel's offset from the tile's centre, h = alpha dL/d(alpha) (0 where capped), w = alpha T: [0] sum h  [1] h X  [2]
+/// pixel's offset from the tile's center, h = alpha dL/d(alpha) (0 where capped), w = alpha T: [0] sum h  [1] h X  [2]
 /// h Y  [3] h X^2  [4] h X Y  [5] h Y^2  [8..10] w dL/d(rgb)  [11] w dL/d(inv_depth) Returns how many pixel-Gaussian
 /// pairs it evaluated.
 int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const UpstreamPlanes& upstream,
@@ -96,7 +96,7 @@ int64_t BlendTileBackward(const TileWork& tile, const BlendImage& forward, const
 
 struct GradInput {
   const PairRange* ranges;    ///< [N], count 0 = unseen
-  const uint32_t* pair_tile;  ///< tile number, for its centre
+  const uint32_t* pair_tile;  ///< tile number, for its center
   const float* records;       ///< one a pair
   const LineSplat* splats;
   float* screen_sums = nullptr;   ///< [N] ScreenGradients::sum and

@@ -71,12 +71,12 @@ HWY_INLINE FloatVec SumRows(const FloatVec* v) {
 #endif
 }
 
-/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's centre.
+/// Sums over the block's pixels of h 1, X, Y, X^2, X Y, Y^2, with X, Y from the tile's center.
 HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle& middle,
                            FloatVec* HWY_RESTRICT moments) {
   const FloatTag d;
   const FloatVec three = hn::Set(d, 3.f), nine = hn::Set(d, 9.f);
-  // Of four neighbours at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
+  // Of four neighbors at -3/2, -1/2, 1/2, 3/2: sum, first moment in halves, second moment in quarters.
   const auto sum = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
                        HWY_ATTR { return hn::Add(hn::Add(a, e), hn::Add(b, c)); };
   const auto first = [&](FloatVec a, FloatVec b, FloatVec c, FloatVec e)
@@ -105,7 +105,7 @@ HWY_INLINE void SumMoments(const float (*HWY_RESTRICT h)[16], const BlockMiddle&
   const FloatVec xx = quarters(SumRows(row_xx));
   const FloatVec xy = quarters(first(row_x[0], row_x[1], row_x[2], row_x[3]));
   const FloatVec yy = quarters(second(row[0], row[1], row[2], row[3]));
-  // From the block's centre to the tile's.
+  // From the block's center to the tile's.
   const FloatVec vx = hn::Set(d, middle.x), vy = hn::Set(d, middle.y);
   const FloatVec shifted_x = hn::MulAdd(vx, m, x), shifted_y = hn::MulAdd(vy, m, y);
   moments[0] = m;

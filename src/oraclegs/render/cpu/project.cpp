@@ -45,7 +45,7 @@ HWY_INLINE Vec3<Lanes> ViewDirection(const Vec3<Lanes>& mean, const SplatCamera<
   return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
 }
 
-/// Colour before the clamp at zero.
+/// Color before the clamp at zero.
 HWY_INLINE Vec3<Lanes> RawColor(const ShColumns& sh, const Lanes* basis, int coefficients) {
   Vec3<Lanes> c{Lanes(0.5f), Lanes(0.5f), Lanes(0.5f)};
   for (int k = 0; k < coefficients; ++k) {
@@ -72,7 +72,7 @@ HWY_INLINE bool StoreRects(const SplatCamera<float>& camera, const Ellipses& ell
   HWY_ALIGN int32_t first[2][kLanes], last[2][kLanes];  // tiles
   for (int axis = 0; axis < 2; ++axis) {
     const Lanes center = ellipses.center[axis], half = ellipses.half[axis];
-    // Pixel centres lie at halves. Comparisons are such that NaN is not visible.
+    // Pixel centers lie at halves. Comparisons are such that NaN is not visible.
     const Lanes low = hn::Ceil((center - half - Lanes(0.5f) - slack).v);
     const Lanes high = hn::Floor((center + half - Lanes(0.5f) + slack).v);
     const Lanes end(size[axis] - 1), zero(0.f);
@@ -138,8 +138,8 @@ HWY_NOINLINE void ProjectSplats(const cpu::ProjectInput& in, int64_t begin, int6
   }
 }
 
-/// What the sums of a Gaussian's records are made of, four floats each. A record's moments are about its tile's centre;
-/// with (dx, dy) from the Gaussian to that centre they move to the Gaussian as (x + dx)(y + dy) is multiplied out, so
+/// What the sums of a Gaussian's records are made of, four floats each. A record's moments are about its tile's center;
+/// with (dx, dy) from the Gaussian to that center they move to the Gaussian as (x + dx)(y + dy) is multiplied out, so
 /// all that needs to be summed is moments, moments times dx and dy, and the zeroth one times the three products.
 enum MomentSums { kSums0, kSums4, kSumsDx, kSumsDy, kSumsProducts, kSumsColor, kMomentSums };
 inline constexpr int kMomentRow = 32;  // floats; a whole number of vectors
@@ -236,7 +236,7 @@ HWY_INLINE void ZeroRows(const GaussianRows& out, int count, int coefficients) {
   }
 }
 
-/// Neighbouring Gaussians in the lanes of one vector.
+/// Neighboring Gaussians in the lanes of one vector.
 struct LaneGroup {
   int64_t first;   ///< row of lane 0
   int count;       ///< rows; later lanes repeat the last
@@ -268,7 +268,7 @@ HWY_INLINE void StoreShGradient(const Lanes* basis, const Vec3<Lanes>& g, const 
 }
 
 /// Gradient rows of SH, from lane 0's on, and the part of d/d(mean) that comes through the viewing direction
-/// (docs/method.md#colour-gradient).
+/// (docs/method.md#color-gradient).
 HWY_INLINE Vec3<Lanes> ColorBackward(const cpu::ProjectInput& in, const Vec3<Lanes>& mean, const Vec3<Lanes>& g_color,
                                      const LaneGroup& group, float* sh_rows) {
   const SplatCamera<float> camera = in.camera;

@@ -39,7 +39,7 @@ struct Place {
 
 /// A pixel that passes the Gaussians of a bucket, near to far.
 struct Ray {
-  float x = 0, y = 0;                         // its centre, px
+  float x = 0, y = 0;                         // its center, px
   int end = 0;                                // first entry of the bucket that does not contribute
   float4 gradient = make_float4(0, 0, 0, 0);  // dL/d(rgb), dL/d(inv_depth)
   float transmittance = 0;
@@ -84,7 +84,7 @@ __device__ inline Ray LoadRay(const BlendBackwardInput& in, const Place& place, 
   return ray;
 }
 
-/// Adds the terms of the patch at (x, y), whose first centre that is, to the sums of up to kBatch entries. A lane has
+/// Adds the terms of the patch at (x, y), whose first center that is, to the sums of up to kBatch entries. A lane has
 /// some rows of pixels of one Gaussian: entry `mine`, in `slot` of the terms; negative: none.
 template <int kLength>
 __device__ inline void AddBatch(const Splat* splats, float x, float y, int mine, Room<kLength>* room) {

@@ -8,7 +8,7 @@ constexpr int kBatch = kMaxRuns * kRun;  // entries in shared memory at once
 
 /// One pixel on its way from the eye.
 struct Ray {
-  float x, y;  // centre, px
+  float x, y;  // center, px
   float transmittance = 1, r = 0, g = 0, b = 0, inv_z = 0;
   uint32_t end = 0;
   bool open;

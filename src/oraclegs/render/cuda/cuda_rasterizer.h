@@ -1,5 +1,5 @@
 #pragma once
-// The rasteriser of an NVIDIA GPU. Only in builds with CUDA.
+// The rasterizer of an NVIDIA GPU. Only in builds with CUDA.
 
 #include <memory>
 

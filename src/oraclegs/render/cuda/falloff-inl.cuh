@@ -6,7 +6,7 @@
 
 namespace oraclegs::cuda {
 
-/// log2 of alpha before its cap, at (dx, dy) from the centre. Fused by hand: the compiler may not choose another
+/// log2 of alpha before its cap, at (dx, dy) from the center. Fused by hand: the compiler may not choose another
 /// rounding in another kernel.
 __device__ inline float Log2Alpha(const Splat& s, float dx, float dy) {
   const float p = s.ax * dx, q = s.by * fmaf(s.slope, dx, dy);
@@ -31,7 +31,7 @@ __device__ inline Reach ReachOf(const Splat& s) {
   // The sum of squares is smallest, for a fixed dx, at dy = -slope dx; for a fixed dy at dx = across dy.
   const float tilt = s.by * s.by * s.slope;
   // alpha >= 1/255 <=> sum <= bound. The slack covers rounding here and in the blend loop, also of needles whose
-  // centre is far away.
+  // center is far away.
   return {s.mx,
           s.my,
           s.ax,
@@ -41,7 +41,7 @@ __device__ inline Reach ReachOf(const Splat& s) {
           s.log2_opacity - kLog2AlphaMin + 1e-3f};
 }
 
-/// Whether alpha may be 1/255 between the pixel centres (x, y) and (x + span_x, y + span_y): the exact minimum of the
+/// Whether alpha may be 1/255 between the pixel centers (x, y) and (x + span_x, y + span_y): the exact minimum of the
 /// quadratic form over that rectangle, which lies on the edge nearest in x or on the one nearest in y. Fused by hand,
 /// as one kernel counts by it and another lists.
 __device__ inline bool Reaches(const Reach& r, float x, float y, float span_x, float span_y) {

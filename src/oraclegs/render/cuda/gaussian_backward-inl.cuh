@@ -8,7 +8,7 @@
 //
 // ConsumeSmall is called once for each Gaussian i, seen or not. ConsumeSh is called after it, and sees what it wrote,
 // for first = 0, 4, 8, ... below 3 (degree + 1)^2 with dL/d(sh) of floats [first, first + 4) of row i, zero above the
-// active degree; neighbouring lanes have neighbouring floats. Both may change row i of the parameters, and no other:
+// active degree; neighboring lanes have neighboring floats. Both may change row i of the parameters, and no other:
 // ConsumeSh that of sh, ConsumeSmall the rest.
 
 #include "oraclegs/render/cuda/warp-inl.cuh"

@@ -1,5 +1,5 @@
 #pragma once
-// Stage 1, one thread a Gaussian: projection and colour (docs/method.md#projection, #spherical-harmonics).
+// Stage 1, one thread a Gaussian: projection and color (docs/method.md#projection, #spherical-harmonics).
 
 #include "oraclegs/render/cuda/splats.h"
 

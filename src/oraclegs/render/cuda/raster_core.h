@@ -1,5 +1,5 @@
 #pragma once
-// The CUDA rasteriser on plain device memory: the order of the stages, and the memory between them.
+// The CUDA rasterizer on plain device memory: the order of the stages, and the memory between them.
 //
 // The host never waits for an idle device. How many pairs there are is known early in Forward and read only after all
 // of it has been sent, for as many pairs as there was room; how many buckets, when the backward pass begins. Where

@@ -1,5 +1,5 @@
 #pragma once
-// What the stages of the CUDA rasteriser hand to each other: plain memory on the device.
+// What the stages of the CUDA rasterizer hand to each other: plain memory on the device.
 //
 // project -> count tiles -> sort by depth -> list pairs -> sort by tile -> blend | blend backward -> Gaussian backward
 //
@@ -17,7 +17,7 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr int kRun = 32;         ///< neighbours in a tile's list that a warp takes at once
+inline constexpr int kRun = 32;         ///< neighbors in a tile's list that a warp takes at once
 inline constexpr int kMaxRuns = 4;      ///< of a bucket
 inline constexpr int kRecord = 10;      ///< floats of one pair's gradient
 inline constexpr int kStateFloats = 5;  ///< of a pixel at the start of a bucket: transmittance, rgb, inverse depth

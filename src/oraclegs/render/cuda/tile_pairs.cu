@@ -135,7 +135,7 @@ __device__ inline Ranked LoadRanked(const PairInput& in, int64_t r, bool large) 
 }
 
 /// The first half of the blocks lists large Gaussians, a warp each; the other half small ones, a thread each. Those
-/// near the eye, which fill the image, are neighbours in the order of depth: a warp takes ranks that lie far apart,
+/// near the eye, which fill the image, are neighbors in the order of depth: a warp takes ranks that lie far apart,
 /// lest one has them all and the others wait.
 __global__ void ListKernel(PairInput in, PairOutput out) {
   const int64_t half = gridDim.x / 2;

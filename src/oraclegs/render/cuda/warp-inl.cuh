@@ -44,7 +44,7 @@ __device__ inline Vec3<float> ViewDirection(const Vec3<float>& mean, const Splat
   return {d.x * *inv_distance, d.y * *inv_distance, d.z * *inv_distance};
 }
 
-/// Colour before the clamp at zero; `sh`: one row. Unrolled, so that the basis stays in registers.
+/// Color before the clamp at zero; `sh`: one row. Unrolled, so that the basis stays in registers.
 __device__ inline Vec3<float> RawColor(const float* sh, const float (&basis)[16], int coefficients) {
   Vec3<float> c{0.5f, 0.5f, 0.5f};
 #pragma unroll

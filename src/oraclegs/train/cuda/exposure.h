@@ -39,7 +39,7 @@ struct ExposureStepInput {
   const double* sums = nullptr;  ///< of RunExposureBackward
   int64_t blocks = 0;
   double learning_rate = 0;
-  double weight = 0;              ///< of the regularisation toward identity
+  double weight = 0;              ///< of the regularization toward identity
   bool moves = true;              ///< false in the last iteration
   double* regularizer = nullptr;  ///< receives weight / 2 |map - identity|^2; not a number when the mean of the maps
                                   ///< has no inverse

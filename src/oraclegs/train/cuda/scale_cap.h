@@ -18,7 +18,7 @@ struct ScaleCapInput {
   float log_share = 0;  ///< ln of the largest scale to the distance
 };
 
-/// Queues the capping. Nothing happens without centres.
+/// Queues the capping. Nothing happens without centers.
 void RunCapScales(const ScaleCapInput& in, cudaStream_t stream);
 
 }  // namespace oraclegs::cuda

@@ -28,7 +28,7 @@ __global__ void SumRegularizers(RegularizerInput in) {
   if (thread == 0) in.sums[blockIdx.x] = {opacity, scale};
 }
 
-/// All but the colours of one Gaussian, or of its gradient or a moment.
+/// All but the colors of one Gaussian, or of its gradient or a moment.
 struct SmallRow {
   float mean[3], log_scale[3], quat[4], logit;
 };
@@ -80,7 +80,7 @@ struct alignas(8) FourHalves {
   uint16_t x[4];
 };
 
-/// Takes the step of each Gaussian. Its colours are moved apart from the rest, four neighbouring coefficients at a
+/// Takes the step of each Gaussian. Its colors are moved apart from the rest, four neighboring coefficients at a
 /// time: rows of sh are 192 bytes, hence aligned to 16.
 struct StepConsumer {
   StepConstants step;

@@ -1,6 +1,6 @@
 #pragma once
-// What moves every Gaussian in every iteration, on a GPU: the regularisers' gradients, Adam and the noise of 3DGS-MCMC
-// (docs/method.md#adam, #regularisers, #mcmc-noise). The CPU's: train/adam.h, train/regularizers.h, train/noise.h.
+// What moves every Gaussian in every iteration, on a GPU: the regularizers' gradients, Adam and the noise of 3DGS-MCMC
+// (docs/method.md#adam, #regularizers, #mcmc-noise). The CPU's: train/adam.h, train/regularizers.h, train/noise.h.
 
 #include <cuda_runtime.h>
 
@@ -23,7 +23,7 @@ struct RegularizerInput {
   RegularizerSums* sums = nullptr;  ///< [StepBlocks(count)] receives the sums over kStepBlock Gaussians each
 };
 
-/// Queues the sums that the regularisers' value consists of.
+/// Queues the sums that the regularizers' value consists of.
 void RunRegularizerSums(const RegularizerInput& in, cudaStream_t stream);
 
 /// What a step does with each gradient. All memory is the device's.

@@ -1,5 +1,5 @@
 #pragma once
-// Co-regularisation of CoR-GS [Zhang 2024]: two models of one scene are trained on the same photos. Where they disagree
+// Co-regularization of CoR-GS [Zhang 2024]: two models of one scene are trained on the same photos. Where they disagree
 // they are likely wrong: Gaussians that only one has are removed (section 4.1), and renders of both from views where no
 // photo was taken are pulled together (section 4.2). Order and constants are those of the authors' program.
 

@@ -1,4 +1,4 @@
-#include "oraclegs/render/recolour.h"
+#include "oraclegs/render/recolor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
