@@ -11,7 +11,7 @@
 
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/image/png.h"
-#include "oraclegs/pipeline/run.h"
+#include "oraclegs/run/start.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
 

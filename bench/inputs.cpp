@@ -5,9 +5,9 @@
 #include <numeric>
 #include <utility>
 
-#include "oraclegs/pipeline/run.h"
-#include "oraclegs/pipeline/stages/evaluate_stage.h"
 #include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/run/start.h"
+#include "oraclegs/stages/evaluate_stage.h"
 #include "oraclegs/train/mcmc.h"
 #include "render/scenes.h"
 

@@ -17,7 +17,7 @@
 #include "bench/benchmarks.h"
 #include "bench/ceilings.h"
 #include "oraclegs/core/parallel.h"
-#include "oraclegs/pipeline/run.h"
+#include "oraclegs/run/start.h"
 
 namespace oraclegs {
 

@@ -20,7 +20,7 @@ FLOORS = [
     {"name": "gaussians", "uses": ["scene"]},
     {"name": "render", "uses": ["gaussians"]},
     {"name": "networks", "uses": ["scene"]},
-    {"name": "pipeline", "uses": ["render", "networks"]},
+    {"name": "stages", "uses": ["render", "networks"]},
 ]
 
 
@@ -84,10 +84,10 @@ class CheckHouseTest(unittest.TestCase):
                             "src/oraclegs/core/a.cpp:1: the unit has 401 lines")
 
     def test_crowded_room(self):
-        units = {f"src/oraclegs/pipeline/stages/u{i}.h": "" for i in range(25)}
+        units = {f"src/oraclegs/stages/u{i}.h": "" for i in range(25)}
         self.assert_accepted(units)
-        self.assert_refused({**units, "src/oraclegs/pipeline/stages/more.h": ""},
-                            "src/oraclegs/pipeline/stages:1: has 26 units")
+        self.assert_refused({**units, "src/oraclegs/stages/more.h": ""},
+                            "src/oraclegs/stages:1: has 26 units")
 
     def test_include_climbs_a_floor(self):
         names = [floor["name"] for floor in FLOORS]
@@ -100,7 +100,7 @@ class CheckHouseTest(unittest.TestCase):
                             "src/oraclegs/render/a.h:1: floor render includes from networks")
         self.assert_refused({"src/oraclegs/core/a.h": '#include "oraclegs/attic/b.h"\n'},
                             "src/oraclegs/core/a.h:1: includes from attic")
-        self.assert_accepted({"src/oraclegs/pipeline/a.h": '#include "oraclegs/core/b.h"\n'})
+        self.assert_accepted({"src/oraclegs/stages/a.h": '#include "oraclegs/core/b.h"\n'})
 
     def test_circle_of_units(self):
         circle = {"src/oraclegs/core/a.h": '#include "oraclegs/core/b.h"\n', "src/oraclegs/core/b.h": "",
@@ -172,8 +172,8 @@ class CheckHouseTest(unittest.TestCase):
     def test_torch_through_another_header(self):
         tensor = {"src/oraclegs/networks/common/tensor.h": "#include <torch/types.h>\n",
                   "src/oraclegs/networks/vggt/v.h": '#include "oraclegs/networks/common/tensor.h"\n'}
-        self.assert_refused({**tensor, "src/oraclegs/pipeline/a.h": '#include "oraclegs/networks/vggt/v.h"\n'},
-                            "src/oraclegs/pipeline/a.h:1: <oraclegs/networks/vggt/v.h> brings libtorch into pipeline")
+        self.assert_refused({**tensor, "src/oraclegs/stages/a.h": '#include "oraclegs/networks/vggt/v.h"\n'},
+                            "src/oraclegs/stages/a.h:1: <oraclegs/networks/vggt/v.h> brings libtorch into stages")
 
     def test_printing_and_exiting(self):
         bad = ["std::cout << 1;", "std::cerr << 1;", 'printf("x");', 'std::fprintf(stderr, "x");', 'puts("x");',

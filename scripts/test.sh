@@ -74,7 +74,7 @@ python3 scripts/check_house.py
 run release "$@"
 [[ -n $all ]] || exit 0
 
-# The floors below the pipeline, where the parsers and the kernels are.
+# The floors below settings, where the parsers and the kernels are.
 floors=(core image camera scene sfm demo depth gaussians formats render loss train propose weights web mesh)
 threaded=(core depth render loss train propose web)
 if within 20 asan; then

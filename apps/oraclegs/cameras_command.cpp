@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/cameras.h"
+#include "oraclegs/output/cameras.h"
 
 #include "oraclegs/core/text.h"
 #include "source_command.h"

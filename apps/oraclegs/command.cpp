@@ -7,9 +7,9 @@
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/pipeline/settings/device.h"
-#include "oraclegs/pipeline/workspace/advice.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/settings/device.h"
+#include "oraclegs/workspace/advice.h"
+#include "oraclegs/workspace/workspace.h"
 #include "presets.h"
 #include "run_scope.h"
 

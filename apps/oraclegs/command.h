@@ -10,7 +10,7 @@
 #include "command_info.h"
 #include "config_file.h"
 #include "option_binder.h"
-#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/settings/options.h"
 #include "terminal.h"
 
 namespace oraclegs {

@@ -7,10 +7,10 @@
 #include "oraclegs/demo/demo_scene.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
-#include "oraclegs/pipeline/workspace/stage_table.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/run/reconstruct.h"
+#include "oraclegs/workspace/stage_records.h"
+#include "oraclegs/workspace/stage_table.h"
+#include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

@@ -1,5 +1,5 @@
-#include "oraclegs/pipeline/stages.h"
-#include "oraclegs/pipeline/stages/depth_stage.h"
+#include "oraclegs/run/stages.h"
+#include "oraclegs/stages/depth_stage.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

@@ -1,8 +1,8 @@
 #include "oraclegs/core/text.h"
-#include "oraclegs/pipeline/evaluate_ply.h"
-#include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/stages/oracle_report.h"
+#include "oraclegs/output/evaluate_ply.h"
+#include "oraclegs/run/reconstruct.h"
+#include "oraclegs/stages/metrics.h"
+#include "oraclegs/stages/oracle_report.h"
 #include "source_command.h"
 
 namespace oraclegs {

@@ -1,7 +1,7 @@
 #include "oraclegs/camera/camera_path.h"
-#include "oraclegs/pipeline/export.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/output/export.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/workspace/workspace.h"
 #include "source_command.h"
 
 namespace oraclegs {

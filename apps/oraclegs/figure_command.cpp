@@ -1,4 +1,4 @@
-#include "oraclegs/report/figure.h"
+#include "oraclegs/output/figures/figure.h"
 #include "source_command.h"
 
 namespace oraclegs {

@@ -2,8 +2,8 @@
 
 #include "command.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/pipeline/info.h"
-#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/output/info.h"
+#include "oraclegs/settings/options.h"
 
 namespace oraclegs {
 namespace {

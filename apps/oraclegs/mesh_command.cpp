@@ -2,11 +2,11 @@
 #include "oraclegs/mesh/fuse_model.h"
 #include "oraclegs/mesh/isosurface.h"
 #include "oraclegs/mesh/mesh_file.h"
-#include "oraclegs/pipeline/settings/device.h"
-#include "oraclegs/pipeline/stages/evaluate_stage.h"
-#include "oraclegs/pipeline/stages/stage_clock.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/settings/device.h"
+#include "oraclegs/stages/evaluate_stage.h"
+#include "oraclegs/stages/stage_clock.h"
 #include "source_command.h"
 
 namespace oraclegs {

@@ -1,5 +1,5 @@
 #include "oraclegs/core/plural.h"
-#include "oraclegs/pipeline/stages.h"
+#include "oraclegs/run/stages.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

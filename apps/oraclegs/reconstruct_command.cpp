@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
-#include "oraclegs/pipeline/workspace/stage_table.h"
+#include "oraclegs/run/reconstruct.h"
+#include "oraclegs/workspace/stage_records.h"
+#include "oraclegs/workspace/stage_table.h"
 #include "workspace_command.h"
 
 namespace oraclegs {

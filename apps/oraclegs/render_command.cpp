@@ -1,5 +1,5 @@
-#include "oraclegs/pipeline/render_path.h"
-#include "oraclegs/pipeline/value_images.h"
+#include "oraclegs/output/render_path.h"
+#include "oraclegs/output/value_images.h"
 #include "source_command.h"
 
 namespace oraclegs {

@@ -1,5 +1,5 @@
 #include "oraclegs/image/image.h"
-#include "oraclegs/pipeline/stages.h"
+#include "oraclegs/run/stages.h"
 #include "source_command.h"
 
 namespace oraclegs {

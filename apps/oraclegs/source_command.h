@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "command.h"
-#include "oraclegs/pipeline/run.h"
+#include "oraclegs/run/start.h"
 
 namespace oraclegs {
 

@@ -1,4 +1,4 @@
-#include "oraclegs/pipeline/stages.h"
+#include "oraclegs/run/stages.h"
 #include "oraclegs/train/train_view.h"
 #include "workspace_command.h"
 

@@ -1,5 +1,5 @@
 #include "command.h"
-#include "oraclegs/pipeline/view/view_source.h"
+#include "oraclegs/output/view/view_source.h"
 #include "viewing.h"
 
 namespace oraclegs {

@@ -10,7 +10,7 @@
 #include "command.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/spread.h"
-#include "oraclegs/pipeline/run.h"
+#include "oraclegs/run/start.h"
 #include "viewing.h"
 
 namespace oraclegs {

@@ -16,8 +16,8 @@
 #include "oraclegs/core/progress.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/image/image.h"
-#include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/settings/named_options.h"
+#include "oraclegs/run/reconstruct.h"
+#include "oraclegs/settings/named_options.h"
 
 namespace oraclegs::python {
 namespace {

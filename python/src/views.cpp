@@ -5,10 +5,10 @@
 #include "bindings.h"
 #include "oraclegs/depth/depth_files.h"
 #include "oraclegs/image/read_image.h"
-#include "oraclegs/pipeline/run.h"
-#include "oraclegs/pipeline/settings/named_options.h"
-#include "oraclegs/pipeline/workspace/frame_file.h"
 #include "oraclegs/propose/proposal_files.h"
+#include "oraclegs/run/start.h"
+#include "oraclegs/settings/named_options.h"
+#include "oraclegs/workspace/frame_file.h"
 
 namespace oraclegs::python {
 namespace {

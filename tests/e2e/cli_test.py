@@ -16,9 +16,9 @@ COMMANDS = ["reconstruct", "sfm", "depth", "propose", "validate", "train", "eval
             "view", "info", "models", "demo", "demo-scene", "help", "completion", "man"]  # fmt: skip
 
 # Headers below src/oraclegs that declare options: all of a run, and those of single commands.
-RUN_OPTIONS = ["pipeline/settings/options.h", "capture/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
+RUN_OPTIONS = ["settings/options.h", "capture/options.h", "scene/split.h", "scene/loaded_view.h", "depth/stereo.h", "train/options.h",
                "propose/options.h", "propose/trajectory.h", "validate/options.h", "networks/seva_options.h"]
-OWN_OPTIONS = {"ablate": "experiments/ablation.h", "bench": "experiments/bench/bench_plan.h", "render": "pipeline/render_path.h", "figure": "report/figure.h", "export": "pipeline/export.h",
+OWN_OPTIONS = {"ablate": "experiments/ablation.h", "bench": "experiments/bench/bench_plan.h", "render": "output/render_path.h", "figure": "output/figures/figure.h", "export": "output/export.h",
                "mesh": "mesh/fuse_model.h", "demo": "demo/demo_scene.h", "demo-scene": "demo/demo_scene.h", "view": "web/viewer_options.h", "models": "weights/fetch.h"}  # fmt: skip
 
 # Headers of run options that a command has no use for.
@@ -66,7 +66,7 @@ class Help(unittest.TestCase):
             flat = " ".join(text.split())
             shown = [OWN_OPTIONS[name]] if name in OWN_OPTIONS else []
             shown += [header for header in RUN_OPTIONS if header not in NOT_SHOWN.get(name, [])]
-            of_stages = [header for header in shown if header not in ("pipeline/settings/options.h", "train/options.h")]
+            of_stages = [header for header in shown if header not in ("settings/options.h", "train/options.h")]
             for option in declared_options(shown if name == "reconstruct" else of_stages):
                 self.assertRegex(flat, rf"--{option}\b[^\[]*\[[^\]]*default", f"{name} --{option}")
             self.assertIn("Example:", text)

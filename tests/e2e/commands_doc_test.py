@@ -76,7 +76,7 @@ class ArchitecturePage(unittest.TestCase):
         self.assertEqual({name: set(re.findall(r"\w+", uses)) for name, uses in rows}, built)
 
     def test_stages_are_those_of_the_program(self):
-        listed = re.findall(r'^ +\{"(\w+)", \w+, ', (ROOT / "src/oraclegs/pipeline/stages.cpp").read_text(), re.M)
+        listed = re.findall(r'^ +\{"(\w+)", \w+, ', (ROOT / "src/oraclegs/run/stages.cpp").read_text(), re.M)
         table = self.PAGE.read_text().partition("| stage |")[2].partition("\n\n")[0]
         self.assertEqual(re.findall(r"^\| `(\w+)`", table, re.M), listed)
 

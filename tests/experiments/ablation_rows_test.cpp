@@ -1,6 +1,6 @@
 #include "oraclegs/experiments/ablation_rows.h"
 
-#include "pipeline/fixtures.h"
+#include "run/fixtures.h"
 #include "support/errors.h"
 
 namespace oraclegs {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/core/files.h"
-#include "pipeline/proposing.h"
+#include "run/proposing.h"
 #include "support/errors.h"
 #include "support/temp_dir.h"
 

@@ -2,9 +2,9 @@
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/image/png.h"
-#include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
-#include "pipeline/proposing.h"
+#include "oraclegs/stages/metrics.h"
+#include "oraclegs/workspace/stage_records.h"
+#include "run/proposing.h"
 #include "support/errors.h"
 #include "support/network_files.h"
 #include "support/temp_dir.h"

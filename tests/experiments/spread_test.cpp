@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <map>
 
-#include "oraclegs/pipeline/workspace/part_store.h"
-#include "pipeline/proposing.h"
+#include "oraclegs/workspace/part_store.h"
+#include "run/proposing.h"
 
 namespace oraclegs {
 namespace {

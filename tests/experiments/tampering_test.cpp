@@ -1,9 +1,9 @@
 #include "oraclegs/experiments/tampering.h"
 
 #include "oraclegs/core/interrupt.h"
-#include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
-#include "pipeline/proposing.h"
+#include "oraclegs/stages/metrics.h"
+#include "oraclegs/workspace/stage_records.h"
+#include "run/proposing.h"
 #include "support/errors.h"
 
 namespace oraclegs {

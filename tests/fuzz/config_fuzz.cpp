@@ -6,7 +6,7 @@
 #include "fuzz/fuzz.h"
 #include "option_binder.h"
 #include "oraclegs/core/unique_json.h"
-#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/settings/options.h"
 
 namespace {
 

@@ -18,7 +18,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/mesh/mesh_file.h"
-#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/settings/options.h"
 #include "oraclegs/train/checkpoint.h"
 #include "weights/checkpoint/torch_bytes.h"
 

@@ -3,16 +3,16 @@
 #include <nlohmann/json.hpp>
 
 #include "fuzz/fuzz.h"
-#include "oraclegs/pipeline/live/curves.h"
-#include "oraclegs/pipeline/settings/named_options.h"
-#include "oraclegs/pipeline/settings/run_size.h"
-#include "oraclegs/pipeline/stages/metrics.h"
-#include "oraclegs/pipeline/workspace/advice.h"
-#include "oraclegs/pipeline/workspace/frame_file.h"
-#include "oraclegs/pipeline/workspace/non_commercial.h"
-#include "oraclegs/pipeline/workspace/saved_run.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
-#include "oraclegs/pipeline/workspace/stage_table.h"
+#include "oraclegs/output/live/curves.h"
+#include "oraclegs/settings/named_options.h"
+#include "oraclegs/settings/run_size.h"
+#include "oraclegs/stages/metrics.h"
+#include "oraclegs/workspace/advice.h"
+#include "oraclegs/workspace/frame_file.h"
+#include "oraclegs/workspace/non_commercial.h"
+#include "oraclegs/workspace/saved_run.h"
+#include "oraclegs/workspace/stage_records.h"
+#include "oraclegs/workspace/stage_table.h"
 
 ORACLEGS_FUZZ_TARGET(workspace) {
   using namespace oraclegs;

@@ -12,13 +12,13 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/ablation_rows.h"
 #include "oraclegs/experiments/series.h"
-#include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/settings/plan.h"
-#include "oraclegs/pipeline/settings/run_size.h"
-#include "oraclegs/pipeline/settings/weights.h"
-#include "oraclegs/pipeline/stages.h"
-#include "oraclegs/pipeline/workspace/stage_sharing.h"
+#include "oraclegs/run/reconstruct.h"
+#include "oraclegs/run/stages.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/settings/plan.h"
+#include "oraclegs/settings/run_size.h"
+#include "oraclegs/settings/weights.h"
+#include "oraclegs/workspace/stage_sharing.h"
 
 namespace oraclegs {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "oraclegs/experiments/ablation_report.h"
-#include "oraclegs/pipeline/run.h"
+#include "oraclegs/run/start.h"
 
 namespace oraclegs {
 

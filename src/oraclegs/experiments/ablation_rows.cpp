@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "oraclegs/pipeline/settings/plan.h"
+#include "oraclegs/settings/plan.h"
 
 namespace oraclegs {
 namespace {

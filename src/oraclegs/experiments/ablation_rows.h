@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/settings/options.h"
 
 namespace oraclegs {
 

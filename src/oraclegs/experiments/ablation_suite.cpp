@@ -5,9 +5,9 @@
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/text.h"
 #include "oraclegs/experiments/series.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/split.h"
+#include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

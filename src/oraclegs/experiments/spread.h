@@ -8,7 +8,7 @@
 
 #include "oraclegs/core/options.h"
 #include "oraclegs/experiments/launch/make_launcher.h"
-#include "oraclegs/pipeline/stages/stage.h"
+#include "oraclegs/stages/stage.h"
 
 namespace oraclegs {
 

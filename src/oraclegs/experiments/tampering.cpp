@@ -15,13 +15,13 @@
 #include "oraclegs/experiments/series.h"
 #include "oraclegs/experiments/tampered_views.h"
 #include "oraclegs/experiments/tampering_plot.h"
-#include "oraclegs/pipeline/reconstruct.h"
-#include "oraclegs/pipeline/settings/run_size.h"
-#include "oraclegs/pipeline/stages.h"
-#include "oraclegs/pipeline/stages/proposers.h"
-#include "oraclegs/pipeline/stages/stage_clock.h"
-#include "oraclegs/pipeline/workspace/stage_sharing.h"
+#include "oraclegs/run/reconstruct.h"
+#include "oraclegs/run/stages.h"
 #include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/settings/run_size.h"
+#include "oraclegs/stages/proposers.h"
+#include "oraclegs/stages/stage_clock.h"
+#include "oraclegs/workspace/stage_sharing.h"
 
 namespace oraclegs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "oraclegs/pipeline/settings/plan.h"
+#include "oraclegs/settings/plan.h"
 #include "support/errors.h"
 
 namespace oraclegs {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "pipeline/fixtures.h"
+#include "run/fixtures.h"
 #include "support/temp_dir.h"
 
 namespace oraclegs {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "oraclegs/experiments/bench/bench_plan.h"
-#include "pipeline/fixtures.h"
+#include "run/fixtures.h"
 
 namespace oraclegs {
 

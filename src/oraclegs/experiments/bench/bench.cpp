@@ -15,10 +15,10 @@
 #include "oraclegs/experiments/bench/bench_report.h"
 #include "oraclegs/experiments/bench/run_record.h"
 #include "oraclegs/experiments/series.h"
-#include "oraclegs/pipeline/settings/plan.h"
-#include "oraclegs/pipeline/workspace/stage_records.h"
-#include "oraclegs/pipeline/workspace/stage_sharing.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/settings/plan.h"
+#include "oraclegs/workspace/stage_records.h"
+#include "oraclegs/workspace/stage_sharing.h"
+#include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

@@ -8,7 +8,7 @@
 #include "oraclegs/experiments/bench/run_record.h"
 #include "oraclegs/experiments/launch/slurm_cancel.h"
 #include "oraclegs/experiments/launch/slurm_record.h"
-#include "oraclegs/pipeline/workspace/saved_run.h"
+#include "oraclegs/workspace/saved_run.h"
 
 namespace oraclegs {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "oraclegs/pipeline/settings/named_options.h"
+#include "oraclegs/settings/named_options.h"
 
 namespace oraclegs {
 namespace {

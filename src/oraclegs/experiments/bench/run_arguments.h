@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "oraclegs/pipeline/settings/options.h"
+#include "oraclegs/settings/options.h"
 
 namespace oraclegs {
 

@@ -5,7 +5,7 @@
 #include "oraclegs/core/error.h"
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/unique_json.h"
-#include "oraclegs/pipeline/workspace/workspace.h"
+#include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "oraclegs/core/plural.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/pipeline/settings/weights.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/scene/read_scene.h"
 #include "oraclegs/scene/split.h"
+#include "oraclegs/settings/weights.h"
 
 namespace oraclegs {
 namespace {

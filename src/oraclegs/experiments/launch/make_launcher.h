@@ -8,7 +8,7 @@
 #include "oraclegs/experiments/launch/launcher.h"
 #include "oraclegs/experiments/launch/local_launcher.h"
 #include "oraclegs/experiments/launch/slurm_options.h"
-#include "oraclegs/pipeline/settings/device.h"
+#include "oraclegs/settings/device.h"
 
 namespace oraclegs {
 

@@ -1,0 +1,120 @@
+#include "oraclegs/output/export.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "oraclegs/core/statistics.h"
+#include "oraclegs/formats/spatial_order.h"
+#include "oraclegs/gaussians/selection.h"
+#include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/workspace/non_commercial.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Which way a format's own axes are turned against the program's: signs of x, y, z.
+Eigen::Vector3d FileAxes(SplatFormat format) {
+  if (format == SplatFormat::kSpz) return {1, -1, -1};
+  if (format == SplatFormat::kGltf || format == SplatFormat::kGltfSpz) return {-1, -1, 1};
+  return {1, 1, 1};
+}
+
+bool KeepsComments(SplatFormat format) { return format == SplatFormat::kPly || format == SplatFormat::kCompressedPly; }
+
+}  // namespace
+
+bool NeedsCameras(const ExportOptions& options) { return options.crop == "auto" || options.up == "auto"; }
+
+GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file) {
+  const Gaussians& gaussians = splat.gaussians;
+  gaussians.Check("Pruned");
+  if (options.min_support > 0 && splat.support.empty()) {
+    throw InputError(
+        "{}: says nothing of the support of its Gaussians, which --min-support goes by; give a model that "
+        "oraclegs has trained and evaluated, or leave the option out",
+        file);
+  }
+  const float* logits = gaussians.opacity_logits.data();
+  const std::vector<bool> lonely = options.remove_outliers ? LonelyGaussians(gaussians) : std::vector<bool>();
+  std::vector<int64_t> kept;
+  for (int64_t i = 0; i < gaussians.size(); ++i) {
+    const Eigen::Vector3d mean = Eigen::Map<const Eigen::Vector3f>(gaussians.means.data() + 3 * i).cast<double>();
+    const bool keep = Sigmoid(logits[i]) >= options.min_opacity && crop.Holds(mean) && (lonely.empty() || !lonely[i]) &&
+                      (options.min_support <= 0 || splat.support[i] >= static_cast<float>(options.min_support));
+    if (keep) kept.push_back(i);
+  }
+  if (options.max_gaussians > 0) kept = MostPresent(gaussians, std::move(kept), options.max_gaussians);
+  return {Picked(gaussians, kept), std::min(options.sh_degree, splat.sh_degree), splat.comments,
+          Picked(splat.support, kept), splat.antialiased};
+}
+
+void CheckExport(const fs::path& from, const fs::path& to, const ExportOptions& options) {
+  CheckOptions(options);
+  std::error_code ignored;
+  if (to.filename().empty() || fs::is_directory(to, ignored)) {
+    throw UsageError("{}: is a folder; name the file to write, for example {}", to.string(),
+                     (to / "scene.spz").string());
+  }
+  SplatFormatOf(to);
+  if (fs::equivalent(from, to, ignored)) {
+    throw UsageError("{}: is the input itself, which an export never overwrites; choose another -o", to.string());
+  }
+  ParseCrop(options.crop);
+  ParseAxis(options.up);
+}
+
+ExportResult ExportSplat(const fs::path& from, const fs::path& to, const ExportOptions& options,
+                         const std::optional<ExportCameras>& cameras, const Listener& listener) {
+  CheckExport(from, to, options);
+  const std::string file = from.string();
+  if (NeedsCameras(options) && !cameras) {
+    throw UsageError("{}: has no cameras, which {} needs; give the workspace of a run", file,
+                     options.crop == "auto" ? "--crop auto" : "--up auto");
+  }
+  const SplatFormat format = SplatFormatOf(to);
+  const GaussianPly splat = ReadSplat(from, listener);
+  const Eigen::Vector3d offset = OffsetOf(splat.comments);
+  Crop crop = ParseCrop(options.crop).MovedBy(-offset);
+  if (crop.kind == Crop::Kind::kAuto) {
+    crop.kind = Crop::Kind::kBall;
+    crop.ball = cameras->looked_at;
+  }
+  GaussianPly kept = Pruned(splat, options, crop, file);
+  if (kept.gaussians.size() == 0) {
+    throw UsageError("{}: no Gaussian is left of {}; lower --min-opacity or --min-support, or crop less", file,
+                     splat.gaussians.size());
+  }
+  const std::optional<double> unit = UnitMetersOf(splat.comments);
+  const double scale = options.scale.ValueOr(unit.value_or(1));
+  if (!options.up.empty() || scale != 1) {
+    Similarity transform;
+    transform.scale = scale;
+    if (!options.up.empty()) {
+      const Eigen::Vector3d usual = -Eigen::Vector3d::UnitY();  // up where y points down
+      const auto axis = ParseAxis(options.up);
+      const Eigen::Vector3d wanted = axis ? Eigen::Vector3d(axis->cwiseProduct(FileAxes(format))) : usual;
+      transform.rotation = TurnBetween(cameras ? cameras->up : usual, wanted);
+    }
+    kept.gaussians = Transformed(kept.gaussians, transform);
+    kept.comments = WithUnit(kept.comments, unit ? std::optional(*unit / scale) : std::nullopt);
+    kept.comments = WithOffset(kept.comments, transform * offset);
+    if (!options.up.empty()) kept.comments = WithoutLevel(std::move(kept.comments));
+  }
+  if (!KeepsComments(format)) {
+    for (const std::string& comment : LicenseComments(PartsInComments(kept.comments)))
+      listener(Note{fmt::format("{} has no room for a comment of the model: {}", ExtensionOf(format), comment)});
+    if (const Eigen::Vector3d left = OffsetOf(kept.comments); !left.isZero(0)) {
+      listener(Note{fmt::format("{} has no room for the scene's offset: add {} {} {} to positions for the scene's own",
+                                ExtensionOf(format), left.x(), left.y(), left.z())});
+    }
+  }
+  const int degree = format == SplatFormat::kSplat ? 0 : kept.sh_degree;
+  const int64_t written = WriteSplat(to, kept, listener);
+  listener(FileWritten{to});
+  return {format, splat.gaussians.size(), written, degree, fs::file_size(to)};
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "oraclegs/core/options.h"
+#include "oraclegs/core/progress.h"
+#include "oraclegs/formats/splat_file.h"
+#include "oraclegs/output/model_edits.h"
+
+namespace oraclegs {
+
+struct ExportOptions {
+  int sh_degree = 3;
+  double min_opacity = 0;
+  double min_support = 0;
+  int max_gaussians = 0;
+  bool remove_outliers = false;
+  std::string crop = {};
+  std::string up = {};
+  Auto<double> scale = {};
+
+  template <class Self, class V>
+  static void Visit(Self& self, V&& visit) {
+    visit("sh-degree", self.sh_degree, "Highest degree of the view-dependent color that is kept", Range{0, 3});
+    visit("min-opacity", self.min_opacity, "Gaussians fainter than this are left out", Range{0, 1});
+    visit("min-support", self.min_support,
+          "Gaussians that the images support less are left out: 0.25 the weakly supported, 0.5 also the proposed, "
+          "0.75 also those of one image; needs a model that this program trained",
+          Range{0, 1});
+    visit("max-gaussians", self.max_gaussians, "Keep this many, those of most opacity times area; 0 = all",
+          Range{0, 1e9});
+    visit("remove-outliers", self.remove_outliers, "Leave out small Gaussians that are far from all others");
+    visit("crop", self.crop,
+          "Keep this part: auto (around what the cameras look at), box:x0,y0,z0,x1,y1,z1 or sphere:x,y,z,radius, in "
+          "the axes of the scene");
+    visit(
+        "up", self.up,
+        "Turn the model so that up is this axis of the file: x, -x, y, -y, z, -z, or auto: what viewers of the format "
+        "expect");
+    visit("scale", self.scale,
+          "Make the model this many times as large; auto = such that a unit is a meter, where the model says how long "
+          "its units are, else 1",
+          Range{1e-6, 1e6});
+  }
+};
+
+/// What an export knows of the cameras.
+struct ExportCameras {
+  Ball looked_at;
+  Eigen::Vector3d up;  ///< unit
+};
+
+/// True when the options cannot do without cameras.
+bool NeedsCameras(const ExportOptions& options);
+
+/// What the options leave of a model, in its order, where the scene has it. Throws UsageError and InputError; `file`
+/// stands in errors.
+GaussianPly Pruned(const GaussianPly& splat, const ExportOptions& options, const Crop& crop, const std::string& file);
+
+struct ExportResult {
+  SplatFormat format{};
+  int64_t before = 0, after = 0;  ///< Gaussians
+  int sh_degree = 0;              ///< of the written file
+  uint64_t bytes = 0;             ///< of it
+};
+
+/// Throws UsageError for options and an output that can be refused before anything is read.
+void CheckExport(const std::filesystem::path& from, const std::filesystem::path& to, const ExportOptions& options);
+
+/// Reads a splat of any format, edits it and writes it in the format that the name of `to` asks for. Throws InputError,
+/// RunError; UsageError when nothing would be left, or cameras are needed and not there.
+ExportResult ExportSplat(const std::filesystem::path& from, const std::filesystem::path& to,
+                         const ExportOptions& options, const std::optional<ExportCameras>& cameras,
+                         const Listener& listener);
+
+}  // namespace oraclegs

@@ -1,0 +1,174 @@
+#include "oraclegs/output/live/live.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStatePause = 0.5;  // seconds
+constexpr double kStatePauseOfCost = 200;
+
+fs::path DocumentOf(const WorkspacePaths& workspace) { return workspace.report() / "run.json"; }
+
+/// That of a finished run has; the one that is written as training begins has not.
+bool HasTrainedSplat(const fs::path& document) {
+  std::error_code ignored;
+  if (!fs::exists(document, ignored)) return false;
+  const nlohmann::json json = ParseJsonOrDiscard(ReadFile(document));
+  return json.is_object() && json.value("finished", nlohmann::json()) == true;
+}
+
+}  // namespace
+
+Live::Live(const WorkspacePaths& workspace, Listener listener)
+    : workspace_(workspace.root()),
+      listener_(std::move(listener)),
+      splat_(workspace.live() / "splat.splat"),
+      curves_(workspace.curves()) {
+  std::error_code ignored;
+  fs::create_directory(workspace_.live(), ignored);
+  fs::remove(splat_, ignored);  // of a run that was killed
+  lock_.emplace(workspace_.live());
+  rows_ = ReadCurves(workspace_.curves());
+  WriteState();
+}
+
+Live::~Live() {
+  if (state_.ended()) return;
+  if (std::uncaught_exceptions() > exceptions_) {
+    End(RunEnd::kFailed, "the run ended with an error");
+  } else {
+    End(RunEnd::kFinished, "");
+  }
+}
+
+Listener Live::AsListener() {
+  return [this](const Event& event) { On(event); };
+}
+
+TrainObserver Live::OfTraining(TestScore score) {
+  training_ = false;
+  score_ = std::move(score);
+  return [this](const TrainMoment& moment) {
+    const double start = watch_.Seconds();
+    OnMoment(moment);
+    looked_ += watch_.Seconds() - start;
+  };
+}
+
+void Live::Guard(FunctionRef<void()> body) {
+  try {
+    body();
+  } catch (const Interrupted& error) {
+    End(RunEnd::kInterrupted, error.what());
+    throw;
+  } catch (const std::bad_alloc&) {
+    End(RunEnd::kFailed, "out of memory");
+    throw;
+  } catch (const std::exception& error) {
+    End(RunEnd::kFailed, error.what());
+    throw;
+  }
+}
+
+void Live::On(const Event& event) {
+  listener_(event);
+  state_.Add(event);
+  const bool stage = std::holds_alternative<StageStarted>(event) || std::holds_alternative<StageFinished>(event);
+  if (stage || watch_.Seconds() >= state_due_) WriteState();
+}
+
+void Live::OnMoment(const TrainMoment& moment) {
+  if (!std::exchange(training_, true)) {  // the rows of what is not continued are dropped
+    std::erase_if(rows_, [&](const CurveRow& row) { return row.iteration > moment.iteration; });
+    Try([&] { curves_.Write(rows_); });
+    BeginRow(moment);
+  } else if (HasCurveRow(moment.iteration, moment.total) || score_.IsDue(moment.iteration, moment.total)) {
+    AddRow(moment);
+  }
+  if (snapshots_.IsDue(watch_.Seconds()) || moment.iteration == moment.total) TakeSnapshot(moment);
+  if (watch_.Seconds() >= state_due_) WriteState();
+}
+
+void Live::BeginRow(const TrainMoment& moment) {
+  since_ = {moment.iteration, moment.seconds, moment.terms};
+  looked_ = 0;
+}
+
+void Live::AddRow(const TrainMoment& moment) {
+  CurveRow row;
+  row.iteration = moment.iteration, row.gaussians = moment.gaussians.size();
+  row.seconds = moment.seconds, row.loss = moment.loss();
+  const auto iterations = static_cast<double>(moment.iteration - since_.iteration);
+  row.milliseconds = std::max(0., moment.seconds - since_.seconds - looked_) * 1000 / iterations;
+  row.SetTerms(moment.terms.Since(since_.terms));
+  BeginRow(moment);
+  if (score_.IsDue(moment.iteration, moment.total)) Try([&] { row.psnr = score_.psnr(moment.gaussians); });
+  rows_.push_back(row);
+  Try([&] { curves_.Append(rows_); });
+}
+
+void Live::TakeSnapshot(const TrainMoment& moment) {
+  moment.loss();  // waits; that training has diverged is no trouble of ours
+  const double start = watch_.Seconds();
+  double cost = -1;
+  Try([&] { cost = WriteSnapshot(splat_, moment.gaussians); });
+  const double end = watch_.Seconds();
+  snapshots_.Took(end, cost < 0 ? end - start : cost);
+  if (cost < 0) return;
+  shown_splat_ = {{"url", "live/splat.splat"},
+                  {"format", "splat"},
+                  {"iteration", moment.iteration},
+                  {"gaussians", moment.gaussians.size()}};
+  WriteState();
+}
+
+void Live::WriteState() {
+  const double start = watch_.Seconds();
+  std::error_code ignored;
+  nlohmann::json state = state_.ToJson();
+  state["updated"] = UtcNow();
+  state["elapsed_seconds"] = watch_.Seconds();
+  state["curves"] = rows_.empty() ? nlohmann::json::array() : CurvesToJson(rows_);
+  state["splat"] = shown_splat_;
+  state["lock"] = lock_->held();
+  state["document"] = fs::exists(DocumentOf(workspace_), ignored);
+  Try([&] {
+    ReplaceFile(workspace_.live() / "state.json",
+                state.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  });
+  const double end = watch_.Seconds();
+  state_due_ = end + std::max(kStatePause, kStatePauseOfCost * (end - start));
+}
+
+void Live::End(RunEnd end, const std::string& message) {
+  if (state_.ended()) return;
+  state_.SetEnd(end, message);
+  std::error_code ignored;
+  if (end == RunEnd::kFinished && HasTrainedSplat(DocumentOf(workspace_))) {
+    shown_splat_ = nullptr;
+    fs::remove(splat_, ignored);
+  }
+  WriteState();
+}
+
+void Live::Try(FunctionRef<void()> write) {
+  try {
+    write();
+  } catch (const std::exception& error) {  // a full disk, or no memory for a copy
+    if (std::exchange(warned_, true)) return;
+    const Warning warning{fmt::format("{}; the live view stands still, the run goes on", error.what())};
+    state_.Add(warning);
+    listener_(warning);
+  }
+}
+
+}  // namespace oraclegs

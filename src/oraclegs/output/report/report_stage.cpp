@@ -1,0 +1,59 @@
+#include "oraclegs/output/report/report_stage.h"
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/output/report/orbit_video.h"
+#include "oraclegs/output/report/report_files.h"
+#include "oraclegs/output/report/run_document.h"
+#include "oraclegs/stages/evaluate_stage.h"
+#include "oraclegs/web/assets.h"
+#include "oraclegs/web/page.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+void AddReportKey(Run* run, Fingerprint* key) {
+  for (const char* name : {"report.html", "report.js", "report.css"}) {
+    if (const auto asset = FindWebAsset(name)) key->Add(asset->bytes);
+  }
+  key->Add(run->version).Add(run->options.report.orbit_frames);
+  for (const fs::path& file : {run->workspace.metrics(), run->workspace.root() / "oracle.json"}) {
+    std::error_code ignored;
+    if (fs::exists(file, ignored)) key->AddFile(file);
+  }
+}
+
+void UndoReport(Run* run, const nlohmann::json&) {
+  std::error_code ignored;
+  fs::remove(run->workspace.report_page(), ignored);
+}
+
+std::optional<nlohmann::json> MakeReport(Run* run, const std::string&) {
+  const Model model = LoadModel(run->workspace.point_cloud(), run->options, run->plan.device, run->frame);
+  OrbitVideo film;
+  film.frames = run->options.report.orbit_frames;
+  const fs::path video = WriteOrbitVideo(*run, model, film);
+  const nlohmann::json document = WriteRunDocument(run, model, video);
+  std::vector<std::string> files = {"report/run.json"};
+  if (WebPagesBuilt()) {
+    WriteFileAtomically(run->workspace.report_page(),
+                        SelfContainedPage(WithFilesInside(document, run->workspace.root())));
+    files.push_back("report.html");
+    run->listener(FileWritten{run->workspace.report_page()});
+  } else {
+    run->listener(Note{fmt::format("no report.html: {}", HowToBuildWebPages())});
+  }
+  return nlohmann::json{{"files", files}};
+}
+
+}  // namespace
+
+StageWork ReportStage() {
+  return {.wanted = [](const Run& run) { return run.options.report.report; },
+          .own = AddReportKey,
+          .undo = UndoReport,
+          .make = MakeReport};
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,132 @@
+#include "oraclegs/output/value_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "oraclegs/image/colormap.h"
+#include "oraclegs/render/make_rasterizer.h"
+#include "oraclegs/render/recolor.h"
+#include "oraclegs/render/surface.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr size_t kCamerasForSpan = 8;  // renders that the range of depth is taken from
+constexpr int kNormalReachShare =
+    240;  // of the longer side, in pixels; smooths what the Gaussians' outlines do to depth
+
+/// What some of the cameras see, without the outermost percent.
+std::pair<float, float> InverseDepthSpan(const Model& model, const std::vector<Camera>& cameras,
+                                         Rasterizer* rasterizer) {
+  std::vector<float> values;
+  const size_t step = std::max<size_t>(1, (cameras.size() + kCamerasForSpan - 1) / kCamerasForSpan);
+  for (size_t i = 0; i < cameras.size(); i += step) {
+    const auto render = rasterizer->Forward(model.gaussians, cameras[i], model.render, RenderPass::kInference);
+    for (const float value : SurfaceOf(render, cameras[i]).inv_depth) {
+      if (value > 0) values.push_back(value);
+    }
+  }
+  if (values.empty()) return {0.f, 1.f};
+  std::sort(values.begin(), values.end());
+  const size_t cut = values.size() / 100;
+  return {values[cut], std::max(values[values.size() - 1 - cut], values[cut] * 1.001f)};
+}
+
+Image8 BlankRgb(const Camera& camera) {
+  const auto bytes = 3 * static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
+  return {camera.width, camera.height, 3, std::vector<uint8_t>(bytes)};
+}
+
+Image8 DepthInColors(const RenderedSurface& surface, std::pair<float, float> span) {
+  Image8 image = BlankRgb(surface.camera);
+  for (size_t i = 0; i < surface.inv_depth.size(); ++i) {
+    if (!(surface.inv_depth[i] > 0)) continue;
+    const auto rgb = MapColor(ColorMap::kViridis, (surface.inv_depth[i] - span.first) / (span.second - span.first));
+    std::copy(rgb.begin(), rgb.end(), image.data.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  return image;
+}
+
+Image8 NormalsInColors(const RenderedSurface& surface) {
+  Image8 image = BlankRgb(surface.camera);
+  for (size_t i = 0; i < surface.normals.size(); ++i) {
+    if (surface.normals[i].isZero()) continue;
+    for (int c = 0; c < 3; ++c) {
+      image.data[3 * i + static_cast<size_t>(c)] =
+          static_cast<uint8_t>(std::lround(255 * (surface.normals[i][c] + 1) / 2));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+std::vector<RenderValue> ParseRenderValues(const std::string& text) {
+  std::vector<RenderValue> values;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const auto value = FromWord<RenderValue>(word);
+    if (!value) {
+      throw UsageError("--what is '{}', must be one or more of: {} (separated by commas)", text,
+                       AllWords<RenderValue>(", "));
+    }
+    if (std::find(values.begin(), values.end(), *value) == values.end()) values.push_back(*value);
+    begin = end + 1;
+  }
+  return values;
+}
+
+struct ValueRenderer::Impl {
+  bool Wants(RenderValue value) const { return std::find(values.begin(), values.end(), value) != values.end(); }
+
+  const Model& model;
+  std::vector<RenderValue> values;
+  std::unique_ptr<Rasterizer> rasterizer;
+  std::pair<float, float> span = {};  // of inverse depth, for its colors
+  Gaussians in_support_colors = {};
+};
+
+ValueRenderer::ValueRenderer(const Model& model, std::vector<RenderValue> values, const std::vector<Camera>& cameras)
+    : impl_(new Impl{model, std::move(values), MakeRasterizer(model.gaussians.device())}) {
+  if (impl_->Wants(RenderValue::kDepth)) impl_->span = InverseDepthSpan(model, cameras, impl_->rasterizer.get());
+  if (!impl_->Wants(RenderValue::kSupport)) return;
+  if (model.support.empty()) {
+    throw InputError(
+        "the point cloud does not say how its Gaussians are supported (it has no property 'support'); train again with "
+        "this version of oraclegs (--overwrite), or leave support out of --what");
+  }
+  impl_->in_support_colors = Recolored(model.gaussians, SupportColors(model.support));
+}
+
+ValueRenderer::~ValueRenderer() = default;
+
+std::vector<Image8> ValueRenderer::Render(const Camera& camera) {
+  std::vector<Image8> images(impl_->values.size());
+  const auto put = [&](RenderValue value, const auto& image) {
+    const auto at = std::find(impl_->values.begin(), impl_->values.end(), value);
+    if (at != impl_->values.end()) images[static_cast<size_t>(at - impl_->values.begin())] = image();
+  };
+  const bool only_support = impl_->values.size() == 1 && impl_->Wants(RenderValue::kSupport);
+  if (!only_support) {
+    const auto render =
+        impl_->rasterizer->Forward(impl_->model.gaussians, camera, impl_->model.render, RenderPass::kInference);
+    put(RenderValue::kColor, [&] { return ToImage8(render.image); });
+    if (impl_->Wants(RenderValue::kDepth) || impl_->Wants(RenderValue::kNormals)) {
+      const int reach = std::max(1, std::max(camera.width, camera.height) / kNormalReachShare);
+      const RenderedSurface surface = SurfaceOf(render, camera, reach);
+      put(RenderValue::kDepth, [&] { return DepthInColors(surface, impl_->span); });
+      put(RenderValue::kNormals, [&] { return NormalsInColors(surface); });
+    }
+  }
+  put(RenderValue::kSupport, [&] {
+    RenderOptions options = impl_->model.render;
+    options.sh_degree = 0;
+    return ToImage8(
+        impl_->rasterizer->Forward(impl_->in_support_colors, camera, options, RenderPass::kInference).image);
+  });
+  return images;
+}
+
+}  // namespace oraclegs

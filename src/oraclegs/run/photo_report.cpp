@@ -1,0 +1,72 @@
+#include "oraclegs/run/photo_report.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "oraclegs/capture/photo_checks.h"
+#include "oraclegs/core/error.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/unique_json.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr uint64_t kMaxChecksBytes = 16 << 20;
+
+/// What is kept of these photos; null when there is nothing, or of others.
+json KeptOf(const Run& run) {
+  try {
+    json kept = ParseJsonOrDiscard(ReadFile(run.workspace.photo_checks(), kMaxChecksBytes));
+    if (kept.is_object() && kept.value("photos", json()) == run.photos) return kept;
+  } catch (const Error&) {  // not yet written, or damaged: looked at anew
+  }
+  return nullptr;
+}
+
+std::vector<std::string> TextsOf(const json& kept, const char* name) {
+  std::vector<std::string> texts;
+  const json list = kept.value(name, json::array());
+  for (const json& text : list) {
+    if (text.is_string()) texts.push_back(text.get<std::string>());
+  }
+  return texts;
+}
+
+json Look(const Run& run) {
+  std::vector<CheckedPhoto> photos;
+  for (const SceneView& view : run.scene.views) photos.push_back({view.name, view.image_path});
+  const PhotoTrouble trouble = CheckPhotos(photos, run.listener);
+  std::vector<std::string> unreadable;
+  for (const size_t i : trouble.unreadable) unreadable.push_back(photos[i].name);
+  return {{"photos", run.photos}, {"warnings", trouble.warnings}, {"unreadable", unreadable}};
+}
+
+void LeaveOut(const std::vector<std::string>& names, Scene* scene) {
+  std::erase_if(scene->views,
+                [&](const SceneView& view) { return std::find(names.begin(), names.end(), view.name) != names.end(); });
+}
+
+}  // namespace
+
+void CheckRunPhotos(Run* run) {
+  if (run->photos.empty()) return;
+  json kept = KeptOf(*run);
+  if (kept.is_null()) {
+    kept = Look(*run);
+    WriteFileAtomically(run->workspace.photo_checks(), kept.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  }
+  for (const std::string& warning : TextsOf(kept, "warnings")) run->listener(Warning{warning});
+  LeaveOut(TextsOf(kept, "unreadable"), &run->scene);
+}
+
+void LeaveOutUnreadablePhotos(Run* run) {
+  if (run->photos.empty()) return;
+  const json kept = KeptOf(*run);
+  if (!kept.is_null()) LeaveOut(TextsOf(kept, "unreadable"), &run->scene);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,58 @@
+#include "oraclegs/run/reconstruct.h"
+
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/run/stages.h"
+#include "oraclegs/stages/metrics.h"
+#include "oraclegs/stages/run_observer.h"
+
+namespace oraclegs {
+
+namespace {
+
+void BringUpToDate(const std::vector<const char*>& stages, Run* run) {
+  Guarded(run->observer.get(), [&] {
+    if (!IsUpToDate(run, "train")) {
+      for (const int view : run->split.test) LoadViews(run->scene, {view}, run->options.image, Silent());
+    }
+    for (const char* stage : stages) RunStage(run, stage);
+  });
+}
+
+}  // namespace
+
+nlohmann::json Reconstruct(Run* run) {
+  BringUpToDate({"evaluate"}, run);
+  return ReadMetrics(run->workspace.root());
+}
+
+nlohmann::json Reconstruct(const RunRequest& request, const Listener& listener) {
+  RunRequest estimated = request;
+  estimated.estimates = true;
+  Run run = StartRun(estimated, listener);
+  BringUpToDate({"evaluate", "report"}, &run);
+  return ReadMetrics(run.workspace.root());
+}
+
+void EvaluateRun(Run* run) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(run->workspace.point_cloud(), ignored)) {
+    throw InputError("{}: does not exist; run `oraclegs train` first, or name a point cloud with --ply",
+                     run->workspace.point_cloud().string());
+  }
+  RunStageAlone(run, Stages(), "evaluate");
+}
+
+std::vector<ScenePoint> SparsePointsOf(Run* run) {
+  if (!IsUpToDate(run, "sfm")) {
+    run->listener(
+        Warning{fmt::format("{}: its sparse points are not there any more, or were never made; the cameras "
+                            "are written without points",
+                            run->workspace.root().string())});
+    return {};
+  }
+  RunStage(run, "sfm");  // reads them
+  return run->results->points;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,31 @@
+#include "oraclegs/run/stages.h"
+
+#include "oraclegs/output/report/report_stage.h"
+#include "oraclegs/stages/depth_stage.h"
+#include "oraclegs/stages/evaluate_stage.h"
+#include "oraclegs/stages/propose_stage.h"
+#include "oraclegs/stages/proxy_models.h"
+#include "oraclegs/stages/register_stage.h"
+#include "oraclegs/stages/sfm_stage.h"
+#include "oraclegs/stages/train_stage.h"
+#include "oraclegs/stages/validate_stage.h"
+
+namespace oraclegs {
+
+const std::vector<Stage>& Stages() {
+  // name, version, needs, work
+  static const std::vector<Stage> stages = {
+      {"register", 2, {}, RegisterStage()},
+      {"sfm", 1, {"register"}, SfmStage()},
+      {"depth", 5, {"sfm"}, DepthStage()},
+      {"proxies", 1, {"depth"}, ProxyStage()},
+      {"propose", 2, {"depth", "proxies"}, ProposeStage()},
+      {"validate", 4, {"propose"}, ValidateStage()},
+      {"train", kTrainStageVersion, {"sfm", "depth", "validate"}, TrainStage()},
+      {"evaluate", 1, {"train"}, EvaluateStage()},
+      {"report", 1, {"evaluate"}, ReportStage()},
+  };
+  return stages;
+}
+
+}  // namespace oraclegs

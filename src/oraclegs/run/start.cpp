@@ -1,0 +1,344 @@
+#include "oraclegs/run/start.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "oraclegs/capture/import.h"
+#include "oraclegs/capture/video.h"
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/output/live/live.h"
+#include "oraclegs/output/report/run_document.h"
+#include "oraclegs/render/constants.h"
+#include "oraclegs/run/announce_stages.h"
+#include "oraclegs/run/needed_photos.h"
+#include "oraclegs/run/photo_report.h"
+#include "oraclegs/run/stages.h"
+#include "oraclegs/scene/declared_split.h"
+#include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/scene/gps_scale.h"
+#include "oraclegs/scene/loaded_view.h"
+#include "oraclegs/scene/read_scene.h"
+#include "oraclegs/settings/missing_networks.h"
+#include "oraclegs/settings/run_size.h"
+#include "oraclegs/stages/register_stage.h"
+#include "oraclegs/workspace/frame_file.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of the images of a scene without poses; "" for a scene with poses.
+std::string PhotosFingerprint(const Scene& scene, FileHashes* files) {
+  if (scene.HasPoses()) return "";
+  std::vector<int> all(scene.views.size());
+  std::iota(all.begin(), all.end(), 0);
+  return ViewsFingerprint(scene, all, ImageOptions(), files);
+}
+
+void ReportSplit(const nlohmann::json& split, const Listener& listener) {
+  for (const char* part : {"train", "test"}) {
+    const auto names = split.at(part).get<std::vector<std::string>>();
+    listener(
+        Note{fmt::format("{}{}{}", Counted(names.size(), std::string(part) == "train" ? "training view" : "test view"),
+                         names.empty() ? "" : ": ", fmt::join(names, ", "))});
+  }
+}
+
+/// Throws InputError when a view's image is too large to be rendered.
+void RequireRenderable(const Scene& scene, const ImageOptions& options) {
+  for (const SceneView& view : scene.views) {
+    const PixelSize size = WorkingSize({view.intrinsics.width, view.intrinsics.height}, options);
+    if (size.width <= kMaxRenderSide && size.height <= kMaxRenderSide) continue;
+    throw InputError("{}: would be used at {} x {} pixels, at most {} a side can be rendered; lower --max-size",
+                     view.image_path.string(), size.width, size.height, kMaxRenderSide);
+  }
+}
+
+/// Published scores are of the dataset's own smaller images, where it has some. Throws InputError where it must.
+void CheckSmallerCopies(const Scene& scene, const ImageOptions& options, const Listener& listener) {
+  const int downscale = options.downscale.ValueOr(1);
+  const bool required = options.smaller_copies == SmallerCopies::kRequired;
+  if (downscale == 1 || (scene.format != SceneFormat::kColmap && !required)) return;
+  const bool has_smaller = std::any_of(scene.views.begin(), scene.views.end(), [&](const SceneView& view) {
+    return ImageFile(view, options) != view.image_path;
+  });
+  if (has_smaller) return;
+  if (required) {
+    throw InputError(
+        "{}: has no folder images_{}, as --smaller-copies required asks for; get the dataset's, or say "
+        "--smaller-copies auto to resize the photos here",
+        scene.root.string(), downscale);
+  }
+  listener(
+      Note{fmt::format("{}: has no folder images_{}; the photos are resized here, and scores differ a little from "
+                       "those of a dataset that has it",
+                       scene.root.string(), downscale)});
+}
+
+Scene Read(const fs::path& root, const RunOptions& options, const Listener& listener) {
+  if (!IsUtf8(options.input.images.string())) {
+    throw InputError("{}: the name of the --images folder is not valid UTF-8; rename it",
+                     EscapeBytes(options.input.images.string()));
+  }
+  SceneReadOptions read;
+  read.images = options.input.images;
+  read.allow_outside = options.input.allow_outside;
+  Scene scene = ReadScene(root, read, listener);
+  CheckSmallerCopies(scene, options.image, listener);
+  ReportSplitLists(scene, options.split, listener);
+  return scene;
+}
+
+/// The size of the run that `request` continues; null where it starts one, also with other options or of another scene
+/// in the folder of one that has no results yet.
+nlohmann::json SavedSize(const RunRequest& request) {
+  if (!IsWorkspace(request.out) || request.overwrite) return nullptr;
+  const SavedRun saved = ReadSavedRun(request.out);
+  std::error_code ignored;
+  const bool same_options = DescribeDifference(saved.options, request.options, saved.size).empty() ||
+                            AsksForMoreIterations(saved, request.options);
+  return same_options && fs::equivalent(saved.scene, request.scene, ignored) ? saved.size : nlohmann::json();
+}
+
+/// Other frames of a video would replace what the run was made from.
+void RequireSameFrames(const RunRequest& request, const nlohmann::json& saved_size) {
+  const Auto<int>& now = request.options.capture.frames;
+  const nlohmann::json before =
+      saved_size.is_object() ? saved_size.value("frames", nlohmann::json()) : nlohmann::json();
+  if (now.is_auto() || !before.is_number() || before == now.value()) return;
+  if (std::none_of(request.inputs.begin(), request.inputs.end(), LooksLikeVideo)) return;
+  if (!HasResults(WorkspacePaths(request.out))) return;
+  throw InputError(
+      "{}: holds a run with other options (--frames was {}, now is {}); give the same options to continue it, choose "
+      "another -o, or start anew with --overwrite",
+      request.out.string(), before.dump(), now.value());
+}
+
+/// What lies in the workspace may be removed before it is read.
+void RequireInputsOutside(const fs::path& out, const std::vector<fs::path>& inputs) {
+  std::error_code ignored;
+  const fs::path workspace = fs::weakly_canonical(fs::absolute(out, ignored), ignored);
+  for (const fs::path& input : inputs) {
+    const fs::path place = fs::weakly_canonical(fs::absolute(input, ignored), ignored);
+    const auto [end, rest] = std::mismatch(workspace.begin(), workspace.end(), place.begin(), place.end());
+    if (end != workspace.end()) continue;
+    throw InputError("{}: lies in the workspace {}, whose files are written anew; choose another -o, or move it",
+                     input.string(), out.string());
+  }
+}
+
+/// The options with the size of the run settled: as `saved` has it, where the run is continued. Which image registers
+/// may be unknown, but a split that all of them cannot fill is refused.
+RunOptions SettleSize(const RunOptions& asked, const Scene& scene, Device device, const nlohmann::json& saved,
+                      const Listener& listener) {
+  const SceneSize size = SizeOf(scene, static_cast<int>(SplitViews(scene, asked.split).train.size()));
+  RunOptions settled = WithSize(WithSavedSize(asked, saved), size, device.is_cuda());
+  CheckRunOptions(settled);
+  RequireRenderable(scene, settled.image);
+  if (const std::string text = DescribeSize(asked, settled, size); !text.empty()) listener(Note{text});
+  return settled;
+}
+
+/// Lists of views in files become options of the run, so that it is continued without the files.
+RunRequest WithListsRead(const RunRequest& request) {
+  RunRequest read = request;
+  read.options.split = WithListsRead(request.options.split);
+  return read;
+}
+
+/// The length of a unit of poses that were found, by the user's word or else by GPS.
+std::optional<double> UnitOf(const Run& run, bool opened) {
+  if (!run.options.frame.scale.empty()) return UnitMeters(run.scene, run.options.frame.scale, true);
+  const std::optional<GpsScale> gps = UnitMetersByGps(run.scene);
+  if (!gps) return std::nullopt;
+  if (!opened) {
+    run.listener(Note{fmt::format("a unit is {:.3g} m, within {:.1f} %, by the GPS positions of {} (--scale overrules)",
+                                  gps->unit_meters, 100 * gps->error, Counted(gps->views, "photo"))});
+  }
+  return gps->unit_meters;
+}
+
+/// A length that became known after training: the header of the splat says it, too.
+void RefreshUnit(const Run& run) {
+  const fs::path ply = run.workspace.point_cloud();
+  std::error_code ignored;
+  if (!fs::exists(ply, ignored)) return;
+  try {
+    const GaussianPly splat = ReadIntactGaussianPly(ply);
+    if (UnitMetersOf(splat.comments) == run.frame.unit_meters) return;
+    WriteGaussianPly(ply, splat.gaussians, splat.sh_degree, WithUnit(splat.comments, run.frame.unit_meters),
+                     splat.support);
+  } catch (const InputError&) {  // the stages make a damaged one again
+  }
+}
+
+/// The frame of given poses. `run` and commands on a scene folder have the same for the same split.
+SceneFrame GivenFrame(const Scene& scene, const Split& split, const RunOptions& options, const Listener& listener) {
+  SceneFrame frame = NormalFrame(scene, split.train);
+  if (options.input.frame == FrameKind::kScene) {
+    if (const std::string why = WhyUnitsDoNotFit(frame); !why.empty()) {
+      listener(Warning{fmt::format("--frame scene: {}; leave the option out", why)});
+    }
+    frame = SceneFrame();
+    frame.is_given = true;
+  }
+  frame.unit_meters = UnitMeters(scene, options.frame.scale, false);
+  return frame;
+}
+
+/// Brings the scene into the run's frame. The length of a unit is of the scene as given, or as found and framed.
+void EnterFrame(Run* run, bool opened) {
+  const bool found = !run->photos.empty();
+  run->frame = found ? FrameOf(run->scene, run->workspace.frame())
+                     : GivenFrame(run->scene, run->split, run->options, opened ? Silent() : run->listener);
+  if (!opened) WriteFrame(run->scene, run->frame, run->workspace.frame());
+  ApplyFrame(run->frame, &run->scene);
+  if (found) run->frame.unit_meters = UnitOf(*run, opened);
+  if (!opened) RefreshUnit(*run);
+}
+
+/// Poses where there are none yet, the split, and the frame. `opened`: the run is only looked at.
+void FindPosesAndSplit(Run* run, bool opened) {
+  if (!run->photos.empty()) RunStage(run, "register");
+  run->split = SplitOfRun(*run);
+  EnterFrame(run, opened);
+}
+
+void SaveSplit(const Run& run) {
+  const nlohmann::json json = SplitToJson(run.scene, run.split);
+  ReportSplit(json, run.listener);
+  WriteFileAtomically(run.workspace.split(), json.dump(2) + "\n");
+}
+
+using PlanMaker = Plan (*)(const RunOptions& options, bool has_poses);
+
+/// The run of a workspace, which is held, or joined.
+Run ReadRun(const RunRequest& asked, PlanMaker make_plan, Workspace (*open)(const fs::path& dir),
+            const Listener& listener) {
+  CheckRunOptions(asked.options);
+  const RunRequest request = WithListsRead(asked);
+  const SavedRun saved = ReadSavedRun(request.out);
+  const std::string difference = DescribeDifference(saved.options, request.options, saved.size);
+  if (!difference.empty()) {
+    throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
+  }
+  Scene scene = Read(saved.scene, request.options, listener);
+  Workspace workspace = open(request.out);
+  Plan plan = make_plan(request.options, scene.HasPoses());
+  if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
+  const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
+  Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.start_iterations = saved.start_iterations;
+  run.photos = PhotosFingerprint(run.scene, &run.files);
+  LeaveOutUnreadablePhotos(&run);
+  KeepNeededPhotos(&run, Silent());
+  FindPosesAndSplit(&run, true);
+  return run;
+}
+
+}  // namespace
+
+PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const Listener& listener) {
+  Scene scene = Read(root, options, listener);
+  if (!scene.HasPoses()) {
+    throw InputError("{}: these photos have no poses; run `oraclegs reconstruct` and name its workspace instead",
+                     root.string());
+  }
+  Split split = SplitViews(scene, WithListsRead(options.split));
+  const SceneFrame frame = GivenFrame(scene, split, options, listener);
+  ApplyFrame(frame, &scene);
+  return {std::move(scene), std::move(split), frame};
+}
+
+fs::path OneFolder(const RunRequest& request) {
+  if (request.inputs.empty() || IsUsedInPlace(request.inputs)) {
+    return request.inputs.empty() ? request.scene : request.inputs.front();
+  }
+  throw UsageError("{}: this command takes one scene folder; run `oraclegs reconstruct` for anything else",
+                   request.inputs.front().string());
+}
+
+Run StartRun(const RunRequest& asked, const Listener& listener) {
+  CheckRunOptions(asked.options);
+  RunRequest request = WithListsRead(asked);
+  const bool imports = !request.inputs.empty() && !IsUsedInPlace(request.inputs);
+  RequireInputsOutside(request.out, request.inputs);
+  if (imports) {
+    CheckInputs(request.inputs);
+    std::error_code ignored;
+    for (const fs::path& input : request.inputs) {
+      if (fs::is_directory(input, ignored)) RequireOutsideScene(request.out, input);
+    }
+    request.scene = WorkspacePaths(request.out).photos();
+  } else {
+    request.scene = OneFolder(request);
+    RequireOutsideScene(request.out, request.scene);
+    request.inputs.clear();
+  }
+  const fs::path& proposals = request.options.propose.proposal_folder;
+  if (!proposals.empty()) RequireApart(request.out, proposals);
+
+  Scene scene;
+  const auto read = [&] {
+    scene = Read(request.scene, request.options, listener);
+    if (!imports) RequireOutsideScene(request.out, scene, request.options.input.images);
+    CheckScale(scene, request.options.frame.scale);
+  };
+  if (!imports) read();
+  const bool has_poses = scene.HasPoses();
+  if (has_poses && request.options.input.poses == PoseSource::kVggt) {
+    listener(Note{"--poses vggt: the scene has poses, which are used"});
+  }
+  // What is asked for and missing is an error before anything is written.
+  const RunOptions options = WithNetworksAtHand(request.options, has_poses, listener);
+  Plan plan = MakePlan(options, has_poses);
+  const nlohmann::json saved_size = SavedSize(request);
+  const auto settle = [&] { return SettleSize(options, scene, plan.device, saved_size, listener); };
+  if (imports) RequireSameFrames(request, saved_size);
+  std::optional<RunOptions> settled;
+  if (!imports) settled = settle();
+  Workspace workspace = Workspace::Claim(request.out, request.scene, options, request.overwrite,
+                                         {settled ? SizeToJson(*settled) : saved_size, request.inputs, true});
+  if (imports) {
+    ImportPhotos(request.inputs, WithSavedSize(options, saved_size).capture, workspace.photos(), listener);
+    read();
+    settled = settle();
+    workspace.SaveSize(SizeToJson(*settled));
+  }
+  Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.workspace.DropDamagedRecords(listener);
+  run.start_iterations = ReadSavedRun(request.out).start_iterations;
+  const auto live = std::make_shared<Live>(run.workspace, listener);
+  run.observer = live;
+  run.listener = run.workspace.Watching(live->AsListener());
+  if (run.options.report.report) run.on_training = WriteStartDocument;
+  run.spread = request.spread;
+  if (request.on_claimed) request.on_claimed();
+  Guarded(live.get(), [&] {
+    run.photos = PhotosFingerprint(run.scene, &run.files);
+    CheckRunPhotos(&run);
+    KeepNeededPhotos(&run, run.listener);
+    if (request.estimates) AnnounceStages(&run);
+    FindPosesAndSplit(&run, false);
+    SaveSplit(run);
+  });
+  return run;
+}
+
+Run OpenRun(const RunRequest& request, const Listener& listener) {
+  const auto plan = [](const RunOptions& options, bool) { return MakePlanToEvaluate(options); };
+  Run run = ReadRun(request, plan, Workspace::Open, listener);
+  SaveSplit(run);
+  return run;
+}
+
+Run JoinRun(const RunRequest& request, const Listener& listener) {
+  return ReadRun(request, MakePlan, Workspace::Join, listener);
+}
+
+}  // namespace oraclegs

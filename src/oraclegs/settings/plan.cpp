@@ -1,0 +1,90 @@
+#include "oraclegs/settings/plan.h"
+
+#include "oraclegs/networks/loader.h"
+#include "oraclegs/validate/attention_layers.h"
+
+namespace oraclegs {
+namespace {
+
+void RequireLayers(const RunOptions& options, const VggtWeights& weights) {
+  if (weights.layers == 0) return;  // no weights of the network: loading them says what is missing
+  RequireAttentionLayers(AttentionLayersOf(options.validate), weights.layers, weights.name);
+}
+
+}  // namespace
+
+bool ProposesViews(const RunOptions& options) {
+  return options.propose.Choice() != ProposerChoice::kNone && options.trajectory.proposals != 0 &&
+         options.train.schedule != ScheduleKind::kNone;
+}
+
+bool HasProposals(const RunOptions& options) {
+  return ProposesViews(options) || !options.propose.proposal_folder.empty();
+}
+
+bool NeedsDepth(const RunOptions& options) {
+  if (options.depth.depth_prior == DepthPrior::kNone) return false;
+  const Auto<StartKind>& init = options.start.init;
+  return HasProposals(options) || init.is_auto() || init == StartKind::kDense || init == StartKind::kHybrid ||
+         options.train.depth_weight > 0 || options.train.prune_floaters || options.train.baseline.UsesDepth();
+}
+
+OracleChoice ChooseOracle(const RunOptions& options) {
+  const Auto<OracleKind>& asked = options.validate.oracle;
+  if (asked == OracleKind::kConsistency || asked == OracleKind::kUniform) return {asked.value()};
+  if (!asked.is_auto()) {
+    const std::string needs = "--oracle " + Word(asked.value());
+    OracleChoice choice{asked.value(), RequireVggtWeights(options.weights.vggt_weights, needs)};
+    RequireLayers(options, *choice.weights);
+    RequireNetworksLibrary(needs);
+    return choice;
+  }
+  auto weights = FindVggtWeights(options.weights.vggt_weights);
+  if (!weights || !HasNetworksLibrary()) return {OracleKind::kConsistency};
+  RequireLayers(options, *weights);
+  return {OracleKind::kVggtAndConsistency, std::move(weights)};
+}
+
+void ReportOracleChoice(const RunOptions& options, const OracleChoice& choice, const Listener& listener) {
+  if (!options.validate.oracle.is_auto()) return;
+  if (choice.weights) {
+    listener(Note{fmt::format("oracle: {} with the images ({})", choice.weights->name, choice.weights->path.string())});
+    return;
+  }
+  if (!HasNetworksLibrary()) {
+    listener(Note{"oracle: consistency of the images, without VGGT; " + WhyNoNetworks()});
+    return;
+  }
+  listener(
+      Note{"oracle: consistency of the images, without VGGT (`oraclegs models fetch vggt` downloads its weights)"});
+}
+
+Plan MakePlan(const RunOptions& options, bool has_poses) {
+  Plan plan = MakePlanToEvaluate(options);
+  plan.needs_depth = NeedsDepth(options);
+  plan.proposes = ProposesViews(options);
+  plan.has_proposals = HasProposals(options);
+  if (plan.needs_depth) plan.depth = ChooseDepthSource(options);
+  if (plan.has_proposals) plan.oracle = ChooseOracle(options);
+  if (!has_poses && options.input.poses == PoseSource::kVggt) {
+    plan.poses = RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
+    RequireNetworksLibrary("--poses vggt");
+  }
+  if (plan.Uses(options, ProposerChoice::kSeva)) {
+    RequireNetworksLibrary("--proposers " + Word(options.propose.Choice()));
+  }
+  return plan;
+}
+
+Plan MakePlanToEvaluate(const RunOptions& options) {
+  Plan plan;
+  plan.support = ProbeDevices();
+  plan.device = ChooseDevice(options.device.device, plan.support);
+  plan.lpips = FindLpips(options.weights);
+  if (options.weights.lpips == LpipsUse::kRequired) RequireNetworksLibrary("--lpips required");
+  if (!options.weights.lpips_weights.empty()) RequireNetworksLibrary("--lpips-weights");
+  if (!HasNetworksLibrary()) plan.lpips.clear();
+  return plan;
+}
+
+}  // namespace oraclegs

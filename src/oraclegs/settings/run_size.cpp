@@ -1,0 +1,130 @@
+#include "oraclegs/settings/run_size.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace oraclegs {
+namespace {
+
+/// What a quality takes on a device. Gaussians are those of kUsualPixels.
+struct Level {
+  int max_size, iterations, max_gaussians;
+};
+
+constexpr double kUsualViewPixels = 0.75e6, kUsualPixels = 12 * kUsualViewPixels;  // twelve views of 1000 x 750
+constexpr double kMaxIterationFactor = 1.25;
+constexpr double kMaxGaussianFactor = 3;
+constexpr int kGaussianStep = 5000;  // a number that is easily read
+constexpr int kFewViews = 8;         // below which long training learns the photos by heart
+constexpr int kMinIterations = 1000, kIterationStep = 100;
+
+Level LevelOf(Quality quality, bool on_gpu) {
+  switch (quality) {
+    case Quality::kDraft:
+      return on_gpu ? Level{1000, 7000, 200000} : Level{500, 1000, 30000};
+    case Quality::kHigh:
+      return on_gpu ? Level{3200, 30000, 2000000} : Level{1600, 10000, 250000};
+    default:
+      return on_gpu ? Level{1600, 15000, 800000} : Level{1000, 2500, 100000};
+  }
+}
+
+double PixelsOfView(const SceneSize& scene, const ImageOptions& image) {
+  const PixelSize size = WorkingSize(scene.largest, image);
+  return static_cast<double>(size.width) * size.height;
+}
+
+int Rounded(double value, int step) { return static_cast<int>(std::lround(value / step)) * step; }
+
+int GaussiansFor(double pixels, int usual) {
+  const double factor = std::clamp(std::sqrt(pixels / kUsualPixels), 1.0, kMaxGaussianFactor);
+  return std::max(kGaussianStep, Rounded(factor * usual, kGaussianStep));
+}
+
+/// More where they cost little, and fewer where long training would learn few photos by heart.
+int IterationsFor(int views, double pixels_of_view, int usual) {
+  const double small = std::clamp(std::sqrt(kUsualViewPixels / pixels_of_view), 1.0, kMaxIterationFactor);
+  const double few = std::sqrt(std::min(1.0, static_cast<double>(views) / kFewViews));
+  return std::max(kMinIterations, Rounded(small * few * usual, kIterationStep));
+}
+
+}  // namespace
+
+SceneSize SizeOf(const Scene& scene, int training_views) {
+  SceneSize size{training_views, {}};
+  for (const SceneView& view : scene.views) {
+    const PixelSize image{view.intrinsics.width, view.intrinsics.height};
+    if (int64_t{image.width} * image.height > int64_t{size.largest.width} * size.largest.height) size.largest = image;
+  }
+  return size;
+}
+
+RunOptions WithSize(RunOptions options, const SceneSize& scene, bool on_gpu) {
+  const Level level = LevelOf(options.quality.quality, on_gpu);
+  if (options.image.max_size.is_auto()) options.image.max_size = options.image.downscale.is_auto() ? level.max_size : 0;
+  if (options.train.iterations.is_auto()) {
+    options.train.iterations = IterationsFor(scene.views, PixelsOfView(scene, options.image), level.iterations);
+    // Rates and weights run their course over it.
+    if (options.train.horizon > 0) options.train.iterations = options.train.horizon;
+  }
+  if (options.train.max_gaussians.is_auto()) {
+    options.train.max_gaussians = GaussiansFor(scene.views * PixelsOfView(scene, options.image), level.max_gaussians);
+  }
+  if (options.propose.proposers.is_auto()) {
+    options.propose.proposers =
+        options.quality.quality == Quality::kDraft ? ProposerChoice::kWarp : ProposerChoice::kSplat;
+  }
+  return options;
+}
+
+RunOptions WithUsualSizes(RunOptions options) {
+  const TrainOptions train = options.train.Settled();
+  options.train.iterations = train.iterations, options.train.max_gaussians = train.max_gaussians;
+  if (options.image.max_size.is_auto()) options.image.max_size = 0;
+  options.propose.proposers = options.propose.Choice();
+  if (options.split.test_every.is_auto() && options.split.test_views.empty()) options.split.eval = true;
+  return options;
+}
+
+nlohmann::json SizeToJson(const RunOptions& settled) {
+  return {{"max-size", settled.image.max_size.ValueOr(0)},
+          {"iterations", settled.train.iterations.ValueOr(kUsualIterations)},
+          {"max-gaussians", settled.train.max_gaussians.ValueOr(kUsualMaxGaussians)},
+          {"proposers", Word(settled.propose.Choice())},
+          {"frames", settled.capture.frames.ValueOr(kUsualFrames)}};
+}
+
+RunOptions WithSavedSize(RunOptions options, const nlohmann::json& size) {
+  const auto take = [&size](const char* name, Auto<int>* option) {
+    if (option->is_auto() && size.contains(name) && size.at(name).is_number_integer())
+      *option = size.at(name).get<int>();
+  };
+  if (!size.is_object()) return options;
+  take("max-size", &options.image.max_size);
+  take("iterations", &options.train.iterations);
+  take("max-gaussians", &options.train.max_gaussians);
+  take("frames", &options.capture.frames);
+  const nlohmann::json proposers = size.value("proposers", nlohmann::json());
+  if (options.propose.proposers.is_auto() && proposers.is_string()) {
+    if (const auto word = FromWord<ProposerChoice>(proposers.get<std::string>())) options.propose.proposers = *word;
+  }
+  return options;
+}
+
+std::string DescribeSize(const RunOptions& asked, const RunOptions& settled, const SceneSize& scene) {
+  std::vector<std::string> parts;
+  const PixelSize size = WorkingSize(scene.largest, settled.image);
+  if (size != scene.largest && asked.image.max_size.is_auto() && asked.image.downscale.is_auto()) {
+    parts.push_back(fmt::format("photos of {}x{} are used at {}x{} (--max-size {})", scene.largest.width,
+                                scene.largest.height, size.width, size.height, settled.image.max_size.value()));
+  }
+  if (asked.train.iterations.is_auto()) parts.push_back(fmt::format("{} iterations", settled.train.iterations.value()));
+  if (asked.train.max_gaussians.is_auto()) {
+    parts.push_back(fmt::format("at most {} Gaussians", settled.train.max_gaussians.value()));
+  }
+  if (parts.empty()) return "";
+  return fmt::format("{}; --quality {}", fmt::join(parts, ", "), Word(settled.quality.quality));
+}
+
+}  // namespace oraclegs

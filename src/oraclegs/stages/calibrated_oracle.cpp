@@ -1,0 +1,211 @@
+#include "oraclegs/stages/calibrated_oracle.h"
+
+#include <algorithm>
+#include <array>
+
+#include "oraclegs/networks/loader.h"
+#include "oraclegs/settings/device.h"
+#include "oraclegs/validate/attention_layers.h"
+#include "oraclegs/validate/vggt_oracle.h"
+
+namespace oraclegs {
+namespace {
+
+double GiB(double bytes) { return bytes / (1024.0 * 1024 * 1024); }
+
+/// Whether proposals come from a generator that cannot hold a view out.
+bool AsksUntaught(const Run& run) {
+  const auto& ready_made = run.results->folder.confidence;
+  return run.plan.Uses(run.options, ProposerChoice::kSeva) || run.options.propose.Uses(ProposerChoice::kCommand) ||
+         std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
+}
+
+HeldOutCandidates AskHeldOut(const std::vector<LoadedView>& views, const Proposers& proposers) {
+  std::vector<Target> targets;
+  std::vector<std::optional<int>> held_out;
+  for (size_t v = 0; v < views.size(); ++v) {
+    targets.push_back({views[v].name, views[v].camera});
+    held_out.emplace_back(static_cast<int>(v));
+  }
+  return {views, proposers.Ask(targets, held_out)};
+}
+
+bool IsNothing(const ConfidenceMap& map) {
+  return std::all_of(map.begin(), map.end(), [](float confidence) { return confidence == 0; });
+}
+
+}  // namespace
+
+size_t ChooseChunk(const std::function<int64_t(int64_t)>& bytes, const Auto<int>& asked, size_t all, uint64_t available,
+                   const Listener& listener) {
+  const auto fits = [&](int64_t chunk) { return available == 0 || static_cast<uint64_t>(bytes(chunk)) <= available; };
+  const double free = GiB(static_cast<double>(available));
+  if (asked.ValueOr(0) > 0) {
+    if (!fits(asked.value())) {
+      listener(Warning{fmt::format("--oracle-chunk {}: a pass needs about {:.1f} GiB, {:.1f} GiB are free",
+                                   asked.value(), GiB(static_cast<double>(bytes(asked.value()))), free)});
+    }
+    return static_cast<size_t>(asked.value());
+  }
+  const bool together = !asked.is_auto();
+  const int64_t most = static_cast<int64_t>(together ? std::max<size_t>(all, 1) : kOracleChunk);
+  int64_t chunk = most;
+  while (chunk > 1 && !fits(chunk)) --chunk;
+  if (!fits(chunk)) {
+    throw RunError(
+        "VGGT needs about {:.1f} GiB of memory for one proposal beside an image, {:.1f} GiB are free; free some, or "
+        "use "
+        "--oracle consistency",
+        GiB(static_cast<double>(bytes(1))), free);
+  }
+  if (chunk < most) {
+    listener(Warning{fmt::format(
+        "VGGT looks at {} proposals at a time, not {}, for {:.1f} GiB of memory are free; --oracle-chunk {} gives the "
+        "same confidence again",
+        chunk, most, free, chunk)});
+  }
+  return static_cast<size_t>(chunk);
+}
+
+/// Images that VGGT has looked at, reported to the listener.
+struct CalibratedOracle::Progress {
+  Listener listener;
+  size_t done = 0, total = 0;
+
+  void Add(size_t images) {
+    done += images;
+    total = std::max(total, done);
+    listener(StepDone{"validate", static_cast<int64_t>(done), static_cast<int64_t>(total), "images", "VGGT"});
+  }
+};
+
+CalibratedOracle::CalibratedOracle(const Run& run, const TrainingViews& training, const Proposers& proposers,
+                                   size_t targets)
+    : rule_(run.options.validate.pick), together_(kOracleChunk) {
+  const OracleChoice& choice = run.plan.oracle;
+  if (choice.kind == OracleKind::kUniform) {
+    uniform_ = MakeUniformOracle();
+    return;
+  }
+  if (choice.weights) LoadSecond(run, training.views, *choice.weights, targets);
+  const bool calibrate = run.options.validate.calibrate;
+  if (!calibrate && choice.kind == OracleKind::kVggt) {
+    progress_->total = targets;
+    return;
+  }
+  const Warper& warper = proposers.warper();
+  const Evidence evidence = choice.kind == OracleKind::kVggt ? Evidence::kSecond : Evidence::kBoth;
+  const FeatureSource features = second_ ? FeatureSource(warper, *second_, evidence) : FeatureSource(warper);
+  calibrated_ =
+      std::make_unique<ConsistencyOracle>(features, training.views, calibrate ? LevelRule::kFitted : LevelRule::kAsIs);
+  const HeldOutCandidates held_out = AskHeldOut(training.views, proposers);
+  const bool untaught = AsksUntaught(run);
+  if (progress_) {
+    size_t max_candidates = 0;
+    for (const auto& of_one : held_out.candidates) max_candidates = std::max(max_candidates, of_one.size());
+    const size_t of_each = max_candidates > 1 ? max_candidates + 1 : max_candidates;  // and what is mixed from them
+    progress_->total = (training.views.size() + targets) * of_each;
+    if (untaught) progress_->total += UntaughtOracle::Lessons(training.views.size());
+  }
+  Calibrate(held_out);
+  if (untaught) untaught_ = std::make_unique<UntaughtOracle>(features, proposers, held_out, run);
+}
+
+CalibratedOracle::~CalibratedOracle() = default;
+
+const Oracle& CalibratedOracle::oracle() const {
+  if (uniform_) return *uniform_;
+  if (calibrated_) return *calibrated_;
+  return *second_;
+}
+
+void CalibratedOracle::LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights,
+                                  size_t targets) {
+  const ValidateOptions& asked = run.options.validate;
+  const Networks& networks = GetNetworks();
+  const Device device = DeviceOfNetworks(networks, run.plan.device, run.listener);
+  std::unique_ptr<AttentionNetwork> network =
+      networks.OpenAttention(weights.path, {asked.oracle_mode, AttentionLayersOf(asked), asked.vggt_precision}, device);
+  std::vector<Camera> cameras;
+  for (const LoadedView& view : views) cameras.push_back(view.camera);
+  VggtOracleOptions options;
+  options.chunk = ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
+                              std::max(targets, views.size()), static_cast<uint64_t>(FreeBytes(device)), run.listener);
+  together_ = options.chunk;
+  progress_ = std::make_shared<Progress>();
+  progress_->listener = run.listener;
+  options.on_pass = [progress = progress_](size_t images) { progress->Add(images); };
+  network->Load();
+  second_ = std::make_unique<VggtOracle>(std::move(network), std::move(options), views);
+}
+
+void CalibratedOracle::Calibrate(const HeldOutCandidates& held_out) {
+  const auto& candidates = held_out.candidates;
+  std::vector<Query> queries;
+  for (size_t v = 0; v < candidates.size(); ++v) {
+    for (const Proposal& p : candidates[v]) {
+      queries.push_back({p, static_cast<int>(v)});
+      taught_.insert(p.source);
+    }
+  }
+  const std::vector<ConfidenceMap> confidence = calibrated_->CalibrateAndPredict(queries);
+  std::vector<Query> mixed;
+  auto next = confidence.begin();
+  for (size_t v = 0; v < candidates.size(); ++v) {
+    const auto end = next + static_cast<int64_t>(candidates[v].size());
+    if (candidates[v].size() > 1) {
+      mixed.push_back({Pick(candidates[v], {next, end}, rule_).proposal, static_cast<int>(v)});
+    }
+    next = end;
+  }
+  std::erase_if(mixed, [](const Query& query) { return query.proposal.source != kMixed; });
+  if (!mixed.empty()) calibrated_->Calibrate(mixed);
+}
+
+std::vector<ConfidenceMap> CalibratedOracle::Predict(const std::vector<Proposal>& proposals,
+                                                     const std::vector<bool>& untaught) const {
+  std::array<std::vector<Proposal>, 2> parts;
+  for (size_t p = 0; p < proposals.size(); ++p) parts[untaught[p] ? 1 : 0].push_back(proposals[p]);
+  std::array<std::vector<ConfidenceMap>, 2> maps;
+  if (!parts[0].empty()) maps[0] = oracle().Predict(parts[0]);
+  if (!parts[1].empty()) maps[1] = untaught_->Predict(parts[1]);
+  std::array<size_t, 2> next = {0, 0};
+  std::vector<ConfidenceMap> all;
+  for (const bool part : untaught) all.push_back(std::move(maps[part ? 1 : 0][next[part ? 1 : 0]++]));
+  return all;
+}
+
+std::vector<Validated> CalibratedOracle::Classify(std::vector<std::vector<Proposal>> candidates) const {
+  std::erase_if(candidates, [](const auto& of_one) { return of_one.empty(); });
+  const auto is_untaught = [&](const Proposal& p) { return untaught_ && taught_.count(p.source) == 0; };
+  std::vector<Proposal> all;
+  std::vector<bool> untaught;
+  for (const auto& of_one : candidates) {
+    for (const Proposal& p : of_one) all.push_back(p), untaught.push_back(is_untaught(p));
+  }
+  std::vector<ConfidenceMap> confidence = Predict(all, untaught);
+  std::vector<Validated> picked;
+  std::vector<Proposal> mixed;
+  std::vector<bool> mixed_untaught;
+  auto next = confidence.begin();
+  for (auto& of_one : candidates) {
+    std::vector<ConfidenceMap> maps;
+    for (size_t c = 0; c < of_one.size(); ++c) maps.push_back(std::move(*next++));
+    for (size_t c = of_one.size(); c-- > 0 && of_one.size() > 1;) {
+      if (!is_untaught(of_one[c]) || !IsNothing(maps[c])) continue;
+      of_one.erase(of_one.begin() + static_cast<int64_t>(c)), maps.erase(maps.begin() + static_cast<int64_t>(c));
+    }
+    picked.push_back(Pick(of_one, maps, rule_));
+    if (picked.back().proposal.source != kMixed) continue;
+    mixed.push_back(picked.back().proposal);
+    mixed_untaught.push_back(std::any_of(of_one.begin(), of_one.end(), is_untaught));
+  }
+  confidence = Predict(mixed, mixed_untaught);
+  next = confidence.begin();
+  for (Validated& v : picked) {
+    if (v.proposal.source == kMixed) v.confidence = std::move(*next++);
+  }
+  return picked;
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,205 @@
+#include "oraclegs/stages/depth_stage.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "oraclegs/core/plural.h"
+#include "oraclegs/depth/depth_files.h"
+#include "oraclegs/depth/gains.h"
+#include "oraclegs/depth/make_plane_search.h"
+#include "oraclegs/depth/overlap.h"
+#include "oraclegs/depth/prior_points.h"
+#include "oraclegs/depth/stereo.h"
+#include "oraclegs/networks/networks.h"
+#include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/stages/monocular_depth.h"
+#include "oraclegs/workspace/non_commercial.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kMonocularVersion = 1;         // likewise, of maps in which a network takes part
+constexpr double kMinConfidentShare = 0.02;  // of a view's pixels, below which next to nothing is known
+constexpr double kMinPromised = .3;          // of the pixels: where fewer are seen twice, little depth is no wonder
+constexpr double kMinKept = .35;             // of these: textureless rooms keep more (docs/method.md#depth-confidence)
+
+/// The device is no part of it, as of no stage's: it may differ when a run is continued, and depth that another device
+/// found is right in the same measure, if not in the same bits. The stage's record says which one it was.
+void AddDepthKey(Run* run, Fingerprint* key) {
+  const DepthSource& source = run->plan.depth;
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  key->Add(OptionsToJson(run->options.image).dump()).Add(OptionsToJson(run->options.stereo).dump());
+  if (source.HasNetwork()) {
+    key->Add(kMonocularVersion).Add(Word(source.prior)).Add(run->files.Of(source.weights));
+  }
+}
+
+/// Points whose views are indices of the training views.
+std::vector<ScenePoint> SeenByTrainingViews(const Run& run) {
+  std::vector<ScenePoint> points = run.results->points;
+  for (ScenePoint& point : points) {
+    std::vector<int> views;
+    for (const int view : point.views) {
+      const auto found = std::find(run.split.train.begin(), run.split.train.end(), view);
+      if (found != run.split.train.end()) views.push_back(static_cast<int>(found - run.split.train.begin()));
+    }
+    point.views = std::move(views);
+  }
+  return points;
+}
+
+std::vector<DepthMap> ReadBack(const Run& run, const std::vector<LoadedView>& views) {
+  std::vector<std::string> names;
+  std::vector<Camera> cameras;
+  for (const LoadedView& view : views) {
+    names.push_back(view.name);
+    cameras.push_back(view.camera);
+  }
+  return ReadDepthMaps(run.workspace.depth(), names, cameras, WrittenFromRun(run.frame).scale);
+}
+
+/// The maps that were written, fused. What a later run will read, so that a continued run has the same bits as one that
+/// was never stopped.
+Geometry ReadGeometry(const Run& run, const std::vector<LoadedView>& views) {
+  Geometry geometry;
+  geometry.maps = ReadBack(run, views);
+  geometry.gains = EstimateGains(geometry.maps, views);
+  const FusionOptions options = FusionOf(geometry.gains);
+  geometry.points = FuseDepth(geometry.maps, views, options);
+  if (geometry.points.size() >= kMinDensePoints) return geometry;
+  const std::vector<DensePoint> more = PriorPoints(geometry.maps, views, geometry.points, options);
+  geometry.points.insert(geometry.points.end(), more.begin(), more.end());
+  return geometry;
+}
+
+/// The maps as they will be written, and how often the network was right.
+MonocularMaps FindDepth(const Run& run, const TrainingViews& training) {
+  const DepthSource& source = run.plan.depth;
+  const std::vector<LoadedView>& views = training.views;
+  const std::vector<ScenePoint> seen = SeenByTrainingViews(run);
+  std::vector<RelativeDepth> predicted;  // first: a damaged file is reported at once
+  if (source.HasNetwork()) predicted = PredictRelativeDepth(source.weights, views, run.listener, run.plan.device);
+  std::vector<DepthMap> maps;
+  if (source.prior != DepthPrior::kMonocular) {
+    maps = EstimateDepth(views, seen, run.options.stereo, MakePlaneSearch(run.plan.device).get(), run.listener);
+  }
+  if (!source.HasNetwork()) return {std::move(maps), 0};
+  return WithMonocularDepth(predicted, views, std::move(maps), seen, run.listener);
+}
+
+double MeanConfidentShare(const std::vector<DepthMap>& maps) {
+  double sum = 0;
+  for (const DepthMap& map : maps) sum += ConfidentShare(map);
+  return maps.empty() ? 0 : sum / static_cast<double>(maps.size());
+}
+
+/// Why far less depth was found than the views' overlap promises; "" where it was not.
+std::string DescribeLack(const Run& run, const Overlap& overlap) {
+  if (overlap.seen < kMinPromised || overlap.confident >= kMinKept) return "";
+  const nlohmann::json sfm = run.workspace.Record("sfm");
+  const nlohmann::json poses = sfm.is_object() ? sfm.value("poses", nlohmann::json()) : nlohmann::json();
+  const bool are_off = poses.is_object() && !poses.value("warning", "").empty();
+  return fmt::format(
+      "depth is confident on {:.0f} % of what another photo shows, too, which is far less than such an overlap usually "
+      "gives: {}",
+      100 * overlap.confident,
+      are_off
+          ? "the given poses do not fit the photos; see what was said of them"
+          : "surfaces have no texture, shine or move, the light or the focus changes, or the poses are off; look at "
+            "depth/preview");
+}
+
+void UndoDepth(Run* run, const nlohmann::json&) {
+  std::error_code ignored;
+  std::filesystem::remove(run->workspace.dense_ply(), ignored);  // first: without it what stands there is not believed
+  std::filesystem::remove_all(run->workspace.depth(), ignored);
+}
+
+std::optional<nlohmann::json> MakeDepth(Run* run, const std::string&) {
+  const DepthSource& source = run->plan.depth;
+  const TrainingViews& training = ViewsOf(run);
+  MonocularMaps found = FindDepth(*run, training);
+  std::vector<std::string> files = WriteDepthMaps(run->workspace.depth(), found.maps, WrittenFromRun(run->frame).scale);
+  for (std::string& file : files) file = "depth/" + file;
+  found.maps = {};  // they are read back
+  Geometry& geometry = run->results->geometry;
+  geometry = ReadGeometry(*run, training.views);
+  WriteDensePly(run->workspace.dense_ply(), geometry.points, WrittenFromRun(run->frame),
+                WithOffset({}, run->frame.offset));
+  files.emplace_back("sfm/dense.ply");
+  const Overlap overlap = MeasureOverlap(geometry.maps, training.views, training.silhouettes);
+  nlohmann::json record = {{"overlap", {{"seen", overlap.seen}, {"confident", overlap.confident}}},
+                           {"warning", DescribeLack(*run, overlap)},
+                           {"points", geometry.points.size()},
+                           {"confident_share", MeanConfidentShare(geometry.maps)},
+                           {"prior", Word(source.prior)},
+                           {"right", found.right},
+                           {"device", run->plan.device.Name()},
+                           {"network", nlohmann::json()},
+                           {"files", std::move(files)}};
+  if (source.HasNetwork()) {
+    record["network"] = DepthNetworkName(source.weights);
+    if (IsNonCommercialDepthNetwork(record["network"])) NoteNonCommercial(record["network"], &record);
+  }
+  return record;
+}
+
+bool LoadDepth(Run* run) {
+  run->results->geometry = ReadGeometry(*run, ViewsOf(run).views);
+  return !run->results->geometry.maps.empty();
+}
+
+void ReportNetwork(const Run& run) {
+  const DepthSource& source = run.plan.depth;
+  if (source.HasNetwork()) {
+    const double right = run.workspace.Record("depth").value("right", 0.0);
+    run.listener(
+        Note{fmt::format("{} ({}) is right to {:.0f} % on {:.0f} % of what it was tested on",
+                         DepthNetworkName(source.weights), Word(source.prior), 100 * kRightWithin, 100 * right)});
+  } else if (run.options.depth.depth_prior.is_auto()) {
+    run.listener(Note{fmt::format("depth is from stereo alone: there are no weights of Depth Anything V2; {}",
+                                  HowToFetch(kDepthModel))});
+  }
+}
+
+void ReportDepth(Run* run) {
+  ReportNetwork(*run);
+  const Geometry& geometry = run->results->geometry;
+  std::vector<std::string> poor;
+  for (const DepthMap& map : geometry.maps) {
+    if (ConfidentShare(map) < kMinConfidentShare) poor.push_back(map.name);
+  }
+  run->listener(
+      Note{fmt::format("depth: confident on {:.0f} % of the pixels; {}", 100 * MeanConfidentShare(geometry.maps),
+                       Counted(geometry.points.size(), "dense point"))});
+  const std::string lack = run->workspace.Record("depth").value("warning", "");
+  if (!lack.empty()) run->listener(Warning{lack});
+  if (poor.empty()) return;
+  run->listener(Warning{fmt::format(
+      "hardly any depth was found in {}: no other photo shows the same surfaces from near by, or they have no texture; "
+      "take more photos between them",
+      fmt::join(poor, ", "))});
+}
+
+}  // namespace
+
+StageWork DepthStage() {
+  return {.wanted = [](const Run& run) { return run.plan.needs_depth; },
+          .own = AddDepthKey,
+          .undo = UndoDepth,
+          .make = MakeDepth,
+          .load = LoadDepth,
+          .report = ReportDepth};
+}
+
+void RequireDepth(Run* run) {
+  if (run->options.depth.depth_prior == DepthPrior::kNone) {
+    throw UsageError("--depth-prior none leaves no depth to find; leave it out");
+  }
+  if (run->plan.needs_depth) return;
+  run->plan.needs_depth = true;
+  run->plan.depth = ChooseDepthSource(run->options);
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,127 @@
+#include "oraclegs/stages/evaluate_stage.h"
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/memory.h"
+#include "oraclegs/core/statistics.h"
+#include "oraclegs/core/system_reason.h"
+#include "oraclegs/evaluate/support_quality.h"
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/gaussians/transform.h"
+#include "oraclegs/scene/frame.h"
+#include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/stages/metrics.h"
+#include "oraclegs/stages/perceptual.h"
+#include "oraclegs/stages/stage_clock.h"
+#include "oraclegs/workspace/non_commercial.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where nothing is held out, the training views are rendered, so that there is something to look at.
+const std::vector<int>& ScoredViews(const Split& split) { return split.test.empty() ? split.train : split.test; }
+
+void AddEvaluateKey(Run* run, Fingerprint* key) {
+  key->Add(run->files.OfAll(run->plan.lpips)).Add(ShapingOptionsToJson(run->options).dump());
+  key->Add(ViewsFingerprint(run->scene, ScoredViews(run->split), run->options.image, &run->files));
+  std::error_code ignored;
+  if (fs::exists(run->workspace.point_cloud(), ignored)) key->AddFile(run->workspace.point_cloud());
+}
+
+void UndoEvaluate(Run* run, const nlohmann::json&) {
+  for (const char* part : {"test", "train"}) {
+    const fs::path dir = run->workspace.renders(part);
+    std::error_code error;
+    fs::remove_all(dir, error);
+    if (error) throw RunError("{}: cannot be removed: {}", dir.string(), SystemReason(error));
+  }
+}
+
+std::optional<nlohmann::json> MakeEvaluate(Run* run, const std::string&) {
+  const Workspace& workspace = run->workspace;
+  const Stopwatch watch;
+  const Model model = LoadModel(workspace.point_cloud(), run->options, run->plan.device, run->frame, run->listener);
+  const bool held_out = !run->split.test.empty();
+  const std::vector<LoadedView> views =
+      LoadViews(run->scene, ScoredViews(run->split), run->options.image, run->listener);
+  if (!held_out)
+    run->listener(Note{"all photos train: no view is left to score the result on (--eval holds some out)"});
+  const fs::path renders = workspace.renders(held_out ? "test" : "train");
+  nlohmann::json scores = ScoreModel(model, views, renders, run->plan.lpips, run->listener);
+  nlohmann::json record = {{"test", held_out ? scores : ScoreModel(model, {}, {}, {}, Silent())},
+                           {"gaussians", model.gaussians.size()},
+                           {"peak_memory_bytes", PeakMemoryBytes()},
+                           {"files", {"metrics.json"}}};
+  if (!held_out) record["train_views"] = std::move(scores);
+  if (!model.support.empty() && held_out) {
+    record["support"] = ToJson(MeasureSupport(model.gaussians, model.support, views, model.render));
+  }
+  record["seconds"] = watch.Seconds();
+  WriteFileAtomically(workspace.metrics(), MetricsToJson(*run, record).dump(2) + "\n");
+  return record;
+}
+
+/// True for a file that names no offset and lies by the scene's offset beside the scene: one that another program made
+/// of files that were written without it.
+bool LacksOffset(const GaussianPly& file, const SceneFrame& frame) {
+  const int64_t n = file.gaussians.size();
+  if (frame.offset.isZero(0) || n == 0 || !OffsetOf(file.comments).isZero(0)) return false;
+  Eigen::Vector3d middle;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> values;
+    for (int64_t i = 0; i < n; ++i) values.push_back(static_cast<double>(file.gaussians.means[3 * i + c]));
+    middle[c] = Median(std::move(values));
+  }
+  return (middle + frame.offset - frame.center).norm() < (middle - frame.center).norm();
+}
+
+}  // namespace
+
+Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, const SceneFrame& frame,
+                const Listener& listener) {
+  GaussianPly file = ReadGaussianPly(ply);
+  for (const std::string& warning : file.warnings) listener(Warning{warning});
+  if (file.antialiased && !options.train.antialiased) {
+    listener(Note{fmt::format("{}: says that it was trained antialiased, and is rendered so", ply.string())});
+  }
+  std::optional<double> unit = UnitMetersOf(file.comments);
+  Similarity scene_from_file;
+  scene_from_file.translation = OffsetOf(file.comments);
+  if (LacksOffset(file, frame)) {
+    scene_from_file.translation = frame.offset;
+    listener(Note{fmt::format("{}: its positions lie beside the scene, but for the offset {} {} {}, which is added",
+                              ply.string(), frame.offset.x(), frame.offset.y(), frame.offset.z())});
+  }
+  if (unit && frame.unit_meters && *unit != *frame.unit_meters) {  // exported in meters
+    scene_from_file.scale = *unit / *frame.unit_meters;
+    scene_from_file.translation *= scene_from_file.scale;
+    unit = frame.unit_meters;
+  }
+  const Similarity run_from_file = RunFromScene(frame) * scene_from_file;
+  if (!run_from_file.IsIdentity()) file.gaussians = Transformed(file.gaussians, run_from_file);
+  file.gaussians.ForEach([&](const char*, Buffer<float>& part) { part = part.To(device); });
+  return {std::move(file.gaussians),
+          {BackgroundColor(options.image.background), file.sh_degree, options.train.antialiased || file.antialiased},
+          PartsInComments(file.comments),
+          std::move(file.support),
+          unit};
+}
+
+nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views, const fs::path& renders,
+                          const std::vector<fs::path>& lpips, const Listener& listener) {
+  if (views.empty()) listener(Warning{"there are no test views: nothing is scored (see --eval)"});
+  const ImageScores scores = LpipsScores(lpips, model.gaussians.means.device(), listener);
+  return ToJson(Evaluate(model.gaussians, views, model.render, {renders, scores}, listener));
+}
+
+StageWork EvaluateStage() {
+  return {.wanted = [](const Run&) { return true; },
+          .own = AddEvaluateKey,
+          .undo = UndoEvaluate,
+          .make = MakeEvaluate,
+          .check = [](const Run& run) { ReadMetrics(run.workspace.root()); },
+          .file = "metrics.json"};
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "oraclegs/evaluate/evaluate.h"
+#include "oraclegs/gaussians/gaussians.h"
+#include "oraclegs/render/render.h"
+#include "oraclegs/stages/stage.h"
+
+namespace oraclegs {
+
+/// A point cloud and how it is rendered.
+struct Model {
+  Gaussians gaussians;
+  RenderOptions render;
+  std::vector<std::string> non_commercial = {};  ///< networks that its file says it was made with
+  std::vector<float> support = {};               ///< [N] in [0, 1], how well each is supported; empty = not known
+  std::optional<double> unit_meters = {};        ///< length of a unit of the file, or of the scene; nothing = not known
+};
+
+/// Reads a PLY of any trainer into the run's coordinates, to be rendered on the background, antialiased where `options`
+/// or the file say so, and on `device`. The file is in the coordinates that models of `frame` are written in, but for
+/// the offset that its header names; one whose unit is known and another, as of an export in meters, is scaled. What
+/// the reader left out or assumed is a Warning each.
+Model LoadModel(const std::filesystem::path& ply, const RunOptions& options, Device device,
+                const SceneFrame& frame = {}, const Listener& listener = Silent());
+
+/// Scores a model on the views {"psnr", ...} (evaluate.h); warns when there are none. `renders`: receives the images,
+/// empty = nothing is written. `lpips`: files of its weights, none = no such score.
+nlohmann::json ScoreModel(const Model& model, const std::vector<LoadedView>& views,
+                          const std::filesystem::path& renders, const std::vector<std::filesystem::path>& lpips,
+                          const Listener& listener);
+
+/// Stage "evaluate": scores point_cloud.ply on the test views and writes renders/test/*.png and metrics.json. Also run
+/// again when the point cloud is another file.
+StageWork EvaluateStage();
+
+}  // namespace oraclegs

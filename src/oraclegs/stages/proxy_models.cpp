@@ -1,0 +1,281 @@
+#include "oraclegs/stages/proxy_models.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "oraclegs/gaussians/initialize.h"
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/stages/start_points.h"
+#include "oraclegs/stages/train_inputs.h"
+#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/trainer.h"
+#include "oraclegs/workspace/part_store.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMinViewsOfProxy = 2;  // that show a surface
+
+template <class T>
+std::vector<T> Without(const std::vector<T>& all, const std::vector<int>& held_out) {
+  std::vector<T> rest;
+  for (size_t v = 0; v < all.size(); ++v) {
+    if (std::find(held_out.begin(), held_out.end(), static_cast<int>(v)) == held_out.end()) rest.push_back(all[v]);
+  }
+  return rest;
+}
+
+/// A trainer's progress as part of the stage that trains several.
+Listener AsProxies(const Listener& listener, int64_t before, int64_t total) {
+  return [=](const Event& event) {
+    if (const auto* step = std::get_if<StepDone>(&event)) {
+      listener(StepDone{"proxies", before + step->done, total, "iterations of proxy models", step->detail});
+    } else if (!std::holds_alternative<Note>(event)) {
+      listener(event);
+    }
+  };
+}
+
+/// Those of the run as it was begun: a finished run that trains on keeps its proxy models.
+RunOptions OptionsOfProxies(const Run& run) {
+  RunOptions options = run.options;
+  if (run.start_iterations > 0) options.train.iterations = static_cast<int>(run.start_iterations);
+  return options;
+}
+
+/// What follows with all views: of Gaussians that have found their places and colors.
+TrainOptions FinishOptions(const RunOptions& options, bool is_object, TrainOptions proxy) {
+  proxy.iterations = static_cast<int>(options.propose.ProxyFinish(is_object) * options.train.iterations.value());
+  proxy.sh_degree_interval = 1;
+  proxy.refine_start = 0;
+  return proxy;
+}
+
+/// What stereo knows of the views that are not held out.
+Geometry GeometryWithout(const Geometry& all, const std::vector<LoadedView>& shown, const std::vector<int>& held_out) {
+  Geometry rest;
+  rest.maps = Without(all.maps, held_out);
+  rest.gains = Without(all.gains, held_out);
+  rest.points = FuseDepth(rest.maps, shown, FusionOf(rest.gains));
+  return rest;
+}
+
+/// Trains the models of one run.
+class ProxyTrainer {
+ public:
+  explicit ProxyTrainer(Run* run)
+      : run_(*run),
+        training_(ViewsOf(run)),
+        geometry_(run->results->geometry),
+        views_(MakeTrainViews(training_, geometry_, run->options.train.depth_loss)),
+        asked_(OptionsOfProxies(*run)),
+        options_(ProxyOptions(asked_, SettleTrainOptions(asked_.train, training_, geometry_, Silent()))),
+        finish_(FinishOptions(asked_, !training_.silhouettes.empty(), options_)) {}
+
+  int64_t iterations() const { return options_.iterations.value() + finish_.iterations.value(); }
+
+  /// Trains model `number` and writes its files; false, with a warning, where too little is left of the views.
+  bool Train(int number, const std::vector<int>& held_out, const std::vector<fs::path>& files,
+             const Listener& listener) const {
+    const std::vector<TrainView> kept = Without(views_, held_out);
+    const std::vector<LoadedView> shown = Without(training_.views, held_out);
+    const Geometry rest = GeometryWithout(geometry_, shown, held_out);
+    if (kept.size() < kMinViewsOfProxy || rest.points.size() < kMinPointsForStart) {
+      run_.listener(Warning{fmt::format(
+          "no proxy models for --proposers splat: one would have {} views and {} dense points, and needs {} and {}; "
+          "views are warped instead",
+          kept.size(), rest.points.size(), kMinViewsOfProxy, kMinPointsForStart)});
+      return false;
+    }
+    const StartOptions& start = run_.options.start;
+    const PointCloud cloud = DenseStart(start, shown, rest, static_cast<size_t>(options_.max_gaussians.value()));
+    const Gaussians gaussians = InitializeGaussians(cloud, InitializeOptionsOf(start, kDenseScale));
+    Trainer trainer = TrainerOf(number, options_, kept, gaussians);
+    trainer.Run({}, listener);
+    WriteGaussianPly(files[0], trainer.gaussians(), options_.sh_degree);
+    if (finish_.iterations.value() == 0) {
+      WriteGaussianPly(files[1], trainer.gaussians(), options_.sh_degree);
+      return true;
+    }
+    Trainer finisher = TrainerOf(number, finish_, views_, trainer.gaussians());
+    finisher.Run({}, Offset(listener, options_.iterations.value()));
+    WriteGaussianPly(files[1], finisher.gaussians(), finish_.sh_degree);
+    return true;
+  }
+
+ private:
+  /// Of model `number`, on the device of the run.
+  Trainer TrainerOf(int number, const TrainOptions& options, const std::vector<TrainView>& views,
+                    const Gaussians& start) const {
+    TrainSetup setup{options,
+                     run_.options.start.seed + static_cast<uint64_t>(number),
+                     BackgroundColor(run_.options.image.background),
+                     {views},
+                     start.To(kCpu)};
+    return Trainer(std::move(setup), [device = run_.plan.device](const TrainDeviceSetup& on_device) {
+      return MakeTrainDevice(device, on_device);
+    });
+  }
+
+  /// A trainer's progress after `before` other iterations of the same model.
+  static Listener Offset(const Listener& listener, int64_t before) {
+    return [=](const Event& event) {
+      if (const auto* step = std::get_if<StepDone>(&event)) {
+        StepDone counted = *step;
+        counted.done += before;
+        listener(counted);
+      } else {
+        listener(event);
+      }
+    };
+  }
+
+  const Run& run_;
+  const TrainingViews& training_;
+  const Geometry& geometry_;
+  std::vector<TrainView> views_;
+  RunOptions asked_;
+  TrainOptions options_, finish_;
+};
+
+int Count(const Run& run) { return ProxyCount(run.options.propose, static_cast<int>(run.split.train.size())); }
+
+/// Of model k, in stages.json.
+std::string PartName(int k) { return fmt::format("proxy {}", k); }
+
+/// Of model k, relative to the workspace: before it was trained with all views, and after.
+std::vector<std::string> FilesOf(int k) {
+  return {fmt::format("proposals/proxies/{}_before.ply", k), fmt::format("proposals/proxies/{}.ply", k)};
+}
+
+void AddProxyKey(Run* run, Fingerprint* key) {
+  const RunOptions options = OptionsOfProxies(*run);
+  key->Add(options.propose.proxy_models);
+  for (const bool is_object : {false, true}) key->Add(options.propose.ProxyFinish(is_object));  // the images say which
+  key->Add(options.train.iterations.value());  // whose share the finish is
+  key->Add(options.train.horizon);             // which the rates follow
+  key->Add(OptionsToJson(options.start).dump()).Add(OptionsToJson(ProxyOptions(options, options.train)).dump());
+  key->Add(OptionsToJson(options.image).dump());
+}
+
+/// Throws InputError when a file is damaged.
+ProxyModel ReadProxy(const Run& run, int k) {
+  const int views = static_cast<int>(run.split.train.size());
+  const std::vector<std::string> files = FilesOf(k);
+  return {ReadIntactGaussianPly(run.workspace.root() / files[0]).gaussians,
+          ReadIntactGaussianPly(run.workspace.root() / files[1]).gaussians, HeldOutViews(views, Count(run), k)};
+}
+
+/// Whether model k was made from inputs of this key, and can be read.
+bool HasProxy(const Run& run, int k, const std::string& key) {
+  if (!run.workspace.IsDone(PartName(k), key)) return false;
+  try {
+    ReadProxy(run, k);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+bool LoadProxy(Run* run) {
+  std::vector<ProxyModel> proxies;
+  for (int k = 0; k < Count(*run); ++k) proxies.push_back(ReadProxy(*run, k));
+  run->results->proxies = std::move(proxies);
+  return true;
+}
+
+std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
+  run->results->proxies.clear();
+  if (!CanPropose(ViewsOf(run), run->results->geometry)) return std::nullopt;
+  const int n = Count(*run), views = static_cast<int>(run->split.train.size());
+  SpreadParts(run, {"proxies", key, 0, static_cast<size_t>(n)});
+  const PartStore parts(run->workspace, "proxies", key);
+  const ProxyTrainer trainer(run);
+  std::vector<std::string> all;
+  for (int k = 0; k < n; ++k) {
+    const std::string part = PartName(k);
+    const std::vector<std::string> files = FilesOf(k);
+    all.insert(all.end(), files.begin(), files.end());
+    if (HasProxy(*run, k, key)) continue;
+    run->workspace.MarkUndone(part);
+    if (parts.Take(static_cast<size_t>(k))) {
+      run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
+      if (HasProxy(*run, k, key)) continue;
+      run->workspace.MarkUndone(part);
+    }
+    const int64_t each = trainer.iterations();
+    if (!trainer.Train(k, HeldOutViews(views, n, k),
+                       {run->workspace.root() / files[0], run->workspace.root() / files[1]},
+                       AsProxies(run->listener, k * each, n * each))) {
+      return std::nullopt;
+    }
+    run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
+  }
+  LoadProxy(run);
+  return nlohmann::json{{"models", n}, {"files", all}};
+}
+
+void MakeProxyShare(Run* run, const StageShare& share) {
+  const int n = Count(*run), views = static_cast<int>(run->split.train.size());
+  const PartStore parts(run->workspace, "proxies", share.key);
+  const ProxyTrainer trainer(run);
+  for (int k = 0; k < n; ++k) {
+    const auto part = static_cast<size_t>(k);
+    if (!share.share.Has(part) || HasProxy(*run, k, share.key) || parts.Has(part)) continue;
+    parts.Make(part, [&](const fs::path& folder) {
+      const std::vector<std::string> files = FilesOf(k);
+      const Listener listener = AsProxies(run->listener, 0, trainer.iterations());
+      trainer.Train(k, HeldOutViews(views, n, k), {folder / files[0], folder / files[1]}, listener);
+      return nlohmann::json::object();  // where nothing could be trained, the part has no files and is found wanting
+    });
+  }
+}
+
+}  // namespace
+
+TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
+  const double share = options.propose.proxy_share;
+  const auto scaled = [&](int iterations) { return std::max(1, static_cast<int>(share * iterations)); };
+  train.iterations = scaled(train.iterations.value());
+  train.horizon = 0;
+  for (Auto<int>* iterations : {&train.sh_degree_interval, &train.refine_start}) {
+    if (!iterations->is_auto()) *iterations = scaled(iterations->value());
+  }
+  const int most = train.max_gaussians.value();
+  train.max_gaussians = std::min(most, options.propose.proxy_gaussians.ValueOr(most));
+  // Nothing that concerns proposals reaches a proxy model: other values of these ask for no new ones.
+  const TrainOptions unused;
+  train.schedule = ScheduleKind::kNone;
+  train.synthetic_floor = unused.synthetic_floor, train.synthetic_peak = unused.synthetic_peak;
+  train.proposal_weight = unused.proposal_weight, train.proposal_ssim = unused.proposal_ssim;
+  train.proposal_lpips = unused.proposal_lpips;
+  train.confidence_gate = unused.confidence_gate, train.confidence_power = unused.confidence_power;
+  return train;
+}
+
+int ProxyCount(const ProposeOptions& options, int views) {
+  const int enough = std::min(kViewsOfProxy, views - 1);
+  int models = std::min(options.proxy_models, views);
+  while (models < views && views - (views + models - 1) / models < enough) ++models;
+  return models;
+}
+
+bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
+  return geometry.points.size() >= kMinPointsToPropose && training.views.size() >= kMinViewsToPropose;
+}
+
+bool ProxiesAlonePropose(const Run& run) {
+  return run.options.propose.ByProxiesAlone() && !run.workspace.Record("proxies").is_null();
+}
+
+StageWork ProxyStage() {
+  return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
+          .own = AddProxyKey,
+          .make = MakeProxy,
+          .make_share = MakeProxyShare,
+          .load = LoadProxy};
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,83 @@
+#include "oraclegs/stages/register_stage.h"
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/sfm/register_views.h"
+#include "oraclegs/stages/vggt_registration.h"
+#include "oraclegs/workspace/non_commercial.h"
+
+namespace oraclegs {
+namespace {
+
+void AddRegisterKey(Run* run, Fingerprint* key) {
+  key->Add(run->photos);
+  if (run->needed) {
+    for (const SceneView& view : run->scene.views) key->Add(view.name);
+  }
+  if (run->plan.poses) key->Add("vggt").Add(run->plan.poses->fingerprint);
+}
+
+void UndoRegister(Run* run, const nlohmann::json& record) {
+  if (record.is_null()) return;  // what a stopped run left is used, if it is of the same photos
+  run->listener(Warning{"the photos, or what finds their poses, have changed: poses are found anew"});
+  std::error_code ignored;  // what cannot be removed cannot be written either, which is reported then
+  std::filesystem::remove_all(run->workspace.sfm(), ignored);
+}
+
+/// Finds poses, or reads those that stand.
+void Register(Run* run) {
+  const std::filesystem::path& dir = run->workspace.sfm();
+  run->scene = run->plan.poses ? RegisterWithVggt(run->scene, *run->plan.poses, dir, run->listener, run->plan.device)
+                               : RegisterViews(run->scene, dir, run->listener);
+}
+
+std::optional<nlohmann::json> MakeRegister(Run* run, const std::string&) {
+  const size_t photos = run->scene.views.size();
+  Register(run);
+  nlohmann::json record = {{"photos", photos}, {"registered", run->scene.views.size()}, {"files", {"sfm"}}};
+  if (const std::optional<VggtWeights>& network = run->plan.poses) {
+    record["network"] = {
+        {"name", network->name}, {"fingerprint", network->fingerprint}, {"commercial", network->commercial}};
+    NoteNetwork(*network, &record);
+  }
+  return record;
+}
+
+/// Poses found anew would be others, and what was trained with the old ones would be lost.
+bool LoadRegister(Run* run) {
+  if (!HasResults(run->workspace)) {
+    Register(run);
+    return true;
+  }
+  try {
+    ReadRunJson(run->workspace.sfm() / "inputs.json");  // damaged or missing, it would have them found anew
+    Register(run);
+  } catch (const InputError& damage) {
+    throw RunError("{}; the results were trained with these poses: bring the file back, or start anew with --overwrite",
+                   damage.what());
+  }
+  return true;
+}
+
+}  // namespace
+
+StageWork RegisterStage() {
+  return {.wanted = [](const Run& run) { return !run.photos.empty(); },
+          .own = AddRegisterKey,
+          .undo = UndoRegister,
+          .make = MakeRegister,
+          .load = LoadRegister};
+}
+
+std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Workspace& workspace) {
+  if (options.input.poses != PoseSource::kVggt) return std::nullopt;
+  const nlohmann::json record = workspace.Record("register");
+  try {
+    return RequireVggtWeights(options.weights.vggt_weights, "--poses vggt");
+  } catch (const InputError&) {
+    if (!record.is_object() || !record.contains("network")) throw;
+    const nlohmann::json& used = record["network"];
+    return VggtWeights{"", used.value("name", ""), used.value("fingerprint", ""), used.value("commercial", false)};
+  }
+}
+
+}  // namespace oraclegs

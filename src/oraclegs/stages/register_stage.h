@@ -1,0 +1,15 @@
+#pragma once
+
+#include "oraclegs/stages/stage.h"
+
+namespace oraclegs {
+
+/// Stage "register": poses for images without any, by colmap or by VGGT (--poses), into sfm/. The run's scene then has
+/// poses, and the views that were registered.
+StageWork RegisterStage();
+
+/// What --poses takes in a workspace whose poses stand already, with the weights that found them, also when those are
+/// no longer on this machine. Nothing = colmap. Throws InputError as RequireVggtWeights where no poses stand.
+std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Workspace& workspace);
+
+}  // namespace oraclegs

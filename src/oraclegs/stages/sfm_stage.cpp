@@ -1,0 +1,91 @@
+#include "oraclegs/stages/sfm_stage.h"
+
+#include "oraclegs/core/error.h"
+#include "oraclegs/sfm/match_for_check.h"
+#include "oraclegs/sfm/pose_check.h"
+#include "oraclegs/sfm/pose_fit_words.h"
+#include "oraclegs/sfm/triangulate.h"
+
+namespace oraclegs {
+namespace {
+
+bool IsWanted(const Run& run) {
+  const Auto<StartKind>& init = run.options.start.init;
+  return (init != StartKind::kRandom && init != StartKind::kRandomCube) || run.plan.needs_depth;
+}
+
+/// Whether the scene's own points serve. Where views are held out, or lack their images, they do not: those views
+/// helped to place them.
+bool TakesModel(const Run& run) {
+  const bool all_train = run.split.train.size() == run.scene.views.size() && run.scene.missing_images.empty();
+  const auto asked = run.options.start.sfm_points.ValueOr(all_train ? SfmPoints::kModel : SfmPoints::kTriangulate);
+  return asked == SfmPoints::kModel && !run.scene.points.empty();
+}
+
+void AddSfmKey(Run* run, Fingerprint* key) {
+  key->Add(ViewsFingerprint(run->scene, run->split.train, ImageOptions(), &run->files));
+  if (!TakesModel(*run)) return;
+  for (const ScenePoint& p : run->scene.points) key->Add(p.xyz.x()).Add(p.xyz.y()).Add(p.xyz.z());
+}
+
+/// Sparse points, and where colmap left matches between the training photos.
+struct FoundPoints {
+  std::vector<ScenePoint> points;
+  std::filesystem::path matches;
+};
+
+FoundPoints PointsOfTrainingViews(const Run& run) {
+  std::vector<ScenePoint> points;
+  if (TakesModel(run)) {
+    points = PointsSeenBy(run.scene, run.split.train);
+    if (points.size() >= kMinSparseStart) return {std::move(points), run.workspace.sfm() / "pose_check"};
+    run.listener(Note{fmt::format("{} of the model's {} points were seen by two training views; triangulating anew",
+                                  points.size(), run.scene.points.size())});
+  }
+  // For images without poses sfm/ itself holds the registration.
+  const auto dir = run.photos.empty() ? run.workspace.sfm() : run.workspace.sfm() / "training_views";
+  std::vector<ScenePoint> triangulated = TriangulatePoints(run.scene, run.split.train, dir, run.listener);
+  return {triangulated.size() > points.size() ? std::move(triangulated) : std::move(points), dir};
+}
+
+/// Holds poses that came with the scene against the matches between its photos. Throws InputError for hopeless ones.
+nlohmann::json CheckGivenPoses(const Run& run, const std::filesystem::path& matches) {
+  if (!run.photos.empty()) return nullptr;  // colmap found them out of these very matches
+  // A model's points came with its poses and fit them: only the photos can tell.
+  if (matches != run.workspace.sfm()) MatchForCheck(run.scene, run.split.train, matches, run.listener);
+  const std::optional<PoseFit> fit = FitPosesOf(run.scene, run.split.train, matches, run.listener);
+  if (!fit) return nullptr;
+  const std::string misfit = DescribeMisfit(run.scene, *fit);
+  if (fit->verdict == PoseVerdict::kHopeless && !run.options.frame.force) {
+    throw InputError("{}: {}; --force trains with them as they are", run.scene.root.string(), misfit);
+  }
+  if (!misfit.empty()) run.listener(Warning{misfit});
+  nlohmann::json record = ToJson(*fit);
+  record["warning"] = misfit;
+  return record;
+}
+
+/// Colmap's files are a cache of their own, which checks its inputs. Returns what the check of the poses found.
+nlohmann::json FindPoints(Run* run) {
+  for (const std::string& warning : PoseWarnings(run->scene, run->split.train)) run->listener(Warning{warning});
+  FoundPoints found = PointsOfTrainingViews(*run);
+  run->results->points = std::move(found.points);
+  return CheckGivenPoses(*run, found.matches);
+}
+
+bool LoadSfm(Run* run) {
+  FindPoints(run);
+  return true;
+}
+
+std::optional<nlohmann::json> MakeSfm(Run* run, const std::string&) {
+  nlohmann::json poses = FindPoints(run);
+  return nlohmann::json{
+      {"points", run->results->points.size()}, {"files", nlohmann::json::array()}, {"poses", std::move(poses)}};
+}
+
+}  // namespace
+
+StageWork SfmStage() { return {.wanted = IsWanted, .own = AddSfmKey, .make = MakeSfm, .load = LoadSfm}; }
+
+}  // namespace oraclegs

@@ -1,0 +1,17 @@
+#include "oraclegs/stages/stage.h"
+
+namespace oraclegs {
+
+const TrainingViews& ViewsOf(Run* run) {
+  std::unique_ptr<TrainingViews>& views = run->results->views;
+  if (!views) {
+    views = std::make_unique<TrainingViews>(LoadViews(run->scene, run->split.train, run->options.image, run->listener));
+  }
+  return *views;
+}
+
+void SpreadParts(Run* run, const StageParts& parts) {
+  if (run->spread && parts.count > 1) run->spread(run, parts);
+}
+
+}  // namespace oraclegs

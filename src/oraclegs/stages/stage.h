@@ -1,0 +1,134 @@
+#pragma once
+// One run, what its stages found, and what a stage is.
+
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "oraclegs/core/progress.h"
+#include "oraclegs/core/share.h"
+#include "oraclegs/depth/silhouettes.h"
+#include "oraclegs/propose/ensemble.h"
+#include "oraclegs/propose/folder.h"
+#include "oraclegs/scene/frame.h"
+#include "oraclegs/scene/scene.h"
+#include "oraclegs/scene/split.h"
+#include "oraclegs/settings/fingerprint.h"
+#include "oraclegs/settings/options.h"
+#include "oraclegs/settings/plan.h"
+#include "oraclegs/stages/candidates.h"
+#include "oraclegs/stages/geometry.h"
+#include "oraclegs/train/train_view.h"
+#include "oraclegs/workspace/workspace.h"
+
+namespace oraclegs {
+
+class Proposers;
+class RunObserver;
+
+/// The training views of the split, in its order.
+struct TrainingViews {
+  explicit TrainingViews(std::vector<LoadedView> loaded) : views(std::move(loaded)), silhouettes(views) {}
+
+  std::vector<LoadedView> views;
+  Silhouettes silhouettes;
+};
+
+/// What finished stages found, held for the stages of this process that need it.
+struct StageResults {
+  std::map<std::string, std::string> keys;     ///< of the stages whose results are held, under which they were found
+  std::unique_ptr<TrainingViews> views;        ///< null = not loaded yet (ViewsOf)
+  std::vector<ScenePoint> points;              ///< of "sfm", with indices of the scene's views
+  Geometry geometry;                           ///< of "depth"
+  std::vector<ProxyModel> proxies;             ///< of "proxies"
+  std::vector<Target> targets;                 ///< of "propose": for the run's own proposers
+  FolderProposals folder;                      ///< of "propose": ready-made ones
+  std::shared_ptr<const Proposers> proposers;  ///< null = not made yet (ProposersOf)
+  CandidateStore candidates;                   ///< of "propose"
+  std::vector<TrainView> proposals;            ///< of "validate": what is trained on
+  std::vector<std::string> rejected;           ///< of "validate": names of proposals that are trusted nowhere
+};
+
+/// Work of a stage that other processes can do beforehand: parts that need nothing of each other.
+struct StageParts {
+  std::string stage;
+  std::string key;
+  int round = 0;     ///< of several, each of which takes what the ones before have made
+  size_t count = 0;  ///< of the parts, as far as it is known
+};
+
+/// What one of those processes does of it.
+struct StageShare {
+  std::string key;
+  int round = 0;
+  Share share = {};
+};
+
+/// Names of the views that train and test, where the others are left out.
+struct NeededViews {
+  std::vector<std::string> train, test;
+};
+
+struct Run {
+  RunOptions options;
+  std::string version;  ///< of the program, for metrics.json
+  Plan plan;
+  Workspace workspace;
+  Scene scene;  ///< has poses, but before stage "register"
+  Split split;
+  Listener listener;
+  std::string photos;  ///< stands for images that came without poses; "" = the scene has poses of its own
+  FileHashes files = {};
+  std::optional<NeededViews> needed = {};        ///< of many photos without poses (needed_photos.h); nothing: all
+  SceneFrame frame = {};                         ///< that the scene was brought into, once its poses are known
+  std::map<std::string, double> predicted = {};  ///< seconds of each stage; empty where nobody asked
+  std::unique_ptr<StageResults> results = std::make_unique<StageResults>();
+  std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
+  /// --iterations that the run was begun with, of which proxy models train a share; 0 = --iterations.
+  int64_t start_iterations = 0;
+  /// Has other processes make parts of a stage, as many as they can; may be empty. The stage makes the others itself.
+  std::function<void(Run*, const StageParts&)> spread = {};
+  std::shared_ptr<RunObserver> observer = {};  ///< null for a run that was only opened
+};
+
+/// The training views, loaded when they are first asked for.
+const TrainingViews& ViewsOf(Run* run);
+
+/// Calls run->spread, where there is one and work for more than one process.
+void SpreadParts(Run* run, const StageParts& parts);
+
+/// What a stage does; each *_stage.h has that of one.
+struct StageWork {
+  bool (*wanted)(const Run& run);  ///< false: this run has no such stage, and its results are empty
+  /// Adds its own options, and what it reads that no stage has made.
+  void (*own)(Run* run, Fingerprint* key);
+  /// Removes what an earlier run of it left. `record` is that run's, null without one. May be null.
+  void (*undo)(Run* run, const nlohmann::json& record) = nullptr;
+  /// Does the work, writes its files, holds its result. Returns the record {"files": [...], ...}, to which key and
+  /// seconds are added unless it has seconds of its own; nothing when there is no result to remember.
+  std::optional<nlohmann::json> (*make)(Run* run, const std::string& key);
+  /// In another process: makes a share of the parts that `make` gives to SpreadParts, and leaves them in a PartStore.
+  /// Null for a stage that has none.
+  void (*make_share)(Run* run, const StageShare& share) = nullptr;
+  /// Throws InputError when a file of the finished stage is damaged: it is made again. Null for a stage with `load`.
+  void (*check)(const Run& run) = nullptr;
+  /// Reads back what `make` wrote. False when that cannot be read, after a warning: it is made again. Null for a stage
+  /// whose result is its files.
+  bool (*load)(Run* run) = nullptr;
+  /// Notes about the result. May be null.
+  void (*report)(Run* run) = nullptr;
+  const char* file = "";  ///< the result of a stage without `load`, which a note names
+};
+
+/// A row of stages.cpp.
+struct Stage {
+  std::string name;
+  int version = 1;                 ///< raised when the same inputs give another result
+  std::vector<std::string> needs;  ///< stages whose results it takes
+  StageWork work;
+};
+
+}  // namespace oraclegs

@@ -1,0 +1,290 @@
+#include "oraclegs/stages/train_stage.h"
+
+#include <optional>
+#include <utility>
+
+#include "oraclegs/core/files.h"
+#include "oraclegs/core/memory.h"
+#include "oraclegs/core/system_reason.h"
+#include "oraclegs/evaluate/support.h"
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/gaussians/transform.h"
+#include "oraclegs/scene/frame_comments.h"
+#include "oraclegs/stages/perceptual.h"
+#include "oraclegs/stages/proxy_models.h"
+#include "oraclegs/stages/pseudo_depth.h"
+#include "oraclegs/stages/stage_clock.h"
+#include "oraclegs/stages/start_points.h"
+#include "oraclegs/stages/test_score.h"
+#include "oraclegs/stages/train_inputs.h"
+#include "oraclegs/train/checkpoint_folder.h"
+#include "oraclegs/train/make_train_device.h"
+#include "oraclegs/train/methods/make_parts.h"
+#include "oraclegs/train/methods/weight_photos.h"
+#include "oraclegs/train/trainer.h"
+#include "oraclegs/workspace/non_commercial.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+void AddTrainKey(Run* run, Fingerprint* key) {
+  key->Add(ShapingOptionsToJson(run->options).dump());
+  key->Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) key->Add(run->files.OfAll(run->plan.lpips));
+}
+
+/// The key of the stage, but for --iterations.
+std::string InputsOf(Run* run) {
+  Fingerprint print;
+  print.Add(kTrainStageVersion);
+  for (const char* need : {"sfm", "depth", "validate"}) {
+    const nlohmann::json record = run->workspace.Record(need);
+    print.Add(record.is_object() ? record.value("key", "") : "");
+  }
+  nlohmann::json options = ShapingOptionsToJson(run->options);
+  options.erase("iterations");
+  print.Add(options.dump());
+  print.Add(ViewsFingerprint(run->scene, run->split.train, run->options.image, &run->files));
+  if (run->plan.has_proposals && run->options.train.proposal_lpips > 0) print.Add(run->files.OfAll(run->plan.lpips));
+  return print.Hex();
+}
+
+/// True for the options of a checkpoint from which these go on: the same, with at least as many iterations.
+bool GoesOnFrom(nlohmann::json before, const nlohmann::json& now) {
+  const auto iterations = [](const nlohmann::json& options) {
+    const nlohmann::json value = options.is_object() ? options.value("iterations", nlohmann::json()) : nlohmann::json();
+    return value.is_number() ? value.get<double>() : 0.;
+  };
+  if (iterations(before) > iterations(now)) return false;
+  if (before.is_object()) before["iterations"] = now.at("iterations");
+  return before == now;
+}
+
+/// Leaves the one that a finished run is continued from. Where there is no room for it, the run is none the worse.
+void KeepLastCheckpoint(const Run& run, const Trainer& trainer) {
+  const fs::path last = CheckpointPath(run.workspace.checkpoints(), trainer.iteration());
+  try {
+    WriteCheckpoint(last, trainer.MakeCheckpoint());
+  } catch (const RunError& error) {
+    run.listener(Warning{fmt::format("{}; this run cannot be continued with more --iterations", error.what())});
+    return;
+  }
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(run.workspace.checkpoints(), ignored)) {
+    if (entry.path() != last) fs::remove(entry.path(), ignored);
+  }
+}
+
+/// What would be mistaken for the results of these inputs.
+void UndoTrain(Run* run, const nlohmann::json&) {
+  std::error_code ignored;
+  fs::remove(run->workspace.metrics(), ignored);
+}
+
+struct FoundCheckpoint {
+  fs::path path;
+  Checkpoint checkpoint;
+};
+
+/// The newest checkpoint that can be read.
+std::optional<FoundCheckpoint> NewestSound(const Run& run) {
+  for (const fs::path& path : FindCheckpoints(run.workspace.checkpoints())) {
+    try {
+      return FoundCheckpoint{path, ReadCheckpoint(path)};
+    } catch (const InputError& damage) {
+      run.listener(Warning{fmt::format("{}; what was saved before it is taken", damage.what())});
+    }
+  }
+  return std::nullopt;
+}
+
+/// The newest checkpoint, when it belongs to these inputs; those of others are removed, with the model.
+std::optional<Checkpoint> FindCheckpoint(const Run& run, const nlohmann::json& saved_options) {
+  std::error_code ignored;
+  if (std::optional<FoundCheckpoint> found = NewestSound(run)) {
+    const fs::path& path = found->path;
+    Checkpoint& checkpoint = found->checkpoint;
+    if (GoesOnFrom(checkpoint.options, saved_options)) {
+      checkpoint.options = saved_options;
+      run.listener(Note{fmt::format("continuing from iteration {} ({})", checkpoint.iteration, path.string())});
+      return std::move(checkpoint);
+    }
+    nlohmann::json before = checkpoint.options;  // what --iterations may be was asked when the workspace was claimed
+    if (before.is_object()) before["iterations"] = saved_options.at("iterations");
+    const std::string difference = DescribeDifference(before, run.options);
+    if (!difference.empty()) {
+      throw InputError(
+          "{}: was saved with other options ({}); give the same options to continue, or start anew with --overwrite",
+          path.string(), difference);
+    }
+    run.listener(Warning{
+        "the photos, poses, depth, proposals, weights, the oracle or the program have changed since the last run: "
+        "training starts anew"});
+    std::error_code error;
+    fs::remove_all(run.workspace.checkpoints(), error);
+    if (error) throw RunError("{}: cannot be removed: {}", run.workspace.checkpoints().string(), SystemReason(error));
+  }
+  fs::remove(run.workspace.point_cloud(), ignored);
+  fs::remove(run.workspace.exposures(), ignored);
+  return std::nullopt;
+}
+
+/// The run's training options with nothing automatic left.
+TrainOptions SettledOptions(const Run& run, const TrainingViews& training) {
+  const StageResults& known = *run.results;
+  TrainOptions settled = SettleTrainOptions(run.options.train, training, known.geometry, run.listener);
+  if (ProxiesAlonePropose(run)) settled = SettleProxyDose(settled, known.proposals, run.listener);
+  return SettleUnion(settled, training.views.size(), known.proposals.size()).Settled();
+}
+
+Gaussians StartGaussians(Run* run) {
+  const StageResults& known = *run->results;
+  const StartPoints start = ChooseStart(run, {ViewsOf(run).views, known.points, known.geometry});
+  const double usual = start.source.rfind("dense", 0) == 0 ? kDenseScale : kSparseScale;
+  return InitializeGaussians(start.cloud, InitializeOptionsOf(run->options.start, usual), run->plan.device);
+}
+
+nlohmann::json TimingsToJson(const TrainResult& result) {
+  if (result.steps == 0) return nullptr;  // there was nothing left to do, which is not the same as no time
+  const TrainTimings& t = result.timings;
+  return {{"project", t.render.project},
+          {"bin", t.render.bin},
+          {"blend", t.render.blend},
+          {"blend_backward", t.render.blend_backward},
+          {"gaussian_backward", t.render.gaussian_backward},
+          {"parts", t.parts},
+          {"loss", t.loss},
+          {"refine", t.refine},
+          {"total", t.total}};
+}
+
+/// Empty where nothing asks for it, or no depth is known.
+PseudoDepth PseudoDepthOf(const Run& run, const TrainingViews& training) {
+  if (!(run.options.train.baseline.pseudo_depth_weight > 0)) return {};
+  const DepthSource& source = run.plan.depth;
+  if (!source.weights.empty()) return NetworkPseudoDepth(source.weights, run.plan.device, run.listener);
+  const std::vector<DepthMap>& maps = run.results->geometry.maps;
+  return maps.empty() ? PseudoDepth() : StereoPseudoDepth(training.views, maps);
+}
+
+/// A trainer of the run's views and proposals, from the start or from a checkpoint, and how it uses LPIPS.
+struct ReadyTrainer {
+  std::unique_ptr<Trainer> trainer;
+  std::vector<std::string> names;  ///< of the training views
+  std::vector<SupportView> views;  ///< what the Gaussians are supported by
+  std::string lpips;               ///< convention; "" = not used
+  nlohmann::json chosen;           ///< for the training options that were automatic
+};
+
+/// The images and the proposals, with what each of their pixels counts.
+std::vector<SupportView> SupportViewsOf(const std::vector<TrainView>& images, const std::vector<TrainView>& proposals) {
+  std::vector<SupportView> views;
+  for (const TrainView& view : images) views.push_back({view.camera, view.confidence, false});
+  for (const TrainView& view : proposals) views.push_back({view.camera, view.confidence, true});
+  return views;
+}
+
+/// What is known of the views is given up: it is not kept beside the trainer's copy.
+ReadyTrainer MakeTrainer(Run* run, const std::optional<Checkpoint>& checkpoint) {
+  StageResults& known = *run->results;
+  const TrainingViews& training = ViewsOf(run);
+  ReadyTrainer ready;
+  for (const LoadedView& view : training.views) ready.names.push_back(view.name);
+  Gaussians start = checkpoint ? checkpoint->gaussians : StartGaussians(run);
+  ReportDevice(run->plan.device, run->plan.support, run->listener);
+  TrainingLpips network = LpipsOfProposals(run->options.train, run->plan, known.proposals, run->listener);
+  ready.lpips = network.convention;
+  std::vector<TrainView> images = MakeTrainViews(training, known.geometry, run->options.train.depth_loss);
+  ready.views = SupportViewsOf(images, known.proposals);
+  if (run->options.train.baseline.covisibility_weights) images = WeightByCovisibility(std::move(images));
+  const TrainOptions settled = SettledOptions(*run, training);
+  ready.chosen = ChosenOptions(run->options.train, settled);
+  TrainSetup setup{settled,
+                   run->options.start.seed,
+                   BackgroundColor(run->options.image.background),
+                   {std::move(images), std::move(known.proposals), std::move(network.distance)},
+                   std::move(start)};
+  setup.pseudo_depth = PseudoDepthOf(*run, training);
+  setup.parts = MakeMethodParts(setup);
+  ready.trainer = std::make_unique<Trainer>(
+      std::move(setup),
+      [device = run->plan.device](const TrainDeviceSetup& setup) { return MakeTrainDevice(device, setup); });
+  if (checkpoint) ready.trainer->Restore(*checkpoint);
+  run->results = std::make_unique<StageResults>();
+  return ready;
+}
+
+/// Empty, after a warning, where memory does not suffice. What was trained is not lost when the user stops it here.
+std::vector<float> SupportOfModel(const Run& run, const ReadyTrainer& ready) {
+  const Trainer& trainer = *ready.trainer;
+  RenderOptions render;
+  render.antialiased = run.options.train.antialiased;
+  try {
+    return Support(trainer.gaussians(), ready.views, render);
+  } catch (const Interrupted&) {
+    WriteCheckpoint(CheckpointPath(run.workspace.checkpoints(), trainer.iteration()), trainer.MakeCheckpoint());
+    throw;
+  } catch (const OutOfMemory& error) {
+    run.listener(Warning{fmt::format("{}; the splat does not say what supports its Gaussians", error.what())});
+    return {};
+  }
+}
+
+void WriteModel(const Run& run, const ReadyTrainer& ready) {
+  const WorkspacePaths& paths = run.workspace;
+  const Trainer& trainer = *ready.trainer;
+  std::vector<std::string> comments = FrameComments(run.frame);
+  for (std::string& comment : LicenseComments(NonCommercialParts(paths))) comments.push_back(std::move(comment));
+  if (run.options.train.antialiased) comments.emplace_back(kAntialiasedComment);
+  const Similarity written_from_run = WrittenFromRun(run.frame);
+  WriteGaussianPly(
+      paths.point_cloud(),
+      written_from_run.IsIdentity() ? trainer.gaussians() : Transformed(trainer.gaussians(), written_from_run),
+      run.options.train.sh_degree, comments, SupportOfModel(run, ready));
+  std::error_code ignored;
+  fs::remove(paths.exposures(), ignored);
+  if (trainer.exposures().empty()) return;
+  WriteFileAtomically(paths.exposures(), ExposuresToJson(ready.names, trainer.exposures()).dump(1) + "\n");
+}
+
+std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
+  const Stopwatch watch;
+  nlohmann::json saved_options = ShapingOptionsToJson(run->options);
+  saved_options["inputs"] = InputsOf(run);
+  const std::optional<Checkpoint> checkpoint = FindCheckpoint(*run, saved_options);
+  if (run->on_training) run->on_training(run);
+  const ReadyTrainer ready = MakeTrainer(run, checkpoint);
+  const double loading = watch.Seconds();
+  const TrainResult result = ready.trainer->Run(
+      {run->workspace.checkpoints(), run->options.checkpoints.checkpoint_every, std::move(saved_options)},
+      run->listener, run->observer ? run->observer->OfTraining(TestScoreOf(*run)) : TrainObserver());
+  WriteModel(*run, ready);
+  KeepLastCheckpoint(*run, *ready.trainer);
+  nlohmann::json record{{"seconds", loading + result.seconds},
+                        {"training_seconds", result.seconds},
+                        {"iterations", result.iterations},
+                        {"device", run->plan.device.Name()},
+                        {"milliseconds_per_iteration", TimingsToJson(result)},
+                        {"gaussians", ready.trainer->gaussians().size()},
+                        {"chosen", ready.chosen},
+                        {"lpips", ready.lpips.empty() ? nlohmann::json() : nlohmann::json(ready.lpips)},
+                        {"peak_memory_bytes", PeakMemoryBytes()},
+                        {"files", {"point_cloud.ply"}}};
+  if (checkpoint) record["cpu_seconds"] = nullptr;  // that of the processes before is not known
+  return record;
+}
+
+}  // namespace
+
+StageWork TrainStage() {
+  return {.wanted = [](const Run&) { return true; },
+          .own = AddTrainKey,
+          .undo = UndoTrain,
+          .make = MakeTrain,
+          .check = [](const Run& run) { ReadIntactGaussianPly(run.workspace.point_cloud()); },
+          .file = "point_cloud.ply"};
+}
+
+}  // namespace oraclegs

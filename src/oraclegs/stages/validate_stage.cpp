@@ -1,0 +1,369 @@
+#include "oraclegs/stages/validate_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "oraclegs/core/parallel.h"
+#include "oraclegs/core/plural.h"
+#include "oraclegs/core/text.h"
+#include "oraclegs/image/colormap.h"
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/propose/proposal_files.h"
+#include "oraclegs/stages/calibrated_oracle.h"
+#include "oraclegs/validate/view_chunks.h"
+#include "oraclegs/workspace/non_commercial.h"
+#include "oraclegs/workspace/part_store.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMinMeanConfidence = 0.02;  // of a proposal that is of any use
+
+Image8 Gray(const ConfidenceMap& map, const Camera& camera) {
+  Image8 image{camera.width, camera.height, 1, {}};
+  for (const float c : map) image.data.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(c, 0.f, 1.f))));
+  return image;
+}
+
+/// The proposal beside its confidence in plasma, the colors of figures.
+Image8 Preview(const Validated& validated) {
+  const Camera& camera = validated.proposal.camera;
+  const Image8 left = ToImage8(validated.proposal.rgb);
+  Image8 image{2 * camera.width, camera.height, 3, {}};
+  for (int y = 0; y < camera.height; ++y) {
+    const auto row = left.data.begin() + static_cast<int64_t>(y) * camera.width * 3;
+    image.data.insert(image.data.end(), row, row + int64_t{3} * camera.width);
+    for (int x = 0; x < camera.width; ++x) {
+      const float confidence = validated.confidence[static_cast<size_t>(y) * camera.width + x];
+      const auto color = MapColor(ColorMap::kPlasma, confidence);
+      image.data.insert(image.data.end(), color.begin(), color.end());
+    }
+  }
+  return image;
+}
+
+/// Paths relative to the workspace: the image and its confidence.
+std::vector<std::string> FilesOf(const std::string& name) {
+  return {fmt::format("proposals/{}.png", name), fmt::format("confidence/{}.png", name)};
+}
+
+/// To the workspace, or a folder of the same layout. A file is a task: packing them takes long.
+void Write(const WorkspacePaths& paths, std::span<const Validated> all) {
+  constexpr size_t kFiles = 3;  // of a view
+  ParallelFor(static_cast<int64_t>(kFiles * all.size()), [&](int64_t task) {
+    const auto t = static_cast<size_t>(task);
+    const Validated& validated = all[t / kFiles];
+    const std::string& name = validated.proposal.name;
+    const std::vector<std::string> files = FilesOf(name);
+    switch (t % kFiles) {
+      case 0:
+        return WritePng(paths.root() / files[0], ToImage8(validated.proposal.rgb));
+      case 1:
+        return WritePng(paths.root() / files[1], Gray(validated.confidence, validated.proposal.camera));
+      default:
+        return WritePng(paths.confidence() / "preview" / (name + ".png"), Preview(validated));
+    }
+  });
+}
+
+double Mean(std::span<const float> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// [H,W,3], or [H,W] of the first channel.
+Buffer<float> ReadMap(const fs::path& path, const Camera& camera, int channels) {
+  const Image8 image = ReadImage(path);
+  if (image.width != camera.width || image.height != camera.height || image.channels != 3) {
+    throw InputError("{}: is {} x {} with {} channels, not {} x {}; delete it and run again", path.string(),
+                     image.width, image.height, image.channels, camera.width, camera.height);
+  }
+  const ImageF values = ToFloat(image);
+  if (channels == 3) return Buffer<float>::From({camera.height, camera.width, 3}, std::span<const float>(values.data));
+  auto map = Buffer<float>::Empty({camera.height, camera.width});
+  for (int64_t i = 0; i < map.count(); ++i) map[i] = values.data[static_cast<size_t>(3 * i)];
+  return map;
+}
+
+void AddValidateKey(Run* run, Fingerprint* key) {
+  key->Add(OptionsToJson(run->options.validate).dump()).Add(run->plan.oracle.Key());
+}
+
+void UndoValidate(Run* run, const nlohmann::json&) {
+  std::error_code ignored;
+  fs::remove_all(run->workspace.confidence(), ignored);
+  fs::remove(run->workspace.root() / "oracle.json", ignored);
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(run->workspace.proposals(), ignored)) {
+    if (entry.path().extension() == ".png") images.push_back(entry.path());
+  }
+  for (const auto& image : images) fs::remove(image, ignored);
+}
+
+/// The candidates that stage "propose" kept; the others are made again.
+std::vector<std::vector<Proposal>> CandidatesOf(Run* run, const std::vector<Target>& targets) {
+  std::vector<std::vector<Proposal>> candidates(targets.size());
+  std::vector<Target> missing;
+  std::vector<size_t> places;
+  for (size_t t = 0; t < targets.size(); ++t) {
+    if (auto kept = run->results->candidates.Take(targets[t].name)) {
+      candidates[t] = std::move(*kept);
+    } else {
+      missing.push_back(targets[t]);
+      places.push_back(t);
+    }
+  }
+  if (missing.empty()) return candidates;
+  std::vector<std::vector<Proposal>> made = ProposersOf(run).Ask(missing);
+  for (size_t m = 0; m < made.size(); ++m) candidates[places[m]] = std::move(made[m]);
+  return candidates;
+}
+
+/// Of a part: what ClassifyShare writes. Another program's, or a damaged one, is none.
+bool IsRecord(const nlohmann::json& part) {
+  return part.value("chunk", nlohmann::json()).is_number_unsigned() &&
+         (!part.contains("mean") || part.at("mean").is_number());
+}
+
+using TargetRange = std::pair<size_t, size_t>;  // [begin, end) of targets that are classified together
+
+/// Classifies the proposals of one run, writes them, and counts.
+class Validation {
+ public:
+  explicit Validation(Run* run) : run_(run), known_(*run->results) {}
+
+  /// What other processes have classified is taken from `parts`, one for each target.
+  void ClassifyTargets(const PartStore& parts) {
+    std::set<size_t> missing;
+    for (size_t t = 0; t < known_.targets.size(); ++t) {
+      const auto part = parts.Take(t);
+      if (!part || !IsRecord(*part)) {
+        missing.insert(t);
+        continue;
+      }
+      chunk_ = part->at("chunk").get<size_t>();
+      if (part->contains("mean")) Count(known_.targets[t].name, part->at("mean").get<double>());
+    }
+    if (missing.empty()) return;
+    for (const auto& [begin, end] : TargetRanges()) {
+      if (missing.lower_bound(begin) == missing.lower_bound(end)) continue;
+      Take(ClassifyRange({begin, end}));
+    }
+  }
+
+  /// For another process: a share of the targets, whole ranges, but those that are there.
+  void ClassifyShare(const PartStore& parts, const Share& share) {
+    const std::vector<TargetRange> ranges = TargetRanges();
+    for (size_t r = 0; r < ranges.size(); ++r) {
+      if (!share.Has(r) || HasAll(parts, ranges[r])) continue;
+      std::map<std::string, Validated> by_name;
+      for (Validated& validated : ClassifyRange(ranges[r])) by_name[validated.proposal.name] = std::move(validated);
+      for (size_t t = ranges[r].first; t < ranges[r].second; ++t) {
+        parts.Make(t, [&](const fs::path& folder) {
+          nlohmann::json record = {{"chunk", Together()}};
+          const auto found = by_name.find(known_.targets[t].name);
+          if (found == by_name.end()) return record;  // no proposer answered
+          Write(WorkspacePaths(folder), {&found->second, 1});
+          record["mean"] = Mean(found->second.confidence);
+          return record;
+        });
+      }
+      if (!oracle_->reports_progress()) Report(r + 1, ranges.size());
+    }
+  }
+
+  /// Those whose confidence was given keep it.
+  void ClassifyFolder() {
+    const FolderProposals& folder = known_.folder;
+    std::vector<size_t> open;
+    for (size_t p = 0; p < folder.proposals.size(); ++p) {
+      if (folder.confidence[p].empty()) {
+        open.push_back(p);
+      } else {
+        Take({{folder.proposals[p], folder.confidence[p]}});
+      }
+    }
+    if (open.empty()) return;
+    for (const auto& [begin, end] : EvenRuns(open.size(), Together())) {
+      std::vector<std::vector<Proposal>> chunk;
+      for (size_t i = begin; i < end; ++i) chunk.push_back({folder.proposals[open[i]]});
+      Take(TheOracle().Classify(std::move(chunk)));
+    }
+  }
+
+  nlohmann::json Record() const {
+    const OracleChoice& choice = run_->plan.oracle;
+    nlohmann::json record = {{"oracle", Word(choice.kind)}, {"mean_confidence", means_}, {"files", files_}};
+    if (choice.weights) record["chunk"] = chunk_;
+    if (chunk_ > 0 && choice.weights) NoteNetwork(*choice.weights, &record);
+    return record;
+  }
+
+ private:
+  /// Learns when it is first asked for.
+  const CalibratedOracle& TheOracle() {
+    if (!oracle_) {
+      oracle_.emplace(*run_, ViewsOf(run_), ProposersOf(run_), known_.targets.size());
+      chunk_ = oracle_->together();
+    }
+    return *oracle_;
+  }
+
+  static bool HasAll(const PartStore& parts, const TargetRange& range) {
+    size_t t = range.first;
+    while (t < range.second && parts.Has(t)) ++t;
+    return t == range.second;
+  }
+
+  size_t Together() { return TheOracle().together(); }
+  std::vector<TargetRange> TargetRanges() { return EvenRuns(known_.targets.size(), Together()); }
+
+  std::vector<Validated> ClassifyRange(const TargetRange& range) {
+    const std::vector<Target> targets(known_.targets.begin() + static_cast<int64_t>(range.first),
+                                      known_.targets.begin() + static_cast<int64_t>(range.second));
+    return TheOracle().Classify(CandidatesOf(run_, targets));
+  }
+
+  void Take(const std::vector<Validated>& all) {
+    Write(run_->workspace, all);
+    for (const Validated& validated : all) Count(validated.proposal.name, Mean(validated.confidence));
+  }
+
+  void Count(const std::string& name, double mean) {
+    means_[name] = mean;
+    for (std::string& file : FilesOf(name)) files_.push_back(std::move(file));
+    if (oracle_ && oracle_->reports_progress()) return;
+    Report(means_.size(), known_.targets.size() + known_.folder.proposals.size());
+  }
+
+  void Report(size_t done, size_t total) const {
+    run_->listener(StepDone{"validate", static_cast<int64_t>(done), static_cast<int64_t>(total), "views", ""});
+  }
+
+  Run* run_;
+  const StageResults& known_;
+  std::optional<CalibratedOracle> oracle_;
+  size_t chunk_ = 0;  ///< targets that were classified together; 0 = none were
+  std::vector<std::string> files_;
+  nlohmann::json means_ = nlohmann::json::object();
+};
+
+std::vector<Target> AllTargets(const StageResults& known) {
+  std::vector<Target> targets = known.targets;
+  for (const Proposal& p : known.folder.proposals) targets.push_back({p.name, p.camera});
+  return targets;
+}
+
+/// What is trained on: the proposals that are trusted anywhere. Names of the others in `rejected`.
+std::vector<TrainView> ReadTrusted(const Run& run, std::vector<std::string>* rejected) {
+  const std::vector<Target> targets = AllTargets(*run.results);
+  std::vector<std::optional<TrainView>> read(targets.size());
+  ParallelFor(static_cast<int64_t>(targets.size()), [&](int64_t task) {
+    const Target& target = targets[static_cast<size_t>(task)];
+    const fs::path image = run.workspace.proposals() / (target.name + ".png");
+    std::error_code ignored;
+    if (!fs::exists(image, ignored)) return;  // no proposer answered
+    read[static_cast<size_t>(task)] = {target.name, target.camera, ReadMap(image, target.camera, 3),
+                                       ReadMap(run.workspace.confidence() / (target.name + ".png"), target.camera, 1)};
+  });
+  std::vector<TrainView> trusted;
+  for (std::optional<TrainView>& view : read) {
+    if (!view) continue;
+    if (Mean(view->confidence.span()) < kMinMeanConfidence) {
+      rejected->push_back(view->name);
+    } else {
+      trusted.push_back(std::move(*view));
+    }
+  }
+  return trusted;
+}
+
+bool LoadValidate(Run* run) {
+  std::error_code ignored;
+  if (fs::exists(run->workspace.confidence() / "transforms.json", ignored)) ReadTargets(run->workspace.confidence());
+  run->results->rejected.clear();
+  run->results->proposals = ReadTrusted(*run, &run->results->rejected);
+  return true;
+}
+
+bool HasFromFolder(const std::vector<std::string>& names, const FolderProposals& folder) {
+  return std::any_of(folder.proposals.begin(), folder.proposals.end(),
+                     [&](const Proposal& p) { return std::find(names.begin(), names.end(), p.name) != names.end(); });
+}
+
+void ReportConfidence(Run* run) {
+  const std::vector<TrainView>& proposals = run->results->proposals;
+  const std::vector<std::string>& rejected = run->results->rejected;
+  const std::string previews = (run->workspace.confidence() / "preview").string();
+  if (!rejected.empty()) {
+    const char* then = proposals.empty() ? "; none is left, and the photos alone are trained on: another --trajectory "
+                                           "or more photos may help"
+                                         : "";
+    const char* fix = HasFromFolder(rejected, run->results->folder)
+                          ? "; for those of --proposal-folder, check scene, pose, scale and orientation"
+                          : "";
+    run->listener(Warning{
+        fmt::format("{} of {} proposals have no confidence anywhere and are left out: {} (see {}){}{}", rejected.size(),
+                    AllTargets(*run->results).size(), SomeNames(rejected), previews, fix, then)});
+  }
+  if (proposals.empty()) return;
+  double sum = 0;
+  for (const TrainView& view : proposals) sum += Mean(view.confidence.span());
+  run->listener(Note{fmt::format("{}, mean confidence {:.2f} ({})", Counted(proposals.size(), "proposal"),
+                                 sum / static_cast<double>(proposals.size()), previews)});
+}
+
+void MakeValidateShare(Run* run, const StageShare& share) {
+  if (run->results->targets.empty()) return;
+  Validation(run).ClassifyShare(PartStore(run->workspace, "validate", share.key), share.share);
+}
+
+/// Ranges of targets, as far as they are known before the oracle is asked.
+size_t RangeCount(const Run& run) {
+  const Auto<int>& asked = run.options.validate.oracle_chunk;
+  const size_t chunk =
+      run.plan.oracle.weights ? static_cast<size_t>(asked.ValueOr(static_cast<int>(kOracleChunk))) : kOracleChunk;
+  return chunk == 0 ? 1 : EvenRuns(run.results->targets.size(), chunk).size();  // 0 asks for all of them together
+}
+
+std::optional<nlohmann::json> MakeValidate(Run* run, const std::string& key) {
+  StageResults& known = *run->results;
+  known.proposals.clear(), known.rejected.clear();
+  if (known.targets.empty() && known.folder.proposals.empty()) return std::nullopt;
+  ReportOracleChoice(run->options, run->plan.oracle, run->listener);
+  nlohmann::json record;
+  {  // The oracle's memory is not kept beside what is read back.
+    SpreadParts(run, {"validate", key, 0, RangeCount(*run)});
+    Validation validation(run);
+    validation.ClassifyTargets(PartStore(run->workspace, "validate", key));
+    validation.ClassifyFolder();
+    record = validation.Record();
+  }
+  // Beside the maps, so that they can be shown where they are: those of a folder have their poses nowhere else.
+  WriteTargets(run->workspace.confidence(), AllTargets(known), RunFromScene(run->frame).Inverse());
+  known.candidates = CandidateStore(), known.proposers = nullptr;
+  LoadValidate(run);
+  return record;
+}
+
+}  // namespace
+
+StageWork ValidateStage() {
+  return {.wanted = [](const Run& run) { return run.plan.has_proposals; },
+          .own = AddValidateKey,
+          .undo = UndoValidate,
+          .make = MakeValidate,
+          .make_share = MakeValidateShare,
+          .load = LoadValidate,
+          .report = ReportConfidence};
+}
+
+}  // namespace oraclegs

@@ -1,0 +1,98 @@
+#include "oraclegs/output/figures/figure.h"
+
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/image/png.h"
+#include "oraclegs/image/read_image.h"
+#include "oraclegs/run/reconstruct.h"
+#include "run/proposing.h"
+#include "support/errors.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class FigureTest : public ProposingTest {
+ protected:
+  oraclegs::Run Made(const std::string& out) {
+    RunRequest request = Request(out);
+    request.options.propose.proposers = ProposerChoice::kWarp;
+    request.options.split.views = 10;
+    request.options.train.iterations = 5;
+    oraclegs::Run run = StartRun(request, Silent());
+    Reconstruct(&run);
+    return run;
+  }
+};
+
+TEST_F(FigureTest, ShowsProposalsTheirConfidenceAndThePhotos) {
+  const oraclegs::Run run = Made("confidence");
+  FigureOptions options;
+  options.rows = 2;
+  const Sheet sheet = ConfidenceSheet(run, options);
+  EXPECT_THAT(sheet.heads, ElementsAre("proposal", "confidence", "photo"));
+  ASSERT_EQ(sheet.rows.size(), 2u);
+  const std::vector<Panel>& row = sheet.rows[0];
+  const std::string name = row[0].caption;
+  EXPECT_EQ(row[0].image.data, ReadImage(run.workspace.proposals() / (name + ".png")).data);
+  const Image8 gray = ReadImage(run.workspace.confidence() / (name + ".png"));
+  const auto color = MapColor(ColorMap::kPlasma, static_cast<float>(gray.data[0]) / 255);
+  EXPECT_TRUE(std::equal(color.begin(), color.end(), row[1].image.data.begin()));
+  EXPECT_EQ(row[2].image.width, row[0].image.width);
+  EXPECT_EQ(sheet.scale, ColorMap::kPlasma);
+
+  options.show = sheet.rows[1][0].caption;
+  const Sheet one = ConfidenceSheet(run, options);
+  ASSERT_EQ(one.rows.size(), 1u);
+  EXPECT_EQ(one.rows[0][0].caption, options.show);
+  options.show = "nobody";
+  EXPECT_THAT(MessageOf<InputError>([&] { ConfidenceSheet(run, options); }), HasSubstr("--show names 'nobody'"));
+}
+
+TEST_F(FigureTest, ComparesRunsOnTheirTestViews) {
+  const fs::path first = Made("one").workspace.root(), second = Made("two").workspace.root();
+  FigureOptions options;
+  options.rows = 1, options.crop = "4,6,20,10", options.labels = "mcmc, ours";
+  const Sheet sheet = ComparisonSheet({first, second}, options);
+  EXPECT_THAT(sheet.heads, ElementsAre("mcmc", "ours", "photo"));
+  ASSERT_EQ(sheet.rows.size(), 1u);
+  const std::vector<Panel>& row = sheet.rows[0];
+  ASSERT_EQ(row.size(), 3u);
+  EXPECT_THAT(row[0].caption, HasSubstr(" dB"));
+  const Image8 photo = ReadImage(first / "renders/test" / (row[2].caption + "_gt.png"));
+  EXPECT_EQ(row[2].image.width, 20);
+  EXPECT_EQ(row[2].image.height, 10);
+  EXPECT_EQ(row[2].image.data[0], photo.data[static_cast<size_t>(6 * photo.width + 4) * 3]);
+
+  options.crop = "70,0,40,10";
+  EXPECT_THAT(MessageOf<UsageError>([&] { ComparisonSheet({first, second}, options); }), HasSubstr("reaches beyond"));
+  for (const char* bad : {"1,2,3", "a,b,c,d", "1,2,0,4", "1,2,-3,4"}) {
+    options.crop = bad;
+    EXPECT_THAT(MessageOf<UsageError>([&] {
+                  ComparisonSheet({first, second}, options);
+                }),
+                HasSubstr("--crop is"))
+        << bad;
+  }
+  options.crop = "", options.labels = "one";
+  EXPECT_THAT(MessageOf<UsageError>([&] { ComparisonSheet({first, second}, options); }), HasSubstr("--labels names 1"));
+  options.labels = "";
+  WritePng(second / "renders/test" / (row[2].caption + ".png"), {4, 4, 3, std::vector<uint8_t>(48, 1)});
+  options.show = row[2].caption;
+  EXPECT_THAT(MessageOf<InputError>([&] { ComparisonSheet({first, second}, options); }), HasSubstr("4 x 4"));
+}
+
+TEST_F(FigureTest, NeedsScoresAndProposals) {
+  RunRequest request = Request("empty");
+  request.options.propose.proposers = ProposerChoice::kNone;
+  oraclegs::Run run = StartRun(request, Silent());
+  Reconstruct(&run);
+  EXPECT_THAT(MessageOf<InputError>([&] { ConfidenceSheet(run, {}); }), HasSubstr("oraclegs validate"));
+  EXPECT_EQ(ComparisonSheet({run.workspace.root()}, {}).heads.size(), 2u) << "one run beside the photos";
+}
+
+}  // namespace
+}  // namespace oraclegs

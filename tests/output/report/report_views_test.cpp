@@ -1,0 +1,92 @@
+#include "oraclegs/output/report/report_views.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "oraclegs/image/png.h"
+#include "oraclegs/propose/proposal_files.h"
+#include "run/trained.h"
+
+namespace oraclegs {
+namespace {
+
+using nlohmann::json;
+
+TEST(CameraToJson, IsTheMatrixRowByRow) {
+  Camera camera;
+  camera.width = 8, camera.height = 6, camera.fx = 7, camera.fy = 5;
+  camera.cam_from_world.translation() = Eigen::Vector3d(1, 2, 3);
+  const json camera_json = CameraToJson(camera);
+  EXPECT_EQ(camera_json["fy"], 5);
+  EXPECT_EQ(camera_json["world_to_camera"], json::parse("[1,0,0,1, 0,1,0,2, 0,0,1,3, 0,0,0,1]"));
+}
+
+class ReportViewsTest : public TrainedTest {
+ protected:
+  /// A proposal at the pose of the first training view, trusted in its left half.
+  void GiveProposal(const oraclegs::Run& run, const Camera& camera) {
+    const Image8 image{camera.width, camera.height, 3,
+                       std::vector<uint8_t>(static_cast<size_t>(camera.width * camera.height * 3), 100)};
+    Image8 confidence{camera.width, camera.height, 1, {}};
+    for (int p = 0; p < camera.width * camera.height; ++p) {
+      confidence.data.push_back(p % camera.width < camera.width / 2 ? 255 : 0);
+    }
+    WriteTargets(run.workspace.confidence(), {{"given", camera}, {"without_image", camera}},
+                 RunFromScene(run.frame).Inverse());
+    WritePng(run.workspace.proposals() / "given.png", image);
+    WritePng(run.workspace.confidence() / "given.png", confidence);
+  }
+};
+
+TEST_F(ReportViewsTest, ShowsProposalsWithConfidenceAndTheirNearestView) {
+  RunRequest other = *request;
+  other.out = *temp / "with_proposal";
+  const oraclegs::Run run = StartRun(other, Silent());
+  const auto training = LoadViews(run.scene, run.split.train, run.options.image, Silent());
+  GiveProposal(run, training[2].camera);
+  const Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
+  const ReportFiles files(other.out);
+  ReportViews views(run, files, &model);
+  for (const LoadedView& view : training) views.AddTraining(view);
+  views.AddProposals();
+  const json rows = views.Rows();
+  ASSERT_EQ(rows.size(), training.size() + 1);
+  const json& row = rows.back();
+  EXPECT_EQ(row["name"], "given");
+  EXPECT_EQ(row["role"], "proposal");
+  EXPECT_EQ(row["nearest"], 2);
+  EXPECT_NEAR(row["mean_confidence"].get<double>(), 0.5, 1e-6);
+  for (const char* part : {"image", "thumbnail", "confidence", "render"}) {
+    EXPECT_TRUE(std::filesystem::exists(other.out / row[part]["url"].get<std::string>())) << part;
+  }
+}
+
+TEST(Evenly, KeepsAtMostSoMany) {
+  EXPECT_EQ(Evenly(std::vector<int>{0, 1, 2, 3, 4, 5}, 3), (std::vector<int>{0, 2, 4}));
+  EXPECT_EQ(Evenly(std::vector<int>{7}, 3), std::vector<int>{7});
+}
+
+TEST_F(ReportViewsTest, AdvisesWhereLittleIsSupported) {
+  RunRequest other = *request;
+  other.out = *temp / "with_advice";
+  const oraclegs::Run run = StartRun(other, Silent());
+  const auto training = LoadViews(run.scene, run.split.train, run.options.image, Silent());
+  GiveProposal(run, training[0].camera);
+  Model model = LoadModel(*temp / "out/point_cloud.ply", request->options, kCpu, run.frame);
+  const ReportFiles files(other.out);
+  model.support.assign(model.support.size(), 0.1f);
+  ReportViews weak(run, files, &model);
+  for (const LoadedView& view : training) weak.AddTraining(view);
+  weak.AddProposals();
+  ASSERT_EQ(weak.Advice().size(), 1u);
+  EXPECT_THAT(weak.Advice()[0], testing::HasSubstr("near " + training[0].name));
+  ReportViews unknown(run, files, nullptr);
+  for (const LoadedView& view : training) unknown.AddTraining(view);
+  unknown.AddProposals();
+  EXPECT_TRUE(unknown.Advice().empty());
+}
+
+}  // namespace
+}  // namespace oraclegs

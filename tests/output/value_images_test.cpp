@@ -1,0 +1,79 @@
+#include "oraclegs/output/value_images.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "oraclegs/render/recolor.h"
+#include "support/errors.h"
+
+namespace oraclegs {
+namespace {
+
+constexpr int kWallSide = 32;
+
+/// A wall of overlapping flat Gaussians; its left half is at depth 2, its right half at depth 4.
+Model Wall() {
+  constexpr int kCount = 24;
+  Model model;
+  model.gaussians = Gaussians::Zeros(kCount * kCount);
+  const GaussianRows all = model.gaussians.Rows();
+  for (int i = 0; i < kCount * kCount; ++i) {
+    const GaussianRows row = all.From(i);
+    const float x = (static_cast<float>(i % kCount) + 0.5f) / kCount - 0.5f;
+    const float y = (static_cast<float>(i / kCount) + 0.5f) / kCount - 0.5f;
+    const float z = x < 0 ? 2 : 4;
+    row.means[0] = 1.2f * x * z, row.means[1] = 1.2f * y * z, row.means[2] = z;
+    const float size = std::log(0.05f * z);
+    row.log_scales[0] = size, row.log_scales[1] = size, row.log_scales[2] = size - 5;
+    row.quats[0] = 1;
+    row.opacity_logits[0] = 6;
+  }
+  model.support.assign(static_cast<size_t>(kCount * kCount), 1);
+  return model;
+}
+
+Camera WallCamera() {
+  return {kWallSide, kWallSide, kWallSide, kWallSide, kWallSide / 2.0, kWallSide / 2.0, Eigen::Isometry3d::Identity()};
+}
+
+std::array<int, 3> PixelAt(const Image8& image, int x, int y) {
+  const uint8_t* pixel = image.data.data() + 3 * (y * image.width + x);
+  return {pixel[0], pixel[1], pixel[2]};
+}
+
+TEST(ParseRenderValues, ReadsAList) {
+  EXPECT_THAT(ParseRenderValues("depth,color,depth"), testing::ElementsAre(RenderValue::kDepth, RenderValue::kColor));
+  for (const char* bad : {"", "depth,", "depth color", "Depth"}) EXPECT_THROW(ParseRenderValues(bad), UsageError);
+}
+
+TEST(ValueRenderer, ShowsDepthNormalsAndSupport) {
+  const Model model = Wall();
+  ValueRenderer renderer(model, {RenderValue::kSupport, RenderValue::kDepth, RenderValue::kNormals},
+                         {WallCamera(), WallCamera()});
+  const std::vector<Image8> images = renderer.Render(WallCamera());
+  ASSERT_EQ(images.size(), 3u);
+  const auto near = PixelAt(images[1], 6, 16), far = PixelAt(images[1], 26, 16);
+  EXPECT_GT(near[0], 200) << "near is yellow";
+  EXPECT_GT(near[1], 200);
+  EXPECT_LT(far[1], 60) << "far is dark purple";
+  const auto normal = PixelAt(images[2], 6, 16);
+  EXPECT_NEAR(normal[0], 128, 12);
+  EXPECT_NEAR(normal[1], 128, 12);
+  EXPECT_LT(normal[2], 6) << "towards the camera";
+  const auto support = PixelAt(images[0], 6, 16);
+  const auto color = ColorOf(SupportClass::kSeenByTwo);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(support[c], color[c], 6);
+}
+
+TEST(ValueRenderer, RefusesSupportThatIsNotKnown) {
+  Model model = Wall();
+  model.support.clear();
+  EXPECT_THAT(MessageOf<InputError>([&] { ValueRenderer(model, {RenderValue::kSupport}, {WallCamera()}); }),
+              testing::HasSubstr("support"));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,99 @@
+#include "oraclegs/settings/device.h"
+
+#include <gmock/gmock.h>
+
+#include "oraclegs/core/error.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr DeviceSupport kNone, kTwoGpus{true, 2};
+
+std::string Refusal(const std::string& text, const DeviceSupport& support) {
+  try {
+    ChooseDevice(text, support);
+    return "";
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+}
+
+TEST(DeviceTest, AutoTakesAGpuWhereThereIsOne) {
+  EXPECT_EQ(ChooseDevice("auto", kTwoGpus), (Device{DeviceKind::kCuda, 0}));
+  EXPECT_EQ(ChooseDevice("auto", kNone), kCpu);
+  EXPECT_EQ(ChooseDevice("cpu", kTwoGpus), kCpu);
+  EXPECT_EQ(ChooseDevice("cuda", kTwoGpus), (Device{DeviceKind::kCuda, 0}));
+  EXPECT_EQ(ChooseDevice("cuda:1", kTwoGpus), (Device{DeviceKind::kCuda, 1}));
+}
+
+TEST(DeviceTest, NeverFallsBackToTheCpuSilently) {
+  EXPECT_THAT(Refusal("cuda", kNone), AllOf(HasSubstr("built without CUDA"), HasSubstr("--device cpu")));
+  EXPECT_THAT(Refusal("cuda:0", {true, 0}), HasSubstr("no NVIDIA GPU"));
+  EXPECT_THAT(Refusal("cuda:2", kTwoGpus), HasSubstr("has 2 NVIDIA GPUs, numbered from 0"));
+  EXPECT_THAT(Refusal("cuda:1", {true, 1}), HasSubstr("has 1 NVIDIA GPU, numbered from 0"));
+}
+
+TEST(DeviceTest, KnowsWhatIsFree) { EXPECT_GT(FreeBytes(kCpu), 0); }
+
+TEST(DeviceTest, RefusesOtherWords) {
+  for (const char* text : {"", "gpu", "cuda:", "cuda:-1", "cuda:1x", "cuda:999999999999", "cuda1"}) {
+    EXPECT_THAT(Refusal(text, kTwoGpus), HasSubstr("must be auto, cpu, cuda or cuda:N")) << text;
+  }
+}
+
+std::vector<std::string> Reported(Device device, const DeviceSupport& support) {
+  std::vector<std::string> notes;
+  ReportDevice(device, support, [&](const Event& event) { notes.push_back(std::get<Note>(event).text); });
+  return notes;
+}
+
+TEST(DeviceTest, ReportsWhichGpu) {
+  EXPECT_THAT(Reported((Device{DeviceKind::kCuda, 1}), kTwoGpus), testing::ElementsAre("computing on the GPU cuda:1"));
+}
+
+TEST(DeviceTest, ReportsWhyAProgramForGpusTakesTheCpu) {
+  EXPECT_THAT(Reported(kCpu, {true, 0}),
+              testing::ElementsAre("computing on the CPU: this machine has no NVIDIA GPU with a working driver"));
+  EXPECT_THAT(Reported(kCpu, kNone), testing::IsEmpty());     // nothing else was to be expected
+  EXPECT_THAT(Reported(kCpu, kTwoGpus), testing::IsEmpty());  // it was chosen
+}
+
+/// Networks whose libtorch has CUDA, or not.
+class FakeNetworks : public Networks {
+ public:
+  explicit FakeNetworks(bool cuda) : cuda_(cuda) {}
+  bool has_cuda() const override { return cuda_; }
+  std::unique_ptr<DepthNetwork> LoadDepth(const std::filesystem::path&, Device) const override { return nullptr; }
+  std::unique_ptr<PerceptualNetwork> LoadPerceptual(const std::vector<std::filesystem::path>&, Device,
+                                                    int64_t) const override {
+    return nullptr;
+  }
+  std::unique_ptr<AttentionNetwork> OpenAttention(const std::filesystem::path&, const AttentionOptions&,
+                                                  Device) const override {
+    return nullptr;
+  }
+  PoseEstimate EstimatePoses(const PoseRequest&, const Listener&) const override { return {}; }
+  std::unique_ptr<ViewGenerator> LoadViewGenerator(const ViewGeneratorRequest&) const override { return nullptr; }
+
+ private:
+  bool cuda_;
+};
+
+TEST(DeviceTest, NetworksFallBackToTheCpuWithAWarning) {
+  const Device gpu{DeviceKind::kCuda, 1};
+  std::vector<std::string> warnings;
+  const Listener listener = [&](const Event& event) { warnings.push_back(std::get<Warning>(event).text); };
+  EXPECT_EQ(DeviceOfNetworks(FakeNetworks(true), gpu, listener), gpu);
+  EXPECT_EQ(DeviceOfNetworks(FakeNetworks(false), kCpu, listener), kCpu);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(DeviceOfNetworks(FakeNetworks(false), gpu, listener), kCpu);
+  EXPECT_THAT(warnings, testing::ElementsAre(AllOf(HasSubstr("networks compute on the CPU"), HasSubstr("libtorch"))));
+}
+
+TEST(DeviceTest, ThisMachineHasSomeDevice) { EXPECT_NO_THROW(ChooseDevice("auto", ProbeDevices())); }
+
+}  // namespace
+}  // namespace oraclegs

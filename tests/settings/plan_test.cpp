@@ -1,0 +1,162 @@
+#include "oraclegs/settings/plan.h"
+
+#include "oraclegs/networks/loader.h"
+#include "run/weights.h"
+#include "support/errors.h"
+#include "support/event_recorder.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+RunOptions With(Auto<OracleKind> oracle) {
+  RunOptions options;
+  options.validate.oracle = oracle;
+  return options;
+}
+
+TEST(ChooseOracle, FollowsTheWeights) {
+  SKIP_WITHOUT_NETWORKS();
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  EventRecorder recorder;
+  EXPECT_EQ(ChooseOracle(With({})).kind, OracleKind::kConsistency);
+  ReportOracleChoice(With({}), ChooseOracle(With({})), recorder.AsListener());
+  EXPECT_THAT(recorder.notes, ElementsAre(AllOf(HasSubstr("without VGGT"), HasSubstr("oraclegs models fetch vggt"))));
+  const std::string before = ChooseOracle(With({})).Key();
+  WriteTinyVggt(dir / "models" / "vggt" / "model.safetensors");
+  const OracleChoice choice = ChooseOracle(With({}));
+  EXPECT_EQ(choice.kind, OracleKind::kVggtAndConsistency);
+  EXPECT_NE(choice.Key(), before);
+  ReportOracleChoice(With({}), choice, recorder.AsListener());
+  EXPECT_THAT(recorder.notes.back(), HasSubstr("VGGT-1B with the images"));
+}
+
+TEST(ChooseOracle, TakesWhatIsNamed) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  EventRecorder recorder;
+  for (const OracleKind kind : {OracleKind::kConsistency, OracleKind::kUniform}) {
+    EXPECT_EQ(ChooseOracle(With(kind)).kind, kind);
+    ReportOracleChoice(With(kind), ChooseOracle(With(kind)), recorder.AsListener());
+  }
+  EXPECT_TRUE(recorder.notes.empty());
+  for (const OracleKind kind : {OracleKind::kVggt, OracleKind::kVggtAndConsistency}) {
+    EXPECT_THAT(MessageOf<InputError>([&] { ChooseOracle(With(kind)); }),
+                AllOf(HasSubstr("--oracle " + Word(kind) + " needs"), HasSubstr("models fetch vggt")));
+  }
+  SKIP_WITHOUT_NETWORKS();
+  RunOptions named = With(OracleKind::kVggt);
+  named.weights.vggt_weights = WriteTinyVggt(dir / "named.safetensors");
+  EXPECT_EQ(ChooseOracle(named).weights->path, dir / "named.safetensors");
+}
+
+TEST(ChooseOracle, RefusesLayersThatTheNetworkLacks) {
+  const TempDir dir;
+  RunOptions options = With(OracleKind::kVggt);
+  options.weights.vggt_weights = WriteTinyVggt(dir / "tiny.safetensors");
+  options.validate.vggt_layers = "0,4";
+  EXPECT_THAT(MessageOf<UsageError>([&] { ChooseOracle(options); }),
+              HasSubstr("--vggt-layers names layer 4; VGGT-1B has the layers 0 to 3"));
+  options.validate.oracle = OracleKind::kConsistency;
+  EXPECT_NO_THROW(ChooseOracle(options)) << "it does not ask VGGT";
+}
+
+TEST(NeedsDepth, FollowsStartLossAndPruning) {
+  RunOptions options;
+  options.propose.proposers = ProposerChoice::kNone;
+  options.train.depth_weight = 0;
+  const auto needs = [&](Auto<StartKind> init) {
+    options.start.init = init;
+    return NeedsDepth(options);
+  };
+  EXPECT_TRUE(needs({}) && needs(StartKind::kDense) && needs(StartKind::kHybrid));
+  EXPECT_FALSE(needs(StartKind::kSfm) || needs(StartKind::kRandom));
+  options.train.prune_floaters = true;
+  EXPECT_TRUE(needs(StartKind::kSfm));
+  options.train.prune_floaters = false;
+  options.train.baseline.hard_depth = true;
+  EXPECT_TRUE(needs(StartKind::kSfm));
+  options.train.baseline = {};
+  options.train.baseline.covisibility_weights = true;
+  EXPECT_TRUE(needs(StartKind::kSfm));
+  options.train = {};
+  EXPECT_GT(options.train.depth_weight, 0);
+  EXPECT_TRUE(needs(StartKind::kRandom));
+  options.depth.depth_prior = DepthPrior::kNone;
+  EXPECT_FALSE(needs(StartKind::kRandom) || needs({}));
+}
+
+TEST(HasProposals, FollowsProposersAndFolder) {
+  RunOptions options;
+  EXPECT_TRUE(ProposesViews(options) && HasProposals(options));
+  options.train.schedule = ScheduleKind::kNone;
+  EXPECT_FALSE(ProposesViews(options) || HasProposals(options));
+  options.propose.proposal_folder = "/somewhere";
+  EXPECT_FALSE(ProposesViews(options));
+  EXPECT_TRUE(HasProposals(options));
+}
+
+TEST(MakePlan, SettlesWhatTheRunComesTo) {
+  RunOptions options;
+  options.device.device = "cpu";
+  const Plan plan = MakePlan(options, true);
+  EXPECT_TRUE(plan.needs_depth && plan.proposes && plan.has_proposals);
+  EXPECT_EQ(plan.depth.prior, DepthPrior::kStereo);
+  EXPECT_EQ(plan.oracle.kind, OracleKind::kConsistency);
+  EXPECT_TRUE(plan.device.is_cpu());
+  EXPECT_TRUE(plan.Uses(options, ProposerChoice::kSplat));
+  options.propose.proposers = ProposerChoice::kNone;
+  options.validate.oracle = OracleKind::kVggt;
+  EXPECT_FALSE(MakePlan(options, true).has_proposals) << "no weights are missed";
+  options.device.device = "cuda:99";
+  EXPECT_THROW(MakePlan(options, true), UsageError);
+}
+
+TEST(MakePlan, WithoutTheLibraryTakesWhatNeedsNoNetwork) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  const EnvironmentVariable library(kNetworksVariable, "/nowhere/x.so");
+  for (const char* model : {"vggt", "depth-anything-v2-small", "lpips-vgg"}) {
+    WriteTinyVggt(dir / "models" / model / "model.safetensors");  // any file will do
+  }
+  RunOptions options;
+  const Plan plan = MakePlan(options, true);
+  EXPECT_EQ(plan.depth.prior, DepthPrior::kStereo);
+  EXPECT_EQ(plan.oracle.kind, OracleKind::kConsistency);
+  EXPECT_TRUE(plan.lpips.empty());
+  EventRecorder recorder;
+  ReportOracleChoice(options, plan.oracle, recorder.AsListener());
+  EXPECT_THAT(recorder.notes, ElementsAre(AllOf(HasSubstr("without VGGT"), HasSubstr("/nowhere/x.so"))));
+}
+
+TEST(MakePlan, RefusesNetworksWithoutTheLibrary) {
+  const TempDir dir;
+  const ModelsAt models(dir / "models");
+  const EnvironmentVariable library(kNetworksVariable, "/nowhere/x.so");
+  for (const char* model : {"vggt", "depth-anything-v2-small", "lpips-vgg"}) {
+    WriteTinyVggt(dir / "models" / model / "model.safetensors");
+  }
+  const auto refusal = [](const RunOptions& options) {
+    return MessageOf<UsageError>([&] { MakePlan(options, false); });
+  };
+  RunOptions oracle, depth, seva, poses, lpips;
+  oracle.validate.oracle = OracleKind::kVggt;
+  EXPECT_THAT(refusal(oracle), AllOf(HasSubstr("--oracle vggt needs networks"), HasSubstr("is not here")));
+  depth.depth.depth_prior = DepthPrior::kFused;
+  EXPECT_THAT(refusal(depth), HasSubstr("--depth-prior fused needs networks"));
+  seva.propose.proposers = ProposerChoice::kSeva;
+  EXPECT_THAT(refusal(seva), HasSubstr("--proposers seva needs networks"));
+  poses.input.poses = PoseSource::kVggt;
+  EXPECT_THAT(refusal(poses), HasSubstr("--poses vggt needs networks"));
+  lpips.weights.lpips = LpipsUse::kRequired;
+  EXPECT_THAT(refusal(lpips), HasSubstr("--lpips required needs networks"));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,105 @@
+#include "oraclegs/settings/run_size.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace oraclegs {
+namespace {
+
+constexpr SceneSize kPhones{12, {4000, 3000}};
+
+RunOptions On(Quality quality) {
+  RunOptions options;
+  options.quality.quality = quality;
+  return options;
+}
+
+TEST(WithSize, ReducesPhonePhotosOnACpu) {
+  const RunOptions settled = WithSize({}, kPhones, false);
+  EXPECT_EQ(WorkingSize({4000, 3000}, settled.image), (PixelSize{1000, 750}));
+  EXPECT_EQ(settled.train.max_gaussians, 100000);
+  EXPECT_EQ(settled.propose.proposers, ProposerChoice::kSplat);
+}
+
+TEST(WithSize, TakesMoreOfEverythingOnAGpu) {
+  const RunOptions cpu = WithSize({}, kPhones, false), gpu = WithSize({}, kPhones, true);
+  EXPECT_EQ(gpu.image.max_size, 1600);
+  EXPECT_GT(gpu.train.iterations.value(), cpu.train.iterations.value());
+  EXPECT_GT(gpu.train.max_gaussians.value(), cpu.train.max_gaussians.value());
+}
+
+TEST(WithSize, GrowsWithQuality) {
+  const RunOptions draft = WithSize(On(Quality::kDraft), kPhones, false), normal = WithSize({}, kPhones, false),
+                   high = WithSize(On(Quality::kHigh), kPhones, false);
+  EXPECT_LT(draft.image.max_size.value(), normal.image.max_size.value());
+  EXPECT_LT(normal.image.max_size.value(), high.image.max_size.value());
+  EXPECT_LT(draft.train.iterations.value(), normal.train.iterations.value());
+  EXPECT_LT(normal.train.iterations.value(), high.train.iterations.value());
+  EXPECT_LT(draft.train.max_gaussians.value(), normal.train.max_gaussians.value());
+  EXPECT_LT(normal.train.max_gaussians.value(), high.train.max_gaussians.value());
+  EXPECT_EQ(draft.propose.proposers, ProposerChoice::kWarp);
+}
+
+TEST(WithSize, TrainsSmallImagesForLonger) {
+  EXPECT_GT(WithSize({}, {12, {480, 270}}, false).train.iterations.value(),
+            WithSize({}, kPhones, false).train.iterations.value());
+}
+
+TEST(WithSize, TrainsFewPhotosForLess) {
+  EXPECT_LT(WithSize({}, {3, {4000, 3000}}, false).train.iterations.value(),
+            WithSize({}, kPhones, false).train.iterations.value());
+}
+
+TEST(WithSize, LeavesWhatTheUserSet) {
+  RunOptions asked;
+  asked.image.max_size = 0, asked.train.iterations = 70, asked.train.max_gaussians = 500;
+  asked.propose.proposers = ProposerChoice::kNone;
+  const RunOptions settled = WithSize(asked, kPhones, false);
+  EXPECT_EQ(settled.image.max_size, 0);
+  EXPECT_EQ(settled.train.iterations, 70);
+  EXPECT_EQ(settled.train.max_gaussians, 500);
+  EXPECT_EQ(settled.propose.proposers, ProposerChoice::kNone);
+}
+
+TEST(WithSize, DownscaleStandsInForMaxSize) {
+  RunOptions asked;
+  asked.image.downscale = 2;
+  EXPECT_EQ(WorkingSize({4000, 3000}, WithSize(asked, kPhones, false).image), (PixelSize{2000, 1500}));
+}
+
+TEST(WithSize, TrainsToTheHorizon) {
+  RunOptions asked;
+  asked.train.horizon = 30000;
+  EXPECT_EQ(WithSize(asked, kPhones, false).train.iterations, 30000);
+}
+
+TEST(SavedSize, IsWhatWasSettled) {
+  const RunOptions settled = WithSize(On(Quality::kDraft), kPhones, false);
+  const RunOptions again = WithSize(WithSavedSize(On(Quality::kDraft), SizeToJson(settled)), kPhones, true);
+  EXPECT_EQ(RunOptionsToJson(again), RunOptionsToJson(settled));
+}
+
+TEST(SavedSize, IgnoresDamage) {
+  const nlohmann::json damaged = {{"max-size", "large"}, {"iterations", nullptr}, {"proposers", "nobody"}};
+  EXPECT_EQ(RunOptionsToJson(WithSavedSize({}, damaged)), RunOptionsToJson({}));
+  EXPECT_EQ(RunOptionsToJson(WithSavedSize({}, nullptr)), RunOptionsToJson({}));
+}
+
+TEST(WithUsualSizes, HoldsViewsOutAtFullSize) {
+  const RunOptions usual = WithUsualSizes({});
+  EXPECT_TRUE(usual.split.eval);
+  EXPECT_EQ(WorkingSize({4000, 3000}, usual.image), (PixelSize{4000, 3000}));
+  EXPECT_EQ(usual.train.iterations, kUsualIterations);
+}
+
+TEST(DescribeSize, NamesWhatWasDecided) {
+  const RunOptions settled = WithSize({}, kPhones, false);
+  const std::string text = DescribeSize({}, settled, kPhones);
+  EXPECT_NE(text.find("photos of 4000x3000 are used at 1000x750 (--max-size 1000)"), std::string::npos) << text;
+  EXPECT_NE(text.find("--quality normal"), std::string::npos) << text;
+  EXPECT_EQ(DescribeSize(settled, settled, kPhones), "");
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,60 @@
+#include "oraclegs/stages/evaluate_stage.h"
+
+#include "oraclegs/gaussians/ply.h"
+#include "oraclegs/output/evaluate_ply.h"
+#include "oraclegs/stages/metrics.h"
+#include "run/trained.h"
+#include "support/errors.h"
+#include "support/network_files.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+using testing::HasSubstr;
+
+using EvaluateStageTest = TrainedTest;
+
+TEST_F(EvaluateStageTest, ScoresLpipsInBothConventions) {
+  SKIP_WITHOUT_NETWORKS();
+  EXPECT_FALSE(metrics->at("test").contains("lpips"));
+  RunRequest with = *request;
+  with.options.weights.lpips_weights = WriteTinyLpips(*temp / "lpips.safetensors");
+  const nlohmann::json scored = Reconstruct(with, recorder.AsListener());
+  EXPECT_THAT(recorder.started, testing::Contains("evaluate")) << "weights that came are a reason to score again";
+  const nlohmann::json& test = scored.at("test");
+  EXPECT_GT(test.at("lpips"), 0);
+  EXPECT_GT(test.at("lpips_minus1_1"), 0);
+  EXPECT_THAT(test.at("conventions").at("lpips").get<std::string>(), HasSubstr("[0, 1]"));
+  EXPECT_THAT(test.at("conventions").at("lpips_minus1_1").get<std::string>(), HasSubstr("[-1, 1]"));
+  for (const nlohmann::json& view : test.at("views")) EXPECT_TRUE(view.contains("lpips"));
+  EXPECT_EQ(test.at("psnr"), metrics->at("test").at("psnr"));
+  const PosedScene posed = ReadPosedScene(request->scene, request->options, Silent());
+  const EvaluateRequest ply{*temp / "out" / "point_cloud.ply", with.options, {}, "test"};
+  EXPECT_EQ(EvaluatePly(ply, posed, Silent()).at("test"), test);
+  Reconstruct(*request, Silent());  // as the other tests expect it
+}
+
+TEST_F(EvaluateStageTest, NeedsAModel) {
+  RunRequest untrained = TinyRequest(request->scene, *temp / "untrained");
+  auto run = StartRun(untrained, Silent());
+  EXPECT_THAT(MessageOf<InputError>([&] { EvaluateRun(&run); }), HasSubstr("point_cloud.ply"));
+}
+
+TEST_F(EvaluateStageTest, ScoresAPointCloudThatWasReplaced) {
+  RunRequest replaced = *request;
+  replaced.out = *temp / "replaced";
+  std::filesystem::copy(*temp / "out", replaced.out, std::filesystem::copy_options::recursive);
+  auto run = OpenRun(replaced, recorder.AsListener());
+  EvaluateRun(&run);
+  EXPECT_THAT(recorder.started, testing::IsEmpty()) << "nothing has changed";
+  GaussianPly ply = ReadGaussianPly(run.workspace.point_cloud());
+  for (float& logit : ply.gaussians.opacity_logits.span()) logit -= 1;
+  WriteGaussianPly(run.workspace.point_cloud(), ply.gaussians);
+  EvaluateRun(&run);
+  EXPECT_THAT(recorder.started, testing::ElementsAre("evaluate"));
+  EXPECT_NE(ReadMetrics(replaced.out).at("test"), metrics->at("test"));
+}
+
+}  // namespace
+}  // namespace oraclegs

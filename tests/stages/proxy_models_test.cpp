@@ -1,0 +1,134 @@
+#include "oraclegs/stages/proxy_models.h"
+
+#include "oraclegs/core/config.h"
+#include "run/proposing.h"
+#include "support/buffers.h"
+#include "support/errors.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+using ProxyModelsTest = ProposingTest;
+
+TEST_F(ProxyModelsTest, HoldOutEachViewOnceAndAreReadBack) {
+  auto run = StartRun(Request(), Silent());
+  const std::vector<ProxyModel> first = Bring(&run, "proxies").proxies;
+  const TrainOptions options = ProxyOptions(run.options, run.options.train);
+  EXPECT_EQ(options.iterations, 6);  // 0.2 of 30
+  EXPECT_EQ(options.schedule, ScheduleKind::kNone);
+  ASSERT_EQ(first.size(), 3u);
+  EXPECT_FALSE(ProxiesAlonePropose(run)) << "beside warps";
+  run.options.propose.proposers = ProposerChoice::kSplat;
+  EXPECT_TRUE(ProxiesAlonePropose(run));
+  run.options.propose.proposers = ProposerChoice::kBoth;
+  EXPECT_EQ(first[0].held_out, (std::vector<int>{0, 3, 6, 9}));
+  EXPECT_EQ(first[1].held_out, (std::vector<int>{1, 4, 7, 10}));
+  EXPECT_FALSE(Equal(first[0].gaussians.means, first[1].gaussians.means));
+  EXPECT_FALSE(Equal(first[0].before.means, first[0].gaussians.means)) << "it went on with all views";
+  int steps = 0;
+  int64_t iterations = 0;
+  run.listener = [&](const Event& event) {
+    const auto* step = std::get_if<StepDone>(&event);
+    if (!step || step->stage != "proxies") return;
+    ++steps, iterations = step->total;
+  };
+  run.results->keys.erase("proxies");
+  const std::vector<ProxyModel> again = Bring(&run, "proxies").proxies;
+  EXPECT_EQ(steps, 0);
+  EXPECT_TRUE(Equal(again[1].gaussians.means, first[1].gaussians.means));
+  EXPECT_TRUE(Equal(again[1].before.means, first[1].before.means));
+  // Only what is lost is trained again, to the same bits.
+  const auto kept = run.workspace.proposals() / "proxies" / "0.ply";
+  const auto written = fs::last_write_time(kept);
+  fs::remove(run.workspace.proposals() / "proxies" / "1_before.ply");
+  run.results->keys.erase("proxies");
+  const std::vector<ProxyModel> trained_again = Bring(&run, "proxies").proxies;
+  EXPECT_GT(steps, 0);
+  EXPECT_EQ(iterations, 3 * (6 + 12)) << "0.4 of 30 with all views";
+  EXPECT_EQ(fs::last_write_time(kept), written);
+  EXPECT_TRUE(Equal(trained_again[1].gaussians.means, first[1].gaussians.means));
+
+  const auto cut = run.workspace.proposals() / "proxies" / "1.ply";
+  fs::resize_file(cut, fs::file_size(cut) / 2);
+  run.results->keys.erase("proxies");
+  const std::vector<ProxyModel> mended = Bring(&run, "proxies").proxies;
+  EXPECT_EQ(fs::last_write_time(kept), written);
+  EXPECT_TRUE(Equal(mended[1].gaussians.means, first[1].gaussians.means));
+}
+
+TEST_F(ProxyModelsTest, WithoutAFinishAreWhatTheyWereBefore) {
+  RunRequest request = Request("unfinished");
+  request.options.propose.proxy_finish = 0;
+  auto run = StartRun(request, Silent());
+  const std::vector<ProxyModel>& proxies = Bring(&run, "proxies").proxies;
+  ASSERT_EQ(proxies.size(), 3u);
+  EXPECT_TRUE(Equal(proxies[0].before.means, proxies[0].gaussians.means));
+}
+
+TEST(ProxyFinish, IsLongerForAnObject) {
+  ProposeOptions options;
+  EXPECT_EQ(options.ProxyFinish(false), 0.4);
+  EXPECT_EQ(options.ProxyFinish(true), 0.6);
+  options.proxy_finish = 0.1;
+  EXPECT_EQ(options.ProxyFinish(true), 0.1);
+}
+
+#if !defined(ORACLEGS_CUDA)
+TEST_F(ProxyModelsTest, AreTrainedOnTheDeviceOfTheRun) {
+  auto run = StartRun(Request("device"), Silent());
+  Bring(&run, "depth");
+  run.plan.device = {DeviceKind::kCuda, 0};
+  EXPECT_THAT(MessageOf<UsageError>([&] { Bring(&run, "proxies"); }), HasSubstr("this build trains on the CPU only"));
+}
+#endif
+
+TEST_F(ProxyModelsTest, SayWhyThereAreNone) {
+  auto run = StartRun(Request("none"), recorder.AsListener());
+  Bring(&run, "depth");
+  for (DepthMap& map : run.results->geometry.maps) std::fill(map.confidence.begin(), map.confidence.end(), 0.f);
+  EXPECT_THAT(Bring(&run, "proxies").proxies, IsEmpty());
+  EXPECT_THAT(recorder.warnings,
+              Contains(testing::AllOf(HasSubstr("one would have 8 views and 0 dense points, and needs 2 and 1000"),
+                                      HasSubstr("views are warped instead"))));
+  EXPECT_TRUE(run.workspace.Record("proxies").is_null());
+  run.options.propose.proposers = ProposerChoice::kSplat;
+  EXPECT_FALSE(ProxiesAlonePropose(run)) << "views are warped";
+}
+
+TEST(ProxyCount, LeavesEachModelThreeViews) {
+  const ProposeOptions two;
+  EXPECT_EQ(ProxyCount(two, 12), 2);
+  EXPECT_EQ(ProxyCount(two, 6), 2);
+  EXPECT_EQ(ProxyCount(two, 5), 3);
+  EXPECT_EQ(ProxyCount(two, 4), 4);
+  EXPECT_EQ(ProxyCount(two, 3), 3) << "two views each";
+  ProposeOptions many;
+  many.proxy_models = 16;
+  EXPECT_EQ(ProxyCount(many, 7), 7);
+}
+
+TEST_F(ProxyModelsTest, DependOnTheHorizonThatTheirRatesFollow) {
+  auto run = StartRun(Request(), Silent());
+  const auto key_of = [&](int horizon) {
+    run.options.train.horizon = horizon;
+    Fingerprint key;
+    ProxyStage().own(&run, &key);
+    return key.Hex();
+  };
+  EXPECT_NE(key_of(0), key_of(30000));
+}
+
+TEST_F(ProxyModelsTest, DoNotDependOnHowProposalsAreTrainedOn) {
+  RunOptions options = Request().options;
+  TrainOptions other = options.train;
+  other.synthetic_floor = 0.7, other.proposal_weight = 3, other.confidence_gate = 0.5;
+  EXPECT_EQ(OptionsToJson(ProxyOptions(options, other)), OptionsToJson(ProxyOptions(options, options.train)));
+}
+
+}  // namespace
+}  // namespace oraclegs

@@ -1,0 +1,25 @@
+#include "oraclegs/stages/stage.h"
+
+#include "run/fixtures.h"
+#include "support/event_recorder.h"
+#include "support/temp_dir.h"
+
+namespace oraclegs {
+namespace {
+
+TEST(ViewsOf, LoadsTheTrainingViewsOnce) {
+  const TempDir temp;
+  auto run = StartRun(TinyRequest(MakeTinyScene(temp / "scene"), temp / "out"), Silent());
+  EventRecorder recorder;
+  run.listener = recorder.AsListener();
+  const TrainingViews& training = ViewsOf(&run);
+  ASSERT_EQ(training.views.size(), run.split.train.size());
+  EXPECT_EQ(training.views[1].name, run.scene.views[static_cast<size_t>(run.split.train[1])].name);
+  const size_t steps = recorder.steps.size();
+  EXPECT_GT(steps, 0u);
+  EXPECT_EQ(&ViewsOf(&run), &training);
+  EXPECT_EQ(recorder.steps.size(), steps);
+}
+
+}  // namespace
+}  // namespace oraclegs
