@@ -56,6 +56,8 @@ METHOD = re.compile(r"docs/method\.md(?:#([\w-]+))?")
 REFERENCE = re.compile(r"\[([A-Z][\w\-']+(?: et al\.)? (?:19|20)\d\d[a-z]?)\]")
 HISTORY = re.compile(r"\bissue #?\d+\b|(?<![\w/.#&])#\d{1,3}\b|\bcommit [0-9a-f]{7,40}\b|\b(?=[0-9a-f]*\d)(?=[0-9a-f]*[a-f])[0-9a-f]{7}\b")
 
+# A doc comment begins with its subject; so does each of its sentences.
+HEADLESS = re.compile(r"(?:^\s*///(?!<) |///<? [^`]*?[.!?] )((?:Of|What|The same|Both|Likewise|That which)\b)|///< ((?i:of|what|the same|both|likewise|that which)\b)")
 # Code, comments, messages and pages are in American spelling.
 BRITISH = re.compile(
     r"\w*(?:colour|grey(?!hound)|neighbour|licence|centre|centring|learnt|misspelt|behaviour|favour|honour|labelled(?!by)|modelled|artefact|catalogue|"
@@ -159,6 +161,8 @@ class House:
                 self.refuse(name, MAX_LINES + 1, f"has {len(lines)} lines, at most {MAX_LINES}: it is two ideas")
             self.check_lines(name, lines, suffix)
             self.check_spelling(name, lines)
+            if suffix in CPP:
+                self.check_doc_comments(name, lines)
             self.check_citations(name, lines)
             if suffix in CPP and name.startswith("src/"):
                 self.check_depth(name)
@@ -228,6 +232,12 @@ class House:
             match = BRITISH.search(TEXT.sub(lambda text: "" if text.group(1) in OTHERS_WORDS else text.group(), line))
             if match:
                 self.refuse(name, number, f"{match.group(0)}: use American spelling")
+
+    def check_doc_comments(self, name, lines):
+        for number, line in enumerate(lines, 1):
+            match = HEADLESS.search(line)
+            if match:
+                self.refuse(name, number, f'"{match.group(1) or match.group(2)} ...": begin the sentence with its subject')
 
     def check_history(self, name, lines):
         for number, line in enumerate(lines, 1):

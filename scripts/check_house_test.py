@@ -58,6 +58,12 @@ class CheckHouseTest(unittest.TestCase):
             "docs/c.md": "[link](#colors), raised noises, optimistic organisms\n",
         })
 
+    def test_headless_doc_comment(self):
+        self.assert_refused(
+            {"src/oraclegs/core/a.h": "/// Of a view.\nint a;  ///< the same of pixels\n/// A view. What is left is cut.\n"},
+            "src/oraclegs/core/a.h:1: \"Of", "src/oraclegs/core/a.h:2: \"the same", "src/oraclegs/core/a.h:3: \"What")  # fmt: skip
+        self.assert_accepted({"src/oraclegs/core/a.h": "/// Pixels\n/// of a view, what is left.\n// What follows is code.\n"})
+
     def test_good_tree_passes(self):
         self.assert_accepted({
             "src/oraclegs/networks/common/tensor.h": "#include <torch/types.h>\n",
