@@ -73,8 +73,7 @@ TEST_F(PerceptualTest, ProposalsUseItWhereThereAreWeightsAndAShare) {
 TEST_F(PerceptualTest, ProposalsThatAreTooSmallDoWithoutIt) {
   EXPECT_TRUE(LpipsOfProposals(options, plan, Proposals(16), recorder.AsListener()).distance);
   EXPECT_TRUE(recorder.warnings.empty());
-  options.coarse_share = 0.3;
-  EXPECT_FALSE(LpipsOfProposals(options, plan, Proposals(16), recorder.AsListener()).distance);
+  EXPECT_FALSE(LpipsOfProposals(options, plan, Proposals(8), recorder.AsListener()).distance);
   ASSERT_EQ(recorder.warnings.size(), 1u);
   EXPECT_THAT(recorder.warnings[0], HasSubstr("proposals of 8 pixels a side are too small for LPIPS, which needs 16"));
 }

@@ -46,7 +46,6 @@ TrainingLpips LpipsOfProposals(const TrainOptions& options, const Plan& plan, co
   for (const TrainView& view : proposals) {
     smallest = std::min<int64_t>(smallest, std::min(view.camera.width, view.camera.height));
   }
-  if (options.coarse_share > 0) smallest /= 2;
   if (smallest < network->smallest_side()) {
     listener(
         Warning{fmt::format("proposals of {} pixels a side are too small for LPIPS, which needs {}: it is left out",
