@@ -95,7 +95,7 @@ Buffer<float> GpuTraining::Factors(const Iteration& iteration) {
 }
 
 RenderOutput GpuTraining::Forward(const Iteration& iteration, const Buffer<float>& factors) {
-  return train_->rasterizer().Forward(model_.gaussians, plan_.View(iteration.view, iteration.number).camera,
+  return train_->rasterizer().Forward(model_.gaussians, plan_.View(iteration.view).camera,
                                       {{}, iteration.sh_degree, false, factors}, RenderPass::kTrain);
 }
 

@@ -60,9 +60,10 @@ HISTORY = re.compile(r"\bissue #?\d+\b|(?<![\w/.#&])#\d{1,3}\b|\bcommit [0-9a-f]
 HEADLESS = re.compile(r"(?:^\s*///(?!<) |///<? [^`]*?[.!?] )((?:Of|What|The same|Both|Likewise|That which)\b)|///< ((?i:of|what|the same|both|likewise|that which)\b)")
 # Code, comments, messages and pages are in American spelling.
 BRITISH = re.compile(
-    r"\w*(?:colour|grey(?!hound)|neighbour|licence|centre|centring|learnt|misspelt|behaviour|favour|honour|labelled(?!by)|modelled|artefact|catalogue|"
-    r"judgement|fibre|(?:^|[^a-z])metre|(?:analy|regulari|rasteri|initiali|optimi|normali|minimi|maximi|summari|visuali|recogni|organi|standardi|"
-    r"seriali|synchroni|speciali|quanti|vectori|lineari|parametri|generali|utili|reali)s(?:e[ds]?|ing|ations?|ers?|able)(?-i:(?![a-z])))\w*", re.I)  # fmt: skip
+    r"colour|grey(?!hound)|neighbour|licence|centre|centring|learnt|misspelt|behaviour|favour|honour|labelled(?!by)|modelled|artefact|catalogue|"
+    r"judgement|fibre|\b(?:centi|milli|kilo)?metre|(?:analy|regulari|rasteri|initiali|optimi|normali|minimi|maximi|summari|visuali|recogni|organi|"
+    r"standardi|seriali|synchroni|speciali|quanti|vectori|lineari|parametri|generali|utili|reali)s(?:e[ds]?|ing|ations?|ers?|able)(?-i:(?![a-z]))",
+    re.I)  # fmt: skip
 # Texts that stay: words in the names of files that people bring.
 OTHERS_WORDS = {"colour"}
 TEXT = re.compile(r'"((?:\\.|[^"\\])*)"')
@@ -229,9 +230,9 @@ class House:
         if name.startswith("scripts/check_house"):
             return
         for number, line in enumerate(lines, 1):
-            match = BRITISH.search(TEXT.sub(lambda text: "" if text.group(1) in OTHERS_WORDS else text.group(), line))
-            if match:
-                self.refuse(name, number, f"{match.group(0)}: use American spelling")
+            for match in BRITISH.finditer(line):
+                if line[match.start() - 1:match.end() + 1].strip('"') not in OTHERS_WORDS:
+                    self.refuse(name, number, f"{match.group(0)}: use American spelling")
 
     def check_doc_comments(self, name, lines):
         for number, line in enumerate(lines, 1):

@@ -50,9 +50,9 @@ class CheckHouseTest(unittest.TestCase):
             {"src/oraclegs/core/a.h": 'f("its colour");\n', "apps/oraclegs/b.h": 'f("greyer", "Greyhound");\nf("the licence");\n',
              "tests/core/a_test.cpp": "// the centre\nint neighbours;\nNormaliseAll();\n",
              "docs/c.md": "# Colours\nThe `centre`\n\n    a grey example\n", "README.md": "neighbours\n"},
-            "src/oraclegs/core/a.h:1: colour", "apps/oraclegs/b.h:1: greyer", "apps/oraclegs/b.h:2: licence", "tests/core/a_test.cpp:1: centre",
-            "tests/core/a_test.cpp:2: neighbours", "tests/core/a_test.cpp:3: NormaliseAll",
-            "docs/c.md:1: Colours", "docs/c.md:2: centre", "docs/c.md:4: grey", "README.md:1: neighbours")  # fmt: skip
+            "src/oraclegs/core/a.h:1: colour", "apps/oraclegs/b.h:1: grey", "apps/oraclegs/b.h:2: licence", "tests/core/a_test.cpp:1: centre",
+            "tests/core/a_test.cpp:2: neighbour", "tests/core/a_test.cpp:3: Normalise",
+            "docs/c.md:1: Colour", "docs/c.md:2: centre", "docs/c.md:4: grey", "README.md:1: neighbour")  # fmt: skip
         self.assert_accepted({
             "src/oraclegs/core/a.h": 'f("neighbors", "colour", "Greyhound");  // parameter, promise\n',
             "docs/c.md": "[link](#colors), raised noises, optimistic organisms\n",

@@ -122,7 +122,6 @@ std::unique_ptr<Command> MakeDepth(CLI::App* app);
 std::unique_ptr<Command> MakePropose(CLI::App* app);
 std::unique_ptr<Command> MakeValidate(CLI::App* app);
 std::unique_ptr<Command> MakeTrain(CLI::App* app);
-std::unique_ptr<Command> MakeShareCommand(CLI::App* app);
 std::unique_ptr<Command> MakeEvaluate(CLI::App* app);
 std::unique_ptr<Command> MakeRender(CLI::App* app);
 std::unique_ptr<Command> MakeFigure(CLI::App* app);

@@ -51,14 +51,12 @@ Program::Program() {
   add("Look and share", MakeView, MakeRender, MakeExport, MakeMesh, MakeCameras, MakeInfo);
   add("Single stages", MakeSfm, MakeDepth, MakePropose, MakeValidate, MakeTrain);
   add("Measure", MakeEvaluate, MakeBench, MakeAblate, MakeFigure);
-  add("", MakeShareCommand);  // which this program calls itself
   add("Set up", MakeModels, of_all(MakeHelp), of_all(MakeCompletion), of_all(MakeMan));
 }
 
 Catalog Program::Describe() const {
   Catalog catalog;
   for (const Group& group : groups_) {
-    if (group.title.empty()) continue;
     for (const auto& command : group.commands) {
       catalog.push_back(command->Info());
       catalog.back().group = group.title;

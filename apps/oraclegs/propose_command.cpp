@@ -9,8 +9,7 @@ class ProposeCommand : public WorkspaceCommand {
  public:
   explicit ProposeCommand(CLI::App* app)
       : WorkspaceCommand(app, "propose", "Synthesize new views (proposals) as extra training data",
-                         "oraclegs propose scene/ -o out/ --views 12 --trajectory interpolate --proposals 16",
-                         {.spread = true}) {}
+                         "oraclegs propose scene/ -o out/ --views 12 --trajectory interpolate --proposals 16") {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {

@@ -12,7 +12,7 @@ class ReconstructCommand : public WorkspaceCommand {
  public:
   explicit ReconstructCommand(CLI::App* app)
       : WorkspaceCommand(app, "reconstruct", "Photos in, splat and scores out: all stages in one run",
-                         "oraclegs reconstruct photos/ -o out/", {.view = true, .spread = true}) {}
+                         "oraclegs reconstruct photos/ -o out/", {.view = true}) {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {

@@ -44,8 +44,8 @@ RunOptions ReadSavedOptions(const std::filesystem::path& workspace) {
 
 }  // namespace
 
-RunRequest RequestAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
-                          const DeviceOptions& device) {
+oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
+                             const DeviceOptions& device, const Listener& listener) {
   if (!IsWorkspace(workspace)) {
     throw InputError("{}: holds no run of oraclegs; name a workspace", workspace.string());
   }
@@ -54,12 +54,7 @@ RunRequest RequestAsSaved(const std::filesystem::path& workspace, const MachineO
   request.version = ORACLEGS_VERSION;
   request.options = ReadSavedOptions(workspace);
   request.options.machine = machine, request.options.device = device;
-  return request;
-}
-
-oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
-                             const DeviceOptions& device, const Listener& listener) {
-  return OpenQuietly(RequestAsSaved(workspace, machine, device), listener);
+  return OpenQuietly(request, listener);
 }
 
 oraclegs::Run SourceCommand::OpenSavedRun(const std::filesystem::path& workspace, const Listener& listener) const {

@@ -27,12 +27,8 @@ struct OutOptions {
   }
 };
 
-/// Asks for a run with the options that it was saved with, but for the machine's. Throws InputError when the folder is
-/// no workspace.
-RunRequest RequestAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
-                          const DeviceOptions& device);
-
-/// Opens such a run.
+/// Opens a run with the options that it was saved with, but for the machine's. Throws InputError when the folder is no
+/// workspace.
 oraclegs::Run OpenRunAsSaved(const std::filesystem::path& workspace, const MachineOptions& machine,
                              const DeviceOptions& device, const Listener& listener);
 

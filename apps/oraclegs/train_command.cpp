@@ -8,8 +8,7 @@ class TrainCommand : public WorkspaceCommand {
  public:
   explicit TrainCommand(CLI::App* app)
       : WorkspaceCommand(app, "train", "Run all stages up to training; no evaluation",
-                         "oraclegs train scene/ -o out/ --iterations 7000 --max-gaussians 100000",
-                         {.view = true, .spread = true}) {}
+                         "oraclegs train scene/ -o out/ --iterations 7000 --max-gaussians 100000", {.view = true}) {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {

@@ -9,7 +9,7 @@ class ValidateCommand : public WorkspaceCommand {
  public:
   explicit ValidateCommand(CLI::App* app)
       : WorkspaceCommand(app, "validate", "Estimate a confidence map for every proposed view",
-                         "oraclegs validate scene/ -o out/ --views 12", {.spread = true}) {}
+                         "oraclegs validate scene/ -o out/ --views 12") {}
 
  private:
   void Fill(const RunRequest& request, const Listener& listener) override {

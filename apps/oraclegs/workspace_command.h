@@ -9,7 +9,6 @@
 
 #include "command.h"
 #include "oraclegs/core/text.h"
-#include "oraclegs/experiments/spread.h"
 #include "oraclegs/run/start.h"
 #include "viewing.h"
 
@@ -27,8 +26,7 @@ struct LiveViewOptions {
 
 /// What a command offers beside filling the workspace.
 struct WorkspaceOffers {
-  bool view = false;    ///< --view: to show the run
-  bool spread = false;  ///< --spread: to divide its stages
+  bool view = false;  ///< --view: to show the run
 };
 
 class WorkspaceCommand : public Command {
@@ -46,10 +44,6 @@ class WorkspaceCommand : public Command {
       Bind("Viewer", &live_);
       Bind("Viewer", &viewer_, Level::kAdvanced);
     }
-    if (offers.spread) {
-      Bind("Many devices", &spread_, Level::kAdvanced);
-      Bind("Slurm", &slurm_, Level::kAdvanced);
-    }
     BindRun(&request_.options);
   }
 
@@ -62,13 +56,6 @@ class WorkspaceCommand : public Command {
     request_.out = workspace_.out;
     request_.overwrite = workspace_.overwrite;
     request_.version = ORACLEGS_VERSION;
-    if (spread_.spread < 2 && spread_.launcher != LauncherKind::kLocal) {
-      throw UsageError("--launcher {}: there is nothing to divide; say among how many processes with --spread",
-                       Word(spread_.launcher));
-    }
-    request_.spread = SpreadBy({spread_, request_.options.device.device, request_.options.machine.threads,
-                                std::filesystem::read_symlink("/proc/self/exe")},
-                               slurm_);
     std::optional<Viewing> viewing;
     if (live_.view) request_.on_claimed = [&] { StartViewing(listener, &viewing); };
     Fill(request_, listener);
@@ -95,8 +82,6 @@ class WorkspaceCommand : public Command {
   WorkspaceOptions workspace_;
   LiveViewOptions live_;
   ViewerOptions viewer_;
-  SpreadOptions spread_;
-  SlurmOptions slurm_;
 };
 
 }  // namespace oraclegs

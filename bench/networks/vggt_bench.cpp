@@ -61,7 +61,7 @@ void MeasureOnGpu(const Size& size) {
 }
 
 void Measure(const Size& size) {
-  const Heads heads{.camera = true, .depth = true, .points = false};
+  const Heads heads{.camera = true, .depth = true};
   const int64_t weights = WeightBytes({}, heads);
   const int64_t estimate = PassBytes({}, {size.views, size.height, size.width, heads});
   std::printf("VGGT-1B, %d views of %d x %d, %d threads; weights %.2f GiB, pass estimated at %.2f GiB, free %.2f GiB\n",

@@ -122,7 +122,7 @@ class Models(EndToEnd):
             self.assertEqual(done.stdout.strip(), str(self.fetched()))
             self.assertIn("vggt-commercial: license VGGT License; its acceptable use policy", done.stderr)
             self.assertNotIn("its checksum is not known", done.stderr)
-            self.assertIn("does not hold vggt-commercial; 1403 missing", done.stderr)  # it is whole, but no VGGT
+            self.assertIn("does not hold vggt-commercial; 1341 missing", done.stderr)  # it is whole, but no VGGT
             self.fetch()
         self.assertEqual(self.fetched().read_bytes(), FILE)
         self.assertEqual([path.name for path in self.fetched().parent.iterdir()], ["model.safetensors"])
@@ -132,7 +132,7 @@ class Models(EndToEnd):
         self.assertRegex(text, r"\nseva +5\.06 GB  no ")
         for words in ["https://huggingface.co" + VGGT, "license Apache-2.0\n", str(self.fetched())]:
             self.assertIn(words, text)
-        line = self.error_of("models", "check", NAME, code=3, names=[self.fetched(), "1403 missing"], env=self.env)
+        line = self.error_of("models", "check", NAME, code=3, names=[self.fetched(), "1341 missing"], env=self.env)
         self.assertIn("1 that are no part of it: x", line)
 
     def test_the_license_comes_first(self):

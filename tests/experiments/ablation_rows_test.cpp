@@ -30,20 +30,20 @@ TEST(AblationRows, EndWithTheProgramAsItIs) {
   asked.validate.pick = PickRule::kPixel;
   asked.train.iterations = 100, asked.train.depth_weight = 2, asked.train.dropout = 0.1,
   asked.train.exposure = ExposureMode::kOn;
-  asked.train.schedule = ScheduleKind::kConstant, asked.train.coarse_share = 0.2, asked.train.prune_floaters = true;
+  asked.train.schedule = ScheduleKind::kConstant, asked.train.prune_floaters = true;
   EXPECT_EQ(Shaping(last, asked), ShapingOptionsToJson(asked));
 }
 
 TEST(AblationRows, BeginWithMcmcAlone) {
   RunOptions asked;
   asked.split.views = 12, asked.train.iterations = 100, asked.start.seed = 4;
-  asked.train.coarse_share = 0.3, asked.train.prune_floaters = true, asked.propose.proposal_folder = "/somewhere";
+  asked.train.prune_floaters = true, asked.propose.proposal_folder = "/somewhere";
   const RunOptions first = RowOptions(0, asked);
   EXPECT_EQ(first.start.init, StartKind::kRandomCube);
   EXPECT_EQ(first.propose.proposers, ProposerChoice::kNone);
   EXPECT_TRUE(first.propose.proposal_folder.empty());
   const TrainOptions& t = first.train;
-  EXPECT_EQ(t.depth_weight + t.alpha_weight + t.coarse_share + t.proposal_lpips, 0);
+  EXPECT_EQ(t.depth_weight + t.alpha_weight + t.proposal_lpips, 0);
   EXPECT_EQ(t.opacity_noise, 0.);
   EXPECT_EQ(t.dropout, 0.);
   EXPECT_EQ(t.last_rates, 1.);

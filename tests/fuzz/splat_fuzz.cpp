@@ -11,7 +11,11 @@ ORACLEGS_FUZZ_TARGET(splat) {
   if (line == std::string_view::npos || line > 32) return;
   std::string name(bytes.substr(0, line));
   for (char& c : name) c = c == '/' || c == '\0' ? '_' : c;
-  if (!HasSplatFormat("a" + name)) return;
+  try {
+    SplatFormatOf("a" + name);
+  } catch (const UsageError&) {
+    return;
+  }
   static const fuzz::Folder folder;
   fuzz::Try([&] { ReadSplat(folder.Put("a" + name, bytes.substr(line + 1))); });
 }

@@ -105,8 +105,9 @@ class OnThreads : public testing::TestWithParam<int> {
 };
 
 /// A parameter source over the tensors of a fixture, "weights." in front of their names.
-inline FileParameters GoldenWeights(const std::string& fixture) {
+inline FileParameters GoldenWeights(const std::string& fixture, const std::vector<std::string>& ignored = {}) {
   CheckpointOptions options;
+  options.ignored = ignored;
   options.model = fixture;
   options.prefix = "weights.";
   options.device = ParityDevice();

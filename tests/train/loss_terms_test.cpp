@@ -133,19 +133,6 @@ TEST(LossPlan, CorrelatesDepthAsFsgsAndSparseGsDo) {
   EXPECT_DOUBLE_EQ(sparsegs.begin()[2].weight, 0.15);
 }
 
-TEST(LossPlan, SeesHalfTheSizeInCoarseIterations) {
-  TrainOptions options = Options(40);
-  options.coarse_share = 0.5;
-  const LossPlan plan(options, {Photos(2), {Complete("proposal", 3)}});
-  for (const SampledView& view : {kPhoto, kProposal}) {
-    EXPECT_EQ(plan.View(view, 20).camera.width, (kWidth + 1) / 2);
-    EXPECT_EQ(plan.View(view, 20).image.size(0), (kHeight + 1) / 2);
-    EXPECT_EQ(plan.View(view, 21).camera.width, kWidth);
-  }
-  EXPECT_EQ(plan.View(kProposal, 1).name, "proposal");
-  EXPECT_EQ(plan.View(kProposal, 1).confidence.size(1), (kWidth + 1) / 2);
-}
-
 TEST(LossPlan, RefusesViewsThatDoNotFit) {
   EXPECT_THROW(LossPlan(Options(), {{}, {Complete("proposal", 3)}}), UsageError);
   TrainView proposal = Complete("proposal", 3);

@@ -115,8 +115,7 @@ TEST(TrainerProposalsTest, ShowWhatPhotosDoNot) {
 
 TEST(TrainerProposalsTest, SameBitsForAnyNumberOfThreadsAndResumed) {
   TempDir dir;
-  TrainOptions options = Constantly(0.4);
-  options.coarse_share = 0.3;
+  const TrainOptions options = Constantly(0.4);
   const TrainingData data{Photos(3), Proposals(4)};
   const auto run = [&](int threads) {
     const Threads scope(threads);

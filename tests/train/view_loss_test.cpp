@@ -133,7 +133,7 @@ TEST(ViewLoss, IgnoresPixelsBelowTheGate) {
   const Buffer<float> gated = ToBuffer(proposal.confidence.shape(), Flat(proposal.confidence).square() * passes);
   PhotometricLoss()(out.image, proposal.image, gated, {0.7f, 0.3f}, &grad);
   EXPECT_LE(MaxAbsError(result.grads.image, grad), 1e-9);
-  EXPECT_TRUE(Equal(loss.plan.View(kFirstProposal, 1).image, proposal.image));
+  EXPECT_TRUE(Equal(loss.plan.View(kFirstProposal).image, proposal.image));
 }
 
 TEST(ViewLoss, SeesProposalsThroughNoExposureMap) {

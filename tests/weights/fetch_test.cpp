@@ -101,7 +101,7 @@ TEST_F(FetchWeightsTest, KeepsASafetensorsFile) {
   EXPECT_THAT(events_.notes, Contains(LicenseText(WeightsNamed("vggt-commercial"))));
   // The file is what the server has, but not what the program can use.
   EXPECT_THAT(events_.warnings,
-              Contains(AllOf(HasSubstr("does not hold vggt-commercial; 1403 missing: "), HasSubstr("and 1383 more"))));
+              Contains(AllOf(HasSubstr("does not hold vggt-commercial; 1341 missing: "), HasSubstr("and 1321 more"))));
   EXPECT_THAT(server.Requests()[0],
               AllOf(HasSubstr("GET /facebook/VGGT-1B-Commercial/resolve/"), HasSubstr("Bearer hf_1")));
 }

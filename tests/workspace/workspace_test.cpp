@@ -39,20 +39,6 @@ TEST_F(WorkspaceTest, RefusesAFolderThatAnotherRunHolds) {
   EXPECT_THAT(Refusal(), HasSubstr("another oraclegs is working there"));
 }
 
-TEST_F(WorkspaceTest, CanBeJoinedWhileAnotherHoldsIt) {
-  EXPECT_THROW(Workspace::Join(out), InputError);
-  Workspace held = Claim();
-  held.MarkDone("sfm", {{"key", "k"}, {"seconds", 1}, {"files", nlohmann::json::array()}});
-  Workspace joined = Workspace::Join(out);
-  EXPECT_TRUE(joined.IsDone("sfm", "k"));
-  joined.MarkUndone("sfm");
-  joined.MarkDone("depth", {{"key", "k"}, {"seconds", 1}, {"files", nlohmann::json::array()}});
-  EXPECT_TRUE(held.IsDone("sfm", "k")) << "who joined leaves the records alone";
-  EXPECT_FALSE(held.IsDone("depth", "k"));
-  std::filesystem::remove_all(out);
-  EXPECT_THROW(joined.RequireThere(), RunError);
-}
-
 TEST_F(WorkspaceTest, NoticesThatItIsGone) {
   Workspace workspace = Claim();
   std::vector<std::string> heard;

@@ -51,7 +51,7 @@ const std::vector<AblationRow>& AblationRows() {
          o->train.schedule = ScheduleKind::kUnion, o->validate.oracle = OracleKind::kUniform;
          // Where everything is trusted alike there is nothing to calibrate, and no row of it.
          if (asked.validate.oracle != OracleKind::kUniform) o->validate.calibrate = false;
-         o->train.depth_weight = 0, o->train.prune_floaters = false, o->train.coarse_share = 0;
+         o->train.depth_weight = 0, o->train.prune_floaters = false;
          o->train.largest_scale = 0, o->train.alpha_weight = 0;
          o->train.proposal_lpips = 0;
          o->train.opacity_noise = 0, o->train.dropout = 0, o->train.last_rates = 1,

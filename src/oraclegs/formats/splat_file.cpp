@@ -205,8 +205,6 @@ SplatFormat SplatFormatOf(const fs::path& path) {
   throw UsageError("{}: is no known splat format; give a file name that ends in one of {}", path.string(), known);
 }
 
-bool HasSplatFormat(const fs::path& path) { return FindFormat(path) != nullptr; }
-
 const char* ExtensionOf(SplatFormat format) { return RowOf(format).extension; }
 
 bool IsSplatFolder(const fs::path& path) { return IsSogFolder(path); }

@@ -19,7 +19,6 @@
 #include "oraclegs/core/enum_words.h"
 #include "oraclegs/core/options.h"
 #include "oraclegs/core/progress.h"
-#include "oraclegs/core/share.h"
 #include "oraclegs/image/image.h"
 #include "oraclegs/networks/seva_options.h"
 
@@ -160,17 +159,14 @@ struct ViewRequest {
   std::vector<Camera> targets;
   std::filesystem::path workspace = {};  ///< finished chunks are kept here; empty: nowhere
   std::string key = {};  ///< stands for views, targets and weights: chunks of another key are not used again
-  /// Of chunks that several processes make in one workspace: only those of this share whose inputs are there, and no
-  /// views. Nothing = all of them.
-  std::optional<Share> share = {};
 };
 
 /// Stable Virtual Camera: images and target cameras to new views.
 class ViewGenerator {
  public:
   virtual ~ViewGenerator() = default;
-  /// Of each target options.candidates images of its camera's size, RGB in [0, 1], or none with a share; the whole
-  /// frame of the camera is generated, so its pose and intrinsics are exact. The same for a seed, whether the work was
+  /// Of each target options.candidates images of its camera's size, RGB in [0, 1]; the whole frame of
+  /// the camera is generated, so its pose and intrinsics are exact. The same for a seed, whether the work was
   /// interrupted or not; only decoding in tiles, where memory is short, gives others, with a warning. Polls for
   /// interrupts between steps; reports StepDone{"propose"} after each. Throws RunError when memory does not suffice
   /// (before the first step), UsageError for options that do not fit the views, InputError for views of different

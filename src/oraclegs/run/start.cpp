@@ -215,32 +215,6 @@ void SaveSplit(const Run& run) {
   WriteFileAtomically(run.workspace.split(), json.dump(2) + "\n");
 }
 
-using PlanMaker = Plan (*)(const RunOptions& options, bool has_poses);
-
-/// The run of a workspace, which is held, or joined.
-Run ReadRun(const RunRequest& asked, PlanMaker make_plan, Workspace (*open)(const fs::path& dir),
-            const Listener& listener) {
-  CheckRunOptions(asked.options);
-  const RunRequest request = WithListsRead(asked);
-  const SavedRun saved = ReadSavedRun(request.out);
-  const std::string difference = DescribeDifference(saved.options, request.options, saved.size);
-  if (!difference.empty()) {
-    throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
-  }
-  Scene scene = Read(saved.scene, request.options, listener);
-  Workspace workspace = open(request.out);
-  Plan plan = make_plan(request.options, scene.HasPoses());
-  if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
-  const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
-  Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
-  run.start_iterations = saved.start_iterations;
-  run.photos = PhotosFingerprint(run.scene, &run.files);
-  LeaveOutUnreadablePhotos(&run);
-  KeepNeededPhotos(&run, Silent());
-  FindPosesAndSplit(&run, true);
-  return run;
-}
-
 }  // namespace
 
 PosedScene ReadPosedScene(const fs::path& root, const RunOptions& options, const Listener& listener) {
@@ -317,7 +291,6 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   run.observer = live;
   run.listener = run.workspace.Watching(live->AsListener());
   if (run.options.report.report) run.on_training = WriteStartDocument;
-  run.spread = request.spread;
   if (request.on_claimed) request.on_claimed();
   Guarded(live.get(), [&] {
     run.photos = PhotosFingerprint(run.scene, &run.files);
@@ -330,15 +303,27 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   return run;
 }
 
-Run OpenRun(const RunRequest& request, const Listener& listener) {
-  const auto plan = [](const RunOptions& options, bool) { return MakePlanToEvaluate(options); };
-  Run run = ReadRun(request, plan, Workspace::Open, listener);
+Run OpenRun(const RunRequest& asked, const Listener& listener) {
+  CheckRunOptions(asked.options);
+  const RunRequest request = WithListsRead(asked);
+  const SavedRun saved = ReadSavedRun(request.out);
+  const std::string difference = DescribeDifference(saved.options, request.options, saved.size);
+  if (!difference.empty()) {
+    throw InputError("{}: was run with other options ({}); leave them out", request.out.string(), difference);
+  }
+  Scene scene = Read(saved.scene, request.options, listener);
+  Workspace workspace = Workspace::Open(request.out);
+  Plan plan = MakePlanToEvaluate(request.options);
+  if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
+  const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
+  Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.start_iterations = saved.start_iterations;
+  run.photos = PhotosFingerprint(run.scene, &run.files);
+  LeaveOutUnreadablePhotos(&run);
+  KeepNeededPhotos(&run, Silent());
+  FindPosesAndSplit(&run, true);
   SaveSplit(run);
   return run;
-}
-
-Run JoinRun(const RunRequest& request, const Listener& listener) {
-  return ReadRun(request, MakePlan, Workspace::Join, listener);
 }
 
 }  // namespace oraclegs

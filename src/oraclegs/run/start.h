@@ -22,7 +22,6 @@ struct RunRequest {
   bool overwrite = false;                 ///< remove what an earlier run left in the workspace
   std::string version;                    ///< of the program, for metrics.json
   std::function<void()> on_claimed = {};  ///< called when the workspace is held, before the first stage; may be empty
-  std::function<void(Run*, const StageParts&)> spread = {};  ///< Run::spread
 };
 
 /// Reads a scene that has poses of its own, into the frame that a run on it has. Throws InputError for a plain folder
@@ -43,9 +42,5 @@ Run StartRun(const RunRequest& request, const Listener& listener);
 /// The run that stands in request.out, with the scene it was started on, to look at its results or to score them;
 /// request.scene is not read. Throws InputError when request.options differ in what shapes the result.
 Run OpenRun(const RunRequest& request, const Listener& listener);
-
-/// The same of a run that another process works on, to make parts of its stages (MakeShare): writes nothing else to its
-/// workspace.
-Run JoinRun(const RunRequest& request, const Listener& listener);
 
 }  // namespace oraclegs

@@ -11,6 +11,9 @@
 namespace oraclegs {
 namespace {
 
+// Targets whose images are held at once, and that VGGT looks at together unless another number is asked for.
+constexpr size_t kOracleChunk = 8;
+
 double GiB(double bytes) { return bytes / (1024.0 * 1024 * 1024); }
 
 /// Whether proposals come from a generator that cannot hold a view out.

@@ -15,9 +15,6 @@
 
 namespace oraclegs {
 
-/// Targets whose images are held at once, and that VGGT looks at together unless another number is asked for.
-inline constexpr size_t kOracleChunk = 8;
-
 /// How many proposals VGGT looks at together: `asked`; or the most whose pass needs no more than the free memory, up to
 /// 8 where that is automatic, up to `all` where 0 is asked for. bytes(n): what a pass over n proposals needs with the
 /// weights; available: bytes, 0 = unknown. Warns of a chunk that was made smaller, or that was asked for and may not

@@ -14,16 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of the features of all targets; what does not fit is computed each time.
+constexpr int64_t kLpipsCacheBytes = int64_t{2} << 30;
+
 using SharedNetwork = std::shared_ptr<const PerceptualNetwork>;
 
 SharedNetwork Load(const std::vector<fs::path>& files, Device device, int64_t cache_bytes) {
   return GetNetworks().LoadPerceptual(files, device, cache_bytes);
-}
-
-PerceptualDistance LossOf(const SharedNetwork& network) {
-  return [network](const Buffer<float>& render, const Buffer<float>& target, double weight, Buffer<float>* grad) {
-    return network->Loss(render, target, weight, grad);
-  };
 }
 
 bool UsesLpips(const TrainOptions& options) {
@@ -32,10 +29,6 @@ bool UsesLpips(const TrainOptions& options) {
 }
 
 }  // namespace
-
-PerceptualDistance LpipsLoss(const std::vector<fs::path>& files, Device device, int64_t cache_bytes) {
-  return LossOf(Load(files, device, cache_bytes));
-}
 
 TrainingLpips LpipsOfProposals(const TrainOptions& options, const Plan& plan, const std::vector<TrainView>& proposals,
                                const Listener& listener) {
@@ -46,14 +39,15 @@ TrainingLpips LpipsOfProposals(const TrainOptions& options, const Plan& plan, co
   for (const TrainView& view : proposals) {
     smallest = std::min<int64_t>(smallest, std::min(view.camera.width, view.camera.height));
   }
-  if (options.coarse_share > 0) smallest /= 2;
   if (smallest < network->smallest_side()) {
     listener(
         Warning{fmt::format("proposals of {} pixels a side are too small for LPIPS, which needs {}: it is left out",
                             smallest, network->smallest_side())});
     return {};
   }
-  return {LossOf(network), fmt::format("{}, images in [0, 1]", network->name())};
+  const auto loss = [network](const Buffer<float>& render, const Buffer<float>& target, double weight,
+                              Buffer<float>* grad) { return network->Loss(render, target, weight, grad); };
+  return {loss, fmt::format("{}, images in [0, 1]", network->name())};
 }
 
 ImageScores LpipsScores(const std::vector<fs::path>& files, Device device, const Listener& listener) {

@@ -1,7 +1,6 @@
 #pragma once
 // LPIPS in a run: of the proposals' loss and among the scores.
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,14 +12,6 @@
 #include "oraclegs/train/train_view.h"
 
 namespace oraclegs {
-
-/// How much memory the features of all targets may take; what does not fit is computed each time.
-inline constexpr int64_t kLpipsCacheBytes = int64_t{2} << 30;
-
-/// LPIPS of images in [0, 1] as they are, as the paper trains with it. The features of a target are kept beside it
-/// while `cache_bytes` last; so a target's numbers may not change. Throws InputError for files that do not hold LPIPS.
-PerceptualDistance LpipsLoss(const std::vector<std::filesystem::path>& files, Device device = kCpu,
-                             int64_t cache_bytes = kLpipsCacheBytes);
 
 /// The loss of these proposals' --proposal-lpips on the device of the training, and what to call it; empty where there
 /// is no network or nothing asks for it, and, with a warning, where a proposal is too small for it.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "oraclegs/core/function_ref.h"
 #include "oraclegs/core/memory.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/propose/generator.h"
@@ -12,7 +11,6 @@
 #include "oraclegs/stages/proxy_models.h"
 #include "oraclegs/stages/seva_stage.h"
 #include "oraclegs/workspace/non_commercial.h"
-#include "oraclegs/workspace/part_store.h"
 
 namespace oraclegs {
 namespace {
@@ -122,66 +120,30 @@ bool LoadPropose(Run* run) {
   return true;
 }
 
-/// Names of the candidates' images, relative to the workspace.
-std::vector<std::string> FilesOf(const std::vector<Proposal>& candidates) {
-  std::vector<std::string> files;
-  for (const Proposal& p : candidates) files.push_back(fmt::format("proposals/{}/{}.png", p.source, p.name));
-  return files;
-}
-
-/// Writes them to `folder`, but those that the workspace has: what was generated.
-void WriteImages(const Run& run, const fs::path& folder, const std::vector<Proposal>& candidates) {
-  const std::vector<std::string> files = FilesOf(candidates);
-  for (size_t c = 0; c < candidates.size(); ++c) {
-    if (!fs::exists(run.workspace.root() / files[c])) WritePng(folder / files[c], ToImage8(candidates[c].rgb));
-  }
-}
-
-/// Candidates of some targets, a few at a time, which `take` gets.
-void AskFor(Run* run, const std::vector<size_t>& numbers,
-            FunctionRef<void(size_t target, std::vector<Proposal> candidates)> take) {
-  const Proposers& proposers = ProposersOf(run);
-  for (size_t first = 0; first < numbers.size(); first += kTargetsTogether) {
-    const size_t end = std::min(first + kTargetsTogether, numbers.size());
-    std::vector<Target> chunk;
-    for (size_t i = first; i < end; ++i) chunk.push_back(run->results->targets[numbers[i]]);
-    std::vector<std::vector<Proposal>> of_chunk = proposers.Ask(chunk);
-    for (size_t i = first; i < end; ++i) take(numbers[i], std::move(of_chunk[i - first]));
-    run->listener(StepDone{"propose", static_cast<int64_t>(end), static_cast<int64_t>(numbers.size()), "views", ""});
-  }
-}
-
-/// Of a part: what another process writes of its images. Another program's, or a damaged one, is none.
-bool IsRecord(const nlohmann::json& part) {
-  const nlohmann::json images = part.value("images", nlohmann::json());
-  return images.is_array() &&
-         std::all_of(images.begin(), images.end(), [](const nlohmann::json& name) { return name.is_string(); });
-}
-
-/// Images of all candidates, for the user to look at; the candidates are kept, but those that other processes made.
-std::vector<std::string> WriteCandidates(Run* run, const PartStore& parts) {
+/// Images of all candidates, but what was generated, for the user to look at; the candidates are kept. Their names,
+/// relative to the workspace.
+std::vector<std::string> WriteCandidates(Run* run) {
   StageResults& known = *run->results;
   known.candidates = CandidateStore(AvailableMemory() / kKeptMemoryShare);
-  std::vector<std::vector<std::string>> files(known.targets.size());
-  std::vector<size_t> missing;
-  for (size_t t = 0; t < known.targets.size(); ++t) {
-    const auto part = parts.Take(t);
-    if (part && IsRecord(*part)) {
-      files[t] = part->at("images").get<std::vector<std::string>>();
-    } else {
-      missing.push_back(t);
+  const Proposers& proposers = ProposersOf(run);
+  const size_t count = known.targets.size();
+  std::vector<std::string> files;
+  for (size_t first = 0; first < count; first += kTargetsTogether) {
+    const size_t end = std::min(first + kTargetsTogether, count);
+    const auto begin = known.targets.begin();
+    const std::vector<Target> chunk(begin + static_cast<int64_t>(first), begin + static_cast<int64_t>(end));
+    std::vector<std::vector<Proposal>> candidates = proposers.Ask(chunk);
+    for (size_t i = 0; i < chunk.size(); ++i) {
+      for (const Proposal& p : candidates[i]) {
+        files.push_back(fmt::format("proposals/{}/{}.png", p.source, p.name));
+        const fs::path file = run->workspace.root() / files.back();
+        if (!fs::exists(file)) WritePng(file, ToImage8(p.rgb));
+      }
+      known.candidates.Keep(chunk[i].name, std::move(candidates[i]));
     }
+    run->listener(StepDone{"propose", static_cast<int64_t>(end), static_cast<int64_t>(count), "views", ""});
   }
-  if (!missing.empty()) {
-    AskFor(run, missing, [&](size_t t, std::vector<Proposal> candidates) {
-      files[t] = FilesOf(candidates);
-      WriteImages(*run, run->workspace.root(), candidates);
-      known.candidates.Keep(known.targets[t].name, std::move(candidates));
-    });
-  }
-  std::vector<std::string> all;
-  for (const auto& of_one : files) all.insert(all.end(), of_one.begin(), of_one.end());
-  return all;
+  return files;
 }
 
 void UndoPropose(Run* run, const nlohmann::json&) {
@@ -203,32 +165,6 @@ void AskGenerator(Run* run) {
                run->listener);
 }
 
-SevaRequest SevaRequestOf(Run* run, const std::string& key) {
-  return {ViewsOf(run).views, run->results->targets,      key,
-          run->options.seva,  run->workspace.proposals(), run->plan.device};
-}
-
-// What other processes can do beforehand: the chunks of Stable Virtual Camera that need photos alone, those that also
-// need frames of the first ones, and the images of all candidates.
-enum ProposeRound { kFirstChunks, kLaterChunks, kImages };
-
-void MakeProposeShare(Run* run, const StageShare& share) {
-  LoadPropose(run);
-  const std::vector<Target>& targets = run->results->targets;
-  if (share.round != kImages) return GenerateChunks(SevaRequestOf(run, share.key), share.share, run->listener);
-  const PartStore parts(run->workspace, "propose", share.key);
-  std::vector<size_t> mine;
-  for (size_t t = 0; t < targets.size(); ++t) {
-    if (share.share.Has(t) && !parts.Has(t)) mine.push_back(t);
-  }
-  AskFor(run, mine, [&](size_t t, const std::vector<Proposal>& candidates) {
-    parts.Make(t, [&](const fs::path& folder) {
-      WriteImages(*run, folder, candidates);
-      return nlohmann::json{{"images", FilesOf(candidates)}};
-    });
-  });
-}
-
 std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   LoadPropose(run);
   const StageResults& known = *run->results;
@@ -238,15 +174,14 @@ std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   }
   const bool generates = !known.targets.empty() && run->options.propose.Uses(ProposerChoice::kSeva);
   if (generates) {
-    for (const int round : {kFirstChunks, kLaterChunks})
-      SpreadParts(run, {"propose", key, round, known.targets.size()});
-    GenerateViews(SevaRequestOf(run, key), run->listener);
+    const fs::path proposals = run->workspace.proposals();
+    GenerateViews({ViewsOf(run).views, known.targets, key, run->options.seva, proposals, run->plan.device},
+                  run->listener);
   }
   if (!known.targets.empty() && run->options.propose.Uses(ProposerChoice::kCommand)) AskGenerator(run);
   std::vector<std::string> files;
   if (!known.targets.empty()) {
-    SpreadParts(run, {"propose", key, kImages, known.targets.size()});
-    files = WriteCandidates(run, PartStore(run->workspace, "propose", key));
+    files = WriteCandidates(run);
     WriteTargets(run->workspace.proposals(), known.targets, RunFromScene(run->frame).Inverse());
     files.emplace_back("proposals/transforms.json");
   }
@@ -276,7 +211,6 @@ StageWork ProposeStage() {
           .own = AddProposeKey,
           .undo = UndoPropose,
           .make = MakePropose,
-          .make_share = MakeProposeShare,
           .load = LoadPropose};
 }
 

@@ -9,7 +9,6 @@
 #include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/train/make_train_device.h"
 #include "oraclegs/train/trainer.h"
-#include "oraclegs/workspace/part_store.h"
 
 namespace oraclegs {
 namespace {
@@ -190,8 +189,6 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   run->results->proxies.clear();
   if (!CanPropose(ViewsOf(run), run->results->geometry)) return std::nullopt;
   const int n = Count(*run), views = static_cast<int>(run->split.train.size());
-  SpreadParts(run, {"proxies", key, 0, static_cast<size_t>(n)});
-  const PartStore parts(run->workspace, "proxies", key);
   const ProxyTrainer trainer(run);
   std::vector<std::string> all;
   for (int k = 0; k < n; ++k) {
@@ -200,11 +197,6 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
     all.insert(all.end(), files.begin(), files.end());
     if (HasProxy(*run, k, key)) continue;
     run->workspace.MarkUndone(part);
-    if (parts.Take(static_cast<size_t>(k))) {
-      run->workspace.MarkDone(part, {{"key", key}, {"files", files}});
-      if (HasProxy(*run, k, key)) continue;
-      run->workspace.MarkUndone(part);
-    }
     const int64_t each = trainer.iterations();
     if (!trainer.Train(k, HeldOutViews(views, n, k),
                        {run->workspace.root() / files[0], run->workspace.root() / files[1]},
@@ -215,22 +207,6 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   }
   LoadProxy(run);
   return nlohmann::json{{"models", n}, {"files", all}};
-}
-
-void MakeProxyShare(Run* run, const StageShare& share) {
-  const int n = Count(*run), views = static_cast<int>(run->split.train.size());
-  const PartStore parts(run->workspace, "proxies", share.key);
-  const ProxyTrainer trainer(run);
-  for (int k = 0; k < n; ++k) {
-    const auto part = static_cast<size_t>(k);
-    if (!share.share.Has(part) || HasProxy(*run, k, share.key) || parts.Has(part)) continue;
-    parts.Make(part, [&](const fs::path& folder) {
-      const std::vector<std::string> files = FilesOf(k);
-      const Listener listener = AsProxies(run->listener, 0, trainer.iterations());
-      trainer.Train(k, HeldOutViews(views, n, k), {folder / files[0], folder / files[1]}, listener);
-      return nlohmann::json::object();  // where nothing could be trained, the part has no files and is found wanting
-    });
-  }
 }
 
 }  // namespace
@@ -274,7 +250,6 @@ StageWork ProxyStage() {
   return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
           .own = AddProxyKey,
           .make = MakeProxy,
-          .make_share = MakeProxyShare,
           .load = LoadProxy};
 }
 

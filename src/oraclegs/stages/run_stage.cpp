@@ -8,7 +8,6 @@
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/run_observer.h"
 #include "oraclegs/stages/stage_clock.h"
-#include "oraclegs/workspace/part_store.h"
 
 namespace oraclegs {
 namespace {
@@ -31,18 +30,6 @@ class StageRunner {
     for (const std::string& need : stage.needs) print.Add(KeyOfNeed(need));
     stage.work.own(run_, &print);
     return keys_[stage.name] = print.Hex();
-  }
-
-  /// Holds the results of the stages that this one needs, as far as they are finished.
-  void LoadNeeds(const Stage& stage) {
-    for (const std::string& name : stage.needs) {
-      const Stage& need = Find(name);
-      if (!need.work.wanted(*run_) || run_->results->keys.contains(name)) continue;
-      LoadNeeds(need);
-      if (!IsDone(need) || !need.work.load) continue;  // it has found nothing, or its result is its files
-      if (!need.work.load(run_)) throw RunError("stage {} cannot be read back", name);
-      run_->results->keys[name] = Key(need);
-    }
   }
 
   bool IsDone(const Stage& stage) { return run_->workspace.IsDone(stage.name, Key(stage)); }
@@ -117,7 +104,6 @@ class StageRunner {
   void Make(const Stage& stage, const std::string& key, const StageClock& clock) {
     const double cpu_before = CpuSeconds();
     std::optional<nlohmann::json> record = stage.work.make(run_, key);
-    PartStore(run_->workspace, stage.name, key).Clear();
     if (!record) {
       clock.Finish();
       return;
@@ -159,18 +145,6 @@ void RunStage(Run* run, const std::vector<Stage>& stages, const std::string& nam
 void RunStageAlone(Run* run, const std::vector<Stage>& stages, const std::string& name) {
   StageRunner runner(run, stages, Needs::kTakeAsTheyAre);
   Guarded(run->observer.get(), [&] { runner.Bring(runner.Find(name), true); });
-}
-
-void MakeShare(Run* run, const std::vector<Stage>& stages, const std::string& name, const StageShare& share) {
-  const auto found = std::find_if(stages.begin(), stages.end(), [&](const Stage& stage) { return stage.name == name; });
-  if (found == stages.end() || !found->work.make_share) throw UsageError("{}: is no stage that is done in parts", name);
-  StageRunner runner(run, stages, Needs::kBringUpToDate);
-  runner.LoadNeeds(*found);
-  if (runner.Key(*found) != share.key) {
-    throw RunError("{}: this process finds other photos, weights or results than the one that holds the workspace",
-                   run->workspace.root().string());
-  }
-  found->work.make_share(run, share);
 }
 
 }  // namespace oraclegs

@@ -24,9 +24,4 @@ void RunStage(Run* run, const std::vector<Stage>& stages, const std::string& nam
 /// The same of this stage alone, from the files of those it needs as they are, up to date or not.
 void RunStageAlone(Run* run, const std::vector<Stage>& stages, const std::string& name);
 
-/// Makes a share of a stage's parts beside the process that holds the workspace, from the results of the stages before
-/// it. Throws UsageError for a stage that has no parts, RunError when the key is not the stage's (other photos or
-/// weights than those of the run lie here), and what stages throw.
-void MakeShare(Run* run, const std::vector<Stage>& stages, const std::string& name, const StageShare& share);
-
 }  // namespace oraclegs

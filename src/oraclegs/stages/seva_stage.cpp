@@ -25,21 +25,6 @@ bool IsSource(const std::string& folder) {
          folder.find_first_not_of("0123456789", first.size() + 1) == std::string::npos;
 }
 
-std::vector<std::vector<ImageF>> Generate(const SevaRequest& request, const std::optional<Share>& share,
-                                          const Listener& listener) {
-  const Networks& networks = GetNetworks();
-  const Device device = DeviceOfNetworks(networks, request.device, listener);
-  const int64_t free = FreeBytes(device);
-  const auto generator = networks.LoadViewGenerator({FindSevaFiles(), request.options, device, free});
-  ViewRequest wanted;
-  wanted.views = &request.views;
-  for (const Target& target : request.targets) wanted.targets.push_back(target.camera);
-  wanted.workspace = request.proposals / kChunks;
-  wanted.key = request.key;
-  wanted.share = share;
-  return generator->Generate(wanted, listener);
-}
-
 }  // namespace
 
 SevaFiles FindSevaFiles() {
@@ -62,12 +47,17 @@ std::string SevaSource(int candidate) {
   return candidate == 0 ? std::string("seva") : fmt::format("seva_{}", candidate + 1);
 }
 
-void GenerateChunks(const SevaRequest& request, const Share& share, const Listener& listener) {
-  Generate(request, share, listener);
-}
-
 void GenerateViews(const SevaRequest& request, const Listener& listener) {
-  const auto images = Generate(request, std::nullopt, listener);
+  const Networks& networks = GetNetworks();
+  const Device device = DeviceOfNetworks(networks, request.device, listener);
+  const int64_t free = FreeBytes(device);
+  const auto generator = networks.LoadViewGenerator({FindSevaFiles(), request.options, device, free});
+  ViewRequest wanted;
+  wanted.views = &request.views;
+  for (const Target& target : request.targets) wanted.targets.push_back(target.camera);
+  wanted.workspace = request.proposals / kChunks;
+  wanted.key = request.key;
+  const auto images = generator->Generate(wanted, listener);
   RemoveGenerated(request.proposals);
   for (size_t t = 0; t < images.size(); ++t) {
     for (size_t k = 0; k < images[t].size(); ++k) {

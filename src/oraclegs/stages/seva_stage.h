@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/core/share.h"
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/propose/proposal.h"
 #include "oraclegs/scene/loaded_view.h"
@@ -34,9 +33,6 @@ struct SevaRequest {
   std::filesystem::path proposals;  ///< folder of the workspace
   Device device;
 };
-/// Makes a share of the chunks, as far as their inputs are there: chunks may be made of others' frames. Throws as
-/// GenerateViews does.
-void GenerateChunks(const SevaRequest& request, const Share& share, const Listener& listener);
 
 /// Generates the targets: proposals/SOURCE/NAME.png for each candidate; what was there before is removed. Finished
 /// chunks stay in proposals/seva_chunks, from where an interrupted run goes on. Throws as FindSevaFiles, GetNetworks,

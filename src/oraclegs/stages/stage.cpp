@@ -10,8 +10,4 @@ const TrainingViews& ViewsOf(Run* run) {
   return *views;
 }
 
-void SpreadParts(Run* run, const StageParts& parts) {
-  if (run->spread && parts.count > 1) run->spread(run, parts);
-}
-
 }  // namespace oraclegs

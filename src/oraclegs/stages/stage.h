@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "oraclegs/core/progress.h"
-#include "oraclegs/core/share.h"
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/propose/ensemble.h"
 #include "oraclegs/propose/folder.h"
@@ -52,21 +51,6 @@ struct StageResults {
   std::vector<std::string> rejected;           ///< of "validate": names of proposals that are trusted nowhere
 };
 
-/// Work of a stage that other processes can do beforehand: parts that need nothing of each other.
-struct StageParts {
-  std::string stage;
-  std::string key;
-  int round = 0;     ///< of several, each of which takes what the ones before have made
-  size_t count = 0;  ///< of the parts, as far as it is known
-};
-
-/// What one of those processes does of it.
-struct StageShare {
-  std::string key;
-  int round = 0;
-  Share share = {};
-};
-
 /// Names of the views that train and test, where the others are left out.
 struct NeededViews {
   std::vector<std::string> train, test;
@@ -89,16 +73,11 @@ struct Run {
   std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
   /// --iterations that the run was begun with, of which proxy models train a share; 0 = --iterations.
   int64_t start_iterations = 0;
-  /// Has other processes make parts of a stage, as many as they can; may be empty. The stage makes the others itself.
-  std::function<void(Run*, const StageParts&)> spread = {};
   std::shared_ptr<RunObserver> observer = {};  ///< null for a run that was only opened
 };
 
 /// The training views, loaded when they are first asked for.
 const TrainingViews& ViewsOf(Run* run);
-
-/// Calls run->spread, where there is one and work for more than one process.
-void SpreadParts(Run* run, const StageParts& parts);
 
 /// What a stage does; each *_stage.h has that of one.
 struct StageWork {
@@ -110,9 +89,6 @@ struct StageWork {
   /// Does the work, writes its files, holds its result. Returns the record {"files": [...], ...}, to which key and
   /// seconds are added unless it has seconds of its own; nothing when there is no result to remember.
   std::optional<nlohmann::json> (*make)(Run* run, const std::string& key);
-  /// In another process: makes a share of the parts that `make` gives to SpreadParts, and leaves them in a PartStore.
-  /// Null for a stage that has none.
-  void (*make_share)(Run* run, const StageShare& share) = nullptr;
   /// Throws InputError when a file of the finished stage is damaged: it is made again. Null for a stage with `load`.
   void (*check)(const Run& run) = nullptr;
   /// Reads back what `make` wrote. False when that cannot be read, after a warning: it is made again. Null for a stage

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -19,7 +17,6 @@
 #include "oraclegs/stages/calibrated_oracle.h"
 #include "oraclegs/validate/view_chunks.h"
 #include "oraclegs/workspace/non_commercial.h"
-#include "oraclegs/workspace/part_store.h"
 
 namespace oraclegs {
 namespace {
@@ -56,8 +53,8 @@ std::vector<std::string> FilesOf(const std::string& name) {
   return {fmt::format("proposals/{}.png", name), fmt::format("confidence/{}.png", name)};
 }
 
-/// To the workspace, or a folder of the same layout. A file is a task: packing them takes long.
-void Write(const WorkspacePaths& paths, std::span<const Validated> all) {
+/// A file is a task: packing them takes long.
+void Write(const WorkspacePaths& paths, const std::vector<Validated>& all) {
   constexpr size_t kFiles = 3;  // of a view
   ParallelFor(static_cast<int64_t>(kFiles * all.size()), [&](int64_t task) {
     const auto t = static_cast<size_t>(task);
@@ -127,56 +124,17 @@ std::vector<std::vector<Proposal>> CandidatesOf(Run* run, const std::vector<Targ
   return candidates;
 }
 
-/// Of a part: what ClassifyShare writes. Another program's, or a damaged one, is none.
-bool IsRecord(const nlohmann::json& part) {
-  return part.value("chunk", nlohmann::json()).is_number_unsigned() &&
-         (!part.contains("mean") || part.at("mean").is_number());
-}
-
-using TargetRange = std::pair<size_t, size_t>;  // [begin, end) of targets that are classified together
-
 /// Classifies the proposals of one run, writes them, and counts.
 class Validation {
  public:
   explicit Validation(Run* run) : run_(run), known_(*run->results) {}
 
-  /// What other processes have classified is taken from `parts`, one for each target.
-  void ClassifyTargets(const PartStore& parts) {
-    std::set<size_t> missing;
-    for (size_t t = 0; t < known_.targets.size(); ++t) {
-      const auto part = parts.Take(t);
-      if (!part || !IsRecord(*part)) {
-        missing.insert(t);
-        continue;
-      }
-      chunk_ = part->at("chunk").get<size_t>();
-      if (part->contains("mean")) Count(known_.targets[t].name, part->at("mean").get<double>());
-    }
-    if (missing.empty()) return;
-    for (const auto& [begin, end] : TargetRanges()) {
-      if (missing.lower_bound(begin) == missing.lower_bound(end)) continue;
-      Take(ClassifyRange({begin, end}));
-    }
-  }
-
-  /// For another process: a share of the targets, whole ranges, but those that are there.
-  void ClassifyShare(const PartStore& parts, const Share& share) {
-    const std::vector<TargetRange> ranges = TargetRanges();
-    for (size_t r = 0; r < ranges.size(); ++r) {
-      if (!share.Has(r) || HasAll(parts, ranges[r])) continue;
-      std::map<std::string, Validated> by_name;
-      for (Validated& validated : ClassifyRange(ranges[r])) by_name[validated.proposal.name] = std::move(validated);
-      for (size_t t = ranges[r].first; t < ranges[r].second; ++t) {
-        parts.Make(t, [&](const fs::path& folder) {
-          nlohmann::json record = {{"chunk", Together()}};
-          const auto found = by_name.find(known_.targets[t].name);
-          if (found == by_name.end()) return record;  // no proposer answered
-          Write(WorkspacePaths(folder), {&found->second, 1});
-          record["mean"] = Mean(found->second.confidence);
-          return record;
-        });
-      }
-      if (!oracle_->reports_progress()) Report(r + 1, ranges.size());
+  void ClassifyTargets() {
+    if (known_.targets.empty()) return;
+    for (const auto& [begin, end] : EvenRuns(known_.targets.size(), Together())) {
+      const std::vector<Target> targets(known_.targets.begin() + static_cast<int64_t>(begin),
+                                        known_.targets.begin() + static_cast<int64_t>(end));
+      Take(TheOracle().Classify(CandidatesOf(run_, targets)));
     }
   }
 
@@ -217,35 +175,19 @@ class Validation {
     return *oracle_;
   }
 
-  static bool HasAll(const PartStore& parts, const TargetRange& range) {
-    size_t t = range.first;
-    while (t < range.second && parts.Has(t)) ++t;
-    return t == range.second;
-  }
-
   size_t Together() { return TheOracle().together(); }
-  std::vector<TargetRange> TargetRanges() { return EvenRuns(known_.targets.size(), Together()); }
-
-  std::vector<Validated> ClassifyRange(const TargetRange& range) {
-    const std::vector<Target> targets(known_.targets.begin() + static_cast<int64_t>(range.first),
-                                      known_.targets.begin() + static_cast<int64_t>(range.second));
-    return TheOracle().Classify(CandidatesOf(run_, targets));
-  }
 
   void Take(const std::vector<Validated>& all) {
     Write(run_->workspace, all);
-    for (const Validated& validated : all) Count(validated.proposal.name, Mean(validated.confidence));
-  }
-
-  void Count(const std::string& name, double mean) {
-    means_[name] = mean;
-    for (std::string& file : FilesOf(name)) files_.push_back(std::move(file));
-    if (oracle_ && oracle_->reports_progress()) return;
-    Report(means_.size(), known_.targets.size() + known_.folder.proposals.size());
-  }
-
-  void Report(size_t done, size_t total) const {
-    run_->listener(StepDone{"validate", static_cast<int64_t>(done), static_cast<int64_t>(total), "views", ""});
+    for (const Validated& validated : all) {
+      const std::string& name = validated.proposal.name;
+      means_[name] = Mean(validated.confidence);
+      for (std::string& file : FilesOf(name)) files_.push_back(std::move(file));
+      if (oracle_ && oracle_->reports_progress()) continue;
+      const size_t total = known_.targets.size() + known_.folder.proposals.size();
+      run_->listener(
+          StepDone{"validate", static_cast<int64_t>(means_.size()), static_cast<int64_t>(total), "views", ""});
+    }
   }
 
   Run* run_;
@@ -321,29 +263,15 @@ void ReportConfidence(Run* run) {
                                  sum / static_cast<double>(proposals.size()), previews)});
 }
 
-void MakeValidateShare(Run* run, const StageShare& share) {
-  if (run->results->targets.empty()) return;
-  Validation(run).ClassifyShare(PartStore(run->workspace, "validate", share.key), share.share);
-}
-
-/// Ranges of targets, as far as they are known before the oracle is asked.
-size_t RangeCount(const Run& run) {
-  const Auto<int>& asked = run.options.validate.oracle_chunk;
-  const size_t chunk =
-      run.plan.oracle.weights ? static_cast<size_t>(asked.ValueOr(static_cast<int>(kOracleChunk))) : kOracleChunk;
-  return chunk == 0 ? 1 : EvenRuns(run.results->targets.size(), chunk).size();  // 0 asks for all of them together
-}
-
-std::optional<nlohmann::json> MakeValidate(Run* run, const std::string& key) {
+std::optional<nlohmann::json> MakeValidate(Run* run, const std::string&) {
   StageResults& known = *run->results;
   known.proposals.clear(), known.rejected.clear();
   if (known.targets.empty() && known.folder.proposals.empty()) return std::nullopt;
   ReportOracleChoice(run->options, run->plan.oracle, run->listener);
   nlohmann::json record;
   {  // The oracle's memory is not kept beside what is read back.
-    SpreadParts(run, {"validate", key, 0, RangeCount(*run)});
     Validation validation(run);
-    validation.ClassifyTargets(PartStore(run->workspace, "validate", key));
+    validation.ClassifyTargets();
     validation.ClassifyFolder();
     record = validation.Record();
   }
@@ -361,7 +289,6 @@ StageWork ValidateStage() {
           .own = AddValidateKey,
           .undo = UndoValidate,
           .make = MakeValidate,
-          .make_share = MakeValidateShare,
           .load = LoadValidate,
           .report = ReportConfidence};
 }

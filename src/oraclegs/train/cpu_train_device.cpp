@@ -106,7 +106,7 @@ class CpuTrainDevice final : public TrainDevice {
     rasterizer_->BackwardInto(*gaussians, upstream, &consumer);
     const double loss = loss_of_view_ + loss_of_parts_ + regularizers_.Value();
     terms_.regularization += regularizers_.Value();
-    RequireFinite(loss, iteration.number, plan_.View(iteration.view, iteration.number));
+    RequireFinite(loss, iteration.number, plan_.View(iteration.view));
     loss_.last = loss;
     loss_.smoothed = iteration.number == 1 ? loss : kLossSmoothing * loss_.smoothed + (1 - kLossSmoothing) * loss;
   }

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "oraclegs/loss/pearson_depth.h"
-#include "oraclegs/train/coarse.h"
 #include "oraclegs/train/diverged.h"
 #include "oraclegs/train/exposure.h"
 #include "oraclegs/train/schedule.h"
@@ -64,33 +63,23 @@ ViewPlane PlaneIf(const Buffer<float>& plane, ViewPlane name) { return plane.def
 
 LossPlan::LossPlan(const TrainOptions& options, TrainingData data)
     : options_(options),
-      photos_{CleanPhotos(std::move(data.photos)), {}},
-      proposals_{CleanProposals(std::move(data.proposals), options), {}},
+      photos_(CleanPhotos(std::move(data.photos))),
+      proposals_(CleanProposals(std::move(data.proposals), options)),
+      mean_confidence_(MeanConfidences(proposals_)),
       lpips_(std::move(data.lpips)),
-      coarse_iterations_(CoarseIterations(options.coarse_share, options.iterations.value())),
       depth_scale_(options.depth_weight *
-                   (options.depth_loss == DepthLoss::kPaper ? 1 : SceneDepth(photos_.full, proposals_.full))) {
+                   (options.depth_loss == DepthLoss::kPaper ? 1 : SceneDepth(photos_, proposals_))) {
   CheckShares(options);
-  if (coarse_iterations_ > 0) {
-    for (const TrainView& view : photos_.full) photos_.half.push_back(HalfSize(view, ViewKind::kPhoto));
-    for (const TrainView& view : proposals_.full) proposals_.half.push_back(HalfSize(view, ViewKind::kProposal));
-  }
-  mean_confidence_[false] = MeanConfidences(proposals_.full);
-  mean_confidence_[true] = MeanConfidences(proposals_.half);
 }
 
-const TrainView& LossPlan::View(const SampledView& sampled, int64_t iteration) const {
-  return Views(sampled.kind, IsCoarse(iteration))[static_cast<size_t>(sampled.index)];
-}
-
-const std::vector<TrainView>& LossPlan::Views(ViewKind kind, bool coarse) const {
-  return coarse ? GroupOf(kind).half : GroupOf(kind).full;
+const TrainView& LossPlan::View(const SampledView& sampled) const {
+  return Views(sampled.kind)[static_cast<size_t>(sampled.index)];
 }
 
 std::vector<ExposureMap> LossPlan::StartExposures() const {
   std::vector<ExposureMap> maps;
   if (options_.exposure != ExposureMode::kOn) return maps;
-  for (const TrainView& view : photos_.full) maps.push_back(view.exposure);
+  for (const TrainView& view : photos_) maps.push_back(view.exposure);
   return maps;
 }
 
@@ -108,7 +97,7 @@ LossTerm LossPlan::PhotometricTerm(ViewKind kind, const TrainView& view) const {
 }
 
 LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
-  const TrainView& view = View(sampled, iteration);
+  const TrainView& view = View(sampled);
   const bool is_proposal = sampled.kind == ViewKind::kProposal;
   LossTerms terms;
   terms.Add(PhotometricTerm(sampled.kind, view));
@@ -119,7 +108,7 @@ LossTerms LossPlan::Terms(const SampledView& sampled, int64_t iteration) const {
     terms.exposure_rate = is_last ? 0 : ExposureLearningRate(iteration, options_.Horizon());
   }
   if (is_proposal && lpips_) {
-    const double confidence = mean_confidence_[IsCoarse(iteration)][static_cast<size_t>(sampled.index)];
+    const double confidence = mean_confidence_[static_cast<size_t>(sampled.index)];
     const double weight = options_.proposal_weight * options_.proposal_lpips * confidence;
     // The network takes most of the time: it is not asked for nothing.
     if (weight != 0) terms.Add({TermKind::kPerceptual, weight, ViewPlane::kImage});

@@ -66,7 +66,7 @@ class LossTerms {
   int count_ = 0;
 };
 
-/// The views of a run at the sizes it sees them, and the terms of each (docs/method.md#losses):
+/// The views of a run and the terms of each (docs/method.md#losses):
 /// - of a photo: (1 - s) mean|I^ - I| + s mean(1 - SSIM), s = ssim_weight, where its mask counts, through its exposure
 ///   map when those are trained;
 /// - of a proposal: w ((1 - s - l) mean(|I^ - I| U) + s mean((1 - SSIM) U) + l mean(U) LPIPS(I^, I)), U the confidence,
@@ -82,15 +82,14 @@ class LossPlan {
   LossPlan(const TrainOptions& options, TrainingData data);
 
   LossTerms Terms(const SampledView& sampled, int64_t iteration) const;
-  /// The view as an iteration sees it.
-  const TrainView& View(const SampledView& sampled, int64_t iteration) const;
+  const TrainView& View(const SampledView& sampled) const;
 
-  const std::vector<TrainView>& photos() const { return photos_.full; }
-  /// All views of a kind, at full size or as the coarse iterations see them; none of those without such iterations.
-  const std::vector<TrainView>& Views(ViewKind kind, bool coarse) const;
-  bool IsCoarse(int64_t iteration) const { return iteration <= coarse_iterations_; }
-  int num_photos() const { return static_cast<int>(photos_.full.size()); }
-  int num_proposals() const { return static_cast<int>(proposals_.full.size()); }
+  const std::vector<TrainView>& photos() const { return photos_; }
+  const std::vector<TrainView>& Views(ViewKind kind) const {
+    return kind == ViewKind::kProposal ? proposals_ : photos_;
+  }
+  int num_photos() const { return static_cast<int>(photos_.size()); }
+  int num_proposals() const { return static_cast<int>(proposals_.size()); }
   bool has_lpips() const { return static_cast<bool>(lpips_); }
   const PerceptualDistance& lpips() const { return lpips_; }
   const TrainOptions& options() const { return options_; }
@@ -98,19 +97,12 @@ class LossPlan {
   std::vector<ExposureMap> StartExposures() const;
 
  private:
-  /// Views of one kind.
-  struct Group {
-    std::vector<TrainView> full, half;  // half: none without coarse iterations
-  };
-
-  const Group& GroupOf(ViewKind kind) const { return kind == ViewKind::kProposal ? proposals_ : photos_; }
   LossTerm PhotometricTerm(ViewKind kind, const TrainView& view) const;
 
   TrainOptions options_;
-  Group photos_, proposals_;
-  std::vector<double> mean_confidence_[2];  // of the proposals, by whether they are coarse
+  std::vector<TrainView> photos_, proposals_;
+  std::vector<double> mean_confidence_;  // of the proposals
   PerceptualDistance lpips_;
-  int64_t coarse_iterations_;
   double depth_scale_;  // of the depth term at the start of the run, world units; 0 = there is none
 };
 

@@ -64,7 +64,6 @@ struct TrainOptions {
   Auto<ExposureMode> exposure = {};
   Auto<double> dropout = {};
   Auto<double> opacity_noise = {};
-  double coarse_share = 0;
   bool prune_floaters = false;
   double largest_scale = 0.7;
   Auto<double> rate_scale = {};
@@ -190,10 +189,6 @@ struct TrainOptions {
         "Gaussians that look right only together (Chen et al., Quantifying and Alleviating Co-Adaptation in "
         "Sparse-View 3DGS, 2025, uses 0.8); auto = 0.5, 0.3 for an object before a plain background",
         Range{0, 10});
-    visit("coarse-share", self.coarse_share,
-          "Fraction of the iterations, at the beginning, trained on photos of half the size: shapes settle before "
-          "textures, and it is faster (coarse to fine; compare FreeNeRF, Yang et al., CVPR 2023); 0 = off",
-          Range{0, 0.9});
     visit("prune-floaters", self.prune_floaters,
           "At each relocation also move floaters: Gaussians at least 10 % in front of the depth maps of as many or "
           "more photos than confirm them; needs depth (compare SparseGS, Xiong et al. 2023)");

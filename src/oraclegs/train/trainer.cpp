@@ -113,7 +113,7 @@ void Trainer::State::Step() {
   last_timings = {};
   device->RunParts(next, &model);
   lap.To(&last_timings.parts);
-  const TrainView& view = plan.View(next.view, next.number);
+  const TrainView& view = plan.View(next.view);
   const RenderOptions render{BackgroundOf(next, view), next.sh_degree, options.antialiased, OpacityFactors()};
   Rasterizer& rasterizer = device->rasterizer();
   const RenderOutput out = rasterizer.Forward(model.gaussians, view.camera, render, RenderPass::kTrain);

@@ -43,7 +43,7 @@ ViewLoss::ViewLoss(const LossPlan& plan) : plan_(plan) {
 
 ViewLossResult ViewLoss::operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out,
                                     uint64_t seed) {
-  const TrainView& view = plan_.View(sampled, iteration);
+  const TrainView& view = plan_.View(sampled);
   const LossTerms terms = plan_.Terms(sampled, iteration);
   ViewLossResult result;
   result.grads.image = grad_image_.Get({view.camera.height, view.camera.width, 3});

@@ -23,7 +23,7 @@ class ViewLoss {
   /// `plan` outlives this.
   explicit ViewLoss(const LossPlan& plan);
 
-  /// out: the render of plan.View(sampled, iteration). seed: of patches that are drawn. Throws RunError when the loss
+  /// out: the render of plan.View(sampled). seed: of patches that are drawn. Throws RunError when the loss
   /// is not finite, before an exposure map learns from it. The last iteration moves no map. Depth and alpha of grads
   /// stay undefined, which the rasterizer takes for zero at no cost, where the loss has no such term.
   ViewLossResult operator()(const SampledView& sampled, int64_t iteration, const RenderOutput& out, uint64_t seed = 0);

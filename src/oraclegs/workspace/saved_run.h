@@ -18,7 +18,7 @@ struct SavedRun {
   std::filesystem::path scene;      ///< absolute; bytes that are not UTF-8 are replaced; OUT/photos where imported
   std::vector<std::string> inputs;  ///< what was imported, likewise; empty for a scene that is read where it is
   nlohmann::json options;           ///< of all groups, as asked for
-  nlohmann::json size;              ///< what "auto" became (settings/run_size.h); null of an earlier version's run
+  nlohmann::json size;              ///< what "auto" became (settings/run_size.h); null = not known yet
   /// --iterations of the run before it was continued with more; 0 = it was not.
   int64_t start_iterations = 0;
 };

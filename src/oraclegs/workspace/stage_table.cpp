@@ -17,7 +17,6 @@ int64_t Count(const json& record, const char* what) { return record.value(what, 
 std::string Proposed(const json& record) {
   std::string text = Counted(Count(record, "targets"), "view");
   if (Count(record, "folder") > 0) text += fmt::format(", {} from the folder", Count(record, "folder"));
-  if (Count(record, "proxy_models") > 0) text += ", " + Counted(Count(record, "proxy_models"), "proxy model");
   return text;
 }
 
@@ -50,9 +49,8 @@ constexpr Row kRows[] = {
     {"sfm", [](const json& r) { return Counted(Count(r, "points"), "point"); }},
     {"depth",
      [](const json& r) {
-       std::string points = Counted(Count(r, "points"), "dense point");
-       if (!r.contains("confident_share")) return points;  // written by an earlier version
-       return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0), points);
+       return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0),
+                          Counted(Count(r, "points"), "dense point"));
      }},
     {"proxies", [](const json& r) { return Counted(Count(r, "models"), "proxy model"); }},
     {"propose", Proposed},

@@ -18,10 +18,10 @@ namespace fs = std::filesystem;
 
 // Everything a run may leave at the top of its folder; --overwrite removes these and nothing else.
 constexpr const char* kOwnNames[] = {
-    "options.json", "split.json", "stages.json",    "metrics.json", "sfm",        "point_cloud.ply",   "checkpoints",
-    "renders",      "depth",      "exposures.json", "proposals",    "confidence", "oracle.json",       "live",
-    "train.csv",    "curves.csv", "report",         "report.html",  "photos",     "photo_checks.json", "frame.json",
-    "parts"};
+    "options.json",      "split.json", "stages.json", "metrics.json",   "sfm",         "point_cloud.ply",
+    "checkpoints",       "renders",    "depth",       "exposures.json", "proposals",   "confidence",
+    "oracle.json",       "live",       "train.csv",   "report",         "report.html", "photos",
+    "photo_checks.json", "frame.json"};
 
 // The programs of a run that was killed end within moments.
 constexpr std::chrono::milliseconds kPatience(2000);
@@ -126,9 +126,9 @@ void RequireOutside(const fs::path& dir, const fs::path& folder, const char* wha
 }
 
 /// Also after its files were removed alone, as `rm -r` does first.
-void RequireThere(const FolderLock* lock, const fs::path& dir) {
+void RequireThere(const FolderLock& lock, const fs::path& dir) {
   std::error_code ignored;
-  if ((lock == nullptr || lock->IsStillThere()) && fs::exists(WorkspacePaths(dir).options(), ignored)) return;
+  if (lock.IsStillThere() && fs::exists(WorkspacePaths(dir).options(), ignored)) return;
   throw RunError("{}: was removed or replaced while the run was working there; run the same command again",
                  dir.string());
 }
@@ -170,8 +170,7 @@ void RequireApart(const fs::path& dir, const fs::path& folder) {
                    folder.string(), dir.string());
 }
 
-Workspace::Workspace(const fs::path& dir, Access access) : WorkspacePaths(dir) {
-  if (access == Access::kJoined) return;
+Workspace::Workspace(const fs::path& dir) : WorkspacePaths(dir) {
   RequireWritableFolder(dir);
   lock_ = std::make_shared<const FolderLock>(dir, kPatience);
   if (lock_->state() == FolderLock::State::kHeldByAnother) {
@@ -181,11 +180,11 @@ Workspace::Workspace(const fs::path& dir, Access access) : WorkspacePaths(dir) {
   RemoveLeftovers(dir);
 }
 
-void Workspace::RequireThere() const { oraclegs::RequireThere(lock_.get(), root()); }
+void Workspace::RequireThere() const { oraclegs::RequireThere(*lock_, root()); }
 
 Listener Workspace::Watching(Listener listener) const {
   return [lock = lock_, dir = root(), listener = std::move(listener)](const Event& event) {
-    if (std::holds_alternative<StepDone>(event)) oraclegs::RequireThere(lock.get(), dir);
+    if (std::holds_alternative<StepDone>(event)) oraclegs::RequireThere(*lock, dir);
     listener(event);
   };
 }
@@ -197,7 +196,7 @@ Workspace Workspace::Claim(const fs::path& dir, const fs::path& scene_root, cons
   const std::vector<std::string> inputs = JsonTexts(details.imported);
   const bool start_anew = overwrite && IsWorkspace(dir);
   if (!start_anew) RefuseForeignFolder(dir, scene, inputs, options, details.may_train_on);
-  Workspace workspace(dir, Access::kHeld);
+  Workspace workspace(dir);
   if (start_anew) {
     ReadSavedRun(dir);  // throws when the file of that name is somebody else's
     RemoveRun(dir);
@@ -236,12 +235,7 @@ void Workspace::SaveSize(const nlohmann::json& size) const {
 
 Workspace Workspace::Open(const fs::path& dir) {
   ReadSavedRun(dir);
-  return {dir, Access::kHeld};
-}
-
-Workspace Workspace::Join(const fs::path& dir) {
-  ReadSavedRun(dir);
-  return {dir, Access::kJoined};
+  return Workspace(dir);
 }
 
 nlohmann::json Workspace::Record(const std::string& stage) const {
@@ -260,13 +254,11 @@ bool Workspace::IsDone(const std::string& stage, const std::string& key) const {
 }
 
 void Workspace::MarkUndone(const std::string& stage) {
-  if (!lock_) return;
   nlohmann::json all = ReadStageRecords(root());
   if (all.erase(stage) > 0) WriteJson(stages(), all);
 }
 
 void Workspace::MarkDone(const std::string& stage, const nlohmann::json& record) {
-  if (!lock_) return;
   RequireThere();
   nlohmann::json all = ReadStageRecords(root());
   all[stage] = record;

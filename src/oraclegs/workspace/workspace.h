@@ -40,7 +40,6 @@ class WorkspacePaths {
   std::filesystem::path report_page() const { return root_ / "report.html"; }  ///< the same as one file
   std::filesystem::path curves() const { return root_ / "train.csv"; }         ///< how training went
   std::filesystem::path live() const { return root_ / "live"; }                ///< for those that look on
-  std::filesystem::path parts() const { return root_ / "parts"; }              ///< of stages, made by other processes
   std::filesystem::path renders(const std::string& path_name) const { return root_ / "renders" / path_name; }
 
  private:
@@ -74,9 +73,6 @@ class Workspace : public WorkspacePaths {
   void DropDamagedRecords(const Listener& listener) const;
   /// Holds an existing workspace as it is. Throws InputError when `dir` is none, RunError when it cannot be written.
   static Workspace Open(const std::filesystem::path& dir);
-  /// Reads a workspace that another process holds, and may make parts for it (part_store.h): MarkDone and MarkUndone do
-  /// nothing. Throws InputError when `dir` is none.
-  static Workspace Join(const std::filesystem::path& dir);
 
   /// True when `stage` was finished from inputs of this key and its files (relative to the root) are still there.
   bool IsDone(const std::string& stage, const std::string& key) const;
@@ -92,10 +88,9 @@ class Workspace : public WorkspacePaths {
   void MarkUndone(const std::string& stage);
 
  private:
-  enum class Access { kHeld, kJoined };
-  Workspace(const std::filesystem::path& dir, Access access);
+  explicit Workspace(const std::filesystem::path& dir);
 
-  std::shared_ptr<const FolderLock> lock_;  ///< null where joined
+  std::shared_ptr<const FolderLock> lock_;
 };
 
 /// Throws InputError when writing to `dir` would write into the user's scene folder.

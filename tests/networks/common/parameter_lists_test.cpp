@@ -33,7 +33,7 @@ TEST(ModelLists, DepthAnything) {
 
 TEST(ModelLists, Vggt) {
   ListedParameters listed;
-  vggt::LoadVggt(listed, vggt::Config(), vggt::Heads{true, true, true});
+  vggt::LoadVggt(listed, vggt::Config(), vggt::Heads{true, true});
   EXPECT_EQ(Required("vggt"), listed.shapes());
 }
 

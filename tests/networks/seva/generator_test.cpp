@@ -1,7 +1,6 @@
 #include "oraclegs/networks/seva/generator.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include "networks/seva/tiny_seva.h"
@@ -133,37 +132,6 @@ TEST(SevaGenerator, GoesOnBehindTheLastFinishedChunk) {
   scene.options.candidates = 1;
   scene.Generate(count);
   EXPECT_EQ(steps, all_steps);
-}
-
-TEST(SevaGenerator, DividesChunksAmongProcesses) {
-  const TempDir dir;
-  TinyScene scene;
-  scene.options.passes = 2;
-  scene.options.candidates = 2;
-  int64_t all_steps = 0, steps = 0;
-  const auto count = [&](const Event& event) { steps += std::holds_alternative<StepDone>(event) ? 1 : 0; };
-  const auto expected = scene.Generate(count);
-  std::swap(all_steps, steps);
-  scene.request.workspace = dir / "seva";
-  std::vector<int64_t> steps_of;
-  for (int round = 0; round < 2; ++round) {  // later chunks need the frames of the first
-    for (size_t index = 3; index-- > 0;) {
-      scene.request.share = Share{index, 3};
-      steps = 0;
-      EXPECT_TRUE(scene.Generate(count).empty());
-      steps_of.push_back(steps);
-    }
-  }
-  EXPECT_EQ(std::accumulate(steps_of.begin(), steps_of.end(), int64_t{0}), all_steps) << "each chunk once";
-  EXPECT_LT(*std::max_element(steps_of.begin(), steps_of.end()), all_steps);
-  scene.request.share.reset();
-  steps = 0;
-  const auto images = scene.Generate(count);
-  EXPECT_EQ(steps, 0);
-  ASSERT_EQ(images.size(), expected.size());
-  for (size_t t = 0; t < expected.size(); ++t) {
-    for (size_t c = 0; c < expected[t].size(); ++c) EXPECT_EQ(images[t][c].data, expected[t][c].data);
-  }
 }
 
 TEST(SevaGenerator, PlacesTheNetworksInTurn) {

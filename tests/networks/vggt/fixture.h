@@ -18,8 +18,8 @@ inline std::filesystem::path GoldenVggtPath() { return GoldenDir() / (std::strin
 inline Config GoldenVggtConfig() { return ReadWeightsFile(GoldenVggtPath()).network; }
 
 inline Vggt GoldenVggt() {
-  FileParameters source = GoldenWeights(kVggtFixture);
-  Vggt vggt = LoadVggt(source, GoldenVggtConfig(), {true, true, true});
+  FileParameters source = GoldenWeights(kVggtFixture, {"point_head."});
+  Vggt vggt = LoadVggt(source, GoldenVggtConfig(), {true, true});
   source.Finish();
   return vggt;
 }

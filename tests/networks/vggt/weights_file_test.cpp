@@ -40,9 +40,8 @@ TEST(ReadWeightsFile, WithoutSizesItIsThePublishedNetwork) {
 TEST(ReadWeightsFile, TheWholeFileLoads) {
   const TempDir dir;
   const auto path = WriteTinyVggt(dir / "a.st");
-  const Vggt vggt = LoadVggt({path}, {true, true, false}, {}, ReadWeightsFile(path).network);
+  const Vggt vggt = LoadVggt({path}, {true, true}, {}, ReadWeightsFile(path).network);
   EXPECT_EQ(vggt.aggregator.global_blocks.size(), 4u);
-  EXPECT_FALSE(vggt.point_head.has_value());
 }
 
 TEST(ReadWeightsFile, TensorsThatDoNotFitAreListedInOneError) {

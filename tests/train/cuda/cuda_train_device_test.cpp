@@ -24,7 +24,6 @@ TrainOptions AllAtOnce() {
   options.opacity_noise = 0.3;
   options.dropout = 0.1;
   options.prune_floaters = true;
-  options.coarse_share = 0.2;
   return options;
 }
 

@@ -10,11 +10,12 @@ namespace {
 
 /// Rates and terms of 3DGS and of the programs built on it, where this program's own differ.
 RunArguments Plain3dgs() {
-  return {{"proposers", "none"},          {"depth-prior", "stereo"}, {"depth-weight", "0"},   {"alpha-weight", "0"},
-          {"opacity-noise", "0"},         {"dropout", "0"},          {"largest-scale", "0"},  {"exposure", "off"},
-          {"prune-floaters", "false"},    {"coarse-share", "0"},     {"last-rates", "1"},     {"rate-scale", "1"},
-          {"sh-degree-interval", "1000"}, {"refine-start", "500"},   {"refine-every", "100"}, {"init-scale", "0.1"},
-          {"init-planes", "false"},       {"sh-moments", "full"},    {"frame", "scene"}};
+  return {{"proposers", "none"},    {"depth-prior", "stereo"}, {"depth-weight", "0"},
+          {"alpha-weight", "0"},    {"opacity-noise", "0"},    {"dropout", "0"},
+          {"largest-scale", "0"},   {"exposure", "off"},       {"prune-floaters", "false"},
+          {"last-rates", "1"},      {"rate-scale", "1"},       {"sh-degree-interval", "1000"},
+          {"refine-start", "500"},  {"refine-every", "100"},   {"init-scale", "0.1"},
+          {"init-planes", "false"}, {"sh-moments", "full"},    {"frame", "scene"}};
 }
 
 /// With adaptive density control, which works on a CPU alone.

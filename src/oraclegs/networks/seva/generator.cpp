@@ -48,7 +48,6 @@ class Generation {
         options_(options),
         listener_(listener),
         store_(request.workspace, KeyOf(request, options)),
-        share_(request.share),
         device_(networks.unet->any_weight().device()),
         schedule_(MakeSchedule()) {
     const std::vector<LoadedView>& views = *request.views;
@@ -64,16 +63,13 @@ class Generation {
   }
 
   std::vector<std::vector<ImageF>> Run() {
-    std::vector<std::vector<ImageF>> answers(share_ ? 0 : target_views_.size());
+    std::vector<std::vector<ImageF>> answers(target_views_.size());
     if (plan_.jobs.empty()) return answers;
     PlanMemory();
     CountSteps();
     for (int candidate = 0; candidate < options_.candidates; ++candidate) {
       made_.clear();
-      for (size_t job = 0; job < plan_.jobs.size(); ++job) {
-        if (!share_ || IsMine(candidate, job)) RunJob(candidate, job);
-      }
-      if (share_) continue;
+      for (size_t job = 0; job < plan_.jobs.size(); ++job) RunJob(candidate, job);
       for (size_t t = 0; t < answers.size(); ++t) {
         const FrameImage& image = made_.at({FrameSource::kTarget, static_cast<int64_t>(t)});
         answers[t].push_back(FromNetworkImage(FromWorkingSize(image.pixels, target_fits_[t])));
@@ -153,24 +149,13 @@ class Generation {
   void CountSteps() {
     for (int candidate = 0; candidate < options_.candidates; ++candidate) {
       for (size_t job = 0; job < plan_.jobs.size(); ++job) {
-        const bool mine = !share_ || share_->Has(static_cast<size_t>(candidate) * plan_.jobs.size() + job);
-        if (mine && !Stored(candidate, job)) steps_total_ += options_.steps;
+        if (!Stored(candidate, job)) steps_total_ += options_.steps;
       }
     }
   }
 
   void Place(Part part) const {
     if (networks_.place) networks_.place(part);
-  }
-
-  /// Where there is a share: whether a job can be done here, or was done.
-  bool IsMine(int candidate, size_t job) const {
-    if (Stored(candidate, job)) return true;
-    const std::vector<Frame>& frames = plan_.jobs[job].frames;
-    return share_->Has(static_cast<size_t>(candidate) * plan_.jobs.size() + job) &&
-           std::all_of(frames.begin(), frames.end(), [&](const Frame& frame) {
-             return !frame.given || frame.source == FrameSource::kInput || made_.count({frame.source, frame.index}) > 0;
-           });
   }
 
   void RunJob(int candidate, size_t index) {
@@ -256,7 +241,6 @@ class Generation {
   const SevaOptions& options_;
   const Listener& listener_;
   ChunkStore store_;
-  std::optional<Share> share_;
   torch::Device device_;
   Schedule schedule_;
   Size working_;

@@ -41,8 +41,7 @@ int64_t PassBytes(const Config& config, const Pass& pass) {
   const int64_t tokens = pass.views * (1 + config.aggregator.registers + patches);
   const int64_t row = kFloat * tokens * config.aggregator.width();
   const int64_t block = kWidthsInBlock * row;
-  const bool dense = pass.heads.depth || pass.heads.points;
-  const int64_t kept = (dense ? 4 : pass.heads.camera ? 1 : 0) * kWidthsKept * row;
+  const int64_t kept = (pass.heads.depth ? 4 : pass.heads.camera ? 1 : 0) * kWidthsKept * row;
   const int64_t images = 3 * kFloat * 3 * pass.views * pass.height * pass.width;
   return kept + images + std::max(block, dense ? DenseBytes(config, pass) : 0) + kBytesOnTop;
 }

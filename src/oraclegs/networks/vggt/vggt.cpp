@@ -17,17 +17,6 @@ const Head& Loaded(const std::optional<Head>& head, const char* name) {
   return *head;
 }
 
-/// [S, outputs, H, W]
-Tensor DenseOutput(const Vggt& vggt, const DptHead& head, const AggregatorResult& aggregated, const PatchGrid& grid) {
-  std::array<Tensor, 4> layers;
-  for (size_t i = 0; i < 4; ++i) {
-    layers[i] = TokensOf(aggregated, vggt.config.dense_layers[i]).slice(1, vggt.aggregator.special_tokens());
-  }
-  return Forward(head, layers, grid).to(torch::kFloat);
-}
-
-Tensor Confidence(const Tensor& raw) { return raw.exp().add_(1); }
-
 }  // namespace
 
 Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads) {
@@ -37,11 +26,6 @@ Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads)
   vggt.aggregator = LoadAggregator(at / "aggregator", config.aggregator);
   if (heads.camera) vggt.camera_head = LoadCameraHead(at / "camera_head", config.camera);
   if (heads.depth) vggt.depth_head = LoadDptHead(at / "depth_head", config.dense);
-  if (heads.points) {
-    DptConfig points = config.dense;
-    points.outputs += 2;  // three coordinates in place of one depth
-    vggt.point_head = LoadDptHead(at / "point_head", points);
-  }
   return vggt;
 }
 
@@ -49,10 +33,9 @@ Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& head
               const Config& config) {
   CheckpointOptions options;
   options.model = "VGGT-1B";
-  options.ignored = {"track_head."};
+  options.ignored = {"point_head.", "track_head."};
   if (!heads.camera) options.ignored.push_back("camera_head.");
   if (!heads.depth) options.ignored.push_back("depth_head.");
-  if (!heads.points) options.ignored.push_back("point_head.");
   options.device = placement.device;
   options.cast_type = placement.aggregator_type;
   options.cast_prefix = "aggregator.";
@@ -79,9 +62,7 @@ Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision) {
 std::vector<int64_t> HeadLayers(const Vggt& vggt) {
   std::set<int64_t> layers;
   if (vggt.camera_head) layers.insert(vggt.config.aggregator.depth - 1);
-  if (vggt.depth_head || vggt.point_head) {
-    layers.insert(vggt.config.dense_layers.begin(), vggt.config.dense_layers.end());
-  }
+  if (vggt.depth_head) layers.insert(vggt.config.dense_layers.begin(), vggt.config.dense_layers.end());
   return {layers.begin(), layers.end()};
 }
 
@@ -91,14 +72,13 @@ std::vector<Tensor> PredictCameras(const Vggt& vggt, const AggregatorResult& agg
 }
 
 DepthPrediction PredictDepth(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid) {
-  const Tensor raw = DenseOutput(vggt, Loaded(vggt.depth_head, "depth"), aggregated, grid);
-  return {raw.select(1, 0).exp(), Confidence(raw.select(1, 1))};
-}
-
-PointPrediction PredictPoints(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid) {
-  const Tensor raw = DenseOutput(vggt, Loaded(vggt.point_head, "point"), aggregated, grid);
-  const Tensor inverse_log = raw.slice(1, 0, 3).permute({0, 2, 3, 1});
-  return {inverse_log.sign() * inverse_log.abs().expm1(), Confidence(raw.select(1, 3))};
+  const DptHead& head = Loaded(vggt.depth_head, "depth");
+  std::array<Tensor, 4> layers;
+  for (size_t i = 0; i < 4; ++i) {
+    layers[i] = TokensOf(aggregated, vggt.config.dense_layers[i]).slice(1, vggt.aggregator.special_tokens());
+  }
+  const Tensor raw = Forward(head, layers, grid).to(torch::kFloat);
+  return {raw.select(1, 0).exp(), raw.select(1, 1).exp().add_(1)};
 }
 
 }  // namespace oraclegs::vggt

@@ -1,5 +1,5 @@
 #pragma once
-// VGGT: from images of one scene, in one pass, a camera, a depth map and a point map each (docs/method.md#vggt).
+// VGGT: from images of one scene, in one pass, a camera and a depth map each (docs/method.md#vggt).
 
 #include <array>
 #include <optional>
@@ -15,24 +15,24 @@ namespace oraclegs::vggt {
 struct Config {
   AggregatorConfig aggregator;
   CameraHeadConfig camera;
-  std::array<int64_t, 4> dense_layers = {4, 11, 17, 23};  ///< that the depth and point heads read
+  std::array<int64_t, 4> dense_layers = {4, 11, 17, 23};  ///< that the depth head reads
   DptConfig dense{.style = DptStyle::kVggt,
                   .width = 2048,
                   .features = 256,
                   .channels = {256, 512, 1024, 1024},
-                  .outputs = 2};  ///< outputs: depth and confidence; the point head has two more
+                  .outputs = 2};  ///< outputs: depth and confidence
 };
 
 /// The heads that a caller needs; an oracle needs none.
 struct Heads {
-  bool camera = false, depth = false, points = false;
+  bool camera = false, depth = false;
 };
 
 struct Vggt {
   Config config;
   Aggregator aggregator;
   std::optional<CameraHead> camera_head;
-  std::optional<DptHead> depth_head, point_head;
+  std::optional<DptHead> depth_head;
 };
 Vggt LoadVggt(ParameterSource& source, const Config& config, const Heads& heads);
 
@@ -43,8 +43,8 @@ struct Placement {
 };
 /// Automatic: the aggregator in bfloat16 on a GPU, where that is what matrix units are made for, else in float32.
 Placement PlaceOn(torch::Device device, const Auto<VggtPrecision>& precision = {});
-/// The network of this configuration from safetensors files with the official names. Heads that are not asked for and
-/// the track head may be there and are not read. Throws InputError that lists all that does not fit.
+/// The network of this configuration from safetensors files with the official names. Heads that are not asked for,
+/// the point head and the track head may be there and are not read. Throws InputError that lists all that does not fit.
 Vggt LoadVggt(const std::vector<std::filesystem::path>& paths, const Heads& heads, const Placement& placement = {},
               const Config& config = {});
 
@@ -59,11 +59,5 @@ struct DepthPrediction {
   Tensor confidence;  ///< [S, H, W] float32 >= 1
 };
 DepthPrediction PredictDepth(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid);
-
-struct PointPrediction {
-  Tensor points;      ///< [S, H, W, 3] float32, about the frame of view 0
-  Tensor confidence;  ///< [S, H, W] float32 >= 1
-};
-PointPrediction PredictPoints(const Vggt& vggt, const AggregatorResult& aggregated, const PatchGrid& grid);
 
 }  // namespace oraclegs::vggt

@@ -153,7 +153,7 @@ class CudaTrainDevice final : public TrainDevice {
     const LossAccumulator loss = read_accumulator_.Get();
     for (const Iteration& iteration : unchecked_) {
       if (iteration.number == loss.nonfinite_iteration) {
-        RequireFinite(loss.nonfinite_loss, iteration.number, plan_.View(iteration.view, iteration.number));
+        RequireFinite(loss.nonfinite_loss, iteration.number, plan_.View(iteration.view));
       }
     }
     unchecked_.clear();

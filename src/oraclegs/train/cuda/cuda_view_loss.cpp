@@ -63,7 +63,7 @@ RenderGrads CudaViewLoss::operator()(const SampledView& sampled, int64_t iterati
                                      LossSums* sums) {
   const LossTerms terms = plan_.Terms(sampled, iteration);
   const Buffer<float> shown = terms.exposure ? ShownThrough(*terms.exposure, out.image) : out.image;
-  const Rendered rendered{views_.At(sampled, plan_.IsCoarse(iteration)), out, shown, terms};
+  const Rendered rendered{views_.At(sampled), out, shown, terms};
   RenderGrads grads;
   grads.image = grad_image_.Head(out.image.shape());
   for (const LossTerm& term : terms) Queue(term, rendered, &grads, sums);

@@ -66,32 +66,28 @@ DeviceImage PackedView::Plane(ViewPlane plane) const {
 
 DeviceViews::DeviceViews(const LossPlan& plan) {
   for (const ViewKind kind : kKinds) {
-    for (const bool coarse : {false, true}) {
-      for (const TrainView& view : plan.Views(kind, coarse)) {
-        PackedView packed = Pack(view);
-        if (kind == ViewKind::kProposal && plan.has_lpips()) packed.lpips_target = view.image;
-        groups_[static_cast<int>(kind)][coarse].push_back(std::move(packed));
-      }
+    for (const TrainView& view : plan.Views(kind)) {
+      PackedView packed = Pack(view);
+      if (kind == ViewKind::kProposal && plan.has_lpips()) packed.lpips_target = view.image;
+      groups_[static_cast<int>(kind)].push_back(std::move(packed));
     }
   }
 }
 
 void DeviceViews::MoveTo(Device device) {
-  for (auto& kind : groups_) {
-    for (auto& group : kind) {
-      for (PackedView& view : group) view = view.To(device);
-    }
+  for (auto& group : groups_) {
+    for (PackedView& view : group) view = view.To(device);
   }
 }
 
-const PackedView& DeviceViews::At(const SampledView& view, bool coarse) const {
-  return groups_[static_cast<int>(view.kind)][coarse][static_cast<size_t>(view.index)];
+const PackedView& DeviceViews::At(const SampledView& view) const {
+  return groups_[static_cast<int>(view.kind)][static_cast<size_t>(view.index)];
 }
 
 std::vector<DepthView> DeviceViews::DepthViews(const std::vector<TrainView>& photos) const {
   std::vector<DepthView> views;
   for (size_t i = 0; i < photos.size(); ++i) {
-    const PackedView& planes = groups_[static_cast<int>(ViewKind::kPhoto)][false][i];
+    const PackedView& planes = groups_[static_cast<int>(ViewKind::kPhoto)][i];
     if (planes.inv_depth.defined()) views.push_back(ToDepthView(photos[i].camera, planes));
   }
   return views;
@@ -99,10 +95,8 @@ std::vector<DepthView> DeviceViews::DepthViews(const std::vector<TrainView>& pho
 
 int64_t DeviceViews::bytes() const {
   int64_t sum = 0;
-  for (const auto& kind : groups_) {
-    for (const auto& group : kind) {
-      for (const PackedView& view : group) sum += view.bytes();
-    }
+  for (const auto& group : groups_) {
+    for (const PackedView& view : group) sum += view.bytes();
   }
   return sum;
 }
@@ -110,7 +104,7 @@ int64_t DeviceViews::bytes() const {
 LargestView LargestOf(const LossPlan& plan) {
   LargestView largest;
   for (const ViewKind kind : kKinds) {
-    for (const TrainView& view : plan.Views(kind, false)) {
+    for (const TrainView& view : plan.Views(kind)) {
       largest.pixels = std::max(largest.pixels, int64_t{view.camera.width} * view.camera.height);
       largest.tiles = std::max(largest.tiles, PhotometricTiles(view.camera.width, view.camera.height));
     }

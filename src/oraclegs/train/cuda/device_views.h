@@ -28,13 +28,13 @@ class DeviceViews {
   explicit DeviceViews(const LossPlan& plan);
   void MoveTo(Device device);
 
-  const PackedView& At(const SampledView& view, bool coarse) const;
-  /// The full-size photos that have depth, with the planes that lie on the device.
+  const PackedView& At(const SampledView& view) const;
+  /// The photos that have depth, with the planes that lie on the device.
   std::vector<DepthView> DepthViews(const std::vector<TrainView>& photos) const;
   int64_t bytes() const;
 
  private:
-  std::vector<PackedView> groups_[2][2];  // kind, coarse
+  std::vector<PackedView> groups_[2];  // by kind
 };
 
 /// The most pixels, and tiles of the photometric loss, that any view has.

@@ -23,8 +23,8 @@ inline constexpr uint64_t kSoftPatchSeed = 0xD1B54A32D192ED03;
 /// - --hard-depth: a render in which all Gaussians have kHardOpacity; a step of the positions alone;
 /// - after iteration --soft-depth-start: a render as always; a step of the opacities alone.
 /// The loss is kLocalDepthWeight times the local and kGlobalDepthWeight times the global NormalizedDepthLoss, of
-/// patches whose sides are drawn anew each time. Learning rates are the iteration's. Renders have the photo's full size
-/// also while --coarse-share lasts. Keeps nothing from one iteration to the next.
+/// patches whose sides are drawn anew each time. Learning rates are the iteration's. Keeps nothing from one iteration
+/// to the next.
 class DepthSteps final : public MethodPart {
  public:
   /// Throws UsageError where no photo has depth, and what CheckViews throws.
