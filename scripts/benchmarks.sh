@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Measures the CPU figures of docs/benchmarks.md on this machine and prints them as Markdown. All of them take hours on two
-# cores, which must do nothing else. Build the preset release first; scripts/gpu_check.sh measures a GPU.
+# Measures the CPU figures of docs/benchmarks.md and docs/baselines.md and prints them as Markdown. All of them take a night
+# on two cores, which must do nothing else. Build the preset release first. scripts/gpu_check.sh measures a GPU.
 #   scripts/benchmarks.sh DATA OUT [SECTION ...]
 # DATA     holds fox, lego and sceaux; docs/benchmarks.md says where they come from
 # OUT      receives the runs; a run that is finished there is kept
-# SECTION  quality, predicted, parts, confidence, tampering, depth, speed, demo, support, files or memory; all unless given.
-#          predicted, support, files and memory read the runs of quality
+# SECTION  quality, predicted, methods, parts, confidence, tampering, depth, speed, demo, support, files or memory; all
+#          unless given. predicted, support, files and memory read the runs of quality
 set -euo pipefail
 if (($# < 2)); then
-  sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,8p >&2
+  sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,9p >&2
   exit 2
 fi
 here=$(cd "$(dirname "$0")/.." && pwd)
@@ -43,7 +43,8 @@ if what == "predicted":
     row(*["---"] * 3)
     for folder in paths:
         timed = [record for record in read(folder, "stages.json").values() if "predicted_seconds" in record]
-        row(Path(folder).name, *(clock(sum(record[key] for record in timed)) for key in ("predicted_seconds", "seconds")))
+        times = [sum(record[key] for record in timed) for key in ("predicted_seconds", "seconds")]
+        row(Path(folder).name, *map(clock, times))
 elif what == "support":
     row("class", "share of the pixels", "mean error")
     row(*["---"] * 3)
@@ -79,19 +80,32 @@ quality() {
 
 predicted() { figures predicted "$out"/quality/{fox,lego,sceaux}-defaults-0; }
 
+methods() {
+  local all=ours,ours-no-proposals,dropgaussian,cor-gs,fsgs,sparsegs,comapgs,dngaussian,3dgs-mcmc,3dgs,3dgs-mcmc-random
+  compare() { # SCENE OPTIONS...
+    "$bin/oraclegs" bench --suite "$data/$1" -o "$out/methods-$1" --threads 1 --methods "$all" --quiet "${@:2}" >&2
+    cat "$out/methods-$1/bench.md"
+  }
+  compare fox --views 12 --downscale 4
+  compare lego --background white --downscale 2
+  compare sceaux --test-views 7103,7107 --downscale 8
+}
+
 parts() {
   local scene options
   for scene in fox lego; do
     options=(--views 12)
     [[ $scene == fox ]] || options=(--background white)
-    "$bin/oraclegs" ablate "$data/$scene" -o "$out/parts-$scene" --quiet --downscale 4 --max-gaussians 30000 "${options[@]}" >&2
+    "$bin/oraclegs" ablate "$data/$scene" -o "$out/parts-$scene" --quiet --downscale 4 \
+      --max-gaussians 30000 "${options[@]}" >&2
     printf '\n%s\n\n' "$scene"
     cat "$out/parts-$scene/ablation.md"
   done
 }
 
 confidence() {
-  "$bin/oraclegs" reconstruct "$data/fox" -o "$out/confidence" --quiet --eval --views 12 --downscale 4 --max-gaussians 50000 >&2
+  "$bin/oraclegs" reconstruct "$data/fox" -o "$out/confidence" --quiet --eval --views 12 --downscale 4 \
+    --max-gaussians 50000 >&2
   "$bin/oraclegs" evaluate "$out/confidence" --check-oracle
 }
 
@@ -137,7 +151,7 @@ files() {
 
 memory() { figures memory "$out"/quality/{fox,lego,sceaux}-*-0; }
 
-sections=(quality predicted parts confidence tampering depth speed demo support files memory)
+sections=(quality predicted methods parts confidence tampering depth speed demo support files memory)
 for section in "${@:-${sections[@]}}"; do
   [[ " ${sections[*]} " == *" $section "* ]] || { echo "scripts/benchmarks.sh: no section $section" >&2; exit 2; }
 done
