@@ -8,7 +8,7 @@
 #          unless given. predicted, support, files and memory read the runs of quality
 set -euo pipefail
 if (($# < 2)); then
-  sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,9p >&2
+  sed -n 's/^# \{0,1\}//p' "$0" | sed -n 4,8p >&2
   exit 2
 fi
 here=$(cd "$(dirname "$0")/.." && pwd)
