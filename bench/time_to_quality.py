@@ -26,7 +26,7 @@ import time
 from pathlib import Path
 
 BIN = Path(__file__).resolve().parent.parent / "build/release/bin/oraclegs"
-SCENES = {  # the protocol of bench/scenes.sh
+SCENES = {  # the protocol of docs/benchmarks.md
     "fox": ["--eval", "--views", "12", "--downscale", "2"],
     "lego": ["--background", "white", "--downscale", "2"],
     "sceaux": ["--test-views", "7103,7107", "--downscale", "2"],

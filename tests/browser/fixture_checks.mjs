@@ -1,4 +1,4 @@
-// What only a scene of known truth can show: each class of support has its color, and is hidden at its bound; pages with
+// Checks that need a scene of known truth: each class of support has its color, and is hidden at its bound; pages with
 // little to show.
 import assert from 'node:assert/strict';
 import {DESKTOP, openPage} from './browser.mjs';

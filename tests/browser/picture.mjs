@@ -1,4 +1,4 @@
-// What the 3D view shows, as pixels.
+// Pixels of the 3D view.
 import {decodePng} from './png.mjs';
 
 // Waits until the 3D view has drawn everything that it was asked for.

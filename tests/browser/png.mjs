@@ -28,7 +28,7 @@ export function encodePng({width, height, rgb}) {
   return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))]);
 }
 
-// What a browser's screenshot holds: RGB or RGBA, not interlaced. Alpha is dropped.
+// Reads a browser's screenshot: RGB or RGBA, not interlaced. Alpha is dropped.
 export function decodePng(bytes) {
   let at = 8;
   let width, height, channels;

@@ -1,4 +1,4 @@
-// What holds for the 3D view of both pages, for any run: it shows what the program rendered, provenance, frusta.
+// Checks of the 3D view of both pages, for any run: it shows what the program rendered, provenance, frusta.
 import assert from 'node:assert/strict';
 import {decodeInPage, difference, settled, shownImage} from './picture.mjs';
 import {psnr} from './png.mjs';

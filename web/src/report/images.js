@@ -13,7 +13,7 @@ export function testViews(run) {
   const supported = views.some((view) => view.support?.url);
   return h('div', {},
     h('p', {class: 'lead'}, 'Drag the slider: the render is on the left. The right side shows the photo, or where the two differ',
-      supported && ', or what the render rests on', '.'),
+      supported && ', or how well photos support the render', '.'),
     supported && supportLegend(),
     h('div', {class: 'pairs'}, views.map(pair)));
 }
@@ -41,7 +41,7 @@ export function proposals(run) {
   const byId = new Map(views.map((view) => [view.id, view]));
   const rows = list.map((view) => proposal(view, byId.get(view.nearest)));
   return h('div', {},
-    h('p', {class: 'lead'}, 'What the generator proposed, how far the oracle trusts each pixel, what the splat shows there now, and the photo that was taken nearest.'),
+    h('p', {class: 'lead'}, 'The proposed view, how far the oracle trusts each pixel, the final render from there, and the nearest photo.'),
     plasmaLegend(), rows.slice(0, MAX_OPEN),
     rows.length > MAX_OPEN && h('details', {}, h('summary', {}, `The other ${rows.length - MAX_OPEN} proposals`), rows.slice(MAX_OPEN)));
 }

@@ -17,7 +17,7 @@ const SECTIONS = [
   ['scores', 'Scores', 'Scores', scores],
   ['test', 'Test views', 'Test views: render and truth', testViews],
   ['proposals', 'Proposals', 'Proposals and their confidence', proposals],
-  ['support', 'Support', 'What the splat rests on', support],
+  ['support', 'Support', 'How well photos support the splat', support],
   ['calibration', 'Calibration', 'Is the confidence right?', calibration],
   ['plan', 'Cameras', 'Cameras and points from above', plan],
   ['registration', 'Registration', 'Registration of the photos', registration],

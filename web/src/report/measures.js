@@ -23,7 +23,7 @@ export function support(run) {
   };
   const column = (key, title, show) => classes.some((c) => Number.isFinite(c[key])) && {name: title, number: true, value: (c) => c[key], cell: (c) => show(c[key])};
   return h('div', {},
-    h('p', {class: 'lead'}, 'Support says what a Gaussian, and so a pixel, rests on. The less there is, the larger the errors should be.',
+    h('p', {class: 'lead'}, 'Support says how well photos show a Gaussian, and so a pixel. Pixels of low support should have larger errors.',
       Number.isFinite(run.support.auroc) && ` As a detector of errors above 0.1, low support has an AUROC of ${number(run.support.auroc, 2)}.`),
     h('div', {class: 'card'}, table(classes, [
       {name: 'Class', value: (c) => c.name, cell: name},

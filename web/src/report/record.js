@@ -1,4 +1,4 @@
-// What reproduces the run, and what its parts are licensed under.
+// The command that reproduces the run, and the licenses of its parts.
 import {h} from '../shared/dom.js';
 import {table} from './table.js';
 

@@ -13,7 +13,7 @@ export function scores(run) {
   if (views.length === 0 && means.length === 0) return null;
   const columns = order.filter(([key]) => views.some((view) => Number.isFinite(view[key])));
   return h('div', {},
-    h('p', {class: 'lead'}, 'Against photos that nothing was trained on. Higher PSNR and SSIM are better, lower LPIPS is better.',
+    h('p', {class: 'lead'}, 'Measured on photos that were held out of training. Higher PSNR and SSIM are better, lower LPIPS is better.',
       run.mean_exposure && ' The splat has the mean exposure of the photos, so that brighter and darker ones score lower without color correction.'),
     figures(means.map(([key, name, digits, unit]) => [number(run.scores[key], digits), unit, name])),
     views.length > 0 && h('div', {class: 'card'}, table(views, [

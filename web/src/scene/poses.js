@@ -27,7 +27,7 @@ export function lookingAt(position, target, up, intrinsics) {
 
 export const defaultIntrinsics = {width: 1600, height: 1200, fx: 1400, fy: 1400, cx: 800, cy: 600};
 
-// What the scene's up, center and radius are: as the document says, else from the cameras, else from the Gaussians' centers
+// Up, center and radius of the scene: as the document says, else from the cameras, else from the Gaussians' centers
 // (a Float32Array of x, y, z).
 export function frameOf(place, poses, centers) {
   const given = (v) => Array.isArray(v) && v.length === 3 && v.every(Number.isFinite);

@@ -1,4 +1,4 @@
-// What supports a Gaussian, from the best to the least. Colors of Okabe and Ito, which color-blind people can distinguish.
+// Classes of support, best first. Colors of Okabe and Ito, which color-blind people can distinguish.
 export const CLASSES = [
   {name: 'seen by two or more images', from: 0.75, color: '#0072b2'},
   {name: 'seen by one image', from: 0.5, color: '#56b4e9'},

@@ -59,7 +59,7 @@ export class CompareOverlay {
     Object.assign(this.layer.style, {left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px`});
   }
 
-  // What is left of the slider's value shows the image.
+  // The image shows to the left of the slider's value.
   cut() {
     const value = Number(this.slider.value);
     this.picture.style.clipPath = `inset(0 ${100 - value}% 0 0)`;

@@ -1,4 +1,4 @@
-// What the colors of a confidence map mean.
+// Legend of a confidence map's colors.
 import {h} from '../shared/dom.js';
 
 export const plasmaLegend = () => h('div', {class: 'plasma', role: 'img', 'aria-label': 'Confidence: purple is 0, no trust; yellow is 1, trust'},

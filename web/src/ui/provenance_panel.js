@@ -14,7 +14,7 @@ export class ProvenancePanel {
     this.legend = h('ul', {class: 'legend'});
     this.element = h('section', {class: 'panel provenance', hidden: true, 'aria-label': 'Provenance'},
       h('label', {class: 'switch-row'}, h('span', {}, h('strong', {}, 'Provenance'), ' ', h('kbd', {}, 'P')), this.tint),
-      h('p', {class: 'note'}, 'What each Gaussian rests on.'),
+      h('p', {class: 'note'}, 'How well photos show each Gaussian.'),
       this.legend,
       h('label', {class: 'range-row'}, h('span', {}, 'Hide support below ', this.value), this.range));
     this.fillLegend();
