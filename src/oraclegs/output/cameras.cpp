@@ -13,6 +13,7 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/scene/colmap_text.h"
 #include "oraclegs/scene/point_ply.h"
+#include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
 namespace {

@@ -58,11 +58,11 @@ double Mean(const Image8& gray) {
   return sum / (255.0 * static_cast<double>(gray.data.size() / channels));
 }
 
-struct Crop {
+struct FigureCrop {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-std::optional<Crop> CropOf(const std::string& text) {
+std::optional<FigureCrop> CropOf(const std::string& text) {
   if (text.empty()) return {};
   std::vector<int> numbers;
   for (const std::string& word : SplitTrimmed(text, ',')) {
@@ -75,10 +75,10 @@ std::optional<Crop> CropOf(const std::string& text) {
       numbers[3] == 0) {
     throw UsageError("--crop is '{}'; write X,Y,WIDTH,HEIGHT, for example 40,60,128,96", Printable(text));
   }
-  return Crop{numbers[0], numbers[1], numbers[2], numbers[3]};
+  return FigureCrop{numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-Image8 Cropped(Image8 image, const std::optional<Crop>& crop) {
+Image8 Cropped(Image8 image, const std::optional<FigureCrop>& crop) {
   if (!crop) return image;
   if (int64_t{crop->x} + crop->width > image.width || int64_t{crop->y} + crop->height > image.height) {
     throw UsageError("--crop {},{},{},{} reaches beyond the renders of {} x {} pixels", crop->x, crop->y, crop->width,
@@ -163,7 +163,7 @@ Sheet ComparisonSheet(const std::vector<fs::path>& workspaces, const FigureOptio
   if (labels.size() != workspaces.size()) {
     throw UsageError("--labels names {} runs, there are {}", labels.size(), workspaces.size());
   }
-  const std::optional<Crop> crop = CropOf(options.crop);
+  const std::optional<FigureCrop> crop = CropOf(options.crop);
   std::vector<std::vector<TestView>> views;
   for (const fs::path& workspace : workspaces) views.push_back(TestViewsOf(workspace));
   std::vector<std::string> names;
