@@ -23,7 +23,7 @@ MAX_UNIT_LINES = 400  # of a unit's header and source together, below src
 MAX_DEPTH = 4  # folders below src
 MAX_PARAMETERS = 5
 MAX_UNITS_IN_ROOM = 25  # of a folder above the engine
-ROOMS = ("settings", "workspace", "stages", "output", "run")
+ROOMS = ("settings", "workspace", "stages", "proposers", "output", "run")
 
 # src file below src/oraclegs -> why no tests/FLOOR/..._test.cpp has its name. Keep it tiny.
 WITHOUT_TEST = {

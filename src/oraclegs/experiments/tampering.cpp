@@ -19,7 +19,7 @@
 #include "oraclegs/run/stages.h"
 #include "oraclegs/scene/loaded_view.h"
 #include "oraclegs/settings/run_size.h"
-#include "oraclegs/stages/proposers.h"
+#include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/stages/stage_clock.h"
 #include "oraclegs/workspace/stage_sharing.h"
 

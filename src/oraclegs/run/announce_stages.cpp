@@ -6,6 +6,7 @@
 #include "oraclegs/run/speed_probe.h"
 #include "oraclegs/run/stages.h"
 #include "oraclegs/run/time_estimate.h"
+#include "oraclegs/stages/proposer_row.h"
 
 namespace oraclegs {
 namespace {
@@ -13,14 +14,13 @@ namespace {
 constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
 
 /// What a network does is of no known speed.
-bool UsesNetwork(const Plan& plan, const RunOptions& options, const std::string& stage) {
+bool UsesNetwork(const Run& run, const std::string& stage) {
+  const Plan& plan = run.plan;
   if (stage == "register") return plan.poses.has_value();
   if (stage == "depth") return plan.needs_depth && plan.depth.HasNetwork();
-  if (stage == "propose") {
-    return plan.Uses(options, ProposerChoice::kSeva) || plan.Uses(options, ProposerChoice::kCommand);
-  }
+  if (stage == "propose") return AsksGenerator(run);
   if (stage == "validate") return plan.has_proposals && plan.oracle.weights.has_value();
-  if (stage == "train") return plan.has_proposals && options.train.proposal_lpips > 0 && !plan.lpips.empty();
+  if (stage == "train") return plan.has_proposals && run.options.train.proposal_lpips > 0 && !plan.lpips.empty();
   return stage == "evaluate" && !plan.lpips.empty();
 }
 
@@ -50,7 +50,7 @@ void AnnounceStages(Run* run) {
   RunPlanned planned;
   for (const Stage& stage : Stages()) {
     if (!stage.work.wanted(*run)) continue;
-    const bool known = run->plan.device.is_cpu() && !UsesNetwork(run->plan, run->options, stage.name);
+    const bool known = run->plan.device.is_cpu() && !UsesNetwork(*run, stage.name);
     planned.stages.push_back({stage.name, known ? EstimateSeconds(stage.name, input) : 0});
     if (known) run->predicted[stage.name] = planned.stages.back().seconds;
   }

@@ -12,6 +12,7 @@
 #include "oraclegs/gaussians/ply.h"
 #include "oraclegs/output/live/live.h"
 #include "oraclegs/output/report/run_document.h"
+#include "oraclegs/proposers/proposer_rows.h"
 #include "oraclegs/render/constants.h"
 #include "oraclegs/run/announce_stages.h"
 #include "oraclegs/run/needed_photos.h"
@@ -286,6 +287,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   }
   Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.workspace.DropDamagedRecords(listener);
+  run.proposer_rows = &ProposerRows();
   run.start_iterations = ReadSavedRun(request.out).start_iterations;
   const auto live = std::make_shared<Live>(run.workspace, listener);
   run.observer = live;
@@ -317,6 +319,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
   const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
   Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
+  run.proposer_rows = &ProposerRows();
   run.start_iterations = saved.start_iterations;
   run.photos = PhotosFingerprint(run.scene, &run.files);
   LeaveOutUnreadablePhotos(&run);

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/proposers/proxy_models.h"
 #include "oraclegs/settings/plan.h"
 #include "oraclegs/sfm/choose_pairs.h"
 #include "oraclegs/sfm/colmap_runner.h"
-#include "oraclegs/stages/proxy_models.h"
 
 namespace oraclegs {
 namespace {

@@ -4,12 +4,9 @@
 
 #include "oraclegs/core/memory.h"
 #include "oraclegs/image/png.h"
-#include "oraclegs/propose/generator.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
-#include "oraclegs/stages/proposers.h"
-#include "oraclegs/stages/proxy_models.h"
-#include "oraclegs/stages/seva_stage.h"
+#include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -53,7 +50,9 @@ void AddProposeKey(Run* run, Fingerprint* key) {
   key->Add(run->plan.proposes);  // a folder may be all there is
   key->Add(OptionsToJson(options.propose).dump()).Add(OptionsToJson(options.trajectory).dump());
   key->Add(static_cast<double>(options.start.seed));  // of the poses
-  if (run->plan.Uses(options, ProposerChoice::kSeva)) key->Add(SevaKey(options.seva));
+  for (const ProposerRow& row : *run->proposer_rows) {
+    if (row.own != nullptr && row.wanted(*run)) row.own(*run, key);
+  }
   key->Add(OptionsToJson(options.image).dump());
   key->Add(ViewsFingerprint(run->scene, run->split.train, options.image, &run->files));
   AddPoses(*run, key);
@@ -79,12 +78,6 @@ FolderProposals ReadFolder(const Run& run, const LoadedView& view) {
        TargetsOf(run, no_test), view.camera.width, view.camera.height, BackgroundColor(run.options.image.background),
        RunFromScene(run.frame)},
       run.listener);
-}
-
-/// Whether something is asked that needs no depth: what it makes of places that the photos hardly show, the oracle
-/// classifies.
-bool AsksGenerator(const Run& run) {
-  return run.plan.Uses(run.options, ProposerChoice::kSeva) || run.plan.Uses(run.options, ProposerChoice::kCommand);
 }
 
 std::vector<Target> OwnTargets(const Run& run, const Geometry& geometry) {
@@ -147,48 +140,37 @@ std::vector<std::string> WriteCandidates(Run* run) {
 }
 
 void UndoPropose(Run* run, const nlohmann::json&) {
-  for (const char* old : {"warp", "splat", "transforms.json"}) {
-    std::error_code ignored;
-    fs::remove_all(run->workspace.proposals() / old, ignored);
+  std::error_code ignored;
+  fs::remove(run->workspace.proposals() / "transforms.json", ignored);
+  for (const ProposerRow& row : *run->proposer_rows) {
+    if (row.undo != nullptr) row.undo(run->workspace.proposals());
   }
-  RemoveGenerated(run->workspace.proposals());
-  RemoveGeneratorFiles(run->workspace.proposals());
-}
-
-/// Has the command of --generator generate all targets.
-void AskGenerator(Run* run) {
-  const fs::path proposals = run->workspace.proposals();
-  const std::vector<Target>& targets = run->results->targets;
-  WriteGeneratorRequest({proposals / "generator"}, targets, ViewsOf(run).views, ProposersOf(run).warper(),
-                        RunFromScene(run->frame).Inverse());
-  RunGenerator({run->options.propose.generator, run->options.generator_limits.generator_timeout, proposals}, targets,
-               run->listener);
 }
 
 std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   LoadPropose(run);
   const StageResults& known = *run->results;
+  const fs::path proposals = run->workspace.proposals();
   if (known.targets.empty() && run->options.propose.proposal_folder.empty() && !AsksGenerator(*run) &&
       !CanPropose(ViewsOf(run), known.geometry)) {
     return std::nullopt;
   }
-  const bool generates = !known.targets.empty() && run->options.propose.Uses(ProposerChoice::kSeva);
-  if (generates) {
-    const fs::path proposals = run->workspace.proposals();
-    GenerateViews({ViewsOf(run).views, known.targets, key, run->options.seva, proposals, run->plan.device},
-                  run->listener);
-  }
-  if (!known.targets.empty() && run->options.propose.Uses(ProposerChoice::kCommand)) AskGenerator(run);
+  nlohmann::json record = {{"targets", known.targets.size()}, {"folder", known.folder.proposals.size()}};
   std::vector<std::string> files;
   if (!known.targets.empty()) {
+    for (const ProposerRow& row : *run->proposer_rows) {
+      if (!row.wanted(*run)) continue;
+      if (row.prepare != nullptr) row.prepare(run, key);
+      if (*row.non_commercial != '\0') NoteNonCommercial(row.non_commercial, &record);
+    }
     files = WriteCandidates(run);
-    WriteTargets(run->workspace.proposals(), known.targets, RunFromScene(run->frame).Inverse());
+    WriteTargets(proposals, known.targets, RunFromScene(run->frame).Inverse());
     files.emplace_back("proposals/transforms.json");
   }
-  nlohmann::json record = {
-      {"targets", known.targets.size()}, {"folder", known.folder.proposals.size()}, {"files", std::move(files)}};
-  if (generates) NoteNonCommercial(kSevaName, &record);
-  RemoveChunks(run->workspace.proposals());
+  record["files"] = std::move(files);
+  for (const ProposerRow& row : *run->proposer_rows) {
+    if (row.finish != nullptr) row.finish(proposals);
+  }
   return record;
 }
 

@@ -12,6 +12,7 @@
 #include "oraclegs/depth/silhouettes.h"
 #include "oraclegs/propose/ensemble.h"
 #include "oraclegs/propose/folder.h"
+#include "oraclegs/propose/proposers.h"
 #include "oraclegs/scene/frame.h"
 #include "oraclegs/scene/scene.h"
 #include "oraclegs/scene/split.h"
@@ -25,8 +26,8 @@
 
 namespace oraclegs {
 
-class Proposers;
 class RunObserver;
+struct ProposerRow;
 
 /// The training views of the split, in its order.
 struct TrainingViews {
@@ -73,7 +74,8 @@ struct Run {
   std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
   /// --iterations that the run was begun with, of which proxy models train a share; 0 = --iterations.
   int64_t start_iterations = 0;
-  std::shared_ptr<RunObserver> observer = {};  ///< null for a run that was only opened
+  const std::vector<ProposerRow>* proposer_rows = nullptr;  ///< not null
+  std::shared_ptr<RunObserver> observer = {};               ///< null for a run that was only opened
 };
 
 /// The training views, loaded when they are first asked for.

@@ -11,7 +11,7 @@
 #include "oraclegs/gaussians/transform.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/stages/perceptual.h"
-#include "oraclegs/stages/proxy_models.h"
+#include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/stages/pseudo_depth.h"
 #include "oraclegs/stages/stage_clock.h"
 #include "oraclegs/stages/start_points.h"

@@ -13,8 +13,10 @@
 #include "oraclegs/image/colormap.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
+#include "oraclegs/networks/loader.h"
 #include "oraclegs/propose/proposal_files.h"
-#include "oraclegs/stages/calibrated_oracle.h"
+#include "oraclegs/stages/proposer_row.h"
+#include "oraclegs/validate/calibrated_oracle.h"
 #include "oraclegs/validate/view_chunks.h"
 #include "oraclegs/workspace/non_commercial.h"
 
@@ -124,6 +126,21 @@ std::vector<std::vector<Proposal>> CandidatesOf(Run* run, const std::vector<Targ
   return candidates;
 }
 
+OracleSetup SetupOf(const Run& run) {
+  const OracleChoice& choice = run.plan.oracle;
+  OracleSetup setup{choice.kind, run.options.validate};
+  if (choice.weights) {
+    setup.vggt = choice.weights->path;
+    setup.device = DeviceOfNetworks(GetNetworks(), run.plan.device, run.listener);
+  }
+  const auto& ready_made = run.results->folder.confidence;
+  setup.unknown_errors = AsksGenerator(run) ||
+                         std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
+  setup.targets = run.results->targets.size();
+  setup.seed = run.options.start.seed;
+  return setup;
+}
+
 /// Classifies the proposals of one run, writes them, and counts.
 class Validation {
  public:
@@ -169,7 +186,7 @@ class Validation {
   /// Learns when it is first asked for.
   const CalibratedOracle& TheOracle() {
     if (!oracle_) {
-      oracle_.emplace(*run_, ViewsOf(run_), ProposersOf(run_), known_.targets.size());
+      oracle_.emplace(SetupOf(*run_), ViewsOf(run_).views, ProposersOf(run_), run_->listener);
       chunk_ = oracle_->together();
     }
     return *oracle_;

@@ -1,5 +1,6 @@
 #pragma once
-// How a proposal differs from what the images show at its pose, at several scales (docs/method.md#untaught-generators).
+// How a proposal differs from what the images show at its pose, at several scales
+// (docs/method.md#tamper-trained-oracle).
 
 #include <array>
 #include <vector>

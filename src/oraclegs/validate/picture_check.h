@@ -1,6 +1,6 @@
 #pragma once
 // Does a picture as a whole show the scene from its pose? One of another scene, pose, scale or orientation contradicts
-// the images nearly everywhere, where a tampered one still agrees in parts (docs/method.md#untaught-generators).
+// the images nearly everywhere, where a tampered one still agrees in parts (docs/method.md#tamper-trained-oracle).
 
 #include <optional>
 #include <vector>

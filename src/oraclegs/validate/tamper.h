@@ -1,5 +1,5 @@
 #pragma once
-// Pictures that lie in places: what an oracle learns disagreement from (docs/method.md#untaught-generators).
+// Pictures that lie in places: what an oracle learns disagreement from (docs/method.md#tamper-trained-oracle).
 
 #include <vector>
 

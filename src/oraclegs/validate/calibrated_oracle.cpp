@@ -1,10 +1,9 @@
-#include "oraclegs/stages/calibrated_oracle.h"
+#include "oraclegs/validate/calibrated_oracle.h"
 
 #include <algorithm>
 #include <array>
 
 #include "oraclegs/networks/loader.h"
-#include "oraclegs/settings/device.h"
 #include "oraclegs/validate/attention_layers.h"
 #include "oraclegs/validate/vggt_oracle.h"
 
@@ -15,13 +14,6 @@ namespace {
 constexpr size_t kOracleChunk = 8;
 
 double GiB(double bytes) { return bytes / (1024.0 * 1024 * 1024); }
-
-/// Whether proposals come from a generator that cannot hold a view out.
-bool AsksUntaught(const Run& run) {
-  const auto& ready_made = run.results->folder.confidence;
-  return run.plan.Uses(run.options, ProposerChoice::kSeva) || run.options.propose.Uses(ProposerChoice::kCommand) ||
-         std::any_of(ready_made.begin(), ready_made.end(), [](const auto& map) { return map.empty(); });
-}
 
 HeldOutCandidates AskHeldOut(const std::vector<LoadedView>& views, const Proposers& proposers) {
   std::vector<Target> targets;
@@ -82,36 +74,36 @@ struct CalibratedOracle::Progress {
   }
 };
 
-CalibratedOracle::CalibratedOracle(const Run& run, const TrainingViews& training, const Proposers& proposers,
-                                   size_t targets)
-    : rule_(run.options.validate.pick), together_(kOracleChunk) {
-  const OracleChoice& choice = run.plan.oracle;
-  if (choice.kind == OracleKind::kUniform) {
+CalibratedOracle::CalibratedOracle(const OracleSetup& setup, const std::vector<LoadedView>& views,
+                                   const Proposers& proposers, const Listener& listener)
+    : rule_(setup.options.pick), together_(kOracleChunk) {
+  if (setup.kind == OracleKind::kUniform) {
     uniform_ = MakeUniformOracle();
     return;
   }
-  if (choice.weights) LoadSecond(run, training.views, *choice.weights, targets);
-  const bool calibrate = run.options.validate.calibrate;
-  if (!calibrate && choice.kind == OracleKind::kVggt) {
-    progress_->total = targets;
+  if (!setup.vggt.empty()) LoadSecond(setup, views, listener);
+  const bool calibrate = setup.options.calibrate;
+  if (!calibrate && setup.kind == OracleKind::kVggt) {
+    progress_->total = setup.targets;
     return;
   }
   const Warper& warper = proposers.warper();
-  const Evidence evidence = choice.kind == OracleKind::kVggt ? Evidence::kSecond : Evidence::kBoth;
+  const Evidence evidence = setup.kind == OracleKind::kVggt ? Evidence::kSecond : Evidence::kBoth;
   const FeatureSource features = second_ ? FeatureSource(warper, *second_, evidence) : FeatureSource(warper);
-  calibrated_ =
-      std::make_unique<ConsistencyOracle>(features, training.views, calibrate ? LevelRule::kFitted : LevelRule::kAsIs);
-  const HeldOutCandidates held_out = AskHeldOut(training.views, proposers);
-  const bool untaught = AsksUntaught(run);
+  const LevelRule rule = calibrate ? LevelRule::kFitted : LevelRule::kAsIs;
+  calibrated_ = std::make_unique<ConsistencyOracle>(features, views, rule);
+  const HeldOutCandidates held_out = AskHeldOut(views, proposers);
   if (progress_) {
     size_t max_candidates = 0;
     for (const auto& of_one : held_out.candidates) max_candidates = std::max(max_candidates, of_one.size());
     const size_t of_each = max_candidates > 1 ? max_candidates + 1 : max_candidates;  // and what is mixed from them
-    progress_->total = (training.views.size() + targets) * of_each;
-    if (untaught) progress_->total += UntaughtOracle::Lessons(training.views.size());
+    progress_->total = (views.size() + setup.targets) * of_each;
+    if (setup.unknown_errors) progress_->total += TamperTrainedOracle::TrainingSamples(views.size());
   }
   Calibrate(held_out);
-  if (untaught) untaught_ = std::make_unique<UntaughtOracle>(features, proposers, held_out, run);
+  if (setup.unknown_errors) {
+    tamper_trained_ = std::make_unique<TamperTrainedOracle>(features, proposers, held_out, rule, setup.seed);
+  }
 }
 
 CalibratedOracle::~CalibratedOracle() = default;
@@ -122,21 +114,20 @@ const Oracle& CalibratedOracle::oracle() const {
   return *second_;
 }
 
-void CalibratedOracle::LoadSecond(const Run& run, const std::vector<LoadedView>& views, const VggtWeights& weights,
-                                  size_t targets) {
-  const ValidateOptions& asked = run.options.validate;
-  const Networks& networks = GetNetworks();
-  const Device device = DeviceOfNetworks(networks, run.plan.device, run.listener);
-  std::unique_ptr<AttentionNetwork> network =
-      networks.OpenAttention(weights.path, {asked.oracle_mode, AttentionLayersOf(asked), asked.vggt_precision}, device);
+void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<LoadedView>& views,
+                                  const Listener& listener) {
+  const ValidateOptions& asked = setup.options;
+  std::unique_ptr<AttentionNetwork> network = GetNetworks().OpenAttention(
+      setup.vggt, {asked.oracle_mode, AttentionLayersOf(asked), asked.vggt_precision}, setup.device);
   std::vector<Camera> cameras;
   for (const LoadedView& view : views) cameras.push_back(view.camera);
   VggtOracleOptions options;
-  options.chunk = ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
-                              std::max(targets, views.size()), static_cast<uint64_t>(FreeBytes(device)), run.listener);
+  options.chunk =
+      ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
+                  std::max(setup.targets, views.size()), static_cast<uint64_t>(FreeBytes(setup.device)), listener);
   together_ = options.chunk;
   progress_ = std::make_shared<Progress>();
-  progress_->listener = run.listener;
+  progress_->listener = listener;
   options.on_pass = [progress = progress_](size_t images) { progress->Add(images); };
   network->Load();
   second_ = std::make_unique<VggtOracle>(std::move(network), std::move(options), views);
@@ -148,7 +139,7 @@ void CalibratedOracle::Calibrate(const HeldOutCandidates& held_out) {
   for (size_t v = 0; v < candidates.size(); ++v) {
     for (const Proposal& p : candidates[v]) {
       queries.push_back({p, static_cast<int>(v)});
-      taught_.insert(p.source);
+      calibrated_sources_.insert(p.source);
     }
   }
   const std::vector<ConfidenceMap> confidence = calibrated_->CalibrateAndPredict(queries);
@@ -166,44 +157,46 @@ void CalibratedOracle::Calibrate(const HeldOutCandidates& held_out) {
 }
 
 std::vector<ConfidenceMap> CalibratedOracle::Predict(const std::vector<Proposal>& proposals,
-                                                     const std::vector<bool>& untaught) const {
+                                                     const std::vector<bool>& unknown) const {
   std::array<std::vector<Proposal>, 2> parts;
-  for (size_t p = 0; p < proposals.size(); ++p) parts[untaught[p] ? 1 : 0].push_back(proposals[p]);
+  for (size_t p = 0; p < proposals.size(); ++p) parts[unknown[p] ? 1 : 0].push_back(proposals[p]);
   std::array<std::vector<ConfidenceMap>, 2> maps;
   if (!parts[0].empty()) maps[0] = oracle().Predict(parts[0]);
-  if (!parts[1].empty()) maps[1] = untaught_->Predict(parts[1]);
+  if (!parts[1].empty()) maps[1] = tamper_trained_->Predict(parts[1]);
   std::array<size_t, 2> next = {0, 0};
   std::vector<ConfidenceMap> all;
-  for (const bool part : untaught) all.push_back(std::move(maps[part ? 1 : 0][next[part ? 1 : 0]++]));
+  for (const bool part : unknown) all.push_back(std::move(maps[part ? 1 : 0][next[part ? 1 : 0]++]));
   return all;
 }
 
 std::vector<Validated> CalibratedOracle::Classify(std::vector<std::vector<Proposal>> candidates) const {
   std::erase_if(candidates, [](const auto& of_one) { return of_one.empty(); });
-  const auto is_untaught = [&](const Proposal& p) { return untaught_ && taught_.count(p.source) == 0; };
+  const auto has_unknown_errors = [&](const Proposal& p) {
+    return tamper_trained_ && calibrated_sources_.count(p.source) == 0;
+  };
   std::vector<Proposal> all;
-  std::vector<bool> untaught;
+  std::vector<bool> unknown;
   for (const auto& of_one : candidates) {
-    for (const Proposal& p : of_one) all.push_back(p), untaught.push_back(is_untaught(p));
+    for (const Proposal& p : of_one) all.push_back(p), unknown.push_back(has_unknown_errors(p));
   }
-  std::vector<ConfidenceMap> confidence = Predict(all, untaught);
+  std::vector<ConfidenceMap> confidence = Predict(all, unknown);
   std::vector<Validated> picked;
   std::vector<Proposal> mixed;
-  std::vector<bool> mixed_untaught;
+  std::vector<bool> mixed_unknown;
   auto next = confidence.begin();
   for (auto& of_one : candidates) {
     std::vector<ConfidenceMap> maps;
     for (size_t c = 0; c < of_one.size(); ++c) maps.push_back(std::move(*next++));
     for (size_t c = of_one.size(); c-- > 0 && of_one.size() > 1;) {
-      if (!is_untaught(of_one[c]) || !IsNothing(maps[c])) continue;
+      if (!has_unknown_errors(of_one[c]) || !IsNothing(maps[c])) continue;
       of_one.erase(of_one.begin() + static_cast<int64_t>(c)), maps.erase(maps.begin() + static_cast<int64_t>(c));
     }
     picked.push_back(Pick(of_one, maps, rule_));
     if (picked.back().proposal.source != kMixed) continue;
     mixed.push_back(picked.back().proposal);
-    mixed_untaught.push_back(std::any_of(of_one.begin(), of_one.end(), is_untaught));
+    mixed_unknown.push_back(std::any_of(of_one.begin(), of_one.end(), has_unknown_errors));
   }
-  confidence = Predict(mixed, mixed_untaught);
+  confidence = Predict(mixed, mixed_unknown);
   next = confidence.begin();
   for (Validated& v : picked) {
     if (v.proposal.source == kMixed) v.confidence = std::move(*next++);

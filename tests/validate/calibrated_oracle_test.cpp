@@ -1,5 +1,6 @@
-#include "oraclegs/stages/calibrated_oracle.h"
+#include "oraclegs/validate/calibrated_oracle.h"
 
+#include "oraclegs/stages/proposer_row.h"
 #include "run/proposing.h"
 #include "run/weights.h"
 #include "support/errors.h"
@@ -26,21 +27,28 @@ class CalibratedOracleTest : public ProposingTest {
     };
   }
 
+  OracleSetup SetupOf(OracleKind kind, size_t targets) const {
+    OracleSetup setup{kind, options};
+    if (kind == OracleKind::kVggt || kind == OracleKind::kVggtAndConsistency) setup.vggt = weights;
+    setup.targets = targets;
+    return setup;
+  }
+
   std::vector<Validated> Classify(OracleKind kind, Auto<int> chunk = {}) {
-    run->plan.oracle = {kind};
-    if (kind == OracleKind::kVggt || kind == OracleKind::kVggtAndConsistency) {
-      run->plan.oracle.weights = FindVggtWeights(weights);
-    }
-    run->options.validate.oracle_chunk = chunk;
+    options.oracle_chunk = chunk;
+    OracleSetup setup = SetupOf(kind, 3);
+    setup.unknown_errors = has_folder;
     const TrainingViews& training = ViewsOf(&*run);
     const Proposers& proposers = ProposersOf(&*run);
-    const CalibratedOracle oracle(*run, training, proposers, 3);
+    const CalibratedOracle oracle(setup, training.views, proposers, run->listener);
     together = oracle.together();
     std::vector<Target> targets;
     for (size_t v = 0; v < 3; ++v) targets.push_back({training.views[v].name, training.views[v].camera});
     return oracle.Classify(proposers.Ask(targets));
   }
 
+  ValidateOptions options;
+  bool has_folder = false;
   const std::filesystem::path weights = WriteTinyVggt(*temp / "tiny.safetensors");
   std::optional<oraclegs::Run> run;
   std::vector<std::pair<int64_t, int64_t>> steps;
@@ -82,13 +90,13 @@ TEST_F(CalibratedOracleTest, LeavesOutCandidatesOfFoldersThatAreWrongAsAWhole) {
   right.source = wrong.source = "folder";
   right.rgb = view.rgb;
   std::fill(wrong.rgb.data.begin(), wrong.rgb.data.end(), 0.3f);
-  run->plan.oracle = {OracleKind::kConsistency};
-  const auto taught_alone = CalibratedOracle(*run, training, proposers, 1).Classify({{made}});
-  run->results->folder = {{right, wrong}, {{}, {}}};
-  const CalibratedOracle oracle(*run, training, proposers, 1);
+  OracleSetup setup = SetupOf(OracleKind::kConsistency, 1);
+  const auto calibrated_alone = CalibratedOracle(setup, training.views, proposers, Silent()).Classify({{made}});
+  setup.unknown_errors = true;
+  const CalibratedOracle oracle(setup, training.views, proposers, Silent());
   const auto answers = oracle.Classify({{made}, {made, wrong}, {wrong}, {made, right}});
   ASSERT_EQ(answers.size(), 4u);
-  EXPECT_EQ(answers[0].confidence, taught_alone[0].confidence) << "as without a folder";
+  EXPECT_EQ(answers[0].confidence, calibrated_alone[0].confidence) << "as without a folder";
   EXPECT_EQ(answers[1].proposal.source, "warp");
   EXPECT_EQ(answers[1].confidence, answers[0].confidence);
   EXPECT_EQ(answers[2].confidence, ConfidenceMap(answers[2].confidence.size(), 0.f));
@@ -97,8 +105,7 @@ TEST_F(CalibratedOracleTest, LeavesOutCandidatesOfFoldersThatAreWrongAsAWhole) {
 }
 
 TEST_F(CalibratedOracleTest, TeachesTheNetworkTamperedViewsForFolders) {
-  const LoadedView& view = ViewsOf(&*run).views[0];
-  run->results->folder = {{Proposal{"given", "folder", view.camera, view.rgb}}, {{}}};
+  has_folder = true;
   Classify(OracleKind::kVggtAndConsistency);
   EXPECT_EQ(steps.back().second, 6 + 3 + 24);
   EXPECT_EQ(steps.back().first, steps.back().second);
@@ -106,7 +113,7 @@ TEST_F(CalibratedOracleTest, TeachesTheNetworkTamperedViewsForFolders) {
 
 TEST_F(CalibratedOracleTest, UsesVggtAsItIsWithoutCalibration) {
   const auto vggt = Classify(OracleKind::kVggt), consistency = Classify(OracleKind::kConsistency);
-  run->options.validate.calibrate = false;
+  options.calibrate = false;
   steps.clear();
   const auto raw = Classify(OracleKind::kVggt);
   EXPECT_EQ(steps, (std::vector<std::pair<int64_t, int64_t>>{{3, 3}})) << "no view is held out to learn from";
@@ -117,9 +124,9 @@ TEST_F(CalibratedOracleTest, UsesVggtAsItIsWithoutCalibration) {
 
 TEST_F(CalibratedOracleTest, DiffersByMode) {
   const auto reference = Classify(OracleKind::kVggt);
-  run->options.validate.oracle_mode = AttentionMode::kOthers;
+  options.oracle_mode = AttentionMode::kOthers;
   const auto others = Classify(OracleKind::kVggt);
-  run->options.validate.oracle_mode = AttentionMode::kOfficial;
+  options.oracle_mode = AttentionMode::kOfficial;
   const auto official = Classify(OracleKind::kVggt);
   EXPECT_NE(reference[0].confidence, others[0].confidence);
   EXPECT_NE(reference[0].confidence, official[0].confidence);
@@ -127,11 +134,11 @@ TEST_F(CalibratedOracleTest, DiffersByMode) {
 }
 
 TEST_F(CalibratedOracleTest, DiffersByLayers) {
-  run->options.validate.calibrate = false;
+  options.calibrate = false;
   const auto usual = Classify(OracleKind::kVggt);
-  run->options.validate.vggt_layers = "0,2", run->options.validate.vggt_layer_weights = "1,3";
+  options.vggt_layers = "0,2", options.vggt_layer_weights = "1,3";
   EXPECT_EQ(Classify(OracleKind::kVggt)[0].confidence, usual[0].confidence) << "what the file names";
-  run->options.validate.vggt_layers = "1", run->options.validate.vggt_layer_weights = "";
+  options.vggt_layers = "1", options.vggt_layer_weights = "";
   EXPECT_NE(Classify(OracleKind::kVggt)[0].confidence, usual[0].confidence);
 }
 

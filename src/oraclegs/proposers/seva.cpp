@@ -1,4 +1,4 @@
-#include "oraclegs/stages/seva_stage.h"
+#include "oraclegs/proposers/seva.h"
 
 #include <nlohmann/json.hpp>
 

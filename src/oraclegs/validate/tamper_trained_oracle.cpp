@@ -1,4 +1,4 @@
-#include "oraclegs/stages/untaught_oracle.h"
+#include "oraclegs/validate/tamper_trained_oracle.h"
 
 #include <algorithm>
 #include <array>
@@ -10,20 +10,20 @@
 namespace oraclegs {
 namespace {
 
-constexpr size_t kMaxTaughtViews = 32;
-constexpr size_t kViewsTogether = 4;                      // whose lessons are held at once
-constexpr size_t kTaughtPixels = 60000;                   // over all lessons
-constexpr size_t kLessons = 4;                            // of a view
-constexpr double kMinTampered = 0.1, kMaxTampered = 0.6;  // share of a lesson's pixels
+constexpr size_t kMaxViews = 32;
+constexpr size_t kViewsTogether = 4;                      // whose samples are held at once
+constexpr size_t kMaxPixels = 60000;                      // over all samples
+constexpr size_t kSamplesOfView = 4;                      // of a view
+constexpr double kMinTampered = 0.1, kMaxTampered = 0.6;  // share of a sample's pixels
 constexpr double kWrongScale = 1.3;
-constexpr const char* kLesson = "tampered";
+constexpr const char* kTampered = "tampered";
 
-/// Indices of at most kMaxTaughtViews views, evenly picked.
-std::vector<size_t> TaughtViews(size_t views) {
-  const size_t count = std::min(views, kMaxTaughtViews);
-  std::vector<size_t> taught;
-  for (size_t i = 0; i < count; ++i) taught.push_back(i * views / count);
-  return taught;
+/// Indices of at most kMaxViews views, evenly picked.
+std::vector<size_t> LearnedViews(size_t views) {
+  const size_t count = std::min(views, kMaxViews);
+  std::vector<size_t> picked;
+  for (size_t i = 0; i < count; ++i) picked.push_back(i * views / count);
+  return picked;
 }
 
 /// The image in the mean exposure, which proposals have.
@@ -57,7 +57,7 @@ const Proposal* OfSource(const std::vector<Proposal>& candidates, const char* so
   return found == candidates.end() ? nullptr : &*found;
 }
 
-/// What is known of one held-out view.
+/// A held-out view with its image and what is proposed for it.
 struct HeldOutView {
   const LoadedView& view;
   int index;
@@ -66,47 +66,46 @@ struct HeldOutView {
   ImageF proxy_render;
 };
 
-/// Its lessons: what it shows, what is proposed and the mean of both, each tampered, and a wrong picture.
-std::vector<Query> LessonsOf(const HeldOutView& known, uint64_t seed) {
+/// Training samples of a view: its image, what is proposed and the mean of both, each tampered, and a wrong picture.
+std::vector<Query> SamplesOf(const HeldOutView& known, uint64_t seed) {
   const ImageF &first = known.candidates.front().rgb, &last = known.candidates.back().rgb;
-  const std::array<ImageF, kLessons - 1> bases = {known.truth, last, Mean(known.truth, first)};
-  std::vector<Query> lessons;
+  const std::array<ImageF, kSamplesOfView - 1> bases = {known.truth, last, Mean(known.truth, first)};
+  std::vector<Query> samples_of_views;
   const auto add = [&](ImageF rgb) {
-    lessons.push_back({{known.view.name, kLesson, known.view.camera, std::move(rgb)}, known.index, known.proxy_render});
+    samples_of_views.push_back(
+        {{known.view.name, kTampered, known.view.camera, std::move(rgb)}, known.index, known.proxy_render});
   };
   for (size_t b = 0; b < bases.size(); ++b) {
-    Rng rng(seed, RandomStream::kTampering, (static_cast<uint64_t>(known.index) * kLessons + b) << 32);
+    Rng rng(seed, RandomStream::kTampering, (static_cast<uint64_t>(known.index) * kSamplesOfView + b) << 32);
     const double share = rng.Uniform(kMinTampered, kMaxTampered);
     add(Tamper(bases[b], known.other, share, &rng).rgb);
   }
   add(WrongPictures(known.truth, known.other)[static_cast<size_t>(known.index) % 3]);
-  return lessons;
+  return samples_of_views;
 }
 
 }  // namespace
 
-size_t UntaughtOracle::Lessons(size_t views) { return TaughtViews(views).size() * kLessons; }
+size_t TamperTrainedOracle::TrainingSamples(size_t views) { return LearnedViews(views).size() * kSamplesOfView; }
 
-UntaughtOracle::UntaughtOracle(const FeatureSource& features, const Proposers& proposers,
-                               const HeldOutCandidates& held_out, const Run& run)
-    : features_(features.Thorough()),
-      proposers_(proposers),
-      oracle_(features_, held_out.views, run.options.validate.calibrate ? LevelRule::kFitted : LevelRule::kAsIs) {
-  Teach(held_out, run.options.start.seed);
+TamperTrainedOracle::TamperTrainedOracle(const FeatureSource& features, const Proposers& proposers,
+                                         const HeldOutCandidates& held_out, LevelRule rule, uint64_t seed)
+    : features_(features.Thorough()), proposers_(proposers), oracle_(features_, held_out.views, rule) {
+  Learn(held_out, seed);
 }
 
-void UntaughtOracle::Teach(const HeldOutCandidates& held_out, uint64_t seed) {
-  const std::vector<size_t> taught = TaughtViews(held_out.views.size());
+void TamperTrainedOracle::Learn(const HeldOutCandidates& held_out, uint64_t seed) {
+  const std::vector<size_t> picked = LearnedViews(held_out.views.size());
   const Warper& warper = features_.warper();
-  const size_t limit = kTaughtPixels / (taught.size() * kLessons);
+  const size_t limit = kMaxPixels / (picked.size() * kSamplesOfView);
   std::vector<std::pair<std::string, PixelSamples>> samples;
   std::vector<double> right, wrong;
-  for (size_t begin = 0; begin < taught.size(); begin += kViewsTogether) {
-    const size_t count = std::min(kViewsTogether, taught.size() - begin);
-    std::vector<std::vector<Query>> lessons(count);
+  for (size_t begin = 0; begin < picked.size(); begin += kViewsTogether) {
+    const size_t count = std::min(kViewsTogether, picked.size() - begin);
+    std::vector<std::vector<Query>> samples_of_views(count);
     std::vector<std::vector<std::optional<double>>> agreement(count);
     ParallelFor(static_cast<int64_t>(count), [&](int64_t i) {
-      const size_t v = taught[begin + static_cast<size_t>(i)];
+      const size_t v = picked[begin + static_cast<size_t>(i)];
       const size_t w = (v + std::max<size_t>(1, held_out.views.size() / 2)) % held_out.views.size();
       const std::vector<Proposal>& candidates = held_out.candidates[v];
       const Proposal* proxy_render = OfSource(candidates, "splat");
@@ -118,7 +117,7 @@ void UntaughtOracle::Teach(const HeldOutCandidates& held_out, uint64_t seed) {
                               WithoutGain(held_out.views[w], warper.Gain(w)),
                               candidates,
                               proxy_render ? proxy_render->rgb : ImageF()};
-      lessons[static_cast<size_t>(i)] = LessonsOf(known, seed);
+      samples_of_views[static_cast<size_t>(i)] = SamplesOf(known, seed);
       const WarpedView warped = warper.Warp(view.camera, known.index);
       std::vector<std::optional<double>>& of_view = agreement[static_cast<size_t>(i)];
       of_view.push_back(Agreement(known.truth, warped));
@@ -127,7 +126,7 @@ void UntaughtOracle::Teach(const HeldOutCandidates& held_out, uint64_t seed) {
       }
     });
     std::vector<Query> queries;
-    for (std::vector<Query>& of_view : lessons) {
+    for (std::vector<Query>& of_view : samples_of_views) {
       std::move(of_view.begin(), of_view.end(), std::back_inserter(queries));
     }
     for (const auto& of_view : agreement) {
@@ -141,10 +140,10 @@ void UntaughtOracle::Teach(const HeldOutCandidates& held_out, uint64_t seed) {
   check_.Learn(std::move(right), std::move(wrong));
 }
 
-std::vector<ConfidenceMap> UntaughtOracle::Predict(const std::vector<Proposal>& proposals) const {
+std::vector<ConfidenceMap> TamperTrainedOracle::Predict(const std::vector<Proposal>& proposals) const {
   std::vector<Query> queries;
   for (const Proposal& p : proposals) {
-    Query query{{p.name, kLesson, p.camera, p.rgb}};  // nothing else that it may say of itself
+    Query query{{p.name, kTampered, p.camera, p.rgb}};  // nothing else that it may say of itself
     if (const auto proxy_render = proposers_.ProxyRender({p.name, p.camera})) query.proxy_render = proxy_render->rgb;
     queries.push_back(std::move(query));
   }

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/proxy_models.h"
+#include "oraclegs/proposers/proxy_models.h"
 
 #include <algorithm>
 #include <utility>
@@ -236,14 +236,6 @@ int ProxyCount(const ProposeOptions& options, int views) {
   int models = std::min(options.proxy_models, views);
   while (models < views && views - (views + models - 1) / models < enough) ++models;
   return models;
-}
-
-bool CanPropose(const TrainingViews& training, const Geometry& geometry) {
-  return geometry.points.size() >= kMinPointsToPropose && training.views.size() >= kMinViewsToPropose;
-}
-
-bool ProxiesAlonePropose(const Run& run) {
-  return run.options.propose.ByProxiesAlone() && !run.workspace.Record("proxies").is_null();
 }
 
 StageWork ProxyStage() {

@@ -1,9 +1,9 @@
-#include "oraclegs/stages/seva_stage.h"
+#include "oraclegs/proposers/seva.h"
 
 #include "oraclegs/core/interrupt.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/run/reconstruct.h"
-#include "oraclegs/stages/proposers.h"
+#include "oraclegs/stages/proposer_row.h"
 #include "run/proposing.h"
 #include "run/weights.h"
 #include "support/errors.h"

@@ -1,4 +1,4 @@
-#include "oraclegs/stages/proxy_models.h"
+#include "oraclegs/proposers/proxy_models.h"
 
 #include "oraclegs/core/config.h"
 #include "run/proposing.h"

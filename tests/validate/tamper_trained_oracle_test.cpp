@@ -1,9 +1,10 @@
-#include "oraclegs/stages/untaught_oracle.h"
+#include "oraclegs/validate/tamper_trained_oracle.h"
 
 #include <cmath>
 #include <numeric>
 
 #include "oraclegs/core/parallel.h"
+#include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/validate/tamper.h"
 #include "run/proposing.h"
 
@@ -32,11 +33,11 @@ double MeanConfidenceOf(const ConfidenceMap& map) {
   return std::accumulate(map.begin(), map.end(), 0.0) / static_cast<double>(map.size());
 }
 
-/// An oracle taught on views of a demo scene, and images of spare views, which a generator could have made.
-class UntaughtOracleTest : public ProposingTest {
+/// An oracle trained on views of a demo scene, and images of spare views, which a generator could have made.
+class TamperTrainedOracleTest : public ProposingTest {
  protected:
-  UntaughtOracleTest() {
-    RunRequest request = Request("untaught");
+  TamperTrainedOracleTest() {
+    RunRequest request = Request("tamper_trained");
     request.options.propose.proposers = ProposerChoice::kNone;
     request.options.train.depth_weight = 0.1;
     run.emplace(StartRun(request, Silent()));
@@ -49,12 +50,13 @@ class UntaughtOracleTest : public ProposingTest {
       targets.push_back({views[v].name, views[v].camera});
       held_out.emplace_back(static_cast<int>(v));
     }
-    taught.emplace(HeldOutCandidates{views, proposers.Ask(targets, held_out)});
+    held_out_views.emplace(HeldOutCandidates{views, proposers.Ask(targets, held_out)});
     spare = LoadViews(run->scene, SpareViews(*run), run->options.image, Silent());
   }
 
-  UntaughtOracle Teach() {
-    return UntaughtOracle(FeatureSource(ProposersOf(&*run).warper()), ProposersOf(&*run), *taught, *run);
+  TamperTrainedOracle Train() {
+    return TamperTrainedOracle(FeatureSource(ProposersOf(&*run).warper()), ProposersOf(&*run), *held_out_views,
+                               LevelRule::kFitted, run->options.start.seed);
   }
 
   static Proposal Showing(const LoadedView& view, ImageF rgb) {
@@ -62,11 +64,11 @@ class UntaughtOracleTest : public ProposingTest {
   }
 
   std::optional<oraclegs::Run> run;
-  std::optional<HeldOutCandidates> taught;
+  std::optional<HeldOutCandidates> held_out_views;
   std::vector<LoadedView> spare;
 };
 
-TEST_F(UntaughtOracleTest, DistrustsWhatIsTamperedWith) {
+TEST_F(TamperTrainedOracleTest, DistrustsWhatIsTamperedWith) {
   std::vector<Proposal> proposals;
   std::vector<Tampered> tampered;
   for (size_t s = 0; s < spare.size(); ++s) {
@@ -74,7 +76,7 @@ TEST_F(UntaughtOracleTest, DistrustsWhatIsTamperedWith) {
     tampered.push_back(Tamper(spare[s].rgb, spare[(s + 3) % spare.size()].rgb, 0.3, &rng));
     proposals.push_back(Showing(spare[s], tampered.back().rgb));
   }
-  const std::vector<ConfidenceMap> maps = Teach().Predict(proposals);
+  const std::vector<ConfidenceMap> maps = Train().Predict(proposals);
   std::vector<std::pair<float, bool>> pixels;
   for (size_t s = 0; s < spare.size(); ++s) {
     for (size_t i = 0; i < maps[s].size(); ++i) {
@@ -85,29 +87,29 @@ TEST_F(UntaughtOracleTest, DistrustsWhatIsTamperedWith) {
   EXPECT_GT(Auroc(pixels), 0.8) << "of images of 80 x 60 pixels, where depth is poor";
 }
 
-TEST_F(UntaughtOracleTest, TrustsNothingOfPicturesThatAreWrongAsAWhole) {
+TEST_F(TamperTrainedOracleTest, TrustsNothingOfPicturesThatAreWrongAsAWhole) {
   const ImageF constant{80, 60, 3, std::vector<float>(size_t{80} * 60 * 3, 0.4f)};
   const LoadedView& view = spare[2];
   const std::vector<ConfidenceMap> maps =
-      Teach().Predict({Showing(view, view.rgb), Showing(view, constant), Showing(view, UpsideDown(view.rgb)),
+      Train().Predict({Showing(view, view.rgb), Showing(view, constant), Showing(view, UpsideDown(view.rgb)),
                        Showing(view, Zoomed(view.rgb, 1.5)), Showing(view, spare[7].rgb)});
   EXPECT_GT(MeanConfidenceOf(maps[0]), 0.5);
   for (size_t m = 1; m < maps.size(); ++m) EXPECT_EQ(MeanConfidenceOf(maps[m]), 0) << m;
 }
 
-TEST_F(UntaughtOracleTest, PredictsTheSameForAnyNumberOfThreads) {
+TEST_F(TamperTrainedOracleTest, PredictsTheSameForAnyNumberOfThreads) {
   const std::vector<Proposal> proposals = {Showing(spare[0], spare[0].rgb)};
   SetNumThreads(1);
-  const std::vector<ConfidenceMap> one = Teach().Predict(proposals);
+  const std::vector<ConfidenceMap> one = Train().Predict(proposals);
   SetNumThreads(5);
-  const std::vector<ConfidenceMap> five = Teach().Predict(proposals);
+  const std::vector<ConfidenceMap> five = Train().Predict(proposals);
   SetNumThreads(0);
   EXPECT_EQ(one, five);
 }
 
-TEST_F(UntaughtOracleTest, LearnsFromAtMostThirtyTwoViews) {
-  EXPECT_EQ(UntaughtOracle::Lessons(3), 12u);
-  EXPECT_EQ(UntaughtOracle::Lessons(500), 128u);
+TEST_F(TamperTrainedOracleTest, LearnsFromAtMostThirtyTwoViews) {
+  EXPECT_EQ(TamperTrainedOracle::TrainingSamples(3), 12u);
+  EXPECT_EQ(TamperTrainedOracle::TrainingSamples(500), 128u);
 }
 
 }  // namespace

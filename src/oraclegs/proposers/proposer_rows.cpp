@@ -1,0 +1,109 @@
+#include "oraclegs/proposers/proposer_rows.h"
+
+#include "oraclegs/propose/generator.h"
+#include "oraclegs/propose/stored_proposer.h"
+#include "oraclegs/proposers/proxy_models.h"
+#include "oraclegs/proposers/seva.h"
+
+namespace oraclegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <ProposerChoice choice>
+bool Uses(const Run& run) {
+  return run.plan.Uses(run.options, choice);
+}
+
+void RemoveFolder(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+}
+
+ProposerRow WarpRow() {
+  return {.word = "warp",
+          .can_hold_out = true,
+          .stands_in = true,
+          .wanted = Uses<ProposerChoice::kWarp>,
+          .make =
+              [](const Run&, const Warper& warper) {
+                std::vector<AskedProposer> members;
+                members.push_back({std::make_unique<WarpProposer>(warper)});
+                return members;
+              },
+          .undo = [](const fs::path& proposals) { RemoveFolder(proposals / "warp"); }};
+}
+
+ProposerRow ProxiesRow() {
+  return {.word = "splat",
+          .can_hold_out = true,
+          .wanted = Uses<ProposerChoice::kSplat>,
+          .make =
+              [](const Run& run, const Warper&) {
+                std::vector<AskedProposer> members;
+                if (run.results->proxies.empty()) return members;
+                const RenderOptions render{BackgroundColor(run.options.image.background), run.options.train.sh_degree,
+                                           run.options.train.antialiased};
+                members.push_back(
+                    {.proposer = std::make_unique<EnsembleProposer>(run.results->proxies, render), .renders = true});
+                return members;
+              },
+          .undo = [](const fs::path& proposals) { RemoveFolder(proposals / "splat"); }};
+}
+
+ProposerRow SevaRow() {
+  return {.word = "seva",
+          .sees_anything = true,
+          .non_commercial = kSevaName,
+          .wanted = Uses<ProposerChoice::kSeva>,
+          .own = [](const Run& run, Fingerprint* key) { key->Add(SevaKey(run.options.seva)); },
+          .prepare =
+              [](Run* run, const std::string& key) {
+                GenerateViews({ViewsOf(run).views, run->results->targets, key, run->options.seva,
+                               run->workspace.proposals(), run->plan.device},
+                              run->listener);
+              },
+          .make =
+              [](const Run& run, const Warper&) {
+                std::vector<AskedProposer> members;
+                for (int k = 0; k < run.options.seva.candidates; ++k) {
+                  members.push_back({std::make_unique<StoredProposer>(run.workspace.proposals(), SevaSource(k))});
+                }
+                return members;
+              },
+          .undo = RemoveGenerated,
+          .finish = RemoveChunks};
+}
+
+/// Has the command of --generator paint all targets.
+void RunCommand(Run* run, const std::string&) {
+  const fs::path proposals = run->workspace.proposals();
+  const std::vector<Target>& targets = run->results->targets;
+  WriteGeneratorRequest({proposals / "generator"}, targets, ViewsOf(run).views, ProposersOf(run).warper(),
+                        RunFromScene(run->frame).Inverse());
+  RunGenerator({run->options.propose.generator, run->options.generator_limits.generator_timeout, proposals}, targets,
+               run->listener);
+}
+
+ProposerRow CommandRow() {
+  return {.word = "command",
+          .sees_anything = true,
+          .wanted = Uses<ProposerChoice::kCommand>,
+          .prepare = RunCommand,
+          .make =
+              [](const Run& run, const Warper&) {
+                std::vector<AskedProposer> members;
+                members.push_back({std::make_unique<StoredProposer>(run.workspace.proposals(), kGeneratorSource)});
+                return members;
+              },
+          .undo = RemoveGeneratorFiles};
+}
+
+}  // namespace
+
+const std::vector<ProposerRow>& ProposerRows() {
+  static const std::vector<ProposerRow> rows = {WarpRow(), ProxiesRow(), SevaRow(), CommandRow()};
+  return rows;
+}
+
+}  // namespace oraclegs
