@@ -1,4 +1,5 @@
 #include "oraclegs/output/cameras.h"
+#include "oraclegs/run/reconstruct.h"
 
 #include "oraclegs/core/text.h"
 #include "source_command.h"

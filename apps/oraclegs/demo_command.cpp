@@ -8,8 +8,9 @@
 #include "oraclegs/image/png.h"
 #include "oraclegs/image/read_image.h"
 #include "oraclegs/run/reconstruct.h"
+#include "oraclegs/run/stages.h"
+#include "oraclegs/stages/stage_table.h"
 #include "oraclegs/workspace/stage_records.h"
-#include "oraclegs/workspace/stage_table.h"
 #include "oraclegs/workspace/workspace.h"
 
 namespace oraclegs {
@@ -88,7 +89,7 @@ class DemoCommand : public Command {
     request.estimates = true, request.overwrite = options_.overwrite, request.version = ORACLEGS_VERSION;
     const nlohmann::json before = request.overwrite ? nlohmann::json::object() : ReadStageRecords(run);
     const nlohmann::json metrics = Reconstruct(request, listener);
-    Print(StageTable(before, ReadStageRecords(run)) + SummaryOf(metrics, run));
+    Print(StageTable(Stages(), before, ReadStageRecords(run)) + SummaryOf(metrics, run));
     if (WriteComparison(WorkspacePaths(run).renders("test"), image)) {
       Print("Left: an image that the training did not see. Right: the same view of the splat.\n" + image.string());
     }

@@ -1,8 +1,9 @@
 #include <nlohmann/json.hpp>
 
 #include "oraclegs/run/reconstruct.h"
+#include "oraclegs/run/stages.h"
+#include "oraclegs/stages/stage_table.h"
 #include "oraclegs/workspace/stage_records.h"
-#include "oraclegs/workspace/stage_table.h"
 #include "workspace_command.h"
 
 namespace oraclegs {
@@ -18,7 +19,7 @@ class ReconstructCommand : public WorkspaceCommand {
   void Fill(const RunRequest& request, const Listener& listener) override {
     const nlohmann::json before = request.overwrite ? nlohmann::json::object() : ReadStageRecords(request.out);
     const nlohmann::json metrics = Reconstruct(request, listener);
-    Print(StageTable(before, ReadStageRecords(request.out)) + SummaryOf(metrics, request.out));
+    Print(StageTable(Stages(), before, ReadStageRecords(request.out)) + SummaryOf(metrics, request.out));
   }
 };
 

@@ -4,15 +4,16 @@
 
 #include "fuzz/fuzz.h"
 #include "oraclegs/output/live/curves.h"
+#include "oraclegs/run/stages.h"
 #include "oraclegs/settings/named_options.h"
 #include "oraclegs/settings/run_size.h"
 #include "oraclegs/stages/metrics.h"
+#include "oraclegs/stages/stage_table.h"
 #include "oraclegs/workspace/advice.h"
 #include "oraclegs/workspace/frame_file.h"
 #include "oraclegs/workspace/non_commercial.h"
 #include "oraclegs/workspace/saved_run.h"
 #include "oraclegs/workspace/stage_records.h"
-#include "oraclegs/workspace/stage_table.h"
 
 ORACLEGS_FUZZ_TARGET(workspace) {
   using namespace oraclegs;
@@ -33,8 +34,8 @@ ORACLEGS_FUZZ_TARGET(workspace) {
   });
   fuzz::Try([&] {
     const nlohmann::json records = ReadStageRecords(dir);
-    StageTable(nlohmann::json::object(), records);
-    StageTable(records, records);
+    StageTable(Stages(), nlohmann::json::object(), records);
+    StageTable(Stages(), records, records);
     NonCommercialParts(WorkspacePaths(dir));
   });
   fuzz::Try([&] { ReadFrame(dir / "frame.json"); });

@@ -16,56 +16,57 @@ class EstimateTest : public testing::Test {
 };
 
 TEST_F(EstimateTest, KnowsEveryStage) {
-  for (const Stage& stage : Stages()) EXPECT_GT(EstimateSeconds(stage.name, Input(options)), 0) << stage.name;
-  EXPECT_EQ(EstimateSeconds("lunch", Input(options)), 0);
+  for (const Stage& stage : Stages()) EXPECT_GT(EstimateSeconds(stage, Input(options)), 0) << stage.name;
+  EXPECT_EQ(EstimateSeconds(Stage{.name = "lunch"}, Input(options)), 0);
 }
 
 TEST_F(EstimateTest, TrainingGrowsWithIterationsPixelsAndGaussians) {
-  const double usual = EstimateSeconds("train", Input(options));
+  const double usual = EstimateSeconds(StageNamed(Stages(), "train"), Input(options));
   RunOptions longer = options, larger = options, denser = options;
   longer.train.iterations = 2 * options.train.iterations.value();
   larger.image.max_size = 2 * options.image.max_size.value();
   denser.train.max_gaussians = 2 * options.train.max_gaussians.value();
-  EXPECT_NEAR(EstimateSeconds("train", Input(longer)), 2 * usual, 1e-9 * usual);
-  EXPECT_GT(EstimateSeconds("train", Input(larger)), 2 * usual);
-  EXPECT_GT(EstimateSeconds("train", Input(denser)), 1.1 * usual);
+  EXPECT_NEAR(EstimateSeconds(StageNamed(Stages(), "train"), Input(longer)), 2 * usual, 1e-9 * usual);
+  EXPECT_GT(EstimateSeconds(StageNamed(Stages(), "train"), Input(larger)), 2 * usual);
+  EXPECT_GT(EstimateSeconds(StageNamed(Stages(), "train"), Input(denser)), 1.1 * usual);
 }
 
 TEST_F(EstimateTest, ScalesWithTheMachine) {
   EstimateInput slow = Input(options);
   slow.slowness = 3;
-  EXPECT_DOUBLE_EQ(EstimateSeconds("depth", slow), 3 * EstimateSeconds("depth", Input(options)));
+  EXPECT_DOUBLE_EQ(EstimateSeconds(StageNamed(Stages(), "depth"), slow),
+                   3 * EstimateSeconds(StageNamed(Stages(), "depth"), Input(options)));
 }
 
 TEST_F(EstimateTest, PointsOfRegistrationServeWhereAllPhotosTrain) {
   EstimateInput all = Input(options);
   all.photos = 12, all.test_views = 0;
-  EXPECT_LT(EstimateSeconds("sfm", all), 1);
-  EXPECT_GT(EstimateSeconds("sfm", Input(options)), 10);
+  EXPECT_LT(EstimateSeconds(StageNamed(Stages(), "sfm"), all), 1);
+  EXPECT_GT(EstimateSeconds(StageNamed(Stages(), "sfm"), Input(options)), 10);
 }
 
 TEST_F(EstimateTest, SmallPhotosAreMatchedSooner) {
-  const double large = EstimateSeconds("register", Input(options));
+  const double large = EstimateSeconds(StageNamed(Stages(), "register"), Input(options));
   scene.largest = {320, 240};
-  EXPECT_LT(EstimateSeconds("register", Input(options)), large / 2);
+  EXPECT_LT(EstimateSeconds(StageNamed(Stages(), "register"), Input(options)), large / 2);
 }
 
 TEST_F(EstimateTest, PosesOfViewsAreNoMoreThanThere) {
-  const double usual = EstimateSeconds("propose", Input(options));
+  const double usual = EstimateSeconds(StageNamed(Stages(), "propose"), Input(options));
   options.trajectory.trajectory = Trajectory::kDataset;
   EstimateInput few = Input(options);
   few.other_views = 3;
-  EXPECT_LT(EstimateSeconds("propose", few), usual / 4);
+  EXPECT_LT(EstimateSeconds(StageNamed(Stages(), "propose"), few), usual / 4);
   options.trajectory.trajectory = {};
-  EXPECT_EQ(EstimateSeconds("propose", Input(options)), usual);
+  EXPECT_EQ(EstimateSeconds(StageNamed(Stages(), "propose"), Input(options)), usual);
   EstimateInput spare = Input(options);
   spare.other_views = 40;
-  EXPECT_LT(EstimateSeconds("propose", spare), usual / 2);
+  EXPECT_LT(EstimateSeconds(StageNamed(Stages(), "propose"), spare), usual / 2);
 }
 
 TEST_F(EstimateTest, WithoutProposalsNothingIsProposed) {
   options.propose.proposers = ProposerChoice::kNone;
-  EXPECT_EQ(EstimateSeconds("proxies", Input(options)), 0);
+  EXPECT_EQ(EstimateSeconds(StageNamed(Stages(), "proxies"), Input(options)), 0);
 }
 
 TEST_F(EstimateTest, MemoryGrowsWithPixels) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "oraclegs/core/plural.h"
 #include "oraclegs/gaussians/initialize.h"
 #include "oraclegs/gaussians/ply.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/start_points.h"
 #include "oraclegs/stages/train_inputs.h"
 #include "oraclegs/train/make_train_device.h"
@@ -209,6 +211,14 @@ std::optional<nlohmann::json> MakeProxy(Run* run, const std::string& key) {
   return nlohmann::json{{"models", n}, {"files", all}};
 }
 
+double SecondsOfProxies(const EstimateInput& input) {
+  const ProposeOptions& propose = input.options.propose;
+  const bool is_object = input.covered < 1;
+  const double iterations =
+      (propose.proxy_share + propose.ProxyFinish(is_object)) * input.options.train.iterations.value();
+  return ProxyCount(propose, input.scene.views) * iterations * SecondsOfIteration(input);
+}
+
 }  // namespace
 
 TrainOptions ProxyOptions(const RunOptions& options, TrainOptions train) {
@@ -242,7 +252,9 @@ StageWork ProxyStage() {
   return {.wanted = [](const Run& run) { return run.plan.Uses(run.options, ProposerChoice::kSplat); },
           .own = AddProxyKey,
           .make = MakeProxy,
-          .load = LoadProxy};
+          .load = LoadProxy,
+          .summary = [](const nlohmann::json& r) { return Counted(CountIn(r, "models"), "proxy model"); },
+          .seconds = SecondsOfProxies};
 }
 
 }  // namespace oraclegs

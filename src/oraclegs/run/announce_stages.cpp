@@ -4,25 +4,12 @@
 #include "oraclegs/core/text.h"
 #include "oraclegs/run/needed_photos.h"
 #include "oraclegs/run/speed_probe.h"
-#include "oraclegs/run/stages.h"
 #include "oraclegs/run/time_estimate.h"
-#include "oraclegs/stages/proposer_row.h"
 
 namespace oraclegs {
 namespace {
 
 constexpr double kCoveredByObject = 0.45;  // of a Blender scene's images
-
-/// What a network does is of no known speed.
-bool UsesNetwork(const Run& run, const std::string& stage) {
-  const Plan& plan = run.plan;
-  if (stage == "register") return plan.poses.has_value();
-  if (stage == "depth") return plan.needs_depth && plan.depth.HasNetwork();
-  if (stage == "propose") return AsksGenerator(run);
-  if (stage == "validate") return plan.has_proposals && plan.oracle.weights.has_value();
-  if (stage == "train") return plan.has_proposals && run.options.train.proposal_lpips > 0 && !plan.lpips.empty();
-  return stage == "evaluate" && !plan.lpips.empty();
-}
 
 /// The run goes on: the estimate is an upper bound, and the machine may be about to have more.
 void WarnOfMemory(int64_t needed, const Listener& listener) {
@@ -48,10 +35,10 @@ void AnnounceStages(Run* run) {
                             run->plan.device.is_cpu() ? CpuSlowness() : 0,
                             run->scene.format == SceneFormat::kBlender ? kCoveredByObject : 1};
   RunPlanned planned;
-  for (const Stage& stage : Stages()) {
+  for (const Stage& stage : *run->stages) {
     if (!stage.work.wanted(*run)) continue;
-    const bool known = run->plan.device.is_cpu() && !UsesNetwork(*run, stage.name);
-    planned.stages.push_back({stage.name, known ? EstimateSeconds(stage.name, input) : 0});
+    const bool known = run->plan.device.is_cpu() && !(stage.work.uses_network && stage.work.uses_network(*run));
+    planned.stages.push_back({stage.name, known ? EstimateSeconds(stage, input) : 0});
     if (known) run->predicted[stage.name] = planned.stages.back().seconds;
   }
   run->listener(planned);

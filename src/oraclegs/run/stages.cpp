@@ -21,7 +21,7 @@ const std::vector<Stage>& Stages() {
       {"proxies", 1, {"depth"}, ProxyStage()},
       {"propose", 2, {"depth", "proxies"}, ProposeStage()},
       {"validate", 4, {"propose"}, ValidateStage()},
-      {"train", kTrainStageVersion, {"sfm", "depth", "validate"}, TrainStage()},
+      {"train", 1, {"sfm", "depth", "validate"}, TrainStage()},
       {"evaluate", 1, {"train"}, EvaluateStage()},
       {"report", 1, {"evaluate"}, ReportStage()},
   };

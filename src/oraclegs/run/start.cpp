@@ -287,7 +287,7 @@ Run StartRun(const RunRequest& asked, const Listener& listener) {
   }
   Run run{*settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
   run.workspace.DropDamagedRecords(listener);
-  run.proposer_rows = &ProposerRows();
+  run.stages = &Stages(), run.proposer_rows = &ProposerRows();
   run.start_iterations = ReadSavedRun(request.out).start_iterations;
   const auto live = std::make_shared<Live>(run.workspace, listener);
   run.observer = live;
@@ -319,7 +319,7 @@ Run OpenRun(const RunRequest& asked, const Listener& listener) {
   if (!scene.HasPoses()) plan.poses = PoseNetworkOf(request.options, workspace);
   const RunOptions settled = SettleSize(request.options, scene, plan.device, saved.size, Silent());
   Run run{settled, request.version, std::move(plan), std::move(workspace), std::move(scene), {}, listener, ""};
-  run.proposer_rows = &ProposerRows();
+  run.stages = &Stages(), run.proposer_rows = &ProposerRows();
   run.start_iterations = saved.start_iterations;
   run.photos = PhotosFingerprint(run.scene, &run.files);
   LeaveOutUnreadablePhotos(&run);

@@ -14,6 +14,7 @@
 #include "oraclegs/networks/networks.h"
 #include "oraclegs/scene/frame_comments.h"
 #include "oraclegs/stages/monocular_depth.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -190,7 +191,18 @@ StageWork DepthStage() {
           .undo = UndoDepth,
           .make = MakeDepth,
           .load = LoadDepth,
-          .report = ReportDepth};
+          .report = ReportDepth,
+          .summary =
+              [](const nlohmann::json& r) {
+                return fmt::format("confident on {:.0f} % of the pixels, {}", 100 * r.value("confident_share", 0.0),
+                                   Counted(CountIn(r, "points"), "dense point"));
+              },
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kStereoOfPixel = 17e-6, kStereo = 0.5;
+                return kStereo + kStereoOfPixel * CoveredPixels(input) * input.scene.views;
+              },
+          .uses_network = [](const Run& run) { return run.plan.needs_depth && run.plan.depth.HasNetwork(); }};
 }
 
 void RequireDepth(Run* run) {

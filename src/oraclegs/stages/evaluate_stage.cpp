@@ -12,6 +12,7 @@
 #include "oraclegs/stages/metrics.h"
 #include "oraclegs/stages/perceptual.h"
 #include "oraclegs/stages/stage_clock.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -76,6 +77,13 @@ bool LacksOffset(const GaussianPly& file, const SceneFrame& frame) {
   return (middle + frame.offset - frame.center).norm() < (middle - frame.center).norm();
 }
 
+std::string ScoredText(const nlohmann::json& record) {
+  const nlohmann::json test = record.value("test", nlohmann::json::object());
+  const nlohmann::json psnr = test.value("psnr", nlohmann::json()), ssim = test.value("ssim", nlohmann::json());
+  if (!psnr.is_number() || !ssim.is_number()) return "no test pixels";
+  return fmt::format("PSNR {:.2f} dB, SSIM {:.4f}", psnr.get<double>(), ssim.get<double>());
+}
+
 }  // namespace
 
 Model LoadModel(const fs::path& ply, const RunOptions& options, Device device, const SceneFrame& frame,
@@ -121,7 +129,14 @@ StageWork EvaluateStage() {
           .undo = UndoEvaluate,
           .make = MakeEvaluate,
           .check = [](const Run& run) { ReadMetrics(run.workspace.root()); },
-          .file = "metrics.json"};
+          .file = "metrics.json",
+          .summary = ScoredText,
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kScore = 0.5;
+                return kScore + SecondsOfScores(input, input.test_views > 0 ? input.test_views : input.scene.views);
+              },
+          .uses_network = [](const Run& run) { return !run.plan.lpips.empty(); }};
 }
 
 }  // namespace oraclegs

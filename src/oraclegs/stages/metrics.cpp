@@ -50,11 +50,12 @@ nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_reco
   if (evaluate_record.contains("support")) metrics["support"] = evaluate_record.at("support");
   metrics["gaussians"] = evaluate_record.at("gaussians");
   metrics["stages"]["evaluate"]["seconds"] = evaluate_record.at("seconds");
-  for (const char* stage : kTimedStages) {
-    const nlohmann::json record = run.workspace.Record(stage);
-    if (!record.is_object()) continue;
-    metrics["stages"][stage]["seconds"] = record.value("seconds", 0.0);
-    if (record.contains("cpu_seconds")) metrics["stages"][stage]["cpu_seconds"] = record.at("cpu_seconds");
+  for (const Stage& stage : *run.stages) {
+    const nlohmann::json record = run.workspace.Record(stage.name);
+    if (!record.is_object()) continue;  // the report, later
+    metrics["stages"][stage.name]["seconds"] = record.value("seconds", 0.0);
+    if (record.contains("cpu_seconds")) metrics["stages"][stage.name]["cpu_seconds"] = record.at("cpu_seconds");
+    if (stage.name == "evaluate") break;  // the report tells of an earlier result
   }
   const nlohmann::json train = run.workspace.Record("train"), start = run.workspace.Record("start");
   int64_t peak = evaluate_record.at("peak_memory_bytes").get<int64_t>();

@@ -7,10 +7,6 @@
 
 namespace oraclegs {
 
-/// The stages whose time is reported, in their order.
-inline constexpr const char* kTimedStages[] = {"register", "sfm",      "depth", "proxies",
-                                               "propose",  "validate", "train", "evaluate"};
-
 /// What metrics.json holds, from the records of the finished stages and that of "evaluate" (docs/formats.md lists the
 /// keys).
 nlohmann::json MetricsToJson(const Run& run, const nlohmann::json& evaluate_record);

@@ -3,10 +3,12 @@
 #include <algorithm>
 
 #include "oraclegs/core/memory.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/image/png.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/propose/trajectory.h"
 #include "oraclegs/stages/proposer_row.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/workspace/non_commercial.h"
 
 namespace oraclegs {
@@ -174,6 +176,12 @@ std::optional<nlohmann::json> MakePropose(Run* run, const std::string& key) {
   return record;
 }
 
+std::string ProposedText(const nlohmann::json& record) {
+  std::string text = Counted(CountIn(record, "targets"), "view");
+  if (CountIn(record, "folder") > 0) text += fmt::format(", {} from the folder", CountIn(record, "folder"));
+  return text;
+}
+
 }  // namespace
 
 std::vector<int> SpareViews(const Run& run) {
@@ -193,7 +201,14 @@ StageWork ProposeStage() {
           .own = AddProposeKey,
           .undo = UndoPropose,
           .make = MakePropose,
-          .load = LoadPropose};
+          .load = LoadPropose,
+          .summary = ProposedText,
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kProposeOfPixel = 0.35e-6, kPropose = 1;
+                return kPropose + kProposeOfPixel * CoveredPixels(input) * ProposalsOf(input);
+              },
+          .uses_network = AsksGenerator};
 }
 
 }  // namespace oraclegs

@@ -1,7 +1,9 @@
 #include "oraclegs/stages/register_stage.h"
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/sfm/register_views.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/vggt_registration.h"
 #include "oraclegs/workspace/non_commercial.h"
 
@@ -65,7 +67,17 @@ StageWork RegisterStage() {
           .own = AddRegisterKey,
           .undo = UndoRegister,
           .make = MakeRegister,
-          .load = LoadRegister};
+          .load = LoadRegister,
+          .summary =
+              [](const nlohmann::json& r) {
+                return fmt::format("{} of {}", CountIn(r, "registered"), Counted(CountIn(r, "photos"), "photo"));
+              },
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kMapping = 3, kMappingOfPhoto = 0.3;
+                return SecondsOfFeatures(input, input.photos) + kMapping + kMappingOfPhoto * input.photos;
+              },
+          .uses_network = [](const Run& run) { return run.plan.poses.has_value(); }};
 }
 
 std::optional<VggtWeights> PoseNetworkOf(const RunOptions& options, const Workspace& workspace) {

@@ -18,9 +18,7 @@ class StageRunner {
  public:
   StageRunner(Run* run, const std::vector<Stage>& stages, Needs needs) : run_(run), stages_(stages), needs_(needs) {}
 
-  const Stage& Find(const std::string& name) const {
-    return *std::find_if(stages_.begin(), stages_.end(), [&](const Stage& stage) { return stage.name == name; });
-  }
+  const Stage& Find(const std::string& name) const { return StageNamed(stages_, name); }
 
   std::string Key(const Stage& stage) {
     if (!stage.work.wanted(*run_)) return "";

@@ -1,10 +1,12 @@
 #include "oraclegs/stages/sfm_stage.h"
 
 #include "oraclegs/core/error.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/sfm/match_for_check.h"
 #include "oraclegs/sfm/pose_check.h"
 #include "oraclegs/sfm/pose_fit_words.h"
 #include "oraclegs/sfm/triangulate.h"
+#include "oraclegs/stages/stage_seconds.h"
 
 namespace oraclegs {
 namespace {
@@ -84,8 +86,21 @@ std::optional<nlohmann::json> MakeSfm(Run* run, const std::string&) {
       {"points", run->results->points.size()}, {"files", nlohmann::json::array()}, {"poses", std::move(poses)}};
 }
 
+double SecondsOfSfm(const EstimateInput& input) {
+  constexpr double kTriangulation = 0.5, kReuse = 0.3;
+  const bool found = input.photos > 0 && input.test_views + input.other_views == 0;  // all by registration
+  return found ? kReuse : SecondsOfFeatures(input, input.scene.views) + kTriangulation;
+}
+
 }  // namespace
 
-StageWork SfmStage() { return {.wanted = IsWanted, .own = AddSfmKey, .make = MakeSfm, .load = LoadSfm}; }
+StageWork SfmStage() {
+  return {.wanted = IsWanted,
+          .own = AddSfmKey,
+          .make = MakeSfm,
+          .load = LoadSfm,
+          .summary = [](const nlohmann::json& r) { return Counted(CountIn(r, "points"), "point"); },
+          .seconds = SecondsOfSfm};
+}
 
 }  // namespace oraclegs

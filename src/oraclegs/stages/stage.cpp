@@ -1,4 +1,5 @@
 #include "oraclegs/stages/stage.h"
+#include "oraclegs/core/error.h"
 
 namespace oraclegs {
 
@@ -8,6 +9,13 @@ const TrainingViews& ViewsOf(Run* run) {
     views = std::make_unique<TrainingViews>(LoadViews(run->scene, run->split.train, run->options.image, run->listener));
   }
   return *views;
+}
+
+const Stage& StageNamed(const std::vector<Stage>& stages, const std::string& name) {
+  for (const Stage& stage : stages) {
+    if (stage.name == name) return stage;
+  }
+  throw RunError("there is no stage {}", name);
 }
 
 }  // namespace oraclegs

@@ -27,7 +27,9 @@
 namespace oraclegs {
 
 class RunObserver;
+struct EstimateInput;
 struct ProposerRow;
+struct Stage;
 
 /// The training views of the split, in its order.
 struct TrainingViews {
@@ -74,6 +76,7 @@ struct Run {
   std::function<void(Run*)> on_training = {};  ///< called as stage "train" begins, its views in memory; may be empty
   /// --iterations that the run was begun with, of which proxy models train a share; 0 = --iterations.
   int64_t start_iterations = 0;
+  const std::vector<Stage>* stages = nullptr;               ///< not null
   const std::vector<ProposerRow>* proposer_rows = nullptr;  ///< not null
   std::shared_ptr<RunObserver> observer = {};               ///< null for a run that was only opened
 };
@@ -99,7 +102,16 @@ struct StageWork {
   /// Notes about the result. May be null.
   void (*report)(Run* run) = nullptr;
   const char* file = "";  ///< the result of a stage without `load`, which a note names
+  /// Result in a few words, from a record, for the table at the end of a run.
+  std::string (*summary)(const nlohmann::json& record) = nullptr;
+  /// Seconds on the CPU of the reference machine (stage_seconds.h).
+  double (*seconds)(const EstimateInput& input) = nullptr;
+  /// True where a network or another program takes part, whose time nobody knows. May be null.
+  bool (*uses_network)(const Run& run) = nullptr;
 };
+
+/// A number of a record; 0 where it has none.
+inline int64_t CountIn(const nlohmann::json& record, const char* name) { return record.value(name, int64_t{0}); }
 
 /// A row of stages.cpp.
 struct Stage {
@@ -108,5 +120,8 @@ struct Stage {
   std::vector<std::string> needs;  ///< stages whose results it takes
   StageWork work;
 };
+
+/// The row of this name. Throws RunError where there is none.
+const Stage& StageNamed(const std::vector<Stage>& stages, const std::string& name);
 
 }  // namespace oraclegs

@@ -5,6 +5,7 @@
 
 #include "oraclegs/core/files.h"
 #include "oraclegs/core/memory.h"
+#include "oraclegs/core/plural.h"
 #include "oraclegs/core/system_reason.h"
 #include "oraclegs/evaluate/support.h"
 #include "oraclegs/gaussians/ply.h"
@@ -14,6 +15,7 @@
 #include "oraclegs/stages/proposer_row.h"
 #include "oraclegs/stages/pseudo_depth.h"
 #include "oraclegs/stages/stage_clock.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/stages/start_points.h"
 #include "oraclegs/stages/test_score.h"
 #include "oraclegs/stages/train_inputs.h"
@@ -37,9 +39,10 @@ void AddTrainKey(Run* run, Fingerprint* key) {
 
 /// The key of the stage, but for --iterations.
 std::string InputsOf(Run* run) {
+  const Stage& stage = StageNamed(*run->stages, "train");
   Fingerprint print;
-  print.Add(kTrainStageVersion);
-  for (const char* need : {"sfm", "depth", "validate"}) {
+  print.Add(stage.version);
+  for (const std::string& need : stage.needs) {
     const nlohmann::json record = run->workspace.Record(need);
     print.Add(record.is_object() ? record.value("key", "") : "");
   }
@@ -279,12 +282,23 @@ std::optional<nlohmann::json> MakeTrain(Run* run, const std::string&) {
 }  // namespace
 
 StageWork TrainStage() {
-  return {.wanted = [](const Run&) { return true; },
-          .own = AddTrainKey,
-          .undo = UndoTrain,
-          .make = MakeTrain,
-          .check = [](const Run& run) { ReadIntactGaussianPly(run.workspace.point_cloud()); },
-          .file = "point_cloud.ply"};
+  return {
+      .wanted = [](const Run&) { return true; },
+      .own = AddTrainKey,
+      .undo = UndoTrain,
+      .make = MakeTrain,
+      .check = [](const Run& run) { ReadIntactGaussianPly(run.workspace.point_cloud()); },
+      .file = "point_cloud.ply",
+      .summary =
+          [](const nlohmann::json& r) {
+            return Counted(CountIn(r, "gaussians"), "Gaussian") + ", " + Counted(CountIn(r, "iterations"), "iteration");
+          },
+      .seconds =
+          [](const EstimateInput& input) { return input.options.train.iterations.value() * SecondsOfIteration(input); },
+      .uses_network =
+          [](const Run& run) {
+            return run.plan.has_proposals && run.options.train.proposal_lpips > 0 && !run.plan.lpips.empty();
+          }};
 }
 
 }  // namespace oraclegs

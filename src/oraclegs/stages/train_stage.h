@@ -4,9 +4,6 @@
 
 namespace oraclegs {
 
-/// Raised when the same inputs train to another result.
-inline constexpr int kTrainStageVersion = 1;
-
 /// Stage "train": writes point_cloud.ply, continuing from the newest checkpoint to the same bits. The last
 /// checkpoint stays: the same run with more --iterations goes on from it, over the new number's schedule. When what it
 /// is trained on has changed it starts anew with a warning, and the old point_cloud.ply and metrics.json are removed.

@@ -16,6 +16,7 @@
 #include "oraclegs/networks/loader.h"
 #include "oraclegs/propose/proposal_files.h"
 #include "oraclegs/stages/proposer_row.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/validate/calibrated_oracle.h"
 #include "oraclegs/validate/view_chunks.h"
 #include "oraclegs/workspace/non_commercial.h"
@@ -132,6 +133,7 @@ OracleSetup SetupOf(const Run& run) {
   if (choice.weights) {
     setup.vggt = choice.weights->path;
     setup.device = DeviceOfNetworks(GetNetworks(), run.plan.device, run.listener);
+    setup.free_bytes = static_cast<uint64_t>(FreeBytes(setup.device));
   }
   const auto& ready_made = run.results->folder.confidence;
   setup.unknown_errors = AsksGenerator(run) ||
@@ -299,6 +301,15 @@ std::optional<nlohmann::json> MakeValidate(Run* run, const std::string&) {
   return record;
 }
 
+std::string ValidatedText(const nlohmann::json& record) {
+  const nlohmann::json means = record.value("mean_confidence", nlohmann::json::object());
+  if (means.empty()) return "0 proposals";
+  double sum = 0;
+  for (const nlohmann::json& mean : means) sum += mean.is_number() ? mean.get<double>() : 0;
+  return fmt::format("{}, mean confidence {:.2f}", Counted(means.size(), "proposal"),
+                     sum / static_cast<double>(means.size()));
+}
+
 }  // namespace
 
 StageWork ValidateStage() {
@@ -307,7 +318,15 @@ StageWork ValidateStage() {
           .undo = UndoValidate,
           .make = MakeValidate,
           .load = LoadValidate,
-          .report = ReportConfidence};
+          .report = ReportConfidence,
+          .summary = ValidatedText,
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kValidateOfPixel = 1.35e-6, kTeachOracleOfPixel = 5e-6, kValidate = 0.5;
+                return kValidate + (kValidateOfPixel * ProposalsOf(input) + kTeachOracleOfPixel * input.scene.views) *
+                                       CoveredPixels(input);
+              },
+          .uses_network = [](const Run& run) { return run.plan.has_proposals && run.plan.oracle.weights.has_value(); }};
 }
 
 }  // namespace oraclegs

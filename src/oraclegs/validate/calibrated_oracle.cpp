@@ -122,9 +122,8 @@ void CalibratedOracle::LoadSecond(const OracleSetup& setup, const std::vector<Lo
   std::vector<Camera> cameras;
   for (const LoadedView& view : views) cameras.push_back(view.camera);
   VggtOracleOptions options;
-  options.chunk =
-      ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
-                  std::max(setup.targets, views.size()), static_cast<uint64_t>(FreeBytes(setup.device)), listener);
+  options.chunk = ChooseChunk([&](int64_t chunk) { return network->PassBytes(cameras, chunk + 1); }, asked.oracle_chunk,
+                              std::max(setup.targets, views.size()), setup.free_bytes, listener);
   together_ = options.chunk;
   progress_ = std::make_shared<Progress>();
   progress_->listener = listener;

@@ -29,7 +29,8 @@ struct OracleSetup {
   OracleKind kind = OracleKind::kConsistency;
   ValidateOptions options = {};
   std::filesystem::path vggt = {};  ///< weights, for the kinds that ask VGGT; empty = it is not asked
-  Device device = kCpu;             ///< of VGGT
+  Device device = kCpu;             ///< where VGGT computes
+  uint64_t free_bytes = 0;          ///< free memory there; 0 = unknown
   bool unknown_errors = false;      ///< some proposals come from generators that cannot hold a view out
   size_t targets = 0;               ///< to be classified, for the progress of "validate"
   uint64_t seed = 0;

@@ -132,8 +132,8 @@ TEST_F(CudaViewLossTest, PicturesOfBytesLieThereAsBytes) {
   data.photos[0].image = InBytes(data.photos[0].image);
   const LossPlan plan(Options().Settled(), data);
   const DeviceViews views(plan);
-  EXPECT_EQ(views.At({ViewKind::kPhoto, 0}, false).bytes(), 3 * kWidth * kHeight);
-  EXPECT_EQ(views.At({ViewKind::kPhoto, 1}, false).bytes(), 12 * kWidth * kHeight);
+  EXPECT_EQ(views.At({ViewKind::kPhoto, 0}).bytes(), 3 * kWidth * kHeight);
+  EXPECT_EQ(views.At({ViewKind::kPhoto, 1}).bytes(), 12 * kWidth * kHeight);
   EXPECT_EQ(views.bytes(), 15 * kWidth * kHeight);
 }
 

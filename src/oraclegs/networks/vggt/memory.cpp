@@ -43,7 +43,7 @@ int64_t PassBytes(const Config& config, const Pass& pass) {
   const int64_t block = kWidthsInBlock * row;
   const int64_t kept = (pass.heads.depth ? 4 : pass.heads.camera ? 1 : 0) * kWidthsKept * row;
   const int64_t images = 3 * kFloat * 3 * pass.views * pass.height * pass.width;
-  return kept + images + std::max(block, dense ? DenseBytes(config, pass) : 0) + kBytesOnTop;
+  return kept + images + std::max(block, pass.heads.depth ? DenseBytes(config, pass) : 0) + kBytesOnTop;
 }
 
 }  // namespace oraclegs::vggt

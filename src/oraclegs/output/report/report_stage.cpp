@@ -5,6 +5,7 @@
 #include "oraclegs/output/report/report_files.h"
 #include "oraclegs/output/report/run_document.h"
 #include "oraclegs/stages/evaluate_stage.h"
+#include "oraclegs/stages/stage_seconds.h"
 #include "oraclegs/web/assets.h"
 #include "oraclegs/web/page.h"
 
@@ -53,7 +54,16 @@ StageWork ReportStage() {
   return {.wanted = [](const Run& run) { return run.options.report.report; },
           .own = AddReportKey,
           .undo = UndoReport,
-          .make = MakeReport};
+          .make = MakeReport,
+          .summary = [](const nlohmann::json&) { return std::string("report.html"); },
+          .seconds =
+              [](const EstimateInput& input) {
+                constexpr double kReport = 0.5, kReportOfPixel = 1e-6, kLoadOfPixel = 26e-9;
+                const double views = input.scene.views + input.test_views;
+                return kReport + kReportOfPixel * CoveredPixels(input) * views +
+                       kLoadOfPixel * FullPixels(input) * views +
+                       SecondsOfRender(input) * input.options.report.orbit_frames;
+              }};
 }
 
 }  // namespace oraclegs

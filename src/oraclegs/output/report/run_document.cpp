@@ -44,7 +44,7 @@ std::string ValueText(const json& value) {
 }
 
 /// What stages left to remember, or an empty object.
-json RecordOf(const Run& run, const char* stage) {
+json RecordOf(const Run& run, const std::string& stage) {
   const json record = run.workspace.Record(stage);
   return record.is_object() ? record : json::object();
 }
@@ -68,9 +68,9 @@ json OptionRows(const RunOptions& options) {
 
 json StageRows(const Run& run) {
   json rows = json::array();
-  for (const char* stage : kTimedStages) {
-    const json record = RecordOf(run, stage);
-    if (record.contains("seconds")) rows.push_back({{"name", stage}, {"seconds", record.at("seconds")}});
+  for (const Stage& stage : *run.stages) {
+    const json record = RecordOf(run, stage.name);
+    if (record.contains("seconds")) rows.push_back({{"name", stage.name}, {"seconds", record.at("seconds")}});
   }
   return rows;
 }

@@ -1,0 +1,65 @@
+#include "oraclegs/stages/stage_seconds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "oraclegs/settings/plan.h"
+#include "oraclegs/sfm/choose_pairs.h"
+#include "oraclegs/sfm/colmap_runner.h"
+
+namespace oraclegs {
+namespace {
+
+// Seconds on the reference machine.
+constexpr double kExtract = 0.2, kExtractOfPixel = 0.47e-6;  // a photo
+constexpr double kMatch = 0.04, kMatchOfSide = 0.22e-3;      // a pair; features grow with the pixels' square root
+constexpr double kIterationOfPixel = 59e-9, kIterationOfGaussian = 107e-9, kIteration = 0.5e-3;
+constexpr double kScoreOfPixel = 0.75e-6, kLoadOfPixel = 26e-9;  // of an image as it came
+constexpr double kRenderOfPixel = 0.1e-6, kRenderOfGaussian = 30e-9;
+
+}  // namespace
+
+double PixelsOfView(const EstimateInput& input) {
+  const PixelSize size = WorkingSize(input.scene.largest, input.options.image);
+  return static_cast<double>(size.width) * size.height;
+}
+
+double CoveredPixels(const EstimateInput& input) { return input.covered * PixelsOfView(input); }
+
+double FullPixels(const EstimateInput& input) {
+  return static_cast<double>(input.scene.largest.width) * input.scene.largest.height;
+}
+
+int ProposalsOf(const EstimateInput& input) {
+  const RunOptions& options = input.options;
+  if (!ProposesViews(options)) return 0;
+  const int proposals =
+      options.trajectory.proposals.ValueOr(options.propose.ByProxiesAlone() ? kProxyProposals : kUsualProposals);
+  const bool has_spare = static_cast<size_t>(input.other_views) >= kMinSpareForDataset;
+  const auto& trajectory = options.trajectory.trajectory;
+  const bool at_views = trajectory.is_auto() ? has_spare : trajectory.value() == Trajectory::kDataset;
+  return at_views ? std::min(proposals, input.other_views) : proposals;
+}
+
+double SecondsOfIteration(const EstimateInput& input) {
+  return kIteration + kIterationOfPixel * CoveredPixels(input) +
+         kIterationOfGaussian * input.options.train.max_gaussians.value();
+}
+
+double SecondsOfFeatures(const EstimateInput& input, int photos) {
+  const int side = std::max(input.scene.largest.width, input.scene.largest.height);
+  const double reduction = std::min(1.0, static_cast<double>(kMaxFeatureImageSide) / side);
+  const double pixels = FullPixels(input) * reduction * reduction;
+  return (kExtract + kExtractOfPixel * pixels) * photos +
+         (kMatch + kMatchOfSide * std::sqrt(pixels)) * static_cast<double>(PairsToMatch(photos));
+}
+
+double SecondsOfScores(const EstimateInput& input, double views) {
+  return (kScoreOfPixel * CoveredPixels(input) + kLoadOfPixel * FullPixels(input)) * views;
+}
+
+double SecondsOfRender(const EstimateInput& input) {
+  return kRenderOfPixel * CoveredPixels(input) + kRenderOfGaussian * input.options.train.max_gaussians.value();
+}
+
+}  // namespace oraclegs
