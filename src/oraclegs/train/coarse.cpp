@@ -11,7 +11,7 @@ struct Size {
   int width, height;
 };
 
-/// [H,W] or [H,W,C] at another size, averaged over areas.
+/// Resizes [H,W] or [H,W,C] by area averages.
 Buffer<float> Resize(const Buffer<float>& image, Size size) {
   const int channels = image.dims() == 3 ? static_cast<int>(image.size(2)) : 1;
   ImageF full{static_cast<int>(image.size(1)), static_cast<int>(image.size(0)), channels, {}};
@@ -23,7 +23,7 @@ Buffer<float> Resize(const Buffer<float>& image, Size size) {
   return result;
 }
 
-/// image [H,W] or [H,W,C] averaged with `weights` [H,W], whose own average is `small_weights`.
+/// Averages `image` ([H,W] or [H,W,C]) with `weights` [H,W], whose own average is `small_weights`.
 Buffer<float> ResizeWeighted(const Buffer<float>& image, const Buffer<float>& weights,
                              const Buffer<float>& small_weights) {
   Buffer<float> product = image.Clone();
