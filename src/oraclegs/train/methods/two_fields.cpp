@@ -110,8 +110,8 @@ TwoFields::TwoFields(const TrainSetup& first) : state_(std::make_unique<State>(f
 
 TwoFields::~TwoFields() = default;
 
-/// Co-prunes both models after every kCoPruneInterval-th iteration once densification has begun. Both masks are found
-/// before either model loses anything. A model that would lose all its Gaussians keeps them.
+/// Co-prunes both models after every kCoPruneInterval-th iteration once densification has begun. The masks of both are
+/// found before either loses Gaussians. A model that would lose all its Gaussians keeps them.
 void TwoFields::Remove(const Iteration& iteration, TrainedModel* model) {
   State& s = *state_;
   const int64_t done = iteration.number - 1;
