@@ -17,11 +17,10 @@
 
 namespace oraclegs::cuda {
 
-inline constexpr int kRun = 32;     ///< neighbors in a tile's list that a warp processes at once
-inline constexpr int kMaxRuns = 4;  ///< maximum number of runs per bucket
-inline constexpr int kRecord = 10;  ///< floats of one pair's gradient
-inline constexpr int kStateFloats =
-    5;  ///< floats per pixel at the start of a bucket: transmittance, rgb, inverse depth
+inline constexpr int kRun = 32;         ///< neighbors in a tile's list that a warp processes at once
+inline constexpr int kMaxRuns = 4;      ///< maximum number of runs per bucket
+inline constexpr int kRecord = 10;      ///< floats of one pair's gradient
+inline constexpr int kStateFloats = 5;  ///< per pixel at the start of a bucket: transmittance, rgb, inverse depth
 
 /// [begin, end) in the sorted list of pairs.
 struct alignas(8) TileRange {
